@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "dsp/base/image.h"
+#include "dsp/calib/calibration.h"
+
+// Recorded scenes in files: the folder layout of stereo pairs (left.pgm, right.pgm, meta.txt,
+// gt_left.pgm, nonocc.pgm) and of PMD frames (PREFIX.json, PREFIX_raw.pgm, <W>x<H>_fppn.pgm beside
+// it). Used by the emulated cameras and by the command line; nothing here runs in the loop.
+namespace stof::dataset {
+
+// One line: what is wrong, in which file, what to do about it.
+struct Problem {
+  std::string message;
+};
+template <typename T>
+using Loaded = std::expected<T, Problem>;
+
+template <typename T>
+struct Image {
+  int width = 0;
+  int height = 0;
+  std::vector<T> pixels;  // row by row
+
+  Image() = default;
+  Image(int w, int h, T fill = T{})
+      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill) {}
+  dsp::ImageView<const T> view() const { return {pixels.data(), width, height}; }
+  dsp::ImageView<T> view() { return {pixels.data(), width, height}; }
+};
+
+// Binary PGM (P5), 8 bit (maxval <= 255) or 16 bit big-endian. Refused: other formats, truncated or
+// oversized (more than 2^26 pixels) files, samples above maxval.
+Loaded<Image<std::uint8_t>> read_pgm8(const std::filesystem::path& file);
+Loaded<Image<std::uint16_t>> read_pgm16(const std::filesystem::path& file);
+
+// PFM, "Pf", bottom row first, scale -1 (little-endian); +inf = none.
+Loaded<Image<float>> read_pfm(const std::filesystem::path& file);
+std::expected<void, Problem> write_pfm(const std::filesystem::path& file, const Image<float>& image);
+
+// A stereo scene. left and right have equal size.
+struct StereoScene {
+  std::string name;  // the folder's name
+  Image<std::uint8_t> left;
+  Image<std::uint8_t> right;
+  int ndisp = 64;                            // search range to use, from meta.txt
+  std::optional<Image<float>> truth;         // disparity in px of the left view, +inf = unknown
+  std::optional<Image<std::uint8_t>> visible;  // not 0 = known and seen by both cameras
+};
+
+// Reads DIR. left.pgm, right.pgm and meta.txt must be there; gt_left.pgm and nonocc.pgm may be.
+Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir);
+
+// A PMD recording and the rig it belongs to.
+struct PmdRecording {
+  // One entry a frame, each four planes A0..A3 stacked from top to bottom (width x 4 height).
+  std::vector<Image<std::uint16_t>> frames;
+  std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
+  // The camera's constants; `stereo` and `pmd_to_stereo` where the file has a rig.
+  dsp::Calibration calibration;
+  bool has_rig = false;
+
+  // Truth such as range maps is never read here.
+  std::array<dsp::ImageView<const std::uint16_t>, 4> samples(std::size_t frame) const;
+
+  PmdRecording() = default;
+  PmdRecording(PmdRecording&&) = default;             // keeps fixed_pattern's storage
+  PmdRecording& operator=(PmdRecording&&) = default;
+  PmdRecording(const PmdRecording&) = delete;
+  PmdRecording& operator=(const PmdRecording&) = delete;
+};
+
+// Reads PREFIX.json and PREFIX_raw.pgm, and <W>x<H>_fppn.pgm beside them where it exists.
+// The wiggling table comes from kappa5 - kappa3.
+Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix);
+
+}  // namespace stof::dataset

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+#include "dsp/base/status.h"
+
+namespace stof::dsp {
+
+// How a stereo pair is matched. Every field has one meaning; "off" is never a number.
+struct MatchParams {
+  int min_disparity = 0;  // px, may be negative (toed-in rigs)
+  int disparities = 64;   // candidates min .. min + disparities - 1, at least 1
+  int block_width = 16;   // px, 1..64
+  int block_height = 16;  // px, 1..64
+  // Horizontal derivative (Sobel), clipped to +-cap, 1..127: matches pairs whose brightness differs.
+  // Without it grey values are matched.
+  std::optional<int> prefilter_cap = 15;
+  // Largest difference in px between a match and the match of the match; without it no check.
+  std::optional<int> left_right_tolerance;
+  bool subpixel = false;  // equiangular fit of the cost, 1/16 px
+};
+
+// The largest block, candidate count and image a Matcher accepts.
+inline constexpr int kMaxBlock = 64;
+inline constexpr int kMaxDisparities = 256;
+inline constexpr int kMaxImageWidth = 4096;
+
+// kOk, kInvalidArgument (a value outside its range) or kTooLarge.
+Status check(const MatchParams& params, int width, int height) noexcept;
+
+// Block matching of one stereo pair: prefilter, SAD, lowest cost, left-right check, subpixel fit.
+// Holds its buffers, allocates nothing. Disparities in the left image, none where no candidate
+// lies inside the right image or a check failed. Source: Kuhnert & Stommel 2006 sections 2.1, 2.3.
+class Matcher {
+ public:
+  // Bytes of the Arena that a Matcher for images up to width x height takes.
+  static std::size_t bytes_needed(const MatchParams& params, int width, int height) noexcept;
+
+  // params, width and height must pass check().
+  Matcher(const MatchParams& params, int width, int height, Arena& arena) noexcept;
+
+  // left, right, out: equal size, at most the constructor's. Any size from 1x1; empty does nothing.
+  void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+             ImageView<Disparity> out) noexcept;
+
+  // The two halves of match(), for splitting: prefilter all rows, then match any rows.
+  // The result of a row does not depend on the split.
+  void prefilter(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+                 Rows rows) noexcept;
+  void match_rows(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+                  Rows rows, ImageView<Disparity> out) noexcept;
+
+ private:
+  template <typename Sum>
+  void match_rows_with(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+                       Rows rows, ImageView<Disparity> out, std::span<Sum> columns,
+                       std::span<Sum> costs, std::span<Sum> right_costs) noexcept;
+
+  MatchParams params_;
+  int width_;
+  int height_;
+  ImageView<std::uint8_t> left_filtered_;
+  ImageView<std::uint8_t> right_filtered_;
+  std::span<std::uint8_t> rows_;
+  std::span<std::byte> sums_;
+  std::span<std::int16_t> winners_;
+};
+
+}  // namespace stof::dsp

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+
+#include "dsp/base/image.h"
+#include "dsp/base/status.h"
+#include "hal/lease.h"
+#include "hal/time.h"
+
+namespace stof::hal {
+
+// Two 8-bit grey views of equal size, rectified or adjusted so that rows correspond.
+// The exposures are each sensor's own: whether they belong together is the caller's to check.
+struct StereoFrame {
+  dsp::ImageView<const std::uint8_t> left;
+  dsp::ImageView<const std::uint8_t> right;
+  Exposure left_exposure;
+  Exposure right_exposure;
+  std::uint32_t left_sequence = 0;  // of the sensor, advances by one with each exposure it made
+  std::uint32_t right_sequence = 0;
+};
+
+class StereoCamera {
+ public:
+  virtual ~StereoCamera() = default;
+  // The oldest frame that was not yet handed out. Blocks until there is one or the deadline passes.
+  // kTimeout: none came. kCorrupt: one came damaged and was dropped. kDeviceLost: reopen.
+  // Holds at least three slots: with two leases out a third frame can still arrive; with all slots
+  // out, frames are dropped.
+  virtual Result<Lease<StereoFrame>> wait_frame(Time deadline) noexcept = 0;
+};
+
+}  // namespace stof::hal
