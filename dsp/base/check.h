@@ -7,10 +7,11 @@ namespace stof::dsp {
 
 }  // namespace stof::dsp
 
-// For our own bugs only: what a caller can get wrong at run time is a Status, bad pixels are "no value".
-#define STOF_CHECK(condition)                                      \
-  do {                                                             \
-    if (!(condition)) [[unlikely]] {                               \
-      ::stof::dsp::check_failed(#condition, __FILE__, __LINE__);   \
-    }                                                              \
+// For our own bugs only: what a caller can get wrong at run time is a Status, bad pixels are "no
+// value".
+#define STOF_CHECK(condition)                                    \
+  do {                                                           \
+    if (!(condition)) [[unlikely]] {                             \
+      ::stof::dsp::check_failed(#condition, __FILE__, __LINE__); \
+    }                                                            \
   } while (false)

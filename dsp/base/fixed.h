@@ -25,9 +25,7 @@ struct Disparity {
   static constexpr Disparity from_pixels(int pixels) noexcept {
     return Disparity{static_cast<std::int16_t>(pixels * kOne)};
   }
-  constexpr bool valid() const noexcept {
-    return raw != std::numeric_limits<std::int16_t>::min();
-  }
+  constexpr bool valid() const noexcept { return raw != std::numeric_limits<std::int16_t>::min(); }
   // Only for valid ones.
   constexpr float pixels() const noexcept { return static_cast<float>(raw) / kOne; }
   friend constexpr bool operator==(Disparity, Disparity) noexcept = default;

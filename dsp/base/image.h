@@ -31,7 +31,8 @@ class ImageView {
   // A mutable view is also a read-only one.
   template <typename U>
     requires(std::is_same_v<const U, T>)
-  constexpr ImageView(ImageView<U> other) noexcept  // NOLINT(google-explicit-constructor): a view of the same pixels
+  constexpr ImageView(ImageView<U> other) noexcept  // NOLINT(google-explicit-constructor): a view
+                                                    // of the same pixels
       : ImageView(other.data(), other.width(), other.height(), other.stride()) {}
 
   constexpr T* data() const noexcept { return data_; }

@@ -36,25 +36,26 @@ inline constexpr int kWigglingSteps = 128;
 using WigglingTable = std::array<std::int16_t, kWigglingSteps>;
 
 // W(phi) = amplitude sin(4 phi): what odd harmonics kappa3, kappa5 of the correlation add to the
-// phase, amplitude = kappa5 - kappa3 in radians (tof noise model: I + jQ ~ e^j + k3 e^-3j + k5 e^5j).
+// phase, amplitude = kappa5 - kappa3 in radians (tof noise model: I + jQ ~ e^j + k3 e^-3j + k5
+// e^5j).
 WigglingTable fourth_harmonic_table(double amplitude_rad) noexcept;
 
 struct PmdSensor {
   Pinhole lens;
   Hertz modulation{20'000'000};
-  bool phase_falls = false;       // a camera whose phase falls with distance
-  double dark_lsb = 0;            // of one sample
-  int saturation_lsb = 4095;      // a sample at or above it is saturated
-  int under_lsb = 0;              // a sample at or below it is under range
-  int min_amplitude_lsb = 4;      // of amplitude A (amp2 = 2 A)
+  bool phase_falls = false;            // a camera whose phase falls with distance
+  double dark_lsb = 0;                 // of one sample
+  int saturation_lsb = 4095;           // a sample at or above it is saturated
+  int under_lsb = 0;                   // a sample at or below it is under range
+  int min_amplitude_lsb = 4;           // of amplitude A (amp2 = 2 A)
   double min_modulation_ratio = 0.30;  // A / (mean - dark), the chapter's 30 percent
-  double electrons_per_lsb = 60;  // g of the noise model
-  double noise_lsb = 5;           // n of the noise model: what a sample has without any light
-  double suppressed_lsb = 0;      // mean ambient light that the sensor suppresses; its shot noise stays
-  double offset_m = 0;            // global distance offset, subtracted
+  double electrons_per_lsb = 60;       // g of the noise model
+  double noise_lsb = 5;                // n of the noise model: what a sample has without any light
+  double suppressed_lsb = 0;  // mean ambient light that the sensor suppresses; its shot noise stays
+  double offset_m = 0;        // global distance offset, subtracted
   WigglingTable wiggling{};
-  // Distance offset of each pixel in 1/65536 turn, subtracted; width x height, row by row, or empty.
-  // Borrowed: whoever made the calibration keeps it.
+  // Distance offset of each pixel in 1/65536 turn, subtracted; width x height, row by row, or
+  // empty. Borrowed: whoever made the calibration keeps it.
   std::span<const std::int16_t> fixed_pattern;
 };
 

@@ -18,18 +18,19 @@ struct MatchParams {
   int disparities = 64;   // candidates min .. min + disparities - 1, at least 1
   int block_width = 16;   // px, 1..64
   int block_height = 16;  // px, 1..64
-  // Horizontal derivative (Sobel), clipped to +-cap, 1..127: matches pairs whose brightness differs.
-  // Without it grey values are matched.
+  // Horizontal derivative (Sobel), clipped to +-cap, 1..127: matches pairs whose brightness
+  // differs. Without it grey values are matched.
   std::optional<int> prefilter_cap = 15;
   // Largest difference in px between a match and the match of the match; without it no check.
-  std::optional<int> left_right_tolerance;
+  std::optional<int> left_right_tolerance = std::nullopt;
   bool subpixel = false;  // equiangular fit of the cost, 1/16 px
 };
 
 // The largest block, candidate count and image a Matcher accepts.
 inline constexpr int kMaxBlock = 64;
 inline constexpr int kMaxDisparities = 256;
-inline constexpr int kMaxImageWidth = 4096;
+inline constexpr int kMaxImageWidth = 4096;    // and height
+inline constexpr int kMaxMinDisparity = 1024;  // of either sign
 
 // kOk, kInvalidArgument (a value outside its range) or kTooLarge.
 Status check(const MatchParams& params, int width, int height) noexcept;
@@ -57,19 +58,21 @@ class Matcher {
                   Rows rows, ImageView<Disparity> out) noexcept;
 
  private:
+  // What one row needs, cut from the Arena; `Sum` is u16 where the block allows it.
+  template <typename Sum>
+  struct Buffers;
   template <typename Sum>
   void match_rows_with(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                       Rows rows, ImageView<Disparity> out, std::span<Sum> columns,
-                       std::span<Sum> costs, std::span<Sum> right_costs) noexcept;
+                       Rows rows, ImageView<Disparity> out) noexcept;
+  template <typename Sum>
+  void finish_row(const Buffers<Sum>& buffers, int lanes, std::span<Disparity> out) noexcept;
 
   MatchParams params_;
   int width_;
   int height_;
   ImageView<std::uint8_t> left_filtered_;
   ImageView<std::uint8_t> right_filtered_;
-  std::span<std::uint8_t> rows_;
-  std::span<std::byte> sums_;
-  std::span<std::int16_t> winners_;
+  std::span<std::byte> scratch_;  // one row's Buffers
 };
 
 }  // namespace stof::dsp

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "dsp/base/target.h"
+
+// Sums of absolute differences over a w x h block, for all columns of a row and all candidates,
+// by running sums: first down the rows (column sums), then along the row (block sums). The work
+// does not depend on the block's size.
+//
+// Layout. A row of n columns and `lanes` candidates is one array [column][candidate], lanes a
+// multiple of 16. The right row is stored reversed, so that the candidates of a column are
+// contiguous: column k meets candidate i at right[n - 1 - k + i]; right has n + lanes - 1 elements.
+//
+// Sums. u16 where w * h * (largest difference) < 65535, else u32 (64 * 64 * 255 = 1,044,480 fits).
+namespace stof::dsp {
+
+inline constexpr int kCostLanes = 16;
+
+// Stands for "no candidate": right column outside the image, or lanes beyond the last candidate.
+template <typename Sum>
+inline constexpr Sum kNoCost = std::numeric_limits<Sum>::max();
+
+// True when block sums of differences up to `largest_difference` stay below kNoCost of u16.
+constexpr bool sums_fit_u16(int block_width, int block_height, int largest_difference) noexcept {
+  return block_width * block_height * largest_difference < kNoCost<std::uint16_t>;
+}
+static_assert(sums_fit_u16(16, 16, 255) && !sums_fit_u16(17, 16, 255));
+static_assert(sums_fit_u16(46, 46, 30) && !sums_fit_u16(64, 64, 30));
+
+// columns[k][i] += |left[k] - right[n - 1 - k + i]|. No overlap, any alignment.
+template <typename Sum>
+using AddDifferences = void(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
+                            int lanes, std::span<Sum> columns) noexcept;
+
+// columns[k][i] += |new_left[k] - new_right[..]| - |old_left[k] - old_right[..]|: one row enters
+// the block, one leaves it.
+template <typename Sum>
+using SlideDifferences = void(std::span<const std::uint8_t> new_left,
+                              std::span<const std::uint8_t> new_right,
+                              std::span<const std::uint8_t> old_left,
+                              std::span<const std::uint8_t> old_right, int lanes,
+                              std::span<Sum> columns) noexcept;
+
+// costs[x][i] = sum over k = x .. x + block_width - 1 of columns[k][i], for n - block_width + 1
+// columns x. No overlap.
+template <typename Sum>
+using BlockSums = void(std::span<const Sum> columns, int block_width, int lanes,
+                       std::span<Sum> costs) noexcept;
+
+namespace ref {
+AddDifferences<std::uint16_t> add_differences;
+AddDifferences<std::uint32_t> add_differences;
+SlideDifferences<std::uint16_t> slide_differences;
+SlideDifferences<std::uint32_t> slide_differences;
+BlockSums<std::uint16_t> block_sums;
+BlockSums<std::uint32_t> block_sums;
+}  // namespace ref
+namespace neon {
+AddDifferences<std::uint16_t> add_differences;
+AddDifferences<std::uint32_t> add_differences;
+SlideDifferences<std::uint16_t> slide_differences;
+SlideDifferences<std::uint32_t> slide_differences;
+BlockSums<std::uint16_t> block_sums;
+BlockSums<std::uint32_t> block_sums;
+}  // namespace neon
+
+}  // namespace stof::dsp

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/winner.h"
+
+namespace stof::dsp {
+
+// out[x] = (min_disparity + winners[x]) * 16 + s, none where there is no winner. s, in -8..8 (1/16
+// px), is the equiangular fit of the costs around the winner, s = (c[i-1] - c[i+1]) / (2
+// (max(c[i-1], c[i+1]) - c[i])), rounded to the nearest, halves away from 0; 0 where a neighbour is
+// missing or the three are equal. Source: Shimizu & Okutomi 2005, for absolute differences. costs
+// as in sad.h; u32 sums below 2^27. |min_disparity| + lanes <= 2047.
+template <typename Sum>
+using RefineWinners = void(std::span<const Sum> costs, int lanes, int min_disparity,
+                           std::span<const std::int16_t> winners,
+                           std::span<Disparity> out) noexcept;
+
+// out[x] = (min_disparity + winners[x]) * 16, none where there is no winner.
+using WholeWinners = void(int min_disparity, std::span<const std::int16_t> winners,
+                          std::span<Disparity> out) noexcept;
+
+namespace ref {
+RefineWinners<std::uint16_t> refine_winners;
+RefineWinners<std::uint32_t> refine_winners;
+WholeWinners whole_winners;
+}  // namespace ref
+namespace neon {
+RefineWinners<std::uint16_t> refine_winners;
+RefineWinners<std::uint32_t> refine_winners;
+WholeWinners whole_winners;
+}  // namespace neon
+
+}  // namespace stof::dsp

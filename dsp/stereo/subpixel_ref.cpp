@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/subpixel.h"
+
+namespace stof::dsp::ref {
+namespace {
+
+Disparity whole(int min_disparity, std::int16_t winner) noexcept {
+  return winner == kNoWinner ? Disparity::none() : Disparity::from_pixels(min_disparity + winner);
+}
+
+// costs: the pixel's candidates; 0 < winner < lanes - 1.
+template <typename Sum>
+int offset(std::span<const Sum> costs, std::size_t winner) noexcept {
+  const Sum before = costs[winner - 1];
+  const Sum after = costs[winner + 1];
+  if (before == kNoCost<Sum> || after == kNoCost<Sum>) {
+    return 0;
+  }
+  const std::int64_t rise = std::int64_t{std::max(before, after)} - costs[winner];
+  if (rise == 0) {
+    return 0;
+  }
+  const std::int64_t difference = std::int64_t{before} - after;
+  const std::int64_t sixteenths = (16 * std::abs(difference) + rise) / (2 * rise);
+  return static_cast<int>(difference < 0 ? -sixteenths : sixteenths);
+}
+
+template <typename Sum>
+void refine(std::span<const Sum> costs, int lanes, int min_disparity,
+            std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(costs.size() == winners.size() * count && out.size() == winners.size());
+  for (std::size_t x = 0; x < winners.size(); ++x) {
+    out[x] = whole(min_disparity, winners[x]);
+    if (winners[x] > 0 && winners[x] + 1 < lanes) {
+      const int shift =
+          offset(costs.subspan(x * count, count), static_cast<std::size_t>(winners[x]));
+      out[x] = Disparity::from_raw(static_cast<std::int16_t>(out[x].raw + shift));
+    }
+  }
+}
+
+}  // namespace
+
+void refine_winners(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
+                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
+  refine(costs, lanes, min_disparity, winners, out);
+}
+void refine_winners(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
+                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
+  refine(costs, lanes, min_disparity, winners, out);
+}
+
+void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
+                   std::span<Disparity> out) noexcept {
+  STOF_CHECK(out.size() == winners.size());
+  for (std::size_t x = 0; x < winners.size(); ++x) {
+    out[x] = whole(min_disparity, winners[x]);
+  }
+}
+
+}  // namespace stof::dsp::ref

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/target.h"
+#include "dsp/stereo/sad.h"
+
+// Winner takes all on one row of costs, laid out [column][candidate] as in sad.h.
+namespace stof::dsp {
+
+// No candidate: every cost of the pixel was kNoCost.
+inline constexpr std::int16_t kNoWinner = -1;
+
+// winners[x] = the candidate of lowest cost, the smallest one of a tie. lanes a multiple of 16, at
+// most 256; costs hold winners.size() * lanes sums.
+template <typename Sum>
+using Winners = void(std::span<const Sum> costs, int lanes,
+                     std::span<std::int16_t> winners) noexcept;
+
+// The same for the right image, from the same costs: right pixel j (counted from the right end of
+// the row, see below) meets left pixel x as its candidate i when j = n - 1 - x + i. For each j the
+// lowest cost and its smallest i; kNoWinner where no pixel offers a cost. Both outputs have
+// n + lanes - 1 elements, n the number of columns; lowest is scratch and result.
+// The right column of j is n - 1 - min_disparity - j.
+template <typename Sum>
+using RightWinners = void(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                          std::span<std::int16_t> winners) noexcept;
+
+namespace ref {
+Winners<std::uint16_t> winners;
+Winners<std::uint32_t> winners;
+RightWinners<std::uint16_t> right_winners;
+RightWinners<std::uint32_t> right_winners;
+}  // namespace ref
+namespace neon {
+Winners<std::uint16_t> winners;
+Winners<std::uint32_t> winners;
+RightWinners<std::uint16_t> right_winners;
+RightWinners<std::uint32_t> right_winners;
+}  // namespace neon
+
+}  // namespace stof::dsp

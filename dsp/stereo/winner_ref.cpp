@@ -1,0 +1,66 @@
+#include <algorithm>
+#include <cstddef>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/winner.h"
+
+namespace stof::dsp::ref {
+namespace {
+
+template <typename Sum>
+void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 &&
+             costs.size() == winners.size() * count);
+  for (std::size_t x = 0; x < winners.size(); ++x) {
+    Sum lowest = kNoCost<Sum>;
+    winners[x] = kNoWinner;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (costs[x * count + i] < lowest) {
+        lowest = costs[x * count + i];
+        winners[x] = static_cast<std::int16_t>(i);
+      }
+    }
+  }
+}
+
+template <typename Sum>
+void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                        std::span<std::int16_t> winners) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  const std::size_t n = costs.size() / count;
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count);
+  STOF_CHECK(lowest.size() == n + count - 1 && winners.size() == lowest.size());
+  std::ranges::fill(lowest, kNoCost<Sum>);
+  std::ranges::fill(winners, kNoWinner);
+  for (std::size_t x = 0; x < n; ++x) {  // a given j meets its candidates in ascending order
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t j = n - 1 - x + i;
+      if (costs[x * count + i] < lowest[j]) {
+        lowest[j] = costs[x * count + i];
+        winners[j] = static_cast<std::int16_t>(i);
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void winners(std::span<const std::uint16_t> costs, int lanes,
+             std::span<std::int16_t> out) noexcept {
+  find_winners(costs, lanes, out);
+}
+void winners(std::span<const std::uint32_t> costs, int lanes,
+             std::span<std::int16_t> out) noexcept {
+  find_winners(costs, lanes, out);
+}
+void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
+                   std::span<std::int16_t> out) noexcept {
+  find_right_winners(costs, lanes, lowest, out);
+}
+void right_winners(std::span<const std::uint32_t> costs, int lanes, std::span<std::uint32_t> lowest,
+                   std::span<std::int16_t> out) noexcept {
+  find_right_winners(costs, lanes, lowest, out);
+}
+
+}  // namespace stof::dsp::ref

@@ -1,0 +1,207 @@
+#include "dsp/stereo/matcher.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <limits>
+#include <vector>
+
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+
+namespace stof::dsp {
+namespace {
+
+struct Bench {
+  alignas(Arena::kAlign) std::vector<std::byte> memory;
+  Matcher matcher;
+  Bench(const MatchParams& params, int width, int height)
+      : memory(Matcher::bytes_needed(params, width, height) + Arena::kAlign),
+        matcher(make(params, width, height)) {}
+
+ private:
+  Matcher make(const MatchParams& params, int width, int height) {
+    void* at = memory.data();
+    std::size_t space = memory.size();
+    std::align(Arena::kAlign, 1, at, space);
+    Arena arena({static_cast<std::byte*>(at), Matcher::bytes_needed(params, width, height)});
+    return Matcher(params, width, height, arena);
+  }
+};
+
+using Pixels = std::vector<std::uint8_t>;
+
+int clamped(const Pixels& image, int width, int height, int x, int y) {
+  return image[static_cast<std::size_t>(std::clamp(y, 0, height - 1) * width +
+                                        std::clamp(x, 0, width - 1))];
+}
+
+// The definition, sum by sum: grey values, no checks.
+std::vector<int> brute_force(const Pixels& left, const Pixels& right, int w, int h,
+                             const MatchParams& p) {
+  std::vector<int> out;
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      int best = std::numeric_limits<int>::max();
+      int winner = std::numeric_limits<int>::min();
+      for (int d = p.min_disparity; d < p.min_disparity + p.disparities; ++d) {
+        if (x - d < 0 || x - d >= w) {
+          continue;
+        }
+        int sum = 0;
+        for (int v = y - p.block_height / 2; v < y - p.block_height / 2 + p.block_height; ++v) {
+          for (int u = x - p.block_width / 2; u < x - p.block_width / 2 + p.block_width; ++u) {
+            sum += std::abs(clamped(left, w, h, u, v) - clamped(right, w, h, u - d, v));
+          }
+        }
+        if (sum < best) {
+          best = sum;
+          winner = d;
+        }
+      }
+      out.push_back(winner);
+    }
+  }
+  return out;
+}
+
+Pixels noise(int width, int height, std::uint64_t seed, int high = 255) {
+  Pixels out(static_cast<std::size_t>(width * height));
+  test::Random(seed).fill(std::span(out), 0, high);
+  return out;
+}
+
+std::vector<Disparity> match(const Pixels& left, const Pixels& right, int w, int h,
+                             const MatchParams& params) {
+  Bench bench(params, w, h);
+  std::vector<Disparity> out(left.size());
+  bench.matcher.match({left.data(), w, h}, {right.data(), w, h}, {out.data(), w, h});
+  return out;
+}
+
+TEST(Matcher, EqualsTheDefinitionForBlocksSizesAndRanges) {
+  struct Case {
+    int w, h, block_w, block_h, min, disparities;
+  };
+  for (const Case c :
+       {Case{1, 1, 1, 1, 0, 1}, Case{1, 1, 16, 16, 0, 64}, Case{5, 3, 16, 16, 0, 16},
+        Case{23, 9, 3, 5, 0, 17}, Case{40, 11, 16, 16, 0, 33}, Case{31, 8, 4, 1, -9, 20},
+        Case{30, 7, 1, 4, 3, 12}, Case{19, 6, 64, 64, 0, 16}, Case{17, 5, 30, 10, -40, 80},
+        Case{33, 4, 60, 20, 0, 256}}) {
+    MatchParams params{.min_disparity = c.min,
+                       .disparities = c.disparities,
+                       .block_width = c.block_w,
+                       .block_height = c.block_h,
+                       .prefilter_cap = std::nullopt,
+                       .left_right_tolerance = std::nullopt};
+    for (const int high : {3, 255}) {
+      const Pixels left = noise(c.w, c.h, 1, high);
+      const Pixels right = noise(c.w, c.h, 2, high);
+      const std::vector<int> expected = brute_force(left, right, c.w, c.h, params);
+      const std::vector<Disparity> found = match(left, right, c.w, c.h, params);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        const Disparity wanted = expected[i] == std::numeric_limits<int>::min()
+                                     ? Disparity::none()
+                                     : Disparity::from_pixels(expected[i]);
+        ASSERT_EQ(found[i], wanted)
+            << c.w << "x" << c.h << " block " << c.block_w << "x" << c.block_h << " pixel " << i;
+      }
+    }
+  }
+}
+
+TEST(Matcher, FindsAKnownShiftWithEveryOption) {
+  const int w = 96;
+  const int h = 24;
+  const Pixels wide = noise(w + 20, h, 5);
+  for (const int shift : {-6, 0, 9}) {
+    Pixels left, right;
+    for (int y = 0; y < h; ++y) {
+      for (int x = 0; x < w; ++x) {  // left(x) = right(x - shift)
+        left.push_back(wide[static_cast<std::size_t>(y * (w + 20) + x + 10)]);
+        right.push_back(wide[static_cast<std::size_t>(y * (w + 20) + x + 10 + shift)]);
+      }
+    }
+    MatchParams params{.min_disparity = -8,
+                       .disparities = 24,
+                       .block_width = 9,
+                       .block_height = 9,
+                       .left_right_tolerance = 0,
+                       .subpixel = true};
+    const std::vector<Disparity> found = match(left, right, w, h, params);
+    for (int y = 6; y < h - 6; ++y) {
+      for (int x = 26; x < w - 26; ++x) {
+        const Disparity d = found[static_cast<std::size_t>(y * w + x)];
+        ASSERT_TRUE(d.valid());
+        ASSERT_NEAR(d.pixels(), shift, 0.25);
+      }
+    }
+  }
+}
+
+TEST(Matcher, ResultDoesNotDependOnTheSplitOfRows) {
+  const int w = 50;
+  const int h = 21;
+  const Pixels left = noise(w, h, 8, 20);
+  const Pixels right = noise(w, h, 9, 20);
+  const MatchParams params{.disparities = 20,
+                           .block_width = 7,
+                           .block_height = 12,
+                           .left_right_tolerance = 1,
+                           .subpixel = true};
+  const std::vector<Disparity> whole = match(left, right, w, h, params);
+  for (int split = 0; split <= h; ++split) {
+    Bench bench(params, w, h);
+    std::vector<Disparity> out(whole.size());
+    const ImageView<const std::uint8_t> l(left.data(), w, h);
+    const ImageView<const std::uint8_t> r(right.data(), w, h);
+    bench.matcher.prefilter(l, r, {split, h});
+    bench.matcher.prefilter(l, r, {0, split});
+    bench.matcher.match_rows(l, r, {split, h}, {out.data(), w, h});
+    bench.matcher.match_rows(l, r, {0, split}, {out.data(), w, h});
+    ASSERT_EQ(out, whole) << "split at row " << split;
+  }
+}
+
+TEST(Matcher, SmallerImageThanReservedGivesTheSameResult) {
+  const MatchParams params{.disparities = 16, .left_right_tolerance = 1};
+  const Pixels left = noise(30, 9, 3);
+  const Pixels right = noise(30, 9, 4);
+  Bench bench(params, 64, 40);
+  std::vector<Disparity> out(left.size());
+  bench.matcher.match({left.data(), 30, 9}, {right.data(), 30, 9}, {out.data(), 30, 9});
+  EXPECT_EQ(out, match(left, right, 30, 9, params));
+}
+
+TEST(Matcher, FlatBlackAndSaturatedImagesGiveAMapAndNoCrash) {
+  for (const int value : {0, 128, 255}) {
+    const Pixels flat(60 * 20, static_cast<std::uint8_t>(value));
+    const std::vector<Disparity> found =
+        match(flat, flat, 60, 20, {.disparities = 64, .left_right_tolerance = 1, .subpixel = true});
+    // All costs tie: the smallest disparity, which is its own match.
+    EXPECT_TRUE(
+        std::ranges::all_of(found, [](Disparity d) { return d == Disparity::from_pixels(0); }));
+  }
+}
+
+TEST(Matcher, RangeOutsideTheImageGivesNone) {
+  const Pixels image = noise(10, 4, 1);
+  const std::vector<Disparity> found =
+      match(image, image, 10, 4, {.min_disparity = 100, .disparities = 8});
+  EXPECT_TRUE(std::ranges::none_of(found, &Disparity::valid));
+}
+
+TEST(Matcher, RefusesParametersOutOfRange) {
+  EXPECT_EQ(check({}, 640, 480), Status::kOk);
+  EXPECT_EQ(check({}, 0, 480), Status::kInvalidArgument);
+  EXPECT_EQ(check({.disparities = 0}, 640, 480), Status::kInvalidArgument);
+  EXPECT_EQ(check({.block_width = 0}, 640, 480), Status::kInvalidArgument);
+  EXPECT_EQ(check({.prefilter_cap = 0}, 640, 480), Status::kInvalidArgument);
+  EXPECT_EQ(check({.block_height = 65}, 640, 480), Status::kTooLarge);
+  EXPECT_EQ(check({.disparities = 257}, 640, 480), Status::kTooLarge);
+  EXPECT_EQ(check({}, 5000, 480), Status::kTooLarge);
+}
+
+}  // namespace
+}  // namespace stof::dsp
