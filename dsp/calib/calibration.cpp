@@ -40,7 +40,7 @@ const char* pmd_problem(const PmdSensor& pmd) noexcept {
       !std::isfinite(pmd.noise_lsb) || !(pmd.dark_lsb >= 0) || !(pmd.dark_lsb < 32768) ||
       !(pmd.min_modulation_ratio >= 0) || !(pmd.min_modulation_ratio <= 1) ||
       !(pmd.suppressed_lsb >= 0) || !std::isfinite(pmd.suppressed_lsb) ||
-      !std::isfinite(pmd.offset_m)) {
+      !finite_positive(pmd.asymmetry_sigmas) || !std::isfinite(pmd.offset_m)) {
     return "a PMD constant (dark, noise, gain, ratio or offset) is not usable";
   }
   const std::size_t pixels =

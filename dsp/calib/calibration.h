@@ -49,6 +49,8 @@ struct PmdSensor {
   int under_lsb = 0;                   // a sample at or below it is under range
   int min_amplitude_lsb = 4;           // of amplitude A (amp2 = 2 A)
   double min_modulation_ratio = 0.30;  // A / (mean - dark), the chapter's 30 percent
+  // |A0 + A2 - A1 - A3| above this many standard deviations of its noise: motion, changing light.
+  double asymmetry_sigmas = 6;
   double electrons_per_lsb = 60;       // g of the noise model
   double noise_lsb = 5;                // n of the noise model: what a sample has without any light
   double suppressed_lsb = 0;  // mean ambient light that the sensor suppresses; its shot noise stays

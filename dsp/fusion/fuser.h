@@ -22,12 +22,13 @@ enum class Source : std::uint8_t {
 };
 
 struct FusionParams {
-  QuarterMm max_range = 40000;       // a missing sensor's interval is [0, max_range]; 10 m
-  std::int16_t stereo_sigma = 8;     // sigma_d in 1/16 px
+  QuarterMm max_range = 40000;    // a missing sensor's interval is [0, max_range]; 10 m
+  std::int16_t stereo_sigma = 8;  // sigma_d in 1/16 px
 };
 
 // Depth map in the rectified left camera. All images have the stereo size.
-// depth is the middle of [depth - width / 2, depth + width / 2], the published interval (+-2 sigma).
+// depth is the middle of [depth - width / 2, depth + width / 2], the published interval (+-2
+// sigma).
 struct DepthMap {
   ImageView<QuarterMm> depth;  // Z; 0 = none
   ImageView<QuarterMm> width;  // hi - lo; 0 where depth is none

@@ -26,8 +26,8 @@ enum PmdFlag : std::uint8_t {
   kPmdOutOfRange = 1 << 6,
   kPmdWrapped = 1 << 7,
 };
-inline constexpr std::uint8_t kPmdMissing = kPmdSaturated | kPmdUnderRange | kPmdLowAmplitude |
-                                            kPmdLowRatio | kPmdAsymmetric | kPmdWrapped;
+inline constexpr std::uint8_t kPmdMissing =
+    kPmdSaturated | kPmdUnderRange | kPmdLowAmplitude | kPmdLowRatio | kPmdAsymmetric | kPmdWrapped;
 
 // Everything one PMD frame becomes. All images have the sensor's size.
 struct PmdMaps {

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "dsp/calib/calibration.h"
+
+namespace stof::dsp {
+
+// Unit vector along which pixel (u, v) of a lens looks, radial distortion removed by fixed-point
+// iteration (20 steps). All zero where that does not come back to within 0.01 px of (u, v): beyond
+// the radius at which the distortion folds over.
+std::array<double, 3> unit_ray(const Pinhole& lens, double u, double v) noexcept;
+
+// The unit rays of all pixels, row by row, as Q15 (32767 stands for +1). `turned` are R r, in the
+// axes of the stereo camera; forward is r_z in the lens's own. Each has width x height elements.
+struct RayTable {
+  std::span<std::int16_t> turned_x;
+  std::span<std::int16_t> turned_y;
+  std::span<std::int16_t> turned_z;
+  std::span<std::int16_t> forward;  // 0 = this pixel has no ray
+};
+void fill_ray_table(const Pinhole& lens, const std::array<double, 9>& rotation,
+                    const RayTable& table) noexcept;
+
+}  // namespace stof::dsp

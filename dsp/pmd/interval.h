@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/target.h"
+
+namespace stof::dsp {
+
+// Three neighbouring rows of distance and sigma. For a row of n pixels each span has n + 2
+// elements: element x + 1 belongs to pixel x; the first and the last are the neighbours outside the
+// row, 0 at the border of the image. At the upper and lower border `above` or `below` repeats
+// `here`. A missing reading has distance and sigma 0.
+struct IntervalRows {
+  std::span<const QuarterMm> distance_above;
+  std::span<const QuarterMm> distance_here;
+  std::span<const QuarterMm> distance_below;
+  std::span<const QuarterMm> sigma_above;
+  std::span<const QuarterMm> sigma_here;
+  std::span<const QuarterMm> sigma_below;
+};
+
+// The interval that holds the surface seen by a pixel, for one row: nearest and farthest valid
+// reading (distance not 0) of the 3x3 neighbourhood, nearest - 2 sigma(nearest) and
+// farthest + 2 sigma(farthest), saturating. Of equal distances the nearest takes the smallest
+// sigma, the farthest the largest. Where the pixel itself is missing: low = high = 0.
+// Source: Kuhnert & Stommel 2006 section 4.1; a mixed reading lies between its surfaces if these
+// are less than half the unambiguous range apart. Bits added to flags:
+//   kPmdWrapped     high - low is above range / 2, or 2 sigma reach below 0, so that the reading
+//                   may as well be one of nearly the whole range; then low = high = 0
+//   kPmdEdge        nearest and farthest differ by more than 3 (sigma + sigma): more than noise
+//   kPmdOutOfRange  high is above range: the far end is more than this sensor can tell
+// range: unambiguous range, quarter mm. Any length, any alignment; no overlap.
+using IntervalKernel = void(const IntervalRows& rows, QuarterMm range,
+                            std::span<std::uint8_t> flags, std::span<QuarterMm> low,
+                            std::span<QuarterMm> high) noexcept;
+namespace ref {
+IntervalKernel interval;
+}
+namespace neon {
+IntervalKernel interval;
+}
+
+}  // namespace stof::dsp

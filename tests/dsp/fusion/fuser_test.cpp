@@ -1,0 +1,175 @@
+#include "dsp/fusion/fuser.h"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/guarded.h"
+
+namespace stof::dsp {
+namespace {
+
+// Both cameras in one place; f b = 100 px m, so 50 px are 2 m; PMD pixels are 10 px wide.
+Calibration simple_rig(int width, int height, int pmd_width, int pmd_height) {
+  Calibration rig;
+  rig.stereo.left = {.width = width,
+                     .height = height,
+                     .fx = 400,
+                     .fy = 400,
+                     .cx = width / 2.0,
+                     .cy = height / 2.0};
+  rig.stereo.baseline_m = 0.25;
+  rig.pmd.lens = {.width = pmd_width,
+                  .height = pmd_height,
+                  .fx = 40,
+                  .fy = 40,
+                  .cx = pmd_width / 2.0,
+                  .cy = pmd_height / 2.0};
+  return rig;
+}
+
+class Rig {
+ public:
+  Rig(const Calibration& rig, int w, int h, int disparities = 64)
+      : bytes_(Fuser::bytes_needed(w, h, disparities, rig.pmd.lens.width, rig.pmd.lens.height)),
+        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
+        arena_({memory_, bytes_}),
+        depth(w, h, w + 3, 9),
+        width(w, h, w + 2, 9),
+        source(w, h, w + 1, Source::kConflict),
+        disparity(w, h, w + 1),
+        fuser(rig, {}, 0, disparities, w, h, arena_) {}
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+  ~Rig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+
+  DepthMap out() { return {depth.view(), width.view(), source.view()}; }
+  bool padding_untouched() {
+    return depth.padding_is(9) && width.padding_is(9) && source.padding_is(Source::kConflict);
+  }
+
+ private:
+  std::size_t bytes_;
+  std::byte* memory_;
+  Arena arena_;
+
+ public:
+  test::GuardedImage<QuarterMm> depth;
+  test::GuardedImage<QuarterMm> width;
+  test::GuardedImage<Source> source;
+  test::GuardedImage<Disparity> disparity;
+  Fuser fuser;
+};
+
+template <typename T>
+void fill(const ImageView<T>& image, T value) {
+  for (int y = 0; y < image.height(); ++y) {
+    std::ranges::fill(image.row(y), value);
+  }
+}
+
+// A PMD frame that sees one flat thing at one distance along every ray.
+struct Sphere {
+  Sphere(int w, int h, QuarterMm distance, QuarterMm half, std::uint8_t flag = 0)
+      : d(w, h, w), lo(w, h, w), hi(w, h, w), f(w, h, w, flag) {
+    fill(d.view(), distance);
+    fill(lo.view(), static_cast<QuarterMm>(distance - half));
+    fill(hi.view(), static_cast<QuarterMm>(distance + half));
+    maps.distance = d.view();
+    maps.low = lo.view();
+    maps.high = hi.view();
+    maps.flags = f.view();
+  }
+  test::GuardedImage<QuarterMm> d, lo, hi;
+  test::GuardedImage<std::uint8_t> f;
+  PmdMaps maps;
+};
+
+struct At {
+  int depth;
+  int width;
+  Source source;
+  friend bool operator==(const At&, const At&) = default;
+};
+At at(Rig& rig, int x, int y) {
+  return {rig.depth.view().at(x, y), rig.width.view().at(x, y), rig.source.view().at(x, y)};
+}
+
+TEST(Fuser, NarrowsAPlaneAtTwoMetresToWhatBothAllow) {
+  Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
+  fill(rig.disparity.view(), Disparity::from_pixels(50));  // 7843 .. 8164
+  Sphere pmd(20, 10, 8200, 200);                           // 8000 .. 8400 straight ahead
+  rig.fuser.fuse(rig.disparity.view(), &pmd.maps, rig.out());
+  const At centre = at(rig, 40, 20);
+  EXPECT_EQ(centre.source, Source::kBoth);
+  EXPECT_NEAR(centre.depth, 8082, 8);  // footprints of neighbours: a little nearer
+  EXPECT_NEAR(centre.width, 164, 16);
+  EXPECT_TRUE(rig.padding_untouched());
+}
+
+TEST(Fuser, GivesStereoAloneItsOwnInterval) {
+  Rig rig(simple_rig(33, 5, 0, 0), 33, 5);
+  fill(rig.disparity.view(), Disparity::from_pixels(50));
+  rig.disparity.view().at(3, 3) = Disparity::none();
+  rig.fuser.fuse(rig.disparity.view(), nullptr, rig.out());
+  EXPECT_EQ(at(rig, 0, 0), (At{8003, 322, Source::kStereo}));
+  EXPECT_EQ(at(rig, 3, 3), (At{0, 0, Source::kNone}));
+}
+
+TEST(Fuser, GivesThePmdAloneItsOwnIntervalAndForgetsItInTheNextFrame) {
+  Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
+  Sphere pmd(20, 10, 8200, 200);
+  rig.fuser.fuse({}, &pmd.maps, rig.out());
+  const At centre = at(rig, 40, 20);
+  EXPECT_EQ(centre.source, Source::kPmd);
+  EXPECT_NEAR(centre.depth, 8200, 8);
+  EXPECT_NEAR(centre.width, 400, 16);
+  rig.fuser.fuse({}, nullptr, rig.out());
+  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kNone}));
+}
+
+TEST(Fuser, FlagsAConflictAtAnEdgeAndBelievesAFlatPmd) {
+  Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
+  fill(rig.disparity.view(), Disparity::from_pixels(50));
+  Sphere edge(20, 10, 12000, 200, kPmdEdge);
+  rig.fuser.fuse(rig.disparity.view(), &edge.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kConflict}));
+  Sphere flat(20, 10, 12000, 200);
+  rig.fuser.fuse(rig.disparity.view(), &flat.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20).source, Source::kResolved);
+  EXPECT_NEAR(at(rig, 40, 20).depth, 12000, 12);
+}
+
+TEST(Fuser, ConvertsRadialDistanceToDepth) {
+  Calibration calibration = simple_rig(320, 40, 40, 10);
+  Rig rig(calibration, 320, 40);
+  Sphere pmd(40, 10, 10000, 4);
+  rig.fuser.fuse({}, &pmd.maps, rig.out());
+  // PMD pixel 10 from the middle of 20: tan = 10 / 40, column 160 - 100.
+  EXPECT_NEAR(at(rig, 60, 20).depth, 10000 / std::sqrt(1 + 0.0625), 8);
+}
+
+TEST(Fuser, WritesEveryPixelOfAnySizeFromOneByOne) {
+  for (const auto& [w, h] : {std::pair{1, 1}, {1, 7}, {7, 1}, {8, 3}, {17, 2}}) {
+    for (const auto& [pw, ph] : {std::pair{0, 0}, {1, 1}, {9, 2}}) {
+      Rig rig(simple_rig(w, h, pw, ph), w, h, 1);
+      fill(rig.disparity.view(), Disparity::none());
+      Sphere pmd(pw, ph, 8000, 100);
+      rig.fuser.fuse(rig.disparity.view(), pw == 0 ? nullptr : &pmd.maps, rig.out());
+      for (int y = 0; y < h; ++y) {
+        for (int x = 0; x < w; ++x) {
+          const At pixel = at(rig, x, y);
+          ASSERT_TRUE(pixel.source == Source::kNone || pixel.source == Source::kPmd);
+          ASSERT_EQ(pixel.source == Source::kNone, pixel.depth == 0);
+        }
+      }
+      EXPECT_TRUE(rig.padding_untouched()) << w << "x" << h;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stof::dsp

@@ -1,0 +1,214 @@
+#include "dsp/pmd/phase.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dsp/pmd/converter.h"
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+
+namespace stof::dsp {
+namespace {
+
+struct Pixel {
+  int phase;
+  int amp2;
+  int offset;
+  int flags;
+  friend bool operator==(const Pixel&, const Pixel&) = default;
+};
+
+Pixel run(std::array<std::uint16_t, 4> a, const PhaseLimits& limits = {}) {
+  Phase phase = 0;
+  std::uint16_t amp2 = 0;
+  std::uint16_t offset = 0;
+  std::uint8_t flags = 0;
+  const auto one = [](const std::uint16_t& sample) { return std::span(&sample, 1); };
+  ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits, {&phase, 1}, {&amp2, 1},
+             {&offset, 1}, {&flags, 1});
+  return {phase, amp2, offset, flags};
+}
+
+// What both variants make of n pixels, in guarded memory.
+struct Outputs {
+  explicit Outputs(std::size_t n) : phase(n), amp2(n), offset(n), flags(n) {}
+  test::GuardedBuffer<Phase> phase;
+  test::GuardedBuffer<std::uint16_t> amp2;
+  test::GuardedBuffer<std::uint16_t> offset;
+  test::GuardedBuffer<std::uint8_t> flags;
+};
+
+struct Samples {
+  explicit Samples(std::size_t n) : a{buffer(n), buffer(n), buffer(n), buffer(n)} {}
+  static test::GuardedBuffer<std::uint16_t> buffer(std::size_t n) {
+    return test::GuardedBuffer<std::uint16_t>(n);
+  }
+  SampleRows rows() { return {a[0].span(), a[1].span(), a[2].span(), a[3].span()}; }
+  std::array<test::GuardedBuffer<std::uint16_t>, 4> a;
+};
+
+TEST(Phase, OfTheFourAxesAndDiagonals) {
+  const PhaseLimits limits{.dark = 300};
+  EXPECT_EQ(run({1600, 1000, 1000, 1000}, limits), (Pixel{0, 600, 850, 0}));
+  EXPECT_EQ(run({1000, 1000, 1000, 1600}, limits), (Pixel{16384, 600, 850, 0}));
+  EXPECT_EQ(run({1000, 1000, 1600, 1000}, limits), (Pixel{32768, 600, 850, 0}));
+  EXPECT_EQ(run({1000, 1600, 1000, 1000}, limits), (Pixel{49152, 600, 850, 0}));
+  EXPECT_EQ(run({1300, 1000, 1000, 1300}).phase, 8192);
+  EXPECT_EQ(run({1000, 1000, 1300, 1300}).phase, 24576);
+  EXPECT_EQ(run({1000, 1300, 1300, 1000}).phase, 40960);
+  EXPECT_EQ(run({1300, 1300, 1000, 1000}).phase, 57344);
+  EXPECT_EQ(run({1300, 1000, 1000, 1400}).amp2, 500);  // 3-4-5
+}
+
+TEST(Phase, OfNoLightAtAllIsZeroAndLowAmplitude) {
+  EXPECT_EQ(run({500, 500, 500, 500}), (Pixel{0, 0, 500, kPmdLowAmplitude | kPmdLowRatio}));
+  EXPECT_EQ(run({0, 0, 0, 0}), (Pixel{0, 0, 0, kPmdUnderRange | kPmdLowAmplitude}));
+}
+
+TEST(Phase, FlagsSaturationAndUnderRangeOfAnySingleSample) {
+  for (std::size_t k = 0; k < 4; ++k) {
+    std::array<std::uint16_t, 4> a{2000, 1500, 1000, 1500};
+    a[k] = 4095;
+    EXPECT_TRUE(run(a).flags & kPmdSaturated);
+    a[k] = 4094;
+    EXPECT_FALSE(run(a).flags & kPmdSaturated);
+    a[k] = 0;
+    EXPECT_TRUE(run(a).flags & kPmdUnderRange);
+    a[k] = 1;
+    EXPECT_FALSE(run(a).flags & kPmdUnderRange);
+  }
+}
+
+TEST(Phase, KeepsThirtyPercentModulationAndFlagsLess) {
+  const PhaseLimits limits{.dark = 100};
+  // offset 1000 needs amp2 >= 39322 * 1000 >> 16 = 600, that is A = 300.
+  EXPECT_EQ(run({1400, 1100, 800, 1100}, limits).flags, 0);
+  EXPECT_EQ(run({1400, 1100, 801, 1100}, limits).flags, kPmdLowRatio);
+}
+
+TEST(Phase, ClampsTheOffsetAtDark) {
+  EXPECT_EQ(run({110, 100, 90, 100}, {.dark = 100}).offset, 0);
+  EXPECT_EQ(run({110, 100, 90, 100}, {.dark = 60000}).offset, 0);
+  EXPECT_EQ(run({111, 100, 90, 101}, {.dark = 99}).offset, 2);  // (402 + 2) / 4 = 101
+}
+
+TEST(Phase, FlagsUnevenSamplesAboveTheirNoise) {
+  const PhaseLimits limits{.asymmetry_base = 400, .asymmetry_slope_q8 = 256};
+  // offset 1000: limit 1400, so a difference of 37 is noise and 38 is not.
+  EXPECT_EQ(run({1337, 1000, 700, 1000}, limits).flags, 0);
+  EXPECT_EQ(run({1338, 1000, 700, 1000}, limits).flags, kPmdAsymmetric);
+  EXPECT_EQ(run({1338, 1000, 700, 1000}, {}).flags, 0);  // without a limit
+}
+
+TEST(Phase, TakesSixteenBitSamplesAsTheLargestFifteenBitOnes) {
+  EXPECT_EQ(run({65535, 0, 0, 0}), run({32767, 0, 0, 0}));
+  EXPECT_EQ(run({65535, 65535, 65535, 65535}).offset, 32767);
+}
+
+double phase_error(Phase phase, int i, int q) {
+  const double exact = std::atan2(q, i) / (2 * std::numbers::pi) * 65536;
+  return std::abs(std::remainder(phase - exact, 65536.0));
+}
+
+// Largest error of the phase; counts amplitudes that are not the rounded root.
+struct Accuracy {
+  double phase = 0;
+  int wrong_roots = 0;
+};
+
+void judge(Samples& samples, Accuracy& worst) {
+  const std::size_t n = samples.a[0].size();
+  Outputs out(n);
+  best::phase(samples.rows(), {}, out.phase.span(), out.amp2.span(), out.offset.span(),
+              out.flags.span());
+  for (std::size_t x = 0; x < n; ++x) {
+    const int i = samples.a[0][x] - samples.a[2][x];
+    const int q = samples.a[3][x] - samples.a[1][x];
+    worst.wrong_roots += out.amp2[x] != std::lround(std::sqrt(1.0 * i * i + 1.0 * q * q));
+    if (i != 0 || q != 0) {
+      worst.phase = std::max(worst.phase, phase_error(out.phase[x], i, q));
+    }
+  }
+}
+
+TEST(Phase, StaysWithinOneLsbOfDoubleOnFourMillionRandomSamples) {
+  constexpr std::size_t kPixels = 8000;
+  constexpr std::uint64_t kSeed = 20;
+  test::Random random(kSeed);
+  Samples samples(kPixels);
+  Accuracy worst;
+  for (int block = 0; block < 500; ++block) {
+    const int top = (1 << random.between(10, 15)) - 1;
+    // Half of the blocks have any amplitude, half a small one: a few LSB turn the phase far.
+    const int swing = block % 2 == 0 ? top : std::min(1 << random.between(1, 12), top);
+    const int low = random.between(0, top - swing);
+    for (test::GuardedBuffer<std::uint16_t>& plane : samples.a) {
+      random.fill(plane.span(), low, low + swing);
+    }
+    judge(samples, worst);
+  }
+  EXPECT_LE(worst.phase, 0.70) << "seed " << kSeed;
+  EXPECT_EQ(worst.wrong_roots, 0) << "seed " << kSeed;
+}
+
+TEST(Phase, StaysWithinOneLsbOnEveryRatioOfTheLargestAmplitude) {
+  constexpr std::size_t kPixels = 32768;
+  Samples samples(kPixels);
+  Accuracy worst;
+  for (const bool steep : {false, true}) {
+    for (std::size_t x = 0; x < kPixels; ++x) {
+      samples.a[steep ? 3 : 0][x] = 32767;
+      samples.a[steep ? 0 : 3][x] = static_cast<std::uint16_t>(x);
+    }
+    judge(samples, worst);
+  }
+  EXPECT_LE(worst.phase, 0.70);
+  EXPECT_EQ(worst.wrong_roots, 0);
+}
+
+TEST(Phase, NeonEqualsReferenceForEveryLengthAndExtreme) {
+  for (std::size_t n = 0; n <= 70; ++n) {
+    for (const int top : {1, 255, 4095, 32767, 65535}) {
+      test::Random random(n * 7 + static_cast<std::size_t>(top));
+      Samples samples(n);
+      for (test::GuardedBuffer<std::uint16_t>& plane : samples.a) {
+        random.fill(plane.span(), 0, top);
+        for (std::uint16_t& sample : plane.span()) {
+          const int what = random.between(0, 15);
+          if (what <= 1) {
+            sample = static_cast<std::uint16_t>(what * top);
+          }
+        }
+      }
+      PhaseLimits limits{
+          .saturation = static_cast<std::uint16_t>(top),
+          .dark = static_cast<std::uint16_t>(random.between(0, 200)),
+          .min_amp2 = static_cast<std::uint16_t>(random.between(0, 300)),
+          .ratio_q16 = static_cast<std::uint32_t>(random.between(0, 131072)),
+          .asymmetry_base = static_cast<std::uint32_t>(random.next()) >> (n % 32),
+          .asymmetry_slope_q8 = static_cast<std::uint32_t>(random.between(0, 131072))};
+      if (n % 5 == 0) {
+        limits.ratio_q16 = kMaxRatioQ16;
+        limits.asymmetry_slope_q8 = kMaxAsymmetrySlopeQ8;
+        limits.lowest = 0;
+      }
+      Outputs a(n);
+      Outputs b(n);
+      ref::phase(samples.rows(), limits, a.phase.span(), a.amp2.span(), a.offset.span(),
+                 a.flags.span());
+      neon::phase(samples.rows(), limits, b.phase.span(), b.amp2.span(), b.offset.span(),
+                  b.flags.span());
+      ASSERT_TRUE(std::ranges::equal(a.phase.span(), b.phase.span())) << n << " top " << top;
+      ASSERT_TRUE(std::ranges::equal(a.amp2.span(), b.amp2.span())) << n << " top " << top;
+      ASSERT_TRUE(std::ranges::equal(a.offset.span(), b.offset.span())) << n << " top " << top;
+      ASSERT_TRUE(std::ranges::equal(a.flags.span(), b.flags.span())) << n << " top " << top;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stof::dsp
