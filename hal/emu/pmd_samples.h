@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "dsp/calib/calibration.h"
+#include "hal/emu/eye.h"
+#include "hal/emu/rig.h"
+
+// A PMD camera: what its four samples would be without noise, and the noise. The model is
+// PmdModel's.
+namespace stof::hal::emu {
+
+inline constexpr int kPmdBits = 6;  // fraction bits of a noise-free sample and of its noise
+
+// Both hold A0..A3 stacked from top to bottom, width x 4 height, in LSB with kPmdBits fraction
+// bits.
+struct CleanSamples {
+  dataset::Image<std::int32_t> mean;    // dark included, not clipped
+  dataset::Image<std::uint16_t> sigma;  // of the noise
+};
+
+// pattern: distance offset of each pixel in 1/65536 turn, row by row, or empty.
+CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+                        dsp::Hertz modulation, const PmdModel& model,
+                        std::span<const std::int16_t> pattern);
+
+// The offsets of a sensor: normal with model.pattern_rms_m.
+std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modulation,
+                                       const PmdModel& model, std::uint64_t seed);
+
+// The constants of dsp::PmdSensor that describe this sensor exactly; the pattern is left empty.
+dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
+                                const PmdModel& model);
+
+// The direction (x, y, 1) that the lens shows at (u, v), its distortion removed.
+Vec3 undistorted_ray(const dsp::Pinhole& lens, double u, double v) noexcept;
+
+// out = clip(round(mean + sigma * normal numbers of `seed`), 0, max), sample `index`, 0..3.
+void expose_pmd(const CleanSamples& clean, int index, int max, std::uint64_t seed,
+                dsp::ImageView<std::uint16_t> out) noexcept;
+
+}  // namespace stof::hal::emu

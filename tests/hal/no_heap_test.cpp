@@ -1,0 +1,71 @@
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "hal/emu/clock.h"
+#include "hal/emu/link.h"
+#include "hal/emu/pmd_camera.h"
+#include "hal/emu/rendered.h"
+#include "hal/emu/stereo_camera.h"
+#include "hal/emu/trigger.h"
+
+namespace {
+std::atomic<int> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* const memory = std::malloc(size == 0 ? 1 : size)) {
+    return memory;
+  }
+  std::abort();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept { std::free(memory); }
+
+namespace stof::test {
+namespace {
+
+using namespace std::chrono_literals;
+using hal::emu::Fault;
+using hal::emu::FaultKind;
+using hal::emu::FaultPlan;
+
+TEST(EmuDevices, AllocateNothingAfterConstruction) {
+  hal::emu::Rig rig = hal::emu::corridor_rig();
+  rig.stereo.left.width = 64;
+  rig.stereo.left.height = 48;
+  rig.pmd_lens.width = 32;
+  rig.pmd_lens.height = 24;
+  hal::emu::RenderedScene scene(hal::emu::corridor(), rig);
+  const FaultPlan faults{{.kind = FaultKind::kRepeat, .call = 3, .every = 7},
+                         {.kind = FaultKind::kTear, .call = 4, .every = 7},
+                         {.kind = FaultKind::kDelay, .call = 5, .every = 7, .duration = 20ms}};
+  hal::emu::Clock clock;
+  hal::emu::StereoCamera stereo(clock, scene, {}, faults);
+  hal::emu::PmdCamera pmd(clock, scene, {}, faults);
+  hal::emu::Trigger trigger(clock, 100us, {&stereo, &pmd});
+  hal::emu::Link link(8, faults);
+  const std::array<std::byte, 100> datagram{};
+  int frames = 0;
+  const int before = allocations;
+  ASSERT_GT(before, 0);
+  for (int i = 0; i < 200; ++i) {
+    const hal::Time next = clock.now() + 33ms;
+    const auto edge = trigger.pulse();
+    const auto frame = stereo.wait_frame(next);
+    const auto set = pmd.wait_frame(next);
+    frames += frame && set ? 1 : 0;
+    (void)link.send(datagram);
+    (void)link.receive();
+    clock.wait_until(next);
+    ASSERT_TRUE(edge);
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(frames, 100);
+}
+
+}  // namespace
+}  // namespace stof::test
