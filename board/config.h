@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstddef>
 
 #include "hal/time.h"
 
@@ -22,11 +23,11 @@ struct PmdConfig {
 };
 
 struct TimingConfig {
-  hal::Duration period{};             // of the trigger
+  hal::Duration period{};  // of the trigger
   hal::Duration stereo_exposure{};
-  hal::Duration pmd_integration{};    // all four samples
-  hal::Duration edge_tolerance{};     // an exposure begins this near to its edge
-  int pmd_every = 1;                  // the PMD camera exposes at every k-th edge
+  hal::Duration pmd_integration{};  // all four samples
+  hal::Duration edge_tolerance{};   // an exposure begins this near to its edge
+  int pmd_every = 1;                // the PMD camera exposes at every k-th edge
 };
 
 struct Config {
@@ -34,6 +35,7 @@ struct Config {
   StereoConfig stereo;
   PmdConfig pmd;
   TimingConfig timing;
+  std::size_t workspace_limit = 0;  // bytes that the memory of the frame path must stay within
 };
 
 constexpr bool valid(const Config& config) noexcept {

@@ -1,0 +1,186 @@
+#include "board/board.h"
+
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "board/emu/request.h"
+#include "dataset/dataset.h"
+#include "hal/emu/clock.h"
+#include "hal/emu/pmd_camera.h"
+#include "hal/emu/rendered.h"
+#include "hal/emu/replay.h"
+#include "hal/emu/rig.h"
+#include "hal/emu/scene.h"
+#include "hal/emu/stereo_camera.h"
+#include "hal/emu/trigger.h"
+#include "hal/linux/clock.h"
+#include "hal/linux/link_udp.h"
+
+namespace stof::board {
+namespace {
+
+namespace emu = hal::emu;
+
+std::unexpected<Refusal> refuse(std::string message) {
+  return std::unexpected(Refusal{std::move(message)});
+}
+
+// What the cameras see, and what is known about it.
+struct World {
+  std::unique_ptr<emu::Imagery> imagery;
+  dsp::Calibration calibration;
+  int disparities = 0;
+  std::optional<dataset::Image<float>> depth;  // Z in metres, +inf = unknown
+  std::vector<std::string> notes;
+};
+
+World corridor(const Request& request) {
+  emu::Rig rig = emu::corridor_rig();
+  World world;
+  if (request.no_tof) {
+    rig.pmd_lens = {};
+    world.notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
+  }
+  auto scene = std::make_unique<emu::RenderedScene>(emu::corridor(), rig);
+  world.calibration = scene->calibration();
+  world.disparities = scene->disparities();
+  world.depth = scene->depth();
+  world.imagery = std::move(scene);
+  return world;
+}
+
+// The recording that belongs to a dataset by its name, if there is one.
+std::optional<std::filesystem::path> find_tof(const Request& request,
+                                              std::vector<std::string>& notes) {
+  if (request.tof || request.no_tof) {
+    if (request.no_tof) {
+      notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
+    }
+    return request.tof;
+  }
+  const char* const data = std::getenv("STOF_DATA");
+  if (data == nullptr || *data == '\0') {
+    notes.emplace_back("no PMD data: neither --tof nor STOF_DATA is set; depth from stereo alone");
+    return std::nullopt;
+  }
+  const std::filesystem::path dir = (*request.dataset / "").lexically_normal().parent_path();
+  std::filesystem::path prefix =
+      std::filesystem::path(data) / "tof" / "sim" / "scene" / dir.filename();
+  prefix += "_64x16";
+  std::filesystem::path json = prefix;
+  json += ".json";
+  std::error_code error;
+  if (!std::filesystem::exists(json, error)) {
+    notes.push_back("no PMD data: " + json.string() + " is not there; depth from stereo alone");
+    return std::nullopt;
+  }
+  return prefix;
+}
+
+std::expected<World, Refusal> replay(const Request& request) {
+  World world;
+  const std::optional<std::filesystem::path> tof = find_tof(request, world.notes);
+  dataset::Loaded<std::unique_ptr<emu::Replay>> opened = emu::Replay::open(*request.dataset, tof);
+  if (!opened) {
+    return refuse(opened.error().message);
+  }
+  const emu::Replay& recorded = **opened;
+  if (recorded.rig_is_assumed()) {
+    world.notes.emplace_back(
+        "the dataset does not say what its cameras were: a 0.16 m baseline and a focal length of "
+        "one image width "
+        "are assumed, depth has an arbitrary scale");
+  }
+  world.calibration = recorded.calibration();
+  world.disparities = recorded.disparities();
+  world.depth = recorded.depth();
+  world.imagery = std::move(*opened);
+  return world;
+}
+
+std::optional<Refusal> write_truth(const std::filesystem::path& file, const World& world) {
+  if (!world.depth) {
+    return Refusal{"--truth: the dataset has no ground truth (gt_left.pgm); leave --truth out"};
+  }
+  if (const auto written = dataset::write_pfm(file, *world.depth); !written) {
+    return Refusal{written.error().message};
+  }
+  return std::nullopt;
+}
+
+emu::StereoTiming stereo_timing() { return {.exposure = kConfig.timing.stereo_exposure}; }
+
+// The rig as long as the program lives. Real time unless --free-run, so that latency means
+// something.
+struct Rig {
+  World world;
+  hal::posix::UdpLink link;
+  emu::Clock emulated_clock;
+  hal::posix::Clock machine_clock;
+  hal::Clock& clock;
+  emu::StereoCamera stereo;
+  std::optional<emu::PmdCamera> pmd;
+  std::optional<emu::Trigger> trigger;
+  std::optional<Board> board;
+
+  Rig(World&& seen, hal::posix::UdpLink&& to, const Request& request)
+      : world(std::move(seen)),
+        link(std::move(to)),
+        clock(request.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
+        stereo(clock, *world.imagery, stereo_timing(), request.faults[kStereo]) {
+    constexpr hal::Duration kPulse = std::chrono::microseconds(50);
+    if (world.imagery->pmd_size() != emu::Size{}) {
+      pmd.emplace(clock, *world.imagery,
+                  emu::PmdTiming{.integration = kConfig.timing.pmd_integration,
+                                 .every = kConfig.timing.pmd_every},
+                  request.faults[kPmd]);
+      trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo, &*pmd},
+                      request.faults[kTrigger]);
+    } else {
+      trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo},
+                      request.faults[kTrigger]);
+    }
+    board.emplace(Board{.clock = clock,
+                        .trigger = *trigger,
+                        .stereo = stereo,
+                        .pmd = pmd ? &*pmd : nullptr,
+                        .link = link,
+                        .calibration = world.calibration,
+                        .disparities = world.disparities,
+                        .emulated_time = request.free_run,
+                        .notes = world.notes});
+  }
+};
+
+}  // namespace
+
+std::expected<Board*, Refusal> open(std::span<const std::string_view> arguments) {
+  const std::expected<Request, Refusal> request = parse(arguments);
+  if (!request) {
+    return std::unexpected(request.error());
+  }
+  auto link = hal::posix::UdpLink::open(request->to);
+  if (!link) {
+    return refuse(link.error().message);
+  }
+  std::expected<World, Refusal> world = request->dataset ? replay(*request) : corridor(*request);
+  if (!world) {
+    return std::unexpected(world.error());
+  }
+  if (request->truth) {
+    if (std::optional<Refusal> refusal = write_truth(*request->truth, *world)) {
+      return std::unexpected(*refusal);
+    }
+  }
+  static std::optional<Rig> rig;
+  rig.emplace(std::move(*world), std::move(*link), *request);
+  return &*rig->board;
+}
+
+// Emulated devices come back by themselves when their fault ends.
+Status reopen(Board&) noexcept { return Status::kOk; }
+
+}  // namespace stof::board

@@ -1,0 +1,142 @@
+#include "board/emu/request.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+namespace stof::board {
+namespace {
+
+namespace emu = hal::emu;
+
+constexpr std::array<std::string_view, kDevices> kDeviceNames{"trigger", "stereo", "pmd"};
+constexpr std::array<std::string_view, 7> kFaultNames{"none", "drop",    "delay", "repeat",
+                                                      "tear", "corrupt", "vanish"};
+
+std::unexpected<Refusal> refuse(std::string message) {
+  return std::unexpected(Refusal{std::move(message)});
+}
+
+template <std::size_t N>
+std::optional<std::size_t> find(const std::array<std::string_view, N>& names,
+                                std::string_view name) {
+  for (std::size_t i = 0; i < N; ++i) {
+    if (names[i] == name) {
+      return i;
+    }
+  }
+  return std::nullopt;
+}
+
+// DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30 or pmd:repeat:10:10.
+bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDevices>& plans) {
+  std::array<std::string_view, 4> parts{};
+  std::size_t count = 0;
+  for (std::size_t begin = 0; begin <= text.size(); ++count) {
+    if (count == parts.size()) {
+      return false;
+    }
+    const std::size_t end = std::min(text.find(':', begin), text.size());
+    parts[count] = text.substr(begin, end - begin);
+    begin = end + 1;
+  }
+  const auto device = find(kDeviceNames, parts[0]);
+  const auto kind = find(kFaultNames, parts[1]);
+  std::array<std::uint32_t, 2> numbers{};
+  for (std::size_t i = 2; i < count; ++i) {
+    const char* const end = parts[i].data() + parts[i].size();
+    const auto parsed = std::from_chars(parts[i].data(), end, numbers[i - 2]);
+    if (parsed.ec != std::errc{} || parsed.ptr != end) {
+      return false;
+    }
+  }
+  if (count < 3 || !device || !kind) {
+    return false;
+  }
+  plans[*device] = {emu::Fault{.kind = static_cast<emu::FaultKind>(*kind),
+                               .call = numbers[0],
+                               .every = numbers[1],
+                               .duration = std::chrono::milliseconds(25)}};
+  return true;
+}
+
+bool take_switch(std::string_view flag, Request& request) {
+  if (flag == "--free-run") {
+    request.free_run = true;
+  } else if (flag == "--no-tof") {
+    request.no_tof = true;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+bool take_value(std::string_view flag, std::string_view value, Request& request) {
+  if (flag == "--to") {
+    request.to = value;
+  } else if (flag == "--scene") {
+    request.scene = value;
+  } else if (flag == "--dataset") {
+    request.dataset = value;
+  } else if (flag == "--tof") {
+    request.tof = value;
+  } else if (flag == "--truth") {
+    request.truth = value;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
+  Request request;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string flag(arguments[i]);
+    if (take_switch(flag, request)) {
+      continue;
+    }
+    const bool last = i + 1 == arguments.size();
+    const std::string_view value = last ? std::string_view() : arguments[i + 1];
+    if (flag == "--fault") {
+      if (!parse_fault(value, request.faults)) {
+        return refuse("--fault takes DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30, not \"" +
+                      std::string(value) + "\"; try --help");
+      }
+    } else if (!take_value(flag, value, request)) {
+      return refuse("unknown argument \"" + flag + "\"; try --help");
+    } else if (value.empty()) {
+      return refuse(flag + " takes a value; try --help");
+    }
+    ++i;
+  }
+  if (request.scene && request.dataset) {
+    return refuse("--scene and --dataset exclude each other; leave one out");
+  }
+  if (request.scene && *request.scene != "corridor") {
+    return refuse("there is no scene \"" + *request.scene + "\"; the one scene is corridor");
+  }
+  if (request.tof && (request.no_tof || !request.dataset)) {
+    return refuse("--tof belongs to a --dataset, and excludes --no-tof");
+  }
+  return request;
+}
+
+std::string_view usage() noexcept {
+  return "  --to HOST:PORT       where packets go, UDP (default 127.0.0.1:7447)\n"
+         "  --scene corridor     the rendered scene (default)\n"
+         "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
+         "right.pgm, meta.txt\n"
+         "  --tof PREFIX         its PMD recording, PREFIX.json and PREFIX_raw.pgm\n"
+         "                       (default $STOF_DATA/tof/sim/scene/<name>_64x16, where that "
+         "exists)\n"
+         "  --no-tof             a rig without PMD camera\n"
+         "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
+         "unknown\n"
+         "  --free-run           emulated time, as fast as this machine computes\n"
+         "  --fault D:KIND:N[:M] fault at call N (and every M calls) of D = trigger, stereo, pmd;\n"
+         "                       KIND = drop, delay, repeat, tear, corrupt, vanish\n";
+}
+
+}  // namespace stof::board

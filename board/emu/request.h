@@ -1,0 +1,33 @@
+#pragma once
+
+#include <array>
+#include <expected>
+#include <filesystem>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "board/board.h"
+#include "hal/emu/faults.h"
+
+// The emulated board's own command line.
+namespace stof::board {
+
+// What a fault may strike.
+enum Device : std::size_t { kTrigger, kStereo, kPmd, kDevices };
+struct Request {
+  std::string to = "127.0.0.1:7447";
+  std::optional<std::string> scene;
+  std::optional<std::filesystem::path> dataset;
+  std::optional<std::filesystem::path> tof;
+  bool no_tof = false;
+  std::optional<std::filesystem::path> truth;
+  bool free_run = false;
+  std::array<hal::emu::FaultPlan, kDevices> faults;
+};
+
+// Unknown flags and values without meaning are refused.
+std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);
+
+}  // namespace stof::board

@@ -1,0 +1,290 @@
+#include "firmware/loop.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "dsp/base/check.h"
+
+namespace stof::firmware {
+namespace {
+
+// A camera that answers at once with frames of other edges is drained by so many a period.
+constexpr int kMaxFramesPerEdge = 16;
+// So many edges in a row without a frame are a state, fewer are an incident that is only counted.
+constexpr std::uint32_t kSilentEdges = 3;
+// The loop is in time again after so many edges in time.
+constexpr std::uint32_t kInTimeEdges = 32;
+// A shot this many periods old is not news any more.
+constexpr int kExpiredPeriods = 3;
+
+Status first_lost(Status a, Status b) noexcept { return a == Status::kDeviceLost ? a : b; }
+
+void count_stages(const Stats& stats, hal::Duration publish, Counters& counters) noexcept {
+  counters.stage(Stage::kMatch).add(stats.match);
+  counters.stage(Stage::kConvert).add(stats.convert);
+  counters.stage(Stage::kFuse).add(stats.fuse);
+  counters.stage(Stage::kPublish).add(publish);
+}
+
+}  // namespace
+
+const char* problem(const board::TimingConfig& timing) noexcept {
+  if (timing.pmd_every < 1 || timing.pmd_every > kMaxPmdEvery) {
+    return "the PMD camera must expose at every edge or at every k-th, k at most 8";
+  }
+  if (timing.edge_tolerance <= hal::Duration::zero() ||
+      timing.period <= 16 * timing.edge_tolerance) {
+    return "the period must be longer than 16 edge tolerances";
+  }
+  if (timing.period > std::chrono::minutes(1)) {
+    return "the period must be at most a minute";
+  }
+  // Edges come 7/8 of a period apart at the nearest.
+  const hal::Duration spacing = timing.period - timing.period / 8;
+  if (spacing <= timing.stereo_exposure + timing.edge_tolerance) {
+    return "7/8 of the period must be longer than the exposure of the stereo cameras";
+  }
+  if (timing.pmd_every * spacing <= timing.pmd_integration + timing.edge_tolerance) {
+    return "7/8 of the period must be longer than the integration of the PMD camera";
+  }
+  return "";
+}
+
+Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
+           Pipeline& pipeline, Stream& stream, Events& events) noexcept
+    : board_(board),
+      timing_(timing),
+      pipeline_(pipeline),
+      stream_(stream),
+      events_(events),
+      stereo_pairing_(setup.calibration.stereo.left.width, setup.calibration.stereo.left.height),
+      pmd_pairing_(setup.calibration.pmd.lens.width, setup.calibration.pmd.lens.height),
+      next_(board.clock.now()),
+      edges_in_time_(kInTimeEdges) {
+  STOF_CHECK(*problem(timing) == '\0');
+}
+
+Status Loop::step() noexcept {
+  wait_for_grid();
+  const Result<hal::Time> edge = pulse();  // shot n + 1 begins to expose
+  const Status sent = publish_held();      // shot n; a full link drops, never blocks
+  if (!edge) {
+    return first_lost(edge.error(), sent) == Status::kDeviceLost ? Status::kDeviceLost
+                                                                 : Status::kOk;
+  }
+  return first_lost(sent, collect(*edge));  // pairs stereo and PMD with this edge
+}
+
+void Loop::wait_for_grid() noexcept {
+  Counters& counters = events_.counters;
+  const hal::Time now = board_.clock.now();
+  const hal::Duration late = now - next_;
+  if (late > timing_.period / 8) {
+    const auto skipped = (late + timing_.period - hal::Duration(1)) / timing_.period;
+    next_ += skipped * timing_.period;
+    counters.skipped_periods += static_cast<std::uint64_t>(skipped);
+    if (std::exchange(edges_in_time_, 0) >= kInTimeEdges) {
+      events_.note({now, EventKind::kLate, Part::kLoop, Status::kTimeout,
+                    static_cast<std::uint32_t>(skipped)});
+    }
+  } else {
+    edges_in_time_ = std::min(edges_in_time_ + 1, kInTimeEdges);
+    counters.late_edges += late > timing_.edge_tolerance ? 1U : 0U;
+  }
+  board_.clock.wait_until(next_);
+}
+
+// The edge that went out, later than any before it; errors as Trigger::pulse.
+Result<hal::Time> Loop::pulse() noexcept {
+  const hal::Time planned = std::exchange(next_, next_ + timing_.period);
+  Result<hal::Time> edge = board_.trigger.pulse();
+  heard(Part::kTrigger, edge ? Status::kOk : edge.error());
+  if (!edge) {
+    paired(false, Part::kTrigger, edge.error());
+    return edge;
+  }
+  ++events_.counters.edges;
+  // A time that cannot be: nobody knows what was exposed when.
+  if (*edge < planned - timing_.edge_tolerance || *edge > board_.clock.now()) {
+    heard(Part::kTrigger, Status::kDeviceError);
+    paired(false, Part::kTrigger, Status::kDeviceError);
+    return fail(Status::kDeviceError);
+  }
+  while (next_ - *edge < timing_.period - timing_.period / 8) {
+    next_ += timing_.period;
+    ++events_.counters.skipped_periods;
+  }
+  return edge;
+}
+
+Status Loop::publish_held() noexcept {
+  if (!held_) {
+    return Status::kOk;
+  }
+  Status sent = Status::kOk;
+  if (board_.clock.now() - held_->edge > kExpiredPeriods * timing_.period) {
+    ++events_.counters.expired;
+  } else {
+    const Output& output = pipeline_.compute(*held_);
+    const hal::Time computed = board_.clock.now();
+    ++events_.counters.published;
+    // Done well before the next edge, for a thread that wakes up late.
+    const hal::Time latest =
+        std::min(computed + timing_.period * 6 / 10, next_ - timing_.period / 8);
+    sent = stream_.publish(*held_, output, latest);
+    link_answered(sent);
+    count_stages(output.stats, board_.clock.now() - computed, events_.counters);
+  }
+  held_.reset();  // its slots go home
+  return sent;
+}
+
+Status Loop::collect(hal::Time edge) noexcept {
+  remember(edge);
+  std::optional<StereoLease> stereo;
+  const Status stereo_status = collect_stereo(edge, stereo);
+  // Also without a stereo frame: what the PMD camera has must not wait for the next edge.
+  const Status pmd_status = board_.pmd == nullptr ? Status::kOk : collect_pmd(edge);
+  const bool pmd_good = board_.pmd == nullptr || pmd_usable(edge);
+  if (stereo && pmd_good) {
+    hold(edge, std::move(*stereo));
+    paired(true, Part::kLoop, Status::kOk);
+  } else {
+    of(events_.counters.stereo_dropped, Drop::kUnpartnered) += stereo ? 1U : 0U;
+    paired(false, stereo ? Part::kPmd : Part::kStereo, stereo ? pmd_status : stereo_status);
+  }
+  if (pmd_ && timing_.pmd_every == 1) {  // serves no other edge
+    ++of(events_.counters.pmd_dropped, Drop::kUnpartnered);
+    pmd_.reset();
+  }
+  return first_lost(stereo_status, pmd_status) == Status::kDeviceLost ? Status::kDeviceLost
+                                                                      : Status::kOk;
+}
+
+Status Loop::collect_stereo(hal::Time edge, std::optional<StereoLease>& found) noexcept {
+  const Window window{edge, timing_.stereo_exposure, timing_.edge_tolerance};
+  Status last = Status::kTimeout;
+  for (int i = 0; i < kMaxFramesPerEdge; ++i) {
+    Result<StereoLease> frame = board_.stereo.wait_frame(next_);
+    heard(Part::kStereo, frame ? Status::kOk : frame.error());
+    if (!frame) {
+      last = frame.error();
+      if (last == Status::kCorrupt) {
+        continue;  // perhaps one left over: the right one may still come
+      }
+      return last;
+    }
+    const Drop drop = stereo_pairing_.judge(window, **frame);
+    if (drop == Drop::kNone) {
+      found.emplace(std::move(*frame));
+      return Status::kOk;
+    }
+    ++of(events_.counters.stereo_dropped, drop);
+  }
+  return last;
+}
+
+Status Loop::collect_pmd(hal::Time edge) noexcept {
+  Status last = Status::kTimeout;
+  for (int i = 0; i < kMaxFramesPerEdge; ++i) {
+    // With data that will do there is nothing to wait for, but something newer may be there.
+    const bool enough = pmd_usable(edge);
+    if (enough && timing_.pmd_every == 1) {
+      return Status::kOk;
+    }
+    Result<PmdLease> frame = board_.pmd->wait_frame(enough ? board_.clock.now() : next_);
+    if (enough && !frame && frame.error() == Status::kTimeout) {
+      return Status::kOk;
+    }
+    heard(Part::kPmd, frame ? Status::kOk : frame.error());
+    if (!frame) {
+      last = frame.error();
+      if (last == Status::kCorrupt) {
+        continue;
+      }
+      return last;
+    }
+    const PmdVerdict verdict =
+        pmd_pairing_.judge(std::span(pmd_windows_).first(pmd_window_count_), **frame);
+    if (verdict.drop == Drop::kNone) {
+      pmd_edge_ = pmd_windows_[static_cast<std::size_t>(verdict.age)].edge;
+      pmd_exposed_ =
+          hal::Exposure{(*frame)->exposures.front().begin, (*frame)->exposures.back().end}.middle();
+      pmd_.emplace(std::move(*frame));
+    } else {
+      ++of(events_.counters.pmd_dropped, verdict.drop);
+    }
+  }
+  return last;
+}
+
+bool Loop::pmd_usable(hal::Time edge) const noexcept {
+  const hal::Duration oldest = (2 * timing_.pmd_every - 2) * timing_.period + timing_.period / 4;
+  return pmd_edge_ && edge - *pmd_edge_ <= oldest;
+}
+
+void Loop::hold(hal::Time edge, StereoLease&& stereo) noexcept {
+  if (board_.pmd == nullptr || pmd_) {
+    ++freshness_;
+  }
+  const hal::Time exposed = stereo->left_exposure.middle();
+  held_.emplace(Shot{edge, exposed, std::move(stereo), std::move(pmd_), pmd_exposed_, freshness_,
+                     silent_edges_});
+  pmd_.reset();
+}
+
+void Loop::remember(hal::Time edge) noexcept {
+  std::ranges::copy_backward(pmd_windows_.begin(), pmd_windows_.end() - 1, pmd_windows_.end());
+  pmd_windows_[0] = {edge, timing_.pmd_integration, timing_.edge_tolerance};
+  const std::size_t reach = static_cast<std::size_t>(2 * timing_.pmd_every - 1);
+  pmd_window_count_ = std::min(pmd_window_count_ + 1, reach);
+}
+
+void Loop::heard(Part part, Status status) noexcept {
+  const auto at = static_cast<std::size_t>(part);
+  const bool lost = status == Status::kDeviceLost;
+  if (lost != std::exchange(lost_[at], lost)) {
+    events_.note({board_.clock.now(), lost ? EventKind::kLost : EventKind::kBack, part, status, 0});
+  }
+  if (lost) {
+    ++events_.counters.losses[at];
+    if (part == Part::kStereo) {
+      stereo_pairing_.forget();
+    } else if (part == Part::kPmd) {
+      pmd_pairing_.forget();
+    }
+  } else if (status == Status::kTimeout) {
+    ++events_.counters.timeouts[at];
+  } else if (status != Status::kOk) {
+    ++events_.counters.errors[at];
+  }
+}
+
+void Loop::link_answered(Status status) noexcept {
+  heard(Part::kLink,
+        status == Status::kWouldBlock ? Status::kOk : status);  // the stream counts drops
+  const bool unreachable = status == Status::kDeviceError;
+  if (unreachable != std::exchange(unreachable_, unreachable)) {
+    events_.note({board_.clock.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending,
+                  Part::kLink, status, 0});
+  }
+}
+
+void Loop::paired(bool success, Part missing, Status why) noexcept {
+  if (success) {
+    if (!std::exchange(publishing_, true)) {
+      events_.note(
+          {board_.clock.now(), EventKind::kPublishing, Part::kLoop, Status::kOk, silent_edges_});
+    }
+    silent_edges_ = 0;
+    return;
+  }
+  ++events_.counters.unpaired_edges;
+  ++silent_edges_;
+  if (silent_edges_ == kSilentEdges) {
+    publishing_ = false;
+    events_.note({board_.clock.now(), EventKind::kUnpaired, missing, why, silent_edges_});
+  }
+}
+
+}  // namespace stof::firmware

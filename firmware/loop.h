@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "board/board.h"
+#include "board/config.h"
+#include "dsp/base/status.h"
+#include "firmware/events.h"
+#include "firmware/pairing.h"
+#include "firmware/pipeline.h"
+#include "firmware/shot.h"
+#include "firmware/stream.h"
+
+namespace stof::firmware {
+
+// The PMD camera may expose at every k-th edge, k at most this.
+inline constexpr int kMaxPmdEvery = 8;
+
+// Empty, or why edges of this timing cannot be told apart or cameras cannot follow.
+const char* problem(const board::TimingConfig& timing) noexcept;
+
+// The one loop: pulse the trigger for n + 1, compute n, publish n, collect n + 1.
+//
+// Edges lie on a fixed grid, the first at once. A loop that comes later than an eighth of a period
+// skips to the next point of the grid, and no edge follows another sooner than 7/8 of a period.
+// With a PMD camera at every k-th edge, k > 1, frames of the edges between use the last PMD data,
+// which are at most 2 k - 2 periods old: an integration may take k periods. Allocates nothing.
+class Loop {
+ public:
+  // problem(timing) must be empty; pipeline was built for frames of the setup's sizes.
+  Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
+       Pipeline& pipeline, Stream& stream, Events& events) noexcept;
+
+  // One period. Blocks until the next point of the grid, and there computes and publishes.
+  // kOk: whether or not there was a frame. kDeviceLost: a device has to be reopened; calling on is
+  // allowed, and needed by devices that come back by themselves.
+  Status step() noexcept;
+
+ private:
+  static constexpr std::size_t kHistory = 2 * kMaxPmdEvery - 1;
+  using StereoLease = hal::Lease<hal::StereoFrame>;
+  using PmdLease = hal::Lease<hal::PmdFrame>;
+
+  void wait_for_grid() noexcept;
+  Result<hal::Time> pulse() noexcept;
+  Status publish_held() noexcept;
+  Status collect(hal::Time edge) noexcept;
+  Status collect_stereo(hal::Time edge, std::optional<StereoLease>& found) noexcept;
+  Status collect_pmd(hal::Time edge) noexcept;
+  bool pmd_usable(hal::Time edge) const noexcept;
+  void hold(hal::Time edge, StereoLease&& stereo) noexcept;
+  void remember(hal::Time edge) noexcept;
+  // Counts what a device answered; notes when it is lost, or back.
+  void heard(Part part, Status status) noexcept;
+  void link_answered(Status status) noexcept;
+  void paired(bool success, Part missing, Status why) noexcept;
+
+  board::Board& board_;
+  board::TimingConfig timing_;
+  Pipeline& pipeline_;
+  Stream& stream_;
+  Events& events_;
+  StereoPairing stereo_pairing_;
+  PmdPairing pmd_pairing_;
+
+  hal::Time next_;                              // the next point of the grid
+  std::array<Window, kHistory> pmd_windows_{};  // of the last edges, newest first
+  std::size_t pmd_window_count_ = 0;
+  std::optional<Shot> held_;
+  std::optional<PmdLease> pmd_;        // accepted, and not in a shot yet
+  std::optional<hal::Time> pmd_edge_;  // of the last accepted PMD frame
+  std::optional<hal::Time> pmd_exposed_;
+  std::uint32_t freshness_ = 0;
+  std::uint32_t silent_edges_ = 0;  // without a frame, since the last with one
+  bool publishing_ = false;
+  std::uint32_t edges_in_time_ = 0;  // since the loop was late, as far as that matters
+  std::array<bool, kParts> lost_{};
+  bool unreachable_ = false;  // no receiver
+};
+
+}  // namespace stof::firmware

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/events.h"
+
+// Text from what the loop recorded. Runs beside the loop, never in it.
+namespace stof::firmware {
+
+// One line without its end.
+std::string describe(const Event& event);
+
+// One line of totals: for the end.
+std::string summary(const Counters& counters);
+
+// One line: mean and longest time of each stage of a frame. Publishing is paced, not busy.
+std::string stage_times(const Counters& counters);
+
+}  // namespace stof::firmware

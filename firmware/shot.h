@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "hal/lease.h"
+#include "hal/pmd_camera.h"
+#include "hal/stereo_camera.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// What one trigger edge gave: verified frames of all cameras. The slots go home with it.
+struct Shot {
+  hal::Time edge;
+  hal::Time exposed;  // middle of the exposure of the left view
+  hal::Lease<hal::StereoFrame> stereo;
+  std::optional<hal::Lease<hal::PmdFrame>> pmd;  // new samples; without them those of before hold
+  std::optional<hal::Time>
+      pmd_exposed;                 // middle of the PMD data in use; none: there is no PMD camera
+  std::uint32_t freshness = 0;     // advances with each edge for which all cameras exposed anew
+  std::uint32_t missed_edges = 0;  // without a frame, since the last with one
+};
+
+}  // namespace stof::firmware

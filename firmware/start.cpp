@@ -1,0 +1,143 @@
+#include "firmware/start.h"
+
+#include <array>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "dsp/stereo/matcher.h"
+#include "firmware/loop.h"
+#include "firmware/wire/calibration_file.h"
+
+namespace stof::firmware {
+namespace {
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::expected<std::vector<std::byte>, std::string> read_file(const std::string& name,
+                                                             std::size_t limit) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(name.c_str(), "rb"),
+                                                             &std::fclose);
+  if (!file) {
+    return std::unexpected(name + ": cannot be opened: check the name and its permissions");
+  }
+  std::vector<std::byte> bytes;
+  std::array<std::byte, 65536> part;
+  while (const std::size_t count = std::fread(part.data(), 1, part.size(), file.get())) {
+    bytes.insert(bytes.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count));
+    if (bytes.size() > limit) {
+      return std::unexpected(name + ": longer than any calibration of this board: check the name");
+    }
+  }
+  if (std::ferror(file.get()) != 0) {
+    return std::unexpected(name + ": cannot be read: check that it is a file");
+  }
+  return bytes;
+}
+
+// Replaces the board's calibration by the file's, which must be of the same cameras.
+std::string load_calibration(const std::string& name, const board::Config& config, Start& start) {
+  const std::size_t pixels =
+      static_cast<std::size_t>(config.pmd.width) * static_cast<std::size_t>(config.pmd.height);
+  const auto bytes = read_file(name, pixels * sizeof(std::int16_t) + 65536);
+  if (!bytes) {
+    return bytes.error();
+  }
+  start.fixed_pattern.resize(pixels);
+  const Result<dsp::Calibration> loaded =
+      wire::decode_calibration_file(*bytes, start.fixed_pattern);
+  if (!loaded) {
+    switch (loaded.error()) {
+      case Status::kUnsupported:
+        return name + ": a calibration of another version: export it again for version " +
+               std::to_string(wire::kCalibrationFileVersion);
+      case Status::kTooLarge:
+        return name + ": its PMD camera is larger than this board's " +
+               size_text(config.pmd.width, config.pmd.height) + ": use the calibration of this rig";
+      default:
+        return name + ": not a calibration file, or damaged: export it again";
+    }
+  }
+  const dsp::Pinhole& left = loaded->stereo.left;
+  const dsp::Pinhole& pmd = loaded->pmd.lens;
+  const dsp::Calibration& rig = start.setup.calibration;
+  if (left.width != rig.stereo.left.width || left.height != rig.stereo.left.height ||
+      pmd.width != rig.pmd.lens.width || pmd.height != rig.pmd.lens.height) {
+    return name + ": made for cameras of " + size_text(left.width, left.height) + " and " +
+           size_text(pmd.width, pmd.height) + ", these have " +
+           size_text(rig.stereo.left.width, rig.stereo.left.height) + " and " +
+           size_text(rig.pmd.lens.width, rig.pmd.lens.height) + ": use the calibration of this rig";
+  }
+  start.setup.calibration = *loaded;
+  return {};
+}
+
+std::string limits(const Setup& setup, const board::Config& config) {
+  const dsp::Pinhole& left = setup.calibration.stereo.left;
+  if (left.width > config.stereo.width || left.height > config.stereo.height) {
+    return "the stereo pictures are " + size_text(left.width, left.height) + ", board " +
+           config.name + " takes up to " + size_text(config.stereo.width, config.stereo.height) +
+           ": use smaller ones";
+  }
+  const dsp::Pinhole& pmd = setup.calibration.pmd.lens;
+  if (pmd.width > config.pmd.width || pmd.height > config.pmd.height) {
+    return "the PMD pictures are " + size_text(pmd.width, pmd.height) + ", board " + config.name +
+           " takes up to " + size_text(config.pmd.width, config.pmd.height) + ": use smaller ones";
+  }
+  if (setup.match.disparities > config.stereo.disparities) {
+    return std::to_string(setup.match.disparities) + " disparities are more than the " +
+           std::to_string(config.stereo.disparities) + " of board " + config.name +
+           ": choose fewer with --disparities";
+  }
+  if (setup.match.block_width > config.stereo.block_width ||
+      setup.match.block_height > config.stereo.block_height) {
+    return "a block of " + size_text(setup.match.block_width, setup.match.block_height) +
+           " is larger than the " +
+           size_text(config.stereo.block_width, config.stereo.block_height) + " of board " +
+           config.name + ": choose a smaller one with --block";
+  }
+  if (dsp::check(setup.match, left.width, left.height) != Status::kOk) {
+    return "pictures of " + size_text(left.width, left.height) +
+           " cannot be matched with these parameters: check --disparities, --min-disparity and "
+           "--block";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::expected<Start, std::string> make_start(const board::Board& board, const board::Config& config,
+                                             const Options& options) {
+  Start start;
+  start.setup.calibration = board.calibration;
+  if (board.pmd == nullptr) {
+    start.setup.calibration.pmd.lens = {};
+  }
+  start.setup.match = options.match;
+  start.setup.match.disparities = options.disparities.value_or(board.disparities);
+  start.timing = config.timing;
+  if (options.period_ms) {
+    start.timing.period = std::chrono::milliseconds(*options.period_ms);
+  }
+  if (const char* const why = problem(start.timing); *why != '\0') {
+    return std::unexpected(std::string("--period-ms: ") + why + ": choose another period");
+  }
+  if (!options.calibration.empty()) {
+    if (std::string why = load_calibration(options.calibration, config, start); !why.empty()) {
+      return std::unexpected(std::move(why));
+    }
+  }
+  if (const char* const why = dsp::problem(start.setup.calibration); *why != '\0') {
+    return std::unexpected(
+        (options.calibration.empty() ? "the rig's calibration" : options.calibration) + ": " + why +
+        ": calibrate the rig anew");
+  }
+  if (std::string why = limits(start.setup, config); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
+  return start;
+}
+
+}  // namespace stof::firmware

@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+#include "board/board.h"
+#include "board/config.h"
+#include "dsp/base/arena.h"
+
+// All memory of the frame path, reserved at link time for the largest frames the board accepts.
+// Matcher, Converter and Fuser say what they take once they know their parameters (bytes_needed);
+// here stands an upper bound of that for the board's table, proven by tests.
+namespace stof::firmware {
+
+constexpr std::size_t pixels(int width, int height) noexcept {
+  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+// Two prefiltered images; column sums and costs of one row, u32 for each of up to 16 unused lanes
+// and each candidate; some rows.
+constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo) noexcept {
+  const std::size_t lanes = static_cast<std::size_t>(stereo.disparities) + 16;
+  const std::size_t columns = static_cast<std::size_t>(stereo.width + stereo.block_width);
+  return 2 * pixels(stereo.width, stereo.height) + 2 * 4 * columns * lanes +
+         16 * (columns + lanes) + 4096;
+}
+
+// Eight maps of up to 2 bytes a pixel, some with a border column on both sides; constants.
+constexpr std::size_t converter_bytes(const board::PmdConfig& pmd) noexcept {
+  return 16 * pixels(pmd.width + 2, pmd.height) + 4096;
+}
+
+// A z-buffer, interval and flags for each stereo pixel; rays and up to four footprints for each PMD
+// pixel; intervals by disparity in 1/16 px; some rows.
+constexpr std::size_t fuser_bytes(const board::StereoConfig& stereo,
+                                  const board::PmdConfig& pmd) noexcept {
+  return 8 * pixels(stereo.width, stereo.height) + 72 * pixels(pmd.width, pmd.height) +
+         16 * 8 * (static_cast<std::size_t>(stereo.disparities) + 4) +
+         32 * static_cast<std::size_t>(stereo.width) + 8192;
+}
+
+// Disparity, depth, interval width, source.
+constexpr std::size_t image_bytes(const board::StereoConfig& stereo) noexcept {
+  return (2 + 2 + 2 + 1) * pixels(stereo.width, stereo.height) + 4 * dsp::Arena::kAlign;
+}
+
+constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,
+                                      const board::PmdConfig& pmd) noexcept {
+  return matcher_bytes(stereo) + converter_bytes(pmd) + fuser_bytes(stereo, pmd) +
+         image_bytes(stereo);
+}
+
+inline constexpr std::size_t kMiB = 1 << 20;
+
+struct Workspace {
+  alignas(dsp::Arena::kAlign)
+      std::array<std::byte, workspace_bytes(board::kConfig.stereo, board::kConfig.pmd)> memory;
+
+  // Writes every page that will be used, so that the loop meets none for the first time.
+  void prefault(std::size_t bytes) noexcept { std::memset(memory.data(), 0, bytes); }
+  dsp::Arena arena() noexcept { return dsp::Arena(memory); }
+};
+static_assert(sizeof(Workspace) <= board::kConfig.workspace_limit);
+
+// A camera pair of 640x480 with 64 disparities and a PMD camera of 352x288 leaves room for more in
+// 24 MiB.
+inline constexpr board::StereoConfig kVga{
+    .width = 640, .height = 480, .disparities = 64, .block_width = 64, .block_height = 64};
+static_assert(workspace_bytes(kVga, {.width = 352, .height = 288}) <= 24 * kMiB);
+
+}  // namespace stof::firmware

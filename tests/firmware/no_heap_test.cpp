@@ -1,0 +1,191 @@
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <new>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/rig.h"
+
+// The linker sends every call of the allocator in this program through these (--wrap), also those
+// of the library under test. Operator new of the C++ library calls malloc inside that library,
+// where the linker does not reach: so it is replaced too.
+namespace {
+
+// volatile: compilers know malloc, and that it reads no variable of ours.
+thread_local volatile bool forbidden = false;
+
+void allocated(const char* how) {
+  if (forbidden) {
+    forbidden = false;
+    std::fprintf(stderr, "the loop's thread allocates: %s\n", how);
+    std::abort();
+  }
+}
+
+}  // namespace
+
+// NOLINTBEGIN(readability-identifier-naming): names that the linker makes
+extern "C" {
+void* __real_malloc(std::size_t size);
+void* __real_calloc(std::size_t count, std::size_t size);
+void* __real_realloc(void* at, std::size_t size);
+void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
+int __real_posix_memalign(void** at, std::size_t alignment, std::size_t size);
+
+void* __wrap_malloc(std::size_t size) {
+  allocated("malloc");
+  return __real_malloc(size);
+}
+void* __wrap_calloc(std::size_t count, std::size_t size) {
+  allocated("calloc");
+  return __real_calloc(count, size);
+}
+void* __wrap_realloc(void* at, std::size_t size) {
+  allocated("realloc");
+  return __real_realloc(at, size);
+}
+void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
+  allocated("aligned_alloc");
+  return __real_aligned_alloc(alignment, size);
+}
+int __wrap_posix_memalign(void** at, std::size_t alignment, std::size_t size) {
+  allocated("posix_memalign");
+  return __real_posix_memalign(at, alignment, size);
+}
+}
+// NOLINTEND(readability-identifier-naming)
+
+namespace {
+
+void* take(std::size_t size, std::size_t alignment) noexcept {
+  allocated("operator new");
+  void* at = nullptr;
+  return __real_posix_memalign(&at, alignment, size == 0 ? 1 : size) == 0 ? at : nullptr;
+}
+void* take_or_abort(std::size_t size, std::size_t alignment) noexcept {
+  void* const at = take(size, alignment);
+  if (at == nullptr) {
+    std::abort();
+  }
+  return at;
+}
+constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+using Align = std::align_val_t;
+
+}  // namespace
+
+// All forms: a sanitizer brings its own of those that are left out.
+void* operator new(std::size_t n) { return take_or_abort(n, kUsual); }
+void* operator new[](std::size_t n) { return take_or_abort(n, kUsual); }
+void* operator new(std::size_t n, const std::nothrow_t&) noexcept { return take(n, kUsual); }
+void* operator new[](std::size_t n, const std::nothrow_t&) noexcept { return take(n, kUsual); }
+void* operator new(std::size_t n, Align a) { return take_or_abort(n, static_cast<std::size_t>(a)); }
+void* operator new[](std::size_t n, Align a) {
+  return take_or_abort(n, static_cast<std::size_t>(a));
+}
+void operator delete(void* at) noexcept { std::free(at); }
+void operator delete[](void* at) noexcept { std::free(at); }
+void operator delete(void* at, std::size_t) noexcept { std::free(at); }
+void operator delete[](void* at, std::size_t) noexcept { std::free(at); }
+void operator delete(void* at, const std::nothrow_t&) noexcept { std::free(at); }
+void operator delete[](void* at, const std::nothrow_t&) noexcept { std::free(at); }
+void operator delete(void* at, Align) noexcept { std::free(at); }
+void operator delete[](void* at, Align) noexcept { std::free(at); }
+void operator delete(void* at, std::size_t, Align) noexcept { std::free(at); }
+void operator delete[](void* at, std::size_t, Align) noexcept { std::free(at); }
+
+namespace stof::firmware::test {
+namespace {
+
+// The test's own parts allocate as they like; what is forbidden is forbidden inside step().
+Status step_without_heap(Loop& loop) {
+  forbidden = true;
+  const Status status = loop.step();
+  forbidden = false;
+  return status;
+}
+
+TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
+  const auto some = [](std::uint32_t first) {
+    std::array<emu::Fault, 6> faults{};
+    for (std::uint32_t i = 0; i < faults.size(); ++i) {
+      faults[i] = {
+          .kind = emu::kAllFaultKinds[i], .call = first + 40 * i, .every = 240, .duration = 40ms};
+    }
+    return emu::FaultPlan{faults[0], faults[1], faults[2], faults[3], faults[4], faults[5]};
+  };
+  Rig rig({.faults = {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)}});
+  rig.log.edges.reserve(20'000);
+  int steps = 0;
+  int lost = 0;
+  while (rig.events.counters.published < 10'000 && steps < 15'000) {
+    lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1 : 0;
+    while (rig.link.receive()) {
+    }
+    while (rig.events.take()) {
+    }
+    ++steps;
+  }
+  EXPECT_EQ(rig.events.counters.published, 10'000U);
+  // The faults were there.
+  EXPECT_GT(lost, 50);
+  EXPECT_GT(of(rig.events.counters.stereo_dropped, Drop::kTorn), 20U);
+  EXPECT_GT(of(rig.events.counters.pmd_dropped, Drop::kStale), 20U);
+}
+
+// That the trap springs: through every door of the allocator.
+template <typename Allocate>
+void expect_death(const char* how, Allocate allocate) {
+  EXPECT_DEATH(
+      {
+        forbidden = true;
+        allocate();
+        forbidden = false;
+      },
+      how);
+}
+
+void* volatile kept = nullptr;  // so that no allocation is left out
+
+TEST(NoHeapDeathTest, EveryWayToAllocateIsCaught) {
+  expect_death("malloc", [] { kept = std::malloc(10); });
+  expect_death("calloc", [] { kept = std::calloc(2, 5); });
+  void* const block = std::malloc(10);
+  expect_death("realloc", [block] { kept = std::realloc(block, 1000); });
+  std::free(block);
+  expect_death("aligned_alloc", [] { kept = std::aligned_alloc(64, 64); });
+  expect_death("operator new", [] { kept = new int; });
+  expect_death("operator new", [] { kept = new int[20]; });
+  expect_death("operator new", [] { kept = new (std::nothrow) int; });
+  expect_death("operator new", [] { kept = new dsp::Arena({}); });
+  expect_death("operator new", [] { kept = new std::string(100, 'x'); });
+}
+
+// A device whose adapter allocates in the loop.
+class AllocatingLink final : public hal::Link {
+ public:
+  Status send(std::span<const std::byte> datagram) noexcept override {
+    const std::vector<std::byte> copy(datagram.begin(), datagram.end());
+    kept = const_cast<std::byte*>(copy.data());
+    return Status::kOk;
+  }
+};
+
+TEST(NoHeapDeathTest, AnAllocationDeepInsideAStepIsCaught) {
+  EXPECT_DEATH(
+      {
+        AllocatingLink link;
+        Rig rig({.link = &link});
+        for (int i = 0; i < 3; ++i) {
+          static_cast<void>(step_without_heap(rig.loop));
+        }
+      },
+      "the loop's thread allocates: operator new");
+}
+
+}  // namespace
+}  // namespace stof::firmware::test

@@ -1,0 +1,232 @@
+#include "tests/firmware/rig.h"
+
+#include <algorithm>
+
+#include "firmware/wire/bytes.h"
+
+namespace stof::firmware::test {
+namespace {
+
+// Seven distances; an edge and the six before it differ.
+constexpr std::size_t kDistances = 7;
+
+std::uint8_t texture(int x, int y, std::size_t seed) {
+  std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9E3779B1U ^
+                    static_cast<std::uint32_t>(y) * 0x85EBCA77U ^
+                    static_cast<std::uint32_t>(seed) * 0xC2B2AE3DU;
+  h ^= h >> 15;
+  h *= 0x2C1B3C6DU;
+  h ^= h >> 12;
+  return static_cast<std::uint8_t>(h >> 24);
+}
+
+// The emulated camera's own memory behind a read-only view.
+template <typename T>
+dsp::ImageView<T> writable(dsp::ImageView<const T> view) {
+  return {const_cast<T*>(view.data()), view.width(), view.height(), view.stride()};
+}
+
+void paint_view(dsp::ImageView<std::uint8_t> out, std::size_t edge, int shift) {
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      out.at(x, y) = texture(x + shift, y, edge);
+    }
+  }
+}
+
+void paint_sample(dsp::ImageView<std::uint16_t> out, std::size_t edge, int k,
+                  const dsp::Pinhole& lens) {
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      const double u = (x - lens.cx) / lens.fx;
+      const double v = (y - lens.cy) / lens.fy;
+      const double radial = depth_of(edge) * std::sqrt(u * u + v * v + 1);
+      const double phase = radial * 4 * std::numbers::pi * 20e6 / dsp::kLightMetresPerSecond;
+      out.at(x, y) = static_cast<std::uint16_t>(
+          std::lround(1500 + 1000 * std::cos(phase + k * std::numbers::pi / 2)));
+    }
+  }
+}
+
+emu::PmdTiming pmd_timing(const RigOptions& options) {
+  return {.integration = options.timing.pmd_integration,
+          .readout = 4ms,
+          .every = options.timing.pmd_every};
+}
+
+}  // namespace
+
+int disparity_of(std::size_t edge) { return 1 + static_cast<int>(edge * 3 % kDistances); }
+double depth_of(std::size_t edge) { return kFocal * kBaseline / disparity_of(edge); }
+
+std::optional<std::size_t> EdgeLog::find(hal::Time edge) const noexcept {
+  const auto found = std::ranges::find(edges, edge);
+  return found == edges.end() ? std::nullopt : std::optional<std::size_t>(found - edges.begin());
+}
+
+Result<hal::Lease<hal::StereoFrame>> PaintedStereo::wait_frame(hal::Time deadline) noexcept {
+  latest_deadline = std::max(latest_deadline, deadline);
+  Result<hal::Lease<hal::StereoFrame>> frame = camera_.wait_frame(deadline);
+  if (frame) {
+    const std::size_t left = log_.find((*frame)->left_exposure.begin).value_or(0);
+    const std::size_t right = log_.find((*frame)->right_exposure.begin).value_or(0);
+    paint_view(writable((*frame)->left), left, 0);
+    paint_view(writable((*frame)->right), right, disparity_of(right));
+  }
+  return frame;
+}
+
+Result<hal::Lease<hal::PmdFrame>> PaintedPmd::wait_frame(hal::Time deadline) noexcept {
+  latest_deadline = std::max(latest_deadline, deadline);
+  Result<hal::Lease<hal::PmdFrame>> frame = camera_.wait_frame(deadline);
+  if (frame) {
+    const dsp::Pinhole lens = small_setup(true).calibration.pmd.lens;
+    for (int k = 0; k < 4; ++k) {
+      const auto i = static_cast<std::size_t>(k);
+      const hal::Time edge = (*frame)->exposures[i].begin - integration_ * k / 4;
+      paint_sample(writable((*frame)->samples[i]), log_.find(edge).value_or(0), k, lens);
+    }
+  }
+  return frame;
+}
+
+Setup small_setup(bool with_pmd) {
+  Setup setup;
+  setup.calibration.stereo = {
+      .left =
+          {.width = kWidth, .height = kHeight, .fx = kFocal, .fy = kFocal, .cx = 15.5, .cy = 11.5},
+      .baseline_m = kBaseline};
+  if (with_pmd) {
+    setup.calibration.pmd.lens = {
+        .width = kPmdWidth, .height = kPmdHeight, .fx = 20, .fy = 20, .cx = 7.5, .cy = 5.5};
+  }
+  setup.match = {.disparities = kDisparities,
+                 .block_width = 5,
+                 .block_height = 5,
+                 .left_right_tolerance = 1,
+                 .subpixel = true};
+  setup.fusion = {.stereo_sigma = 2};  // so that no two of the distances could be taken for one
+  return setup;
+}
+
+Rig::Rig(const RigOptions& options)
+    : stereo(clock, imagery, {.exposure = options.timing.stereo_exposure}, options.faults.stereo),
+      pmd(clock, imagery, pmd_timing(options), options.faults.pmd),
+      painted_stereo(stereo, log),
+      painted_pmd(pmd, log, options.timing.pmd_integration),
+      trigger(clock, 50us, {&log, &stereo, &pmd}, options.faults.trigger),
+      link(256, options.faults.link),
+      board{.clock = clock,
+            .trigger = trigger,
+            .stereo = painted_stereo,
+            .pmd = options.with_pmd ? &painted_pmd : nullptr,
+            .link = options.link != nullptr ? *options.link : link,
+            .calibration = small_setup(options.with_pmd).calibration,
+            .disparities = kDisparities,
+            .emulated_time = true,
+            .notes = {}},
+      setup(small_setup(options.with_pmd)),
+      memory(static_cast<std::byte*>(
+                 std::aligned_alloc(dsp::Arena::kAlign, Pipeline::bytes_needed(setup))),
+             &std::free),
+      arena({memory.get(), Pipeline::bytes_needed(setup)}),
+      pipeline(setup, clock, arena),
+      stream(
+          {.origin = {.device_id = 7, .session_id = 9},
+           .clock = wire::ClockState::kEmulated,
+           .calibration = wire::make_calibration_packet(setup.calibration, setup.fusion.max_range,
+                                                        options.timing.period.count())
+                              .value()},
+          clock, board.link, events),
+      loop(board, options.timing, setup, pipeline, stream, events) {}
+
+std::size_t Received::count(dsp::Source which) const {
+  return static_cast<std::size_t>(std::ranges::count(source, static_cast<std::uint8_t>(which)));
+}
+
+double Received::depth_m() const {
+  std::vector<std::uint16_t> both;
+  for (std::size_t i = 0; i < depth.size(); ++i) {
+    if (source[i] == static_cast<std::uint8_t>(dsp::Source::kBoth)) {
+      both.push_back(depth[i]);
+    }
+  }
+  if (both.empty()) {
+    return 0;
+  }
+  std::ranges::nth_element(both, both.begin() + static_cast<std::ptrdiff_t>(both.size() / 2));
+  return static_cast<double>(both[both.size() / 2]) / dsp::kQuarterMmPerMetre;
+}
+
+void Receiver::drain(emu::Link& link) {
+  while (const auto datagram = link.receive()) {
+    bytes.insert(bytes.end(), datagram->begin(), datagram->end());
+    if (const auto packet = wire::parse_packet(*datagram)) {
+      take(*packet);
+    } else {
+      ++damaged;
+    }
+  }
+}
+
+void Receiver::take(const wire::PacketView& packet) {
+  const wire::Header& header = packet.header;
+  if (header.type == wire::PacketType::kCalibration) {
+    ++calibrations;
+    return;
+  }
+  Received& frame = frames[header.frame.number];
+  frame.stamp = header.frame;
+  frame.depth.resize(std::size_t{kWidth} * kHeight);
+  frame.source.resize(std::size_t{kWidth} * kHeight);
+  ++frame.packets;
+  if (header.type == wire::PacketType::kFrameInfo) {
+    frame.info = wire::decode_frame_info(packet.payload).value();
+    return;
+  }
+  const std::size_t first = std::size_t{header.first_row} * kWidth + header.first_column;
+  if (header.stream == wire::Stream::kDepth) {
+    wire::get_pixels(packet.payload, std::span(frame.depth).subspan(first, header.pixel_count));
+  } else if (header.stream == wire::Stream::kSource) {
+    wire::get_pixels(packet.payload, std::span(frame.source).subspan(first, header.pixel_count));
+  }
+}
+
+void run(Rig& rig, Receiver& receiver, int steps) {
+  for (int i = 0; i < steps; ++i) {
+    static_cast<void>(rig.loop.step());
+    receiver.drain(rig.link);
+  }
+}
+
+std::vector<std::size_t> expect_true_frames(const Rig& rig, const Receiver& receiver) {
+  std::vector<std::size_t> edges;
+  std::optional<wire::FrameStamp> before;
+  for (const auto& [number, frame] : receiver.frames) {
+    if (!frame.complete()) {
+      continue;
+    }
+    const auto edge = rig.log.find(hal::Time(hal::Duration(frame.info.exposure_begin_ns)));
+    if (!edge) {
+      ADD_FAILURE() << "frame " << number << " begins at no edge";
+      continue;
+    }
+    EXPECT_EQ(frame.info.exposure_end_ns - frame.info.exposure_begin_ns,
+              hal::Duration(4ms).count());
+    EXPECT_EQ(frame.info.pmd_age_ns, hal::Duration(2ms - 8ms).count()) << "frame " << number;
+    // The pixels: both sensors saw the wall that stood there at this edge.
+    EXPECT_NEAR(frame.depth_m(), depth_of(*edge), 0.03 * depth_of(*edge)) << "frame " << number;
+    EXPECT_GE(frame.count(dsp::Source::kBoth), frame.source.size() / 3) << "frame " << number;
+    EXPECT_LE(frame.count(dsp::Source::kConflict), frame.source.size() / 20) << "frame " << number;
+    EXPECT_TRUE(edges.empty() || *edge > edges.back()) << "frame " << number << " is not new";
+    if (before) {
+      EXPECT_GT(frame.stamp.freshness, before->freshness);
+      EXPECT_GT(frame.stamp.exposure_middle_ns, before->exposure_middle_ns);
+    }
+    before = frame.stamp;
+    edges.push_back(*edge);
+  }
+  return edges;
+}
+
+}  // namespace stof::firmware::test

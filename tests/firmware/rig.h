@@ -1,0 +1,179 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <map>
+#include <memory>
+#include <numbers>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "board/board.h"
+#include "firmware/events.h"
+#include "firmware/loop.h"
+#include "firmware/pipeline.h"
+#include "firmware/stream.h"
+#include "hal/emu/clock.h"
+#include "hal/emu/faults.h"
+#include "hal/emu/imagery.h"
+#include "hal/emu/link.h"
+#include "hal/emu/pmd_camera.h"
+#include "hal/emu/stereo_camera.h"
+#include "hal/emu/trigger.h"
+
+// A small rig of emulated devices around the real loop, and a receiver that looks at its packets.
+namespace stof::firmware::test {
+
+namespace emu = hal::emu;
+using namespace std::chrono_literals;
+
+inline constexpr int kWidth = 32;
+inline constexpr int kHeight = 24;
+inline constexpr int kPmdWidth = 16;
+inline constexpr int kPmdHeight = 12;
+inline constexpr int kDisparities = 8;
+inline constexpr double kFocal = 40;      // px
+inline constexpr double kBaseline = 0.1;  // m: 4 m px
+
+inline board::TimingConfig timing() {
+  return {.period = 33ms,
+          .stereo_exposure = 4ms,
+          .pmd_integration = 16ms,
+          .edge_tolerance = 200us,
+          .pmd_every = 1};
+}
+
+// Every edge shows a wall at its own distance, with its own texture.
+int disparity_of(std::size_t edge);
+double depth_of(std::size_t edge);
+
+// Writes down the edges that the cameras saw.
+class EdgeLog final : public emu::EdgeListener {
+ public:
+  void on_edge(hal::Time edge) noexcept override { edges.push_back(edge); }
+  std::optional<std::size_t> find(hal::Time edge) const noexcept;
+
+  std::vector<hal::Time> edges;
+};
+
+class NoImagery final : public emu::Imagery {
+ public:
+  emu::Size stereo_size() const noexcept override { return {kWidth, kHeight}; }
+  emu::Size pmd_size() const noexcept override { return {kPmdWidth, kPmdHeight}; }
+  void left(std::uint32_t, dsp::ImageView<std::uint8_t>) noexcept override {}
+  void right(std::uint32_t, dsp::ImageView<std::uint8_t>) noexcept override {}
+  void pmd(std::uint32_t, int, dsp::ImageView<std::uint16_t>) noexcept override {}
+};
+
+// Paint into each view what stood before the cameras at the edge that the view's own stamp names:
+// a depth map made of views from different edges shows it. Also write down the deadlines they get.
+class PaintedStereo final : public hal::StereoCamera {
+ public:
+  PaintedStereo(hal::StereoCamera& camera, const EdgeLog& log) : camera_(camera), log_(log) {}
+  Result<hal::Lease<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override;
+
+  hal::Time latest_deadline{};
+
+ private:
+  hal::StereoCamera& camera_;
+  const EdgeLog& log_;
+};
+
+class PaintedPmd final : public hal::PmdCamera {
+ public:
+  PaintedPmd(hal::PmdCamera& camera, const EdgeLog& log, hal::Duration integration)
+      : camera_(camera), log_(log), integration_(integration) {}
+  Result<hal::Lease<hal::PmdFrame>> wait_frame(hal::Time deadline) noexcept override;
+
+  hal::Time latest_deadline{};
+
+ private:
+  hal::PmdCamera& camera_;
+  const EdgeLog& log_;
+  hal::Duration integration_;
+};
+
+struct Faults {
+  emu::FaultPlan trigger{};
+  emu::FaultPlan stereo{};
+  emu::FaultPlan pmd{};
+  emu::FaultPlan link{};
+};
+
+struct RigOptions {
+  Faults faults{};
+  board::TimingConfig timing = test::timing();
+  bool with_pmd = true;
+  hal::Link* link = nullptr;  // in place of the emulated one
+};
+
+Setup small_setup(bool with_pmd);
+
+struct Rig {
+  explicit Rig(const RigOptions& options = {});
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
+  emu::Clock clock;
+  NoImagery imagery;
+  EdgeLog log;
+  emu::StereoCamera stereo;
+  emu::PmdCamera pmd;
+  PaintedStereo painted_stereo;
+  PaintedPmd painted_pmd;
+  emu::Trigger trigger;
+  emu::Link link;
+  board::Board board;
+  Setup setup;
+  std::unique_ptr<std::byte, decltype(&std::free)> memory;
+  dsp::Arena arena;
+  Pipeline pipeline;
+  Events events;
+  Stream stream;
+  Loop loop;
+};
+
+// A frame put together again from its packets.
+struct Received {
+  wire::FrameStamp stamp;
+  wire::FrameInfo info;
+  std::vector<std::uint16_t> depth;
+  std::vector<std::uint8_t> source;
+  std::size_t packets = 0;
+
+  bool complete() const {
+    return packets ==
+           std::size_t{1} + info.depth_packets + info.width_packets + info.source_packets;
+  }
+  std::size_t count(dsp::Source which) const;
+  // The median of the pixels that both sensors saw, in metres; 0 without any.
+  double depth_m() const;
+};
+
+class Receiver {
+ public:
+  // Takes everything that waits in the link.
+  void drain(emu::Link& link);
+
+  std::map<std::uint32_t, Received> frames;  // by number
+  std::size_t calibrations = 0;
+  std::size_t damaged = 0;
+  std::vector<std::byte> bytes;  // all datagrams, one after the other
+
+ private:
+  void take(const wire::PacketView& packet);
+};
+
+// Runs `steps` periods.
+void run(Rig& rig, Receiver& receiver, int steps);
+
+// That every complete frame came from one edge, each from a later one than the frame before it.
+// Returns the edges, in order.
+std::vector<std::size_t> expect_true_frames(const Rig& rig, const Receiver& receiver);
+
+}  // namespace stof::firmware::test

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <sys/types.h>
+
+namespace stof::firmware::test {
+
+struct Ended {
+  int code = -1;  // 1000 + signal where a signal ended it
+  std::string out;
+  std::string error;
+};
+
+// A running stofd. STOFD_COMMAND is its file, behind an emulator in cross builds, words apart by |.
+class Stofd {
+ public:
+  explicit Stofd(const std::vector<std::string>& arguments);
+  void signal(int number) const;
+  // Waits for it. Both texts are short enough for a pipe, so one may be read after the other.
+  Ended end() const;
+
+ private:
+  pid_t child_ = -1;
+  int out_[2]{};
+  int error_[2]{};
+};
+
+Ended run_stofd(const std::vector<std::string>& arguments);
+
+// A UDP socket on loopback that stofd sends to.
+class Socket {
+ public:
+  Socket();
+  ~Socket();
+  Socket(const Socket&) = delete;
+  Socket& operator=(const Socket&) = delete;
+
+  // The next datagram; empty when none comes for a long time.
+  std::vector<std::byte> receive() const;
+
+  std::string destination;  // for --to
+
+ private:
+  int fd_;
+};
+
+}  // namespace stof::firmware::test

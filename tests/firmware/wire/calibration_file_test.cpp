@@ -1,0 +1,227 @@
+#include "firmware/wire/calibration_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/crc32c.h"
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+
+namespace stof::wire {
+namespace {
+
+using File = std::vector<std::byte>;
+
+// Every field has another value, so that a swap shows.
+dsp::Calibration some_calibration(std::span<const std::int16_t> pattern) {
+  dsp::Calibration c;
+  double next = 0.1;
+  const auto fill = [&next](dsp::Pinhole& lens, int width, int height) {
+    lens.width = width;
+    lens.height = height;
+    for (double* number : {&lens.fx, &lens.fy, &lens.cx, &lens.cy, &lens.k1, &lens.k2}) {
+      *number = next *= -1.7;
+    }
+  };
+  fill(c.stereo.left, 640, 480);
+  c.stereo.baseline_m = 0.16;
+  c.stereo.doff_px = -31.5;
+  fill(c.pmd.lens, 5, 3);
+  c.pmd.modulation = dsp::Hertz{18'750'000};
+  c.pmd.phase_falls = true;
+  c.pmd.dark_lsb = 101.5;
+  c.pmd.saturation_lsb = 4000;
+  c.pmd.under_lsb = -7;
+  c.pmd.min_amplitude_lsb = 9;
+  c.pmd.min_modulation_ratio = 0.25;
+  c.pmd.asymmetry_sigmas = 5.5;
+  c.pmd.electrons_per_lsb = 61;
+  c.pmd.noise_lsb = 4.75;
+  c.pmd.suppressed_lsb = 12;
+  c.pmd.offset_m = -0.03125;
+  test::Random random(1);
+  random.fill(std::span(c.pmd.wiggling));
+  for (double& element : c.pmd_to_stereo.rotation) {
+    element = next *= 1.1;
+  }
+  for (double& element : c.pmd_to_stereo.translation_m) {
+    element = next *= -1.1;
+  }
+  c.pmd.fixed_pattern = pattern;
+  return c;
+}
+
+std::vector<std::int16_t> some_pattern(std::size_t count = 15) {
+  std::vector<std::int16_t> pattern(count);
+  test::Random random(2);
+  random.fill(std::span(pattern));
+  return pattern;
+}
+
+File encoded(const dsp::Calibration& calibration) {
+  test::GuardedBuffer<std::byte> out(calibration_file_bytes(calibration));
+  const Result<std::size_t> bytes = encode_calibration_file(calibration, out.span());
+  EXPECT_TRUE(bytes);
+  EXPECT_EQ(bytes.value_or(0), out.size());
+  return {out.span().begin(), out.span().end()};
+}
+
+void reseal(File& file) {
+  put_u32(std::span(file).last<4>(), crc32c(std::span(file).first(file.size() - 4)));
+}
+
+void expect_equal(const dsp::Pinhole& a, const dsp::Pinhole& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.fx, b.fx);
+  EXPECT_EQ(a.fy, b.fy);
+  EXPECT_EQ(a.cx, b.cx);
+  EXPECT_EQ(a.cy, b.cy);
+  EXPECT_EQ(a.k1, b.k1);
+  EXPECT_EQ(a.k2, b.k2);
+}
+
+TEST(CalibrationFile, GivesBackEveryField) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  const dsp::Calibration want = some_calibration(pattern);
+  std::vector<std::int16_t> space(20);
+  const Result<dsp::Calibration> got = decode_calibration_file(encoded(want), space);
+  ASSERT_TRUE(got);
+  expect_equal(got->stereo.left, want.stereo.left);
+  EXPECT_EQ(got->stereo.baseline_m, want.stereo.baseline_m);
+  EXPECT_EQ(got->stereo.doff_px, want.stereo.doff_px);
+  expect_equal(got->pmd.lens, want.pmd.lens);
+  EXPECT_EQ(got->pmd.modulation.value, want.pmd.modulation.value);
+  EXPECT_EQ(got->pmd.phase_falls, want.pmd.phase_falls);
+  EXPECT_EQ(got->pmd.dark_lsb, want.pmd.dark_lsb);
+  EXPECT_EQ(got->pmd.saturation_lsb, want.pmd.saturation_lsb);
+  EXPECT_EQ(got->pmd.under_lsb, want.pmd.under_lsb);
+  EXPECT_EQ(got->pmd.min_amplitude_lsb, want.pmd.min_amplitude_lsb);
+  EXPECT_EQ(got->pmd.min_modulation_ratio, want.pmd.min_modulation_ratio);
+  EXPECT_EQ(got->pmd.asymmetry_sigmas, want.pmd.asymmetry_sigmas);
+  EXPECT_EQ(got->pmd.electrons_per_lsb, want.pmd.electrons_per_lsb);
+  EXPECT_EQ(got->pmd.noise_lsb, want.pmd.noise_lsb);
+  EXPECT_EQ(got->pmd.suppressed_lsb, want.pmd.suppressed_lsb);
+  EXPECT_EQ(got->pmd.offset_m, want.pmd.offset_m);
+  EXPECT_EQ(got->pmd.wiggling, want.pmd.wiggling);
+  EXPECT_EQ(got->pmd_to_stereo.rotation, want.pmd_to_stereo.rotation);
+  EXPECT_EQ(got->pmd_to_stereo.translation_m, want.pmd_to_stereo.translation_m);
+  EXPECT_TRUE(std::ranges::equal(got->pmd.fixed_pattern, pattern));
+  EXPECT_EQ(got->pmd.fixed_pattern.data(), space.data());
+}
+
+TEST(CalibrationFile, IsDecodedAndEncodedToTheSameBytes) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  dsp::Calibration odd = some_calibration(pattern);
+  odd.stereo.doff_px = -0.0;
+  odd.pmd.dark_lsb = std::numeric_limits<double>::denorm_min();
+  odd.pmd.noise_lsb = std::bit_cast<double>(0x7FF8000000000123);  // a NaN keeps its bits
+  const File file = encoded(odd);
+  std::vector<std::int16_t> space(15);
+  const Result<dsp::Calibration> decoded = decode_calibration_file(file, space);
+  ASSERT_TRUE(decoded);
+  EXPECT_EQ(encoded(*decoded), file);
+}
+
+TEST(CalibrationFile, LivesWithoutFixedPattern) {
+  const File file = encoded(some_calibration({}));
+  EXPECT_EQ(file.size(), 580U);
+  const Result<dsp::Calibration> decoded = decode_calibration_file(file, {});
+  ASSERT_TRUE(decoded);
+  EXPECT_TRUE(decoded->pmd.fixed_pattern.empty());
+}
+
+TEST(CalibrationFile, HasTheDocumentsOffsets) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  const dsp::Calibration c = some_calibration(pattern);
+  const File file = encoded(c);
+  const std::span<const std::byte> in(file);
+  const auto f64 = [&in](std::size_t at) {
+    return std::bit_cast<double>(get_u64(in.subspan(at).first<8>()));
+  };
+  EXPECT_EQ(std::memcmp(file.data(), "STOFCAL", 8), 0);
+  EXPECT_EQ(get_u16(in.subspan<8, 2>()), 1);
+  EXPECT_EQ(get_u32(in.subspan<12, 4>()), file.size());
+  EXPECT_EQ(get_i32(in.subspan<16, 4>()), 640);
+  EXPECT_EQ(f64(24), c.stereo.left.fx);
+  EXPECT_EQ(f64(72), 0.16);
+  EXPECT_EQ(get_i32(in.subspan<88, 4>()), 5);
+  EXPECT_EQ(get_u32(in.subspan<144, 4>()), 18'750'000U);
+  EXPECT_EQ(get_i32(in.subspan<156, 4>()), -7);
+  EXPECT_EQ(f64(164), 101.5);
+  EXPECT_EQ(f64(180), 5.5);
+  EXPECT_EQ(f64(212), -0.03125);
+  EXPECT_EQ(get_u16(in.subspan<220, 2>()), static_cast<std::uint16_t>(c.pmd.wiggling[0]));
+  EXPECT_EQ(f64(476), c.pmd_to_stereo.rotation[0]);
+  EXPECT_EQ(f64(548), c.pmd_to_stereo.translation_m[0]);
+  EXPECT_EQ(get_u32(in.subspan<572, 4>()), 15U);
+  EXPECT_EQ(get_u16(in.subspan<576, 2>()), static_cast<std::uint16_t>(pattern[0]));
+  EXPECT_EQ(file.size(), 580U + 30U);
+}
+
+TEST(CalibrationFile, EverySingleBitFlipAndTruncationIsCorrupt) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  const File good = encoded(some_calibration(pattern));
+  std::vector<std::int16_t> space(15);
+  for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
+    File bad = good;
+    bad[bit / 8] ^= static_cast<std::byte>(1U << (bit % 8));
+    ASSERT_EQ(decode_calibration_file(bad, space).error(), Status::kCorrupt) << "bit " << bit;
+  }
+  for (std::size_t size = 0; size < good.size(); ++size) {
+    test::GuardedBuffer<std::byte> cut(size);
+    std::copy_n(good.begin(), size, cut.span().begin());
+    ASSERT_EQ(decode_calibration_file(cut.span(), space).error(), Status::kCorrupt) << size;
+  }
+  File longer = good;
+  longer.push_back(std::byte{0});
+  EXPECT_EQ(decode_calibration_file(longer, space).error(), Status::kCorrupt);
+}
+
+TEST(CalibrationFile, AnotherVersionIsUnsupported) {
+  File file = encoded(some_calibration({}));
+  file[8] = std::byte{2};
+  reseal(file);
+  EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kUnsupported);
+}
+
+TEST(CalibrationFile, AShortFileWithARightCrcIsCorrupt) {
+  const File whole = encoded(some_calibration({}));
+  for (std::size_t size = 20; size < whole.size(); ++size) {
+    test::GuardedBuffer<std::byte> cut(size);
+    std::copy_n(whole.begin(), size, cut.span().begin());
+    put_u32(cut.span().subspan<12, 4>(), static_cast<std::uint32_t>(size));
+    put_u32(cut.span().last<4>(), crc32c(cut.span().first(size - 4)));
+    ASSERT_EQ(decode_calibration_file(cut.span(), {}).error(), Status::kCorrupt) << size;
+  }
+}
+
+TEST(CalibrationFile, AHostileNumberOfPixelsIsCorrupt) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  const File good = encoded(some_calibration(pattern));
+  std::vector<std::int16_t> space(15);
+  for (const std::uint32_t count : {0U, 14U, 16U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU}) {
+    File bad = good;
+    put_u32(std::span(bad).subspan<572, 4>(), count);
+    reseal(bad);
+    EXPECT_EQ(decode_calibration_file(bad, space).error(), Status::kCorrupt) << count;
+  }
+}
+
+TEST(CalibrationFile, SaysWhenTheSpaceIsTooSmall) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  const dsp::Calibration calibration = some_calibration(pattern);
+  std::vector<std::int16_t> space(14);
+  EXPECT_EQ(decode_calibration_file(encoded(calibration), space).error(), Status::kTooLarge);
+  std::vector<std::byte> out(calibration_file_bytes(calibration) - 1);
+  EXPECT_EQ(encode_calibration_file(calibration, out).error(), Status::kTooLarge);
+}
+
+}  // namespace
+}  // namespace stof::wire

@@ -1,0 +1,79 @@
+#include "firmware/workspace.h"
+
+#include <algorithm>
+#include <array>
+
+#include <gtest/gtest.h>
+
+#include "dsp/fusion/fuser.h"
+#include "dsp/pmd/converter.h"
+#include "dsp/stereo/matcher.h"
+#include "firmware/pipeline.h"
+
+namespace stof::firmware {
+namespace {
+
+struct Sizes {
+  board::StereoConfig stereo;
+  board::PmdConfig pmd;
+};
+
+constexpr std::array kBoards{
+    Sizes{board::kConfig.stereo, board::kConfig.pmd}, Sizes{kVga, {.width = 352, .height = 288}},
+    Sizes{{.width = 320, .height = 200, .disparities = 17, .block_width = 1, .block_height = 1},
+          {.width = 64, .height = 16}},
+    Sizes{{.width = 1, .height = 1, .disparities = 1, .block_width = 1, .block_height = 1},
+          {.width = 1, .height = 1}},
+    Sizes{{.width = 4096, .height = 16, .disparities = 256, .block_width = 64, .block_height = 64},
+          {.width = 1, .height = 800}}};
+
+// Grey values and large blocks are what takes most: their sums need 32 bits.
+dsp::MatchParams largest(const board::StereoConfig& stereo) {
+  return {.disparities = stereo.disparities,
+          .block_width = stereo.block_width,
+          .block_height = stereo.block_height,
+          .prefilter_cap = std::nullopt,
+          .left_right_tolerance = 1,
+          .subpixel = true};
+}
+
+TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
+  for (const Sizes& board : kBoards) {
+    SCOPED_TRACE(std::to_string(board.stereo.width));
+    const board::StereoConfig& s = board.stereo;
+    EXPECT_LE(dsp::Matcher::bytes_needed(largest(s), s.width, s.height), matcher_bytes(s));
+    EXPECT_LE(dsp::Converter::bytes_needed(board.pmd.width, board.pmd.height),
+              converter_bytes(board.pmd));
+    EXPECT_LE(dsp::Fuser::bytes_needed(s.width, s.height, s.disparities, board.pmd.width,
+                                       board.pmd.height),
+              fuser_bytes(s, board.pmd));
+  }
+}
+
+// The bound is meant to be one: no part of the limit is left to chance, none is wasted.
+TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
+  firmware::Setup setup;  // gtest has a Setup too
+  setup.calibration.stereo.left = {.width = board::kConfig.stereo.width,
+                                   .height = board::kConfig.stereo.height};
+  setup.calibration.pmd.lens = {.width = board::kConfig.pmd.width,
+                                .height = board::kConfig.pmd.height};
+  setup.match = largest(board::kConfig.stereo);
+  const std::size_t bytes = Pipeline::bytes_needed(setup);
+  EXPECT_LE(bytes, sizeof(Workspace));
+  EXPECT_GE(bytes, sizeof(Workspace) / 10 * 8);
+}
+
+TEST(Workspace, GrowsWithEveryDimension) {
+  const std::size_t vga = workspace_bytes(kVga, {.width = 352, .height = 288});
+  EXPECT_LE(vga, 24 * kMiB);
+  board::StereoConfig wider = kVga;
+  ++wider.width;
+  EXPECT_GT(workspace_bytes(wider, {.width = 352, .height = 288}), vga);
+  EXPECT_GT(workspace_bytes(kVga, {.width = 352, .height = 289}), vga);
+  board::StereoConfig deeper = kVga;
+  ++deeper.disparities;
+  EXPECT_GT(workspace_bytes(deeper, {.width = 352, .height = 288}), vga);
+}
+
+}  // namespace
+}  // namespace stof::firmware
