@@ -30,7 +30,9 @@ struct Image {
 
   Image() = default;
   Image(int w, int h, T fill = T{})
-      : width(w), height(h), pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill) {}
+      : width(w),
+        height(h),
+        pixels(static_cast<std::size_t>(w) * static_cast<std::size_t>(h), fill) {}
   dsp::ImageView<const T> view() const { return {pixels.data(), width, height}; }
   dsp::ImageView<T> view() { return {pixels.data(), width, height}; }
 };
@@ -42,15 +44,16 @@ Loaded<Image<std::uint16_t>> read_pgm16(const std::filesystem::path& file);
 
 // PFM, "Pf", bottom row first, scale -1 (little-endian); +inf = none.
 Loaded<Image<float>> read_pfm(const std::filesystem::path& file);
-std::expected<void, Problem> write_pfm(const std::filesystem::path& file, const Image<float>& image);
+std::expected<void, Problem> write_pfm(const std::filesystem::path& file,
+                                       const Image<float>& image);
 
 // A stereo scene. left and right have equal size.
 struct StereoScene {
   std::string name;  // the folder's name
   Image<std::uint8_t> left;
   Image<std::uint8_t> right;
-  int ndisp = 64;                            // search range to use, from meta.txt
-  std::optional<Image<float>> truth;         // disparity in px of the left view, +inf = unknown
+  int ndisp = 64;                              // search range to use, from meta.txt
+  std::optional<Image<float>> truth;           // disparity in px of the left view, +inf = unknown
   std::optional<Image<std::uint8_t>> visible;  // not 0 = known and seen by both cameras
 };
 
@@ -70,7 +73,7 @@ struct PmdRecording {
   std::array<dsp::ImageView<const std::uint16_t>, 4> samples(std::size_t frame) const;
 
   PmdRecording() = default;
-  PmdRecording(PmdRecording&&) = default;             // keeps fixed_pattern's storage
+  PmdRecording(PmdRecording&&) = default;  // keeps fixed_pattern's storage
   PmdRecording& operator=(PmdRecording&&) = default;
   PmdRecording(const PmdRecording&) = delete;
   PmdRecording& operator=(const PmdRecording&) = delete;

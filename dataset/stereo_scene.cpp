@@ -1,0 +1,143 @@
+#include <algorithm>
+#include <charconv>
+#include <limits>
+
+#include "dataset/file.h"
+
+namespace stof::dataset {
+namespace {
+
+constexpr std::size_t kMaxMetaBytes = 1U << 20;
+constexpr int kMaxNdisp = 4096;
+
+// The number behind `key` at the beginning of a line of meta.txt.
+std::optional<double> meta_number(std::string_view text, std::string_view key) {
+  while (!text.empty()) {
+    const std::size_t end = std::min(text.find('\n'), text.size());
+    std::string_view line = text.substr(0, end);
+    text.remove_prefix(std::min(end + 1, text.size()));
+    if (!line.starts_with(key) || line.size() <= key.size() ||
+        (line[key.size()] != ' ' && line[key.size()] != '\t')) {
+      continue;
+    }
+    line.remove_prefix(std::min(line.find_first_not_of(" \t", key.size()), line.size()));
+    line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
+    double value = 0;
+    const std::from_chars_result result =
+        std::from_chars(line.data(), line.data() + line.size(), value);
+    if (result.ec == std::errc{} && result.ptr == line.data() + line.size()) {
+      return value;
+    }
+  }
+  return std::nullopt;
+}
+
+std::string folder_name(const std::filesystem::path& dir) {
+  std::error_code error;
+  const std::filesystem::path whole = std::filesystem::weakly_canonical(dir, error);
+  const std::filesystem::path name = (error ? dir : whole).filename();
+  return name.empty() ? "scene" : name.string();
+}
+
+template <typename T>
+std::expected<void, Problem> same_size_as_left(const std::filesystem::path& file,
+                                               const Image<T>& image, const StereoScene& scene) {
+  if (image.width != scene.left.width || image.height != scene.left.height) {
+    return refuse(file,
+                  "is " + size_text(image.width, image.height) + " but left.pgm is " +
+                      size_text(scene.left.width, scene.left.height),
+                  "use pictures of one size");
+  }
+  return {};
+}
+
+std::expected<void, Problem> read_truth(const std::filesystem::path& dir, std::string_view meta,
+                                        StereoScene& scene) {
+  const std::filesystem::path file = dir / "gt_left.pgm";
+  if (!is_there(file)) {
+    return {};
+  }
+  const std::optional<double> scale = meta_number(meta, "gt_scale");
+  if (!scale || !(*scale > 0) || !(*scale <= 65535)) {
+    return refuse(dir / "meta.txt", "has no usable gt_scale for gt_left.pgm",
+                  "add a line such as \"gt_scale 4\"");
+  }
+  const Loaded<Image<std::uint16_t>> values = read_pgm16(file);
+  if (!values) {
+    return std::unexpected(values.error());
+  }
+  if (std::expected<void, Problem> same = same_size_as_left(file, *values, scene); !same) {
+    return same;
+  }
+  Image<float> truth(values->width, values->height, std::numeric_limits<float>::infinity());
+  for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
+    if (values->pixels[i] != 0) {
+      truth.pixels[i] = static_cast<float>(values->pixels[i] / *scale);
+    }
+  }
+  scene.truth = std::move(truth);
+  return {};
+}
+
+std::expected<void, Problem> read_visible(const std::filesystem::path& dir, StereoScene& scene) {
+  const std::filesystem::path file = dir / "nonocc.pgm";
+  if (!is_there(file)) {
+    return {};
+  }
+  Loaded<Image<std::uint8_t>> mask = read_pgm8(file);
+  if (!mask) {
+    return std::unexpected(std::move(mask.error()));
+  }
+  if (std::expected<void, Problem> same = same_size_as_left(file, *mask, scene); !same) {
+    return same;
+  }
+  scene.visible = std::move(*mask);
+  return {};
+}
+
+std::expected<void, Problem> read_pair(const std::filesystem::path& dir, StereoScene& scene) {
+  Loaded<Image<std::uint8_t>> left = read_pgm8(dir / "left.pgm");
+  if (!left) {
+    return std::unexpected(std::move(left.error()));
+  }
+  Loaded<Image<std::uint8_t>> right = read_pgm8(dir / "right.pgm");
+  if (!right) {
+    return std::unexpected(std::move(right.error()));
+  }
+  scene.left = std::move(*left);
+  scene.right = std::move(*right);
+  return same_size_as_left(dir / "right.pgm", scene.right, scene);
+}
+
+}  // namespace
+
+Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
+  std::error_code error;
+  if (!std::filesystem::is_directory(dir, error)) {
+    return refuse(dir, "is not a folder", "give a folder with left.pgm, right.pgm and meta.txt");
+  }
+  StereoScene scene;
+  scene.name = folder_name(dir);
+  if (std::expected<void, Problem> pair = read_pair(dir, scene); !pair) {
+    return std::unexpected(std::move(pair.error()));
+  }
+  const Loaded<std::string> meta = read_whole(dir / "meta.txt", kMaxMetaBytes);
+  if (!meta) {
+    return std::unexpected(meta.error());
+  }
+  const std::optional<double> ndisp = meta_number(*meta, "ndisp");
+  if (!ndisp || !(*ndisp >= 1) || !(*ndisp <= kMaxNdisp) || *ndisp != static_cast<int>(*ndisp)) {
+    return refuse(dir / "meta.txt", "has no usable ndisp (the search range, 1 to 4096)",
+                  "add a line such as \"ndisp 64\"");
+  }
+  scene.ndisp = static_cast<int>(*ndisp);
+  if (std::expected<void, Problem> truth = read_truth(dir, *meta, scene); !truth) {
+    return std::unexpected(std::move(truth.error()));
+  }
+  if (std::expected<void, Problem> visible = read_visible(dir, scene); !visible) {
+    return std::unexpected(std::move(visible.error()));
+  }
+  return scene;
+}
+
+}  // namespace stof::dataset

@@ -1,0 +1,118 @@
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "host/cli/evaluate.h"
+#include "host/cli/exit.h"
+#include "host/cli/view.h"
+
+namespace stof::host {
+namespace {
+
+constexpr const char* kVersion = "stof " STOF_VERSION;
+constexpr const char* kFooter =
+    "Ends with 0 (done), 1 (nothing or too little was received) or 2 (bad input: one line says "
+    "what).";
+
+struct Commands {
+  EvaluateStereoOptions stereo;
+  EvaluateFusionOptions fusion;
+  ViewOptions view;
+};
+
+void add_evaluate(CLI::App& app, Commands& commands) {
+  CLI::App& evaluate =
+      *app.add_subcommand("evaluate", "Score recorded scenes against their ground truth");
+  evaluate.require_subcommand(1);
+
+  EvaluateStereoOptions& stereo = commands.stereo;
+  CLI::App& pair =
+      *evaluate.add_subcommand("stereo", "Match stereo pairs: time, bad pixels, density");
+  pair.add_option("DIR", stereo.scenes, "Folders with left.pgm, right.pgm, meta.txt")->required();
+  add_evaluate_flags(pair, stereo);
+  pair.callback([&stereo] { evaluate_stereo(stereo); });
+
+  EvaluateFusionOptions& fusion = commands.fusion;
+  CLI::App& both = *evaluate.add_subcommand("fusion", "Fuse a stereo pair with its PMD recording");
+  both.add_option("STEREO_DIR", fusion.scene, "Folder of the stereo pair")->required();
+  both.add_option("PREFIX", fusion.prefix, "PMD recording: PREFIX.json, PREFIX_raw.pgm")
+      ->required();
+  add_evaluate_flags(both, fusion);
+  both.callback([&fusion] { evaluate_fusion(fusion); });
+}
+
+void add_view(CLI::App& app, ViewOptions& options) {
+  CLI::App& view_command =
+      *app.add_subcommand("view", "Receive depth, print a line a second, leave pictures");
+  view_command.add_option("--port", options.port, "UDP port, 0: any free one")
+      ->capture_default_str();
+  view_command.add_option("--bind", options.bind, "Address of the interface to listen at")
+      ->capture_default_str();
+  view_command
+      .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
+      ->capture_default_str();
+  view_command
+      .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
+  view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
+  view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  view_command.add_option("--far", options.scale.far_m, "Distance of the coldest colour, metres")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  view_command.add_option("--port-file", options.port_file,
+                          "File that gets the number of the opened port");
+  view_command.callback([&options] {
+    if (!(options.scale.near_m < options.scale.far_m)) {
+      throw Failure(Exit::kBadInput, "--near: is not below --far: give a smaller --near");
+    }
+    view(options);
+  });
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Receives and measures the depth of a stof sensor.", "stof");
+  app.set_version_flag("--version", kVersion);
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  Commands commands;
+  add_evaluate(app, commands);
+  add_view(app, commands.view);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    throw Failure(Exit::kBadInput, std::string(error.what()) + ": try --help");
+  }
+  return static_cast<int>(Exit::kOk);
+}
+
+// The program's last word is one line, whatever an exception's text holds.
+int complain(Exit code, std::string line) {
+  for (char& c : line) {
+    c = c == '\n' || c == '\r' ? ' ' : c;
+  }
+  std::fflush(stdout);
+  std::fprintf(stderr, "stof: %s\n", line.c_str());
+  return static_cast<int>(code);
+}
+
+}  // namespace
+}  // namespace stof::host
+
+int main(int argc, char** argv) {
+  using stof::host::Exit;
+  try {
+    return stof::host::run(argc, argv);
+  } catch (const stof::host::Failure& failure) {
+    return stof::host::complain(failure.code(), failure.what());
+  } catch (const std::bad_alloc&) {
+    return stof::host::complain(Exit::kFailure, "out of memory: use a smaller picture");
+  } catch (const std::exception& error) {
+    return stof::host::complain(Exit::kFailure, error.what());
+  }
+}

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "host/client/receiver.h"
+#include "host/picture/colour_scale.h"
+
+namespace stof::host {
+
+struct ViewOptions {
+  std::uint16_t port = client::kDefaultPort;  // 0: any free one
+  std::string bind = "0.0.0.0";
+  std::uint64_t frames = 0;         // 0: until SIGINT or SIGTERM
+  double timeout_s = 5;             // without any packet
+  std::filesystem::path out;        // empty: no files
+  std::filesystem::path truth;      // PFM, Z in metres, read when the first frame is there
+  std::filesystem::path port_file;  // gets the port's number when it is open
+  ColourScale scale;
+};
+
+// `stof view`: receives, prints a line a second and a summary, leaves pictures of the newest
+// complete frame. Throws Failure.
+void view(const ViewOptions& options);
+
+}  // namespace stof::host

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <optional>
+
+#include "dataset/dataset.h"
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+#include "dsp/calib/calibration.h"
+
+namespace stof::host {
+
+// A depth map with its interval: Z in metres in the left view, +inf = none in all three.
+struct DepthPlanes {
+  dataset::Image<float> depth;
+  dataset::Image<float> low;
+  dataset::Image<float> high;
+};
+
+// Against truth. Shares are in 0..1; medians are over the pixels that have truth and a depth, the
+// mean of the middle two where their number is even, and absent where there is none.
+struct DepthScore {
+  double e5 = 1;        // pixels with truth that are missing or off by more than 5 % of the truth
+  double coverage = 0;  // pixels with truth that have a depth
+  std::size_t truth_pixels = 0;
+  std::optional<double> median_error_m;
+  std::optional<double> median_relative;  // of |error| / truth
+  std::optional<double> hit_rate;         // covered pixels whose truth lies in [low, high]
+  std::optional<double> median_width_m;   // of high - low
+};
+
+// All of one size; truth in metres, +inf = unknown.
+DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& truth);
+
+// Metres, interval [depth - width / 2, depth + width / 2]. Both of one size.
+DepthPlanes to_metres(dsp::ImageView<const dsp::QuarterMm> depth,
+                      dsp::ImageView<const dsp::QuarterMm> width);
+
+// Z = f b / (d + doff); +inf where there is no disparity or it does not lie before the rig.
+dataset::Image<float> depth_from_disparity(const dataset::Image<float>& disparity,
+                                           const dsp::StereoRig& rig);
+
+}  // namespace stof::host

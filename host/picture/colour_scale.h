@@ -1,0 +1,27 @@
+#pragma once
+
+#include <vector>
+
+#include "host/picture/png.h"
+
+namespace stof::host {
+
+// Near is warm, far is cold, on a logarithmic scale that does not depend on the picture: the same
+// distance has the same colour in every frame. 0 < near_m < far_m; what lies outside has the colour
+// of the end.
+struct ColourScale {
+  double near_m = 1;
+  double far_m = 8;
+
+  // 0 at near_m and before, 1 at far_m and beyond. depth_m > 0.
+  double position(double depth_m) const;
+  Rgb colour(double depth_m) const;
+  // Round distances (1, 1.5, 2, 3, 5, 7 times a power of ten) inside the scale, near first.
+  std::vector<double> ticks() const;
+};
+
+// The colour of a place of the scale, 0 (near, red) to 1 (far, violet). Lightness falls towards
+// both ends from yellow, in OKLCH, so that neighbouring distances differ about equally to the eye.
+Rgb scale_colour(double position);
+
+}  // namespace stof::host

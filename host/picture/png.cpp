@@ -1,0 +1,112 @@
+#include "host/picture/png.h"
+
+#include <cstdio>
+
+#include <png.h>
+
+namespace stof::host {
+namespace {
+
+struct Layout {
+  int width;
+  int height;
+  int bit_depth;
+  int colour_type;
+};
+
+// libpng reports errors by longjmp: what it jumps over has no destructors, this class keeps them.
+class Writer {
+ public:
+  explicit Writer(const std::filesystem::path& file)
+      : stream_(std::fopen(file.c_str(), "wb")),
+        png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore)),
+        info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {}
+  Writer(const Writer&) = delete;
+  Writer& operator=(const Writer&) = delete;
+  ~Writer() {
+    png_destroy_write_struct(&png_, &info_);
+    if (stream_ != nullptr) {
+      std::fclose(stream_);
+    }
+  }
+
+  bool write(const Layout& layout, std::vector<png_bytep>& rows, std::vector<png_text>& texts) {
+    if (stream_ == nullptr || info_ == nullptr || !encode(layout, rows, texts)) {
+      return false;
+    }
+    return std::fclose(std::exchange(stream_, nullptr)) == 0;
+  }
+
+ private:
+  static void ignore(png_structp /*png*/, png_const_charp /*message*/) {}
+
+  bool encode(const Layout& layout, std::vector<png_bytep>& rows, std::vector<png_text>& texts) {
+    if (setjmp(png_jmpbuf(png_)) != 0) {  // NOLINT: libpng's way to report an error
+      return false;
+    }
+    png_init_io(png_, stream_);
+    png_set_IHDR(png_, info_, static_cast<png_uint_32>(layout.width),
+                 static_cast<png_uint_32>(layout.height), layout.bit_depth, layout.colour_type,
+                 PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_text(png_, info_, texts.data(), static_cast<int>(texts.size()));
+    png_write_info(png_, info_);
+    png_write_image(png_, rows.data());
+    png_write_end(png_, info_);
+    return true;
+  }
+
+  std::FILE* stream_;
+  png_structp png_;
+  png_infop info_;
+};
+
+std::expected<void, dataset::Problem> write(const std::filesystem::path& file, const Layout& layout,
+                                            std::vector<std::uint8_t> bytes, PngTexts texts) {
+  std::vector<png_bytep> rows;
+  const std::size_t row_bytes = bytes.size() / static_cast<std::size_t>(layout.height);
+  for (std::size_t at = 0; at < bytes.size(); at += row_bytes) {
+    rows.push_back(bytes.data() + at);
+  }
+  std::vector<png_text> chunks;
+  for (auto& [key, text] : texts) {
+    png_text chunk{};
+    chunk.compression = PNG_TEXT_COMPRESSION_NONE;
+    chunk.key = key.data();
+    chunk.text = text.data();
+    chunk.text_length = text.size();
+    chunks.push_back(chunk);
+  }
+  if (!Writer(file).write(layout, rows, chunks)) {
+    return std::unexpected(dataset::Problem{
+        file.string() +
+        ": cannot be written: check the folder, its permissions and the free space"});
+  }
+  return {};
+}
+
+}  // namespace
+
+std::expected<void, dataset::Problem> write_png(const std::filesystem::path& file,
+                                                const dataset::Image<std::uint16_t>& grey,
+                                                const PngTexts& texts) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(2 * grey.pixels.size());
+  for (const std::uint16_t value : grey.pixels) {  // big-endian, as PNG wants it
+    bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+    bytes.push_back(static_cast<std::uint8_t>(value & 0xFF));
+  }
+  return write(file, {grey.width, grey.height, 16, PNG_COLOR_TYPE_GRAY}, std::move(bytes), texts);
+}
+
+std::expected<void, dataset::Problem> write_png(const std::filesystem::path& file,
+                                                const dataset::Image<Rgb>& colour,
+                                                const PngTexts& texts) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(3 * colour.pixels.size());
+  for (const Rgb& pixel : colour.pixels) {
+    bytes.insert(bytes.end(), {pixel.red, pixel.green, pixel.blue});
+  }
+  return write(file, {colour.width, colour.height, 8, PNG_COLOR_TYPE_RGB}, std::move(bytes), texts);
+}
+
+}  // namespace stof::host

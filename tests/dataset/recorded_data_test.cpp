@@ -1,0 +1,85 @@
+#include <cmath>
+#include <cstdlib>
+
+#include "dataset/dataset.h"
+#include "tests/dataset/scratch.h"
+
+// On the recorded scenes, where they are: the folder named by STOF_DATA.
+namespace stof::dataset {
+namespace {
+
+std::filesystem::path data_folder() {
+  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
+  return folder == nullptr ? "" : folder;
+}
+
+class RecordedData : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (data_folder().empty()) {
+      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
+    }
+  }
+};
+
+TEST_F(RecordedData, EveryStereoSceneLoadsWithTruthInsideItsSearchRange) {
+  int scenes = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / "stereo")) {
+    if (!entry.is_directory()) {
+      continue;
+    }
+    const Loaded<StereoScene> scene = read_stereo_scene(entry.path());
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->name, entry.path().filename());
+    ASSERT_TRUE(scene->truth && scene->visible) << scene->name;
+    for (std::size_t i = 0; i < scene->truth->pixels.size(); ++i) {
+      const float disparity = scene->truth->pixels[i];
+      ASSERT_TRUE(std::isinf(disparity) ||
+                  (disparity > 0 && disparity < static_cast<float>(scene->ndisp)));
+      ASSERT_FALSE(std::isinf(disparity) && scene->visible->pixels[i] != 0) << scene->name;
+    }
+    ++scenes;
+  }
+  EXPECT_GE(scenes, 4);
+}
+
+TEST_F(RecordedData, EveryPmdRecordingLoadsWithTheSizeItSays) {
+  int recordings = 0;
+  for (const auto& entry :
+       std::filesystem::recursive_directory_iterator(data_folder() / "tof" / "sim")) {
+    if (entry.path().extension() != ".json") {
+      continue;
+    }
+    std::filesystem::path prefix = entry.path();
+    const Loaded<PmdRecording> recording = read_pmd(prefix.replace_extension());
+    ASSERT_TRUE(recording) << recording.error().message;
+    const dsp::Pinhole& lens = recording->calibration.pmd.lens;
+    ASSERT_FALSE(recording->frames.empty());
+    for (const Image<std::uint16_t>& frame : recording->frames) {
+      EXPECT_EQ(frame.width, lens.width);
+      EXPECT_EQ(frame.height, 4 * lens.height);
+    }
+    ++recordings;
+  }
+  EXPECT_GE(recordings, 40);
+}
+
+TEST_F(RecordedData, ScenesAndTheirPmdRecordingsShareARig) {
+  for (const char* name : {"Cones", "Teddy", "Tsukuba", "Venus"}) {
+    const Loaded<StereoScene> scene = read_stereo_scene(data_folder() / "stereo" / name);
+    ASSERT_TRUE(scene) << scene.error().message;
+    for (const char* size : {"_64x16", "_176x144"}) {
+      const Loaded<PmdRecording> recording =
+          read_pmd(data_folder() / "tof" / "sim" / "scene" / (std::string(name) + size));
+      ASSERT_TRUE(recording) << recording.error().message;
+      ASSERT_TRUE(recording->has_rig);
+      EXPECT_EQ(recording->calibration.stereo.left.cx, (scene->left.width - 1) / 2.0) << name;
+      EXPECT_EQ(recording->calibration.stereo.left.cy, (scene->left.height - 1) / 2.0) << name;
+      EXPECT_EQ(recording->calibration.pmd.fixed_pattern.size(),
+                recording->frames[0].pixels.size() / 4);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stof::dataset

@@ -1,0 +1,101 @@
+#include <limits>
+
+#include "dataset/dataset.h"
+#include "tests/dataset/scratch.h"
+
+namespace stof::dataset {
+namespace {
+
+using test::expect_one_line_about;
+using namespace std::string_view_literals;
+
+constexpr float kNone = std::numeric_limits<float>::infinity();
+
+class StereoScenes : public test::Scratch {
+ protected:
+  StereoScenes() {
+    put("Little/left.pgm", "P5\n3 1\n255\n\x0a\x14\x1e"sv);
+    put("Little/right.pgm", "P5\n3 1\n255\n\x14\x1e\x28"sv);
+    put("Little/meta.txt", "scene Little\nndisp 16\r\nndisp_note 99\ngt_scale 4\n");
+  }
+  std::filesystem::path dir() const { return folder() / "Little"; }
+  void expect_refused(const std::filesystem::path& file, std::string_view fact) const {
+    const Loaded<StereoScene> scene = read_stereo_scene(dir());
+    ASSERT_FALSE(scene) << file;
+    expect_one_line_about(scene.error().message, file, fact);
+  }
+};
+
+TEST_F(StereoScenes, AreReadWithoutTruth) {
+  const Loaded<StereoScene> scene = read_stereo_scene(dir());
+  ASSERT_TRUE(scene) << scene.error().message;
+  EXPECT_EQ(scene->name, "Little");
+  EXPECT_EQ(scene->ndisp, 16);
+  EXPECT_EQ(scene->left.pixels, (std::vector<std::uint8_t>{10, 20, 30}));
+  EXPECT_EQ(scene->right.pixels, (std::vector<std::uint8_t>{20, 30, 40}));
+  EXPECT_FALSE(scene->truth);
+  EXPECT_FALSE(scene->visible);
+}
+
+TEST_F(StereoScenes, AreNamedAfterTheFolderHoweverItIsWritten) {
+  for (const std::filesystem::path& path : {dir() / "", dir() / ".", dir() / ".." / "Little"}) {
+    const Loaded<StereoScene> scene = read_stereo_scene(path);
+    ASSERT_TRUE(scene) << scene.error().message;
+    EXPECT_EQ(scene->name, "Little") << path;
+  }
+}
+
+TEST_F(StereoScenes, ScaleTheTruthAndLeaveZeroUnknown) {
+  put("Little/gt_left.pgm", "P5\n3 1\n255\n\x00\x06\xff"sv);
+  put("Little/nonocc.pgm", "P5\n3 1\n255\n\x00\xff\x00"sv);
+  const Loaded<StereoScene> scene = read_stereo_scene(dir());
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_TRUE(scene->truth);
+  EXPECT_EQ(scene->truth->pixels, (std::vector<float>{kNone, 1.5F, 63.75F}));
+  ASSERT_TRUE(scene->visible);
+  EXPECT_EQ(scene->visible->pixels, (std::vector<std::uint8_t>{0, 255, 0}));
+}
+
+TEST_F(StereoScenes, AreRefusedWithoutOneOfTheirFiles) {
+  for (const char* name : {"left.pgm", "right.pgm", "meta.txt"}) {
+    std::filesystem::rename(dir() / name, dir() / "aside");
+    expect_refused(dir() / name, "does not exist");
+    std::filesystem::rename(dir() / "aside", dir() / name);
+  }
+}
+
+TEST_F(StereoScenes, AreRefusedWhenTheFolderIsMissing) {
+  const std::filesystem::path absent = folder() / "absent";
+  const Loaded<StereoScene> scene = read_stereo_scene(absent);
+  ASSERT_FALSE(scene);
+  expect_one_line_about(scene.error().message, absent, "is not a folder");
+}
+
+TEST_F(StereoScenes, AreRefusedWhenSizesDiffer) {
+  for (const char* name : {"right.pgm", "gt_left.pgm", "nonocc.pgm"}) {
+    put(std::string("Little/") + name, "P5\n1 3\n255\n123"sv);
+    expect_refused(dir() / name, "is 1x3 but left.pgm is 3x1");
+    put("Little/right.pgm", "P5\n3 1\n255\n123"sv);
+    put("Little/gt_left.pgm", "P5\n3 1\n255\n123"sv);
+  }
+}
+
+TEST_F(StereoScenes, AreRefusedWithoutAUsableSearchRange) {
+  for (const char* meta : {"", "ndisp", "ndisp \n", "ndisp 0", "ndisp -4", "ndisp nan", "ndisp 1e9",
+                           "ndisp 2.5", "ndisp 16x", "ndisps 16", " ndisp 16"}) {
+    put("Little/meta.txt", meta);
+    expect_refused(dir() / "meta.txt", "ndisp");
+  }
+}
+
+TEST_F(StereoScenes, AreRefusedWithTruthOfUnknownScale) {
+  put("Little/gt_left.pgm", "P5\n3 1\n255\n123"sv);
+  for (const char* meta : {"ndisp 16\n", "ndisp 16\ngt_scale 0\n", "ndisp 16\ngt_scale inf\n",
+                           "ndisp 16\ngt_scale -1\n"}) {
+    put("Little/meta.txt", meta);
+    expect_refused(dir() / "meta.txt", "gt_scale");
+  }
+}
+
+}  // namespace
+}  // namespace stof::dataset

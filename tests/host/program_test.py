@@ -1,0 +1,318 @@
+#!/usr/bin/env python3
+"""program_test.py PART -- COMMAND...: runs `stof` (COMMAND, with an emulator before it in a cross build) as a
+user would. Part Loopback runs `stofd` beside it: STOFD holds that command, its words separated by |.
+Ends with 77 when all of the part was skipped."""
+
+import json
+import math
+import os
+import pathlib
+import random
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+COMMAND = []
+DATA = os.environ.get("STOF_DATA", "")
+STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
+SCENES = ("Cones", "Teddy", "Tsukuba", "Venus")
+
+
+class Program(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="stof_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def run_stof(self, *arguments):
+        return subprocess.run([*COMMAND, *map(str, arguments)], capture_output=True, text=True, timeout=240,
+                              cwd=self.folder)
+
+    def succeed(self, *arguments):
+        ended = self.run_stof(*arguments)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        self.assertEqual(ended.stderr, "")
+        return ended.stdout
+
+    def refuse(self, code, facts, *arguments):
+        """The program ends with the code and one line that holds all facts."""
+        ended = self.run_stof(*arguments)
+        self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
+        self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
+        self.assertTrue(ended.stderr.startswith("stof: "), ended.stderr)
+        for fact in facts:
+            self.assertIn(str(fact), ended.stderr)
+
+    def write_scene(self, name="Scene", width=40, height=30, shift=3, truth=True):
+        """A random texture whose right view is moved by `shift`."""
+        rows = random.Random(7)
+        texture = [[rows.randrange(256) for _ in range(width + shift)] for _ in range(height)]
+        scene = self.folder / name
+        scene.mkdir()
+        header = f"P5\n{width} {height}\n255\n".encode()
+        (scene / "left.pgm").write_bytes(header + b"".join(bytes(row[:width]) for row in texture))
+        (scene / "right.pgm").write_bytes(header + b"".join(bytes(row[shift:]) for row in texture))
+        (scene / "meta.txt").write_text("ndisp 8\ngt_scale 4\n")
+        if truth:
+            (scene / "gt_left.pgm").write_bytes(header + bytes([4 * shift]) * (width * height))
+            (scene / "nonocc.pgm").write_bytes(header + (bytes(shift) + b"\xff" * (width - shift)) * height)
+        return scene
+
+    def write_recording(self, name="Scene_4x2", metres=2.0, rig=True):
+        """A 4x2 camera, looking straight ahead, that sees everything at one radial distance."""
+        turns = metres * 2 * 20e6 / 299792458.0
+        samples = b""
+        for k in range(4):
+            value = round(1100 + 500 * math.cos(2 * math.pi * (turns + k / 4)))
+            samples += struct.pack(">H", value) * 8
+        constants = {"width": 4, "height": 2, "f_mod_hz": 20e6, "dark_lsb": 100, "sat_lsb": 4095, "fx": 5, "fy": 5,
+                     "cx": 1.5, "cy": 0.5, "lsb_e": 60, "read_e": 300}
+        if rig:
+            constants.update(R=[[1, 0, 0], [0, 1, 0], [0, 0, 1]], T=[0, 0, 0],
+                             stereo={"f_px": 60, "baseline_m": 0.1, "doff_px": 0, "cx": 19.5, "cy": 14.5})
+        prefix = self.folder / name
+        pathlib.Path(f"{prefix}.json").write_text(json.dumps(constants))
+        pathlib.Path(f"{prefix}_raw.pgm").write_bytes(b"P5\n4 8\n4095\n" + samples)
+        return prefix
+
+    def read_pfm(self, file):
+        """Rows from the top, as lists of floats."""
+        kind, size, scale, pixels = pathlib.Path(file).read_bytes().split(b"\n", 3)
+        self.assertEqual((kind, float(scale)), (b"Pf", -1.0))
+        width, height = map(int, size.split())
+        values = struct.unpack(f"<{width * height}f", pixels)
+        return [values[y * width:(y + 1) * width] for y in reversed(range(height))]
+
+
+class CommandLine(Program):
+    def test_help_names_every_command_and_the_exit_codes(self):
+        text = self.succeed("--help")
+        for word in ("evaluate", "view", "Ends with 0"):
+            self.assertIn(word, text)
+        for command in (["evaluate"], ["evaluate", "stereo"], ["evaluate", "fusion"], ["view"]):
+            self.assertIn("Usage", self.succeed(*command, "--help"))
+
+    def test_version_is_the_projects(self):
+        self.assertRegex(self.succeed("--version"), r"^stof \d+\.\d+\.\d+\n$")
+
+
+class BadInput(Program):
+    def test_command_lines_that_mean_nothing(self):
+        for arguments in ([], ["frobnicate"], ["--frobnicate"], ["evaluate"], ["evaluate", "stereo"],
+                          ["evaluate", "fusion", "a"], ["evaluate", "stereo", "a", "--runs", "x"],
+                          ["view", "--port", "70000"], ["view", "--port", "-1"], ["view", "--timeout", "0"],
+                          ["view", "--timeout", "-1"], ["view", "--frames", "x"], ["view", "surplus"],
+                          ["view", "--near", "3", "--far", "2"], ["view", "--near", "0"]):
+            with self.subTest(arguments):
+                self.refuse(2, [], *arguments)
+
+    def test_methods_that_are_not_there_yet(self):
+        scene = self.write_scene()
+        for option, values in (("--method", ("dp", "so", "sgm", "sa")), ("--cost", ("ssd", "census5", "census9x7")),
+                               ("--preset", ("fast",))):
+            for value in values:
+                self.refuse(2, [option, value, "not in this version"], "evaluate", "stereo", scene, option, value)
+        self.refuse(2, ["--fill", "not in this version"], "evaluate", "stereo", scene, "--fill")
+
+    def test_options_that_are_unknown_or_out_of_range(self):
+        scene = self.write_scene()
+        for arguments in (["--method", "best"], ["--cost", "ncc"], ["--block", "16"], ["--block", "65x1"],
+                          ["--runs", "0"], ["--runs", "-3"]):
+            self.refuse(2, arguments, "evaluate", "stereo", scene, *arguments)
+
+    def test_a_missing_folder(self):
+        self.refuse(2, [self.folder / "absent", "is not a folder"], "evaluate", "stereo", self.folder / "absent")
+        self.refuse(2, ["absent", "is not a folder"], "evaluate", "fusion", "absent", self.write_recording())
+
+    def test_a_truncated_picture(self):
+        scene = self.write_scene()
+        picture = scene / "right.pgm"
+        picture.write_bytes(picture.read_bytes()[:-7])
+        self.refuse(2, [picture, "truncated", "1200 bytes but 1193"], "evaluate", "stereo", scene)
+
+    def test_a_pair_of_different_sizes(self):
+        scene = self.write_scene()
+        (scene / "right.pgm").write_bytes(b"P5\n2 2\n255\nabcd")
+        self.refuse(2, ["right.pgm", "2x2", "40x30"], "evaluate", "stereo", scene)
+
+    def test_a_search_range_beyond_the_matcher(self):
+        scene = self.write_scene()
+        (scene / "meta.txt").write_text("ndisp 4000\ngt_scale 4\n")
+        self.refuse(2, ["4000 disparities"], "evaluate", "stereo", scene)
+
+    def test_a_pmd_file_of_the_wrong_size(self):
+        scene, prefix = self.write_scene(), self.write_recording()
+        pathlib.Path(f"{prefix}_raw.pgm").write_bytes(b"P5\n4 7\n255\n" + bytes(28))
+        self.refuse(2, [f"{prefix}_raw.pgm", "expected 4x8", "found 4x7"], "evaluate", "fusion", scene, prefix)
+
+    def test_a_pmd_recording_without_its_parts(self):
+        scene = self.write_scene()
+        self.refuse(2, ["absent.json", "does not exist"], "evaluate", "fusion", scene, "absent")
+        self.refuse(2, [".json", "no rig"], "evaluate", "fusion", scene, self.write_recording(rig=False))
+
+    def test_fusion_without_truth(self):
+        self.refuse(2, ["gt_left.pgm"], "evaluate", "fusion", self.write_scene(truth=False), self.write_recording())
+
+    def test_a_folder_that_cannot_be_made(self):
+        scene = self.write_scene()
+        (self.folder / "file").write_text("")
+        self.refuse(2, ["file"], "evaluate", "stereo", scene, "--out", self.folder / "file")
+
+    def test_two_scenes_of_one_name_for_one_folder(self):
+        scene = self.write_scene()
+        self.refuse(2, ["second scene named Scene"], "evaluate", "stereo", scene, scene, "--out", "out")
+
+    def test_an_address_that_is_none(self):
+        self.refuse(2, ["no.such.address"], "view", "--bind", "no.such.address", "--timeout", "1")
+
+
+class Evaluate(Program):
+    def test_stereo_finds_a_shifted_texture(self):
+        out = self.folder / "maps"
+        scene = self.write_scene()
+        report = json.loads(self.succeed("evaluate", "stereo", scene, "--block", "7x7", "--runs", 3, "--json",
+                                         "--out", out))
+        [result] = report["scenes"]
+        self.assertEqual([result[key] for key in ("name", "width", "height", "ndisp")], ["Scene", 40, 30, 8])
+        self.assertEqual(result["bp"]["core"], 0)
+        self.assertEqual(result["density"], 1)
+        self.assertGreater(result["ms"], 0)
+        self.assertEqual(report["mean"]["bp"], result["bp"])
+        rows = self.read_pfm(out / "Scene" / "disp.pfm")
+        self.assertEqual((len(rows), len(rows[0])), (30, 40))
+        self.assertEqual({value for row in rows[4:-4] for value in row[12:-4]}, {3.0})
+
+    def test_stereo_marks_what_the_check_dropped_as_none(self):
+        out = self.folder / "maps"
+        report = json.loads(self.succeed("evaluate", "stereo", self.write_scene(), "--block", "5x5", "--lr", "--json",
+                                         "--out", out))
+        [result] = report["scenes"]
+        values = [value for row in self.read_pfm(out / "Scene" / "disp.pfm") for value in row]
+        none = sum(value == math.inf for value in values)
+        self.assertGreater(none, 0)
+        self.assertAlmostEqual(result["density"], 1 - none / len(values))
+
+    def test_stereo_prints_a_row_a_scene_and_their_mean(self):
+        first, second = self.write_scene("First"), self.write_scene("Second", shift=5)
+        lines = self.succeed("evaluate", "stereo", first, second, "--runs", 1).splitlines()
+        self.assertEqual([line.split()[0] for line in lines[-3:]], ["First", "Second", "mean"])
+        self.assertIn("signed", lines[1])
+
+    def test_stereo_says_nothing_about_absent_truth(self):
+        report = json.loads(self.succeed("evaluate", "stereo", self.write_scene(truth=False), "--json"))
+        self.assertEqual(set(report["scenes"][0]["bp"].values()), {None})
+
+    def test_fusion_of_two_sensors_that_agree(self):
+        # 60 px * 0.1 m / 3 px = 2 m in both.
+        out = self.folder / "maps"
+        report = json.loads(self.succeed("evaluate", "fusion", self.write_scene(), self.write_recording(), "--block",
+                                         "7x7", "--json", "--out", out))
+        self.assertEqual(report["truth_pixels"], 1200)
+        for sensor in ("pmd", "stereo", "fused"):
+            for key in ("e5", "coverage", "median_error_mm", "median_error_relative", "hit_rate", "median_width_mm"):
+                self.assertIn(key, report[sensor])
+        self.assertLessEqual(report["fused"]["median_width_mm"], report["stereo"]["median_width_mm"])
+        self.assertLess(report["fused"]["median_error_mm"], 100)
+        depth, low, high = (self.read_pfm(out / name) for name in ("depth.pfm", "lo.pfm", "hi.pfm"))
+        self.assertEqual((len(depth), len(depth[0])), (30, 40))
+        covered = 0
+        for z_row, low_row, high_row in zip(depth, low, high):
+            for z, lo, hi in zip(z_row, low_row, high_row):
+                self.assertTrue(lo <= z <= hi)
+                self.assertEqual(math.isinf(z), math.isinf(lo))
+                covered += math.isfinite(z)
+        self.assertAlmostEqual(report["fused"]["coverage"], covered / 1200)
+
+
+class View(Program):
+    def test_nothing_received_is_a_failure_in_one_line(self):
+        self.refuse(1, ["127.0.0.1", "no packet came"], "view", "--bind", "127.0.0.1", "--port", 0, "--timeout", 0.3)
+
+    def test_what_is_no_packet_is_counted_and_shows_nothing(self):
+        port_file = self.folder / "port"
+        viewer = subprocess.Popen([*COMMAND, "view", "--bind", "127.0.0.1", "--port", "0", "--port-file",
+                                   str(port_file), "--timeout", "3", "--out", str(self.folder / "out")],
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        port = wait_for_port(port_file)
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            for length in (0, 1, 51, 52, 56, 1232):
+                sender.sendto(bytes(random.Random(length).randrange(256) for _ in range(length)), ("127.0.0.1", port))
+        _, errors = viewer.communicate(timeout=60)
+        self.assertEqual(viewer.returncode, 1)
+        self.assertIn("packets came, but no frame", errors)
+        self.assertEqual(errors.count("\n"), 1)
+        self.assertFalse((self.folder / "out").exists())
+
+
+class Loopback(Program):
+    """stofd and stof as two processes."""
+
+    def test_what_the_appliance_sends_arrives_whole(self):
+        scene = self.write_scene(width=64, height=48)
+        port_file, truth, out = (self.folder / name for name in ("port", "truth.pfm", "out"))
+        viewer = subprocess.Popen([*COMMAND, "view", "--bind", "127.0.0.1", "--port", "0", "--port-file",
+                                   str(port_file), "--timeout", "60", "--frames", "4", "--out", str(out), "--truth",
+                                   str(truth)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        port = wait_for_port(port_file)
+        prefix = self.write_recording()
+        appliance = subprocess.run([*STOFD, "--to", f"127.0.0.1:{port}", "--dataset", str(scene), "--tof", str(prefix),
+                                    "--truth", str(truth), "--frames", "4", "--period-ms", "300"],
+                                   capture_output=True, text=True, timeout=200)
+        self.assertEqual(appliance.returncode, 0, appliance.stderr)
+        lines, errors = viewer.communicate(timeout=100)
+        self.assertEqual((viewer.returncode, errors), (0, ""))
+        self.assertIn("4 frames received, 4 verified whole", lines)
+        self.assertIn("nothing lost", lines)
+        for name in ("depth.png", "depth_color.png", "cloud.ply"):
+            self.assertTrue((out / name).stat().st_size > 0)
+
+
+@unittest.skipUnless(DATA, "STOF_DATA does not name the folder of the recorded scenes")
+class Acceptance(Program):
+    def test_bad_pixels_of_the_plain_search_stay_below_their_bars(self):
+        bars = {"Cones": 0.070, "Teddy": 0.129, "Tsukuba": 0.066, "Venus": 0.030}
+        report = json.loads(self.succeed("evaluate", "stereo", *(f"{DATA}/stereo/{scene}" for scene in SCENES),
+                                         "--method", "wta", "--cost", "sad", "--block", "16x16", "--runs", 1, "--json"))
+        for result in report["scenes"]:
+            self.assertLessEqual(result["bp"]["nonocc"], bars[result["name"]], result["name"])
+            self.assertEqual(result["density"], 1)
+
+    def test_fused_depth_beats_both_sensors_in_every_scene(self):
+        for size, bar in (("64x16", 0.125), ("176x144", 0.080)):
+            errors = []
+            for scene in SCENES:
+                report = json.loads(self.succeed("evaluate", "fusion", f"{DATA}/stereo/{scene}",
+                                                 f"{DATA}/tof/sim/scene/{scene}_{size}", "--lr", "--runs", 1, "--json"))
+                self.assertLess(report["fused"]["e5"], report["pmd"]["e5"], f"{scene} {size}")
+                self.assertLess(report["fused"]["e5"], report["stereo"]["e5"], f"{scene} {size}")
+                errors.append(report["fused"]["e5"])
+            self.assertLessEqual(sum(errors) / len(errors), bar, size)
+
+
+def wait_for_port(file):
+    deadline = time.monotonic() + 60
+    while time.monotonic() < deadline:
+        if file.exists() and file.read_text().endswith("\n"):
+            return int(file.read_text())
+        time.sleep(0.02)
+    raise AssertionError(f"no port in {file}")
+
+
+def main():
+    split = sys.argv.index("--")
+    COMMAND.extend(sys.argv[split + 1:])
+    part = sys.argv[1]
+    result = unittest.main(argv=[sys.argv[0], part], exit=False, verbosity=2).result
+    if not result.wasSuccessful():
+        sys.exit(1)
+    if result.testsRun == len(result.skipped):
+        print(f"{part}: Skipped\n{result.skipped[0][1]}")
+        sys.exit(77)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,108 @@
+#include "host/cli/view_meter.h"
+
+#include <array>
+
+#include <gtest/gtest.h>
+
+namespace stof::host {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr client::Time kStart{1000s};
+
+// A frame of four pixels, three with depth, that took 5 ms.
+struct SmallFrame {
+  std::array<dsp::QuarterMm, 4> depth{4000, 0, 8000, 1};
+  client::Frame frame;
+
+  explicit SmallFrame(std::chrono::nanoseconds latency = 5ms) {
+    frame.depth = {depth.data(), 2, 2};
+    frame.last_packet = kStart + 40ms;
+    frame.stamp.exposure_middle_ns =
+        std::chrono::nanoseconds(frame.last_packet.time_since_epoch() - latency).count();
+  }
+};
+
+TEST(LatencyOfAFrame, IsFromTheMiddleOfTheExposureToItsLastPacket) {
+  EXPECT_EQ(latency_ms(SmallFrame(7ms).frame), 7);
+}
+
+TEST(LatencyOfAFrame, IsUnknownWhereTheClockIsEmulated) {
+  SmallFrame small;
+  small.frame.stamp.clock = wire::ClockState::kEmulated;
+  EXPECT_FALSE(latency_ms(small.frame).has_value());
+}
+
+TEST(CoverageOfAFrame, IsTheShareOfPixelsWithDepth) {
+  EXPECT_EQ(coverage(SmallFrame().frame), 0.75);
+  EXPECT_EQ(coverage(client::Frame{}), 0);
+}
+
+TEST(ViewMeter, TellsTheSecond) {
+  ViewMeter meter;
+  EXPECT_FALSE(meter.due(kStart + 100s));  // nothing came yet
+  for (int i = 1; i <= 60; ++i) {          // every 20 ms, the first after 40 ms
+    SmallFrame small{std::chrono::milliseconds(i)};
+    small.frame.last_packet += (i - 1) * 20ms;
+    small.frame.stamp.exposure_middle_ns += (i - 1) * 20'000'000;
+    meter.count(small.frame);
+  }
+  EXPECT_FALSE(meter.due(kStart + 1039ms));
+  EXPECT_TRUE(meter.due(kStart + 1040ms));
+  EXPECT_TRUE(meter.pending());
+  DepthScore score;
+  score.e5 = 0.125;
+  score.median_error_m = 0.0123;
+  client::Statistics statistics;
+  statistics.packets_missing = 3;
+  statistics.frames_lost = 2;
+  EXPECT_EQ(meter.line(kStart + 2040ms, statistics, score),
+            "   2.0 s   50.0 frames/s, latency 30.0 / 60.0 ms (p50 / p99), coverage 75.0 %, "
+            "error 12.3 mm median, E5 0.125, lost 3 packets 2 frames");
+  EXPECT_FALSE(meter.pending());
+  EXPECT_EQ(meter.line(kStart + 3040ms, {}, std::nullopt),
+            "   3.0 s    0.0 frames/s, lost 0 packets 0 frames");
+}
+
+TEST(ViewMeter, CountsTheTimeBetweenTwoLinesFramesToo) {
+  ViewMeter meter;
+  SmallFrame small;
+  meter.count(small.frame);
+  static_cast<void>(meter.line(kStart + 1s, {}, std::nullopt));
+  small.frame.last_packet += 500ms;  // one frame in half a second
+  meter.count(small.frame);
+  EXPECT_NE(meter.line(kStart + 2s, {}, std::nullopt).find("  2.0 frames/s"), std::string::npos);
+}
+
+TEST(SummaryLine, SaysThatNothingWasLost) {
+  client::Statistics statistics;
+  statistics.packets_ok = 900;
+  statistics.frames_complete = 30;
+  EXPECT_EQ(
+      summary_line(statistics),
+      "30 frames received, 30 verified whole (every packet there, every CRC right), nothing lost");
+}
+
+TEST(SummaryLine, NamesEveryCauseOfLoss) {
+  using client::Statistics;
+  constexpr std::uint64_t Statistics::* kCauses[] = {
+      &Statistics::packets_missing, &Statistics::frames_lost,
+      &Statistics::frames_stale,    &Statistics::frames_dropped,
+      &Statistics::socket_drops,    &Statistics::bad_crc,
+      &Statistics::truncated,       &Statistics::bad_length,
+      &Statistics::bad_field,       &Statistics::bad_magic,
+      &Statistics::bad_version,     &Statistics::unknown,
+      &Statistics::oversized,       &Statistics::foreign,
+      &Statistics::duplicate,       &Statistics::late};
+  for (std::uint64_t Statistics::* cause : kCauses) {
+    Statistics statistics;
+    statistics.*cause = 4711;
+    const std::string line = summary_line(statistics);
+    EXPECT_NE(line.find("), 4711 "), std::string::npos) << line;
+    EXPECT_EQ(line.find("nothing lost"), std::string::npos) << line;
+  }
+}
+
+}  // namespace
+}  // namespace stof::host
