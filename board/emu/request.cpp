@@ -124,7 +124,7 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
 }
 
 std::string_view usage() noexcept {
-  return "  --to HOST:PORT       where packets go, UDP (default 127.0.0.1:7447)\n"
+  return "  --to HOST:PORT       where packets go, UDP (default 127.0.0.1:7560)\n"
          "  --scene corridor     the rendered scene (default)\n"
          "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
          "right.pgm, meta.txt\n"

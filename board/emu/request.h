@@ -17,7 +17,7 @@ namespace stof::board {
 // What a fault may strike.
 enum Device : std::size_t { kTrigger, kStereo, kPmd, kDevices };
 struct Request {
-  std::string to = "127.0.0.1:7447";
+  std::string to = "127.0.0.1:7560";
   std::optional<std::string> scene;
   std::optional<std::filesystem::path> dataset;
   std::optional<std::filesystem::path> tof;

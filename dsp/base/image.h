@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -48,7 +49,7 @@ class ImageView {
   }
   // The row nearest to y: borders replicate. For images that are not empty.
   constexpr std::span<T> row_clamped(int y) const noexcept {
-    return row(y < 0 ? 0 : (y >= height_ ? height_ - 1 : y));
+    return row(std::clamp(y, 0, height_ - 1));
   }
   constexpr T& at(int x, int y) const noexcept {
     STOF_CHECK(x >= 0 && x < width_);

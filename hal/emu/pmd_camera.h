@@ -2,13 +2,12 @@
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "hal/clock.h"
+#include "hal/emu/exposer.h"
 #include "hal/emu/faults.h"
 #include "hal/emu/imagery.h"
-#include "hal/emu/shot_queue.h"
 #include "hal/emu/trigger.h"
 #include "hal/pmd_camera.h"
 
@@ -37,27 +36,18 @@ class PmdCamera final : public hal::PmdCamera, public EdgeListener, private Slot
   struct Set {
     std::uint32_t number = 0;
     std::array<Exposure, 4> exposures{};
+    Time end() const noexcept { return exposures.back().end; }
   };
-  struct Shot {
-    Set set;     // A0, A1, and what the frame calls itself
-    Set second;  // A2, A3: another one in a torn frame
-    Time ready{};
-    bool corrupt = false;
-  };
+  using Sets = Exposer<Set>;  // first: A0 and A1, second: A2 and A3
   void give_back(int slot) noexcept override;
-  PmdFrame fill(const Shot& shot, int slot) noexcept;
+  PmdFrame fill(const Sets::Shot& shot, int slot) noexcept;
 
   hal::Clock& clock_;
   Imagery& imagery_;
   PmdTiming timing_;
-  FaultPlan faults_;
   std::vector<std::uint16_t> samples_;
-  ShotQueue<Shot> queue_;
-  Set last_made_;  // zero before the first
-  std::optional<Shot> last_arrived_;
+  Sets sets_;
   std::uint32_t edges_ = 0;
-  std::uint32_t calls_ = 0;
-  bool gone_ = false;
 };
 
 }  // namespace stof::hal::emu

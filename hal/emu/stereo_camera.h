@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <vector>
 
 #include "hal/clock.h"
+#include "hal/emu/exposer.h"
 #include "hal/emu/faults.h"
 #include "hal/emu/imagery.h"
-#include "hal/emu/shot_queue.h"
 #include "hal/emu/trigger.h"
 #include "hal/stereo_camera.h"
 
@@ -35,26 +34,17 @@ class StereoCamera final : public hal::StereoCamera, public EdgeListener, privat
   struct View {
     std::uint32_t number = 0;
     Exposure exposure{};
+    Time end() const noexcept { return exposure.end; }
   };
-  struct Shot {
-    View left;
-    View right;
-    Time ready{};
-    bool corrupt = false;
-  };
+  using Views = Exposer<View>;  // first: left, second: right
   void give_back(int slot) noexcept override;
-  StereoFrame fill(const Shot& shot, int slot) noexcept;
+  StereoFrame fill(const Views::Shot& shot, int slot) noexcept;
 
   hal::Clock& clock_;
   Imagery& imagery_;
   StereoTiming timing_;
-  FaultPlan faults_;
   std::vector<std::uint8_t> pixels_;
-  ShotQueue<Shot> queue_;
-  View last_made_;  // zero before the first
-  std::optional<Shot> last_arrived_;
-  std::uint32_t edges_ = 0;
-  bool gone_ = false;
+  Views views_;
 };
 
 }  // namespace stof::hal::emu
