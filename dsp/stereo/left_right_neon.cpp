@@ -1,10 +1,11 @@
+#include "dsp/stereo/left_right.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <limits>
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/left_right.h"
 #include "dsp/stereo/winner.h"
 
 namespace stof::dsp::neon {

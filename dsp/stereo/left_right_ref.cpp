@@ -1,8 +1,9 @@
+#include "dsp/stereo/left_right.h"
+
 #include <cstddef>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/left_right.h"
 #include "dsp/stereo/winner.h"
 
 namespace stof::dsp::ref {

@@ -56,6 +56,24 @@ void mark_outside(int width, const MatchParams& params, int lanes, std::span<Sum
   }
 }
 
+// The columns at either end of the range have one candidate and no rival to judge it by: they take
+// it where the next column found a match.
+void settle_single_candidates(const MatchParams& params, std::span<std::int16_t> winners) noexcept {
+  const int width = static_cast<int>(winners.size());
+  const auto settle = [&](int x, int neighbour, int candidate) noexcept {
+    if (std::min(x, neighbour) >= 0 && std::max(x, neighbour) < width &&
+        winners[size(neighbour)] != kNoWinner) {
+      winners[size(x)] = static_cast<std::int16_t>(candidate);
+    }
+  };
+  if (params.disparities > 1) {
+    const int first = params.min_disparity;  // meets right column 0 as candidate 0
+    settle(first, first + 1, 0);
+    const int last = width + params.min_disparity + params.disparities - 2;  // meets the last one
+    settle(last, last - 1, params.disparities - 1);
+  }
+}
+
 }  // namespace
 
 Status check(const MatchParams& params, int width, int height) noexcept {
@@ -211,6 +229,7 @@ void Matcher::finish_row(const Buffers<Sum>& buffers, int lanes,
                          std::span<Disparity> out) noexcept {
   const std::span<const Sum> costs = buffers.costs;
   best::winners(costs, lanes, buffers.winners);
+  settle_single_candidates(params_, buffers.winners);
   if (params_.left_right_tolerance) {
     best::right_winners(costs, lanes, buffers.right_costs, buffers.right_winners);
     best::left_right_check(buffers.right_winners, *params_.left_right_tolerance, buffers.winners);

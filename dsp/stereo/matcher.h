@@ -37,7 +37,9 @@ Status check(const MatchParams& params, int width, int height) noexcept;
 
 // Block matching of one stereo pair: prefilter, SAD, lowest cost, left-right check, subpixel fit.
 // Holds its buffers, allocates nothing. Disparities in the left image, none where no candidate
-// lies inside the right image or a check failed. Source: Kuhnert & Stommel 2006 sections 2.1, 2.3.
+// lies inside the right image, where all of them cost the same (a flat, black or saturated picture)
+// or where a check failed.
+// Source: Kuhnert & Stommel 2006 sections 2.1, 2.3.
 class Matcher {
  public:
   // Bytes of the Arena that a Matcher for images up to width x height takes.

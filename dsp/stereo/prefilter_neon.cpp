@@ -1,9 +1,10 @@
+#include "dsp/stereo/prefilter.h"
+
 #include <algorithm>
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/prefilter.h"
 
 namespace stof::dsp::neon {
 namespace {

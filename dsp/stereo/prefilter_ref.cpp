@@ -1,8 +1,9 @@
+#include "dsp/stereo/prefilter.h"
+
 #include <algorithm>
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/prefilter.h"
 
 namespace stof::dsp {
 

@@ -1,8 +1,9 @@
+#include "dsp/stereo/sad.h"
+
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/sad.h"
 #include "dsp/stereo/sums_neon.h"
 
 namespace stof::dsp::neon {

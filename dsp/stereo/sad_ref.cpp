@@ -1,8 +1,9 @@
+#include "dsp/stereo/sad.h"
+
 #include <cstddef>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/sad.h"
 
 namespace stof::dsp::ref {
 namespace {

@@ -1,10 +1,11 @@
+#include "dsp/stereo/subpixel.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/subpixel.h"
 
 namespace stof::dsp::neon {
 namespace {

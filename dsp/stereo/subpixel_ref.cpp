@@ -1,9 +1,10 @@
+#include "dsp/stereo/subpixel.h"
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/subpixel.h"
 
 namespace stof::dsp::ref {
 namespace {

@@ -35,6 +35,8 @@ inline uint16x8_t equal(uint16x8_t a, uint16x8_t b) noexcept { return vceqq_u16(
 inline uint32x4_t equal(uint32x4_t a, uint32x4_t b) noexcept { return vceqq_u32(a, b); }
 inline uint16x8_t smaller(uint16x8_t a, uint16x8_t b) noexcept { return vminq_u16(a, b); }
 inline uint32x4_t smaller(uint32x4_t a, uint32x4_t b) noexcept { return vminq_u32(a, b); }
+inline uint16x8_t larger(uint16x8_t a, uint16x8_t b) noexcept { return vmaxq_u16(a, b); }
+inline uint32x4_t larger(uint32x4_t a, uint32x4_t b) noexcept { return vmaxq_u32(a, b); }
 inline uint16x8_t select(uint16x8_t m, uint16x8_t a, uint16x8_t b) noexcept {
   return vbslq_u16(m, a, b);
 }
@@ -43,6 +45,8 @@ inline uint32x4_t select(uint32x4_t m, uint32x4_t a, uint32x4_t b) noexcept {
 }
 inline std::uint16_t smallest(uint16x8_t v) noexcept { return vminvq_u16(v); }
 inline std::uint32_t smallest(uint32x4_t v) noexcept { return vminvq_u32(v); }
+inline std::uint16_t largest(uint16x8_t v) noexcept { return vmaxvq_u16(v); }
+inline std::uint32_t largest(uint32x4_t v) noexcept { return vmaxvq_u32(v); }
 inline uint16x8_t all(std::uint16_t v) noexcept { return vdupq_n_u16(v); }
 inline uint32x4_t all(std::uint32_t v) noexcept { return vdupq_n_u32(v); }
 

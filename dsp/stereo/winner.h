@@ -9,11 +9,13 @@
 // Winner takes all on one row of costs, laid out [column][candidate] as in sad.h.
 namespace stof::dsp {
 
-// No candidate: every cost of the pixel was kNoCost.
+// No candidate won.
 inline constexpr std::int16_t kNoWinner = -1;
 
-// winners[x] = the candidate of lowest cost, the smallest one of a tie. lanes a multiple of 16, at
-// most 256; costs hold winners.size() * lanes sums.
+// winners[x] = the candidate of lowest cost, the smallest one of a tie; kNoWinner where no
+// candidate costs more than another: none was offered, only one, or all tie (a flat, black or
+// saturated picture matches everywhere, which is no match). lanes a multiple of 16, at most 256;
+// costs hold winners.size() * lanes sums.
 template <typename Sum>
 using Winners = void(std::span<const Sum> costs, int lanes,
                      std::span<std::int16_t> winners) noexcept;

@@ -1,3 +1,5 @@
+#include "dsp/stereo/winner.h"
+
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -5,7 +7,6 @@
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
 #include "dsp/stereo/sums_neon.h"
-#include "dsp/stereo/winner.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -21,7 +22,9 @@ template <typename Sum>
 std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
   using V = typename Vector<Sum>::type;
   constexpr std::size_t kStep = Vector<Sum>::kLanes;
+  const V one = all(Sum{1});
   V lowest = load(costs);
+  V highest = add(lowest, one);  // of cost + 1, which wraps to 0 for kNoCost
   V candidate = first_lanes(lowest);
   V best = candidate;
   for (std::size_t i = kStep; i < lanes; i += kStep) {
@@ -30,9 +33,10 @@ std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
     const V better = less(cost, lowest);
     best = select(better, candidate, best);
     lowest = smaller(lowest, cost);
+    highest = larger(highest, add(cost, one));
   }
   const Sum minimum = smallest(lowest);
-  if (minimum == kNoCost<Sum>) {
+  if (minimum == kNoCost<Sum> || largest(highest) == static_cast<Sum>(minimum + 1)) {
     return kNoWinner;
   }
   return static_cast<std::int16_t>(

@@ -1,8 +1,9 @@
+#include "dsp/stereo/winner.h"
+
 #include <algorithm>
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/winner.h"
 
 namespace stof::dsp::ref {
 namespace {
@@ -14,13 +15,17 @@ void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t>
              costs.size() == winners.size() * count);
   for (std::size_t x = 0; x < winners.size(); ++x) {
     Sum lowest = kNoCost<Sum>;
-    winners[x] = kNoWinner;
+    Sum highest = 0;
+    std::int16_t winner = kNoWinner;
     for (std::size_t i = 0; i < count; ++i) {
-      if (costs[x * count + i] < lowest) {
-        lowest = costs[x * count + i];
-        winners[x] = static_cast<std::int16_t>(i);
+      const Sum cost = costs[x * count + i];
+      if (cost < lowest) {
+        lowest = cost;
+        winner = static_cast<std::int16_t>(i);
       }
+      highest = cost == kNoCost<Sum> ? highest : std::max(highest, cost);
     }
+    winners[x] = lowest < highest ? winner : kNoWinner;
   }
 }
 

@@ -1,9 +1,9 @@
 #include "dsp/stereo/left_right.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "dsp/stereo/winner.h"
 #include "tests/support/guarded.h"

@@ -1,11 +1,11 @@
 #include "dsp/stereo/matcher.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
@@ -37,6 +37,26 @@ int clamped(const Pixels& image, int width, int height, int x, int y) {
                                         std::clamp(x, 0, width - 1))];
 }
 
+constexpr int kNone = std::numeric_limits<int>::min();
+
+// Columns with a single candidate take it where the neighbour with two has a match.
+void settle_ends(std::span<int> row, const MatchParams& p) {
+  const int w = static_cast<int>(row.size());
+  for (int x = 0; x < w && p.disparities > 1; ++x) {
+    std::vector<int> inside;
+    for (int d = p.min_disparity; d < p.min_disparity + p.disparities; ++d) {
+      if (x - d >= 0 && x - d < w) {
+        inside.push_back(d);
+      }
+    }
+    const int neighbour = !inside.empty() && inside.front() == p.min_disparity ? x + 1 : x - 1;
+    if (inside.size() == 1 && neighbour >= 0 && neighbour < w &&
+        row[static_cast<std::size_t>(neighbour)] != kNone) {
+      row[static_cast<std::size_t>(x)] = inside.front();
+    }
+  }
+}
+
 // The definition, sum by sum: grey values, no checks.
 std::vector<int> brute_force(const Pixels& left, const Pixels& right, int w, int h,
                              const MatchParams& p) {
@@ -44,7 +64,8 @@ std::vector<int> brute_force(const Pixels& left, const Pixels& right, int w, int
   for (int y = 0; y < h; ++y) {
     for (int x = 0; x < w; ++x) {
       int best = std::numeric_limits<int>::max();
-      int winner = std::numeric_limits<int>::min();
+      int worst = -1;
+      int winner = kNone;
       for (int d = p.min_disparity; d < p.min_disparity + p.disparities; ++d) {
         if (x - d < 0 || x - d >= w) {
           continue;
@@ -55,13 +76,15 @@ std::vector<int> brute_force(const Pixels& left, const Pixels& right, int w, int
             sum += std::abs(clamped(left, w, h, u, v) - clamped(right, w, h, u - d, v));
           }
         }
+        worst = std::max(worst, sum);
         if (sum < best) {
           best = sum;
           winner = d;
         }
       }
-      out.push_back(winner);
+      out.push_back(best < worst ? winner : kNone);
     }
+    settle_ends(std::span(out).last(static_cast<std::size_t>(w)), p);
   }
   return out;
 }
@@ -101,9 +124,8 @@ TEST(Matcher, EqualsTheDefinitionForBlocksSizesAndRanges) {
       const std::vector<int> expected = brute_force(left, right, c.w, c.h, params);
       const std::vector<Disparity> found = match(left, right, c.w, c.h, params);
       for (std::size_t i = 0; i < found.size(); ++i) {
-        const Disparity wanted = expected[i] == std::numeric_limits<int>::min()
-                                     ? Disparity::none()
-                                     : Disparity::from_pixels(expected[i]);
+        const Disparity wanted =
+            expected[i] == kNone ? Disparity::none() : Disparity::from_pixels(expected[i]);
         ASSERT_EQ(found[i], wanted)
             << c.w << "x" << c.h << " block " << c.block_w << "x" << c.block_h << " pixel " << i;
       }
@@ -174,14 +196,15 @@ TEST(Matcher, SmallerImageThanReservedGivesTheSameResult) {
   EXPECT_EQ(out, match(left, right, 30, 9, params));
 }
 
-TEST(Matcher, FlatBlackAndSaturatedImagesGiveAMapAndNoCrash) {
+TEST(Matcher, FlatBlackAndSaturatedImagesGiveNoDisparity) {
   for (const int value : {0, 128, 255}) {
     const Pixels flat(60 * 20, static_cast<std::uint8_t>(value));
-    const std::vector<Disparity> found =
-        match(flat, flat, 60, 20, {.disparities = 64, .left_right_tolerance = 1, .subpixel = true});
-    // All costs tie: the smallest disparity, which is its own match.
-    EXPECT_TRUE(
-        std::ranges::all_of(found, [](Disparity d) { return d == Disparity::from_pixels(0); }));
+    for (const std::optional<int> tolerance : {std::optional<int>(), std::optional<int>(1)}) {
+      const std::vector<Disparity> found =
+          match(flat, flat, 60, 20,
+                {.disparities = 64, .left_right_tolerance = tolerance, .subpixel = true});
+      EXPECT_TRUE(std::ranges::none_of(found, &Disparity::valid)) << "grey " << value;
+    }
   }
 }
 

@@ -1,9 +1,9 @@
 #include "dsp/stereo/prefilter.h"
 
-#include <gtest/gtest.h>
-
 #include <array>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"

@@ -1,9 +1,9 @@
 #include "dsp/stereo/sad.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"

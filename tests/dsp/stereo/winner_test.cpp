@@ -1,9 +1,9 @@
 #include "dsp/stereo/winner.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
@@ -34,12 +34,13 @@ TYPED_TEST(Winner, LowestCostWinsAndTiesGoToTheSmallestCandidate) {
   std::vector<TypeParam> costs(32, 9);
   costs[5] = 3;
   costs[11] = 3;
+  costs[16 + 7] = 10;
   std::vector<std::int16_t> winners(2);
   for (auto* const find : {static_cast<Winners<TypeParam>*>(ref::winners),
                            static_cast<Winners<TypeParam>*>(neon::winners)}) {
     find(std::span<const TypeParam>(costs), 16, winners);
     EXPECT_EQ(winners[0], 5);
-    EXPECT_EQ(winners[1], 0);  // all equal
+    EXPECT_EQ(winners[1], 0);  // all but one are equal
   }
 }
 
@@ -50,10 +51,24 @@ TYPED_TEST(Winner, PixelWithoutCandidatesHasNone) {
   EXPECT_EQ(winners[0], kNoWinner);
 }
 
+TYPED_TEST(Winner, NothingWinsWhereAllCandidatesCostTheSame) {
+  for (const TypeParam cost : {TypeParam{0}, TypeParam{77}, TypeParam(kNoCost<TypeParam> - 1)}) {
+    for (const std::size_t offered : {std::size_t{1}, std::size_t{5}, std::size_t{16}}) {
+      std::vector<TypeParam> costs(16, kNoCost<TypeParam>);
+      std::fill_n(costs.begin(), offered, cost);
+      std::vector<std::int16_t> winners(1);
+      ref::winners(std::span<const TypeParam>(costs), 16, winners);
+      EXPECT_EQ(winners[0], kNoWinner);
+      neon::winners(std::span<const TypeParam>(costs), 16, winners);
+      EXPECT_EQ(winners[0], kNoWinner);
+    }
+  }
+}
+
 TYPED_TEST(Winner, NeonEqualsReferenceForEveryLaneCountAndLength) {
   for (int lanes = 16; lanes <= 256; lanes += 16) {
     for (const std::size_t n : {1U, 2U, 9U, 31U}) {
-      for (const int spread : {1, 3, 60000}) {
+      for (const int spread : {0, 1, 3, 60000}) {
         const auto costs = this->costs(n, lanes, n + static_cast<std::size_t>(lanes), spread);
         test::GuardedBuffer<std::int16_t> reference(n), neon(n);
         ref::winners(costs.span(), lanes, reference.span());
