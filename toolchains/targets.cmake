@@ -13,12 +13,31 @@ add_library(stof_appliance_options INTERFACE)
 target_link_libraries(stof_appliance_options INTERFACE stof_options)
 target_compile_options(stof_appliance_options INTERFACE -fno-exceptions -fno-rtti)
 
-# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS ...]): a GoogleTest program whose
+# The programs whose label is `kernel`: all that the builds `planted` and `arm64-ubsan` need.
+add_custom_target(stof_kernel_tests)
+
+# stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
 # cases ctest runs one by one, through the emulator where the build is a cross build.
+# LABELS kernel: compares kernels with their references, and must fail where a wrong byte is planted.
 function(stof_add_test)
-  cmake_parse_arguments(ARG "" "NAME" "SOURCES;LIBRARIES;LABELS" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;LABELS" "SOURCES;LIBRARIES" ${ARGN})
+  if(ARG_UNPARSED_ARGUMENTS)
+    message(FATAL_ERROR "stof_add_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
+  endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES})
   target_link_libraries(${ARG_NAME} PRIVATE stof_options ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
-  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT 300)
+  set(properties TIMEOUT 300)
+  if(ARG_LABELS)
+    list(APPEND properties LABELS ${ARG_LABELS})
+  endif()
+  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 PROPERTIES ${properties})
+  if(ARG_LABELS STREQUAL "kernel")
+    add_dependencies(stof_kernel_tests ${ARG_NAME})
+  endif()
 endfunction()
+
+# Reads every source of this build with clang-tidy; what has not changed is not read again.
+add_custom_target(stof_tidy
+  COMMAND ${PROJECT_SOURCE_DIR}/scripts/tidy --build-dir ${PROJECT_BINARY_DIR}
+  USES_TERMINAL VERBATIM)

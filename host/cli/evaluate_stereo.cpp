@@ -38,20 +38,20 @@ Row evaluate_scene(const dataset::StereoScene& scene, const EvaluateStereoOption
           .score = score_disparity(disparity, scene, params.block_width)};
 }
 
-ordered_json number(std::optional<double> value) {
-  return value ? ordered_json(*value) : ordered_json(nullptr);
+ordered_json percent(std::optional<double> share) {
+  return share ? ordered_json(100 * *share) : ordered_json(nullptr);
 }
 
 ordered_json to_json(double ms, const DisparityScore& score) {
   return {{"ms", ms},
-          {"bp",
-           {{"all", number(score.all)},
-            {"nonocc", number(score.visible)},
-            {"core", number(score.core)},
-            {"valid", number(score.of_valid)},
-            {"signed_all", number(score.signed_all)},
-            {"signed_nonocc", number(score.signed_visible)}}},
-          {"density", score.density}};
+          {"bp_percent",
+           {{"all", percent(score.all)},
+            {"nonocc", percent(score.visible)},
+            {"core", percent(score.core)},
+            {"valid", percent(score.of_valid)},
+            {"signed_all", percent(score.signed_all)},
+            {"signed_nonocc", percent(score.signed_visible)}}},
+          {"density_percent", percent(score.density)}};
 }
 
 void print_json(const std::vector<Row>& rows, const Row& mean, const EvaluateOptions& options) {

@@ -178,10 +178,10 @@ class Evaluate(Program):
                                          "--out", out))
         [result] = report["scenes"]
         self.assertEqual([result[key] for key in ("name", "width", "height", "ndisp")], ["Scene", 40, 30, 8])
-        self.assertEqual(result["bp"]["core"], 0)
-        self.assertEqual(result["density"], 1)
+        self.assertEqual(result["bp_percent"]["core"], 0)
+        self.assertEqual(result["density_percent"], 100)
         self.assertGreater(result["ms"], 0)
-        self.assertEqual(report["mean"]["bp"], result["bp"])
+        self.assertEqual(report["mean"]["bp_percent"], result["bp_percent"])
         rows = self.read_pfm(out / "Scene" / "disp.pfm")
         self.assertEqual((len(rows), len(rows[0])), (30, 40))
         self.assertEqual({value for row in rows[4:-4] for value in row[12:-4]}, {3.0})
@@ -194,7 +194,7 @@ class Evaluate(Program):
         values = [value for row in self.read_pfm(out / "Scene" / "disp.pfm") for value in row]
         none = sum(value == math.inf for value in values)
         self.assertGreater(none, 0)
-        self.assertAlmostEqual(result["density"], 1 - none / len(values))
+        self.assertAlmostEqual(result["density_percent"], 100 * (1 - none / len(values)))
 
     def test_stereo_prints_a_row_a_scene_and_their_mean(self):
         first, second = self.write_scene("First"), self.write_scene("Second", shift=5)
@@ -204,7 +204,7 @@ class Evaluate(Program):
 
     def test_stereo_says_nothing_about_absent_truth(self):
         report = json.loads(self.succeed("evaluate", "stereo", self.write_scene(truth=False), "--json"))
-        self.assertEqual(set(report["scenes"][0]["bp"].values()), {None})
+        self.assertEqual(set(report["scenes"][0]["bp_percent"].values()), {None})
 
     def test_fusion_of_two_sensors_that_agree(self):
         # 60 px * 0.1 m / 3 px = 2 m in both.
@@ -274,13 +274,13 @@ class Loopback(Program):
 @unittest.skipUnless(DATA, "STOF_DATA does not name the folder of the recorded scenes")
 class Acceptance(Program):
     def test_bad_pixels_of_the_plain_search_stay_below_their_bars(self):
-        bars = {"Cones": 0.070, "Teddy": 0.129, "Tsukuba": 0.066, "Venus": 0.030}
+        bars = {"Cones": 7.0, "Teddy": 12.9, "Tsukuba": 6.6, "Venus": 3.0}
         report = json.loads(self.succeed("evaluate", "stereo", *(f"{DATA}/stereo/{scene}" for scene in SCENES),
                                          "--method", "wta", "--cost", "sad", "--block", "16x16", "--runs", 1, "--json"))
         for result in report["scenes"]:
-            self.assertLessEqual(result["bp"]["nonocc"], bars[result["name"]], result["name"])
+            self.assertLessEqual(result["bp_percent"]["nonocc"], bars[result["name"]], result["name"])
             # Next to the left border a pixel has few candidates: where they all tie there is no match.
-            self.assertGreater(result["density"], 0.999)
+            self.assertGreater(result["density_percent"], 99.9)
 
     def test_fused_depth_beats_both_sensors_in_every_scene(self):
         for size, bar in (("64x16", 0.125), ("176x144", 0.080)):

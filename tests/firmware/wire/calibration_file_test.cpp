@@ -46,7 +46,7 @@ dsp::Calibration some_calibration(std::span<const std::int16_t> pattern) {
   c.pmd.suppressed_lsb = 12;
   c.pmd.offset_m = -0.03125;
   test::Random random(1);
-  random.fill(std::span(c.pmd.wiggling));
+  random.fill(std::span<std::int16_t>(c.pmd.wiggling));
   for (double& element : c.pmd_to_stereo.rotation) {
     element = next *= 1.1;
   }

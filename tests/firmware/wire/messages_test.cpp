@@ -96,7 +96,7 @@ TEST(CalibrationPacket, StatesTheRigInItsUnits) {
   EXPECT_EQ(packet->image_height, 375);
   EXPECT_EQ(packet->pmd_width, 64);
   EXPECT_EQ(packet->pmd_height, 16);
-  EXPECT_EQ(packet->fx, 61525 * 65536 / 100);
+  EXPECT_EQ(packet->fx, 40'321'024);  // 615.25 * 65536
   EXPECT_EQ(packet->fy, 40'337'408);  // 615.5 * 65536
   EXPECT_EQ(packet->cx, 14'729'216);  // 224.75 * 65536
   EXPECT_EQ(packet->cy, -32'768);

@@ -52,6 +52,11 @@ void reseal(Datagram& datagram) {
   put_u32(bytes.last<4>(), crc32c(bytes.first(bytes.size() - 4)));
 }
 
+Datagram changed(Datagram datagram, std::size_t offset, std::uint8_t value) {
+  datagram.at(offset) = std::byte{value};
+  return datagram;
+}
+
 PacketFault fault_of(const Datagram& datagram) {
   const auto parsed = parse_guarded(datagram);
   return parsed ? PacketFault{255} : parsed.error();
@@ -126,20 +131,15 @@ TEST(Packet, EveryTrailingByteIsRejected) {
 
 TEST(Packet, RejectsWithTheExactReason) {
   const Datagram good = some_packet();
-  Datagram bad = good;
-  bad[0] = std::byte{'s'};
-  EXPECT_EQ(fault_of(bad), PacketFault::kMagic);
-  bad = good;
-  bad[4] = std::byte{2};
-  reseal(bad);
-  EXPECT_EQ(fault_of(bad), PacketFault::kVersion);
-  bad = good;
-  bad[6] = std::byte{51};
-  reseal(bad);
-  EXPECT_EQ(fault_of(bad), PacketFault::kLength);
-  bad = good;
-  bad[60] ^= std::byte{1};
-  EXPECT_EQ(fault_of(bad), PacketFault::kCrc);
+  EXPECT_EQ(fault_of(changed(good, 0, 's')), PacketFault::kMagic);
+  EXPECT_EQ(fault_of(changed(good, 60, std::to_integer<std::uint8_t>(good.at(60)) ^ 1)),
+            PacketFault::kCrc);
+  Datagram version = changed(good, 4, 2);
+  reseal(version);
+  EXPECT_EQ(fault_of(version), PacketFault::kVersion);
+  Datagram header_length = changed(good, 6, 51);
+  reseal(header_length);
+  EXPECT_EQ(fault_of(header_length), PacketFault::kLength);
   Header header = some_header();
   header.index = header.count;
   EXPECT_EQ(fault_of(some_packet(40, header)), PacketFault::kField);
