@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/status.h"
+#include "dsp/calib/calibration.h"
+
+// The calibration of a rig as a file: every bit of dsp::Calibration, with version and CRC-32C.
+// The bytes are described in docs/WIRE.md.
+namespace stof::wire {
+
+inline constexpr std::uint16_t kCalibrationFileVersion = 1;
+
+// Bytes of the file.
+std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept;
+
+// Returns how many bytes of `out` were written. kTooLarge: out is smaller than
+// calibration_file_bytes().
+Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,
+                                            std::span<std::byte> out) noexcept;
+
+// Exactly what was encoded; doubles keep their bits. The fixed pattern is stored in `fixed_pattern`
+// and the result borrows it from there (it may be larger than needed, and empty for a file
+// without). kCorrupt: not such a file, cut short, or damaged. kUnsupported: another version.
+// kTooLarge: the file's fixed pattern does not fit the space.
+// Whether the numbers make sense is for dsp::problem() to say.
+Result<dsp::Calibration> decode_calibration_file(std::span<const std::byte> file,
+                                                 std::span<std::int16_t> fixed_pattern) noexcept;
+
+}  // namespace stof::wire

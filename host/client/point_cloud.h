@@ -1,0 +1,28 @@
+#pragma once
+
+#include <vector>
+
+#include "dsp/base/status.h"
+#include "dsp/fusion/fuser.h"
+#include "firmware/wire/calibration_packet.h"
+#include "host/client/frame.h"
+
+namespace stof::client {
+
+inline constexpr float kUnknownWidth = -1;
+
+// Metres in the rectified left camera: x right, y down, z forward.
+struct Point {
+  float x = 0;
+  float y = 0;
+  float z = 0;
+  // The truth lies in z +- z_width / 2 (95 percent); kUnknownWidth when that did not arrive.
+  float z_width = 0;
+  dsp::Source source = dsp::Source::kNone;
+};
+
+// One point for each pixel that has a depth, in raster order, into `points` (cleared first).
+// kUnsupported: the frame has no calibration yet; kInvalidArgument: it is of another image size.
+Status point_cloud(const Frame& frame, std::vector<Point>& points);
+
+}  // namespace stof::client

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "firmware/wire/packet.h"
+#include "host/client/frame.h"
+#include "host/client/frame_slot.h"
+#include "host/client/statistics.h"
+
+namespace stof::client {
+
+struct ReassemblerOptions {
+  // Only this device is listened to; without it, the first one heard.
+  std::optional<std::uint32_t> device_id{};
+  // Largest image accepted: bounds what a datagram can make us allocate (six bytes a pixel, four
+  // frames).
+  std::size_t max_pixels = std::size_t{1} << 21;
+  // A frame that got no packet for so long is closed. Without it 1.5 periods of the sensor, but at
+  // least 100 ms, so that a computer busy for a moment does not look like a lost packet. It decides
+  // only where the stream has stopped: otherwise a later frame closes an earlier one.
+  std::optional<Duration> frame_timeout{};
+};
+
+// Datagrams in, frames out, in the order of their numbers. Two frames are in flight: packets of
+// frame n and n + 1 may be mixed in any order. Frame n is closed and delivered
+//  - when all its packets are there,
+//  - when a later frame is complete (all that is missing would have to arrive after that), or
+//  - when a packet of frame n + 2 or later arrives, or
+//  - by expire().
+// No clock and no socket: `now` is the caller's, and must not go back.
+class Reassembler {
+ public:
+  explicit Reassembler(const ReassemblerOptions& options = {}) : options_(options) {}
+
+  // Any bytes. take() until it returns nothing before the next push(): there is room for what one
+  // datagram can finish; older frames are dropped, and counted, when more is needed.
+  void push(std::span<const std::byte> datagram, Time now);
+
+  // Closes the frames that waited too long. To be called when nothing is left to push.
+  void expire(Time now);
+  // When expire() will have something to do.
+  std::optional<Time> next_expiry() const;
+
+  // The next finished frame, valid until the next take().
+  std::optional<Frame> take();
+
+  const Statistics& statistics() const noexcept { return statistics_; }
+  // Of the current session.
+  const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
+    return calibration_;
+  }
+
+ private:
+  static constexpr std::size_t kSlots = 4;    // two open, two finished or one finished and one out
+  static constexpr std::size_t kRetired = 8;  // sessions
+  static constexpr std::size_t kClosed = 2;   // frames whose packets are still told apart
+
+  struct Closed {
+    std::uint32_t number = 0;
+    std::vector<std::uint64_t> packets;
+  };
+
+  bool accept_origin(const wire::Origin& origin, Time now);
+  void start_session(const wire::Origin& origin);
+  void push_calibration(const wire::PacketView& packet);
+  void push_part(const wire::PacketView& packet, Time now);
+  void refuse_closed(const wire::Header& header);
+  FrameSlot& open(const wire::Header& header, Time now);
+  void close(FrameSlot& slot);
+  void close_older_than(std::uint32_t number);
+  FrameSlot* oldest(FrameSlot::State state);
+  Duration frame_timeout() const;
+
+  ReassemblerOptions options_;
+  Statistics statistics_;
+  std::array<FrameSlot, kSlots> slots_;
+  std::uint64_t finished_ = 0;  // frames, over all sessions
+
+  std::optional<wire::Origin> origin_;
+  Time last_heard_;
+  std::array<std::uint32_t, kRetired> retired_{};
+  std::size_t retired_count_ = 0;  // ever; the newest kRetired are kept
+
+  // Of the session.
+  std::optional<std::uint32_t> newest_;       // frame number that a packet carried
+  std::optional<std::uint32_t> last_closed_;  // frame number
+  std::optional<std::uint32_t> freshness_;    // of the newest frame delivered
+  std::optional<wire::CalibrationPacket> calibration_;
+  std::uint32_t calibration_frame_ = 0;
+  std::array<Closed, kClosed> closed_;
+  std::size_t closed_count_ = 0;
+};
+
+}  // namespace stof::client

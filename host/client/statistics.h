@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+
+namespace stof::client {
+
+// What became of everything that arrived, by cause. Since the receiver was opened.
+struct Statistics {
+  // Every datagram is counted in exactly one of these.
+  std::uint64_t packets_ok = 0;
+  std::uint64_t truncated = 0;    // cut short
+  std::uint64_t bad_magic = 0;    // not a packet of ours
+  std::uint64_t bad_version = 0;  // a layout this library does not know: update it
+  std::uint64_t bad_length = 0;   // longer than it says
+  std::uint64_t bad_crc = 0;      // damaged on the way
+  std::uint64_t bad_field = 0;    // undamaged but contradicting itself or its frame: a sender's bug
+  std::uint64_t unknown = 0;      // type, stream or codec that this library does not know
+  std::uint64_t oversized = 0;    // image larger than ReassemblerOptions::max_pixels
+  std::uint64_t foreign = 0;      // of another device, or of a session that has ended
+  std::uint64_t duplicate = 0;    // had arrived already
+  std::uint64_t late = 0;         // its frame was closed already
+
+  // Every frame is counted in exactly one of these.
+  std::uint64_t frames_complete = 0;    // delivered whole
+  std::uint64_t frames_incomplete = 0;  // delivered with missing packets
+  std::uint64_t frames_stale = 0;       // freshness did not advance: not delivered
+  std::uint64_t frames_lost = 0;        // number skipped: nothing of it arrived in time
+  std::uint64_t frames_dropped = 0;     // cut off by a restart of the sender, or nobody took them
+
+  std::uint64_t packets_missing = 0;  // of frames of which something arrived
+  std::uint64_t sessions = 0;         // starts of the sender seen: 1 at the first packet
+  // Of this machine: datagrams that found the socket's buffer full. They are missing above, too.
+  std::uint64_t socket_drops = 0;
+
+  constexpr std::uint64_t packets() const noexcept {
+    return packets_ok + truncated + bad_magic + bad_version + bad_length + bad_crc + bad_field +
+           unknown + oversized + foreign + duplicate + late;
+  }
+  friend bool operator==(const Statistics&, const Statistics&) = default;
+};
+
+}  // namespace stof::client
