@@ -1,0 +1,174 @@
+#!/usr/bin/env python3
+"""scripts/check_layers.py [ROOT]: who may include whom, and how long a file may be.
+
+The floors are those of docs/DESIGN.md: firmware -> board -> hal -> dsp; hal/emu and hal/linux are
+known to boards and tests alone. Prints `file:line: what: what to do` and ends with code 1 when
+something was found.
+"""
+
+import dataclasses
+import fnmatch
+import pathlib
+import re
+import sys
+
+STD = frozenset("""
+algorithm any array atomic barrier bit bitset charconv chrono codecvt compare complex concepts
+condition_variable coroutine deque exception execution expected filesystem format forward_list
+fstream functional future initializer_list iomanip ios iosfwd iostream istream iterator latch limits
+list locale map memory memory_resource mutex new numbers numeric optional ostream queue random ranges
+ratio regex scoped_allocator semaphore set shared_mutex source_location span spanstream sstream stack
+stacktrace stdexcept stop_token streambuf string string_view strstream syncstream system_error thread
+tuple type_traits typeindex typeinfo unordered_map unordered_set utility valarray variant vector version
+cassert cctype cerrno cfenv cfloat cinttypes climits clocale cmath csetjmp csignal cstdarg cstddef
+cstdint cstdio cstdlib cstring ctime cuchar cwchar cwctype
+""".split())
+
+ANY_LIBRARY = ("*",)
+
+
+@dataclasses.dataclass(frozen=True)
+class Floor:
+    """Files by pattern, and what they may include beside the standard library."""
+
+    files: str
+    project: tuple[str, ...]
+    libraries: tuple[str, ...] = ()
+    macro: bool = False  # may include by a macro's name
+
+
+# The first pattern that fits a file decides. `*` also matches slashes, except in FLAT patterns.
+HAL_INTERFACES = "hal/*.h"
+BOARD_TABLES = "board/*.h"
+FLOORS = (
+    Floor("dsp/base/simd.h", ("dsp/base/*",), ("arm_neon.h", "simde/arm/neon.h")),
+    Floor("dsp/calib/*.cpp", ("dsp/*",), ("Eigen/*",)),
+    Floor("dsp/*", ("dsp/*",)),
+    Floor("dataset/*", ("dataset/*", "dsp/base/*", "dsp/calib/*"), ANY_LIBRARY),
+    Floor("hal/emu/*", ("hal/emu/*", HAL_INTERFACES, "dsp/*", "dataset/*"), ANY_LIBRARY),
+    Floor("hal/linux/*", ("hal/linux/*", "hal/framing/*", HAL_INTERFACES, "dsp/*"), ANY_LIBRARY),
+    Floor("hal/framing/*", ("hal/framing/*", HAL_INTERFACES, "dsp/base/*")),
+    Floor("hal/*", (HAL_INTERFACES, "dsp/base/*")),
+    Floor("board/board.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*"), macro=True),
+    Floor("board/*.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
+    Floor("board/*/config.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
+    Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
+    Floor("firmware/wire/*", ("firmware/wire/*", "dsp/*")),
+    Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
+    Floor("host/*", ("host/*", "dsp/*", "dataset/*", "firmware/wire/*", "board/config.h"), ANY_LIBRARY),
+    Floor("tests/*", ("*",), ANY_LIBRARY),
+)
+FOLDERS = sorted({floor.files.split("/")[0] for floor in FLOORS})
+FLAT = {HAL_INTERFACES, BOARD_TABLES}
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*(?:"([^"]+)"|<([^>]+)>|(\w+))')
+PRAGMA_ONCE = re.compile(r"^\s*#\s*pragma\s+once\b", re.MULTILINE)
+SUFFIXES = (".h", ".cpp", ".c")
+OTHER_SUFFIXES = (".hpp", ".hh", ".hxx", ".cc", ".cxx", ".inl", ".inc", ".ipp")
+
+
+def quoted_includes(text):
+    """[(line number, name)] of every #include "name"."""
+    found = []
+    for number, line in enumerate(text.splitlines(), 1):
+        match = INCLUDE.match(line)
+        if match and match[1]:
+            found.append((number, match[1]))
+    return found
+
+
+def fits(name, pattern):
+    if pattern in FLAT and name.count("/") != pattern.count("/"):
+        return False
+    return fnmatch.fnmatchcase(name, pattern)
+
+
+def longest(path):
+    if path.startswith("tests/"):
+        return 400
+    return 150 if path.endswith(".h") else 300
+
+
+def judge_project_include(root, path, floor, name):
+    """None, or (what, what to do) about #include "name" in path."""
+    if not (root / name).is_file():
+        return f'"{name}" does not exist', "write the path from the root of the repository"
+    if path.startswith("tests/"):
+        return None
+    if not any(fits(name, pattern) for pattern in floor.project):
+        if name.startswith(("hal/emu/", "hal/linux/")):
+            return (f'{floor.files} must not know "{name}"',
+                    "include the interface in hal/; only board/<name>/ and tests choose an implementation")
+        return (f'{floor.files} must not know "{name}"', f"it may include {', '.join(floor.project)}")
+    neon = path.endswith(("_neon.cpp", "_neon.h"))
+    if not neon and (name == "dsp/base/simd.h" or name.endswith("_neon.h")):
+        return f'"{name}" outside of a *_neon.cpp', "move what needs vectors into the kernel's *_neon.cpp"
+    return None
+
+
+def judge_library_include(path, floor, name):
+    """None, or (what, what to do) about #include <name> in path."""
+    if name in STD or any(fnmatch.fnmatchcase(name, pattern) for pattern in floor.libraries):
+        return None
+    if name in ("arm_neon.h", "simde/arm/neon.h"):
+        return f"<{name}> is included in dsp/base/simd.h alone", 'include "dsp/base/simd.h" in a *_neon.cpp'
+    if name.endswith(".h") and "c" + name[:-2] in STD:
+        return f"<{name}> is C's name", f"include <c{name[:-2]}>"
+    if name.split("/")[0] in FOLDERS:
+        return f"<{name}> is a file of this project", f'include "{name}"'
+    allowed = ", ".join(("std", *floor.libraries))
+    return f"{floor.files} must not know <{name}>", f"it may include {allowed}; devices and libraries belong behind hal/"
+
+
+def judge_file(root, path):
+    """Findings in one file, `path` relative to `root`."""
+    floor = next((floor for floor in FLOORS if fits(path, floor.files)), None)
+    text = (root / path).read_text(encoding="utf-8", errors="replace")
+    lines = text.splitlines()
+    found = []
+    for number, line in enumerate(lines, 1):
+        match = INCLUDE.match(line)
+        if not match:
+            continue
+        project, library, macro = match.groups()
+        if project:
+            verdict = judge_project_include(root, path, floor, project)
+        elif library:
+            verdict = judge_library_include(path, floor, library)
+        elif not floor.macro and not path.startswith("tests/"):
+            verdict = f"include by the macro {macro}", "only board/board.h may: name the file"
+        else:
+            verdict = None
+        if verdict:
+            found.append(f"{path}:{number}: {verdict[0]}: {verdict[1]}")
+    if path.endswith(".h") and not PRAGMA_ONCE.search(text):
+        found.append(f"{path}:1: header without guard: begin it with #pragma once")
+    limit = longest(path)
+    if len(lines) > limit:
+        found.append(f"{path}:{limit + 1}: {len(lines)} lines, {limit} are the limit: split it by subject")
+    return found
+
+
+def check_tree(root):
+    """Findings in all sources below root, sorted by file."""
+    root = pathlib.Path(root)
+    found = []
+    for folder in FOLDERS:
+        for file in sorted((root / folder).rglob("*")):
+            path = file.relative_to(root).as_posix()
+            if file.suffix in SUFFIXES:
+                found += judge_file(root, path)
+            elif file.suffix in OTHER_SUFFIXES:
+                found.append(f"{path}:1: ending {file.suffix}: name it .h or .cpp")
+    return found
+
+
+def main():
+    root = sys.argv[1] if len(sys.argv) > 1 else pathlib.Path(__file__).resolve().parent.parent
+    found = check_tree(root)
+    print("\n".join(found) if found else "check_layers: every include and every length is in order")
+    return 1 if found else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,226 @@
+#!/usr/bin/env python3
+"""The steps of scripts/test, each with its time, its log in build/logs and its count of cases.
+
+A case is one test of a test program, or one check (format, tidy, ...); a build that fails is one
+failed case. With STOF_REQUIRE_DATA=1 a skipped test counts as failed.
+"""
+
+import argparse
+import dataclasses
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import time
+import xml.etree.ElementTree
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+LOGS = ROOT / "build" / "logs"
+STEP_LIMIT_S = 20 * 60
+TAIL_LINES = 60
+CASE_LINES = 20
+CASES_SHOWN = 10
+
+
+@dataclasses.dataclass
+class Count:
+    passed: int = 0
+    failed: int = 0
+    skipped: int = 0
+    notes: list[str] = dataclasses.field(default_factory=list)  # failed and skipped cases, one line each
+    details: list[str] = dataclasses.field(default_factory=list)  # what failed cases said
+
+    def add(self, other):
+        self.passed += other.passed
+        self.failed += other.failed
+        self.skipped += other.skipped
+
+    def __str__(self):
+        return f"{self.passed} passed, {self.failed} failed" + (
+            f", {self.skipped} skipped" if self.skipped else "")
+
+
+class Log:
+    """One step's log file, and how its commands are run."""
+
+    def __init__(self, step):
+        self.path = LOGS / f"{step}.log"
+        self.path.write_text("")
+
+    def run(self, *command):
+        """True when the command ended with 0 in time."""
+        with self.path.open("a") as log:
+            log.write(f"$ {' '.join(map(str, command))}\n")
+            log.flush()
+            with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=log,
+                                  stderr=subprocess.STDOUT, start_new_session=True) as process:
+                try:
+                    return process.wait(STEP_LIMIT_S) == 0
+                except subprocess.TimeoutExpired:
+                    log.write(f"ended after {STEP_LIMIT_S} s\n")
+                    return False
+                finally:  # also when we are told to end ourselves
+                    if process.poll() is None:
+                        os.killpg(process.pid, signal.SIGKILL)
+
+    def excerpt(self):
+        """The first error of a build, else the end."""
+        lines = self.path.read_text(errors="replace").splitlines()
+        errors = [i for i, line in enumerate(lines) if line.startswith(("FAILED: ", "CMake Error"))]
+        return indented(lines[errors[0]:][:TAIL_LINES] if errors else lines[-TAIL_LINES:])
+
+
+def indented(lines):
+    return "\n".join("    " + line for line in lines)
+
+
+def one(succeeded):
+    return Count(passed=1) if succeeded else Count(failed=1)
+
+
+def check(*command):
+    """A step that is one case: a command that must succeed."""
+    return lambda log: one(log.run(*command))
+
+
+def layers(log):
+    count = one(log.run("scripts/check_layers.py"))
+    succeeded = log.run("python3", "-B", "scripts/check_layers_test.py")
+    ran = re.findall(r"^Ran (\d+) tests", log.path.read_text(), re.MULTILINE)
+    count.add(Count(passed=int(ran[-1])) if succeeded and ran else Count(failed=1))
+    return count
+
+
+def build(log, preset):
+    return (log.run("cmake", "--preset", preset, "-Wno-dev")
+            and log.run("cmake", "--build", "--preset", preset, "--", "-k", "0"))
+
+
+def ctest(log, preset):
+    """(ctest's verdict, its cases) of a build; the cases are junit's."""
+    report = ROOT / "build" / preset / "junit.xml"
+    report.unlink(missing_ok=True)
+    verdict = log.run("ctest", "--preset", preset, "--output-junit", report)
+    if not report.is_file():
+        return verdict, []
+    return verdict, xml.etree.ElementTree.parse(report).getroot().findall("testcase")
+
+
+def skip_reason(case):
+    output = case.findtext("system-out") or ""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    for before, line in zip(lines, lines[1:]):
+        if before.endswith("Skipped"):  # gtest: FILE:LINE: Skipped, then the message
+            return line
+    return lines[-1] if lines else "no reason given"
+
+
+def tested(preset):
+    """A step that builds a preset and runs its tests."""
+    def step(log):
+        if not build(log, preset):
+            return Count(failed=1, notes=["the build failed"])
+        verdict, cases = ctest(log, preset)
+        count = Count()
+        for case in cases:
+            name, status = case.get("name"), case.get("status")
+            if status == "run":
+                count.passed += 1
+            elif status in ("notrun", "disabled"):
+                reason = f"{name}: {skip_reason(case)}"
+                if os.environ.get("STOF_REQUIRE_DATA") == "1":
+                    count.failed += 1
+                    count.notes.append(f"skipped, though STOF_REQUIRE_DATA=1: {reason}")
+                else:
+                    count.skipped += 1
+                    count.notes.append(f"skipped: {reason}")
+            else:
+                count.failed += 1
+                count.notes.append(f"failed: {name}")
+                said = (case.findtext("system-out") or "").splitlines()
+                count.details.append(f"    --- {name}\n{indented(said[-CASE_LINES:])}")
+        if not verdict and not count.failed:
+            count.failed += 1
+            count.notes.append("ctest failed (no test found?)")
+        return count
+    return step
+
+
+def arm64(preset):
+    """As tested(), with the sysroot unpacked before."""
+    def step(log):
+        return tested(preset)(log) if log.run("toolchains/sysroot.sh") else Count(failed=1)
+    return step
+
+
+def planted(log):
+    """Kernels with a wrong byte: every program that compares one must notice, else it proves nothing."""
+    if not build(log, "planted"):
+        return Count(failed=1, notes=["the build failed"])
+    listed = subprocess.run(["ctest", "--preset", "planted", "--show-only=json-v1"], cwd=ROOT,
+                            capture_output=True, text=True, check=False).stdout
+    program_of = {}
+    for test in json.loads(listed or "{}").get("tests", []):
+        if "command" in test:
+            program_of[test["name"]] = pathlib.Path(test["command"][0]).name
+    failures = dict.fromkeys(sorted(set(program_of.values())), 0)
+    for case in ctest(log, "planted")[1]:
+        if case.get("status") == "fail" and case.get("name") in program_of:
+            failures[program_of[case.get("name")]] += 1
+    blind = [program for program, failed in failures.items() if failed == 0]
+    count = Count(passed=len(failures) - len(blind), failed=len(blind))
+    count.notes += [f"{program} passes although a byte of its kernel is wrong" for program in blind]
+    if not failures:
+        count.failed += 1
+        count.notes.append("no test has the label `kernel`")
+    return count
+
+
+STEPS = {
+    "format": check("scripts/format", "--check"),
+    "layers": layers,
+    "emu": tested("emu"),
+    "tidy": check("scripts/tidy"),
+    "emu-asan": tested("emu-asan"),
+    "gcc": tested("gcc"),
+    "arm64": arm64("arm64"),
+    "arm64-ubsan": arm64("arm64-ubsan"),
+    "planted": planted,
+}
+QUICK = ("format", "layers", "emu")
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: all of them in this order.")
+    parser.add_argument("--quick", action="store_true", help=f"only {', '.join(QUICK)}")
+    parser.add_argument("steps", metavar="STEP", nargs="*", help="only these steps")
+    arguments = parser.parse_args()
+    chosen = arguments.steps or (QUICK if arguments.quick else list(STEPS))
+    unknown = [step for step in chosen if step not in STEPS]
+    if unknown:
+        parser.error(f"unknown step {', '.join(unknown)}: choose from {', '.join(STEPS)}")
+
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by a signal"))
+    LOGS.mkdir(parents=True, exist_ok=True)
+    total = Count()
+    for name in chosen:
+        log = Log(name)
+        begin = time.monotonic()
+        count = STEPS[name](log)
+        total.add(count)
+        print(f"{name:<11} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
+        for note in count.notes:
+            print(f"    {note}")
+        if count.failed:
+            print("\n".join(count.details[:CASES_SHOWN]) or log.excerpt())
+            print(f"    (all of it in {log.path.relative_to(ROOT)})", flush=True)
+    print(total)
+    return 1 if total.failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
