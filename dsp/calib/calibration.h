@@ -51,8 +51,8 @@ struct PmdSensor {
   double min_modulation_ratio = 0.30;  // A / (mean - dark), the chapter's 30 percent
   // |A0 + A2 - A1 - A3| above this many standard deviations of its noise: motion, changing light.
   double asymmetry_sigmas = 6;
-  double electrons_per_lsb = 60;       // g of the noise model
-  double noise_lsb = 5;                // n of the noise model: what a sample has without any light
+  double electrons_per_lsb = 60;  // g of the noise model
+  double noise_lsb = 5;           // n of the noise model: what a sample has without any light
   double suppressed_lsb = 0;  // mean ambient light that the sensor suppresses; its shot noise stays
   double offset_m = 0;        // global distance offset, subtracted
   WigglingTable wiggling{};

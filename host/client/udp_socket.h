@@ -1,8 +1,5 @@
 #pragma once
 
-#include <sys/socket.h>
-#include <sys/uio.h>
-
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -11,6 +8,9 @@
 #include <optional>
 #include <span>
 #include <string>
+
+#include <sys/socket.h>
+#include <sys/uio.h>
 
 #include "dsp/base/status.h"
 #include "host/client/frame.h"

@@ -1,13 +1,13 @@
 #pragma once
 
-#include <sys/mman.h>
-#include <unistd.h>
-
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <span>
 #include <type_traits>
+
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include "dsp/base/image.h"
 

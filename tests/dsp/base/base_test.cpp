@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <array>
 #include <set>
 #include <string>
+
+#include <gtest/gtest.h>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"

@@ -1,12 +1,12 @@
 #include "dsp/calib/calibration.h"
 
-#include <gtest/gtest.h>
-
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace stof::dsp {
 namespace {

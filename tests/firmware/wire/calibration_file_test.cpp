@@ -1,12 +1,13 @@
 #include "firmware/wire/calibration_file.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstring>
 #include <limits>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
@@ -145,23 +146,49 @@ TEST(CalibrationFile, HasTheDocumentsOffsets) {
   const auto f64 = [&in](std::size_t at) {
     return std::bit_cast<double>(get_u64(in.subspan(at).first<8>()));
   };
+  const auto i32 = [&in](std::size_t at) { return get_i32(in.subspan(at).first<4>()); };
   EXPECT_EQ(std::memcmp(file.data(), "STOFCAL", 8), 0);
   EXPECT_EQ(get_u16(in.subspan<8, 2>()), 1);
   EXPECT_EQ(get_u32(in.subspan<12, 4>()), file.size());
-  EXPECT_EQ(get_i32(in.subspan<16, 4>()), 640);
-  EXPECT_EQ(f64(24), c.stereo.left.fx);
-  EXPECT_EQ(f64(72), 0.16);
-  EXPECT_EQ(get_i32(in.subspan<88, 4>()), 5);
-  EXPECT_EQ(get_u32(in.subspan<144, 4>()), 18'750'000U);
-  EXPECT_EQ(get_i32(in.subspan<156, 4>()), -7);
-  EXPECT_EQ(f64(164), 101.5);
-  EXPECT_EQ(f64(180), 5.5);
-  EXPECT_EQ(f64(212), -0.03125);
-  EXPECT_EQ(get_u16(in.subspan<220, 2>()), static_cast<std::uint16_t>(c.pmd.wiggling[0]));
-  EXPECT_EQ(f64(476), c.pmd_to_stereo.rotation[0]);
-  EXPECT_EQ(f64(548), c.pmd_to_stereo.translation_m[0]);
-  EXPECT_EQ(get_u32(in.subspan<572, 4>()), 15U);
-  EXPECT_EQ(get_u16(in.subspan<576, 2>()), static_cast<std::uint16_t>(pattern[0]));
+  const auto expect_lens = [&](std::size_t at, const dsp::Pinhole& lens) {
+    EXPECT_EQ(i32(at), lens.width);
+    EXPECT_EQ(i32(at + 4), lens.height);
+    const std::array<double, 6> numbers{lens.fx, lens.fy, lens.cx, lens.cy, lens.k1, lens.k2};
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      EXPECT_EQ(f64(at + 8 + 8 * i), numbers[i]) << i;
+    }
+  };
+  expect_lens(16, c.stereo.left);
+  EXPECT_EQ(f64(72), c.stereo.baseline_m);
+  EXPECT_EQ(f64(80), c.stereo.doff_px);
+  expect_lens(88, c.pmd.lens);
+  EXPECT_EQ(i32(144), 18'750'000);
+  EXPECT_EQ(i32(148), 1);
+  EXPECT_EQ(i32(152), c.pmd.saturation_lsb);
+  EXPECT_EQ(i32(156), c.pmd.under_lsb);
+  EXPECT_EQ(i32(160), c.pmd.min_amplitude_lsb);
+  EXPECT_EQ(f64(164), c.pmd.dark_lsb);
+  EXPECT_EQ(f64(172), c.pmd.min_modulation_ratio);
+  EXPECT_EQ(f64(180), c.pmd.asymmetry_sigmas);
+  EXPECT_EQ(f64(188), c.pmd.electrons_per_lsb);
+  EXPECT_EQ(f64(196), c.pmd.noise_lsb);
+  EXPECT_EQ(f64(204), c.pmd.suppressed_lsb);
+  EXPECT_EQ(f64(212), c.pmd.offset_m);
+  for (std::size_t i = 0; i < c.pmd.wiggling.size(); ++i) {
+    const std::uint16_t step = get_u16(in.subspan(220 + 2 * i).first<2>());
+    EXPECT_EQ(static_cast<std::int16_t>(step), c.pmd.wiggling[i]);
+  }
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_EQ(f64(476 + 8 * i), c.pmd_to_stereo.rotation[i]);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(f64(548 + 8 * i), c.pmd_to_stereo.translation_m[i]);
+  }
+  EXPECT_EQ(i32(572), 15);
+  for (std::size_t i = 0; i < pattern.size(); ++i) {
+    const std::uint16_t value = get_u16(in.subspan(576 + 2 * i).first<2>());
+    EXPECT_EQ(static_cast<std::int16_t>(value), pattern[i]);
+  }
   EXPECT_EQ(file.size(), 580U + 30U);
 }
 

@@ -1,8 +1,8 @@
 #include "firmware/wire/crc32c.h"
 
-#include <gtest/gtest.h>
-
 #include <string_view>
+
+#include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"

@@ -1,9 +1,9 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/calibration_packet.h"
@@ -71,11 +71,12 @@ TEST(FrameInfo, HasItsFieldsAtTheDocumentsOffsets) {
   EXPECT_EQ(get_i64(bytes.subspan<16, 8>()), -3);
   EXPECT_EQ(get_i64(bytes.subspan<24, 8>()), 4);
   EXPECT_EQ(get_i64(bytes.subspan<32, 8>()), 5);
-  EXPECT_EQ(get_u32(bytes.subspan<40, 4>()), 10U);
-  EXPECT_EQ(get_u32(bytes.subspan<60, 4>()), 15U);
-  EXPECT_EQ(get_u64(bytes.subspan<64, 8>()), 20U);
-  EXPECT_EQ(get_u64(bytes.subspan<104, 8>()), 25U);
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(get_u32(bytes.subspan(40 + 4 * i).first<4>()), 10 + i);
+    EXPECT_EQ(get_u64(bytes.subspan(64 + 8 * i).first<8>()), 20 + i);
+  }
   EXPECT_EQ(get_u16(bytes.subspan<112, 2>()), 30U);
+  EXPECT_EQ(get_u16(bytes.subspan<114, 2>()), 31U);
   EXPECT_EQ(get_u16(bytes.subspan<116, 2>()), 32U);
   EXPECT_EQ(get_u8(bytes.subspan<118, 1>()), 1U);
 }
@@ -111,6 +112,46 @@ TEST(CalibrationPacket, StatesTheRigInItsUnits) {
   EXPECT_EQ(packet->rotation[2], -(1 << 29));
   EXPECT_EQ(packet->rotation[4], -(1 << 30));
   EXPECT_EQ(packet->translation_nm, (std::array<std::int64_t, 3>{-50'000'000, 1, 2'500'000'000}));
+}
+
+TEST(CalibrationPacket, HasItsFieldsAtTheDocumentsOffsets) {
+  const CalibrationPacket packet{.image_width = 1,
+                                 .image_height = 2,
+                                 .pmd_width = 3,
+                                 .pmd_height = 4,
+                                 .fx = 5,
+                                 .fy = 6,
+                                 .cx = -7,
+                                 .cy = 8,
+                                 .doff = 9,
+                                 .depth_unit_um = 10,
+                                 .max_range = 11,
+                                 .modulation_hz = 12,
+                                 .baseline_nm = -13,
+                                 .period_ns = 14,
+                                 .rotation = {20, 21, 22, 23, 24, 25, 26, 27, 28},
+                                 .translation_nm = {30, 31, 32}};
+  std::array<std::byte, kCalibrationPacketBytes> out{};
+  encode_calibration_packet(packet, out);
+  const std::span<const std::byte> bytes(out);
+  for (std::uint16_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(get_u16(bytes.subspan(2U * i).first<2>()), 1 + i);
+  }
+  for (std::int32_t i = 0; i < 8; ++i) {
+    const std::size_t at = 8 + 4 * static_cast<std::size_t>(i);
+    EXPECT_EQ(get_i32(bytes.subspan(at).first<4>()), i == 2 ? -7 : 5 + i);
+  }
+  EXPECT_EQ(get_i64(bytes.subspan<40, 8>()), -13);
+  EXPECT_EQ(get_i64(bytes.subspan<48, 8>()), 14);
+  for (std::int32_t i = 0; i < 9; ++i) {
+    const std::size_t at = 56 + 4 * static_cast<std::size_t>(i);
+    EXPECT_EQ(get_i32(bytes.subspan(at).first<4>()), 20 + i);
+  }
+  EXPECT_EQ(get_u32(bytes.subspan<92, 4>()), 0U);
+  for (std::int64_t i = 0; i < 3; ++i) {
+    const std::size_t at = 96 + 8 * static_cast<std::size_t>(i);
+    EXPECT_EQ(get_i64(bytes.subspan(at).first<8>()), 30 + i);
+  }
 }
 
 TEST(CalibrationPacket, RoundTripsExactly) {

@@ -1,10 +1,10 @@
 #include "firmware/wire/packet.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <initializer_list>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"

@@ -1,11 +1,11 @@
 #include "firmware/wire/packetizer.h"
 
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <array>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
 #include "tests/firmware/wire/wire_support.h"

@@ -1,13 +1,13 @@
 #pragma once
 
+#include <cstdint>
+#include <cstring>
+#include <span>
+
 #include <arpa/inet.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
 #include <unistd.h>
-
-#include <cstdint>
-#include <cstring>
-#include <span>
 
 #include "firmware/wire/packetizer.h"
 

@@ -1,8 +1,8 @@
 #include "host/client/point_cloud.h"
 
-#include <gtest/gtest.h>
-
 #include <vector>
+
+#include <gtest/gtest.h>
 
 namespace stof::client {
 namespace {

@@ -1,11 +1,11 @@
-#include <gtest/gtest.h>
-
 #include <algorithm>
 #include <limits>
 #include <map>
 #include <set>
 #include <utility>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "host/client/reassembler.h"
 #include "tests/host/client/sent_frame.h"
@@ -47,9 +47,9 @@ std::vector<Travel> journey(const Weather& weather, test::Random& random) {
   const auto happens = [&random](int percent) { return random.between(0, 99) < percent; };
   for (int frame = 0; frame < kFrames; ++frame) {
     for (std::size_t index = 0; index < kPackets; ++index, ++sent) {
-      const int copies = happens(weather.loss_percent)        ? 0
-                         : happens(weather.duplicate_percent) ? 2
-                                                              : 1;
+      const bool lost = happens(weather.loss_percent);
+      const int arrivals = happens(weather.duplicate_percent) ? 2 : 1;
+      const int copies = lost ? 0 : arrivals;
       for (int copy = 0; copy < copies; ++copy) {
         out.push_back({sent + random.between(0, weather.reach),
                        static_cast<int>(out.size()),

@@ -1,8 +1,8 @@
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <optional>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
 #include "host/client/reassembler.h"

@@ -1,10 +1,10 @@
 #include "host/client/reassembler.h"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <optional>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
 #include "tests/host/client/sent_frame.h"

@@ -1,11 +1,11 @@
 #include "host/client/receiver.h"
 
-#include <gtest/gtest.h>
-
 #include <chrono>
 #include <optional>
 #include <string>
 #include <vector>
+
+#include <gtest/gtest.h>
 
 #include "tests/host/client/loopback_sender.h"
 #include "tests/host/client/sent_frame.h"
