@@ -18,6 +18,9 @@ target_compile_options(stof_appliance_options INTERFACE -fno-exceptions -fno-rtt
 # The programs whose label is `kernel`: all that the builds `planted` and `arm64-ubsan` need.
 add_custom_target(stof_kernel_tests)
 
+# Tests are compiled often and run once; what they test keeps its own optimisation.
+set(STOF_TEST_OPTIONS -O1)
+
 # stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
 # cases ctest runs one by one, through the emulator where the build is a cross build.
 # LABELS kernel: compares kernels with their references, and must fail where a wrong byte is planted.
@@ -28,6 +31,8 @@ function(stof_add_test)
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES})
   target_link_libraries(${ARG_NAME} PRIVATE stof_options ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
+  target_compile_options(${ARG_NAME} PRIVATE ${STOF_TEST_OPTIONS})
+  target_precompile_headers(${ARG_NAME} REUSE_FROM stof_test_headers)
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   set(properties TIMEOUT 300)
   if(ARG_LABELS)
