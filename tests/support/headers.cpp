@@ -1,1 +1,1 @@
-// Holds nothing: its target precompiles the headers that all test programs share (tests/CMakeLists.txt).
+// Holds nothing: its target precompiles the headers that all test programs share.
