@@ -76,6 +76,10 @@ void* take_or_abort(std::size_t size, std::size_t alignment) noexcept {
 constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
 using Align = std::align_val_t;
 
+// Not inlined: g++ 12 takes free() of what `new` returned for a mistake where it sees one half
+// only.
+[[gnu::noinline]] void give_back(void* at) noexcept { std::free(at); }
+
 }  // namespace
 
 // All forms: a sanitizer brings its own of those that are left out.
@@ -87,16 +91,16 @@ void* operator new(std::size_t n, Align a) { return take_or_abort(n, static_cast
 void* operator new[](std::size_t n, Align a) {
   return take_or_abort(n, static_cast<std::size_t>(a));
 }
-void operator delete(void* at) noexcept { std::free(at); }
-void operator delete[](void* at) noexcept { std::free(at); }
-void operator delete(void* at, std::size_t) noexcept { std::free(at); }
-void operator delete[](void* at, std::size_t) noexcept { std::free(at); }
-void operator delete(void* at, const std::nothrow_t&) noexcept { std::free(at); }
-void operator delete[](void* at, const std::nothrow_t&) noexcept { std::free(at); }
-void operator delete(void* at, Align) noexcept { std::free(at); }
-void operator delete[](void* at, Align) noexcept { std::free(at); }
-void operator delete(void* at, std::size_t, Align) noexcept { std::free(at); }
-void operator delete[](void* at, std::size_t, Align) noexcept { std::free(at); }
+void operator delete(void* at) noexcept { give_back(at); }
+void operator delete[](void* at) noexcept { give_back(at); }
+void operator delete(void* at, std::size_t) noexcept { give_back(at); }
+void operator delete[](void* at, std::size_t) noexcept { give_back(at); }
+void operator delete(void* at, const std::nothrow_t&) noexcept { give_back(at); }
+void operator delete[](void* at, const std::nothrow_t&) noexcept { give_back(at); }
+void operator delete(void* at, Align) noexcept { give_back(at); }
+void operator delete[](void* at, Align) noexcept { give_back(at); }
+void operator delete(void* at, std::size_t, Align) noexcept { give_back(at); }
+void operator delete[](void* at, std::size_t, Align) noexcept { give_back(at); }
 
 namespace stof::firmware::test {
 namespace {
