@@ -63,7 +63,7 @@ void intersect(const IntervalRow& stereo, const IntervalRow& pmd,
     const uint16x8_t disputed = vorrq_u16(source_where(resolved, Source::kResolved),
                                           source_where(conflict, Source::kConflict));
     std::uint8_t* const out =
-        reinterpret_cast<std::uint8_t*>(source.data() + x);  // NOLINT: its type
+        reinterpret_cast<std::uint8_t*>(source.data() + x);  // NOLINT: Source is a std::uint8_t
     vst1_u8(out, vmovn_u16(vorrq_u16(sensors, disputed)));
   }
   ref::intersect({stereo.low.subspan(x), stereo.high.subspan(x)},

@@ -19,7 +19,7 @@ struct Address {
 
 // The socket interface takes sockaddr*, whatever is behind it.
 sockaddr* generic(Address& address) {
-  return reinterpret_cast<sockaddr*>(&address.storage);  // NOLINT
+  return reinterpret_cast<sockaddr*>(&address.storage);  // NOLINT: the sockets' own interface
 }
 
 std::optional<Address> parse_address(const std::string& text, std::uint16_t port) {
