@@ -52,7 +52,7 @@ Taken take_switch(std::string_view flag, Options& options) {
   } else if (flag == "--no-lr") {
     options.match.left_right_tolerance.reset();
   } else if (flag == "--no-subpixel") {
-    options.match.subpixel = false;
+    options.match.subpixel = dsp::Subpixel::kWhole;
   } else if (flag == "--no-prefilter") {
     options.match.prefilter_cap.reset();
   } else {

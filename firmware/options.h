@@ -22,7 +22,7 @@ struct Options {
   std::optional<std::uint32_t> session_id;
   std::optional<int> disparities;  // else what the rig asks for
   // The search; disparities is filled in from the above.
-  dsp::MatchParams match{.left_right_tolerance = 1, .subpixel = true};
+  dsp::MatchParams match{.left_right_tolerance = 1, .subpixel = dsp::Subpixel::kEquiangular};
   std::vector<std::string_view> board;  // everything that is not ours, in order
 };
 

@@ -5,11 +5,11 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/left_right.h"
-#include "dsp/stereo/prefilter.h"
-#include "dsp/stereo/sad.h"
-#include "dsp/stereo/subpixel.h"
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/check/left_right.h"
+#include "dsp/stereo/cost/prefilter.h"
+#include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/refine/subpixel.h"
+#include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
 namespace {
@@ -234,7 +234,7 @@ void Matcher::finish_row(const Buffers<Sum>& buffers, int lanes,
     best::right_winners(costs, lanes, buffers.right_costs, buffers.right_winners);
     best::left_right_check(buffers.right_winners, *params_.left_right_tolerance, buffers.winners);
   }
-  if (params_.subpixel) {
+  if (params_.subpixel != Subpixel::kWhole) {
     best::refine_winners(costs, lanes, params_.min_disparity, buffers.winners, out);
   } else {
     best::whole_winners(params_.min_disparity, buffers.winners, out);

@@ -2,38 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/base/status.h"
+#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
-
-// How a stereo pair is matched. Every field has one meaning; "off" is never a number.
-struct MatchParams {
-  int min_disparity = 0;  // px, may be negative (toed-in rigs)
-  int disparities = 64;   // candidates min .. min + disparities - 1, at least 1
-  int block_width = 16;   // px, 1..64
-  int block_height = 16;  // px, 1..64
-  // Horizontal derivative (Sobel), clipped to +-cap, 1..127: matches pairs whose brightness
-  // differs. Without it grey values are matched.
-  std::optional<int> prefilter_cap = 15;
-  // Largest difference in px between a match and the match of the match; without it no check.
-  std::optional<int> left_right_tolerance = std::nullopt;
-  bool subpixel = false;  // equiangular fit of the cost, 1/16 px
-};
-
-// The largest block, candidate count and image a Matcher accepts.
-inline constexpr int kMaxBlock = 64;
-inline constexpr int kMaxDisparities = 256;
-inline constexpr int kMaxImageWidth = 4096;    // and height
-inline constexpr int kMaxMinDisparity = 1024;  // of either sign
-
-// kOk, kInvalidArgument (a value outside its range) or kTooLarge.
-Status check(const MatchParams& params, int width, int height) noexcept;
 
 // Block matching of one stereo pair: prefilter, SAD, lowest cost, left-right check, subpixel fit.
 // Holds its buffers, allocates nothing. Disparities in the left image, none where no candidate

@@ -86,7 +86,7 @@ std::expected<dsp::MatchParams, Problem> match_params(const MatchOptions& option
   if (Judged judged = judge_options(options); !judged) {
     return std::unexpected(std::move(judged.error()));
   }
-  dsp::MatchParams params{.disparities = disparities, .subpixel = options.subpixel};
+  dsp::MatchParams params{.disparities = disparities, .subpixel = options.subpixel ? dsp::Subpixel::kEquiangular : dsp::Subpixel::kWhole};
   if (Judged block = read_block(options.block, params); !block) {
     return std::unexpected(std::move(block.error()));
   }

@@ -104,7 +104,7 @@ Setup small_setup(bool with_pmd) {
                  .block_width = 5,
                  .block_height = 5,
                  .left_right_tolerance = 1,
-                 .subpixel = true};
+                 .subpixel = dsp::Subpixel::kEquiangular};
   setup.fusion = {.stereo_sigma = 2};  // so that no two of the distances could be taken for one
   return setup;
 }

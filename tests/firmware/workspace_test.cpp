@@ -34,7 +34,7 @@ dsp::MatchParams largest(const board::StereoConfig& stereo) {
           .block_height = stereo.block_height,
           .prefilter_cap = std::nullopt,
           .left_right_tolerance = 1,
-          .subpixel = true};
+          .subpixel = dsp::Subpixel::kEquiangular};
 }
 
 TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {

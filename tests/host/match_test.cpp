@@ -14,7 +14,7 @@ TEST(MatchOptions, BecomeAnIntegerDenseSearchByDefault) {
   EXPECT_EQ(params->block_height, 16);
   EXPECT_EQ(params->prefilter_cap, dsp::MatchParams{}.prefilter_cap);
   EXPECT_FALSE(params->left_right_tolerance.has_value());
-  EXPECT_FALSE(params->subpixel);
+  EXPECT_EQ(params->subpixel, dsp::Subpixel::kWhole);
 }
 
 TEST(MatchOptions, AddWhatWasAskedFor) {
@@ -27,7 +27,7 @@ TEST(MatchOptions, AddWhatWasAskedFor) {
   EXPECT_EQ(params->block_width, 60);
   EXPECT_EQ(params->block_height, 20);
   EXPECT_EQ(params->left_right_tolerance, 1);
-  EXPECT_TRUE(params->subpixel);
+  EXPECT_EQ(params->subpixel, dsp::Subpixel::kEquiangular);
 }
 
 TEST(MatchOptions, RefuseEveryImpossibleBlock) {

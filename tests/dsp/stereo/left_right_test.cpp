@@ -1,11 +1,11 @@
-#include "dsp/stereo/left_right.h"
+#include "dsp/stereo/check/left_right.h"
 
 #include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/search/winner.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 

@@ -150,7 +150,7 @@ TEST(Matcher, FindsAKnownShiftWithEveryOption) {
                        .block_width = 9,
                        .block_height = 9,
                        .left_right_tolerance = 0,
-                       .subpixel = true};
+                       .subpixel = Subpixel::kEquiangular};
     const std::vector<Disparity> found = match(left, right, w, h, params);
     for (int y = 6; y < h - 6; ++y) {
       for (int x = 26; x < w - 26; ++x) {
@@ -171,7 +171,7 @@ TEST(Matcher, ResultDoesNotDependOnTheSplitOfRows) {
                            .block_width = 7,
                            .block_height = 12,
                            .left_right_tolerance = 1,
-                           .subpixel = true};
+                           .subpixel = Subpixel::kEquiangular};
   const std::vector<Disparity> whole = match(left, right, w, h, params);
   for (int split = 0; split <= h; ++split) {
     Bench bench(params, w, h);
@@ -202,7 +202,7 @@ TEST(Matcher, FlatBlackAndSaturatedImagesGiveNoDisparity) {
     for (const std::optional<int> tolerance : {std::optional<int>(), std::optional<int>(1)}) {
       const std::vector<Disparity> found =
           match(flat, flat, 60, 20,
-                {.disparities = 64, .left_right_tolerance = tolerance, .subpixel = true});
+                {.disparities = 64, .left_right_tolerance = tolerance, .subpixel = Subpixel::kEquiangular});
       EXPECT_TRUE(std::ranges::none_of(found, &Disparity::valid)) << "grey " << value;
     }
   }

@@ -1,4 +1,4 @@
-#include "dsp/stereo/prefilter.h"
+#include "dsp/stereo/cost/prefilter.h"
 
 #include <array>
 #include <vector>

@@ -1,4 +1,4 @@
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/search/winner.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/sums_neon.h"
+#include "dsp/stereo/cost/sums_neon.h"
 
 namespace stof::dsp::neon {
 namespace {

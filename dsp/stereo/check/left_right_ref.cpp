@@ -1,10 +1,10 @@
-#include "dsp/stereo/left_right.h"
+#include "dsp/stereo/check/left_right.h"
 
 #include <cstddef>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp::ref {
 

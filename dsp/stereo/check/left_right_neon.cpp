@@ -1,4 +1,4 @@
-#include "dsp/stereo/left_right.h"
+#include "dsp/stereo/check/left_right.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -6,7 +6,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp::neon {
 namespace {

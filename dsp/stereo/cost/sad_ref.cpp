@@ -1,4 +1,4 @@
-#include "dsp/stereo/sad.h"
+#include "dsp/stereo/cost/sad.h"
 
 #include <cstddef>
 #include <cstdlib>

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/target.h"
-#include "dsp/stereo/sad.h"
+#include "dsp/stereo/cost/sad.h"
 
 // Winner takes all on one row of costs, laid out [column][candidate] as in sad.h.
 namespace stof::dsp {

@@ -1,4 +1,4 @@
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/search/winner.h"
 
 #include <algorithm>
 #include <cstddef>

@@ -1,10 +1,10 @@
-#include "dsp/stereo/sad.h"
+#include "dsp/stereo/cost/sad.h"
 
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/sums_neon.h"
+#include "dsp/stereo/cost/sums_neon.h"
 
 namespace stof::dsp::neon {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/winner.h"
+#include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
 

@@ -1,4 +1,4 @@
-#include "dsp/stereo/subpixel.h"
+#include "dsp/stereo/refine/subpixel.h"
 
 #include <algorithm>
 #include <cstddef>

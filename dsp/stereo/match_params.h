@@ -1,0 +1,109 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "dsp/base/status.h"
+
+// How a stereo pair is matched. Every field has one meaning; "off" is never a number.
+namespace stof::dsp {
+
+// What two pixels differ by. Pictures are grey values or, with a prefilter, their derivative.
+enum class Cost : std::uint8_t {
+  kSad,        // |L - R|, 0..255
+  kSsd,        // (L - R)^2, 0..65025
+  kCensus5x5,  // Hamming distance of 24 bits, 0..24
+  kCensus9x7,  // Hamming distance of 62 bits, 0..62
+  kMixed,      // census 9x7 of grey values, clipped grey and derivative differences (mixed.h)
+};
+
+enum class Method : std::uint8_t {
+  kWinnerTakesAll,
+  kOrdered,      // dynamic programming with occlusions and the ordering constraint
+  kScanline,     // scanline optimisation
+  kSemiGlobal,   // the same energy over several directions
+};
+
+enum class BlockShape : std::uint8_t {
+  kFixed,
+  kCross,   // block_width x block_height at most, grown along the row and column of the centre
+  kRegion,  // grown by whole rows and columns in turn
+};
+
+enum class Subpixel : std::uint8_t {
+  kWhole,         // whole disparities
+  kEquiangular,   // fit of the costs by two lines of equal slope
+  kParabola,      // fit of the costs by a parabola
+  kLeastSquares,  // shift of the grey values; what moves by more than half a pixel is dropped
+};
+
+// What a change of disparity between neighbours costs, in the units of one pixel's cost (a block of
+// n pixels counts n times as much).
+struct Smoothness {
+  int small_step = 0;  // P1: by one
+  int large_step = 0;  // P2: by more; halved and quartered where the grey value changes
+  int occlusion = 0;   // kOrdered: a pixel that only one camera sees
+};
+
+struct MatchParams {
+  int min_disparity = 0;  // px, may be negative (toed-in rigs)
+  int disparities = 64;   // candidates min .. min + disparities - 1, at least 1
+  Cost cost = Cost::kSad;
+  Method method = Method::kWinnerTakesAll;
+  BlockShape block_shape = BlockShape::kFixed;
+  int block_width = 16;   // px, 1..64
+  int block_height = 16;  // px, 1..64
+  bool smooth = false;    // 3x3 binomial before anything else
+  // Horizontal derivative (Sobel), clipped to +-cap, 1..127: matches pairs whose brightness
+  // differs. Without it grey values are matched.
+  std::optional<int> prefilter_cap = 15;
+
+  // Of kOrdered, kScanline and kSemiGlobal; without it default_smoothness(cost).
+  std::optional<Smoothness> smoothness = std::nullopt;
+  int directions = 4;  // of kSemiGlobal: 2, 4, 5 or 8
+  // kScanline searches only this many px to either side of what winner takes all found nearby.
+  std::optional<int> band = std::nullopt;
+  // Coarse to fine: 1 begins at half size, 2 at a quarter; finer sizes search near what was found.
+  std::optional<int> pyramid_levels = std::nullopt;
+
+  // Largest difference in px between a match and the match of the match; without it no check.
+  std::optional<int> left_right_tolerance = std::nullopt;
+  // A rival candidate (not a neighbour) must cost at least this many percent more, 1..99.
+  std::optional<int> uniqueness_percent = std::nullopt;
+  // Mean |Sobel derivative| of the surroundings, in grey levels: where it is less the picture is
+  // flat.
+  std::optional<int> min_texture = std::nullopt;
+  // Disparities that fewer than so many thousandths of the image share are dropped, 1..1000.
+  std::optional<int> histogram_permille = std::nullopt;
+  // Connected patches of fewer pixels are dropped.
+  std::optional<int> speckle_pixels = std::nullopt;
+  Subpixel subpixel = Subpixel::kWhole;
+  bool median = false;  // 3x3 median of the disparities
+  bool fill = false;    // from the background; every filled pixel is marked (Matcher::filled)
+};
+
+// The largest block, candidate count and image a Matcher accepts.
+inline constexpr int kMaxBlock = 64;
+inline constexpr int kMaxDisparities = 256;
+inline constexpr int kMaxImageWidth = 4096;    // and height
+inline constexpr int kMaxMinDisparity = 1024;  // of either sign
+
+// kOk, kInvalidArgument (a value outside its range) or kTooLarge.
+Status check(const MatchParams& params, int width, int height) noexcept;
+
+// The same for every scene.
+Smoothness default_smoothness(Cost cost, Method method) noexcept;
+
+// Parameter sets that need no tuning. `chapter`: the methods of Kuhnert & Stommel 2006 as printed.
+struct Preset {
+  std::string_view name;
+  std::string_view meaning;  // one line
+  MatchParams params;        // for 64 candidates from 0
+};
+// nullptr: no preset of that name.
+const Preset* find_preset(std::string_view name) noexcept;
+// "fast, quality, chapter", for messages.
+std::string_view preset_names() noexcept;
+
+}  // namespace stof::dsp

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/target.h"
+#include "dsp/stereo/cost/sad.h"
+
+// One direction of scanline and semi-global optimisation on rows of costs, laid out
+// [column][candidate] as in cost/sad.h:
+//
+//   paths[x][i] = costs[x][i] + min(p[i], p[i - 1] + small, p[i + 1] + small, m + large[x]) - m
+//
+// with p the paths of the pixel before x and m their minimum; where there is no pixel before,
+// paths[x] = costs[x]. Every sum saturates at kNoCost, so that a candidate outside the image stays
+// outside; neighbours beyond the first and last lane count as kNoCost. Costs plus large must stay
+// below kNoCost for every candidate inside. Source: Hirschmueller 2008, eq. 13.
+namespace stof::dsp {
+
+// From the left: before x is x - 1. costs, paths: large.size() * lanes elements, lanes a multiple
+// of 16, at most 256; may be the same memory. Cost is u8, u16 or u32; small <= large[x].
+template <typename Cost>
+using PathsAlong = void(std::span<const Cost> costs, int lanes, Cost small,
+                        std::span<const Cost> large, std::span<Cost> paths) noexcept;
+
+// From another row: before x is `before`'s column x - shift (shift -1, 0 or 1: down-left, down,
+// down-right when rows come from the top). before: the paths of that row, overlapping nothing.
+template <typename Cost>
+using PathsAcross = void(std::span<const Cost> costs, std::span<const Cost> before, int shift,
+                         int lanes, Cost small, std::span<const Cost> large,
+                         std::span<Cost> paths) noexcept;
+
+namespace ref {
+PathsAlong<std::uint8_t> paths_from_left;
+PathsAlong<std::uint16_t> paths_from_left;
+PathsAlong<std::uint32_t> paths_from_left;
+PathsAlong<std::uint8_t> paths_from_right;  // before x is x + 1; large[x] still belongs to x
+PathsAlong<std::uint16_t> paths_from_right;
+PathsAlong<std::uint32_t> paths_from_right;
+PathsAcross<std::uint8_t> paths_across;
+PathsAcross<std::uint16_t> paths_across;
+PathsAcross<std::uint32_t> paths_across;
+}  // namespace ref
+namespace neon {
+PathsAlong<std::uint8_t> paths_from_left;
+PathsAlong<std::uint16_t> paths_from_left;
+PathsAlong<std::uint32_t> paths_from_left;
+PathsAlong<std::uint8_t> paths_from_right;
+PathsAlong<std::uint16_t> paths_from_right;
+PathsAlong<std::uint32_t> paths_from_right;
+PathsAcross<std::uint8_t> paths_across;
+PathsAcross<std::uint16_t> paths_across;
+PathsAcross<std::uint32_t> paths_across;
+}  // namespace neon
+
+}  // namespace stof::dsp
