@@ -55,10 +55,17 @@ struct StereoScene {
   int ndisp = 64;                              // search range to use, from meta.txt
   std::optional<Image<float>> truth;           // disparity in px of the left view, +inf = unknown
   std::optional<Image<std::uint8_t>> visible;  // not 0 = known and seen by both cameras
+  // Parallel cameras, from meta.txt's f_px, baseline_m and doff_px (0 where absent); the principal
+  // point is taken for the middle of the picture.
+  std::optional<dsp::StereoRig> rig;
 };
 
 // Reads DIR. left.pgm, right.pgm and meta.txt must be there; gt_left.pgm and nonocc.pgm may be.
 Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir);
+
+// Writes the files of a scene into a folder that exists; truth in steps of 1/256 px, up to 255 px.
+std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir,
+                                                const StereoScene& scene);
 
 // A PMD recording and the rig it belongs to.
 struct PmdRecording {

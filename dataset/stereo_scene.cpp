@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 #include "dataset/file.h"
@@ -95,6 +96,23 @@ std::expected<void, Problem> read_visible(const std::filesystem::path& dir, Ster
   return {};
 }
 
+std::optional<dsp::StereoRig> read_rig(std::string_view meta, const StereoScene& scene) {
+  const double focal = meta_number(meta, "f_px").value_or(0);
+  const double baseline = meta_number(meta, "baseline_m").value_or(0);
+  const double doff = meta_number(meta, "doff_px").value_or(0);
+  if (!(focal > 0) || !(baseline > 0) || !std::isfinite(focal + baseline + doff)) {
+    return std::nullopt;
+  }
+  return dsp::StereoRig{.left = {.width = scene.left.width,
+                                 .height = scene.left.height,
+                                 .fx = focal,
+                                 .fy = focal,
+                                 .cx = (scene.left.width - 1) / 2.0,
+                                 .cy = (scene.left.height - 1) / 2.0},
+                        .baseline_m = baseline,
+                        .doff_px = doff};
+}
+
 std::expected<void, Problem> read_pair(const std::filesystem::path& dir, StereoScene& scene) {
   Loaded<Image<std::uint8_t>> left = read_pgm8(dir / "left.pgm");
   if (!left) {
@@ -131,6 +149,7 @@ Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
                   "add a line such as \"ndisp 64\"");
   }
   scene.ndisp = static_cast<int>(*ndisp);
+  scene.rig = read_rig(*meta, scene);
   if (std::expected<void, Problem> truth = read_truth(dir, *meta, scene); !truth) {
     return std::unexpected(std::move(truth.error()));
   }

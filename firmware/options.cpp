@@ -1,7 +1,10 @@
 #include "firmware/options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <limits>
+
+#include "dsp/stereo/match_options.h"
 
 namespace stof::firmware {
 namespace {
@@ -29,18 +32,46 @@ std::string take_number(std::string_view flag, std::string_view text, T low, T h
   return {};
 }
 
-std::string take_block(std::string_view text, dsp::MatchParams& match) {
-  const std::size_t x = text.find('x');
-  const auto width = number<int>(text.substr(0, x), 1, dsp::kMaxBlock);
-  const auto height = x == std::string_view::npos
-                          ? std::nullopt
-                          : number<int>(text.substr(x + 1), 1, dsp::kMaxBlock);
-  if (!width || !height) {
-    return "--block takes WxH with both from 1 to " + std::to_string(dsp::kMaxBlock) +
-           ", such as 16x16, not \"" + std::string(text) + "\"";
+// --NAME VALUE, --NAME=VALUE, --NAME where that has a meaning, --no-NAME: an option of the matcher.
+struct MatchFlag {
+  const dsp::MatchOption* option = nullptr;
+  std::optional<std::string_view> value;
+};
+
+MatchFlag find_match_flag(std::string_view flag) noexcept {
+  if (!flag.starts_with("--")) {
+    return {};
   }
-  match.block_width = *width;
-  match.block_height = *height;
+  flag.remove_prefix(2);
+  const std::size_t equals = flag.find('=');
+  if (equals != std::string_view::npos) {
+    return {dsp::find_match_option(flag.substr(0, equals)), flag.substr(equals + 1)};
+  }
+  const dsp::MatchOption* const option = dsp::find_match_option(flag);
+  if (option != nullptr) {
+    return {option, option->alone.empty() ? std::nullopt : std::optional(option->alone)};
+  }
+  if (flag.starts_with("no-")) {
+    return {dsp::find_match_option(flag.substr(3)), "off"};
+  }
+  return {};
+}
+
+std::string set_match_option(const dsp::MatchOption& option, std::string_view value,
+                             dsp::MatchParams& match) {
+  return option.set(value, match)
+             ? std::string()
+             : "--" + std::string(option.name) + " takes " + std::string(option.values) +
+                   ", not \"" + std::string(value) + "\"";
+}
+
+std::string take_preset(std::string_view name, Options& options) {
+  const dsp::Preset* const preset = dsp::find_preset(name);
+  if (preset == nullptr) {
+    return "--preset takes " + std::string(dsp::preset_names()) + ", not \"" + std::string(name) +
+           "\"";
+  }
+  options.match = preset->params;
   return {};
 }
 
@@ -49,12 +80,6 @@ enum class Taken { kNot, kAlone, kWithValue };
 Taken take_switch(std::string_view flag, Options& options) {
   if (flag == "--help" || flag == "-h") {
     options.help = true;
-  } else if (flag == "--no-lr") {
-    options.match.left_right_tolerance.reset();
-  } else if (flag == "--no-subpixel") {
-    options.match.subpixel = dsp::Subpixel::kWhole;
-  } else if (flag == "--no-prefilter") {
-    options.match.prefilter_cap.reset();
   } else {
     return Taken::kNot;
   }
@@ -79,10 +104,8 @@ Taken take_value(std::string_view flag, std::string_view value, Options& options
                                                                      options.session_id);
   } else if (flag == "--disparities") {
     wrong = take_number(flag, value, 1, dsp::kMaxDisparities, options.disparities);
-  } else if (flag == "--min-disparity") {
-    wrong = take_number(flag, value, -1024, 1024, options.match.min_disparity);
-  } else if (flag == "--block") {
-    wrong = take_block(value, options.match);
+  } else if (flag == "--preset") {
+    wrong = take_preset(value, options);
   } else {
     return Taken::kNot;
   }
@@ -99,38 +122,54 @@ std::expected<Options, std::string> parse_options(std::span<const std::string_vi
       continue;
     }
     const bool last = i + 1 == arguments.size();
+    const std::string_view next = last ? std::string_view() : arguments[i + 1];
     std::string wrong;
-    if (take_value(flag, last ? std::string_view() : arguments[i + 1], options, wrong) ==
-        Taken::kNot) {
+    bool with_next = false;
+    if (const MatchFlag match = find_match_flag(flag); match.option != nullptr) {
+      with_next = !match.value;
+      wrong = set_match_option(*match.option, match.value.value_or(next), options.match);
+    } else if (take_value(flag, next, options, wrong) == Taken::kWithValue) {
+      with_next = true;
+    } else {
       options.board.push_back(flag);
       continue;
     }
-    if (last) {
+    if (with_next && last) {
       return std::unexpected(std::string(flag) +
                              " is the last argument, but takes a value; try --help");
     }
     if (!wrong.empty()) {
       return std::unexpected(wrong);
     }
-    ++i;
+    i += with_next ? 1 : 0;
+  }
+  if (options.match.fill) {
+    return std::unexpected("--fill: what is made up is not published: leave it out");
+  }
+  if (const char* const why = dsp::problem(options.match); *why != '\0') {
+    return std::unexpected(std::string(why));
   }
   return options;
 }
 
-std::string_view options_usage() noexcept {
-  return "  --frames N           publish N frames, then stop (default: run until stopped)\n"
-         "  --period-ms N        time from one trigger edge to the next (default: the board's)\n"
-         "  --calibration FILE   calibration of the rig (default: what the board knows)\n"
-         "  --disparities N      candidates of the search, 1..256 (default: what the rig asks "
-         "for)\n"
-         "  --min-disparity N    the first candidate (default 0)\n"
-         "  --block WxH          block of the matcher, 1x1..64x64 (default 16x16)\n"
-         "  --no-lr              without the left-right check\n"
-         "  --no-subpixel        whole disparities\n"
-         "  --no-prefilter       match grey values instead of their derivative\n"
-         "  --device N           device number in every packet (default 1)\n"
-         "  --session N          session number in every packet (default: random)\n"
-         "  --help               this text\n";
+std::string options_usage() {
+  std::string text =
+      "  --frames N           publish N frames, then stop (default: run until stopped)\n"
+      "  --period-ms N        time from one trigger edge to the next (default: the board's)\n"
+      "  --calibration FILE   calibration of the rig (default: what the board knows)\n"
+      "  --disparities N      candidates of the search, 1..256 (default: what the rig asks "
+      "for)\n"
+      "  --preset NAME        how to match: fast (default), quality or chapter; what follows\n"
+      "                       changes it\n"
+      "  --device N           device number in every packet (default 1)\n"
+      "  --session N          session number in every packet (default: random)\n"
+      "  --help               this text\n";
+  for (const dsp::MatchOption& option : dsp::match_options()) {
+    std::string name = "  --" + std::string(option.name);
+    name.resize(std::max<std::size_t>(name.size() + 1, 23), ' ');
+    text += name + std::string(option.meaning) + ": " + std::string(option.values) + "\n";
+  }
+  return text;
 }
 
 }  // namespace stof::firmware

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/stereo/matcher.h"
+#include "dsp/stereo/match_params.h"
 
 // stofd's command line. Used once, before the loop.
 namespace stof::firmware {
@@ -22,7 +22,7 @@ struct Options {
   std::optional<std::uint32_t> session_id;
   std::optional<int> disparities;  // else what the rig asks for
   // The search; disparities is filled in from the above.
-  dsp::MatchParams match{.left_right_tolerance = 1, .subpixel = dsp::Subpixel::kEquiangular};
+  dsp::MatchParams match = dsp::find_preset("fast")->params;
   std::vector<std::string_view> board;  // everything that is not ours, in order
 };
 
@@ -30,6 +30,6 @@ struct Options {
 std::expected<Options, std::string> parse_options(std::span<const std::string_view> arguments);
 
 // One flag per line.
-std::string_view options_usage() noexcept;
+std::string options_usage();
 
 }  // namespace stof::firmware

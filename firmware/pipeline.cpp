@@ -5,6 +5,13 @@
 namespace stof::firmware {
 namespace {
 
+std::optional<dsp::Rectifier> make_rectifier(const Setup& setup, dsp::Arena& arena) noexcept {
+  if (!setup.calibration.stereo.raw) {
+    return std::nullopt;
+  }
+  return std::optional<dsp::Rectifier>(std::in_place, setup.calibration.stereo, arena);
+}
+
 std::optional<dsp::Converter> make_converter(const Setup& setup, dsp::Arena& arena) noexcept {
   if (!setup.has_pmd()) {
     return std::nullopt;
@@ -31,7 +38,9 @@ std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
   const dsp::Pinhole& pmd = setup.calibration.pmd.lens;
   const std::size_t pixels =
       static_cast<std::size_t>(left.width) * static_cast<std::size_t>(left.height);
-  return dsp::Matcher::bytes_needed(setup.match, left.width, left.height) +
+  return (setup.calibration.stereo.raw ? dsp::Rectifier::bytes_needed(left.width, left.height)
+                                       : 0) +
+         dsp::Matcher::bytes_needed(setup.match, left.width, left.height) +
          (setup.has_pmd() ? dsp::Converter::bytes_needed(pmd.width, pmd.height) : 0) +
          dsp::Fuser::bytes_needed(left.width, left.height, setup.match.disparities, pmd.width,
                                   pmd.height) +
@@ -42,6 +51,7 @@ std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
 
 Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noexcept
     : clock_(clock),
+      rectifier_(make_rectifier(setup, arena)),
       matcher_(setup.match, setup.calibration.stereo.left.width,
                setup.calibration.stereo.left.height, arena),
       converter_(make_converter(setup, arena)),
@@ -55,10 +65,20 @@ Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noe
   output_.map.source = arena.take_image<dsp::Source>(width, height);
 }
 
+void Pipeline::match(const hal::StereoFrame& frame) noexcept {
+  if (!rectifier_) {
+    matcher_.match(frame.left, frame.right, disparity_);
+    return;
+  }
+  rectifier_->rectify(frame.left, frame.right, disparity_.rows());
+  matcher_.match(rectifier_->left(), rectifier_->right(), disparity_);
+  rectifier_->clear_border(disparity_.rows(), disparity_);
+}
+
 const Output& Pipeline::compute(const Shot& shot) noexcept {
   Stats& stats = output_.stats;
   const hal::Time start = clock_.now();
-  matcher_.match(shot.stereo->left, shot.stereo->right, disparity_);
+  match(*shot.stereo);
   const hal::Time matched = clock_.now();
   if (converter_ && shot.pmd) {
     pmd_ = &converter_->convert((*shot.pmd)->samples);

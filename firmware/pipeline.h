@@ -10,6 +10,7 @@
 #include "dsp/fusion/fuser.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
+#include "dsp/stereo/rectifier.h"
 #include "firmware/shot.h"
 #include "hal/clock.h"
 
@@ -27,7 +28,7 @@ struct Setup {
 inline constexpr std::size_t kSources = 6;  // values of dsp::Source
 
 struct Stats {
-  hal::Duration match{};
+  hal::Duration match{};  // rectification and the search
   hal::Duration convert{};
   hal::Duration fuse{};
   std::array<std::uint32_t, kSources> sources{};  // pixels of each
@@ -46,14 +47,17 @@ class Pipeline {
   // Bytes of the Arena; setup.match must pass dsp::check.
   static std::size_t bytes_needed(const Setup& setup) noexcept;
 
-  // Builds all tables. problem(setup.calibration) must be empty.
+  // Builds all tables. setup.calibration is complete(), problem() of it empty.
   Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noexcept;
 
   // Frames of the calibration's sizes. The result is valid until the next call.
   const Output& compute(const Shot& shot) noexcept;
 
  private:
+  void match(const hal::StereoFrame& frame) noexcept;
+
   hal::Clock& clock_;
+  std::optional<dsp::Rectifier> rectifier_;  // where the calibration asks for one
   dsp::Matcher matcher_;
   std::optional<dsp::Converter> converter_;
   dsp::Fuser fuser_;

@@ -46,12 +46,11 @@ std::string load_calibration(const std::string& name, const board::Config& confi
     return bytes.error();
   }
   start.fixed_pattern.resize(pixels);
-  const Result<dsp::Calibration> loaded =
-      wire::decode_calibration_file(*bytes, start.fixed_pattern);
+  Result<dsp::Calibration> loaded = wire::decode_calibration_file(*bytes, start.fixed_pattern);
   if (!loaded) {
     switch (loaded.error()) {
       case Status::kUnsupported:
-        return name + ": a calibration of another version: export it again for version " +
+        return name + ": a calibration of a later version: export it again for version " +
                std::to_string(wire::kCalibrationFileVersion);
       case Status::kTooLarge:
         return name + ": its PMD camera is larger than this board's " +
@@ -59,6 +58,9 @@ std::string load_calibration(const std::string& name, const board::Config& confi
       default:
         return name + ": not a calibration file, or damaged: export it again";
     }
+  }
+  if (const char* const why = dsp::complete(loaded->stereo); *why != '\0') {
+    return name + ": " + why + ": calibrate the rig anew";
   }
   const dsp::Pinhole& left = loaded->stereo.left;
   const dsp::Pinhole& pmd = loaded->pmd.lens;
@@ -112,6 +114,10 @@ std::expected<Start, std::string> make_start(const board::Board& board, const bo
                                              const Options& options) {
   Start start;
   start.setup.calibration = board.calibration;
+  if (const char* const why = dsp::complete(start.setup.calibration.stereo); *why != '\0') {
+    return std::unexpected(std::string("the rig's calibration: ") + why +
+                           ": calibrate the rig anew");
+  }
   if (board.pmd == nullptr) {
     start.setup.calibration.pmd.lens = {};
   }

@@ -8,14 +8,20 @@
 #include "board/board.h"
 #include "board/config.h"
 #include "dsp/base/arena.h"
+#include "dsp/fusion/fuser.h"
 
 // All memory of the frame path, reserved at link time for the largest frames the board accepts.
-// Matcher, Converter and Fuser say what they take once they know their parameters (bytes_needed);
-// here stands an upper bound of that for the board's table, proven by tests.
+// Rectifier, Matcher, Converter and Fuser say what they take once they know their parameters
+// (bytes_needed); here stands an upper bound of that for the board's table, proven by tests.
 namespace stof::firmware {
 
 constexpr std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
+// Two rectified images, places of 6 bytes for each of their pixels.
+constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcept {
+  return 2 * (1 + 6) * pixels(stereo.width, stereo.height) + 10 * dsp::Arena::kAlign;
 }
 
 // Two prefiltered images; column sums and costs of one row, u32 for each of up to 16 unused lanes
@@ -33,12 +39,13 @@ constexpr std::size_t converter_bytes(const board::PmdConfig& pmd) noexcept {
 }
 
 // A z-buffer, interval and flags for each stereo pixel; rays and up to four footprints for each PMD
-// pixel; intervals by disparity in 1/16 px; some rows.
+// pixel; intervals by disparity or tangents by column, both in 1/16 px; some rows.
 constexpr std::size_t fuser_bytes(const board::StereoConfig& stereo,
                                   const board::PmdConfig& pmd) noexcept {
   return 8 * pixels(stereo.width, stereo.height) + 72 * pixels(pmd.width, pmd.height) +
-         16 * 8 * (static_cast<std::size_t>(stereo.disparities) + 4) +
-         32 * static_cast<std::size_t>(stereo.width) + 8192;
+         16 * (8 + 4) * (static_cast<std::size_t>(stereo.disparities) + 4) +
+         (32 + 4 + 16 * 4) * static_cast<std::size_t>(stereo.width) + 8192 +
+         4 * 4 * dsp::kMaxStereoSigma;
 }
 
 // Disparity, depth, interval width, source.
@@ -48,8 +55,8 @@ constexpr std::size_t image_bytes(const board::StereoConfig& stereo) noexcept {
 
 constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
-  return matcher_bytes(stereo) + converter_bytes(pmd) + fuser_bytes(stereo, pmd) +
-         image_bytes(stereo);
+  return rectifier_bytes(stereo) + matcher_bytes(stereo) + converter_bytes(pmd) +
+         fuser_bytes(stereo, pmd) + image_bytes(stereo);
 }
 
 inline constexpr std::size_t kMiB = 1 << 20;

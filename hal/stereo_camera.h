@@ -9,7 +9,8 @@
 
 namespace stof::hal {
 
-// Two 8-bit grey views of equal size, rectified or adjusted so that rows correspond.
+// Two 8-bit grey views of equal size: of cameras as they are where the calibration tells how to
+// rectify them (dsp::RawPair), else rectified or adjusted so that rows correspond.
 // The exposures are each sensor's own: whether they belong together is the caller's to check.
 struct StereoFrame {
   dsp::ImageView<const std::uint8_t> left;

@@ -9,4 +9,12 @@ namespace ref {}
 namespace neon {}
 namespace best = neon;
 
+// How many bits of a census descriptor lie in one byte (stereo/cost/census.h): ARM counts the bits
+// of bytes, other processors look up the distance of four bits.
+#if defined(__aarch64__)
+inline constexpr int kPlaneBits = 8;
+#else
+inline constexpr int kPlaneBits = 4;
+#endif
+
 }  // namespace stof::dsp

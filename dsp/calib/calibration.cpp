@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "dsp/calib/column_tables.h"
+#include "dsp/calib/rectification.h"
+
 namespace stof::dsp {
 namespace {
 
@@ -15,6 +18,7 @@ bool usable(const Pinhole& lens) noexcept {
          std::isfinite(lens.k1) && std::isfinite(lens.k2);
 }
 
+// A mirror is not a rotation.
 bool orthonormal(const std::array<double, 9>& r) noexcept {
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
@@ -25,7 +29,55 @@ bool orthonormal(const std::array<double, 9>& r) noexcept {
       }
     }
   }
-  return true;
+  return r[0] * (r[4] * r[8] - r[5] * r[7]) - r[1] * (r[3] * r[8] - r[5] * r[6]) +
+             r[2] * (r[3] * r[7] - r[4] * r[6]) >
+         0;
+}
+
+bool near_home(const std::array<double, 3>& translation_m) noexcept {
+  return std::ranges::all_of(translation_m, [](double t) { return std::abs(t) < 100; });
+}
+
+const char* raw_problem(const RawPair& raw) noexcept {
+  if (!usable(raw.left) || !usable(raw.right)) {
+    return "a raw camera has a size, focal length or centre that is not usable";
+  }
+  if (!orthonormal(raw.left_to_right.rotation)) {
+    return "the rotation from left to right is not orthonormal";
+  }
+  if (!near_home(raw.left_to_right.translation_m)) {
+    return "the translation from left to right is not usable";
+  }
+  return problem_of(raw);
+}
+
+const char* converging_problem(const StereoRig& rig) noexcept {
+  const Converging& c = *rig.converging;
+  if (!(std::abs(c.alpha_rad) < kSteepestRad) || !(std::abs(c.beta_rad) < kSteepestRad) ||
+      !finite_positive(c.f1_m) || !finite_positive(c.f2_m) || !finite_positive(c.pixel_m) ||
+      !std::isfinite(c.cx_left) || !std::isfinite(c.cx_right)) {
+    return "the converging axes have an angle, focal length, pixel or centre that is not usable";
+  }
+  if (!(rig.baseline_m >= 1e-3) || !(rig.baseline_m <= 100)) {
+    return "the cameras are nearer to each other than 1 mm, or further away than 100 m";
+  }
+  for (const double x : {0.0, rig.left.width - 1.0}) {
+    if (std::isnan(left_tangent(rig, x)) || std::isnan(right_tangent(rig, x))) {
+      return "a picture of the converging axes reaches further than 75 degrees from the "
+             "perpendicular of the baseline";
+    }
+  }
+  return "";
+}
+
+const char* both_problem(const StereoRig& rig) noexcept {
+  if (rig.raw && rig.converging) {
+    return "the pair is to be rectified, and converges without: leave one of both out";
+  }
+  if (rig.raw) {
+    return raw_problem(*rig.raw);
+  }
+  return rig.converging ? converging_problem(rig) : "";
 }
 
 const char* pmd_problem(const PmdSensor& pmd) noexcept {
@@ -64,6 +116,27 @@ WigglingTable fourth_harmonic_table(double amplitude_rad) noexcept {
   return table;
 }
 
+const char* complete(StereoRig& rig) noexcept {
+  if (const char* const why = both_problem(rig); *why != '\0') {
+    return why;
+  }
+  if (rig.raw) {
+    const Rectification rectified = rectify(*rig.raw);
+    rig.left = rectified.left;
+    rig.baseline_m = rectified.baseline_m;
+    rig.doff_px = rectified.right.cx - rectified.left.cx;
+  } else if (rig.converging) {
+    // Value and slope of T_l at the left principal column, value of T_r at the right one.
+    const Converging& c = *rig.converging;
+    const double toward = std::cos(c.beta_rad);
+    rig.left.fx = c.f2_m / c.pixel_m * toward * toward;
+    rig.left.cx = c.cx_left + rig.left.fx * std::tan(c.beta_rad);
+    rig.doff_px =
+        c.cx_right - c.cx_left + rig.left.fx * (std::tan(c.alpha_rad) - std::tan(c.beta_rad));
+  }
+  return "";
+}
+
 const char* problem(const Calibration& calibration) noexcept {
   if (!usable(calibration.stereo.left)) {
     return "the left camera has a size, focal length or centre that is not usable";
@@ -72,6 +145,9 @@ const char* problem(const Calibration& calibration) noexcept {
       !std::isfinite(calibration.stereo.doff_px)) {
     return "the baseline or the disparity offset is not usable";
   }
+  if (const char* const why = both_problem(calibration.stereo); *why != '\0') {
+    return why;
+  }
   const Pinhole& pmd = calibration.pmd.lens;
   if (pmd.width == 0 && pmd.height == 0) {
     return "";  // stereo only
@@ -79,8 +155,7 @@ const char* problem(const Calibration& calibration) noexcept {
   if (!orthonormal(calibration.pmd_to_stereo.rotation)) {
     return "the rotation from PMD to stereo is not orthonormal";
   }
-  if (!std::ranges::all_of(calibration.pmd_to_stereo.translation_m,
-                           [](double t) { return std::abs(t) < 100; })) {
+  if (!near_home(calibration.pmd_to_stereo.translation_m)) {
     return "the translation from PMD to stereo is not usable";
   }
   return pmd_problem(calibration.pmd);

@@ -21,12 +21,15 @@ enum class Source : std::uint8_t {
   kConflict = 5,  // the sensors disagreed: no depth
 };
 
+inline constexpr std::int16_t kMaxStereoSigma = 1024;  // 64 px
+
 struct FusionParams {
   QuarterMm max_range = 40000;    // a missing sensor's interval is [0, max_range]; 10 m
-  std::int16_t stereo_sigma = 8;  // sigma_d in 1/16 px
+  std::int16_t stereo_sigma = 8;  // sigma_d in 1/16 px, 0 .. kMaxStereoSigma
 };
 
-// Depth map in the rectified left camera. All images have the stereo size.
+// Depth map in the left picture; Z in the axes that StereoRig describes, those of the rectified
+// left camera. All images have the stereo size.
 // depth is the middle of [depth - width / 2, depth + width / 2], the published interval (+-2
 // sigma).
 struct DepthMap {
@@ -35,14 +38,16 @@ struct DepthMap {
   ImageView<Source> source;
 };
 
-// Carries the PMD intervals into the left camera and intersects them with the stereo intervals.
+// Carries the PMD intervals into the left camera and intersects them with the stereo intervals,
+// which come from the disparity alone, or from both columns where the rig's axes converge.
 class Fuser {
  public:
   // disparities: of the Matcher whose result will be fused.
   static std::size_t bytes_needed(int width, int height, int disparities, int pmd_width,
                                   int pmd_height) noexcept;
 
-  // stereo size width x height; the calibration's PMD size may be 0x0 (stereo only).
+  // stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
+  // only).
   Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
         int disparities, int width, int height, Arena& arena) noexcept;
 

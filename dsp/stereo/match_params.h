@@ -15,20 +15,34 @@ enum class Cost : std::uint8_t {
   kSsd,        // (L - R)^2, 0..65025
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
-  kMixed,      // census 9x7 of grey values, clipped grey and derivative differences (mixed.h)
+  // Census 5x5 and clipped grey differences, averaged over a cross-shaped region of pixels that
+  // look alike (cost/mixed.h, cost/cross.h), 0..29. Has neither block nor prefilter.
+  kMixed,
 };
 
 enum class Method : std::uint8_t {
   kWinnerTakesAll,
-  kOrdered,      // dynamic programming with occlusions and the ordering constraint
-  kScanline,     // scanline optimisation
-  kSemiGlobal,   // the same energy over several directions
+  kOrdered,     // dynamic programming with occlusions and the ordering constraint
+  kScanline,    // scanline optimisation
+  kSemiGlobal,  // the same energy over several directions
 };
 
 enum class BlockShape : std::uint8_t {
   kFixed,
   kCross,   // block_width x block_height at most, grown along the row and column of the centre
   kRegion,  // grown by whole rows and columns in turn
+};
+
+// Whose costs must stand out from those of rivals (check/distinct.h).
+enum class Distinct : std::uint8_t {
+  kSurroundings,  // 24x24 px together
+  kPixel,         // each pixel, for costs that are means over many
+};
+
+// Which positions are matched, by the size of the derivative.
+enum class Interest : std::uint8_t {
+  kMaxima,         // local maxima of at least half the prefilter's cap
+  kTwoThresholds,  // left: two thirds of the cap, right: one third
 };
 
 enum class Subpixel : std::uint8_t {
@@ -54,14 +68,18 @@ struct MatchParams {
   BlockShape block_shape = BlockShape::kFixed;
   int block_width = 16;   // px, 1..64
   int block_height = 16;  // px, 1..64
-  bool smooth = false;    // 3x3 binomial before anything else
+  bool equalise = false;  // bring the right picture to the left one's mean and contrast
+  bool smooth = false;    // 3x3 binomial, before any derivative
   // Horizontal derivative (Sobel), clipped to +-cap, 1..127: matches pairs whose brightness
   // differs. Without it grey values are matched.
   std::optional<int> prefilter_cap = 15;
 
-  // Of kOrdered, kScanline and kSemiGlobal; without it default_smoothness(cost).
+  // Of kOrdered, kScanline and kSemiGlobal; without it
+  // default_smoothness(cost).
   std::optional<Smoothness> smoothness = std::nullopt;
   int directions = 4;  // of kSemiGlobal: 2, 4, 5 or 8
+  // Only interesting positions are matched; needs a prefilter.
+  std::optional<Interest> interest = std::nullopt;
   // kScanline searches only this many px to either side of what winner takes all found nearby.
   std::optional<int> band = std::nullopt;
   // Coarse to fine: 1 begins at half size, 2 at a quarter; finer sizes search near what was found.
@@ -71,8 +89,10 @@ struct MatchParams {
   std::optional<int> left_right_tolerance = std::nullopt;
   // A rival candidate (not a neighbour) must cost at least this many percent more, 1..99.
   std::optional<int> uniqueness_percent = std::nullopt;
-  // Mean |Sobel derivative| of the surroundings, in grey levels: where it is less the picture is
-  // flat.
+  // Winners must stand out from their rivals, which those on a flat surface do not (distinct.h).
+  std::optional<Distinct> distinct = std::nullopt;
+  // Mean |Sobel derivative| of the surroundings, in grey levels, 1..127: where it is less the
+  // picture is flat; needs a prefilter.
   std::optional<int> min_texture = std::nullopt;
   // Disparities that fewer than so many thousandths of the image share are dropped, 1..1000.
   std::optional<int> histogram_permille = std::nullopt;
@@ -89,11 +109,20 @@ inline constexpr int kMaxDisparities = 256;
 inline constexpr int kMaxImageWidth = 4096;    // and height
 inline constexpr int kMaxMinDisparity = 1024;  // of either sign
 
-// kOk, kInvalidArgument (a value outside its range) or kTooLarge.
+inline constexpr int kMaxPenalty = 65535;  // of Smoothness
+
+// Empty ("") when the parameters can be used together, else what cannot and what to do, for a
+// message.
+const char* problem(const MatchParams& params) noexcept;
+
+// kOk, kInvalidArgument (a value outside its range, or a problem()) or kTooLarge.
 Status check(const MatchParams& params, int width, int height) noexcept;
 
 // The same for every scene.
-Smoothness default_smoothness(Cost cost, Method method) noexcept;
+Smoothness default_smoothness(Cost cost) noexcept;
+
+// The block, cost and prefilter that suit a method; dense, without any check.
+MatchParams method_defaults(Method method) noexcept;
 
 // Parameter sets that need no tuning. `chapter`: the methods of Kuhnert & Stommel 2006 as printed.
 struct Preset {

@@ -1,14 +1,23 @@
 #include "dsp/stereo/matcher.h"
 
 #include <algorithm>
-#include <cstdlib>
+#include <type_traits>
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/check/distinct.h"
+#include "dsp/stereo/check/histogram.h"
 #include "dsp/stereo/check/left_right.h"
-#include "dsp/stereo/cost/prefilter.h"
-#include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/check/speckle.h"
+#include "dsp/stereo/check/texture.h"
+#include "dsp/stereo/check/uniqueness.h"
+#include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/map_search.h"
+#include "dsp/stereo/refine/fill.h"
+#include "dsp/stereo/refine/least_squares.h"
+#include "dsp/stereo/refine/median.h"
 #include "dsp/stereo/refine/subpixel.h"
+#include "dsp/stereo/search/energy.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
@@ -16,44 +25,44 @@ namespace {
 
 std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
-int lanes_of(const MatchParams& params) noexcept {
-  return (params.disparities + kCostLanes - 1) / kCostLanes * kCostLanes;
+// The part of `buffer` that pictures of this size use.
+template <typename T>
+ImageView<T> cut(ImageView<T> buffer, int width, int height) noexcept {
+  return buffer.empty() ? buffer : ImageView<T>(buffer.data(), width, height, buffer.stride());
 }
 
-bool wide_sums(const MatchParams& params) noexcept {
-  const int largest = params.prefilter_cap ? 2 * *params.prefilter_cap : 255;
-  return !sums_fit_u16(params.block_width, params.block_height, largest);
+bool fills(const MatchParams& params) noexcept {
+  return params.fill || params.method == Method::kOrdered;
 }
 
-// The left row with its border replicated: column k stands for x = k - before.
-void extend_row(std::span<const std::uint8_t> row, int before,
-                std::span<std::uint8_t> out) noexcept {
-  const int last = static_cast<int>(row.size()) - 1;
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    out[k] = row[size(std::clamp(static_cast<int>(k) - before, 0, last))];
+// Surroundings are summed once all rows are there.
+int margin_rows(const MatchParams& params, int height) noexcept {
+  return params.distinct ? (*params.distinct == Distinct::kPixel ? 1 : height) : 0;
+}
+
+// The most that one step takes for itself.
+std::size_t scratch_bytes(const MatchParams& params, int width, int height) noexcept {
+  const std::size_t right = size(width) + size(lanes_of(params)) - 1;
+  std::size_t bytes =
+      Arena::bytes_for<std::uint32_t>(right) + Arena::bytes_for<std::int16_t>(right);
+  const auto needs = [&](std::size_t more) noexcept { bytes = std::max(bytes, more); };
+  if (params.distinct) {
+    needs(drop_indistinct_bytes(width));
   }
-}
-
-// The right row reversed, with its border replicated: element m stands for x = first - m.
-void reverse_row(std::span<const std::uint8_t> row, int first,
-                 std::span<std::uint8_t> out) noexcept {
-  const int last = static_cast<int>(row.size()) - 1;
-  for (std::size_t m = 0; m < out.size(); ++m) {
-    out[m] = row[size(std::clamp(first - static_cast<int>(m), 0, last))];
+  if (params.min_texture) {
+    needs(drop_flat_bytes(width));
   }
-}
-
-// kNoCost for candidates whose right column lies outside the image and for unused lanes.
-template <typename Sum>
-void mark_outside(int width, const MatchParams& params, int lanes, std::span<Sum> costs) noexcept {
-  for (int x = 0; x < width; ++x) {
-    const int farthest = x - params.min_disparity;  // the candidate that meets right column 0
-    const int begin = std::clamp(farthest - width + 1, 0, lanes);
-    const int end = std::clamp(std::min(params.disparities, farthest + 1), begin, lanes);
-    const std::span<Sum> pixel = costs.subspan(size(x) * size(lanes), size(lanes));
-    std::ranges::fill(pixel.first(size(begin)), kNoCost<Sum>);
-    std::ranges::fill(pixel.subspan(size(end)), kNoCost<Sum>);
+  if (params.histogram_permille) {
+    needs(Arena::bytes_for<std::uint32_t>(size(params.disparities) + 1));
   }
+  if (params.speckle_pixels) {
+    needs(drop_speckles_bytes(width, height));
+  }
+  if (searches_map(params)) {
+    needs(Arena::bytes_for<std::int16_t>(size(width) * size(height)) +
+          search_map_bytes(params, width, height));
+  }
+  return bytes;
 }
 
 // The columns at either end of the range have one candidate and no rival to judge it by: they take
@@ -76,168 +85,225 @@ void settle_single_candidates(const MatchParams& params, std::span<std::int16_t>
 
 }  // namespace
 
-Status check(const MatchParams& params, int width, int height) noexcept {
-  const bool usable =
-      width >= 1 && height >= 1 && params.disparities >= 1 && params.block_width >= 1 &&
-      params.block_height >= 1 &&
-      (!params.prefilter_cap || (*params.prefilter_cap >= 1 && *params.prefilter_cap <= 127)) &&
-      (!params.left_right_tolerance || *params.left_right_tolerance >= 0);
-  if (!usable) {
-    return Status::kInvalidArgument;
-  }
-  const bool fits = width <= kMaxImageWidth && height <= kMaxImageWidth &&
-                    params.disparities <= kMaxDisparities && params.block_width <= kMaxBlock &&
-                    params.block_height <= kMaxBlock &&
-                    std::abs(params.min_disparity) <= kMaxMinDisparity;
-  return fits ? Status::kOk : Status::kTooLarge;
-}
-
-template <typename Sum>
-struct Matcher::Buffers {
-  std::span<std::uint8_t> new_left;
-  std::span<std::uint8_t> new_right;
-  std::span<std::uint8_t> old_left;
-  std::span<std::uint8_t> old_right;
-  std::span<Sum> columns;
-  std::span<Sum> costs;
-  std::span<Sum> right_costs;
-  std::span<std::int16_t> winners;
-  std::span<std::int16_t> right_winners;
-
-  static std::size_t bytes(const MatchParams& params, int width) noexcept {
-    const std::size_t lanes = size(lanes_of(params));
-    const std::size_t columns = size(width + params.block_width - 1);
-    const std::size_t right = size(width) + lanes - 1;
-    return 2 * Arena::bytes_for<std::uint8_t>(columns) +
-           2 * Arena::bytes_for<std::uint8_t>(columns + lanes - 1) +
-           Arena::bytes_for<Sum>(columns * lanes) + Arena::bytes_for<Sum>(size(width) * lanes) +
-           Arena::bytes_for<Sum>(right) + Arena::bytes_for<std::int16_t>(size(width)) +
-           Arena::bytes_for<std::int16_t>(right);
-  }
-
-  Buffers(const MatchParams& params, int width, Arena arena) noexcept {
-    const std::size_t lanes = size(lanes_of(params));
-    const std::size_t n = size(width + params.block_width - 1);
-    const std::size_t right = size(width) + lanes - 1;
-    new_left = arena.take<std::uint8_t>(n);
-    old_left = arena.take<std::uint8_t>(n);
-    new_right = arena.take<std::uint8_t>(n + lanes - 1);
-    old_right = arena.take<std::uint8_t>(n + lanes - 1);
-    columns = arena.take<Sum>(n * lanes);
-    costs = arena.take<Sum>(size(width) * lanes);
-    right_costs = arena.take<Sum>(right);
-    winners = arena.take<std::int16_t>(size(width));
-    right_winners = arena.take<std::int16_t>(right);
-  }
-};
-
 std::size_t Matcher::bytes_needed(const MatchParams& params, int width, int height) noexcept {
-  const std::size_t row = wide_sums(params) ? Buffers<std::uint32_t>::bytes(params, width)
-                                            : Buffers<std::uint16_t>::bytes(params, width);
-  return 2 * Arena::bytes_for<std::uint8_t>(size(width) * size(height)) +
-         Arena::bytes_for<std::byte>(row);
+  const std::size_t pixels = size(width) * size(height);
+  std::size_t bytes =
+      PreparedPair::bytes_needed(params, width, height) +
+      (needs_wide_sums(params) ? RowSearch<std::uint32_t>::bytes_needed(params, width)
+                               : RowSearch<std::uint16_t>::bytes_needed(params, width));
+  bytes += Arena::bytes_for<std::int16_t>(size(width) * size(margin_rows(params, height)));
+  bytes += params.median ? Arena::bytes_for<Disparity>(pixels) : 0;
+  bytes += fills(params) ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
+  return bytes + Arena::bytes_for<std::byte>(scratch_bytes(params, width, height));
 }
 
 Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena) noexcept
-    : params_(params), width_(width), height_(height) {
+    : params_(params), pair_(params, width, height, arena) {
   STOF_CHECK(check(params, width, height) == Status::kOk);
-  left_filtered_ = arena.take_image<std::uint8_t>(width, height);
-  right_filtered_ = arena.take_image<std::uint8_t>(width, height);
-  scratch_ =
-      arena.take<std::byte>(wide_sums(params) ? Buffers<std::uint32_t>::bytes(params, width)
-                                              : Buffers<std::uint16_t>::bytes(params, width));
+  if (needs_wide_sums(params)) {
+    wide_search_.emplace(params, width, arena);
+  } else {
+    search_.emplace(params, width, arena);
+  }
+  margins_ = arena.take_image<std::int16_t>(width, margin_rows(params, height));
+  if (params.median) {
+    spare_ = arena.take_image<Disparity>(width, height);
+  }
+  if (fills(params)) {
+    filled_ = arena.take_image<std::uint8_t>(width, height);
+  }
+  scratch_ = arena.take<std::byte>(scratch_bytes(params, width, height));
 }
 
 void Matcher::match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                     ImageView<Disparity> out) noexcept {
-  prefilter(left, right, left.rows());
-  match_rows(left, right, left.rows(), out);
+  STOF_CHECK(same_size(left, out));
+  start(left, right);
+  filter(left.rows());
+  derive(left.rows());
+  match_rows(left.rows(), out);
+  finish(out);
 }
 
-void Matcher::prefilter(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                        Rows rows) noexcept {
-  STOF_CHECK(same_size(left, right) && left.width() <= width_ && left.height() <= height_);
-  if (!params_.prefilter_cap || left.empty()) {
+void Matcher::start(ImageView<const std::uint8_t> left,
+                    ImageView<const std::uint8_t> right) noexcept {
+  width_ = left.width();
+  height_ = left.height();
+  pair_.start(left, right);
+  if (left.empty()) {
     return;
   }
-  const std::size_t width = size(left.width());
-  for (int y = rows.begin; y < rows.end; ++y) {
-    best::clipped_sobel(left.row_clamped(y - 1), left.row(y), left.row_clamped(y + 1),
-                        *params_.prefilter_cap, left_filtered_.row(y).first(width));
-    best::clipped_sobel(right.row_clamped(y - 1), right.row(y), right.row_clamped(y + 1),
-                        *params_.prefilter_cap, right_filtered_.row(y).first(width));
-  }
-}
-
-void Matcher::match_rows(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                         Rows rows, ImageView<Disparity> out) noexcept {
-  STOF_CHECK(same_size(left, right) && same_size(left, out) && left.width() <= width_ &&
-             left.height() <= height_ && rows.begin >= 0 && rows.end <= left.height());
-  if (left.empty() || rows.count() <= 0) {
-    return;
-  }
-  if (params_.prefilter_cap) {
-    left =
-        ImageView<const std::uint8_t>(left_filtered_.data(), left.width(), left.height(), width_);
-    right =
-        ImageView<const std::uint8_t>(right_filtered_.data(), left.width(), left.height(), width_);
-  }
-  if (wide_sums(params_)) {
-    match_rows_with<std::uint32_t>(left, right, rows, out);
+  if (search_) {
+    search_->start(pair_);
   } else {
-    match_rows_with<std::uint16_t>(left, right, rows, out);
+    wide_search_->start(pair_);
   }
+}
+
+void Matcher::filter(Rows rows) noexcept { pair_.filter(rows); }
+void Matcher::derive(Rows rows) noexcept { pair_.derive(rows); }
+
+void Matcher::match_rows(Rows rows, ImageView<Disparity> out) noexcept {
+  STOF_CHECK(out.width() == width_ && out.height() == height_ && rows.begin >= 0 &&
+             rows.end <= height_);
+  if (out.empty() || searches_map(params_)) {
+    return;  // in finish()
+  }
+  if (search_) {
+    match_rows_with(*search_, rows, out);
+  } else {
+    match_rows_with(*wide_search_, rows, out);
+  }
+}
+
+ImageView<const std::uint8_t> Matcher::filled() const noexcept {
+  return cut(filled_, width_, height_);
 }
 
 template <typename Sum>
-void Matcher::match_rows_with(ImageView<const std::uint8_t> left,
-                              ImageView<const std::uint8_t> right, Rows rows,
+void Matcher::match_rows_with(RowSearch<Sum>& search, Rows rows,
                               ImageView<Disparity> out) noexcept {
-  const int lanes = lanes_of(params_);
-  const int before = params_.block_width / 2;
-  const int above = params_.block_height / 2;
-  const int below = params_.block_height - 1 - above;
-  const Buffers<Sum> buffers(params_, left.width(), Arena(scratch_));
-  // Column n - 1 meets candidate 0 at element 0 of the reversed row.
-  const int first = left.width() + params_.block_width - 2 - before - params_.min_disparity;
-  const auto load = [&](int y, std::span<std::uint8_t> left_row,
-                        std::span<std::uint8_t> right_row) {
-    extend_row(left.row_clamped(y), before, left_row);
-    reverse_row(right.row_clamped(y), first, right_row);
-  };
-  std::ranges::fill(buffers.columns, Sum{0});
-  for (int y = rows.begin - above; y <= rows.begin + below; ++y) {
-    load(y, buffers.new_left, buffers.new_right);
-    best::add_differences(buffers.new_left, buffers.new_right, lanes, buffers.columns);
-  }
   for (int y = rows.begin; y < rows.end; ++y) {
-    if (y > rows.begin) {
-      load(y + below, buffers.new_left, buffers.new_right);
-      load(y - 1 - above, buffers.old_left, buffers.old_right);
-      best::slide_differences(buffers.new_left, buffers.new_right, buffers.old_left,
-                              buffers.old_right, lanes, buffers.columns);
+    const FoundRow<Sum> found = search.row(y);
+    settle_single_candidates(params_, found.winners);
+    check_row(found, y);
+    refine_row(found, y, out.row(y));
+  }
+}
+
+// Drops winners that their own row speaks against.
+template <typename Sum>
+void Matcher::check_row(const FoundRow<Sum>& found, int y) noexcept {
+  const int lanes = lanes_of(params_);
+  if (!filled_.empty()) {
+    std::ranges::copy(found.continued, filled_.row(y).begin());
+  }
+  if (params_.distinct) {
+    check_distinct(found, y);
+  }
+  if (params_.uniqueness_percent) {
+    best::uniqueness_check(found.judged, lanes, *params_.uniqueness_percent, found.winners);
+  }
+  if (!params_.left_right_tolerance) {
+    return;
+  }
+  if (params_.method == Method::kOrdered) {
+    // Matches of this method are one to one; what it continued has no match to be checked.
+    for (std::size_t x = 0; x < found.winners.size(); ++x) {
+      found.winners[x] = found.continued[x] != 0 ? kNoWinner : found.winners[x];
     }
-    best::block_sums(std::span<const Sum>(buffers.columns), params_.block_width, lanes,
-                     buffers.costs);
-    mark_outside(left.width(), params_, lanes, buffers.costs);
-    finish_row(buffers, lanes, out.row(y));
+    std::ranges::fill(filled_.row(y), std::uint8_t{0});
+    return;
+  }
+  Arena arena(scratch_);
+  const std::size_t right = found.winners.size() + size(lanes) - 1;
+  const std::span<std::int16_t> right_winners = arena.take<std::int16_t>(right);
+  if (found.narrow_judged.empty()) {
+    best::right_winners(found.judged, lanes, arena.take<Sum>(right), right_winners);
+  } else {
+    best::right_winners(found.narrow_judged, lanes, arena.take<std::uint8_t>(right), right_winners);
+  }
+  best::left_right_check(right_winners, *params_.left_right_tolerance, found.winners);
+}
+
+template <typename Sum>
+void Matcher::check_distinct(const FoundRow<Sum>& found, int y) noexcept {
+  const int lanes = lanes_of(params_);
+  const bool alone = *params_.distinct == Distinct::kPixel;
+  const int tenths = alone ? kDistinctPixelTenths : kDistinctTenths;
+  const int shift = margin_shift(largest_cost(params_), lanes);
+  const std::span<const std::int16_t> winners = found.winners;
+  const std::span<std::int16_t> margins = margins_.row(alone ? 0 : y).first(winners.size());
+  if (found.costs.empty()) {
+    best::distinct_margins(found.mixed_costs, lanes, winners, tenths, shift, margins);
+  } else {
+    best::distinct_margins(found.costs, lanes, winners, tenths, shift, margins);
+  }
+  for (std::size_t x = 0; alone && x < margins.size(); ++x) {
+    found.winners[x] = margins[x] > 0 ? found.winners[x] : kNoWinner;
   }
 }
 
 template <typename Sum>
-void Matcher::finish_row(const Buffers<Sum>& buffers, int lanes,
-                         std::span<Disparity> out) noexcept {
-  const std::span<const Sum> costs = buffers.costs;
-  best::winners(costs, lanes, buffers.winners);
-  settle_single_candidates(params_, buffers.winners);
-  if (params_.left_right_tolerance) {
-    best::right_winners(costs, lanes, buffers.right_costs, buffers.right_winners);
-    best::left_right_check(buffers.right_winners, *params_.left_right_tolerance, buffers.winners);
+void Matcher::refine_row(const FoundRow<Sum>& found, int y, std::span<Disparity> out) noexcept {
+  const int lanes = lanes_of(params_);
+  const int first = params_.min_disparity;
+  switch (params_.subpixel) {
+    case Subpixel::kEquiangular:
+      best::refine_winners(found.judged, lanes, first, found.winners, out);
+      break;
+    case Subpixel::kParabola:
+      best::refine_winners_parabola(found.judged, lanes, first, found.winners, out);
+      break;
+    case Subpixel::kLeastSquares:
+    case Subpixel::kWhole:
+      best::whole_winners(first, found.winners, out);
   }
-  if (params_.subpixel != Subpixel::kWhole) {
-    best::refine_winners(costs, lanes, params_.min_disparity, buffers.winners, out);
-  } else {
-    best::whole_winners(params_.min_disparity, buffers.winners, out);
+  fit_grey_values(y, out);
+}
+
+void Matcher::fit_grey_values(int y, std::span<Disparity> out) noexcept {
+  if (params_.subpixel == Subpixel::kLeastSquares) {
+    best::refine_least_squares(pair_.left_grey(), pair_.right_grey(), y, params_.block_width,
+                               params_.block_height, out);
+  }
+}
+
+void Matcher::match_map(ImageView<Disparity> out) noexcept {
+  Arena arena(scratch_);
+  const auto winners = arena.take_image<std::int16_t>(width_, height_);
+  search_map(params_, pair_, arena, winners);
+  for (int y = 0; y < height_; ++y) {
+    best::whole_winners(params_.min_disparity, winners.row(y), out.row(y));
+    fit_grey_values(y, out.row(y));
+    if (!filled_.empty()) {
+      std::ranges::fill(filled_.row(y), std::uint8_t{0});
+    }
+  }
+}
+
+// Drops what the whole map speaks against.
+void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
+  if (params_.min_texture) {
+    drop_flat(pair_.left(), *params_.prefilter_cap, *params_.min_texture, out.rows(),
+              Arena(scratch_), out);
+  }
+  if (params_.distinct == Distinct::kSurroundings) {
+    drop_indistinct(cut(margins_, width_, height_), out.rows(), Arena(scratch_), out);
+  }
+  if (params_.histogram_permille) {
+    Arena arena(scratch_);
+    drop_rare(out, params_.min_disparity, *params_.histogram_permille,
+              arena.take<std::uint32_t>(size(params_.disparities) + 1));
+  }
+  if (params_.speckle_pixels) {
+    drop_speckles(out, *params_.speckle_pixels, Arena(scratch_));
+  }
+}
+
+void Matcher::finish(ImageView<Disparity> out) noexcept {
+  if (out.empty()) {
+    return;
+  }
+  if (searches_map(params_)) {
+    match_map(out);
+  }
+  drop_implausible(out);
+  if (params_.median) {
+    const ImageView<Disparity> copy = cut(spare_, width_, height_);
+    for (int y = 0; y < height_; ++y) {
+      std::ranges::copy(out.row(y), copy.row(y).begin());
+    }
+    best::median_disparity(copy, out.rows(), out);
+  }
+  if (params_.fill) {
+    fill_from_background(out, out.rows(), cut(filled_, width_, height_));
+  }
+  for (int y = 0; !filled_.empty() && y < height_; ++y) {
+    const std::span<std::uint8_t> filled = filled_.row(y);
+    for (std::size_t x = 0; x < size(width_); ++x) {
+      filled[x] = out.row(y)[x].valid() ? filled[x] : std::uint8_t{0};  // a check dropped it
+    }
   }
 }
 

@@ -2,21 +2,22 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "dsp/base/status.h"
 #include "dsp/stereo/match_params.h"
+#include "dsp/stereo/prepared_pair.h"
+#include "dsp/stereo/row_search.h"
 
 namespace stof::dsp {
 
-// Block matching of one stereo pair: prefilter, SAD, lowest cost, left-right check, subpixel fit.
-// Holds its buffers, allocates nothing. Disparities in the left image, none where no candidate
-// lies inside the right image, where all of them cost the same (a flat, black or saturated picture)
-// or where a check failed.
-// Source: Kuhnert & Stommel 2006 sections 2.1, 2.3.
+// Matches one stereo pair as MatchParams say: picture, cost, search, checks, refinement. Holds its
+// buffers, allocates nothing. Disparities in the left image, none where no candidate lies inside
+// the right image, where all of them cost the same (a flat, black or saturated picture) or where a
+// check failed. Nothing is filled unless asked for, and filled() tells what was.
 class Matcher {
  public:
   // Bytes of the Arena that a Matcher for images up to width x height takes.
@@ -29,29 +30,41 @@ class Matcher {
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              ImageView<Disparity> out) noexcept;
 
-  // The two halves of match(), for splitting: prefilter all rows, then match any rows.
-  // The result of a row does not depend on the split.
-  void prefilter(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                 Rows rows) noexcept;
-  void match_rows(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                  Rows rows, ImageView<Disparity> out) noexcept;
+  // match() in steps, for splitting: each step over all rows, in any split, before the next. The
+  // result of a row does not depend on the split. The pictures are looked at until finish().
+  void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
+  void filter(Rows rows) noexcept;
+  void derive(Rows rows) noexcept;
+  void match_rows(Rows rows, ImageView<Disparity> out) noexcept;
+  void finish(ImageView<Disparity> out) noexcept;  // what looks at the whole map
+
+  // 1 for each pixel of the last match() whose disparity was made up, by MatchParams::fill or as
+  // the background of an occlusion (kOrdered); else 0. Empty where neither can be.
+  ImageView<const std::uint8_t> filled() const noexcept;
 
  private:
-  // What one row needs, cut from the Arena; `Sum` is u16 where the block allows it.
   template <typename Sum>
-  struct Buffers;
+  void match_rows_with(RowSearch<Sum>& search, Rows rows, ImageView<Disparity> out) noexcept;
   template <typename Sum>
-  void match_rows_with(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                       Rows rows, ImageView<Disparity> out) noexcept;
+  void check_row(const FoundRow<Sum>& found, int y) noexcept;
   template <typename Sum>
-  void finish_row(const Buffers<Sum>& buffers, int lanes, std::span<Disparity> out) noexcept;
+  void check_distinct(const FoundRow<Sum>& found, int y) noexcept;
+  template <typename Sum>
+  void refine_row(const FoundRow<Sum>& found, int y, std::span<Disparity> out) noexcept;
+  void fit_grey_values(int y, std::span<Disparity> out) noexcept;
+  void match_map(ImageView<Disparity> out) noexcept;
+  void drop_implausible(ImageView<Disparity> out) noexcept;
 
   MatchParams params_;
-  int width_;
-  int height_;
-  ImageView<std::uint8_t> left_filtered_;
-  ImageView<std::uint8_t> right_filtered_;
-  std::span<std::byte> scratch_;  // one row's Buffers
+  PreparedPair pair_;
+  std::optional<RowSearch<std::uint16_t>> search_;
+  std::optional<RowSearch<std::uint32_t>> wide_search_;
+  ImageView<std::int16_t> margins_;  // distinct
+  ImageView<Disparity> spare_;       // median
+  ImageView<std::uint8_t> filled_;
+  std::span<std::byte> scratch_;  // of one check or one whole-map search at a time
+  int width_ = 0;                 // of the current pictures
+  int height_ = 0;
 };
 
 }  // namespace stof::dsp

@@ -21,9 +21,26 @@ constexpr std::size_t kPinholeBytes = 2 * 4 + 6 * 8;
 constexpr std::size_t kStereoBytes = kPinholeBytes + 2 * 8;
 constexpr std::size_t kPmdBytes = kPinholeBytes + 5 * 4 + 7 * 8 + 2 * dsp::kWigglingSteps;
 constexpr std::size_t kTransformBytes = 12 * 8;
-constexpr std::size_t kFixedBytes =
-    kPreambleBytes + kStereoBytes + kPmdBytes + kTransformBytes + 4 + kCrcSize;
-static_assert(kFixedBytes == 580);
+constexpr std::size_t kOptionsOffset = kPreambleBytes + kStereoBytes + kPmdBytes + kTransformBytes;
+static_assert(kOptionsOffset == 572);
+constexpr std::size_t kCountSize = 4;  // of the fixed pattern
+
+// What a pair has beside the rectified left camera; the fields follow in this order.
+constexpr std::uint16_t kFirstVersionWithOptions = 2;
+constexpr std::size_t kOptionsSize = 4;
+constexpr std::uint32_t kRawOption = 1;
+constexpr std::uint32_t kConvergingOption = 2;
+constexpr std::size_t kRawBytes = 2 * kPinholeBytes + kTransformBytes;
+constexpr std::size_t kConvergingBytes = 7 * 8;
+
+std::uint32_t options_of(const dsp::StereoRig& rig) noexcept {
+  return (rig.raw ? kRawOption : 0) | (rig.converging ? kConvergingOption : 0);
+}
+
+std::size_t bytes_of(std::uint32_t options) noexcept {
+  return ((options & kRawOption) != 0 ? kRawBytes : 0) +
+         ((options & kConvergingOption) != 0 ? kConvergingBytes : 0);
+}
 
 // Both ends walk the same fields in the same order; the order is docs/WIRE.md's.
 class Writer {
@@ -83,9 +100,38 @@ void walk_lens(Walker& walker, Lens& lens) noexcept {
 }
 
 // A field that was added to the calibration must be added to the file, with a new version.
-static_assert(sizeof(dsp::Calibration) == 576);
+static_assert(sizeof(dsp::Calibration) == 856);
 
-// Everything but the fixed pattern. Calib is dsp::Calibration or const dsp::Calibration.
+template <typename Walker, typename Transform>
+void walk_transform(Walker& walker, Transform& transform) noexcept {
+  for (auto& element : transform.rotation) {
+    walker.field(element);
+  }
+  for (auto& element : transform.translation_m) {
+    walker.field(element);
+  }
+}
+
+template <typename Walker, typename Rig>
+void walk_options(Walker& walker, Rig& rig) noexcept {
+  if (rig.raw) {
+    walk_lens(walker, rig.raw->left);
+    walk_lens(walker, rig.raw->right);
+    walk_transform(walker, rig.raw->left_to_right);
+  }
+  if (rig.converging) {
+    walker.field(rig.converging->alpha_rad);
+    walker.field(rig.converging->beta_rad);
+    walker.field(rig.converging->f1_m);
+    walker.field(rig.converging->f2_m);
+    walker.field(rig.converging->pixel_m);
+    walker.field(rig.converging->cx_left);
+    walker.field(rig.converging->cx_right);
+  }
+}
+
+// Everything but the options and the fixed pattern. Calib is dsp::Calibration or const
+// dsp::Calibration.
 template <typename Walker, typename Calib>
 void walk(Walker& walker, Calib& calibration) noexcept {
   walk_lens(walker, calibration.stereo.left);
@@ -108,18 +154,14 @@ void walk(Walker& walker, Calib& calibration) noexcept {
   for (auto& step : pmd.wiggling) {
     walker.field(step);
   }
-  for (auto& element : calibration.pmd_to_stereo.rotation) {
-    walker.field(element);
-  }
-  for (auto& element : calibration.pmd_to_stereo.translation_m) {
-    walker.field(element);
-  }
+  walk_transform(walker, calibration.pmd_to_stereo);
 }
 
 }  // namespace
 
 std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept {
-  return kFixedBytes + calibration.pmd.fixed_pattern.size_bytes();
+  return kOptionsOffset + kOptionsSize + bytes_of(options_of(calibration.stereo)) + kCountSize +
+         calibration.pmd.fixed_pattern.size_bytes() + kCrcSize;
 }
 
 Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,
@@ -135,9 +177,12 @@ Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,
   put_u32(out.subspan<12, 4>(), static_cast<std::uint32_t>(bytes));
   Writer writer(out.subspan(kPreambleBytes));
   walk(writer, calibration);
+  writer.field(options_of(calibration.stereo));
+  walk_options(writer, calibration.stereo);
   const std::span<const std::int16_t> pattern = calibration.pmd.fixed_pattern;
   writer.field(static_cast<std::uint32_t>(pattern.size()));
-  put_pixels<std::int16_t>(out.subspan(kFixedBytes - kCrcSize, pattern.size_bytes()), pattern);
+  put_pixels<std::int16_t>(
+      out.subspan(bytes - kCrcSize - pattern.size_bytes(), pattern.size_bytes()), pattern);
   put_u32(out.last<kCrcSize>(), crc32c(out.first(bytes - kCrcSize)));
   return bytes;
 }
@@ -149,19 +194,40 @@ Result<dsp::Calibration> decode_calibration_file(std::span<const std::byte> file
       crc32c(file.first(file.size() - kCrcSize)) != get_u32(file.last<kCrcSize>())) {
     return fail(Status::kCorrupt);
   }
-  if (get_u16(file.subspan<8, 2>()) != kCalibrationFileVersion) {
+  const std::uint16_t version = get_u16(file.subspan<8, 2>());
+  if (version < 1 || version > kCalibrationFileVersion) {
     return fail(Status::kUnsupported);
   }
-  if (file.size() < kFixedBytes) {
+  const std::span<const std::byte> body = file.first(file.size() - kCrcSize);
+  std::size_t needed =
+      kOptionsOffset + kCountSize + (version >= kFirstVersionWithOptions ? kOptionsSize : 0);
+  if (body.size() < needed) {
     return fail(Status::kCorrupt);
   }
   dsp::Calibration calibration;
-  Reader reader(file.subspan(kPreambleBytes));
+  Reader reader(body.subspan(kPreambleBytes));
   walk(reader, calibration);
+  if (version >= kFirstVersionWithOptions) {
+    std::uint32_t options = 0;
+    reader.field(options);
+    if ((options & ~(kRawOption | kConvergingOption)) != 0) {
+      return fail(Status::kUnsupported);
+    }
+    needed += bytes_of(options);
+    if (body.size() < needed) {
+      return fail(Status::kCorrupt);
+    }
+    if ((options & kRawOption) != 0) {
+      calibration.stereo.raw.emplace();
+    }
+    if ((options & kConvergingOption) != 0) {
+      calibration.stereo.converging.emplace();
+    }
+    walk_options(reader, calibration.stereo);
+  }
   std::uint32_t pixels = 0;
   reader.field(pixels);
-  const std::span<const std::byte> pattern =
-      file.subspan(kFixedBytes - kCrcSize, file.size() - kFixedBytes);
+  const std::span<const std::byte> pattern = body.subspan(needed);
   if (pattern.size() != sizeof(std::int16_t) * std::size_t{pixels}) {
     return fail(Status::kCorrupt);
   }

@@ -8,10 +8,11 @@
 #include "dsp/calib/calibration.h"
 
 // The calibration of a rig as a file: every bit of dsp::Calibration, with version and CRC-32C.
-// The bytes are described in docs/WIRE.md.
+// The bytes are described in docs/WIRE.md. Files of version 1, which knew neither raw nor
+// converging pairs, are read too; what is written is always the newest version.
 namespace stof::wire {
 
-inline constexpr std::uint16_t kCalibrationFileVersion = 1;
+inline constexpr std::uint16_t kCalibrationFileVersion = 2;
 
 // Bytes of the file.
 std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept;
@@ -23,7 +24,7 @@ Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,
 
 // Exactly what was encoded; doubles keep their bits. The fixed pattern is stored in `fixed_pattern`
 // and the result borrows it from there (it may be larger than needed, and empty for a file
-// without). kCorrupt: not such a file, cut short, or damaged. kUnsupported: another version.
+// without). kCorrupt: not such a file, cut short, or damaged. kUnsupported: a later version.
 // kTooLarge: the file's fixed pattern does not fit the space.
 // Whether the numbers make sense is for dsp::problem() to say.
 Result<dsp::Calibration> decode_calibration_file(std::span<const std::byte> file,

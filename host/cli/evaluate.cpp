@@ -3,21 +3,32 @@
 #include <array>
 #include <cstdio>
 
+#include "dsp/stereo/match_options.h"
 #include "host/cli/exit.h"
 
 namespace stof::host {
 
 void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
   MatchOptions& match = options.match;
-  command.add_option("--method", match.method, "wta (dp, so, sgm, sa: not in this version)")
-      ->capture_default_str();
-  command.add_option("--cost", match.cost, "sad (ssd, census5, census9x7: not in this version)")
-      ->capture_default_str();
-  command.add_option("--block", match.block, "Block, WxH px, 1x1 to 64x64")->capture_default_str();
-  command.add_flag("--lr", match.left_right, "Drop what the left-right check rejects");
-  command.add_flag("--subpixel", match.subpixel, "Fit the cost to 1/16 px");
-  command.add_option("--preset", match.preset, "Not in this version");
-  command.add_flag("--fill", match.fill, "Not in this version");
+  command.add_option("--preset", match.preset,
+                     "fast, quality or chapter; what follows changes it (default: a method alone, "
+                     "dense and integer)");
+  for (const dsp::MatchOption& option : dsp::match_options()) {
+    const std::string name(option.name);
+    const std::string help =
+        std::string(option.meaning) + ": " + std::string(option.values) +
+        (option.name == "method" ? ", or sa (simulated annealing, offline)" : "");
+    // Where the name alone has a meaning a value follows "=": what comes next is a scene.
+    CLI::Option* const added =
+        option.alone.empty()
+            ? command.add_option("--" + name, help)->expected(1)
+            : command.add_flag("--" + name + "{" + std::string(option.alone) + "}", help);
+    added->each(
+        [&match, name](const std::string& value) { match.settings.emplace_back(name, value); });
+  }
+  command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
+  command.add_option("--seed", match.seed, "sa: of its random numbers")->capture_default_str();
+  command.add_flag("--energy", match.energy, "Print SPEC's energy of the map; slow");
   command.add_option("--runs", match.runs, "Runs of which the median time is printed")
       ->capture_default_str();
   command.add_flag("--json", options.json, "Machine-readable result on stdout");

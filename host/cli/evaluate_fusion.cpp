@@ -88,12 +88,30 @@ void print_text(const Source& source, const FusionResult& result, const Scores& 
   print_table(scores);
 }
 
+// Holes are never filled silently, and what was not checked is no measurement.
+void refuse_what_cannot_be_fused(const MatchPlan& plan) {
+  if (plan.annealing) {
+    throw Failure(Exit::kBadInput,
+                  "--method sa: an offline reference, not for fusion: use another");
+  }
+  if (plan.params.fill) {
+    throw Failure(Exit::kBadInput,
+                  "--fill: made-up disparities do not enter the fusion: leave it out");
+  }
+  if (!plan.params.left_right_tolerance) {
+    throw Failure(Exit::kBadInput, "--lr=off: only checked matches enter the fusion: leave it out");
+  }
+}
+
 }  // namespace
 
 void evaluate_fusion(const EvaluateFusionOptions& options) {
   MatchOptions match = options.match;
-  match.left_right = true;  // only checked matches may enter the fusion
-  value_or_fail(match_params(match, 1));
+  if (match.preset.empty()) {
+    // Only checked matches may enter the fusion.
+    match.settings.insert(match.settings.begin(), {"lr", "1"});
+  }
+  refuse_what_cannot_be_fused(value_or_fail(match_plan(match, 1)));
   const dataset::StereoScene scene = value_or_fail(dataset::read_stereo_scene(options.scene));
   const dataset::PmdRecording recording = value_or_fail(dataset::read_pmd(options.prefix));
   if (!recording.has_rig) {
@@ -105,7 +123,7 @@ void evaluate_fusion(const EvaluateFusionOptions& options) {
     throw Failure(Exit::kBadInput,
                   options.scene.string() + ": has no gt_left.pgm: give a scene with ground truth");
   }
-  const dsp::MatchParams params = value_or_fail(match_params(match, scene.ndisp));
+  const dsp::MatchParams params = value_or_fail(match_plan(match, scene.ndisp)).params;
   const FusionResult result = value_or_fail(fuse_scene(scene, recording, params, match.runs));
   const dataset::Image<float> truth =
       depth_from_disparity(*scene.truth, recording.calibration.stereo);

@@ -18,12 +18,13 @@ struct Row {
   int height = 0;
   int ndisp = 0;
   double ms = 0;
+  std::optional<std::uint64_t> energy = std::nullopt;
   DisparityScore score;
 };
 
 Row evaluate_scene(const dataset::StereoScene& scene, const EvaluateStereoOptions& options) {
-  const dsp::MatchParams params = value_or_fail(match_params(options.match, scene.ndisp));
-  const MatchResult result = value_or_fail(match_scene(scene, params, options.match.runs));
+  const MatchPlan plan = value_or_fail(match_plan(options.match, scene.ndisp));
+  const MatchResult result = value_or_fail(match_scene(scene, plan));
   const dataset::Image<float> disparity = to_pixels(result.disparity.view());
   if (!options.out.empty()) {
     const std::filesystem::path folder = options.out / scene.name;
@@ -35,7 +36,8 @@ Row evaluate_scene(const dataset::StereoScene& scene, const EvaluateStereoOption
           .height = scene.left.height,
           .ndisp = scene.ndisp,
           .ms = result.median_ms,
-          .score = score_disparity(disparity, scene, params.block_width)};
+          .energy = result.energy,
+          .score = score_disparity(disparity, scene, plan.params.block_width)};
 }
 
 ordered_json percent(std::optional<double> share) {
@@ -60,6 +62,9 @@ void print_json(const std::vector<Row>& rows, const Row& mean, const EvaluateOpt
     ordered_json scene{
         {"name", row.name}, {"width", row.width}, {"height", row.height}, {"ndisp", row.ndisp}};
     scene.update(to_json(row.ms, row.score));
+    if (row.energy) {
+      scene["energy"] = *row.energy;
+    }
     report["scenes"].push_back(std::move(scene));
   }
   report["mean"] = to_json(mean.ms, mean.score);
@@ -93,6 +98,13 @@ void print_table(const std::vector<Row>& rows, const Row& mean, const EvaluateOp
   if (rows.size() > 1) {
     print_row(mean);
   }
+  for (const Row& row : rows) {
+    if (row.energy) {
+      std::printf(
+          "%s: energy %llu\n", row.name.c_str(),
+          static_cast<unsigned long long>(*row.energy));  // NOLINT(google-runtime-int): %llu
+    }
+  }
 }
 
 Row mean_row(const std::vector<Row>& rows) {
@@ -110,7 +122,7 @@ Row mean_row(const std::vector<Row>& rows) {
 }  // namespace
 
 void evaluate_stereo(const EvaluateStereoOptions& options) {
-  value_or_fail(match_params(options.match, 1));  // options first: they are wrong for every scene
+  value_or_fail(match_plan(options.match, 1));  // options first: they are wrong for every scene
   std::vector<dataset::StereoScene> scenes;
   std::set<std::string> names;
   for (const std::filesystem::path& dir : options.scenes) {

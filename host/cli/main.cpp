@@ -4,6 +4,7 @@
 
 #include "host/cli/evaluate.h"
 #include "host/cli/exit.h"
+#include "host/cli/report.h"
 #include "host/cli/view.h"
 
 namespace stof::host {
@@ -18,6 +19,7 @@ struct Commands {
   EvaluateStereoOptions stereo;
   EvaluateFusionOptions fusion;
   ViewOptions view;
+  ReportOptions report;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -73,6 +75,13 @@ void add_view(CLI::App& app, ViewOptions& options) {
   });
 }
 
+void add_report(CLI::App& app, ReportOptions& options) {
+  CLI::App& command = *app.add_subcommand(
+      "report", "Repeat the book chapter's stereo experiments; one self-contained HTML page");
+  add_report_flags(command, options);
+  command.callback([&options] { report(options); });
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Receives and measures the depth of a stof sensor.", "stof");
   app.set_version_flag("--version", kVersion);
@@ -81,6 +90,7 @@ int run(int argc, char** argv) {
   Commands commands;
   add_evaluate(app, commands);
   add_view(app, commands.view);
+  add_report(app, commands.report);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -20,6 +20,7 @@ struct DisparityScore {
   std::optional<double> of_valid;        // ... of the pixels with truth and a disparity
   std::optional<double> signed_all;      // as all, signed
   std::optional<double> signed_visible;  // as visible, signed
+  std::optional<double> near_edges;      // as visible, of those at near_discontinuities()
   double density = 0;                    // share of all pixels of the image that have a disparity
 };
 
@@ -29,6 +30,12 @@ DisparityScore score_disparity(const dataset::Image<float>& disparity,
 
 // The mean of each number over the scores that have it. An empty span gives an empty score.
 DisparityScore mean_score(std::span<const DisparityScore> scores);
+
+// 255 where, within kNearEdgePx rows and columns, the truth of two neighbours (side by side or one
+// above the other, both known) differs by more than kEdgeStepPx; else 0.
+inline constexpr int kNearEdgePx = 9;
+inline constexpr float kEdgeStepPx = 2;
+dataset::Image<std::uint8_t> near_discontinuities(const dataset::Image<float>& truth);
 
 // Pixels, +inf = none.
 dataset::Image<float> to_pixels(dsp::ImageView<const dsp::Disparity> disparity);

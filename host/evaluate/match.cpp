@@ -1,104 +1,95 @@
 #include "host/evaluate/match.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <chrono>
-#include <string_view>
 
+#include "dsp/stereo/match_options.h"
+#include "dsp/stereo/matcher.h"
+#include "host/evaluate/energy.h"
 #include "host/evaluate/median.h"
 
 namespace stof::host {
 namespace {
 
 using dataset::Problem;
-using Judged = std::expected<void, Problem>;
 
 std::unexpected<Problem> refuse(std::string message) {
   return std::unexpected(Problem{std::move(message)});
 }
 
-// An option whose first value is the one there is; the others are known and still to come.
-Judged judge_choice(std::string_view option, const std::string& value,
-                    std::initializer_list<std::string_view> known) {
-  if (value == *known.begin()) {
-    return {};
-  }
-  const std::string name(option);
-  if (std::ranges::find(known, value) != known.end()) {
-    return refuse(name + " " + value + ": not in this version: use " + name + " " +
-                  std::string(*known.begin()));
-  }
-  std::string list;
-  for (const std::string_view each : known) {
-    list += (list.empty() ? "" : ", ") + std::string(each);
-  }
-  return refuse(name + " " + value + ": unknown: use one of " + list);
+// The value given for an option, or empty.
+std::string setting(const MatchOptions& options, const std::string& name) {
+  const auto found =
+      std::ranges::find(options.settings, name, &std::pair<std::string, std::string>::first);
+  return found == options.settings.end() ? std::string() : found->second;
 }
 
-std::optional<int> whole_number(std::string_view text) {
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const std::from_chars_result result = std::from_chars(text.data(), end, value);
-  return result.ec == std::errc{} && result.ptr == end ? std::optional(value) : std::nullopt;
-}
+bool wants_annealing(const MatchOptions& options) { return setting(options, "method") == "sa"; }
 
-Judged read_block(const std::string& text, dsp::MatchParams& params) {
-  const std::size_t by = std::min(text.find('x'), text.size());
-  const std::optional<int> width = whole_number(std::string_view(text).substr(0, by));
-  const std::optional<int> height =
-      whole_number(std::string_view(text).substr(std::min(by + 1, text.size())));
-  if (!width || !height || *width < 1 || *width > dsp::kMaxBlock || *height < 1 ||
-      *height > dsp::kMaxBlock) {
-    return refuse("--block " + text + ": not a block size: use WxH from 1x1 to 64x64");
-  }
-  params.block_width = *width;
-  params.block_height = *height;
-  return {};
-}
-
-Judged judge_options(const MatchOptions& options) {
-  if (Judged method = judge_choice("--method", options.method, {"wta", "dp", "so", "sgm", "sa"});
-      !method) {
-    return method;
-  }
-  if (Judged cost = judge_choice("--cost", options.cost, {"sad", "ssd", "census5", "census9x7"});
-      !cost) {
-    return cost;
-  }
+// Where the settings begin: the preset, or what suits the method.
+std::expected<dsp::MatchParams, Problem> starting_params(const MatchOptions& options) {
+  const std::string method = setting(options, "method");
   if (!options.preset.empty()) {
-    return refuse("--preset " + options.preset +
-                  ": not in this version: name --method, --cost and --block");
+    const dsp::Preset* const preset = dsp::find_preset(options.preset);
+    if (preset == nullptr) {
+      return refuse("--preset " + options.preset + ": unknown: use one of " +
+                    std::string(dsp::preset_names()));
+    }
+    return preset->params;
   }
-  if (options.fill) {
-    return refuse("--fill: not in this version: leave it out");
+  if (wants_annealing(options)) {
+    dsp::MatchParams params = dsp::method_defaults(dsp::Method::kScanline);
+    params.method = dsp::Method::kWinnerTakesAll;
+    return params;
   }
-  if (options.runs < 1) {
-    return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
-  }
-  return {};
-}
-
-}  // namespace
-
-std::expected<dsp::MatchParams, Problem> match_params(const MatchOptions& options,
-                                                      int disparities) {
-  if (Judged judged = judge_options(options); !judged) {
-    return std::unexpected(std::move(judged.error()));
-  }
-  dsp::MatchParams params{.disparities = disparities, .subpixel = options.subpixel ? dsp::Subpixel::kEquiangular : dsp::Subpixel::kWhole};
-  if (Judged block = read_block(options.block, params); !block) {
-    return std::unexpected(std::move(block.error()));
-  }
-  if (options.left_right) {
-    params.left_right_tolerance = kLeftRightTolerancePx;
+  dsp::MatchParams params;
+  if (!method.empty() && dsp::find_match_option("method")->set(method, params)) {
+    return dsp::method_defaults(params.method);
   }
   return params;
 }
 
+}  // namespace
+
+std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int disparities) {
+  const std::expected<dsp::MatchParams, Problem> start = starting_params(options);
+  if (!start) {
+    return std::unexpected(start.error());
+  }
+  MatchPlan plan{
+      .params = *start, .seed = options.seed, .energy = options.energy, .runs = options.runs};
+  plan.params.disparities = disparities;
+  for (const auto& [name, value] : options.settings) {
+    if (name == "method" && value == "sa") {
+      plan.annealing =
+          options.hill_climbing ? dsp::Acceptance::kHillClimbing : dsp::Acceptance::kMetropolis;
+      continue;
+    }
+    const dsp::MatchOption* const option = dsp::find_match_option(name);
+    if (option == nullptr || !option->set(value, plan.params)) {
+      const std::string values =
+          option == nullptr ? ""
+                            : std::string(option->values) + (name == "method" ? ", or sa" : "");
+      return refuse("--" + name + " " + value + ": not one of its values: use " + values);
+    }
+  }
+  if (const char* const why = dsp::problem(plan.params); *why != '\0') {
+    return refuse(why);
+  }
+  if (options.runs < 1) {
+    return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
+  }
+  return plan;
+}
+
 std::string describe(const MatchOptions& options) {
-  return options.method + ", " + options.cost + " " + options.block +
-         (options.left_right ? ", left-right check" : "") + (options.subpixel ? ", subpixel" : "");
+  std::string text = options.preset.empty() ? "" : "preset " + options.preset;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  for (const auto& [name, value] : options.settings) {
+    const bool plain = name == "method" || name == "cost" || name == "block";
+    add(plain || value == "on" ? (plain ? value : name) : name + " " + value);
+  }
+  return text.empty() ? "wta, sad 16x16" : text;
 }
 
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
@@ -114,9 +105,30 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
   Workspace workspace(dsp::Matcher::bytes_needed(params, width, height));
   dsp::Arena arena = workspace.arena();
   dsp::Matcher matcher(params, width, height, arena);
-  MatchResult result{.disparity = {width, height}};
+  MatchResult result{.disparity = {width, height}, .filled = {width, height}};
   result.median_ms = median_time_ms(
       runs, [&] { matcher.match(scene.left.view(), scene.right.view(), result.disparity.view()); });
+  const dsp::ImageView<const std::uint8_t> filled = matcher.filled();
+  for (int y = 0; y < filled.height(); ++y) {
+    std::ranges::copy(filled.row(y), result.filled.view().row(y).begin());
+  }
+  return result;
+}
+
+dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan) {
+  dataset::Loaded<MatchResult> result = match_scene(scene, plan.params, plan.runs);
+  if (!result) {
+    return result;
+  }
+  if (plan.annealing) {
+    // Slow: once is enough.
+    result->median_ms += median_time_ms(1, [&] {
+      result->energy =
+          anneal_map(scene, plan.params, *plan.annealing, plan.seed, result->disparity);
+    });
+  } else if (plan.energy) {
+    result->energy = energy_of(scene, plan.params, result->disparity);
+  }
   return result;
 }
 
@@ -130,12 +142,6 @@ double median_time_ms(int runs, const std::function<void()>& work) {
     times.push_back(taken.count());
   }
   return median(std::move(times)).value_or(0);
-}
-
-Workspace::Workspace(std::size_t bytes) : lines_((bytes + sizeof(Line) - 1) / sizeof(Line)) {}
-
-dsp::Arena Workspace::arena() noexcept {
-  return dsp::Arena(std::as_writable_bytes(std::span(lines_)));
 }
 
 }  // namespace stof::host

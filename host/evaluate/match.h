@@ -1,62 +1,63 @@
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "dataset/dataset.h"
 #include "dsp/base/fixed.h"
-#include "dsp/stereo/matcher.h"
+#include "dsp/stereo/match_params.h"
+#include "dsp/stereo/search/annealing.h"
+#include "host/evaluate/workspace.h"
 
 namespace stof::host {
 
 // What `stof evaluate` was asked for, as text from the command line.
 struct MatchOptions {
-  std::string method = "wta";
-  std::string cost = "sad";
-  std::string block = "16x16";  // WxH, 1x1 to 64x64
-  std::string preset;
-  bool left_right = false;
-  bool subpixel = false;
-  bool fill = false;
-  int runs = 5;  // of which the median time is taken
+  std::string preset;  // of dsp/stereo/match_params.h; empty: a method alone, dense and integer
+  // Options of dsp/stereo/match_options.h and their values. "method" may also be "sa".
+  std::vector<std::pair<std::string, std::string>> settings;
+  bool hill_climbing = false;  // of sa
+  std::uint64_t seed = 1;      // of sa
+  bool energy = false;         // of the map, on the cost it was matched with
+  int runs = 5;                // of which the median time is taken
 };
 
-// Largest difference in px that `--lr` accepts between a match and the match of the match.
-inline constexpr int kLeftRightTolerancePx = 1;
+// What the options come to for one scene.
+struct MatchPlan {
+  dsp::MatchParams params;
+  // Simulated annealing, which begins with the map of params.
+  std::optional<dsp::Acceptance> annealing = std::nullopt;
+  std::uint64_t seed = 1;
+  bool energy = false;
+  int runs = 5;
+};
 
-// The parameters for a scene of `disparities` candidates, or one line that says which option is
-// unknown, out of range or not in this version.
-std::expected<dsp::MatchParams, dataset::Problem> match_params(const MatchOptions& options,
-                                                               int disparities);
+// The plan for a scene of `disparities` candidates, or one line that says which option is unknown,
+// out of range or does not go with another.
+std::expected<MatchPlan, dataset::Problem> match_plan(const MatchOptions& options, int disparities);
 
-// Options in words, such as "wta, sad 16x16, left-right check".
+// Options in words, such as "wta, sad 16x16, lr 1".
 std::string describe(const MatchOptions& options);
 
 struct MatchResult {
   dataset::Image<dsp::Disparity> disparity;  // of the left view
-  double median_ms = 0;                      // of match() alone
+  dataset::Image<std::uint8_t> filled;       // 1: made up, not matched
+  double median_ms = 0;                      // of matching alone
+  // SPEC's E = sum C + lambda sum |d - d'|, where the plan asks for it.
+  std::optional<std::uint64_t> energy = std::nullopt;
 };
 
 // Runs dsp::Matcher over the scene. One line when the scene is too large for it.
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
                                          const dsp::MatchParams& params, int runs);
+// The same, and what the plan adds to it.
+dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan);
 
 // Median time in ms of `runs` calls, at least one.
 double median_time_ms(int runs, const std::function<void()>& work);
-
-// Memory for a dsp::Arena of `bytes`.
-class Workspace {
- public:
-  explicit Workspace(std::size_t bytes);
-  dsp::Arena arena() noexcept;
-
- private:
-  struct alignas(dsp::Arena::kAlign) Line {
-    std::byte bytes[dsp::Arena::kAlign];
-  };
-  std::vector<Line> lines_;
-};
 
 }  // namespace stof::host

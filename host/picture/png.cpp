@@ -1,6 +1,8 @@
 #include "host/picture/png.h"
 
 #include <cstdio>
+#include <map>
+#include <stdexcept>
 
 #include <png.h>
 
@@ -84,7 +86,61 @@ std::expected<void, dataset::Problem> write(const std::filesystem::path& file, c
   return {};
 }
 
+// palette: red, green, blue of each index, for formats that have one.
+std::string encode(int width, int height, png_uint_32 format,
+                   const std::vector<std::uint8_t>& bytes,
+                   const std::vector<std::uint8_t>& palette) {
+  png_image image{};
+  image.version = PNG_IMAGE_VERSION;
+  image.width = static_cast<png_uint_32>(width);
+  image.height = static_cast<png_uint_32>(height);
+  image.format = format;
+  image.colormap_entries = static_cast<png_uint_32>(palette.size() / 3);
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(image);
+  std::string file(size, '\0');
+  if (png_image_write_to_memory(&image, file.data(), &size, 0, bytes.data(), 0,
+                                palette.empty() ? nullptr : palette.data()) == 0) {
+    throw std::runtime_error(std::string("a picture cannot be encoded: ") + image.message);
+  }
+  file.resize(size);
+  return file;
+}
+
+std::vector<std::uint8_t> interleaved(const dataset::Image<Rgb>& colour) {
+  std::vector<std::uint8_t> bytes;
+  bytes.reserve(3 * colour.pixels.size());
+  for (const Rgb& pixel : colour.pixels) {
+    bytes.insert(bytes.end(), {pixel.red, pixel.green, pixel.blue});
+  }
+  return bytes;
+}
+
 }  // namespace
+
+std::string png_bytes(const dataset::Image<Rgb>& colour) {
+  std::map<std::uint32_t, std::uint8_t> places;
+  std::vector<std::uint8_t> palette;
+  std::vector<std::uint8_t> indices;
+  indices.reserve(colour.pixels.size());
+  for (const Rgb& pixel : colour.pixels) {
+    const std::uint32_t key = std::uint32_t{pixel.red} << 16 | std::uint32_t{pixel.green} << 8 |
+                              std::uint32_t{pixel.blue};
+    const auto [place, is_new] =
+        places.try_emplace(key, static_cast<std::uint8_t>(places.size() & 0xFF));
+    if (is_new && places.size() > 256) {
+      return encode(colour.width, colour.height, PNG_FORMAT_RGB, interleaved(colour), {});
+    }
+    if (is_new) {
+      palette.insert(palette.end(), {pixel.red, pixel.green, pixel.blue});
+    }
+    indices.push_back(place->second);
+  }
+  return encode(colour.width, colour.height, PNG_FORMAT_RGB_COLORMAP, indices, palette);
+}
+
+std::string png_bytes(const dataset::Image<std::uint8_t>& grey) {
+  return encode(grey.width, grey.height, PNG_FORMAT_GRAY, grey.pixels, {});
+}
 
 std::expected<void, dataset::Problem> write_png(const std::filesystem::path& file,
                                                 const dataset::Image<std::uint16_t>& grey,
@@ -101,12 +157,8 @@ std::expected<void, dataset::Problem> write_png(const std::filesystem::path& fil
 std::expected<void, dataset::Problem> write_png(const std::filesystem::path& file,
                                                 const dataset::Image<Rgb>& colour,
                                                 const PngTexts& texts) {
-  std::vector<std::uint8_t> bytes;
-  bytes.reserve(3 * colour.pixels.size());
-  for (const Rgb& pixel : colour.pixels) {
-    bytes.insert(bytes.end(), {pixel.red, pixel.green, pixel.blue});
-  }
-  return write(file, {colour.width, colour.height, 8, PNG_COLOR_TYPE_RGB}, std::move(bytes), texts);
+  return write(file, {colour.width, colour.height, 8, PNG_COLOR_TYPE_RGB}, interleaved(colour),
+               texts);
 }
 
 }  // namespace stof::host

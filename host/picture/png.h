@@ -28,4 +28,9 @@ std::expected<void, dataset::Problem> write_png(const std::filesystem::path& fil
                                                 const dataset::Image<Rgb>& colour,
                                                 const PngTexts& texts);
 
+// The bytes of a PNG file of one picture of at least one pixel, 8 bit a channel; with a palette
+// where 256 colours are enough.
+std::string png_bytes(const dataset::Image<Rgb>& colour);
+std::string png_bytes(const dataset::Image<std::uint8_t>& grey);
+
 }  // namespace stof::host

@@ -97,5 +97,60 @@ TEST_F(StereoScenes, AreRefusedWithTruthOfUnknownScale) {
   }
 }
 
+TEST_F(StereoScenes, KnowTheirRigWhereItIsGivenWhole) {
+  EXPECT_FALSE(read_stereo_scene(dir())->rig);
+  for (const char* meta : {"ndisp 16\nf_px 60\n", "ndisp 16\nf_px 60\nbaseline_m 0\n",
+                           "ndisp 16\nf_px inf\nbaseline_m 1\n"}) {
+    put("Little/meta.txt", meta);
+    EXPECT_FALSE(read_stereo_scene(dir())->rig) << meta;
+  }
+  put("Little/meta.txt", "ndisp 16\nf_px 60.5\nbaseline_m 0.1\ndoff_px -2\n");
+  const Loaded<StereoScene> scene = read_stereo_scene(dir());
+  ASSERT_TRUE(scene && scene->rig);
+  EXPECT_EQ(scene->rig->left.fx, 60.5);
+  EXPECT_EQ(scene->rig->left.cx, 1);  // the middle of three columns
+  EXPECT_EQ(scene->rig->baseline_m, 0.1);
+  EXPECT_EQ(scene->rig->doff_px, -2);
+}
+
+TEST_F(StereoScenes, AreReadAsTheyWereWritten) {
+  StereoScene written;
+  written.name = "Copy";
+  written.left = {3, 2, 7};
+  written.right = {3, 2, 255};
+  written.ndisp = 33;
+  written.truth.emplace(3, 2, 12.25F);
+  written.truth->pixels[1] = kNone;
+  written.truth->pixels[2] = 0.001F;  // no longer known to be 0, which means unknown
+  written.truth->pixels[3] = 900;
+  written.visible.emplace(3, 2, 255);
+  written.visible->pixels[4] = 0;
+  written.rig = dsp::StereoRig{.left = {}, .baseline_m = 0.1, .doff_px = 1.0 / 3};
+  written.rig->left.fx = 615.123456789;
+  std::filesystem::create_directories(folder() / "Copy");
+  ASSERT_TRUE(write_stereo_scene(folder() / "Copy", written));
+  const Loaded<StereoScene> read = read_stereo_scene(folder() / "Copy");
+  ASSERT_TRUE(read) << read.error().message;
+  EXPECT_EQ(read->name, written.name);
+  EXPECT_EQ(read->ndisp, 33);
+  EXPECT_EQ(read->left.pixels, written.left.pixels);
+  EXPECT_EQ(read->right.pixels, written.right.pixels);
+  EXPECT_EQ(read->visible->pixels, written.visible->pixels);
+  EXPECT_EQ(read->truth->pixels,
+            (std::vector<float>{12.25F, kNone, 1.0F / 256, 255, 12.25F, 12.25F}));
+  EXPECT_EQ(read->rig->left.fx, 615.123456789);
+  EXPECT_EQ(read->rig->doff_px, 1.0 / 3);
+}
+
+TEST_F(StereoScenes, AreRefusedWhereTheyCannotBeWritten) {
+  StereoScene scene;
+  scene.left = {1, 1};
+  scene.right = {1, 1};
+  const std::expected<void, Problem> written = write_stereo_scene(folder() / "absent", scene);
+  ASSERT_FALSE(written);
+  expect_one_line_about(written.error().message, folder() / "absent" / "left.pgm",
+                        "cannot be written");
+}
+
 }  // namespace
 }  // namespace stof::dataset

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration_packet.h"
 #include "firmware/wire/packet.h"
 #include "tests/firmware/stofd_process.h"
 
@@ -163,6 +164,68 @@ TEST_F(StofdTest, BadCalibrationFilesEndInOneLineAndCodeTwo) {
   calibration.stereo.baseline_m = 0;
   write("flat.cal", encode(calibration));
   expect_refused(with(path("flat.cal")), "flat.cal");
+}
+
+// Two cameras that are turned by a tenth of a radian against each other, as large as the dataset.
+dsp::Calibration raw_calibration() {
+  dsp::Calibration calibration;
+  dsp::RawPair& pair = calibration.stereo.raw.emplace();
+  pair.left = {.width = 48, .height = 32, .fx = 50, .fy = 50, .cx = 23.5, .cy = 15.5, .k1 = -0.1};
+  pair.right = pair.left;
+  pair.right.fx = pair.right.fy = 52;
+  pair.left_to_right = {
+      {0.995004165278, 0, 0.0998334166468, 0, 1, 0, -0.0998334166468, 0, 0.995004165278},
+      {-0.1, 0, 0}};
+  return calibration;
+}
+
+TEST_F(StofdTest, SendsTheRectifiedCameraOfARawPair) {
+  const dsp::Calibration calibration = raw_calibration();
+  std::string bytes(wire::calibration_file_bytes(calibration), '\0');
+  ASSERT_TRUE(wire::encode_calibration_file(calibration, std::as_writable_bytes(std::span(bytes))));
+  write("raw.cal", bytes);
+  const Socket socket;
+  const Stofd stofd(
+      {"--dataset", dataset("good"), "--to", socket.destination, "--calibration", path("raw.cal")});
+  while (true) {
+    const std::vector<std::byte> datagram = socket.receive();
+    ASSERT_FALSE(datagram.empty());
+    const auto packet = wire::parse_packet(datagram);
+    ASSERT_TRUE(packet);
+    if (packet->header.type == wire::PacketType::kCalibration) {
+      const auto received = wire::decode_calibration_packet(packet->payload);
+      ASSERT_TRUE(received);
+      EXPECT_EQ(received->fx, 51 * 65536);
+      EXPECT_EQ(received->image_width, 48);
+      EXPECT_EQ(received->baseline_nm, 100'000'000);
+      break;
+    }
+  }
+  stofd.signal(SIGTERM);
+  EXPECT_EQ(stofd.end().code, 0);
+}
+
+TEST_F(StofdTest, PairsThatCannotBeRectifiedEndInOneLineAndCodeTwo) {
+  const std::string good = dataset("good");
+  const auto refused = [&](const dsp::Calibration& calibration, const std::string& about) {
+    std::string bytes(wire::calibration_file_bytes(calibration), '\0');
+    ASSERT_TRUE(
+        wire::encode_calibration_file(calibration, std::as_writable_bytes(std::span(bytes))));
+    write("raw.cal", bytes);
+    expect_refused({"--dataset", good, "--calibration", path("raw.cal")}, about);
+  };
+  dsp::Calibration calibration = raw_calibration();
+  calibration.stereo.raw->left_to_right.translation_m = {0.1, 0, 0};
+  refused(calibration, "right");
+  calibration = raw_calibration();
+  calibration.stereo.raw->right.width = 47;
+  refused(calibration, "size");
+  calibration = raw_calibration();
+  calibration.stereo.raw->left.width = calibration.stereo.raw->right.width = 64;
+  refused(calibration, "64x32");
+  calibration = raw_calibration();
+  calibration.stereo.converging.emplace();
+  refused(calibration, "leave one");
 }
 
 TEST_F(StofdTest, TinyAndFlatPicturesRunThrough) {

@@ -8,6 +8,7 @@
 #include "dsp/fusion/fuser.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
+#include "dsp/stereo/rectifier.h"
 #include "firmware/pipeline.h"
 
 namespace stof::firmware {
@@ -41,6 +42,7 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
   for (const Sizes& board : kBoards) {
     SCOPED_TRACE(std::to_string(board.stereo.width));
     const board::StereoConfig& s = board.stereo;
+    EXPECT_LE(dsp::Rectifier::bytes_needed(s.width, s.height), rectifier_bytes(s));
     EXPECT_LE(dsp::Matcher::bytes_needed(largest(s), s.width, s.height), matcher_bytes(s));
     EXPECT_LE(dsp::Converter::bytes_needed(board.pmd.width, board.pmd.height),
               converter_bytes(board.pmd));
@@ -55,6 +57,7 @@ TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
   firmware::Setup setup;  // gtest has a Setup too
   setup.calibration.stereo.left = {.width = board::kConfig.stereo.width,
                                    .height = board::kConfig.stereo.height};
+  setup.calibration.stereo.raw.emplace();
   setup.calibration.pmd.lens = {.width = board::kConfig.pmd.width,
                                 .height = board::kConfig.pmd.height};
   setup.match = largest(board::kConfig.stereo);

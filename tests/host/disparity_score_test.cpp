@@ -1,6 +1,8 @@
 #include "host/evaluate/disparity_score.h"
 
+#include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <limits>
 
 #include <gtest/gtest.h>
@@ -113,6 +115,40 @@ TEST(ToPixels, KeepsSixteenthsAndTurnsNoneIntoInfinity) {
   const dataset::Image<float> pixels =
       to_pixels(dsp::ImageView<const dsp::Disparity>(raw.data(), 2, 2));
   EXPECT_EQ(pixels.pixels, (std::vector<float>{0, -1.0625F, kNone, 63}));
+}
+
+TEST(DisparityScore, CountsSeenPixelsWithinNineOfAStepOfMoreThanTwo) {
+  std::vector<Pixel> pixels(40, {4, 255, 4});
+  for (std::size_t x = 20; x < 40; ++x) {
+    pixels[x] = {6.5F, 255, 6.5F};  // the step lies between columns 19 and 20
+  }
+  pixels[10].disparity = 9;  // nine columns from 19: counted
+  pixels[29].disparity = kNone;
+  pixels[9].disparity = 9;  // one too far
+  pixels[30].disparity = 9;
+  pixels[15] = {4, 0, 9};  // occluded
+  const Row row(pixels);
+  EXPECT_DOUBLE_EQ(score_disparity(row.disparity, row.scene, 1).near_edges.value(), 2.0 / 19);
+}
+
+TEST(DisparityScore, FindsNoEdgeInSmallStepsAndUnknownTruth) {
+  const Row row({{4, 255, 9}, {6, 255, 9}, {8, 255, 9}, {kNone, 0, 9}, {20, 255, 9}});
+  EXPECT_FALSE(score_disparity(row.disparity, row.scene, 1).near_edges.has_value());
+}
+
+TEST(NearDiscontinuities, ReachNineRowsAndColumnsFromEitherSide) {
+  dataset::Image<float> truth(40, 40, 2.0F);
+  truth.view().at(20, 20) = 10;
+  const dataset::Image<std::uint8_t> mask = near_discontinuities(truth);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      // The neighbours across the step are at distance 1 of (20, 20), in one direction.
+      const int dx = std::abs(x - 20);
+      const int dy = std::abs(y - 20);
+      const bool near = std::min(dx, dy) <= 9 && std::max(dx, dy) <= 10;
+      EXPECT_EQ(mask.view().at(x, y), near ? 255 : 0) << x << ", " << y;
+    }
+  }
 }
 
 }  // namespace

@@ -1,45 +1,68 @@
 #include "host/evaluate/match.h"
 
+#include <utility>
+
 #include <gtest/gtest.h>
 
 namespace stof::host {
 namespace {
 
+MatchOptions with(std::vector<std::pair<std::string, std::string>> settings) {
+  MatchOptions options;
+  options.settings = std::move(settings);
+  return options;
+}
+
 TEST(MatchOptions, BecomeAnIntegerDenseSearchByDefault) {
-  const std::expected<dsp::MatchParams, dataset::Problem> params = match_params({}, 48);
-  ASSERT_TRUE(params) << params.error().message;
-  EXPECT_EQ(params->min_disparity, 0);
-  EXPECT_EQ(params->disparities, 48);
-  EXPECT_EQ(params->block_width, 16);
-  EXPECT_EQ(params->block_height, 16);
-  EXPECT_EQ(params->prefilter_cap, dsp::MatchParams{}.prefilter_cap);
-  EXPECT_FALSE(params->left_right_tolerance.has_value());
-  EXPECT_EQ(params->subpixel, dsp::Subpixel::kWhole);
+  const std::expected<MatchPlan, dataset::Problem> plan = match_plan({}, 48);
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_EQ(plan->params.min_disparity, 0);
+  EXPECT_EQ(plan->params.disparities, 48);
+  EXPECT_EQ(plan->params.block_width, 16);
+  EXPECT_EQ(plan->params.block_height, 16);
+  EXPECT_EQ(plan->params.prefilter_cap, dsp::MatchParams{}.prefilter_cap);
+  EXPECT_FALSE(plan->params.left_right_tolerance.has_value());
+  EXPECT_EQ(plan->params.subpixel, dsp::Subpixel::kWhole);
+  EXPECT_FALSE(plan->annealing);
 }
 
 TEST(MatchOptions, AddWhatWasAskedFor) {
-  MatchOptions options;
-  options.block = "60x20";
-  options.left_right = true;
-  options.subpixel = true;
-  const std::expected<dsp::MatchParams, dataset::Problem> params = match_params(options, 16);
-  ASSERT_TRUE(params) << params.error().message;
-  EXPECT_EQ(params->block_width, 60);
-  EXPECT_EQ(params->block_height, 20);
-  EXPECT_EQ(params->left_right_tolerance, 1);
-  EXPECT_EQ(params->subpixel, dsp::Subpixel::kEquiangular);
+  const auto plan =
+      match_plan(with({{"block", "60x20"}, {"lr", "1"}, {"subpixel", "equiangular"}}), 16);
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_EQ(plan->params.block_width, 60);
+  EXPECT_EQ(plan->params.block_height, 20);
+  EXPECT_EQ(plan->params.left_right_tolerance, 1);
+  EXPECT_EQ(plan->params.subpixel, dsp::Subpixel::kEquiangular);
+}
+
+TEST(MatchOptions, ChangeAPreset) {
+  MatchOptions options = with({{"fill", "on"}, {"speckle", "off"}});
+  options.preset = "quality";
+  const auto plan = match_plan(options, 64);
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_EQ(plan->params.method, dsp::Method::kSemiGlobal);
+  EXPECT_TRUE(plan->params.fill);
+  EXPECT_FALSE(plan->params.speckle_pixels);
 }
 
 TEST(MatchOptions, RefuseEveryImpossibleBlock) {
   for (const char* block : {"", "x", "16", "16x", "x16", "0x16", "16x0", "65x16", "16x65", "-1x16",
                             "16x16x16", "16 x16", "16X16", "1e1x16", "99999999999x16", "+1x1"}) {
-    MatchOptions options;
-    options.block = block;
-    const std::expected<dsp::MatchParams, dataset::Problem> params = match_params(options, 16);
-    ASSERT_FALSE(params) << block;
-    EXPECT_EQ(params.error().message,
-              std::string("--block ") + block + ": not a block size: use WxH from 1x1 to 64x64");
+    const auto plan = match_plan(with({{"block", block}}), 16);
+    ASSERT_FALSE(plan) << block;
+    EXPECT_EQ(plan.error().message, std::string("--block ") + block +
+                                        ": not one of its values: use WxH from 1x1 to 64x64");
   }
+}
+
+TEST(MatchOptions, RefuseWhatIsUnknownOrDoesNotGoTogether) {
+  EXPECT_FALSE(match_plan(with({{"method", "bm"}}), 16));
+  EXPECT_FALSE(match_plan(with({{"shape", "region"}, {"method", "sgm"}}), 16));
+  EXPECT_FALSE(match_plan(with({{"interest", "maxima"}, {"prefilter", "off"}}), 16));
+  MatchOptions options;
+  options.preset = "best";
+  EXPECT_FALSE(match_plan(options, 16));
 }
 
 TEST(Workspace, GivesAlignedMemoryOfAtLeastTheSize) {

@@ -100,5 +100,35 @@ TEST_F(Png, SaysWhenTheDiskIsFull) {
   test::expect_one_line_about(written.error().message, "/dev/full", "cannot be written");
 }
 
+TEST_F(Png, BytesAreThoseOfAFileWithAPaletteWhereItIsEnough) {
+  dataset::Image<Rgb> few(16, 16);
+  dataset::Image<Rgb> many(16, 17);
+  for (std::size_t i = 0; i < many.pixels.size(); ++i) {
+    const Rgb colour{static_cast<std::uint8_t>(i / 2), static_cast<std::uint8_t>(i % 251), 7};
+    many.pixels[i] = colour;
+    if (i < few.pixels.size()) {
+      few.pixels[i] = colour;
+    }
+  }
+  const ReadBack palette = read_back(put("few.png", png_bytes(few)));
+  EXPECT_EQ(palette.colour_type, PNG_COLOR_TYPE_PALETTE);
+  EXPECT_EQ(palette.width, 16U);
+  const ReadBack direct = read_back(put("many.png", png_bytes(many)));
+  EXPECT_EQ(direct.colour_type, PNG_COLOR_TYPE_RGB);
+  ASSERT_EQ(direct.bytes.size(), 3 * many.pixels.size());
+  for (std::size_t i = 0; i < many.pixels.size(); ++i) {
+    const Rgb back{direct.bytes[3 * i], direct.bytes[3 * i + 1], direct.bytes[3 * i + 2]};
+    ASSERT_EQ(back, many.pixels[i]) << i;
+  }
+}
+
+TEST_F(Png, BytesOfGreyAreTheValues) {
+  dataset::Image<std::uint8_t> grey(256, 1);
+  std::iota(grey.pixels.begin(), grey.pixels.end(), std::uint8_t{0});
+  const ReadBack back = read_back(put("grey.png", png_bytes(grey)));
+  EXPECT_EQ(back.colour_type, PNG_COLOR_TYPE_GRAY);
+  EXPECT_EQ(back.bytes, grey.pixels);
+}
+
 }  // namespace
 }  // namespace stof::host

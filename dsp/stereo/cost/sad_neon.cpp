@@ -4,6 +4,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
+#include "dsp/stereo/cost/accumulate_neon.h"
 #include "dsp/stereo/cost/sums_neon.h"
 
 namespace stof::dsp::neon {
@@ -13,41 +14,6 @@ void check_sizes(std::size_t n, std::size_t right, int lanes, std::size_t column
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0);
   STOF_CHECK(right == n + static_cast<std::size_t>(lanes) - 1);
   STOF_CHECK(columns == n * static_cast<std::size_t>(lanes));
-}
-
-// Sixteen differences onto sixteen sums.
-void accumulate(uint8x16_t difference, std::uint16_t* sums) noexcept {
-  vst1q_u16(sums, vaddw_u8(vld1q_u16(sums), vget_low_u8(difference)));
-  vst1q_u16(sums + 8, vaddw_u8(vld1q_u16(sums + 8), vget_high_u8(difference)));
-}
-void accumulate(uint8x16_t difference, std::uint32_t* sums) noexcept {
-  const uint16x8_t low = vmovl_u8(vget_low_u8(difference));
-  const uint16x8_t high = vmovl_u8(vget_high_u8(difference));
-  vst1q_u32(sums, vaddw_u16(vld1q_u32(sums), vget_low_u16(low)));
-  vst1q_u32(sums + 4, vaddw_u16(vld1q_u32(sums + 4), vget_high_u16(low)));
-  vst1q_u32(sums + 8, vaddw_u16(vld1q_u32(sums + 8), vget_low_u16(high)));
-  vst1q_u32(sums + 12, vaddw_u16(vld1q_u32(sums + 12), vget_high_u16(high)));
-}
-
-// sums += entering - leaving.
-void exchange(uint8x16_t entering, uint8x16_t leaving, std::uint16_t* sums) noexcept {
-  const uint16x8_t low = vsubl_u8(vget_low_u8(entering), vget_low_u8(leaving));
-  const uint16x8_t high = vsubl_u8(vget_high_u8(entering), vget_high_u8(leaving));
-  vst1q_u16(sums, vaddq_u16(vld1q_u16(sums), low));
-  vst1q_u16(sums + 8, vaddq_u16(vld1q_u16(sums + 8), high));
-}
-void exchange(uint8x16_t entering, uint8x16_t leaving, std::uint32_t* sums) noexcept {
-  const int16x8_t low =
-      vreinterpretq_s16_u16(vsubl_u8(vget_low_u8(entering), vget_low_u8(leaving)));
-  const int16x8_t high =
-      vreinterpretq_s16_u16(vsubl_u8(vget_high_u8(entering), vget_high_u8(leaving)));
-  const auto slide = [](std::uint32_t* at, int16x4_t change) noexcept {
-    vst1q_u32(at, vaddq_u32(vld1q_u32(at), vreinterpretq_u32_s32(vmovl_s16(change))));
-  };
-  slide(sums, vget_low_s16(low));
-  slide(sums + 4, vget_high_s16(low));
-  slide(sums + 8, vget_low_s16(high));
-  slide(sums + 12, vget_high_s16(high));
 }
 
 template <typename Sum>

@@ -10,10 +10,13 @@
 namespace stof::dsp {
 
 // out[x] = (min_disparity + winners[x]) * 16 + s, none where there is no winner. s, in -8..8 (1/16
-// px), is the equiangular fit of the costs around the winner, s = (c[i-1] - c[i+1]) / (2
-// (max(c[i-1], c[i+1]) - c[i])), rounded to the nearest, halves away from 0; 0 where a neighbour is
-// missing or the three are equal. Source: Shimizu & Okutomi 2005, for absolute differences. costs
-// as in sad.h; u32 sums below 2^27. |min_disparity| + lanes <= 2047.
+// px), is a fit of the costs around the winner i, s = (c[i-1] - c[i+1]) / (2 r), rounded to the
+// nearest, halves away from 0; 0 where a neighbour is missing, r is 0, or a neighbour costs less
+// (then the winner is not a minimum of these costs). The fits differ in r:
+//   equiangular  r = max(c[i-1], c[i+1]) - c[i]: two lines of equal slope, for absolute differences
+//                (Shimizu & Okutomi 2005)
+//   parabola     r = c[i-1] + c[i+1] - 2 c[i]: for squared differences
+// costs as in sad.h; u32 sums below 2^27. |min_disparity| + lanes <= 2047.
 template <typename Sum>
 using RefineWinners = void(std::span<const Sum> costs, int lanes, int min_disparity,
                            std::span<const std::int16_t> winners,
@@ -24,13 +27,17 @@ using WholeWinners = void(int min_disparity, std::span<const std::int16_t> winne
                           std::span<Disparity> out) noexcept;
 
 namespace ref {
-RefineWinners<std::uint16_t> refine_winners;
-RefineWinners<std::uint32_t> refine_winners;
+RefineWinners<std::uint16_t> refine_winners;  // equiangular
+RefineWinners<std::uint16_t> refine_winners_parabola;
+RefineWinners<std::uint32_t> refine_winners;  // equiangular
+RefineWinners<std::uint32_t> refine_winners_parabola;
 WholeWinners whole_winners;
 }  // namespace ref
 namespace neon {
-RefineWinners<std::uint16_t> refine_winners;
-RefineWinners<std::uint32_t> refine_winners;
+RefineWinners<std::uint16_t> refine_winners;  // equiangular
+RefineWinners<std::uint16_t> refine_winners_parabola;
+RefineWinners<std::uint32_t> refine_winners;  // equiangular
+RefineWinners<std::uint32_t> refine_winners_parabola;
 WholeWinners whole_winners;
 }  // namespace neon
 

@@ -22,7 +22,10 @@ int16x8_t whole(int16x8_t winner, int16x8_t first) noexcept {
                    value);
 }
 
-// The costs around the winners of four pixels, and a mask of those that have both neighbours.
+enum class Fit { kEquiangular, kParabola };
+
+// The costs around the winners of four pixels, and zeros where a neighbour is missing or costs
+// less.
 struct Around {
   std::array<std::uint32_t, 4> before;
   std::array<std::uint32_t, 4> best;
@@ -38,7 +41,7 @@ Around look_around(const Sum* costs, std::size_t lanes, const std::int16_t* winn
       continue;
     }
     const Sum* const at = costs + p * lanes + static_cast<std::size_t>(winner);
-    if (at[-1] != kNoCost<Sum> && at[1] != kNoCost<Sum>) {
+    if (at[-1] != kNoCost<Sum> && at[1] != kNoCost<Sum> && at[-1] >= at[0] && at[1] >= at[0]) {
       around.before[p] = at[-1];
       around.best[p] = at[0];
       around.after[p] = at[1];
@@ -49,10 +52,14 @@ Around look_around(const Sum* costs, std::size_t lanes, const std::int16_t* winn
 
 // Sixteenths in -8..8: |difference| * 16 reaches (2 k - 1) * rise for k = 1.. once for each of
 // them.
+template <Fit kFit>
 int32x4_t shift_of(const Around& around) noexcept {
   const uint32x4_t before = vld1q_u32(around.before.data());
   const uint32x4_t after = vld1q_u32(around.after.data());
-  const uint32x4_t rise = vsubq_u32(vmaxq_u32(before, after), vld1q_u32(around.best.data()));
+  const uint32x4_t best = vld1q_u32(around.best.data());
+  const uint32x4_t higher = vsubq_u32(vmaxq_u32(before, after), best);
+  const uint32x4_t lower = vsubq_u32(vminq_u32(before, after), best);
+  const uint32x4_t rise = kFit == Fit::kEquiangular ? higher : vaddq_u32(higher, lower);
   const uint32x4_t size =
       vshlq_n_u32(vsubq_u32(vmaxq_u32(before, after), vminq_u32(before, after)), 4);
   const uint32x4_t two_rises = vshlq_n_u32(rise, 1);
@@ -67,7 +74,7 @@ int32x4_t shift_of(const Around& around) noexcept {
   return vbslq_s32(vcltq_u32(before, after), vnegq_s32(shift), shift);
 }
 
-template <typename Sum>
+template <Fit kFit, typename Sum>
 void refine(std::span<const Sum> costs, int lanes, int min_disparity,
             std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
@@ -77,24 +84,37 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
   std::size_t x = 0;
   for (; x + 8 <= n; x += 8) {
     const Sum* const pixel = costs.data() + x * count;
-    const int32x4_t low = shift_of(look_around(pixel, count, winners.data() + x));
-    const int32x4_t high = shift_of(look_around(pixel + 4 * count, count, winners.data() + x + 4));
+    const int32x4_t low = shift_of<kFit>(look_around(pixel, count, winners.data() + x));
+    const int32x4_t high =
+        shift_of<kFit>(look_around(pixel + 4 * count, count, winners.data() + x + 4));
     const int16x8_t shift = vcombine_s16(vmovn_s32(low), vmovn_s32(high));
     vst1q_s16(raw(out, x), vaddq_s16(whole(vld1q_s16(winners.data() + x), first), shift));
   }
-  ref::refine_winners(costs.subspan(x * count), lanes, min_disparity, winners.subspan(x),
-                      out.subspan(x));
+  const auto rest = kFit == Fit::kEquiangular
+                        ? static_cast<RefineWinners<Sum>*>(ref::refine_winners)
+                        : static_cast<RefineWinners<Sum>*>(ref::refine_winners_parabola);
+  rest(costs.subspan(x * count), lanes, min_disparity, winners.subspan(x), out.subspan(x));
 }
 
 }  // namespace
 
 void refine_winners(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
                     std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine(costs, lanes, min_disparity, winners, out);
+  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+}
+void refine_winners_parabola(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
+                             std::span<const std::int16_t> winners,
+                             std::span<Disparity> out) noexcept {
+  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
 }
 void refine_winners(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
                     std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine(costs, lanes, min_disparity, winners, out);
+  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+}
+void refine_winners_parabola(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
+                             std::span<const std::int16_t> winners,
+                             std::span<Disparity> out) noexcept {
+  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
 }
 
 void whole_winners(int min_disparity, std::span<const std::int16_t> winners,

@@ -13,15 +13,20 @@ Disparity whole(int min_disparity, std::int16_t winner) noexcept {
   return winner == kNoWinner ? Disparity::none() : Disparity::from_pixels(min_disparity + winner);
 }
 
+enum class Fit { kEquiangular, kParabola };
+
 // costs: the pixel's candidates; 0 < winner < lanes - 1.
-template <typename Sum>
+template <Fit kFit, typename Sum>
 int offset(std::span<const Sum> costs, std::size_t winner) noexcept {
   const Sum before = costs[winner - 1];
   const Sum after = costs[winner + 1];
-  if (before == kNoCost<Sum> || after == kNoCost<Sum>) {
+  const Sum best = costs[winner];
+  if (before == kNoCost<Sum> || after == kNoCost<Sum> || before < best || after < best) {
     return 0;
   }
-  const std::int64_t rise = std::int64_t{std::max(before, after)} - costs[winner];
+  const std::int64_t rise = kFit == Fit::kEquiangular
+                                ? std::int64_t{std::max(before, after)} - best
+                                : std::int64_t{before} + after - 2 * std::int64_t{best};
   if (rise == 0) {
     return 0;
   }
@@ -30,7 +35,7 @@ int offset(std::span<const Sum> costs, std::size_t winner) noexcept {
   return static_cast<int>(difference < 0 ? -sixteenths : sixteenths);
 }
 
-template <typename Sum>
+template <Fit kFit, typename Sum>
 void refine(std::span<const Sum> costs, int lanes, int min_disparity,
             std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
@@ -39,7 +44,7 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
     out[x] = whole(min_disparity, winners[x]);
     if (winners[x] > 0 && winners[x] + 1 < lanes) {
       const int shift =
-          offset(costs.subspan(x * count, count), static_cast<std::size_t>(winners[x]));
+          offset<kFit>(costs.subspan(x * count, count), static_cast<std::size_t>(winners[x]));
       out[x] = Disparity::from_raw(static_cast<std::int16_t>(out[x].raw + shift));
     }
   }
@@ -49,11 +54,21 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
 
 void refine_winners(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
                     std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine(costs, lanes, min_disparity, winners, out);
+  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+}
+void refine_winners_parabola(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
+                             std::span<const std::int16_t> winners,
+                             std::span<Disparity> out) noexcept {
+  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
 }
 void refine_winners(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
                     std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine(costs, lanes, min_disparity, winners, out);
+  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+}
+void refine_winners_parabola(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
+                             std::span<const std::int16_t> winners,
+                             std::span<Disparity> out) noexcept {
+  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
 }
 
 void whole_winners(int min_disparity, std::span<const std::int16_t> winners,

@@ -14,7 +14,8 @@
 // with p the paths of the pixel before x and m their minimum; where there is no pixel before,
 // paths[x] = costs[x]. Every sum saturates at kNoCost, so that a candidate outside the image stays
 // outside; neighbours beyond the first and last lane count as kNoCost. Costs plus large must stay
-// below kNoCost for every candidate inside. Source: Hirschmueller 2008, eq. 13.
+// below kNoCost for every candidate inside, so that it stays inside; where costs plus twice large
+// do, nothing inside saturates. Source: Hirschmueller 2008, eq. 13.
 namespace stof::dsp {
 
 // From the left: before x is x - 1. costs, paths: large.size() * lanes elements, lanes a multiple
@@ -22,6 +23,14 @@ namespace stof::dsp {
 template <typename Cost>
 using PathsAlong = void(std::span<const Cost> costs, int lanes, Cost small,
                         std::span<const Cost> large, std::span<Cost> paths) noexcept;
+
+// Both ways along the row at once: faster than one after the other, since each pixel waits for its
+// neighbour's minimum. No overlap. edge_penalties_along() (scanline.h) gives both `large`.
+template <typename Cost>
+using PathsBothWays = void(std::span<const Cost> costs, int lanes, Cost small,
+                           std::span<const Cost> large_from_left,
+                           std::span<const Cost> large_from_right, std::span<Cost> from_left,
+                           std::span<Cost> from_right) noexcept;
 
 // From another row: before x is `before`'s column x - shift (shift -1, 0 or 1: down-left, down,
 // down-right when rows come from the top). before: the paths of that row, overlapping nothing.
@@ -37,6 +46,9 @@ PathsAlong<std::uint32_t> paths_from_left;
 PathsAlong<std::uint8_t> paths_from_right;  // before x is x + 1; large[x] still belongs to x
 PathsAlong<std::uint16_t> paths_from_right;
 PathsAlong<std::uint32_t> paths_from_right;
+PathsBothWays<std::uint8_t> paths_both_ways;
+PathsBothWays<std::uint16_t> paths_both_ways;
+PathsBothWays<std::uint32_t> paths_both_ways;
 PathsAcross<std::uint8_t> paths_across;
 PathsAcross<std::uint16_t> paths_across;
 PathsAcross<std::uint32_t> paths_across;
@@ -48,6 +60,9 @@ PathsAlong<std::uint32_t> paths_from_left;
 PathsAlong<std::uint8_t> paths_from_right;
 PathsAlong<std::uint16_t> paths_from_right;
 PathsAlong<std::uint32_t> paths_from_right;
+PathsBothWays<std::uint8_t> paths_both_ways;
+PathsBothWays<std::uint16_t> paths_both_ways;
+PathsBothWays<std::uint32_t> paths_both_ways;
 PathsAcross<std::uint8_t> paths_across;
 PathsAcross<std::uint16_t> paths_across;
 PathsAcross<std::uint32_t> paths_across;

@@ -30,14 +30,18 @@ using RightWinners = void(std::span<const Sum> costs, int lanes, std::span<Sum> 
                           std::span<std::int16_t> winners) noexcept;
 
 namespace ref {
+Winners<std::uint8_t> winners;
 Winners<std::uint16_t> winners;
 Winners<std::uint32_t> winners;
+RightWinners<std::uint8_t> right_winners;
 RightWinners<std::uint16_t> right_winners;
 RightWinners<std::uint32_t> right_winners;
 }  // namespace ref
 namespace neon {
+Winners<std::uint8_t> winners;
 Winners<std::uint16_t> winners;
 Winners<std::uint32_t> winners;
+RightWinners<std::uint8_t> right_winners;
 RightWinners<std::uint16_t> right_winners;
 RightWinners<std::uint32_t> right_winners;
 }  // namespace neon

@@ -12,7 +12,10 @@ namespace stof::dsp::neon {
 namespace {
 
 constexpr std::array<std::uint32_t, 8> kCount{0, 1, 2, 3, 4, 5, 6, 7};
+constexpr std::array<std::uint8_t, 16> kSmallCount{0, 1, 2,  3,  4,  5,  6,  7,
+                                                   8, 9, 10, 11, 12, 13, 14, 15};
 
+uint8x16_t first_lanes(uint8x16_t /*kind*/) noexcept { return vld1q_u8(kSmallCount.data()); }
 uint16x8_t first_lanes(uint16x8_t /*kind*/) noexcept {
   return vcombine_u16(vmovn_u32(vld1q_u32(kCount.data())), vmovn_u32(vld1q_u32(kCount.data() + 4)));
 }
@@ -54,14 +57,6 @@ void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t>
 }
 
 // Eight candidates at position j: both the sums and the 16-bit winners.
-void improve(const std::uint16_t* costs, std::uint16_t* lowest, std::int16_t* winners,
-             uint16x8_t candidate) noexcept {
-  const uint16x8_t cost = vld1q_u16(costs);
-  const uint16x8_t old = vld1q_u16(lowest);
-  const uint16x8_t better = vcltq_u16(cost, old);
-  vst1q_u16(lowest, vminq_u16(cost, old));
-  vst1q_s16(winners, vbslq_s16(better, vreinterpretq_s16_u16(candidate), vld1q_s16(winners)));
-}
 void improve(const std::uint32_t* costs, std::uint32_t* lowest, std::int16_t* winners,
              uint16x8_t candidate) noexcept {
   const uint32x4_t low = vld1q_u32(costs);
@@ -75,29 +70,122 @@ void improve(const std::uint32_t* costs, std::uint32_t* lowest, std::int16_t* wi
   vst1q_s16(winners, vbslq_s16(better, vreinterpretq_s16_u16(candidate), vld1q_s16(winners)));
 }
 
-template <typename Sum>
-void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
-                        std::span<std::int16_t> winners) noexcept {
-  const std::size_t count = static_cast<std::size_t>(lanes);
-  const std::size_t n = costs.size() / count;
-  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count);
-  STOF_CHECK(lowest.size() == n + count - 1 && winners.size() == lowest.size());
-  std::ranges::fill(lowest, kNoCost<Sum>);
+void find_right_winners(std::span<const std::uint32_t> costs, std::size_t lanes,
+                        std::span<std::uint32_t> lowest, std::span<std::int16_t> winners) noexcept {
+  const std::size_t n = costs.size() / lanes;
+  std::ranges::fill(lowest, kNoCost<std::uint32_t>);
   std::ranges::fill(winners, kNoWinner);
   const uint16x8_t first = first_lanes(uint16x8_t{});
   for (std::size_t x = 0; x < n; ++x) {
-    const Sum* const pixel = costs.data() + x * count;
+    const std::uint32_t* const pixel = costs.data() + x * lanes;
     const std::size_t j = n - 1 - x;
     uint16x8_t candidate = first;
-    for (std::size_t i = 0; i < count; i += 8) {
+    for (std::size_t i = 0; i < lanes; i += 8) {
       improve(pixel + i, lowest.data() + j + i, winners.data() + j + i, candidate);
       candidate = vaddq_u16(candidate, vdupq_n_u16(8));
     }
   }
 }
 
+uint8x16_t one_up(uint8x16_t before, uint8x16_t v) noexcept { return vextq_u8(before, v, 15); }
+uint16x8_t one_up(uint16x8_t before, uint16x8_t v) noexcept { return vextq_u16(before, v, 7); }
+void store_last(std::uint8_t* to, uint8x16_t v) noexcept { vst1q_lane_u8(to, v, 15); }
+void store_last(std::uint16_t* to, uint16x8_t v) noexcept { vst1q_lane_u16(to, v, 7); }
+
+// The right pixels that one column's candidates meet move by one from column to column. A window of
+// them, kVectors vectors from candidate `first` on, stays in registers: one pixel enters it with
+// what smaller candidates left behind, one leaves it. (In memory each column would wait for the
+// stores of the one before.)
+template <typename Sum, std::size_t kVectors>
+void scan_window(std::span<const Sum> costs, std::size_t lanes, std::size_t first, Sum* lowest,
+                 Sum* best) noexcept {
+  using V = typename Vector<Sum>::type;
+  constexpr std::size_t kStep = Vector<Sum>::kLanes;
+  constexpr std::size_t kLast = kVectors * kStep - 1;
+  const std::size_t n = costs.size() / lanes;
+  V low[kVectors];
+  V win[kVectors];
+  V candidates[kVectors];
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    low[v] = load(lowest + n - 1 + first + v * kStep);
+    win[v] = load(best + n - 1 + first + v * kStep);
+    candidates[v] = add(first_lanes(V{}), all(static_cast<Sum>(first + v * kStep)));
+  }
+  for (std::size_t x = 0; x < n; ++x) {
+    const std::size_t j = n - 1 - x + first;
+    if (x > 0) {
+      for (std::size_t v = kVectors - 1; v > 0; --v) {
+        low[v] = one_up(low[v - 1], low[v]);
+        win[v] = one_up(win[v - 1], win[v]);
+      }
+      low[0] = one_up(all(lowest[j]), low[0]);
+      win[0] = one_up(all(best[j]), win[0]);
+    }
+    for (std::size_t v = 0; v < kVectors; ++v) {
+      const V cost = load(costs.data() + x * lanes + first + v * kStep);
+      win[v] = select(less(cost, low[v]), candidates[v], win[v]);
+      low[v] = smaller(low[v], cost);
+    }
+    store_last(lowest + j + kLast, low[kVectors - 1]);
+    store_last(best + j + kLast, win[kVectors - 1]);
+  }
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    store(lowest + first + v * kStep, low[v]);
+    store(best + first + v * kStep, win[v]);
+  }
+}
+
+// best: candidates, as far as lowest is not kNoCost.
+template <typename Sum>
+void scan_windows(std::span<const Sum> costs, std::size_t lanes, std::span<Sum> lowest,
+                  Sum* best) noexcept {
+  constexpr std::size_t kStep = Vector<Sum>::kLanes;
+  std::ranges::fill(lowest, kNoCost<Sum>);
+  std::size_t first = 0;
+  for (; first + 4 * kStep <= lanes; first += 4 * kStep) {
+    scan_window<Sum, 4>(costs, lanes, first, lowest.data(), best);
+  }
+  for (; first < lanes; first += kStep) {
+    scan_window<Sum, 1>(costs, lanes, first, lowest.data(), best);
+  }
+}
+
+void find_right_winners(std::span<const std::uint16_t> costs, std::size_t lanes,
+                        std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
+  auto* const best = reinterpret_cast<std::uint16_t*>(winners.data());  // NOLINT: the same numbers
+  std::ranges::fill(winners, kNoWinner);
+  scan_windows(costs, lanes, lowest, best);
+}
+
+// Candidates fit bytes too: those are the second half of the winners' own memory until they become
+// winners in place.
+void find_right_winners(std::span<const std::uint8_t> costs, std::size_t lanes,
+                        std::span<std::uint8_t> lowest, std::span<std::int16_t> winners) noexcept {
+  const std::span<std::byte> memory = std::as_writable_bytes(winners).last(winners.size());
+  auto* const best = reinterpret_cast<std::uint8_t*>(memory.data());  // NOLINT: bytes are bytes
+  std::ranges::fill(memory, std::byte{0});
+  scan_windows(costs, lanes, lowest, best);
+  for (std::size_t j = 0; j < winners.size(); ++j) {
+    const std::int16_t candidate = best[j];
+    winners[j] = lowest[j] == kNoCost<std::uint8_t> ? kNoWinner : candidate;
+  }
+}
+
+template <typename Sum>
+void check_and_find(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                    std::span<std::int16_t> winners) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  const std::size_t n = costs.size() / count;
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count);
+  STOF_CHECK(n >= 1 && lowest.size() == n + count - 1 && winners.size() == lowest.size());
+  find_right_winners(costs, count, lowest, winners);
+}
+
 }  // namespace
 
+void winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::int16_t> out) noexcept {
+  find_winners(costs, lanes, out);
+}
 void winners(std::span<const std::uint16_t> costs, int lanes,
              std::span<std::int16_t> out) noexcept {
   find_winners(costs, lanes, out);
@@ -106,13 +194,17 @@ void winners(std::span<const std::uint32_t> costs, int lanes,
              std::span<std::int16_t> out) noexcept {
   find_winners(costs, lanes, out);
 }
+void right_winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::uint8_t> lowest,
+                   std::span<std::int16_t> out) noexcept {
+  check_and_find(costs, lanes, lowest, out);
+}
 void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
                    std::span<std::int16_t> out) noexcept {
-  find_right_winners(costs, lanes, lowest, out);
+  check_and_find(costs, lanes, lowest, out);
 }
 void right_winners(std::span<const std::uint32_t> costs, int lanes, std::span<std::uint32_t> lowest,
                    std::span<std::int16_t> out) noexcept {
-  find_right_winners(costs, lanes, lowest, out);
+  check_and_find(costs, lanes, lowest, out);
 }
 
 }  // namespace stof::dsp::neon

@@ -51,6 +51,9 @@ void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lo
 
 }  // namespace
 
+void winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::int16_t> out) noexcept {
+  find_winners(costs, lanes, out);
+}
 void winners(std::span<const std::uint16_t> costs, int lanes,
              std::span<std::int16_t> out) noexcept {
   find_winners(costs, lanes, out);
@@ -58,6 +61,10 @@ void winners(std::span<const std::uint16_t> costs, int lanes,
 void winners(std::span<const std::uint32_t> costs, int lanes,
              std::span<std::int16_t> out) noexcept {
   find_winners(costs, lanes, out);
+}
+void right_winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::uint8_t> lowest,
+                   std::span<std::int16_t> out) noexcept {
+  find_right_winners(costs, lanes, lowest, out);
 }
 void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
                    std::span<std::int16_t> out) noexcept {

@@ -54,6 +54,32 @@ TEST(Calibration, EveryUnusableNumberIsNamed) {
   EXPECT_NE(problem(c), std::string());
 }
 
+TEST(Calibration, AMirrorIsNotARotation) {
+  Calibration c = usable();
+  c.pmd_to_stereo.rotation = {1, 0, 0, 0, -1, 0, 0, 0, 1};
+  EXPECT_NE(problem(c), std::string());
+}
+
+TEST(Calibration, IncludesTheRawOrConvergingPair) {
+  Calibration c = usable();
+  c.stereo.converging =
+      Converging{.f1_m = 0.004, .f2_m = 0.004, .pixel_m = 8e-6, .cx_left = 319.5, .cx_right = 300};
+  EXPECT_EQ(complete(c.stereo), std::string());
+  EXPECT_EQ(problem(c), std::string());
+  EXPECT_EQ(c.stereo.doff_px, -19.5);
+  c.stereo.converging->pixel_m = 0;
+  EXPECT_NE(problem(c), std::string());
+  c = usable();
+  RawPair& pair = c.stereo.raw.emplace();
+  pair.left = pair.right = c.stereo.left;
+  pair.left_to_right.translation_m = {-0.1, 0, 0};
+  EXPECT_EQ(complete(c.stereo), std::string());
+  EXPECT_EQ(problem(c), std::string());
+  EXPECT_NEAR(c.stereo.baseline_m, 0.1, 1e-12);
+  pair.left_to_right.translation_m = {0, 0, 0};
+  EXPECT_NE(problem(c), std::string());
+}
+
 TEST(WigglingTable, HoldsFourPeriodsOfTheAmplitude) {
   // 0.0386 rad is 403 steps of 1/65536 turn; sin(4 phi) peaks at a sixteenth of a turn.
   const WigglingTable table = fourth_harmonic_table(0.0386);

@@ -119,6 +119,32 @@ TEST(Fuser, GivesStereoAloneItsOwnInterval) {
   EXPECT_EQ(at(rig, 3, 3), (At{0, 0, Source::kNone}));
 }
 
+TEST(Fuser, TakesTheIntervalFromBothColumnsWhereAxesConverge) {
+  // Axes that meet at 2 m, f = 400 px: disparity 0 in the middle is 2 m, other columns are nearer.
+  Calibration rig = simple_rig(81, 3, 0, 0);
+  const double half = std::atan(0.125 / 2);
+  rig.stereo.converging = Converging{.alpha_rad = half,
+                                     .beta_rad = -half,
+                                     .f1_m = 0.004,
+                                     .f2_m = 0.004,
+                                     .pixel_m = 1e-5,
+                                     .cx_left = 40,
+                                     .cx_right = 40};
+  ASSERT_STREQ(complete(rig.stereo), "");
+  Rig fusion(rig, 81, 3);
+  fill(fusion.disparity.view(), Disparity::from_pixels(0));
+  fusion.disparity.view().at(7, 1) = Disparity::none();
+  fusion.fuser.fuse(fusion.disparity.view(), nullptr, fusion.out());
+  const At middle = at(fusion, 40, 1);
+  EXPECT_EQ(middle.source, Source::kStereo);
+  EXPECT_NEAR(middle.depth, 8000, 8);
+  EXPECT_NEAR(middle.width, 320, 4);  // one pixel of 50 either way
+  EXPECT_LT(at(fusion, 0, 1).depth, middle.depth - 20);
+  EXPECT_LT(at(fusion, 80, 1).depth, middle.depth - 20);
+  EXPECT_EQ(at(fusion, 7, 1), (At{0, 0, Source::kNone}));
+  EXPECT_TRUE(fusion.padding_untouched());
+}
+
 TEST(Fuser, GivesThePmdAloneItsOwnIntervalAndForgetsItInTheNextFrame) {
   Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
   Sphere pmd(20, 10, 8200, 200);

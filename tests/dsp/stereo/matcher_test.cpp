@@ -162,27 +162,114 @@ TEST(Matcher, FindsAKnownShiftWithEveryOption) {
   }
 }
 
+// One of each kind: presets, methods, costs, shapes, checks and fits.
+std::vector<MatchParams> every_kind() {
+  const auto with = [](auto change) {
+    MatchParams params{.disparities = 20, .block_width = 5, .block_height = 4};
+    change(params);
+    return params;
+  };
+  std::vector<MatchParams> kinds;
+  for (const char* const name : {"fast", "quality", "chapter"}) {
+    kinds.push_back(find_preset(name)->params);
+    kinds.back().disparities = 20;
+    kinds.back().min_disparity = -3;
+    kinds.push_back(kinds.back());
+    kinds.back().fill = true;
+  }
+  for (const Method method : {Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
+    for (const Cost cost :
+         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+      kinds.push_back(with([&](MatchParams& p) { p.method = method, p.cost = cost; }));
+    }
+  }
+  for (const Subpixel fit : {Subpixel::kParabola, Subpixel::kLeastSquares}) {
+    kinds.push_back(with([&](MatchParams& p) { p.subpixel = fit, p.smooth = true; }));
+  }
+  for (const BlockShape shape : {BlockShape::kCross, BlockShape::kRegion}) {
+    kinds.push_back(with([&](MatchParams& p) { p.block_shape = shape, p.block_width = 20; }));
+  }
+  for (const Interest interest : {Interest::kMaxima, Interest::kTwoThresholds}) {
+    kinds.push_back(with([&](MatchParams& p) { p.interest = interest; }));
+  }
+  for (const int levels : {1, 2}) {
+    kinds.push_back(with([&](MatchParams& p) { p.pyramid_levels = levels, p.median = true; }));
+  }
+  kinds.push_back(with([](MatchParams& p) { p.method = Method::kScanline, p.band = 2; }));
+  kinds.push_back(with([](MatchParams& p) { p.method = Method::kSemiGlobal, p.directions = 8; }));
+  kinds.push_back(with([](MatchParams& p) { p.uniqueness_percent = 5, p.min_texture = 6; }));
+  kinds.push_back(with([](MatchParams& p) { p.prefilter_cap.reset(), p.equalise = true; }));
+  return kinds;
+}
+
 TEST(Matcher, ResultDoesNotDependOnTheSplitOfRows) {
   const int w = 50;
-  const int h = 21;
+  const int h = 41;
   const Pixels left = noise(w, h, 8, 20);
   const Pixels right = noise(w, h, 9, 20);
-  const MatchParams params{.disparities = 20,
-                           .block_width = 7,
-                           .block_height = 12,
-                           .left_right_tolerance = 1,
-                           .subpixel = Subpixel::kEquiangular};
-  const std::vector<Disparity> whole = match(left, right, w, h, params);
-  for (int split = 0; split <= h; ++split) {
-    Bench bench(params, w, h);
-    std::vector<Disparity> out(whole.size());
-    const ImageView<const std::uint8_t> l(left.data(), w, h);
-    const ImageView<const std::uint8_t> r(right.data(), w, h);
-    bench.matcher.prefilter(l, r, {split, h});
-    bench.matcher.prefilter(l, r, {0, split});
-    bench.matcher.match_rows(l, r, {split, h}, {out.data(), w, h});
-    bench.matcher.match_rows(l, r, {0, split}, {out.data(), w, h});
-    ASSERT_EQ(out, whole) << "split at row " << split;
+  const ImageView<const std::uint8_t> l(left.data(), w, h);
+  const ImageView<const std::uint8_t> r(right.data(), w, h);
+  std::size_t kind = 0;
+  for (const MatchParams& params : every_kind()) {
+    const std::vector<Disparity> whole = match(left, right, w, h, params);
+    for (const int split : {0, 1, 17, 33, h}) {
+      Bench bench(params, w, h);
+      std::vector<Disparity> out(whole.size());
+      const ImageView<Disparity> map(out.data(), w, h);
+      Matcher& matcher = bench.matcher;
+      matcher.start(l, r);
+      for (const Rows rows : {Rows{split, h}, Rows{0, split}}) {
+        matcher.filter(rows);
+      }
+      for (const Rows rows : {Rows{split, h}, Rows{0, split}}) {
+        matcher.derive(rows);
+      }
+      for (const Rows rows : {Rows{split, h}, Rows{0, split}}) {
+        matcher.match_rows(rows, map);
+      }
+      matcher.finish(map);
+      ASSERT_EQ(out, whole) << "kind " << kind << " split at row " << split;
+    }
+    ++kind;
+  }
+}
+
+TEST(Matcher, EveryKindTakesEverySize) {
+  const int sizes[][2] = {{1, 1}, {2, 1}, {1, 2}, {3, 2}, {1, 40}, {70, 1}, {19, 35}, {90, 3}};
+  for (const auto& [w, h] : sizes) {
+    std::size_t kind = 0;
+    for (const MatchParams& params : every_kind()) {
+      const std::vector<Disparity> found = match(noise(w, h, 1), noise(w, h, 2), w, h, params);
+      const int last = (params.min_disparity + params.disparities) * Disparity::kOne;
+      for (const Disparity d : found) {
+        ASSERT_TRUE(!d.valid() ||
+                    (d.raw >= (params.min_disparity - 1) * Disparity::kOne && d.raw <= last))
+            << w << "x" << h << ", kind " << kind;
+      }
+      ++kind;
+    }
+  }
+}
+
+TEST(Matcher, MarksWhatItFillsAndNothingElse) {
+  const int w = 60;
+  const int h = 30;
+  const Pixels left = noise(w, h, 1);
+  const Pixels right = noise(w, h, 2);
+  MatchParams params{.disparities = 16, .left_right_tolerance = 0};
+  const std::vector<Disparity> checked = match(left, right, w, h, params);
+  params.fill = true;
+  Bench bench(params, w, h);
+  std::vector<Disparity> out(left.size());
+  bench.matcher.match({left.data(), w, h}, {right.data(), w, h}, {out.data(), w, h});
+  const ImageView<const std::uint8_t> filled = bench.matcher.filled();
+  ASSERT_TRUE(std::ranges::any_of(checked, [](Disparity d) { return !d.valid(); }));
+  for (int y = 0; y < h; ++y) {
+    for (int x = 0; x < w; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y * w + x);
+      ASSERT_EQ(filled.at(x, y), out[i].valid() && !checked[i].valid() ? 1 : 0);
+      ASSERT_TRUE(!checked[i].valid() || out[i] == checked[i]);
+    }
   }
 }
 
@@ -200,9 +287,10 @@ TEST(Matcher, FlatBlackAndSaturatedImagesGiveNoDisparity) {
   for (const int value : {0, 128, 255}) {
     const Pixels flat(60 * 20, static_cast<std::uint8_t>(value));
     for (const std::optional<int> tolerance : {std::optional<int>(), std::optional<int>(1)}) {
-      const std::vector<Disparity> found =
-          match(flat, flat, 60, 20,
-                {.disparities = 64, .left_right_tolerance = tolerance, .subpixel = Subpixel::kEquiangular});
+      const std::vector<Disparity> found = match(flat, flat, 60, 20,
+                                                 {.disparities = 64,
+                                                  .left_right_tolerance = tolerance,
+                                                  .subpixel = Subpixel::kEquiangular});
       EXPECT_TRUE(std::ranges::none_of(found, &Disparity::valid)) << "grey " << value;
     }
   }

@@ -1,0 +1,43 @@
+#include "dsp/stereo/check/window_sums.h"
+
+#include "dsp/base/check.h"
+
+namespace stof::dsp {
+
+void WindowSums::enter(std::span<const std::int16_t> row) noexcept {
+  STOF_CHECK(row.size() == columns_.size());
+  for (std::size_t x = 0; x < row.size(); ++x) {
+    columns_[x] += row[x];
+  }
+}
+
+void WindowSums::leave(std::span<const std::int16_t> row) noexcept {
+  STOF_CHECK(row.size() == columns_.size());
+  for (std::size_t x = 0; x < row.size(); ++x) {
+    columns_[x] -= row[x];
+  }
+}
+
+std::span<const std::int32_t> WindowSums::sums() noexcept {
+  const std::size_t n = columns_.size();
+  if (n == 0) {
+    return {};
+  }
+  std::ranges::fill(padded_.first(kBefore), columns_.front());
+  std::ranges::copy(columns_, padded_.subspan(kBefore).begin());
+  std::ranges::fill(padded_.subspan(kBefore + n), columns_.back());
+  // Sums of 2, 4, 8 in place, then 24 = 8 + 8 + 8: no running sum along the row, so that the
+  // compiler may use vectors.
+  for (const std::size_t step : {std::size_t{1}, std::size_t{2}, std::size_t{4}}) {
+    for (std::size_t k = 0; k + step < padded_.size(); ++k) {
+      padded_[k] += padded_[k + step];
+    }
+  }
+  static_assert(kWindow == 24);
+  for (std::size_t x = 0; x < n; ++x) {
+    padded_[x] += padded_[x + 8] + padded_[x + 16];
+  }
+  return padded_.first(n);
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,89 @@
+#include "dsp/stereo/cost/cost_layout.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/cost/mixed.h"
+#include "dsp/stereo/cost/sad.h"
+
+namespace stof::dsp {
+namespace {
+
+std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
+
+}  // namespace
+
+int lanes_of(const MatchParams& params) noexcept {
+  return (params.disparities + kCostLanes - 1) / kCostLanes * kCostLanes;
+}
+
+CostColumns block_columns(const MatchParams& params) noexcept {
+  const int before = params.block_width / 2;
+  return {before, params.block_width - 1 - before};
+}
+
+void extend_row(std::span<const std::uint8_t> row, CostColumns columns,
+                std::span<std::uint8_t> out) noexcept {
+  STOF_CHECK(!row.empty() && out.size() == row.size() + size(columns.before + columns.after));
+  std::ranges::fill(out.first(size(columns.before)), row.front());
+  std::ranges::copy(row, out.subspan(size(columns.before)).begin());
+  std::ranges::fill(out.last(size(columns.after)), row.back());
+}
+
+void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min_disparity,
+                 std::span<std::uint8_t> out) noexcept {
+  const int width = static_cast<int>(row.size());
+  const int count = static_cast<int>(out.size());
+  STOF_CHECK(width > 0 && count >= width + columns.before + columns.after);
+  // Element m stands for x = first - m: the border, the row from right to left, the other border.
+  const int first = width + columns.after - 1 - min_disparity;
+  const int begin = std::clamp(first - (width - 1), 0, count);
+  const int end = std::clamp(first + 1, begin, count);
+  std::ranges::fill(out.first(size(begin)), row.back());
+  if (begin < end) {
+    std::reverse_copy(row.begin() + (first - (end - 1)), row.begin() + (first - begin + 1),
+                      out.begin() + begin);
+  }
+  std::ranges::fill(out.subspan(size(end)), row.front());
+}
+
+template <typename Sum>
+void mark_outside(const MatchParams& params, int width, std::span<Sum> costs) noexcept {
+  const int lanes = lanes_of(params);
+  STOF_CHECK(costs.size() == size(width) * size(lanes));
+  for (int x = 0; x < width; ++x) {
+    const int farthest = x - params.min_disparity;  // the candidate that meets right column 0
+    const int begin = std::clamp(farthest - width + 1, 0, lanes);
+    const int end = std::clamp(std::min(params.disparities, farthest + 1), begin, lanes);
+    if (begin == 0 && end == lanes) {
+      continue;  // nearly every pixel
+    }
+    const std::span<Sum> pixel = costs.subspan(size(x) * size(lanes), size(lanes));
+    std::ranges::fill(pixel.first(size(begin)), kNoCost<Sum>);
+    std::ranges::fill(pixel.subspan(size(end)), kNoCost<Sum>);
+  }
+}
+
+template void mark_outside(const MatchParams&, int, std::span<std::uint8_t>) noexcept;
+template void mark_outside(const MatchParams&, int, std::span<std::uint16_t>) noexcept;
+template void mark_outside(const MatchParams&, int, std::span<std::uint32_t>) noexcept;
+
+int largest_difference(const MatchParams& params) noexcept {
+  const int values = params.prefilter_cap ? 2 * *params.prefilter_cap : 255;
+  switch (params.cost) {
+    case Cost::kSad:
+      return values;
+    case Cost::kSsd:
+      return values * values;
+    case Cost::kCensus5x5:
+      return kCensus5x5Bits;
+    case Cost::kCensus9x7:
+      return kCensus9x7Bits;
+    case Cost::kMixed:
+      break;
+  }
+  return kLargestMixedCost;
+}
+
+}  // namespace stof::dsp

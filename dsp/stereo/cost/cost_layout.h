@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/stereo/match_params.h"
+
+// How rows of pixels become the left and right rows of sad.h, and which candidates exist.
+namespace stof::dsp {
+
+// Candidates of a column with the unused ones that round them up to whole vectors.
+int lanes_of(const MatchParams& params) noexcept;
+
+// The most that two pixels can differ by.
+int largest_difference(const MatchParams& params) noexcept;
+
+// The columns of a cost row: those of the picture and, for blocks, some beyond either side, where
+// the border replicates. Column k stands for x = k - before.
+struct CostColumns {
+  int before = 0;
+  int after = 0;
+};
+
+// The columns that a block as wide as the params' needs.
+CostColumns block_columns(const MatchParams& params) noexcept;
+
+// The left row: row.size() + before + after elements. Row not empty.
+void extend_row(std::span<const std::uint8_t> row, CostColumns columns,
+                std::span<std::uint8_t> out) noexcept;
+
+// The right row, reversed: row.size() + before + after + lanes - 1 elements; candidate i of column
+// k, which is right x = k - before - min_disparity - i, is element n - 1 - k + i.
+void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min_disparity,
+                 std::span<std::uint8_t> out) noexcept;
+
+// kNoCost for candidates whose right column lies outside the picture, and for unused lanes.
+// costs: width * lanes, of the picture's own columns; Sum is u8, u16 or u32.
+template <typename Sum>
+void mark_outside(const MatchParams& params, int width, std::span<Sum> costs) noexcept;
+
+}  // namespace stof::dsp

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/target.h"
+#include "dsp/stereo/cost/census.h"
+#include "dsp/stereo/cost/sad.h"
+
+namespace stof::dsp {
+
+// Larger grey differences count as this one, and two grey levels as much as one bit of the census:
+// the structure of the surroundings decides, the grey value only between equals. The same for every
+// scene; in the spirit of AD-Census (Mei et al. 2011).
+inline constexpr int kMixedGreyCap = 10;
+inline constexpr int kMixedGreyShift = 1;
+inline constexpr int kLargestMixedCost = kCensus5x5Bits + (kMixedGreyCap >> kMixedGreyShift);
+
+// One row of one picture. The left one has n columns, the right one n + lanes - 1, reversed.
+struct MixedRow {
+  std::span<const std::uint8_t> planes;  // census 5x5 (census.h)
+  std::span<const std::uint8_t> grey;
+};
+
+// costs[k][i] = hamming(left, right) + (min(|grey difference|, kMixedGreyCap) >> kMixedGreyShift)
+// of left column k and its candidate i, element n - 1 - k + i of the right row: the layout of
+// sad.h. n at least 1, lanes a multiple of 16, any alignment, costs overlap nothing.
+using MixedCosts = void(const MixedRow& left, const MixedRow& right, int lanes,
+                        std::span<std::uint8_t> costs) noexcept;
+namespace ref {
+MixedCosts mixed_costs;
+}
+namespace neon {
+MixedCosts mixed_costs;
+}
+
+}  // namespace stof::dsp

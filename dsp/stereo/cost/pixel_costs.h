@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/image.h"
+#include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/match_params.h"
+
+namespace stof::dsp {
+
+// What is compared: grey values, smoothed or not, or their derivatives. Of one size.
+struct CostPictures {
+  ImageView<const std::uint8_t> left;
+  ImageView<const std::uint8_t> right;
+};
+
+// The costs of single pixels, one row at a time, for costs that fit u8 and are dear to compute:
+// kCensus5x5, kCensus9x7 and kMixed. Holds its buffers, allocates nothing; a row depends on the
+// pictures alone.
+class PixelCosts {
+ public:
+  static constexpr bool serves(Cost cost) noexcept {
+    return cost != Cost::kSad && cost != Cost::kSsd;
+  }
+
+  // For pictures up to `width`, with these columns beyond either side.
+  static std::size_t bytes_needed(const MatchParams& params, int width,
+                                  CostColumns columns) noexcept;
+  // params pass check() and serves(params.cost).
+  PixelCosts(const MatchParams& params, int width, CostColumns columns, Arena& arena) noexcept;
+
+  // Another pair of pictures, at most the constructor's width.
+  void start(const CostPictures& pictures) noexcept;
+
+  // Row y, inside the picture, laid out [column][candidate] as in sad.h: width + before + after
+  // columns of lanes_of(params) costs. Candidates outside the right picture compare with its
+  // border; mark_outside() tells them.
+  void row(int y, std::span<std::uint8_t> costs) noexcept;
+
+ private:
+  // The rows of one picture in the layout of the kernels.
+  struct Side {
+    std::span<std::uint8_t> planes;
+    std::span<std::uint8_t> grey;
+  };
+
+  void describe(ImageView<const std::uint8_t> picture, int y) noexcept;
+
+  MatchParams params_;
+  CostColumns columns_;
+  int width_;
+  int lanes_;
+  std::span<std::uint8_t> described_;  // census planes of a picture's own columns
+  Side left_;
+  Side right_;
+  CostPictures pictures_;
+};
+
+}  // namespace stof::dsp

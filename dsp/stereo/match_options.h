@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <string_view>
+
+#include "dsp/stereo/match_params.h"
+
+// MatchParams by name, as command lines and settings files give them.
+namespace stof::dsp {
+
+struct MatchOption {
+  std::string_view name;     // "left-right"
+  std::string_view values;   // "0..256 or off", for a message
+  std::string_view meaning;  // one line with the unit
+  // What the name alone, without a value, means; empty where a value must follow.
+  std::string_view alone;
+  // false: not one of its values, nothing changed.
+  bool (*set)(std::string_view value, MatchParams& params);
+};
+
+// In the order of a help text.
+std::span<const MatchOption> match_options() noexcept;
+
+// nullptr: no option of that name.
+const MatchOption* find_match_option(std::string_view name) noexcept;
+
+}  // namespace stof::dsp

@@ -1,0 +1,98 @@
+#include "dsp/stereo/prepared_pair.h"
+
+#include <span>
+
+#include "dsp/base/check.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/cost/prefilter.h"
+#include "dsp/stereo/cost/smooth.h"
+
+namespace stof::dsp {
+namespace {
+
+std::size_t image_bytes(int width, int height) noexcept {
+  return Arena::bytes_for<std::uint8_t>(static_cast<std::size_t>(width) *
+                                        static_cast<std::size_t>(height));
+}
+
+// The part of `buffer` that has the size of `picture`.
+ImageView<std::uint8_t> cut(ImageView<std::uint8_t> buffer,
+                            ImageView<const std::uint8_t> picture) noexcept {
+  return {buffer.data(), picture.width(), picture.height(), buffer.stride()};
+}
+
+void smooth_rows(ImageView<const std::uint8_t> in, Rows rows,
+                 ImageView<std::uint8_t> out) noexcept {
+  for (int y = rows.begin; y < rows.end; ++y) {
+    best::binomial(in.row_clamped(y - 1), in.row(y), in.row_clamped(y + 1), out.row(y));
+  }
+}
+
+void derive_rows(ImageView<const std::uint8_t> in, Rows rows, int cap,
+                 ImageView<std::uint8_t> out) noexcept {
+  for (int y = rows.begin; y < rows.end; ++y) {
+    best::clipped_sobel(in.row_clamped(y - 1), in.row(y), in.row_clamped(y + 1), cap, out.row(y));
+  }
+}
+
+}  // namespace
+
+std::size_t PreparedPair::bytes_needed(const MatchParams& params, int width, int height) noexcept {
+  const int images = (changes_left(params) ? 1 : 0) + (changes_right(params) ? 1 : 0) +
+                     (params.prefilter_cap ? 2 : 0);
+  return static_cast<std::size_t>(images) * image_bytes(width, height);
+}
+
+PreparedPair::PreparedPair(const MatchParams& params, int width, int height, Arena& arena) noexcept
+    : params_(params) {
+  if (changes_left(params)) {
+    left_buffer_ = arena.take_image<std::uint8_t>(width, height);
+  }
+  if (changes_right(params)) {
+    right_buffer_ = arena.take_image<std::uint8_t>(width, height);
+  }
+  if (params.prefilter_cap) {
+    left_derivative_ = arena.take_image<std::uint8_t>(width, height);
+    right_derivative_ = arena.take_image<std::uint8_t>(width, height);
+  }
+}
+
+void PreparedPair::start(ImageView<const std::uint8_t> left,
+                         ImageView<const std::uint8_t> right) noexcept {
+  STOF_CHECK(same_size(left, right));
+  left_input_ = left;
+  right_input_ = right;
+  left_grey_ = changes_left(params_) ? cut(left_buffer_, left) : left;
+  right_grey_ = changes_right(params_) ? cut(right_buffer_, right) : right;
+  if (params_.equalise) {
+    table_ = equalising_table(right, left);
+  }
+}
+
+void PreparedPair::filter(Rows rows) noexcept {
+  if (params_.smooth) {
+    smooth_rows(left_input_, rows, cut(left_buffer_, left_input_));
+    smooth_rows(right_input_, rows, cut(right_buffer_, right_input_));
+  }
+  if (params_.equalise) {
+    apply_table(table_, params_.smooth ? right_grey_ : right_input_, rows,
+                cut(right_buffer_, right_input_));
+  }
+}
+
+void PreparedPair::derive(Rows rows) noexcept {
+  if (params_.prefilter_cap) {
+    derive_rows(left_grey_, rows, *params_.prefilter_cap, cut(left_derivative_, left_input_));
+    derive_rows(right_grey_, rows, *params_.prefilter_cap, cut(right_derivative_, right_input_));
+  }
+}
+
+ImageView<const std::uint8_t> PreparedPair::left() const noexcept {
+  return params_.prefilter_cap ? cut(left_derivative_, left_input_) : left_grey_;
+}
+
+ImageView<const std::uint8_t> PreparedPair::right() const noexcept {
+  return params_.prefilter_cap ? cut(right_derivative_, right_input_) : right_grey_;
+}
+
+}  // namespace stof::dsp

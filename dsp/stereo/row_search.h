@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/stereo/cost/cost_rows.h"
+#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/match_params.h"
+#include "dsp/stereo/prepared_pair.h"
+#include "dsp/stereo/search/semi_global.h"
+
+namespace stof::dsp {
+
+// What was found in one row; layouts of cost/sad.h and search/winner.h.
+template <typename Sum>
+struct FoundRow {
+  std::span<const Sum> costs{};  // of blocks; empty where mixed_costs has them
+  std::span<const std::uint8_t> mixed_costs{};
+  // What the winners are the lowest of: block costs, or sums over paths. Checks and fits look here,
+  // or in narrow_judged, which holds the same numbers where they fit. judged is empty then, unless
+  // a fit of costs or the uniqueness needs it.
+  std::span<const Sum> judged{};
+  std::span<const std::uint8_t> narrow_judged{};
+  std::span<std::int16_t> winners;
+  // 1 where a winner is none of the search's own but was continued from the background.
+  std::span<const std::uint8_t> continued;
+};
+
+// Cost and method of a MatchParams, row by row. Sums are u16 or u32: needs_wide_sums()
+// (search/energy.h).
+template <typename Sum>
+class RowSearch {
+ public:
+  static std::size_t bytes_needed(const MatchParams& params, int width) noexcept;
+  RowSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+
+  // New pictures, which must stay as they are until the last row.
+  void start(const PreparedPair& pair) noexcept;
+  // Valid until the next call. In order rows are cheapest; any order gives the same.
+  FoundRow<Sum> row(int y) noexcept;
+
+ private:
+  // Block sums on a scale that semi-global matching can add up.
+  class ScaledCosts final : public CostSource<std::uint16_t> {
+   public:
+    void start(CostRows& rows, bool wide, std::uint32_t factor) noexcept;
+    void row(int y, std::span<std::uint16_t> costs) noexcept override;
+
+   private:
+    CostRows* rows_ = nullptr;
+    bool wide_ = false;
+    std::uint32_t factor_ = 0;
+  };
+
+  std::span<const Sum> block_costs(int y) noexcept;
+  void semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;
+  void narrow_semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;
+  void scanline(int y, FoundRow<Sum>& found) noexcept;
+  void ordered(int y, FoundRow<Sum>& found) noexcept;
+  void keep_interesting_pairs(int y, std::span<Sum> costs) noexcept;
+
+  MatchParams params_;
+  int lanes_;
+  EdgePenalties<Sum> penalties_;  // scanline and ordered
+  Sum occlusion_ = 0;
+  const PreparedPair* pair_ = nullptr;
+
+  std::optional<CostRows> block_rows_;
+  std::optional<CrossCosts> cross_rows_;
+  std::optional<SemiGlobal<std::uint8_t, std::uint8_t>> narrow_paths_;
+  std::optional<SemiGlobal<std::uint8_t, std::uint16_t>> mixed_paths_;
+  std::optional<SemiGlobal<std::uint16_t, std::uint16_t>> block_paths_;
+  ScaledCosts scaled_;
+
+  std::span<Sum> costs_;
+  std::span<Sum> paths_;      // scanline
+  std::span<Sum> marginals_;  // scanline
+  std::span<Sum> large_;      // width + 1
+  std::span<std::byte> ordered_scratch_;
+  std::span<std::uint8_t> narrow_;  // one row of cross_rows_
+  std::span<std::uint8_t> continued_;
+  std::span<std::uint8_t> interesting_left_;
+  std::span<std::uint8_t> interesting_right_;
+  std::span<std::int16_t> winners_;
+};
+
+extern template class RowSearch<std::uint16_t>;
+extern template class RowSearch<std::uint32_t>;
+
+}  // namespace stof::dsp

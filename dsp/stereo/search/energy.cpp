@@ -1,0 +1,105 @@
+#include "dsp/stereo/search/energy.h"
+
+#include <algorithm>
+
+#include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/cost/mixed.h"
+
+namespace stof::dsp {
+namespace {
+
+bool is(const MatchParams& params, Method method) noexcept { return params.method == method; }
+
+// The mixed cost is a mean, the others are sums over a block.
+std::int64_t area_of(const MatchParams& params) noexcept {
+  return params.cost == Cost::kMixed ? 1 : std::int64_t{params.block_width} * params.block_height;
+}
+
+Smoothness smoothness_of(const MatchParams& params) noexcept {
+  return params.smoothness.value_or(default_smoothness(params.cost));
+}
+
+// A change of grey values by so many levels may be an edge of surfaces. Where costs are averaged
+// over pixels that look alike anyway, smaller ones are as well.
+constexpr int kEdge = 16;
+constexpr int kMixedEdge = 6;
+
+template <typename Sum>
+EdgePenalties<Sum> penalties_of(std::int64_t small, std::int64_t large, int edge = kEdge) noexcept {
+  return {.small = static_cast<Sum>(small),
+          .large = static_cast<Sum>(large),
+          .edge = edge,
+          .strong_edge = 2 * edge};
+}
+
+// The highest energy, of one step of a search in block sums, that is not rounded down.
+std::int64_t largest_energy(const MatchParams& params) noexcept {
+  const Smoothness smoothness = smoothness_of(params);
+  std::int64_t pixel = largest_difference(params);
+  if (is(params, Method::kScanline) || is(params, Method::kOrdered)) {
+    pixel += 2 * std::int64_t{smoothness.large_step};
+  }
+  if (is(params, Method::kOrdered)) {
+    pixel += std::int64_t{lanes_of(params)} * smoothness.occlusion;
+  }
+  return area_of(params) * pixel;
+}
+
+}  // namespace
+
+std::int64_t largest_cost(const MatchParams& params) noexcept {
+  return area_of(params) * largest_difference(params);
+}
+
+bool needs_wide_sums(const MatchParams& params) noexcept {
+  return !is(params, Method::kSemiGlobal) && largest_energy(params) >= kNoCost<std::uint16_t>;
+}
+
+template <typename Sum>
+EdgePenalties<Sum> block_penalties(const MatchParams& params) noexcept {
+  const Smoothness smoothness = smoothness_of(params);
+  return penalties_of<Sum>(area_of(params) * smoothness.small_step,
+                           area_of(params) * smoothness.large_step);
+}
+template EdgePenalties<std::uint16_t> block_penalties(const MatchParams&) noexcept;
+template EdgePenalties<std::uint32_t> block_penalties(const MatchParams&) noexcept;
+
+template <typename Sum>
+Sum block_occlusion(const MatchParams& params) noexcept {
+  return static_cast<Sum>(area_of(params) * smoothness_of(params).occlusion);
+}
+template std::uint16_t block_occlusion(const MatchParams&) noexcept;
+template std::uint32_t block_occlusion(const MatchParams&) noexcept;
+
+// Block sums times this, over 65536, plus a large step, stay below 8192.
+std::uint32_t path_factor(const MatchParams& params) noexcept {
+  const std::int64_t most =
+      area_of(params) * (largest_difference(params) + smoothness_of(params).large_step);
+  return static_cast<std::uint32_t>(std::min<std::int64_t>((8191LL << 16) / most, 1 << 16));
+}
+
+PathParams<std::uint8_t> mixed_path_params(const MatchParams& params) noexcept {
+  constexpr int kMost = (255 - 1 - kLargestMixedCost) / 2;
+  const Smoothness smoothness = smoothness_of(params);
+  return {
+      .directions = params.directions,
+      .lanes = lanes_of(params),
+      .penalties = penalties_of<std::uint8_t>(std::min(smoothness.small_step, kMost),
+                                              std::min(smoothness.large_step, kMost), kMixedEdge)};
+}
+
+PathParams<std::uint16_t> block_path_params(const MatchParams& params) noexcept {
+  const std::int64_t factor = path_factor(params);
+  const Smoothness smoothness = smoothness_of(params);
+  const auto scaled = [&](int step) noexcept { return (area_of(params) * step * factor) >> 16; };
+  return {.directions = params.directions,
+          .lanes = lanes_of(params),
+          .penalties = penalties_of<std::uint16_t>(scaled(smoothness.small_step),
+                                                   scaled(smoothness.large_step))};
+}
+
+bool fit_narrow_sums(const PathParams<std::uint8_t>& params) noexcept {
+  return params.directions * (kLargestMixedCost + params.penalties.large) < kNoCost<std::uint8_t>;
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,143 @@
+#include "dsp/stereo/search/path.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+#include "dsp/base/check.h"
+
+namespace stof::dsp::ref {
+namespace {
+
+template <typename Cost>
+Cost saturated_sum(Cost a, Cost b) noexcept {
+  const Cost sum = static_cast<Cost>(a + b);
+  return sum < a ? kNoCost<Cost> : sum;
+}
+
+// One pixel. costs and paths may be the same memory; before is empty where there is no pixel.
+template <typename Cost>
+void step(std::span<const Cost> costs, std::span<const Cost> before, Cost small, Cost large,
+          std::span<Cost> paths) noexcept {
+  if (before.empty()) {
+    std::ranges::copy(costs, paths.begin());
+    return;
+  }
+  const Cost lowest = *std::ranges::min_element(before);
+  for (std::size_t i = 0; i < costs.size(); ++i) {
+    Cost best = std::min(before[i], saturated_sum(lowest, large));
+    if (i > 0) {
+      best = std::min(best, saturated_sum(before[i - 1], small));
+    }
+    if (i + 1 < costs.size()) {
+      best = std::min(best, saturated_sum(before[i + 1], small));
+    }
+    paths[i] = saturated_sum(costs[i], static_cast<Cost>(best - lowest));
+  }
+}
+
+// direction 1 starts at the left end, -1 at the right one.
+template <typename Cost>
+void walk(std::span<const Cost> costs, int lanes, Cost small, std::span<const Cost> large,
+          std::span<Cost> paths, int direction) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  const std::size_t n = large.size();
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count &&
+             paths.size() == costs.size());
+  std::span<const Cost> before;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t x = direction > 0 ? k : n - 1 - k;
+    const std::span<Cost> pixel = paths.subspan(x * count, count);
+    step(costs.subspan(x * count, count), before, small, large[x], pixel);
+    before = pixel;
+  }
+}
+
+template <typename Cost>
+void cross(std::span<const Cost> costs, std::span<const Cost> before, int shift, int lanes,
+           Cost small, std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  const int n = static_cast<int>(large.size());
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && shift >= -1 && shift <= 1);
+  STOF_CHECK(costs.size() == large.size() * count && before.size() == costs.size() &&
+             paths.size() == costs.size());
+  for (int x = 0; x < n; ++x) {
+    const bool inside = x - shift >= 0 && x - shift < n;
+    const std::size_t from = inside ? static_cast<std::size_t>(x - shift) * count : 0;
+    const std::size_t at = static_cast<std::size_t>(x) * count;
+    step(costs.subspan(at, count), before.subspan(from, inside ? count : 0), small,
+         large[static_cast<std::size_t>(x)], paths.subspan(at, count));
+  }
+}
+
+}  // namespace
+
+void paths_from_left(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
+                     std::span<const std::uint8_t> large, std::span<std::uint8_t> paths) noexcept {
+  walk(costs, lanes, small, large, paths, 1);
+}
+void paths_from_left(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
+                     std::span<const std::uint16_t> large,
+                     std::span<std::uint16_t> paths) noexcept {
+  walk(costs, lanes, small, large, paths, 1);
+}
+void paths_from_left(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
+                     std::span<const std::uint32_t> large,
+                     std::span<std::uint32_t> paths) noexcept {
+  walk(costs, lanes, small, large, paths, 1);
+}
+void paths_from_right(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
+                      std::span<const std::uint8_t> large, std::span<std::uint8_t> paths) noexcept {
+  walk(costs, lanes, small, large, paths, -1);
+}
+void paths_from_right(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
+                      std::span<const std::uint16_t> large,
+                      std::span<std::uint16_t> paths) noexcept {
+  walk(costs, lanes, small, large, paths, -1);
+}
+void paths_from_right(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
+                      std::span<const std::uint32_t> large,
+                      std::span<std::uint32_t> paths) noexcept {
+  walk(costs, lanes, small, large, paths, -1);
+}
+void paths_both_ways(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
+                     std::span<const std::uint8_t> large_from_left,
+                     std::span<const std::uint8_t> large_from_right,
+                     std::span<std::uint8_t> from_left,
+                     std::span<std::uint8_t> from_right) noexcept {
+  walk(costs, lanes, small, large_from_left, from_left, 1);
+  walk(costs, lanes, small, large_from_right, from_right, -1);
+}
+void paths_both_ways(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
+                     std::span<const std::uint16_t> large_from_left,
+                     std::span<const std::uint16_t> large_from_right,
+                     std::span<std::uint16_t> from_left,
+                     std::span<std::uint16_t> from_right) noexcept {
+  walk(costs, lanes, small, large_from_left, from_left, 1);
+  walk(costs, lanes, small, large_from_right, from_right, -1);
+}
+void paths_both_ways(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
+                     std::span<const std::uint32_t> large_from_left,
+                     std::span<const std::uint32_t> large_from_right,
+                     std::span<std::uint32_t> from_left,
+                     std::span<std::uint32_t> from_right) noexcept {
+  walk(costs, lanes, small, large_from_left, from_left, 1);
+  walk(costs, lanes, small, large_from_right, from_right, -1);
+}
+void paths_across(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> before,
+                  int shift, int lanes, std::uint8_t small, std::span<const std::uint8_t> large,
+                  std::span<std::uint8_t> paths) noexcept {
+  cross(costs, before, shift, lanes, small, large, paths);
+}
+void paths_across(std::span<const std::uint16_t> costs, std::span<const std::uint16_t> before,
+                  int shift, int lanes, std::uint16_t small, std::span<const std::uint16_t> large,
+                  std::span<std::uint16_t> paths) noexcept {
+  cross(costs, before, shift, lanes, small, large, paths);
+}
+void paths_across(std::span<const std::uint32_t> costs, std::span<const std::uint32_t> before,
+                  int shift, int lanes, std::uint32_t small, std::span<const std::uint32_t> large,
+                  std::span<std::uint32_t> paths) noexcept {
+  cross(costs, before, shift, lanes, small, large, paths);
+}
+
+}  // namespace stof::dsp::ref

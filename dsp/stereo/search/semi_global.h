@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/image.h"
+#include "dsp/stereo/cost/cost_source.h"
+#include "dsp/stereo/search/scanline.h"
+
+namespace stof::dsp {
+
+template <typename Cost>
+struct PathParams {
+  int directions = 4;  // 2: along the row; 4: and columns; 5: and downwards diagonals, not upwards;
+                       // 8: all
+  int lanes = 64;      // a multiple of 16, at most 256
+  EdgePenalties<Cost> penalties;
+};
+
+// Semi-global optimisation: for each pixel and candidate the sum, over several directions, of the
+// lowest cost of a path that ends there. Source: Hirschmueller 2008, section 2.3.
+//
+// No volume of costs is kept. The picture is worked on in stripes of kStripe rows; paths that cross
+// rows begin kApproach rows outside of a stripe, which is further than a path remembers (measured:
+// no pixel in a thousand changes against whole columns). A stripe depends on nothing but the
+// picture, so that rows may be asked for in any order, and by several threads, one object each.
+template <typename Cost, typename Sum>
+class SemiGlobal {
+ public:
+  static constexpr int kStripe = 64;
+  static constexpr int kApproach = 16;
+
+  static constexpr bool valid(int directions) noexcept {
+    return directions == 2 || directions == 4 || directions == 5 || directions == 8;
+  }
+  static std::size_t bytes_needed(const PathParams<Cost>& params, int width) noexcept;
+  // Costs plus penalties.large stay below 8192 (u16); costs plus twice that below 255 (u8 costs),
+  // and all paths together below 255 (u8 sums).
+  SemiGlobal(const PathParams<Cost>& params, int width, Arena& arena) noexcept;
+
+  // A new picture: grey gives edges, size at most the constructor's width.
+  void start(ImageView<const std::uint8_t> grey, CostSource<Cost>& costs) noexcept;
+  // Row y of sums, width * lanes; valid, and the caller's, until the next call. Consecutive rows
+  // are cheapest. Candidates that the costs mark as outside are kNoCost in u8 sums and mean nothing
+  // in others.
+  std::span<Sum> sums(int y) noexcept;
+  // The costs of the row that was asked for last.
+  std::span<const Cost> costs(int y) const noexcept { return kept(y); }
+
+ private:
+  static constexpr int kKept = kStripe + 2 * kApproach;
+  static constexpr int kMostShifts = 3;
+
+  // Paths that come from the row before, for each of the shifts -1, 0, 1 in use.
+  struct Front {
+    std::array<std::span<Cost>, kMostShifts> paths;
+  };
+
+  int row_size() const noexcept { return grey_.width() * params_.lanes; }
+  std::span<Cost> kept(int y) const noexcept;
+  void keep_costs(Rows rows) noexcept;
+  void open_stripe(int stripe) noexcept;
+  void approach() noexcept;
+  void advance(int y, int from, Front before, const Front& here) noexcept;
+  void sum_row(int y) noexcept;
+
+  PathParams<Cost> params_;
+  int down_;  // how many shifts downwards, and upwards
+  int up_;
+  std::span<Cost> costs_;    // kKept rows
+  std::span<Cost> upwards_;  // up_ x kStripe rows
+  std::array<Front, 2> fronts_;
+  std::span<Cost> from_left_;
+  std::span<Cost> from_right_;
+  std::span<Cost> large_;  // of the row, width + 1
+  std::span<Sum> sums_;
+
+  ImageView<const std::uint8_t> grey_;
+  CostSource<Cost>* source_ = nullptr;
+  Rows kept_;  // rows whose costs are in costs_
+  int stripe_ = -1;
+  int done_ = 0;  // the row whose downward paths are in fronts_[done_ % 2], and whose sums stand
+};
+
+extern template class SemiGlobal<std::uint8_t, std::uint8_t>;
+extern template class SemiGlobal<std::uint8_t, std::uint16_t>;
+extern template class SemiGlobal<std::uint16_t, std::uint16_t>;
+
+}  // namespace stof::dsp

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "dataset/dataset.h"
+#include "dsp/stereo/match_params.h"
+
+// Parts of matching alone, once with the reference kernels ("plain": loops as the formulas are
+// printed) and once as the appliance does it ("optimised").
+namespace stof::host {
+
+enum class Variant : std::uint8_t { kPlain, kOptimised };
+
+// Median time in ms of all block costs of a pair: every pixel, every candidate, prefilter included.
+// A row of costs is overwritten by the next one, as in the appliance. None for Cost::kMixed, which
+// has no blocks.
+std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
+                                     const dsp::MatchParams& params, Variant variant, int runs);
+
+// Median time in ms of plain winner takes all on plain block costs. None for Cost::kMixed.
+std::optional<double> plain_winner_ms(const dataset::StereoScene& scene,
+                                      const dsp::MatchParams& params, int runs);
+
+}  // namespace stof::host

@@ -1,0 +1,110 @@
+#include "host/report/report.h"
+
+#include <fstream>
+
+#include "host/report/sections.h"
+
+namespace stof::host {
+namespace {
+
+// The processor's name as this machine tells it.
+std::string processor() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) {
+      return line.substr(colon + 2);
+    }
+  }
+#if defined(__aarch64__)
+  return "a 64-bit ARM processor";
+#else
+  return "an unnamed processor";
+#endif
+}
+
+std::vector<std::string> lead(const Study& study) {
+  std::string names;
+  for (const Subject& subject : study.subjects()) {
+    names += (names.empty() ? "" : ", ") + subject.name();
+  }
+  return {
+      "The stereo methods of the 2007 book chapter on fusing stereo and PMD depth for mobile "
+      "robots (Kuhnert & Stommel), repeated with the matcher of the stof appliance, which "
+      "computes in integers. Each claim of the chapter stands beside what was measured here and "
+      "whether it holds.",
+      "Scenes: " + names + ". Measured on one thread of " + processor() +
+          ". Other programs may have run beside it: compare times of one table only."};
+}
+
+std::expected<void, dataset::Problem> write(const std::filesystem::path& file,
+                                            const std::string& text) {
+  std::error_code error;
+  if (file.has_parent_path()) {
+    std::filesystem::create_directories(file.parent_path(), error);
+  }
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream << text;
+  stream.close();
+  if (!stream) {
+    return std::unexpected(dataset::Problem{
+        file.string() +
+        ": cannot be written: check the folder, its permissions and the free space"});
+  }
+  return {};
+}
+
+dataset::Loaded<Study> load(const ReportOptions& options) {
+  std::vector<Subject> subjects;
+  for (const std::filesystem::path& dir : options.scenes) {
+    dataset::Loaded<dataset::StereoScene> scene = dataset::read_stereo_scene(dir);
+    if (!scene) {
+      return std::unexpected(std::move(scene.error()));
+    }
+    subjects.emplace_back(std::move(*scene));
+  }
+  std::optional<Subject> corridor;
+  if (!options.corridor.empty()) {
+    dataset::Loaded<dataset::StereoScene> scene = dataset::read_stereo_scene(options.corridor);
+    if (!scene) {
+      return std::unexpected(std::move(scene.error()));
+    }
+    if (!scene->rig) {
+      return std::unexpected(
+          dataset::Problem{(options.corridor / "meta.txt").string() +
+                           R"(: has no rig: add lines such as "f_px 615" and "baseline_m 0.12")"});
+    }
+    corridor.emplace(std::move(*scene));
+  }
+  return Study(std::move(subjects), std::move(corridor), options.runs, options.quick);
+}
+
+}  // namespace
+
+dataset::Loaded<ReportResult> write_report(const ReportOptions& options) {
+  dataset::Loaded<Study> study = load(options);
+  if (!study) {
+    return std::unexpected(std::move(study.error()));
+  }
+  Page page;
+  add_scenes(*study, page);
+  add_methods(*study, page);
+  add_maps(*study, page);
+  add_block_time(*study, page);
+  add_block_sizes(*study, page);
+  add_adaptive(*study, page);
+  add_interest(*study, page);
+  add_filters(*study, page);
+  add_pyramid(*study, page);
+  add_annealing(*study, page);
+  add_presets(*study, page);
+  add_brightness(*study, page);
+  add_corridor(*study, page);
+  const std::string html = page.html("The chapter's stereo, measured", lead(*study));
+  if (std::expected<void, dataset::Problem> written = write(options.out, html); !written) {
+    return std::unexpected(std::move(written.error()));
+  }
+  return ReportResult{.summary = page.verdicts(), .refused = study->refused()};
+}
+
+}  // namespace stof::host

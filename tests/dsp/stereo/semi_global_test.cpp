@@ -1,0 +1,202 @@
+#include "dsp/stereo/search/semi_global.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dsp/stereo/search/path.h"
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr int kLanes = 16;
+
+std::size_t size(int value) { return static_cast<std::size_t>(value); }
+
+// A picture and costs of noise around a surface, and how often each row was asked for.
+template <typename Cost>
+class Scene final : public CostSource<Cost> {
+ public:
+  Scene(int width, int height, std::uint64_t seed)
+      : width_(width), grey_(size(width * height)), costs_(size(width * height * kLanes)) {
+    test::Random random(seed);
+    random.fill(std::span(grey_));
+    random.fill(std::span(costs_), 0, 90);
+    asked_.resize(size(height));
+  }
+  void row(int y, std::span<Cost> costs) noexcept override {
+    ++asked_[size(y)];
+    std::ranges::copy(at(y), costs.begin());
+  }
+  std::span<const Cost> at(int y) const {
+    const std::size_t n = size(width_ * kLanes);
+    return std::span<const Cost>(costs_).subspan(size(y) * n, n);
+  }
+  ImageView<const std::uint8_t> grey() const {
+    return {grey_.data(), width_, static_cast<int>(asked_.size())};
+  }
+  const std::vector<int>& asked() const { return asked_; }
+
+ private:
+  int width_;
+  std::vector<std::uint8_t> grey_;
+  std::vector<Cost> costs_;
+  std::vector<int> asked_;
+};
+
+template <typename Cost>
+PathParams<Cost> params(int directions) {
+  return {.directions = directions, .lanes = kLanes, .penalties = {.small = 5, .large = 40}};
+}
+
+template <typename Cost>
+using Map = std::vector<std::vector<std::uint16_t>>;
+
+// The sums of all rows, asked for in the order of `rows`.
+template <typename Cost>
+Map<Cost> sums_of(Scene<Cost>& scene, int directions, const std::vector<int>& rows) {
+  const int width = scene.grey().width();
+  const auto how = params<Cost>(directions);
+  std::vector<std::byte> memory(SemiGlobal<Cost, std::uint16_t>::bytes_needed(how, width) +
+                                Arena::kAlign);
+  void* aligned = memory.data();
+  std::size_t space = memory.size();
+  std::align(Arena::kAlign, 1, aligned, space);
+  Arena arena(std::span(static_cast<std::byte*>(aligned), space));
+  SemiGlobal<Cost, std::uint16_t> semi_global(how, width, arena);
+  semi_global.start(scene.grey(), scene);
+  Map<Cost> map(size(scene.grey().height()));
+  for (const int y : rows) {
+    const auto sums = semi_global.sums(y);
+    map[size(y)].assign(sums.begin(), sums.end());
+  }
+  return map;
+}
+
+std::vector<int> in_order(int height) {
+  std::vector<int> rows;
+  for (int y = 0; y < height; ++y) {
+    rows.push_back(y);
+  }
+  return rows;
+}
+
+// Paths of one direction over whole columns, straight from the definition.
+template <typename Cost>
+void add_direction(const Scene<Cost>& scene, int step, int shift, Map<Cost>& map) {
+  const ImageView<const std::uint8_t> grey = scene.grey();
+  const auto how = params<Cost>(4);
+  std::vector<Cost> before;
+  std::vector<Cost> large(size(grey.width()));
+  for (int k = 0; k < grey.height(); ++k) {
+    const int y = step > 0 ? k : grey.height() - 1 - k;
+    std::vector<Cost> paths(scene.at(y).begin(), scene.at(y).end());
+    if (k > 0) {
+      edge_penalties_across(grey.row(y), grey.row(y - step), shift, how.penalties,
+                            std::span(large));
+      ref::paths_across(scene.at(y), std::span<const Cost>(before), shift, kLanes,
+                        how.penalties.small, std::span<const Cost>(large), std::span(paths));
+    }
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+      map[size(y)][i] = static_cast<std::uint16_t>(map[size(y)][i] + paths[i]);
+    }
+    before = paths;
+  }
+}
+
+template <typename Cost>
+Map<Cost> whole_columns(const Scene<Cost>& scene, int directions) {
+  const ImageView<const std::uint8_t> grey = scene.grey();
+  const auto how = params<Cost>(directions);
+  Map<Cost> map(size(grey.height()));
+  std::vector<Cost> large(size(grey.width()) + 1);
+  for (int y = 0; y < grey.height(); ++y) {
+    edge_penalties_along(grey.row(y), how.penalties, std::span(large));
+    const std::span<const Cost> all(large);
+    std::vector<Cost> left(scene.at(y).size());
+    std::vector<Cost> right(left.size());
+    ref::paths_from_left(scene.at(y), kLanes, how.penalties.small, all.first(all.size() - 1),
+                         std::span(left));
+    ref::paths_from_right(scene.at(y), kLanes, how.penalties.small, all.subspan(1),
+                          std::span(right));
+    for (std::size_t i = 0; i < left.size(); ++i) {
+      map[size(y)].push_back(static_cast<std::uint16_t>(left[i] + right[i]));
+    }
+  }
+  for (const int shift : {0, -1, 1}) {
+    if (directions == 4 && shift != 0) {
+      continue;
+    }
+    if (directions > 2) {
+      add_direction(scene, 1, shift, map);
+    }
+    if (directions == 4 || directions == 8) {
+      add_direction(scene, -1, shift, map);
+    }
+  }
+  return map;
+}
+
+template <typename Cost>
+void expect_the_definition_where_columns_are_short() {
+  // No stripe is cut where the picture is as high as one approach.
+  for (const int directions : {2, 4, 5, 8}) {
+    for (const int height : {1, 2, SemiGlobal<Cost, std::uint16_t>::kStripe}) {
+      Scene<Cost> scene(23, height, size(directions + height));
+      EXPECT_EQ(sums_of(scene, directions, in_order(height)), whole_columns(scene, directions))
+          << directions << " directions, " << height << " rows";
+    }
+  }
+}
+
+TEST(SemiGlobal, IsTheSumOverAllDirections) {
+  expect_the_definition_where_columns_are_short<std::uint8_t>();
+  expect_the_definition_where_columns_are_short<std::uint16_t>();
+}
+
+TEST(SemiGlobal, AgreesWithWholeColumnsOnNearlyEveryWinner) {
+  const int height = 5 * SemiGlobal<std::uint8_t, std::uint16_t>::kStripe + 3;
+  Scene<std::uint8_t> scene(40, height, 3);
+  const Map<std::uint8_t> stripes = sums_of(scene, 4, in_order(height));
+  const Map<std::uint8_t> whole = whole_columns(scene, 4);
+  int differing = 0;
+  for (std::size_t y = 0; y < size(height); ++y) {
+    for (std::size_t x = 0; x < 40; ++x) {
+      const auto winner = [&](const std::vector<std::uint16_t>& row) {
+        const auto pixel = row.begin() + static_cast<std::ptrdiff_t>(x * kLanes);
+        return std::min_element(pixel, pixel + kLanes) - pixel;
+      };
+      differing += winner(stripes[y]) != winner(whole[y]);
+    }
+  }
+  EXPECT_LE(differing, 40 * height / 1000);
+}
+
+TEST(SemiGlobal, RowsMayBeAskedForInAnyOrder) {
+  const int height = 3 * SemiGlobal<std::uint8_t, std::uint16_t>::kStripe + 7;
+  for (const int directions : {2, 4, 5, 8}) {
+    Scene<std::uint8_t> scene(17, height, 9);
+    const Map<std::uint8_t> expected = sums_of(scene, directions, in_order(height));
+    std::vector<int> backwards = in_order(height);
+    std::ranges::reverse(backwards);
+    EXPECT_EQ(sums_of(scene, directions, backwards), expected);
+    std::vector<int> jumping;
+    for (int k = 0; k < height; ++k) {
+      jumping.push_back(k * 29 % height);
+    }
+    EXPECT_EQ(sums_of(scene, directions, jumping), expected);
+  }
+}
+
+TEST(SemiGlobal, InOrderEachRowOfCostsIsComputedOnce) {
+  const int height = 4 * SemiGlobal<std::uint8_t, std::uint16_t>::kStripe;
+  Scene<std::uint8_t> scene(17, height, 10);
+  sums_of(scene, 8, in_order(height));
+  EXPECT_EQ(scene.asked(), std::vector<int>(size(height), 1));
+}
+
+}  // namespace
+}  // namespace stof::dsp
