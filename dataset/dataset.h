@@ -42,6 +42,9 @@ struct Image {
 Loaded<Image<std::uint8_t>> read_pgm8(const std::filesystem::path& file);
 Loaded<Image<std::uint16_t>> read_pgm16(const std::filesystem::path& file);
 
+std::expected<void, Problem> write_pgm8(const std::filesystem::path& file,
+                                        const Image<std::uint8_t>& image);
+
 // PFM, "Pf", bottom row first, scale -1 (little-endian); +inf = none.
 Loaded<Image<float>> read_pfm(const std::filesystem::path& file);
 std::expected<void, Problem> write_pfm(const std::filesystem::path& file,

@@ -65,6 +65,11 @@ std::string meta(const StereoScene& scene) {
 
 }  // namespace
 
+std::expected<void, Problem> write_pgm8(const std::filesystem::path& file,
+                                        const Image<std::uint8_t>& image) {
+  return write_bytes(file, pgm(image));
+}
+
 std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir,
                                                 const StereoScene& scene) {
   std::vector<std::pair<const char*, std::string>> files{

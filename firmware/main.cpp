@@ -53,12 +53,13 @@ int refuse(const std::string& line, int code = kExitBadInput) {
 }
 
 int help() {
+  const std::string flags = options_usage();
   std::printf(
       "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
       "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
       "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input.\n",
-      board::kConfig.name, static_cast<int>(options_usage().size()), options_usage().data(),
-      board::kConfig.name, static_cast<int>(board::usage().size()), board::usage().data());
+      board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
+      static_cast<int>(board::usage().size()), board::usage().data());
   return kExitOk;
 }
 

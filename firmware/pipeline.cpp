@@ -71,8 +71,15 @@ void Pipeline::match(const hal::StereoFrame& frame) noexcept {
     return;
   }
   rectifier_->rectify(frame.left, frame.right, disparity_.rows());
-  matcher_.match(rectifier_->left(), rectifier_->right(), disparity_);
-  rectifier_->clear_border(disparity_.rows(), disparity_);
+  // In steps: what looks at the whole map must not see what lies beyond the border.
+  const dsp::Rows rows = disparity_.rows();
+  matcher_.start(rectifier_->left(), rectifier_->right());
+  matcher_.filter(rows);
+  matcher_.derive(rows);
+  matcher_.match_rows(rows, disparity_);
+  rectifier_->clear_border(rows, disparity_);
+  matcher_.finish(disparity_);
+  rectifier_->clear_border(rows, disparity_);
 }
 
 const Output& Pipeline::compute(const Shot& shot) noexcept {

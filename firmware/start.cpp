@@ -7,7 +7,9 @@
 
 #include "dsp/stereo/matcher.h"
 #include "firmware/loop.h"
+#include "firmware/pipeline.h"
 #include "firmware/wire/calibration_file.h"
+#include "firmware/workspace.h"
 
 namespace stof::firmware {
 namespace {
@@ -104,6 +106,13 @@ std::string limits(const Setup& setup, const board::Config& config) {
     return "pictures of " + size_text(left.width, left.height) +
            " cannot be matched with these parameters: check --disparities, --min-disparity and "
            "--block";
+  }
+  if (const std::size_t bytes = Pipeline::bytes_needed(setup); bytes > sizeof(Workspace)) {
+    return "matching " + size_text(left.width, left.height) + " with " +
+           std::to_string(setup.match.disparities) + " disparities in this way takes " +
+           std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +
+           std::to_string(sizeof(Workspace) / kMiB) +
+           ": use fewer disparities, fewer --directions or a preset";
   }
   return {};
 }

@@ -24,13 +24,16 @@ constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcep
   return 2 * (1 + 6) * pixels(stereo.width, stereo.height) + 10 * dsp::Arena::kAlign;
 }
 
-// Two prefiltered images; column sums and costs of one row, u32 for each of up to 16 unused lanes
-// and each candidate; some rows.
+// Preset `quality`, which takes the most of all presets: six images; for each column and candidate
+// (whole vectors of 16) two bytes of 26 rows of sums over regions, one of 96 rows of costs and
+// paths, and of some more; and what the largest blocks add to a row of sums. Other searches may
+// take more than that at the board's full size; then they are refused at start.
 constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo) noexcept {
-  const std::size_t lanes = static_cast<std::size_t>(stereo.disparities) + 16;
-  const std::size_t columns = static_cast<std::size_t>(stereo.width + stereo.block_width);
-  return 2 * pixels(stereo.width, stereo.height) + 2 * 4 * columns * lanes +
-         16 * (columns + lanes) + 4096;
+  const auto lanes = static_cast<std::size_t>((stereo.disparities + 15) / 16 * 16);
+  const auto columns = static_cast<std::size_t>(stereo.width);
+  const auto block = static_cast<std::size_t>(stereo.block_width);
+  return 10 * pixels(stereo.width, stereo.height) + (2 * 26 + 96 + 14) * columns * lanes +
+         4 * block * lanes + 192 * (columns + block) + 64 * lanes + 8192;
 }
 
 // Eight maps of up to 2 bytes a pixel, some with a border column on both sides; constants.
@@ -71,10 +74,10 @@ struct Workspace {
 };
 static_assert(sizeof(Workspace) <= board::kConfig.workspace_limit);
 
-// A camera pair of 640x480 with 64 disparities and a PMD camera of 352x288 leaves room for more in
+// A camera pair of 640x480 with 64 disparities and a PMD camera of 176x144 leaves room for more in
 // 24 MiB.
 inline constexpr board::StereoConfig kVga{
     .width = 640, .height = 480, .disparities = 64, .block_width = 64, .block_height = 64};
-static_assert(workspace_bytes(kVga, {.width = 352, .height = 288}) <= 24 * kMiB);
+static_assert(workspace_bytes(kVga, {.width = 176, .height = 144}) <= 24 * kMiB);
 
 }  // namespace stof::firmware

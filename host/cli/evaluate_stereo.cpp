@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <set>
 
@@ -30,6 +31,12 @@ Row evaluate_scene(const dataset::StereoScene& scene, const EvaluateStereoOption
     const std::filesystem::path folder = options.out / scene.name;
     make_folder(folder);
     value_or_fail(dataset::write_pfm(folder / "disp.pfm", disparity));
+    if (plan.params.fill) {
+      dataset::Image<std::uint8_t> marks = result.filled;
+      std::ranges::transform(marks.pixels, marks.pixels.begin(),
+                             [](std::uint8_t mark) { return mark == 0 ? 0 : 255; });
+      value_or_fail(dataset::write_pgm8(folder / "filled.pgm", marks));
+    }
   }
   return {.name = scene.name,
           .width = scene.left.width,

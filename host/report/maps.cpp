@@ -56,6 +56,7 @@ void add_maps(Study& study, Page& page) {
       if (!outcome) {
         return;
       }
+      study.note(scene.name, title, *outcome);
       flat.push_back(map_figure(subject, outcome->disparity, title, in_words(*outcome) + "."));
       if (scene.truth) {
         flat.push_back(difference_figure(

@@ -104,7 +104,8 @@ dataset::Loaded<ReportResult> write_report(const ReportOptions& options) {
   if (std::expected<void, dataset::Problem> written = write(options.out, html); !written) {
     return std::unexpected(std::move(written.error()));
   }
-  return ReportResult{.summary = page.verdicts(), .refused = study->refused()};
+  return ReportResult{.summary = study->notes() + "\n" + page.verdicts(),
+                      .refused = study->refused()};
 }
 
 }  // namespace stof::host

@@ -79,6 +79,14 @@ std::optional<Outcome> Study::run_preset(const dataset::StereoScene& scene, std:
   return run(scene, {title, *params});
 }
 
+void Study::note(const std::string& scene, const std::string& method, const Outcome& outcome) {
+  std::string line = scene;
+  line.resize(std::max<std::size_t>(line.size() + 1, 14), ' ');
+  line += method;
+  line.resize(std::max<std::size_t>(line.size() + 1, 46), ' ');
+  notes_ += line + in_words(outcome) + "\n";
+}
+
 dsp::MatchParams block_match(const dataset::StereoScene& scene, dsp::Cost cost, int block_width,
                              int block_height, bool derivative) {
   dsp::MatchParams params;

@@ -55,6 +55,9 @@ class Study {
   // The preset as an experiment.
   std::optional<Outcome> run_preset(const dataset::StereoScene& scene, std::string_view name,
                                     bool fill = false);
+  // A line of the text that goes with the page.
+  void note(const std::string& scene, const std::string& method, const Outcome& outcome);
+  const std::string& notes() const { return notes_; }
   // Names of the experiments that could not be run.
   const std::set<std::string>& refused() const { return refused_; }
 
@@ -64,6 +67,7 @@ class Study {
   int runs_;
   bool quick_;
   std::set<std::string> refused_;
+  std::string notes_;
 };
 
 // The parameters that experiments begin with: all candidates of the scene, dense, whole pixels.

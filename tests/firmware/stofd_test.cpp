@@ -76,8 +76,9 @@ TEST_F(StofdTest, HelpNamesEveryFlagAndTheExitCodes) {
   EXPECT_EQ(ended.code, 0);
   EXPECT_EQ(ended.error, "");
   for (const char* const word :
-       {"--frames", "--period-ms", "--calibration", "--disparities", "--block", "--no-lr", "--to",
-        "--scene", "--dataset", "--tof", "--truth", "--free-run", "--fault", "Exit codes"}) {
+       {"--frames", "--period-ms", "--calibration", "--disparities", "--block", "--lr", "--preset",
+        "--method", "--to", "--scene", "--dataset", "--tof", "--truth", "--free-run", "--fault",
+        "Exit codes"}) {
     EXPECT_NE(ended.out.find(word), std::string::npos) << word;
   }
 }
@@ -93,6 +94,12 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
     expect_refused({"--block", value}, "--block");
   }
   expect_refused({"--disparities", "257"}, "--disparities");
+  expect_refused({"--preset", "best"}, "fast, quality, chapter");
+  expect_refused({"--method", "sa"}, "--method");
+  expect_refused({"--lr=-1"}, "--lr");
+  expect_refused({"--no-block"}, "--block");
+  expect_refused({"--fill"}, "--fill");
+  expect_refused({"--shape", "region", "--method", "sgm"}, "method wta");
   expect_refused({"--period-ms", "0"}, "--period-ms");
   expect_refused({"--to", "nowhere"}, "nowhere");
   expect_refused({"--to", "127.0.0.1:99999"}, "99999");

@@ -20,7 +20,7 @@ struct Sizes {
 };
 
 constexpr std::array kBoards{
-    Sizes{board::kConfig.stereo, board::kConfig.pmd}, Sizes{kVga, {.width = 352, .height = 288}},
+    Sizes{board::kConfig.stereo, board::kConfig.pmd}, Sizes{kVga, {.width = 176, .height = 144}},
     Sizes{{.width = 320, .height = 200, .disparities = 17, .block_width = 1, .block_height = 1},
           {.width = 64, .height = 16}},
     Sizes{{.width = 1, .height = 1, .disparities = 1, .block_width = 1, .block_height = 1},
@@ -28,8 +28,15 @@ constexpr std::array kBoards{
     Sizes{{.width = 4096, .height = 16, .disparities = 256, .block_width = 64, .block_height = 64},
           {.width = 1, .height = 800}}};
 
-// Grey values and large blocks are what takes most: their sums need 32 bits.
-dsp::MatchParams largest(const board::StereoConfig& stereo) {
+dsp::MatchParams preset(const char* name, const board::StereoConfig& stereo) {
+  dsp::MatchParams params = dsp::find_preset(name)->params;
+  params.disparities = stereo.disparities;
+  params.subpixel = dsp::Subpixel::kEquiangular;
+  return params;
+}
+
+// Grey values and large blocks: their sums need 32 bits.
+dsp::MatchParams large_blocks(const board::StereoConfig& stereo) {
   return {.disparities = stereo.disparities,
           .block_width = stereo.block_width,
           .block_height = stereo.block_height,
@@ -43,7 +50,10 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
     SCOPED_TRACE(std::to_string(board.stereo.width));
     const board::StereoConfig& s = board.stereo;
     EXPECT_LE(dsp::Rectifier::bytes_needed(s.width, s.height), rectifier_bytes(s));
-    EXPECT_LE(dsp::Matcher::bytes_needed(largest(s), s.width, s.height), matcher_bytes(s));
+    for (const dsp::MatchParams& params :
+         {preset("fast", s), preset("quality", s), preset("chapter", s), large_blocks(s)}) {
+      EXPECT_LE(dsp::Matcher::bytes_needed(params, s.width, s.height), matcher_bytes(s));
+    }
     EXPECT_LE(dsp::Converter::bytes_needed(board.pmd.width, board.pmd.height),
               converter_bytes(board.pmd));
     EXPECT_LE(dsp::Fuser::bytes_needed(s.width, s.height, s.disparities, board.pmd.width,
@@ -60,22 +70,22 @@ TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
   setup.calibration.stereo.raw.emplace();
   setup.calibration.pmd.lens = {.width = board::kConfig.pmd.width,
                                 .height = board::kConfig.pmd.height};
-  setup.match = largest(board::kConfig.stereo);
+  setup.match = preset("quality", board::kConfig.stereo);
   const std::size_t bytes = Pipeline::bytes_needed(setup);
   EXPECT_LE(bytes, sizeof(Workspace));
   EXPECT_GE(bytes, sizeof(Workspace) / 10 * 8);
 }
 
 TEST(Workspace, GrowsWithEveryDimension) {
-  const std::size_t vga = workspace_bytes(kVga, {.width = 352, .height = 288});
+  const std::size_t vga = workspace_bytes(kVga, {.width = 176, .height = 144});
   EXPECT_LE(vga, 24 * kMiB);
   board::StereoConfig wider = kVga;
   ++wider.width;
-  EXPECT_GT(workspace_bytes(wider, {.width = 352, .height = 288}), vga);
-  EXPECT_GT(workspace_bytes(kVga, {.width = 352, .height = 289}), vga);
+  EXPECT_GT(workspace_bytes(wider, {.width = 176, .height = 144}), vga);
+  EXPECT_GT(workspace_bytes(kVga, {.width = 176, .height = 145}), vga);
   board::StereoConfig deeper = kVga;
   ++deeper.disparities;
-  EXPECT_GT(workspace_bytes(deeper, {.width = 352, .height = 288}), vga);
+  EXPECT_GT(workspace_bytes(deeper, {.width = 176, .height = 144}), vga);
 }
 
 }  // namespace

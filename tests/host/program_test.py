@@ -110,17 +110,17 @@ class BadInput(Program):
             with self.subTest(arguments):
                 self.refuse(2, [], *arguments)
 
-    def test_methods_that_are_not_there_yet(self):
+    def test_options_that_do_not_go_together(self):
         scene = self.write_scene()
-        for option, values in (("--method", ("dp", "so", "sgm", "sa")), ("--cost", ("ssd", "census5", "census9x7")),
-                               ("--preset", ("fast",))):
-            for value in values:
-                self.refuse(2, [option, value, "not in this version"], "evaluate", "stereo", scene, option, value)
-        self.refuse(2, ["--fill", "not in this version"], "evaluate", "stereo", scene, "--fill")
+        for arguments in (["--shape", "region", "--cost", "ssd"], ["--interest", "--prefilter", "off"],
+                          ["--band", "3"], ["--pyramid", "--distinct"], ["--preset", "quality", "--shape", "cross"]):
+            with self.subTest(arguments):
+                self.refuse(2, [], "evaluate", "stereo", scene, *arguments)
 
     def test_options_that_are_unknown_or_out_of_range(self):
         scene = self.write_scene()
-        for arguments in (["--method", "best"], ["--cost", "ncc"], ["--block", "16"], ["--block", "65x1"],
+        for arguments in (["--method", "best"], ["--cost", "ncc"], ["--preset", "best"], ["--directions", "3"],
+                          ["--penalties", "9,8"], ["--min-disparity", "5000"], ["--block", "16"], ["--block", "65x1"],
                           ["--runs", "0"], ["--runs", "-3"]):
             self.refuse(2, arguments, "evaluate", "stereo", scene, *arguments)
 
@@ -205,6 +205,41 @@ class Evaluate(Program):
     def test_stereo_says_nothing_about_absent_truth(self):
         report = json.loads(self.succeed("evaluate", "stereo", self.write_scene(truth=False), "--json"))
         self.assertEqual(set(report["scenes"][0]["bp_percent"].values()), {None})
+
+    def test_stereo_runs_every_method_cost_and_preset(self):
+        scene = self.write_scene()
+        kinds = [["--method", method] for method in ("wta", "dp", "so", "sgm", "sa")]
+        kinds += [["--method", "so", "--cost", cost] for cost in ("sad", "ssd", "census5x5", "census9x7", "mixed")]
+        kinds += [["--preset", preset] for preset in ("fast", "quality", "chapter")]
+        kinds += [["--shape", "cross"], ["--shape", "region", "--block", "30x10"], ["--pyramid"], ["--interest"],
+                  ["--smooth", "--equalise", "--median"], ["--subpixel=least-squares"], ["--prefilter", "off"],
+                  ["--min-disparity", "-3"], ["--method", "sgm", "--directions", "8", "--penalties", "3,20"]]
+        for kind in kinds:
+            with self.subTest(kind):
+                report = json.loads(self.succeed("evaluate", "stereo", scene, *kind, "--runs", 1, "--json"))
+                self.assertLess(report["scenes"][0]["bp_percent"]["valid"] or 0, 60)
+
+    def test_annealing_is_repeatable_and_ends_below_scanline_optimisation(self):
+        scene = self.write_scene()
+
+        def energy(*arguments):
+            report = json.loads(self.succeed("evaluate", "stereo", scene, *arguments, "--runs", 1, "--json"))
+            return report["scenes"][0]["energy"]
+
+        annealed = energy("--method", "sa", "--seed", 7)
+        self.assertEqual(annealed, energy("--method", "sa", "--seed", 7))
+        self.assertLessEqual(annealed, energy("--method", "so", "--energy"))
+
+    def test_what_is_filled_is_marked(self):
+        out = self.folder / "filled"
+        self.succeed("evaluate", "stereo", self.write_scene(), "--lr", "--fill", "--out", out)
+        disparity = self.read_pfm(out / "Scene" / "disp.pfm")
+        magic, size, _, marks = (out / "Scene" / "filled.pgm").read_bytes().split(b"\n", 3)
+        width, height = map(int, size.split())
+        self.assertEqual((magic, len(marks)), (b"P5", width * height))
+        self.assertTrue(all(math.isfinite(value) for row in disparity for value in row))
+        self.assertGreater(marks.count(b"\xff"), 0)
+        self.assertEqual(marks.count(b"\xff") + marks.count(b"\0"), width * height)
 
     def test_fusion_of_two_sensors_that_agree(self):
         # 60 px * 0.1 m / 3 px = 2 m in both.

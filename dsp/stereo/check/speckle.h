@@ -8,7 +8,7 @@
 
 namespace stof::dsp {
 
-// What drop_speckles takes from its Arena: 4 bytes a pixel.
+// What drop_speckles takes from its Arena: 4 bytes a pixel and some rows.
 std::size_t drop_speckles_bytes(int width, int height) noexcept;
 
 // Drops connected patches of fewer than min_pixels pixels. Two pixels are connected when they share

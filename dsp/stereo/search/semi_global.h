@@ -30,7 +30,7 @@ struct PathParams {
 template <typename Cost, typename Sum>
 class SemiGlobal {
  public:
-  static constexpr int kStripe = 64;
+  static constexpr int kStripe = 32;
   static constexpr int kApproach = 16;
 
   static constexpr bool valid(int directions) noexcept {

@@ -21,7 +21,7 @@ std::vector<Disparity> picture(const std::string& text) {
 
 TEST(Fill, TakesTheFartherNeighbourAndMarksIt) {
   auto row = picture("..7..3.5..");
-  std::vector<std::uint8_t> filled(10, 9);
+  std::vector<std::uint8_t> filled(10);
   fill_from_background({row.data(), 10, 1}, {0, 1}, {filled.data(), 10, 1});
   EXPECT_EQ(row, picture("7773333555"));
   EXPECT_EQ(filled, (std::vector<std::uint8_t>{1, 1, 0, 1, 1, 0, 1, 0, 1, 1}));
@@ -29,10 +29,10 @@ TEST(Fill, TakesTheFartherNeighbourAndMarksIt) {
 
 TEST(Fill, ARowWithoutAnyStaysEmpty) {
   auto rows = picture("....12.1");
-  std::vector<std::uint8_t> filled(8, 9);
+  std::vector<std::uint8_t> filled{0, 0, 7, 0, 0, 0, 0, 0};
   fill_from_background({rows.data(), 4, 2}, {0, 2}, {filled.data(), 4, 2});
   EXPECT_EQ(rows, picture("....1211"));
-  EXPECT_EQ(filled, (std::vector<std::uint8_t>{0, 0, 0, 0, 0, 0, 1, 0}));
+  EXPECT_EQ(filled, (std::vector<std::uint8_t>{0, 0, 7, 0, 0, 0, 1, 0}));
 }
 
 TEST(Fill, NegativeDisparitiesAreFarther) {
