@@ -72,6 +72,9 @@ std::string take_preset(std::string_view name, Options& options) {
            "\"";
   }
   options.match = preset->params;
+  if (options.match.subpixel == dsp::Subpixel::kWhole) {
+    options.match.subpixel = dsp::Subpixel::kEquiangular;  // whole disparities are steps in depth
+  }
   return {};
 }
 
@@ -159,8 +162,8 @@ std::string options_usage() {
       "  --calibration FILE   calibration of the rig (default: what the board knows)\n"
       "  --disparities N      candidates of the search, 1..256 (default: what the rig asks "
       "for)\n"
-      "  --preset NAME        how to match: fast (default), quality or chapter; what follows\n"
-      "                       changes it\n"
+      "  --preset NAME        how to match: fast (default), quality or chapter, to 1/16 px;\n"
+      "                       what follows changes it\n"
       "  --device N           device number in every packet (default 1)\n"
       "  --session N          session number in every packet (default: random)\n"
       "  --help               this text\n";

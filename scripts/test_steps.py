@@ -38,6 +38,8 @@ class Count:
         self.passed += other.passed
         self.failed += other.failed
         self.skipped += other.skipped
+        self.notes += other.notes
+        self.details += other.details
 
     def __str__(self):
         return f"{self.passed} passed, {self.failed} failed" + (
@@ -67,9 +69,12 @@ class Log:
                     if process.poll() is None:
                         os.killpg(process.pid, signal.SIGKILL)
 
+    def lines(self):
+        return self.path.read_text(errors="replace").splitlines()
+
     def excerpt(self):
         """The first error of a build, else the end."""
-        lines = self.path.read_text(errors="replace").splitlines()
+        lines = self.lines()
         errors = [i for i, line in enumerate(lines) if line.startswith(("FAILED: ", "CMake Error"))]
         return indented(lines[errors[0]:][:TAIL_LINES] if errors else lines[-TAIL_LINES:])
 
@@ -87,11 +92,26 @@ def check(*command):
     return lambda log: one(log.run(*command))
 
 
+def unit_tests(log, script):
+    """The cases of a Python test."""
+    succeeded = log.run("python3", "-B", script)
+    ran = re.findall(r"^Ran (\d+) tests", "\n".join(log.lines()), re.MULTILINE)
+    return Count(passed=int(ran[-1])) if succeeded and ran else Count(failed=1)
+
+
 def layers(log):
     count = one(log.run("scripts/check_layers.py"))
-    succeeded = log.run("python3", "-B", "scripts/check_layers_test.py")
-    ran = re.findall(r"^Ran (\d+) tests", log.path.read_text(), re.MULTILINE)
-    count.add(Count(passed=int(ran[-1])) if succeeded and ran else Count(failed=1))
+    count.add(unit_tests(log, "scripts/check_layers_test.py"))
+    return count
+
+
+def vectors(log, preset):
+    """What the kernels of a build for ARM are made of, and whether the check would notice."""
+    count = unit_tests(log, "scripts/check_vectors_test.py")
+    count.add(one(log.run("scripts/check_vectors.py", f"build/{preset}")))
+    if count.failed:
+        count.notes.append("failed: scripts/check_vectors.py or its test")
+        count.details.append(f"    --- vectors\n{indented(log.lines()[-CASE_LINES:])}")
     return count
 
 
@@ -119,13 +139,15 @@ def skip_reason(case):
     return lines[-1] if lines else "no reason given"
 
 
-def tested(preset):
-    """A step that builds a preset and runs its tests."""
+def tested(preset, *checks):
+    """A step that builds a preset, looks at what was built and runs its tests."""
     def step(log):
         if not build(log, preset):
             return Count(failed=1, notes=["the build failed"])
-        verdict, cases = ctest(log, preset)
         count = Count()
+        for look in checks:
+            count.add(look(log, preset))
+        verdict, cases = ctest(log, preset)
         for case in cases:
             name, status = case.get("name"), case.get("status")
             if status == "run":
@@ -151,10 +173,10 @@ def tested(preset):
     return step
 
 
-def arm64(preset):
+def arm64(preset, *checks):
     """As tested(), with the sysroot unpacked before."""
     def step(log):
-        return tested(preset)(log) if log.run("toolchains/sysroot.sh") else Count(failed=1)
+        return tested(preset, *checks)(log) if log.run("toolchains/sysroot.sh") else Count(failed=1)
     return step
 
 
@@ -188,7 +210,7 @@ STEPS = {
     "tidy": check("scripts/tidy"),
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
-    "arm64": arm64("arm64"),
+    "arm64": arm64("arm64", vectors),
     "arm64-ubsan": arm64("arm64-ubsan"),
     "planted": planted,
 }

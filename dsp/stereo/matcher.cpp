@@ -37,7 +37,10 @@ bool fills(const MatchParams& params) noexcept {
 
 // Surroundings are summed once all rows are there.
 int margin_rows(const MatchParams& params, int height) noexcept {
-  return params.distinct ? (*params.distinct == Distinct::kPixel ? 1 : height) : 0;
+  if (!params.distinct) {
+    return 0;
+  }
+  return *params.distinct == Distinct::kPixel ? 1 : height;
 }
 
 // The most that one step takes for itself.
@@ -63,24 +66,6 @@ std::size_t scratch_bytes(const MatchParams& params, int width, int height) noex
           search_map_bytes(params, width, height));
   }
   return bytes;
-}
-
-// The columns at either end of the range have one candidate and no rival to judge it by: they take
-// it where the next column found a match.
-void settle_single_candidates(const MatchParams& params, std::span<std::int16_t> winners) noexcept {
-  const int width = static_cast<int>(winners.size());
-  const auto settle = [&](int x, int neighbour, int candidate) noexcept {
-    if (std::min(x, neighbour) >= 0 && std::max(x, neighbour) < width &&
-        winners[size(neighbour)] != kNoWinner) {
-      winners[size(x)] = static_cast<std::int16_t>(candidate);
-    }
-  };
-  if (params.disparities > 1) {
-    const int first = params.min_disparity;  // meets right column 0 as candidate 0
-    settle(first, first + 1, 0);
-    const int last = width + params.min_disparity + params.disparities - 2;  // meets the last one
-    settle(last, last - 1, params.disparities - 1);
-  }
 }
 
 }  // namespace
@@ -165,7 +150,6 @@ void Matcher::match_rows_with(RowSearch<Sum>& search, Rows rows,
                               ImageView<Disparity> out) noexcept {
   for (int y = rows.begin; y < rows.end; ++y) {
     const FoundRow<Sum> found = search.row(y);
-    settle_single_candidates(params_, found.winners);
     check_row(found, y);
     refine_row(found, y, out.row(y));
   }

@@ -28,6 +28,24 @@ void convert(std::span<const From> from, std::span<To> to) noexcept {
   });
 }
 
+// The columns at either end of the range have one candidate and no rival to judge it by: they take
+// it where the next column found a match.
+void settle_single_candidates(const MatchParams& params, std::span<std::int16_t> winners) noexcept {
+  const int width = static_cast<int>(winners.size());
+  const auto settle = [&](int x, int neighbour, int candidate) noexcept {
+    if (std::min(x, neighbour) >= 0 && std::max(x, neighbour) < width &&
+        winners[size(neighbour)] != kNoWinner) {
+      winners[size(x)] = static_cast<std::int16_t>(candidate);
+    }
+  };
+  if (params.disparities > 1) {
+    const int first = params.min_disparity;  // meets right column 0 as candidate 0
+    settle(first, first + 1, 0);
+    const int last = width + params.min_disparity + params.disparities - 2;  // meets the last one
+    settle(last, last - 1, params.disparities - 1);
+  }
+}
+
 using NarrowPaths = SemiGlobal<std::uint8_t, std::uint8_t>;
 using MixedPaths = SemiGlobal<std::uint8_t, std::uint16_t>;
 using BlockPaths = SemiGlobal<std::uint16_t, std::uint16_t>;
@@ -127,13 +145,20 @@ void RowSearch<Sum>::start(const PreparedPair& pair) noexcept {
     mixed_paths_->start(pair.left_grey(), *cross_rows_);
   }
   if (block_paths_) {
-    scaled_.start(*block_rows_, CostRows::wide(params_), path_factor(params_));
+    scaled_.start(*block_rows_, params_);
     block_paths_->start(pair.left_grey(), scaled_);
   }
 }
 
 template <typename Sum>
 FoundRow<Sum> RowSearch<Sum>::row(int y) noexcept {
+  const FoundRow<Sum> found = search(y);
+  settle_single_candidates(params_, found.winners);
+  return found;
+}
+
+template <typename Sum>
+FoundRow<Sum> RowSearch<Sum>::search(int y) noexcept {
   const std::size_t n = size(pair_->left().width());
   const std::span<std::int16_t> winners = winners_.first(n);
   const std::span<std::uint8_t> continued = continued_.first(n);
@@ -261,30 +286,6 @@ void RowSearch<Sum>::keep_interesting_pairs(int y, std::span<Sum> costs) noexcep
     interest_above(pair_->right().row(y), cap, (cap + 2) / 3, right);
   }
   keep_interesting(left, right, params_.min_disparity, lanes_, costs);
-}
-
-template <typename Sum>
-void RowSearch<Sum>::ScaledCosts::start(CostRows& rows, bool wide, std::uint32_t factor) noexcept {
-  rows_ = &rows;
-  wide_ = wide;
-  factor_ = factor;
-}
-
-template <typename Sum>
-void RowSearch<Sum>::ScaledCosts::row(int y, std::span<std::uint16_t> costs) noexcept {
-  const auto scale = [&](auto sums) noexcept {
-    using From = std::remove_cv_t<typename decltype(sums)::element_type>;
-    std::ranges::transform(sums, costs.begin(), [&](From sum) noexcept {
-      return sum == kNoCost<From>
-                 ? kNoCost<std::uint16_t>
-                 : static_cast<std::uint16_t>((std::uint64_t{sum} * factor_ + 32768) >> 16);
-    });
-  };
-  if (wide_) {
-    scale(rows_->row<std::uint32_t>(y));
-  } else {
-    scale(rows_->row<std::uint16_t>(y));
-  }
 }
 
 template class RowSearch<std::uint16_t>;

@@ -10,6 +10,7 @@
 #include "dsp/stereo/cost/cross_costs.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
+#include "dsp/stereo/search/scaled_costs.h"
 #include "dsp/stereo/search/semi_global.h"
 
 namespace stof::dsp {
@@ -43,18 +44,7 @@ class RowSearch {
   FoundRow<Sum> row(int y) noexcept;
 
  private:
-  // Block sums on a scale that semi-global matching can add up.
-  class ScaledCosts final : public CostSource<std::uint16_t> {
-   public:
-    void start(CostRows& rows, bool wide, std::uint32_t factor) noexcept;
-    void row(int y, std::span<std::uint16_t> costs) noexcept override;
-
-   private:
-    CostRows* rows_ = nullptr;
-    bool wide_ = false;
-    std::uint32_t factor_ = 0;
-  };
-
+  FoundRow<Sum> search(int y) noexcept;
   std::span<const Sum> block_costs(int y) noexcept;
   void semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;
   void narrow_semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;

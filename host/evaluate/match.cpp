@@ -67,10 +67,10 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
     }
     const dsp::MatchOption* const option = dsp::find_match_option(name);
     if (option == nullptr || !option->set(value, plan.params)) {
-      const std::string values =
-          option == nullptr ? ""
-                            : std::string(option->values) + (name == "method" ? ", or sa" : "");
-      return refuse("--" + name + " " + value + ": not one of its values: use " + values);
+      std::string message = "--" + name;
+      message += " " + value + ": not one of its values: use ";
+      message += option == nullptr ? "" : option->values;
+      return refuse(message + (name == "method" ? ", or sa" : ""));
     }
   }
   if (const char* const why = dsp::problem(plan.params); *why != '\0') {
@@ -86,8 +86,11 @@ std::string describe(const MatchOptions& options) {
   std::string text = options.preset.empty() ? "" : "preset " + options.preset;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   for (const auto& [name, value] : options.settings) {
-    const bool plain = name == "method" || name == "cost" || name == "block";
-    add(plain || value == "on" ? (plain ? value : name) : name + " " + value);
+    if (name == "method" || name == "cost" || name == "block") {
+      add(value);
+    } else {
+      add(value == "on" ? name : std::string(name).append(" ").append(value));
+    }
   }
   return text.empty() ? "wta, sad 16x16" : text;
 }

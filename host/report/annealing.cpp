@@ -106,7 +106,8 @@ void add_annealing(Study& study, Page& page) {
   page.begin_section("annealing", "Simulated annealing");
   page.paragraph(
       "Simulated annealing searches the whole picture for the map of lowest energy E = sum of "
-      "costs + lambda x sum of |d - d'| over neighbours, beginning with winner takes all. Here on "
+      "costs + lambda times the sum of |d - d'| over neighbours, beginning with winner takes all. "
+      "Here on "
       "SAD 3 × 3 of derivatives, with the smoothness of the scanline optimisation for one step; "
       "energies of all maps are of this E. It is an offline reference: the appliance does not run "
       "it.");

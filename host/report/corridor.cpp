@@ -153,7 +153,7 @@ std::vector<Figure> add_way(const Subject& subject, const Way& way, Table& table
 
 void add_views(const Study& study, const Subject& subject, const Way& way, Page& page) {
   std::vector<Figure> views{relief_figure(subject, way.outcome->disparity, "2.5D view, computed",
-                                          way.name + ".", study.quick())};
+                                          "By " + way.name + ".", study.quick())};
   if (subject.scene.truth) {
     views.push_back(relief_figure(subject, *subject.scene.truth, "2.5D view of the truth",
                                   "The same point of view.", study.quick()));

@@ -80,11 +80,14 @@ std::optional<Outcome> Study::run_preset(const dataset::StereoScene& scene, std:
 }
 
 void Study::note(const std::string& scene, const std::string& method, const Outcome& outcome) {
-  std::string line = scene;
-  line.resize(std::max<std::size_t>(line.size() + 1, 14), ' ');
-  line += method;
-  line.resize(std::max<std::size_t>(line.size() + 1, 46), ' ');
-  notes_ += line + in_words(outcome) + "\n";
+  const auto padded = [](const std::string& text, int columns) {
+    // Bytes of UTF-8 that begin a character.
+    const auto taken = std::ranges::count_if(
+        text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; });
+    return text +
+           std::string(static_cast<std::size_t>(std::max<std::ptrdiff_t>(columns - taken, 1)), ' ');
+  };
+  notes_ += padded(scene, 14) + padded(method, 32) + in_words(outcome) + "\n";
 }
 
 dsp::MatchParams block_match(const dataset::StereoScene& scene, dsp::Cost cost, int block_width,

@@ -11,7 +11,10 @@ namespace {
 
 std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
-int shifts_down(int directions) noexcept { return directions == 2 ? 0 : (directions == 4 ? 1 : 3); }
+int shifts_down(int directions) noexcept {
+  constexpr std::array<int, 9> kShiftsDown{0, 0, 0, 0, 1, 3, 3, 3, 3};
+  return kShiftsDown[size(directions)];
+}
 int shifts_up(int directions) noexcept { return directions == 5 ? 0 : shifts_down(directions); }
 
 // The straight one first.
