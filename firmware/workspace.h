@@ -24,15 +24,15 @@ constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcep
   return 2 * (1 + 6) * pixels(stereo.width, stereo.height) + 10 * dsp::Arena::kAlign;
 }
 
-// Preset `quality`, which takes the most of all presets: six images; for each column and candidate
-// (whole vectors of 16) two bytes of 26 rows of sums over regions, one of 96 rows of costs and
-// paths, and of some more; and what the largest blocks add to a row of sums. Other searches may
-// take more than that at the board's full size; then they are refused at start.
+// Preset `quality`, which takes the most of all presets: seven images; for each column and
+// candidate (whole vectors of 16) two bytes of 26 rows of sums over regions, one of 96 rows of
+// costs and paths, and of some more; and what the largest blocks add to a row of sums. Other
+// searches may take more than that at the board's full size; then they are refused at start.
 constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo) noexcept {
   const auto lanes = static_cast<std::size_t>((stereo.disparities + 15) / 16 * 16);
   const auto columns = static_cast<std::size_t>(stereo.width);
   const auto block = static_cast<std::size_t>(stereo.block_width);
-  return 10 * pixels(stereo.width, stereo.height) + (2 * 26 + 96 + 14) * columns * lanes +
+  return 12 * pixels(stereo.width, stereo.height) + (2 * 26 + 96 + 14) * columns * lanes +
          4 * block * lanes + 192 * (columns + block) + 64 * lanes + 8192;
 }
 

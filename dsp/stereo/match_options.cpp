@@ -78,11 +78,6 @@ constexpr std::array<Named<std::optional<Interest>>, 3> kInterests{
      {"maxima", Interest::kMaxima},
      {"thresholds", Interest::kTwoThresholds}}};
 
-constexpr std::array<Named<std::optional<Distinct>>, 3> kDistinct{
-    {{"off", std::nullopt},
-     {"surroundings", Distinct::kSurroundings},
-     {"pixel", Distinct::kPixel}}};
-
 bool set_block(std::string_view text, MatchParams& params) noexcept {
   const std::size_t by = text.find('x');
   if (by == std::string_view::npos) {
@@ -167,9 +162,8 @@ constexpr std::array<MatchOption, 22> kOptions{{
      }},
     {"uniqueness", "1..99 or off", "percent that a rival must cost more", "15",
      [](Text text, MatchParams& p) { return set_limit(text, 1, 99, p.uniqueness_percent); }},
-    {"distinct", "surroundings, pixel or off", "drop matches that hardly differ from their rivals",
-     "surroundings",
-     [](Text text, MatchParams& p) { return set_named(text, kDistinct, p.distinct); }},
+    {"distinct", "on or off", "drop matches that hardly differ from their rivals", "on",
+     [](Text text, MatchParams& p) { return set_switch(text, p.distinct); }},
     {"texture", "1..127 or off", "drop pixels with less mean |derivative| about them", "4",
      [](Text text, MatchParams& p) { return set_limit(text, 1, 127, p.min_texture); }},
     {"histogram", "1..1000 or off", "drop disparities rarer than so many thousandths", "3",

@@ -30,7 +30,7 @@ bool in_ranges(const MatchParams& params) noexcept {
 constexpr int kFlat = 2;
 
 constexpr MatchParams kFast{.left_right_tolerance = 1,
-                            .distinct = Distinct::kSurroundings,
+                            .distinct = true,
                             .min_texture = kFlat,
                             .speckle_pixels = 20,
                             .subpixel = Subpixel::kEquiangular};
@@ -39,7 +39,7 @@ constexpr MatchParams kQuality{.cost = Cost::kMixed,
                                .method = Method::kSemiGlobal,
                                .equalise = true,
                                .left_right_tolerance = 1,
-                               .distinct = Distinct::kPixel,
+                               .distinct = true,
                                .min_texture = kFlat,
                                .speckle_pixels = 100,
                                .median = true};

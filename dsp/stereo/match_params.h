@@ -16,7 +16,7 @@ enum class Cost : std::uint8_t {
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
   // Census 5x5 and clipped grey differences, averaged over a cross-shaped region of pixels that
-  // look alike (cost/mixed.h, cost/cross.h), 0..29. Has neither block nor prefilter.
+  // look alike (cost/mixed.h, cost/cross.h), 0..27. Has neither block nor prefilter.
   kMixed,
 };
 
@@ -31,12 +31,6 @@ enum class BlockShape : std::uint8_t {
   kFixed,
   kCross,   // block_width x block_height at most, grown along the row and column of the centre
   kRegion,  // grown by whole rows and columns in turn
-};
-
-// Whose costs must stand out from those of rivals (check/distinct.h).
-enum class Distinct : std::uint8_t {
-  kSurroundings,  // 24x24 px together
-  kPixel,         // each pixel, for costs that are means over many
 };
 
 // Which positions are matched, by the size of the derivative.
@@ -90,7 +84,7 @@ struct MatchParams {
   // A rival candidate (not a neighbour) must cost at least this many percent more, 1..99.
   std::optional<int> uniqueness_percent = std::nullopt;
   // Winners must stand out from their rivals, which those on a flat surface do not (distinct.h).
-  std::optional<Distinct> distinct = std::nullopt;
+  bool distinct = false;
   // Mean |Sobel derivative| of the surroundings, in grey levels, 1..127: where it is less the
   // picture is flat; needs a prefilter.
   std::optional<int> min_texture = std::nullopt;

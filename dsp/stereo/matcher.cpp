@@ -35,14 +35,6 @@ bool fills(const MatchParams& params) noexcept {
   return params.fill || params.method == Method::kOrdered;
 }
 
-// Surroundings are summed once all rows are there.
-int margin_rows(const MatchParams& params, int height) noexcept {
-  if (!params.distinct) {
-    return 0;
-  }
-  return *params.distinct == Distinct::kPixel ? 1 : height;
-}
-
 // The most that one step takes for itself.
 std::size_t scratch_bytes(const MatchParams& params, int width, int height) noexcept {
   const std::size_t right = size(width) + size(lanes_of(params)) - 1;
@@ -76,7 +68,7 @@ std::size_t Matcher::bytes_needed(const MatchParams& params, int width, int heig
       PreparedPair::bytes_needed(params, width, height) +
       (needs_wide_sums(params) ? RowSearch<std::uint32_t>::bytes_needed(params, width)
                                : RowSearch<std::uint16_t>::bytes_needed(params, width));
-  bytes += Arena::bytes_for<std::int16_t>(size(width) * size(margin_rows(params, height)));
+  bytes += params.distinct ? Arena::bytes_for<std::int16_t>(pixels) : 0;
   bytes += params.median ? Arena::bytes_for<Disparity>(pixels) : 0;
   bytes += fills(params) ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
   return bytes + Arena::bytes_for<std::byte>(scratch_bytes(params, width, height));
@@ -90,7 +82,9 @@ Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena)
   } else {
     search_.emplace(params, width, arena);
   }
-  margins_ = arena.take_image<std::int16_t>(width, margin_rows(params, height));
+  if (params.distinct) {
+    margins_ = arena.take_image<std::int16_t>(width, height);
+  }
   if (params.median) {
     spare_ = arena.take_image<Disparity>(width, height);
   }
@@ -163,7 +157,7 @@ void Matcher::check_row(const FoundRow<Sum>& found, int y) noexcept {
     std::ranges::copy(found.continued, filled_.row(y).begin());
   }
   if (params_.distinct) {
-    check_distinct(found, y);
+    judge_distinctness(found, y);
   }
   if (params_.uniqueness_percent) {
     best::uniqueness_check(found.judged, lanes, *params_.uniqueness_percent, found.winners);
@@ -191,20 +185,17 @@ void Matcher::check_row(const FoundRow<Sum>& found, int y) noexcept {
 }
 
 template <typename Sum>
-void Matcher::check_distinct(const FoundRow<Sum>& found, int y) noexcept {
+void Matcher::judge_distinctness(const FoundRow<Sum>& found, int y) noexcept {
   const int lanes = lanes_of(params_);
-  const bool alone = *params_.distinct == Distinct::kPixel;
-  const int tenths = alone ? kDistinctPixelTenths : kDistinctTenths;
+  const bool regions = params_.cost == Cost::kMixed;
+  const int percent = regions ? kDistinctRegionPercent : kDistinctPercent;
   const int shift = margin_shift(largest_cost(params_), lanes);
   const std::span<const std::int16_t> winners = found.winners;
-  const std::span<std::int16_t> margins = margins_.row(alone ? 0 : y).first(winners.size());
+  const std::span<std::int16_t> margins = margins_.row(y).first(winners.size());
   if (found.costs.empty()) {
-    best::distinct_margins(found.mixed_costs, lanes, winners, tenths, shift, margins);
+    best::distinct_margins(found.mixed_costs, lanes, winners, percent, shift, margins);
   } else {
-    best::distinct_margins(found.costs, lanes, winners, tenths, shift, margins);
-  }
-  for (std::size_t x = 0; alone && x < margins.size(); ++x) {
-    found.winners[x] = margins[x] > 0 ? found.winners[x] : kNoWinner;
+    best::distinct_margins(found.costs, lanes, winners, percent, shift, margins);
   }
 }
 
@@ -252,7 +243,7 @@ void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
     drop_flat(pair_.left(), *params_.prefilter_cap, *params_.min_texture, out.rows(),
               Arena(scratch_), out);
   }
-  if (params_.distinct == Distinct::kSurroundings) {
+  if (params_.distinct) {
     drop_indistinct(cut(margins_, width_, height_), out.rows(), Arena(scratch_), out);
   }
   if (params_.histogram_permille) {

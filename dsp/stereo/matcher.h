@@ -48,7 +48,7 @@ class Matcher {
   template <typename Sum>
   void check_row(const FoundRow<Sum>& found, int y) noexcept;
   template <typename Sum>
-  void check_distinct(const FoundRow<Sum>& found, int y) noexcept;
+  void judge_distinctness(const FoundRow<Sum>& found, int y) noexcept;
   template <typename Sum>
   void refine_row(const FoundRow<Sum>& found, int y, std::span<Disparity> out) noexcept;
   void fit_grey_values(int y, std::span<Disparity> out) noexcept;

@@ -11,9 +11,9 @@
 namespace stof::dsp::neon {
 namespace {
 
-// tenths sum - 10 count c of one pixel.
+// percent sum - 100 count c of one pixel.
 std::int32_t lead_of(const std::uint8_t* costs, std::size_t lanes, std::uint8_t best,
-                     int tenths) noexcept {
+                     int percent) noexcept {
   const uint8x16_t no_cost = all(kNoCost<std::uint8_t>);
   uint16x8_t sum = vdupq_n_u16(0);     // at most 256 / 8 * 254
   uint8x16_t offered = vdupq_n_u8(0);  // at most 256 / 16
@@ -23,13 +23,13 @@ std::int32_t lead_of(const std::uint8_t* costs, std::size_t lanes, std::uint8_t 
     sum = vpadalq_u8(sum, vbicq_u8(cost, none));
     offered = add(offered, vaddq_u8(none, vdupq_n_u8(1)));  // a true mask is -1
   }
-  return tenths * static_cast<std::int32_t>(vaddlvq_u16(sum)) -
-         10 * static_cast<std::int32_t>(vaddlvq_u8(offered)) * best;
+  return percent * static_cast<std::int32_t>(vaddlvq_u16(sum)) -
+         100 * static_cast<std::int32_t>(vaddlvq_u8(offered)) * best;
 }
 
-// Below 10 * 256 * 2^16 < 2^28.
+// Below 100 * 256 * 2^16 < 2^31.
 std::int32_t lead_of(const std::uint16_t* costs, std::size_t lanes, std::uint16_t best,
-                     int tenths) noexcept {
+                     int percent) noexcept {
   const uint16x8_t no_cost = all(kNoCost<std::uint16_t>);
   uint32x4_t sum = vdupq_n_u32(0);
   uint16x8_t missing = vdupq_n_u16(0);  // counts down from 0
@@ -41,11 +41,11 @@ std::int32_t lead_of(const std::uint16_t* costs, std::size_t lanes, std::uint16_
   }
   const std::int32_t count =
       static_cast<std::int32_t>(lanes) - static_cast<std::uint16_t>(-vaddvq_u16(missing));
-  return tenths * static_cast<std::int32_t>(vaddvq_u32(sum)) - 10 * count * best;
+  return percent * static_cast<std::int32_t>(vaddvq_u32(sum)) - 100 * count * best;
 }
 
 std::int64_t lead_of(const std::uint32_t* costs, std::size_t lanes, std::uint32_t best,
-                     int tenths) noexcept {
+                     int percent) noexcept {
   const uint32x4_t no_cost = all(kNoCost<std::uint32_t>);
   uint64x2_t sum = vdupq_n_u64(0);
   uint32x4_t missing = vdupq_n_u32(0);
@@ -56,7 +56,7 @@ std::int64_t lead_of(const std::uint32_t* costs, std::size_t lanes, std::uint32_
     missing = add(missing, none);
   }
   const std::int64_t count = static_cast<std::int64_t>(lanes) - (0U - vaddvq_u32(missing));
-  return tenths * static_cast<std::int64_t>(vaddvq_u64(sum)) - 10 * count * best;
+  return percent * static_cast<std::int64_t>(vaddvq_u64(sum)) - 100 * count * best;
 }
 
 // Eight margins from eight leads.
@@ -79,43 +79,43 @@ void store_margins(const std::array<std::int64_t, 8>& leads, int shift,
 
 template <typename Sum>
 void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-                  int tenths, int shift, std::span<std::int16_t> margins) noexcept {
+                  int percent, int shift, std::span<std::int16_t> margins) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = winners.size();
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 && shift >= 0 &&
              shift <= 30 && costs.size() == n * count && margins.size() == n);
   std::size_t x = 0;
   for (; x + 8 <= n; x += 8) {
-    std::array<decltype(lead_of(costs.data(), count, Sum{}, tenths)), 8> leads{};
+    std::array<decltype(lead_of(costs.data(), count, Sum{}, percent)), 8> leads{};
     for (std::size_t k = 0; k < 8; ++k) {
       const std::int16_t winner = winners[x + k];
       const Sum* const pixel = costs.data() + (x + k) * count;
       if (winner != kNoWinner && pixel[winner] != kNoCost<Sum>) {
-        leads[k] = lead_of(pixel, count, pixel[winner], tenths);
+        leads[k] = lead_of(pixel, count, pixel[winner], percent);
       }
     }
     store_margins(leads, shift, margins.data() + x);
   }
-  ref::distinct_margins(costs.subspan(x * count), lanes, winners.subspan(x), tenths, shift,
+  ref::distinct_margins(costs.subspan(x * count), lanes, winners.subspan(x), percent, shift,
                         margins.subspan(x));
 }
 
 }  // namespace
 
 void distinct_margins(std::span<const std::uint8_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int tenths, int shift,
+                      std::span<const std::int16_t> winners, int percent, int shift,
                       std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, tenths, shift, margins);
+  find_margins(costs, lanes, winners, percent, shift, margins);
 }
 void distinct_margins(std::span<const std::uint16_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int tenths, int shift,
+                      std::span<const std::int16_t> winners, int percent, int shift,
                       std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, tenths, shift, margins);
+  find_margins(costs, lanes, winners, percent, shift, margins);
 }
 void distinct_margins(std::span<const std::uint32_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int tenths, int shift,
+                      std::span<const std::int16_t> winners, int percent, int shift,
                       std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, tenths, shift, margins);
+  find_margins(costs, lanes, winners, percent, shift, margins);
 }
 
 }  // namespace stof::dsp::neon

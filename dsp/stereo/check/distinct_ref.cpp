@@ -9,7 +9,7 @@ namespace stof::dsp::ref {
 namespace {
 
 template <typename Sum>
-std::int16_t margin(std::span<const Sum> costs, std::int16_t winner, int tenths,
+std::int16_t margin(std::span<const Sum> costs, std::int16_t winner, int percent,
                     int shift) noexcept {
   if (winner == kNoWinner || costs[static_cast<std::size_t>(winner)] == kNoCost<Sum>) {
     return 0;
@@ -22,39 +22,39 @@ std::int16_t margin(std::span<const Sum> costs, std::int16_t winner, int tenths,
       ++count;
     }
   }
-  const std::int64_t lead = tenths * sum - 10 * count * costs[static_cast<std::size_t>(winner)];
+  const std::int64_t lead = percent * sum - 100 * count * costs[static_cast<std::size_t>(winner)];
   return static_cast<std::int16_t>(
       std::clamp<std::int64_t>(lead >> shift, -32767, 32767));  // floor, as a vector shift does
 }
 
 template <typename Sum>
 void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-                  int tenths, int shift, std::span<std::int16_t> margins) noexcept {
+                  int percent, int shift, std::span<std::int16_t> margins) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 && shift >= 0 &&
              shift <= 30 && costs.size() == winners.size() * count &&
              margins.size() == winners.size());
   for (std::size_t x = 0; x < winners.size(); ++x) {
-    margins[x] = margin(costs.subspan(x * count, count), winners[x], tenths, shift);
+    margins[x] = margin(costs.subspan(x * count, count), winners[x], percent, shift);
   }
 }
 
 }  // namespace
 
 void distinct_margins(std::span<const std::uint8_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int tenths, int shift,
+                      std::span<const std::int16_t> winners, int percent, int shift,
                       std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, tenths, shift, margins);
+  find_margins(costs, lanes, winners, percent, shift, margins);
 }
 void distinct_margins(std::span<const std::uint16_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int tenths, int shift,
+                      std::span<const std::int16_t> winners, int percent, int shift,
                       std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, tenths, shift, margins);
+  find_margins(costs, lanes, winners, percent, shift, margins);
 }
 void distinct_margins(std::span<const std::uint32_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int tenths, int shift,
+                      std::span<const std::int16_t> winners, int percent, int shift,
                       std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, tenths, shift, margins);
+  find_margins(costs, lanes, winners, percent, shift, margins);
 }
 
 }  // namespace stof::dsp::ref

@@ -12,7 +12,7 @@ namespace stof::dsp {
 // Larger grey differences count as this one, and two grey levels as much as one bit of the census:
 // the structure of the surroundings decides, the grey value only between equals. The same for every
 // scene; in the spirit of AD-Census (Mei et al. 2011).
-inline constexpr int kMixedGreyCap = 10;
+inline constexpr int kMixedGreyCap = 6;
 inline constexpr int kMixedGreyShift = 1;
 inline constexpr int kLargestMixedCost = kCensus5x5Bits + (kMixedGreyCap >> kMixedGreyShift);
 

@@ -24,13 +24,13 @@ TYPED_TEST(Distinct, ComparesTheWinnerWithSeventyPercentOfTheMean) {
   costs[2] = 200;
   std::vector<std::int16_t> margins(1);
   const auto margin = [&](std::int16_t winner, int shift) {
-    ref::distinct_margins(std::span<const TypeParam>(costs), 16, std::vector{winner}, 7, shift,
+    ref::distinct_margins(std::span<const TypeParam>(costs), 16, std::vector{winner}, 70, shift,
                           margins);
     return margins[0];
   };
-  EXPECT_EQ(margin(1, 0), 7 * 330 - 10 * 3 * 30);
-  EXPECT_EQ(margin(0, 0), 7 * 330 - 10 * 3 * 100);
-  EXPECT_EQ(margin(0, 3), -87);  // floor of -86.25
+  EXPECT_EQ(margin(1, 0), 70 * 330 - 100 * 3 * 30);
+  EXPECT_EQ(margin(0, 0), 70 * 330 - 100 * 3 * 100);
+  EXPECT_EQ(margin(0, 4), -432);  // floor of -431.25
   EXPECT_EQ(margin(kNoWinner, 0), 0);
   EXPECT_EQ(margin(3, 0), 0);  // has no cost
   costs[1] = 77;
@@ -44,10 +44,10 @@ TYPED_TEST(Distinct, TheShiftKeepsTheLargestMarginWhole) {
   costs[9] = 0;
   std::vector<std::int16_t> margins(1);
   const int shift = margin_shift(cost, 64);
-  neon::distinct_margins(std::span<const TypeParam>(costs), 64, std::vector<std::int16_t>{9}, 7,
+  neon::distinct_margins(std::span<const TypeParam>(costs), 64, std::vector<std::int16_t>{9}, 70,
                          shift, margins);
   EXPECT_LT(margins[0], 32767);
-  EXPECT_EQ(margins[0], (7 * 63 * cost) >> shift);
+  EXPECT_EQ(margins[0], (70 * 63 * cost) >> shift);
 }
 
 TYPED_TEST(Distinct, NeonEqualsReferenceForEveryLengthAndShift) {
@@ -66,9 +66,9 @@ TYPED_TEST(Distinct, NeonEqualsReferenceForEveryLengthAndShift) {
         random.fill(winners.span(), kNoWinner, lanes - 1);
         for (const int shift : {0, 3, margin_shift(largest, lanes)}) {
           ref::distinct_margins(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
-                                lanes % 3 == 0 ? 7 : 8, shift, reference.span());
+                                lanes % 3 == 0 ? 70 : 85, shift, reference.span());
           neon::distinct_margins(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
-                                 lanes % 3 == 0 ? 7 : 8, shift, neon.span());
+                                 lanes % 3 == 0 ? 70 : 85, shift, neon.span());
           ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
               << n << " x " << lanes << " up to " << largest << " >> " << shift;
         }

@@ -31,12 +31,13 @@ TEST(MixedCosts, AddHalfTheClippedGreyDifferenceToTheHammingDistance) {
   std::vector<std::uint8_t> planes(kPlanes * 16, 0);
   planes[3] = 0b0111;  // candidate 3: three bits
   std::vector<std::uint8_t> grey(16, 100);
-  grey[1] = 93;   // 7 levels: 7 / 2 = 3
-  grey[2] = 255;  // clipped at 10: 5
+  grey[1] = 95;   // 5 levels: 5 / 2 = 2
+  grey[2] = 255;  // clipped at 6: 3
+  grey[4] = 102;  // 2 / 2 = 1
   const std::vector<std::uint8_t> own_grey{100};
   std::vector<std::uint8_t> costs(16, 99);
   ref::mixed_costs({no_bits, own_grey}, {planes, grey}, 16, costs);
-  EXPECT_EQ(costs, (std::vector<std::uint8_t>{0, 3, 5, 3, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
+  EXPECT_EQ(costs, (std::vector<std::uint8_t>{0, 2, 3, 3, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}));
 }
 
 TEST(MixedCosts, StayWithinTheBoundThatSumsAreSizedBy) {
