@@ -7,7 +7,11 @@ namespace stof::dsp {
 
 namespace ref {}
 namespace neon {}
+#if defined(STOF_PLAIN)  // target stof_dsp_plain, to compare with
+namespace best = ref;
+#else
 namespace best = neon;
+#endif
 
 // How many bits of a census descriptor lie in one byte (stereo/cost/census.h): ARM counts the bits
 // of bytes, other processors look up the distance of four bits.

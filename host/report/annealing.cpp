@@ -7,7 +7,6 @@
 namespace stof::host {
 namespace {
 
-constexpr int kBlock = 3;
 constexpr double kSlow = 10;     // times the scanline's time
 constexpr double kSlightly = 2;  // points of BP
 
@@ -20,7 +19,8 @@ struct Annealed {
 std::optional<Annealed> match(const Study& study, const dataset::StereoScene& scene,
                               dsp::Method method, std::optional<dsp::Acceptance> annealing) {
   MatchPlan plan;
-  plan.params = block_match(scene, dsp::Cost::kSad, kBlock, kBlock, true);
+  plan.params = dsp::method_defaults(dsp::Method::kScanline);
+  plan.params.disparities = scene.ndisp;
   plan.params.method = method;
   plan.params.smoothness = dsp::default_smoothness(dsp::Cost::kSad);
   plan.annealing = annealing;
@@ -33,7 +33,7 @@ std::optional<Annealed> match(const Study& study, const dataset::StereoScene& sc
   Annealed found{.outcome = {}, .energy = result->energy.value_or(0)};
   found.outcome.disparity = to_pixels(result->disparity.view());
   found.outcome.ms = result->median_ms;
-  found.outcome.score = score_disparity(found.outcome.disparity, scene, kBlock);
+  found.outcome.score = score_disparity(found.outcome.disparity, scene, plan.params.block_width);
   return found;
 }
 
@@ -107,10 +107,9 @@ void add_annealing(Study& study, Page& page) {
   page.paragraph(
       "Simulated annealing searches the whole picture for the map of lowest energy E = sum of "
       "costs + lambda times the sum of |d - d'| over neighbours, beginning with winner takes all. "
-      "Here on "
-      "SAD 3 × 3 of derivatives, with the smoothness of the scanline optimisation for one step; "
-      "energies of all maps are of this E. It is an offline reference: the appliance does not run "
-      "it.");
+      "Here on SAD of derivatives in the block of the scanline optimisation, with its smoothness "
+      "for one step; energies of all maps are of this E. It is an offline reference: the appliance "
+      "does not run it.");
   Table table{.caption = "BP in percent",
               .header = {"Method", "energy, thousands", "ms", "BP all", "BP not occluded"},
               .text_columns = 1,

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "host/report/plain.h"
+#include "host/report/plain_program.h"
 #include "host/report/sections.h"
 
 namespace stof::host {
@@ -16,16 +17,15 @@ constexpr double kNearPoints = 0.5;
 
 struct MethodRow {
   const char* method;
-  const char* cost;
+  std::string cost;
   dsp::MatchParams params;
+  std::optional<dsp::Acceptance> annealing = std::nullopt;
 };
 
-dsp::MatchParams with_method(dsp::MatchParams params, Method method) {
-  params.method = method;
-  return params;
+std::string size_of_block(const dsp::MatchParams& params) {
+  return std::to_string(params.block_width) + " × " + std::to_string(params.block_height);
 }
 
-// Blocks of 16x16 for winner takes all, of 3x3 where the smoothness itself gathers neighbours.
 std::vector<MethodRow> winner_rows(const dataset::StereoScene& scene) {
   return {
       {"WTA", "SAD 16 × 16, grey", block_match(scene, Cost::kSad, 16, 16, false)},
@@ -36,17 +36,32 @@ std::vector<MethodRow> winner_rows(const dataset::StereoScene& scene) {
       {"WTA", "census 9 × 7, block 16 × 16", block_match(scene, Cost::kCensus9x7, 16, 16, false)}};
 }
 
-std::vector<MethodRow> smooth_rows(const dataset::StereoScene& scene) {
+// One method on three costs, with the block that suits it.
+void add_costs(const dataset::StereoScene& scene, const char* name,
+               const dsp::MatchParams& defaults, std::optional<dsp::Acceptance> annealing,
+               std::vector<MethodRow>& rows) {
+  dsp::MatchParams params = defaults;
+  params.disparities = scene.ndisp;
+  for (const auto& [cost_name, cost] : {std::pair("SAD ", Cost::kSad), {"SSD ", Cost::kSsd}}) {
+    params.cost = cost;
+    rows.push_back({name, cost_name + size_of_block(params) + ", derivative", params, annealing});
+  }
+  params.cost = Cost::kCensus9x7;
+  params.prefilter_cap = std::nullopt;
+  rows.push_back({name, "census 9 × 7, block " + size_of_block(params), params, annealing});
+}
+
+std::vector<MethodRow> smooth_rows(const dataset::StereoScene& scene, bool with_annealing) {
   std::vector<MethodRow> rows;
   for (const auto& [name, method] :
        {std::pair("DP", Method::kOrdered), std::pair("SO", Method::kScanline),
         std::pair("SGM, 4 directions", Method::kSemiGlobal)}) {
-    rows.push_back({name, "SAD 3 × 3, derivative",
-                    with_method(block_match(scene, Cost::kSad, 3, 3, true), method)});
-    rows.push_back({name, "SSD 3 × 3, derivative",
-                    with_method(block_match(scene, Cost::kSsd, 3, 3, true), method)});
-    rows.push_back({name, "census 9 × 7, block 3 × 3",
-                    with_method(block_match(scene, Cost::kCensus9x7, 3, 3, false), method)});
+    add_costs(scene, name, dsp::method_defaults(method), std::nullopt, rows);
+  }
+  if (with_annealing) {
+    dsp::MatchParams params = dsp::method_defaults(Method::kScanline);
+    params.method = Method::kWinnerTakesAll;
+    add_costs(scene, "SA", params, dsp::Acceptance::kMetropolis, rows);
   }
   return rows;
 }
@@ -60,6 +75,8 @@ struct Findings {
   std::vector<double> readings;  // SAD, WTA: all four of every scene and picture, in percent
   int ssd_not_better = 0;
   int ssd_judged = 0;
+  int plain_maps = 0;  // compared with those of the appliance
+  int plain_equal = 0;
 };
 
 void note_winner(const std::vector<std::optional<DisparityScore>>& scores, Findings& findings) {
@@ -100,21 +117,36 @@ void add_cost_rows(const Study& study, const dataset::StereoScene& scene, Table&
   }
 }
 
-std::vector<std::optional<DisparityScore>> add_method_rows(Study& study,
-                                                           const dataset::StereoScene& scene,
+// The row's time with reference kernels. None for annealing, which has no kernels of its own.
+std::optional<double> plain_ms(Study& study, const Subject& subject, const MethodRow& row,
+                               const Outcome& outcome, Findings& findings) {
+  if (study.plain_program().empty() || row.annealing) {
+    return std::nullopt;
+  }
+  const std::optional<PlainMatch> plain =
+      run_plain(study.plain_program(), subject.folder, row.params, study.runs());
+  if (!plain) {
+    study.note_refused("plain " + std::string(row.method) + ", " + row.cost);
+    return std::nullopt;
+  }
+  ++findings.plain_maps;
+  findings.plain_equal += plain->map == outcome.map ? 1 : 0;
+  return plain->ms;
+}
+
+std::vector<std::optional<DisparityScore>> add_method_rows(Study& study, const Subject& subject,
                                                            const std::vector<MethodRow>& rows,
-                                                           Table& table) {
+                                                           Table& table, Findings& findings) {
   std::vector<std::optional<DisparityScore>> scores;
   for (const MethodRow& row : rows) {
     const std::string name = std::string(row.method) + ", " + row.cost;
-    const std::optional<Outcome> outcome = study.run(scene, {name, row.params});
+    const std::optional<Outcome> outcome =
+        study.run(subject.scene, {name, row.params, row.annealing});
     scores.push_back(outcome ? std::optional(outcome->score) : std::nullopt);
     if (!outcome) {
       continue;
     }
-    const std::optional<double> plain = row.params.method == Method::kWinnerTakesAll
-                                            ? plain_winner_ms(scene, row.params, study.runs())
-                                            : std::nullopt;
+    const std::optional<double> plain = plain_ms(study, subject, row, *outcome, findings);
     table.rows.push_back({row.method, row.cost, number(plain, 1), number(outcome->ms, 2),
                           ratio(plain, outcome->ms), percent(outcome->score.all),
                           percent(outcome->score.visible), percent(outcome->score.signed_all),
@@ -137,11 +169,26 @@ Findings add_tables(Study& study, Page& page) {
                 .rows = {}};
     add_cost_rows(study, scene, table);
     table.rows.push_back({"Whole methods"});
-    note_winner(add_method_rows(study, scene, winner_rows(scene), table), findings);
-    add_method_rows(study, scene, smooth_rows(scene), table);
+    note_winner(add_method_rows(study, subject, winner_rows(scene), table, findings), findings);
+    const bool with_annealing = !study.quick() || &subject == &study.subjects().front();
+    add_method_rows(study, subject, smooth_rows(scene, with_annealing), table, findings);
     page.table(table);
   }
   return findings;
+}
+
+std::string plain_in_words(const Findings& findings) {
+  const std::string all = std::to_string(findings.plain_maps);
+  if (findings.plain_maps == 0) {
+    return "Whole methods were not timed with the plain kernels in this run.";
+  }
+  if (findings.plain_equal == findings.plain_maps) {
+    return "Plain and optimised found the same map, bit for bit, in all " + all +
+           " whole methods that were run both ways; so BP is that of both.";
+  }
+  return "A defect: plain and optimised found different maps in " +
+         std::to_string(findings.plain_maps - findings.plain_equal) + " of " + all +
+         " whole methods that were run both ways; BP is that of the optimised.";
 }
 
 Claim bad_pixel_claim(const Findings& findings) {
@@ -173,13 +220,17 @@ void add_methods(Study& study, Page& page) {
   page.begin_section("methods", "Table 1: methods and costs");
   page.paragraph(
       "Every method of the chapter with every cost, dense, in whole pixels, without checks, on one "
-      "thread of this machine. Plain: loops as the formulas are printed (the reference kernels, "
-      "translated with the same optimiser). Optimised: what the appliance runs. Both give the same "
-      "sums, bit for bit. Winner takes all (WTA) sums costs over 16 × 16 px; dynamic programming "
-      "with occlusions (DP), scanline optimisation (SO) and semi-global matching (SGM, beyond the "
-      "chapter) over 3 × 3, because their smoothness gathers the neighbours; of these there is no "
-      "plain variant.");
+      "thread of this machine. Plain: loops as the formulas are printed (the reference kernels in "
+      "place of the vector ones, translated with the same optimiser). Optimised: what the "
+      "appliance runs. Winner takes all (WTA) sums costs over 16 × 16 px; dynamic programming with "
+      "occlusions (DP), scanline optimisation (SO) and semi-global matching (SGM, beyond the "
+      "chapter) over " +
+      size_of_block(dsp::method_defaults(Method::kScanline)) +
+      ", because their smoothness gathers the neighbours. Simulated annealing (SA) begins with "
+      "winner takes all on that block and runs once, offline; the annealing itself has no "
+      "kernels, so it has no plain time.");
   const Findings findings = add_tables(study, page);
+  page.paragraph(plain_in_words(findings));
   page.claim(bad_pixel_claim(findings));
   page.claim(
       {.chapter = "Squared differences (SSD) match no better than absolute ones (SAD).",

@@ -2,7 +2,6 @@
 
 #include "dsp/stereo/cost/cost_rows.h"
 #include "dsp/stereo/prepared_pair.h"
-#include "dsp/stereo/search/winner.h"
 #include "host/evaluate/match.h"
 #include "host/report/plain_costs.h"
 
@@ -57,18 +56,6 @@ double cost_matrix_with(const dataset::StereoScene& scene, const dsp::MatchParam
   });
 }
 
-template <typename Sum>
-double plain_winner_with(const dataset::StereoScene& scene, const dsp::MatchParams& params,
-                         int runs) {
-  return median_time_ms(runs, [&] {
-    PlainCosts<Sum> rows(scene, params);
-    std::vector<std::int16_t> winners(static_cast<std::size_t>(rows.width()));
-    for (int y = 0; y < rows.height(); ++y) {
-      dsp::ref::winners(rows.row(y), rows.lanes(), winners);
-    }
-  });
-}
-
 }  // namespace
 
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
@@ -79,15 +66,6 @@ std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
   return dsp::CostRows::wide(params)
              ? cost_matrix_with<std::uint32_t>(scene, params, variant, runs)
              : cost_matrix_with<std::uint16_t>(scene, params, variant, runs);
-}
-
-std::optional<double> plain_winner_ms(const dataset::StereoScene& scene,
-                                      const dsp::MatchParams& params, int runs) {
-  if (!has_block_costs(params)) {
-    return std::nullopt;
-  }
-  return dsp::CostRows::wide(params) ? plain_winner_with<std::uint32_t>(scene, params, runs)
-                                     : plain_winner_with<std::uint16_t>(scene, params, runs);
 }
 
 }  // namespace stof::host

@@ -17,8 +17,4 @@ enum class Variant : std::uint8_t { kPlain, kOptimised };
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
                                      const dsp::MatchParams& params, Variant variant, int runs);
 
-// Median time in ms of plain winner takes all on plain block costs. None for Cost::kMixed.
-std::optional<double> plain_winner_ms(const dataset::StereoScene& scene,
-                                      const dsp::MatchParams& params, int runs);
-
 }  // namespace stof::host

@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "host/report/plain_program.h"
 #include "host/report/sections.h"
 
 namespace stof::host {
@@ -55,13 +56,17 @@ std::expected<void, dataset::Problem> write(const std::filesystem::path& file,
 }
 
 dataset::Loaded<Study> load(const ReportOptions& options) {
+  if (!options.plain.empty() && !can_run(options.plain)) {
+    return std::unexpected(dataset::Problem{
+        options.plain.string() + ": is no program: build the target stof_plain and give its path"});
+  }
   std::vector<Subject> subjects;
   for (const std::filesystem::path& dir : options.scenes) {
     dataset::Loaded<dataset::StereoScene> scene = dataset::read_stereo_scene(dir);
     if (!scene) {
       return std::unexpected(std::move(scene.error()));
     }
-    subjects.emplace_back(std::move(*scene));
+    subjects.emplace_back(std::move(*scene)).folder = dir;
   }
   std::optional<Subject> corridor;
   if (!options.corridor.empty()) {
@@ -76,7 +81,8 @@ dataset::Loaded<Study> load(const ReportOptions& options) {
     }
     corridor.emplace(std::move(*scene));
   }
-  return Study(std::move(subjects), std::move(corridor), options.runs, options.quick);
+  return Study(std::move(subjects), std::move(corridor), options.runs, options.quick,
+               options.plain);
 }
 
 }  // namespace

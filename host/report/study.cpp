@@ -6,6 +6,7 @@
 
 #include "host/evaluate/match.h"
 #include "host/picture/relief.h"
+#include "host/plain/fingerprint.h"
 #include "host/report/legend.h"
 
 namespace stof::host {
@@ -51,7 +52,9 @@ std::optional<dataset::Image<std::uint8_t>> occluded(const dataset::StereoScene&
 Subject::Subject(dataset::StereoScene loaded) : scene(std::move(loaded)), scale(scale_of(scene)) {}
 
 std::optional<Outcome> Study::run(const dataset::StereoScene& scene, const Experiment& experiment) {
-  const dataset::Loaded<MatchResult> result = match_scene(scene, experiment.params, runs_);
+  const MatchPlan plan{
+      .params = experiment.params, .annealing = experiment.annealing, .runs = runs_};
+  const dataset::Loaded<MatchResult> result = match_scene(scene, plan);
   if (!result) {
     refused_.insert(experiment.name);
     return std::nullopt;
@@ -59,6 +62,7 @@ std::optional<Outcome> Study::run(const dataset::StereoScene& scene, const Exper
   Outcome outcome;
   outcome.disparity = to_pixels(result->disparity.view());
   outcome.ms = result->median_ms;
+  outcome.map = fingerprint(result->disparity);
   const auto made_up =
       std::ranges::count_if(result->filled.pixels, [](std::uint8_t filled) { return filled != 0; });
   outcome.filled = static_cast<double>(made_up) /
