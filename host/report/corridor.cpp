@@ -94,8 +94,12 @@ std::vector<Way> ways(Study& study, const dataset::StereoScene& scene) {
   std::vector<Way> result;
   const std::string name = "SAD 16 × 16, left-right check, 1/16 px";
   result.push_back({name, study.run(scene, {name, chapter})});
-  for (const char* const preset : {"fast", "quality"}) {
-    result.push_back({"preset " + std::string(preset), study.run_preset(scene, preset)});
+  for (const char* const named : {"fast", "quality"}) {
+    dsp::MatchParams params = preset(scene, named).value_or(chapter);
+    params.subpixel =
+        dsp::Subpixel::kEquiangular;  // as the appliance does: depth has no steps then
+    const std::string title = std::string("preset ") + named + ", 1/16 px";
+    result.push_back({title, study.run(scene, {title, params})});
   }
   std::erase_if(result, [](const Way& way) { return !way.outcome; });
   return result;
