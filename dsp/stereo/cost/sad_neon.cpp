@@ -5,50 +5,13 @@
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
 #include "dsp/stereo/cost/accumulate_neon.h"
+#include "dsp/stereo/cost/row_pairs_neon.h"
 #include "dsp/stereo/cost/sums_neon.h"
 
 namespace stof::dsp::neon {
 namespace {
 
-void check_sizes(std::size_t n, std::size_t right, int lanes, std::size_t columns) noexcept {
-  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0);
-  STOF_CHECK(right == n + static_cast<std::size_t>(lanes) - 1);
-  STOF_CHECK(columns == n * static_cast<std::size_t>(lanes));
-}
-
-template <typename Sum>
-void add_rows(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
-              std::span<Sum> columns) noexcept {
-  const std::size_t n = left.size();
-  check_sizes(n, right.size(), lanes, columns.size());
-  for (std::size_t k = 0; k < n; ++k) {
-    const uint8x16_t pixel = vdupq_n_u8(left[k]);
-    const std::uint8_t* const candidates = right.data() + (n - 1 - k);
-    Sum* const sums = columns.data() + k * static_cast<std::size_t>(lanes);
-    for (int i = 0; i < lanes; i += kCostLanes) {
-      accumulate(vabdq_u8(pixel, vld1q_u8(candidates + i)), sums + i);
-    }
-  }
-}
-
-template <typename Sum>
-void slide_rows(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
-                std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
-                int lanes, std::span<Sum> columns) noexcept {
-  const std::size_t n = new_left.size();
-  check_sizes(n, new_right.size(), lanes, columns.size());
-  STOF_CHECK(old_left.size() == n && old_right.size() == new_right.size());
-  for (std::size_t k = 0; k < n; ++k) {
-    const uint8x16_t entering = vdupq_n_u8(new_left[k]);
-    const uint8x16_t leaving = vdupq_n_u8(old_left[k]);
-    const std::size_t first = n - 1 - k;
-    Sum* const sums = columns.data() + k * static_cast<std::size_t>(lanes);
-    for (int i = 0; i < lanes; i += kCostLanes) {
-      exchange(vabdq_u8(entering, vld1q_u8(new_right.data() + first + i)),
-               vabdq_u8(leaving, vld1q_u8(old_right.data() + first + i)), sums + i);
-    }
-  }
-}
+constexpr auto kAbsolute = [](uint8x16_t a, uint8x16_t b) noexcept { return vabdq_u8(a, b); };
 
 // Four vectors of candidates at a time keep their running sums in registers over the whole row.
 template <typename Sum, std::size_t kVectors>
@@ -98,11 +61,11 @@ void sum_blocks(std::span<const Sum> columns, int block_width, int lanes,
 
 void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
                      int lanes, std::span<std::uint16_t> columns) noexcept {
-  add_rows(left, right, lanes, columns);
+  add_rows(left, right, lanes, columns, kAbsolute);
 }
 void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
                      int lanes, std::span<std::uint32_t> columns) noexcept {
-  add_rows(left, right, lanes, columns);
+  add_rows(left, right, lanes, columns, kAbsolute);
 }
 
 void slide_differences(std::span<const std::uint8_t> new_left,
@@ -110,14 +73,14 @@ void slide_differences(std::span<const std::uint8_t> new_left,
                        std::span<const std::uint8_t> old_left,
                        std::span<const std::uint8_t> old_right, int lanes,
                        std::span<std::uint16_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns);
+  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kAbsolute);
 }
 void slide_differences(std::span<const std::uint8_t> new_left,
                        std::span<const std::uint8_t> new_right,
                        std::span<const std::uint8_t> old_left,
                        std::span<const std::uint8_t> old_right, int lanes,
                        std::span<std::uint32_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns);
+  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kAbsolute);
 }
 
 void block_sums(std::span<const std::uint16_t> columns, int block_width, int lanes,

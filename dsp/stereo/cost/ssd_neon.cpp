@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
-#include "dsp/base/check.h"
 #include "dsp/base/simd.h"
+#include "dsp/stereo/cost/row_pairs_neon.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -21,11 +21,11 @@ Squares squares(uint8x16_t a, uint8x16_t b) noexcept {
 }
 
 // sums += entering.
-void add(const Squares& entering, std::uint16_t* sums) noexcept {
+void accumulate(const Squares& entering, std::uint16_t* sums) noexcept {
   vst1q_u16(sums, vaddq_u16(vld1q_u16(sums), entering.low));
   vst1q_u16(sums + 8, vaddq_u16(vld1q_u16(sums + 8), entering.high));
 }
-void add(const Squares& entering, std::uint32_t* sums) noexcept {
+void accumulate(const Squares& entering, std::uint32_t* sums) noexcept {
   vst1q_u32(sums, vaddw_u16(vld1q_u32(sums), vget_low_u16(entering.low)));
   vst1q_u32(sums + 4, vaddw_u16(vld1q_u32(sums + 4), vget_high_u16(entering.low)));
   vst1q_u32(sums + 8, vaddw_u16(vld1q_u32(sums + 8), vget_low_u16(entering.high)));
@@ -34,7 +34,7 @@ void add(const Squares& entering, std::uint32_t* sums) noexcept {
 
 // sums += entering - leaving.
 void exchange(const Squares& entering, const Squares& leaving, std::uint16_t* sums) noexcept {
-  add({vsubq_u16(entering.low, leaving.low), vsubq_u16(entering.high, leaving.high)}, sums);
+  accumulate({vsubq_u16(entering.low, leaving.low), vsubq_u16(entering.high, leaving.high)}, sums);
 }
 void exchange(const Squares& entering, const Squares& leaving, std::uint32_t* sums) noexcept {
   const auto slide = [](std::uint32_t* at, uint16x4_t in, uint16x4_t out) noexcept {
@@ -46,66 +46,28 @@ void exchange(const Squares& entering, const Squares& leaving, std::uint32_t* su
   slide(sums + 12, vget_high_u16(entering.high), vget_high_u16(leaving.high));
 }
 
-void check_sizes(std::size_t n, std::size_t right, int lanes, std::size_t columns) noexcept {
-  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0);
-  STOF_CHECK(right == n + static_cast<std::size_t>(lanes) - 1);
-  STOF_CHECK(columns == n * static_cast<std::size_t>(lanes));
-}
-
-template <typename Sum>
-void add_rows(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
-              std::span<Sum> columns) noexcept {
-  const std::size_t n = left.size();
-  check_sizes(n, right.size(), lanes, columns.size());
-  for (std::size_t k = 0; k < n; ++k) {
-    const uint8x16_t pixel = vdupq_n_u8(left[k]);
-    const std::uint8_t* const candidates = right.data() + (n - 1 - k);
-    Sum* const sums = columns.data() + k * static_cast<std::size_t>(lanes);
-    for (int i = 0; i < lanes; i += kCostLanes) {
-      add(squares(pixel, vld1q_u8(candidates + i)), sums + i);
-    }
-  }
-}
-
-template <typename Sum>
-void slide_rows(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
-                std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
-                int lanes, std::span<Sum> columns) noexcept {
-  const std::size_t n = new_left.size();
-  check_sizes(n, new_right.size(), lanes, columns.size());
-  STOF_CHECK(old_left.size() == n && old_right.size() == new_right.size());
-  for (std::size_t k = 0; k < n; ++k) {
-    const uint8x16_t entering = vdupq_n_u8(new_left[k]);
-    const uint8x16_t leaving = vdupq_n_u8(old_left[k]);
-    const std::size_t first = n - 1 - k;
-    Sum* const sums = columns.data() + k * static_cast<std::size_t>(lanes);
-    for (int i = 0; i < lanes; i += kCostLanes) {
-      exchange(squares(entering, vld1q_u8(new_right.data() + first + i)),
-               squares(leaving, vld1q_u8(old_right.data() + first + i)), sums + i);
-    }
-  }
-}
+constexpr auto kSquares = [](uint8x16_t a, uint8x16_t b) noexcept { return squares(a, b); };
 
 }  // namespace
 
 void add_squares(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
                  std::span<std::uint16_t> columns) noexcept {
-  add_rows(left, right, lanes, columns);
+  add_rows(left, right, lanes, columns, kSquares);
 }
 void add_squares(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
                  std::span<std::uint32_t> columns) noexcept {
-  add_rows(left, right, lanes, columns);
+  add_rows(left, right, lanes, columns, kSquares);
 }
 
 void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
                    std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
                    int lanes, std::span<std::uint16_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns);
+  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kSquares);
 }
 void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
                    std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
                    int lanes, std::span<std::uint32_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns);
+  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kSquares);
 }
 
 }  // namespace stof::dsp::neon

@@ -10,6 +10,8 @@ namespace {
 
 bool is(const MatchParams& params, Method method) noexcept { return params.method == method; }
 
+constexpr std::int64_t kLargestScaledCost = 8191;
+
 // The mixed cost is a mean, the others are sums over a block.
 std::int64_t area_of(const MatchParams& params) noexcept {
   return params.cost == Cost::kMixed ? 1 : std::int64_t{params.block_width} * params.block_height;
@@ -48,7 +50,9 @@ std::int64_t largest_energy(const MatchParams& params) noexcept {
 }  // namespace
 
 std::int64_t largest_cost(const MatchParams& params) noexcept {
-  return area_of(params) * largest_difference(params);
+  const std::int64_t sum = area_of(params) * largest_difference(params);
+  const bool scaled = is(params, Method::kSemiGlobal) && params.cost != Cost::kMixed;
+  return scaled ? std::min<std::int64_t>(sum, kLargestScaledCost) : sum;
 }
 
 bool needs_wide_sums(const MatchParams& params) noexcept {
@@ -71,11 +75,12 @@ Sum block_occlusion(const MatchParams& params) noexcept {
 template std::uint16_t block_occlusion(const MatchParams&) noexcept;
 template std::uint32_t block_occlusion(const MatchParams&) noexcept;
 
-// Block sums times this, over 65536, plus a large step, stay below 8192.
+// Block sums times this, over 65536, plus a large step, stay below 8192: eight paths fit u16.
 std::uint32_t path_factor(const MatchParams& params) noexcept {
   const std::int64_t most =
       area_of(params) * (largest_difference(params) + smoothness_of(params).large_step);
-  return static_cast<std::uint32_t>(std::min<std::int64_t>((8191LL << 16) / most, 1 << 16));
+  return static_cast<std::uint32_t>(
+      std::min<std::int64_t>((kLargestScaledCost << 16) / most, 1 << 16));
 }
 
 PathParams<std::uint8_t> mixed_path_params(const MatchParams& params) noexcept {

@@ -8,7 +8,7 @@
 // MatchParams in the units of the rows of costs that a search adds up.
 namespace stof::dsp {
 
-// The most that the cost of a block can be.
+// The most that costs can be as a search hands them out (FoundRow of row_search.h).
 std::int64_t largest_cost(const MatchParams& params) noexcept;
 
 // True when block sums, or the energies of a search in them, need u32.
