@@ -234,6 +234,35 @@ TEST(Matcher, ResultDoesNotDependOnTheSplitOfRows) {
   }
 }
 
+TEST(Matcher, WhatMatchesWellIsDistinctByEveryMethodAndCost) {
+  const int w = 90;
+  const int h = 40;
+  const Pixels left = noise(w, h, 11);
+  Pixels right = left;
+  for (int y = 0; y < h; ++y) {
+    std::rotate(right.begin() + y * w, right.begin() + y * w + 5, right.begin() + (y + 1) * w);
+  }
+  for (const Method method :
+       {Method::kWinnerTakesAll, Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
+    for (const Cost cost :
+         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+      for (const std::optional<int> cap : {std::optional<int>(), std::optional<int>(15)}) {
+        const std::vector<Disparity> found = match(left, right, w, h,
+                                                   {.disparities = 32,
+                                                    .cost = cost,
+                                                    .method = method,
+                                                    .block_width = 9,
+                                                    .block_height = 9,
+                                                    .prefilter_cap = cap,
+                                                    .distinct = true});
+        const auto right_ones = std::ranges::count(found, Disparity::from_pixels(5));
+        EXPECT_GE(right_ones, w * h * 8 / 10) << static_cast<int>(method) << ", "
+                                              << static_cast<int>(cost) << ", " << cap.value_or(0);
+      }
+    }
+  }
+}
+
 TEST(Matcher, EveryKindTakesEverySize) {
   const int sizes[][2] = {{1, 1}, {2, 1}, {1, 2}, {3, 2}, {1, 40}, {70, 1}, {19, 35}, {90, 3}};
   for (const auto& [w, h] : sizes) {
