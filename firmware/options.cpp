@@ -167,7 +167,13 @@ std::string options_usage() {
       "  --device N           device number in every packet (default 1)\n"
       "  --session N          session number in every packet (default: random)\n"
       "  --help               this text\n";
+  text +=
+      "What changes the preset; where the name alone has a meaning a value follows \"=\", such as\n"
+      "--lr=2, and --no-NAME is NAME=off:\n";
   for (const dsp::MatchOption& option : dsp::match_options()) {
+    if (option.name == "fill") {
+      continue;  // refused
+    }
     std::string name = "  --" + std::string(option.name);
     name.resize(std::max<std::size_t>(name.size() + 1, 23), ' ');
     text += name + std::string(option.meaning) + ": " + std::string(option.values) + "\n";

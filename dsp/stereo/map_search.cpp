@@ -4,6 +4,7 @@
 
 #include "dsp/stereo/block/adaptive.h"
 #include "dsp/stereo/search/pyramid.h"
+#include "dsp/stereo/search/single_candidate.h"
 
 namespace stof::dsp {
 namespace {
@@ -59,6 +60,9 @@ void search_map(const MatchParams& params, const PreparedPair& pair, Arena arena
                           .left_grey = pair.left_grey(),
                           .right_grey = pair.right_grey()},
                          arena, {.left = winners, .right = right});
+  }
+  for (int y = 0; y < winners.height(); ++y) {
+    settle_single_candidates(params.min_disparity, params.disparities, winners.row(y));
   }
   if (params.left_right_tolerance) {
     check_blocks(right, params.min_disparity, *params.left_right_tolerance, winners);

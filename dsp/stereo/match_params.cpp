@@ -73,6 +73,10 @@ const char* problem(const MatchParams& params) noexcept {
   if (params.band && params.method != Method::kScanline) {
     return "a band is part of scanline optimisation: choose method so";
   }
+  if (params.distinct && (params.interest || params.band)) {
+    return "distinctness compares with all candidates, a band and interesting positions leave few: "
+           "choose one of the two";
+  }
   if (whole_search && (other_search || params.interest)) {
     return "adaptive blocks and coarse to fine are for method wta with cost sad: choose these";
   }

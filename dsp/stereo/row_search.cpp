@@ -10,6 +10,7 @@
 #include "dsp/stereo/search/energy.h"
 #include "dsp/stereo/search/ordered.h"
 #include "dsp/stereo/search/scanline.h"
+#include "dsp/stereo/search/single_candidate.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
@@ -26,24 +27,6 @@ void convert(std::span<const From> from, std::span<To> to) noexcept {
   std::ranges::transform(from, to.begin(), [](From cost) noexcept {
     return cost == kNoCost<From> ? kNoCost<To> : static_cast<To>(cost);
   });
-}
-
-// The columns at either end of the range have one candidate and no rival to judge it by: they take
-// it where the next column found a match.
-void settle_single_candidates(const MatchParams& params, std::span<std::int16_t> winners) noexcept {
-  const int width = static_cast<int>(winners.size());
-  const auto settle = [&](int x, int neighbour, int candidate) noexcept {
-    if (std::min(x, neighbour) >= 0 && std::max(x, neighbour) < width &&
-        winners[size(neighbour)] != kNoWinner) {
-      winners[size(x)] = static_cast<std::int16_t>(candidate);
-    }
-  };
-  if (params.disparities > 1) {
-    const int first = params.min_disparity;  // meets right column 0 as candidate 0
-    settle(first, first + 1, 0);
-    const int last = width + params.min_disparity + params.disparities - 2;  // meets the last one
-    settle(last, last - 1, params.disparities - 1);
-  }
 }
 
 using NarrowPaths = SemiGlobal<std::uint8_t, std::uint8_t>;
@@ -153,7 +136,7 @@ void RowSearch<Sum>::start(const PreparedPair& pair) noexcept {
 template <typename Sum>
 FoundRow<Sum> RowSearch<Sum>::row(int y) noexcept {
   const FoundRow<Sum> found = search(y);
-  settle_single_candidates(params_, found.winners);
+  settle_single_candidates(params_.min_disparity, params_.disparities, found.winners);
   return found;
 }
 

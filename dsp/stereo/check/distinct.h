@@ -18,7 +18,7 @@ namespace stof::dsp {
 
 inline constexpr int kDistinctPercent = 70;
 // Of costs that are means over regions of pixels that look alike: there noise averages out, and
-// the winner costs 93 percent of the mean and more.
+// the winner costs nearly the mean.
 inline constexpr int kDistinctRegionPercent = 85;
 
 // The smallest shift for which no margin of costs up to `largest_cost` is clipped.

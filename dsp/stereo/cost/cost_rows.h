@@ -32,7 +32,7 @@ class CostRows {
   CostRows(const MatchParams& params, int width, Arena& arena) noexcept;
 
   // Another pair of pictures, at most the constructor's width, that match prefilter_cap: values of
-  // `left` and `right` stay below 2 cap + 1 where it is set (those of the derivatives for kMixed).
+  // `left` and `right` stay below 2 cap + 1 where it is set.
   void start(const CostPictures& pictures) noexcept;
 
   int lanes() const noexcept { return lanes_; }
