@@ -110,7 +110,7 @@ dsp::PmdSensor sensor_from(Fields& fields) {
                  .cy = fields.number("cy"),
                  .k1 = fields.number_or("k1", 0),
                  .k2 = fields.number_or("k2", 0)};
-  sensor.modulation.value =
+  sensor.tone.modulation.value =
       static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
   sensor.dark_lsb = fields.number("dark_lsb");
   sensor.saturation_lsb = fields.integer("sat_lsb", 1, 65535);
@@ -122,7 +122,7 @@ dsp::PmdSensor sensor_from(Fields& fields) {
   const double kappa3 = fields.number_or("kappa3", 0);
   const double kappa5 = fields.number_or("kappa5", 0);
   fields.require(std::abs(kappa5 - kappa3) < kMaxWiggleRad, "has kappa3 and kappa5 too far apart");
-  sensor.wiggling = dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
+  sensor.tone.wiggling = dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
   return sensor;
 }
 
@@ -222,7 +222,7 @@ Done read_fixed_pattern(const std::filesystem::path& file, PmdRecording& recordi
                       size_text(values->width, values->height),
                   "give the fixed pattern of this sensor");
   }
-  const double turn_mm = dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.modulation.value);
+  const double turn_mm = dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.tone.modulation.value);
   for (const std::uint16_t value : values->pixels) {
     const double offset_mm = (value - 32768) / 8.0;
     const long units = std::lround(offset_mm / turn_mm * 65536);

@@ -85,14 +85,14 @@ const char* pmd_problem(const PmdSensor& pmd) noexcept {
     return "the PMD lens has a size, focal length or centre that is not usable";
   }
   // The distance of one turn must fit u16 quarter millimetres: 9.15 MHz and up.
-  if (pmd.modulation.value < 9'150'000 || pmd.modulation.value > 200'000'000) {
+  if (pmd.tone.modulation.value < 9'150'000 || pmd.tone.modulation.value > 200'000'000) {
     return "the PMD modulation frequency is outside 9.15 to 200 MHz";
   }
   if (!finite_positive(pmd.electrons_per_lsb) || !(pmd.noise_lsb >= 0) ||
       !std::isfinite(pmd.noise_lsb) || !(pmd.dark_lsb >= 0) || !(pmd.dark_lsb < 32768) ||
-      !(pmd.min_modulation_ratio >= 0) || !(pmd.min_modulation_ratio <= 1) ||
+      !(pmd.tone.min_modulation_ratio >= 0) || !(pmd.tone.min_modulation_ratio <= 1) ||
       !(pmd.suppressed_lsb >= 0) || !std::isfinite(pmd.suppressed_lsb) ||
-      !finite_positive(pmd.asymmetry_sigmas) || !std::isfinite(pmd.offset_m)) {
+      !finite_positive(pmd.asymmetry_sigmas) || !std::isfinite(pmd.tone.offset_m)) {
     return "a PMD constant (dark, noise, gain, ratio or offset) is not usable";
   }
   const std::size_t pixels =

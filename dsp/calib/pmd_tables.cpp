@@ -29,7 +29,7 @@ double dark_variance(const PmdSensor& sensor) noexcept {
 
 // Distance of one turn, quarter mm.
 double turn_quarter_mm(const PmdSensor& sensor) noexcept {
-  return kQuarterMmPerMetre * kLightMetresPerSecond / (2.0 * sensor.modulation.value);
+  return kQuarterMmPerMetre * kLightMetresPerSecond / (2.0 * sensor.tone.modulation.value);
 }
 
 }  // namespace
@@ -41,7 +41,7 @@ PhaseLimits phase_limits(const PmdSensor& sensor) noexcept {
   limits.dark = clamp_to<std::uint16_t>(sensor.dark_lsb);
   limits.min_amp2 = clamp_to<std::uint16_t>(2.0 * sensor.min_amplitude_lsb);
   limits.ratio_q16 =
-      std::min(clamp_to<std::uint32_t>(2 * sensor.min_modulation_ratio * 65536), kMaxRatioQ16);
+      std::min(clamp_to<std::uint32_t>(2 * sensor.tone.min_modulation_ratio * 65536), kMaxRatioQ16);
   // A0 + A2 - A1 - A3 has four times the variance of a sample.
   const double squared = 4 * sensor.asymmetry_sigmas * sensor.asymmetry_sigmas;
   limits.asymmetry_base = clamp_to<std::uint32_t>(squared * dark_variance(sensor));
@@ -55,15 +55,15 @@ RangeParams range_params(const PmdSensor& sensor) noexcept {
   const double turn = turn_quarter_mm(sensor);
   params.phase_falls = sensor.phase_falls;
   params.range = clamp_to<std::uint16_t>(turn);
-  const double turns = sensor.offset_m * kQuarterMmPerMetre / turn;
+  const double turns = sensor.tone.offset_m * kQuarterMmPerMetre / turn;
   params.global = static_cast<Phase>(std::lround((turns - std::floor(turns)) * 65536));
   // K_s = sqrt(2) * 4000 c / (4 pi f) = sqrt(2) * turn / (2 pi).
   const double k = std::numbers::sqrt2 * turn / (2 * std::numbers::pi);
   params.noise_slope = static_cast<float>(k * k / sensor.electrons_per_lsb);
   params.noise_base = static_cast<float>(k * k * dark_variance(sensor));
   for (std::size_t i = 0; i < params.wiggling.size(); ++i) {
-    const std::int16_t value = sensor.wiggling[i];
-    const std::int16_t next = sensor.wiggling[(i + 1) % sensor.wiggling.size()];
+    const std::int16_t value = sensor.tone.wiggling[i];
+    const std::int16_t next = sensor.tone.wiggling[(i + 1) % sensor.tone.wiggling.size()];
     params.wiggling[i] = {value, static_cast<std::int16_t>(next - value)};
   }
   return params;

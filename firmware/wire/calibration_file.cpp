@@ -139,19 +139,19 @@ void walk(Walker& walker, Calib& calibration) noexcept {
   walker.field(calibration.stereo.doff_px);
   auto& pmd = calibration.pmd;
   walk_lens(walker, pmd.lens);
-  walker.field(pmd.modulation.value);
+  walker.field(pmd.tone.modulation.value);
   walker.field(pmd.phase_falls);
   walker.field(pmd.saturation_lsb);
   walker.field(pmd.under_lsb);
   walker.field(pmd.min_amplitude_lsb);
   walker.field(pmd.dark_lsb);
-  walker.field(pmd.min_modulation_ratio);
+  walker.field(pmd.tone.min_modulation_ratio);
   walker.field(pmd.asymmetry_sigmas);
   walker.field(pmd.electrons_per_lsb);
   walker.field(pmd.noise_lsb);
   walker.field(pmd.suppressed_lsb);
-  walker.field(pmd.offset_m);
-  for (auto& step : pmd.wiggling) {
+  walker.field(pmd.tone.offset_m);
+  for (auto& step : pmd.tone.wiggling) {
     walker.field(step);
   }
   walk_transform(walker, calibration.pmd_to_stereo);

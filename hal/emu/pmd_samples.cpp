@@ -149,13 +149,13 @@ std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modu
 dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
                                 const PmdModel& model) {
   return {.lens = lens,
-          .modulation = modulation,
+          .tone = {.modulation = modulation,
+                   .wiggling = dsp::fourth_harmonic_table(model.kappa5 - model.kappa3)},
           .dark_lsb = model.dark_lsb,
           .saturation_lsb = (1 << model.bits) - 1,
           .electrons_per_lsb = model.electrons_per_lsb,
           .noise_lsb = model.read_noise_e / model.electrons_per_lsb,
           .suppressed_lsb = model.suppression * model.ambient_e / model.electrons_per_lsb,
-          .wiggling = dsp::fourth_harmonic_table(model.kappa5 - model.kappa3),
           .fixed_pattern = {}};
 }
 

@@ -57,13 +57,13 @@ TEST_F(PmdRecordings, GiveTheConstantsInTheUnitsOfTheCalibration) {
   EXPECT_EQ(sensor.lens.cy, 0.25);
   EXPECT_EQ(sensor.lens.k1, -0.1);
   EXPECT_EQ(sensor.lens.k2, 0.01);
-  EXPECT_EQ(sensor.modulation.value, 20'000'000U);
+  EXPECT_EQ(sensor.tone.modulation.value, 20'000'000U);
   EXPECT_EQ(sensor.dark_lsb, 100.5);
   EXPECT_EQ(sensor.saturation_lsb, 4000);
   EXPECT_EQ(sensor.electrons_per_lsb, 50);
   EXPECT_EQ(sensor.noise_lsb, 6);
   EXPECT_EQ(sensor.suppressed_lsb, 0.95 * 15000 / 50);
-  EXPECT_EQ(sensor.wiggling, dsp::fourth_harmonic_table(0.01 - 0.05));
+  EXPECT_EQ(sensor.tone.wiggling, dsp::fourth_harmonic_table(0.01 - 0.05));
   EXPECT_TRUE(sensor.fixed_pattern.empty());
   EXPECT_FALSE(recording->has_rig);
 }

@@ -84,7 +84,7 @@ TEST(RenderPmd, OddHarmonicsBendThePhaseByTheCalibrationsTable) {
   PmdModel model = plain_model();
   model.kappa3 = 0.0497;
   model.kappa5 = 0.0111;
-  const dsp::WigglingTable table = sensor_constants(kLens, k20MHz, model).wiggling;
+  const dsp::WigglingTable table = sensor_constants(kLens, k20MHz, model).tone.wiggling;
   for (double z = 1; z < 7; z += 0.23) {
     const double truth = 2 * std::numbers::pi * z / kTurnM;
     const double measured = phase(render(wall(z), model));

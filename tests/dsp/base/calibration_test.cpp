@@ -43,7 +43,7 @@ TEST(Calibration, EveryUnusableNumberIsNamed) {
   c.pmd_to_stereo.translation_m[1] = nan;
   EXPECT_NE(problem(c), std::string());
   c = usable();
-  c.pmd.modulation = Hertz{5'000'000};
+  c.pmd.tone.modulation = Hertz{5'000'000};
   EXPECT_NE(problem(c), std::string());
   c = usable();
   c.pmd.electrons_per_lsb = 0;

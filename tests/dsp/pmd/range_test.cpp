@@ -54,11 +54,11 @@ TEST(Range, LeavesOutPixelsThatAreNotToBeTrusted) {
 
 TEST(Range, WrapsOffsetsAndNegatesAFallingPhase) {
   PmdSensor sensor;
-  sensor.offset_m = 1;
+  sensor.tone.offset_m = 1;
   const RangeParams later = range_params(sensor);
   EXPECT_EQ(run(later, 17488).distance, 4000);              // 2 m less 1 m
   EXPECT_NEAR(run(later, 4372).distance, 29979 - 2000, 1);  // 0.5 m less 1 m wraps
-  sensor.offset_m = 1 - 3 * 299792458.0 / 40e6;             // whole turns change nothing
+  sensor.tone.offset_m = 1 - 3 * 299792458.0 / 40e6;             // whole turns change nothing
   EXPECT_EQ(run(range_params(sensor), 17488).distance, 4000);
   sensor = {};
   sensor.phase_falls = true;
@@ -69,7 +69,7 @@ TEST(Range, WrapsOffsetsAndNegatesAFallingPhase) {
 
 TEST(Range, RemovesFourthHarmonicWigglingToAQuarterMillimetre) {
   PmdSensor sensor;
-  sensor.wiggling = fourth_harmonic_table(-0.0386);  // 46 mm, as odd harmonics of an LED make it
+  sensor.tone.wiggling = fourth_harmonic_table(-0.0386);  // 46 mm, as odd harmonics of an LED make it
   const RangeParams params = range_params(sensor);
   double worst = 0;
   for (int i = 0; i < 65536; i += 7) {

@@ -52,20 +52,20 @@ dsp::Calibration some_calibration(std::span<const std::int16_t> pattern, bool op
                                           .cx_left = 311.25,
                                           .cx_right = 330.5};
   }
-  c.pmd.modulation = dsp::Hertz{18'750'000};
+  c.pmd.tone.modulation = dsp::Hertz{18'750'000};
   c.pmd.phase_falls = true;
   c.pmd.dark_lsb = 101.5;
   c.pmd.saturation_lsb = 4000;
   c.pmd.under_lsb = -7;
   c.pmd.min_amplitude_lsb = 9;
-  c.pmd.min_modulation_ratio = 0.25;
+  c.pmd.tone.min_modulation_ratio = 0.25;
   c.pmd.asymmetry_sigmas = 5.5;
   c.pmd.electrons_per_lsb = 61;
   c.pmd.noise_lsb = 4.75;
   c.pmd.suppressed_lsb = 12;
-  c.pmd.offset_m = -0.03125;
+  c.pmd.tone.offset_m = -0.03125;
   test::Random random(1);
-  random.fill(std::span<std::int16_t>(c.pmd.wiggling));
+  random.fill(std::span<std::int16_t>(c.pmd.tone.wiggling));
   for (double& element : c.pmd_to_stereo.rotation) {
     element = next *= 1.1;
   }
@@ -116,19 +116,19 @@ TEST(CalibrationFile, GivesBackEveryField) {
   EXPECT_EQ(got->stereo.baseline_m, want.stereo.baseline_m);
   EXPECT_EQ(got->stereo.doff_px, want.stereo.doff_px);
   expect_equal(got->pmd.lens, want.pmd.lens);
-  EXPECT_EQ(got->pmd.modulation.value, want.pmd.modulation.value);
+  EXPECT_EQ(got->pmd.tone.modulation.value, want.pmd.tone.modulation.value);
   EXPECT_EQ(got->pmd.phase_falls, want.pmd.phase_falls);
   EXPECT_EQ(got->pmd.dark_lsb, want.pmd.dark_lsb);
   EXPECT_EQ(got->pmd.saturation_lsb, want.pmd.saturation_lsb);
   EXPECT_EQ(got->pmd.under_lsb, want.pmd.under_lsb);
   EXPECT_EQ(got->pmd.min_amplitude_lsb, want.pmd.min_amplitude_lsb);
-  EXPECT_EQ(got->pmd.min_modulation_ratio, want.pmd.min_modulation_ratio);
+  EXPECT_EQ(got->pmd.tone.min_modulation_ratio, want.pmd.tone.min_modulation_ratio);
   EXPECT_EQ(got->pmd.asymmetry_sigmas, want.pmd.asymmetry_sigmas);
   EXPECT_EQ(got->pmd.electrons_per_lsb, want.pmd.electrons_per_lsb);
   EXPECT_EQ(got->pmd.noise_lsb, want.pmd.noise_lsb);
   EXPECT_EQ(got->pmd.suppressed_lsb, want.pmd.suppressed_lsb);
-  EXPECT_EQ(got->pmd.offset_m, want.pmd.offset_m);
-  EXPECT_EQ(got->pmd.wiggling, want.pmd.wiggling);
+  EXPECT_EQ(got->pmd.tone.offset_m, want.pmd.tone.offset_m);
+  EXPECT_EQ(got->pmd.tone.wiggling, want.pmd.tone.wiggling);
   EXPECT_EQ(got->pmd_to_stereo.rotation, want.pmd_to_stereo.rotation);
   EXPECT_EQ(got->pmd_to_stereo.translation_m, want.pmd_to_stereo.translation_m);
   EXPECT_TRUE(std::ranges::equal(got->pmd.fixed_pattern, pattern));
@@ -243,15 +243,15 @@ TEST(CalibrationFile, HasTheDocumentsOffsets) {
   EXPECT_EQ(i32(156), c.pmd.under_lsb);
   EXPECT_EQ(i32(160), c.pmd.min_amplitude_lsb);
   EXPECT_EQ(f64(164), c.pmd.dark_lsb);
-  EXPECT_EQ(f64(172), c.pmd.min_modulation_ratio);
+  EXPECT_EQ(f64(172), c.pmd.tone.min_modulation_ratio);
   EXPECT_EQ(f64(180), c.pmd.asymmetry_sigmas);
   EXPECT_EQ(f64(188), c.pmd.electrons_per_lsb);
   EXPECT_EQ(f64(196), c.pmd.noise_lsb);
   EXPECT_EQ(f64(204), c.pmd.suppressed_lsb);
-  EXPECT_EQ(f64(212), c.pmd.offset_m);
-  for (std::size_t i = 0; i < c.pmd.wiggling.size(); ++i) {
+  EXPECT_EQ(f64(212), c.pmd.tone.offset_m);
+  for (std::size_t i = 0; i < c.pmd.tone.wiggling.size(); ++i) {
     const std::uint16_t step = get_u16(in.subspan(220 + 2 * i).first<2>());
-    EXPECT_EQ(static_cast<std::int16_t>(step), c.pmd.wiggling[i]);
+    EXPECT_EQ(static_cast<std::int16_t>(step), c.pmd.tone.wiggling[i]);
   }
   for (std::size_t i = 0; i < 9; ++i) {
     EXPECT_EQ(f64(476 + 8 * i), c.pmd_to_stereo.rotation[i]);
