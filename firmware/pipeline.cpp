@@ -46,7 +46,7 @@ std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
                                   pmd.height) +
          dsp::Arena::bytes_for<dsp::Disparity>(pixels) +
          2 * dsp::Arena::bytes_for<dsp::QuarterMm>(pixels) +
-         dsp::Arena::bytes_for<dsp::Source>(pixels);
+         dsp::Arena::bytes_for<dsp::Source>(pixels) + dsp::Arena::bytes_for<dsp::Cause>(pixels);
 }
 
 Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noexcept
@@ -63,6 +63,7 @@ Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noe
   output_.map.depth = arena.take_image<dsp::QuarterMm>(width, height);
   output_.map.width = arena.take_image<dsp::QuarterMm>(width, height);
   output_.map.source = arena.take_image<dsp::Source>(width, height);
+  output_.map.cause = arena.take_image<dsp::Cause>(width, height);
 }
 
 void Pipeline::match(const hal::StereoFrame& frame) noexcept {
@@ -91,7 +92,7 @@ const Output& Pipeline::compute(const Shot& shot) noexcept {
     pmd_ = &converter_->convert((*shot.pmd)->samples);
   }
   const hal::Time converted = clock_.now();
-  fuser_.fuse(disparity_, pmd_, output_.map);
+  fuser_.fuse({disparity_, matcher_.ratio(), matcher_.weak()}, pmd_, output_.map);
   stats.match = matched - start;
   stats.convert = converted - matched;
   stats.fuse = clock_.now() - converted;

@@ -48,7 +48,7 @@ constexpr std::size_t fuser_bytes(const board::StereoConfig& stereo,
   return 8 * pixels(stereo.width, stereo.height) + 72 * pixels(pmd.width, pmd.height) +
          16 * (8 + 4) * (static_cast<std::size_t>(stereo.disparities) + 4) +
          (32 + 4 + 16 * 4) * static_cast<std::size_t>(stereo.width) + 8192 +
-         4 * 4 * dsp::kMaxStereoSigma;
+         4 * 2 * 255;
 }
 
 // Disparity, depth, interval width, source.

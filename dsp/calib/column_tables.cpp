@@ -42,16 +42,15 @@ double depth_of(const StereoRig& rig, double x, double d) noexcept {
 }
 
 ColumnTables make_column_tables(const StereoRig& rig, std::int16_t first_raw, std::int16_t last_raw,
-                                std::int16_t sigma_raw, QuarterMm max_range,
-                                std::span<std::int32_t> left,
+                                QuarterMm max_range, std::span<std::int32_t> left,
                                 std::span<std::int32_t> right) noexcept {
-  STOF_CHECK(first_raw <= last_raw && sigma_raw >= 0);
+  STOF_CHECK(first_raw <= last_raw);
   STOF_CHECK(rig.baseline_m >= 1e-3 && rig.baseline_m <= 1e3);
-  STOF_CHECK(right.size() == right_tangents(left.size(), first_raw, last_raw, sigma_raw));
+  STOF_CHECK(right.size() == right_tangents(left.size(), first_raw, last_raw));
   for (std::size_t x = 0; x < left.size(); ++x) {
     left[x] = to_fixed(left_tangent(rig, static_cast<double>(x)), kNoLeftRay);
   }
-  const double first_column = -(last_raw + 2.0 * sigma_raw);
+  const double first_column = -(last_raw + double{kMostSpread});
   for (std::size_t k = 0; k < right.size(); ++k) {
     const double column = (first_column + static_cast<double>(k)) / Disparity::kOne;
     right[k] = to_fixed(right_tangent(rig, column), kNoRightRay);
@@ -59,7 +58,6 @@ ColumnTables make_column_tables(const StereoRig& rig, std::int16_t first_raw, st
   const double baseline = std::ldexp(rig.baseline_m * kQuarterMmPerMetre, kTangentBits);
   return {.first_raw = first_raw,
           .last_raw = last_raw,
-          .sigma_raw = sigma_raw,
           .max_range = max_range,
           .near_numerator = static_cast<std::int64_t>(std::floor(baseline)),
           .far_numerator = static_cast<std::int64_t>(std::ceil(baseline)),

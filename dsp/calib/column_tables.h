@@ -23,11 +23,10 @@ double right_tangent(const StereoRig& rig, double x) noexcept;
 double depth_of(const StereoRig& rig, double x, double d) noexcept;
 
 // Fills `left`, one element a column, and `right` (right_tangents() elements), and returns tables
-// that refer to both. Disparities and sigma in 1/16 px, sigma not negative; baseline_m 1 mm .. 1
+// that refer to both. Disparities in 1/16 px; baseline_m 1 mm .. 1
 // km.
 ColumnTables make_column_tables(const StereoRig& rig, std::int16_t first_raw, std::int16_t last_raw,
-                                std::int16_t sigma_raw, QuarterMm max_range,
-                                std::span<std::int32_t> left,
+                                QuarterMm max_range, std::span<std::int32_t> left,
                                 std::span<std::int32_t> right) noexcept;
 
 }  // namespace stof::dsp

@@ -19,20 +19,16 @@ double depth_at(const StereoRig& rig, double raw) noexcept {
 
 }  // namespace
 
-void fill_disparity_table(const StereoRig& rig, std::int16_t first_raw, std::int16_t sigma_raw,
-                          QuarterMm max_range, std::span<DepthInterval> intervals) noexcept {
-  STOF_CHECK(!intervals.empty() && sigma_raw >= 0);
-  for (std::size_t i = 0; i < intervals.size(); ++i) {
-    const double raw = first_raw + static_cast<double>(i);
-    const double near = std::max(std::floor(depth_at(rig, raw + 2.0 * sigma_raw)), 1.0);
-    const double far = std::ceil(depth_at(rig, raw - 2.0 * sigma_raw));
-    if (near >= max_range || i + 1 == intervals.size()) {
-      intervals[i] = {};
-    } else {
-      intervals[i] = {static_cast<QuarterMm>(near),
-                      static_cast<QuarterMm>(std::min<double>(far, max_range))};
-    }
+DisparityTable make_disparity_table(const StereoRig& rig, std::int16_t first_raw,
+                                    QuarterMm max_range, std::span<DepthInterval> bounds) noexcept {
+  STOF_CHECK(bounds.size() > 2 * std::size_t{kMostSpread});
+  for (std::size_t i = 0; i < bounds.size(); ++i) {
+    const double depth = depth_at(rig, first_raw - kMostSpread + static_cast<double>(i));
+    bounds[i].low =
+        static_cast<QuarterMm>(std::clamp<double>(std::floor(depth), 1, double{kMaxQuarterMm}));
+    bounds[i].high = static_cast<QuarterMm>(std::min<double>(std::ceil(depth), max_range));
   }
+  return {.first_raw = first_raw, .max_range = max_range, .bounds = bounds};
 }
 
 }  // namespace stof::dsp

@@ -5,6 +5,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/target.h"
+#include "dsp/fusion/stereo_interval.h"
 
 namespace stof::dsp {
 
@@ -20,33 +21,37 @@ inline constexpr std::int32_t kNoLeftRay = std::int32_t{1} << 30;
 struct ColumnTables {
   std::int16_t first_raw = 0;  // disparities outside of first_raw .. last_raw have no interval
   std::int16_t last_raw = 0;
-  std::int16_t sigma_raw = 0;                // sigma_d, 1/16 px, not negative
-  QuarterMm max_range = 0;                   // where a far end ends
-  std::int64_t near_numerator = 0;           // b in quarter mm with 28 fraction bits, rounded down,
-  std::int64_t far_numerator = 0;            // and rounded up; 2^30 .. 2^60
-  std::span<const std::int32_t> left = {};   // T_l of each column
-  std::span<const std::int32_t> right = {};  // element k: T_r of column (k - last - 2 sigma) / 16
+  QuarterMm max_range = 0;                  // where a far end ends
+  std::int64_t near_numerator = 0;          // b in quarter mm with 28 fraction bits, rounded down,
+  std::int64_t far_numerator = 0;           // and rounded up; 2^30 .. 2^60
+  std::span<const std::int32_t> left = {};  // T_l of each column
+  std::span<const std::int32_t> right =
+      {};  // element k: T_r of column (k - last_raw - kMostSpread) / 16
 };
 
 // Elements of `right` for a row of so many columns.
-constexpr std::size_t right_tangents(std::size_t columns, int first_raw, int last_raw,
-                                     int sigma_raw) noexcept {
+constexpr std::size_t right_tangents(std::size_t columns, int first_raw, int last_raw) noexcept {
   return columns * Disparity::kOne + static_cast<std::size_t>(last_raw - first_raw) +
-         4 * static_cast<std::size_t>(sigma_raw);
+         2 * std::size_t{kMostSpread};
 }
 
-// Interval of each disparity, quarter mm: low[x] = floor(b / (T_r[x - d - 2 sigma] - T_l[x])), at
-// least 1, high[x] = ceil(b / (T_r[x - d + 2 sigma] - T_l[x])). Both differences are taken one unit
+// Interval of each disparity, quarter mm, half[x] being 2 sigma in 1/16 px:
+// low[x] = floor(b / (T_r[x - d - 2 sigma] - T_l[x])), at least 1,
+// high[x] = ceil(b / (T_r[x - d + 2 sigma] - T_l[x])). Both differences are taken one unit
 // towards the outside, so that what the tables were rounded by cannot make the interval shorter: it
 // holds [Z(d + 2 sigma), Z(d - 2 sigma)], and ends at most 1 + Z^2 / (b 2^27) quarter mm outside of
 // it. A far end beyond max_range, at infinity or behind it is max_range. 0, 0 where the near end is
 // there too, without disparity and for one outside of the tables.
 // Columns, left, low and high of equal length, right as above; any alignment, no overlap.
-using ColumnInterval = void(std::span<const Disparity> disparity, const ColumnTables& tables,
+using ColumnInterval = void(std::span<const Disparity> disparity,
+                            std::span<const std::uint8_t> half, const ColumnTables& tables,
                             std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept;
 namespace ref {
 ColumnInterval column_interval;
-}
+// The same for one pixel in column x; half in 0 .. kMostSpread.
+DepthInterval column_interval_at(std::size_t x, int raw, int half,
+                                 const ColumnTables& tables) noexcept;
+}  // namespace ref
 namespace neon {
 ColumnInterval column_interval;
 }

@@ -92,19 +92,18 @@ Ends interval(const Division& near_by, const Division& far_by, std::uint32_t max
 
 }  // namespace
 
-void column_interval(std::span<const Disparity> disparity, const ColumnTables& tables,
-                     std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept {
+void column_interval(std::span<const Disparity> disparity, std::span<const std::uint8_t> half,
+                     const ColumnTables& tables, std::span<QuarterMm> low,
+                     std::span<QuarterMm> high) noexcept {
   const std::size_t n = disparity.size();
-  STOF_CHECK(tables.left.size() == n && low.size() == n && high.size() == n);
-  STOF_CHECK(tables.first_raw <= tables.last_raw && tables.sigma_raw >= 0);
-  STOF_CHECK(tables.right.size() >=
-             right_tangents(n, tables.first_raw, tables.last_raw, tables.sigma_raw));
+  STOF_CHECK(tables.left.size() == n && half.size() == n && low.size() == n && high.size() == n);
+  STOF_CHECK(tables.first_raw <= tables.last_raw);
+  STOF_CHECK(tables.right.size() >= right_tangents(n, tables.first_raw, tables.last_raw));
   const Division near_by(tables.near_numerator, tables.max_range);
   const Division far_by(tables.far_numerator, tables.max_range);
   const int16x8_t first = vdupq_n_s16(tables.first_raw);
   const int16x8_t last = vdupq_n_s16(tables.last_raw);
   const int16x8_t none = vdupq_n_s16(Disparity::none().raw);
-  const std::size_t between_ends = 4 * static_cast<std::size_t>(tables.sigma_raw);
   std::size_t x = 0;
   for (; x + kLanes <= n; x += kLanes) {
     const int16x8_t raw = vld1q_s16(&disparity[x].raw);
@@ -114,10 +113,10 @@ void column_interval(std::span<const Disparity> disparity, const ColumnTables& t
     std::array<std::int32_t, kLanes> far{};
     for (std::size_t k = 0; k < kLanes; ++k) {  // NEON has no gather
       const std::int16_t some = std::clamp(disparity[x + k].raw, tables.first_raw, tables.last_raw);
-      const std::int32_t* const at = tables.right.data() + (x + k) * Disparity::kOne +
-                                     static_cast<std::size_t>(tables.last_raw - some);
-      near[k] = at[0];
-      far[k] = at[between_ends];
+      const std::int32_t* const at =
+          tables.right.data() + (x + k) * Disparity::kOne + (tables.last_raw - some) + kMostSpread;
+      near[k] = at[-std::ptrdiff_t{half[x + k]}];
+      far[k] = at[half[x + k]];
     }
     const std::int32_t* const left = tables.left.data() + x;
     const Ends a = interval(near_by, far_by, tables.max_range, vld1q_s32(left),
@@ -132,7 +131,8 @@ void column_interval(std::span<const Disparity> disparity, const ColumnTables& t
     ColumnTables rest = tables;
     rest.left = tables.left.subspan(x);
     rest.right = tables.right.subspan(x * Disparity::kOne);
-    ref::column_interval(disparity.subspan(x), rest, low.subspan(x), high.subspan(x));
+    ref::column_interval(disparity.subspan(x), half.subspan(x), rest, low.subspan(x),
+                         high.subspan(x));
   }
 }
 

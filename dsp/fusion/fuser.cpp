@@ -11,7 +11,9 @@
 #include "dsp/fusion/column_interval.h"
 #include "dsp/fusion/intersect.h"
 #include "dsp/fusion/reproject.h"
+#include "dsp/fusion/settle.h"
 #include "dsp/fusion/stereo_interval.h"
+#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 namespace {
@@ -20,21 +22,40 @@ std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// All subpixel disparities of the candidates, half a candidate to either side, and none.
+// All subpixel disparities of the candidates, and half a candidate to either side.
 std::size_t table_size(int disparities) noexcept {
-  return static_cast<std::size_t>((disparities + 1) * Disparity::kOne + 2);
+  return static_cast<std::size_t>((disparities + 1) * Disparity::kOne + 1 + 2 * kMostSpread);
 }
 
-// The same range of disparities for every column, two sigma further to either side.
-std::size_t column_table_size(int width, int disparities, int sigma_raw) noexcept {
-  return right_tangents(static_cast<std::size_t>(width), 0, (disparities + 1) * Disparity::kOne,
-                        sigma_raw);
+// The same range of disparities for every column.
+std::size_t column_table_size(int width, int disparities) noexcept {
+  return right_tangents(static_cast<std::size_t>(width), 0, (disparities + 1) * Disparity::kOne);
+}
+
+std::int16_t infinity_of(const StereoRig& rig) noexcept {
+  constexpr double kFarthest = 16384;
+  return static_cast<std::int16_t>(
+      std::clamp(std::round(-rig.doff_px * Disparity::kOne), -kFarthest, kFarthest));
+}
+
+// Three PMD pixels in pixels of the left view: what an interval of 3x3 readings can come from.
+int reach_of(const Calibration& calibration) noexcept {
+  const double ratio = calibration.stereo.left.fx / calibration.pmd.lens.fx;
+  return static_cast<int>(std::clamp(std::ceil(3 * ratio), 2.0, double{kMaxImageWidth}));
+}
+
+// Unambiguous range in quarter mm; 0 where it does not fit.
+QuarterMm range_of(const PmdSensor& sensor) noexcept {
+  const double range =
+      kQuarterMmPerMetre * kLightMetresPerSecond / (2.0 * sensor.tone.modulation.value);
+  return range < kMaxQuarterMm ? static_cast<QuarterMm>(std::lround(range)) : QuarterMm{0};
 }
 
 }  // namespace
 
 struct Fuser::Tables {
   FusionParams params;
+  SettleParams settling;
   bool converging;  // then columns count, else disparity does
   ColumnTables columns;
   DisparityTable disparity;
@@ -42,56 +63,105 @@ struct Fuser::Tables {
   PaintedView painted;
   std::span<QuarterMm> stereo_low;
   std::span<QuarterMm> stereo_high;
+  std::span<std::uint8_t> half;
+  std::span<std::uint8_t> ratio;  // of matches without one
+  std::span<Disparity> nothing;   // a row without stereo
+  std::span<Cause> cause;         // where nobody asks for it
 };
 
 std::size_t Fuser::bytes_needed(int width, int height, int disparities, int pmd_width,
                                 int pmd_height) noexcept {
+  const std::size_t row = static_cast<std::size_t>(width);
   return Arena::bytes_for<Tables>(1) + Arena::bytes_for<DepthInterval>(table_size(disparities)) +
-         Arena::bytes_for<std::int32_t>(static_cast<std::size_t>(width)) +
-         Arena::bytes_for<std::int32_t>(column_table_size(width, disparities, kMaxStereoSigma)) +
+         Arena::bytes_for<std::int32_t>(row) +
+         Arena::bytes_for<std::int32_t>(column_table_size(width, disparities)) +
          3 * Arena::bytes_for<QuarterMm>(pixels(width, height)) +
          Arena::bytes_for<std::uint8_t>(pixels(width, height)) +
-         2 * Arena::bytes_for<QuarterMm>(static_cast<std::size_t>(width)) +
+         2 * Arena::bytes_for<QuarterMm>(row) + 2 * Arena::bytes_for<std::uint8_t>(row) +
+         Arena::bytes_for<Disparity>(row) + Arena::bytes_for<Cause>(row) +
          Reprojector::bytes_needed(pmd_width, pmd_height);
 }
 
 Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
              int disparities, int width, int height, Arena& arena) noexcept {
+  STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
   tables_ = std::construct_at(arena.take<Tables>(1).data());
   Tables& t = *tables_;
+  const std::size_t row = static_cast<std::size_t>(width);
   t.params = params;
+  t.settling = {.infinity_raw = infinity_of(calibration.stereo), .max_range = params.max_range};
+  if (calibration.pmd.lens.width > 0) {
+    t.settling.pmd_range = range_of(calibration.pmd);
+    t.settling.reach_px = reach_of(calibration);
+  }
   const auto first =
       static_cast<std::int16_t>(std::max((min_disparity - 1) * Disparity::kOne, -32767));
   t.converging = calibration.stereo.converging.has_value();
   if (t.converging) {
-    STOF_CHECK(params.stereo_sigma <= kMaxStereoSigma);
     const int last = std::min<int>(first + (disparities + 1) * Disparity::kOne, 32767);
-    t.columns = make_column_tables(
-        calibration.stereo, first, static_cast<std::int16_t>(last), params.stereo_sigma,
-        params.max_range, arena.take<std::int32_t>(static_cast<std::size_t>(width)),
-        arena.take<std::int32_t>(
-            right_tangents(static_cast<std::size_t>(width), first, last, params.stereo_sigma)));
+    t.columns = make_column_tables(calibration.stereo, first, static_cast<std::int16_t>(last),
+                                   params.max_range, arena.take<std::int32_t>(row),
+                                   arena.take<std::int32_t>(right_tangents(row, first, last)));
   } else {
-    const std::span<DepthInterval> intervals = arena.take<DepthInterval>(table_size(disparities));
-    t.disparity = {first, intervals};
-    fill_disparity_table(calibration.stereo, first, params.stereo_sigma, params.max_range,
-                         intervals);
+    t.disparity = make_disparity_table(calibration.stereo, first, params.max_range,
+                                       arena.take<DepthInterval>(table_size(disparities)));
   }
   t.painted.nearest = arena.take_image<QuarterMm>(width, height);
   t.painted.low = arena.take_image<QuarterMm>(width, height);
   t.painted.high = arena.take_image<QuarterMm>(width, height);
   t.painted.flags = arena.take_image<std::uint8_t>(width, height);
-  t.stereo_low = arena.take<QuarterMm>(static_cast<std::size_t>(width));
-  t.stereo_high = arena.take<QuarterMm>(static_cast<std::size_t>(width));
+  t.stereo_low = arena.take<QuarterMm>(row);
+  t.stereo_high = arena.take<QuarterMm>(row);
+  t.half = arena.take<std::uint8_t>(row);
+  t.ratio = arena.take<std::uint8_t>(row);
+  t.nothing = arena.take<Disparity>(row);
+  t.cause = arena.take<Cause>(row);
+  std::ranges::fill(t.ratio, std::uint8_t{0});
+  std::ranges::fill(t.nothing, Disparity::none());
   t.reprojector = Reprojector(calibration, width, height, arena);
 }
 
-void Fuser::fuse(ImageView<const Disparity> disparity, const PmdMaps* pmd,
-                 const DepthMap& out) noexcept {
+void Fuser::fuse_row(const StereoMaps& stereo, int y, const DepthMap& out) noexcept {
+  Tables& t = *tables_;
+  SettleRow row{.disparity = t.nothing,
+                .weak = {},
+                .stereo = {t.stereo_low, t.stereo_high},
+                .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
+                .support = {t.ratio, t.painted.flags.row(y)}};
+  if (!stereo.disparity.empty()) {
+    row.disparity = stereo.disparity.row(y);
+  }
+  if (!stereo.weak.empty()) {
+    row.weak = stereo.weak.row(y);
+  }
+  if (stereo.ratio.empty()) {
+    std::ranges::fill(t.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
+  } else {
+    row.support.ratio = stereo.ratio.row(y);
+    best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.settling.infinity_raw,
+                        t.half);
+  }
+  const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
+                       out.cause.empty() ? t.cause : out.cause.row(y)};
+  if (t.converging) {
+    best::column_interval(row.disparity, t.half, t.columns, t.stereo_low, t.stereo_high);
+    best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
+    settle_row(row, t.settling, t.columns, fused);
+  } else {
+    best::stereo_interval(row.disparity, t.half, t.disparity, t.stereo_low, t.stereo_high);
+    best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
+    settle_row(row, t.settling, t.disparity, fused);
+  }
+}
+
+void Fuser::fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept {
   Tables& t = *tables_;
   STOF_CHECK(same_size(out.depth, t.painted.low) && same_size(out.width, out.depth) &&
-             same_size(out.source, out.depth));
-  STOF_CHECK(disparity.empty() || same_size(disparity, out.depth));
+             same_size(out.source, out.depth) &&
+             (out.cause.empty() || same_size(out.cause, out.depth)));
+  STOF_CHECK(stereo.disparity.empty() || same_size(stereo.disparity, out.depth));
+  STOF_CHECK(stereo.ratio.empty() || same_size(stereo.ratio, out.depth));
+  STOF_CHECK(stereo.weak.empty() || same_size(stereo.weak, out.depth));
   const Rows all = out.depth.rows();
   if (pmd != nullptr) {
     t.reprojector.locate(*pmd);
@@ -100,17 +170,7 @@ void Fuser::fuse(ImageView<const Disparity> disparity, const PmdMaps* pmd,
   }
   t.reprojector.paint(all, t.painted);
   for (int y = all.begin; y < all.end; ++y) {
-    if (disparity.empty()) {
-      std::ranges::fill(t.stereo_low, QuarterMm{0});
-      std::ranges::fill(t.stereo_high, QuarterMm{0});
-    } else if (t.converging) {
-      best::column_interval(disparity.row(y), t.columns, t.stereo_low, t.stereo_high);
-    } else {
-      best::stereo_interval(disparity.row(y), t.disparity, t.stereo_low, t.stereo_high);
-    }
-    best::intersect({t.stereo_low, t.stereo_high}, {t.painted.low.row(y), t.painted.high.row(y)},
-                    t.painted.flags.row(y), t.params.max_range, out.depth.row(y), out.width.row(y),
-                    out.source.row(y));
+    fuse_row(stereo, y, out);
   }
 }
 

@@ -84,6 +84,11 @@ const char* problem(const MatchParams& params) noexcept {
     return "adaptive blocks and coarse to fine keep no costs for uniqueness, distinctness and fits "
            "of costs: leave these out, or fit by least-squares";
   }
+  if (whole_search && params.guided) {
+    return "adaptive blocks and coarse to fine keep no costs that a guide could narrow: leave one "
+           "of "
+           "the two out";
+  }
   if (params.block_shape != BlockShape::kFixed && params.pyramid_levels) {
     return "coarse to fine is for fixed blocks: choose one of the two";
   }

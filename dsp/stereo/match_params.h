@@ -78,6 +78,8 @@ struct MatchParams {
   std::optional<int> band = std::nullopt;
   // Coarse to fine: 1 begins at half size, 2 at a quarter; finer sizes search near what was found.
   std::optional<int> pyramid_levels = std::nullopt;
+  // Each match may be given a guide (cost/mask_costs.h): which candidates each pixel may take.
+  bool guided = false;
 
   // Largest difference in px between a match and the match of the match; without it no check.
   std::optional<int> left_right_tolerance = std::nullopt;
@@ -93,8 +95,9 @@ struct MatchParams {
   // Connected patches of fewer pixels are dropped.
   std::optional<int> speckle_pixels = std::nullopt;
   Subpixel subpixel = Subpixel::kWhole;
-  bool median = false;  // 3x3 median of the disparities
-  bool fill = false;    // from the background; every filled pixel is marked (Matcher::filled)
+  bool median = false;      // 3x3 median of the disparities
+  bool fill = false;        // from the background; every filled pixel is marked (Matcher::filled)
+  bool confidence = false;  // Matcher::ratio() and Matcher::weak() are kept
 };
 
 // The largest block, candidate count and image a Matcher accepts.

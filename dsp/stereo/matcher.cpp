@@ -8,6 +8,7 @@
 #include "dsp/stereo/check/distinct.h"
 #include "dsp/stereo/check/histogram.h"
 #include "dsp/stereo/check/left_right.h"
+#include "dsp/stereo/check/peak_ratio.h"
 #include "dsp/stereo/check/speckle.h"
 #include "dsp/stereo/check/texture.h"
 #include "dsp/stereo/check/uniqueness.h"
@@ -33,6 +34,10 @@ ImageView<T> cut(ImageView<T> buffer, int width, int height) noexcept {
 
 bool fills(const MatchParams& params) noexcept {
   return params.fill || params.method == Method::kOrdered;
+}
+
+bool keeps_weak(const MatchParams& params) noexcept {
+  return params.confidence && (params.distinct || params.min_texture);
 }
 
 // The most that one step takes for itself.
@@ -71,6 +76,8 @@ std::size_t Matcher::bytes_needed(const MatchParams& params, int width, int heig
   bytes += params.distinct ? Arena::bytes_for<std::int16_t>(pixels) : 0;
   bytes += params.median ? Arena::bytes_for<Disparity>(pixels) : 0;
   bytes += fills(params) ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
+  bytes += params.confidence ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
+  bytes += keeps_weak(params) ? Arena::bytes_for<Disparity>(pixels) : 0;
   return bytes + Arena::bytes_for<std::byte>(scratch_bytes(params, width, height));
 }
 
@@ -91,21 +98,28 @@ Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena)
   if (fills(params)) {
     filled_ = arena.take_image<std::uint8_t>(width, height);
   }
+  if (params.confidence) {
+    ratio_ = arena.take_image<std::uint8_t>(width, height);
+  }
+  if (keeps_weak(params)) {
+    weak_ = arena.take_image<Disparity>(width, height);
+  }
   scratch_ = arena.take<std::byte>(scratch_bytes(params, width, height));
 }
 
 void Matcher::match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
-                    ImageView<Disparity> out) noexcept {
+                    ImageView<Disparity> out, Guide guide) noexcept {
   STOF_CHECK(same_size(left, out));
-  start(left, right);
+  start(left, right, guide);
   filter(left.rows());
   derive(left.rows());
   match_rows(left.rows(), out);
   finish(out);
 }
 
-void Matcher::start(ImageView<const std::uint8_t> left,
-                    ImageView<const std::uint8_t> right) noexcept {
+void Matcher::start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+                    Guide guide) noexcept {
+  STOF_CHECK(guide.empty() || params_.guided);
   width_ = left.width();
   height_ = left.height();
   pair_.start(left, right);
@@ -113,9 +127,9 @@ void Matcher::start(ImageView<const std::uint8_t> left,
     return;
   }
   if (search_) {
-    search_->start(pair_);
+    search_->start(pair_, guide);
   } else {
-    wide_search_->start(pair_);
+    wide_search_->start(pair_, guide);
   }
 }
 
@@ -139,6 +153,12 @@ ImageView<const std::uint8_t> Matcher::filled() const noexcept {
   return cut(filled_, width_, height_);
 }
 
+ImageView<const std::uint8_t> Matcher::ratio() const noexcept {
+  return cut(ratio_, width_, height_);
+}
+
+ImageView<const Disparity> Matcher::weak() const noexcept { return cut(weak_, width_, height_); }
+
 template <typename Sum>
 void Matcher::match_rows_with(RowSearch<Sum>& search, Rows rows,
                               ImageView<Disparity> out) noexcept {
@@ -158,6 +178,14 @@ void Matcher::check_row(const FoundRow<Sum>& found, int y) noexcept {
   }
   if (params_.distinct) {
     judge_distinctness(found, y);
+  }
+  if (params_.confidence) {
+    const std::span<std::uint8_t> ratio = ratio_.row(y).first(found.winners.size());
+    if (found.narrow_judged.empty()) {
+      best::peak_ratio(found.judged, lanes, found.winners, ratio);
+    } else {
+      best::peak_ratio(found.narrow_judged, lanes, found.winners, ratio);
+    }
   }
   if (params_.uniqueness_percent) {
     best::uniqueness_check(found.judged, lanes, *params_.uniqueness_percent, found.winners);
@@ -234,11 +262,18 @@ void Matcher::match_map(ImageView<Disparity> out) noexcept {
     if (!filled_.empty()) {
       std::ranges::fill(filled_.row(y), std::uint8_t{0});
     }
+    if (params_.confidence) {
+      std::ranges::fill(ratio_.row(y).first(size(width_)), kRatioUnknown);
+    }
   }
 }
 
 // Drops what the whole map speaks against.
 void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
+  const ImageView<Disparity> weak = cut(weak_, width_, height_);
+  for (int y = 0; !weak.empty() && y < height_; ++y) {
+    std::ranges::copy(out.row(y), weak.row(y).begin());
+  }
   if (params_.min_texture) {
     drop_flat(pair_.left(), *params_.prefilter_cap, *params_.min_texture, out.rows(),
               Arena(scratch_), out);
@@ -253,6 +288,24 @@ void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
   }
   if (params_.speckle_pixels) {
     drop_speckles(out, *params_.speckle_pixels, Arena(scratch_));
+  }
+  keep_weak(out);
+}
+
+// Of what was consistent, what was dropped since.
+void Matcher::keep_weak(ImageView<const Disparity> out) noexcept {
+  const ImageView<Disparity> weak = cut(weak_, width_, height_);
+  if (weak.empty()) {
+    return;
+  }
+  if (params_.speckle_pixels) {
+    drop_speckles(weak, *params_.speckle_pixels, Arena(scratch_));
+  }
+  for (int y = 0; y < height_; ++y) {
+    const std::span<Disparity> row = weak.row(y);
+    for (std::size_t x = 0; x < row.size(); ++x) {
+      row[x] = out.row(y)[x].valid() ? Disparity::none() : row[x];
+    }
   }
 }
 

@@ -70,6 +70,8 @@ std::size_t RowSearch<Sum>::bytes_needed(const MatchParams& params, int width) n
   }
   if (is_method(params, Method::kSemiGlobal)) {
     bytes += path_bytes(params, width);
+  } else {
+    bytes += params.guided ? row : 0;
   }
   return bytes;
 }
@@ -110,33 +112,40 @@ RowSearch<Sum>::RowSearch(const MatchParams& params, int width, Arena& arena) no
     } else {
       mixed_paths_.emplace(mixed, width, arena);
     }
+  } else if (params.guided) {
+    masked_ = arena.take<Sum>(row);
   }
 }
 
 template <typename Sum>
-void RowSearch<Sum>::start(const PreparedPair& pair) noexcept {
+void RowSearch<Sum>::start(const PreparedPair& pair, Guide guide) noexcept {
+  STOF_CHECK(guide.empty() || (params_.guided && same_size(guide, pair.left())));
   pair_ = &pair;
+  guide_ = guide;
   if (cross_rows_) {
     cross_rows_->start(pair.left_grey(), pair.right_grey());
   } else {
     block_rows_->start({.left = pair.left(), .right = pair.right()});
   }
   if (narrow_paths_) {
-    narrow_paths_->start(pair.left_grey(), *cross_rows_);
+    narrow_paths_->start(pair.left_grey(), *cross_rows_, guide);
   }
   if (mixed_paths_) {
-    mixed_paths_->start(pair.left_grey(), *cross_rows_);
+    mixed_paths_->start(pair.left_grey(), *cross_rows_, guide);
   }
   if (block_paths_) {
     scaled_.start(*block_rows_, params_);
-    block_paths_->start(pair.left_grey(), scaled_);
+    block_paths_->start(pair.left_grey(), scaled_, guide);
   }
 }
 
 template <typename Sum>
 FoundRow<Sum> RowSearch<Sum>::row(int y) noexcept {
   const FoundRow<Sum> found = search(y);
+  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  keep_guided(guide, found.winners);
   settle_single_candidates(params_.min_disparity, params_.disparities, found.winners);
+  keep_guided(guide, found.winners);
   return found;
 }
 
@@ -158,7 +167,7 @@ FoundRow<Sum> RowSearch<Sum>::search(int y) noexcept {
     }
   }
   found.costs = block_costs(y);
-  found.judged = found.costs;
+  found.judged = guided_costs(y, found.costs);
   switch (params_.method) {
     case Method::kScanline:
       scanline(y, found);
@@ -168,9 +177,9 @@ FoundRow<Sum> RowSearch<Sum>::search(int y) noexcept {
       break;
     default:
       if (params_.interest) {
-        interesting_winners(found.costs, lanes_, winners);
+        interesting_winners(found.judged, lanes_, winners);
       } else {
-        best::winners(found.costs, lanes_, winners);
+        best::winners(found.judged, lanes_, winners);
       }
   }
   return found;
@@ -198,10 +207,24 @@ std::span<const Sum> RowSearch<Sum>::block_costs(int y) noexcept {
 }
 
 template <typename Sum>
+std::span<const Sum> RowSearch<Sum>::guided_costs(int y, std::span<const Sum> costs) noexcept {
+  // A band is cut out of what is searched.
+  if (guide_.empty() || (!narrows(guide_.row(y), lanes_) && !params_.band)) {
+    return costs;
+  }
+  const std::span<Sum> masked = masked_.first(costs.size());
+  best::mask_costs(costs, guide_.row(y), lanes_, masked);
+  return masked;
+}
+
+template <typename Sum>
 void RowSearch<Sum>::semi_global(int y, FoundRow<std::uint16_t>& found) noexcept {
   const std::span<std::uint16_t> sums =
       mixed_paths_ ? mixed_paths_->sums(y) : block_paths_->sums(y);
   mark_outside(params_, pair_->left().width(), sums);
+  if (!guide_.empty()) {
+    best::mask_costs(std::span<const std::uint16_t>(sums), guide_.row(y), lanes_, sums);
+  }
   found.judged = sums;
   best::winners(found.judged, lanes_, found.winners);
   if (mixed_paths_) {
@@ -229,13 +252,13 @@ void RowSearch<Sum>::narrow_semi_global(int y, FoundRow<std::uint16_t>& found) n
 
 template <typename Sum>
 void RowSearch<Sum>::scanline(int y, FoundRow<Sum>& found) noexcept {
-  const std::span<const Sum> costs = found.costs;
+  const std::span<const Sum> costs = found.judged;
   const std::span<Sum> paths = paths_.first(costs.size());
   const std::span<Sum> large = large_.first(found.winners.size() + 1);
   if (params_.band) {
     best::winners(costs, lanes_, found.winners);
     keep_band(std::span<const std::int16_t>(found.winners), lanes_, *params_.band,
-              costs_.first(costs.size()));
+              (guide_.empty() ? costs_ : masked_).first(costs.size()));
   }
   edge_penalties_along(pair_->left_grey().row(y), penalties_, large);
   scanline_winners(costs, lanes_, penalties_.small, std::span<const Sum>(large), paths,
@@ -250,7 +273,7 @@ template <typename Sum>
 void RowSearch<Sum>::ordered(int y, FoundRow<Sum>& found) noexcept {
   const std::span<Sum> large = large_.first(found.winners.size() + 1);
   edge_penalties_along(pair_->left_grey().row(y), penalties_, large);
-  ordered_winners(found.costs, lanes_,
+  ordered_winners(found.judged, lanes_,
                   {.small = penalties_.small, .occlusion = occlusion_, .large = large},
                   Arena(ordered_scratch_), found.winners);
   extend_background(found.winners, continued_.first(found.winners.size()));

@@ -8,6 +8,7 @@
 #include "dsp/base/arena.h"
 #include "dsp/stereo/cost/cost_rows.h"
 #include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "dsp/stereo/search/scaled_costs.h"
@@ -18,9 +19,11 @@ namespace stof::dsp {
 // What was found in one row; layouts of cost/sad.h and search/winner.h.
 template <typename Sum>
 struct FoundRow {
-  std::span<const Sum> costs{};  // of blocks; empty where mixed_costs has them
+  // Of blocks, for all candidates, whatever a guide says; empty where mixed_costs has them.
+  std::span<const Sum> costs{};
   std::span<const std::uint8_t> mixed_costs{};
-  // What the winners are the lowest of: block costs, or sums over paths. Checks and fits look here,
+  // What the winners are the lowest of: block costs, or sums over paths, of the candidates that a
+  // guide leaves. Checks and fits look here,
   // or in narrow_judged, which holds the same numbers where they fit. judged is empty then, unless
   // a fit of costs or the uniqueness needs it.
   std::span<const Sum> judged{};
@@ -38,14 +41,16 @@ class RowSearch {
   static std::size_t bytes_needed(const MatchParams& params, int width) noexcept;
   RowSearch(const MatchParams& params, int width, Arena& arena) noexcept;
 
-  // New pictures, which must stay as they are until the last row.
-  void start(const PreparedPair& pair) noexcept;
+  // New pictures, which must stay as they are until the last row. guide: of their size, or empty;
+  // only where params are `guided`.
+  void start(const PreparedPair& pair, Guide guide) noexcept;
   // Valid until the next call. In order rows are cheapest; any order gives the same.
   FoundRow<Sum> row(int y) noexcept;
 
  private:
   FoundRow<Sum> search(int y) noexcept;
   std::span<const Sum> block_costs(int y) noexcept;
+  std::span<const Sum> guided_costs(int y, std::span<const Sum> costs) noexcept;
   void semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;
   void narrow_semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;
   void scanline(int y, FoundRow<Sum>& found) noexcept;
@@ -57,6 +62,7 @@ class RowSearch {
   EdgePenalties<Sum> penalties_;  // scanline and ordered
   Sum occlusion_ = 0;
   const PreparedPair* pair_ = nullptr;
+  Guide guide_;
 
   std::optional<CostRows> block_rows_;
   std::optional<CrossCosts> cross_rows_;
@@ -66,6 +72,7 @@ class RowSearch {
   ScaledCosts scaled_;
 
   std::span<Sum> costs_;
+  std::span<Sum> masked_;     // guided
   std::span<Sum> paths_;      // scanline
   std::span<Sum> marginals_;  // scanline
   std::span<Sum> large_;      // width + 1

@@ -89,6 +89,7 @@ PathParams<std::uint8_t> mixed_path_params(const MatchParams& params) noexcept {
   return {
       .directions = params.directions,
       .lanes = lanes_of(params),
+      .guided = params.guided,
       .penalties = penalties_of<std::uint8_t>(std::min(smoothness.small_step, kMost),
                                               std::min(smoothness.large_step, kMost), kMixedEdge)};
 }
@@ -99,6 +100,7 @@ PathParams<std::uint16_t> block_path_params(const MatchParams& params) noexcept 
   const auto scaled = [&](int step) noexcept { return (area_of(params) * step * factor) >> 16; };
   return {.directions = params.directions,
           .lanes = lanes_of(params),
+          .guided = params.guided,
           .penalties = penalties_of<std::uint16_t>(scaled(smoothness.small_step),
                                                    scaled(smoothness.large_step))};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "dsp/base/check.h"
+#include "dsp/base/target.h"
 #include "dsp/stereo/search/path.h"
 #include "dsp/stereo/search/sum_paths.h"
 
@@ -30,7 +31,8 @@ std::size_t SemiGlobal<Cost, Sum>::bytes_needed(const PathParams<Cost>& params,
   const std::size_t up = size(shifts_up(params.directions));
   return Arena::bytes_for<Cost>(row * size(kKept)) + Arena::bytes_for<Cost>(row * up * kStripe) +
          2 * std::max(down, up) * Arena::bytes_for<Cost>(row) + 2 * Arena::bytes_for<Cost>(row) +
-         Arena::bytes_for<Cost>(size(width) + 1) + Arena::bytes_for<Sum>(row);
+         Arena::bytes_for<Cost>(size(width) + 1) + Arena::bytes_for<Sum>(row) +
+         Arena::bytes_for<Cost>(params.guided ? row : 0);
 }
 
 template <typename Cost, typename Sum>
@@ -49,13 +51,16 @@ SemiGlobal<Cost, Sum>::SemiGlobal(const PathParams<Cost>& params, int width, Are
   from_right_ = arena.take<Cost>(row);
   large_ = arena.take<Cost>(size(width) + 1);
   sums_ = arena.take<Sum>(row);
+  masked_ = arena.take<Cost>(params.guided ? row : 0);
 }
 
 template <typename Cost, typename Sum>
-void SemiGlobal<Cost, Sum>::start(ImageView<const std::uint8_t> grey,
-                                  CostSource<Cost>& costs) noexcept {
+void SemiGlobal<Cost, Sum>::start(ImageView<const std::uint8_t> grey, CostSource<Cost>& costs,
+                                  Guide guide) noexcept {
+  STOF_CHECK(guide.empty() || (params_.guided && same_size(guide, grey)));
   grey_ = grey;
   source_ = &costs;
+  guide_ = guide;
   STOF_CHECK(size(row_size()) <= sums_.size());
   kept_ = {};
   stripe_ = -1;
@@ -80,6 +85,17 @@ std::span<Sum> SemiGlobal<Cost, Sum>::sums(int y) noexcept {
 template <typename Cost, typename Sum>
 std::span<Cost> SemiGlobal<Cost, Sum>::kept(int y) const noexcept {
   return costs_.subspan(size(y % kKept) * size(row_size()), size(row_size()));
+}
+
+// Valid until the next call.
+template <typename Cost, typename Sum>
+std::span<const Cost> SemiGlobal<Cost, Sum>::path_costs(int y) noexcept {
+  if (guide_.empty() || !narrows(guide_.row(y), params_.lanes)) {
+    return kept(y);
+  }
+  const std::span<Cost> masked = masked_.first(size(row_size()));
+  best::mask_costs(std::span<const Cost>(kept(y)), guide_.row(y), params_.lanes, masked);
+  return masked;
 }
 
 // Rows that are there already stay.
@@ -136,7 +152,7 @@ void SemiGlobal<Cost, Sum>::approach() noexcept {
 template <typename Cost, typename Sum>
 void SemiGlobal<Cost, Sum>::advance(int y, int from, Front before, const Front& here) noexcept {
   const int count = from > y ? up_ : down_;
-  const std::span<const Cost> costs = kept(y);
+  const std::span<const Cost> costs = path_costs(y);
   const std::size_t n = size(row_size());
   for (int k = 0; k < (from < 0 ? std::max(down_, up_) : count); ++k) {
     const std::span<Cost> paths = here.paths[size(k)].first(n);
@@ -157,7 +173,7 @@ void SemiGlobal<Cost, Sum>::sum_row(int y) noexcept {
   const std::size_t n = size(row_size());
   const std::span<Cost> large = large_.first(size(grey_.width()) + 1);
   edge_penalties_along(grey_.row(y), params_.penalties, large);
-  best::paths_both_ways(std::span<const Cost>(kept(y)), params_.lanes, params_.penalties.small,
+  best::paths_both_ways(path_costs(y), params_.lanes, params_.penalties.small,
                         large.first(large.size() - 1), large.subspan(1), from_left_.first(n),
                         from_right_.first(n));
   std::array<const Cost*, 2 + 2 * kMostShifts> rows{from_left_.data(), from_right_.data()};

@@ -8,6 +8,7 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "dsp/stereo/cost/cost_source.h"
+#include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/search/scanline.h"
 
 namespace stof::dsp {
@@ -17,6 +18,7 @@ struct PathParams {
   int directions = 4;  // 2: along the row; 4: and columns; 5: and downwards diagonals, not upwards;
                        // 8: all
   int lanes = 64;      // a multiple of 16, at most 256
+  bool guided = false;  // start() may be given a guide
   EdgePenalties<Cost> penalties;
 };
 
@@ -41,13 +43,16 @@ class SemiGlobal {
   // and all paths together below 255 (u8 sums).
   SemiGlobal(const PathParams<Cost>& params, int width, Arena& arena) noexcept;
 
-  // A new picture: grey gives edges, size at most the constructor's width.
-  void start(ImageView<const std::uint8_t> grey, CostSource<Cost>& costs) noexcept;
+  // A new picture: grey gives edges, size at most the constructor's width. guide: of its size, or
+  // empty; paths then run through mask_costs() of the costs. A path that comes to a pixel whose
+  // candidates are none of its own jumps.
+  void start(ImageView<const std::uint8_t> grey, CostSource<Cost>& costs,
+             Guide guide = {}) noexcept;
   // Row y of sums, width * lanes; valid, and the caller's, until the next call. Consecutive rows
   // are cheapest. Candidates that the costs mark as outside are kNoCost in u8 sums and mean nothing
   // in others.
   std::span<Sum> sums(int y) noexcept;
-  // The costs of the row that was asked for last.
+  // The costs of the row that was asked for last, not masked.
   std::span<const Cost> costs(int y) const noexcept { return kept(y); }
 
  private:
@@ -61,6 +66,7 @@ class SemiGlobal {
 
   int row_size() const noexcept { return grey_.width() * params_.lanes; }
   std::span<Cost> kept(int y) const noexcept;
+  std::span<const Cost> path_costs(int y) noexcept;
   void keep_costs(Rows rows) noexcept;
   void open_stripe(int stripe) noexcept;
   void approach() noexcept;
@@ -77,9 +83,11 @@ class SemiGlobal {
   std::span<Cost> from_right_;
   std::span<Cost> large_;  // of the row, width + 1
   std::span<Sum> sums_;
+  std::span<Cost> masked_;  // one row
 
   ImageView<const std::uint8_t> grey_;
   CostSource<Cost>* source_ = nullptr;
+  Guide guide_;
   Rows kept_;  // rows whose costs are in costs_
   int stripe_ = -1;
   int done_ = 0;  // the row whose downward paths are in fronts_[done_ % 2], and whose sums stand

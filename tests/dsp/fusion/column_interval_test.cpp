@@ -24,15 +24,16 @@ struct Interval {
 Interval interval_of(std::int32_t right, std::int32_t left, std::int64_t numerator,
                      QuarterMm max_range = 40000) {
   const std::vector<std::int32_t> lefts{left};
-  const std::vector<std::int32_t> rights(right_tangents(1, 0, 0, 0), right);
+  const std::vector<std::int32_t> rights(right_tangents(1, 0, 0), right);
   const ColumnTables tables{.max_range = max_range,
                             .near_numerator = numerator,
                             .far_numerator = numerator,
                             .left = lefts,
                             .right = rights};
   const std::vector<Disparity> disparity{Disparity::from_raw(0)};
+  const std::vector<std::uint8_t> half{0};
   std::vector<QuarterMm> low{7}, high{7};
-  ref::column_interval(disparity, tables, low, high);
+  ref::column_interval(disparity, half, tables, low, high);
   return {low[0], high[0]};
 }
 
@@ -72,40 +73,42 @@ TEST(ColumnInterval, OfAColumnWithoutRayIsNone) {
 
 // Tables, disparities and results of one row, ending at unreadable pages.
 struct Row {
-  Row(std::size_t n, int first, int last, int sigma)
+  Row(std::size_t n, int first, int last)
       : left(n),
-        right(right_tangents(n, first, last, sigma)),
+        right(right_tangents(n, first, last)),
         disparity(n),
+        half(n),
         tables{.first_raw = static_cast<std::int16_t>(first),
                .last_raw = static_cast<std::int16_t>(last),
-               .sigma_raw = static_cast<std::int16_t>(sigma),
                .left = left.span(),
                .right = right.span()} {}
 
   void expect_equal(const char* what) {
     test::GuardedBuffer<QuarterMm> low_a(left.size()), low_b(left.size()), high_a(left.size()),
         high_b(left.size());
-    ref::column_interval(disparity.span(), tables, low_a.span(), high_a.span());
-    neon::column_interval(disparity.span(), tables, low_b.span(), high_b.span());
+    ref::column_interval(disparity.span(), half.span(), tables, low_a.span(), high_a.span());
+    neon::column_interval(disparity.span(), half.span(), tables, low_b.span(), high_b.span());
     ASSERT_TRUE(std::ranges::equal(low_a.span(), low_b.span())) << what;
     ASSERT_TRUE(std::ranges::equal(high_a.span(), high_b.span())) << what;
   }
 
   test::GuardedBuffer<std::int32_t> left, right;
   test::GuardedBuffer<Disparity> disparity;
+  test::GuardedBuffer<std::uint8_t> half;
   ColumnTables tables;
 };
 
 TEST(ColumnInterval, NeonEqualsReferenceForEveryLengthAndAnyDisparity) {
   for (std::size_t n = 0; n <= 40; ++n) {
-    for (const auto& [first, last, sigma] :
-         {std::array{0, 0, 0}, {-16, 65 * 16, 8}, {-32768, -32000, 3}, {-700, 300, 40}}) {
-      Row row(n, first, last, sigma);
+    for (const auto& [first, last] :
+         {std::array{0, 0}, {-16, 65 * 16}, {-32768, -32000}, {-700, 300}}) {
+      Row row(n, first, last);
       test::Random random(n + static_cast<std::size_t>(last + 40000));
       row.tables.max_range = static_cast<QuarterMm>(random.between(0, 65535));
       row.tables.near_numerator =
           (std::int64_t{1} << random.between(30, 47)) + random.between(0, 1 << 20);
       row.tables.far_numerator = row.tables.near_numerator + random.between(0, 1);
+      random.fill(row.half.span());
       random.fill(row.left.span(), -kOne / 8, kOne / 8);
       random.fill(row.right.span(), -kOne / 8, 3 * kOne);
       for (Disparity& d : row.disparity.span()) {
@@ -126,7 +129,8 @@ TEST(ColumnInterval, NeonEqualsReferenceAtTheEdgesOfEveryQuotient) {
   for (int bits = 0; bits < 31; ++bits) {
     for (int seed = 0; seed < 40; ++seed) {
       test::Random random(static_cast<std::uint64_t>(100 * bits + seed));
-      Row row(kColumns, 0, 0, 0);
+      Row row(kColumns, 0, 0);
+      std::ranges::fill(row.half.span(), std::uint8_t{0});
       row.tables.max_range =
           static_cast<QuarterMm>(seed % 2 == 0 ? 65535 : random.between(1, 65535));
       const std::int64_t low = std::int64_t{1} << bits;
@@ -144,7 +148,8 @@ TEST(ColumnInterval, NeonEqualsReferenceAtTheEdgesOfEveryQuotient) {
             std::clamp<std::int64_t>(divisor + static_cast<std::int64_t>(x) - 32, -4,
                                      std::numeric_limits<std::int32_t>::max() - 1);
         row.left[x] = static_cast<std::int32_t>(-(difference / 2));
-        row.right[x * Disparity::kOne] = static_cast<std::int32_t>(difference - difference / 2);
+        row.right[x * Disparity::kOne + kMostSpread] =
+            static_cast<std::int32_t>(difference - difference / 2);
         row.disparity[x] = Disparity::from_raw(0);
       }
       row.expect_equal("edge");

@@ -48,16 +48,16 @@ StereoRig crooked_rig(int width) {
 struct Lookup {
   Lookup(const StereoRig& rig, int width, int first, int last, int sigma, QuarterMm max_range)
       : left(static_cast<std::size_t>(width)),
-        right(right_tangents(left.size(), first, last, sigma)),
+        right(right_tangents(left.size(), first, last)),
+        half(left.size(), static_cast<std::uint8_t>(2 * sigma)),
         tables(make_column_tables(rig, static_cast<std::int16_t>(first),
-                                  static_cast<std::int16_t>(last), static_cast<std::int16_t>(sigma),
-                                  max_range, left, right)) {}
+                                  static_cast<std::int16_t>(last), max_range, left, right)) {}
   // The same disparity in the whole row.
   std::vector<DepthInterval> row(int raw) const {
     const std::vector<Disparity> disparity(left.size(),
                                            Disparity::from_raw(static_cast<std::int16_t>(raw)));
     std::vector<QuarterMm> low(left.size()), high(left.size());
-    ref::column_interval(disparity, tables, low, high);
+    ref::column_interval(disparity, half, tables, low, high);
     std::vector<DepthInterval> out(left.size());
     for (std::size_t x = 0; x < out.size(); ++x) {
       out[x] = {low[x], high[x]};
@@ -65,6 +65,7 @@ struct Lookup {
     return out;
   }
   std::vector<std::int32_t> left, right;
+  std::vector<std::uint8_t> half;
   ColumnTables tables;
 };
 
@@ -169,10 +170,10 @@ TEST(ColumnTables, OfAParallelRigEqualTheDisparityTableWithinOneUnit) {
     constexpr int kLast = 64 * 16;
     constexpr QuarterMm kRange = 40000;
     const Lookup lookup(rig, 320, kFirst, kLast, 8, kRange);
-    std::vector<DepthInterval> table(kLast - kFirst + 2);
-    fill_disparity_table(rig, kFirst, 8, kRange, table);
+    std::vector<DepthInterval> bounds(kLast - kFirst + 1 + 2 * kMostSpread);
+    const DisparityTable table = make_disparity_table(rig, kFirst, kRange, bounds);
     for (int raw = kFirst; raw <= kLast; ++raw) {
-      const DepthInterval want = table[static_cast<std::size_t>(raw - kFirst)];
+      const DepthInterval want = table.at(raw, 16);
       for (const DepthInterval got : lookup.row(raw)) {
         const bool at_the_end = want.low >= kRange - 1 || got.low >= kRange - 1;
         if (want.high == 0 || got.high == 0) {

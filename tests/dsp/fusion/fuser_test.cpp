@@ -102,7 +102,7 @@ TEST(Fuser, NarrowsAPlaneAtTwoMetresToWhatBothAllow) {
   Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
   fill(rig.disparity.view(), Disparity::from_pixels(50));  // 7843 .. 8164
   Sphere pmd(20, 10, 8200, 200);                           // 8000 .. 8400 straight ahead
-  rig.fuser.fuse(rig.disparity.view(), &pmd.maps, rig.out());
+  rig.fuser.fuse({.disparity = rig.disparity.view()}, &pmd.maps, rig.out());
   const At centre = at(rig, 40, 20);
   EXPECT_EQ(centre.source, Source::kBoth);
   EXPECT_NEAR(centre.depth, 8082, 8);  // footprints of neighbours: a little nearer
@@ -114,7 +114,7 @@ TEST(Fuser, GivesStereoAloneItsOwnInterval) {
   Rig rig(simple_rig(33, 5, 0, 0), 33, 5);
   fill(rig.disparity.view(), Disparity::from_pixels(50));
   rig.disparity.view().at(3, 3) = Disparity::none();
-  rig.fuser.fuse(rig.disparity.view(), nullptr, rig.out());
+  rig.fuser.fuse({.disparity = rig.disparity.view()}, nullptr, rig.out());
   EXPECT_EQ(at(rig, 0, 0), (At{8003, 322, Source::kStereo}));
   EXPECT_EQ(at(rig, 3, 3), (At{0, 0, Source::kNone}));
 }
@@ -134,7 +134,7 @@ TEST(Fuser, TakesTheIntervalFromBothColumnsWhereAxesConverge) {
   Rig fusion(rig, 81, 3);
   fill(fusion.disparity.view(), Disparity::from_pixels(0));
   fusion.disparity.view().at(7, 1) = Disparity::none();
-  fusion.fuser.fuse(fusion.disparity.view(), nullptr, fusion.out());
+  fusion.fuser.fuse({.disparity = fusion.disparity.view()}, nullptr, fusion.out());
   const At middle = at(fusion, 40, 1);
   EXPECT_EQ(middle.source, Source::kStereo);
   EXPECT_NEAR(middle.depth, 8000, 8);
@@ -157,16 +157,58 @@ TEST(Fuser, GivesThePmdAloneItsOwnIntervalAndForgetsItInTheNextFrame) {
   EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kNone}));
 }
 
-TEST(Fuser, FlagsAConflictAtAnEdgeAndBelievesAFlatPmd) {
+TEST(Fuser, WeighsAConflictByWhatSupportsEachSensor) {
   Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
   fill(rig.disparity.view(), Disparity::from_pixels(50));
-  Sphere edge(20, 10, 12000, 200, kPmdEdge);
-  rig.fuser.fuse(rig.disparity.view(), &edge.maps, rig.out());
-  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kConflict}));
+  test::GuardedImage<std::uint8_t> ratio(80, 40, 80, 250);
+  const StereoMaps rivals{.disparity = rig.disparity.view(), .ratio = ratio.view()};
   Sphere flat(20, 10, 12000, 200);
-  rig.fuser.fuse(rig.disparity.view(), &flat.maps, rig.out());
+  Sphere edge(20, 10, 12000, 200, kPmdEdge);
+  rig.fuser.fuse(rivals, &edge.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kConflict}));
+  rig.fuser.fuse(rivals, &flat.maps, rig.out());
   EXPECT_EQ(at(rig, 40, 20).source, Source::kResolved);
   EXPECT_NEAR(at(rig, 40, 20).depth, 12000, 12);
+  fill(ratio.view(), std::uint8_t{20});
+  rig.fuser.fuse(rivals, &flat.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kConflict}));
+  rig.fuser.fuse(rivals, &edge.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20).source, Source::kResolved);
+  EXPECT_NEAR(at(rig, 40, 20).depth, 8000, 8);
+}
+
+TEST(Fuser, MatchesWithRivalsGetWiderIntervals) {
+  Rig rig(simple_rig(64, 3, 0, 0), 64, 3);
+  fill(rig.disparity.view(), Disparity::from_pixels(50));
+  test::GuardedImage<std::uint8_t> ratio(64, 3, 64);
+  int before = 0;
+  for (int step = 0; step < 16; ++step) {
+    fill(ratio.view(), static_cast<std::uint8_t>(16 * step));
+    rig.fuser.fuse({.disparity = rig.disparity.view(), .ratio = ratio.view()}, nullptr, rig.out());
+    const At pixel = at(rig, 9, 1);
+    EXPECT_GE(pixel.width, before) << step;
+    EXPECT_NEAR(pixel.depth, 8000, 150) << step;
+    before = pixel.width;
+  }
+  EXPECT_GT(before, 1600);  // an eighth of 8000 to either side at most
+  EXPECT_LT(before, 2100);
+}
+
+TEST(Fuser, AWeakMatchCountsWhereThePmdAgreesAndNowhereElse) {
+  Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
+  fill(rig.disparity.view(), Disparity::none());
+  test::GuardedImage<Disparity> weak(80, 40, 80);
+  fill(weak.view(), Disparity::from_pixels(50));
+  const StereoMaps stereo{.disparity = rig.disparity.view(), .weak = weak.view()};
+  rig.fuser.fuse(stereo, nullptr, rig.out());
+  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kNone}));
+  Sphere near(20, 10, 8300, 1000);
+  rig.fuser.fuse(stereo, &near.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20).source, Source::kBoth);
+  EXPECT_LT(at(rig, 40, 20).width, 1500);  // the PMD alone: 2000
+  Sphere far(20, 10, 12000, 200);
+  rig.fuser.fuse(stereo, &far.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20).source, Source::kPmd);
 }
 
 TEST(Fuser, ConvertsRadialDistanceToDepth) {
@@ -184,7 +226,7 @@ TEST(Fuser, WritesEveryPixelOfAnySizeFromOneByOne) {
       Rig rig(simple_rig(w, h, pw, ph), w, h, 1);
       fill(rig.disparity.view(), Disparity::none());
       Sphere pmd(pw, ph, 8000, 100);
-      rig.fuser.fuse(rig.disparity.view(), pw == 0 ? nullptr : &pmd.maps, rig.out());
+      rig.fuser.fuse({.disparity = rig.disparity.view()}, pw == 0 ? nullptr : &pmd.maps, rig.out());
       for (int y = 0; y < h; ++y) {
         for (int x = 0; x < w; ++x) {
           const At pixel = at(rig, x, y);

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/fusion/paint.h"
+#include "dsp/pmd/converter.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
@@ -25,15 +26,21 @@ struct Fused {
   int depth;
   int width;
   Source source;
+  Cause cause = Cause::kNone;
   friend bool operator==(const Fused&, const Fused&) = default;
 };
-Fused run(Bounds stereo, Bounds pmd, std::uint8_t flags = 0, QuarterMm max_range = kMaxRange) {
+constexpr std::uint8_t kSure = kSureRatio - 1;
+constexpr std::uint8_t kRivals = kSureRatio;
+Fused run(Bounds stereo, Bounds pmd, std::uint8_t flags = 0, QuarterMm max_range = kMaxRange,
+          std::uint8_t ratio = kRivals) {
   QuarterMm depth = 7;
   QuarterMm width = 7;
   Source source{};
+  Cause cause{};
   ref::intersect({{&stereo.low, 1}, {&stereo.high, 1}}, {{&pmd.low, 1}, {&pmd.high, 1}},
-                 {&flags, 1}, max_range, {&depth, 1}, {&width, 1}, {&source, 1});
-  return {depth, width, source};
+                 {{&ratio, 1}, {&flags, 1}}, max_range,
+                 {{&depth, 1}, {&width, 1}, {&source, 1}, {&cause, 1}});
+  return {depth, width, source, cause};
 }
 
 TEST(Intersect, OverlapIsTheMiddleOfWhatBothAllow) {
@@ -60,14 +67,27 @@ TEST(Intersect, BothMissingIsNoneAndNotTheMiddleOfTheRange) {
   EXPECT_EQ(run(kNone, kUnpainted), (Fused{0, 0, Source::kNone}));
 }
 
-TEST(Intersect, ConflictAtAnEdgeHasNoDepth) {
-  EXPECT_EQ(run({8000, 8400}, {8401, 9000}, kPmdEdge), (Fused{0, 0, Source::kConflict}));
-  EXPECT_EQ(run({8401, 9000}, {8000, 8400}, 0xFF), (Fused{0, 0, Source::kConflict}));
+TEST(Intersect, AMatchWithRivalsAtAnEdgeHasNoDepth) {
+  const Fused conflict{0, 0, Source::kConflict, Cause::kMixedPixel};
+  EXPECT_EQ(run({8000, 8400}, {8401, 9000}, kPmdEdge), conflict);
+  EXPECT_EQ(run({8401, 9000}, {8000, 8400}, 0xFF), conflict);
 }
 
-TEST(Intersect, ConflictWithOneFlatSurfaceIsResolvedForThePmd) {
-  EXPECT_EQ(run({8000, 8400}, {8401, 9001}), (Fused{8701, 600, Source::kResolved}));
-  EXPECT_EQ(run({8402, 9000}, {8000, 8400}, kPmdOutOfRange), (Fused{8200, 400, Source::kResolved}));
+TEST(Intersect, OneFlatSurfaceIsBelievedBeforeAMatchWithRivals) {
+  EXPECT_EQ(run({8000, 8400}, {8401, 9001}),
+            (Fused{8701, 600, Source::kResolved, Cause::kStereoAmbiguous}));
+  EXPECT_EQ(run({8402, 9000}, {8000, 8400}, kPmdOutOfRange),
+            (Fused{8200, 400, Source::kResolved, Cause::kStereoAmbiguous}));
+}
+
+TEST(Intersect, ASureMatchIsBelievedBeforeAMixedPixel) {
+  EXPECT_EQ(run({8000, 8400}, {8401, 9001}, kPmdEdge, kMaxRange, kSure),
+            (Fused{8200, 400, Source::kResolved, Cause::kMixedPixel}));
+}
+
+TEST(Intersect, TwoSoundMeasurementsThatExcludeEachOtherAreNoDepth) {
+  EXPECT_EQ(run({8000, 8400}, {8401, 9001}, 0, kMaxRange, kSure),
+            (Fused{0, 0, Source::kConflict, Cause::kContradiction}));
 }
 
 TEST(Intersect, EndsAtTheLargestRange) {
@@ -105,9 +125,11 @@ TEST(Intersect, NeonEqualsReferenceForEveryLengthAndExtreme) {
     for (const int spread : {6, 3000, 65535}) {
       test::Random random(n * 3 + static_cast<std::size_t>(spread));
       test::GuardedBuffer<QuarterMm> sl(n), sh(n), pl(n), ph(n), da(n), db(n), wa(n), wb(n);
-      test::GuardedBuffer<std::uint8_t> flags(n);
+      test::GuardedBuffer<std::uint8_t> flags(n), ratio(n);
       test::GuardedBuffer<Source> source_a(n), source_b(n);
+      test::GuardedBuffer<Cause> cause_a(n), cause_b(n);
       random.fill(flags.span());
+      random.fill(ratio.span());
       for (std::size_t x = 0; x < n; ++x) {
         const auto put = [&](QuarterMm& low, QuarterMm& high) {
           const int a = random.between(0, spread);
@@ -123,13 +145,15 @@ TEST(Intersect, NeonEqualsReferenceForEveryLengthAndExtreme) {
         put(pl[x], ph[x]);
       }
       for (const QuarterMm range : {QuarterMm{0}, QuarterMm{1}, QuarterMm{2000}, kMaxQuarterMm}) {
-        ref::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, flags.span(), range,
-                       da.span(), wa.span(), source_a.span());
-        neon::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, flags.span(), range,
-                        db.span(), wb.span(), source_b.span());
+        const SupportRow support{ratio.span(), flags.span()};
+        ref::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
+                       {da.span(), wa.span(), source_a.span(), cause_a.span()});
+        neon::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
+                        {db.span(), wb.span(), source_b.span(), cause_b.span()});
         ASSERT_TRUE(std::ranges::equal(da.span(), db.span())) << n << " spread " << spread;
         ASSERT_TRUE(std::ranges::equal(wa.span(), wb.span())) << n << " spread " << spread;
         ASSERT_TRUE(std::ranges::equal(source_a.span(), source_b.span())) << n;
+        ASSERT_TRUE(std::ranges::equal(cause_a.span(), cause_b.span())) << n;
       }
     }
   }

@@ -17,19 +17,19 @@ constexpr StereoRig kRig{.left = {.width = 640, .height = 480, .fx = 1000, .fy =
                          .baseline_m = 0.1};
 
 struct Lookup {
-  explicit Lookup(const StereoRig& rig, QuarterMm max_range = 40000, std::int16_t sigma = 8,
+  explicit Lookup(const StereoRig& rig, QuarterMm max_range = 40000, std::uint8_t half = 16,
                   std::int16_t first = -16)
-      : intervals(65 * 16 + 2) {
-    fill_disparity_table(rig, first, sigma, max_range, intervals);
-    table = {first, intervals};
-  }
+      : bounds(65 * 16 + 1 + 2 * kMostSpread),
+        table(make_disparity_table(rig, first, max_range, bounds)),
+        spread(half) {}
   DepthInterval at(Disparity disparity) const {
     DepthInterval out{7, 7};
-    ref::stereo_interval({&disparity, 1}, table, {&out.low, 1}, {&out.high, 1});
+    ref::stereo_interval({&disparity, 1}, {&spread, 1}, table, {&out.low, 1}, {&out.high, 1});
     return out;
   }
-  std::vector<DepthInterval> intervals;
+  std::vector<DepthInterval> bounds;
   DisparityTable table;
+  std::uint8_t spread;
 };
 
 TEST(StereoInterval, IsAsymmetricAroundTwoMetres) {
@@ -55,7 +55,7 @@ TEST(StereoInterval, EndsAtTheLargestRange) {
   StereoRig behind = kRig;
   behind.doff_px = -9.5;  // d = 10: half a pixel from infinity, far end behind it
   EXPECT_EQ(Lookup(behind, 65535).at(Disparity::from_pixels(10)).high, 0);
-  EXPECT_EQ(Lookup(behind, 65535, 100).at(Disparity::from_pixels(10)).high, 65535);
+  EXPECT_EQ(Lookup(behind, 65535, 200).at(Disparity::from_pixels(10)).high, 65535);
 }
 
 TEST(StereoInterval, IsAtLeastOneUnitAway) {
@@ -75,25 +75,40 @@ TEST(StereoInterval, OfNoDisparityAndOfUnknownOnesIsNone) {
   EXPECT_NE(lookup.at(Disparity::from_raw(64 * 16)).high, 0);
 }
 
+TEST(StereoInterval, WidensWithTheSpread) {
+  const Lookup narrow(kRig, 40000, 0);
+  EXPECT_EQ(narrow.at(Disparity::from_pixels(50)).low, 8000);
+  EXPECT_EQ(narrow.at(Disparity::from_pixels(50)).high, 8000);
+  const Lookup widest(kRig, 40000, kMostSpread);
+  EXPECT_EQ(widest.at(Disparity::from_pixels(50)).low, 6066);    // 100 / 65.9375 m
+  EXPECT_EQ(widest.at(Disparity::from_pixels(50)).high, 11744);  // 100 / 34.0625 m
+  EXPECT_EQ(widest.at(Disparity::from_pixels(64)).low, 5003);    // the table reaches beyond its end
+}
+
 TEST(StereoInterval, NeonEqualsReferenceForEveryLengthAndAnyDisparity) {
   for (std::size_t n = 0; n <= 70; ++n) {
     for (const int first : {-32767, -300, -16, 0, 5000, 32000}) {
       test::Random random(n + static_cast<std::size_t>(first + 32768));
-      const std::size_t size = 2 * static_cast<std::size_t>(random.between(1, 450));
-      test::GuardedBuffer<DepthInterval> intervals(size);
-      for (DepthInterval& interval : intervals.span()) {
-        interval = {static_cast<QuarterMm>(random.next()), static_cast<QuarterMm>(random.next())};
+      const std::size_t size = 2 * kMostSpread + static_cast<std::size_t>(random.between(1, 900));
+      test::GuardedBuffer<DepthInterval> bounds(size + size % 2);
+      for (DepthInterval& bound : bounds.span()) {
+        bound = {static_cast<QuarterMm>(random.next()), static_cast<QuarterMm>(random.next())};
       }
       test::GuardedBuffer<Disparity> disparity(n);
+      test::GuardedBuffer<std::uint8_t> half(n);
+      random.fill(half.span());
       for (Disparity& d : disparity.span()) {
-        const int raw = random.between(0, 2) == 0 ? random.between(-32768, 32767)
-                                                  : first + random.between(-2, 900);
-        d = Disparity::from_raw(static_cast<std::int16_t>(raw));
+        const int raw = random.between(0, 2) == 0
+                            ? random.between(-32768, 32767)
+                            : std::min(first + random.between(-2, 900), 32767);
+        d = Disparity::from_raw(static_cast<std::int16_t>(std::max(raw, -32768)));
       }
       test::GuardedBuffer<QuarterMm> low_a(n), low_b(n), high_a(n), high_b(n);
-      const DisparityTable table{static_cast<std::int16_t>(first), intervals.span()};
-      ref::stereo_interval(disparity.span(), table, low_a.span(), high_a.span());
-      neon::stereo_interval(disparity.span(), table, low_b.span(), high_b.span());
+      const DisparityTable table{.first_raw = static_cast<std::int16_t>(first),
+                                 .max_range = static_cast<QuarterMm>(random.next()),
+                                 .bounds = bounds.span()};
+      ref::stereo_interval(disparity.span(), half.span(), table, low_a.span(), high_a.span());
+      neon::stereo_interval(disparity.span(), half.span(), table, low_b.span(), high_b.span());
       ASSERT_TRUE(std::ranges::equal(low_a.span(), low_b.span())) << n << " first " << first;
       ASSERT_TRUE(std::ranges::equal(high_a.span(), high_b.span())) << n << " first " << first;
     }

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/target.h"
+
+namespace stof::dsp {
+
+// 2 sigma_d in 1/16 px for each sixteenth of the peak ratio (check/peak_ratio.h): what 95 percent
+// of the matches with such a ratio err by at most, measured on rendered rooms and on Middlebury
+// pairs, where it hardly depends on the scene. A winner at two thirds of its best rival's cost may
+// as well be a wrong one, and errs by as much as wrong matches do.
+using SpreadTable = std::array<std::uint8_t, 16>;
+inline constexpr SpreadTable kBlockSpread{6,  6,  6,  6,  7,  8,   9,   10,
+                                          13, 22, 48, 80, 96, 128, 160, 176};
+// Of sums over paths: what they favour at edges is more often wrong.
+inline constexpr SpreadTable kPathSpread{8,  8,  10, 12,  14,  16,  17,  20,
+                                         34, 60, 90, 112, 128, 144, 160, 176};
+
+// An interval never reaches further than an eighth of the depth: beyond that it says nothing
+// more, and its middle would leave the match.
+inline constexpr int kSpreadShare = 8;
+
+// half[x] = 2 sigma_d of disparity[x] in 1/16 px: table[ratio[x] / 16], but at most
+// max(raw - infinity_raw, 0) / 8 rounded down and at least 4; 0 where there is no disparity.
+// infinity_raw: the disparity of infinity, -doff in 1/16 px, +-16384. Equal lengths, any length,
+// any alignment; no overlap.
+using StereoSpread = void(std::span<const Disparity> disparity, std::span<const std::uint8_t> ratio,
+                          const SpreadTable& table, std::int16_t infinity_raw,
+                          std::span<std::uint8_t> half) noexcept;
+inline constexpr std::uint8_t kLeastSpread = 4;
+
+namespace ref {
+StereoSpread stereo_spread;
+}
+namespace neon {
+StereoSpread stereo_spread;
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/target.h"
+
+namespace stof::dsp {
+
+// How far a match stands out: ratio[x] = floor(255 c / r), c the cost of winners[x], r that of its
+// best rival (a candidate other than i - 1, i, i + 1 with a cost); 0 = nothing else comes near,
+// 255 = a rival is as good. 255 too where there is no rival (nothing was compared), no winner, or
+// where the winner has no cost; c > r counts as c = r. Source: the "peak ratio, naive" of Hu &
+// Mordohai, A Quantitative Evaluation of Confidence Measures for Stereo Vision, PAMI 2012,
+// inverted. One IEEE single quotient: 255 c rounded to single, over r rounded to single, cut off.
+// Layout as in cost/sad.h; lanes a multiple of 16, at most 256.
+template <typename Sum>
+using PeakRatio = void(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                       std::span<std::uint8_t> ratio) noexcept;
+
+namespace ref {
+PeakRatio<std::uint8_t> peak_ratio;
+PeakRatio<std::uint16_t> peak_ratio;
+PeakRatio<std::uint32_t> peak_ratio;
+}  // namespace ref
+namespace neon {
+PeakRatio<std::uint8_t> peak_ratio;
+PeakRatio<std::uint16_t> peak_ratio;
+PeakRatio<std::uint32_t> peak_ratio;
+}  // namespace neon
+
+}  // namespace stof::dsp

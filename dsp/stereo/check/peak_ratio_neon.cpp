@@ -1,0 +1,111 @@
+#include "dsp/stereo/check/peak_ratio.h"
+
+#include <array>
+#include <cstddef>
+
+#include "dsp/base/check.h"
+#include "dsp/base/simd.h"
+#include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/search/winner.h"
+
+namespace stof::dsp::neon {
+namespace {
+
+constexpr std::size_t kAtOnce = 16;
+
+// The lowest of 16 .. 256 costs but those of `first`, first + 1 and first + 2; first may be -1. A
+// candidate's number less `first`, wrapped, is 0 .. 2 for these.
+std::uint8_t best_rival(const std::uint8_t* costs, std::size_t lanes, int first) noexcept {
+  constexpr std::array<std::uint8_t, 16> kNumbers{0, 1, 2,  3,  4,  5,  6,  7,
+                                                  8, 9, 10, 11, 12, 13, 14, 15};
+  uint8x16_t number =
+      vsubq_u8(vld1q_u8(kNumbers.data()), vdupq_n_u8(static_cast<std::uint8_t>(first)));
+  uint8x16_t lowest = vdupq_n_u8(kNoCost<std::uint8_t>);
+  for (std::size_t i = 0; i < lanes; i += 16) {
+    const uint8x16_t near = vcleq_u8(number, vdupq_n_u8(2));
+    lowest = vminq_u8(lowest, vorrq_u8(vld1q_u8(costs + i), near));
+    number = vaddq_u8(number, vdupq_n_u8(16));
+  }
+  return vminvq_u8(lowest);
+}
+
+std::uint16_t best_rival(const std::uint16_t* costs, std::size_t lanes, int first) noexcept {
+  constexpr std::array<std::uint16_t, 8> kNumbers{0, 1, 2, 3, 4, 5, 6, 7};
+  uint16x8_t number =
+      vsubq_u16(vld1q_u16(kNumbers.data()), vdupq_n_u16(static_cast<std::uint16_t>(first)));
+  uint16x8_t lowest = vdupq_n_u16(kNoCost<std::uint16_t>);
+  for (std::size_t i = 0; i < lanes; i += 8) {
+    const uint16x8_t near = vcleq_u16(number, vdupq_n_u16(2));
+    lowest = vminq_u16(lowest, vorrq_u16(vld1q_u16(costs + i), near));
+    number = vaddq_u16(number, vdupq_n_u16(8));
+  }
+  return vminvq_u16(lowest);
+}
+
+std::uint32_t best_rival(const std::uint32_t* costs, std::size_t lanes, int first) noexcept {
+  constexpr std::array<std::uint32_t, 4> kNumbers{0, 1, 2, 3};
+  uint32x4_t number =
+      vsubq_u32(vld1q_u32(kNumbers.data()), vdupq_n_u32(static_cast<std::uint32_t>(first)));
+  uint32x4_t lowest = vdupq_n_u32(kNoCost<std::uint32_t>);
+  for (std::size_t i = 0; i < lanes; i += 4) {
+    const uint32x4_t near = vcleq_u32(number, vdupq_n_u32(2));
+    lowest = vminq_u32(lowest, vorrq_u32(vld1q_u32(costs + i), near));
+    number = vaddq_u32(number, vdupq_n_u32(4));
+  }
+  return vminvq_u32(lowest);
+}
+
+// floor(255 cost / rival), or 255 where cost >= rival.
+uint32x4_t quotient(uint32x4_t cost, uint32x4_t rival) noexcept {
+  const float32x4_t scaled = vmulq_f32(vdupq_n_f32(255.0F), vcvtq_f32_u32(cost));
+  const uint32x4_t ratio = vcvtq_u32_f32(simd::divide(scaled, vcvtq_f32_u32(rival)));
+  return vbslq_u32(vcgeq_u32(cost, rival), vdupq_n_u32(255), ratio);
+}
+
+template <typename Sum>
+void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+            std::span<std::uint8_t> ratio) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
+             costs.size() == winners.size() * count && ratio.size() == winners.size());
+  std::size_t x = 0;
+  for (; x + kAtOnce <= ratio.size(); x += kAtOnce) {
+    // Nothing known: cost 1 and rival 1.
+    std::array<std::uint32_t, kAtOnce> cost{};
+    std::array<std::uint32_t, kAtOnce> rival{};
+    for (std::size_t k = 0; k < kAtOnce; ++k) {
+      const std::int16_t winner = winners[x + k];
+      const Sum* const pixel = costs.data() + (x + k) * count;
+      const Sum own = winner == kNoWinner ? kNoCost<Sum> : pixel[winner];
+      const Sum other = own == kNoCost<Sum> ? own : best_rival(pixel, count, winner - 1);
+      cost[k] = other == kNoCost<Sum> ? 1 : own;
+      rival[k] = other == kNoCost<Sum> ? 1 : other;
+    }
+    std::array<uint16x4_t, 4> parts{};
+    for (std::size_t k = 0; k < 4; ++k) {
+      parts[k] =
+          vmovn_u32(quotient(vld1q_u32(cost.data() + 4 * k), vld1q_u32(rival.data() + 4 * k)));
+    }
+    const uint8x8_t low = vmovn_u16(vcombine_u16(parts[0], parts[1]));
+    const uint8x8_t high = vmovn_u16(vcombine_u16(parts[2], parts[3]));
+    vst1q_u8(ratio.data() + x, vcombine_u8(low, high));
+  }
+  ref::peak_ratio(costs.subspan(x * count), lanes, winners.subspan(x), ratio.subspan(x));
+}
+
+}  // namespace
+
+void peak_ratio(std::span<const std::uint8_t> costs, int lanes,
+                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
+  ratios(costs, lanes, winners, ratio);
+}
+void peak_ratio(std::span<const std::uint16_t> costs, int lanes,
+                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
+  ratios(costs, lanes, winners, ratio);
+}
+void peak_ratio(std::span<const std::uint32_t> costs, int lanes,
+                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
+  ratios(costs, lanes, winners, ratio);
+}
+
+}  // namespace stof::dsp::neon
