@@ -68,4 +68,11 @@ constexpr bool same_size(const ImageView<A>& a, const ImageView<B>& b) noexcept 
   return a.width() == b.width() && a.height() == b.height();
 }
 
+// The upper left width x height pixels of a buffer that is at least as large; of an empty one
+// nothing.
+template <typename T>
+constexpr ImageView<T> cut(const ImageView<T>& buffer, int width, int height) noexcept {
+  return buffer.empty() ? buffer : ImageView<T>(buffer.data(), width, height, buffer.stride());
+}
+
 }  // namespace stof::dsp
