@@ -44,6 +44,8 @@ Loaded<Image<std::uint16_t>> read_pgm16(const std::filesystem::path& file);
 
 std::expected<void, Problem> write_pgm8(const std::filesystem::path& file,
                                         const Image<std::uint8_t>& image);
+std::expected<void, Problem> write_pgm16(const std::filesystem::path& file,
+                                         const Image<std::uint16_t>& image);
 
 // PFM, "Pf", bottom row first, scale -1 (little-endian); +inf = none.
 Loaded<Image<float>> read_pfm(const std::filesystem::path& file);
@@ -74,13 +76,16 @@ std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir
 struct PmdRecording {
   // One entry a frame, each four planes A0..A3 stacked from top to bottom (width x 4 height).
   std::vector<Image<std::uint16_t>> frames;
+  // As many of calibration.pmd.second, or none.
+  std::vector<Image<std::uint16_t>> second_frames;
   std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
   // The camera's constants; `stereo` and `pmd_to_stereo` where the file has a rig.
   dsp::Calibration calibration;
   bool has_rig = false;
 
-  // Truth such as range maps is never read here.
-  std::array<dsp::ImageView<const std::uint16_t>, 4> samples(std::size_t frame) const;
+  using Samples = std::array<dsp::ImageView<const std::uint16_t>, 4>;
+  Samples samples(std::size_t frame) const;
+  Samples second_samples(std::size_t frame) const;
 
   PmdRecording() = default;
   PmdRecording(PmdRecording&&) = default;  // keeps fixed_pattern's storage
@@ -89,8 +94,28 @@ struct PmdRecording {
   PmdRecording& operator=(const PmdRecording&) = delete;
 };
 
-// Reads PREFIX.json and PREFIX_raw.pgm, and <W>x<H>_fppn.pgm beside them where it exists.
-// The wiggling table comes from kappa5 - kappa3.
-Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix);
+// Reads PREFIX.json and PREFIX_raw.pgm. The wiggling table comes from kappa5 - kappa3 where the
+// json has none. Truth (range maps, stray light) is never read. The fixed pattern is that of
+// `fixed_pattern` where a file is named (then it must be there; 1/8 mm), else PREFIX_fppn.pgm,
+// else <W>x<H>_fppn.pgm beside them, else there is none.
+Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix,
+                              const std::optional<std::filesystem::path>& fixed_pattern = {});
+
+// Two recordings of one camera and one scene at two modulation frequencies: one recording with
+// calibration.pmd.second. The higher frequency is the first one, in whichever order they are named.
+// Where a json has no min_modulation_ratio it is 0.25 here.
+Loaded<PmdRecording> read_pmd_pair(const std::filesystem::path& prefix,
+                                   const std::filesystem::path& other,
+                                   const std::optional<std::filesystem::path>& fixed_pattern = {});
+
+// Writes PREFIX.json, PREFIX_raw.pgm and, where there is one, PREFIX_fppn.pgm into a folder that
+// exists; what is read back is equal. The rig is written where has_rig says so, as the rectified
+// pair that it is or becomes. write_pmd leaves a second frequency out, write_pmd_pair needs
+// one and writes each under a prefix of its own.
+std::expected<void, Problem> write_pmd(const std::filesystem::path& prefix,
+                                       const PmdRecording& recording);
+std::expected<void, Problem> write_pmd_pair(const std::filesystem::path& prefix,
+                                            const std::filesystem::path& other,
+                                            const PmdRecording& recording);
 
 }  // namespace stof::dataset

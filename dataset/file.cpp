@@ -44,6 +44,18 @@ Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t ma
   return bytes;
 }
 
+std::expected<void, Problem> write_whole(const std::filesystem::path& file,
+                                         std::string_view bytes) {
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  stream.close();
+  if (!stream) {
+    return refuse(file, "cannot be written",
+                  "check the folder, its permissions and the free space");
+  }
+  return {};
+}
+
 bool is_there(const std::filesystem::path& file) {
   std::error_code error;
   return std::filesystem::exists(file, error);

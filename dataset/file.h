@@ -22,6 +22,9 @@ std::unexpected<Problem> refuse(const std::filesystem::path& file, std::string_v
 // The whole file. Refused: what is not a regular file, cannot be read, or has more than max_bytes.
 Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t max_bytes);
 
+// The file is what `bytes` are, whatever it was before.
+std::expected<void, Problem> write_whole(const std::filesystem::path& file, std::string_view bytes);
+
 // Whether something has this name. A broken path counts as absent.
 bool is_there(const std::filesystem::path& file);
 

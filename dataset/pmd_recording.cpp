@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/file.h"
+#include "dataset/json_fields.h"
 #include "dsp/base/units.h"
 
 namespace stof::dataset {
@@ -17,112 +18,90 @@ constexpr int kMaxSide = 4096;
 constexpr int kMaxFrames = 65536;
 constexpr double kMaxWiggleRad = 1;
 
-// Takes numbers out of one JSON document and remembers the first that was missing or wrong.
-class Fields {
- public:
-  explicit Fields(const json& root) : root_(root) {}
+dsp::Pinhole lens_from(Fields& fields) {
+  return {.width = fields.integer("width", 1, kMaxSide),
+          .height = fields.integer("height", 1, kMaxSide),
+          .fx = fields.number("fx"),
+          .fy = fields.number("fy"),
+          .cx = fields.number("cx"),
+          .cy = fields.number("cy"),
+          .k1 = fields.number_or("k1", 0),
+          .k2 = fields.number_or("k2", 0),
+          .k3 = fields.number_or("k3", 0),
+          .p1 = fields.number_or("p1", 0),
+          .p2 = fields.number_or("p2", 0)};
+}
 
-  double number(const char* key) {
-    const json::const_iterator at = root_.find(key);
-    if (at == root_.end()) {
-      return fail(std::string("has no \"") + key + "\"");
+dsp::WigglingTable wiggling_from(Fields& fields) {
+  dsp::WigglingTable table{};
+  if (fields.has("wiggling")) {
+    std::array<double, dsp::kWigglingSteps> steps{};
+    fields.numbers("wiggling", steps);
+    fields.require(std::ranges::all_of(steps, [](double step) { return std::abs(step) <= 32767; }),
+                   "has a \"wiggling\" step beyond half a turn");
+    if (fields.wrong().empty()) {
+      std::ranges::transform(steps, table.begin(),
+                             [](double step) { return static_cast<std::int16_t>(step); });
     }
-    return number_at(*at, key);
+    return table;
   }
-  double number_or(const char* key, double fallback) {
-    return root_.contains(key) ? number(key) : fallback;
-  }
-  int integer(const char* key, int low, int high) {
-    const double value = number(key);
-    if (wrong_.empty() && (value != std::floor(value) || value < low || value > high)) {
-      fail(std::string("has a \"") + key + "\" that is not a whole number from " +
-           std::to_string(low) + " to " + std::to_string(high));
-    }
-    return wrong_.empty() ? static_cast<int>(value) : 0;
-  }
-  // `count` numbers, flat or in rows of arrays.
-  void numbers(const char* key, std::span<double> out) {
-    std::size_t used = 0;
-    const json::const_iterator at = root_.find(key);
-    if (at != root_.end() && at->is_array()) {
-      for (const json& entry : *at) {
-        collect(entry, key, out, used);
-      }
-    }
-    if (used != out.size()) {
-      fail(std::string("has no \"") + key + "\" of " + std::to_string(out.size()) + " numbers");
-    }
-  }
-  void require(bool condition, const char* otherwise) {
-    if (!condition) {
-      fail(otherwise);
-    }
-  }
-  const std::string& wrong() const { return wrong_; }
-
- private:
-  double fail(std::string what) {
-    if (wrong_.empty()) {
-      wrong_ = std::move(what);
-    }
-    return 0;
-  }
-  double number_at(const json& value, const char* key) {
-    const double* const real = value.get_ptr<const json::number_float_t*>();
-    if (real != nullptr && std::isfinite(*real)) {
-      return *real;
-    }
-    if (const auto* natural = value.get_ptr<const json::number_unsigned_t*>()) {
-      return static_cast<double>(*natural);
-    }
-    if (const auto* integer = value.get_ptr<const json::number_integer_t*>()) {
-      return static_cast<double>(*integer);
-    }
-    return fail(std::string("has a \"") + key + "\" that is not a number");
-  }
-  void collect(const json& entry, const char* key, std::span<double> out, std::size_t& used) {
-    if (entry.is_array()) {
-      for (const json& inner : entry) {
-        if (used < out.size() && !inner.is_array()) {
-          out[used] = number_at(inner, key);
-        }
-        ++used;
-      }
-      return;
-    }
-    if (used < out.size()) {
-      out[used] = number_at(entry, key);
-    }
-    ++used;
-  }
-
-  const json& root_;
-  std::string wrong_;
-};
-
-dsp::PmdSensor sensor_from(Fields& fields) {
-  dsp::PmdSensor sensor;
-  sensor.lens = {.width = fields.integer("width", 1, kMaxSide),
-                 .height = fields.integer("height", 1, kMaxSide),
-                 .fx = fields.number("fx"),
-                 .fy = fields.number("fy"),
-                 .cx = fields.number("cx"),
-                 .cy = fields.number("cy"),
-                 .k1 = fields.number_or("k1", 0),
-                 .k2 = fields.number_or("k2", 0)};
-  sensor.tone.modulation.value =
-      static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
-  sensor.dark_lsb = fields.number("dark_lsb");
-  sensor.saturation_lsb = fields.integer("sat_lsb", 1, 65535);
-  const double gain = fields.number("lsb_e");
-  sensor.electrons_per_lsb = gain;
-  sensor.noise_lsb = fields.number("read_e") / gain;
-  // What suppression removes is gone from the samples' mean, but its shot noise is not.
-  sensor.suppressed_lsb = fields.number_or("sbi", 0) * fields.number_or("ambient_e", 0) / gain;
   const double kappa3 = fields.number_or("kappa3", 0);
   const double kappa5 = fields.number_or("kappa5", 0);
   fields.require(std::abs(kappa5 - kappa3) < kMaxWiggleRad, "has kappa3 and kappa5 too far apart");
-  sensor.tone.wiggling = dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
+  return dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
+}
+
+dsp::PmdTone tone_from(Fields& fields, double usual_ratio) {
+  dsp::PmdTone tone;
+  tone.modulation.value = static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
+  tone.min_modulation_ratio = fields.number_or("min_modulation_ratio", usual_ratio);
+  tone.offset_m = fields.number_or("offset_m", 0);
+  tone.offset_m_per_k = fields.number_or("offset_m_per_k", 0);
+  tone.wiggling = wiggling_from(fields);
+  // Not "stray", which says what a simulated camera really has.
+  tone.stray_i_lsb = fields.number_or("stray_i_lsb", 0);
+  tone.stray_q_lsb = fields.number_or("stray_q_lsb", 0);
+  return tone;
+}
+
+// Electrons become LSB. A key in LSB counts more than what follows from electrons.
+void light_from(Fields& fields, dsp::PmdSensor& sensor) {
+  const double gain = fields.number("lsb_e");
+  const double exposure = fields.number_or("int_scale", 1);
+  sensor.electrons_per_lsb = gain;
+  sensor.noise_lsb = fields.number_or("noise_lsb", fields.number("read_e") / gain);
+  // What suppression removes is gone from the samples' mean, but its shot noise is not.
+  const double suppressed_e =
+      fields.number_or("sbi", 0) * fields.number_or("ambient_e", 0) * exposure;
+  sensor.suppressed_lsb = fields.number_or("suppressed_lsb", suppressed_e / gain);
+  const double white_e = fields.number_or("contrast", 0) * fields.number_or("s1_e", 0) * exposure;
+  sensor.white_lsb = fields.number_or("white_lsb", white_e / gain);
+  if (fields.has("emitters")) {
+    sensor.emitter_count = fields.triples("emitters", sensor.emitters);
+  }
+}
+
+dsp::PmdSensor sensor_from(Fields& fields, double usual_ratio) {
+  dsp::PmdSensor sensor;
+  sensor.lens = lens_from(fields);
+  sensor.tone = tone_from(fields, usual_ratio);
+  sensor.phase_falls = fields.integer_or("phase_falls", 0, 1, 0) == 1;
+  sensor.dark_lsb = fields.number("dark_lsb");
+  sensor.saturation_lsb = fields.integer("sat_lsb", 1, 65535);
+  sensor.under_lsb = fields.integer_or("under_lsb", -65536, 65535, sensor.under_lsb);
+  sensor.min_amplitude_lsb =
+      fields.integer_or("min_amplitude_lsb", 0, 65535, sensor.min_amplitude_lsb);
+  sensor.asymmetry_sigmas = fields.number_or("asymmetry_sigmas", sensor.asymmetry_sigmas);
+  light_from(fields, sensor);
+  if (fields.has("sigma_polynomial")) {
+    std::array<double, 3> abc{};
+    fields.numbers("sigma_polynomial", abc);
+    sensor.sigma_polynomial = {.a = abc[0], .b = abc[1], .c = abc[2]};
+  }
+  sensor.integration_us = fields.number_or("integration_us", sensor.integration_us);
+  sensor.reference_c = fields.number_or("reference_c", sensor.reference_c);
+  sensor.scale = fields.number_or("scale", sensor.scale);
+  sensor.shift_m = fields.number_or("shift_m", sensor.shift_m);
   return sensor;
 }
 
@@ -132,25 +111,25 @@ void rig_from(Fields& fields, const json& stereo, dsp::Calibration& calibration,
   fields.numbers("T", calibration.pmd_to_stereo.translation_m);
   Fields rig(stereo);
   const double focal = rig.number("f_px");
-  calibration.stereo.left = {
-      .fx = focal, .fy = focal, .cx = rig.number("cx"), .cy = rig.number("cy")};
+  calibration.stereo.left = {.width = rig.integer_or("width", 0, kMaxSide, 0),
+                             .height = rig.integer_or("height", 0, kMaxSide, 0),
+                             .fx = focal,
+                             .fy = rig.number_or("fy_px", focal),
+                             .cx = rig.number("cx"),
+                             .cy = rig.number("cy")};
   calibration.stereo.baseline_m = rig.number("baseline_m");
   calibration.stereo.doff_px = rig.number("doff_px");
   wrong = rig.wrong().empty() ? "" : "\"stereo\" " + rig.wrong();
 }
 
-// The numbers must be usable whatever picture they are used with: the left size, which the file
-// does not know, and a missing rig are stood in for.
-std::string judge(dsp::Calibration calibration, bool has_rig) {
-  if (!has_rig) {
-    calibration.stereo = {.left = {.fx = 1, .fy = 1}, .baseline_m = 1};
-  }
-  calibration.stereo.left.width = 1;
-  calibration.stereo.left.height = 1;
-  return dsp::problem(calibration);
-}
+// What the json says about the files beside it.
+struct Layout {
+  int frames = 1;
+  PatternUnit unit = PatternUnit::kEighthMm;
+};
 
-Done read_constants(const std::filesystem::path& file, PmdRecording& recording, int& frames) {
+Done read_constants(const std::filesystem::path& file, double usual_ratio, PmdRecording& recording,
+                    Layout& layout) {
   const Loaded<std::string> text = read_whole(file, kMaxJsonBytes);
   if (!text) {
     return std::unexpected(text.error());
@@ -161,8 +140,11 @@ Done read_constants(const std::filesystem::path& file, PmdRecording& recording, 
     return refuse(file, "is not a JSON object", kRemedy);
   }
   Fields fields(root);
-  recording.calibration.pmd = sensor_from(fields);
-  frames = root.contains("frames") ? fields.integer("frames", 1, kMaxFrames) : 1;
+  recording.calibration.pmd = sensor_from(fields, usual_ratio);
+  layout.frames = fields.integer_or("frames", 1, kMaxFrames, 1);
+  if (fields.has("fppn_unit")) {
+    layout.unit = static_cast<PatternUnit>(fields.word("fppn_unit", kPatternUnits));
+  }
   std::string wrong;
   recording.has_rig = root.contains("R") || root.contains("T") || root.contains("stereo");
   if (recording.has_rig) {
@@ -174,7 +156,7 @@ Done read_constants(const std::filesystem::path& file, PmdRecording& recording, 
   if (!fields.wrong().empty() || !wrong.empty()) {
     return refuse(file, fields.wrong().empty() ? wrong : fields.wrong(), kRemedy);
   }
-  if (wrong = judge(recording.calibration, recording.has_rig); !wrong.empty()) {
+  if (wrong = problem_of(recording.calibration, recording.has_rig); !wrong.empty()) {
     return refuse(file, wrong, kRemedy);
   }
   return {};
@@ -207,15 +189,13 @@ Done read_samples(const std::filesystem::path& file, int frames, PmdRecording& r
 }
 
 // (value - 32768) / 8 mm of distance become 1/65536 turns. They wrap, as every phase does.
-Done read_fixed_pattern(const std::filesystem::path& file, PmdRecording& recording) {
-  if (!is_there(file)) {
-    return {};
-  }
+Done read_fixed_pattern(const std::filesystem::path& file, PatternUnit unit,
+                        PmdRecording& recording) {
   const Loaded<Image<std::uint16_t>> values = read_pgm16(file);
   if (!values) {
     return std::unexpected(values.error());
   }
-  const dsp::PmdSensor& sensor = recording.calibration.pmd;
+  dsp::PmdSensor& sensor = recording.calibration.pmd;
   if (values->width != sensor.lens.width || values->height != sensor.lens.height) {
     return refuse(file,
                   "expected " + size_text(sensor.lens.width, sensor.lens.height) + ", found " +
@@ -223,21 +203,36 @@ Done read_fixed_pattern(const std::filesystem::path& file, PmdRecording& recordi
                   "give the fixed pattern of this sensor");
   }
   const double turn_mm = dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.tone.modulation.value);
+  const double steps = unit == PatternUnit::kTurn ? 1 : 65536 / (8 * turn_mm);
   for (const std::uint16_t value : values->pixels) {
-    const double offset_mm = (value - 32768) / 8.0;
-    const long units = std::lround(offset_mm / turn_mm * 65536);
+    const long units = std::lround((value - 32768) * steps);
     recording.fixed_pattern.push_back(static_cast<std::int16_t>(static_cast<std::uint16_t>(units)));
   }
-  recording.calibration.pmd.fixed_pattern = recording.fixed_pattern;
+  sensor.fixed_pattern = recording.fixed_pattern;
   return {};
 }
 
-}  // namespace
+Done find_fixed_pattern(const std::filesystem::path& prefix,
+                        const std::optional<std::filesystem::path>& named, PatternUnit unit,
+                        PmdRecording& recording) {
+  if (named) {
+    return read_fixed_pattern(*named, PatternUnit::kEighthMm, recording);
+  }
+  const dsp::Pinhole& lens = recording.calibration.pmd.lens;
+  const std::filesystem::path own = file_of(prefix, "_fppn.pgm");
+  const std::filesystem::path common =
+      prefix.parent_path() / (size_text(lens.width, lens.height) + "_fppn.pgm");
+  for (const std::filesystem::path& file : {own, common}) {
+    if (unit != PatternUnit::kNone && is_there(file)) {
+      return read_fixed_pattern(file, unit, recording);
+    }
+  }
+  return {};
+}
 
-std::array<dsp::ImageView<const std::uint16_t>, 4> PmdRecording::samples(std::size_t frame) const {
-  const Image<std::uint16_t>& planes = frames[frame];
+PmdRecording::Samples samples_of(const Image<std::uint16_t>& planes) {
   const int height = planes.height / 4;
-  std::array<dsp::ImageView<const std::uint16_t>, 4> views;
+  PmdRecording::Samples views;
   for (int k = 0; k < 4; ++k) {
     views[static_cast<std::size_t>(k)] = {planes.view().row(k * height).data(), planes.width,
                                           height};
@@ -245,26 +240,36 @@ std::array<dsp::ImageView<const std::uint16_t>, 4> PmdRecording::samples(std::si
   return views;
 }
 
-Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix) {
-  std::filesystem::path constants = prefix;
-  constants += ".json";
-  std::filesystem::path samples = prefix;
-  samples += "_raw.pgm";
+}  // namespace
+
+PmdRecording::Samples PmdRecording::samples(std::size_t frame) const {
+  return samples_of(frames[frame]);
+}
+
+PmdRecording::Samples PmdRecording::second_samples(std::size_t frame) const {
+  return samples_of(second_frames[frame]);
+}
+
+Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
+                                    const std::optional<std::filesystem::path>& fixed_pattern,
+                                    double usual_ratio) {
   PmdRecording recording;
-  int frames = 0;
-  if (Done read = read_constants(constants, recording, frames); !read) {
+  Layout layout;
+  if (Done read = read_constants(file_of(prefix, ".json"), usual_ratio, recording, layout); !read) {
     return std::unexpected(std::move(read.error()));
   }
-  if (Done read = read_samples(samples, frames, recording); !read) {
+  if (Done read = read_samples(file_of(prefix, "_raw.pgm"), layout.frames, recording); !read) {
     return std::unexpected(std::move(read.error()));
   }
-  const dsp::Pinhole& lens = recording.calibration.pmd.lens;
-  const std::filesystem::path pattern =
-      prefix.parent_path() / (size_text(lens.width, lens.height) + "_fppn.pgm");
-  if (Done read = read_fixed_pattern(pattern, recording); !read) {
+  if (Done read = find_fixed_pattern(prefix, fixed_pattern, layout.unit, recording); !read) {
     return std::unexpected(std::move(read.error()));
   }
   return recording;
+}
+
+Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix,
+                              const std::optional<std::filesystem::path>& fixed_pattern) {
+  return read_recording(prefix, fixed_pattern, dsp::PmdTone{}.min_modulation_ratio);
 }
 
 }  // namespace stof::dataset

@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <fstream>
 
 #include "dataset/file.h"
 
@@ -11,18 +10,6 @@ namespace {
 
 constexpr int kTruthScale = 256;
 constexpr float kMaxTruthPx = 255;
-
-std::expected<void, Problem> write_bytes(const std::filesystem::path& file,
-                                         const std::string& bytes) {
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) {
-    return refuse(file, "cannot be written",
-                  "check the folder, its permissions and the free space");
-  }
-  return {};
-}
 
 template <typename T>
 std::string pgm_header(const Image<T>& image, int maxval) {
@@ -38,17 +25,26 @@ std::string pgm(const Image<std::uint8_t>& image) {
   return bytes;
 }
 
-// 16 bit, big-endian; 0 = unknown.
+// Big-endian, as PGM requires.
+std::string pgm(const Image<std::uint16_t>& image) {
+  std::string bytes = pgm_header(image, 65535);
+  for (const std::uint16_t value : image.pixels) {
+    bytes.push_back(static_cast<char>(value >> 8U));
+    bytes.push_back(static_cast<char>(value & 0xFFU));
+  }
+  return bytes;
+}
+
+// 0 = unknown.
 std::string truth_pgm(const Image<float>& truth) {
-  std::string bytes = pgm_header(truth, 65535);
-  for (const float d : truth.pixels) {
+  Image<std::uint16_t> steps(truth.width, truth.height);
+  std::ranges::transform(truth.pixels, steps.pixels.begin(), [](float d) {
     const long value = std::isfinite(d) && d > 0
                            ? std::max(std::lround(std::min(d, kMaxTruthPx) * kTruthScale), 1L)
                            : 0;
-    bytes.push_back(static_cast<char>(value >> 8 & 0xFF));
-    bytes.push_back(static_cast<char>(value & 0xFF));
-  }
-  return bytes;
+    return static_cast<std::uint16_t>(value);
+  });
+  return pgm(steps);
 }
 
 std::string meta(const StereoScene& scene) {
@@ -67,7 +63,12 @@ std::string meta(const StereoScene& scene) {
 
 std::expected<void, Problem> write_pgm8(const std::filesystem::path& file,
                                         const Image<std::uint8_t>& image) {
-  return write_bytes(file, pgm(image));
+  return write_whole(file, pgm(image));
+}
+
+std::expected<void, Problem> write_pgm16(const std::filesystem::path& file,
+                                         const Image<std::uint16_t>& image) {
+  return write_whole(file, pgm(image));
 }
 
 std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir,
@@ -81,7 +82,7 @@ std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir
     files.emplace_back("nonocc.pgm", pgm(*scene.visible));
   }
   for (const auto& [name, bytes] : files) {
-    if (std::expected<void, Problem> written = write_bytes(dir / name, bytes); !written) {
+    if (std::expected<void, Problem> written = write_whole(dir / name, bytes); !written) {
       return written;
     }
   }

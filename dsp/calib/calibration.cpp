@@ -6,6 +6,7 @@
 
 #include "dsp/calib/column_tables.h"
 #include "dsp/calib/rectification.h"
+#include "dsp/calib/tone_pair.h"
 
 namespace stof::dsp {
 namespace {
@@ -15,8 +16,11 @@ bool finite_positive(double value) noexcept { return std::isfinite(value) && val
 bool usable(const Pinhole& lens) noexcept {
   return lens.width > 0 && lens.height > 0 && finite_positive(lens.fx) &&
          finite_positive(lens.fy) && std::isfinite(lens.cx) && std::isfinite(lens.cy) &&
-         std::isfinite(lens.k1) && std::isfinite(lens.k2);
+         std::isfinite(lens.k1) && std::isfinite(lens.k2) && std::isfinite(lens.k3) &&
+         std::isfinite(lens.p1) && std::isfinite(lens.p2);
 }
+
+bool within(double value, double limit) noexcept { return std::abs(value) <= limit; }
 
 // A mirror is not a rotation.
 bool orthonormal(const std::array<double, 9>& r) noexcept {
@@ -80,20 +84,105 @@ const char* both_problem(const StereoRig& rig) noexcept {
   return rig.converging ? converging_problem(rig) : "";
 }
 
+const char* tone_problem(const PmdTone& tone) noexcept {
+  if (tone.modulation.value < 1'000'000 || tone.modulation.value > 200'000'000) {
+    return "a PMD modulation frequency is outside 1 to 200 MHz";
+  }
+  if (!(tone.min_modulation_ratio >= 0) || !(tone.min_modulation_ratio <= 1)) {
+    return "a PMD modulation ratio is outside 0 to 1";
+  }
+  if (!within(tone.offset_m, 1000) || !within(tone.offset_m_per_k, 1)) {
+    return "a PMD offset is above 1000 m, or above 1 m for each kelvin";
+  }
+  if (!within(tone.stray_i_lsb, 32767) || !within(tone.stray_q_lsb, 32767)) {
+    return "the stray light of the PMD camera is above 32767 LSB";
+  }
+  return "";
+}
+
+const char* samples_problem(const PmdSensor& pmd) noexcept {
+  if (!(pmd.dark_lsb >= 0) || !(pmd.dark_lsb < 32768)) {
+    return "the dark level of a PMD sample is outside 0 to 32768 LSB";
+  }
+  if (pmd.saturation_lsb < 1 || pmd.under_lsb >= pmd.saturation_lsb) {
+    return "a PMD sample saturates below 1 LSB, or where it is under range";
+  }
+  if (pmd.min_amplitude_lsb < 0) {
+    return "the least amplitude of the PMD camera is negative";
+  }
+  if (!finite_positive(pmd.electrons_per_lsb) || !(pmd.noise_lsb >= 0) ||
+      !std::isfinite(pmd.noise_lsb) || !(pmd.suppressed_lsb >= 0) ||
+      !std::isfinite(pmd.suppressed_lsb)) {
+    return "the PMD noise model (electrons per LSB, noise or suppressed light) is not usable";
+  }
+  if (!finite_positive(pmd.asymmetry_sigmas)) {
+    return "the greatest asymmetry of PMD samples is not positive";
+  }
+  if (!(pmd.white_lsb >= 0) || !std::isfinite(pmd.white_lsb)) {
+    return "the PMD amplitude of a white surface is not usable";
+  }
+  if (!(pmd.integration_us >= 0) || !(pmd.integration_us <= 1e7)) {
+    return "the PMD integration time is outside 0 to 10 s";
+  }
+  return "";
+}
+
+// Which every metre of the range needs a value of.
+bool tells_noise(const SigmaPolynomial& sigma) noexcept {
+  for (int metres = 1; metres <= 16; ++metres) {
+    const double z = 100.0 * metres;
+    if (!finite_positive(sigma.a + z * (sigma.b + z * sigma.c))) {
+      return false;
+    }
+  }
+  return true;
+}
+
+const char* distance_problem(const PmdSensor& pmd) noexcept {
+  if (!(pmd.scale >= 0.5) || !(pmd.scale <= 2) || !within(pmd.shift_m, 100)) {
+    return "the straight line of PMD distances has a scale outside 0.5 to 2, or a shift above 100 "
+           "m";
+  }
+  if (!within(pmd.reference_c, 200)) {
+    return "the reference temperature of the PMD camera is outside -200 to 200 degrees";
+  }
+  if (pmd.sigma_polynomial && !tells_noise(*pmd.sigma_polynomial)) {
+    return "the PMD polynomial of sigma is not positive everywhere from 1 to 16 m";
+  }
+  if (pmd.emitter_count < 0 || pmd.emitter_count > kMaxEmitters) {
+    return "the PMD camera has less than 0 or more than 4 lights";
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(pmd.emitter_count); ++i) {
+    const Emitter& e = pmd.emitters[i];
+    if (!within(std::hypot(e[0], e[1], e[2]), 2)) {
+      return "a light of the PMD camera is more than 2 m from its lens";
+    }
+  }
+  return "";
+}
+
+const char* second_problem(const PmdSensor& pmd) noexcept {
+  if (const char* const why = tone_problem(*pmd.second); *why != '\0') {
+    return why;
+  }
+  if (pmd.second->modulation.value >= pmd.tone.modulation.value) {
+    return "the second PMD modulation frequency is not below the first";
+  }
+  if (!usable_pair(pmd.tone.modulation, pmd.second->modulation)) {
+    return "the two PMD modulation frequencies are no ratio of whole numbers up to 64";
+  }
+  return "";
+}
+
 const char* pmd_problem(const PmdSensor& pmd) noexcept {
   if (!usable(pmd.lens)) {
     return "the PMD lens has a size, focal length or centre that is not usable";
   }
-  // The distance of one turn must fit u16 quarter millimetres: 9.15 MHz and up.
-  if (pmd.tone.modulation.value < 9'150'000 || pmd.tone.modulation.value > 200'000'000) {
-    return "the PMD modulation frequency is outside 9.15 to 200 MHz";
-  }
-  if (!finite_positive(pmd.electrons_per_lsb) || !(pmd.noise_lsb >= 0) ||
-      !std::isfinite(pmd.noise_lsb) || !(pmd.dark_lsb >= 0) || !(pmd.dark_lsb < 32768) ||
-      !(pmd.tone.min_modulation_ratio >= 0) || !(pmd.tone.min_modulation_ratio <= 1) ||
-      !(pmd.suppressed_lsb >= 0) || !std::isfinite(pmd.suppressed_lsb) ||
-      !finite_positive(pmd.asymmetry_sigmas) || !std::isfinite(pmd.tone.offset_m)) {
-    return "a PMD constant (dark, noise, gain, ratio or offset) is not usable";
+  for (const char* const why : {tone_problem(pmd.tone), pmd.second ? second_problem(pmd) : "",
+                                samples_problem(pmd), distance_problem(pmd)}) {
+    if (*why != '\0') {
+      return why;
+    }
   }
   const std::size_t pixels =
       static_cast<std::size_t>(pmd.lens.width) * static_cast<std::size_t>(pmd.lens.height);

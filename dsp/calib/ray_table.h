@@ -8,9 +8,9 @@
 
 namespace stof::dsp {
 
-// Unit vector along which pixel (u, v) of a lens looks, radial distortion removed by fixed-point
-// iteration (20 steps). All zero where that does not come back to within 0.01 px of (u, v): beyond
-// the radius at which the distortion folds over.
+// Unit vector along which pixel (u, v) of a lens looks, the whole distortion of Pinhole removed by
+// Newton's method. All zero where that does not come back to within 0.01 px of (u, v), or where
+// the distortion has folded over on the way there: two directions show up at one place.
 std::array<double, 3> unit_ray(const Pinhole& lens, double u, double v) noexcept;
 
 // The unit rays of all pixels, row by row, as Q15 (32767 stands for +1). `turned` are R r, in the

@@ -1,13 +1,18 @@
 #include "dsp/pmd/converter.h"
 
+#include <algorithm>
 #include <memory>
 #include <span>
 
 #include "dsp/base/check.h"
+#include "dsp/calib/near_table.h"
 #include "dsp/calib/pmd_tables.h"
-#include "dsp/pmd/interval.h"
-#include "dsp/pmd/phase.h"
-#include "dsp/pmd/range.h"
+#include "dsp/calib/tone_pair.h"
+#include "dsp/pmd/combine_tones.h"
+#include "dsp/pmd/fill_intervals.h"
+#include "dsp/pmd/near_lights.h"
+#include "dsp/pmd/to_quarter_mm.h"
+#include "dsp/pmd/tone.h"
 
 namespace stof::dsp {
 namespace {
@@ -16,48 +21,108 @@ std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// A row of `width` pixels with its two neighbours outside, which stay missing.
-template <typename T>
-std::span<T> padded_row(const ImageView<T>& image, int y) noexcept {
-  const std::span<T> row = image.row_clamped(y);
-  return {row.data() - 1, row.size() + 2};
-}
-
 ImageView<QuarterMm> take_padded(Arena& arena, int width, int height) noexcept {
   const std::span<QuarterMm> all = arena.take<QuarterMm>(pixels(width + 2, height));
-  for (QuarterMm& value : all) {
-    value = kNoDepth;
-  }
+  std::ranges::fill(all, kNoDepth);
   return {all.data() + 1, width, height, width + 2};
+}
+
+// What lights beside the lens, distances beyond 16.38 m and a second tone add.
+std::size_t near_bytes(int width, int height) noexcept {
+  const std::size_t all = pixels(width, height);
+  return Arena::bytes_for<std::int16_t>(all) + 2 * Arena::bytes_for<std::int32_t>(all);
+}
+std::size_t long_bytes(int width, int height) noexcept {
+  return Arena::bytes_for<std::uint32_t>(pixels(width, height));
+}
+std::size_t second_bytes(int width) noexcept {
+  const std::size_t row = static_cast<std::size_t>(width);
+  return exposure_row_bytes(row) + Arena::bytes_for<Phase>(row);
 }
 
 }  // namespace
 
 struct Converter::Tables {
-  PhaseLimits limits;
-  RangeParams range;
+  Tone first;
+  Tone second;  // where there is one
+  TonePair pair;
+  RangeTables one_tone;
+  RangeTables both_tones;
+  bool has_second = false;
+  bool sigma_by_distance = false;
+  SigmaCurve curve{};
+  NearTable near;  // empty without lights beside the lens
+  std::uint32_t shortest_way = 0;
   std::span<const std::int16_t> fixed_pattern;
+  MergeRows spare;
+  std::span<Phase> corrected;
+  std::span<std::uint32_t> reading;  // where no long_distance holds it
+  ExposureRow other;                 // the second tone
+  std::span<Phase> other_corrected;
 
-  std::span<const std::int16_t> fixed_pattern_row(int y, int width) const noexcept {
-    const std::size_t n = static_cast<std::size_t>(width);
+  std::span<const std::int16_t> fixed_pattern_row(int y, std::size_t n) const noexcept {
     return fixed_pattern.empty() ? fixed_pattern
                                  : fixed_pattern.subspan(static_cast<std::size_t>(y) * n, n);
+  }
+  NearRow near_row(int y, std::size_t n) const noexcept {
+    const std::size_t at = static_cast<std::size_t>(y) * n;
+    return {near.half_q2.subspan(at, n), near.twice_area.subspan(at, n), near.pole.subspan(at, n)};
   }
 };
 
 std::size_t Converter::bytes_needed(int width, int height) noexcept {
-  const std::size_t plain = pixels(width, height);
-  return Arena::bytes_for<Tables>(1) + 5 * Arena::bytes_for<std::uint16_t>(plain) +
-         Arena::bytes_for<std::uint8_t>(plain) +
-         2 * Arena::bytes_for<QuarterMm>(pixels(width + 2, height));
+  return plain_bytes(width, height) + near_bytes(width, height) + long_bytes(width, height) +
+         second_bytes(width);
+}
+
+std::size_t Converter::bytes_needed(const PmdSensor& sensor) noexcept {
+  const int w = sensor.lens.width;
+  const int h = sensor.lens.height;
+  return plain_bytes(w, h) + (sensor.emitter_count > 0 ? near_bytes(w, h) : 0) +
+         (has_long_range(sensor) ? long_bytes(w, h) : 0) + (sensor.second ? second_bytes(w) : 0);
+}
+
+std::size_t Converter::plain_bytes(int width, int height) noexcept {
+  const std::size_t all = pixels(width, height);
+  const std::size_t row = static_cast<std::size_t>(width);
+  return Arena::bytes_for<Tables>(1) + 5 * Arena::bytes_for<std::uint16_t>(all) +
+         2 * Arena::bytes_for<std::uint8_t>(all) +
+         2 * Arena::bytes_for<QuarterMm>(pixels(width + 2, height)) + exposure_row_bytes(row) +
+         Arena::bytes_for<std::uint8_t>(row) + Arena::bytes_for<Phase>(row) +
+         Arena::bytes_for<std::uint32_t>(row);
 }
 
 Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   const int w = sensor.lens.width;
   const int h = sensor.lens.height;
-  tables_ =
-      std::construct_at(arena.take<Tables>(1).data(),
-                        Tables{phase_limits(sensor), range_params(sensor), sensor.fixed_pattern});
+  const std::size_t row = static_cast<std::size_t>(w);
+  tables_ = std::construct_at(arena.take<Tables>(1).data());
+  Tables& t = *tables_;
+  t.first = make_tone(sensor, sensor.tone);
+  t.one_tone = range_tables(sensor, turn_m(sensor.tone));
+  t.fixed_pattern = sensor.fixed_pattern;
+  t.spare = {take_exposure_row(arena, row), arena.take<std::uint8_t>(row)};
+  t.corrected = arena.take<Phase>(row);
+  t.reading = arena.take<std::uint32_t>(row);
+  if (sensor.sigma_polynomial) {
+    t.sigma_by_distance = true;
+    t.curve = sigma_curve(*sensor.sigma_polynomial);
+  }
+  if (sensor.second) {
+    t.has_second = true;
+    t.second = make_tone(sensor, *sensor.second);
+    t.pair = make_tone_pair(sensor.tone.modulation, sensor.second->modulation);
+    t.both_tones = range_tables(sensor, common_period(t.pair) / units_per_metre(sensor));
+    t.other = take_exposure_row(arena, row);
+    t.other_corrected = arena.take<Phase>(row);
+  }
+  if (sensor.emitter_count > 0) {
+    const std::size_t all = pixels(w, h);
+    t.near = {arena.take<std::int16_t>(all), arena.take<std::int32_t>(all),
+              arena.take<std::int32_t>(all)};
+    fill_near_table(sensor, units_per_metre(sensor), t.near);
+    t.shortest_way = shortest_way(sensor, units_per_metre(sensor));
+  }
   maps_.phase = arena.take_image<Phase>(w, h);
   maps_.amp2 = arena.take_image<std::uint16_t>(w, h);
   maps_.offset = arena.take_image<std::uint16_t>(w, h);
@@ -66,38 +131,79 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   maps_.sigma = take_padded(arena, w, h);
   maps_.low = arena.take_image<QuarterMm>(w, h);
   maps_.high = arena.take_image<QuarterMm>(w, h);
+  maps_.ratio = arena.take_image<std::uint8_t>(w, h);
+  if (has_long_range(sensor)) {
+    maps_.long_distance = arena.take_image<std::uint32_t>(w, h);
+  }
+}
+
+void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
+  const Tables& t = *tables_;
+  const PmdMaps& m = maps_;
+  const std::size_t n = static_cast<std::size_t>(m.phase.width());
+  const ExposureRow row{.phase = m.phase.row(y),
+                        .amp2 = m.amp2.row(y),
+                        .offset = m.offset.row(y),
+                        .ratio = m.ratio.row(y),
+                        .sigma = m.sigma.row(y),
+                        .flags = m.flags.row(y)};
+  const std::span<const std::int16_t> pattern = t.fixed_pattern_row(y, n);
+  const std::span<std::uint32_t> reading =
+      m.long_distance.empty() ? t.reading : m.long_distance.row(y);
+  measure_tone(frame.first, y, t.first, t.spare, row);
+  best::correct_phase(row.phase, pattern, t.first.correction, t.corrected);
+  if (frame.second.empty()) {
+    best::range(t.corrected, t.first.tables.turn, reading);
+  } else {
+    measure_tone(frame.second, y, t.second, t.spare, t.other);
+    best::correct_phase(t.other.phase, pattern, t.second.correction, t.other_corrected);
+    best::combine_tones({t.corrected, row.amp2, row.sigma},
+                        {t.other_corrected, t.other.amp2, t.other.sigma}, t.pair, t.other.flags,
+                        row.flags, reading);
+    best::combine_sigma(t.other.sigma, row.sigma);
+  }
+  const RangeTables& range = frame.second.empty() ? t.one_tone : t.both_tones;
+  if (!changes_nothing(range.line)) {
+    best::straight_line(range.line, reading);
+  }
+  if (!t.near.half_q2.empty()) {
+    best::near_lights(t.near_row(y, n), t.shortest_way, reading);
+  }
+  best::to_quarter_mm(reading, range.unit_q30, row.flags, m.distance.row(y), row.sigma);
+  if (t.sigma_by_distance) {
+    best::curve_sigma(m.distance.row(y), t.curve, row.sigma);
+  }
+}
+
+const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
+  Tables& t = *tables_;
+  const int width = maps_.phase.width();
+  const int height = maps_.phase.height();
+  check_exposures(frame.first, width, height);
+  maps_.integration = prepare_tone(frame.first, frame.temperature_q8, t.first);
+  if (!frame.second.empty()) {
+    STOF_CHECK(t.has_second);
+    check_exposures(frame.second, width, height);
+    prepare_tone(frame.second, frame.temperature_q8, t.second);
+  }
+  const RangeTables& range = frame.second.empty() ? t.one_tone : t.both_tones;
+  maps_.range = range.range;
+  maps_.widest = range.widest;
+  for (int y = 0; y < height; ++y) {
+    measure_row(frame, y);
+  }
+  return maps_;
+}
+
+const PmdMaps& Converter::convert(const PmdFrame& frame) noexcept {
+  measure(frame);
+  refresh_intervals(maps_);
+  return maps_;
 }
 
 const PmdMaps& Converter::convert(const PmdSamples& samples) noexcept {
-  const PmdMaps& m = maps_;
-  const int height = m.phase.height();
-  for (const ImageView<const std::uint16_t>& plane : samples) {
-    STOF_CHECK(same_size(plane, m.phase));
-  }
-  for (int y = 0; y < height; ++y) {
-    best::phase({samples[0].row(y), samples[1].row(y), samples[2].row(y), samples[3].row(y)},
-                tables_->limits, m.phase.row(y), m.amp2.row(y), m.offset.row(y), m.flags.row(y));
-    best::range(m.phase.row(y), m.amp2.row(y), m.offset.row(y), m.flags.row(y),
-                tables_->fixed_pattern_row(y, m.phase.width()), tables_->range, m.distance.row(y),
-                m.sigma.row(y));
-  }
-  for (int y = 0; y < height; ++y) {
-    const IntervalRows rows{padded_row(m.distance, y - 1), padded_row(m.distance, y),
-                            padded_row(m.distance, y + 1), padded_row(m.sigma, y - 1),
-                            padded_row(m.sigma, y),        padded_row(m.sigma, y + 1)};
-    best::interval(rows, tables_->range.range, m.flags.row(y), m.low.row(y), m.high.row(y));
-  }
-  // Only now, because neighbours were judged by them: a wrapped pixel carries no distance.
-  for (int y = 0; y < height; ++y) {
-    const std::span<const QuarterMm> high = m.high.row(y);
-    const std::span<QuarterMm> distance = m.distance.row(y);
-    const std::span<QuarterMm> sigma = m.sigma.row(y);
-    for (std::size_t x = 0; x < high.size(); ++x) {
-      distance[x] = high[x] == kNoDepth ? kNoDepth : distance[x];
-      sigma[x] = high[x] == kNoDepth ? QuarterMm{0} : sigma[x];
-    }
-  }
-  return maps_;
+  const PmdExposure exposure{.samples = samples};
+  return convert(PmdFrame{.first = {&exposure, 1}});
 }
 
 }  // namespace stof::dsp

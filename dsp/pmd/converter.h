@@ -3,58 +3,65 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "dsp/base/status.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp {
 
 using PmdSamples = std::array<ImageView<const std::uint16_t>, 4>;
 
-// Why a PMD pixel is or is not to be trusted (SPEC section 2). A pixel with any bit of kPmdMissing
-// carries no distance.
-enum PmdFlag : std::uint8_t {
-  kPmdSaturated = 1 << 0,
-  kPmdUnderRange = 1 << 1,
-  kPmdLowAmplitude = 1 << 2,
-  kPmdLowRatio = 1 << 3,
-  kPmdAsymmetric = 1 << 4,
-  kPmdEdge = 1 << 5,
-  kPmdOutOfRange = 1 << 6,
-  kPmdWrapped = 1 << 7,
-};
-inline constexpr std::uint8_t kPmdMissing =
-    kPmdSaturated | kPmdUnderRange | kPmdLowAmplitude | kPmdLowRatio | kPmdAsymmetric | kPmdWrapped;
-
-// Everything one PMD frame becomes. All images have the sensor's size.
-struct PmdMaps {
-  ImageView<Phase> phase;           // before any correction
-  ImageView<std::uint16_t> amp2;    // twice the amplitude, LSB
-  ImageView<std::uint16_t> offset;  // mean of the samples less dark, LSB
-  ImageView<std::uint8_t> flags;    // PmdFlag
-  ImageView<QuarterMm> distance;    // radial, along the pixel's ray; 0 = none
-  ImageView<QuarterMm> sigma;       // of distance
-  ImageView<QuarterMm> low;         // radial interval from the 3x3 neighbourhood, with 2 sigma;
-  ImageView<QuarterMm> high;        // both 0 where there is none
+// Four samples and how long each of them collected light.
+struct PmdExposure {
+  PmdSamples samples;
+  IntegrationQ8 integration = kReferenceIntegration;  // not 0
 };
 
-// Four samples to distance with an interval: phase, range, interval kernels with this sensor's
-// tables. Holds its buffers, allocates nothing after construction.
+inline constexpr std::size_t kMaxPmdExposures = 4;
+
+struct PmdFrame {
+  // Exposures of PmdSensor::tone, one to kMaxPmdExposures, in any order: each pixel takes the
+  // longest that is not saturated.
+  std::span<const PmdExposure> first;
+  // Of PmdSensor::second, alike. Empty where there is no second tone; if the sensor has one and the
+  // frame has not, distances are those of the first tone alone.
+  std::span<const PmdExposure> second{};
+  // Of the sensor, 1/256 degree Celsius. None: PmdSensor::reference_c.
+  std::optional<std::int32_t> temperature_q8 = std::nullopt;
+};
+
+// Samples to distance with an interval, by this sensor's tables: phase (stray light subtracted),
+// corrected phase, one turn or two tones to a distance, straight line, lights beside the lens,
+// sigma, interval. Holds its buffers, allocates nothing after construction. Every step is a row
+// kernel of this folder.
 class Converter {
  public:
+  // Enough for every sensor of this size, and exactly for one: about 16 bytes a pixel, 10 more
+  // with lights beside the lens, 4 more where there is a long_distance.
   static std::size_t bytes_needed(int width, int height) noexcept;
+  static std::size_t bytes_needed(const PmdSensor& sensor) noexcept;
 
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty.
   Converter(const PmdSensor& sensor, Arena& arena) noexcept;
 
-  // Samples of the sensor's size. The result is valid until the next call.
+  // Samples of the sensor's size. The result is valid until the next call; integration times scale
+  // stray and suppressed light.
+  const PmdMaps& convert(const PmdFrame& frame) noexcept;
+  // The same of one exposure of the first tone at reference integration time and temperature.
   const PmdMaps& convert(const PmdSamples& samples) noexcept;
+
+  // The same without intervals: low, high and flags that come from neighbours are not there yet.
+  // For who changes readings before refresh_intervals() (fill_intervals.h); convert() is both.
+  const PmdMaps& measure(const PmdFrame& frame) noexcept;
 
  private:
   struct Tables;
+  static std::size_t plain_bytes(int width, int height) noexcept;
+  void measure_row(const PmdFrame& frame, int y) noexcept;
   Tables* tables_;
   PmdMaps maps_;
 };

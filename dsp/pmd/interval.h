@@ -21,18 +21,26 @@ struct IntervalRows {
   std::span<const QuarterMm> sigma_below;
 };
 
+// All quarter mm.
+struct IntervalLimits {
+  QuarterMm range = kMaxQuarterMm;   // unambiguous range: what readings repeat after
+  QuarterMm widest = kMaxQuarterMm;  // half of one turn: see below
+};
+
 // The interval that holds the surface seen by a pixel, for one row: nearest and farthest valid
 // reading (distance not 0) of the 3x3 neighbourhood, nearest - 2 sigma(nearest) and
 // farthest + 2 sigma(farthest), saturating. Of equal distances the nearest takes the smallest
 // sigma, the farthest the largest. Where the pixel itself is missing: low = high = 0.
 // Source: Kuhnert & Stommel 2006 section 4.1; a mixed reading lies between its surfaces if these
-// are less than half the unambiguous range apart. Bits added to flags:
-//   kPmdWrapped     high - low is above range / 2, or 2 sigma reach below 0, so that the reading
+// are less than half a turn apart. Bits added to flags:
+//   kPmdWrapped     high - low is above widest, or 2 sigma reach below 0, so that the reading
 //                   may as well be one of nearly the whole range; then low = high = 0
 //   kPmdEdge        nearest and farthest differ by more than 3 (sigma + sigma): more than noise
-//   kPmdOutOfRange  high is above range: the far end is more than this sensor can tell
-// range: unambiguous range, quarter mm. Any length, any alignment; no overlap.
-using IntervalKernel = void(const IntervalRows& rows, QuarterMm range,
+//   kPmdOutOfRange  high is above range, the pixel's own reading is not: the far end is more than
+//                   this sensor can tell. Or high is 65535, which is more than it can say. A
+//                   reading above range is one that was moved by whole periods, by who knew better
+// Any length, any alignment; no overlap.
+using IntervalKernel = void(const IntervalRows& rows, const IntervalLimits& limits,
                             std::span<std::uint8_t> flags, std::span<QuarterMm> low,
                             std::span<QuarterMm> high) noexcept;
 namespace ref {

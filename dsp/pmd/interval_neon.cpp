@@ -4,7 +4,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/pmd/converter.h"
+#include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -63,7 +63,7 @@ uint16x8_t flag(uint16x8_t where, PmdFlag bit) noexcept {
   return vandq_u16(where, vdupq_n_u16(bit));
 }
 
-void finish(const Extremes& e, uint16x8_t here, QuarterMm range, std::uint8_t* flags,
+void finish(const Extremes& e, uint16x8_t here, const IntervalLimits& limits, std::uint8_t* flags,
             QuarterMm* low, QuarterMm* high) noexcept {
   const uint32x4_t one = vdupq_n_u32(1);
   const Keys smallest{vaddq_u32(e.smallest_less_one.low, one),
@@ -76,11 +76,13 @@ void finish(const Extremes& e, uint16x8_t here, QuarterMm range, std::uint8_t* f
   const uint16x8_t hi = vqaddq_u16(farthest, times(far_sigma, 2));
   const uint16x8_t none = vdupq_n_u16(0);
   const uint16x8_t present = vtstq_u16(here, here);
-  const uint16x8_t wide = vcgtq_u16(vsubq_u16(hi, lo), vdupq_n_u16(range / 2));
+  const uint16x8_t wide = vcgtq_u16(vsubq_u16(hi, lo), vdupq_n_u16(limits.widest));
   const uint16x8_t wrapped = vandq_u16(present, vorrq_u16(wide, vceqq_u16(lo, none)));
   const uint16x8_t noise = vqaddq_u16(times(near_sigma, 3), times(far_sigma, 3));
   const uint16x8_t edge = vcgtq_u16(vsubq_u16(farthest, nearest), noise);
-  const uint16x8_t beyond = vcgtq_u16(hi, vdupq_n_u16(range));
+  const uint16x8_t range = vdupq_n_u16(limits.range);
+  const uint16x8_t beyond = vorrq_u16(vandq_u16(vcgtq_u16(hi, range), vcleq_u16(here, range)),
+                                      vceqq_u16(hi, vdupq_n_u16(kMaxQuarterMm)));
   const uint16x8_t bits =
       vorrq_u16(flag(wrapped, kPmdWrapped),
                 vandq_u16(present, vorrq_u16(flag(edge, kPmdEdge), flag(beyond, kPmdOutOfRange))));
@@ -98,7 +100,7 @@ IntervalRows from(const IntervalRows& rows, std::size_t x) noexcept {
 
 }  // namespace
 
-void interval(const IntervalRows& rows, QuarterMm range, std::span<std::uint8_t> flags,
+void interval(const IntervalRows& rows, const IntervalLimits& limits, std::span<std::uint8_t> flags,
               std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept {
   const std::size_t n = flags.size();
   STOF_CHECK(low.size() == n && high.size() == n);
@@ -113,10 +115,10 @@ void interval(const IntervalRows& rows, QuarterMm range, std::span<std::uint8_t>
     take_in_row(extremes, rows.distance_above, rows.sigma_above, x);
     take_in_row(extremes, rows.distance_here, rows.sigma_here, x);
     take_in_row(extremes, rows.distance_below, rows.sigma_below, x);
-    finish(extremes, vld1q_u16(rows.distance_here.data() + x + 1), range, flags.data() + x,
+    finish(extremes, vld1q_u16(rows.distance_here.data() + x + 1), limits, flags.data() + x,
            low.data() + x, high.data() + x);
   }
-  ref::interval(from(rows, x), range, flags.subspan(x), low.subspan(x), high.subspan(x));
+  ref::interval(from(rows, x), limits, flags.subspan(x), low.subspan(x), high.subspan(x));
 }
 
 }  // namespace stof::dsp::neon

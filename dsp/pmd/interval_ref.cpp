@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/pmd/converter.h"
+#include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp::ref {
 namespace {
@@ -20,7 +20,7 @@ unsigned flag_if(bool condition, PmdFlag flag) noexcept { return condition ? uns
 
 }  // namespace
 
-void interval(const IntervalRows& rows, QuarterMm range, std::span<std::uint8_t> flags,
+void interval(const IntervalRows& rows, const IntervalLimits& limits, std::span<std::uint8_t> flags,
               std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept {
   const std::size_t n = flags.size();
   STOF_CHECK(low.size() == n && high.size() == n);
@@ -49,8 +49,9 @@ void interval(const IntervalRows& rows, QuarterMm range, std::span<std::uint8_t>
     unsigned flag = flags[x];
     const int noise = std::min<int>(3 * nearest.sigma + 3 * farthest.sigma, kMaxQuarterMm);
     flag |= flag_if(farthest.distance - nearest.distance > noise, kPmdEdge);
-    flag |= flag_if(hi > range, kPmdOutOfRange);
-    if (lo <= 0 || hi - lo > range / 2) {
+    const bool beyond = hi > limits.range && rows.distance_here[x + 1] <= limits.range;
+    flag |= flag_if(beyond || hi == kMaxQuarterMm, kPmdOutOfRange);
+    if (lo <= 0 || hi - lo > limits.widest) {
       flag |= kPmdWrapped;
     } else {
       low[x] = static_cast<QuarterMm>(lo);

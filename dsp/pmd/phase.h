@@ -22,6 +22,9 @@ struct PhaseLimits {
   // number of noise variances. slope_q8 at most 131072.
   std::uint32_t asymmetry_base = 0xFFFFFFFF;
   std::uint32_t asymmetry_slope_q8 = 0;
+  // What stray light inside the camera adds to I and to Q; subtracted from them. -32767 .. 32767.
+  std::int16_t stray_i = 0;
+  std::int16_t stray_q = 0;
 };
 inline constexpr std::uint32_t kMaxRatioQ16 = 131072;
 inline constexpr std::uint32_t kMaxAsymmetrySlopeQ8 = 131072;
@@ -29,17 +32,26 @@ inline constexpr std::uint32_t kMaxAsymmetrySlopeQ8 = 131072;
 // A0 .. A3, one row each; 10 to 15 bits used, larger values count as 32767.
 using SampleRows = std::array<std::span<const std::uint16_t>, 4>;
 
-// For each pixel, with I = A0 - A2 and Q = A3 - A1:
+struct PhaseRow {
+  std::span<Phase> phase;
+  std::span<std::uint16_t> amp2;
+  std::span<std::uint16_t> offset;
+  std::span<std::uint8_t> ratio;
+  std::span<std::uint8_t> flags;
+};
+
+// For each pixel, with I = A0 - A2 - stray_i and Q = A3 - A1 - stray_q, both limited to +-32767:
 //   phase  = atan2(Q, I), one turn is 65536; at most 0.70 from the real number; 0 when I = Q = 0
 //   amp2   = sqrt(I^2 + Q^2) rounded to nearest, exactly; at most 46340
 //   offset = (A0 + A1 + A2 + A3 + 2) / 4 - dark, at least 0
+//   ratio  = 128 amp2 / offset by one IEEE single division, rounded to nearest (ties to even), at
+//            most 255: the modulation ratio A / offset in 1/256. Offset 0 counts as 1
 //   flags  = kPmdSaturated, kPmdUnderRange, kPmdLowAmplitude, kPmdLowRatio, kPmdAsymmetric
 // How phase is computed (both variants, bit for bit): t = mn / mx in Q16 by one IEEE single
 // division, theta = t + t P(t^2) in 1/8 phase units, P of degree 5 fitted with this very rounding,
 // then octants are folded. Equal lengths, any length, any alignment; no overlap.
 using PhaseKernel = void(const SampleRows& samples, const PhaseLimits& limits,
-                         std::span<Phase> phase, std::span<std::uint16_t> amp2,
-                         std::span<std::uint16_t> offset, std::span<std::uint8_t> flags) noexcept;
+                         const PhaseRow& out) noexcept;
 
 // (4 / pi) atan(t) - t = t P(t^2) on 0 <= t <= 1: coefficients of P in Q16, lowest first, found by
 // search over integers around the minimax polynomial; the largest error over all t is 0.699.

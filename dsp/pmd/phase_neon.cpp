@@ -4,7 +4,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/pmd/converter.h"
+#include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -102,7 +102,26 @@ struct Limits {
   uint32x4_t ratio;
   uint32x4_t asymmetry_base;
   uint32x4_t asymmetry_slope;
+  int16x8_t stray_i;
+  int16x8_t stray_q;
 };
+
+// a - b without stray light; both below 32768.
+int16x8_t less_stray(uint16x8_t a, uint16x8_t b, int16x8_t stray) noexcept {
+  const int16x8_t difference = vreinterpretq_s16_u16(vsubq_u16(a, b));
+  return vmaxq_s16(vqsubq_s16(difference, stray), vdupq_n_s16(-32767));
+}
+
+uint16x8_t ratio_of(uint16x8_t amp2, uint16x8_t offset) noexcept {
+  const Quads twice = to_float(amp2);
+  const Quads light = to_float(vmaxq_u16(offset, vdupq_n_u16(1)));
+  const float32x4_t scale = vdupq_n_f32(128.0F);
+  const float32x4_t most = vdupq_n_f32(255.0F);
+  const float32x4_t low = simd::divide(vmulq_f32(twice.low, scale), light.low);
+  const float32x4_t high = simd::divide(vmulq_f32(twice.high, scale), light.high);
+  return narrow(vreinterpretq_u32_s32(simd::round_to_int(vminq_f32(low, most))),
+                vreinterpretq_u32_s32(simd::round_to_int(vminq_f32(high, most))));
+}
 
 uint16x8_t ratio_floor(uint16x8_t offset, const Limits& limits) noexcept {
   return vcombine_u16(vshrn_n_u32(vmulq_u32(vmovl_u16(vget_low_u16(offset)), limits.ratio), 16),
@@ -129,6 +148,7 @@ struct Pixels {
   uint16x8_t phase;
   uint16x8_t amp2;
   uint16x8_t offset;
+  uint8x8_t ratio;
   uint8x8_t flags;
 };
 
@@ -138,10 +158,10 @@ Pixels eight_pixels(const Samples& raw, const Limits& limits) noexcept {
   const uint16x8_t top = vdupq_n_u16(32767);
   const Samples a{vminq_u16(raw.a0, top), vminq_u16(raw.a1, top), vminq_u16(raw.a2, top),
                   vminq_u16(raw.a3, top)};
-  const int16x8_t i = vreinterpretq_s16_u16(vsubq_u16(a.a0, a.a2));
-  const int16x8_t q = vreinterpretq_s16_u16(vsubq_u16(a.a3, a.a1));
-  const uint16x8_t ai = vabdq_u16(a.a0, a.a2);
-  const uint16x8_t aq = vabdq_u16(a.a3, a.a1);
+  const int16x8_t i = less_stray(a.a0, a.a2, limits.stray_i);
+  const int16x8_t q = less_stray(a.a3, a.a1, limits.stray_q);
+  const uint16x8_t ai = vreinterpretq_u16_s16(vabsq_s16(i));
+  const uint16x8_t aq = vreinterpretq_u16_s16(vabsq_s16(q));
   const Quads mx = to_float(vmaxq_u16(vmaxq_u16(ai, aq), vdupq_n_u16(1)));
   const Quads mn = to_float(vminq_u16(ai, aq));
   const Quads ratio{simd::divide(mn.low, mx.low), simd::divide(mn.high, mx.high)};
@@ -155,6 +175,7 @@ Pixels eight_pixels(const Samples& raw, const Limits& limits) noexcept {
       vcombine_u16(vrshrn_n_u32(vaddl_u16(vget_low_u16(even), vget_low_u16(odd)), 2),
                    vrshrn_n_u32(vaddl_u16(vget_high_u16(even), vget_high_u16(odd)), 2));
   out.offset = vqsubq_u16(mean, limits.dark);
+  out.ratio = vmovn_u16(ratio_of(out.amp2, out.offset));
   const uint16x8_t uneven = vabdq_u16(even, odd);
   const uint16x8_t asymmetric =
       narrow(too_uneven(vget_low_u16(uneven), vget_low_u16(out.offset), limits),
@@ -170,14 +191,13 @@ Pixels eight_pixels(const Samples& raw, const Limits& limits) noexcept {
 
 }  // namespace
 
-void phase(const SampleRows& samples, const PhaseLimits& limits, std::span<Phase> phase,
-           std::span<std::uint16_t> amp2, std::span<std::uint16_t> offset,
-           std::span<std::uint8_t> flags) noexcept {
+void phase(const SampleRows& samples, const PhaseLimits& limits, const PhaseRow& out) noexcept {
+  const std::size_t n = out.phase.size();
   for (const std::span<const std::uint16_t>& row : samples) {
-    STOF_CHECK(row.size() == phase.size());
+    STOF_CHECK(row.size() == n);
   }
-  STOF_CHECK(amp2.size() == phase.size() && offset.size() == phase.size() &&
-             flags.size() == phase.size());
+  STOF_CHECK(out.amp2.size() == n && out.offset.size() == n);
+  STOF_CHECK(out.ratio.size() == n && out.flags.size() == n);
   STOF_CHECK(limits.ratio_q16 <= kMaxRatioQ16 && limits.asymmetry_slope_q8 <= kMaxAsymmetrySlopeQ8);
   const Limits lanes{vdupq_n_u16(limits.saturation),
                      vdupq_n_u16(limits.lowest),
@@ -185,21 +205,26 @@ void phase(const SampleRows& samples, const PhaseLimits& limits, std::span<Phase
                      vdupq_n_u16(limits.min_amp2),
                      vdupq_n_u32(limits.ratio_q16),
                      vdupq_n_u32(limits.asymmetry_base),
-                     vdupq_n_u32(limits.asymmetry_slope_q8)};
+                     vdupq_n_u32(limits.asymmetry_slope_q8),
+                     vdupq_n_s16(limits.stray_i),
+                     vdupq_n_s16(limits.stray_q)};
   std::size_t x = 0;
-  for (; x + 8 <= phase.size(); x += 8) {
-    const Pixels out =
+  for (; x + 8 <= n; x += 8) {
+    const Pixels pixels =
         eight_pixels({vld1q_u16(samples[0].data() + x), vld1q_u16(samples[1].data() + x),
                       vld1q_u16(samples[2].data() + x), vld1q_u16(samples[3].data() + x)},
                      lanes);
-    vst1q_u16(phase.data() + x, out.phase);
-    vst1q_u16(amp2.data() + x, out.amp2);
-    vst1q_u16(offset.data() + x, out.offset);
-    vst1_u8(flags.data() + x, out.flags);
+    vst1q_u16(out.phase.data() + x, pixels.phase);
+    vst1q_u16(out.amp2.data() + x, pixels.amp2);
+    vst1q_u16(out.offset.data() + x, pixels.offset);
+    vst1_u8(out.ratio.data() + x, pixels.ratio);
+    vst1_u8(out.flags.data() + x, pixels.flags);
   }
   ref::phase(
       {samples[0].subspan(x), samples[1].subspan(x), samples[2].subspan(x), samples[3].subspan(x)},
-      limits, phase.subspan(x), amp2.subspan(x), offset.subspan(x), flags.subspan(x));
+      limits,
+      {out.phase.subspan(x), out.amp2.subspan(x), out.offset.subspan(x), out.ratio.subspan(x),
+       out.flags.subspan(x)});
 }
 
 }  // namespace stof::dsp::neon

@@ -6,13 +6,14 @@
 #include <cstdlib>
 
 #include "dsp/base/check.h"
-#include "dsp/pmd/converter.h"
+#include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp::ref {
 namespace {
 
 constexpr int kQuarterTurn = 16384;
 constexpr int kHalfTurn = 32768;
+constexpr int kLargest = 32767;  // of a sample, of I and Q
 
 // Nearest integer to `v`, ties to even, for 0 <= v < 2^22.
 int nearest_even(float v) noexcept { return static_cast<int>(v + 12582912.0F) - 12582912; }
@@ -53,30 +54,40 @@ std::uint32_t rounded_root(std::uint32_t n) noexcept {
   return n > root * root + root ? root + 1 : root;
 }
 
+// I or Q without stray light.
+int less_stray(int difference, int stray) noexcept {
+  return std::clamp(difference - stray, -kLargest, kLargest);
+}
+
+std::uint8_t ratio_of(std::uint32_t amp2, std::uint32_t light) noexcept {
+  const float ratio =
+      static_cast<float>(128 * amp2) / static_cast<float>(std::max(light, std::uint32_t{1}));
+  return static_cast<std::uint8_t>(nearest_even(std::min(ratio, 255.0F)));
+}
+
 unsigned flag_if(bool condition, PmdFlag flag) noexcept { return condition ? unsigned{flag} : 0; }
 
 }  // namespace
 
-void phase(const SampleRows& samples, const PhaseLimits& limits, std::span<Phase> phase,
-           std::span<std::uint16_t> amp2, std::span<std::uint16_t> offset,
-           std::span<std::uint8_t> flags) noexcept {
+void phase(const SampleRows& samples, const PhaseLimits& limits, const PhaseRow& out) noexcept {
+  const std::size_t n = out.phase.size();
   for (const std::span<const std::uint16_t>& row : samples) {
-    STOF_CHECK(row.size() == phase.size());
+    STOF_CHECK(row.size() == n);
   }
-  STOF_CHECK(amp2.size() == phase.size() && offset.size() == phase.size() &&
-             flags.size() == phase.size());
+  STOF_CHECK(out.amp2.size() == n && out.offset.size() == n);
+  STOF_CHECK(out.ratio.size() == n && out.flags.size() == n);
   STOF_CHECK(limits.ratio_q16 <= kMaxRatioQ16 && limits.asymmetry_slope_q8 <= kMaxAsymmetrySlopeQ8);
-  for (std::size_t x = 0; x < phase.size(); ++x) {
+  for (std::size_t x = 0; x < n; ++x) {
     std::array<int, 4> a{};
     unsigned flag = 0;
     for (std::size_t k = 0; k < a.size(); ++k) {
       const std::uint16_t sample = samples[k][x];
       flag |= flag_if(sample >= limits.saturation, kPmdSaturated);
       flag |= flag_if(sample < limits.lowest, kPmdUnderRange);
-      a[k] = std::min<int>(sample, 32767);
+      a[k] = std::min<int>(sample, kLargest);
     }
-    const int i = a[0] - a[2];
-    const int q = a[3] - a[1];
+    const int i = less_stray(a[0] - a[2], limits.stray_i);
+    const int q = less_stray(a[3] - a[1], limits.stray_q);
     const std::uint32_t magnitude = rounded_root(static_cast<std::uint32_t>(i * i + q * q));
     const int mean = (a[0] + a[1] + a[2] + a[3] + 2) / 4;
     const std::uint32_t light = static_cast<std::uint32_t>(std::max(mean - limits.dark, 0));
@@ -86,10 +97,11 @@ void phase(const SampleRows& samples, const PhaseLimits& limits, std::span<Phase
     const std::uint64_t noise =
         std::uint64_t{limits.asymmetry_base} + ((limits.asymmetry_slope_q8 * light) >> 8U);
     flag |= flag_if(uneven * uneven > std::min<std::uint64_t>(noise, 0xFFFFFFFF), kPmdAsymmetric);
-    phase[x] = phase_of(i, q);
-    amp2[x] = static_cast<std::uint16_t>(magnitude);
-    offset[x] = static_cast<std::uint16_t>(light);
-    flags[x] = static_cast<std::uint8_t>(flag);
+    out.phase[x] = phase_of(i, q);
+    out.amp2[x] = static_cast<std::uint16_t>(magnitude);
+    out.offset[x] = static_cast<std::uint16_t>(light);
+    out.ratio[x] = ratio_of(magnitude, light);
+    out.flags[x] = static_cast<std::uint8_t>(flag);
   }
 }
 

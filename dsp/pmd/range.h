@@ -1,51 +1,52 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/target.h"
-#include "dsp/calib/calibration.h"
 
 namespace stof::dsp {
 
-// One step of the wiggling table: W at its beginning and what W gains until the next step (the
-// short way round). Both in 1/65536 turn.
-struct WigglingStep {
-  std::int16_t value = 0;
-  std::int16_t gain = 0;
-};
-using WigglingSteps = std::array<WigglingStep, kWigglingSteps>;
+// Distances while they are computed: u32, quarter mm or 0.1 mm, below kMostUnits. Rows of them are
+// changed in place from step to step: range (or combine_tones), straight_line, near_lights,
+// to_quarter_mm.
+inline constexpr std::uint32_t kMostUnits = 1U << 28U;
 
-struct RangeParams {
-  bool phase_falls = false;
-  Phase global = 0;         // subtracted from every pixel's phase; wraps
-  std::uint16_t range = 1;  // K: quarter mm a turn, the unambiguous range
-  // sigma = sqrt(noise_slope * offset + noise_base) / amp2, quarter mm: shot and fixed noise,
-  // noise_slope = K_s^2 / g, noise_base = K_s^2 (suppressed / g + n^2).
-  float noise_slope = 0;
-  float noise_base = 0;
-  WigglingSteps wiggling{};
-};
+// distance = (phase * turn + 32768) >> 16: one turn of corrected phase is `turn` units, at most
+// kMostUnits. Equal lengths, any length, any alignment; no overlap.
+using RangeKernel = void(std::span<const Phase> phase, std::uint32_t turn,
+                         std::span<std::uint32_t> distance) noexcept;
 
-// Phase to radial distance with its standard deviation, for one row:
-//   phi1 = +-phase - fixed_pattern - global, wrapping; phi2 = phi1 - W(phi1), W linear between the
-//   steps; distance = (phi2 * K + 32768) >> 16, quarter mm. A measured 0 is written as 1, because 0
-//   means none; that a reading near 0 may be one near the whole range is the interval's business.
-//   sigma = nearest integer (ties to even) of the formula above by IEEE single operations in that
-//   order, 1 .. 65535.
-// Where flags has a bit of kPmdMissing both are 0. fixed_pattern is empty or as long as the others.
-// Equal lengths, any length, any alignment; no overlap.
-using RangeKernel = void(std::span<const Phase> phase, std::span<const std::uint16_t> amp2,
-                         std::span<const std::uint16_t> offset, std::span<const std::uint8_t> flags,
-                         std::span<const std::int16_t> fixed_pattern, const RangeParams& params,
-                         std::span<QuarterMm> distance, std::span<QuarterMm> sigma) noexcept;
+// z = scale d + shift (Kuhnert & Stommel 2006, eq. 14), in place:
+//   z = ((min(d, kMostUnits) * scale_q15 + 2^14) >> 15) + shift
+// A z of 0 or less is a reading from one period further away: `period` is added once; what is still
+// not positive becomes 1. At most kMostUnits. Any length, any alignment.
+struct StraightLine {
+  std::uint32_t scale_q15 = kPlainScale;  // at most kMostScale
+  std::int32_t shift = 0;                 // within +-kMostUnits
+  std::uint32_t period = 0;               // at most kMostUnits
+  static constexpr std::uint32_t kPlainScale = 1U << 15U;
+  static constexpr std::uint32_t kMostScale = 1U << 17U;
+};
+constexpr bool changes_nothing(const StraightLine& line) noexcept {
+  return line.scale_q15 == StraightLine::kPlainScale && line.shift == 0;
+}
+constexpr bool usable(const StraightLine& line) noexcept {
+  constexpr std::int32_t kMost = kMostUnits;
+  return line.scale_q15 <= StraightLine::kMostScale && line.shift >= -kMost &&
+         line.shift <= kMost && line.period <= kMostUnits;
+}
+using StraightLineKernel = void(const StraightLine& line,
+                                std::span<std::uint32_t> distance) noexcept;
+
 namespace ref {
 RangeKernel range;
-}
+StraightLineKernel straight_line;
+}  // namespace ref
 namespace neon {
 RangeKernel range;
-}
+StraightLineKernel straight_line;
+}  // namespace neon
 
 }  // namespace stof::dsp

@@ -7,6 +7,7 @@
 
 #include "dsp/base/check.h"
 #include "firmware/wire/bytes.h"
+#include "firmware/wire/calibration_fields.h"
 #include "firmware/wire/crc32c.h"
 
 namespace stof::wire {
@@ -17,36 +18,55 @@ constexpr std::array<std::byte, 8> kMagic{std::byte{'S'}, std::byte{'T'}, std::b
                                           std::byte{'L'}, std::byte{0}};
 constexpr std::size_t kPreambleBytes = 16;  // magic, version, reserved, length of the file
 constexpr std::size_t kCrcSize = 4;
-constexpr std::size_t kPinholeBytes = 2 * 4 + 6 * 8;
-constexpr std::size_t kStereoBytes = kPinholeBytes + 2 * 8;
-constexpr std::size_t kPmdBytes = kPinholeBytes + 5 * 4 + 7 * 8 + 2 * dsp::kWigglingSteps;
-constexpr std::size_t kTransformBytes = 12 * 8;
-constexpr std::size_t kOptionsOffset = kPreambleBytes + kStereoBytes + kPmdBytes + kTransformBytes;
-static_assert(kOptionsOffset == 572);
 constexpr std::size_t kCountSize = 4;  // of the fixed pattern
 
-// What a pair has beside the rectified left camera; the fields follow in this order.
-constexpr std::uint16_t kFirstVersionWithOptions = 2;
-constexpr std::size_t kOptionsSize = 4;
-constexpr std::uint32_t kRawOption = 1;
-constexpr std::uint32_t kConvergingOption = 2;
-constexpr std::size_t kRawBytes = 2 * kPinholeBytes + kTransformBytes;
-constexpr std::size_t kConvergingBytes = 7 * 8;
-
-std::uint32_t options_of(const dsp::StereoRig& rig) noexcept {
-  return (rig.raw ? kRawOption : 0) | (rig.converging ? kConvergingOption : 0);
+std::uint32_t options_of(const dsp::Calibration& calibration) noexcept {
+  return (calibration.stereo.raw ? kRawOption : 0) |
+         (calibration.stereo.converging ? kConvergingOption : 0) |
+         (calibration.pmd.second ? kSecondToneOption : 0) |
+         (calibration.pmd.sigma_polynomial ? kSigmaOption : 0);
 }
 
-std::size_t bytes_of(std::uint32_t options) noexcept {
-  return ((options & kRawOption) != 0 ? kRawBytes : 0) +
-         ((options & kConvergingOption) != 0 ? kConvergingBytes : 0);
+std::uint32_t options_known_to(std::uint16_t version) noexcept {
+  const std::uint32_t pairs = kRawOption | kConvergingOption;
+  return version < kFirstVersionWithLights ? pairs : pairs | kSecondToneOption | kSigmaOption;
 }
 
-// Both ends walk the same fields in the same order; the order is docs/WIRE.md's.
+void make_room(std::uint32_t options, dsp::Calibration& calibration) noexcept {
+  if ((options & kRawOption) != 0) {
+    calibration.stereo.raw.emplace();
+  }
+  if ((options & kConvergingOption) != 0) {
+    calibration.stereo.converging.emplace();
+  }
+  if ((options & kSecondToneOption) != 0) {
+    calibration.pmd.second.emplace();
+  }
+  if ((options & kSigmaOption) != 0) {
+    calibration.pmd.sigma_polynomial.emplace();
+  }
+}
+
+// All walk the same fields in the same order; the order is docs/WIRE.md's.
+class Counter {
+ public:
+  static std::uint16_t version() noexcept { return kCalibrationFileVersion; }
+  void field(int) noexcept { bytes_ += 4; }
+  void field(bool) noexcept { bytes_ += 4; }
+  void field(double) noexcept { bytes_ += 8; }
+  void field(std::int16_t) noexcept { bytes_ += 2; }
+  void field(std::uint32_t) noexcept { bytes_ += 4; }
+  std::size_t bytes() const noexcept { return bytes_; }
+
+ private:
+  std::size_t bytes_ = 0;
+};
+
 class Writer {
  public:
   explicit Writer(std::span<std::byte> out) noexcept : rest_(out) {}
 
+  static std::uint16_t version() noexcept { return kCalibrationFileVersion; }
   void field(int value) noexcept { put_i32(take<4>(), value); }
   void field(bool value) noexcept { put_u32(take<4>(), value ? 1 : 0); }
   void field(double value) noexcept { put_u64(take<8>(), std::bit_cast<std::uint64_t>(value)); }
@@ -64,10 +84,15 @@ class Writer {
   std::span<std::byte> rest_;
 };
 
+// Reads zeros behind the end, and says so.
 class Reader {
  public:
-  explicit Reader(std::span<const std::byte> in) noexcept : rest_(in) {}
+  Reader(std::span<const std::byte> in, std::uint16_t version) noexcept
+      : rest_(in), version_(version) {}
 
+  std::uint16_t version() const noexcept { return version_; }
+  bool is_short() const noexcept { return is_short_; }
+  std::span<const std::byte> rest() const noexcept { return rest_; }
   void field(int& value) noexcept { value = get_i32(take<4>()); }
   void field(bool& value) noexcept { value = get_u32(take<4>()) != 0; }
   void field(double& value) noexcept { value = std::bit_cast<double>(get_u64(take<8>())); }
@@ -79,88 +104,51 @@ class Reader {
  private:
   template <std::size_t kBytes>
   std::span<const std::byte, kBytes> take() noexcept {
+    static constexpr std::array<std::byte, kBytes> kNothing{};
+    if (rest_.size() < kBytes) {
+      is_short_ = true;
+      rest_ = {};
+      return kNothing;
+    }
     const std::span<const std::byte, kBytes> bytes = rest_.first<kBytes>();
     rest_ = rest_.subspan(kBytes);
     return bytes;
   }
 
   std::span<const std::byte> rest_;
+  std::uint16_t version_;
+  bool is_short_ = false;
 };
 
-template <typename Walker, typename Lens>
-void walk_lens(Walker& walker, Lens& lens) noexcept {
-  walker.field(lens.width);
-  walker.field(lens.height);
-  walker.field(lens.fx);
-  walker.field(lens.fy);
-  walker.field(lens.cx);
-  walker.field(lens.cy);
-  walker.field(lens.k1);
-  walker.field(lens.k2);
+template <typename Walker>
+void walk_all(Walker& walker, const dsp::Calibration& calibration) noexcept {
+  walk(walker, calibration);
+  walker.field(options_of(calibration));
+  walk_options(walker, calibration);
 }
 
-// A field that was added to the calibration must be added to the file, with a new version.
-static_assert(sizeof(dsp::Calibration) == 856);
-
-template <typename Walker, typename Transform>
-void walk_transform(Walker& walker, Transform& transform) noexcept {
-  for (auto& element : transform.rotation) {
-    walker.field(element);
+// Everything in front of the fixed pattern.
+Result<dsp::Calibration> read_all(Reader& reader) noexcept {
+  dsp::Calibration calibration;
+  walk(reader, calibration);
+  if (reader.version() >= kFirstVersionWithOptions) {
+    std::uint32_t options = 0;
+    reader.field(options);
+    if ((options & ~options_known_to(reader.version())) != 0) {
+      return fail(Status::kUnsupported);
+    }
+    make_room(options, calibration);
+    walk_options(reader, calibration);
   }
-  for (auto& element : transform.translation_m) {
-    walker.field(element);
-  }
-}
-
-template <typename Walker, typename Rig>
-void walk_options(Walker& walker, Rig& rig) noexcept {
-  if (rig.raw) {
-    walk_lens(walker, rig.raw->left);
-    walk_lens(walker, rig.raw->right);
-    walk_transform(walker, rig.raw->left_to_right);
-  }
-  if (rig.converging) {
-    walker.field(rig.converging->alpha_rad);
-    walker.field(rig.converging->beta_rad);
-    walker.field(rig.converging->f1_m);
-    walker.field(rig.converging->f2_m);
-    walker.field(rig.converging->pixel_m);
-    walker.field(rig.converging->cx_left);
-    walker.field(rig.converging->cx_right);
-  }
-}
-
-// Everything but the options and the fixed pattern. Calib is dsp::Calibration or const
-// dsp::Calibration.
-template <typename Walker, typename Calib>
-void walk(Walker& walker, Calib& calibration) noexcept {
-  walk_lens(walker, calibration.stereo.left);
-  walker.field(calibration.stereo.baseline_m);
-  walker.field(calibration.stereo.doff_px);
-  auto& pmd = calibration.pmd;
-  walk_lens(walker, pmd.lens);
-  walker.field(pmd.tone.modulation.value);
-  walker.field(pmd.phase_falls);
-  walker.field(pmd.saturation_lsb);
-  walker.field(pmd.under_lsb);
-  walker.field(pmd.min_amplitude_lsb);
-  walker.field(pmd.dark_lsb);
-  walker.field(pmd.tone.min_modulation_ratio);
-  walker.field(pmd.asymmetry_sigmas);
-  walker.field(pmd.electrons_per_lsb);
-  walker.field(pmd.noise_lsb);
-  walker.field(pmd.suppressed_lsb);
-  walker.field(pmd.tone.offset_m);
-  for (auto& step : pmd.tone.wiggling) {
-    walker.field(step);
-  }
-  walk_transform(walker, calibration.pmd_to_stereo);
+  return calibration;
 }
 
 }  // namespace
 
 std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept {
-  return kOptionsOffset + kOptionsSize + bytes_of(options_of(calibration.stereo)) + kCountSize +
+  Counter counter;
+  walk_all(counter, calibration);
+  return kPreambleBytes + counter.bytes() + kCountSize +
          calibration.pmd.fixed_pattern.size_bytes() + kCrcSize;
 }
 
@@ -176,9 +164,7 @@ Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,
   put_u16(out.subspan<10, 2>(), 0);
   put_u32(out.subspan<12, 4>(), static_cast<std::uint32_t>(bytes));
   Writer writer(out.subspan(kPreambleBytes));
-  walk(writer, calibration);
-  writer.field(options_of(calibration.stereo));
-  walk_options(writer, calibration.stereo);
+  walk_all(writer, calibration);
   const std::span<const std::int16_t> pattern = calibration.pmd.fixed_pattern;
   writer.field(static_cast<std::uint32_t>(pattern.size()));
   put_pixels<std::int16_t>(
@@ -198,37 +184,15 @@ Result<dsp::Calibration> decode_calibration_file(std::span<const std::byte> file
   if (version < 1 || version > kCalibrationFileVersion) {
     return fail(Status::kUnsupported);
   }
-  const std::span<const std::byte> body = file.first(file.size() - kCrcSize);
-  std::size_t needed =
-      kOptionsOffset + kCountSize + (version >= kFirstVersionWithOptions ? kOptionsSize : 0);
-  if (body.size() < needed) {
-    return fail(Status::kCorrupt);
-  }
-  dsp::Calibration calibration;
-  Reader reader(body.subspan(kPreambleBytes));
-  walk(reader, calibration);
-  if (version >= kFirstVersionWithOptions) {
-    std::uint32_t options = 0;
-    reader.field(options);
-    if ((options & ~(kRawOption | kConvergingOption)) != 0) {
-      return fail(Status::kUnsupported);
-    }
-    needed += bytes_of(options);
-    if (body.size() < needed) {
-      return fail(Status::kCorrupt);
-    }
-    if ((options & kRawOption) != 0) {
-      calibration.stereo.raw.emplace();
-    }
-    if ((options & kConvergingOption) != 0) {
-      calibration.stereo.converging.emplace();
-    }
-    walk_options(reader, calibration.stereo);
+  Reader reader(file.first(file.size() - kCrcSize).subspan(kPreambleBytes), version);
+  Result<dsp::Calibration> calibration = read_all(reader);
+  if (!calibration) {
+    return calibration;
   }
   std::uint32_t pixels = 0;
   reader.field(pixels);
-  const std::span<const std::byte> pattern = body.subspan(needed);
-  if (pattern.size() != sizeof(std::int16_t) * std::size_t{pixels}) {
+  const std::span<const std::byte> pattern = reader.rest();
+  if (reader.is_short() || pattern.size() != sizeof(std::int16_t) * std::size_t{pixels}) {
     return fail(Status::kCorrupt);
   }
   if (pixels > fixed_pattern.size()) {
@@ -236,7 +200,7 @@ Result<dsp::Calibration> decode_calibration_file(std::span<const std::byte> file
   }
   const std::span<std::int16_t> stored = fixed_pattern.first(pixels);
   get_pixels(pattern, stored);
-  calibration.pmd.fixed_pattern = stored;
+  calibration->pmd.fixed_pattern = stored;
   return calibration;
 }
 

@@ -9,10 +9,11 @@
 
 // The calibration of a rig as a file: every bit of dsp::Calibration, with version and CRC-32C.
 // The bytes are described in docs/WIRE.md. Files of version 1, which knew neither raw nor
-// converging pairs, are read too; what is written is always the newest version.
+// converging pairs, and of version 2, which knew one modulation frequency and no light beside the
+// lens, are read too; what is written is always the newest version.
 namespace stof::wire {
 
-inline constexpr std::uint16_t kCalibrationFileVersion = 2;
+inline constexpr std::uint16_t kCalibrationFileVersion = 3;
 
 // Bytes of the file.
 std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept;

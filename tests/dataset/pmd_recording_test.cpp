@@ -68,6 +68,104 @@ TEST_F(PmdRecordings, GiveTheConstantsInTheUnitsOfTheCalibration) {
   EXPECT_FALSE(recording->has_rig);
 }
 
+TEST_F(PmdRecordings, GiveWhatALaterSimulatorSaysOfLensAndLights) {
+  put("cam.json", replaced(kConstants, "\"k2\": 0.01",
+                           R"("k2": 0.01, "k3": -0.001, "p1": 0.002, "p2": -0.003,
+                              "contrast": 0.5, "s1_e": 200000.0, "int_scale": 0.25,
+                              "stray": [4000.0, 1.5],
+                              "emitters": [[-0.12, 0.0, 0.01], [0.12, 0, 0.02]])"));
+  const Loaded<PmdRecording> recording = read_pmd(prefix());
+  ASSERT_TRUE(recording) << recording.error().message;
+  const dsp::PmdSensor& sensor = recording->calibration.pmd;
+  EXPECT_EQ(sensor.lens.k3, -0.001);
+  EXPECT_EQ(sensor.lens.p1, 0.002);
+  EXPECT_EQ(sensor.lens.p2, -0.003);
+  EXPECT_EQ(sensor.white_lsb, 500);  // 0.5 * 200000 / 50 a quarter as long
+  EXPECT_EQ(sensor.suppressed_lsb, 0.95 * 15000 * 0.25 / 50);  // collects a quarter of the light
+  EXPECT_EQ(sensor.emitter_count, 2);
+  EXPECT_EQ(sensor.emitters[0], (dsp::Emitter{-0.12, 0, 0.01}));
+  EXPECT_EQ(sensor.emitters[1], (dsp::Emitter{0.12, 0, 0.02}));
+  EXPECT_EQ(sensor.tone.stray_i_lsb, 0);  // what the simulated camera has is truth
+  EXPECT_EQ(sensor.tone.stray_q_lsb, 0);
+}
+
+TEST_F(PmdRecordings, GiveWhatACalibrationSaysBeforeWhatFollowsFromElectrons) {
+  put("cam.json", replaced(kConstants, "\"k2\": 0.01",
+                           R"("k2": 0.01, "contrast": 0.5, "s1_e": 200000.0, "noise_lsb": 1.5,
+                              "suppressed_lsb": 2.5, "white_lsb": 3.5, "stray_i_lsb": -4.5)"));
+  const Loaded<PmdRecording> recording = read_pmd(prefix());
+  ASSERT_TRUE(recording) << recording.error().message;
+  EXPECT_EQ(recording->calibration.pmd.noise_lsb, 1.5);
+  EXPECT_EQ(recording->calibration.pmd.suppressed_lsb, 2.5);
+  EXPECT_EQ(recording->calibration.pmd.white_lsb, 3.5);
+  EXPECT_EQ(recording->calibration.pmd.tone.stray_i_lsb, -4.5);
+}
+
+TEST_F(PmdRecordings, TakeTheNearestFixedPatternOrTheOneThatIsNamed) {
+  const auto first_value = [&](const std::optional<std::filesystem::path>& named = {}) {
+    const Loaded<PmdRecording> recording = read_pmd(prefix(), named);
+    EXPECT_TRUE(recording) << recording.error().message;
+    return !recording || recording->fixed_pattern.empty() ? 0 : recording->fixed_pattern[0];
+  };
+  const std::filesystem::path named = put("there/x.pgm", "P5\n2 1\n65535\n\x80\x50\x80\x00"sv);
+  EXPECT_EQ(first_value(), 0);
+  put("2x1_fppn.pgm", "P5\n2 1\n65535\n\x80\x08\x80\x00"sv);
+  EXPECT_EQ(first_value(), 9);  // 1 mm
+  put("cam_fppn.pgm", "P5\n2 1\n65535\n\x80\x10\x80\x00"sv);
+  EXPECT_EQ(first_value(), 17);       // 2 mm
+  EXPECT_EQ(first_value(named), 87);  // 10 mm
+  put("cam.json", replaced(kConstants, "\"k2\"", "\"fppn_unit\": \"1/65536 turn\", \"k2\""));
+  EXPECT_EQ(first_value(), 16);
+  EXPECT_EQ(first_value(named), 87);
+  put("cam.json", replaced(kConstants, "\"k2\"", "\"fppn_unit\": \"none\", \"k2\""));
+  EXPECT_EQ(first_value(), 0);
+  put("cam.json", replaced(kConstants, "\"k2\"", "\"fppn_unit\": \"inch\", \"k2\""));
+  expect_refused("cam.json", "\"fppn_unit\"");
+  put("cam.json", kConstants);
+  const Loaded<PmdRecording> absent = read_pmd(prefix(), folder() / "absent.pgm");
+  ASSERT_FALSE(absent);
+  expect_one_line_about(absent.error().message, folder() / "absent.pgm", "does not exist");
+}
+
+TEST_F(PmdRecordings, ArePairedWithTheHigherFrequencyFirst) {
+  put("two.json", replaced(kConstants, "20000000.0", "18750000"));
+  put("two_raw.pgm", "P5\n2 4\n255\n12345678");
+  for (const bool turned : {false, true}) {
+    const Loaded<PmdRecording> pair = turned ? read_pmd_pair(folder() / "two", prefix())
+                                             : read_pmd_pair(prefix(), folder() / "two");
+    ASSERT_TRUE(pair) << pair.error().message;
+    EXPECT_EQ(pair->calibration.pmd.tone.modulation.value, 20'000'000U);
+    ASSERT_TRUE(pair->calibration.pmd.second);
+    EXPECT_EQ(pair->calibration.pmd.second->modulation.value, 18'750'000U);
+    EXPECT_EQ(pair->calibration.pmd.tone.min_modulation_ratio, 0.25);
+    EXPECT_EQ(pair->calibration.pmd.second->min_modulation_ratio, 0.25);
+    ASSERT_EQ(pair->frames.size(), 1U);
+    ASSERT_EQ(pair->second_frames.size(), 1U);
+    EXPECT_EQ(pair->samples(0)[1].at(0, 0), 3);
+    EXPECT_EQ(pair->second_samples(0)[1].at(0, 0), '3');
+  }
+}
+
+TEST_F(PmdRecordings, AreNotPairedUnlessTheyBelongTogether) {
+  const std::string other = replaced(kConstants, "20000000.0", "18750000");
+  const auto expect_no_pair = [&](std::string_view json, std::string_view fact) {
+    put("two.json", json);
+    put("two_raw.pgm", kSamples);
+    const Loaded<PmdRecording> pair = read_pmd_pair(prefix(), folder() / "two");
+    ASSERT_FALSE(pair) << fact;
+    expect_one_line_about(pair.error().message, folder() / "two.json", fact);
+  };
+  expect_no_pair(kConstants, "not below the first");
+  expect_no_pair(replaced(kConstants, "20000000.0", "18750001"), "whole numbers");
+  expect_no_pair(replaced(other, "\"fx\": 40.0", "\"fx\": 40.5"), "not of the camera");
+  expect_no_pair(replaced(other, "100.5", "101"), "not of the camera");
+  put("two.json", replaced(other, "\"width\"", "\"frames\": 2, \"width\""));
+  put("two_raw.pgm", "P5\n2 8\n255\n1234567812345678");
+  const Loaded<PmdRecording> pair = read_pmd_pair(prefix(), folder() / "two");
+  ASSERT_FALSE(pair);
+  expect_one_line_about(pair.error().message, folder() / "two.json", "not as many frames");
+}
+
 TEST_F(PmdRecordings, SplitTheStackIntoFourSamples) {
   const Loaded<PmdRecording> recording = read_pmd(prefix());
   ASSERT_TRUE(recording) << recording.error().message;
@@ -161,7 +259,7 @@ TEST_F(PmdRecordings, AreRefusedWithUnusableNumbers) {
       {"\"width\": 2", "\"width\": \"2\""},
       {"\"width\": 2", "\"width\": null"},
       {"20000000.0", "0"},
-      {"20000000.0", "1e6"},
+      {"20000000.0", "999999"},
       {"\"fx\": 40.0", "\"fx\": 0"},
       {"\"fx\": 40.0", "\"fx\": [40]"},
       {"\"lsb_e\": 50.0", "\"lsb_e\": 0"},
@@ -169,6 +267,15 @@ TEST_F(PmdRecordings, AreRefusedWithUnusableNumbers) {
       {"\"dark_lsb\": 100.5", "\"dark_lsb\": 1e9"},
       {"\"kappa3\": 0.05", "\"kappa3\": 50"},
       {"\"sbi\": 0.95", "\"sbi\": -1"},
+      {"\"kappa3\": 0.05", "\"wiggling\": [1, 2]"},
+      {"\"kappa3\": 0.05", "\"emitters\": [[0, 1]]"},
+      {"\"kappa3\": 0.05", "\"emitters\": 0.12"},
+      {"\"kappa3\": 0.05", "\"emitters\": [[0, 1, \"x\"]]"},
+      {"\"kappa3\": 0.05", "\"emitters\": [[0, 0, 3]]"},
+      {"\"kappa3\": 0.05", "\"emitters\": [[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]]"},
+      {"\"kappa3\": 0.05", "\"sigma_polynomial\": [1, 2]"},
+      {"\"kappa3\": 0.05", "\"phase_falls\": 2"},
+      {"\"kappa3\": 0.05", "\"scale\": 3"},
       {"[0, -1, 0]", "[0, -2, 0]"},
       {"[0, -1, 0]", "[0, -1]"},
       {"[0.1, 0.2, 0.3]", "[0.1, \"x\", 0.3]"},

@@ -64,6 +64,30 @@ TEST_F(RecordedData, EveryPmdRecordingLoadsWithTheSizeItSays) {
   EXPECT_GE(recordings, 40);
 }
 
+// A board with 0.9 of white: the middle of the picture sees 2 A of it, but for odd harmonics (6
+// percent) and the angle of the light.
+TEST_F(RecordedData, AWhiteSurfaceIsAsBrightAsTheWallSays) {
+  const std::filesystem::path wall = data_folder() / "tof" / "sim" / "wall";
+  for (const auto& [name, metres] :
+       {std::pair{"z1500", 1.5}, std::pair{"z2000", 2.0}, std::pair{"z4000", 4.0}}) {
+    const Loaded<PmdRecording> recording = read_pmd(wall / name);
+    ASSERT_TRUE(recording) << recording.error().message;
+    const dsp::PmdSensor& sensor = recording->calibration.pmd;
+    EXPECT_EQ(sensor.emitter_count, 2);
+    const int u = static_cast<int>(std::lround(sensor.lens.cx));
+    const int v = static_cast<int>(std::lround(sensor.lens.cy));
+    double i = 0, q = 0;
+    for (std::size_t k = 0; k < recording->frames.size(); ++k) {
+      const PmdRecording::Samples samples = recording->samples(k);
+      i += samples[0].at(u, v) - samples[2].at(u, v);
+      q += samples[3].at(u, v) - samples[1].at(u, v);
+    }
+    const double amp2 = std::hypot(i, q) / static_cast<double>(recording->frames.size());
+    const double want = 2 * 0.9 * sensor.white_lsb / (metres * metres);
+    EXPECT_NEAR(amp2 / want, 1, 0.1) << name;
+  }
+}
+
 TEST_F(RecordedData, ScenesAndTheirPmdRecordingsShareARig) {
   for (const char* name : {"Cones", "Teddy", "Tsukuba", "Venus"}) {
     const Loaded<StereoScene> scene = read_stereo_scene(data_folder() / "stereo" / name);

@@ -43,14 +43,76 @@ TEST(Calibration, EveryUnusableNumberIsNamed) {
   c.pmd_to_stereo.translation_m[1] = nan;
   EXPECT_NE(problem(c), std::string());
   c = usable();
-  c.pmd.tone.modulation = Hertz{5'000'000};
-  EXPECT_NE(problem(c), std::string());
-  c = usable();
-  c.pmd.electrons_per_lsb = 0;
-  EXPECT_NE(problem(c), std::string());
-  c = usable();
   const std::vector<std::int16_t> short_map(10);
   c.pmd.fixed_pattern = short_map;
+  EXPECT_NE(problem(c), std::string());
+}
+
+// Each changes one thing of a sensor with two tones, lights and a polynomial of sigma; the message
+// says which.
+TEST(Calibration, EveryUnusableNumberOfThePmdCameraIsNamed) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  Calibration good = usable();
+  good.pmd.second = PmdTone{.modulation = Hertz{18'750'000}};
+  good.pmd.emitter_count = 2;
+  good.pmd.emitters = {{{-0.12, 0, 0}, {0.12, 0, 0}, {kNan, 0, 0}, {9, 9, 9}}};
+  good.pmd.sigma_polynomial = SigmaPolynomial{.a = -0.02, .b = 2.6e-3, .c = 2.8e-5};
+  ASSERT_EQ(problem(good), std::string());  // lights above the number are not looked at
+  using Change = void (*)(PmdSensor&);
+  constexpr std::pair<Change, const char*> kBad[] = {
+      {[](PmdSensor& s) { s.lens.k3 = kNan; }, "lens"},
+      {[](PmdSensor& s) { s.lens.p1 = kNan; }, "lens"},
+      {[](PmdSensor& s) { s.lens.p2 = kEndless; }, "lens"},
+      {[](PmdSensor& s) { s.tone.modulation.value = 999'999; }, "1 to 200 MHz"},
+      {[](PmdSensor& s) { s.tone.modulation.value = 200'000'001; }, "1 to 200 MHz"},
+      {[](PmdSensor& s) { s.tone.min_modulation_ratio = 1.01; }, "ratio"},
+      {[](PmdSensor& s) { s.tone.offset_m = kNan; }, "offset"},
+      {[](PmdSensor& s) { s.tone.offset_m_per_k = -1.1; }, "offset"},
+      {[](PmdSensor& s) { s.tone.stray_i_lsb = kNan; }, "stray"},
+      {[](PmdSensor& s) { s.tone.stray_q_lsb = -40000; }, "stray"},
+      {[](PmdSensor& s) { s.second->modulation.value = 0; }, "1 to 200 MHz"},
+      {[](PmdSensor& s) { s.second->stray_q_lsb = kEndless; }, "stray"},
+      {[](PmdSensor& s) { s.second->modulation.value = 20'000'000; }, "not below"},
+      {[](PmdSensor& s) { s.second->modulation.value = 25'000'000; }, "not below"},
+      {[](PmdSensor& s) { s.second->modulation.value = 18'750'001; }, "whole numbers"},
+      {[](PmdSensor& s) { s.dark_lsb = -1; }, "dark"},
+      {[](PmdSensor& s) { s.saturation_lsb = 0; }, "saturates"},
+      {[](PmdSensor& s) { s.under_lsb = 4095; }, "saturates"},
+      {[](PmdSensor& s) { s.min_amplitude_lsb = -1; }, "amplitude"},
+      {[](PmdSensor& s) { s.electrons_per_lsb = 0; }, "noise model"},
+      {[](PmdSensor& s) { s.noise_lsb = kEndless; }, "noise model"},
+      {[](PmdSensor& s) { s.suppressed_lsb = -1; }, "noise model"},
+      {[](PmdSensor& s) { s.asymmetry_sigmas = 0; }, "asymmetry"},
+      {[](PmdSensor& s) { s.white_lsb = -1; }, "white"},
+      {[](PmdSensor& s) { s.integration_us = kNan; }, "integration"},
+      {[](PmdSensor& s) { s.integration_us = 1e8; }, "integration"},
+      {[](PmdSensor& s) { s.scale = 0.4; }, "straight line"},
+      {[](PmdSensor& s) { s.scale = 2.1; }, "straight line"},
+      {[](PmdSensor& s) { s.scale = kNan; }, "straight line"},
+      {[](PmdSensor& s) { s.shift_m = -101; }, "straight line"},
+      {[](PmdSensor& s) { s.reference_c = kNan; }, "temperature"},
+      {[](PmdSensor& s) { s.sigma_polynomial->b = -1; }, "sigma"},
+      {[](PmdSensor& s) { s.sigma_polynomial->c = kNan; }, "sigma"},
+      {[](PmdSensor& s) { s.emitter_count = -1; }, "lights"},
+      {[](PmdSensor& s) { s.emitter_count = 5; }, "lights"},
+      {[](PmdSensor& s) { s.emitter_count = 3; }, "2 m"},
+      {[](PmdSensor& s) { s.emitters[1] = {1.5, 1.5, 0}; }, "2 m"},
+  };
+  for (const auto& [change, fact] : kBad) {
+    Calibration c = good;
+    change(c.pmd);
+    EXPECT_NE(std::string(problem(c)).find(fact), std::string::npos) << fact << ": " << problem(c);
+  }
+}
+
+TEST(Calibration, ALensOfTheRawPairHasUsableDistortion) {
+  Calibration c = usable();
+  RawPair& pair = c.stereo.raw.emplace();
+  pair.left = pair.right = c.stereo.left;
+  pair.left_to_right.translation_m = {-0.1, 0, 0};
+  pair.right.p1 = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_NE(complete(c.stereo), std::string());
   EXPECT_NE(problem(c), std::string());
 }
 

@@ -40,6 +40,66 @@ TEST(UnitRay, ComesBackToItsPixelThroughTheDistortion) {
   }
 }
 
+// Brown's model, written out once more.
+void expect_comes_back(const Pinhole& lens, double u, double v) {
+  const std::array<double, 3> ray = unit_ray(lens, u, v);
+  ASSERT_GT(ray[2], 0) << u << "," << v;
+  const double x = ray[0] / ray[2];
+  const double y = ray[1] / ray[2];
+  const double r2 = x * x + y * y;
+  const double s = 1 + lens.k1 * r2 + lens.k2 * r2 * r2 + lens.k3 * r2 * r2 * r2;
+  const double bent_x = x * s + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x);
+  const double bent_y = y * s + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y;
+  ASSERT_NEAR(lens.fx * bent_x + lens.cx, u, 1e-6);
+  ASSERT_NEAR(lens.fy * bent_y + lens.cy, v, 1e-6);
+}
+
+void expect_whole_picture_comes_back(const Pinhole& lens) {
+  for (int v = 0; v < lens.height; ++v) {
+    for (int u = 0; u < lens.width; ++u) {
+      expect_comes_back(lens, u, v);
+    }
+  }
+}
+
+// The intrinsics of an ifm O3R's 224 x 172 head (k1, k2, p1, p2, k3 = 0.31, -0.144, 0, 0, 0.187):
+// its corners are bent outwards by a third, where an iteration x <- x_d / s turns in circles.
+TEST(UnitRay, StraightensTheLensOfARealCameraUpToItsCorners) {
+  const Pinhole lens{.width = 224,
+                     .height = 172,
+                     .fx = 124.34428,
+                     .fy = 124.34428,
+                     .cx = 111.5,
+                     .cy = 85.5,
+                     .k1 = 0.309874,
+                     .k2 = -0.143910,
+                     .k3 = 0.186653};
+  expect_whole_picture_comes_back(lens);
+}
+
+TEST(UnitRay, StraightensBarrelsAndLensesThatAreNotCentred) {
+  Pinhole lens{.width = 160, .height = 120, .fx = 100, .fy = 110, .cx = 83, .cy = 57};
+  lens.k1 = -0.3;
+  lens.k2 = 0.12;
+  lens.k3 = -0.02;
+  lens.p1 = 0.004;
+  lens.p2 = -0.006;
+  expect_whole_picture_comes_back(lens);
+  lens.k1 = 0.6;
+  lens.k2 = 0.4;
+  lens.p1 = -0.02;
+  expect_whole_picture_comes_back(lens);
+}
+
+// Behind the fold the radius grows again, so there is a point that bends to (u, v): not the one.
+TEST(UnitRay, IsNoneBehindAFoldThatUnfolds) {
+  Pinhole lens = kChapter;
+  lens.k1 = -1;
+  lens.k2 = 0.3;  // x (1 - x^2 + 0.3 x^4): up to 0.41 at 0.65, then down, and up again behind 1.2
+  EXPECT_EQ(unit_ray(lens, 32.8 + 0.6 * 45.279, 10)[2], 0);
+  expect_comes_back(lens, 32.8 + 0.3 * 45.279, 10);
+}
+
 TEST(UnitRay, IsNoneWhereTheDistortionFoldsOver) {
   Pinhole lens = kChapter;
   lens.k1 = -1;  // x (1 - x^2) never exceeds 0.385

@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
-#include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/pmd_tables.h"
+#include "tests/dsp/pmd/converter_rig.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -23,49 +21,21 @@ PmdSensor sensor_of(int width, int height) {
   return sensor;
 }
 
-// Exactly as much memory as was asked for.
+// One exposure of a sensor.
 class Rig {
  public:
   explicit Rig(const PmdSensor& sensor)
-      : bytes_(Converter::bytes_needed(sensor.lens.width, sensor.lens.height)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
-        arena_({memory_, bytes_}),
-        converter_(sensor, arena_),
-        width_(sensor.lens.width),
-        height_(sensor.lens.height) {
-    for (std::vector<std::uint16_t>& plane : planes_) {
-      plane.resize(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_));
-    }
-  }
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
-  ~Rig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+      : rig_(sensor), planes_(sensor.lens.width, sensor.lens.height) {}
 
-  std::vector<std::uint16_t>& plane(std::size_t k) { return planes_[k]; }
-  // A surface at distance_m; light and amplitude in LSB.
+  std::vector<std::uint16_t>& plane(std::size_t k) { return planes_.planes[k]; }
   void show(std::size_t pixel, double distance_m, double light, double amplitude) {
-    const double phi = distance_m / 7.49481145 * 2 * std::numbers::pi;
-    for (std::size_t k = 0; k < 4; ++k) {
-      const double turn = phi + static_cast<double>(k) * std::numbers::pi / 2;
-      planes_[k][pixel] =
-          static_cast<std::uint16_t>(std::lround(100 + light + amplitude * std::cos(turn)));
-    }
+    planes_.show(pixel, distance_m, light, amplitude);
   }
-  const PmdMaps& convert() {
-    const auto view = [this](std::size_t k) {
-      return ImageView<const std::uint16_t>(planes_[k].data(), width_, height_);
-    };
-    return converter_.convert({view(0), view(1), view(2), view(3)});
-  }
+  const PmdMaps& convert() { return rig_.converter().convert(planes_.samples()); }
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
-  Converter converter_;
-  int width_;
-  int height_;
-  std::array<std::vector<std::uint16_t>, 4> planes_;
+  ConverterRig rig_;
+  Planes planes_;
 };
 
 TEST(Converter, ReadsAPlaneAtTwoMetres) {
@@ -80,10 +50,46 @@ TEST(Converter, ReadsAPlaneAtTwoMetres) {
       ASSERT_EQ(maps.flags.at(x, y), 0);
       ASSERT_NEAR(maps.amp2.at(x, y), 1200, 2);
       ASSERT_EQ(maps.offset.at(x, y), 1500);
+      ASSERT_EQ(maps.ratio.at(x, y), 102);  // 0.4
       ASSERT_EQ(maps.low.at(x, y), maps.distance.at(x, y) - 2 * maps.sigma.at(x, y));
       ASSERT_EQ(maps.high.at(x, y), maps.distance.at(x, y) + 2 * maps.sigma.at(x, y));
     }
   }
+}
+
+TEST(Converter, SaysWhatItsReadingsMean) {
+  Rig rig(sensor_of(3, 2));
+  const PmdMaps& maps = rig.convert();
+  EXPECT_EQ(maps.range, 29979U);
+  EXPECT_EQ(maps.widest, 14989);
+  EXPECT_EQ(maps.integration, kReferenceIntegration);
+  EXPECT_TRUE(maps.long_distance.empty());
+  EXPECT_EQ(maps.distance.stride(), 5);
+  EXPECT_EQ(maps.sigma.stride(), 5);
+}
+
+// The columns outside of the picture are what the interval kernel reads there.
+TEST(Converter, KeepsThePaddingOfItsRowsEmpty) {
+  Rig rig(sensor_of(9, 4));
+  for (std::size_t i = 0; i < 36; ++i) {
+    rig.show(i, 2.5, 1500, 600);
+  }
+  const PmdMaps& maps = rig.convert();
+  for (int y = 0; y < 4; ++y) {
+    for (const ImageView<QuarterMm>& image : {maps.distance, maps.sigma}) {
+      EXPECT_EQ(image.row(y).data()[-1], 0);
+      EXPECT_EQ(image.row(y).data()[9], 0);
+    }
+  }
+}
+
+TEST(Converter, NeedsNoMoreForOneSensorThanForAny) {
+  PmdSensor sensor = sensor_of(64, 16);
+  const std::size_t plain = Converter::bytes_needed(sensor);
+  EXPECT_LT(plain, Converter::bytes_needed(64, 16));
+  sensor.second = PmdTone{.modulation = {18'750'000}};
+  sensor.emitter_count = 2;
+  EXPECT_EQ(Converter::bytes_needed(sensor), Converter::bytes_needed(64, 16));
 }
 
 TEST(Converter, WorksFromOnePixelUp) {
@@ -180,18 +186,6 @@ TEST(Converter, CallsAStaticSceneEvenAndAMovingOneNot) {
   }
   EXPECT_EQ(asymmetric, 1);
   EXPECT_TRUE(maps.flags.at(700 % 64, 700 / 64) & kPmdAsymmetric);
-}
-
-TEST(PmdTables, SaturateLimitsThatLieOutsideSamples) {
-  PmdSensor sensor;
-  sensor.saturation_lsb = 1 << 20;
-  sensor.under_lsb = -1;
-  sensor.electrons_per_lsb = 1e-3;
-  const PhaseLimits limits = phase_limits(sensor);
-  EXPECT_EQ(limits.saturation, 65535);
-  EXPECT_EQ(limits.lowest, 0);  // never
-  EXPECT_EQ(limits.asymmetry_slope_q8, kMaxAsymmetrySlopeQ8);
-  EXPECT_EQ(phase_limits({}).ratio_q16, 39322U);  // the chapter's 30 percent
 }
 
 }  // namespace

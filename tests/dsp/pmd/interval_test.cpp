@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/pmd/converter.h"
+#include "dsp/pmd/pmd_maps.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
@@ -13,6 +13,7 @@ namespace stof::dsp {
 namespace {
 
 constexpr QuarterMm kRange = 29979;
+constexpr IntervalLimits kLimits{.range = kRange, .widest = kRange / 2};
 
 struct Interval {
   int low;
@@ -23,7 +24,7 @@ struct Interval {
 
 using Block = std::array<QuarterMm, 9>;
 
-Interval run(const Block& distance, const Block& sigma) {
+Interval run(const Block& distance, const Block& sigma, const IntervalLimits& limits = kLimits) {
   std::uint8_t flags = 0;
   QuarterMm low = 7;
   QuarterMm high = 7;
@@ -31,7 +32,7 @@ Interval run(const Block& distance, const Block& sigma) {
   const std::span<const QuarterMm> s(sigma);
   ref::interval({d.subspan(0, 3), d.subspan(3, 3), d.subspan(6, 3), s.subspan(0, 3),
                  s.subspan(3, 3), s.subspan(6, 3)},
-                kRange, {&flags, 1}, {&low, 1}, {&high, 1});
+                limits, {&flags, 1}, {&low, 1}, {&high, 1});
   return {low, high, flags};
 }
 
@@ -91,6 +92,32 @@ TEST(Interval, SaysWhereItReachesBeyondTheRange) {
   EXPECT_EQ(run(distance, sigma), (Interval{kRange - 102, kRange + 2, kPmdOutOfRange}));
 }
 
+TEST(Interval, BelievesReadingsThatWereMovedByWholePeriods) {
+  Block distance{};
+  Block sigma{};
+  distance.fill(kRange + 400);  // 7.59 m, read as 0.1 m
+  sigma.fill(60);
+  EXPECT_EQ(run(distance, sigma), (Interval{kRange + 280, kRange + 520, 0}));
+  // A neighbour that nobody has moved lies right before the end of the range; it says so itself.
+  distance[4] = kRange - 20;
+  EXPECT_EQ(run(distance, sigma),
+            (Interval{kRange - 140, kRange + 520, kPmdEdge | kPmdOutOfRange}));
+  // A reading near 0 may be one behind the range: the interval does not say where.
+  distance.fill(100);
+  EXPECT_EQ(run(distance, sigma), (Interval{0, 0, kPmdWrapped}));
+}
+
+TEST(Interval, SaysWhereItIsMoreThanSixteenBitsHold) {
+  Block distance{};
+  Block sigma{};
+  distance.fill(65500);
+  sigma.fill(20);
+  const IntervalLimits far{.range = 65535, .widest = 14990};
+  EXPECT_EQ(run(distance, sigma, far), (Interval{65460, 65535, kPmdOutOfRange}));
+  sigma.fill(17);
+  EXPECT_EQ(run(distance, sigma, far), (Interval{65466, 65534, 0}));
+}
+
 // A frame of width x height with a border column of 0 to either side, and what both variants say.
 struct Frame {
   Frame(int w, int h, std::uint64_t seed, int spread)
@@ -126,7 +153,7 @@ struct Frame {
 };
 
 // The contract once more, pixel by pixel on the whole frame with a clipped window.
-Interval oracle(Frame& frame, int x, int y) {
+Interval oracle(Frame& frame, const IntervalLimits& limits, int x, int y) {
   std::vector<std::pair<int, int>> readings;
   for (int v = std::max(y - 1, 0); v <= std::min(y + 1, frame.height - 1); ++v) {
     for (int u = std::max(x - 1, 0); u <= std::min(x + 1, frame.width - 1); ++u) {
@@ -146,10 +173,11 @@ Interval oracle(Frame& frame, int x, int y) {
   if (far.first - near.first > std::min(3 * (near.second + far.second), 65535)) {
     flags |= kPmdEdge;
   }
-  if (hi > kRange) {
+  const int here = frame.distance[frame.index(x, y) + 1];
+  if ((hi > limits.range && here <= limits.range) || hi == 65535) {
     flags |= kPmdOutOfRange;
   }
-  const bool wrapped = lo <= 0 || hi - lo > kRange / 2;
+  const bool wrapped = lo <= 0 || hi - lo > limits.widest;
   return wrapped ? Interval{0, 0, flags | kPmdWrapped} : Interval{lo, hi, flags};
 }
 
@@ -159,14 +187,15 @@ TEST(Interval, BothVariantsEqualTheOracleForEveryWidthAndBorder) {
       for (const int spread : {300, 20000, 65535}) {
         const std::uint64_t seed = static_cast<std::uint64_t>(width * 100 + height);
         Frame frame(width, height, seed, spread);
+        const IntervalLimits limits = width % 3 == 0 ? IntervalLimits{.widest = 14990} : kLimits;
         for (int y = 0; y < height; ++y) {
           const std::size_t n = static_cast<std::size_t>(width);
           test::GuardedBuffer<std::uint8_t> flags_a(n), flags_b(n);
           test::GuardedBuffer<QuarterMm> low_a(n), low_b(n), high_a(n), high_b(n);
-          ref::interval(frame.rows(y), kRange, flags_a.span(), low_a.span(), high_a.span());
-          neon::interval(frame.rows(y), kRange, flags_b.span(), low_b.span(), high_b.span());
+          ref::interval(frame.rows(y), limits, flags_a.span(), low_a.span(), high_a.span());
+          neon::interval(frame.rows(y), limits, flags_b.span(), low_b.span(), high_b.span());
           for (std::size_t x = 0; x < n; ++x) {
-            const Interval expected = oracle(frame, static_cast<int>(x), y);
+            const Interval expected = oracle(frame, limits, static_cast<int>(x), y);
             ASSERT_EQ((Interval{low_a[x], high_a[x], flags_a[x]}), expected)
                 << "seed " << seed << " spread " << spread << " at " << x << "," << y;
             ASSERT_EQ((Interval{low_b[x], high_b[x], flags_b[x]}), expected)
@@ -181,7 +210,7 @@ TEST(Interval, BothVariantsEqualTheOracleForEveryWidthAndBorder) {
 TEST(Interval, OfAnEmptyRowTouchesNothing) {
   const std::array<QuarterMm, 2> border{};
   const std::span<const QuarterMm> b(border);
-  neon::interval({b, b, b, b, b, b}, kRange, {}, {}, {});
+  neon::interval({b, b, b, b, b, b}, kLimits, {}, {}, {});
 }
 
 TEST(Interval, KeepsTheFlagsThatAreThere) {
@@ -190,8 +219,8 @@ TEST(Interval, KeepsTheFlagsThatAreThere) {
   test::GuardedBuffer<std::uint8_t> flags(17, 0x15);
   test::GuardedBuffer<QuarterMm> low(17), high(17);
   const std::span<const QuarterMm> d = row.span();
-  neon::interval({d, d, d, zero.span(), zero.span(), zero.span()}, kRange, flags.span(), low.span(),
-                 high.span());
+  neon::interval({d, d, d, zero.span(), zero.span(), zero.span()}, kLimits, flags.span(),
+                 low.span(), high.span());
   for (const std::uint8_t flag : flags.span()) {
     EXPECT_EQ(flag, 0x15);
   }

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/pmd/converter.h"
+#include "dsp/pmd/pmd_maps.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
@@ -26,19 +26,34 @@ Pixel run(std::array<std::uint16_t, 4> a, const PhaseLimits& limits = {}) {
   Phase phase = 0;
   std::uint16_t amp2 = 0;
   std::uint16_t offset = 0;
+  std::uint8_t ratio = 0;
   std::uint8_t flags = 0;
   const auto one = [](const std::uint16_t& sample) { return std::span(&sample, 1); };
-  ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits, {&phase, 1}, {&amp2, 1},
-             {&offset, 1}, {&flags, 1});
+  ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits,
+             {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&ratio, 1}, {&flags, 1}});
   return {phase, amp2, offset, flags};
+}
+
+int ratio_of(std::array<std::uint16_t, 4> a, const PhaseLimits& limits = {}) {
+  Phase phase = 0;
+  std::uint16_t amp2 = 0;
+  std::uint16_t offset = 0;
+  std::uint8_t ratio = 0;
+  std::uint8_t flags = 0;
+  const auto one = [](const std::uint16_t& sample) { return std::span(&sample, 1); };
+  ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits,
+             {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&ratio, 1}, {&flags, 1}});
+  return ratio;
 }
 
 // What both variants make of n pixels, in guarded memory.
 struct Outputs {
-  explicit Outputs(std::size_t n) : phase(n), amp2(n), offset(n), flags(n) {}
+  explicit Outputs(std::size_t n) : phase(n), amp2(n), offset(n), ratio(n), flags(n) {}
+  PhaseRow row() { return {phase.span(), amp2.span(), offset.span(), ratio.span(), flags.span()}; }
   test::GuardedBuffer<Phase> phase;
   test::GuardedBuffer<std::uint16_t> amp2;
   test::GuardedBuffer<std::uint16_t> offset;
+  test::GuardedBuffer<std::uint8_t> ratio;
   test::GuardedBuffer<std::uint8_t> flags;
 };
 
@@ -90,6 +105,36 @@ TEST(Phase, KeepsThirtyPercentModulationAndFlagsLess) {
   EXPECT_EQ(run({1400, 1100, 801, 1100}, limits).flags, kPmdLowRatio);
 }
 
+TEST(Phase, WritesTheModulationRatioInSteps) {
+  const PhaseLimits limits{.dark = 100};
+  EXPECT_EQ(ratio_of({1400, 1100, 800, 1100}, limits), 77);  // A 300 of 1000: 76.8 / 256
+  EXPECT_EQ(ratio_of({1200, 1100, 1000, 1100}, limits), 26);
+  EXPECT_EQ(ratio_of({1100, 1100, 1100, 1100}, limits), 0);
+  EXPECT_EQ(ratio_of({3100, 1600, 100, 1600}, limits), 255);  // A = offset is the most there is
+  EXPECT_EQ(ratio_of({200, 0, 0, 0}, limits), 255);           // offset 0 counts as 1
+  EXPECT_EQ(ratio_of({100, 100, 100, 100}, limits), 0);
+  // Half a step rounds to even: 128 * 1 / 256 and 128 * 3 / 256.
+  EXPECT_EQ(ratio_of({257, 256, 256, 256}), 0);
+  EXPECT_EQ(ratio_of({258, 256, 255, 256}), 2);
+}
+
+TEST(Phase, SubtractsStrayLightBeforePhaseAndAmplitude) {
+  // I = 600 of which 500 are stray light, Q = -120 of which -220 are: 45 degrees, sqrt(2) 100.
+  const PhaseLimits limits{.min_amp2 = 0, .ratio_q16 = 0, .stray_i = 500, .stray_q = -220};
+  EXPECT_EQ(run({1300, 1060, 700, 940}, limits), (Pixel{8192, 141, 1000, 0}));
+  // Stray light alone is no light.
+  EXPECT_EQ(run({1250, 1110, 750, 890}, limits), (Pixel{0, 0, 1000, 0}));
+  // The chapter's limit of 30 percent is that of what remains.
+  EXPECT_EQ(run({1300, 1060, 700, 940}, {.stray_i = 500, .stray_q = -220}).flags, kPmdLowRatio);
+}
+
+TEST(Phase, LimitsWhatIsLeftOfStrayLightToSixteenBits) {
+  const PhaseLimits limits{.saturation = 65535, .stray_i = -32767, .stray_q = 32767};
+  const Pixel most = run({32767, 32767, 0, 0}, limits);  // I = 65534, Q = -65534 if they fitted
+  EXPECT_EQ(most.phase, 57344);
+  EXPECT_EQ(most.amp2, 46340);
+}
+
 TEST(Phase, ClampsTheOffsetAtDark) {
   EXPECT_EQ(run({110, 100, 90, 100}, {.dark = 100}).offset, 0);
   EXPECT_EQ(run({110, 100, 90, 100}, {.dark = 60000}).offset, 0);
@@ -120,14 +165,13 @@ struct Accuracy {
   int wrong_roots = 0;
 };
 
-void judge(Samples& samples, Accuracy& worst) {
+void judge(Samples& samples, const PhaseLimits& limits, Accuracy& worst) {
   const std::size_t n = samples.a[0].size();
   Outputs out(n);
-  best::phase(samples.rows(), {}, out.phase.span(), out.amp2.span(), out.offset.span(),
-              out.flags.span());
+  best::phase(samples.rows(), limits, out.row());
   for (std::size_t x = 0; x < n; ++x) {
-    const int i = samples.a[0][x] - samples.a[2][x];
-    const int q = samples.a[3][x] - samples.a[1][x];
+    const int i = samples.a[0][x] - samples.a[2][x] - limits.stray_i;
+    const int q = samples.a[3][x] - samples.a[1][x] - limits.stray_q;
     worst.wrong_roots += out.amp2[x] != std::lround(std::sqrt(1.0 * i * i + 1.0 * q * q));
     if (i != 0 || q != 0) {
       worst.phase = std::max(worst.phase, phase_error(out.phase[x], i, q));
@@ -149,7 +193,15 @@ TEST(Phase, StaysWithinOneLsbOfDoubleOnFourMillionRandomSamples) {
     for (test::GuardedBuffer<std::uint16_t>& plane : samples.a) {
       random.fill(plane.span(), low, low + swing);
     }
-    judge(samples, worst);
+    // Every third block with stray light of up to half the sensor.
+    PhaseLimits limits;
+    if (block % 3 == 0) {
+      // I and Q stay within 16 bits: nothing is limited.
+      const int most = std::min(top / 2, 32767 - swing);
+      limits.stray_i = static_cast<std::int16_t>(random.between(-most, most));
+      limits.stray_q = static_cast<std::int16_t>(random.between(-most, most));
+    }
+    judge(samples, limits, worst);
   }
   EXPECT_LE(worst.phase, 0.70) << "seed " << kSeed;
   EXPECT_EQ(worst.wrong_roots, 0) << "seed " << kSeed;
@@ -164,7 +216,7 @@ TEST(Phase, StaysWithinOneLsbOnEveryRatioOfTheLargestAmplitude) {
       samples.a[steep ? 3 : 0][x] = 32767;
       samples.a[steep ? 0 : 3][x] = static_cast<std::uint16_t>(x);
     }
-    judge(samples, worst);
+    judge(samples, {}, worst);
   }
   EXPECT_LE(worst.phase, 0.70);
   EXPECT_EQ(worst.wrong_roots, 0);
@@ -198,13 +250,16 @@ TEST(Phase, NeonEqualsReferenceForEveryLengthAndExtreme) {
       }
       Outputs a(n);
       Outputs b(n);
-      ref::phase(samples.rows(), limits, a.phase.span(), a.amp2.span(), a.offset.span(),
-                 a.flags.span());
-      neon::phase(samples.rows(), limits, b.phase.span(), b.amp2.span(), b.offset.span(),
-                  b.flags.span());
+      if (n % 3 != 0) {
+        limits.stray_i = static_cast<std::int16_t>(random.between(-32767, 32767));
+        limits.stray_q = static_cast<std::int16_t>(random.between(-32767, 32767));
+      }
+      ref::phase(samples.rows(), limits, a.row());
+      neon::phase(samples.rows(), limits, b.row());
       ASSERT_TRUE(std::ranges::equal(a.phase.span(), b.phase.span())) << n << " top " << top;
       ASSERT_TRUE(std::ranges::equal(a.amp2.span(), b.amp2.span())) << n << " top " << top;
       ASSERT_TRUE(std::ranges::equal(a.offset.span(), b.offset.span())) << n << " top " << top;
+      ASSERT_TRUE(std::ranges::equal(a.ratio.span(), b.ratio.span())) << n << " top " << top;
       ASSERT_TRUE(std::ranges::equal(a.flags.span(), b.flags.span())) << n << " top " << top;
     }
   }

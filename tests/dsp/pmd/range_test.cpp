@@ -2,156 +2,128 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dsp/calib/pmd_tables.h"
-#include "dsp/pmd/converter.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
 namespace {
 
-struct Reading {
-  int distance;
-  int sigma;
-  friend bool operator==(const Reading&, const Reading&) = default;
-};
+std::uint32_t turned(std::uint32_t turn, Phase phase) {
+  std::uint32_t out = 0;
+  ref::range({&phase, 1}, turn, {&out, 1});
+  return out;
+}
 
-Reading run(const RangeParams& params, Phase phase, std::uint16_t amp2 = 1000,
-            std::uint16_t offset = 1000, std::uint8_t flags = 0,
-            std::span<const std::int16_t> fixed = {}) {
-  QuarterMm distance = 0;
-  QuarterMm sigma = 0;
-  ref::range({&phase, 1}, {&amp2, 1}, {&offset, 1}, {&flags, 1}, fixed, params, {&distance, 1},
-             {&sigma, 1});
-  return {distance, sigma};
+std::uint32_t on_line(const StraightLine& line, std::uint32_t distance) {
+  ref::straight_line(line, {&distance, 1});
+  return distance;
 }
 
 TEST(Range, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
-  const RangeParams params = range_params({});
-  EXPECT_EQ(params.range, 29979);
-  EXPECT_EQ(run(params, 32768).distance, 14990);  // half of it, rounded up
-  EXPECT_EQ(run(params, 17488).distance, 8000);   // a plane at 2 m
-  EXPECT_EQ(run(params, 65535).distance, 29979);
+  const std::uint32_t turn = tone_tables({}, {}).turn;
+  EXPECT_EQ(turn, 29979U);
+  EXPECT_EQ(turned(turn, 32768), 14990U);  // half of it, rounded up
+  EXPECT_EQ(turned(turn, 17488), 8000U);   // a plane at 2 m
+  EXPECT_EQ(turned(turn, 65535), 29979U);
+  EXPECT_EQ(turned(turn, 0), 0U);
 }
 
-TEST(Range, WritesAMeasuredZeroAsOneBecauseZeroMeansNone) {
-  EXPECT_EQ(run(range_params({}), 0).distance, 1);
-  EXPECT_EQ(run(range_params({}), 1).distance, 1);
+// Above 16.38 m a turn is counted in 0.1 mm: 4 MHz, 37.474 m.
+TEST(Range, CountsLongTurnsInTenthsOfAMillimetre) {
+  PmdSensor sensor;
+  sensor.tone.modulation = {9'160'000};
+  EXPECT_FALSE(has_long_range(sensor));
+  EXPECT_EQ(tone_tables(sensor, sensor.tone).turn, 65457U);
+  sensor.tone.modulation = {9'140'000};
+  EXPECT_TRUE(has_long_range(sensor));
+  sensor.tone.modulation = {4'000'000};
+  const std::uint32_t turn = tone_tables(sensor, sensor.tone).turn;
+  EXPECT_EQ(turn, 374741U);
+  EXPECT_EQ(turned(turn, 32768), 187371U);
+  EXPECT_EQ(turned(turn, 65535), 374735U);
+  sensor.tone.modulation = {1'000'000};
+  EXPECT_EQ(turned(tone_tables(sensor, sensor.tone).turn, 65535), 1498939U);
 }
 
-TEST(Range, LeavesOutPixelsThatAreNotToBeTrusted) {
-  for (int bit = 0; bit < 8; ++bit) {
-    const std::uint8_t flag = static_cast<std::uint8_t>(1 << bit);
-    const bool missing = (flag & kPmdMissing) != 0;
-    EXPECT_EQ(run(range_params({}), 20000, 1000, 1000, flag) == (Reading{0, 0}), missing) << bit;
+TEST(StraightLine, ChangesNothingWhereScaleIsOneAndShiftZero) {
+  EXPECT_TRUE(changes_nothing({}));
+  EXPECT_TRUE(changes_nothing(range_tables({}, 7.49481145).line));
+  for (const std::uint32_t d : {1U, 2U, 29979U, kMostUnits}) {
+    EXPECT_EQ(on_line({}, d), d);
   }
 }
 
-TEST(Range, WrapsOffsetsAndNegatesAFallingPhase) {
+// The chapter's eq. 14, z = -5.4022 phi + 672.5 cm for a count of 138.7 a turn: a falling phase,
+// (5.4022 * 138.7) / 749.48 of the scale, and an offset of 672.5 cm less a whole turn of it.
+TEST(StraightLine, IsTheChaptersFit) {
   PmdSensor sensor;
-  sensor.tone.offset_m = 1;
-  const RangeParams later = range_params(sensor);
-  EXPECT_EQ(run(later, 17488).distance, 4000);              // 2 m less 1 m
-  EXPECT_NEAR(run(later, 4372).distance, 29979 - 2000, 1);  // 0.5 m less 1 m wraps
-  sensor.tone.offset_m = 1 - 3 * 299792458.0 / 40e6;             // whole turns change nothing
-  EXPECT_EQ(run(range_params(sensor), 17488).distance, 4000);
-  sensor = {};
   sensor.phase_falls = true;
-  EXPECT_EQ(run(range_params(sensor), static_cast<Phase>(-17488)).distance, 8000);
-  const std::int16_t fixed = 8744;  // 1 m
-  EXPECT_EQ(run(range_params({}), 17488, 1000, 1000, 0, {&fixed, 1}).distance, 4000);
-}
-
-TEST(Range, RemovesFourthHarmonicWigglingToAQuarterMillimetre) {
-  PmdSensor sensor;
-  sensor.tone.wiggling = fourth_harmonic_table(-0.0386);  // 46 mm, as odd harmonics of an LED make it
-  const RangeParams params = range_params(sensor);
-  double worst = 0;
-  for (int i = 0; i < 65536; i += 7) {
-    const double measured = i * 2 * std::numbers::pi / 65536;
-    const double truth = measured + 0.0386 * std::sin(4 * measured);
-    const double expected = truth / (2 * std::numbers::pi) * params.range;
-    if (expected > 2 && expected < params.range - 2.0) {
-      worst = std::max(worst, std::abs(run(params, static_cast<Phase>(i)).distance - expected));
-    }
+  sensor.scale = 5.4022 * 138.7 / 749.48;
+  sensor.shift_m = 6.725 - 5.4022 * 1.387;
+  const RangeTables tables = range_tables(sensor, turn_m(sensor.tone));
+  const ToneTables tone = tone_tables(sensor, sensor.tone);
+  for (const double count : {20.0, 60.0, 100.0, 120.0}) {
+    const Phase phase = static_cast<Phase>(std::lround(count / 138.7 * 65536));
+    Phase corrected = 0;
+    ref::correct_phase({&phase, 1}, {}, tone.correction, {&corrected, 1});
+    const double z_cm = on_line(tables.line, turned(tone.turn, corrected)) / 40.0;
+    EXPECT_NEAR(z_cm, -5.4022 * count + 672.5, 0.05) << count;
   }
-  // Half a unit of distance, half a unit of each of two table roundings, 0.2 mm of interpolation.
-  EXPECT_LE(worst, 2.0);
+  // 130 counts would lie 29.8 cm behind the camera: they are one turn further away.
+  const std::uint32_t d = turned(tone.turn, static_cast<Phase>(-std::lround(130 / 138.7 * 65536)));
+  EXPECT_NEAR(on_line(tables.line, d) / 40.0, -5.4022 * 130 + 672.5 + 5.4022 * 138.7, 0.05);
 }
 
-// sigma = K_s sqrt(off / g + n^2) / amp2 with K_s = sqrt(2) 4000 c / (4 pi f) = 6747.6 at 20 MHz;
-// the rounding of samples adds 1/12 LSB^2.
-TEST(Range, SigmaIsThatOfTheShotNoiseModel) {
-  PmdSensor sensor;
-  sensor.electrons_per_lsb = 50;
-  sensor.noise_lsb = 6;
-  const RangeParams params = range_params(sensor);
-  const double expected = 6747.6 * std::sqrt(1000 / 50.0 + 36 + 1 / 12.0) / 1000;
-  EXPECT_NEAR(run(params, 20000).sigma, expected, 0.51);  // 50.5: 12.6 mm
-  sensor.suppressed_lsb = 2000;                           // its shot noise stays: 40 LSB^2 more
-  const double brighter = 6747.6 * std::sqrt(1000 / 50.0 + 76 + 1 / 12.0) / 1000;
-  EXPECT_NEAR(run(range_params(sensor), 20000).sigma, brighter, 0.51);
-  EXPECT_EQ(run(params, 20000, 0, 32767).sigma, 65535);  // no amplitude: saturates
-  EXPECT_EQ(run(params, 20000, 65535, 0).sigma, 1);      // never better than the unit
-}
-
-// The chapter's equation 15: 0.52, 1.62, 3.28, 5.48 cm at 1, 2, 3, 4 m (z and sigma in cm). One
-// pixel's light falls with the square of distance: 190,000 electrons at 1 m, contrast 0.45,
-// 340 electrons of fixed noise, 5.2 percent apart at most.
-TEST(Range, SigmaFollowsTheMeasuredCurveOfTheChapter) {
-  constexpr double kElectronsPerLsb = 20;
-  constexpr double kContrast = 0.45;
-  PmdSensor sensor;
-  sensor.electrons_per_lsb = kElectronsPerLsb;
-  sensor.noise_lsb = 340 / kElectronsPerLsb;
-  const RangeParams params = range_params(sensor);
-  constexpr std::array<double, 4> kSigmaCm{0.52, 1.62, 3.28, 5.48};
-  for (int z = 1; z <= 4; ++z) {
-    const double light = 190000.0 / (z * z) / kElectronsPerLsb;
-    const Reading reading =
-        run(params, static_cast<Phase>(z * 8744), static_cast<std::uint16_t>(2 * kContrast * light),
-            static_cast<std::uint16_t>(light));
-    const double measured = kSigmaCm[static_cast<std::size_t>(z - 1)];
-    EXPECT_NEAR(reading.sigma / 40.0, measured, 0.08 * measured) << z << " m";
-  }
+TEST(StraightLine, NeverEndsAtNothing) {
+  EXPECT_EQ(on_line({.shift = -500, .period = 0}, 499), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .period = 100}, 300), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .period = 29979}, 500), 29979U);
+  EXPECT_EQ(on_line({.shift = -500, .period = 29979}, 501), 1U);
+  EXPECT_EQ(on_line({.scale_q15 = 0}, 12345), 1U);
+  EXPECT_EQ(on_line({.scale_q15 = StraightLine::kMostScale}, 0xFFFFFFFF), kMostUnits);
 }
 
 TEST(Range, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (std::uint64_t variant = 0; variant < 4; ++variant) {
-      test::Random random(n * 4 + variant);
+  for (std::size_t n = 0; n <= 40; ++n) {
+    for (const std::uint32_t turn : {0U, 1U, 29979U, 65535U, 65536U, 1498962U, kMostUnits}) {
+      test::Random random(n + turn);
       test::GuardedBuffer<Phase> phase(n);
-      test::GuardedBuffer<std::uint16_t> amp2(n), offset(n);
-      test::GuardedBuffer<std::uint8_t> flags(n);
-      test::GuardedBuffer<std::int16_t> fixed(variant % 2 == 0 ? n : 0);
-      test::GuardedBuffer<QuarterMm> distance_a(n), distance_b(n), sigma_a(n), sigma_b(n);
+      test::GuardedBuffer<std::uint32_t> a(n), b(n);
       random.fill(phase.span());
-      random.fill(amp2.span(), 0, variant == 0 ? 3 : 65535);
-      random.fill(offset.span());
-      random.fill(fixed.span());
-      for (std::uint8_t& flag : flags.span()) {
-        flag = random.between(0, 3) == 0 ? static_cast<std::uint8_t>(random.next()) : 0;
+      if (n > 0) {
+        phase[0] = 65535;
       }
-      RangeParams params;
-      params.phase_falls = variant >= 2;
-      params.global = static_cast<Phase>(random.next());
-      params.range = static_cast<std::uint16_t>(variant == 3 ? 65535 : random.between(1, 65535));
-      params.noise_slope = static_cast<float>(random.between(0, 1000000));
-      params.noise_base = static_cast<float>(random.between(0, 1000000));
-      for (WigglingStep& step : params.wiggling) {
-        step = {static_cast<std::int16_t>(random.next()), static_cast<std::int16_t>(random.next())};
+      ref::range(phase.span(), turn, a.span());
+      neon::range(phase.span(), turn, b.span());
+      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << " turn " << turn;
+    }
+  }
+}
+
+TEST(StraightLine, NeonEqualsReferenceForEveryLengthAndExtreme) {
+  constexpr int kMost = kMostUnits;
+  for (std::size_t n = 0; n <= 40; ++n) {
+    for (int variant = 0; variant < 6; ++variant) {
+      test::Random random(n * 6 + static_cast<std::size_t>(variant));
+      test::GuardedBuffer<std::uint32_t> a(n), b(n);
+      for (std::size_t x = 0; x < n; ++x) {
+        a[x] = static_cast<std::uint32_t>(random.next()) >> static_cast<unsigned>(variant * 6);
+        b[x] = a[x];
       }
-      ref::range(phase.span(), amp2.span(), offset.span(), flags.span(), fixed.span(), params,
-                 distance_a.span(), sigma_a.span());
-      neon::range(phase.span(), amp2.span(), offset.span(), flags.span(), fixed.span(), params,
-                  distance_b.span(), sigma_b.span());
-      ASSERT_TRUE(std::ranges::equal(distance_a.span(), distance_b.span())) << n << "/" << variant;
-      ASSERT_TRUE(std::ranges::equal(sigma_a.span(), sigma_b.span())) << n << "/" << variant;
+      StraightLine line{
+          .scale_q15 = static_cast<std::uint32_t>(random.between(0, 1 << 17)),
+          .shift = random.between(-kMost, kMost) / (1 << (variant * 3)),
+          .period = static_cast<std::uint32_t>(random.between(0, variant < 3 ? kMost : 40000))};
+      if (n % 5 == 0) {
+        line = {.scale_q15 = StraightLine::kMostScale, .shift = kMost, .period = kMostUnits};
+      }
+      ref::straight_line(line, a.span());
+      neon::straight_line(line, b.span());
+      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
     }
   }
 }

@@ -11,77 +11,16 @@
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
+#include "tests/firmware/wire/some_calibration.h"
 #include "tests/support/guarded.h"
-#include "tests/support/random.h"
 
 namespace stof::wire {
 namespace {
 
+using test::newest_calibration;
+using test::some_calibration;
+using test::some_pattern;
 using File = std::vector<std::byte>;
-
-// Every field has another value, so that a swap shows.
-dsp::Calibration some_calibration(std::span<const std::int16_t> pattern, bool options = false) {
-  dsp::Calibration c;
-  double next = 0.1;
-  const auto fill = [&next](dsp::Pinhole& lens, int width, int height) {
-    lens.width = width;
-    lens.height = height;
-    for (double* number : {&lens.fx, &lens.fy, &lens.cx, &lens.cy, &lens.k1, &lens.k2}) {
-      *number = next *= -1.7;
-    }
-  };
-  fill(c.stereo.left, 640, 480);
-  c.stereo.baseline_m = 0.16;
-  c.stereo.doff_px = -31.5;
-  fill(c.pmd.lens, 5, 3);
-  if (options) {
-    dsp::RawPair& pair = c.stereo.raw.emplace();
-    fill(pair.left, 641, 481);
-    fill(pair.right, 642, 482);
-    for (double& element : pair.left_to_right.rotation) {
-      element = next *= 1.05;
-    }
-    for (double& element : pair.left_to_right.translation_m) {
-      element = next *= -1.05;
-    }
-    c.stereo.converging = dsp::Converging{.alpha_rad = 0.25,
-                                          .beta_rad = -0.125,
-                                          .f1_m = 8.5e-3,
-                                          .f2_m = 8.25e-3,
-                                          .pixel_m = 5.6e-6,
-                                          .cx_left = 311.25,
-                                          .cx_right = 330.5};
-  }
-  c.pmd.tone.modulation = dsp::Hertz{18'750'000};
-  c.pmd.phase_falls = true;
-  c.pmd.dark_lsb = 101.5;
-  c.pmd.saturation_lsb = 4000;
-  c.pmd.under_lsb = -7;
-  c.pmd.min_amplitude_lsb = 9;
-  c.pmd.tone.min_modulation_ratio = 0.25;
-  c.pmd.asymmetry_sigmas = 5.5;
-  c.pmd.electrons_per_lsb = 61;
-  c.pmd.noise_lsb = 4.75;
-  c.pmd.suppressed_lsb = 12;
-  c.pmd.tone.offset_m = -0.03125;
-  test::Random random(1);
-  random.fill(std::span<std::int16_t>(c.pmd.tone.wiggling));
-  for (double& element : c.pmd_to_stereo.rotation) {
-    element = next *= 1.1;
-  }
-  for (double& element : c.pmd_to_stereo.translation_m) {
-    element = next *= -1.1;
-  }
-  c.pmd.fixed_pattern = pattern;
-  return c;
-}
-
-std::vector<std::int16_t> some_pattern(std::size_t count = 15) {
-  std::vector<std::int16_t> pattern(count);
-  test::Random random(2);
-  random.fill(std::span(pattern));
-  return pattern;
-}
 
 File encoded(const dsp::Calibration& calibration) {
   test::GuardedBuffer<std::byte> out(calibration_file_bytes(calibration));
@@ -104,11 +43,24 @@ void expect_equal(const dsp::Pinhole& a, const dsp::Pinhole& b) {
   EXPECT_EQ(a.cy, b.cy);
   EXPECT_EQ(a.k1, b.k1);
   EXPECT_EQ(a.k2, b.k2);
+  EXPECT_EQ(a.k3, b.k3);
+  EXPECT_EQ(a.p1, b.p1);
+  EXPECT_EQ(a.p2, b.p2);
+}
+
+void expect_equal(const dsp::PmdTone& a, const dsp::PmdTone& b) {
+  EXPECT_EQ(a.modulation.value, b.modulation.value);
+  EXPECT_EQ(a.min_modulation_ratio, b.min_modulation_ratio);
+  EXPECT_EQ(a.offset_m, b.offset_m);
+  EXPECT_EQ(a.offset_m_per_k, b.offset_m_per_k);
+  EXPECT_EQ(a.wiggling, b.wiggling);
+  EXPECT_EQ(a.stray_i_lsb, b.stray_i_lsb);
+  EXPECT_EQ(a.stray_q_lsb, b.stray_q_lsb);
 }
 
 TEST(CalibrationFile, GivesBackEveryField) {
   const std::vector<std::int16_t> pattern = some_pattern();
-  const dsp::Calibration want = some_calibration(pattern);
+  const dsp::Calibration want = newest_calibration(pattern);
   std::vector<std::int16_t> space(20);
   const Result<dsp::Calibration> got = decode_calibration_file(encoded(want), space);
   ASSERT_TRUE(got);
@@ -116,27 +68,33 @@ TEST(CalibrationFile, GivesBackEveryField) {
   EXPECT_EQ(got->stereo.baseline_m, want.stereo.baseline_m);
   EXPECT_EQ(got->stereo.doff_px, want.stereo.doff_px);
   expect_equal(got->pmd.lens, want.pmd.lens);
-  EXPECT_EQ(got->pmd.tone.modulation.value, want.pmd.tone.modulation.value);
+  expect_equal(got->pmd.tone, want.pmd.tone);
+  EXPECT_FALSE(got->pmd.second);
+  EXPECT_FALSE(got->pmd.sigma_polynomial);
   EXPECT_EQ(got->pmd.phase_falls, want.pmd.phase_falls);
   EXPECT_EQ(got->pmd.dark_lsb, want.pmd.dark_lsb);
   EXPECT_EQ(got->pmd.saturation_lsb, want.pmd.saturation_lsb);
   EXPECT_EQ(got->pmd.under_lsb, want.pmd.under_lsb);
   EXPECT_EQ(got->pmd.min_amplitude_lsb, want.pmd.min_amplitude_lsb);
-  EXPECT_EQ(got->pmd.tone.min_modulation_ratio, want.pmd.tone.min_modulation_ratio);
   EXPECT_EQ(got->pmd.asymmetry_sigmas, want.pmd.asymmetry_sigmas);
   EXPECT_EQ(got->pmd.electrons_per_lsb, want.pmd.electrons_per_lsb);
   EXPECT_EQ(got->pmd.noise_lsb, want.pmd.noise_lsb);
   EXPECT_EQ(got->pmd.suppressed_lsb, want.pmd.suppressed_lsb);
-  EXPECT_EQ(got->pmd.tone.offset_m, want.pmd.tone.offset_m);
-  EXPECT_EQ(got->pmd.tone.wiggling, want.pmd.tone.wiggling);
+  EXPECT_EQ(got->pmd.integration_us, want.pmd.integration_us);
+  EXPECT_EQ(got->pmd.reference_c, want.pmd.reference_c);
+  EXPECT_EQ(got->pmd.scale, want.pmd.scale);
+  EXPECT_EQ(got->pmd.shift_m, want.pmd.shift_m);
+  EXPECT_EQ(got->pmd.white_lsb, want.pmd.white_lsb);
+  EXPECT_EQ(got->pmd.emitter_count, want.pmd.emitter_count);
+  EXPECT_EQ(got->pmd.emitters, want.pmd.emitters);
   EXPECT_EQ(got->pmd_to_stereo.rotation, want.pmd_to_stereo.rotation);
   EXPECT_EQ(got->pmd_to_stereo.translation_m, want.pmd_to_stereo.translation_m);
   EXPECT_TRUE(std::ranges::equal(got->pmd.fixed_pattern, pattern));
   EXPECT_EQ(got->pmd.fixed_pattern.data(), space.data());
 }
 
-TEST(CalibrationFile, GivesBackWhatAPairHasBesideTheRectifiedCamera) {
-  const dsp::Calibration want = some_calibration({}, true);
+TEST(CalibrationFile, GivesBackEveryOption) {
+  const dsp::Calibration want = newest_calibration({}, true);
   const Result<dsp::Calibration> got = decode_calibration_file(encoded(want), {});
   ASSERT_TRUE(got);
   ASSERT_TRUE(got->stereo.raw);
@@ -153,48 +111,101 @@ TEST(CalibrationFile, GivesBackWhatAPairHasBesideTheRectifiedCamera) {
   EXPECT_EQ(got->stereo.converging->pixel_m, want.stereo.converging->pixel_m);
   EXPECT_EQ(got->stereo.converging->cx_left, want.stereo.converging->cx_left);
   EXPECT_EQ(got->stereo.converging->cx_right, want.stereo.converging->cx_right);
-  for (const bool raw : {true, false}) {
-    dsp::Calibration one = want;
-    raw ? one.stereo.converging.reset() : one.stereo.raw.reset();
-    const Result<dsp::Calibration> single = decode_calibration_file(encoded(one), {});
-    ASSERT_TRUE(single);
-    EXPECT_EQ(single->stereo.raw.has_value(), raw);
-    EXPECT_EQ(single->stereo.converging.has_value(), !raw);
-    EXPECT_EQ(encoded(*single), encoded(one));
+  ASSERT_TRUE(got->pmd.second);
+  expect_equal(*got->pmd.second, *want.pmd.second);
+  ASSERT_TRUE(got->pmd.sigma_polynomial);
+  EXPECT_EQ(got->pmd.sigma_polynomial->a, want.pmd.sigma_polynomial->a);
+  EXPECT_EQ(got->pmd.sigma_polynomial->b, want.pmd.sigma_polynomial->b);
+  EXPECT_EQ(got->pmd.sigma_polynomial->c, want.pmd.sigma_polynomial->c);
+  for (unsigned options = 0; options < 16; ++options) {
+    dsp::Calibration some = want;
+    const auto keep = [options](unsigned bit, auto& optional) {
+      if ((options & bit) == 0) {
+        optional.reset();
+      }
+    };
+    keep(1, some.stereo.raw);
+    keep(2, some.stereo.converging);
+    keep(4, some.pmd.second);
+    keep(8, some.pmd.sigma_polynomial);
+    const Result<dsp::Calibration> again = decode_calibration_file(encoded(some), {});
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->stereo.raw.has_value(), (options & 1) != 0);
+    EXPECT_EQ(again->stereo.converging.has_value(), (options & 2) != 0);
+    EXPECT_EQ(again->pmd.second.has_value(), (options & 4) != 0);
+    EXPECT_EQ(again->pmd.sigma_polynomial.has_value(), (options & 8) != 0);
+    EXPECT_EQ(encoded(*again), encoded(some));
   }
 }
 
-// A version 1 file: without the options, which stand at 572.
-File as_version_1(File file) {
-  file.erase(file.begin() + 572, file.begin() + 576);
-  file[8] = std::byte{1};
+// Without what later versions added: bytes [begin, end) of the newest file, last ones first.
+File as_version(int version, File file, std::span<const std::array<std::ptrdiff_t, 2>> added) {
+  for (const auto& [begin, end] : added) {
+    file.erase(file.begin() + begin, file.begin() + end);
+  }
+  file[8] = static_cast<std::byte>(version);
   put_u32(std::span(file).subspan<12, 4>(), static_cast<std::uint32_t>(file.size()));
   reseal(file);
   return file;
 }
 
-TEST(CalibrationFile, ReadsVersion1AndWritesVersion2) {
+// The rest of the tone, exposure and lights; k3, p1, p2 of the PMD's and the left lens.
+constexpr std::array<std::array<std::ptrdiff_t, 2>, 3> kSinceVersion2{
+    {{524, 688}, {168, 192}, {72, 96}}};
+// The options too.
+constexpr std::array<std::array<std::ptrdiff_t, 2>, 4> kSinceVersion1{
+    {{784, 788}, {524, 688}, {168, 192}, {72, 96}}};
+// Those of both raw lenses too.
+constexpr std::array<std::array<std::ptrdiff_t, 2>, 5> kSinceVersion2WithRaw{
+    {{924, 948}, {844, 868}, {524, 688}, {168, 192}, {72, 96}}};
+
+void expect_short_ones_corrupt(const File& whole) {
+  for (std::size_t size = 20; size < whole.size(); ++size) {
+    test::GuardedBuffer<std::byte> cut(size);
+    std::copy_n(whole.begin(), size, cut.span().begin());
+    put_u32(cut.span().subspan<12, 4>(), static_cast<std::uint32_t>(size));
+    put_u32(cut.span().last<4>(), crc32c(cut.span().first(size - 4)));
+    ASSERT_EQ(decode_calibration_file(cut.span(), {}).error(), Status::kCorrupt) << size;
+  }
+}
+
+TEST(CalibrationFile, ReadsVersion1AndWritesTheNewest) {
   const std::vector<std::int16_t> pattern = some_pattern();
   const File newest = encoded(some_calibration(pattern));
   std::vector<std::int16_t> space(15);
-  const File old = as_version_1(newest);
+  const File old = as_version(1, newest, kSinceVersion1);
   EXPECT_EQ(old.size(), 580U + 30U);
   const Result<dsp::Calibration> got = decode_calibration_file(old, space);
   ASSERT_TRUE(got);
   EXPECT_FALSE(got->stereo.raw);
   EXPECT_FALSE(got->stereo.converging);
-  EXPECT_EQ(encoded(*got), newest);
-  for (std::size_t size = 20; size < old.size(); ++size) {
-    File cut(old.begin(), old.begin() + static_cast<std::ptrdiff_t>(size));
-    put_u32(std::span(cut).subspan<12, 4>(), static_cast<std::uint32_t>(size));
-    reseal(cut);
-    ASSERT_EQ(decode_calibration_file(cut, space).error(), Status::kCorrupt) << size;
+  EXPECT_EQ(encoded(*got), newest);  // what it does not know is what a calibration begins with
+  expect_short_ones_corrupt(old);
+}
+
+TEST(CalibrationFile, ReadsVersion2AndWritesTheNewest) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  std::vector<std::int16_t> space(15);
+  for (const bool options : {false, true}) {
+    const File newest = encoded(some_calibration(pattern, options));
+    const std::span<const std::array<std::ptrdiff_t, 2>> added =
+        options ? std::span<const std::array<std::ptrdiff_t, 2>>(kSinceVersion2WithRaw)
+                : std::span<const std::array<std::ptrdiff_t, 2>>(kSinceVersion2);
+    const File old = as_version(2, newest, added);
+    // Size and CRC of what the last writer of version 2 made of this calibration.
+    EXPECT_EQ(old.size(), options ? 878U : 614U);
+    EXPECT_EQ(get_u32(std::span<const std::byte>(old).last<4>()),
+              options ? 0xF6268F00U : 0xCD653AC6U);
+    const Result<dsp::Calibration> got = decode_calibration_file(old, space);
+    ASSERT_TRUE(got);
+    EXPECT_EQ(encoded(*got), newest);
+    expect_short_ones_corrupt(old);
   }
 }
 
 TEST(CalibrationFile, IsDecodedAndEncodedToTheSameBytes) {
   const std::vector<std::int16_t> pattern = some_pattern();
-  dsp::Calibration odd = some_calibration(pattern);
+  dsp::Calibration odd = newest_calibration(pattern);
   odd.stereo.doff_px = -0.0;
   odd.pmd.dark_lsb = std::numeric_limits<double>::denorm_min();
   odd.pmd.noise_lsb = std::bit_cast<double>(0x7FF8000000000123);  // a NaN keeps its bits
@@ -207,95 +218,101 @@ TEST(CalibrationFile, IsDecodedAndEncodedToTheSameBytes) {
 
 TEST(CalibrationFile, LivesWithoutFixedPattern) {
   const File file = encoded(some_calibration({}));
-  EXPECT_EQ(file.size(), 584U);
+  EXPECT_EQ(file.size(), 796U);
   const Result<dsp::Calibration> decoded = decode_calibration_file(file, {});
   ASSERT_TRUE(decoded);
   EXPECT_TRUE(decoded->pmd.fixed_pattern.empty());
 }
 
-TEST(CalibrationFile, HasTheDocumentsOffsets) {
-  const std::vector<std::int16_t> pattern = some_pattern();
-  const dsp::Calibration c = some_calibration(pattern);
-  const File file = encoded(c);
-  const std::span<const std::byte> in(file);
-  const auto f64 = [&in](std::size_t at) {
-    return std::bit_cast<double>(get_u64(in.subspan(at).first<8>()));
-  };
-  const auto i32 = [&in](std::size_t at) { return get_i32(in.subspan(at).first<4>()); };
-  EXPECT_EQ(std::memcmp(file.data(), "STOFCAL", 8), 0);
-  EXPECT_EQ(get_u16(in.subspan<8, 2>()), 2);
-  EXPECT_EQ(get_u32(in.subspan<12, 4>()), file.size());
-  const auto expect_lens = [&](std::size_t at, const dsp::Pinhole& lens) {
+// Numbers at the places that docs/WIRE.md names.
+class Bytes {
+ public:
+  explicit Bytes(const File& file) : in_(file) {}
+  double f64(std::size_t at) const {
+    return std::bit_cast<double>(get_u64(in_.subspan(at).first<8>()));
+  }
+  int i32(std::size_t at) const { return get_i32(in_.subspan(at).first<4>()); }
+  void expect_steps(std::size_t at, std::span<const std::int16_t> steps) const {
+    for (std::size_t i = 0; i < steps.size(); ++i) {
+      EXPECT_EQ(static_cast<std::int16_t>(get_u16(in_.subspan(at + 2 * i).first<2>())), steps[i]);
+    }
+  }
+  void expect_numbers(std::size_t at, std::span<const double> numbers) const {
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+      EXPECT_EQ(f64(at + 8 * i), numbers[i]) << at + 8 * i;
+    }
+  }
+  void expect_lens(std::size_t at, const dsp::Pinhole& lens) const {
     EXPECT_EQ(i32(at), lens.width);
     EXPECT_EQ(i32(at + 4), lens.height);
-    const std::array<double, 6> numbers{lens.fx, lens.fy, lens.cx, lens.cy, lens.k1, lens.k2};
-    for (std::size_t i = 0; i < numbers.size(); ++i) {
-      EXPECT_EQ(f64(at + 8 + 8 * i), numbers[i]) << i;
-    }
-  };
-  expect_lens(16, c.stereo.left);
-  EXPECT_EQ(f64(72), c.stereo.baseline_m);
-  EXPECT_EQ(f64(80), c.stereo.doff_px);
-  expect_lens(88, c.pmd.lens);
-  EXPECT_EQ(i32(144), 18'750'000);
-  EXPECT_EQ(i32(148), 1);
-  EXPECT_EQ(i32(152), c.pmd.saturation_lsb);
-  EXPECT_EQ(i32(156), c.pmd.under_lsb);
-  EXPECT_EQ(i32(160), c.pmd.min_amplitude_lsb);
-  EXPECT_EQ(f64(164), c.pmd.dark_lsb);
-  EXPECT_EQ(f64(172), c.pmd.tone.min_modulation_ratio);
-  EXPECT_EQ(f64(180), c.pmd.asymmetry_sigmas);
-  EXPECT_EQ(f64(188), c.pmd.electrons_per_lsb);
-  EXPECT_EQ(f64(196), c.pmd.noise_lsb);
-  EXPECT_EQ(f64(204), c.pmd.suppressed_lsb);
-  EXPECT_EQ(f64(212), c.pmd.tone.offset_m);
-  for (std::size_t i = 0; i < c.pmd.tone.wiggling.size(); ++i) {
-    const std::uint16_t step = get_u16(in.subspan(220 + 2 * i).first<2>());
-    EXPECT_EQ(static_cast<std::int16_t>(step), c.pmd.tone.wiggling[i]);
+    expect_numbers(at + 8, std::array{lens.fx, lens.fy, lens.cx, lens.cy, lens.k1, lens.k2, lens.k3,
+                                      lens.p1, lens.p2});
   }
-  for (std::size_t i = 0; i < 9; ++i) {
-    EXPECT_EQ(f64(476 + 8 * i), c.pmd_to_stereo.rotation[i]);
+
+ private:
+  std::span<const std::byte> in_;
+};
+
+TEST(CalibrationFile, HasTheDocumentsOffsets) {
+  const std::vector<std::int16_t> pattern = some_pattern();
+  const dsp::Calibration c = newest_calibration(pattern);
+  const File file = encoded(c);
+  const Bytes in(file);
+  EXPECT_EQ(std::memcmp(file.data(), "STOFCAL", 8), 0);
+  EXPECT_EQ(in.i32(8), 3);
+  EXPECT_EQ(in.i32(12), static_cast<int>(file.size()));
+  in.expect_lens(16, c.stereo.left);
+  in.expect_numbers(96, std::array{c.stereo.baseline_m, c.stereo.doff_px});
+  in.expect_lens(112, c.pmd.lens);
+  const dsp::PmdSensor& pmd = c.pmd;
+  EXPECT_EQ(in.i32(192), 18'750'000);
+  EXPECT_EQ(in.i32(196), 1);
+  EXPECT_EQ(in.i32(200), pmd.saturation_lsb);
+  EXPECT_EQ(in.i32(204), pmd.under_lsb);
+  EXPECT_EQ(in.i32(208), pmd.min_amplitude_lsb);
+  in.expect_numbers(
+      212, std::array{pmd.dark_lsb, pmd.tone.min_modulation_ratio, pmd.asymmetry_sigmas,
+                      pmd.electrons_per_lsb, pmd.noise_lsb, pmd.suppressed_lsb, pmd.tone.offset_m});
+  in.expect_steps(268, pmd.tone.wiggling);
+  in.expect_numbers(
+      524, std::array{pmd.tone.offset_m_per_k, pmd.tone.stray_i_lsb, pmd.tone.stray_q_lsb,
+                      pmd.integration_us, pmd.reference_c, pmd.scale, pmd.shift_m, pmd.white_lsb});
+  EXPECT_EQ(in.i32(588), 3);
+  for (std::size_t i = 0; i < pmd.emitters.size(); ++i) {
+    in.expect_numbers(592 + 24 * i, pmd.emitters[i]);
   }
-  for (std::size_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(f64(548 + 8 * i), c.pmd_to_stereo.translation_m[i]);
-  }
-  EXPECT_EQ(i32(572), 0);
-  EXPECT_EQ(i32(576), 15);
-  for (std::size_t i = 0; i < pattern.size(); ++i) {
-    const std::uint16_t value = get_u16(in.subspan(580 + 2 * i).first<2>());
-    EXPECT_EQ(static_cast<std::int16_t>(value), pattern[i]);
-  }
-  EXPECT_EQ(file.size(), 584U + 30U);
+  in.expect_numbers(688, c.pmd_to_stereo.rotation);
+  in.expect_numbers(760, c.pmd_to_stereo.translation_m);
+  EXPECT_EQ(in.i32(784), 0);
+  EXPECT_EQ(in.i32(788), 15);
+  in.expect_steps(792, pattern);
+  EXPECT_EQ(file.size(), 796U + 30U);
 }
 
 TEST(CalibrationFile, HasTheDocumentsOffsetsOfOptions) {
-  const dsp::Calibration c = some_calibration({}, true);
+  const dsp::Calibration c = newest_calibration({}, true);
   const File file = encoded(c);
-  const std::span<const std::byte> in(file);
-  const auto f64 = [&in](std::size_t at) {
-    return std::bit_cast<double>(get_u64(in.subspan(at).first<8>()));
-  };
-  EXPECT_EQ(get_u32(in.subspan<572, 4>()), 3U);
-  EXPECT_EQ(get_u32(in.subspan<576, 4>()), 641U);
-  EXPECT_EQ(f64(576 + 8), c.stereo.raw->left.fx);
-  EXPECT_EQ(get_u32(in.subspan<632, 4>()), 642U);
-  EXPECT_EQ(f64(632 + 48), c.stereo.raw->right.k2);
-  EXPECT_EQ(f64(688), c.stereo.raw->left_to_right.rotation[0]);
-  EXPECT_EQ(f64(760), c.stereo.raw->left_to_right.translation_m[0]);
-  EXPECT_EQ(f64(784), 0.25);
-  EXPECT_EQ(f64(792), -0.125);
-  EXPECT_EQ(f64(800), 8.5e-3);
-  EXPECT_EQ(f64(808), 8.25e-3);
-  EXPECT_EQ(f64(816), 5.6e-6);
-  EXPECT_EQ(f64(824), 311.25);
-  EXPECT_EQ(f64(832), 330.5);
-  EXPECT_EQ(get_u32(in.subspan<840, 4>()), 0U);
-  EXPECT_EQ(file.size(), 848U);
+  const Bytes in(file);
+  EXPECT_EQ(in.i32(784), 15);
+  in.expect_lens(788, c.stereo.raw->left);
+  in.expect_lens(868, c.stereo.raw->right);
+  in.expect_numbers(948, c.stereo.raw->left_to_right.rotation);
+  in.expect_numbers(1020, c.stereo.raw->left_to_right.translation_m);
+  in.expect_numbers(1044, std::array{0.25, -0.125, 8.5e-3, 8.25e-3, 5.6e-6, 311.25, 330.5});
+  const dsp::PmdTone& second = *c.pmd.second;
+  EXPECT_EQ(in.i32(1100), 17'500'000);
+  in.expect_numbers(1104, std::array{second.min_modulation_ratio, second.offset_m});
+  in.expect_steps(1120, second.wiggling);
+  in.expect_numbers(1376,
+                    std::array{second.offset_m_per_k, second.stray_i_lsb, second.stray_q_lsb});
+  in.expect_numbers(1400, std::array{-0.25, 0.5, 0.125});
+  EXPECT_EQ(in.i32(1424), 0);
+  EXPECT_EQ(file.size(), 1432U);
 }
 
 TEST(CalibrationFile, EverySingleBitFlipAndTruncationIsCorrupt) {
   const std::vector<std::int16_t> pattern = some_pattern();
-  const File good = encoded(some_calibration(pattern, true));
+  const File good = encoded(newest_calibration(pattern, true));
   std::vector<std::int16_t> space(15);
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
     File bad = good;
@@ -313,34 +330,34 @@ TEST(CalibrationFile, EverySingleBitFlipAndTruncationIsCorrupt) {
 }
 
 TEST(CalibrationFile, AnotherVersionAndAnUnknownOptionAreUnsupported) {
-  File file = encoded(some_calibration({}));
-  for (const int version : {0, 3, 255}) {
+  const File good = encoded(some_calibration({}));
+  File file = good;
+  for (const int version : {0, 4, 255}) {
     file[8] = static_cast<std::byte>(version);
     reseal(file);
     EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kUnsupported) << version;
   }
-  file[8] = std::byte{2};
-  for (const int options : {4, 7, 128}) {
+  file = good;
+  for (const int options : {16, 31, 128}) {
+    file[784] = static_cast<std::byte>(options);
+    reseal(file);
+    EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kUnsupported) << options;
+  }
+  for (const int options : {1, 2, 4, 8, 15}) {  // what they announce is not there
+    file[784] = static_cast<std::byte>(options);
+    reseal(file);
+    EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kCorrupt) << options;
+  }
+  file = as_version(2, good, kSinceVersion2);
+  for (const int options : {4, 8, 128}) {  // two of them came with version 3
     file[572] = static_cast<std::byte>(options);
     reseal(file);
     EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kUnsupported) << options;
   }
-  for (const int options : {1, 2, 3}) {  // what they announce is not there
-    file[572] = static_cast<std::byte>(options);
-    reseal(file);
-    EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kCorrupt) << options;
-  }
 }
 
 TEST(CalibrationFile, AShortFileWithARightCrcIsCorrupt) {
-  const File whole = encoded(some_calibration({}, true));
-  for (std::size_t size = 20; size < whole.size(); ++size) {
-    test::GuardedBuffer<std::byte> cut(size);
-    std::copy_n(whole.begin(), size, cut.span().begin());
-    put_u32(cut.span().subspan<12, 4>(), static_cast<std::uint32_t>(size));
-    put_u32(cut.span().last<4>(), crc32c(cut.span().first(size - 4)));
-    ASSERT_EQ(decode_calibration_file(cut.span(), {}).error(), Status::kCorrupt) << size;
-  }
+  expect_short_ones_corrupt(encoded(newest_calibration({}, true)));
 }
 
 TEST(CalibrationFile, AHostileNumberOfPixelsIsCorrupt) {
@@ -349,7 +366,7 @@ TEST(CalibrationFile, AHostileNumberOfPixelsIsCorrupt) {
   std::vector<std::int16_t> space(15);
   for (const std::uint32_t count : {0U, 14U, 16U, 0x7FFFFFFFU, 0x80000000U, 0xFFFFFFFFU}) {
     File bad = good;
-    put_u32(std::span(bad).subspan<576, 4>(), count);
+    put_u32(std::span(bad).subspan<788, 4>(), count);
     reseal(bad);
     EXPECT_EQ(decode_calibration_file(bad, space).error(), Status::kCorrupt) << count;
   }

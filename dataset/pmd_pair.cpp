@@ -1,0 +1,68 @@
+#include <array>
+#include <utility>
+
+#include "dataset/file.h"
+#include "dataset/json_fields.h"
+
+namespace stof::dataset {
+namespace {
+
+// Contrast falls with the frequency, and two phases that agree say more than a ratio.
+constexpr double kRatioOfTwoTones = 0.25;
+
+// Whether both were taken by one camera.
+bool same_camera(const dsp::PmdSensor& a, const dsp::PmdSensor& b) {
+  const auto numbers = [](const dsp::PmdSensor& of) {
+    const dsp::Pinhole& lens = of.lens;
+    return std::array{lens.fx,
+                      lens.fy,
+                      lens.cx,
+                      lens.cy,
+                      lens.k1,
+                      lens.k2,
+                      lens.k3,
+                      lens.p1,
+                      lens.p2,
+                      of.dark_lsb,
+                      of.electrons_per_lsb,
+                      of.noise_lsb};
+  };
+  return a.lens.width == b.lens.width && a.lens.height == b.lens.height &&
+         a.saturation_lsb == b.saturation_lsb && a.phase_falls == b.phase_falls &&
+         numbers(a) == numbers(b);
+}
+
+}  // namespace
+
+Loaded<PmdRecording> read_pmd_pair(const std::filesystem::path& prefix,
+                                   const std::filesystem::path& other,
+                                   const std::optional<std::filesystem::path>& fixed_pattern) {
+  Loaded<PmdRecording> first = read_recording(prefix, fixed_pattern, kRatioOfTwoTones);
+  if (!first) {
+    return first;
+  }
+  Loaded<PmdRecording> second = read_recording(other, fixed_pattern, kRatioOfTwoTones);
+  if (!second) {
+    return second;
+  }
+  constexpr std::string_view kRemedy = "give two recordings of one camera and one scene";
+  const std::filesystem::path second_file = file_of(other, ".json");
+  if (!same_camera(first->calibration.pmd, second->calibration.pmd)) {
+    return refuse(second_file, "is not of the camera of " + prefix.string(), kRemedy);
+  }
+  if (first->frames.size() != second->frames.size()) {
+    return refuse(second_file, "has not as many frames as " + prefix.string(), kRemedy);
+  }
+  if (first->calibration.pmd.tone.modulation.value <
+      second->calibration.pmd.tone.modulation.value) {
+    std::swap(first, second);
+  }
+  first->calibration.pmd.second = second->calibration.pmd.tone;
+  first->second_frames = std::move(second->frames);
+  if (const std::string wrong = problem_of(first->calibration, first->has_rig); !wrong.empty()) {
+    return refuse(second_file, "does not go with " + prefix.string() + ", " + wrong, kRemedy);
+  }
+  return first;
+}
+
+}  // namespace stof::dataset

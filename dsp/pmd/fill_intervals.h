@@ -1,0 +1,27 @@
+#pragma once
+
+#include "dsp/base/image.h"
+#include "dsp/pmd/pmd_maps.h"
+
+namespace stof::dsp {
+
+// low and high of some rows from distance and sigma (padded, see PmdMaps), maps.range and
+// maps.widest: kernel `interval`. Judges pixels that have a distance, and of their flags only
+// kPmdEdge, kPmdOutOfRange and kPmdWrapped, which are set or taken back; others keep their flags
+// and have low = high = 0. Neither distance nor sigma changes, so rows can be split in any way.
+//
+// Who moves readings by whole periods (distance += k * maps.range, where stereo knows better) does
+// so between Converter::measure() and this, in any pixels (and long_distance alike, where it is
+// there); readings beyond maps.range count as moved: they are not out of range.
+void fill_intervals(const PmdMaps& maps, Rows rows) noexcept;
+
+// A wrapped pixel carries no distance: distance = sigma = long_distance = 0 where flags has
+// kPmdWrapped. After fill_intervals() of all rows, because neighbours are judged by them.
+void drop_wrapped(const PmdMaps& maps) noexcept;
+
+// Both for the whole picture. May be called again after distances have changed, or flags of pixels
+// whose distance was set to 0; pixels that were dropped before stay dropped, and their neighbours
+// are then judged without them.
+void refresh_intervals(const PmdMaps& maps) noexcept;
+
+}  // namespace stof::dsp

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+
+namespace stof::dsp {
+
+// Why a PMD pixel is or is not to be trusted (SPEC section 2). A pixel with any bit of kPmdMissing
+// carries no distance.
+enum PmdFlag : std::uint8_t {
+  kPmdSaturated = 1 << 0,
+  kPmdUnderRange = 1 << 1,
+  kPmdLowAmplitude = 1 << 2,
+  kPmdLowRatio = 1 << 3,
+  kPmdAsymmetric = 1 << 4,  // motion or changing light between the samples
+  kPmdEdge = 1 << 5,
+  kPmdOutOfRange = 1 << 6,  // more than 16.38 m (no `distance`), or the interval reaches there
+  kPmdWrapped = 1 << 7,     // may as well lie a period nearer or further
+};
+inline constexpr std::uint8_t kPmdMissing =
+    kPmdSaturated | kPmdUnderRange | kPmdLowAmplitude | kPmdLowRatio | kPmdAsymmetric | kPmdWrapped;
+
+// A relative integration time in Q8: 256 is the sensor's reference (PmdSensor::integration_us).
+using IntegrationQ8 = std::uint16_t;
+inline constexpr IntegrationQ8 kReferenceIntegration = 256;
+
+// Everything one PMD frame becomes. All images have the sensor's size; with two tones, phase to
+// ratio are those of the first.
+struct PmdMaps {
+  ImageView<Phase> phase;           // stray light subtracted, otherwise before any correction
+  ImageView<std::uint16_t> amp2;    // twice the amplitude, LSB
+  ImageView<std::uint16_t> offset;  // mean of the samples less dark, LSB
+  ImageView<std::uint8_t> flags;    // PmdFlag
+  // Radial, along the pixel's ray; 0 = none. Rows of distance and sigma are padded: stride is
+  // width + 2, and the element before and the one behind each row are there and always 0, which is
+  // what the kernel `interval` wants at the border.
+  ImageView<QuarterMm> distance;
+  ImageView<QuarterMm> sigma;     // of distance
+  ImageView<QuarterMm> low;       // radial interval from the 3x3 neighbourhood, with 2 sigma;
+  ImageView<QuarterMm> high;      // both 0 where there is none
+  ImageView<std::uint8_t> ratio;  // modulation ratio m = A / offset, LSB 1/256, at most 255
+  // The same distance without the limit of 16.38 m: 0.1 mm, 0 = none. Empty unless the sensor has a
+  // second tone or a turn that is longer than 16.38 m.
+  ImageView<std::uint32_t> long_distance;
+  // The integration time that amp2 and offset refer to: of the frame's longest exposure of the
+  // first tone. What a pixel took from a shorter one was multiplied (up to 65535), so that
+  // amp2 * 256 / (2 * integration) compares to PmdSensor::white_lsb in every pixel.
+  IntegrationQ8 integration = kReferenceIntegration;
+  // After how much readings repeat, quarter mm: one turn, with two tones their common period;
+  // times PmdSensor::scale.
+  std::uint32_t range = 0;
+  // Readings further apart than this tell nothing about what lies between them: half a turn of the
+  // first tone, quarter mm, whether or not a second one tells turns apart.
+  QuarterMm widest = 0;
+};
+
+}  // namespace stof::dsp
