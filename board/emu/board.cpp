@@ -7,13 +7,11 @@
 #include <utility>
 
 #include "board/emu/request.h"
+#include "board/emu/scenes.h"
 #include "dataset/dataset.h"
 #include "hal/emu/clock.h"
 #include "hal/emu/pmd_camera.h"
-#include "hal/emu/rendered.h"
 #include "hal/emu/replay.h"
-#include "hal/emu/rig.h"
-#include "hal/emu/scene.h"
 #include "hal/emu/stereo_camera.h"
 #include "hal/emu/trigger.h"
 #include "hal/linux/clock.h"
@@ -37,18 +35,21 @@ struct World {
   std::vector<std::string> notes;
 };
 
-World corridor(const Request& request) {
-  emu::Rig rig = emu::corridor_rig();
+World rendered(const Request& request) {
+  constexpr std::uint32_t kFirst = 1;  // exposures count from 1
+  SceneRequest wanted = request.scene;
+  wanted.pmd_every = kConfig.timing.pmd_every;
+  SceneWorld scene = render_world(wanted, kFirst);
   World world;
-  if (request.no_tof) {
-    rig.pmd_lens = {};
+  world.imagery = std::move(scene.imagery);
+  world.calibration = scene.calibration;
+  world.disparities = scene.disparities;
+  if (!scene.moves) {
+    world.depth = std::move(scene.depth);
+  }
+  if (world.imagery->pmd_size() == emu::Size{}) {
     world.notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
   }
-  auto scene = std::make_unique<emu::RenderedScene>(emu::corridor(), rig);
-  world.calibration = scene->calibration();
-  world.disparities = scene->disparities();
-  world.depth = scene->depth();
-  world.imagery = std::move(scene);
   return world;
 }
 
@@ -166,7 +167,7 @@ std::expected<Board*, Refusal> open(std::span<const std::string_view> arguments)
   if (!link) {
     return refuse(link.error().message);
   }
-  std::expected<World, Refusal> world = request->dataset ? replay(*request) : corridor(*request);
+  std::expected<World, Refusal> world = request->dataset ? replay(*request) : rendered(*request);
   if (!world) {
     return std::unexpected(world.error());
   }

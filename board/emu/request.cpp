@@ -74,8 +74,6 @@ bool take_switch(std::string_view flag, Request& request) {
 bool take_value(std::string_view flag, std::string_view value, Request& request) {
   if (flag == "--to") {
     request.to = value;
-  } else if (flag == "--scene") {
-    request.scene = value;
   } else if (flag == "--dataset") {
     request.dataset = value;
   } else if (flag == "--tof") {
@@ -92,6 +90,7 @@ bool take_value(std::string_view flag, std::string_view value, Request& request)
 
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
   Request request;
+  std::string scene_flag;  // one of those that only a rendered scene has
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string flag(arguments[i]);
     if (take_switch(flag, request)) {
@@ -99,7 +98,16 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
     }
     const bool last = i + 1 == arguments.size();
     const std::string_view value = last ? std::string_view() : arguments[i + 1];
-    if (flag == "--fault") {
+    const std::expected<bool, std::string> of_scene = take_scene_flag(flag, value, request.scene);
+    if (value.empty() && (!of_scene || *of_scene)) {
+      return refuse(flag + " takes a value; try --help");
+    }
+    if (!of_scene) {
+      return refuse(of_scene.error());
+    }
+    if (*of_scene) {
+      scene_flag = flag;
+    } else if (flag == "--fault") {
       if (!parse_fault(value, request.faults)) {
         return refuse("--fault takes DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30, not \"" +
                       std::string(value) + "\"; try --help");
@@ -111,32 +119,43 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
     }
     ++i;
   }
-  if (request.scene && request.dataset) {
-    return refuse("--scene and --dataset exclude each other; leave one out");
-  }
-  if (request.scene && *request.scene != "corridor") {
-    return refuse("there is no scene \"" + *request.scene + "\"; the one scene is corridor");
+  if (!scene_flag.empty() && request.dataset) {
+    return refuse(scene_flag + " and --dataset exclude each other; leave one out");
   }
   if (request.tof && (request.no_tof || !request.dataset)) {
     return refuse("--tof belongs to a --dataset, and excludes --no-tof");
+  }
+  if (request.no_tof) {
+    request.scene.pmd = emu::Size{};
+  }
+  if (request.truth && !request.dataset && request.scene.name == "walking") {
+    return refuse("--truth: the scene walking moves: leave --truth out, or take another scene");
   }
   return request;
 }
 
 std::string_view usage() noexcept {
-  return "  --to HOST:PORT       where packets go, UDP (default 127.0.0.1:7560)\n"
-         "  --scene corridor     the rendered scene (default)\n"
-         "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
-         "right.pgm, meta.txt\n"
-         "  --tof PREFIX         its PMD recording, PREFIX.json and PREFIX_raw.pgm\n"
-         "                       (default $STOF_DATA/tof/sim/scene/<name>_64x16, where that "
-         "exists)\n"
-         "  --no-tof             a rig without PMD camera\n"
-         "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
-         "unknown\n"
-         "  --free-run           emulated time, as fast as this machine computes\n"
-         "  --fault D:KIND:N[:M] fault at call N (and every M calls) of D = trigger, stereo, pmd;\n"
-         "                       KIND = drop, delay, repeat, tear, corrupt, vanish\n";
+  static constexpr std::string_view kTo =
+      "  --to HOST:PORT       where packets go, UDP (default 127.0.0.1:7560)\n";
+  static constexpr std::string_view kRest =
+      "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
+      "right.pgm, meta.txt\n"
+      "  --tof PREFIX         its PMD recording, PREFIX.json and PREFIX_raw.pgm\n"
+      "                       (default $STOF_DATA/tof/sim/scene/<name>_64x16, where that "
+      "exists)\n"
+      "  --no-tof             a rig without PMD camera\n"
+      "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
+      "unknown\n"
+      "  --free-run           emulated time, as fast as this machine computes\n"
+      "  --fault D:KIND:N[:M] fault at call N (and every M calls) of D = trigger, stereo, pmd;\n"
+      "                       KIND = drop, delay, repeat, tear, corrupt, vanish\n";
+  static const std::string text = [] {
+    std::string all(kTo);
+    all += scene_usage();
+    all += kRest;
+    return all;
+  }();
+  return text;
 }
 
 }  // namespace stof::board

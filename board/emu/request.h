@@ -9,6 +9,7 @@
 #include <string_view>
 
 #include "board/board.h"
+#include "board/emu/scenes.h"
 #include "hal/emu/faults.h"
 
 // The emulated board's own command line.
@@ -18,7 +19,7 @@ namespace stof::board {
 enum Device : std::size_t { kTrigger, kStereo, kPmd, kDevices };
 struct Request {
   std::string to = "127.0.0.1:7560";
-  std::optional<std::string> scene;
+  SceneRequest scene;  // where there is no dataset
   std::optional<std::filesystem::path> dataset;
   std::optional<std::filesystem::path> tof;
   bool no_tof = false;

@@ -1,7 +1,10 @@
+#include "hal/emu/materials.h"
 #include "hal/emu/scene.h"
 
 namespace stof::hal::emu {
 namespace {
+
+using namespace material;
 
 // World: floor y = 0, ceiling y = -2.5, walls x = +-1.15, end wall z = 6.6.
 constexpr double kHalfWidth = 1.15;
@@ -11,65 +14,6 @@ constexpr double kBegin = -1.0;
 constexpr double kMiddle = (kBegin + kEnd) / 2;
 constexpr double kHalfLength = (kEnd - kBegin) / 2;
 constexpr double kQuarterTurn = 1.0;  // tangent of 45 degrees, half of a quarter turn
-
-// Dyes absorb little infrared: cloth and paint differ less for the PMD camera than for the eye.
-constexpr Material kWhite{.albedo = 0.8, .nir = 0.85};
-constexpr Material kPaint{.albedo = 0.75, .nir = 0.85, .gloss = 0.06, .gloss_log2 = 6};
-constexpr Material kSkirting{.albedo = 0.3,
-                             .contrast = 0.25,
-                             .texture = Texture::kNoise,
-                             .period_m = 0.3,
-                             .seed = 11,
-                             .nir = 0.4};
-constexpr Material kFrame{.albedo = 0.5, .nir = 0.55};
-constexpr Material kDoor{.albedo = 0.42,
-                         .contrast = 0.5,
-                         .texture = Texture::kNoise,
-                         .period_m = 0.15,
-                         .seed = 21,
-                         .nir = 0.5,
-                         .gloss = 0.05,
-                         .gloss_log2 = 7};
-constexpr Material kFloor{.albedo = 0.5,
-                          .contrast = 0.55,
-                          .texture = Texture::kNoise,
-                          .period_m = 0.05,
-                          .seed = 31,
-                          .nir = 0.5,
-                          .gloss = 0.05,
-                          .gloss_log2 = 6};
-constexpr Material kPicture{.albedo = 0.75,
-                            .contrast = 0.95,
-                            .texture = Texture::kNoise,
-                            .period_m = 0.16,
-                            .seed = 41,
-                            .nir = 0.55,
-                            .gloss = 0.05,
-                            .gloss_log2 = 8};
-constexpr Material kBlack{.albedo = 0.07, .nir = 0.3};
-constexpr Material kShirt{
-    .albedo = 0.72, .contrast = 0.8, .texture = Texture::kChecks, .period_m = 0.07, .nir = 0.6};
-constexpr Material kTrousers{.albedo = 0.2,
-                             .contrast = 0.4,
-                             .texture = Texture::kNoise,
-                             .period_m = 0.06,
-                             .seed = 51,
-                             .nir = 0.45};
-constexpr Material kSkin{.albedo = 0.55, .nir = 0.6};
-constexpr Material kHair{.albedo = 0.14,
-                         .contrast = 0.7,
-                         .texture = Texture::kNoise,
-                         .period_m = 0.03,
-                         .seed = 61,
-                         .nir = 0.35};
-constexpr Material kCarton{.albedo = 0.45,
-                           .contrast = 0.25,
-                           .texture = Texture::kNoise,
-                           .period_m = 0.12,
-                           .seed = 71,
-                           .nir = 0.55};
-constexpr Material kTape{.albedo = 0.65, .nir = 0.6};
-constexpr Material kRed{.albedo = 0.2, .nir = 0.5, .gloss = 0.04, .gloss_log2 = 6};
 
 void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
          Pose turn = {}) {
@@ -141,22 +85,31 @@ void build_carton(Scene& scene, double x, double z) {
   add(scene, Form::kBox, {x, -0.14, z}, {0.025, 0.1405, 0.1505}, kTape, turn);
 }
 
-}  // namespace
-
-Scene corridor() {
-  Scene scene;
-  scene.ambient = 0.4;
-  build_shell(scene);
-  build_furniture(scene);
-  build_person(scene, -0.42, 3.2);
-  build_carton(scene, 0.28, 2.5);
+void build_lamps(Scene& scene) {
   // The sign above the far door, mirrored by the floor.
   scene.lights.push_back({.position = {-0.35, -2.25, kEnd - 0.15}, .power = 0.1});
   // Lamps let into the ceiling: they light everything but the ceiling itself.
   for (const double z : {0.5, 2.6, 4.6, 6.1}) {
     scene.lights.push_back({.position = {0, -kHeight - 0.02, z}, .power = 0.55});
   }
+}
+
+Scene build(bool with_person) {
+  Scene scene;
+  scene.ambient = 0.4;
+  build_shell(scene);
+  build_furniture(scene);
+  if (with_person) {
+    build_person(scene, -0.42, 3.2);
+  }
+  build_carton(scene, 0.28, 2.5);
+  build_lamps(scene);
   return scene;
 }
+
+}  // namespace
+
+Scene corridor() { return build(true); }
+Scene empty_corridor() { return build(false); }
 
 }  // namespace stof::hal::emu

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "dsp/base/fixed.h"
 #include "hal/emu/random.h"
@@ -26,18 +28,28 @@ class GreyRenderer {
   GreyRenderer(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens)
       : scene_(scene), eye_(eye), lens_(lens) {}
 
-  // The patches at the corners along the top of row y, width + 1 of them.
-  std::vector<Patch> corners(int y) const {
+  // The patches at the corners along the top of row y from pixel run.begin to run.end, one more
+  // than pixels.
+  std::vector<Patch> corners(int y, const Run& run) const {
     std::vector<Patch> out;
-    for (int x = 0; x <= lens_.width; ++x) {
+    for (int x = run.begin; x <= run.end; ++x) {
       const Hit hit = look(x - 0.5, y - 0.5);
       out.push_back({hit.thing, hit.face});
     }
     return out;
   }
 
-  // Mean radiance over the pixel whose four corners lie on `around`.
-  double pixel(int x, int y, const std::array<Patch, 4>& around) const {
+  // Whether thing `first` or a later one may be seen within the pixel.
+  bool may_show(int x, int y, int first) const {
+    return eye_.may_show(first, {.x_min = (x - 0.5 - lens_.cx) / lens_.fx,
+                                 .x_max = (x + 0.5 - lens_.cx) / lens_.fx,
+                                 .y_min = (y - 0.5 - lens_.cy) / lens_.fy,
+                                 .y_max = (y + 0.5 - lens_.cy) / lens_.fy});
+  }
+
+  // Mean radiance over the pixel whose four corners lie on `around`; nothing where all of it shows
+  // one surface of a thing before `first`.
+  std::optional<double> pixel(int x, int y, const std::array<Patch, 4>& around, int first) const {
     const Hit centre = look(x, y);
     const Patch patch{centre.thing, centre.face};
     const Vec3& from = eye_.pose().position;
@@ -47,8 +59,8 @@ class GreyRenderer {
         return hit.thing < 0 ? 0 : radiance(scene_, hit, from);
       });
     }
-    if (centre.thing < 0) {
-      return 0;
+    if (centre.thing < first) {
+      return std::nullopt;
     }
     const Material& material = scene_.things[static_cast<std::size_t>(centre.thing)].material;
     if (material.texture == Texture::kPlain) {
@@ -87,24 +99,47 @@ class GreyRenderer {
   const dsp::Pinhole& lens_;
 };
 
+std::uint16_t level_of(double radiance, const GreyModel& model) noexcept {
+  const double level = std::clamp(model.black + model.gain * radiance, 0.0, kMaxLevel);
+  return static_cast<std::uint16_t>(std::floor(level * (1 << kGreyBits) + 0.5));
+}
+
 }  // namespace
+
+void render_grey_over(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+                      const GreyModel& model, std::span<const Run> runs, int first,
+                      dataset::Image<std::uint16_t>& out) {
+  const GreyRenderer renderer(scene, eye, lens);
+  Run last;  // what `below` belongs to
+  std::vector<Patch> below;
+  for (int y = 0; y < lens.height; ++y) {
+    const Run& run = runs[static_cast<std::size_t>(y)];
+    const bool same = y > 0 && run == last;
+    last = run;
+    if (run.end <= run.begin) {
+      continue;
+    }
+    const std::vector<Patch> above = same ? std::move(below) : renderer.corners(y, run);
+    below = renderer.corners(y + 1, run);
+    const std::span<std::uint16_t> row = out.view().row(y);
+    for (int x = run.begin; x < run.end; ++x) {
+      if (!renderer.may_show(x, y, first)) {
+        continue;
+      }
+      const std::size_t i = static_cast<std::size_t>(x - run.begin);
+      const std::optional<double> value =
+          renderer.pixel(x, y, {above[i], above[i + 1], below[i], below[i + 1]}, first);
+      if (value) {
+        row[static_cast<std::size_t>(x)] = level_of(*value, model);
+      }
+    }
+  }
+}
 
 dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Eye& eye,
                                           const dsp::Pinhole& lens, const GreyModel& model) {
-  const GreyRenderer renderer(scene, eye, lens);
-  dataset::Image<std::uint16_t> out(lens.width, lens.height);
-  std::vector<Patch> above = renderer.corners(0);
-  for (int y = 0; y < lens.height; ++y) {
-    const std::vector<Patch> below = renderer.corners(y + 1);
-    const std::span<std::uint16_t> row = out.view().row(y);
-    for (std::size_t x = 0; x < row.size(); ++x) {
-      const double value =
-          renderer.pixel(static_cast<int>(x), y, {above[x], above[x + 1], below[x], below[x + 1]});
-      const double level = std::clamp(model.black + model.gain * value, 0.0, kMaxLevel);
-      row[x] = static_cast<std::uint16_t>(std::floor(level * (1 << kGreyBits) + 0.5));
-    }
-    above = below;
-  }
+  dataset::Image<std::uint16_t> out(lens.width, lens.height, level_of(0, model));
+  render_grey_over(scene, eye, lens, model, whole_picture(lens), 0, out);
   return out;
 }
 

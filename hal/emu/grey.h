@@ -17,6 +17,11 @@ inline constexpr int kGreyBits = 7;  // fraction bits of a noise-free level, 0 .
 // textured ones of 9. The lens must be free of distortion.
 dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Eye& eye,
                                           const dsp::Pinhole& lens, const GreyModel& model);
+// A part of it: replaces the pixels of runs[y] in each row of `out`, which shows the same scene
+// without thing `first` and all after it.
+void render_grey_over(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+                      const GreyModel& model, std::span<const Run> runs, int first,
+                      dataset::Image<std::uint16_t>& out);
 
 // Depth Z in metres at pixel centres, +inf = nothing there.
 dataset::Image<float> render_depth(const Eye& eye, const dsp::Pinhole& lens);

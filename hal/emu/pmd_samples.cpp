@@ -31,23 +31,19 @@ double half_power(double base, int half_powers) noexcept {
 
 class PmdRenderer {
  public:
-  PmdRenderer(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens, dsp::Hertz modulation,
-              const PmdModel& model)
+  PmdRenderer(const Scene& scene, const Eye& eye, const PmdCameraModel& camera)
       : scene_(scene),
         eye_(eye),
-        lens_(lens),
-        model_(model),
-        turns_per_metre_(modulation.value / dsp::kLightMetresPerSecond) {}
+        model_(camera.model),
+        rays_(camera.rays),
+        turns_per_metre_(camera.modulation.value / dsp::kLightMetresPerSecond) {}
 
-  Collected pixel(int x, int y) const {
-    const int side = model_.rays_per_side;
+  Collected pixel(std::size_t index) const {
+    const std::size_t count = static_cast<std::size_t>(model_.rays_per_side) *
+                              static_cast<std::size_t>(model_.rays_per_side);
     Collected sum;
-    for (int j = 0; j < side; ++j) {
-      for (int i = 0; i < side; ++i) {
-        const double u = x - 0.5 + (i + 0.5) / side;
-        const double v = y - 0.5 + (j + 0.5) / side;
-        add(undistorted_ray(lens_, u, v), sum);
-      }
+    for (const Vec3& ray : rays_.subspan(index * count, count)) {
+      add(ray, sum);
     }
     return sum;
   }
@@ -89,8 +85,8 @@ class PmdRenderer {
 
   const Scene& scene_;
   const Eye& eye_;
-  const dsp::Pinhole& lens_;
   const PmdModel& model_;
+  std::span<const Vec3> rays_;
   double turns_per_metre_;
 };
 
@@ -104,32 +100,81 @@ double correlation(const Collected& c, int k, const PmdModel& model,
   return model.contrast * (first.re + model.kappa3 * third.re + model.kappa5 * fifth.re);
 }
 
+// What light inside of the camera adds to a sample, electrons.
+struct Stray {
+  double light = 0;
+  Phasor phase;  // times its amplitude
+};
+
+Stray stray_of(const PmdModel& model, dsp::Hertz modulation) noexcept {
+  if (model.stray_e == 0) {
+    return {};
+  }
+  const double turns = 2 * model.stray_m * modulation.value / dsp::kLightMetresPerSecond;
+  return {.light = model.stray_e / model.contrast, .phase = model.stray_e * phasor(turns)};
+}
+
 }  // namespace
 
-CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
-                        dsp::Hertz modulation, const PmdModel& model,
-                        std::span<const std::int16_t> pattern) {
-  const PmdRenderer renderer(scene, eye, lens, modulation, model);
-  CleanSamples out{.mean = {lens.width, 4 * lens.height}, .sigma = {lens.width, 4 * lens.height}};
-  const double one = 1 << kPmdBits;
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side) {
+  std::vector<Vec3> out;
+  out.reserve(static_cast<std::size_t>(lens.width * rays_per_side) *
+              static_cast<std::size_t>(lens.height * rays_per_side));
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
-      const Collected c = renderer.pixel(x, y);
-      const std::size_t at = static_cast<std::size_t>(y * lens.width + x);
-      const Phasor offset = phasor(pattern.empty() ? 0.0 : pattern[at] / 65536.0);
+      for (int j = 0; j < rays_per_side; ++j) {
+        for (int i = 0; i < rays_per_side; ++i) {
+          const double u = x - 0.5 + (i + 0.5) / rays_per_side;
+          const double v = y - 0.5 + (j + 0.5) / rays_per_side;
+          out.push_back(undistorted_ray(lens, u, v));
+        }
+      }
+    }
+  }
+  return out;
+}
+
+void render_pmd(const Scene& scene, const Eye& eye, const PmdCameraModel& camera,
+                std::span<const Run> runs, CleanSamples& out) {
+  const PmdRenderer renderer(scene, eye, camera);
+  const PmdModel& model = camera.model;
+  const int width = camera.lens.width;
+  const int height = camera.lens.height;
+  const double one = 1 << kPmdBits;
+  const double turns = 2 * camera.offset_m * camera.modulation.value / dsp::kLightMetresPerSecond;
+  const Stray stray = stray_of(model, camera.modulation);
+  for (int y = 0; y < height; ++y) {
+    const Run& run = runs[static_cast<std::size_t>(y)];
+    for (int x = run.begin; x < run.end; ++x) {
+      const std::size_t at = static_cast<std::size_t>(y * width + x);
+      const Collected c = renderer.pixel(at);
+      const double pattern = camera.pattern.empty() ? 0.0 : camera.pattern[at] / 65536.0;
+      const Phasor offset = phasor(pattern + turns);
       for (int k = 0; k < 4; ++k) {
-        const double light = c.signal + correlation(c, k, model, offset);
+        const double light = c.signal + correlation(c, k, model, offset) +
+                             (stray.light + (stray.phase * phasor(k / 4.0)).re);
         const double kept = light + (1 - model.suppression) * c.ambient + model.residual_e;
         const double variance = light + c.ambient + model.read_noise_e * model.read_noise_e;
         const double mean = kept / model.electrons_per_lsb + model.dark_lsb;
         const double sigma = std::sqrt(variance) / model.electrons_per_lsb;
-        out.mean.view().at(x, k * lens.height + y) =
+        out.mean.view().at(x, k * height + y) =
             static_cast<std::int32_t>(std::floor(std::min(mean, 1e6) * one + 0.5));
-        out.sigma.view().at(x, k * lens.height + y) =
+        out.sigma.view().at(x, k * height + y) =
             static_cast<std::uint16_t>(std::min(std::floor(sigma * one + 0.5), 65535.0));
       }
     }
   }
+}
+
+CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+                        dsp::Hertz modulation, const PmdModel& model,
+                        std::span<const std::int16_t> pattern) {
+  CleanSamples out{.mean = {lens.width, 4 * lens.height}, .sigma = {lens.width, 4 * lens.height}};
+  const std::vector<Vec3> rays = pmd_rays(lens, model.rays_per_side);
+  render_pmd(
+      scene, eye,
+      {.lens = lens, .modulation = modulation, .model = model, .rays = rays, .pattern = pattern},
+      whole_picture(lens), out);
   return out;
 }
 
@@ -146,23 +191,73 @@ std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modu
   return out;
 }
 
+namespace {
+
+// Electrons that one emitter brings back from a white surface, facing the lens at `point` on its
+// axis.
+Phasor white_echo(const Vec3& emitter, const PmdModel& model, double turns_per_metre) noexcept {
+  const Vec3 point{0, 0, 1};
+  const Vec3 path = point - emitter;
+  const double out = length(path);
+  const double cosine = path.z / out;  // of emission and of incidence
+  return model.signal_e * half_power(cosine, model.beam_half_powers) * cosine / (out * out) *
+         phasor(turns_per_metre * (out + length(point)));
+}
+
+double white_lsb(dsp::Hertz modulation, const PmdModel& model) noexcept {
+  Phasor sum;
+  for (const Vec3& emitter : model.emitters) {
+    sum = sum + white_echo(emitter, model, modulation.value / dsp::kLightMetresPerSecond);
+  }
+  return model.contrast / model.electrons_per_lsb * std::sqrt(sum.re * sum.re + sum.im * sum.im) /
+         static_cast<double>(model.emitters.size());
+}
+
+// A way out that is longer than the way back by e^2 / 2 z - e r moves the distance by half of it.
+bool emitters_matter(const PmdModel& model) noexcept {
+  constexpr double kNearest = 0.5;
+  constexpr double kMatters = 0.001;
+  Vec3 sum;
+  double squares = 0;
+  for (const Vec3& emitter : model.emitters) {
+    sum = sum + emitter;
+    squares += dot(emitter, emitter);
+  }
+  const double count = static_cast<double>(model.emitters.size());
+  return squares / count / (4 * kNearest) + length(sum) / count / 2 >= kMatters;
+}
+
+}  // namespace
+
 dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
                                 const PmdModel& model) {
-  return {.lens = lens,
-          .tone = {.modulation = modulation,
-                   .wiggling = dsp::fourth_harmonic_table(model.kappa5 - model.kappa3)},
-          .dark_lsb = model.dark_lsb,
-          .saturation_lsb = (1 << model.bits) - 1,
-          .electrons_per_lsb = model.electrons_per_lsb,
-          .noise_lsb = model.read_noise_e / model.electrons_per_lsb,
-          .suppressed_lsb = model.suppression * model.ambient_e / model.electrons_per_lsb,
-          .fixed_pattern = {}};
+  const Stray stray = stray_of(model, modulation);
+  dsp::PmdSensor out{
+      .lens = lens,
+      .tone = {.modulation = modulation,
+               .wiggling = dsp::fourth_harmonic_table(model.kappa5 - model.kappa3),
+               .stray_i_lsb = 2 * stray.phase.re / model.electrons_per_lsb,
+               .stray_q_lsb = 2 * stray.phase.im / model.electrons_per_lsb},
+      .dark_lsb = model.dark_lsb,
+      .saturation_lsb = (1 << model.bits) - 1,
+      .electrons_per_lsb = model.electrons_per_lsb,
+      .noise_lsb = model.read_noise_e / model.electrons_per_lsb,
+      .suppressed_lsb = model.suppression * model.ambient_e / model.electrons_per_lsb,
+      .white_lsb = white_lsb(modulation, model),
+      .fixed_pattern = {}};
+  if (emitters_matter(model) && model.emitters.size() <= out.emitters.size()) {
+    for (const Vec3& emitter : model.emitters) {
+      out.emitters[static_cast<std::size_t>(out.emitter_count++)] = {emitter.x, emitter.y,
+                                                                     emitter.z};
+    }
+  }
+  return out;
 }
 
 Vec3 undistorted_ray(const dsp::Pinhole& lens, double u, double v) noexcept {
   const double xd = (u - lens.cx) / lens.fx;
   const double yd = (v - lens.cy) / lens.fy;
-  if (lens.k1 == 0 && lens.k2 == 0) {
+  if (lens.k1 == 0 && lens.k2 == 0 && lens.k3 == 0 && lens.p1 == 0 && lens.p2 == 0) {
     return {xd, yd, 1};
   }
   constexpr int kSteps = 20;  // each gains a digit or more for |k1 r^2| < 0.1
@@ -170,9 +265,11 @@ Vec3 undistorted_ray(const dsp::Pinhole& lens, double u, double v) noexcept {
   double y = yd;
   for (int i = 0; i < kSteps; ++i) {
     const double square = x * x + y * y;
-    const double stretch = 1 + square * (lens.k1 + square * lens.k2);
-    x = xd / stretch;
-    y = yd / stretch;
+    const double stretch = 1 + square * (lens.k1 + square * (lens.k2 + square * lens.k3));
+    const double dx = 2 * lens.p1 * x * y + lens.p2 * (square + 2 * x * x);
+    const double dy = lens.p1 * (square + 2 * y * y) + 2 * lens.p2 * x * y;
+    x = (xd - dx) / stretch;
+    y = (yd - dy) / stretch;
   }
   return {x, y, 1};
 }

@@ -22,7 +22,26 @@ struct CleanSamples {
   dataset::Image<std::uint16_t> sigma;  // of the noise
 };
 
-// pattern: distance offset of each pixel in 1/65536 turn, row by row, or empty.
+// The directions of every ray of a picture: of pixel after pixel, rays_per_side^2 each, row by row
+// within the pixel.
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side);
+
+// A PMD camera that looks at scenes. Pattern: distance offset of each pixel in 1/65536 turn, row by
+// row, or empty; offset_m: what every pixel measures too much.
+struct PmdCameraModel {
+  const dsp::Pinhole& lens;
+  dsp::Hertz modulation;
+  const PmdModel& model;
+  std::span<const Vec3> rays;
+  std::span<const std::int16_t> pattern;
+  double offset_m = 0;
+};
+
+// Replaces the pixels of runs[y] in each row of all four samples.
+void render_pmd(const Scene& scene, const Eye& eye, const PmdCameraModel& camera,
+                std::span<const Run> runs, CleanSamples& out);
+
+// A whole picture.
 CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
                         dsp::Hertz modulation, const PmdModel& model,
                         std::span<const std::int16_t> pattern);
@@ -32,6 +51,8 @@ std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modu
                                        const PmdModel& model, std::uint64_t seed);
 
 // The constants of dsp::PmdSensor that describe this sensor exactly; the pattern is left empty.
+// Emitters are named where they change a distance beyond 0.5 m by a millimetre or more. white_lsb
+// leaves out the harmonics, which raise and lower an amplitude by up to kappa3 + kappa5.
 dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
                                 const PmdModel& model);
 

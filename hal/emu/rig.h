@@ -35,11 +35,27 @@ struct PmdModel {
   double read_noise_e = 150;
   double electrons_per_lsb = 61;
   double dark_lsb = 100;
-  int bits = 12;
+  int bits = 12;  // 10 .. 15
+  // Light that never leaves the camera: amplitude of its correlation in electrons, and how far away
+  // it seems. Without harmonics, the same in every pixel.
+  double stray_e = 0;
+  double stray_m = 0;
   int beam_half_powers = 4;                                 // 2 m: the beam is cos^m
   std::vector<Vec3> emitters{{-0.03, 0, 0}, {0.03, 0, 0}};  // in the PMD frame
   int rays_per_side = 4;
   double pattern_rms_m = 0.003;  // distance offset of each pixel, known to the calibration
+};
+
+// What became of the PMD camera after the rig was calibrated: the emulated world has it, the
+// calibration that is published does not. The camera is turned about its own lens,
+//   X_left = Ry(yaw) Rx(pitch) Rz(roll) R X_pmd + T
+// with right-handed turns about the axes of the left camera: with a positive pitch it looks further
+// up, with a positive yaw further to the right, with a positive roll it is turned clockwise.
+struct Misplacement {
+  double yaw_degrees = 0;
+  double pitch_degrees = 0;
+  double roll_degrees = 0;
+  double range_offset_m = 0;  // what it measures too much, along the ray
 };
 
 // The geometry and the sensors of an emulated rig.
@@ -53,11 +69,27 @@ struct Rig {
   GreyModel grey;
   PmdModel pmd;
   std::uint32_t seed = 1;  // of all noise
+  Misplacement misplacement{};
 };
+
+// The pose of the PMD camera in the axes of the left one as it really is.
+Pose true_pmd_pose(const Rig& rig) noexcept;
+
+// Cameras with more or fewer pixels that see as wide a field; pixels stay square, so that another
+// shape of the picture changes the height of the field. The range of disparities grows along.
+void resize_stereo(Rig& rig, int width, int height) noexcept;
+void resize_pmd(Rig& rig, int width, int height) noexcept;
 
 // 640x480, 55 degrees wide (615 px), 0.12 m baseline: Z = 73.8 m px / d, so that 64 disparities
 // reach from 1.17 m on. A 176x144, 20 MHz PMD camera of 58 degrees sits between and above the two,
 // turned by a degree. The head is 1 m above the floor and looks 3 degrees down and to the left.
 Rig corridor_rig();
+
+// 640x480 as corridor_rig(), with a 0.25 m baseline: Z = 153.8 m px / d, so that 14 m and 14 m less
+// one turn (7.49 m) are 12 px apart; 96 disparities reach from 1.6 m on. The 176x144 PMD camera
+// measures at 20 MHz alone, with so strong a light and 15 bits that its modulation ratio is above
+// 30 percent on everything that hall() has within its range, and white at 2 m does not saturate it.
+// The head is 1.5 m above the floor and looks 2 degrees down.
+Rig hall_rig();
 
 }  // namespace stof::hal::emu

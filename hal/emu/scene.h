@@ -60,6 +60,12 @@ struct Scene {
 // person in a checked shirt, a low carton; skirting boards, doors, a picture, a speckled and
 // slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a head at (0, -1, 0).
 Scene corridor();
+Scene empty_corridor();  // without the person
+
+// A hall of 7 by 4.8 m that ends at 13.6 m, beyond the range of a PMD camera at 20 MHz: textured
+// walls, floor and boxes from 2.4 to 13.6 m; a ceiling, a column, panels and banners of one colour,
+// on which stereo sees nothing. Made for hall_rig().
+Scene hall();
 
 // One white wall of the given albedo, facing the eye at z = distance_m, 40 m wide and high.
 Scene wall(double distance_m, const Material& material = {});

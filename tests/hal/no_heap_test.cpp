@@ -6,6 +6,7 @@
 
 #include "hal/emu/clock.h"
 #include "hal/emu/link.h"
+#include "hal/emu/moving.h"
 #include "hal/emu/pmd_camera.h"
 #include "hal/emu/rendered.h"
 #include "hal/emu/stereo_camera.h"
@@ -69,6 +70,24 @@ TEST(EmuDevices, AllocateNothingAfterConstruction) {
   }
   EXPECT_EQ(allocations, before);
   EXPECT_GT(frames, 100);
+}
+
+TEST(MovingScene, AllocatesNothingInItsExposures) {
+  hal::emu::Rig rig = hal::emu::corridor_rig();
+  hal::emu::resize_stereo(rig, 64, 48);
+  hal::emu::resize_pmd(rig, 32, 24);
+  hal::emu::MovingScene scene(hal::emu::walking(), rig);
+  dataset::Image<std::uint8_t> view(64, 48);
+  dataset::Image<std::uint16_t> sample(32, 24);
+  const int before = allocations;
+  for (std::uint32_t number = 1; number < 400; number += 7) {
+    scene.left(number, view.view());
+    scene.right(number + 1, view.view());
+    for (int k = 0; k < 4; ++k) {
+      scene.pmd(number, k, sample.view());
+    }
+  }
+  EXPECT_EQ(allocations, before);
 }
 
 }  // namespace

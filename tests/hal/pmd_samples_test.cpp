@@ -140,6 +140,84 @@ TEST(RenderPmd, NothingThereIsDarkAndWithoutPhase) {
   }
 }
 
+TEST(RenderPmd, StrayLightAddsItsPhasorToEveryPixel) {
+  PmdModel model = plain_model();
+  const CleanSamples without = render(wall(3), model);
+  model.stray_e = 4000;
+  model.stray_m = 1.5;
+  const CleanSamples with = render(wall(3), model);
+  const dsp::PmdTone tone = sensor_constants(kLens, k20MHz, model).tone;
+  const double angle = 2 * std::numbers::pi * 1.5 / kTurnM;
+  EXPECT_NEAR(tone.stray_i_lsb, 2 * 4000 / model.electrons_per_lsb * std::cos(angle), 1e-6);
+  EXPECT_NEAR(tone.stray_q_lsb, 2 * 4000 / model.electrons_per_lsb * std::sin(angle), 1e-6);
+  for (const int x : {0, kX, 8}) {
+    EXPECT_NEAR(in_phase(with, x) - in_phase(without, x), tone.stray_i_lsb, 0.05);
+    EXPECT_NEAR(quadrature(with, x) - quadrature(without, x), tone.stray_q_lsb, 0.05);
+  }
+  // Its light fills the pixel and is noisy.
+  const double light = 4000 / model.contrast / model.electrons_per_lsb;
+  EXPECT_NEAR(sample(with, 0) + sample(with, 2) - sample(without, 0) - sample(without, 2),
+              2 * light, 0.05);
+  EXPECT_GT(with.sigma.view().at(kX, kY), without.sigma.view().at(kX, kY));
+}
+
+// tof noise model: a smooth wall seems to come nearer again beyond 4 m.
+TEST(RenderPmd, StrayLightPullsAFarWallNearer) {
+  PmdModel model = plain_model();
+  model.signal_e = 205'000;
+  model.stray_e = 4000;
+  model.stray_m = 1.5;
+  EXPECT_LT(phase(render(wall(6), model)), phase(render(wall(4), model)));
+}
+
+TEST(SensorConstants, WhiteIsTheAmplitudeOfAWhiteWallAtAMetre) {
+  for (const double side : {0.0, 0.03, 0.12}) {
+    PmdModel model = plain_model();
+    model.emitters = {{-side, 0, 0}, {side, 0.01, 0.005}};
+    model.signal_e = 150'000;
+    const CleanSamples white = render(wall(1, {.albedo = 1}), model);
+    const double amplitude = std::hypot(in_phase(white), quadrature(white)) / 2;
+    EXPECT_NEAR(sensor_constants(kLens, k20MHz, model).white_lsb, amplitude, 0.02) << side;
+  }
+  PmdModel bent;  // harmonics
+  bent.signal_e = 150'000;
+  const CleanSamples white = render(wall(1, {.albedo = 1}), bent);
+  const double amplitude = std::hypot(in_phase(white), quadrature(white)) / 2;
+  const double expected = sensor_constants(kLens, k20MHz, bent).white_lsb;
+  EXPECT_NEAR(amplitude / expected, 1, bent.kappa3 + bent.kappa5 + 0.002);
+}
+
+TEST(SensorConstants, NamesEmittersThatMatter) {
+  PmdModel model = plain_model();
+  EXPECT_EQ(sensor_constants(kLens, k20MHz, model).emitter_count, 0);
+  model.emitters = {{-0.03, 0, 0}, {0.03, 0, 0}};  // half a millimetre at half a metre
+  EXPECT_EQ(sensor_constants(kLens, k20MHz, model).emitter_count, 0);
+  model.emitters = {{0.12, 0.01, -0.02}};
+  const dsp::PmdSensor sensor = sensor_constants(kLens, k20MHz, model);
+  ASSERT_EQ(sensor.emitter_count, 1);
+  const dsp::Emitter& e = sensor.emitters[0];
+  EXPECT_EQ(e, (dsp::Emitter{0.12, 0.01, -0.02}));
+  // The near model with these: d = ((ct)^2 - |e|^2) / (2 (ct - e r)), on the axis r = (0, 0, 1).
+  for (const double z : {0.5, 0.8, 1.5}) {
+    const double path = phase(render(wall(z, {.albedo = 0.1}), model)) / std::numbers::pi * kTurnM;
+    const double square = e[0] * e[0] + e[1] * e[1] + e[2] * e[2];
+    EXPECT_NEAR((path * path - square) / (2 * (path - e[2])), z, 2e-4) << z;
+  }
+}
+
+TEST(SensorConstants, BitsAreHonoured) {
+  for (int bits = 10; bits <= 15; ++bits) {
+    PmdModel model = plain_model();
+    model.bits = bits;
+    const int largest = sensor_constants(kLens, k20MHz, model).saturation_lsb;
+    EXPECT_EQ(largest, (1 << bits) - 1);
+    const CleanSamples clean = render(wall(0.1), model);
+    dataset::Image<std::uint16_t> out(kLens.width, kLens.height);
+    expose_pmd(clean, 0, largest, 3, out.view());
+    EXPECT_EQ(out.view().at(kX, kY), largest);
+  }
+}
+
 TEST(ExposePmd, NearWhiteSurfacesSaturate) {
   PmdModel model = plain_model();
   const CleanSamples clean = render(wall(0.4), model);
@@ -153,15 +231,24 @@ TEST(ExposePmd, NearWhiteSurfacesSaturate) {
 TEST(UndistortedRay, IsUndoneByTheLens) {
   dsp::Pinhole lens{.width = 176, .height = 144, .fx = 159, .fy = 161, .cx = 88, .cy = 71};
   for (const double k1 : {0.0, -0.06, 0.05}) {
-    lens.k1 = k1;
-    lens.k2 = k1 / 5;
-    for (const double u : {0.0, 40.0, 88.0, 175.0}) {
-      for (const double v : {0.0, 71.0, 143.0}) {
-        const Vec3 ray = undistorted_ray(lens, u, v);
-        const double square = ray.x * ray.x + ray.y * ray.y;
-        const double stretch = 1 + square * (lens.k1 + square * lens.k2);
-        EXPECT_NEAR(ray.x * stretch * lens.fx + lens.cx, u, 1e-6);
-        EXPECT_NEAR(ray.y * stretch * lens.fy + lens.cy, v, 1e-6);
+    for (const double tangential : {0.0, 0.002}) {
+      lens.k1 = k1;
+      lens.k2 = k1 / 5;
+      lens.k3 = k1 / 20;
+      lens.p1 = tangential;
+      lens.p2 = -tangential / 2;
+      for (const double u : {0.0, 40.0, 88.0, 175.0}) {
+        for (const double v : {0.0, 71.0, 143.0}) {
+          const Vec3 ray = undistorted_ray(lens, u, v);
+          const double x = ray.x;
+          const double y = ray.y;
+          const double square = x * x + y * y;
+          const double stretch = 1 + square * (lens.k1 + square * (lens.k2 + square * lens.k3));
+          const double dx = 2 * lens.p1 * x * y + lens.p2 * (square + 2 * x * x);
+          const double dy = lens.p1 * (square + 2 * y * y) + 2 * lens.p2 * x * y;
+          EXPECT_NEAR((x * stretch + dx) * lens.fx + lens.cx, u, 1e-6);
+          EXPECT_NEAR((y * stretch + dy) * lens.fy + lens.cy, v, 1e-6);
+        }
       }
     }
   }

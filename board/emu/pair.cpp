@@ -1,0 +1,187 @@
+#include "board/emu/pair.h"
+
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include "board/emu/scenes.h"
+#include "dataset/dataset.h"
+
+namespace stof::board {
+namespace {
+
+namespace emu = hal::emu;
+
+constexpr int kBadInput = 2;
+constexpr std::uint32_t kMaxFrames = 1000;
+
+struct PairRequest {
+  SceneRequest scene;
+  std::filesystem::path folder;
+  std::uint32_t exposure = 0;
+  std::uint32_t frames = 1;
+  bool help = false;
+};
+
+dataset::StereoScene stereo_scene(SceneWorld& world, const PairRequest& request) {
+  const dsp::StereoRig& rig = world.calibration.stereo;
+  const emu::Size size = world.imagery->stereo_size();
+  dataset::StereoScene scene;
+  scene.name = request.scene.name;
+  scene.left = {size.width, size.height};
+  scene.right = {size.width, size.height};
+  world.imagery->left(request.exposure, scene.left.view());
+  world.imagery->right(request.exposure, scene.right.view());
+  scene.ndisp = world.disparities;
+  scene.visible = world.visible;
+  scene.rig = rig;
+  scene.truth = world.depth;
+  for (float& value : scene.truth->pixels) {
+    const double disparity = rig.left.fx * rig.baseline_m / value - rig.doff_px;
+    value = disparity > 0 ? static_cast<float>(disparity) : std::numeric_limits<float>::infinity();
+  }
+  return scene;
+}
+
+dataset::PmdRecording recording(const SceneWorld& world, const PairRequest& request) {
+  const emu::Size size = world.imagery->pmd_size();
+  dataset::PmdRecording out;
+  out.calibration = world.calibration;
+  out.has_rig = true;
+  const std::span<const std::int16_t> pattern = world.calibration.pmd.fixed_pattern;
+  out.fixed_pattern.assign(pattern.begin(), pattern.end());
+  out.calibration.pmd.fixed_pattern = out.fixed_pattern;
+  for (std::uint32_t frame = 0; frame < request.frames; ++frame) {
+    dataset::Image<std::uint16_t> planes(size.width, 4 * size.height);
+    for (int k = 0; k < 4; ++k) {
+      const dsp::ImageView<std::uint16_t> plane(planes.view().row(k * size.height).data(),
+                                                size.width, size.height);
+      world.imagery->pmd(request.exposure + frame, k, plane);
+    }
+    out.frames.push_back(std::move(planes));
+  }
+  return out;
+}
+
+std::expected<std::uint32_t, std::string> count(std::string_view flag, std::string_view value,
+                                                std::uint32_t low, std::uint32_t high) {
+  std::uint32_t out = 0;
+  const char* const end = value.data() + value.size();
+  const auto parsed = std::from_chars(value.data(), end, out);
+  if (parsed.ec != std::errc{} || parsed.ptr != end || out < low || out > high) {
+    std::string line(flag);
+    line += " takes a whole number from ";
+    line += std::to_string(low);
+    line += " to ";
+    line += std::to_string(high);
+    line += "; try --help";
+    return std::unexpected(std::move(line));
+  }
+  return out;
+}
+
+// One flag and its value.
+std::expected<void, std::string> take(std::string_view flag, std::string_view value,
+                                      PairRequest& request) {
+  const bool frames = flag == "--frames";
+  if (frames || flag == "--exposure") {
+    const std::expected<std::uint32_t, std::string> number =
+        frames ? count(flag, value, 1, kMaxFrames) : count(flag, value, 0, 1'000'000);
+    if (!number) {
+      return std::unexpected(number.error());
+    }
+    (frames ? request.frames : request.exposure) = *number;
+    return {};
+  }
+  const std::expected<bool, std::string> taken = take_scene_flag(flag, value, request.scene);
+  if (!taken) {
+    return std::unexpected(taken.error());
+  }
+  if (!*taken) {
+    return std::unexpected("unknown argument \"" + std::string(flag) + "\"; try --help");
+  }
+  return {};
+}
+
+std::expected<PairRequest, std::string> parse(std::span<const std::string_view> arguments) {
+  PairRequest request;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string_view argument = arguments[i];
+    if (argument == "--help") {
+      request.help = true;
+      return request;
+    }
+    if (!argument.starts_with("--")) {
+      if (!request.folder.empty()) {
+        return std::unexpected("takes one folder to write to, not two; try --help");
+      }
+      request.folder = argument;
+      continue;
+    }
+    if (i + 1 == arguments.size()) {
+      return std::unexpected(std::string(argument) + " takes a value, or is unknown; try --help");
+    }
+    if (auto taken = take(argument, arguments[++i], request); !taken) {
+      return std::unexpected(taken.error());
+    }
+  }
+  if (request.folder.empty()) {
+    return std::unexpected("takes the folder to write the emulated scene to; try --help");
+  }
+  if (request.scene.name == "walking" && request.frames > 1) {
+    return std::unexpected("--frames: the scene moves: write one exposure at a time (--exposure)");
+  }
+  return request;
+}
+
+int complain(const std::string& line) {
+  std::fprintf(stderr, "stof_emu_pair: %s\n", line.c_str());
+  return kBadInput;
+}
+
+void print_help() {
+  const std::string_view usage = scene_usage();
+  std::printf(
+      "stof_emu_pair DIR [flags]: writes an emulated scene as left.pgm, right.pgm, gt_left.pgm,\n"
+      "nonocc.pgm, meta.txt and its PMD recording pmd.json, pmd_raw.pgm, pmd_fppn.pgm\n"
+      "(`stof evaluate fusion DIR DIR/pmd`).\n"
+      "  --exposure N         which exposure (default 0): its noise, and where things that move "
+      "are\n"
+      "  --frames N           of the PMD recording (default 1)\n%.*s",
+      static_cast<int>(usage.size()), usage.data());
+}
+
+std::expected<void, dataset::Problem> write(const PairRequest& request) {
+  SceneWorld world = render_world(request.scene, request.exposure);
+  auto written = dataset::write_stereo_scene(request.folder, stereo_scene(world, request));
+  if (written && world.imagery->pmd_size() != emu::Size{}) {
+    written = dataset::write_pmd(request.folder / "pmd", recording(world, request));
+  }
+  return written;
+}
+
+}  // namespace
+
+int run_pair(std::span<const std::string_view> arguments) {
+  const std::expected<PairRequest, std::string> request = parse(arguments);
+  if (!request) {
+    return complain(request.error());
+  }
+  if (request->help) {
+    print_help();
+    return 0;
+  }
+  std::error_code error;
+  std::filesystem::create_directories(request->folder, error);
+  if (!std::filesystem::is_directory(request->folder, error)) {
+    return complain(request->folder.string() +
+                    ": cannot be made a folder: check the path and its permissions");
+  }
+  const std::expected<void, dataset::Problem> written = write(*request);
+  return written ? 0 : complain(written.error().message);
+}
+
+}  // namespace stof::board

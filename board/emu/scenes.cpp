@@ -1,0 +1,209 @@
+#include "board/emu/scenes.h"
+
+#include <charconv>
+#include <cmath>
+#include <utility>
+
+#include "hal/emu/moving.h"
+#include "hal/emu/rendered.h"
+#include "hal/emu/room.h"
+#include "hal/emu/scene.h"
+
+namespace stof::board {
+namespace {
+
+namespace emu = hal::emu;
+
+constexpr std::string_view kRoom = "room:";
+constexpr int kSmallest = 16;  // pixels a side
+constexpr int kLargest = 2048;
+constexpr double kMaxTurn = 10;      // degrees
+constexpr double kMaxOffset = 1000;  // mm
+
+template <typename T>
+std::optional<T> number(std::string_view text) {
+  T value{};
+  const char* const end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  if (parsed.ec != std::errc{} || parsed.ptr != end) {
+    return std::nullopt;
+  }
+  return value;
+}
+
+std::optional<double> number_within(std::string_view text, double limit) {
+  const std::optional<double> value = number<double>(text);
+  return value && std::abs(*value) <= limit ? value : std::nullopt;
+}
+
+std::optional<emu::Size> parse_size(std::string_view text) {
+  const std::size_t times = text.find('x');
+  if (times == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::optional<int> width = number<int>(text.substr(0, times));
+  const std::optional<int> height = number<int>(text.substr(times + 1));
+  if (!width || !height || *width < kSmallest || *width > kLargest || *height < kSmallest ||
+      *height > kLargest) {
+    return std::nullopt;
+  }
+  return emu::Size{*width, *height};
+}
+
+std::optional<std::uint32_t> room_seed(std::string_view name) {
+  return name.starts_with(kRoom) ? number<std::uint32_t>(name.substr(kRoom.size())) : std::nullopt;
+}
+
+bool is_scene(std::string_view name) {
+  return name == "corridor" || name == "walking" || name == "hall" || room_seed(name).has_value();
+}
+
+// AXIS:DEGREES, such as pitch:0.1.
+bool parse_turn(std::string_view text, emu::Misplacement& out) {
+  const std::size_t colon = text.find(':');
+  if (colon == std::string_view::npos) {
+    return false;
+  }
+  const std::string_view axis = text.substr(0, colon);
+  const std::optional<double> degrees = number_within(text.substr(colon + 1), kMaxTurn);
+  if (!degrees) {
+    return false;
+  }
+  if (axis == "pitch") {
+    out.pitch_degrees = *degrees;
+  } else if (axis == "yaw") {
+    out.yaw_degrees = *degrees;
+  } else if (axis == "roll") {
+    out.roll_degrees = *degrees;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// "FLAG takes WHAT, not "VALUE"; try --help".
+std::unexpected<std::string> refuse(std::string_view flag, const char* what,
+                                    std::string_view value) {
+  std::string line(flag);
+  line += " takes ";
+  line += what;
+  line += ", not \"";
+  line += value;
+  line += "\"; try --help";
+  return std::unexpected(std::move(line));
+}
+
+emu::Rig changed(emu::Rig rig, const SceneRequest& request) {
+  if (request.size) {
+    emu::resize_stereo(rig, request.size->width, request.size->height);
+  }
+  if (request.pmd == emu::Size{}) {
+    rig.pmd_lens = {};
+  } else if (request.pmd) {
+    emu::resize_pmd(rig, request.pmd->width, request.pmd->height);
+  }
+  if (request.seed) {
+    rig.seed = *request.seed;
+  }
+  rig.misplacement = request.misplacement;
+  return rig;
+}
+
+SceneWorld still_world(const emu::Scene& scene, const emu::Rig& rig) {
+  auto rendered = std::make_unique<emu::RenderedScene>(scene, rig);
+  SceneWorld world{.imagery = nullptr,
+                   .calibration = rendered->calibration(),
+                   .disparities = rendered->disparities(),
+                   .depth = rendered->depth(),
+                   .visible = rendered->visible()};
+  world.imagery = std::move(rendered);
+  return world;
+}
+
+SceneWorld moving_world(const emu::Motion& motion, const emu::Rig& rig, std::uint32_t exposure) {
+  auto rendered = std::make_unique<emu::MovingScene>(motion, rig);
+  SceneWorld world{.imagery = nullptr,
+                   .calibration = rendered->calibration(),
+                   .disparities = rendered->disparities(),
+                   .moves = true,
+                   .depth = rendered->depth(exposure),
+                   .visible = rendered->visible(exposure)};
+  world.imagery = std::move(rendered);
+  return world;
+}
+
+}  // namespace
+
+std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::string_view value,
+                                                 SceneRequest& request) {
+  if (flag == "--scene") {
+    if (!is_scene(value)) {
+      std::string line = "there is no scene \"";
+      line += value;
+      line += "\"; the scenes are corridor, walking, hall and room:SEED";
+      return std::unexpected(std::move(line));
+    }
+    request.name = value;
+  } else if (flag == "--size") {
+    request.size = parse_size(value);
+    if (!request.size) {
+      return refuse(flag, "WxH, such as 640x480, 16 to 2048 a side", value);
+    }
+  } else if (flag == "--pmd") {
+    request.pmd = value == "none" ? emu::Size{} : parse_size(value);
+    if (!request.pmd) {
+      return refuse(flag, "WxH, such as 176x144, 16 to 2048 a side, or none", value);
+    }
+  } else if (flag == "--seed") {
+    request.seed = number<std::uint32_t>(value);
+    if (!request.seed) {
+      return refuse(flag, "a whole number from 0 to 4294967295", value);
+    }
+  } else if (flag == "--turn") {
+    if (!parse_turn(value, request.misplacement)) {
+      return refuse(flag, "pitch:, yaw: or roll:DEGREES, up to 10, such as pitch:0.1", value);
+    }
+  } else if (flag == "--range-offset") {
+    const std::optional<double> offset = number_within(value, kMaxOffset);
+    if (!offset) {
+      return refuse(flag, "millimetres, up to 1000", value);
+    }
+    request.misplacement.range_offset_m = *offset / 1000;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+std::string_view scene_usage() noexcept {
+  return "  --scene NAME         corridor (default), walking (somebody walks in it), hall (up to "
+         "13.6 m,\n"
+         "                       beyond the PMD camera's range) or room:SEED (random)\n"
+         "  --size WxH           of the stereo pictures (default 640x480)\n"
+         "  --pmd WxH            of the PMD camera's pictures (default 176x144), or none\n"
+         "  --seed N             of the noise\n"
+         "  --turn AXIS:DEGREES  the PMD camera is turned from where its calibration says: "
+         "pitch:, yaw:,\n"
+         "                       roll: about x, y, z of the left camera; positive looks up, "
+         "right, or\n"
+         "                       is turned clockwise; once for each axis\n"
+         "  --range-offset MM    the PMD camera measures so much too far\n";
+}
+
+SceneWorld render_world(const SceneRequest& request, std::uint32_t exposure) {
+  if (request.name == "walking") {
+    emu::Motion motion = emu::walking();
+    motion.pmd_every = request.pmd_every;
+    return moving_world(motion, changed(emu::corridor_rig(), request), exposure);
+  }
+  if (request.name == "hall") {
+    return still_world(emu::hall(), changed(emu::hall_rig(), request));
+  }
+  if (const std::optional<std::uint32_t> seed = room_seed(request.name)) {
+    const emu::Room room = emu::random_room(*seed);
+    return still_world(room.scene, changed(room.rig, request));
+  }
+  return still_world(emu::corridor(), changed(emu::corridor_rig(), request));
+}
+
+}  // namespace stof::board
