@@ -6,10 +6,40 @@
 #include "dsp/base/check.h"
 
 namespace stof::dsp::ref {
+namespace {
 
-void paint_nearest(QuarterMm depth, std::span<QuarterMm> nearest) noexcept {
-  for (QuarterMm& there : nearest) {
-    there = std::min(there, depth);
+Rows common(const Footprint& footprint, Rows rows) noexcept {
+  return {std::max<int>(footprint.y_begin, rows.begin), std::min<int>(footprint.y_end, rows.end)};
+}
+
+template <typename T>
+std::span<T> segment(const ImageView<T>& image, const Footprint& footprint, int y) noexcept {
+  return image.row(y).subspan(static_cast<std::size_t>(footprint.x_begin),
+                              static_cast<std::size_t>(footprint.x_end - footprint.x_begin));
+}
+
+}  // namespace
+
+void paint_nearest(std::span<const Footprint> footprints, Rows rows,
+                   const ImageView<QuarterMm>& nearest) noexcept {
+  for (const Footprint& f : footprints) {
+    const Rows some = common(f, rows);
+    for (int y = some.begin; y < some.end; ++y) {
+      for (QuarterMm& there : segment(nearest, f, y)) {
+        there = std::min(there, f.depth);
+      }
+    }
+  }
+}
+
+void paint_intervals(std::span<const Footprint> footprints, Rows rows,
+                     const PaintedView& view) noexcept {
+  for (const Footprint& f : footprints) {
+    const Rows some = common(f, rows);
+    for (int y = some.begin; y < some.end; ++y) {
+      paint_interval(f.paint, segment(view.nearest, f, y), segment(view.low, f, y),
+                     segment(view.high, f, y), segment(view.flags, f, y));
+    }
   }
 }
 

@@ -11,37 +11,10 @@
 namespace stof::dsp {
 namespace {
 
-constexpr float kMargin = 0.6F * kPositionOne;
 constexpr std::size_t kMostPlaces = 3;  // the reading and both ends of its interval
 
 std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
-// Pixels begin .. end - 1 of 0 .. size - 1 whose centres lie within `half` of `centre` (1/16 px).
-struct Span {
-  std::int16_t begin;
-  std::int16_t end;
-};
-Span covered(std::int32_t centre, int half, int size) noexcept {
-  const int begin = (centre - half + kPositionOne - 1) >> kPositionBits;
-  const int end = ((centre + half) >> kPositionBits) + 1;
-  return {static_cast<std::int16_t>(std::clamp(begin, 0, size)),
-          static_cast<std::int16_t>(std::clamp(end, 0, size))};
-}
-
-int half_size(float scale, float ratio) noexcept {
-  return static_cast<int>(std::min(scale * ratio + kMargin, float{kFarthestPosition}));
-}
-
-template <typename T>
-std::span<T> segment(const ImageView<T>& image, const Footprint& footprint, int y) noexcept {
-  return image.row(y).subspan(static_cast<std::size_t>(footprint.x_begin),
-                              static_cast<std::size_t>(footprint.x_end - footprint.x_begin));
-}
-
-Rows common(const Footprint& footprint, Rows rows) noexcept {
-  return {std::max<int>(footprint.y_begin, rows.begin), std::min<int>(footprint.y_end, rows.end)};
 }
 
 }  // namespace
@@ -50,12 +23,20 @@ std::size_t Reprojector::bytes_needed(int pmd_width, int pmd_height) noexcept {
   const std::size_t all = pixels(pmd_width, pmd_height);
   const std::size_t row = static_cast<std::size_t>(pmd_width);
   return 4 * Arena::bytes_for<std::int16_t>(all) + Arena::bytes_for<Footprint>(kMostPlaces * all) +
-         6 * Arena::bytes_for<std::int32_t>(row) + 3 * Arena::bytes_for<QuarterMm>(row);
+         Arena::bytes_for<Band>(static_cast<std::size_t>(pmd_height)) +
+         8 * Arena::bytes_for<std::int32_t>(row) + 3 * Arena::bytes_for<QuarterMm>(row) +
+         4 * Arena::bytes_for<std::int16_t>(row);
 }
 
 Reprojector::Points Reprojector::take_points(Arena& arena, int count) noexcept {
   const std::size_t n = static_cast<std::size_t>(count);
   return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<QuarterMm>(n)};
+}
+
+Reprojector::Extents Reprojector::take_extents(Arena& arena, int count) noexcept {
+  const std::size_t n = static_cast<std::size_t>(count);
+  return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<std::int16_t>(n),
+          arena.take<std::int16_t>(n), arena.take<std::int16_t>(n), arena.take<std::int16_t>(n)};
 }
 
 Reprojector::Reprojector(const Calibration& calibration, int left_width, int left_height,
@@ -79,8 +60,8 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   projection_.focal_y = static_cast<float>(left.fy * kPositionOne);
   projection_.centre_x = static_cast<float>(left.cx * kPositionOne);
   projection_.centre_y = static_cast<float>(left.cy * kPositionOne);
-  half_x_ = static_cast<float>(left.fx / pmd.fx / 2 * kPositionOne / kQ15One);
-  half_y_ = static_cast<float>(left.fy / pmd.fy / 2 * kPositionOne / kQ15One);
+  scale_.x = static_cast<float>(left.fx / pmd.fx / 2 * kPositionOne / kQ15One);
+  scale_.y = static_cast<float>(left.fy / pmd.fy / 2 * kPositionOne / kQ15One);
   const std::size_t all = pixels(width_, height_);
   ray_x_ = arena.take<std::int16_t>(all);
   ray_y_ = arena.take<std::int16_t>(all);
@@ -88,40 +69,58 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   forward_ = arena.take<std::int16_t>(all);
   fill_ray_table(pmd, calibration.pmd_to_stereo.rotation, {ray_x_, ray_y_, ray_z_, forward_});
   footprints_ = arena.take<Footprint>(kMostPlaces * all);
+  bands_ = arena.take<Band>(static_cast<std::size_t>(height_));
   low_ = take_points(arena, width_);
   centre_ = take_points(arena, width_);
   high_ = take_points(arena, width_);
+  extents_ = take_extents(arena, width_);
 }
 
-void Reprojector::add(std::int32_t u, std::int32_t v, int half_x, int half_y, QuarterMm depth,
-                      const Paint& paint) noexcept {
-  const Span x = covered(u, half_x, left_width_);
-  const Span y = covered(v, half_y, left_height_);
-  if (x.begin < x.end && y.begin < y.end) {
-    footprints_[count_] = {x.begin, x.end, y.begin, y.end, depth, paint};
-    ++count_;
-  }
+// Whether a reading is painted at the ends of its interval too.
+bool Reprojector::ends_apart(std::size_t i) const noexcept {
+  return low_.depth[i] == kNoDepth || high_.depth[i] == kNoDepth ||
+         std::abs(low_.u[i] - high_.u[i]) > extents_.half_x[i] ||
+         std::abs(low_.v[i] - high_.v[i]) > extents_.half_y[i];
 }
 
-void Reprojector::locate_pixel(std::size_t i, QuarterMm distance, std::int16_t forward,
-                               std::uint8_t flags) noexcept {
-  const QuarterMm depth = centre_.depth[i];
-  const float ratio = static_cast<float>(distance) * forward / static_cast<float>(depth);
-  const int half_x = half_size(half_x_, ratio);
-  const int half_y = half_size(half_y_, ratio);
-  // A ray that runs towards the left camera meets the far end of its interval first.
-  const auto [low, high] = std::minmax(low_.depth[i], high_.depth[i]);
-  const Paint paint{visible_behind(depth), std::max<QuarterMm>(low, 1), high, flags};
-  add(centre_.u[i], centre_.v[i], half_x, half_y, depth, paint);
-  if (low != kNoDepth && std::abs(low_.u[i] - high_.u[i]) <= half_x &&
-      std::abs(low_.v[i] - high_.v[i]) <= half_y) {
-    return;
-  }
-  for (const Points* end : {&low_, &high_}) {
-    if (end->depth[i] != kNoDepth) {
-      add(end->u[i], end->v[i], half_x, half_y, depth, paint);
+void Reprojector::add_row(std::span<const std::uint8_t> flags) noexcept {
+  const std::span<Footprint> all = footprints_;
+  std::size_t count = count_;
+  const auto add = [&](PixelRange x, PixelRange y, QuarterMm depth, const Paint& paint) noexcept {
+    all[count] = {x.begin, x.end, y.begin, y.end, depth, paint};
+    count += x.begin < x.end && y.begin < y.end ? 1U : 0U;
+  };
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (extents_.half_x[i] == kCoversNothing) {
+      continue;
+    }
+    const QuarterMm depth = centre_.depth[i];
+    // A ray that runs towards the left camera meets the far end of its interval first.
+    const auto [nearer, farther] = std::minmax(low_.depth[i], high_.depth[i]);
+    const Paint paint{visible_behind(depth), std::max<QuarterMm>(nearer, 1), farther, flags[i]};
+    add({extents_.x_begin[i], extents_.x_end[i]}, {extents_.y_begin[i], extents_.y_end[i]}, depth,
+        paint);
+    if (!ends_apart(i)) {
+      continue;
+    }
+    for (const Points* end : {&low_, &high_}) {
+      if (end->depth[i] != kNoDepth) {
+        add(covered(end->u[i], extents_.half_x[i], left_width_),
+            covered(end->v[i], extents_.half_y[i], left_height_), depth, paint);
+      }
     }
   }
+  count_ = count;
+}
+
+Reprojector::Band Reprojector::band(std::size_t begin) const noexcept {
+  Band band{static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(count_ - begin), 0, 0};
+  for (const Footprint& f : footprints().subspan(begin)) {
+    const bool first = band.y_begin == band.y_end;
+    band.y_begin = first ? f.y_begin : std::min(band.y_begin, f.y_begin);
+    band.y_end = std::max(band.y_end, f.y_end);
+  }
+  return band;
 }
 
 void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
@@ -129,16 +128,16 @@ void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
   const std::size_t first = pixels(width_, y);
   const RayRow rays{ray_x_.subspan(first, n), ray_y_.subspan(first, n), ray_z_.subspan(first, n)};
   const std::span<const QuarterMm> distance = maps.distance.row(y);
-  const std::span<const std::uint8_t> flags = maps.flags.row(y);
   best::project(rays, maps.low.row(y), projection_, low_.u, low_.v, low_.depth);
   best::project(rays, distance, projection_, centre_.u, centre_.v, centre_.depth);
   best::project(rays, maps.high.row(y), projection_, high_.u, high_.v, high_.depth);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::int16_t forward = forward_[first + i];
-    if (distance[i] != kNoDepth && centre_.depth[i] != kNoDepth && forward > 0) {
-      locate_pixel(i, distance[i], forward, flags[i]);
-    }
-  }
+  best::half_sizes(distance, forward_.subspan(first, n), centre_.depth, scale_, extents_.half_x,
+                   extents_.half_y);
+  best::cover(centre_.u, extents_.half_x, left_width_, extents_.x_begin, extents_.x_end);
+  best::cover(centre_.v, extents_.half_y, left_height_, extents_.y_begin, extents_.y_end);
+  const std::size_t before = count_;
+  add_row(maps.flags.row(y));
+  bands_[static_cast<std::size_t>(y)] = band(before);
 }
 
 void Reprojector::locate(const PmdMaps& maps) noexcept {
@@ -162,17 +161,17 @@ void Reprojector::paint(Rows rows, const PaintedView& view) const noexcept {
     std::ranges::fill(view.high.row(y), QuarterMm{0});
     std::ranges::fill(view.flags.row(y), std::uint8_t{0});
   }
-  for (const Footprint& f : footprints()) {
-    const Rows some = common(f, rows);
-    for (int y = some.begin; y < some.end; ++y) {
-      best::paint_nearest(f.depth, segment(view.nearest, f, y));
+  if (count_ == 0) {
+    return;
+  }
+  for (const Band& band : bands_) {
+    if (band.y_begin < rows.end && rows.begin < band.y_end) {
+      best::paint_nearest(footprints().subspan(band.begin, band.count), rows, view.nearest);
     }
   }
-  for (const Footprint& f : footprints()) {
-    const Rows some = common(f, rows);
-    for (int y = some.begin; y < some.end; ++y) {
-      best::paint_interval(f.paint, segment(view.nearest, f, y), segment(view.low, f, y),
-                           segment(view.high, f, y), segment(view.flags, f, y));
+  for (const Band& band : bands_) {
+    if (band.y_begin < rows.end && rows.begin < band.y_end) {
+      best::paint_intervals(footprints().subspan(band.begin, band.count), rows, view);
     }
   }
 }

@@ -9,31 +9,12 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/fusion/cover.h"
 #include "dsp/fusion/paint.h"
 #include "dsp/fusion/project.h"
 #include "dsp/pmd/converter.h"
 
 namespace stof::dsp {
-
-// What a PMD pixel covers in the left view: columns x_begin .. x_end - 1, rows y_begin .. y_end -
-// 1, inside the image and not empty. depth: Z of its reading, quarter mm.
-struct Footprint {
-  std::int16_t x_begin;
-  std::int16_t x_end;
-  std::int16_t y_begin;
-  std::int16_t y_end;
-  QuarterMm depth;
-  Paint paint;
-};
-
-// PMD intervals in the left view. nearest is the z-buffer; low = kNothingPainted, high = 0 and
-// flags = 0 where no footprint lies. All images have the stereo size.
-struct PaintedView {
-  ImageView<QuarterMm> nearest;
-  ImageView<QuarterMm> low;
-  ImageView<QuarterMm> high;
-  ImageView<std::uint8_t> flags;  // of all footprints that are visible there, united
-};
 
 // Carries PMD pixels into the left view: X_s = R X_p + T and both camera models, radial distance
 // to Z. A reading covers the pixels within (f_s / f_p) (Z_p / Z_s) / 2 + 0.6 px of its place; where
@@ -58,25 +39,41 @@ class Reprojector {
   void paint(Rows rows, const PaintedView& view) const noexcept;
 
  private:
-  // Where a row's points lie; which end of the interval, or the reading.
+  // Where a row's points lie: the readings or an end of their intervals.
   struct Points {
     std::span<std::int32_t> u;
     std::span<std::int32_t> v;
     std::span<QuarterMm> depth;
   };
+  // What a row's readings cover.
+  struct Extents {
+    std::span<std::int32_t> half_x;
+    std::span<std::int32_t> half_y;
+    std::span<std::int16_t> x_begin;
+    std::span<std::int16_t> x_end;
+    std::span<std::int16_t> y_begin;
+    std::span<std::int16_t> y_end;
+  };
+  // The footprints of one row of the PMD camera, from `begin` on, lie in the rows y_begin .. y_end
+  // - 1: what is asked for few rows of the left view need not look at all of them.
+  struct Band {
+    std::uint32_t begin;
+    std::uint32_t count;
+    std::int16_t y_begin;
+    std::int16_t y_end;
+  };
   static Points take_points(Arena& arena, int count) noexcept;
+  static Extents take_extents(Arena& arena, int count) noexcept;
   void locate_row(const PmdMaps& maps, int y) noexcept;
-  void locate_pixel(std::size_t i, QuarterMm distance, std::int16_t forward,
-                    std::uint8_t flags) noexcept;
-  void add(std::int32_t u, std::int32_t v, int half_x, int half_y, QuarterMm depth,
-           const Paint& paint) noexcept;
+  bool ends_apart(std::size_t i) const noexcept;
+  void add_row(std::span<const std::uint8_t> flags) noexcept;
+  Band band(std::size_t begin) const noexcept;
 
   int width_ = 0;
   int height_ = 0;
   int left_width_ = 0;
   int left_height_ = 0;
-  float half_x_ = 0;  // f_s / f_p / 2 in 1/16 px, for a Q15 ray
-  float half_y_ = 0;
+  CoverScale scale_;
   Projection projection_;
   std::span<std::int16_t> ray_x_;
   std::span<std::int16_t> ray_y_;
@@ -85,7 +82,9 @@ class Reprojector {
   Points low_;
   Points centre_;
   Points high_;
+  Extents extents_;
   std::span<Footprint> footprints_;
+  std::span<Band> bands_;
   std::size_t count_ = 0;
 };
 

@@ -6,18 +6,12 @@
 
 #include "dsp/base/check.h"
 #include "dsp/pmd/converter.h"
-#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 namespace {
 
-DepthInterval interval_at(const DisparityTable& table, std::size_t /*x*/, int raw,
-                          int half) noexcept {
-  return table.at(raw, half);
-}
-DepthInterval interval_at(const ColumnTables& tables, std::size_t x, int raw, int half) noexcept {
-  return ref::column_interval_at(x, raw, half, tables);
-}
+// Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
+constexpr int kPartBits = 20;
 
 struct Range {
   int low = 1;
@@ -29,62 +23,47 @@ Range common(const Range& a, const Range& b) noexcept {
   return {std::max(a.low, b.low), std::min(a.high, b.high)};
 }
 
-// Whether a pixel has yet to be settled.
-bool open_at(const FusedRow& out, std::size_t x) noexcept {
-  return out.source[x] == Source::kPmd ||
-         (out.source[x] == Source::kConflict && out.cause[x] == Cause::kMixedPixel);
-}
+// Pixels begin .. end - 1 that have yet to be settled, and the nearest matches before and behind.
+struct Run {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  Disparity left;
+  Disparity right;
+  std::size_t left_at = 0;
+  std::size_t right_at = 0;
 
-// The nearest matches of a pixel in its row. Asked for ascending pixels.
-class Neighbours {
+  int to_left(std::size_t x) const noexcept { return static_cast<int>(x - left_at); }
+  int to_right(std::size_t x) const noexcept { return static_cast<int>(right_at - x); }
+};
+
+// Where one disparity lies, for every column.
+template <typename Table>
+class Surface;
+
+template <>
+class Surface<DisparityTable> {
  public:
-  // with_weak: weak matches that the PMD confirmed are neighbours too.
-  Neighbours(const SettleRow& row, const FusedRow& out, bool with_weak) noexcept
-      : row_(row), out_(out), with_weak_(with_weak) {}
-
-  // x is no place to settle: it may be a neighbour of those behind it.
-  void pass(std::size_t x) noexcept {
-    if (const Disparity match = match_at(x); match.valid()) {
-      left_ = match;
-      left_at_ = x;
-    }
-  }
-  void stand_at(std::size_t x) noexcept {
-    if (right_at_ > x) {
-      return;
-    }
-    right_ = Disparity::none();
-    for (right_at_ = x + 1; right_at_ < row_.disparity.size(); ++right_at_) {
-      right_ = match_at(right_at_);
-      if (right_.valid()) {
-        return;
-      }
-    }
-  }
-  Disparity left() const noexcept { return left_; }
-  Disparity right() const noexcept { return right_; }
-  int to_left(std::size_t x) const noexcept { return static_cast<int>(x - left_at_); }
-  int to_right(std::size_t x) const noexcept { return static_cast<int>(right_at_ - x); }
+  Surface(const DisparityTable& table, int raw, int half) noexcept
+      : interval_(table.at(raw, half)) {}
+  DepthInterval at(std::size_t /*x*/) const noexcept { return interval_; }
 
  private:
-  Disparity match_at(std::size_t x) const noexcept {
-    const Source source = out_.source[x];
-    if (row_.disparity[x].valid()) {
-      const bool published = source == Source::kStereo || source == Source::kBoth ||
-                             (source == Source::kResolved && out_.cause[x] == Cause::kMixedPixel);
-      return published && row_.support.ratio[x] < kSureRatio ? row_.disparity[x]
-                                                             : Disparity::none();
-    }
-    return with_weak_ && source == Source::kBoth ? row_.weak[x] : Disparity::none();
+  DepthInterval interval_;
+};
+
+template <>
+class Surface<ColumnTables> {
+ public:
+  Surface(const ColumnTables& tables, int raw, int half) noexcept
+      : tables_(tables), raw_(raw), half_(half) {}
+  DepthInterval at(std::size_t x) const noexcept {
+    return ref::column_interval_at(x, raw_, half_, tables_);
   }
 
-  const SettleRow& row_;
-  const FusedRow& out_;
-  bool with_weak_;
-  Disparity left_;
-  Disparity right_;
-  std::size_t left_at_ = 0;
-  std::size_t right_at_ = 0;
+ private:
+  const ColumnTables& tables_;
+  int raw_;
+  int half_;
 };
 
 template <typename Table>
@@ -95,15 +74,17 @@ class Settler {
       : row_(row), params_(params), table_(table), out_(out) {}
 
   void run() noexcept {
-    each_open(false, [this](std::size_t x, const Neighbours& near) noexcept {
-      if (!in_shadow(x, near)) {
-        confirm_weak(x);
+    each_run(false, [this](const Run& run) noexcept {
+      settle_shadow(run);
+      for (std::size_t x = run.begin; !row_.weak.empty() && x < run.end; ++x) {
+        if (row_.weak[x].valid() && open_at(x) && !row_.disparity[x].valid()) {
+          publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone);
+        }
       }
     });
-    each_open(true, [this](std::size_t x, const Neighbours& near) noexcept {
-      if (!between(x, near)) {
-        either_side(x, near);
-      }
+    each_run(true, [this](const Run& run) noexcept {
+      settle_gap(run);
+      settle_edges(run);
     });
     for (std::size_t x = 0; params_.pmd_range != 0 && x < row_.disparity.size(); ++x) {
       if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
@@ -113,15 +94,74 @@ class Settler {
   }
 
  private:
+  bool open_at(std::size_t x) const noexcept {
+    return out_.source[x] == Source::kPmd ||
+           (out_.source[x] == Source::kConflict && out_.cause[x] == Cause::kMixedPixel);
+  }
+
+  // What a pixel that is not open says about its surroundings.
+  Disparity match_at(std::size_t x, bool with_weak) const noexcept {
+    const Source source = out_.source[x];
+    if (row_.disparity[x].valid()) {
+      const bool published = source == Source::kStereo || source == Source::kBoth ||
+                             (source == Source::kResolved && out_.cause[x] == Cause::kMixedPixel);
+      return published && row_.support.ratio[x] < kSureRatio ? row_.disparity[x]
+                                                             : Disparity::none();
+    }
+    return with_weak && source == Source::kBoth ? row_.weak[x] : Disparity::none();
+  }
+
+  // Calls settle(run) for the runs of open pixels, from left to right.
+  template <typename Settle>
+  void each_run(bool with_weak, Settle settle) noexcept {
+    const std::size_t n = row_.disparity.size();
+    Run run;
+    std::size_t x = 0;
+    while (x < n) {
+      const std::size_t from = x;
+      while (x < n && !open_at(x)) {
+        ++x;
+      }
+      for (std::size_t k = x; x < n && k-- > from;) {
+        if (const Disparity match = match_at(k, with_weak); match.valid()) {
+          run.left = match;
+          run.left_at = k;
+          break;
+        }
+      }
+      run.begin = x;
+      while (x < n && open_at(x)) {
+        ++x;
+      }
+      run.end = x;
+      if (run.right_at < x) {
+        run.right = Disparity::none();
+        for (run.right_at = x; run.right_at < n; ++run.right_at) {
+          run.right = open_at(run.right_at) ? Disparity::none() : match_at(run.right_at, with_weak);
+          if (run.right.valid()) {
+            break;
+          }
+        }
+      }
+      if (run.begin < run.end) {
+        settle(run);
+      }
+    }
+  }
+
   Range pmd(std::size_t x) const noexcept {
     return {std::max<int>(row_.pmd.low[x], 1), std::min<int>(row_.pmd.high[x], params_.max_range)};
   }
 
-  bool publish(std::size_t x, int raw, Source source, Cause cause) noexcept {
+  Surface<Table> surface(int raw) const noexcept {
     const int half =
         std::clamp((raw - params_.infinity_raw) / kSettledShare, int{Disparity::kOne}, kMostSpread);
-    const DepthInterval surface = interval_at(table_, x, raw, half);
-    const Range both = common({std::max<int>(surface.low, 1), surface.high}, pmd(x));
+    return {table_, raw, half};
+  }
+
+  bool publish(std::size_t x, const Surface<Table>& where, Source source, Cause cause) noexcept {
+    const DepthInterval interval = where.at(x);
+    const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
     if (both.empty()) {
       return false;
     }
@@ -132,75 +172,71 @@ class Settler {
     return true;
   }
 
-  template <typename Settle>
-  void each_open(bool with_weak, Settle settle) noexcept {
-    Neighbours near(row_, out_, with_weak);
-    for (std::size_t x = 0; x < row_.disparity.size(); ++x) {
-      if (open_at(out_, x)) {
-        near.stand_at(x);
-        settle(x, near);
-      } else {
-        near.pass(x);
-      }
-    }
-  }
-
-  bool in_shadow(std::size_t x, const Neighbours& near) noexcept {
-    if (!near.right().valid()) {
-      return false;
-    }
-    const int margin = kShadowMargin * Disparity::kOne;
-    if (!near.left().valid()) {
-      return static_cast<int>(std::min<std::size_t>(x, kMaxImageWidth)) * Disparity::kOne <=
-                 near.right().raw + margin &&
-             publish(x, near.right().raw, Source::kResolved, Cause::kOccluded);
-    }
-    const int step = near.right().raw - near.left().raw;
-    return step >= kSurfaceStep && near.to_right(x) * Disparity::kOne <= step + margin &&
-           publish(x, near.left().raw, Source::kResolved, Cause::kOccluded);
-  }
-
-  void confirm_weak(std::size_t x) noexcept {
-    if (!row_.weak.empty() && row_.weak[x].valid() && !row_.disparity[x].valid()) {
-      publish(x, row_.weak[x].raw, Source::kBoth, Cause::kNone);
-    }
-  }
-
-  bool between(std::size_t x, const Neighbours& near) noexcept {
-    const int step = near.right().raw - near.left().raw;
-    if (!near.left().valid() || !near.right().valid() || std::abs(step) >= kSurfaceStep) {
-      return false;
-    }
-    const int raw = near.left().raw + step * near.to_left(x) / (near.to_left(x) + near.to_right(x));
-    return publish(x, raw, Source::kResolved, Cause::kStereoAmbiguous);
-  }
-
-  bool one_side(std::size_t x, Disparity match, int away) noexcept {
-    return match.valid() && away <= params_.reach_px &&
-           publish(x, match.raw, Source::kResolved, Cause::kMixedPixel);
-  }
-
-  void either_side(std::size_t x, const Neighbours& near) noexcept {
-    if ((row_.support.pmd_flags[x] & kPmdEdge) == 0) {
+  // The pixels of a run that only the left camera sees.
+  void settle_shadow(const Run& run) noexcept {
+    if (!run.right.valid()) {
       return;
     }
-    const int left = near.to_left(x);
-    const int right = near.to_right(x);
-    const bool left_first = near.left().valid() && (!near.right().valid() || left <= right);
-    if (left_first) {
-      if (!one_side(x, near.left(), left)) {
-        one_side(x, near.right(), right);
+    const int step = run.left.valid() ? run.right.raw - run.left.raw : run.right.raw;
+    if (run.left.valid() && step < kSurfaceStep) {
+      return;
+    }
+    // Whole pixels from the right neighbour, or from the left border where nothing is to the left.
+    const int reach = (step + kShadowMargin * Disparity::kOne) / Disparity::kOne;
+    if (reach < 0) {
+      return;
+    }
+    const std::size_t pixels = static_cast<std::size_t>(reach);
+    std::size_t from = run.begin;
+    std::size_t to = run.end;
+    if (run.left.valid()) {
+      from = std::max(from, run.right_at - std::min(run.right_at, pixels));
+    } else {
+      to = std::min(to, pixels + 1);
+    }
+    const Surface<Table> behind = surface(run.left.valid() ? run.left.raw : run.right.raw);
+    for (std::size_t x = from; x < to; ++x) {
+      publish(x, behind, Source::kResolved, Cause::kOccluded);
+    }
+  }
+
+  // Between two matches of one surface.
+  void settle_gap(const Run& run) noexcept {
+    const int step = run.right.raw - run.left.raw;
+    if (!run.left.valid() || !run.right.valid() || std::abs(step) >= kSurfaceStep) {
+      return;
+    }
+    const int part = (1 << kPartBits) / static_cast<int>(run.right_at - run.left_at);
+    for (std::size_t x = run.begin; x < run.end; ++x) {
+      const int raw = run.left.raw + round_shift(step * (part * run.to_left(x)), kPartBits);
+      publish(x, surface(raw), Source::kResolved, Cause::kStereoAmbiguous);
+    }
+  }
+
+  // Where the PMD says that there is an edge: the surface that is nearest in the picture, or the
+  // other one.
+  void settle_edges(const Run& run) noexcept {
+    const Surface<Table> left = surface(run.left.raw);
+    const Surface<Table> right = surface(run.right.raw);
+    for (std::size_t x = run.begin; x < run.end; ++x) {
+      if ((row_.support.pmd_flags[x] & kPmdEdge) == 0 || !open_at(x)) {
+        continue;
       }
-    } else if (!one_side(x, near.right(), right)) {
-      one_side(x, near.left(), left);
+      const bool has_left = run.left.valid() && run.to_left(x) <= params_.reach_px;
+      const bool has_right = run.right.valid() && run.to_right(x) <= params_.reach_px;
+      const bool left_first = has_left && (!has_right || run.to_left(x) <= run.to_right(x));
+      const Surface<Table>& nearest = left_first ? left : right;
+      const Surface<Table>& farthest = left_first ? right : left;
+      const bool both = has_left && has_right;
+      if ((has_left || has_right) && !publish(x, nearest, Source::kResolved, Cause::kMixedPixel) &&
+          both) {
+        publish(x, farthest, Source::kResolved, Cause::kMixedPixel);
+      }
     }
   }
 
   bool differs_by_a_range(std::size_t x) const noexcept {
     const int range = params_.pmd_range;
-    if (range == 0) {
-      return false;
-    }
     const Range stereo{std::max<int>(row_.stereo.low[x], 1),
                        std::min<int>(row_.stereo.high[x], params_.max_range)};
     const Range here = pmd(x);
