@@ -105,7 +105,7 @@ class Settler {
     if (row_.disparity[x].valid()) {
       const bool published = source == Source::kStereo || source == Source::kBoth ||
                              (source == Source::kResolved && out_.cause[x] == Cause::kMixedPixel);
-      return published && row_.support.ratio[x] < kSureRatio ? row_.disparity[x]
+      return published && row_.support.ratio[x] < kNeighbourRatio ? row_.disparity[x]
                                                              : Disparity::none();
     }
     return with_weak && source == Source::kBoth ? row_.weak[x] : Disparity::none();

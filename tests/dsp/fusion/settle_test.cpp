@@ -169,7 +169,7 @@ TEST(Settle, AtAnEdgeTheNearestSurfaceWithinReachCounts) {
 
 TEST(Settle, MatchesWithRivalsAreNoSurfaces) {
   Row row(200);
-  row.match(0, 100, 50, kSureRatio);
+  row.match(0, 100, 50, kNeighbourRatio);
   row.see(100, 200, 7000, 18000, kPmdEdge);
   row.settle();
   row.expect(110, Source::kPmd, Cause::kNone, 12500);
