@@ -36,9 +36,10 @@ constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo) noexcept 
          4 * block * lanes + 192 * (columns + block) + 64 * lanes + 8192;
 }
 
-// Eight maps of up to 2 bytes a pixel, some with a border column on both sides; constants.
+// Ten maps of up to 4 bytes a pixel, some with a border column on both sides, tables of lights and
+// the fixed pattern; rows; constants.
 constexpr std::size_t converter_bytes(const board::PmdConfig& pmd) noexcept {
-  return 16 * pixels(pmd.width + 2, pmd.height) + 4096;
+  return 30 * pixels(pmd.width + 2, pmd.height) + 32 * static_cast<std::size_t>(pmd.width) + 8192;
 }
 
 // A z-buffer, interval and flags for each stereo pixel; rays and up to four footprints for each PMD
@@ -47,13 +48,18 @@ constexpr std::size_t fuser_bytes(const board::StereoConfig& stereo,
                                   const board::PmdConfig& pmd) noexcept {
   return 8 * pixels(stereo.width, stereo.height) + 72 * pixels(pmd.width, pmd.height) +
          16 * (8 + 4) * (static_cast<std::size_t>(stereo.disparities) + 4) +
-         (32 + 4 + 16 * 4) * static_cast<std::size_t>(stereo.width) + 8192 +
-         4 * 2 * 255;
+         (32 + 4 + 16 * 4) * static_cast<std::size_t>(stereo.width) + 8192 + 4 * 2 * 255;
 }
 
-// Disparity, depth, interval width, source.
+// Mean, scatter, tally, kind and grey value of each pixel; four rows of changes.
+constexpr std::size_t temporal_bytes(const board::StereoConfig& stereo) noexcept {
+  return 7 * pixels(stereo.width, stereo.height) +
+         4 * (static_cast<std::size_t>(stereo.width) + 2) + 6 * dsp::Arena::kAlign;
+}
+
+// Disparity, depth, interval width, source, cause.
 constexpr std::size_t image_bytes(const board::StereoConfig& stereo) noexcept {
-  return (2 + 2 + 2 + 1) * pixels(stereo.width, stereo.height) + 4 * dsp::Arena::kAlign;
+  return (2 + 2 + 2 + 1 + 1) * pixels(stereo.width, stereo.height) + 5 * dsp::Arena::kAlign;
 }
 
 constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,

@@ -1,11 +1,15 @@
 #include "dsp/fusion/settle.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
-#include "dsp/pmd/converter.h"
+#include "dsp/fusion/pixel_set.h"
+#include "dsp/pmd/pmd_maps.h"
+#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 namespace {
@@ -74,19 +78,21 @@ class Settler {
       : row_(row), params_(params), table_(table), out_(out) {}
 
   void run() noexcept {
-    each_run(false, [this](const Run& run) noexcept {
+    for (std::size_t x = 0; x < row_.disparity.size(); x += PixelSet::kWord) {
+      look_at(x, std::min(PixelSet::kWord, row_.disparity.size() - x));
+    }
+    each_run([this](const Run& run) noexcept {
       settle_shadow(run);
-      for (std::size_t x = run.begin; !row_.weak.empty() && x < run.end; ++x) {
-        if (row_.weak[x].valid() && open_at(x) && !row_.disparity[x].valid()) {
-          publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone);
-        }
-      }
+      confirm_weak(run);
     });
-    each_run(true, [this](const Run& run) noexcept {
+    matched_.unite(confirmed_, row_.disparity.size());
+    each_run([this](const Run& run) noexcept {
       settle_gap(run);
       settle_edges(run);
     });
-    for (std::size_t x = 0; params_.pmd_range != 0 && x < row_.disparity.size(); ++x) {
+    const std::size_t n = row_.disparity.size();
+    for (std::size_t x = disputed_.next(0, n); params_.pmd_range != 0 && x < n;
+         x = disputed_.next(x + 1, n)) {
       if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
         out_.cause[x] = Cause::kRangeAmbiguous;
       }
@@ -94,58 +100,52 @@ class Settler {
   }
 
  private:
-  bool open_at(std::size_t x) const noexcept {
-    return out_.source[x] == Source::kPmd ||
-           (out_.source[x] == Source::kConflict && out_.cause[x] == Cause::kMixedPixel);
+  // Sorts up to 64 pixels into the sets.
+  void look_at(std::size_t from, std::size_t count) noexcept {
+    std::array<std::uint8_t, PixelSet::kWord> open{};
+    std::array<std::uint8_t, PixelSet::kWord> matched{};
+    std::array<std::uint8_t, PixelSet::kWord> disputed{};
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t x = from + i;
+      const Source source = out_.source[x];
+      const unsigned mixed = out_.cause[x] == Cause::kMixedPixel ? 1 : 0;
+      const unsigned wide =
+          (row_.pmd.high[x] - row_.pmd.low[x]) * kNarrowShare > row_.pmd.low[x] ? 1 : 0;
+      const unsigned pmd = source == Source::kPmd ? wide : 0;
+      const unsigned conflict = source == Source::kConflict ? 1 : 0;
+      const unsigned stereo = source == Source::kStereo || source == Source::kBoth ? 1 : 0;
+      const unsigned resolved = source == Source::kResolved ? mixed : 0;
+      const unsigned distinct = row_.support.ratio[x] < kNeighbourRatio ? 1 : 0;
+      const unsigned valid = row_.disparity[x].valid() ? 1 : 0;
+      open[i] = static_cast<std::uint8_t>(pmd | (conflict & mixed));
+      matched[i] = static_cast<std::uint8_t>((stereo | resolved) & distinct & valid);
+      disputed[i] = static_cast<std::uint8_t>(conflict);
+    }
+    open_.put(from / PixelSet::kWord, packed(open));
+    matched_.put(from / PixelSet::kWord, packed(matched));
+    disputed_.put(from / PixelSet::kWord, packed(disputed));
+    confirmed_.put(from / PixelSet::kWord, 0);
   }
 
-  // What a pixel that is not open says about its surroundings.
-  Disparity match_at(std::size_t x, bool with_weak) const noexcept {
-    const Source source = out_.source[x];
-    if (row_.disparity[x].valid()) {
-      const bool published = source == Source::kStereo || source == Source::kBoth ||
-                             (source == Source::kResolved && out_.cause[x] == Cause::kMixedPixel);
-      return published && row_.support.ratio[x] < kNeighbourRatio ? row_.disparity[x]
-                                                             : Disparity::none();
-    }
-    return with_weak && source == Source::kBoth ? row_.weak[x] : Disparity::none();
+  Disparity match_at(std::size_t x) const noexcept {
+    return row_.disparity[x].valid() ? row_.disparity[x] : row_.weak[x];
   }
 
   // Calls settle(run) for the runs of open pixels, from left to right.
   template <typename Settle>
-  void each_run(bool with_weak, Settle settle) noexcept {
+  void each_run(Settle settle) noexcept {
     const std::size_t n = row_.disparity.size();
-    Run run;
-    std::size_t x = 0;
-    while (x < n) {
-      const std::size_t from = x;
-      while (x < n && !open_at(x)) {
-        ++x;
-      }
-      for (std::size_t k = x; x < n && k-- > from;) {
-        if (const Disparity match = match_at(k, with_weak); match.valid()) {
-          run.left = match;
-          run.left_at = k;
-          break;
-        }
-      }
+    std::size_t behind = 0;
+    for (std::size_t x = open_.next(0, n); x < n; x = open_.next(behind, n)) {
+      behind = open_.next_without(x, n);
+      Run run;
       run.begin = x;
-      while (x < n && open_at(x)) {
-        ++x;
-      }
-      run.end = x;
-      if (run.right_at < x) {
-        run.right = Disparity::none();
-        for (run.right_at = x; run.right_at < n; ++run.right_at) {
-          run.right = open_at(run.right_at) ? Disparity::none() : match_at(run.right_at, with_weak);
-          if (run.right.valid()) {
-            break;
-          }
-        }
-      }
-      if (run.begin < run.end) {
-        settle(run);
-      }
+      run.end = behind;
+      run.left_at = matched_.before(x);
+      run.right_at = matched_.next(behind, n);
+      run.left = run.left_at < x ? match_at(run.left_at) : Disparity::none();
+      run.right = run.right_at < n ? match_at(run.right_at) : Disparity::none();
+      settle(run);
     }
   }
 
@@ -169,6 +169,7 @@ class Settler {
     out_.width[x] = width_of(both.low, both.high);
     out_.source[x] = source;
     out_.cause[x] = cause;
+    open_.remove(x);
     return true;
   }
 
@@ -200,6 +201,16 @@ class Settler {
     }
   }
 
+  // The pixels' own matches, which become neighbours of others.
+  void confirm_weak(const Run& run) noexcept {
+    for (std::size_t x = run.begin; !row_.weak.empty() && x < run.end; ++x) {
+      if (row_.weak[x].valid() && !row_.disparity[x].valid() && open_.has(x) &&
+          publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
+        confirmed_.add(x);
+      }
+    }
+  }
+
   // Between two matches of one surface.
   void settle_gap(const Run& run) noexcept {
     const int step = run.right.raw - run.left.raw;
@@ -219,7 +230,7 @@ class Settler {
     const Surface<Table> left = surface(run.left.raw);
     const Surface<Table> right = surface(run.right.raw);
     for (std::size_t x = run.begin; x < run.end; ++x) {
-      if ((row_.support.pmd_flags[x] & kPmdEdge) == 0 || !open_at(x)) {
+      if ((row_.support.pmd_flags[x] & kPmdEdge) == 0 || !open_.has(x)) {
         continue;
       }
       const bool has_left = run.left.valid() && run.to_left(x) <= params_.reach_px;
@@ -249,13 +260,17 @@ class Settler {
   const SettleParams& params_;
   const Table& table_;
   const FusedRow& out_;
+  PixelSet open_;       // that have yet to be settled
+  PixelSet matched_;    // whose match was published and stands for a surface
+  PixelSet confirmed_;  // by their weak match
+  PixelSet disputed_;   // kConflict at first
 };
 
 template <typename Table>
 void settle(const SettleRow& row, const SettleParams& params, const Table& table,
             const FusedRow& out) noexcept {
   const std::size_t n = row.disparity.size();
-  STOF_CHECK(row.weak.empty() || row.weak.size() == n);
+  STOF_CHECK(n <= std::size_t{kMaxImageWidth} && (row.weak.empty() || row.weak.size() == n));
   STOF_CHECK(row.stereo.low.size() == n && row.stereo.high.size() == n);
   STOF_CHECK(row.pmd.low.size() == n && row.pmd.high.size() == n);
   STOF_CHECK(row.support.ratio.size() == n && row.support.pmd_flags.size() == n);

@@ -33,6 +33,8 @@ struct SettleParams {
 // How far a surface may lie from where its neighbour was matched: a fourteenth of the parallax
 // (and so of the depth), at least 1 px.
 inline constexpr int kSettledShare = 14;
+// A PMD interval narrower than a twelfth of its depth needs nobody's help.
+inline constexpr int kNarrowShare = 12;
 // A match stands for a surface that its neighbours belong to below this peak ratio: eight in ten of
 // those that are less distinct than kSureRatio are right too.
 inline constexpr std::uint8_t kNeighbourRatio = 184;
@@ -41,9 +43,10 @@ inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
 inline constexpr int kShadowMargin = 3;
 
-// For each pixel whose source is kPmd, or kConflict by kMixedPixel. L and R: disparities of the
-// nearest matches below kNeighbourRatio to the left and right in the row that were published.
-// The first of these whose interval meets the PMD's; what both allow is published:
+// For each pixel whose source is kPmd with (high - low) kNarrowShare > low, or kConflict by
+// kMixedPixel. L and R: disparities of the nearest matches below kNeighbourRatio to the left and
+// right in the row that were published. The first of these whose interval meets the PMD's; what
+// both allow is published:
 //   L          where R is nearer by kSurfaceStep and within that step (+ kShadowMargin px) to the
 //              right: what only the left camera sees belongs to the background; kResolved,
 //              kOccluded

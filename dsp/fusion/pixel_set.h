@@ -1,0 +1,79 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+#include "dsp/stereo/match_params.h"
+
+namespace stof::dsp {
+
+// One bit for each pixel of a row of up to kMaxImageWidth. Not initialised: every word of a row of
+// n pixels is put first, with 0 behind the last pixel.
+class PixelSet {
+ public:
+  static constexpr std::size_t kWord = 64;
+
+  void put(std::size_t word, std::uint64_t bits) noexcept { words_[word] = bits; }
+  void add(std::size_t x) noexcept { words_[x / kWord] |= std::uint64_t{1} << (x % kWord); }
+  void remove(std::size_t x) noexcept { words_[x / kWord] &= ~(std::uint64_t{1} << (x % kWord)); }
+  void unite(const PixelSet& other, std::size_t n) noexcept {
+    for (std::size_t word = 0; word * kWord < n; ++word) {
+      words_[word] |= other.words_[word];
+    }
+  }
+  bool has(std::size_t x) const noexcept { return ((words_[x / kWord] >> (x % kWord)) & 1) != 0; }
+
+  // The first pixel at x or behind that is in the set (or not in it); n where there is none.
+  std::size_t next(std::size_t x, std::size_t n) const noexcept { return find(x, n, 0); }
+  std::size_t next_without(std::size_t x, std::size_t n) const noexcept {
+    return find(x, n, ~std::uint64_t{0});
+  }
+  // The last pixel before x that is in the set; x where there is none.
+  std::size_t before(std::size_t x) const noexcept {
+    if (x == 0) {
+      return x;
+    }
+    std::size_t word = (x - 1) / kWord;
+    std::uint64_t bits = words_[word] & (~std::uint64_t{0} >> (kWord - 1 - (x - 1) % kWord));
+    while (bits == 0 && word > 0) {
+      bits = words_[--word];
+    }
+    return bits == 0 ? x
+                     : word * kWord + kWord - 1 - static_cast<std::size_t>(std::countl_zero(bits));
+  }
+
+ private:
+  std::size_t find(std::size_t x, std::size_t n, std::uint64_t invert) const noexcept {
+    if (x >= n) {
+      return n;
+    }
+    std::size_t word = x / kWord;
+    std::uint64_t bits = (words_[word] ^ invert) & (~std::uint64_t{0} << (x % kWord));
+    while (bits == 0 && (word + 1) * kWord < n) {
+      bits = words_[++word] ^ invert;
+    }
+    return bits == 0 ? n
+                     : std::min(word * kWord + static_cast<std::size_t>(std::countr_zero(bits)), n);
+  }
+
+  std::array<std::uint64_t, static_cast<std::size_t>(kMaxImageWidth) / kWord> words_;
+};
+
+// 64 bytes of 0 or 1 as bits, the first lowest.
+inline std::uint64_t packed(const std::array<std::uint8_t, PixelSet::kWord>& bytes) noexcept {
+  static_assert(std::endian::native == std::endian::little);
+  constexpr std::uint64_t kGather = 0x0102040810204080;  // the eighth byte gets one bit of each
+  std::uint64_t all = 0;
+  for (std::size_t k = 0; k < bytes.size(); k += 8) {
+    std::uint64_t eight = 0;
+    std::memcpy(&eight, bytes.data() + k, sizeof eight);
+    all |= ((eight * kGather) >> 56) << k;
+  }
+  return all;
+}
+
+}  // namespace stof::dsp
