@@ -130,7 +130,7 @@ void greet(const board::Board& board, const Start& start, std::size_t bytes) {
     say(note);
   }
   say("board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
-      std::to_string(left.height) + " with " + std::to_string(start.setup.match.disparities) +
+      std::to_string(left.height) + " with " + std::to_string(start.setup.depth.match.disparities) +
       " disparities, " +
       (board.pmd == nullptr
            ? std::string("no PMD camera: depth from stereo alone")
@@ -150,7 +150,7 @@ int run(board::Board& board, const Options& options, const Start& start) {
                   std::to_string(sizeof(Workspace) / 1024) + ": use smaller ones");
   }
   const auto calibration = wire::make_calibration_packet(
-      start.setup.calibration, start.setup.fusion.max_range, start.timing.period.count());
+      start.setup.calibration, start.setup.depth.fusion.max_range, start.timing.period.count());
   if (!calibration) {
     return refuse("the rig's calibration holds numbers that no rig has: calibrate it anew");
   }

@@ -65,16 +65,26 @@ std::string set_match_option(const dsp::MatchOption& option, std::string_view va
                    ", not \"" + std::string(value) + "\"";
 }
 
+// Metres, into quarter millimetres.
+std::string take_max_range(std::string_view text, dsp::FusionParams& fusion) {
+  constexpr int kMostMm = dsp::kMaxQuarterMm / 4;
+  double metres = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
+  if (error != std::errc{} || end != text.data() + text.size() || !(metres >= 0.5) ||
+      !(metres * 1000 <= kMostMm)) {
+    return "--max-range takes metres from 0.5 to 16.38, not \"" + std::string(text) + "\"";
+  }
+  fusion.max_range = static_cast<dsp::QuarterMm>(metres * dsp::kQuarterMmPerMetre);
+  return {};
+}
+
 std::string take_preset(std::string_view name, Options& options) {
   const dsp::Preset* const preset = dsp::find_preset(name);
   if (preset == nullptr) {
     return "--preset takes " + std::string(dsp::preset_names()) + ", not \"" + std::string(name) +
            "\"";
   }
-  options.match = preset->params;
-  if (options.match.subpixel == dsp::Subpixel::kWhole) {
-    options.match.subpixel = dsp::Subpixel::kEquiangular;  // whole disparities are steps in depth
-  }
+  options.depth.match = dsp::for_depth(*preset);
   return {};
 }
 
@@ -83,6 +93,10 @@ enum class Taken { kNot, kAlone, kWithValue };
 Taken take_switch(std::string_view flag, Options& options) {
   if (flag == "--help" || flag == "-h") {
     options.help = true;
+  } else if (flag == "--guided") {
+    options.depth.guided = true;
+  } else if (flag == "--temporal") {
+    options.depth.temporal = true;
   } else {
     return Taken::kNot;
   }
@@ -109,6 +123,8 @@ Taken take_value(std::string_view flag, std::string_view value, Options& options
     wrong = take_number(flag, value, 1, dsp::kMaxDisparities, options.disparities);
   } else if (flag == "--preset") {
     wrong = take_preset(value, options);
+  } else if (flag == "--max-range") {
+    wrong = take_max_range(value, options.depth.fusion);
   } else {
     return Taken::kNot;
   }
@@ -130,7 +146,7 @@ std::expected<Options, std::string> parse_options(std::span<const std::string_vi
     bool with_next = false;
     if (const MatchFlag match = find_match_flag(flag); match.option != nullptr) {
       with_next = !match.value;
-      wrong = set_match_option(*match.option, match.value.value_or(next), options.match);
+      wrong = set_match_option(*match.option, match.value.value_or(next), options.depth.match);
     } else if (take_value(flag, next, options, wrong) == Taken::kWithValue) {
       with_next = true;
     } else {
@@ -146,10 +162,10 @@ std::expected<Options, std::string> parse_options(std::span<const std::string_vi
     }
     i += with_next ? 1 : 0;
   }
-  if (options.match.fill) {
+  if (options.depth.match.fill) {
     return std::unexpected("--fill: what is made up is not published: leave it out");
   }
-  if (const char* const why = dsp::problem(options.match); *why != '\0') {
+  if (const char* const why = dsp::problem(options.depth.match); *why != '\0') {
     return std::unexpected(std::string(why));
   }
   return options;
@@ -164,6 +180,9 @@ std::string options_usage() {
       "for)\n"
       "  --preset NAME        how to match: fast (default), quality or chapter, to 1/16 px;\n"
       "                       what follows changes it\n"
+      "  --max-range METRES   nothing is further away, 0.5 to 16.38 (default 10)\n"
+      "  --guided             PMD intervals narrow the search where they can be trusted\n"
+      "  --temporal           depth is averaged over frames where nothing moves\n"
       "  --device N           device number in every packet (default 1)\n"
       "  --session N          session number in every packet (default: random)\n"
       "  --help               this text\n";

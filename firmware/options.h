@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/stereo/match_params.h"
+#include "dsp/depth/depth_maker.h"
 
 // stofd's command line. Used once, before the loop.
 namespace stof::firmware {
@@ -21,8 +21,8 @@ struct Options {
   std::uint32_t device_id = 1;
   std::optional<std::uint32_t> session_id;
   std::optional<int> disparities;  // else what the rig asks for
-  // The search; disparities is filled in from the above.
-  dsp::MatchParams match = dsp::find_preset("fast")->params;
+  // depth.match.disparities is filled in from the above.
+  dsp::DepthParams depth{.match = dsp::for_depth(*dsp::find_preset("fast")), .fusion = {}};
   std::vector<std::string_view> board;  // everything that is not ours, in order
 };
 

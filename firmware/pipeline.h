@@ -3,14 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 
 #include "dsp/base/arena.h"
 #include "dsp/calib/calibration.h"
-#include "dsp/fusion/fuser.h"
-#include "dsp/pmd/converter.h"
-#include "dsp/stereo/matcher.h"
-#include "dsp/stereo/rectifier.h"
+#include "dsp/depth/depth_maker.h"
 #include "firmware/shot.h"
 #include "hal/clock.h"
 
@@ -19,32 +15,35 @@ namespace stof::firmware {
 // What is decided at start and never again. A PMD lens of 0x0 means stereo alone.
 struct Setup {
   dsp::Calibration calibration;
-  dsp::MatchParams match;
-  dsp::FusionParams fusion;
+  dsp::DepthParams depth;
 
   bool has_pmd() const noexcept { return calibration.pmd.lens.width > 0; }
 };
 
 inline constexpr std::size_t kSources = 6;  // values of dsp::Source
+inline constexpr std::size_t kCauses = 6;   // values of dsp::Cause
 
 struct Stats {
   hal::Duration match{};  // rectification and the search
   hal::Duration convert{};
-  hal::Duration fuse{};
+  hal::Duration fuse{};                           // and the periods of readings
+  hal::Duration watch{};                          // comparing the sensors for drift
   std::array<std::uint32_t, kSources> sources{};  // pixels of each
+  std::array<std::uint32_t, kCauses> causes{};
 
-  hal::Duration total() const noexcept { return match + convert + fuse; }
+  hal::Duration total() const noexcept { return match + convert + fuse + watch; }
 };
 
 struct Output {
   dsp::DepthMap map;
+  dsp::DriftEstimate drift;  // of the last second
   Stats stats;
 };
 
-// One shot to one depth map, with the parts that evaluation on the host uses too.
+// One shot to one depth map, by the dsp::DepthMaker that evaluation on the host uses too.
 class Pipeline {
  public:
-  // Bytes of the Arena; setup.match must pass dsp::check.
+  // Bytes of the Arena; setup.depth.match must pass dsp::check.
   static std::size_t bytes_needed(const Setup& setup) noexcept;
 
   // Builds all tables. setup.calibration is complete(), problem() of it empty.
@@ -54,15 +53,9 @@ class Pipeline {
   const Output& compute(const Shot& shot) noexcept;
 
  private:
-  void match(const hal::StereoFrame& frame) noexcept;
-
   hal::Clock& clock_;
-  std::optional<dsp::Rectifier> rectifier_;  // where the calibration asks for one
-  dsp::Matcher matcher_;
-  std::optional<dsp::Converter> converter_;
-  dsp::Fuser fuser_;
-  dsp::ImageView<dsp::Disparity> disparity_;
-  const dsp::PmdMaps* pmd_ = nullptr;  // of the last PMD frame
+  dsp::DepthMaker maker_;
+  int until_drift_ = 0;  // frames
   Output output_;
 };
 

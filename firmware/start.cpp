@@ -90,26 +90,27 @@ std::string limits(const Setup& setup, const board::Config& config) {
     return "the PMD pictures are " + size_text(pmd.width, pmd.height) + ", board " + config.name +
            " takes up to " + size_text(config.pmd.width, config.pmd.height) + ": use smaller ones";
   }
-  if (setup.match.disparities > config.stereo.disparities) {
-    return std::to_string(setup.match.disparities) + " disparities are more than the " +
+  if (setup.depth.match.disparities > config.stereo.disparities) {
+    return std::to_string(setup.depth.match.disparities) + " disparities are more than the " +
            std::to_string(config.stereo.disparities) + " of board " + config.name +
            ": choose fewer with --disparities";
   }
-  if (setup.match.block_width > config.stereo.block_width ||
-      setup.match.block_height > config.stereo.block_height) {
-    return "a block of " + size_text(setup.match.block_width, setup.match.block_height) +
+  if (setup.depth.match.block_width > config.stereo.block_width ||
+      setup.depth.match.block_height > config.stereo.block_height) {
+    return "a block of " +
+           size_text(setup.depth.match.block_width, setup.depth.match.block_height) +
            " is larger than the " +
            size_text(config.stereo.block_width, config.stereo.block_height) + " of board " +
            config.name + ": choose a smaller one with --block";
   }
-  if (dsp::check(setup.match, left.width, left.height) != Status::kOk) {
+  if (dsp::check(setup.depth.match, left.width, left.height) != Status::kOk) {
     return "pictures of " + size_text(left.width, left.height) +
            " cannot be matched with these parameters: check --disparities, --min-disparity and "
            "--block";
   }
   if (const std::size_t bytes = Pipeline::bytes_needed(setup); bytes > sizeof(Workspace)) {
     return "matching " + size_text(left.width, left.height) + " with " +
-           std::to_string(setup.match.disparities) + " disparities in this way takes " +
+           std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
            std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +
            std::to_string(sizeof(Workspace) / kMiB) +
            ": use fewer disparities, fewer --directions or a preset";
@@ -130,8 +131,9 @@ std::expected<Start, std::string> make_start(const board::Board& board, const bo
   if (board.pmd == nullptr) {
     start.setup.calibration.pmd.lens = {};
   }
-  start.setup.match = options.match;
-  start.setup.match.disparities = options.disparities.value_or(board.disparities);
+  start.setup.depth = options.depth;
+  start.setup.depth.fusion.spread = dsp::spread_of(options.depth.match);
+  start.setup.depth.match.disparities = options.disparities.value_or(board.disparities);
   start.timing = config.timing;
   if (options.period_ms) {
     start.timing.period = std::chrono::milliseconds(*options.period_ms);

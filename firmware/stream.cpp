@@ -82,6 +82,13 @@ wire::FrameInfo Stream::describe(const Shot& shot, const Output& output) const n
   info.latency_ns = (clock_.now() - shot.exposed).count();
   static_assert(kSources == wire::kSources);
   info.pixels_by_source = output.stats.sources;
+  static_assert(kCauses == wire::kCauses && dsp::kDriftParameters == wire::kDrifts);
+  info.pixels_by_cause = output.stats.causes;
+  for (std::size_t i = 0; i < wire::kDrifts; ++i) {
+    const dsp::Drift& drift = output.drift.drifts[i];
+    info.drifts[i] = {drift.value, drift.sigma, drift.significant};
+  }
+  info.drift_patches = output.drift.patches;
   info.counters = {
       .edges = counters.edges,
       .frames_published = counters.published,

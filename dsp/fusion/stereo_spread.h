@@ -6,6 +6,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 
@@ -19,6 +20,10 @@ inline constexpr SpreadTable kBlockSpread{6,  6,  6,  6,  7,  8,   9,   10,
 // Of sums over paths: what they favour at edges is more often wrong.
 inline constexpr SpreadTable kPathSpread{8,  8,  10, 12,  14,  16,  17,  20,
                                          34, 60, 90, 112, 128, 144, 160, 176};
+
+// The table that suits a search: of sums over paths or of blocks; half a step more where
+// disparities are whole.
+SpreadTable spread_of(const MatchParams& params) noexcept;
 
 // An interval never reaches further than an eighth of the depth: beyond that it says nothing
 // more, and its middle would leave the match.

@@ -1,7 +1,9 @@
 #include "dsp/pmd/converter.h"
 
 #include <algorithm>
+#include <cmath>
 #include <memory>
+#include <numbers>
 #include <span>
 
 #include "dsp/base/check.h"
@@ -38,6 +40,16 @@ std::size_t long_bytes(int width, int height) noexcept {
 std::size_t second_bytes(int width) noexcept {
   const std::size_t row = static_cast<std::size_t>(width);
   return exposure_row_bytes(row) + Arena::bytes_for<Phase>(row);
+}
+
+}  // namespace
+
+namespace {
+
+// Surfaces tilted by up to 60 degrees are no edges.
+std::uint16_t slope_of(const Pinhole& lens) noexcept {
+  const double two_pixels = 2 * std::numbers::sqrt3 / lens.fx;
+  return static_cast<std::uint16_t>(std::clamp(std::round(two_pixels * 65536), 0.0, 65535.0));
 }
 
 }  // namespace
@@ -101,6 +113,7 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   t.first = make_tone(sensor, sensor.tone);
   t.one_tone = range_tables(sensor, turn_m(sensor.tone));
   t.fixed_pattern = sensor.fixed_pattern;
+  maps_.slope_q16 = slope_of(sensor.lens);
   t.spare = {take_exposure_row(arena, row), arena.take<std::uint8_t>(row)};
   t.corrected = arena.take<Phase>(row);
   t.reading = arena.take<std::uint32_t>(row);

@@ -26,7 +26,8 @@ void fill_intervals(const PmdMaps& maps, Rows rows) noexcept {
   STOF_CHECK(maps.distance.stride() == stride && maps.sigma.stride() == stride);
   const IntervalLimits limits{
       .range = static_cast<QuarterMm>(std::min<std::uint32_t>(maps.range, kMaxQuarterMm)),
-      .widest = maps.widest};
+      .widest = maps.widest,
+      .slope_q16 = maps.slope_q16};
   for (int y = rows.begin; y < rows.end; ++y) {
     const std::span<const QuarterMm> distance = maps.distance.row(y);
     const std::span<std::uint8_t> flags = maps.flags.row(y);

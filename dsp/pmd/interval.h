@@ -25,6 +25,8 @@ struct IntervalRows {
 struct IntervalLimits {
   QuarterMm range = kMaxQuarterMm;   // unambiguous range: what readings repeat after
   QuarterMm widest = kMaxQuarterMm;  // half of one turn: see below
+  // What a slanted surface gains over two pixels, as a share of its distance, Q16: not an edge.
+  std::uint16_t slope_q16 = 0;
 };
 
 // The interval that holds the surface seen by a pixel, for one row: nearest and farthest valid
@@ -35,7 +37,8 @@ struct IntervalLimits {
 // are less than half a turn apart. Bits added to flags:
 //   kPmdWrapped     high - low is above widest, or 2 sigma reach below 0, so that the reading
 //                   may as well be one of nearly the whole range; then low = high = 0
-//   kPmdEdge        nearest and farthest differ by more than 3 (sigma + sigma): more than noise
+//   kPmdEdge        nearest and farthest differ by more than 3 (sigma + sigma) + ((nearest
+//                   slope_q16) >> 16): more than noise and the slope of a surface
 //   kPmdOutOfRange  high is above range, the pixel's own reading is not: the far end is more than
 //                   this sensor can tell. Or high is 65535, which is more than it can say. A
 //                   reading above range is one that was moved by whole periods, by who knew better

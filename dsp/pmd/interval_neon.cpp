@@ -79,7 +79,10 @@ void finish(const Extremes& e, uint16x8_t here, const IntervalLimits& limits, st
   const uint16x8_t wide = vcgtq_u16(vsubq_u16(hi, lo), vdupq_n_u16(limits.widest));
   const uint16x8_t wrapped = vandq_u16(present, vorrq_u16(wide, vceqq_u16(lo, none)));
   const uint16x8_t noise = vqaddq_u16(times(near_sigma, 3), times(far_sigma, 3));
-  const uint16x8_t edge = vcgtq_u16(vsubq_u16(farthest, nearest), noise);
+  const uint16x4_t share = vdup_n_u16(limits.slope_q16);
+  const uint16x8_t slope = vcombine_u16(vshrn_n_u32(vmull_u16(vget_low_u16(nearest), share), 16),
+                                        vshrn_n_u32(vmull_u16(vget_high_u16(nearest), share), 16));
+  const uint16x8_t edge = vcgtq_u16(vsubq_u16(farthest, nearest), vqaddq_u16(noise, slope));
   const uint16x8_t range = vdupq_n_u16(limits.range);
   const uint16x8_t beyond = vorrq_u16(vandq_u16(vcgtq_u16(hi, range), vcleq_u16(here, range)),
                                       vceqq_u16(hi, vdupq_n_u16(kMaxQuarterMm)));

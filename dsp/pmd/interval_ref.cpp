@@ -18,6 +18,8 @@ struct Reading {
 
 unsigned flag_if(bool condition, PmdFlag flag) noexcept { return condition ? unsigned{flag} : 0; }
 
+constexpr int kSlopeBits = 16;
+
 }  // namespace
 
 void interval(const IntervalRows& rows, const IntervalLimits& limits, std::span<std::uint8_t> flags,
@@ -48,7 +50,8 @@ void interval(const IntervalRows& rows, const IntervalLimits& limits, std::span<
     const int hi = std::min<int>(farthest.distance + 2 * farthest.sigma, kMaxQuarterMm);
     unsigned flag = flags[x];
     const int noise = std::min<int>(3 * nearest.sigma + 3 * farthest.sigma, kMaxQuarterMm);
-    flag |= flag_if(farthest.distance - nearest.distance > noise, kPmdEdge);
+    const std::int64_t slope = (std::int64_t{nearest.distance} * limits.slope_q16) >> kSlopeBits;
+    flag |= flag_if(farthest.distance - nearest.distance > noise + slope, kPmdEdge);
     const bool beyond = hi > limits.range && rows.distance_here[x + 1] <= limits.range;
     flag |= flag_if(beyond || hi == kMaxQuarterMm, kPmdOutOfRange);
     if (lo <= 0 || hi - lo > limits.widest) {

@@ -54,6 +54,8 @@ struct PmdMaps {
   // Readings further apart than this tell nothing about what lies between them: half a turn of the
   // first tone, quarter mm, whether or not a second one tells turns apart.
   QuarterMm widest = 0;
+  // What a surface tilted by 60 degrees gains over two pixels, as a share of its distance, Q16.
+  std::uint16_t slope_q16 = 0;
 };
 
 }  // namespace stof::dsp

@@ -134,6 +134,15 @@ MatchParams method_defaults(Method method) noexcept {
   return {.method = method, .block_width = 5, .block_height = 5};
 }
 
+MatchParams for_depth(const Preset& preset) noexcept {
+  MatchParams params = preset.params;
+  params.confidence = true;
+  if (params.subpixel == Subpixel::kWhole) {
+    params.subpixel = Subpixel::kEquiangular;
+  }
+  return params;
+}
+
 const Preset* find_preset(std::string_view name) noexcept {
   const auto* const found = std::ranges::find(kPresets, name, &Preset::name);
   return found == kPresets.end() ? nullptr : found;

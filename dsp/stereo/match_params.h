@@ -127,6 +127,9 @@ struct Preset {
   std::string_view meaning;  // one line
   MatchParams params;        // for 64 candidates from 0
 };
+// What a preset means where its disparities become depth: fitted to 1/16 px, because whole ones are
+// steps in depth, and with the confidence that fusion needs.
+MatchParams for_depth(const Preset& preset) noexcept;
 // nullptr: no preset of that name.
 const Preset* find_preset(std::string_view name) noexcept;
 // "fast, quality, chapter", for messages.

@@ -25,13 +25,42 @@ void encode_frame_info(const FrameInfo& info, std::span<std::byte, kFrameInfoByt
   put_u16(out.subspan<116, 2>(), info.source_packets);
   put_u8(out.subspan<118, 1>(), info.pmd_present ? 1 : 0);
   put_u8(out.subspan<119, 1>(), 0);
+  for (std::size_t i = 0; i < kCauses; ++i) {
+    put_u32(out.subspan(120 + 4 * i).first<4>(), info.pixels_by_cause[i]);
+  }
+  unsigned significant = 0;
+  for (std::size_t i = 0; i < kDrifts; ++i) {
+    const DriftReading& drift = info.drifts[i];
+    put_i32(out.subspan(144 + 8 * i).first<4>(), drift.value);
+    put_i32(out.subspan(148 + 8 * i).first<4>(), drift.sigma);
+    significant |= drift.significant ? 1U << i : 0U;
+  }
+  put_u32(out.subspan<184, 4>(), info.drift_patches);
+  put_u32(out.subspan<188, 4>(), significant);
 }
 
+namespace {
+
+void decode_health(std::span<const std::byte, kFrameInfoBytes> in, FrameInfo& info) noexcept {
+  for (std::size_t i = 0; i < kCauses; ++i) {
+    info.pixels_by_cause[i] = get_u32(in.subspan(120 + 4 * i).first<4>());
+  }
+  const std::uint32_t significant = get_u32(in.subspan<188, 4>());
+  for (std::size_t i = 0; i < kDrifts; ++i) {
+    info.drifts[i] = {.value = get_i32(in.subspan(144 + 8 * i).first<4>()),
+                      .sigma = get_i32(in.subspan(148 + 8 * i).first<4>()),
+                      .significant = ((significant >> i) & 1U) != 0};
+  }
+  info.drift_patches = get_u32(in.subspan<184, 4>());
+}
+
+}  // namespace
+
 Result<FrameInfo> decode_frame_info(std::span<const std::byte> payload) noexcept {
-  if (payload.size() < kFrameInfoBytes) {
+  if (payload.size() < kShortFrameInfoBytes) {
     return fail(Status::kCorrupt);
   }
-  const std::span<const std::byte, kFrameInfoBytes> in = payload.first<kFrameInfoBytes>();
+  const std::span<const std::byte, kShortFrameInfoBytes> in = payload.first<kShortFrameInfoBytes>();
   FrameInfo info{
       .exposure_begin_ns = get_i64(in.subspan<0, 8>()),
       .exposure_end_ns = get_i64(in.subspan<8, 8>()),
@@ -51,6 +80,9 @@ Result<FrameInfo> decode_frame_info(std::span<const std::byte> payload) noexcept
   };
   for (std::size_t i = 0; i < kSources; ++i) {
     info.pixels_by_source[i] = get_u32(in.subspan(40 + 4 * i).first<4>());
+  }
+  if (payload.size() >= kFrameInfoBytes) {
+    decode_health(payload.first<kFrameInfoBytes>(), info);
   }
   return info;
 }

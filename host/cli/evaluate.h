@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,12 +23,17 @@ struct EvaluateStereoOptions : EvaluateOptions {
 };
 
 struct EvaluateFusionOptions : EvaluateOptions {
-  std::filesystem::path scene;
-  std::filesystem::path prefix;
+  std::vector<std::filesystem::path> pairs;  // STEREO_DIR and PREFIX in turn
+  std::optional<double> max_range_m;         // without it the appliance's
+  bool guided = false;
+  bool chapter_geometry = false;
+  std::filesystem::path html;  // empty: no page
 };
 
 // Adds the flags that both commands share.
 void add_evaluate_flags(CLI::App& command, EvaluateOptions& options);
+// All of `stof evaluate fusion`.
+void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options);
 
 // Print to stdout. Throw Failure.
 void evaluate_stereo(const EvaluateStereoOptions& options);

@@ -2,7 +2,9 @@
 #include <exception>
 #include <new>
 
+#include "host/cli/calib.h"
 #include "host/cli/evaluate.h"
+#include "host/cli/evaluate_pmd.h"
 #include "host/cli/exit.h"
 #include "host/cli/report.h"
 #include "host/cli/view.h"
@@ -18,8 +20,10 @@ constexpr const char* kFooter =
 struct Commands {
   EvaluateStereoOptions stereo;
   EvaluateFusionOptions fusion;
+  EvaluatePmdOptions pmd;
   ViewOptions view;
   ReportOptions report;
+  CalibPmdOptions calib_pmd;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -35,12 +39,12 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   pair.callback([&stereo] { evaluate_stereo(stereo); });
 
   EvaluateFusionOptions& fusion = commands.fusion;
-  CLI::App& both = *evaluate.add_subcommand("fusion", "Fuse a stereo pair with its PMD recording");
-  both.add_option("STEREO_DIR", fusion.scene, "Folder of the stereo pair")->required();
-  both.add_option("PREFIX", fusion.prefix, "PMD recording: PREFIX.json, PREFIX_raw.pgm")
-      ->required();
-  add_evaluate_flags(both, fusion);
+  CLI::App& both =
+      *evaluate.add_subcommand("fusion", "Fuse stereo pairs with their PMD recordings");
+  add_fusion_flags(both, fusion);
   both.callback([&fusion] { evaluate_fusion(fusion); });
+
+  add_evaluate_pmd(evaluate, commands.pmd);
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {
@@ -91,6 +95,7 @@ int run(int argc, char** argv) {
   add_evaluate(app, commands);
   add_view(app, commands.view);
   add_report(app, commands.report);
+  add_calib(app, commands.calib_pmd);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdarg>
 #include <cstdio>
+#include <numbers>
 #include <utility>
 
 #include "host/evaluate/median.h"
@@ -50,7 +51,33 @@ double coverage(const client::Frame& frame) {
   return pixels == 0 ? 0 : static_cast<double>(covered) / pixels;
 }
 
+std::string drift_text(const wire::FrameInfo& info) {
+  struct Unit {
+    const char* name;
+    const char* unit;
+    double scale;
+  };
+  constexpr double kDegree = 180e-6 / std::numbers::pi;
+  constexpr std::array<Unit, wire::kDrifts> kUnits{{{"pitch", "deg", kDegree},
+                                                    {"yaw", "deg", kDegree},
+                                                    {"roll", "deg", kDegree},
+                                                    {"range", "mm", 1.0 / 16},
+                                                    {"disparity", "px", 1e-3}}};
+  std::string all;
+  for (std::size_t i = 0; i < kUnits.size(); ++i) {
+    const wire::DriftReading& drift = info.drifts[i];
+    if (drift.significant) {
+      all += text("%s %s %.3f +- %.3f %s", all.empty() ? "" : ",", kUnits[i].name,
+                  drift.value * kUnits[i].scale, drift.sigma * kUnits[i].scale, kUnits[i].unit);
+    }
+  }
+  return all.empty() ? all : ", drift:" + all + ": calibrate the rig anew";
+}
+
 void ViewMeter::count(const client::Frame& frame) {
+  if (frame.info) {
+    drift_ = drift_text(*frame.info);
+  }
   if (began_) {
     ++intervals_;
   } else {
@@ -85,6 +112,7 @@ std::string ViewMeter::line(client::Time now, const client::Statistics& statisti
   result += text(", lost %llu packets %llu frames",
                  static_cast<unsigned long long>(statistics.packets_missing),
                  static_cast<unsigned long long>(statistics.frames_lost));
+  result += drift_;
   since_ = now;
   counted_from_ = newest_;
   intervals_ = 0;

@@ -18,6 +18,10 @@ std::optional<double> latency_ms(const client::Frame& frame);
 // Share of pixels that have a depth.
 double coverage(const client::Frame& frame);
 
+// ", drift: pitch 0.104 +- 0.008 deg: calibrate the rig anew" for the drifts that are significant;
+// empty without any.
+std::string drift_text(const wire::FrameInfo& info);
+
 // What the line of each second is made of.
 class ViewMeter {
  public:
@@ -43,6 +47,7 @@ class ViewMeter {
   std::uint64_t frames_ = 0;
   double coverage_ = 0;  // sum over frames_
   std::vector<double> latencies_ms_;
+  std::string drift_;  // of the newest frame; empty: nothing to say
 };
 
 // The last line: frames received and verified, and what was lost, by cause.

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include "dataset/dataset.h"
 #include "dsp/base/fixed.h"
@@ -18,18 +21,39 @@ struct DepthPlanes {
 
 // Against truth. Shares are in 0..1; medians are over the pixels that have truth and a depth, the
 // mean of the middle two where their number is even, and absent where there is none.
+inline constexpr int kWidthParts = 4;
 struct DepthScore {
   double e5 = 1;        // pixels with truth that are missing or off by more than 5 % of the truth
   double coverage = 0;  // pixels with truth that have a depth
   std::size_t truth_pixels = 0;
   std::optional<double> median_error_m;
-  std::optional<double> median_relative;  // of |error| / truth
-  std::optional<double> hit_rate;         // covered pixels whose truth lies in [low, high]
-  std::optional<double> median_width_m;   // of high - low
+  std::optional<double> median_relative;        // of |error| / truth
+  std::optional<double> hit_rate;               // covered pixels whose truth lies in [low, high]
+  std::optional<double> median_width_m;         // of high - low
+  std::optional<double> median_width_relative;  // of (high - low) / truth
+  // hit_rate of each quarter of the intervals, narrowest quarter first.
+  std::array<std::optional<double>, kWidthParts> hit_rate_by_width;
 };
 
 // All of one size; truth in metres, +inf = unknown.
 DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& truth);
+
+// The mean of each number over the scores that have it; truth_pixels is the sum. An empty span
+// gives an empty score.
+DepthScore mean_score(std::span<const DepthScore> scores);
+
+// What the truth says of one published interval.
+struct IntervalCheck {
+  double width_m = 0;  // high - low
+  bool hit = false;    // the truth lies in it
+};
+// Of all pixels that have truth and a depth, row by row.
+std::vector<IntervalCheck> check_intervals(const DepthPlanes& planes,
+                                           const dataset::Image<float>& truth);
+// The share of hits in each of `parts` equal parts of the intervals ordered by width, narrowest
+// first; equally wide ones stay in the order given. Absent where a part is empty.
+std::vector<std::optional<double>> hit_rates_by_width(std::span<const IntervalCheck> checks,
+                                                      int parts);
 
 // Metres, interval [depth - width / 2, depth + width / 2]. Both of one size.
 DepthPlanes to_metres(dsp::ImageView<const dsp::QuarterMm> depth,

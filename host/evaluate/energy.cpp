@@ -34,7 +34,7 @@ Volume volume_of(const dataset::StereoScene& scene, dsp::MatchParams params) {
   pair.start(scene.left.view(), scene.right.view());
   pair.filter({0, height});
   pair.derive({0, height});
-  search.start(pair);
+  search.start(pair, {});
   Volume volume{.lanes = dsp::lanes_of(params),
                 .lambda = dsp::block_penalties<std::uint32_t>(params).small};
   volume.costs.reserve(size(width) * size(height) * size(volume.lanes));

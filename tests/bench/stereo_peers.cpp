@@ -11,6 +11,7 @@
 #include "dsp/stereo/matcher.h"
 #include "host/evaluate/match.h"
 #include "host/evaluate/median.h"
+#include "tests/bench/fusion_peer.h"
 
 namespace stof::host {
 namespace {
@@ -67,5 +68,6 @@ int main(int argc, char** argv) {
       stof::host::compare(*scene, preset);
     }
   }
+  stof::host::compare_fusion();
   return 0;
 }

@@ -55,7 +55,7 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
   setup.calibration.stereo.raw = pair;
   ASSERT_STREQ(dsp::complete(setup.calibration.stereo), "");
   ASSERT_STREQ(dsp::problem(setup.calibration), "");
-  setup.match = {.min_disparity = static_cast<int>(std::floor(-setup.calibration.stereo.doff_px)),
+  setup.depth.match = {.min_disparity = static_cast<int>(std::floor(-setup.calibration.stereo.doff_px)),
                  .disparities = 48,
                  .block_width = 13,
                  .block_height = 13,

@@ -100,12 +100,12 @@ Setup small_setup(bool with_pmd) {
     setup.calibration.pmd.lens = {
         .width = kPmdWidth, .height = kPmdHeight, .fx = 20, .fy = 20, .cx = 7.5, .cy = 5.5};
   }
-  setup.match = {.disparities = kDisparities,
+  setup.depth.match = {.disparities = kDisparities,
                  .block_width = 5,
                  .block_height = 5,
                  .left_right_tolerance = 1,
                  .subpixel = dsp::Subpixel::kEquiangular};
-  setup.fusion = {.stereo_sigma = 2};  // so that no two of the distances could be taken for one
+  setup.depth.fusion = {.stereo_sigma = 2};  // so that no two of the distances could be taken for one
   return setup;
 }
 
@@ -134,7 +134,7 @@ Rig::Rig(const RigOptions& options)
       stream(
           {.origin = {.device_id = 7, .session_id = 9},
            .clock = wire::ClockState::kEmulated,
-           .calibration = wire::make_calibration_packet(setup.calibration, setup.fusion.max_range,
+           .calibration = wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
                                                         options.timing.period.count())
                               .value()},
           clock, board.link, events),

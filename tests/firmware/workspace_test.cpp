@@ -32,6 +32,7 @@ dsp::MatchParams preset(const char* name, const board::StereoConfig& stereo) {
   dsp::MatchParams params = dsp::find_preset(name)->params;
   params.disparities = stereo.disparities;
   params.subpixel = dsp::Subpixel::kEquiangular;
+  params.confidence = true;
   return params;
 }
 
@@ -59,6 +60,12 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
     EXPECT_LE(dsp::Fuser::bytes_needed(s.width, s.height, s.disparities, board.pmd.width,
                                        board.pmd.height),
               fuser_bytes(s, board.pmd));
+    EXPECT_LE(dsp::Unwrapper::bytes_needed(s.width, s.height, s.disparities, board.pmd.width,
+                                           board.pmd.height),
+              unwrapper_bytes(s, board.pmd));
+    EXPECT_LE(dsp::DriftMonitor::bytes_needed(board.pmd.width, board.pmd.height),
+              monitor_bytes(board.pmd));
+    EXPECT_LE(dsp::TemporalFilter::bytes_needed(s.width, s.height), temporal_bytes(s));
   }
 }
 
@@ -70,7 +77,10 @@ TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
   setup.calibration.stereo.raw.emplace();
   setup.calibration.pmd.lens = {.width = board::kConfig.pmd.width,
                                 .height = board::kConfig.pmd.height};
-  setup.match = preset("quality", board::kConfig.stereo);
+  setup.calibration.pmd.second = dsp::PmdTone{.modulation = {18'750'000}};
+  setup.calibration.pmd.emitter_count = 1;
+  setup.depth.match = preset("quality", board::kConfig.stereo);
+  setup.depth.temporal = true;
   const std::size_t bytes = Pipeline::bytes_needed(setup);
   EXPECT_LE(bytes, sizeof(Workspace));
   EXPECT_GE(bytes, sizeof(Workspace) / 10 * 8);

@@ -45,6 +45,44 @@ TEST(DepthScore, AnswersAMapWorkedOutByHand) {
   EXPECT_DOUBLE_EQ(score.median_relative.value(), 0.03125);
   EXPECT_DOUBLE_EQ(score.hit_rate.value(), 2.0 / 3);
   EXPECT_DOUBLE_EQ(score.median_width_m.value(), 0.5);
+  EXPECT_DOUBLE_EQ(score.median_width_relative.value(), 0.125);  // of 0.25, 0.03125, 0.125
+}
+
+TEST(DepthScore, CountsHitsInEachQuarterOfTheWidths) {
+  std::vector<Pixel> pixels;
+  for (const float width : {0.5F, 0.25F, 0.125F, 0.0625F}) {
+    pixels.push_back({2, 2, 2 - width / 2, 2 + width / 2});  // a hit
+    const bool also_hit = width == 0.125F;
+    const float truth = also_hit ? 3.0F : 4.0F;
+    pixels.push_back({truth, 3, 3 - width / 2, 3 + width / 2});
+  }
+  const DepthScore score = score_of(pixels);
+  EXPECT_DOUBLE_EQ(score.hit_rate.value(), 5.0 / 8);
+  EXPECT_DOUBLE_EQ(score.hit_rate_by_width[0].value(), 0.5);  // the narrowest two
+  EXPECT_DOUBLE_EQ(score.hit_rate_by_width[1].value(), 1);
+  EXPECT_DOUBLE_EQ(score.hit_rate_by_width[2].value(), 0.5);
+  EXPECT_DOUBLE_EQ(score.hit_rate_by_width[3].value(), 0.5);
+}
+
+TEST(HitRatesByWidth, KeepTheOrderOfEqualWidthsAndSayNothingOfEmptyParts) {
+  const std::vector<IntervalCheck> checks{{1, true}, {1, true}, {1, false}, {0.5, false}};
+  EXPECT_EQ(hit_rates_by_width(checks, 2), (std::vector<std::optional<double>>{0.5, 0.5}));
+  EXPECT_EQ(hit_rates_by_width({{{1, true}}}, 2),
+            (std::vector<std::optional<double>>{std::nullopt, 1.0}));
+  EXPECT_EQ(hit_rates_by_width({}, 1), (std::vector<std::optional<double>>{std::nullopt}));
+}
+
+TEST(MeanScore, LeavesOutWhatAScoreDoesNotHave) {
+  const std::array<DepthScore, 2> scores{score_of({{2, 2, 1.75F, 2.25F}}),
+                                         score_of({{2, kNone, kNone, kNone}})};
+  const DepthScore mean = mean_score(scores);
+  EXPECT_EQ(mean.truth_pixels, 2U);
+  EXPECT_DOUBLE_EQ(mean.e5, 0.5);
+  EXPECT_DOUBLE_EQ(mean.coverage, 0.5);
+  EXPECT_DOUBLE_EQ(mean.median_width_m.value(), 0.5);
+  EXPECT_DOUBLE_EQ(mean.median_width_relative.value(), 0.25);
+  EXPECT_DOUBLE_EQ(mean.hit_rate.value(), 1);
+  EXPECT_FALSE(mean_score({}).hit_rate);
 }
 
 TEST(DepthScore, CallsFivePercentRightAndMoreWrong) {

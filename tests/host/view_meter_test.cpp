@@ -39,6 +39,16 @@ TEST(CoverageOfAFrame, IsTheShareOfPixelsWithDepth) {
   EXPECT_EQ(coverage(client::Frame{}), 0);
 }
 
+TEST(DriftText, NamesWhatIsSignificantInItsUnit) {
+  wire::FrameInfo info;
+  EXPECT_EQ(drift_text(info), "");
+  info.drifts[0] = {.value = 1745, .sigma = 175, .significant = true};
+  info.drifts[1] = {.value = 9999, .sigma = 1, .significant = false};
+  info.drifts[3] = {.value = -320, .sigma = 48, .significant = true};
+  EXPECT_EQ(drift_text(info),
+            ", drift: pitch 0.100 +- 0.010 deg, range -20.000 +- 3.000 mm: calibrate the rig anew");
+}
+
 TEST(ViewMeter, TellsTheSecond) {
   ViewMeter meter;
   EXPECT_FALSE(meter.due(kStart + 100s));  // nothing came yet

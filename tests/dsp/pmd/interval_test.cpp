@@ -152,6 +152,17 @@ struct Frame {
   test::GuardedBuffer<QuarterMm> sigma;
 };
 
+TEST(Interval, ASlantedSurfaceIsNoEdgeAndAStepIs) {
+  // 15 percent over two pixels is the slope; sigma 10 allows 60 more.
+  const IntervalLimits slanted{.range = kRange, .widest = kRange / 2, .slope_q16 = 9830};
+  const Block sigma{10, 10, 10, 10, 10, 10, 10, 10, 10};
+  const Block slope{8000, 8600, 9200, 8000, 8600, 9200, 8000, 8600, 9200};
+  EXPECT_EQ(run(slope, sigma, slanted).flags & kPmdEdge, 0);
+  EXPECT_NE(run(slope, sigma).flags & kPmdEdge, 0);
+  const Block step{8000, 8600, 9300, 8000, 8600, 9300, 8000, 8600, 9300};
+  EXPECT_NE(run(step, sigma, slanted).flags & kPmdEdge, 0);
+}
+
 // The contract once more, pixel by pixel on the whole frame with a clipped window.
 Interval oracle(Frame& frame, const IntervalLimits& limits, int x, int y) {
   std::vector<std::pair<int, int>> readings;
@@ -170,7 +181,8 @@ Interval oracle(Frame& frame, const IntervalLimits& limits, int x, int y) {
   const int lo = near.first - 2 * near.second;
   const int hi = std::min(far.first + 2 * far.second, 65535);
   int flags = 0;
-  if (far.first - near.first > std::min(3 * (near.second + far.second), 65535)) {
+  const std::int64_t slope = (std::int64_t{near.first} * limits.slope_q16) / 65536;
+  if (far.first - near.first > std::min(3 * (near.second + far.second), 65535) + slope) {
     flags |= kPmdEdge;
   }
   const int here = frame.distance[frame.index(x, y) + 1];
@@ -187,7 +199,10 @@ TEST(Interval, BothVariantsEqualTheOracleForEveryWidthAndBorder) {
       for (const int spread : {300, 20000, 65535}) {
         const std::uint64_t seed = static_cast<std::uint64_t>(width * 100 + height);
         Frame frame(width, height, seed, spread);
-        const IntervalLimits limits = width % 3 == 0 ? IntervalLimits{.widest = 14990} : kLimits;
+        const IntervalLimits limits =
+            width % 3 == 0 ? IntervalLimits{.widest = 14990,
+                                            .slope_q16 = static_cast<std::uint16_t>(width * 5000)}
+                           : kLimits;
         for (int y = 0; y < height; ++y) {
           const std::size_t n = static_cast<std::size_t>(width);
           test::GuardedBuffer<std::uint8_t> flags_a(n), flags_b(n);

@@ -37,6 +37,7 @@ TEST(FrameInfo, IsDecodedAndEncodedToTheSameBytes) {
     }
     bytes[118] = static_cast<std::byte>(round % 2);
     bytes[119] = std::byte{0};
+    put_u32(bytes.span().subspan(188).first<4>(), static_cast<std::uint32_t>(round % 32));
     const Result<FrameInfo> info = decode_frame_info(bytes.span());
     ASSERT_TRUE(info);
     std::array<std::byte, kFrameInfoBytes> again{};
@@ -61,7 +62,14 @@ TEST(FrameInfo, HasItsFieldsAtTheDocumentsOffsets) {
                  .depth_packets = 30,
                  .width_packets = 31,
                  .source_packets = 32,
-                 .pmd_present = true};
+                 .pmd_present = true,
+                 .pixels_by_cause = {40, 41, 42, 43, 44, 45},
+                 .drifts = {{{-50, 60, false},
+                             {-51, 61, true},
+                             {-52, 62, false},
+                             {-53, 63, true},
+                             {-54, 64, false}}},
+                 .drift_patches = 70};
   EXPECT_EQ(info.pixels(dsp::Source::kBoth), 13U);
   std::array<std::byte, kFrameInfoBytes> out{};
   encode_frame_info(info, out);
@@ -79,12 +87,30 @@ TEST(FrameInfo, HasItsFieldsAtTheDocumentsOffsets) {
   EXPECT_EQ(get_u16(bytes.subspan<114, 2>()), 31U);
   EXPECT_EQ(get_u16(bytes.subspan<116, 2>()), 32U);
   EXPECT_EQ(get_u8(bytes.subspan<118, 1>()), 1U);
+  for (std::uint32_t i = 0; i < 6; ++i) {
+    EXPECT_EQ(get_u32(bytes.subspan(120 + 4 * i).first<4>()), 40 + i);
+  }
+  for (std::int32_t i = 0; i < 5; ++i) {
+    const std::size_t at = 144 + 8 * static_cast<std::size_t>(i);
+    EXPECT_EQ(get_i32(bytes.subspan(at).first<4>()), -50 - i);
+    EXPECT_EQ(get_i32(bytes.subspan(at + 4).first<4>()), 60 + i);
+  }
+  EXPECT_EQ(get_u32(bytes.subspan<184, 4>()), 70U);
+  EXPECT_EQ(get_u32(bytes.subspan<188, 4>()), 0b01010U);
 }
 
 TEST(FrameInfo, RefusesLessAndIgnoresMore) {
-  for (std::size_t size = 0; size < kFrameInfoBytes; ++size) {
+  for (std::size_t size = 0; size < kShortFrameInfoBytes; ++size) {
     const test::GuardedBuffer<std::byte> bytes(size);
     ASSERT_EQ(decode_frame_info(bytes.span()).error(), Status::kCorrupt) << size;
+  }
+  for (std::size_t size = kShortFrameInfoBytes; size < kFrameInfoBytes; ++size) {
+    test::GuardedBuffer<std::byte> bytes(size);
+    std::ranges::fill(bytes.span(), std::byte{1});
+    const Result<FrameInfo> info = decode_frame_info(bytes.span());
+    ASSERT_TRUE(info) << size;
+    EXPECT_EQ(info->pixels_by_cause[1], 0U) << size;
+    EXPECT_EQ(info->drifts[4].sigma, std::numeric_limits<std::int32_t>::max()) << size;
   }
   EXPECT_TRUE(decode_frame_info(std::vector<std::byte>(kFrameInfoBytes + 9)));
 }

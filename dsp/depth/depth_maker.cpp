@@ -1,0 +1,152 @@
+#include "dsp/depth/depth_maker.h"
+
+#include "dsp/base/check.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr double kMetresPerQuarterMm = 1.0 / kQuarterMmPerMetre;
+
+std::size_t pixels(const Pinhole& lens) noexcept {
+  return static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
+}
+
+bool has_pmd(const Calibration& calibration) noexcept { return calibration.pmd.lens.width > 0; }
+
+bool guides(const Calibration& calibration, const DepthParams& params) noexcept {
+  return params.guided && GuideMaker::serves(calibration);
+}
+
+bool unwraps(const Calibration& calibration, const DepthParams& params) noexcept {
+  return has_pmd(calibration) && Unwrapper::needed(calibration.pmd, params.fusion);
+}
+
+// What the search is asked for, with what the other parts need of it.
+MatchParams search(const Calibration& calibration, const DepthParams& params) noexcept {
+  MatchParams match = params.match;
+  match.guided = guides(calibration, params);
+  return match;
+}
+
+GuideParams guide_params(const Calibration& calibration, const DepthParams& params) noexcept {
+  GuideParams guide;
+  guide.farthest_m =
+      unwraps(calibration, params) ? params.fusion.max_range * kMetresPerQuarterMm : 0;
+  return guide;
+}
+
+}  // namespace
+
+std::size_t DepthMaker::bytes_needed(const Calibration& calibration,
+                                     const DepthParams& params) noexcept {
+  const Pinhole& left = calibration.stereo.left;
+  const Pinhole& pmd = calibration.pmd.lens;
+  const int w = left.width;
+  const int h = left.height;
+  const int candidates = params.match.disparities;
+  std::size_t bytes = Matcher::bytes_needed(search(calibration, params), w, h) +
+                      Fuser::bytes_needed(w, h, candidates, pmd.width, pmd.height) +
+                      Arena::bytes_for<Disparity>(pixels(left));
+  bytes += calibration.stereo.raw ? Rectifier::bytes_needed(w, h) : 0;
+  bytes += guides(calibration, params) ? GuideMaker::bytes_needed(w, h, pmd.width, pmd.height) : 0;
+  bytes += has_pmd(calibration) ? Converter::bytes_needed(calibration.pmd) +
+                                      DriftMonitor::bytes_needed(pmd.width, pmd.height)
+                                : 0;
+  bytes += unwraps(calibration, params)
+               ? Unwrapper::bytes_needed(w, h, candidates, pmd.width, pmd.height)
+               : 0;
+  bytes += params.temporal ? TemporalFilter::bytes_needed(w, h) : 0;
+  return bytes;
+}
+
+DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params,
+                       Arena& arena) noexcept
+    : matcher_(search(calibration, params), calibration.stereo.left.width,
+               calibration.stereo.left.height, arena),
+      fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
+             calibration.stereo.left.width, calibration.stereo.left.height, arena) {
+  const int w = calibration.stereo.left.width;
+  const int h = calibration.stereo.left.height;
+  const MatchParams& match = params.match;
+  disparity_ = arena.take_image<Disparity>(w, h);
+  if (calibration.stereo.raw) {
+    rectifier_.emplace(calibration.stereo, arena);
+  }
+  if (guides(calibration, params)) {
+    guide_maker_.emplace(calibration, guide_params(calibration, params), match.min_disparity,
+                         match.disparities, w, h, arena);
+  }
+  if (has_pmd(calibration)) {
+    converter_.emplace(calibration.pmd, arena);
+    monitor_.emplace(calibration, DriftParams{}, arena);
+  }
+  if (unwraps(calibration, params)) {
+    unwrapper_.emplace(calibration, params.fusion, match.min_disparity, match.disparities, w, h,
+                       arena);
+  }
+  if (params.temporal) {
+    temporal_.emplace(w, h, TemporalParams{}, arena);
+  }
+}
+
+void DepthMaker::convert(const PmdFrame& frame) noexcept {
+  STOF_CHECK(converter_.has_value());
+  // A guide needs intervals before periods are told.
+  pmd_ = unwrapper_ && !guide_maker_ ? &converter_->measure(frame) : &converter_->convert(frame);
+  unresolved_ = unwrapper_.has_value();
+  unwatched_ = true;
+}
+
+void DepthMaker::match(ImageView<const std::uint8_t> left,
+                       ImageView<const std::uint8_t> right) noexcept {
+  const Guide guide = guide_maker_ && pmd_ != nullptr ? guide_maker_->make(*pmd_) : Guide{};
+  const Rows rows = disparity_.rows();
+  left_ = left;
+  right_ = right;
+  if (rectifier_) {
+    rectifier_->rectify(left, right, rows);
+    left_ = rectifier_->left();
+    right_ = rectifier_->right();
+  }
+  // In steps: what looks at the whole map must not see what lies beyond a border.
+  matcher_.start(left_, right_, guide);
+  matcher_.filter(rows);
+  matcher_.derive(rows);
+  matcher_.match_rows(rows, disparity_);
+  if (rectifier_) {
+    rectifier_->clear_border(rows, disparity_);
+  }
+  matcher_.finish(disparity_);
+  if (rectifier_) {
+    rectifier_->clear_border(rows, disparity_);
+  }
+  matched_ = true;
+}
+
+StereoMaps DepthMaker::stereo() const noexcept {
+  return matched_ ? StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()} : StereoMaps{};
+}
+
+void DepthMaker::fuse(const DepthMap& out) noexcept {
+  if (unresolved_ && pmd_ != nullptr) {
+    unwrapper_->resolve(*pmd_, stereo().disparity);
+    unresolved_ = false;
+  }
+  fuser_.fuse(stereo(), pmd_, out);
+  if (temporal_) {
+    temporal_->apply(matched_ ? left_ : ImageView<const std::uint8_t>{}, out);
+  }
+}
+
+void DepthMaker::watch() noexcept {
+  if (monitor_ && unwatched_ && matched_ && pmd_ != nullptr) {
+    monitor_->observe({.left = left_, .right = right_, .disparity = disparity_}, *pmd_);
+    unwatched_ = false;
+  }
+}
+
+DriftEstimate DepthMaker::drift() const noexcept {
+  return monitor_ ? monitor_->estimate() : DriftEstimate{};
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/image.h"
+#include "dsp/calib/calibration.h"
+#include "dsp/fusion/drift.h"
+#include "dsp/fusion/fuser.h"
+#include "dsp/fusion/guide.h"
+#include "dsp/fusion/temporal.h"
+#include "dsp/fusion/unwrap.h"
+#include "dsp/pmd/converter.h"
+#include "dsp/stereo/match_params.h"
+#include "dsp/stereo/matcher.h"
+#include "dsp/stereo/rectifier.h"
+
+namespace stof::dsp {
+
+// How pictures and samples become depth.
+struct DepthParams {
+  MatchParams match;
+  FusionParams fusion;    // fusion.spread suits the search: spread_of(match)
+  bool guided = false;    // PMD intervals narrow the search (guide.h)
+  bool temporal = false;  // depth is averaged over frames where nothing moves (temporal.h)
+};
+
+// The whole way from a pair and PMD samples to a depth map: rectification where the rig asks for
+// it, the guide, the search, conversion, periods of readings, fusion. What the appliance runs in
+// its loop and what recorded scenes are measured with are both this. Allocates nothing after
+// construction. Each frame: convert() where there are new PMD samples, match(), fuse().
+class DepthMaker {
+ public:
+  static std::size_t bytes_needed(const Calibration& calibration,
+                                  const DepthParams& params) noexcept;
+
+  // calibration is complete(), problem() of it empty; its PMD size may be 0x0: stereo alone.
+  // check(params.match) of the stereo size is kOk.
+  DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena) noexcept;
+
+  // Samples hold until the next ones; after forget_pmd() there are none.
+  void convert(const PmdFrame& frame) noexcept;
+  void forget_pmd() noexcept { pmd_ = nullptr; }
+
+  // Pictures of the calibration's size, as the cameras give them. A guide uses the PMD's last data.
+  void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
+  void forget_stereo() noexcept { matched_ = false; }
+
+  // Writes all images of `out`, of the stereo size, from what is there. Once a frame.
+  void fuse(const DepthMap& out) noexcept;
+
+  // Compares both sensors for drift of the rig, where the last frame had a pair and new samples:
+  // about 0.3 ms. After fuse(); costs nothing where there is no PMD.
+  void watch() noexcept;
+  // What watch() has found so far; about 0.3 ms.
+  DriftEstimate drift() const noexcept;
+
+  // What came of the last frame: empty, or nullptr, without. The pictures are those that were
+  // matched: rectified where the rig asks for it.
+  StereoMaps stereo() const noexcept;
+  const PmdMaps* pmd() const noexcept { return pmd_; }
+  ImageView<const std::uint8_t> left() const noexcept { return left_; }
+  ImageView<const std::uint8_t> right() const noexcept { return right_; }
+
+ private:
+  std::optional<Rectifier> rectifier_;
+  std::optional<GuideMaker> guide_maker_;
+  Matcher matcher_;
+  std::optional<Converter> converter_;
+  std::optional<Unwrapper> unwrapper_;
+  Fuser fuser_;
+  std::optional<TemporalFilter> temporal_;
+  std::optional<DriftMonitor> monitor_;
+  ImageView<Disparity> disparity_;
+  ImageView<const std::uint8_t> left_;
+  ImageView<const std::uint8_t> right_;
+  const PmdMaps* pmd_ = nullptr;
+  bool matched_ = false;
+  bool unresolved_ = false;  // readings whose periods are not told yet
+  bool unwatched_ = false;   // samples that watch() has not seen
+};
+
+}  // namespace stof::dsp

@@ -1,0 +1,55 @@
+#include "host/calibrate/calibration_store.h"
+
+#include <fstream>
+#include <iterator>
+
+#include "firmware/wire/calibration_file.h"
+
+namespace stof::host {
+namespace {
+
+std::unexpected<dataset::Problem> refuse(const std::filesystem::path& file, const char* what,
+                                         const char* remedy) {
+  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
+}
+
+}  // namespace
+
+dataset::Loaded<StoredCalibration> read_calibration(const std::filesystem::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  if (!stream.is_open() || stream.bad() || text.empty()) {
+    return refuse(file, "cannot be read", "check the name and its permissions");
+  }
+  StoredCalibration stored;
+  // No pattern has more elements than the file has bytes.
+  stored.fixed_pattern.resize(text.size() / sizeof(std::int16_t));
+  const Result<dsp::Calibration> decoded = wire::decode_calibration_file(
+      std::as_bytes(std::span(text.data(), text.size())), stored.fixed_pattern);
+  if (!decoded) {
+    return decoded.error() == Status::kUnsupported
+               ? refuse(file, "a calibration of a later version", "use a later stof")
+               : refuse(file, "not a calibration file, or damaged", "export it again");
+  }
+  stored.calibration = *decoded;
+  return stored;
+}
+
+std::expected<void, dataset::Problem> write_calibration(const std::filesystem::path& file,
+                                                        const dsp::Calibration& calibration) {
+  std::vector<std::byte> bytes(wire::calibration_file_bytes(calibration));
+  if (!wire::encode_calibration_file(calibration, bytes)) {
+    return refuse(file, "too large for a calibration file", "use a smaller sensor");
+  }
+  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
+  for (const std::byte byte : bytes) {
+    stream.put(static_cast<char>(byte));
+  }
+  stream.close();
+  if (!stream) {
+    return refuse(file, "cannot be written", "check the folder, its permissions and free space");
+  }
+  return {};
+}
+
+}  // namespace stof::host

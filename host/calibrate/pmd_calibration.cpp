@@ -1,0 +1,290 @@
+#include "host/calibrate/pmd_calibration.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "host/calibrate/pmd_measures.h"
+
+namespace stof::host {
+namespace {
+
+constexpr std::size_t kFewestWalls = 3;
+constexpr std::size_t kFewestForStray = 4;
+constexpr std::size_t kEnoughPixels = 4096;
+// A constant is kept when it explains this share of the misfit, and is this many times its
+// standard deviation. Millions of samples make anything significant; below these shares it is the
+// model's own error that is explained.
+constexpr double kStrayShare = 0.05;
+constexpr double kScaleShare = 0.02;
+constexpr double kEmitterShare = 0.02;
+constexpr double kSimpler = 0.6;  // times the energy of the wiggling
+constexpr double kSignificant = 5;
+
+SampleNoise noise_of(const dsp::PmdSensor& sensor) {
+  return {.electrons_per_lsb = sensor.electrons_per_lsb,
+          .noise_lsb = sensor.noise_lsb,
+          .suppressed_lsb = sensor.suppressed_lsb};
+}
+
+double gain(const FitResult& before, const FitResult& after) {
+  return before.cost > 0 ? (before.cost - after.cost) / before.cost : 0;
+}
+
+// The steps of a calibration, each of which may see what the ones before it found.
+class Steps {
+ public:
+  Steps(const dsp::PmdSensor& camera, std::vector<Wall> walls, const CalibrateOptions& options)
+      : options_(options), parts_(options.parts) {
+    out_.sensor = options.start.value_or(camera);
+    WallData& data = out_.data;
+    data.lens = camera.lens;
+    data.rays = rays_of(camera.lens);
+    data.walls = std::move(walls);
+    data.min_amplitude_lsb = out_.sensor.min_amplitude_lsb;
+    data.every = static_cast<int>((data.rays.size() + kEnoughPixels - 1) / kEnoughPixels);
+    begin_ = model_of(out_.sensor);
+    if (camera.emitter_count > 0) {
+      begin_.emitters.assign(camera.emitters.begin(),
+                             camera.emitters.begin() + camera.emitter_count);
+    }
+    parts_.emitter &= begin_.emitters.empty();
+    begin_.phase_falls = options.phase_falls.value_or(begin_.phase_falls);
+    forget_what_is_estimated();
+  }
+
+  PmdCalibration run() {
+    fit_the_noise();
+    begin();
+    FitParts plain = parts_;
+    plain.scale = plain.stray = plain.emitter = false;
+    best_ = fit_model(out_.data, plain, begin_);
+    out_.parts = plain;
+    judge_stray(plain);
+    try_scale();
+    try_emitter();
+    confirm_stray();
+    finish();
+    return std::move(out_);
+  }
+
+ private:
+  void forget_what_is_estimated() {
+    if (parts_.offset) {
+      begin_.offset = 0;
+      begin_.shift_m = 0;
+    }
+    if (parts_.scale) {
+      begin_.scale = 1;
+    }
+    if (parts_.wiggling) {
+      begin_.wiggling = {};
+    }
+    if (parts_.pattern) {
+      begin_.pattern.clear();
+    }
+    if (parts_.stray) {
+      begin_.stray = 0;
+    }
+  }
+
+  void fit_the_noise() {
+    WallData& data = out_.data;
+    data.noise = noise_of(out_.sensor);
+    if (!options_.noise) {
+      return;
+    }
+    if (const std::optional<SampleNoise> found = fit_noise(data.walls, data.noise)) {
+      data.noise = *found;
+      out_.noise_fitted = true;
+    }
+  }
+
+  bool stray_can_be_seen() const { return out_.data.walls.size() >= kFewestForStray; }
+
+  // Sign and offset, with stray light in the equations wherever it can be told from the signal:
+  // it may bend phases until they fall with distance.
+  void begin() {
+    const bool known = options_.phase_falls.has_value() || options_.start.has_value();
+    PmdModel guessed = begin_;
+    guess(out_.data, known, stray_can_be_seen() && begin_.stray == 0.0, guessed);
+    begin_.phase_falls = guessed.phase_falls;
+    if (parts_.offset) {
+      begin_.offset = guessed.offset;
+    }
+    stray_guess_ = guessed.stray;
+  }
+
+  FitResult with_stray(const FitParts& plain, const PmdModel& from) const {
+    FitParts parts = plain;
+    parts.stray = true;
+    PmdModel model = from;
+    model.stray = stray_guess_;
+    return fit_model(out_.data, parts, model);
+  }
+
+  // Both with everything else that bends phases: only what that does not explain is stray light.
+  void judge_stray(const FitParts& plain) {
+    if (!stray_can_be_seen() || begin_.stray != 0.0) {
+      return;
+    }
+    FitParts full = plain;
+    if (!options_.start) {
+      full.offset = full.wiggling = full.pattern = true;
+    }
+    const bool same = full.wiggling == plain.wiggling && full.pattern == plain.pattern &&
+                      full.offset == plain.offset;
+    const FitResult without = same ? best_ : fit_model(out_.data, full, begin_);
+    FitResult with = with_stray(full, begin_);
+    StrayReport& report = out_.stray;
+    report.estimate = with.model.stray;
+    report.sigma = with.stray_sigma;
+    report.explains = gain(without, with);
+    report.apparent_m = apparent_distance(with.model);
+    const bool seen =
+        report.explains >= kStrayShare && std::abs(report.estimate) > kSignificant * report.sigma;
+    report.verdict = StrayVerdict::kNone;
+    if (seen && !parts_.stray) {
+      report.verdict = StrayVerdict::kSuspected;
+    } else if (seen) {
+      report.verdict = StrayVerdict::kCorrected;
+      best_ = same ? std::move(with) : with_stray(plain, begin_);
+      out_.parts.stray = true;
+    }
+  }
+
+  static double apparent_distance(const PmdModel& model) {
+    const double sign = model.phase_falls ? -1 : 1;
+    const double phi1 = sign * std::arg(model.stray) / (2 * std::numbers::pi) - model.offset;
+    const double phi2 = phi1 - model.wiggling.at(phi1);
+    return (phi2 - std::floor(phi2)) * model.turn_m * model.scale + model.shift_m;
+  }
+
+  void try_emitter() {
+    if (!parts_.emitter) {
+      return;
+    }
+    FitParts parts = out_.parts;
+    parts.emitter = true;
+    PmdModel model = best_.model;
+    model.emitters = {dsp::Emitter{}};
+    FitResult found = fit_model(out_.data, parts, model);
+    if (gain(best_, found) >= kEmitterShare) {
+      best_ = std::move(found);
+      out_.parts = parts;
+    }
+  }
+
+  // A straight line of another slope is much like harmonics of all orders, except where the phase
+  // wraps. Of two that explain the walls alike, the one with less wiggling is the simpler.
+  void try_scale() {
+    if (!parts_.scale) {
+      return;
+    }
+    FitParts parts = out_.parts;
+    parts.scale = true;
+    FitResult found = fit_model(out_.data, parts, best_.model);
+    const double gained = gain(best_, found);
+    const bool simpler = parts.wiggling && gained > -kScaleShare &&
+                         energy(found.model.wiggling) < kSimpler * energy(best_.model.wiggling);
+    const bool telling = std::abs(found.model.scale - 1) > kSignificant * found.scale_sigma;
+    if (telling && (gained >= kScaleShare || simpler)) {
+      best_ = std::move(found);
+      out_.parts = parts;
+    }
+  }
+
+  // What looked like stray light may have been the lights or the line.
+  void confirm_stray() {
+    const bool more = out_.parts.scale || out_.parts.emitter;
+    if (out_.stray.verdict != StrayVerdict::kCorrected || !more) {
+      return;
+    }
+    FitParts parts = out_.parts;
+    parts.stray = false;
+    PmdModel model = best_.model;
+    model.stray = 0;
+    FitResult without = fit_model(out_.data, parts, model);
+    out_.stray.explains = gain(without, best_);
+    out_.stray.estimate = best_.model.stray;
+    if (out_.stray.explains < kStrayShare) {
+      best_ = std::move(without);
+      out_.parts = parts;
+      out_.stray.verdict = StrayVerdict::kNone;
+    }
+  }
+
+  static double energy(const WigglingCurve& curve) {
+    double sum = 0;
+    for (std::size_t h = 0; h < curve.sine.size(); ++h) {
+      sum += curve.cosine[h] * curve.cosine[h] + curve.sine[h] * curve.sine[h];
+    }
+    return sum;
+  }
+
+  // The pattern of the pixels that were not looked at.
+  void complete_pattern() {
+    WallData& data = out_.data;
+    if (data.every == 1 || !out_.parts.pattern) {
+      return;
+    }
+    data.every = 1;
+    const FitParts pattern{.offset = false,
+                           .scale = false,
+                           .wiggling = false,
+                           .pattern = true,
+                           .stray = false,
+                           .emitter = false};
+    best_.model = fit_model(data, pattern, best_.model).model;
+  }
+
+  void finish() {
+    out_.widest_gap = widest_gap(out_.data, best_.model);
+    out_.readings = best_.readings;
+    out_.misfit =
+        std::sqrt(2 * best_.cost / static_cast<double>(std::max<std::size_t>(best_.readings, 1)));
+    out_.scale_sigma = best_.scale_sigma;
+    complete_pattern();
+    out_.line = fit_line(out_.data, best_.model);
+    out_.sigma = measured_sigma(out_.data, best_.model);
+    put_model(best_.model, out_.sensor, out_.pattern);
+    out_.noise = out_.data.noise;
+    if (out_.noise_fitted) {
+      out_.sensor.electrons_per_lsb = out_.noise.electrons_per_lsb;
+      out_.sensor.noise_lsb = out_.noise.noise_lsb;
+      out_.sensor.suppressed_lsb = out_.noise.suppressed_lsb;
+    }
+    if (options_.white) {
+      out_.sensor.white_lsb = white_amplitude(out_.data, best_.model, options_.albedo);
+    }
+    out_.model = std::move(best_.model);
+  }
+
+  const CalibrateOptions options_;
+  FitParts parts_;
+  PmdModel begin_;
+  std::complex<double> stray_guess_;
+  FitResult best_;
+  PmdCalibration out_;
+};
+
+}  // namespace
+
+dataset::Loaded<PmdCalibration> calibrate_pmd(const dsp::PmdSensor& camera, std::vector<Wall> walls,
+                                              const CalibrateOptions& options) {
+  const std::size_t blind = drop_blind(walls, camera);
+  if (walls.empty() && blind > 0) {
+    return std::unexpected(
+        dataset::Problem{"no recording has a pixel that is neither saturated nor dark: change the "
+                         "integration time"});
+  }
+  if (const std::size_t count = count_distances(walls); count < kFewestWalls) {
+    return std::unexpected(
+        dataset::Problem{"usable recordings at " + std::to_string(count) +
+                         " distance(s): a calibration needs " + std::to_string(kFewestWalls) +
+                         " at least (json with \"z_m\", frames, unsaturated pixels)"});
+  }
+  return Steps(camera, std::move(walls), options).run();
+}
+
+}  // namespace stof::host

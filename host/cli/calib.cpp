@@ -1,0 +1,191 @@
+#include "host/cli/calib.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "host/calibrate/calibration_store.h"
+#include "host/calibrate/pmd_report.h"
+#include "host/cli/evaluate.h"
+#include "host/cli/exit.h"
+
+namespace stof::host {
+namespace {
+
+Frames frames_of(const std::string& name) {
+  if (name == "even") {
+    return Frames::kEven;
+  }
+  return name == "odd" ? Frames::kOdd : Frames::kAll;
+}
+
+// What --fit names; all of it where it names nothing.
+void choose_parts(const CalibPmdOptions& options, CalibrateOptions& calibrate) {
+  const auto named = [&options](const char* name) {
+    return options.fit.empty() || std::ranges::find(options.fit, name) != options.fit.end();
+  };
+  calibrate.parts = {.offset = named("offset"),
+                     .scale = named("scale"),
+                     .wiggling = named("wiggling"),
+                     .pattern = named("pattern"),
+                     .stray = named("stray"),
+                     .emitter = named("emitter") && !options.no_emitters};
+  calibrate.noise = named("noise");
+  calibrate.white = named("white");
+}
+
+void put_lens(const std::vector<double>& numbers, dsp::Pinhole& lens) {
+  const std::array<double*, 9> to{&lens.fx, &lens.fy, &lens.cx, &lens.cy, &lens.k1,
+                                  &lens.k2, &lens.k3, &lens.p1, &lens.p2};
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    *to[i] = numbers[i];
+  }
+}
+
+void put_emitters(const CalibPmdOptions& options, dsp::PmdSensor& camera) {
+  constexpr std::size_t kEach = 3;
+  if (options.no_emitters) {
+    camera.emitter_count = 0;
+  }
+  const std::vector<double>& numbers = options.emitters;
+  if (numbers.empty()) {
+    return;
+  }
+  if (numbers.size() % kEach != 0 || numbers.size() > kEach * dsp::kMaxEmitters) {
+    throw Failure(Exit::kBadInput,
+                  "--emitters: takes x y z of up to 4 lights, metres: give three numbers each");
+  }
+  camera.emitter_count = static_cast<int>(numbers.size() / kEach);
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    camera.emitters[i / kEach][i % kEach] = numbers[i];
+  }
+}
+
+void refuse_other_camera(const CalibPmdOptions& options, const dsp::PmdSensor& start,
+                         const dsp::PmdSensor& camera) {
+  if (start.lens.width != camera.lens.width || start.lens.height != camera.lens.height) {
+    throw Failure(Exit::kBadInput,
+                  options.start.string() + ": its PMD camera is " +
+                      std::to_string(start.lens.width) + "x" + std::to_string(start.lens.height) +
+                      ", the recordings are " + std::to_string(camera.lens.width) + "x" +
+                      std::to_string(camera.lens.height) + ": use the calibration of this rig");
+  }
+  if (start.tone.modulation.value != camera.tone.modulation.value) {
+    throw Failure(Exit::kBadInput, options.start.string() +
+                                       ": has another modulation frequency than the recordings: "
+                                       "use the calibration of this rig");
+  }
+}
+
+// The camera that is calibrated: what the recordings know, then --start, then the flags.
+dsp::PmdSensor camera_of(const CalibPmdOptions& options, const WallFolder& folder,
+                         const StoredCalibration& start) {
+  dsp::PmdSensor camera = folder.calibration.pmd;
+  const dsp::PmdSensor& known = start.calibration.pmd;
+  if (!options.start.empty() && known.lens.width > 0) {
+    refuse_other_camera(options, known, camera);
+    camera.lens = known.lens;
+    camera.min_amplitude_lsb = known.min_amplitude_lsb;
+    if (camera.emitter_count == 0) {
+      camera.emitter_count = known.emitter_count;
+      camera.emitters = known.emitters;
+    }
+  }
+  put_lens(options.lens, camera.lens);
+  put_emitters(options, camera);
+  dsp::Calibration judged{
+      .stereo = {.left = camera.lens, .baseline_m = 1}, .pmd = camera, .pmd_to_stereo = {}};
+  judged.stereo.left.k1 = judged.stereo.left.k2 = 0;
+  if (const std::string why = dsp::problem(judged); !why.empty()) {
+    throw Failure(Exit::kBadInput, why + ": correct the recordings' json or --lens");
+  }
+  return camera;
+}
+
+// What the file lacks for a rig, or empty.
+std::string missing_rig(const dsp::Calibration& calibration) {
+  dsp::Calibration checked = calibration;
+  if (*dsp::complete(checked.stereo) == '\0' && checked.stereo.left.width > 0 &&
+      *dsp::problem(checked) == '\0') {
+    return {};
+  }
+  return "note: the file has no complete stereo pair; stofd takes it once it has one (--start "
+         "with the rig's calibration)\n";
+}
+
+}  // namespace
+
+void calib_pmd(const CalibPmdOptions& options) {
+  StoredCalibration start;
+  if (!options.start.empty()) {
+    start = value_or_fail(read_calibration(options.start));
+  }
+  const Frames frames = frames_of(options.frames);
+  WallFolder folder = value_or_fail(read_folder(options.folder, frames));
+  const dsp::PmdSensor camera = camera_of(options, folder, start);
+  CalibrateOptions calibrate{
+      .parts = {}, .albedo = options.albedo, .start = std::nullopt, .phase_falls = std::nullopt};
+  choose_parts(options, calibrate);
+  if (!options.start.empty() && start.calibration.pmd.lens.width > 0) {
+    calibrate.start = start.calibration.pmd;
+  }
+  if (options.phase != "auto") {
+    calibrate.phase_falls = options.phase == "falls";
+  }
+  dataset::Loaded<PmdCalibration> found = calibrate_pmd(camera, std::move(folder.walls), calibrate);
+  if (!found) {
+    throw Failure(Exit::kBadInput, options.folder.string() + ": " + found.error().message);
+  }
+  PmdReport report = value_or_fail(make_report(folder, frames, *found));
+  report.folder = options.folder.string();
+
+  dsp::Calibration rig = options.start.empty() ? folder.calibration : start.calibration;
+  rig.pmd = found->sensor;
+  value_or_fail(write_calibration(options.out, rig));
+  if (!options.plots.empty()) {
+    make_folder(options.plots);
+    value_or_fail(write_plots(options.plots, report, *found));
+  }
+  if (options.json) {
+    std::printf("%s\n", report_json(report, *found).c_str());
+    return;
+  }
+  std::printf("%s%s%s\n", report_text(report, *found).c_str(), missing_rig(rig).c_str(),
+              options.out.c_str());
+}
+
+void add_calib(CLI::App& app, CalibPmdOptions& options) {
+  CLI::App& calib = *app.add_subcommand("calib", "Calibrate the sensors of a rig");
+  calib.require_subcommand(1);
+  CLI::App& pmd = *calib.add_subcommand(
+      "pmd", "A PMD sensor from a wall at known distances (docs/CALIBRATION.md)");
+  pmd.add_option("DIR", options.folder, "Folder of the recordings; each json says \"z_m\"")
+      ->required();
+  pmd.add_option("--out", options.out, "The calibration file to write")->required();
+  pmd.add_option("--start", options.start,
+                 "Calibration file that everything is kept from that is not fitted");
+  pmd.add_option("--frames", options.frames, "Frames that are fitted to; the others judge")
+      ->check(CLI::IsMember({"even", "odd", "all"}))
+      ->capture_default_str();
+  pmd.add_option("--fit", options.fit, "What is fitted, separated by commas; all of it by default")
+      ->delimiter(',')
+      ->check(CLI::IsMember(
+          {"offset", "scale", "wiggling", "pattern", "stray", "emitter", "noise", "white"}));
+  pmd.add_option("--phase", options.phase, "Whether the phase rises or falls with distance")
+      ->check(CLI::IsMember({"auto", "rises", "falls"}))
+      ->capture_default_str();
+  pmd.add_option("--lens", options.lens, "fx fy cx cy [k1 k2 k3 p1 p2] in place of the json's")
+      ->expected(4, 9);
+  CLI::Option* const lights =
+      pmd.add_option("--emitters", options.emitters, "x y z of each light in lens axes, metres")
+          ->expected(3, 12);
+  pmd.add_flag("--no-emitters", options.no_emitters, "The lights are at the lens")
+      ->excludes(lights);
+  pmd.add_option("--albedo", options.albedo, "Of the wall at the light's wavelength")
+      ->check(CLI::Range(0.01, 1.0))
+      ->capture_default_str();
+  pmd.add_option("--plots", options.plots, "Folder for PNGs");
+  pmd.add_flag("--json", options.json, "Print JSON");
+  pmd.callback([&options] { calib_pmd(options); });
+}
+
+}  // namespace stof::host

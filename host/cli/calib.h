@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+// `stof calib pmd`: the constants of a PMD sensor from recordings of a wall at known distances.
+namespace stof::host {
+
+struct CalibPmdOptions {
+  std::filesystem::path folder;
+  std::filesystem::path out;
+  std::filesystem::path start;  // empty: none
+  std::filesystem::path plots;  // empty: no pictures
+  std::string frames = "all";
+  std::string phase = "auto";
+  std::vector<std::string> fit;  // names of constants; empty: all
+  std::vector<double> lens;      // fx fy cx cy k1 k2 k3 p1 p2, the last five optional
+  std::vector<double> emitters;  // x y z of each light, metres
+  bool no_emitters = false;
+  double albedo = 0.9;
+  bool json = false;
+};
+
+// Adds the command and its flags; it runs when the command line was parsed.
+void add_calib(CLI::App& app, CalibPmdOptions& options);
+
+// Prints to stdout, writes the files. Throws Failure.
+void calib_pmd(const CalibPmdOptions& options);
+
+}  // namespace stof::host

@@ -1,0 +1,146 @@
+#include "host/cli/calib.h"
+
+#include <fstream>
+
+#include "host/calibrate/calibration_store.h"
+#include "host/cli/exit.h"
+#include "tests/dataset/scratch.h"
+#include "tests/host/calibrate/wall_files.h"
+#include "tests/host/calibrate/wall_simulator.h"
+
+namespace stof::host {
+namespace {
+
+using test::record;
+using test::SimulatedCamera;
+using test::write_wall;
+
+class CalibPmd : public test::Scratch {
+ protected:
+  CalibPmd() {
+    camera_.offset_m = 0.2;
+    camera_.wiggling.sine[3] = 0.03;
+    camera_.pattern_m = 0.004;
+    options_.folder = folder() / "walls";
+    options_.out = folder() / "rig.cal";
+    options_.json = true;
+    std::filesystem::create_directories(options_.folder);
+  }
+
+  void put_walls(const std::vector<double>& distances, const std::string& more = "") {
+    for (const double z : distances) {
+      write_wall(options_.folder, record(camera_, z, 4, 5), more);
+    }
+  }
+
+  void expect_refused(const std::string& fact) const {
+    try {
+      calib_pmd(options_);
+      FAIL() << "not refused: " << fact;
+    } catch (const Failure& failure) {
+      const std::string line = failure.what();
+      EXPECT_EQ(failure.code(), Exit::kBadInput);
+      EXPECT_NE(line.find(fact), std::string::npos) << line;
+      EXPECT_EQ(line.find('\n'), std::string::npos) << line;
+    }
+    EXPECT_FALSE(std::filesystem::exists(options_.out));
+  }
+
+  SimulatedCamera camera_;
+  CalibPmdOptions options_;
+};
+
+TEST_F(CalibPmd, WritesAFileThatKeepsTheRigOfAnother) {
+  put_walls({0.7, 1.1, 1.5, 2, 2.5, 3, 3.5});
+  dsp::Calibration rig;
+  rig.stereo.left = {.width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240};
+  rig.stereo.baseline_m = 0.16;
+  rig.pmd = record(camera_, 1, 1, 1).recording.calibration.pmd;
+  rig.pmd_to_stereo.translation_m = {0.01, 0.3, -0.2};
+  options_.start = folder() / "start.cal";
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  options_.plots = folder() / "plots";
+  calib_pmd(options_);
+  const dataset::Loaded<StoredCalibration> stored = read_calibration(options_.out);
+  ASSERT_TRUE(stored) << stored.error().message;
+  const dsp::Calibration& found = stored->calibration;
+  EXPECT_STREQ(dsp::problem(found), "");
+  EXPECT_EQ(found.stereo.baseline_m, 0.16);
+  EXPECT_EQ(found.stereo.left.fx, 600);
+  EXPECT_EQ(found.pmd_to_stereo.translation_m, rig.pmd_to_stereo.translation_m);
+  EXPECT_EQ(found.pmd.fixed_pattern.size(), 32U * 24U);
+  EXPECT_NE(found.pmd.tone.wiggling, dsp::WigglingTable{});
+  EXPECT_NEAR(found.pmd.electrons_per_lsb, camera_.electrons_per_lsb,
+              0.2 * camera_.electrons_per_lsb);
+  for (const char* name : {"residual.png", "wiggling.png", "sigma.png", "pattern.png"}) {
+    EXPECT_GT(std::filesystem::file_size(options_.plots / name), 500U) << name;
+  }
+}
+
+TEST_F(CalibPmd, TakesTheRigOfTheRecordings) {
+  put_walls({0.7, 1.1, 1.5, 2, 2.5},
+            R"(, "R": [1,0,0,0,1,0,0,0,1], "T": [0,0.3,0], "stereo": {"width": 640, "height": 480,
+               "f_px": 700, "cx": 320, "cy": 240, "baseline_m": 0.12, "doff_px": 0})");
+  calib_pmd(options_);
+  const dataset::Loaded<StoredCalibration> stored = read_calibration(options_.out);
+  ASSERT_TRUE(stored) << stored.error().message;
+  EXPECT_EQ(stored->calibration.stereo.baseline_m, 0.12);
+  EXPECT_EQ(stored->calibration.pmd_to_stereo.translation_m[1], 0.3);
+}
+
+TEST_F(CalibPmd, RefusesTooFewDistances) {
+  put_walls({1, 2});
+  expect_refused("2 distance(s)");
+}
+
+TEST_F(CalibPmd, RefusesAFolderWithoutWalls) {
+  expect_refused("holds no recording of a wall");
+  options_.folder = folder() / "nowhere";
+  expect_refused("not a folder");
+}
+
+TEST_F(CalibPmd, RefusesMixedCameras) {
+  put_walls({1, 2, 3});
+  camera_.f_mod_hz = 25'000'000;
+  put_walls({4});
+  expect_refused("modulation frequencies differ");
+}
+
+TEST_F(CalibPmd, RefusesWallsWithoutAUsablePixel) {
+  camera_.white_lsb = 1e6;
+  put_walls({1, 2, 3});
+  expect_refused("saturated");
+}
+
+TEST_F(CalibPmd, RefusesWhatCannotBeRead) {
+  put_walls({1, 2, 3});
+  std::ofstream(options_.folder / "z2000.json") << "{ not json";
+  expect_refused("z2000.json: is not a JSON object");
+  put_walls({2}, ", \"int_scale\": -1");
+  expect_refused("int_scale");
+  put_walls({2});
+  std::filesystem::resize_file(options_.folder / "z3000_raw.pgm", 100);
+  expect_refused("z3000_raw.pgm");
+  put_walls({3});
+  options_.start = options_.folder / "z3000.json";
+  expect_refused("not a calibration file");
+}
+
+TEST_F(CalibPmd, RefusesTheCalibrationOfAnotherCamera) {
+  put_walls({1, 2, 3});
+  dsp::Calibration rig;
+  rig.pmd = record(camera_, 1, 1, 1).recording.calibration.pmd;
+  rig.pmd.lens.width = 64;
+  options_.start = folder() / "start.cal";
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("its PMD camera is 64x24");
+}
+
+TEST_F(CalibPmd, RefusesEmittersThatAreNoPlaces) {
+  put_walls({1, 2, 3});
+  options_.emitters = {0.1, 0, 0, 0.2};
+  expect_refused("--emitters");
+}
+
+}  // namespace
+}  // namespace stof::host
