@@ -24,15 +24,16 @@ constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcep
   return 2 * (1 + 6) * pixels(stereo.width, stereo.height) + 10 * dsp::Arena::kAlign;
 }
 
-// Preset `quality`, which takes the most of all presets: nine images; for each column and
+// Preset `quality`, which takes the most of all presets: eight images; for each column and
 // candidate (whole vectors of 16) two bytes of 26 rows of sums over regions, one of 96 rows of
 // costs and paths, and of some more; and what the largest blocks add to a row of sums. Other
-// searches may take more than that at the board's full size; then they are refused at start.
+// searches, a guide and a filter over time may take more than that at the board's full size; then
+// they are refused at start.
 constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo) noexcept {
   const auto lanes = static_cast<std::size_t>((stereo.disparities + 15) / 16 * 16);
   const auto columns = static_cast<std::size_t>(stereo.width);
   const auto block = static_cast<std::size_t>(stereo.block_width);
-  return 15 * pixels(stereo.width, stereo.height) + (2 * 26 + 96 + 14) * columns * lanes +
+  return 13 * pixels(stereo.width, stereo.height) + (2 * 26 + 96 + 14) * columns * lanes +
          4 * block * lanes + 192 * (columns + block) + 64 * lanes + 8192;
 }
 
@@ -42,32 +43,26 @@ constexpr std::size_t converter_bytes(const board::PmdConfig& pmd) noexcept {
   return 30 * pixels(pmd.width + 2, pmd.height) + 32 * static_cast<std::size_t>(pmd.width) + 8192;
 }
 
-// A z-buffer, interval and flags for each stereo pixel; rays and up to four footprints for each PMD
+// Interval and flags for each stereo pixel; rays and up to four footprints for each PMD
 // pixel; intervals by disparity or tangents by column, both in 1/16 px; some rows.
 constexpr std::size_t fuser_bytes(const board::StereoConfig& stereo,
                                   const board::PmdConfig& pmd) noexcept {
-  return 8 * pixels(stereo.width, stereo.height) + 72 * pixels(pmd.width, pmd.height) +
+  return 5 * pixels(stereo.width, stereo.height) + 64 * pixels(pmd.width, pmd.height) +
          16 * (8 + 4) * (static_cast<std::size_t>(stereo.disparities) + 4) +
          (32 + 4 + 16 * 4) * static_cast<std::size_t>(stereo.width) + 8192 + 4 * 2 * 255;
 }
 
-// What tells the periods of readings apart: some 100 bytes a PMD pixel, a coarse picture of the
+// What tells the periods of readings apart: some 80 bytes a PMD pixel, a coarse picture of the
 // pair's depth, its tables; and the means of patches that show whether the rig has drifted.
 constexpr std::size_t unwrapper_bytes(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
-  return 104 * pixels(pmd.width, pmd.height) + 2 * pixels(stereo.width, stereo.height) +
+  return 84 * pixels(pmd.width, pmd.height) + 5 * pixels(stereo.width, stereo.height) / 4 +
          16 * (8 + 4) * (static_cast<std::size_t>(stereo.disparities) + 4) +
          128 * static_cast<std::size_t>(stereo.width) +
          128 * (static_cast<std::size_t>(pmd.width) + static_cast<std::size_t>(pmd.height)) + 16384;
 }
 constexpr std::size_t monitor_bytes(const board::PmdConfig& pmd) noexcept {
   return 13 * pixels(pmd.width, pmd.height) + 8192;
-}
-
-// Mean, scatter, tally, kind and grey value of each pixel; four rows of changes.
-constexpr std::size_t temporal_bytes(const board::StereoConfig& stereo) noexcept {
-  return 7 * pixels(stereo.width, stereo.height) +
-         4 * (static_cast<std::size_t>(stereo.width) + 2) + 6 * dsp::Arena::kAlign;
 }
 
 // Disparity, depth, interval width, source, cause.
@@ -79,7 +74,7 @@ constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
   return rectifier_bytes(stereo) + matcher_bytes(stereo) + converter_bytes(pmd) +
          fuser_bytes(stereo, pmd) + unwrapper_bytes(stereo, pmd) + monitor_bytes(pmd) +
-         temporal_bytes(stereo) + image_bytes(stereo);
+         image_bytes(stereo);
 }
 
 inline constexpr std::size_t kMiB = 1 << 20;

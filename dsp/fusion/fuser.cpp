@@ -75,7 +75,7 @@ std::size_t Fuser::bytes_needed(int width, int height, int disparities, int pmd_
   return Arena::bytes_for<Tables>(1) + Arena::bytes_for<DepthInterval>(table_size(disparities)) +
          Arena::bytes_for<std::int32_t>(row) +
          Arena::bytes_for<std::int32_t>(column_table_size(width, disparities)) +
-         3 * Arena::bytes_for<QuarterMm>(pixels(width, height)) +
+         2 * Arena::bytes_for<QuarterMm>(pixels(width, height)) +
          Arena::bytes_for<std::uint8_t>(pixels(width, height)) +
          2 * Arena::bytes_for<QuarterMm>(row) + 2 * Arena::bytes_for<std::uint8_t>(row) +
          Arena::bytes_for<Disparity>(row) + Arena::bytes_for<Cause>(row) +
@@ -106,7 +106,6 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
     t.disparity = make_disparity_table(calibration.stereo, first, params.max_range,
                                        arena.take<DepthInterval>(table_size(disparities)));
   }
-  t.painted.nearest = arena.take_image<QuarterMm>(width, height);
   t.painted.low = arena.take_image<QuarterMm>(width, height);
   t.painted.high = arena.take_image<QuarterMm>(width, height);
   t.painted.flags = arena.take_image<std::uint8_t>(width, height);
@@ -168,6 +167,8 @@ void Fuser::fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& o
   } else {
     t.reprojector.forget();
   }
+  // The z-buffer is of no use once everything is painted: depth is written over it.
+  t.painted.nearest = out.depth;
   t.reprojector.paint(all, t.painted);
   for (int y = all.begin; y < all.end; ++y) {
     fuse_row(stereo, y, out);

@@ -17,7 +17,7 @@ struct Reading {
   std::uint32_t amp2 = 0;  // at the reference integration time
 };
 
-inline constexpr int kMostPeriods = 15;
+inline constexpr int kMostPeriods = 7;
 
 // In place of a period.
 inline constexpr std::int8_t kUnknownPeriod = -1;   // nobody speaks for one

@@ -68,10 +68,10 @@ std::size_t Matcher::bytes_needed(const MatchParams& params, int width, int heig
       (needs_wide_sums(params) ? RowSearch<std::uint32_t>::bytes_needed(params, width)
                                : RowSearch<std::uint16_t>::bytes_needed(params, width));
   bytes += params.distinct ? Arena::bytes_for<std::int16_t>(pixels) : 0;
-  bytes += params.median ? Arena::bytes_for<Disparity>(pixels) : 0;
+  bytes += params.median || keeps_weak(params) ? Arena::bytes_for<Disparity>(pixels) : 0;
   bytes += fills(params) ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
   bytes += params.confidence ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
-  bytes += keeps_weak(params) ? Arena::bytes_for<Disparity>(pixels) : 0;
+  bytes += keeps_weak(params) && !params.distinct ? Arena::bytes_for<Disparity>(pixels) : 0;
   return bytes + Arena::bytes_for<std::byte>(scratch_bytes(params, width, height));
 }
 
@@ -86,7 +86,7 @@ Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena)
   if (params.distinct) {
     margins_ = arena.take_image<std::int16_t>(width, height);
   }
-  if (params.median) {
+  if (params.median || keeps_weak(params)) {
     spare_ = arena.take_image<Disparity>(width, height);
   }
   if (fills(params)) {
@@ -96,7 +96,12 @@ Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena)
     ratio_ = arena.take_image<std::uint8_t>(width, height);
   }
   if (keeps_weak(params)) {
-    weak_ = arena.take_image<Disparity>(width, height);
+    // Margins are of no use once the indistinct ones are dropped.
+    weak_ = params.distinct
+                ? ImageView<Disparity>(
+                      reinterpret_cast<Disparity*>(margins_.data()),  // NOLINT: both are an i16
+                      width, height)
+                : arena.take_image<Disparity>(width, height);
   }
   scratch_ = arena.take<std::byte>(scratch_bytes(params, width, height));
 }

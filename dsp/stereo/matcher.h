@@ -80,7 +80,7 @@ class Matcher {
   std::optional<RowSearch<std::uint16_t>> search_;
   std::optional<RowSearch<std::uint32_t>> wide_search_;
   ImageView<std::int16_t> margins_;  // distinct
-  ImageView<Disparity> spare_;       // median
+  ImageView<Disparity> spare_;       // the map before a check or the median
   ImageView<std::uint8_t> filled_;
   ImageView<std::uint8_t> ratio_;
   ImageView<Disparity> weak_;

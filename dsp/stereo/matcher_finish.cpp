@@ -20,9 +20,9 @@ std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
 // Drops what the whole map speaks against.
 void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
-  const ImageView<Disparity> weak = cut(weak_, width_, height_);
-  for (int y = 0; !weak.empty() && y < height_; ++y) {
-    std::ranges::copy(out.row(y), weak.row(y).begin());
+  const ImageView<Disparity> before = cut(spare_, width_, height_);
+  for (int y = 0; !weak_.empty() && y < height_; ++y) {
+    std::ranges::copy(out.row(y), before.row(y).begin());
   }
   if (params_.min_texture) {
     drop_flat(pair_.left(), *params_.prefilter_cap, *params_.min_texture, out.rows(),
@@ -48,13 +48,13 @@ void Matcher::keep_weak(ImageView<const Disparity> out) noexcept {
   if (weak.empty()) {
     return;
   }
+  const ImageView<Disparity> before = cut(spare_, width_, height_);
   if (params_.speckle_pixels) {
-    drop_speckles(weak, *params_.speckle_pixels, Arena(scratch_));
+    drop_speckles(before, *params_.speckle_pixels, Arena(scratch_));
   }
   for (int y = 0; y < height_; ++y) {
-    const std::span<Disparity> row = weak.row(y);
-    for (std::size_t x = 0; x < row.size(); ++x) {
-      row[x] = out.row(y)[x].valid() ? Disparity::none() : row[x];
+    for (std::size_t x = 0; x < size(width_); ++x) {
+      weak.row(y)[x] = out.row(y)[x].valid() ? Disparity::none() : before.row(y)[x];
     }
   }
 }

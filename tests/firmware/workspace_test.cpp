@@ -65,7 +65,6 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
               unwrapper_bytes(s, board.pmd));
     EXPECT_LE(dsp::DriftMonitor::bytes_needed(board.pmd.width, board.pmd.height),
               monitor_bytes(board.pmd));
-    EXPECT_LE(dsp::TemporalFilter::bytes_needed(s.width, s.height), temporal_bytes(s));
   }
 }
 
@@ -80,7 +79,6 @@ TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
   setup.calibration.pmd.second = dsp::PmdTone{.modulation = {18'750'000}};
   setup.calibration.pmd.emitter_count = 1;
   setup.depth.match = preset("quality", board::kConfig.stereo);
-  setup.depth.temporal = true;
   const std::size_t bytes = Pipeline::bytes_needed(setup);
   EXPECT_LE(bytes, sizeof(Workspace));
   EXPECT_GE(bytes, sizeof(Workspace) / 10 * 8);
