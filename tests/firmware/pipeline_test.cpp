@@ -55,12 +55,13 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
   setup.calibration.stereo.raw = pair;
   ASSERT_STREQ(dsp::complete(setup.calibration.stereo), "");
   ASSERT_STREQ(dsp::problem(setup.calibration), "");
-  setup.depth.match = {.min_disparity = static_cast<int>(std::floor(-setup.calibration.stereo.doff_px)),
-                 .disparities = 48,
-                 .block_width = 13,
-                 .block_height = 13,
-                 .left_right_tolerance = 1,
-                 .subpixel = dsp::Subpixel::kEquiangular};
+  setup.depth.match = {
+      .min_disparity = static_cast<int>(std::floor(-setup.calibration.stereo.doff_px)),
+      .disparities = 48,
+      .block_width = 13,
+      .block_height = 13,
+      .left_right_tolerance = 1,
+      .subpixel = dsp::Subpixel::kEquiangular};
   hal::emu::Clock clock;
   Memory memory(Pipeline::bytes_needed(setup));
   dsp::Arena arena = memory.arena();

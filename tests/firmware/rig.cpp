@@ -101,11 +101,13 @@ Setup small_setup(bool with_pmd) {
         .width = kPmdWidth, .height = kPmdHeight, .fx = 20, .fy = 20, .cx = 7.5, .cy = 5.5};
   }
   setup.depth.match = {.disparities = kDisparities,
-                 .block_width = 5,
-                 .block_height = 5,
-                 .left_right_tolerance = 1,
-                 .subpixel = dsp::Subpixel::kEquiangular};
-  setup.depth.fusion = {.stereo_sigma = 2};  // so that no two of the distances could be taken for one
+                       .block_width = 5,
+                       .block_height = 5,
+                       .left_right_tolerance = 1,
+                       .subpixel = dsp::Subpixel::kEquiangular,
+                       .confidence = true};
+  // So narrow that no two of the distances could be taken for one.
+  setup.depth.fusion.spread.fill(4);
   return setup;
 }
 
@@ -131,13 +133,13 @@ Rig::Rig(const RigOptions& options)
              &std::free),
       arena({memory.get(), Pipeline::bytes_needed(setup)}),
       pipeline(setup, clock, arena),
-      stream(
-          {.origin = {.device_id = 7, .session_id = 9},
-           .clock = wire::ClockState::kEmulated,
-           .calibration = wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
-                                                        options.timing.period.count())
-                              .value()},
-          clock, board.link, events),
+      stream({.origin = {.device_id = 7, .session_id = 9},
+              .clock = wire::ClockState::kEmulated,
+              .calibration =
+                  wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
+                                                options.timing.period.count())
+                      .value()},
+             clock, board.link, events),
       loop(board, options.timing, setup, pipeline, stream, events) {}
 
 std::size_t Received::count(dsp::Source which) const {
