@@ -153,9 +153,9 @@ class Settler {
     return {std::max<int>(row_.pmd.low[x], 1), std::min<int>(row_.pmd.high[x], params_.max_range)};
   }
 
-  Surface<Table> surface(int raw) const noexcept {
+  Surface<Table> surface(int raw, int share = kSettledShare) const noexcept {
     const int half =
-        std::clamp((raw - params_.infinity_raw) / kSettledShare, int{Disparity::kOne}, kMostSpread);
+        std::clamp((raw - params_.infinity_raw) / share, int{Disparity::kOne}, kMostSpread);
     return {table_, raw, half};
   }
 
@@ -227,8 +227,8 @@ class Settler {
   // Where the PMD says that there is an edge: the surface that is nearest in the picture, or the
   // other one.
   void settle_edges(const Run& run) noexcept {
-    const Surface<Table> left = surface(run.left.raw);
-    const Surface<Table> right = surface(run.right.raw);
+    const Surface<Table> left = surface(run.left.raw, kMixedShare);
+    const Surface<Table> right = surface(run.right.raw, kMixedShare);
     for (std::size_t x = run.begin; x < run.end; ++x) {
       if ((row_.support.pmd_flags[x] & kPmdEdge) == 0 || !open_.has(x)) {
         continue;

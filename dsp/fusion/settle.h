@@ -33,6 +33,8 @@ struct SettleParams {
 // How far a surface may lie from where its neighbour was matched: a fourteenth of the parallax
 // (and so of the depth), at least 1 px.
 inline constexpr int kSettledShare = 14;
+// At an edge, where the nearest surface is the better guess of two: a sixth.
+inline constexpr int kMixedShare = 6;
 // A PMD interval narrower than a twelfth of its depth needs nobody's help.
 inline constexpr int kNarrowShare = 12;
 // A match stands for a surface that its neighbours belong to below this peak ratio: eight in ten of
