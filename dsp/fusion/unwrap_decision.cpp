@@ -121,8 +121,7 @@ std::int8_t UnwrapDecision::by_surface(const UnwrapPicture& picture, int x, int 
       8 * (voters - most) > most || !prevails(picture, x, y, winner)) {
     return own == kUnknownPeriod ? kUnknownPeriod : kDisputedPeriod;
   }
-  return picture.has(picture.possible, i, winner) ? static_cast<std::int8_t>(winner)
-                                                  : kRefutedPeriod;
+  return has_bit(picture.possible, i, winner) ? static_cast<std::int8_t>(winner) : kRefutedPeriod;
 }
 
 void UnwrapDecision::ask_surfaces(UnwrapPicture& picture) noexcept {
@@ -186,8 +185,8 @@ std::int8_t UnwrapDecision::last_word(const ReturnedLight& light, const UnwrapPi
   const int region = so_far == kUnknownPeriod ? regions_.period(i) : PeriodRegions::kUndecided;
   if (region != PeriodRegions::kUndecided) {
     const bool fits = region >= 0 && region < picture.periods;
-    return fits && picture.has(picture.possible, i, region) ? static_cast<std::int8_t>(region)
-                                                            : kRefutedPeriod;
+    return fits && has_bit(picture.possible, i, region) ? static_cast<std::int8_t>(region)
+                                                        : kRefutedPeriod;
   }
   if (picture.possible[i] == 1) {
     return 0;
@@ -240,8 +239,7 @@ void UnwrapDecision::decide(ReturnedLight& light, UnwrapPicture& picture) noexce
   for (std::size_t i = 0; i < all; ++i) {
     const std::int8_t period = last_word(light, picture, i);
     picture.seen[i] = period > 0 && picture.vote[i] == period;
-    picture.period[i] =
-        period >= 0 && picture.has(picture.mixed, i, period) ? kRefutedPeriod : period;
+    picture.period[i] = period >= 0 && has_bit(picture.mixed, i, period) ? kRefutedPeriod : period;
   }
   // In place of vote: frays() looks at the periods around.
   for (int y = 0; y < picture.height; ++y) {

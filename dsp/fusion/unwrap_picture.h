@@ -25,6 +25,11 @@ inline constexpr std::int8_t kDisputedPeriod = -2;  // stereo does, readings aro
 inline constexpr std::int8_t kRefutedPeriod = -3;   // cannot be told, or lies beyond max_range
 inline constexpr std::int8_t kNoReading = -4;
 
+// Whether bit k of pixel i is set.
+inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) noexcept {
+  return (bits[i] >> k) % 2 != 0;
+}
+
 // What is found out about the pixels of a frame, row by row.
 struct UnwrapPicture {
   static std::size_t bytes_needed(std::size_t pixels) noexcept {
@@ -51,9 +56,6 @@ struct UnwrapPicture {
   // Where reading i lies in period k, or beyond kMaxQuarterMm.
   std::uint32_t distance(std::size_t i, int k) const noexcept {
     return readings[i].distance + static_cast<std::uint32_t>(k) * range;
-  }
-  bool has(std::span<const std::uint16_t> bits, std::size_t i, int k) const noexcept {
-    return (bits[i] >> k) % 2 != 0;
   }
 
   int width;

@@ -68,7 +68,7 @@ struct Row {
   void expect(std::size_t x, Source want, Cause why, int near_depth) {
     EXPECT_EQ(source[x], want) << x;
     EXPECT_EQ(cause[x], why) << x;
-    EXPECT_NEAR(depth[x], near_depth, near_depth / 20) << x;
+    EXPECT_NEAR(depth[x], near_depth, 0.05 * near_depth) << x;
   }
 
   std::vector<Disparity> disparity, weak;
