@@ -130,9 +130,9 @@ Seen compare(const Pair& pair, std::uint64_t seed) {
 
   Seen seen;
   for (const PlainReading& reading : plain.readings()) {
-    seen.once += reading.places.size() == 1 ? 1 : 0;
-    seen.twice += reading.places.size() == 2 ? 1 : 0;
-    seen.thrice += reading.places.size() == 3 ? 1 : 0;
+    seen.once += reading.places.size() == 1 ? 1U : 0U;
+    seen.twice += reading.places.size() == 2 ? 1U : 0U;
+    seen.thrice += reading.places.size() == 3 ? 1U : 0U;
   }
   for (int y = 0; y < height; ++y) {
     seen.painted |= std::ranges::any_of(expected.high.view().row(y), [](int v) { return v != 0; });
