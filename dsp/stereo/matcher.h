@@ -15,12 +15,13 @@
 
 namespace stof::dsp {
 
+// In place of a peak ratio that was not computed: neither distinct nor with rivals.
+inline constexpr std::uint8_t kRatioUnknown = 128;
+
 // Matches one stereo pair as MatchParams say: picture, cost, search, checks, refinement. Holds its
 // buffers, allocates nothing. Disparities in the left image, none where no candidate lies inside
 // the right image, where all of them cost the same (a flat, black or saturated picture) or where a
 // check failed. Nothing is filled unless asked for, and filled() tells what was.
-inline constexpr std::uint8_t kRatioUnknown = 128;
-
 class Matcher {
  public:
   // Bytes of the Arena that a Matcher for images up to width x height takes.
