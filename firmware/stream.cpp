@@ -76,7 +76,7 @@ wire::FrameInfo Stream::describe(const Shot& shot, const Output& output) const n
       std::min(stereo.left_exposure.begin, stereo.right_exposure.begin).time_since_epoch().count();
   info.exposure_end_ns =
       std::max(stereo.left_exposure.end, stereo.right_exposure.end).time_since_epoch().count();
-  info.pmd_present = shot.pmd_exposed.has_value();
+  info.pmd_present = shot.pmd_exposed ? 1 : 0;
   info.pmd_age_ns = shot.pmd_exposed ? (shot.exposed - *shot.pmd_exposed).count() : 0;
   info.compute_ns = output.stats.total().count();
   info.latency_ns = (clock_.now() - shot.exposed).count();
@@ -86,7 +86,8 @@ wire::FrameInfo Stream::describe(const Shot& shot, const Output& output) const n
   info.pixels_by_cause = output.stats.causes;
   for (std::size_t i = 0; i < wire::kDrifts; ++i) {
     const dsp::Drift& drift = output.drift.drifts[i];
-    info.drifts[i] = {drift.value, drift.sigma, drift.significant};
+    info.drifts[i] = {.value = drift.value, .sigma = drift.sigma};
+    info.drift_significant |= drift.significant ? 1U << i : 0U;
   }
   info.drift_patches = output.drift.patches;
   info.counters = {

@@ -4,8 +4,6 @@
 #include <concepts>
 #include <limits>
 
-#include "firmware/wire/bytes.h"
-
 namespace stof::wire {
 namespace {
 
@@ -60,61 +58,9 @@ Result<CalibrationPacket> make_calibration_packet(const dsp::Calibration& calibr
   return packet;
 }
 
-// docs/WIRE.md, "Calibration".
-void encode_calibration_packet(const CalibrationPacket& packet,
-                               std::span<std::byte, kCalibrationPacketBytes> out) noexcept {
-  put_u16(out.subspan<0, 2>(), packet.image_width);
-  put_u16(out.subspan<2, 2>(), packet.image_height);
-  put_u16(out.subspan<4, 2>(), packet.pmd_width);
-  put_u16(out.subspan<6, 2>(), packet.pmd_height);
-  put_i32(out.subspan<8, 4>(), packet.fx);
-  put_i32(out.subspan<12, 4>(), packet.fy);
-  put_i32(out.subspan<16, 4>(), packet.cx);
-  put_i32(out.subspan<20, 4>(), packet.cy);
-  put_i32(out.subspan<24, 4>(), packet.doff);
-  put_u32(out.subspan<28, 4>(), packet.depth_unit_um);
-  put_u32(out.subspan<32, 4>(), packet.max_range);
-  put_u32(out.subspan<36, 4>(), packet.modulation_hz);
-  put_i64(out.subspan<40, 8>(), packet.baseline_nm);
-  put_i64(out.subspan<48, 8>(), packet.period_ns);
-  for (std::size_t i = 0; i < packet.rotation.size(); ++i) {
-    put_i32(out.subspan(56 + 4 * i).first<4>(), packet.rotation[i]);
-  }
-  put_u32(out.subspan<92, 4>(), 0);
-  for (std::size_t i = 0; i < packet.translation_nm.size(); ++i) {
-    put_i64(out.subspan(96 + 8 * i).first<8>(), packet.translation_nm[i]);
-  }
-}
-
-Result<CalibrationPacket> decode_calibration_packet(std::span<const std::byte> payload) noexcept {
-  if (payload.size() < kCalibrationPacketBytes) {
-    return fail(Status::kCorrupt);
-  }
-  const std::span<const std::byte, kCalibrationPacketBytes> in =
-      payload.first<kCalibrationPacketBytes>();
-  CalibrationPacket packet{
-      .image_width = get_u16(in.subspan<0, 2>()),
-      .image_height = get_u16(in.subspan<2, 2>()),
-      .pmd_width = get_u16(in.subspan<4, 2>()),
-      .pmd_height = get_u16(in.subspan<6, 2>()),
-      .fx = get_i32(in.subspan<8, 4>()),
-      .fy = get_i32(in.subspan<12, 4>()),
-      .cx = get_i32(in.subspan<16, 4>()),
-      .cy = get_i32(in.subspan<20, 4>()),
-      .doff = get_i32(in.subspan<24, 4>()),
-      .depth_unit_um = get_u32(in.subspan<28, 4>()),
-      .max_range = get_u32(in.subspan<32, 4>()),
-      .modulation_hz = get_u32(in.subspan<36, 4>()),
-      .baseline_nm = get_i64(in.subspan<40, 8>()),
-      .period_ns = get_i64(in.subspan<48, 8>()),
-  };
-  for (std::size_t i = 0; i < packet.rotation.size(); ++i) {
-    packet.rotation[i] = get_i32(in.subspan(56 + 4 * i).first<4>());
-  }
-  for (std::size_t i = 0; i < packet.translation_nm.size(); ++i) {
-    packet.translation_nm[i] = get_i64(in.subspan(96 + 8 * i).first<8>());
-  }
-  if (packet.fx <= 0 || packet.fy <= 0 || packet.depth_unit_um == 0) {
+Result<CalibrationPacket> read_calibration_packet(std::span<const std::byte> payload) noexcept {
+  const Result<CalibrationPacket> packet = decode_calibration_packet(payload);
+  if (packet && (packet->fx <= 0 || packet->fy <= 0 || packet->depth_unit_um == 0)) {
     return fail(Status::kCorrupt);
   }
   return packet;

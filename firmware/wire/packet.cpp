@@ -5,61 +5,54 @@
 #include "dsp/base/check.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
+#include "firmware/wire/messages/header.h"
 
 namespace stof::wire {
 namespace {
 
 constexpr std::array<std::byte, 4> kMagic{std::byte{'S'}, std::byte{'T'}, std::byte{'O'},
                                           std::byte{'F'}};
+static_assert(kHeaderBytes == kHeaderFieldsBytes);
 
-// docs/WIRE.md, "Header".
-void write_header(const Header& header, std::size_t payload_bytes,
-                  std::span<std::byte, kHeaderBytes> out) noexcept {
-  std::ranges::copy(kMagic, out.begin());
-  put_u8(out.subspan<4, 1>(), kWireVersion);
-  put_u8(out.subspan<5, 1>(), static_cast<std::uint8_t>(header.type));
-  put_u8(out.subspan<6, 1>(), static_cast<std::uint8_t>(kHeaderBytes));
-  put_u8(out.subspan<7, 1>(), header.flags);
-  put_u32(out.subspan<8, 4>(), header.origin.device_id);
-  put_u32(out.subspan<12, 4>(), header.origin.session_id);
-  put_u8(out.subspan<16, 1>(), static_cast<std::uint8_t>(header.stream));
-  put_u8(out.subspan<17, 1>(), static_cast<std::uint8_t>(header.codec));
-  put_u8(out.subspan<18, 1>(), static_cast<std::uint8_t>(header.frame.health));
-  put_u8(out.subspan<19, 1>(), static_cast<std::uint8_t>(header.frame.clock));
-  put_u32(out.subspan<20, 4>(), header.frame.number);
-  put_i64(out.subspan<24, 8>(), header.frame.exposure_middle_ns);
-  put_u32(out.subspan<32, 4>(), header.frame.freshness);
-  put_u16(out.subspan<36, 2>(), header.index);
-  put_u16(out.subspan<38, 2>(), header.count);
-  put_u16(out.subspan<40, 2>(), header.image_width);
-  put_u16(out.subspan<42, 2>(), header.image_height);
-  put_u16(out.subspan<44, 2>(), header.first_row);
-  put_u16(out.subspan<46, 2>(), header.first_column);
-  put_u16(out.subspan<48, 2>(), header.pixel_count);
-  put_u16(out.subspan<50, 2>(), static_cast<std::uint16_t>(payload_bytes));
+HeaderFields fields_of(const Header& header, std::size_t payload_bytes) noexcept {
+  return {.type = header.type,
+          .flags = header.flags,
+          .origin = header.origin,
+          .stream = header.stream,
+          .codec = header.codec,
+          .health = header.frame.health,
+          .clock = header.frame.clock,
+          .number = header.frame.number,
+          .exposure_middle_ns = header.frame.exposure_middle_ns,
+          .freshness = header.frame.freshness,
+          .index = header.index,
+          .count = header.count,
+          .image_width = header.image_width,
+          .image_height = header.image_height,
+          .first_row = header.first_row,
+          .first_column = header.first_column,
+          .pixel_count = header.pixel_count,
+          .payload_length = static_cast<std::uint16_t>(payload_bytes)};
 }
 
-Header read_header(std::span<const std::byte, kHeaderBytes> in) noexcept {
-  return {
-      .type = PacketType{get_u8(in.subspan<5, 1>())},
-      .flags = get_u8(in.subspan<7, 1>()),
-      .origin = {.device_id = get_u32(in.subspan<8, 4>()),
-                 .session_id = get_u32(in.subspan<12, 4>())},
-      .frame = {.number = get_u32(in.subspan<20, 4>()),
-                .freshness = get_u32(in.subspan<32, 4>()),
-                .exposure_middle_ns = get_i64(in.subspan<24, 8>()),
-                .health = Health{get_u8(in.subspan<18, 1>())},
-                .clock = ClockState{get_u8(in.subspan<19, 1>())}},
-      .stream = Stream{get_u8(in.subspan<16, 1>())},
-      .codec = Codec{get_u8(in.subspan<17, 1>())},
-      .index = get_u16(in.subspan<36, 2>()),
-      .count = get_u16(in.subspan<38, 2>()),
-      .image_width = get_u16(in.subspan<40, 2>()),
-      .image_height = get_u16(in.subspan<42, 2>()),
-      .first_row = get_u16(in.subspan<44, 2>()),
-      .first_column = get_u16(in.subspan<46, 2>()),
-      .pixel_count = get_u16(in.subspan<48, 2>()),
-  };
+Header header_of(const HeaderFields& fields) noexcept {
+  return {.type = fields.type,
+          .flags = fields.flags,
+          .origin = fields.origin,
+          .frame = {.number = fields.number,
+                    .freshness = fields.freshness,
+                    .exposure_middle_ns = fields.exposure_middle_ns,
+                    .health = fields.health,
+                    .clock = fields.clock},
+          .stream = fields.stream,
+          .codec = fields.codec,
+          .index = fields.index,
+          .count = fields.count,
+          .image_width = fields.image_width,
+          .image_height = fields.image_height,
+          .first_row = fields.first_row,
+          .first_column = fields.first_column,
+          .pixel_count = fields.pixel_count};
 }
 
 }  // namespace
@@ -107,7 +100,11 @@ std::expected<PacketView, PacketFault> parse_packet(std::span<const std::byte> d
   if (crc32c(datagram.first(stated - kCrcBytes)) != get_u32(datagram.last<kCrcBytes>())) {
     return std::unexpected(PacketFault::kCrc);
   }
-  const PacketView packet{.header = read_header(datagram.first<kHeaderBytes>()),
+  const Result<HeaderFields> fields = decode_header_fields(datagram);
+  if (!fields) {
+    return std::unexpected(PacketFault::kTruncated);
+  }
+  const PacketView packet{.header = header_of(*fields),
                           .payload = datagram.subspan(header_bytes, payload_bytes)};
   if (packet.header.index >= packet.header.count) {
     return std::unexpected(PacketFault::kField);
@@ -119,20 +116,40 @@ std::span<const std::byte> seal_packet(const Header& header, std::size_t payload
                                        DatagramBuffer& buffer) noexcept {
   STOF_CHECK(payload_bytes <= kMaxPayload);
   const std::span<std::byte, kMaxDatagram> bytes(buffer);
-  write_header(header, payload_bytes, bytes.first<kHeaderBytes>());
+  encode_header_fields(fields_of(header, payload_bytes), bytes.first<kHeaderBytes>());
   const std::span<std::byte> covered = bytes.first(kHeaderBytes + payload_bytes);
   const std::span<std::byte> crc = bytes.subspan(covered.size(), kCrcBytes);
   put_u32(crc.first<kCrcBytes>(), crc32c(covered));
   return bytes.first(covered.size() + kCrcBytes);
 }
 
+std::size_t pixel_bytes(Stream stream, Codec codec) noexcept {
+  switch (stream) {
+    case Stream::kDepth:
+    case Stream::kWidth:
+    case Stream::kDisparity:
+    case Stream::kPmdRaw:
+      return codec == Codec::kRaw16 || codec == Codec::kRvl16 ? 2 : 0;
+    case Stream::kSource:
+    case Stream::kGreyLeft:
+    case Stream::kGreyRight:
+      return codec == Codec::kRaw8 || codec == Codec::kRvl8 ? 1 : 0;
+    case Stream::kCloud:
+      return codec == Codec::kPoints ? 8 : 0;
+    default:
+      return 0;
+  }
+}
+
 bool consistent_tile(const PacketView& packet) noexcept {
   const Header& header = packet.header;
   const std::size_t width = header.image_width;
   const std::size_t first = header.first_row * width + header.first_column;
-  return header.pixel_count > 0 && header.first_column < width &&
+  const std::size_t bytes = header.pixel_count * raw_pixel_bytes(header.codec);
+  return pixel_bytes(header.stream, header.codec) > 0 && header.pixel_count > 0 &&
+         header.first_column < width &&
          first + header.pixel_count <= width * header.image_height &&
-         packet.payload.size() == header.pixel_count * pixel_bytes(header.stream, header.codec);
+         (bytes == 0 || packet.payload.size() == bytes);
 }
 
 }  // namespace stof::wire

@@ -6,6 +6,9 @@
 #include <expected>
 #include <span>
 
+#include "firmware/wire/messages/enums.h"
+#include "firmware/wire/messages/structs.h"
+
 // One datagram: header, payload, CRC-32C. The bytes are described in docs/WIRE.md.
 namespace stof::wire {
 
@@ -15,38 +18,11 @@ inline constexpr std::size_t kCrcBytes = 4;
 inline constexpr std::size_t kMaxPayload = kMaxDatagram - kHeaderBytes - kCrcBytes;
 inline constexpr std::uint8_t kWireVersion = 1;
 
-// The enumerations hold what arrived: a value without a name is legal and means "newer than this
-// code". It is ignored and counted, never an error.
-
 // Types below 64 are parts of a frame and share its packet counting; the others count for
 // themselves.
-enum class PacketType : std::uint8_t { kTile = 1, kFrameInfo = 2, kCalibration = 64, kHealth = 65 };
 constexpr bool part_of_frame(PacketType type) noexcept {
   return static_cast<std::uint8_t>(type) < 64;
 }
-
-enum class Stream : std::uint8_t {
-  kNone = 0,
-  kDepth = 1,      // u16, quarter millimetres, Z; 0 = none
-  kWidth = 2,      // u16, quarter millimetres, of the interval; 0 where depth is none
-  kSource = 3,     // u8, dsp::Source
-  kDisparity = 4,  // reserved: i16, 1/16 px, INT16_MIN = none
-};
-
-enum class Codec : std::uint8_t { kNone = 0, kRaw16 = 1, kRaw8 = 2 };
-
-enum class Health : std::uint8_t { kOk = 0, kDegraded = 1, kFault = 2 };
-
-// What the times of a packet count from.
-enum class ClockState : std::uint8_t {
-  kMonotonic = 0,  // nanoseconds since the sensor's boot, synchronised with nothing
-  kEmulated = 1,   // an emulated rig's own time
-};
-
-struct Origin {
-  std::uint32_t device_id = 0;
-  std::uint32_t session_id = 0;  // random, new at each start of the sender
-};
 
 // What all packets of a frame say alike.
 struct FrameStamp {
@@ -105,17 +81,26 @@ constexpr std::span<std::byte, kMaxPayload> payload_space(DatagramBuffer& buffer
 std::span<const std::byte> seal_packet(const Header& header, std::size_t payload_bytes,
                                        DatagramBuffer& buffer) noexcept;
 
-// Bytes of one pixel of a tile; 0 for a stream or codec this code does not know, or a pair of them
-// that does not belong together.
-constexpr std::size_t pixel_bytes(Stream stream, Codec codec) noexcept {
-  const bool wide = stream == Stream::kDepth || stream == Stream::kWidth;
-  if (wide && codec == Codec::kRaw16) {
-    return 2;
+// Bytes of one pixel of a raw tile; 0 for other codecs.
+constexpr std::size_t raw_pixel_bytes(Codec codec) noexcept {
+  switch (codec) {
+    case Codec::kRaw16:
+      return 2;
+    case Codec::kRaw8:
+      return 1;
+    case Codec::kPoints:
+      return 8;
+    default:
+      return 0;
   }
-  return stream == Stream::kSource && codec == Codec::kRaw8 ? 1 : 0;
 }
 
-// Whether a tile of a known stream and codec lies in its image and has as many bytes as it says.
+// Bytes that a pixel of a stream has in memory: 1, 2 or 8; 0 for a stream or codec this code does
+// not know, or a pair of them that does not belong together.
+std::size_t pixel_bytes(Stream stream, Codec codec) noexcept;
+
+// Whether a tile of a known stream and codec lies in its image and has as many bytes as it says;
+// how many an RVL tile has to have only its decoder knows.
 bool consistent_tile(const PacketView& packet) noexcept;
 
 }  // namespace stof::wire

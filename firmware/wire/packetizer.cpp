@@ -85,9 +85,9 @@ Sent Packetizer::publish(const FrameStamp& frame, const FrameInfo& info,
   Sent sent{.packets = static_cast<std::uint32_t>(packets)};
 
   FrameInfo counted = info;
-  counted.depth_packets = static_cast<std::uint16_t>(tiles16);
-  counted.width_packets = static_cast<std::uint16_t>(tiles16);
-  counted.source_packets = static_cast<std::uint16_t>(tiles8);
+  counted.tiles[0] = static_cast<std::uint16_t>(tiles16);
+  counted.tiles[1] = static_cast<std::uint16_t>(tiles16);
+  counted.tiles[2] = static_cast<std::uint16_t>(tiles8);
   encode_frame_info(counted, payload_space(buffer_).first<kFrameInfoBytes>());
   send(header, kFrameInfoBytes, sent);
   ++header.index;

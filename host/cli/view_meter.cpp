@@ -66,7 +66,7 @@ std::string drift_text(const wire::FrameInfo& info) {
   std::string all;
   for (std::size_t i = 0; i < kUnits.size(); ++i) {
     const wire::DriftReading& drift = info.drifts[i];
-    if (drift.significant) {
+    if (wire::significant(info, i)) {
       all += text("%s %s %.3f +- %.3f %s", all.empty() ? "" : ",", kUnits[i].name,
                   drift.value * kUnits[i].scale, drift.sigma * kUnits[i].scale, kUnits[i].unit);
     }

@@ -99,7 +99,7 @@ void Reassembler::start_session(const wire::Origin& origin) {
 }
 
 void Reassembler::push_calibration(const wire::PacketView& packet) {
-  const Result<wire::CalibrationPacket> decoded = wire::decode_calibration_packet(packet.payload);
+  const Result<wire::CalibrationPacket> decoded = wire::read_calibration_packet(packet.payload);
   if (!decoded) {
     ++statistics_.bad_field;
     return;

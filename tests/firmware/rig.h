@@ -148,7 +148,7 @@ struct Received {
 
   bool complete() const {
     return packets ==
-           std::size_t{1} + info.depth_packets + info.width_packets + info.source_packets;
+           std::size_t{1} + info.tiles[0] + info.tiles[1] + info.tiles[2];
   }
   std::size_t count(dsp::Source which) const;
   // The median of the pixels that both sensors saw, in metres; 0 without any.

@@ -200,7 +200,7 @@ TEST_F(StofdTest, SendsTheRectifiedCameraOfARawPair) {
     const auto packet = wire::parse_packet(datagram);
     ASSERT_TRUE(packet);
     if (packet->header.type == wire::PacketType::kCalibration) {
-      const auto received = wire::decode_calibration_packet(packet->payload);
+      const auto received = wire::read_calibration_packet(packet->payload);
       ASSERT_TRUE(received);
       EXPECT_EQ(received->fx, 51 * 65536);
       EXPECT_EQ(received->image_width, 48);

@@ -42,9 +42,10 @@ TEST(CoverageOfAFrame, IsTheShareOfPixelsWithDepth) {
 TEST(DriftText, NamesWhatIsSignificantInItsUnit) {
   wire::FrameInfo info;
   EXPECT_EQ(drift_text(info), "");
-  info.drifts[0] = {.value = 1745, .sigma = 175, .significant = true};
-  info.drifts[1] = {.value = 9999, .sigma = 1, .significant = false};
-  info.drifts[3] = {.value = -320, .sigma = 48, .significant = true};
+  info.drifts[0] = {.value = 1745, .sigma = 175};
+  info.drifts[1] = {.value = 9999, .sigma = 1};
+  info.drifts[3] = {.value = -320, .sigma = 48};
+  info.drift_significant = 0b01001;
   EXPECT_EQ(drift_text(info),
             ", drift: pitch 0.100 +- 0.010 deg, range -20.000 +- 3.000 mm: calibrate the rig anew");
 }

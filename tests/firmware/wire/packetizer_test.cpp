@@ -165,9 +165,9 @@ TEST(Packetizer, FrameInfoComesFirstAndCountsTheTiles) {
   ASSERT_TRUE(got);
   EXPECT_EQ(got->latency_ns, 123);
   EXPECT_EQ(got->pixels_by_source, info.pixels_by_source);
-  EXPECT_EQ(got->depth_packets, tile_count(640, 48, 2));
-  EXPECT_EQ(got->width_packets, tile_count(640, 48, 2));
-  EXPECT_EQ(got->source_packets, tile_count(640, 48, 1));
+  EXPECT_EQ(got->tiles[0], tile_count(640, 48, 2));
+  EXPECT_EQ(got->tiles[1], tile_count(640, 48, 2));
+  EXPECT_EQ(got->tiles[2], tile_count(640, 48, 1));
 }
 
 TEST(Packetizer, CalibrationIsOnePacketOutsideTheFrame) {
@@ -182,7 +182,7 @@ TEST(Packetizer, CalibrationIsOnePacketOutsideTheFrame) {
   EXPECT_EQ(packet->header.index, 0);
   EXPECT_EQ(packet->header.count, 1);
   EXPECT_EQ(packet->header.frame.number, 41U);
-  const Result<CalibrationPacket> got = decode_calibration_packet(packet->payload);
+  const Result<CalibrationPacket> got = read_calibration_packet(packet->payload);
   ASSERT_TRUE(got);
   EXPECT_EQ(*got, calibration);
 }

@@ -64,7 +64,7 @@ TEST(Reassembler, AWholeFrameIsDeliveredAtItsLastPacket) {
   EXPECT_EQ(frame->packets, 13U);
   EXPECT_EQ(frame->missing_depth + frame->missing_width + frame->missing_source, 0U);
   ASSERT_TRUE(frame->info);
-  EXPECT_EQ(frame->info->depth_packets, 5);
+  EXPECT_EQ(frame->info->tiles[0], 5);
   EXPECT_EQ(frame->last_packet - frame->first_packet, milliseconds(3));
   EXPECT_FALSE(reassembler.take());
   Statistics expected;

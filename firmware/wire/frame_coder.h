@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+#include "dsp/fusion/depth_map.h"
+#include "firmware/wire/messages/frame_info.h"
+#include "firmware/wire/packet.h"
+
+namespace stof::wire {
+
+inline constexpr std::size_t kStreams = 8;  // streams 1 to 8; index: number less 1
+
+enum class Coding : std::uint8_t { kOff, kRaw, kRvl };
+
+// What of a frame is sent, and how.
+struct StreamChoice {
+  std::array<Coding, kStreams> coding{};  // of the cloud: kOff, or anything else
+  bool parity = false;                    // one packet of exclusive-ors for each 16
+  int cloud_step = 8;                     // px, 2 to 64
+
+  Coding& of(Stream stream) noexcept { return coding[static_cast<std::size_t>(stream) - 1]; }
+  Coding of(Stream stream) const noexcept { return coding[static_cast<std::size_t>(stream) - 1]; }
+  friend bool operator==(const StreamChoice&, const StreamChoice&) = default;
+};
+
+// Whatever is empty is not sent.
+struct FrameImages {
+  dsp::DepthMap map;
+  dsp::ImageView<const dsp::Disparity> disparity;
+  std::array<dsp::ImageView<const std::uint16_t>, 4> pmd;  // as the camera gave them
+  dsp::ImageView<const std::uint8_t> left;
+  dsp::ImageView<const std::uint8_t> right;
+};
+
+struct FrameSizes {
+  int width = 0;
+  int height = 0;
+  int pmd_width = 0;  // 0: no PMD camera
+  int pmd_height = 0;
+};
+
+// One frame as sealed datagrams in memory of its own, so that their number is known before the first
+// is sent and all receivers get the same. No heap.
+class FrameCoder {
+ public:
+  // Holds every stream of a frame of these sizes, raw, with parity.
+  static std::size_t bytes_needed(const FrameSizes& sizes) noexcept;
+
+  FrameCoder(const Origin& origin, const FrameSizes& sizes, dsp::Arena& arena) noexcept;
+
+  // The frame's datagrams in the order of sending, valid until the next call: frame info (which gets
+  // tiles, parity_groups and cloud_step written into it), the streams in the order of their numbers,
+  // parity at the end of it all. Tiles are whole rows wherever a row fits. A raw cut is taken where
+  // RVL would be longer. kTooLarge: images larger than said, or more than 65,535 packets; nothing is
+  // coded then.
+  Result<std::span<const std::span<const std::byte>>> code(const FrameStamp& stamp,
+                                                           const FrameInfo& info,
+                                                           const FrameImages& images,
+                                                           const StreamChoice& choice) noexcept;
+};
+
+}  // namespace stof::wire

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/status.h"
+#include "hal/time.h"
+
+namespace stof::hal {
+
+// Fits an IPv6 packet of the smallest MTU, 1,280 bytes: never a fragment.
+inline constexpr std::size_t kMaxDatagram = 1232;
+
+// Where a datagram comes from or goes to: an IPv6 address, or an IPv4 address mapped into one
+// (::ffff:a.b.c.d), as the network writes them.
+struct Peer {
+  std::array<std::uint8_t, 16> address{};
+  std::uint16_t port = 0;   // 1 .. 65535
+  std::uint32_t scope = 0;  // interface of a link-local IPv6 address; else 0
+
+  friend bool operator==(const Peer&, const Peer&) = default;
+};
+
+struct Received {
+  std::size_t bytes = 0;
+  Peer from;
+};
+
+// A bound UDP port. One thread may send while another receives; neither allocates.
+class DatagramPort {
+ public:
+  virtual ~DatagramPort() = default;
+
+  // Sends datagrams of at most kMaxDatagram bytes to one peer, in order, each whole or not at all,
+  // without blocking. Stops at the first that is not taken. Returns how many were taken in `sent`
+  // and why it stopped:
+  // kWouldBlock: the queue is full. kDeviceError: that peer cannot be reached now. kTooLarge: above
+  // kMaxDatagram or the path's limit. kDeviceLost: reopen.
+  virtual Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
+                      std::size_t& sent) noexcept = 0;
+
+  // The next datagram, its first space.size() bytes: `bytes` is its whole length, which may be more.
+  // Blocks for `timeout` at most; 0 only looks. kTimeout, kDeviceLost.
+  virtual Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept = 0;
+
+  // Datagrams that found the receive queue full, since it was opened.
+  virtual std::uint64_t overruns() const noexcept = 0;
+  // A peer that answered "nobody listens here" (ICMP) since the last call, if any: one a call.
+  virtual bool take_refusal(Peer& peer) noexcept = 0;
+  // Its own number.
+  virtual std::uint16_t port() const noexcept = 0;
+};
+
+}  // namespace stof::hal
