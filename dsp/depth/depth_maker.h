@@ -24,6 +24,8 @@ struct DepthParams {
   FusionParams fusion;    // fusion.spread suits the search: spread_of(match)
   bool guided = false;    // PMD intervals narrow the search (guide.h)
   bool temporal = false;  // depth is averaged over frames where nothing moves (temporal.h)
+
+  friend bool operator==(const DepthParams&, const DepthParams&) = default;
 };
 
 // The whole way from a pair and PMD samples to a depth map: rectification where the rig asks for

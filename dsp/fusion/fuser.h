@@ -20,6 +20,8 @@ struct FusionParams {
   // sigma_d in 1/16 px, 0 .. kMaxStereoSigma, of matches that come without their peak ratio
   std::int16_t stereo_sigma = 8;
   SpreadTable spread = kBlockSpread;  // of the others
+
+  friend bool operator==(const FusionParams&, const FusionParams&) = default;
 };
 
 // What stereo says about each pixel: Matcher's result. All images of one size, or empty.

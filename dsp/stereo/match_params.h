@@ -52,6 +52,8 @@ struct Smoothness {
   int small_step = 0;  // P1: by one
   int large_step = 0;  // P2: by more; halved and quartered where the grey value changes
   int occlusion = 0;   // kOrdered: a pixel that only one camera sees
+
+  friend bool operator==(const Smoothness&, const Smoothness&) = default;
 };
 
 struct MatchParams {
@@ -98,6 +100,8 @@ struct MatchParams {
   bool median = false;      // 3x3 median of the disparities
   bool fill = false;        // from the background; every filled pixel is marked (Matcher::filled)
   bool confidence = false;  // Matcher::ratio() and Matcher::weak() are kept
+
+  friend bool operator==(const MatchParams&, const MatchParams&) = default;
 };
 
 // The largest block, candidate count and image a Matcher accepts.

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+#include "dsp/fusion/depth_map.h"
+
+// A depth map of fewer pixels that hides no obstacle: a block of step x step pixels (less at the
+// right and lower border) is told by the pixel whose near bound (depth - width / 2) is nearest.
+namespace stof::dsp {
+
+inline constexpr int kLeastStep = 1;
+inline constexpr int kMostStep = 64;
+
+constexpr int decimated(int pixels, int step) noexcept { return (pixels + step - 1) / step; }
+
+struct NearestPixel {
+  int x = 0;  // in the map
+  int y = 0;
+  QuarterMm depth = kNoDepth;
+  QuarterMm width = 0;
+};
+
+// Of those pixels of block (column, row) that have a depth the one with the smallest
+// 2 * depth - width, of equal ones the first in raster order; without any, depth and width are 0.
+// step: kLeastStep to kMostStep; the block begins inside the map.
+NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) noexcept;
+
+// The same of every block. `depth` and `width` have decimated(map width, step) x
+// decimated(map height, step) pixels; no overlap with the map.
+void decimate(const DepthMap& map, int step, ImageView<QuarterMm> depth,
+              ImageView<QuarterMm> width) noexcept;
+
+}  // namespace stof::dsp
