@@ -12,14 +12,13 @@
 namespace stof::hal::emu {
 
 // What goes wrong. A call is: for a camera an edge at which it would expose, for the trigger a
-// pulse(), for the link a send().
+// pulse(), for the port each datagram that is sent.
 //
-//           camera                          trigger                     link
+//           camera                          trigger                     port
 // kDrop     the exposure never arrives      pulse() is fine, but no     lost without a word
 //                                           camera saw the edge
-// kDelay    it arrives `duration` later,    the edge goes out           delivered after the next
-// one
-//           with its true stamps, and so    `duration` later; the       that is sent
+// kDelay    it arrives `duration` later,    the edge goes out           delivered after the
+//           with its true stamps, and so    `duration` later; the       next that is sent
 //           do those behind it              returned time is true
 // kRepeat   the last frame that arrived     a second edge follows       delivered twice
 //           comes again in its place, with  `duration` later, unseen

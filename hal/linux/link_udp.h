@@ -1,17 +1,12 @@
 #pragma once
 
 #include <expected>
-#include <string>
 #include <string_view>
 
 #include "hal/link.h"
+#include "hal/linux/open_error.h"
 
 namespace stof::hal::posix {
-
-// A destination that cannot be used: one line, what, why and what to do.
-struct OpenError {
-  std::string message;
-};
 
 // A connected, non-blocking UDP socket that never sends IP fragments.
 // send(): kWouldBlock: the socket's buffer is full; kDeviceError: nobody listened to an earlier

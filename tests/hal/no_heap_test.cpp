@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/emu/clock.h"
-#include "hal/emu/link.h"
+#include "hal/emu/datagram_port.h"
 #include "hal/emu/moving.h"
 #include "hal/emu/pmd_camera.h"
 #include "hal/emu/rendered.h"
@@ -52,8 +52,9 @@ TEST(EmuDevices, AllocateNothingAfterConstruction) {
   hal::emu::StereoCamera stereo(clock, scene, {}, faults);
   hal::emu::PmdCamera pmd(clock, scene, {}, faults);
   hal::emu::Trigger trigger(clock, 100us, {&stereo, &pmd});
-  hal::emu::Link link(8, faults);
+  hal::emu::DatagramPort port(8, faults);
   const std::array<std::byte, 100> datagram{};
+  std::array<std::byte, hal::kMaxDatagram> space;
   int frames = 0;
   const int before = allocations;
   ASSERT_GT(before, 0);
@@ -63,8 +64,12 @@ TEST(EmuDevices, AllocateNothingAfterConstruction) {
     const auto frame = stereo.wait_frame(next);
     const auto set = pmd.wait_frame(next);
     frames += frame && set ? 1 : 0;
-    (void)link.send(datagram);
-    (void)link.receive();
+    const std::span<const std::byte> bytes = datagram;
+    std::size_t sent = 0;
+    (void)port.send({}, std::span(&bytes, 1), sent);
+    (void)port.take_sent();
+    port.inject(bytes, {});
+    (void)port.receive(space, {});
     clock.wait_until(next);
     ASSERT_TRUE(edge);
   }

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <string>
+
+namespace stof::hal::posix {
+
+// A device or destination that cannot be used: one line, what, where and what to do.
+struct OpenError {
+  std::string message;
+};
+
+}  // namespace stof::hal::posix

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "dsp/base/status.h"
+
+namespace stof::hal {
+
+// One small document that outlives a power cut. For one thread; allocates nothing. May block for as
+// long as the medium takes, seconds on a worn one.
+class Store {
+ public:
+  virtual ~Store() = default;
+
+  // What was saved last: how many bytes; 0: nothing, or nothing yet. kTooLarge: more than `space`.
+  // kDeviceError: it cannot be read.
+  virtual Result<std::size_t> load(std::span<std::byte> space) noexcept = 0;
+  // After kOk these bytes are loaded, at every time before the ones saved before: never a mixture,
+  // whenever power is cut. kDeviceError: the medium does not take them, the ones before stay.
+  virtual Status save(std::span<const std::byte> bytes) noexcept = 0;
+  // What is there is kept for somebody to look at, but loaded no more. kDeviceError: it stays.
+  virtual Status set_aside() noexcept = 0;
+};
+
+}  // namespace stof::hal
