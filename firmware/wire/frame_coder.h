@@ -8,9 +8,12 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
+#include "dsp/base/status.h"
 #include "dsp/fusion/depth_map.h"
+#include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"
+#include "firmware/wire/tiles.h"
 
 namespace stof::wire {
 
@@ -29,13 +32,13 @@ struct StreamChoice {
   friend bool operator==(const StreamChoice&, const StreamChoice&) = default;
 };
 
-// Whatever is empty is not sent.
+// Whatever is empty is not sent. The images of the map have one size, those of the PMD camera too.
 struct FrameImages {
-  dsp::DepthMap map;
-  dsp::ImageView<const dsp::Disparity> disparity;
-  std::array<dsp::ImageView<const std::uint16_t>, 4> pmd;  // as the camera gave them
-  dsp::ImageView<const std::uint8_t> left;
-  dsp::ImageView<const std::uint8_t> right;
+  dsp::DepthMap map{};
+  dsp::ImageView<const dsp::Disparity> disparity{};
+  std::array<dsp::ImageView<const std::uint16_t>, 4> pmd{};  // as the camera gave them
+  dsp::ImageView<const std::uint8_t> left{};
+  dsp::ImageView<const std::uint8_t> right{};
 };
 
 struct FrameSizes {
@@ -45,24 +48,51 @@ struct FrameSizes {
   int pmd_height = 0;
 };
 
-// One frame as sealed datagrams in memory of its own, so that their number is known before the first
-// is sent and all receivers get the same. No heap.
+// One frame as sealed datagrams in memory of its own, so that their number is known before the
+// first is sent and all receivers get the same. No heap.
 class FrameCoder {
  public:
   // Holds every stream of a frame of these sizes, raw, with parity.
   static std::size_t bytes_needed(const FrameSizes& sizes) noexcept;
 
-  FrameCoder(const Origin& origin, const FrameSizes& sizes, dsp::Arena& arena) noexcept;
+  // The cloud's points are those of the lens of `calibration`; its fx and fy are positive.
+  FrameCoder(const Origin& origin, const FrameSizes& sizes, const CalibrationPacket& calibration,
+             dsp::Arena& arena) noexcept;
 
-  // The frame's datagrams in the order of sending, valid until the next call: frame info (which gets
-  // tiles, parity_groups and cloud_step written into it), the streams in the order of their numbers,
-  // parity at the end of it all. Tiles are whole rows wherever a row fits. A raw cut is taken where
-  // RVL would be longer. kTooLarge: images larger than said, or more than 65,535 packets; nothing is
-  // coded then.
+  // The frame's datagrams in the order of sending, valid until the next call: frame info (which
+  // gets tiles, parity_groups and cloud_step written into it), the streams in the order of their
+  // numbers, parity at the end of it all. Tiles are cut as tiles.h says. kTooLarge: images larger
+  // than said, or more than 65,535 packets or pixels of a row or column; nothing is coded then.
   Result<std::span<const std::span<const std::byte>>> code(const FrameStamp& stamp,
                                                            const FrameInfo& info,
                                                            const FrameImages& images,
                                                            const StreamChoice& choice) noexcept;
+
+ private:
+  bool fits(const FrameImages& images) const noexcept;
+  void add_streams(const FrameImages& images, const StreamChoice& choice) noexcept;
+  template <typename T>
+  void add_image(dsp::ImageView<const T> image, Stream stream, Coding coding) noexcept;
+  void add_source(const dsp::DepthMap& map, Coding coding) noexcept;
+  void add_disparity(dsp::ImageView<const dsp::Disparity> image, Coding coding) noexcept;
+  void add_pmd(const FrameImages& images, Coding coding) noexcept;
+  template <typename T>
+  std::span<T> room(std::size_t count) noexcept;
+  template <typename T>
+  void add_tiles(std::span<const T> values, Stream stream, int width, int height,
+                 Coding coding) noexcept;
+  void write_info(const FrameInfo& info, const StreamChoice& choice) noexcept;
+  Header header_of(std::size_t index, std::uint16_t count, const FrameStamp& stamp) noexcept;
+  void add_parity(std::uint16_t count, const FrameStamp& stamp) noexcept;
+
+  Origin origin_;
+  FrameSizes sizes_;
+  CalibrationPacket calibration_;
+  PartStore store_;
+  std::span<std::span<const std::byte>> datagrams_;
+  std::span<std::uint16_t> values16_;  // of an image that is not one piece in memory
+  std::span<std::uint8_t> values8_;
+  ParityGroup group_;
 };
 
 }  // namespace stof::wire

@@ -29,7 +29,7 @@ struct HeaderFields {
   std::int64_t exposure_middle_ns = 0;  // ns: middle of the exposure of the stereo pair
   std::uint32_t freshness = 0;          // see "Freshness"
   std::uint16_t index = 0;              // of the packet, from 0, below the count
-  std::uint16_t count = 0;              // packets of the frame, at least 1
+  std::uint16_t count = 1;              // packets of the frame, at least 1
   std::uint16_t image_width =
       0;  // pixels, of the whole image of the stream; outside tiles of the depth image
   std::uint16_t image_height = 0;    // rows, likewise

@@ -1,19 +1,23 @@
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <fstream>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "firmware/wire/packetizer.h"
-#include "tests/firmware/wire/wire_support.h"
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/messages/subscribe.h"
+#include "firmware/wire/packet.h"
+#include "firmware/wire/rvl.h"
 
 namespace stof::wire {
 namespace {
 
-using test::Datagram;
+using Datagram = std::vector<std::byte>;
 
 std::vector<std::string> document() {
   std::ifstream file(STOF_WIRE_DOCUMENT);
@@ -34,10 +38,10 @@ void append_hex(const std::string& text, Datagram& bytes) {
   }
 }
 
-// The block between ```hex and ```.
-Datagram dump_of(const std::vector<std::string>& lines) {
+// The first block between ```hex and ``` below the heading.
+Datagram dump_below(const std::vector<std::string>& lines, std::string_view heading) {
   Datagram bytes;
-  auto line = std::ranges::find(lines, "```hex");
+  auto line = std::find(std::ranges::find(lines, heading), lines.end(), "```hex");
   for (line = line == lines.end() ? line : line + 1; line != lines.end() && *line != "```";
        ++line) {
     append_hex(*line, bytes);
@@ -45,42 +49,89 @@ Datagram dump_of(const std::vector<std::string>& lines) {
   return bytes;
 }
 
+constexpr std::string_view kRaw = "## A worked packet";
+constexpr std::string_view kRvl = "## The same packet in RVL";
+constexpr std::array<std::uint16_t, 8> kPixels{4000, 4001, 4002, 0, 8000, 8010, 65535, 1};
+
 // The packet that the document describes, made anew.
-Datagram worked_packet() {
-  std::vector<dsp::QuarterMm> depth{4000, 4001, 4002, 0, 8000, 8010, 65535, 1};
-  std::vector<dsp::QuarterMm> width(8);
-  std::vector<dsp::Source> source(8);
-  test::KeepingSink sink;
-  Packetizer packetizer({.device_id = 0x0A0B0C0D, .session_id = 0x11223344}, sink);
-  const FrameStamp stamp{.number = 7,
-                         .freshness = 6,
-                         .exposure_middle_ns = 1'234'567'890'123,
-                         .health = Health::kDegraded,
-                         .clock = ClockState::kEmulated};
-  const Sent sent = packetizer.publish(
-      stamp, {}, {{depth.data(), 4, 2}, {width.data(), 4, 2}, {source.data(), 4, 2}});
-  EXPECT_EQ(sent.packets, 4U);
-  return sink.sent.at(1);
+Datagram worked_packet(Codec codec) {
+  const Header header{.type = PacketType::kTile,
+                      .origin = {.device_id = 0x0A0B0C0D, .session_id = 0x11223344},
+                      .frame = {.number = 7,
+                                .freshness = 6,
+                                .exposure_middle_ns = 1'234'567'890'123,
+                                .health = Health::kDegraded,
+                                .clock = ClockState::kEmulated},
+                      .stream = Stream::kDepth,
+                      .codec = codec,
+                      .index = 1,
+                      .count = 4,
+                      .image_width = 4,
+                      .image_height = 2,
+                      .pixel_count = 8};
+  DatagramBuffer buffer{};
+  const std::span<std::byte, kMaxPayload> payload = payload_space(buffer);
+  std::size_t bytes = 2 * kPixels.size();
+  if (codec == Codec::kRaw16) {
+    put_pixels<std::uint16_t>(payload.first(bytes), kPixels);
+  } else {
+    const RvlCoded coded = rvl_encode<std::uint16_t>(kPixels, payload);
+    EXPECT_EQ(coded.values, kPixels.size());
+    bytes = coded.bytes;
+  }
+  const std::span<const std::byte> packet = seal_packet(header, bytes, buffer);
+  return {packet.begin(), packet.end()};
 }
 
 TEST(WireDocument, WorkedPacketIsWhatTheSenderSends) {
-  const Datagram dump = dump_of(document());
+  const Datagram dump = dump_below(document(), kRaw);
   ASSERT_EQ(dump.size(), 72U) << STOF_WIRE_DOCUMENT;
-  EXPECT_EQ(dump, worked_packet());
+  EXPECT_EQ(dump, worked_packet(Codec::kRaw16));
 }
 
-TEST(WireDocument, WorkedPacketIsAccepted) {
-  const Datagram dump = dump_of(document());
+TEST(WireDocument, WorkedPacketOfRvlIsWhatTheSenderSends) {
+  const Datagram dump = dump_below(document(), kRvl);
+  ASSERT_EQ(dump.size(), 68U) << STOF_WIRE_DOCUMENT;
+  EXPECT_EQ(dump, worked_packet(Codec::kRvl16));
+}
+
+TEST(WireDocument, WorkedPacketsAreAccepted) {
+  for (const std::string_view heading : {kRaw, kRvl}) {
+    const Datagram dump = dump_below(document(), heading);
+    const auto packet = parse_packet(dump);
+    ASSERT_TRUE(packet) << to_string(packet.error());
+    EXPECT_TRUE(consistent_tile(*packet)) << heading;
+  }
+}
+
+TEST(WireDocument, WorkedPacketOfRvlHasThePixels) {
+  const Datagram dump = dump_below(document(), kRvl);
+  const auto packet = parse_packet(dump);
+  ASSERT_TRUE(packet);
+  std::array<std::uint16_t, 8> pixels{};
+  ASSERT_EQ(rvl_decode<std::uint16_t>(packet->payload, pixels), Status::kOk);
+  EXPECT_EQ(pixels, kPixels);
+}
+
+TEST(WireDocument, WorkedRequestIsOneForTheSensor) {
+  const Datagram dump = dump_below(document(), "### Subscription");
+  ASSERT_EQ(dump.size(), 88U);
   const auto packet = parse_packet(dump);
   ASSERT_TRUE(packet) << to_string(packet.error());
-  EXPECT_TRUE(consistent_tile(*packet));
+  EXPECT_EQ(packet->header.type, PacketType::kSubscribe);
+  EXPECT_EQ(packet->header.origin.device_id, 0U);
+  const Result<Subscribe> request = decode_subscribe(packet->payload);
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->request_id, 1U);
+  EXPECT_EQ(request->lease_ms, 3000);
+  EXPECT_EQ(request->cookie, 0U);
 }
 
 // Rows such as "| 20 | `07 00 00 00` | frame number 7 |": together they are the packet, in order.
 TEST(WireDocument, ByteByByteTableCoversTheWorkedPacket) {
   const std::vector<std::string> lines = document();
   Datagram table;
-  auto line = std::ranges::find(lines, "## A worked packet");
+  auto line = std::ranges::find(lines, kRaw);
   ASSERT_NE(line, lines.end());
   for (++line; line != lines.end() && !line->starts_with("## "); ++line) {
     const std::size_t open = line->find('`');
@@ -90,7 +141,7 @@ TEST(WireDocument, ByteByByteTableCoversTheWorkedPacket) {
     EXPECT_EQ(std::stoul(line->substr(2)), table.size()) << *line;
     append_hex(line->substr(open + 1, line->find('`', open + 1) - open - 1), table);
   }
-  EXPECT_EQ(table, dump_of(lines));
+  EXPECT_EQ(table, dump_below(lines, kRaw));
 }
 
 }  // namespace

@@ -1,0 +1,294 @@
+#include "firmware/wire/frame_coder.h"
+
+#include <algorithm>
+#include <limits>
+#include <type_traits>
+
+#include "dsp/base/check.h"
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/cloud.h"
+
+namespace stof::wire {
+namespace {
+
+constexpr std::size_t kMaxU16 = std::numeric_limits<std::uint16_t>::max();
+constexpr std::size_t kSamples = 4;  // of a PMD pixel
+constexpr int kCauseShift = 4;       // source and cause share a byte
+constexpr int kDisparityOffset = 32'768;
+static_assert(kFrameInfoBytes <= kMaxTilePayload);
+
+constexpr std::size_t tiles_of(int width, int height, std::size_t pixel_bytes) noexcept {
+  return raw_tiles(static_cast<std::size_t>(width), static_cast<std::size_t>(height), pixel_bytes);
+}
+
+// Parts of a frame of these sizes with every stream, raw.
+constexpr std::size_t parts_of(const FrameSizes& sizes) noexcept {
+  const int cloud_width = dsp::decimated(sizes.width, kLeastCloudStep);
+  const int cloud_height = dsp::decimated(sizes.height, kLeastCloudStep);
+  return 1 + 3 * tiles_of(sizes.width, sizes.height, 2) +
+         3 * tiles_of(sizes.width, sizes.height, 1) +
+         tiles_of(sizes.pmd_width, static_cast<int>(kSamples) * sizes.pmd_height, 2) +
+         tiles_of(cloud_width, cloud_height, kPointBytes);
+}
+
+constexpr std::size_t packets_of(const FrameSizes& sizes) noexcept {
+  const std::size_t parts = parts_of(sizes);
+  return parts + (parts + kParityGroupSize - 1) / kParityGroupSize;
+}
+
+constexpr std::size_t pixels16(const FrameSizes& sizes) noexcept {
+  return std::max(static_cast<std::size_t>(sizes.width) * static_cast<std::size_t>(sizes.height),
+                  kSamples * static_cast<std::size_t>(sizes.pmd_width) *
+                      static_cast<std::size_t>(sizes.pmd_height));
+}
+constexpr std::size_t pixels8(const FrameSizes& sizes) noexcept {
+  return static_cast<std::size_t>(sizes.width) * static_cast<std::size_t>(sizes.height);
+}
+
+// RVL is tried in the space of one part more.
+constexpr std::size_t kSpare = 1;
+
+template <typename T>
+bool within(const dsp::ImageView<T>& image, int width, int height) noexcept {
+  return image.empty() || (image.width() <= width && image.height() <= height);
+}
+
+template <typename T>
+void copy_image(dsp::ImageView<const T> image, std::span<T> out) noexcept {
+  for (int y = 0; y < image.height(); ++y) {
+    std::ranges::copy(image.row(y), out.begin());
+    out = out.subspan(image.row(y).size());
+  }
+}
+
+}  // namespace
+
+std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes) noexcept {
+  const std::size_t packets = packets_of(sizes) + kSpare;
+  return dsp::Arena::bytes_for<DatagramBuffer>(packets) + dsp::Arena::bytes_for<Part>(packets) +
+         dsp::Arena::bytes_for<std::span<const std::byte>>(packets) +
+         dsp::Arena::bytes_for<std::uint16_t>(pixels16(sizes)) +
+         dsp::Arena::bytes_for<std::uint8_t>(pixels8(sizes));
+}
+
+FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,
+                       const CalibrationPacket& calibration, dsp::Arena& arena) noexcept
+    : origin_(origin), sizes_(sizes), calibration_(calibration) {
+  const std::size_t packets = packets_of(sizes) + kSpare;
+  const std::span<DatagramBuffer> buffers = arena.take<DatagramBuffer>(packets);
+  store_ = PartStore(buffers, arena.take<Part>(packets));
+  datagrams_ = arena.take<std::span<const std::byte>>(packets);
+  values16_ = arena.take<std::uint16_t>(pixels16(sizes));
+  values8_ = arena.take<std::uint8_t>(pixels8(sizes));
+}
+
+bool FrameCoder::fits(const FrameImages& images) const noexcept {
+  const auto holds = [this](const auto& image) {
+    return within(image, sizes_.width, sizes_.height);
+  };
+  const auto holds_pmd = [this](const auto& image) {
+    return within(image, sizes_.pmd_width, sizes_.pmd_height);
+  };
+  return parts_of(sizes_) <= kMaxU16 &&
+         static_cast<std::size_t>(std::max(sizes_.width, sizes_.height)) <= kMaxU16 &&
+         static_cast<std::size_t>(sizes_.pmd_width) <= kMaxU16 &&
+         kSamples * static_cast<std::size_t>(sizes_.pmd_height) <= kMaxU16 &&
+         holds(images.map.depth) && holds(images.map.width) && holds(images.map.source) &&
+         holds(images.disparity) && holds(images.left) && holds(images.right) &&
+         std::ranges::all_of(images.pmd, holds_pmd);
+}
+
+template <typename T>
+void FrameCoder::add_tiles(std::span<const T> values, Stream stream, int width, int height,
+                           Coding coding) noexcept {
+  const Raster raster{.stream = stream,
+                      .width = static_cast<std::size_t>(width),
+                      .height = static_cast<std::size_t>(height)};
+  if (coding == Coding::kRaw) {
+    add_raw_tiles(values, raster, store_);
+  } else {
+    add_rvl_tiles(values, raster, store_);
+  }
+}
+
+template <typename T>
+std::span<T> FrameCoder::room(std::size_t count) noexcept {
+  if constexpr (std::is_same_v<T, std::uint8_t>) {
+    return values8_.first(count);
+  } else {
+    return values16_.first(count);
+  }
+}
+
+template <typename T>
+void FrameCoder::add_image(dsp::ImageView<const T> image, Stream stream, Coding coding) noexcept {
+  if (coding == Coding::kOff || image.empty()) {
+    return;
+  }
+  const std::size_t count =
+      static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
+  if (image.stride() == image.width()) {
+    add_tiles(std::span<const T>(image.data(), count), stream, image.width(), image.height(),
+              coding);
+    return;
+  }
+  const std::span<T> values = room<T>(count);
+  copy_image(image, values);
+  add_tiles<T>(values, stream, image.width(), image.height(), coding);
+}
+
+void FrameCoder::add_source(const dsp::DepthMap& map, Coding coding) noexcept {
+  if (coding == Coding::kOff || map.source.empty()) {
+    return;
+  }
+  STOF_CHECK(map.cause.empty() || same_size(map.cause, map.source));
+  const int width = map.source.width();
+  const auto columns = static_cast<std::size_t>(width);
+  const std::span<std::uint8_t> values =
+      values8_.first(columns * static_cast<std::size_t>(map.source.height()));
+  for (int y = 0; y < map.source.height(); ++y) {
+    const std::span<std::uint8_t> out =
+        values.subspan(static_cast<std::size_t>(y) * columns, columns);
+    std::ranges::transform(map.source.row(y), out.begin(),
+                           [](dsp::Source source) { return static_cast<std::uint8_t>(source); });
+    if (!map.cause.empty()) {
+      std::ranges::transform(out, map.cause.row(y), out.begin(),
+                             [](std::uint8_t source, dsp::Cause cause) {
+                               const int bits = static_cast<int>(cause) << kCauseShift;
+                               return static_cast<std::uint8_t>(source | bits);
+                             });
+    }
+  }
+  add_tiles<std::uint8_t>(values, Stream::kSource, width, map.source.height(), coding);
+}
+
+void FrameCoder::add_disparity(dsp::ImageView<const dsp::Disparity> image, Coding coding) noexcept {
+  if (coding == Coding::kOff || image.empty()) {
+    return;
+  }
+  const auto columns = static_cast<std::size_t>(image.width());
+  const std::span<std::uint16_t> values =
+      values16_.first(columns * static_cast<std::size_t>(image.height()));
+  for (int y = 0; y < image.height(); ++y) {
+    const std::span<std::uint16_t> out =
+        values.subspan(static_cast<std::size_t>(y) * columns, columns);
+    std::ranges::transform(image.row(y), out.begin(), [](dsp::Disparity disparity) {
+      return static_cast<std::uint16_t>(disparity.raw + kDisparityOffset);  // none becomes 0
+    });
+  }
+  add_tiles<std::uint16_t>(values, Stream::kDisparity, image.width(), image.height(), coding);
+}
+
+void FrameCoder::add_pmd(const FrameImages& images, Coding coding) noexcept {
+  const dsp::ImageView<const std::uint16_t>& first = images.pmd.front();
+  if (coding == Coding::kOff || first.empty()) {
+    return;
+  }
+  const std::size_t count =
+      static_cast<std::size_t>(first.width()) * static_cast<std::size_t>(first.height());
+  const std::span<std::uint16_t> values = values16_.first(kSamples * count);
+  for (std::size_t k = 0; k < kSamples; ++k) {
+    STOF_CHECK(same_size(images.pmd[k], first));
+    copy_image(images.pmd[k], values.subspan(k * count, count));
+  }
+  add_tiles<std::uint16_t>(values, Stream::kPmdRaw, first.width(),
+                           static_cast<int>(kSamples) * first.height(), coding);
+}
+
+void FrameCoder::add_streams(const FrameImages& images, const StreamChoice& choice) noexcept {
+  const dsp::DepthMap& map = images.map;
+  add_image<dsp::QuarterMm>(map.depth, Stream::kDepth, choice.of(Stream::kDepth));
+  add_image<dsp::QuarterMm>(map.width, Stream::kWidth, choice.of(Stream::kWidth));
+  add_source(map, choice.of(Stream::kSource));
+  add_disparity(images.disparity, choice.of(Stream::kDisparity));
+  add_pmd(images, choice.of(Stream::kPmdRaw));
+  add_image(images.left, Stream::kGreyLeft, choice.of(Stream::kGreyLeft));
+  add_image(images.right, Stream::kGreyRight, choice.of(Stream::kGreyRight));
+  if (choice.of(Stream::kCloud) != Coding::kOff && !map.depth.empty()) {
+    add_cloud_tiles(map, choice.cloud_step, calibration_, store_);
+  }
+}
+
+void FrameCoder::write_info(const FrameInfo& info, const StreamChoice& choice) noexcept {
+  FrameInfo counted = info;
+  counted.tiles = {};
+  for (std::size_t i = 1; i < store_.size(); ++i) {
+    ++counted.tiles[static_cast<std::size_t>(store_.part(i).stream) - 1];
+  }
+  const std::uint16_t groups = parity_groups(static_cast<std::uint16_t>(store_.size()));
+  const bool cloud = counted.tiles[static_cast<std::size_t>(Stream::kCloud) - 1] > 0;
+  counted.parity_groups = choice.parity ? static_cast<std::uint8_t>(groups) : std::uint8_t{0};
+  counted.cloud_step = cloud ? static_cast<std::uint8_t>(choice.cloud_step) : std::uint8_t{0};
+  encode_frame_info(counted, store_.payload(0).first<kFrameInfoBytes>());
+}
+
+Header FrameCoder::header_of(std::size_t index, std::uint16_t count,
+                             const FrameStamp& stamp) noexcept {
+  const Part& part = store_.part(index);
+  return {.type = part.type,
+          .origin = origin_,
+          .frame = stamp,
+          .stream = part.stream,
+          .codec = part.codec,
+          .index = static_cast<std::uint16_t>(index),
+          .count = count,
+          .image_width = part.image_width,
+          .image_height = part.image_height,
+          .first_row = part.first_row,
+          .first_column = part.first_column,
+          .pixel_count = part.pixel_count};
+}
+
+void FrameCoder::add_parity(std::uint16_t count, const FrameStamp& stamp) noexcept {
+  const std::uint16_t groups = parity_groups(count);
+  for (std::uint16_t group = 0; group < groups; ++group) {
+    group_.clear();
+    for (std::size_t i = group; i < count; i += groups) {
+      const std::size_t bytes = store_.part(i).payload_bytes;
+      // A part of this coder is never longer than a group takes.
+      STOF_CHECK(group_.add(header_of(i, count, stamp), store_.payload(i).first(bytes)) ==
+                 Status::kOk);
+    }
+    const std::size_t at = std::size_t{count} + group;
+    const std::size_t bytes = group_.write(count, store_.payload(at));
+    const Header header{.type = PacketType::kParity,
+                        .origin = origin_,
+                        .frame = stamp,
+                        .index = group,
+                        .count = groups,
+                        .image_width = store_.part(0).image_width,
+                        .image_height = store_.part(0).image_height};
+    datagrams_[at] = seal_packet(header, bytes, store_.buffer(at));
+  }
+}
+
+Result<std::span<const std::span<const std::byte>>> FrameCoder::code(
+    const FrameStamp& stamp, const FrameInfo& info, const FrameImages& images,
+    const StreamChoice& choice) noexcept {
+  if (!fits(images)) {
+    return fail(Status::kTooLarge);
+  }
+  const dsp::DepthMap& map = images.map;
+  const int width = map.depth.empty() ? sizes_.width : map.depth.width();
+  const int height = map.depth.empty() ? sizes_.height : map.depth.height();
+  store_.cut_back(0);
+  store_.add({.type = PacketType::kFrameInfo,
+              .image_width = static_cast<std::uint16_t>(width),
+              .image_height = static_cast<std::uint16_t>(height),
+              .payload_bytes = kFrameInfoBytes});
+  add_streams(images, choice);
+  write_info(info, choice);
+
+  const auto count = static_cast<std::uint16_t>(store_.size());
+  for (std::size_t i = 0; i < count; ++i) {
+    datagrams_[i] =
+        seal_packet(header_of(i, count, stamp), store_.part(i).payload_bytes, store_.buffer(i));
+  }
+  if (!choice.parity) {
+    return datagrams_.first(count);
+  }
+  add_parity(count, stamp);
+  return datagrams_.first(std::size_t{count} + parity_groups(count));
+}
+
+}  // namespace stof::wire

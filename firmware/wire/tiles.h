@@ -1,0 +1,118 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/check.h"
+#include "firmware/wire/packet.h"
+#include "firmware/wire/parity.h"
+
+// Images cut into tiles. A tile holds whole rows wherever one row alone, coded, fits a payload of
+// kMaxTilePayload bytes: as many as fit. A row that does not fit is split, and its packets are
+// filled.
+namespace stof::wire {
+
+// A part of a frame whose payload is written; what its header says beside the frame's stamp.
+struct Part {
+  PacketType type = PacketType::kTile;
+  Stream stream = Stream::kNone;
+  Codec codec = Codec::kNone;
+  std::uint16_t image_width = 0;
+  std::uint16_t image_height = 0;
+  std::uint16_t first_row = 0;
+  std::uint16_t first_column = 0;
+  std::uint16_t pixel_count = 0;
+  std::uint16_t payload_bytes = 0;
+};
+
+// The parts of a frame before they are sealed, in memory of the caller; both spans are equally
+// long.
+class PartStore {
+ public:
+  PartStore() noexcept = default;
+  PartStore(std::span<DatagramBuffer> buffers, std::span<Part> parts) noexcept
+      : buffers_(buffers), parts_(parts) {}
+
+  std::size_t size() const noexcept { return size_; }
+  Part& part(std::size_t index) noexcept { return parts_[index]; }
+  DatagramBuffer& buffer(std::size_t index) noexcept { return buffers_[index]; }
+  std::span<std::byte, kMaxPayload> payload(std::size_t index) noexcept {
+    STOF_CHECK(index < buffers_.size());
+    return payload_space(buffers_[index]);
+  }
+
+  // The payload of the part that is added next.
+  std::span<std::byte, kMaxTilePayload> space() noexcept {
+    return payload(size_).first<kMaxTilePayload>();
+  }
+  void add(const Part& part) noexcept {
+    STOF_CHECK(size_ < parts_.size());
+    parts_[size_++] = part;
+  }
+  void cut_back(std::size_t size) noexcept { size_ = std::min(size_, size); }
+
+ private:
+  std::span<DatagramBuffer> buffers_;
+  std::span<Part> parts_;
+  std::size_t size_ = 0;
+};
+
+// How far a raw tile may go that begins in column `column`: to the last row's end that fits (0:
+// none does) and to the last pixel that fits.
+struct RawFit {
+  std::size_t rows = 0;
+  std::size_t all = 0;
+};
+constexpr RawFit raw_fit(std::size_t column, std::size_t width, std::size_t pixels_left,
+                         std::size_t pixel_bytes) noexcept {
+  const std::size_t all = std::min(kMaxTilePayload / pixel_bytes, pixels_left);
+  const std::size_t first = width - column;
+  return {.rows = all < first ? 0 : first + (all - first) / width * width, .all = all};
+}
+constexpr std::size_t chosen(const RawFit& fit) noexcept {
+  return fit.rows > 0 ? fit.rows : fit.all;
+}
+
+// What a stream is and how large.
+struct Raster {
+  Stream stream = Stream::kNone;
+  std::size_t width = 0;
+  std::size_t height = 0;
+
+  Part part(Codec codec, std::size_t first, std::size_t pixels,
+            std::size_t payload_bytes) const noexcept;
+};
+
+// Tiles of a raw image, none of an empty one. It grows with width and height.
+constexpr std::size_t raw_tiles(std::size_t width, std::size_t height,
+                                std::size_t pixel_bytes) noexcept {
+  const std::size_t capacity = kMaxTilePayload / pixel_bytes;
+  if (width == 0 || height == 0) {
+    return 0;
+  }
+  const std::size_t pixels = width <= capacity ? capacity / width * width : capacity;
+  return (width * height + pixels - 1) / pixels;
+}
+
+// Pixels of a raw tile that begins with pixel `first` of a raster: whole rows, or, where no row
+// fits, as many as fit.
+constexpr std::size_t raw_pixels(const Raster& raster, std::size_t first,
+                                 std::size_t pixel_bytes) noexcept {
+  const RawFit fit = raw_fit(first % raster.width, raster.width,
+                             raster.width * raster.height - first, pixel_bytes);
+  return raster.width * pixel_bytes <= kMaxTilePayload ? fit.rows : fit.all;
+}
+
+// Add the tiles of an image of raster.width * raster.height values. T: std::uint8_t,
+// std::uint16_t.
+template <typename T>
+void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
+
+// RVL, or raw where that is shorter; never more than raw_tiles(), and needs the space of one more.
+template <typename T>
+void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
+
+}  // namespace stof::wire

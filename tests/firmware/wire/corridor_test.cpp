@@ -1,0 +1,62 @@
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/wire/rvl.h"
+#include "firmware/wire/tiles.h"
+#include "tests/firmware/wire/corridor_frame.h"
+
+// What RVL makes of a depth map that the emulated rig computes.
+namespace stof::wire {
+namespace {
+
+struct Cost {
+  std::size_t pixels = 0;
+  std::size_t packets = 0;
+  std::size_t payloads = 0;  // bytes
+};
+
+Cost cost_of(const std::vector<std::uint16_t>& values, const Raster& raster) {
+  std::vector<DatagramBuffer> buffers(1000);
+  std::vector<Part> parts(1000);
+  PartStore store(buffers, parts);
+  add_rvl_tiles<std::uint16_t>(values, raster, store);
+  Cost cost{.packets = store.size()};
+  for (std::size_t i = 0; i < store.size(); ++i) {
+    cost.pixels += store.part(i).pixel_count;
+    cost.payloads += store.part(i).payload_bytes;
+  }
+  return cost;
+}
+
+// The same without any restart: sequences of as many rows as one may have.
+std::size_t bytes_without_restart(const std::vector<std::uint16_t>& values) {
+  std::vector<std::byte> out(2 * values.size() * sizeof(std::uint16_t));
+  std::size_t bytes = 0;
+  for (std::size_t at = 0; at < values.size();) {
+    const auto rest = std::span<const std::uint16_t>(values).subspan(at);
+    const RvlCoded coded = rvl_encode(rest, out);
+    bytes += coded.bytes;
+    at += coded.values;
+  }
+  return bytes;
+}
+
+TEST(CorridorTest, RvlMakesDepthSmallAndRestartsCostLittle) {
+  test::CorridorFrame frame;
+  const dsp::ImageView<const std::uint16_t> depth = frame.images().map.depth;
+  const std::vector<std::uint16_t> values(depth.data(), depth.data() + 640 * 480);
+  const Cost cost = cost_of(values, {.stream = Stream::kDepth, .width = 640, .height = 480});
+  EXPECT_EQ(cost.pixels, values.size());
+  const double ratio =
+      2.0 * static_cast<double>(values.size()) / static_cast<double>(cost.payloads);
+  const double restarts =
+      static_cast<double>(cost.payloads) / static_cast<double>(bytes_without_restart(values));
+  RecordProperty("ratio", std::to_string(ratio));
+  RecordProperty("restarts", std::to_string(restarts));
+  EXPECT_GE(ratio, 2.9);
+  EXPECT_LT(restarts, 1.01);
+}
+
+}  // namespace
+}  // namespace stof::wire
