@@ -1,0 +1,47 @@
+#include "firmware/control/control.h"
+
+namespace stof::firmware {
+
+Status Control::receive(hal::Duration wait, hal::Time (*now)() noexcept) noexcept {
+  for (int i = 0; i < kDatagramsPerTurn; ++i) {
+    const hal::Duration patience = i == 0 ? wait : hal::Duration::zero();
+    const Result<hal::Received> received = parts_.port.receive(space_, patience);
+    if (!received) {
+      return received.error() == Status::kDeviceLost ? Status::kDeviceLost : Status::kOk;
+    }
+    if (received->bytes > space_.size()) {
+      parts_.gate.take_oversized();
+      continue;
+    }
+    const std::span<const std::byte> answer =
+        parts_.gate.take(std::span(space_).first(received->bytes), received->from, now());
+    if (!answer.empty()) {
+      std::size_t sent = 0;
+      static_cast<void>(parts_.port.send(received->from, std::span(&answer, 1), sent));
+    }
+  }
+  return Status::kOk;
+}
+
+void Control::tick(hal::Time now) noexcept {
+  hal::Peer peer;
+  for (std::size_t i = 0; i < kMostSubscribers && parts_.port.take_refusal(peer); ++i) {
+    parts_.subscribers.refused(peer, now);
+  }
+  parts_.subscribers.expire(now);
+  const SubscriberList list = parts_.subscribers.list();
+  if (list != told_ && parts_.ring.push(list)) {
+    told_ = list;
+  }
+  for (Periodic* const hook : parts_.hooks) {
+    hook->tick(now);
+  }
+}
+
+wire::ControlCounters control_counters(const Gate& gate, const hal::DatagramPort& port) noexcept {
+  wire::ControlCounters counters = gate.counters();
+  counters.overrun = port.overruns();
+  return counters;
+}
+
+}  // namespace stof::firmware

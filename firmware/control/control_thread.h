@@ -1,0 +1,36 @@
+#pragma once
+
+#include <atomic>
+#include <thread>
+
+#include "firmware/control/control.h"
+#include "firmware/control/cookie.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// Of this computer, also where the rig's time is emulated: leases are of real seconds.
+hal::Time control_now() noexcept;
+
+// Random, for Gate. Start-up only.
+CookieSecret make_cookie_secret();
+
+// The one thread beside the loop. Started before it; the destructor ends it, after a turn or two.
+// Allocates at the start only.
+class ControlThread {
+ public:
+  explicit ControlThread(const ControlParts& parts);
+  ~ControlThread();
+  ControlThread(const ControlThread&) = delete;
+  ControlThread& operator=(const ControlThread&) = delete;
+
+ private:
+  void run() noexcept;
+
+  hal::Duration turn_;
+  Control control_;
+  std::atomic<bool> done_{false};
+  std::thread thread_;
+};
+
+}  // namespace stof::firmware

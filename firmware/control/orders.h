@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "firmware/spsc_ring.h"
+#include "hal/datagram_port.h"
+
+namespace stof::firmware {
+
+inline constexpr std::size_t kMostSubscribers = 4;
+
+// Whom the streams go to: the order of the control thread to the loop. Each one replaces the one
+// before; nothing in it expires, a lease that ends makes a new list.
+struct SubscriberList {
+  std::array<hal::Peer, kMostSubscribers> peers{};
+  std::size_t count = 0;
+  // A fixed destination says that nobody listens there; it stays in the list.
+  bool refused = false;
+
+  std::span<const hal::Peer> all() const noexcept { return std::span(peers).first(count); }
+  friend bool operator==(const SubscriberList&, const SubscriberList&) = default;
+};
+
+// The control thread pushes a list whenever it changes, and again later where the ring was full;
+// the loop takes all that wait before each frame and keeps the last.
+using SubscriberRing = SpscRing<SubscriberList, 8>;
+
+}  // namespace stof::firmware

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "firmware/wire/messages/settings_answer.h"
+#include "firmware/wire/messages/settings_request.h"
+#include "firmware/wire/packet.h"
+
+namespace stof::firmware {
+
+// Room for the text of an answer, bytes.
+inline constexpr std::size_t kSettingsTextBytes = wire::kMaxPayload - wire::kSettingsAnswerBytes;
+
+// Whoever answers requests for settings. For the control thread alone.
+class SettingsService {
+ public:
+  virtual ~SettingsService() = default;
+  // Serves one request. `text`: what followed the request, any bytes. Writes the answer's text into
+  // `answer_text` (kSettingsTextBytes) and its length into `answer_bytes`. The caller fills in
+  // request_id and cookie of the answer. May block for as long as saving a file takes.
+  virtual wire::SettingsAnswer serve(const wire::SettingsRequest& request,
+                                     std::span<const std::byte> text,
+                                     std::span<std::byte> answer_text,
+                                     std::size_t& answer_bytes) noexcept = 0;
+};
+
+}  // namespace stof::firmware

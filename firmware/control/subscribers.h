@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "firmware/control/orders.h"
+#include "hal/datagram_port.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// Who gets the streams, and until when. The control thread owns it and hands the loop a list of
+// peers whenever that changes: there is one table and one set of rules. No clock: `now` is the
+// caller's, and must not go back.
+class Subscribers {
+ public:
+  static constexpr hal::Duration kLease = std::chrono::seconds(3);  // where none is asked for
+  static constexpr hal::Duration kShortestLease = std::chrono::milliseconds(500);
+  static constexpr hal::Duration kLongestLease = std::chrono::seconds(10);
+  // So long after its last refusal a fixed destination counts as silent.
+  static constexpr hal::Duration kRefusal = std::chrono::milliseconds(3500);
+
+  // What a request for `lease_ms` gets.
+  static hal::Duration granted(std::uint16_t lease_ms) noexcept;
+
+  // A destination without a lease, which takes one of the places; before the first subscription.
+  // False: all places are taken.
+  bool fix(const hal::Peer& peer) noexcept;
+  // Adds a peer, or lengthens its lease to now + lease; never shortens what it had. False: full.
+  bool subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time now) noexcept;
+  // Fixed ones stay.
+  void unsubscribe(const hal::Peer& peer) noexcept;
+  // Nobody listens there any more: a subscriber leaves, a fixed destination stays and is noted.
+  void refused(const hal::Peer& peer, hal::Time now) noexcept;
+  // Removes those whose lease has ended at `now`.
+  void expire(hal::Time now) noexcept;
+
+  std::size_t count() const noexcept { return count_; }
+  // As the loop is to have it. In order of arrival.
+  SubscriberList list() const noexcept;
+
+ private:
+  struct Entry {
+    hal::Peer peer{};
+    hal::Time until{};
+    bool fixed = false;
+  };
+  std::size_t find(const hal::Peer& peer) const noexcept;  // count_: not here
+  void remove(std::size_t index) noexcept;
+
+  std::array<Entry, kMostSubscribers> entries_{};
+  std::size_t count_ = 0;
+  std::optional<hal::Time> refused_until_;  // a fixed destination's
+};
+
+}  // namespace stof::firmware

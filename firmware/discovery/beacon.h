@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "firmware/control/periodic.h"
+#include "firmware/wire/messages/announce.h"
+#include "firmware/wire/packet.h"
+#include "hal/datagram_port.h"
+#include "hal/network.h"
+
+namespace stof::firmware {
+
+inline constexpr std::uint16_t kBeaconPort = 7561;
+
+// One packet that says who and where the sensor is, request_id as in `announce`.
+std::span<const std::byte> seal_announce(const wire::Announce& announce,
+                                         const wire::Origin& origin, const wire::FrameStamp& stamp,
+                                         wire::DatagramBuffer& buffer) noexcept;
+
+// Tells everybody near who and where the sensor is, once a second, by IPv4 broadcast to port 7561:
+// 255.255.255.255 and the broadcast address of each interface, which of the loopback one is
+// 127.255.255.255. For the control thread; the port takes sends beside those of the loop.
+class Beacon final : public Periodic {
+ public:
+  static constexpr hal::Duration kPeriod = std::chrono::seconds(1);
+  static constexpr std::size_t kMostTargets = 32;
+
+  Beacon(hal::DatagramPort& port, hal::Network& network) noexcept
+      : port_(port), network_(network) {}
+
+  // What is told from now on; nothing before the first call.
+  void set(const wire::Announce& announce, const wire::Origin& origin,
+           const wire::FrameStamp& stamp) noexcept;
+  void tick(hal::Time now) noexcept override;
+
+ private:
+  struct Contents {
+    wire::Announce announce;
+    wire::Origin origin;
+    wire::FrameStamp stamp;
+  };
+
+  hal::DatagramPort& port_;
+  hal::Network& network_;
+  std::optional<Contents> contents_;
+  std::optional<hal::Time> due_;
+  std::array<hal::InterfaceAddress, kMostTargets> addresses_{};
+  wire::DatagramBuffer buffer_{};
+};
+
+}  // namespace stof::firmware

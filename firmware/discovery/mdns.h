@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "firmware/discovery/mdns_records.h"
+#include "firmware/wire/dns.h"
+#include "firmware/wire/packet.h"
+#include "hal/datagram_port.h"
+#include "hal/network.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// A multicast DNS responder (RFC 6762) for one sensor: probes for its names, announces them, answers
+// questions, takes another name where someone else has it. Datagrams and time in, datagrams out: no
+// socket, no clock, no heap. Peers carry their interface in `scope`, also those of IPv4.
+//
+// Not done: RFC 6762 section 7.4 (silence when another one has answered) and section 6.5 beyond
+// A, AAAA, SRV and TXT. What was multicast less than a second ago is not multicast again.
+class Responder {
+ public:
+  static constexpr std::uint16_t kPort = 5353;
+  static constexpr std::size_t kMostAddresses = 32;
+  static constexpr std::size_t kMostLinks = 16;  // interface and kind of address
+
+  struct Datagram {
+    hal::Peer to;
+    std::span<const std::byte> bytes;  // valid until the next call of anything
+  };
+
+  // seed: differs from sensor to sensor.
+  Responder(const Service& service, std::uint32_t seed) noexcept;
+
+  // The addresses now. Where they changed, it begins anew. Those beyond kMostAddresses are left out.
+  void set_addresses(std::span<const hal::InterfaceAddress> addresses, hal::Time now) noexcept;
+  // Says goodbye for the old names where they change.
+  void set_service(const Service& service, hal::Time now) noexcept;
+
+  // Any bytes that came to port 5353, from anybody. What has to go to the one who asked, if anything.
+  std::optional<Datagram> take(std::span<const std::byte> message, const hal::Peer& from,
+                               hal::Time now) noexcept;
+  // What has to go to all. To be called until it returns nothing, then again within 20 ms.
+  std::optional<Datagram> next(hal::Time now) noexcept;
+
+  // Says goodbye: next() gives the datagrams, then nothing until set_addresses().
+  void stop(hal::Time now) noexcept;
+
+  const wire::dns::Name& instance() const noexcept { return records_.instance(); }
+  const wire::dns::Name& host() const noexcept { return records_.host(); }
+  bool established() const noexcept { return phase_ == Phase::kSteady; }
+
+ private:
+  enum class Phase : std::uint8_t { kProbe, kAnnounce, kSteady, kGoodbye, kStopped };
+  struct Link {
+    std::uint32_t interface = 0;
+    bool ipv6 = false;
+    RecordSet pending = 0;
+    hal::Time due{};
+    std::optional<hal::Peer> more_from{};  // who will tell what it knows of the pending answers
+    std::array<std::optional<hal::Time>, kRecordKinds> sent{};
+  };
+
+  void enter(Phase phase, hal::Time due) noexcept;
+  void next_step(hal::Time now) noexcept;
+  void find_links() noexcept;
+  Link* link_of(const hal::Peer& peer) noexcept;
+  bool on_link(const hal::Peer& peer) const noexcept;
+  void take_response(wire::dns::Reader& reader, const wire::dns::Header& header,
+                     hal::Time now) noexcept;
+  std::optional<Datagram> take_query(wire::dns::Reader& reader, const wire::dns::Header& header,
+                                     const hal::Peer& from, Link& link, hal::Time now) noexcept;
+  std::optional<Datagram> answer_alone(std::span<const wire::dns::Question> questions,
+                                       RecordSet answers, std::uint16_t id,
+                                       const hal::Peer& to) noexcept;
+  void schedule(Link& link, RecordSet answers, hal::Time due) noexcept;
+  void yield_probe(wire::dns::Reader& reader, const wire::dns::Header& header,
+                   hal::Time now) noexcept;
+  void lose(hal::Time now) noexcept;
+  std::optional<Datagram> step(const Link& link) noexcept;
+  std::optional<Datagram> flush(Link& link, hal::Time now) noexcept;
+  hal::Peer group_of(const Link& link) const noexcept;
+  std::uint32_t random(std::uint32_t below) noexcept;
+
+  Service service_;
+  std::optional<Service> replacement_{};  // after the goodbye
+  unsigned suffix_ = 1;
+  Records records_;
+  std::array<hal::InterfaceAddress, kMostAddresses> addresses_{};
+  std::size_t address_count_ = 0;
+  std::array<Link, kMostLinks> links_{};
+  std::size_t link_count_ = 0;
+
+  Phase phase_ = Phase::kStopped;
+  unsigned steps_ = 0;         // of this phase that are done
+  hal::Time step_due_{};       // of the next one
+  std::size_t step_link_ = 0;  // that it goes to next
+  unsigned conflicts_ = 0;     // since conflicts_since_
+  hal::Time conflicts_since_{};
+  std::uint32_t random_;
+  wire::DatagramBuffer buffer_{};
+};
+
+}  // namespace stof::firmware

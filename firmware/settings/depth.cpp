@@ -1,0 +1,59 @@
+#include "firmware/settings/depth.h"
+
+#include <cstddef>
+#include <span>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/match_options.h"
+#include "firmware/settings/field.h"
+
+namespace stof::settings {
+namespace {
+
+constexpr std::string_view search_name(Search search) noexcept {
+  switch (search) {
+    case Search::kQuality:
+      return "quality";
+    case Search::kChapter:
+      return "chapter";
+    case Search::kFast:
+      break;
+  }
+  return "fast";
+}
+
+dsp::MatchParams match_params(const DepthSettings& depth) noexcept {
+  const dsp::Preset* const preset = dsp::find_preset(search_name(depth.preset));
+  STOF_CHECK(preset != nullptr);
+  dsp::MatchParams match = dsp::for_depth(*preset);
+  const std::span<const dsp::MatchOption> options = dsp::match_options();
+  STOF_CHECK(options.size() <= depth.match.size());
+  for (std::size_t slot = 0; slot < options.size(); ++slot) {
+    if (const std::string_view text = depth.match[slot].view(); !text.empty()) {
+      const bool known = options[slot].set(text, match);
+      STOF_CHECK(known);
+    }
+  }
+  return match;
+}
+
+}  // namespace
+
+dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noexcept {
+  const DepthSettings& depth = settings.depth;
+  dsp::DepthParams params{.match = match_params(depth),
+                          .fusion = {},
+                          .guided = depth.guided,
+                          .temporal = depth.temporal};
+  params.fusion.max_range =
+      static_cast<dsp::QuarterMm>(depth.max_range_mm * (dsp::kQuarterMmPerMetre / 1000));
+  params.fusion.spread = dsp::spread_of(params.match);
+  params.match.disparities = depth.disparities > 0 ? depth.disparities : rig_disparities;
+  return params;
+}
+
+const char* problem(const Settings& settings) noexcept {
+  return dsp::problem(match_params(settings.depth));
+}
+
+}  // namespace stof::settings

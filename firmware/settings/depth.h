@@ -1,0 +1,15 @@
+#pragma once
+
+#include "dsp/depth/depth_maker.h"
+#include "firmware/settings/settings.h"
+
+namespace stof::settings {
+
+// What the pipeline computes with. rig_disparities: what holds where the settings say 0.
+// What the board has room for is checked elsewhere.
+dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noexcept;
+
+// Empty ("") when the matcher's options can be used together, else what cannot and what to do.
+const char* problem(const Settings& settings) noexcept;
+
+}  // namespace stof::settings

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string_view>
+
+#include "firmware/settings/desk.h"
+#include "firmware/settings/settings.h"
+#include "firmware/settings/window.h"
+#include "hal/store.h"
+
+namespace stof::settings {
+
+// What a start begins with: what is in the store, fields that it does not name at their defaults;
+// the defaults where nothing was ever saved. What cannot be used (damaged, of a later version, not
+// for this sensor) is set aside, the defaults hold, and `line` says so in one line that begins with
+// `place`, such as the file's name. limits: nullptr: are not asked.
+Settings load_settings(hal::Store& store, std::string_view place, Limits* limits,
+                       Window& line) noexcept;
+
+}  // namespace stof::settings

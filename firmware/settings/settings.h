@@ -1,0 +1,110 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <type_traits>
+
+#include "firmware/wire/frame_coder.h"
+
+// What a sensor can be told to do differently. The table in field.cpp says of each field which
+// values it takes, its unit and what it means; the values below are the defaults.
+namespace stof::settings {
+
+// At most kSize - 1 bytes of UTF-8, filled up with 0.
+template <std::size_t kSize>
+class Text {
+ public:
+  constexpr Text() = default;
+  // Cut off where it is longer.
+  constexpr explicit Text(std::string_view text) noexcept {
+    std::ranges::copy(text.substr(0, kSize - 1), bytes_.begin());
+  }
+  constexpr std::string_view view() const noexcept { return {bytes_.data()}; }
+  // Ends with a 0.
+  constexpr const char* c_str() const noexcept { return bytes_.data(); }
+  friend bool operator==(const Text&, const Text&) = default;
+
+ private:
+  std::array<char, kSize> bytes_{};
+};
+
+inline constexpr std::size_t kNameBytes = 31;
+inline constexpr std::size_t kDeviceBytes = 63;
+inline constexpr std::size_t kMatchBytes = 23;
+// At least as many as dsp::match_options() has.
+inline constexpr std::size_t kMatchSlots = 24;
+
+// dsp::find_preset() of their names.
+enum class Search : std::uint8_t { kFast, kQuality, kChapter };
+
+struct DepthSettings {
+  Search preset = Search::kFast;
+  int max_range_mm = 10000;
+  int disparities = 0;  // 0: what the rig asks for
+  bool guided = false;
+  bool temporal = false;
+  // By the place in dsp::match_options(); empty: as the preset has it.
+  std::array<Text<kMatchBytes + 1>, kMatchSlots> match{};
+
+  friend bool operator==(const DepthSettings&, const DepthSettings&) = default;
+};
+
+enum class SerialMode : std::uint8_t { kOff, kStof, kMavlink };
+enum class SerialProfile : std::uint8_t { kSectors, kCoarse, kMedium };
+
+struct SerialSettings {
+  SerialMode mode = SerialMode::kOff;
+  Text<kDeviceBytes + 1> device{};  // empty: no line
+  int baud = 921'600;
+  SerialProfile profile = SerialProfile::kSectors;
+  int rate_hz = 10;
+  bool width = false;  // the stream `width` beside depth
+
+  friend bool operator==(const SerialSettings&, const SerialSettings&) = default;
+};
+
+// Which pixels make an obstacle.
+struct SectorSettings {
+  int above_mm = 300;  // of the camera's height
+  int below_mm = 300;
+  int pixels = 8;
+  int least_mm = 100;
+
+  friend bool operator==(const SectorSettings&, const SectorSettings&) = default;
+};
+
+struct MavlinkSettings {
+  int system_id = 1;
+  int component_id = 196;  // MAV_COMP_ID_OBSTACLE_AVOIDANCE
+
+  friend bool operator==(const MavlinkSettings&, const MavlinkSettings&) = default;
+};
+
+struct DiscoverySettings {
+  bool mdns = true;
+  bool beacon = true;
+
+  friend bool operator==(const DiscoverySettings&, const DiscoverySettings&) = default;
+};
+
+struct Settings {
+  Text<kNameBytes + 1> name{"stof"};
+  int period_ms = 0;  // 0: the board's
+  DepthSettings depth;
+  wire::StreamChoice streams{
+      .coding = {wire::Coding::kRvl, wire::Coding::kRvl, wire::Coding::kRvl}};
+  int pace_percent = 60;  // of a period, that sending is spread over
+  int udp_port = 7560;
+  SerialSettings serial;
+  SectorSettings sectors;
+  MavlinkSettings mavlink;
+  DiscoverySettings discovery;
+
+  friend bool operator==(const Settings&, const Settings&) = default;
+};
+static_assert(std::is_trivially_copyable_v<Settings>);
+
+}  // namespace stof::settings

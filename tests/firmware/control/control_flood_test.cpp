@@ -1,0 +1,143 @@
+#include <gtest/gtest.h>
+
+#include "tests/firmware/control/robot.h"
+#include "tests/firmware/control/sensor.h"
+#include "tests/support/random.h"
+
+// A sender of rubbish against the port that a subscriber depends on.
+namespace stof::test {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::PacketType;
+using wire::SubscribeResult;
+
+struct Kind {
+  Bytes datagram;
+  std::uint64_t wire::ControlCounters::* counter;
+};
+
+// One of each way to be wrong.
+std::vector<Kind> rubbish() {
+  const Bytes good = subscribe({});
+  const auto changed = [&](std::size_t at) {
+    Bytes bytes = good;
+    bytes[at] ^= std::byte{0x40};
+    return bytes;
+  };
+  Bytes longer = good;
+  longer.push_back({});
+  return {{Bytes{}, &wire::ControlCounters::truncated},
+          {Bytes(good.begin(), good.end() - 5), &wire::ControlCounters::truncated},
+          {changed(1), &wire::ControlCounters::bad_magic},
+          {Bytes(1232, std::byte{0xFF}), &wire::ControlCounters::bad_magic},
+          {changed(4), &wire::ControlCounters::bad_version},
+          {longer, &wire::ControlCounters::bad_length},
+          {Bytes(1400, std::byte{'S'}), &wire::ControlCounters::bad_length},
+          {changed(60), &wire::ControlCounters::bad_crc},
+          {sealed(PacketType::kSubscribe, Bytes(20)), &wire::ControlCounters::bad_field},
+          {sealed(PacketType::kTile, Bytes(100)), &wire::ControlCounters::not_control},
+          {subscribe({}, PacketType::kSubscribe, 12345), &wire::ControlCounters::foreign},
+          {sealed(PacketType::kDiscover, Bytes(4)), &wire::ControlCounters::too_short}};
+}
+
+// 10,000,000 with STOF_LONG=1.
+TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
+  Sensor sensor;
+  Robot robot(sensor);
+  Robot attacker(sensor);
+  ASSERT_EQ(robot.ask(), SubscribeResult::kOk);
+  const std::vector<Kind> kinds = rubbish();
+  constexpr std::uint64_t kSeed = 3;
+  Random random(kSeed);
+  const int rounds = long_or(10'000'000, 100'000);
+  std::vector<std::uint64_t> sent(kinds.size());
+  auto renewal = std::chrono::steady_clock::now();
+  int renewals = 0;
+  const auto seen = [&] {
+    const wire::ControlCounters counters = control_counters(sensor.gate, *sensor.port);
+    return counters.accepted + counters.truncated + counters.bad_magic + counters.bad_version +
+           counters.bad_length + counters.bad_crc + counters.bad_field + counters.not_control +
+           counters.foreign + counters.too_short + counters.cookies + counters.busy;
+  };
+  std::uint64_t flood = 0;
+  const std::uint64_t before = seen();
+  for (int i = 0; i < rounds; ++i) {
+    const std::size_t kind = random.next() % kinds.size();
+    // What a full socket of ours loses would be lost to no counter: not more in flight than it
+    // holds. Requests of the subscriber are among what is seen.
+    if (i % 64 == 0) {
+      for (int k = 0; k < 5000 && flood > seen() - before + 500; ++k) {
+        std::this_thread::sleep_for(1ms);
+      }
+    }
+    if (attacker.send_any(kinds[kind].datagram)) {
+      ++sent[kind];
+      ++flood;
+    }
+    if (std::chrono::steady_clock::now() > renewal) {
+      ASSERT_EQ(robot.ask(), SubscribeResult::kOk) << "after " << i;
+      ++renewals;
+      renewal += 1s;
+    }
+  }
+  for (int k = 0; k < 5000 && seen() - before < flood; ++k) {
+    std::this_thread::sleep_for(1ms);
+  }
+  const wire::ControlCounters counters = control_counters(sensor.gate, *sensor.port);
+  for (std::uint64_t wire::ControlCounters::* const counter :
+       {&wire::ControlCounters::truncated, &wire::ControlCounters::bad_magic,
+        &wire::ControlCounters::bad_version, &wire::ControlCounters::bad_length,
+        &wire::ControlCounters::bad_crc, &wire::ControlCounters::bad_field,
+        &wire::ControlCounters::not_control, &wire::ControlCounters::foreign,
+        &wire::ControlCounters::too_short}) {
+    std::uint64_t expected = 0;
+    for (std::size_t kind = 0; kind < kinds.size(); ++kind) {
+      expected += kinds[kind].counter == counter ? sent[kind] : 0;
+    }
+    EXPECT_EQ(counters.*counter, expected) << "seed " << kSeed;
+  }
+  EXPECT_EQ(counters.overrun, 0U);
+  EXPECT_EQ(counters.busy, 0U);
+  EXPECT_GE(renewals, 1);
+  EXPECT_EQ(sensor.list().count, 1U);
+}
+
+// As fast as it can, from three threads; nothing is lost but what the socket cannot hold, and that
+// is counted.
+TEST(ControlFlood, AtFullSpeedLosesNothingUncounted) {
+  Sensor sensor;
+  Robot robot(sensor);
+  ASSERT_EQ(robot.ask(), SubscribeResult::kOk);
+  const wire::ControlCounters before = control_counters(sensor.gate, *sensor.port);
+  const int each = long_or(1'000'000, 20'000);
+  std::atomic<std::uint64_t> sent{0};
+  const auto flood = [&] {
+    Robot attacker(sensor);
+    const Bytes datagram(60, std::byte{'x'});
+    for (int i = 0; i < each; ++i) {
+      sent += attacker.send_any(datagram) ? 1 : 0;
+    }
+  };
+  std::thread second(flood);
+  std::thread third(flood);
+  flood();
+  second.join();
+  third.join();
+  const auto told = [&] {
+    const wire::ControlCounters now = control_counters(sensor.gate, *sensor.port);
+    return now.bad_magic - before.bad_magic + now.overrun;
+  };
+  for (int i = 0; i < 200 && told() < sent; ++i) {
+    // Losses are told with what arrives next.
+    static_cast<void>(robot.ask());
+    std::this_thread::sleep_for(5ms);
+  }
+  // Keep-alives of ours may be among those lost.
+  EXPECT_GE(told(), sent.load());
+  EXPECT_LE(told(), sent.load() + 3);
+  EXPECT_EQ(robot.ask(), SubscribeResult::kOk);
+}
+
+}  // namespace
+}  // namespace stof::test

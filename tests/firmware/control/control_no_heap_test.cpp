@@ -1,0 +1,83 @@
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/control/robot.h"
+
+namespace {
+std::atomic<int> allocations{0};
+
+// Not inlined: g++ 12 takes free() of what `new` returned for a mistake where it sees one half
+// only.
+[[gnu::noinline]] void give_back(void* memory) noexcept { std::free(memory); }
+}  // namespace
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* const memory = std::malloc(size == 0 ? 1 : size)) {
+    return memory;
+  }
+  std::abort();
+}
+void operator delete(void* memory) noexcept { give_back(memory); }
+void operator delete(void* memory, std::size_t /*size*/) noexcept { give_back(memory); }
+
+namespace stof::test {
+namespace {
+
+using namespace std::chrono_literals;
+
+// Every kind of request, answer, refusal and list, through a real port.
+TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
+  auto port = hal::posix::UdpPort::open({});
+  auto robot = hal::posix::UdpPort::open({});
+  ASSERT_TRUE(port && robot);
+  std::uint16_t closed = 0;
+  {
+    closed = hal::posix::UdpPort::open({}).value()->port();
+  }
+  firmware::Subscribers subscribers;
+  firmware::Gate gate({.device_id = 1}, firmware::CookieSecret{}, subscribers, nullptr);
+  firmware::SubscriberRing ring;
+  firmware::Control control(
+      {.port = **port, .gate = gate, .subscribers = subscribers, .ring = ring});
+  const firmware::Cookies cookies(firmware::CookieSecret{});
+  const hal::Peer self = loopback((*robot)->port());
+  const std::uint64_t cookie = cookies.make(self, firmware::control_now());
+  const std::array<Bytes, 6> requests{subscribe({}),
+                                      subscribe({.cookie = cookie}),
+                                      settings({.cookie = cookie}),
+                                      discover(1),
+                                      Bytes(50),
+                                      Bytes(1400)};
+  const Bytes frame(hal::kMaxDatagram);
+  const std::array<std::span<const std::byte>, 3> datagrams{frame, frame, frame};
+  const RawSocket raw;
+
+  const int before = allocations;
+  ASSERT_GT(before, 0);
+  for (int i = 0; i < 100; ++i) {
+    for (const Bytes& request : requests) {
+      std::size_t sent = 0;
+      const std::span<const std::byte> bytes = request;
+      if (bytes.size() <= hal::kMaxDatagram) {
+        static_cast<void>((*robot)->send(loopback((*port)->port()), std::span(&bytes, 1), sent));
+      } else {
+        raw.send(loopback((*port)->port()), bytes);
+      }
+    }
+    static_cast<void>(control.receive(20ms, &firmware::control_now));
+    control.tick(firmware::control_now());
+    std::size_t sent = 0;
+    static_cast<void>((*port)->send(self, datagrams, sent));
+    static_cast<void>((*port)->send(loopback(closed), datagrams, sent));
+    static_cast<void>(ring.pop());
+  }
+  EXPECT_EQ(allocations, before);
+  EXPECT_GT(gate.counters().accepted, 100U);
+}
+
+}  // namespace
+}  // namespace stof::test

@@ -1,0 +1,93 @@
+#include "firmware/control/control_thread.h"
+
+#include <list>
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/control/robot.h"
+#include "tests/firmware/control/sensor.h"
+
+namespace stof::test {
+namespace {
+
+using namespace std::chrono_literals;
+using wire::PacketType;
+using wire::SubscribeResult;
+
+TEST(ControlThread, SubscribesOverTheNetwork) {
+  Sensor sensor;
+  Robot robot(sensor);
+  EXPECT_EQ(robot.ask(), SubscribeResult::kOk);
+  ASSERT_TRUE(sensor.reaches(1));
+  const Bytes frame(100, std::byte{'f'});
+  EXPECT_EQ(sensor.send(frame), Status::kOk);
+  EXPECT_EQ(robot.receive(), frame);
+  EXPECT_EQ(robot.ask(PacketType::kUnsubscribe), SubscribeResult::kEnded);
+  EXPECT_TRUE(sensor.reaches(0));
+}
+
+TEST(ControlThread, TheFifthIsRefusedUntilAnotherLeaves) {
+  Sensor sensor;
+  std::list<Robot> robots;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(robots.emplace_back(sensor).ask(), SubscribeResult::kOk);
+  }
+  Robot fifth(sensor);
+  EXPECT_EQ(fifth.ask(), SubscribeResult::kFull);
+  EXPECT_EQ(robots.front().ask(PacketType::kUnsubscribe), SubscribeResult::kEnded);
+  EXPECT_EQ(fifth.ask(), SubscribeResult::kOk);
+}
+
+// Sends frames until so many are left.
+bool drops_to(Sensor& sensor, std::size_t count) {
+  const Bytes frame(100);
+  for (int i = 0; i < 2000 && sensor.list().count != count; ++i) {
+    EXPECT_EQ(sensor.send(frame), Status::kOk);
+    std::this_thread::sleep_for(1ms);
+  }
+  return sensor.list().count == count;
+}
+
+// Without a word, as a program that was killed: its computer refuses what comes then.
+TEST(ControlThread, WhoEndsWithoutAWordIsForgottenWhenItsComputerSaysSo) {
+  Sensor sensor;
+  Robot stays(sensor);
+  EXPECT_EQ(stays.ask(), SubscribeResult::kOk);
+  {
+    Robot leaves(sensor);
+    EXPECT_EQ(leaves.ask(), SubscribeResult::kOk);
+    ASSERT_TRUE(sensor.reaches(2));
+  }
+  EXPECT_TRUE(drops_to(sensor, 1));
+}
+
+// 10,000 with STOF_LONG=1; every tenth leaves without a word.
+TEST(ControlThread, ComesAndGoesManyTimes) {
+  Sensor sensor;
+  Robot stays(sensor);
+  const int rounds = long_or(10'000, 200);
+  for (int i = 0; i < rounds; ++i) {
+    ASSERT_EQ(stays.ask(), SubscribeResult::kOk) << i;
+    {
+      Robot robot(sensor);
+      ASSERT_EQ(robot.ask(), SubscribeResult::kOk) << i;
+      if (i % 10 != 0) {
+        ASSERT_EQ(robot.ask(PacketType::kUnsubscribe), SubscribeResult::kEnded) << i;
+        continue;
+      }
+      ASSERT_TRUE(sensor.reaches(2)) << i;
+    }
+    ASSERT_TRUE(drops_to(sensor, 1)) << i;
+    while (stays.receive(0ns)) {  // the frames
+    }
+  }
+}
+
+TEST(ControlThread, EndsWithoutWaitingForAPacket) {
+  for (int i = 0; i < 5; ++i) {
+    const Sensor sensor;
+  }
+}
+
+}  // namespace
+}  // namespace stof::test

@@ -1,0 +1,103 @@
+#include "firmware/control/subscribers.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/firmware/control/requests.h"
+
+namespace stof::test {
+namespace {
+
+using namespace std::chrono_literals;
+using firmware::SubscriberList;
+using firmware::Subscribers;
+
+constexpr hal::Time kStart{100s};
+
+std::vector<hal::Peer> peers(const Subscribers& subscribers) {
+  const SubscriberList list = subscribers.list();
+  return {list.all().begin(), list.all().end()};
+}
+using Peers = std::vector<hal::Peer>;
+
+TEST(Subscribers, GrantsWithinLimits) {
+  EXPECT_EQ(Subscribers::granted(0), 3s);
+  EXPECT_EQ(Subscribers::granted(1), 500ms);
+  EXPECT_EQ(Subscribers::granted(499), 500ms);
+  EXPECT_EQ(Subscribers::granted(2345), 2345ms);
+  EXPECT_EQ(Subscribers::granted(65535), 10s);
+}
+
+TEST(Subscribers, TakesFourAndRenewsTheseWhileFull) {
+  Subscribers subscribers;
+  for (std::uint8_t i = 1; i <= 4; ++i) {
+    EXPECT_TRUE(subscribers.subscribe(peer(i), 3s, kStart));
+  }
+  EXPECT_FALSE(subscribers.subscribe(peer(5), 3s, kStart));
+  EXPECT_FALSE(subscribers.subscribe(peer(1, 5001), 3s, kStart));  // another port is another one
+  EXPECT_TRUE(subscribers.subscribe(peer(3), 3s, kStart + 1s));
+  EXPECT_EQ(subscribers.count(), 4U);
+  subscribers.expire(kStart + 3s);
+  EXPECT_EQ(peers(subscribers), (Peers{peer(3)}));
+  EXPECT_TRUE(subscribers.subscribe(peer(5), 3s, kStart + 3s));
+}
+
+TEST(Subscribers, LeaseEndsWhenItsTimeIsOver) {
+  Subscribers subscribers;
+  EXPECT_TRUE(subscribers.subscribe(peer(1), 3s, kStart));
+  subscribers.expire(kStart + 3s - 1ns);
+  EXPECT_EQ(subscribers.count(), 1U);
+  subscribers.expire(kStart + 3s);
+  EXPECT_EQ(subscribers.count(), 0U);
+}
+
+TEST(Subscribers, ALaterShorterLeaseTakesNothingAway) {
+  Subscribers subscribers;
+  EXPECT_TRUE(subscribers.subscribe(peer(1), 10s, kStart));
+  EXPECT_TRUE(subscribers.subscribe(peer(1), 500ms, kStart + 1s));
+  subscribers.expire(kStart + 9s);
+  EXPECT_EQ(subscribers.count(), 1U);
+}
+
+TEST(Subscribers, WhoLeavesLeavesTheOthersInOrder) {
+  Subscribers subscribers;
+  for (std::uint8_t i = 1; i <= 4; ++i) {
+    EXPECT_TRUE(subscribers.subscribe(peer(i), 3s, kStart));
+  }
+  subscribers.unsubscribe(peer(2));
+  subscribers.unsubscribe(peer(9));
+  subscribers.refused(peer(4), kStart);
+  subscribers.refused(peer(8), kStart);
+  EXPECT_EQ(peers(subscribers), (Peers{peer(1), peer(3)}));
+  EXPECT_FALSE(subscribers.list().refused);
+}
+
+TEST(Subscribers, FixedOnesStay) {
+  Subscribers subscribers;
+  EXPECT_TRUE(subscribers.fix(peer(1)));
+  subscribers.unsubscribe(peer(1));
+  subscribers.expire(kStart + 1000s);
+  EXPECT_TRUE(subscribers.subscribe(peer(1), 500ms, kStart));
+  subscribers.expire(kStart + 1000s);
+  EXPECT_EQ(peers(subscribers), (Peers{peer(1)}));
+  for (std::uint8_t i = 2; i <= 4; ++i) {
+    EXPECT_TRUE(subscribers.fix(peer(i)));
+  }
+  EXPECT_FALSE(subscribers.fix(peer(5)));
+  EXPECT_FALSE(subscribers.subscribe(peer(5), 3s, kStart));
+}
+
+TEST(Subscribers, ASilentFixedDestinationIsToldWhileItRefuses) {
+  Subscribers subscribers;
+  EXPECT_TRUE(subscribers.fix(peer(1)));
+  EXPECT_FALSE(subscribers.list().refused);
+  subscribers.refused(peer(1), kStart);
+  EXPECT_TRUE(subscribers.list().refused);
+  EXPECT_EQ(subscribers.count(), 1U);
+  subscribers.expire(kStart + Subscribers::kRefusal - 1ns);
+  EXPECT_TRUE(subscribers.list().refused);
+  subscribers.expire(kStart + Subscribers::kRefusal);
+  EXPECT_FALSE(subscribers.list().refused);
+}
+
+}  // namespace
+}  // namespace stof::test
