@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -9,8 +12,11 @@
 #include "dsp/base/status.h"
 #include "dsp/calib/calibration.h"
 #include "hal/clock.h"
-#include "hal/link.h"
+#include "hal/datagram_port.h"
+#include "hal/network.h"
 #include "hal/pmd_camera.h"
+#include "hal/serial_port.h"
+#include "hal/store.h"
 #include "hal/stereo_camera.h"
 #include "hal/time.h"
 #include "hal/trigger.h"
@@ -26,12 +32,25 @@ struct Board {
   hal::Trigger& trigger;
   hal::StereoCamera& stereo;
   hal::PmdCamera* pmd;  // nullptr: this rig has none, depth comes from stereo alone
-  hal::Link& link;
+  hal::DatagramPort& port;
+  hal::SerialPort* serial;      // nullptr: none was asked for
+  std::optional<hal::Peer> to;  // gets every packet without having asked for it
+  hal::Network& network;
+  hal::MulticastPort* mdns;  // nullptr: none was asked for, or it cannot be had
   dsp::Calibration calibration;
   int disparities;     // search range that the rig asks for
   bool emulated_time;  // the clock is not this machine's
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing
+};
+
+// How a board talks; decided by settings and command line.
+struct Lines {
+  std::uint16_t udp_port = 7560;  // 0: any free one
+  std::string to;                 // HOST:PORT; empty: nobody gets packets who has not subscribed
+  std::string serial;             // device file of the serial line; empty: none
+  std::uint32_t baud = 921'600;
+  bool mdns = false;
 };
 
 // A request that a board could not fulfil: one line, what, where and what to do.
@@ -43,11 +62,15 @@ struct Refusal {
 // Opens the devices; may allocate and take a second or two. `arguments` are the board's own command
 // line flags (after the common ones were taken out); unknown ones are refused. The board lives
 // until the program ends; call once.
-std::expected<Board*, Refusal> open(std::span<const std::string_view> arguments);
+std::expected<Board*, Refusal> open(const Lines& lines,
+                                    std::span<const std::string_view> arguments);
 
 // Opens again, in place, what returned kDeviceLost; may allocate, and block for up to a second.
 // kOk: go on. kDeviceLost: not back yet, try again later. What is open stays as it is.
 Status reopen(Board& board) noexcept;
+
+// Where settings are kept under that name; nothing is opened yet.
+std::unique_ptr<hal::Store> make_store(std::string_view name);
 
 // The board's own flags, one per line, for --help.
 std::string_view usage() noexcept;

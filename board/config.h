@@ -28,6 +28,8 @@ struct TimingConfig {
   hal::Duration pmd_integration{};  // all four samples
   hal::Duration edge_tolerance{};   // an exposure begins this near to its edge
   int pmd_every = 1;                // the PMD camera exposes at every k-th edge
+
+  friend constexpr bool operator==(const TimingConfig&, const TimingConfig&) = default;
 };
 
 struct Config {

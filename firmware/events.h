@@ -25,6 +25,7 @@ enum class EventKind : std::uint8_t {
   kSendFailed,  // datagrams do not leave: nobody can be reached
   kSending,     // datagrams leave again
   kLate,        // value: whole periods that were skipped because the loop came too late
+  kInTime,      // the loop has been in time for a while again
 };
 
 struct Event {

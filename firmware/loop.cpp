@@ -66,13 +66,27 @@ Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& 
 
 Status Loop::step() noexcept {
   wait_for_grid();
-  const Result<hal::Time> edge = pulse();  // shot n + 1 begins to expose
-  const Status sent = publish_held();      // shot n; a full link drops, never blocks
+  const Result<hal::Time> edge = pulse();  // shot n begins to expose
+  Status sent = publish_held();            // shot n - 1, if it had to wait for its turn
   if (!edge) {
     return first_lost(edge.error(), sent) == Status::kDeviceLost ? Status::kDeviceLost
                                                                  : Status::kOk;
   }
-  return first_lost(sent, collect(*edge));  // pairs stereo and PMD with this edge
+  const Status collected = collect(*edge);  // pairs stereo and PMD with this edge
+  if (prompt_) {
+    sent = first_lost(sent, publish_held());
+  }
+  return first_lost(sent, collected);
+}
+
+void Loop::restart(const board::TimingConfig& timing) noexcept {
+  STOF_CHECK(*problem(timing) == '\0');
+  timing_ = timing;
+  next_ = std::max(next_, board_.clock.now());
+  prompt_ = false;
+  search_cost_ = {};
+  other_cost_ = {};
+  pipeline_.forget_match();
 }
 
 void Loop::wait_for_grid() noexcept {
@@ -84,11 +98,13 @@ void Loop::wait_for_grid() noexcept {
     next_ += skipped * timing_.period;
     counters.skipped_periods += static_cast<std::uint64_t>(skipped);
     if (std::exchange(edges_in_time_, 0) >= kInTimeEdges) {
-      events_.note({now, EventKind::kLate, Part::kLoop, Status::kTimeout,
-                    static_cast<std::uint32_t>(skipped)});
+      note({now, EventKind::kLate, Part::kLoop, Status::kTimeout,
+            static_cast<std::uint32_t>(skipped)});
     }
   } else {
-    edges_in_time_ = std::min(edges_in_time_ + 1, kInTimeEdges);
+    if (edges_in_time_ < kInTimeEdges && ++edges_in_time_ == kInTimeEdges) {
+      note({now, EventKind::kInTime, Part::kLoop, Status::kOk, 0});
+    }
     counters.late_edges += late > timing_.edge_tolerance ? 1U : 0U;
   }
   board_.clock.wait_until(next_);
@@ -129,20 +145,50 @@ Status Loop::publish_held() noexcept {
     const hal::Time computed = board_.clock.now();
     ++events_.counters.published;
     // Done well before the next edge, for a thread that wakes up late.
-    const hal::Time latest =
-        std::min(computed + timing_.period * 6 / 10, next_ - timing_.period / 8);
-    sent = stream_.publish(*held_, output, latest);
+    sent = stream_.publish(*held_, output, next_ - timing_.period / 8);
     link_answered(sent);
-    count_stages(output.stats, board_.clock.now() - computed, events_.counters);
+    const hal::Duration published = board_.clock.now() - computed;
+    pipeline_.watch();
+    count_stages(output.stats, published, events_.counters);
+    learn(output.stats);
   }
+  pipeline_.forget_match();
   held_.reset();  // its slots go home
   return sent;
+}
+
+void Loop::learn(const Stats& stats) noexcept {
+  // A frame that cost more counts at once, one that cost less by and by.
+  const auto follow = [](hal::Duration& cost, hal::Duration now) {
+    cost = std::max(now, cost - (cost - now) / 16);
+  };
+  const StreamTimes& stream = stream_.times();
+  follow(search_cost_, stats.match);
+  follow(other_cost_, stats.convert + stats.fuse + stats.watch + stream.code + stream.send);
+  hal::Duration collected = timing_.stereo_exposure;
+  if (pipeline_.may_match_first()) {
+    collected += search_cost_;
+  }
+  if (board_.pmd != nullptr) {
+    collected = std::max(collected, timing_.pmd_integration);
+  }
+  const hal::Duration done =
+      collected + other_cost_ + (pipeline_.may_match_first() ? hal::Duration{} : search_cost_);
+  prompt_ = done <= timing_.period * (prompt_ ? 7 : 6) / 8;
+}
+
+void Loop::note(const Event& event) noexcept {
+  events_.note(event);
+  stream_.observe(event);
 }
 
 Status Loop::collect(hal::Time edge) noexcept {
   remember(edge);
   std::optional<StereoLease> stereo;
   const Status stereo_status = collect_stereo(edge, stereo);
+  if (prompt_ && stereo && pipeline_.may_match_first()) {
+    pipeline_.match(**stereo);  // while the PMD camera integrates
+  }
   // Also without a stereo frame: what the PMD camera has must not wait for the next edge.
   const Status pmd_status = board_.pmd == nullptr ? Status::kOk : collect_pmd(edge);
   const bool pmd_good = board_.pmd == nullptr || pmd_usable(edge);
@@ -150,6 +196,7 @@ Status Loop::collect(hal::Time edge) noexcept {
     hold(edge, std::move(*stereo));
     paired(true, Part::kLoop, Status::kOk);
   } else {
+    pipeline_.forget_match();
     of(events_.counters.stereo_dropped, Drop::kUnpartnered) += stereo ? 1U : 0U;
     paired(false, stereo ? Part::kPmd : Part::kStereo, stereo ? pmd_status : stereo_status);
   }
@@ -224,9 +271,7 @@ bool Loop::pmd_usable(hal::Time edge) const noexcept {
 }
 
 void Loop::hold(hal::Time edge, StereoLease&& stereo) noexcept {
-  if (board_.pmd == nullptr || pmd_) {
-    ++freshness_;
-  }
+  ++freshness_;
   const hal::Time exposed = stereo->left_exposure.middle();
   held_.emplace(Shot{edge, exposed, std::move(stereo), std::move(pmd_), pmd_exposed_, freshness_,
                      silent_edges_});
@@ -244,7 +289,7 @@ void Loop::heard(Part part, Status status) noexcept {
   const auto at = static_cast<std::size_t>(part);
   const bool lost = status == Status::kDeviceLost;
   if (lost != std::exchange(lost_[at], lost)) {
-    events_.note({board_.clock.now(), lost ? EventKind::kLost : EventKind::kBack, part, status, 0});
+    note({board_.clock.now(), lost ? EventKind::kLost : EventKind::kBack, part, status, 0});
   }
   if (lost) {
     ++events_.counters.losses[at];
@@ -265,16 +310,15 @@ void Loop::link_answered(Status status) noexcept {
         status == Status::kWouldBlock ? Status::kOk : status);  // the stream counts drops
   const bool unreachable = status == Status::kDeviceError;
   if (unreachable != std::exchange(unreachable_, unreachable)) {
-    events_.note({board_.clock.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending,
-                  Part::kLink, status, 0});
+    note({board_.clock.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending,
+          Part::kLink, status, 0});
   }
 }
 
 void Loop::paired(bool success, Part missing, Status why) noexcept {
   if (success) {
     if (!std::exchange(publishing_, true)) {
-      events_.note(
-          {board_.clock.now(), EventKind::kPublishing, Part::kLoop, Status::kOk, silent_edges_});
+      note({board_.clock.now(), EventKind::kPublishing, Part::kLoop, Status::kOk, silent_edges_});
     }
     silent_edges_ = 0;
     return;
@@ -283,7 +327,7 @@ void Loop::paired(bool success, Part missing, Status why) noexcept {
   ++silent_edges_;
   if (silent_edges_ == kSilentEdges) {
     publishing_ = false;
-    events_.note({board_.clock.now(), EventKind::kUnpaired, missing, why, silent_edges_});
+    note({board_.clock.now(), EventKind::kUnpaired, missing, why, silent_edges_});
   }
 }
 

@@ -22,7 +22,11 @@ inline constexpr int kMaxPmdEvery = 8;
 // Empty, or why edges of this timing cannot be told apart or cameras cannot follow.
 const char* problem(const board::TimingConfig& timing) noexcept;
 
-// The one loop: pulse the trigger for n + 1, compute n, publish n, collect n + 1.
+// The one loop. Where a frame can be computed before the next edge, it pulses the trigger for n,
+// searches while the PMD camera still integrates, collects, fuses and publishes n: the last packet
+// leaves before the next edge. Where the computer is too slow for that, it pulses for n + 1,
+// computes and publishes n, and collects n + 1: a period later, at the same rate. It goes by what
+// the last frames have cost.
 //
 // Edges lie on a fixed grid, the first at once. A loop that comes later than an eighth of a period
 // skips to the next point of the grid, and no edge follows another sooner than 7/8 of a period.
@@ -39,6 +43,10 @@ class Loop {
   // allowed, and needed by devices that come back by themselves.
   Status step() noexcept;
 
+  // After a pause, with another timing perhaps; problem(timing) must be empty. The grid begins anew,
+  // and nothing is known about what frames will cost.
+  void restart(const board::TimingConfig& timing) noexcept;
+
  private:
   static constexpr std::size_t kHistory = 2 * kMaxPmdEvery - 1;
   using StereoLease = hal::Lease<hal::StereoFrame>;
@@ -47,6 +55,8 @@ class Loop {
   void wait_for_grid() noexcept;
   Result<hal::Time> pulse() noexcept;
   Status publish_held() noexcept;
+  // What frames cost, and whether the next can be out before its next edge.
+  void learn(const Stats& stats) noexcept;
   Status collect(hal::Time edge) noexcept;
   Status collect_stereo(hal::Time edge, std::optional<StereoLease>& found) noexcept;
   Status collect_pmd(hal::Time edge) noexcept;
@@ -56,6 +66,7 @@ class Loop {
   // Counts what a device answered; notes when it is lost, or back.
   void heard(Part part, Status status) noexcept;
   void link_answered(Status status) noexcept;
+  void note(const Event& event) noexcept;
   void paired(bool success, Part missing, Status why) noexcept;
 
   board::Board& board_;
@@ -78,7 +89,10 @@ class Loop {
   bool publishing_ = false;
   std::uint32_t edges_in_time_ = 0;  // since the loop was late, as far as that matters
   std::array<bool, kParts> lost_{};
-  bool unreachable_ = false;  // no receiver
+  bool unreachable_ = false;     // no receiver
+  bool prompt_ = false;          // frames go out before their next edge
+  hal::Duration search_cost_{};  // of the costlier of the last frames
+  hal::Duration other_cost_{};   // conversion, fusion, coding, sending, watching
 };
 
 }  // namespace stof::firmware

@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <random>
 #include <string>
@@ -11,13 +15,15 @@
 #include <vector>
 
 #include "board/board.h"
+#include "firmware/appliance.h"
+#include "firmware/control_side.h"
 #include "firmware/events.h"
-#include "firmware/loop.h"
 #include "firmware/options.h"
 #include "firmware/pipeline.h"
 #include "firmware/report.h"
+#include "firmware/settings/assignment.h"
+#include "firmware/settings/saved.h"
 #include "firmware/start.h"
-#include "firmware/stream.h"
 #include "firmware/wire/calibration_packet.h"
 #include "firmware/workspace.h"
 
@@ -30,6 +36,10 @@ constexpr int kExitBadInput = 2;
 
 constinit Workspace workspace{};
 constinit Events events{};
+constinit PlanRing plans{};
+constinit SubscriberRing receivers{};
+constinit Vitals vitals{};
+alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler writes it
 
@@ -123,58 +133,134 @@ class Reopener {
   hal::Duration wait_ = kShortest;
 };
 
-void greet(const board::Board& board, const Start& start, std::size_t bytes) {
-  const dsp::Pinhole& left = start.setup.calibration.stereo.left;
-  const dsp::Pinhole& pmd = start.setup.calibration.pmd.lens;
+void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
+  const dsp::Pinhole& left = rig.calibration.stereo.left;
+  const dsp::Pinhole& pmd = rig.calibration.pmd.lens;
   for (const std::string& note : board.notes) {
     say(note);
   }
+  const std::size_t bytes = Pipeline::bytes_needed(plan.setup);
   say("board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
-      std::to_string(left.height) + " with " + std::to_string(start.setup.depth.match.disparities) +
+      std::to_string(left.height) + " with " + std::to_string(plan.setup.depth.match.disparities) +
       " disparities, " +
       (board.pmd == nullptr
            ? std::string("no PMD camera: depth from stereo alone")
            : "PMD " + std::to_string(pmd.width) + "x" + std::to_string(pmd.height)) +
       ", period " +
       std::to_string(
-          std::chrono::duration_cast<std::chrono::microseconds>(start.timing.period).count()) +
+          std::chrono::duration_cast<std::chrono::microseconds>(plan.timing.period).count()) +
       " us, workspace " + std::to_string(bytes / 1024) + " of " +
-      std::to_string(sizeof(Workspace) / 1024) + " KiB");
+      std::to_string(sizeof(Workspace::memory) / 1024) + " KiB");
+  say("listening at UDP port " + std::to_string(board.port.port()));
 }
 
-int run(board::Board& board, const Options& options, const Start& start) {
-  const std::size_t bytes = Pipeline::bytes_needed(start.setup);
-  if (bytes > sizeof(Workspace)) {
-    return refuse("these pictures and parameters need " + std::to_string(bytes / 1024) +
-                  " KiB, board " + board::kConfig.name + " reserves " +
-                  std::to_string(sizeof(Workspace) / 1024) + ": use smaller ones");
+wire::Announce introduce(const board::Board& board, const RigInFront& rig,
+                         const Options& options) {
+  wire::Announce announce{
+      .port = board.port.port(),
+      .image_width = static_cast<std::uint16_t>(rig.calibration.stereo.left.width),
+      .image_height = static_cast<std::uint16_t>(rig.calibration.stereo.left.height)};
+  std::array<char, 16> serial{};
+  std::snprintf(serial.data(), serial.size(), "%08x", options.device_id);
+  put_text(serial.data(), announce.serial);
+  put_text(STOF_VERSION, announce.version);
+  put_text(board::kConfig.name, announce.board);
+  return announce;
+}
+
+bool write_port(const std::string& file, std::uint16_t port) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "w"),
+                                                            &std::fclose);
+  return out && std::fprintf(out.get(), "%u\n", unsigned{port}) > 0 &&
+         std::fflush(out.get()) == 0;
+}
+
+// What the settings are at start.
+struct StartSettings {
+  std::unique_ptr<hal::Store> store;  // may be empty
+  settings::Settings saved;
+  settings::Settings active;
+};
+
+std::expected<StartSettings, std::string> read_settings(const Options& options) {
+  StartSettings start;
+  if (!options.settings.empty()) {
+    start.store = board::make_store(options.settings);
+    std::array<char, 512> space{};
+    settings::Window line(space);
+    start.saved = settings::load_settings(*start.store, options.settings, nullptr, line);
+    if (!line.text().empty()) {
+      say(std::string(line.text()));
+    }
   }
-  const auto calibration = wire::make_calibration_packet(
-      start.setup.calibration, start.setup.depth.fusion.max_range, start.timing.period.count());
+  start.active = start.saved;
+  if (std::string why = apply(options.assignments, start.active); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
+  return start;
+}
+
+// Ends with the loop; the control thread before it.
+void run_loop(board::Board& board, const Options& options, const RigInFront& rig, const Plan& plan,
+              const StartSettings& start, const wire::CalibrationPacket& calibration) {
+  const wire::Origin origin{.device_id = options.device_id,
+                            .session_id = options.session_id.value_or(make_session_id())};
+  ByteRing serial(serial_memory);
+  ByteRing* const line = board.serial == nullptr ? nullptr : &serial;
+  Appliance appliance(
+      {.board = board, .events = events, .plans = plans, .receivers = receivers, .serial = line},
+      {.origin = origin,
+       .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
+       .calibration = calibration},
+      plan, {.images = workspace.memory, .coded = workspace.coded});
+  ControlSide control({.board = board,
+                       .rig = rig,
+                       .store = start.store.get(),
+                       .origin = origin,
+                       .announce = introduce(board, rig, options),
+                       .plans = plans,
+                       .receivers = receivers,
+                       .serial = line,
+                       .vitals = vitals},
+                      start.active, start.saved);
+  const Teller teller;
+  Reopener reopener(board);
+  while (!stop_requested.load(std::memory_order_relaxed) &&
+         (options.frames == 0 || events.counters.published < options.frames)) {
+    reopener.after(appliance.step(control.surroundings(appliance.serial())));
+    vitals.rate_mhz.store(appliance.stream().reporter().rate_mhz(), std::memory_order_relaxed);
+    vitals.health.store(appliance.stream().reporter().summary(), std::memory_order_relaxed);
+  }
+}
+
+int run(board::Board& board, const Options& options, const StartSettings& start) {
+  const auto rig = make_rig(board, board::kConfig, options.calibration);
+  if (!rig) {
+    return refuse(rig.error());
+  }
+  auto plan = make_plan(*rig, board::kConfig, start.active);
+  if (!plan) {
+    return refuse(plan.error());
+  }
+  plan->stream.revision = 1;
+  const auto calibration =
+      wire::make_calibration_packet(plan->setup.calibration, plan->setup.depth.fusion.max_range,
+                                    plan->timing.period.count());
   if (!calibration) {
     return refuse("the rig's calibration holds numbers that no rig has: calibrate it anew");
   }
-  workspace.prefault(bytes);
-  dsp::Arena arena = workspace.arena();
-  Pipeline pipeline(start.setup, board.clock, arena);
-  const StreamSetup stream_setup{
-      .origin = {.device_id = options.device_id,
-                 .session_id = options.session_id.value_or(make_session_id())},
-      .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
-      .calibration = *calibration};
-  Stream stream(stream_setup, board.clock, board.link, events);
-  greet(board, start, bytes);
-  {
-    const Teller teller;
-    Reopener reopener(board);
-    Loop loop(board, start.timing, start.setup, pipeline, stream, events);
-    while (!stop_requested.load(std::memory_order_relaxed) &&
-           (options.frames == 0 || events.counters.published < options.frames)) {
-      reopener.after(loop.step());
-    }
+  if (!options.port_file.empty() && !write_port(options.port_file, board.port.port())) {
+    return refuse(options.port_file + ": cannot be written: check the folder and its permissions");
   }
+  greet(board, *rig, *plan);
+  run_loop(board, options, *rig, *plan, start, *calibration);
   say(summary(events.counters));
   say(stage_times(events.counters));
+  return kExitOk;
+}
+
+int print(const std::string& text) {
+  std::printf("%s", text.c_str());
   return kExitOk;
 }
 
@@ -186,14 +272,27 @@ int start_and_run(std::span<const std::string_view> arguments) {
   if (options->help) {
     return help();
   }
-  watch_signals();
-  const auto board = board::open(options->board);
-  if (!board) {
-    return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);
+  if (options->schema) {
+    return print(settings::settings_schema());
   }
-  const auto start = make_start(**board, board::kConfig, *options);
+  if (options->settings_table) {
+    return print(settings::settings_tables());
+  }
+  watch_signals();
+  const auto start = read_settings(*options);
   if (!start) {
     return refuse(start.error());
+  }
+  const settings::Settings& active = start->active;
+  const auto board = board::open(
+      {.udp_port = options->port.value_or(static_cast<std::uint16_t>(active.udp_port)),
+       .to = options->to,
+       .serial = std::string(active.serial.device.view()),
+       .baud = static_cast<std::uint32_t>(active.serial.baud),
+       .mdns = true},
+      options->board);
+  if (!board) {
+    return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);
   }
   return run(**board, *options, *start);
 }

@@ -8,26 +8,40 @@
 #include <string_view>
 #include <vector>
 
-#include "dsp/depth/depth_maker.h"
+#include "firmware/settings/settings.h"
 
 // stofd's command line. Used once, before the loop.
 namespace stof::firmware {
 
+// A setting by its path, and the flag that gave it.
+struct Assignment {
+  std::string path;
+  std::string value;
+  std::string flag;
+};
+
 struct Options {
   bool help = false;
-  std::uint64_t frames = 0;  // stop after so many; 0: never
-  std::optional<int> period_ms;
-  std::string calibration;  // file; empty: the board's own
+  bool schema = false;          // print the JSON Schema of the settings
+  bool settings_table = false;  // print the tables of docs/SETTINGS.md
+  std::uint64_t frames = 0;     // stop after so many; 0: never
+  std::string calibration;      // file; empty: the board's own
+  std::string settings;         // file; empty: nothing is kept
+  std::string to;               // HOST:PORT that gets packets without asking; empty: none
+  std::string port_file;        // gets the number of the UDP port; empty: none
   std::uint32_t device_id = 1;
   std::optional<std::uint32_t> session_id;
-  std::optional<int> disparities;  // else what the rig asks for
-  // depth.match.disparities is filled in from the above.
-  dsp::DepthParams depth{.match = dsp::for_depth(*dsp::find_preset("fast")), .fusion = {}};
+  std::optional<std::uint16_t> port;  // UDP, 0: any free one; none: as the settings say
+  std::vector<Assignment> assignments;   // in order
   std::vector<std::string_view> board;  // everything that is not ours, in order
 };
 
 // Error: one line, what, where and what to do. Views refer to `arguments`.
 std::expected<Options, std::string> parse_options(std::span<const std::string_view> arguments);
+
+// What the command line says about settings. Empty, or which flag takes what; nothing is changed
+// then.
+std::string apply(const std::vector<Assignment>& assignments, settings::Settings& settings);
 
 // One flag per line.
 std::string options_usage();

@@ -1,6 +1,7 @@
 #include "firmware/pipeline.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace stof::firmware {
 namespace {
@@ -30,19 +31,37 @@ std::size_t map_bytes(const dsp::Pinhole& left) noexcept {
 
 }  // namespace
 
+wire::FrameSizes sizes_of(const Setup& setup) noexcept {
+  const dsp::Pinhole& left = setup.calibration.stereo.left;
+  const dsp::Pinhole& pmd = setup.calibration.pmd.lens;
+  return {.width = left.width,
+          .height = left.height,
+          .pmd_width = pmd.width,
+          .pmd_height = pmd.height};
+}
+
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
   return dsp::DepthMaker::bytes_needed(setup.calibration, setup.depth) +
          map_bytes(setup.calibration.stereo.left);
 }
 
 Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noexcept
-    : clock_(clock), maker_(setup.calibration, setup.depth, arena) {
+    : clock_(clock),
+      maker_(setup.calibration, setup.depth, arena),
+      guided_(setup.depth.guided && setup.has_pmd()) {
   const int width = setup.calibration.stereo.left.width;
   const int height = setup.calibration.stereo.left.height;
   output_.map.depth = arena.take_image<dsp::QuarterMm>(width, height);
   output_.map.width = arena.take_image<dsp::QuarterMm>(width, height);
   output_.map.source = arena.take_image<dsp::Source>(width, height);
   output_.map.cause = arena.take_image<dsp::Cause>(width, height);
+}
+
+void Pipeline::match(const hal::StereoFrame& stereo) noexcept {
+  const hal::Time start = clock_.now();
+  maker_.match(stereo.left, stereo.right);
+  output_.stats.match = clock_.now() - start;
+  matched_ = true;
 }
 
 const Output& Pipeline::compute(const Shot& shot) noexcept {
@@ -52,23 +71,30 @@ const Output& Pipeline::compute(const Shot& shot) noexcept {
     const dsp::PmdExposure exposure{.samples = (*shot.pmd)->samples};
     maker_.convert({.first = {&exposure, 1}});
   }
-  const hal::Time converted = clock_.now();
-  maker_.match(shot.stereo->left, shot.stereo->right);
+  stats.convert = clock_.now() - start;
+  if (!std::exchange(matched_, false)) {
+    match(*shot.stereo);
+    matched_ = false;
+  }
   const hal::Time matched = clock_.now();
   maker_.fuse(output_.map);
-  stats.convert = converted - start;
-  stats.match = matched - converted;
-  const hal::Time fused = clock_.now();
+  stats.fuse = clock_.now() - matched;
+  output_.stereo = maker_.stereo();
+  output_.left = maker_.left();
+  output_.right = maker_.right();
+  count_values<dsp::Source>(output_.map.source, stats.sources);
+  count_values<dsp::Cause>(output_.map.cause, stats.causes);
+  return output_;
+}
+
+void Pipeline::watch() noexcept {
+  const hal::Time start = clock_.now();
   maker_.watch();
   if (until_drift_-- == 0) {
     until_drift_ = kFramesBetweenDrifts;
     output_.drift = maker_.drift();
   }
-  stats.fuse = fused - matched;
-  stats.watch = clock_.now() - fused;
-  count_values<dsp::Source>(output_.map.source, stats.sources);
-  count_values<dsp::Cause>(output_.map.cause, stats.causes);
-  return output_;
+  output_.stats.watch = clock_.now() - start;
 }
 
 }  // namespace stof::firmware

@@ -64,6 +64,8 @@ std::string describe(const Event& event) {
     case EventKind::kLate:
       return "late: " + std::to_string(event.value) +
              " period(s) skipped, this machine is too slow or too busy for the period";
+    case EventKind::kInTime:
+      return "in time again";
   }
   return "unknown event";
 }

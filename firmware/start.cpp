@@ -1,6 +1,7 @@
 #include "firmware/start.h"
 
 #include <array>
+#include <chrono>
 #include <cstdio>
 #include <memory>
 #include <utility>
@@ -8,6 +9,7 @@
 #include "dsp/stereo/matcher.h"
 #include "firmware/loop.h"
 #include "firmware/pipeline.h"
+#include "firmware/settings/depth.h"
 #include "firmware/wire/calibration_file.h"
 #include "firmware/workspace.h"
 
@@ -40,7 +42,8 @@ std::expected<std::vector<std::byte>, std::string> read_file(const std::string& 
 }
 
 // Replaces the board's calibration by the file's, which must be of the same cameras.
-std::string load_calibration(const std::string& name, const board::Config& config, Start& start) {
+std::string load_calibration(const std::string& name, const board::Config& config,
+                             RigInFront& start) {
   const std::size_t pixels =
       static_cast<std::size_t>(config.pmd.width) * static_cast<std::size_t>(config.pmd.height);
   const auto bytes = read_file(name, pixels * sizeof(std::int16_t) + 65536);
@@ -66,7 +69,7 @@ std::string load_calibration(const std::string& name, const board::Config& confi
   }
   const dsp::Pinhole& left = loaded->stereo.left;
   const dsp::Pinhole& pmd = loaded->pmd.lens;
-  const dsp::Calibration& rig = start.setup.calibration;
+  const dsp::Calibration& rig = start.calibration;
   if (left.width != rig.stereo.left.width || left.height != rig.stereo.left.height ||
       pmd.width != rig.pmd.lens.width || pmd.height != rig.pmd.lens.height) {
     return name + ": made for cameras of " + size_text(left.width, left.height) + " and " +
@@ -74,7 +77,7 @@ std::string load_calibration(const std::string& name, const board::Config& confi
            size_text(rig.stereo.left.width, rig.stereo.left.height) + " and " +
            size_text(rig.pmd.lens.width, rig.pmd.lens.height) + ": use the calibration of this rig";
   }
-  start.setup.calibration = *loaded;
+  start.calibration = *loaded;
   return {};
 }
 
@@ -108,11 +111,12 @@ std::string limits(const Setup& setup, const board::Config& config) {
            " cannot be matched with these parameters: check --disparities, --min-disparity and "
            "--block";
   }
-  if (const std::size_t bytes = Pipeline::bytes_needed(setup); bytes > sizeof(Workspace)) {
+  if (const std::size_t bytes = Pipeline::bytes_needed(setup);
+      bytes > sizeof(Workspace::memory)) {
     return "matching " + size_text(left.width, left.height) + " with " +
            std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
            std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +
-           std::to_string(sizeof(Workspace) / kMiB) +
+           std::to_string(sizeof(Workspace::memory) / kMiB) +
            ": use fewer disparities, fewer --directions or a preset";
   }
   return {};
@@ -120,41 +124,53 @@ std::string limits(const Setup& setup, const board::Config& config) {
 
 }  // namespace
 
-std::expected<Start, std::string> make_start(const board::Board& board, const board::Config& config,
-                                             const Options& options) {
-  Start start;
-  start.setup.calibration = board.calibration;
-  if (const char* const why = dsp::complete(start.setup.calibration.stereo); *why != '\0') {
+std::expected<RigInFront, std::string> make_rig(const board::Board& board,
+                                                const board::Config& config,
+                                                const std::string& calibration_file) {
+  RigInFront rig{.calibration = board.calibration,
+                 .fixed_pattern = {},
+                 .disparities = board.disparities,
+                 .calibration_file = calibration_file};
+  if (const char* const why = dsp::complete(rig.calibration.stereo); *why != '\0') {
     return std::unexpected(std::string("the rig's calibration: ") + why +
                            ": calibrate the rig anew");
   }
   if (board.pmd == nullptr) {
-    start.setup.calibration.pmd.lens = {};
+    rig.calibration.pmd.lens = {};
   }
-  start.setup.depth = options.depth;
-  start.setup.depth.fusion.spread = dsp::spread_of(options.depth.match);
-  start.setup.depth.match.disparities = options.disparities.value_or(board.disparities);
-  start.timing = config.timing;
-  if (options.period_ms) {
-    start.timing.period = std::chrono::milliseconds(*options.period_ms);
-  }
-  if (const char* const why = problem(start.timing); *why != '\0') {
-    return std::unexpected(std::string("--period-ms: ") + why + ": choose another period");
-  }
-  if (!options.calibration.empty()) {
-    if (std::string why = load_calibration(options.calibration, config, start); !why.empty()) {
+  if (!calibration_file.empty()) {
+    if (std::string why = load_calibration(calibration_file, config, rig); !why.empty()) {
       return std::unexpected(std::move(why));
     }
   }
-  if (const char* const why = dsp::problem(start.setup.calibration); *why != '\0') {
-    return std::unexpected(
-        (options.calibration.empty() ? "the rig's calibration" : options.calibration) + ": " + why +
-        ": calibrate the rig anew");
+  if (const char* const why = dsp::problem(rig.calibration); *why != '\0') {
+    return std::unexpected((calibration_file.empty() ? "the rig's calibration" : calibration_file) +
+                           ": " + why + ": calibrate the rig anew");
   }
-  if (std::string why = limits(start.setup, config); !why.empty()) {
+  return rig;
+}
+
+std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::Config& config,
+                                           const settings::Settings& settings) {
+  if (const char* const why = settings::problem(settings); *why != '\0') {
+    return std::unexpected(std::string(why));
+  }
+  Plan plan{.setup = {.calibration = rig.calibration,
+                      .depth = settings::depth_params(settings, rig.disparities)},
+            .timing = config.timing,
+            .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
+            .serial = serial_params(settings)};
+  if (settings.period_ms > 0) {
+    plan.timing.period = std::chrono::milliseconds(settings.period_ms);
+  }
+  plan.stream.period = plan.timing.period;
+  if (const char* const why = problem(plan.timing); *why != '\0') {
+    return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
+  }
+  if (std::string why = limits(plan.setup, config); !why.empty()) {
     return std::unexpected(std::move(why));
   }
-  return start;
+  return plan;
 }
 
 }  // namespace stof::firmware

@@ -1,24 +1,43 @@
 #pragma once
 
+#include <cstdint>
 #include <expected>
 #include <string>
 #include <vector>
 
 #include "board/board.h"
-#include "firmware/options.h"
 #include "firmware/pipeline.h"
+#include "firmware/serial/params.h"
+#include "firmware/settings/settings.h"
+#include "firmware/stream.h"
 
-// From the board's table, the rig and the command line to what the loop runs with. Used once,
-// before the loop; may allocate. Errors: one line, what, where and what to do.
+// From the board's table, the rig and the settings to what the loop runs with. Not for the loop's
+// thread; may allocate. Errors: one line, what, where and what to do.
 namespace stof::firmware {
 
-struct Start {
-  Setup setup;
-  board::TimingConfig timing;
-  std::vector<std::int16_t> fixed_pattern;  // what setup.calibration.pmd.fixed_pattern refers to
+// What stays from start to end.
+struct RigInFront {
+  dsp::Calibration calibration;             // PMD size 0x0: none
+  std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
+  int disparities = 0;                      // that the rig asks for
+  std::string calibration_file;             // empty: the board's own
 };
 
-std::expected<Start, std::string> make_start(const board::Board& board, const board::Config& config,
-                                             const Options& options);
+// calibration_file: replaces the board's calibration; empty: that holds.
+std::expected<RigInFront, std::string> make_rig(const board::Board& board,
+                                                const board::Config& config,
+                                                const std::string& calibration_file);
+
+// What settings make of it. Refers to the rig's fixed pattern.
+struct Plan {
+  Setup setup;
+  board::TimingConfig timing;
+  StreamParams stream;
+  SerialParams serial;
+};
+
+// An error where the board has no room for these settings, or no use.
+std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::Config& config,
+                                           const settings::Settings& settings);
 
 }  // namespace stof::firmware

@@ -2,101 +2,213 @@
 
 #include <algorithm>
 #include <chrono>
+#include <utility>
+
+#include "dsp/base/check.h"
+#include "firmware/wire/frame_info.h"
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
 
 namespace stof::firmware {
 namespace {
 
 constexpr hal::Duration kCalibrationInterval = std::chrono::seconds(1);
+// Datagrams that go to one receiver at once: its socket holds a fraction of a frame only.
+constexpr std::size_t kBurst = 8;
 
-std::uint32_t packets_of(const dsp::DepthMap& map) noexcept {
-  const auto width = static_cast<std::size_t>(map.depth.width());
-  const auto height = static_cast<std::size_t>(map.depth.height());
-  return static_cast<std::uint32_t>(1 +
-                                    2 * wire::tile_count(width, height, sizeof(dsp::QuarterMm)) +
-                                    wire::tile_count(width, height, sizeof(dsp::Source)));
+std::uint32_t microseconds(hal::Duration time) noexcept {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, 0xFFFF'FFFF));
 }
 
-std::uint64_t mispaired(const Counters& counters) noexcept {
-  std::uint64_t sum = 0;
-  for (std::size_t cause = 0; cause < kDrops; ++cause) {
-    if (cause != static_cast<std::size_t>(Drop::kUnpartnered)) {
-      sum += counters.stereo_dropped[cause] + counters.pmd_dropped[cause];
-    }
+wire::FrameImages images_of(const Shot& shot, const Output& output) noexcept {
+  wire::FrameImages images{.map = output.map,
+                           .disparity = output.stereo.disparity,
+                           .pmd = {},
+                           .left = output.left,
+                           .right = output.right};
+  if (shot.pmd) {
+    images.pmd = (*shot.pmd)->samples;
   }
-  return sum;
+  return images;
 }
 
 }  // namespace
 
-void PacedLink::begin(std::uint32_t packets, hal::Time latest) noexcept {
-  start_ = clock_.now();
-  budget_ = std::max(latest - start_, hal::Duration::zero());
-  packets_ = packets;
-  sent_ = 0;
-}
+Stream::Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
+               hal::DatagramPort& port, SideLine* side, Events& events, dsp::Arena& arena) noexcept
+    : setup_(setup),
+      clock_(clock),
+      port_(port),
+      side_(side),
+      events_(events),
+      coder_(setup.origin, sizes, setup.calibration, arena),
+      reporter_(clock.now()) {}
 
-Status PacedLink::send(std::span<const std::byte> datagram) noexcept {
-  if (sent_ % kBurst == 0 && sent_ < packets_) {
-    const hal::Time due = start_ + budget_ * sent_ / packets_;
-    if (due > clock_.now()) {
-      clock_.wait_until(due);
+void Stream::set_params(const StreamParams& params) noexcept { params_ = params; }
+
+void Stream::set_receivers(std::span<const hal::Peer> receivers, bool refused) noexcept {
+  STOF_CHECK(receivers.size() <= receivers_.size());
+  for (const hal::Peer& peer : receivers) {
+    if (std::ranges::find(this->receivers(), peer) == this->receivers().end()) {
+      calibration_due_.reset();
+      greet_ = true;
     }
   }
-  ++sent_;
-  return link_.send(datagram);
+  std::ranges::copy(receivers, receivers_.begin());
+  receiver_count_ = receivers.size();
+  refused_ = refused;
 }
 
 Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
-  const wire::FrameStamp stamp{
-      .number = number_++,
+  stamp_ = {
+      .number = begun_ ? stamp_.number + 1 : 0,
       .freshness = shot.freshness,
       .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
-      .health = shot.missed_edges == 0 ? wire::Health::kOk : wire::Health::kDegraded,
+      .health = std::max(reporter_.summary(),
+                         shot.missed_edges == 0 ? wire::Health::kOk : wire::Health::kDegraded),
       .clock = setup_.clock};
-  Counters& counters = events_.counters;
-  const bool calibrate = !calibration_due_ || clock_.now() >= *calibration_due_;
-  Status first = Status::kOk;
-  paced_.begin(packets_of(output.map) + (calibrate ? 1 : 0), latest);
-  if (calibrate) {
-    calibration_due_ = clock_.now() + kCalibrationInterval;
-    first = packetizer_.publish(stamp, setup_.calibration);
-    ++(first == Status::kOk ? counters.packets_sent : counters.packets_dropped);
+  begun_ = true;
+  const wire::FrameInfo info = describe(shot, output);
+  if (side_ != nullptr) {
+    side_->frame(stamp_, info, output.map);
   }
-  const wire::Sent sent = packetizer_.publish(stamp, describe(shot, output), output.map);
-  counters.packets_sent += sent.packets - sent.dropped;
-  counters.packets_dropped += sent.dropped;
-  return first == Status::kOk || sent.status == Status::kDeviceLost ? sent.status : first;
+  Status status = Status::kOk;
+  if (receiver_count_ > 0) {
+    if (!calibration_due_ || clock_.now() >= *calibration_due_) {
+      calibration_due_ = clock_.now() + kCalibrationInterval;
+      encode_calibration_packet(
+          setup_.calibration, wire::payload_space(buffer_).first<wire::kCalibrationPacketBytes>());
+      status = send_one(wire::seal_packet(header(wire::PacketType::kCalibration),
+                                          wire::kCalibrationPacketBytes, buffer_));
+    }
+    const hal::Time start = clock_.now();
+    const auto coded = coder_.code(stamp_, info, images_of(shot, output), params_.choice);
+    times_.code = clock_.now() - start;
+    const hal::Time paced = start + params_.period * params_.pace_percent / 100;
+    const Status sent = coded ? send_paced(*coded, std::min(paced, latest)) : coded.error();
+    status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;
+  }
+  if (refused_ && status == Status::kOk && receiver_count_ == 1) {
+    status = Status::kDeviceError;  // sent nevertheless: whoever begins to listen misses nothing
+  }
+  const hal::Time now = clock_.now();
+  reporter_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
+  return status;
+}
+
+Status Stream::send_paced(Datagrams datagrams, hal::Time latest) noexcept {
+  const hal::Time start = clock_.now();
+  const hal::Duration budget = std::max(latest - start, hal::Duration::zero());
+  const std::size_t burst = budget > hal::Duration::zero() ? kBurst : datagrams.size();
+  Status status = Status::kOk;
+  times_.send = {};
+  for (std::size_t at = 0; at < datagrams.size(); at += burst) {
+    const hal::Time due = start + budget * static_cast<std::int64_t>(at) /
+                                      static_cast<std::int64_t>(datagrams.size());
+    if (due > clock_.now()) {
+      clock_.wait_until(due);
+    }
+    const hal::Time begin = clock_.now();
+    const Status sent = send(datagrams.subspan(at, std::min(burst, datagrams.size() - at)));
+    times_.send += clock_.now() - begin;
+    status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;
+  }
+  return status;
+}
+
+// kDeviceError only where nobody at all could be reached.
+Status Stream::send(Datagrams datagrams) noexcept {
+  Counters& counters = events_.counters;
+  Status status = Status::kOk;
+  std::size_t unreachable = 0;
+  for (const hal::Peer& peer : receivers()) {
+    bool reached = false;
+    for (std::size_t at = 0; at < datagrams.size();) {
+      std::size_t sent = 0;
+      const Status taken = port_.send(peer, datagrams.subspan(at), sent);
+      counters.packets_sent += sent;
+      at += sent;
+      reached = reached || taken != Status::kDeviceError;
+      if (taken == Status::kDeviceLost) {
+        counters.packets_dropped += datagrams.size() - at;
+        return taken;
+      }
+      if (at < datagrams.size()) {  // this one is lost, the next one is tried
+        ++counters.packets_dropped;
+        ++at;
+        status = taken == Status::kDeviceError ? status : Status::kWouldBlock;
+      }
+    }
+    unreachable += reached ? 0 : 1;
+  }
+  return unreachable > 0 && unreachable == receiver_count_ ? Status::kDeviceError : status;
+}
+
+Status Stream::send_one(std::span<const std::byte> datagram) noexcept {
+  const std::array<std::span<const std::byte>, 1> one{datagram};
+  return send(one);
+}
+
+void Stream::report(const Surroundings& around) noexcept {
+  const hal::Time now = clock_.now();
+  const auto tell = [this](wire::PacketType type, std::size_t bytes) {
+    const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
+    static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
+    if (side_ != nullptr) {
+      side_->packet(datagram);
+    }
+  };
+  while (const std::optional<wire::EventReport> event = reporter_.next_event(now)) {
+    encode_event_report(*event, wire::payload_space(buffer_).first<wire::kEventReportBytes>());
+    tell(wire::PacketType::kEvent, wire::kEventReportBytes);
+  }
+  const std::optional<wire::HealthReport> health =
+      reporter_.next_health(events_.counters, around, std::exchange(greet_, false), now);
+  if (health) {
+    encode_health_report(*health, wire::payload_space(buffer_).first<wire::kHealthReportBytes>());
+    tell(wire::PacketType::kHealth, wire::kHealthReportBytes);
+  }
+}
+
+wire::Header Stream::header(wire::PacketType type) const noexcept {
+  wire::FrameStamp stamp = stamp_;
+  stamp.health = std::max(stamp.health, reporter_.summary());
+  stamp.clock = setup_.clock;
+  return {.type = type,
+          .origin = setup_.origin,
+          .frame = stamp,
+          .image_width = setup_.calibration.image_width,
+          .image_height = setup_.calibration.image_height};
 }
 
 wire::FrameInfo Stream::describe(const Shot& shot, const Output& output) const noexcept {
-  const Counters& counters = events_.counters;
   const hal::StereoFrame& stereo = *shot.stereo;
-  wire::FrameInfo info;
-  info.exposure_begin_ns =
-      std::min(stereo.left_exposure.begin, stereo.right_exposure.begin).time_since_epoch().count();
-  info.exposure_end_ns =
-      std::max(stereo.left_exposure.end, stereo.right_exposure.end).time_since_epoch().count();
-  info.pmd_present = shot.pmd_exposed ? 1 : 0;
-  info.pmd_age_ns = shot.pmd_exposed ? (shot.exposed - *shot.pmd_exposed).count() : 0;
-  info.compute_ns = output.stats.total().count();
-  info.latency_ns = (clock_.now() - shot.exposed).count();
-  static_assert(kSources == wire::kSources);
-  info.pixels_by_source = output.stats.sources;
-  static_assert(kCauses == wire::kCauses && dsp::kDriftParameters == wire::kDrifts);
-  info.pixels_by_cause = output.stats.causes;
+  wire::FrameInfo info{
+      .exposure_begin_ns = std::min(stereo.left_exposure.begin, stereo.right_exposure.begin)
+                               .time_since_epoch()
+                               .count(),
+      .exposure_end_ns =
+          std::max(stereo.left_exposure.end, stereo.right_exposure.end).time_since_epoch().count(),
+      .pmd_age_ns = shot.pmd_exposed ? (shot.exposed - *shot.pmd_exposed).count() : 0,
+      .compute_ns = output.stats.total().count(),
+      .latency_ns = (clock_.now() - shot.exposed).count(),
+      .pixels_by_source = output.stats.sources,
+      .counters = loop_counters(events_.counters),
+      .pixels_by_cause = output.stats.causes,
+      .drift_patches = output.drift.patches,
+      .pmd_present = static_cast<std::uint8_t>(shot.pmd_exposed ? 1 : 0),
+      .settings_revision = params_.revision,
+      .stage_us = {microseconds(output.stats.convert), microseconds(output.stats.match),
+                   microseconds(output.stats.fuse), microseconds(output.stats.watch),
+                   microseconds(times_.code), microseconds(times_.send)}};
+  static_assert(kSources == wire::kSources && kCauses == wire::kCauses &&
+                dsp::kDriftParameters == wire::kDrifts);
   for (std::size_t i = 0; i < wire::kDrifts; ++i) {
     const dsp::Drift& drift = output.drift.drifts[i];
     info.drifts[i] = {.value = drift.value, .sigma = drift.sigma};
     info.drift_significant |= drift.significant ? 1U << i : 0U;
   }
-  info.drift_patches = output.drift.patches;
-  info.counters = {
-      .edges = counters.edges,
-      .frames_published = counters.published,
-      .mispaired = mispaired(counters),
-      .timeouts = of(counters.timeouts, Part::kStereo) + of(counters.timeouts, Part::kPmd),
-      .deadline_misses = counters.skipped_periods + counters.expired,
-      .link_drops = counters.packets_dropped};
   return info;
 }
 

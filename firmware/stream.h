@@ -1,70 +1,112 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 
+#include "dsp/base/arena.h"
 #include "firmware/events.h"
 #include "firmware/pipeline.h"
+#include "firmware/reporter.h"
 #include "firmware/shot.h"
-#include "firmware/wire/packetizer.h"
+#include "firmware/wire/calibration_packet.h"
+#include "firmware/wire/frame_coder.h"
 #include "hal/clock.h"
-#include "hal/link.h"
+#include "hal/datagram_port.h"
 
 namespace stof::firmware {
 
-// A link that spreads the datagrams of a frame evenly over a time, in small bursts: a receiver's
-// socket holds a fraction of a frame only. Passed moments are not waited for.
-class PacedLink final : public wire::PacketSink {
- public:
-  static constexpr std::uint32_t kBurst = 8;
-
-  PacedLink(hal::Clock& clock, hal::Link& link) noexcept : clock_(clock), link_(link) {}
-
-  // The next `packets` datagrams go out between now and `latest`; those after them at once.
-  void begin(std::uint32_t packets, hal::Time latest) noexcept;
-  Status send(std::span<const std::byte> datagram) noexcept override;
-
- private:
-  hal::Clock& clock_;
-  hal::Link& link_;
-  hal::Time start_;
-  hal::Duration budget_{};
-  std::uint32_t packets_ = 0;
-  std::uint32_t sent_ = 0;
-};
+inline constexpr std::size_t kMostReceivers = 4;
 
 // Who sends, and what every receiver has to know about it.
 struct StreamSetup {
   wire::Origin origin;
   wire::ClockState clock = wire::ClockState::kMonotonic;
-  wire::CalibrationPacket calibration;  // goes out with the first frame, then once a second
+  wire::CalibrationPacket calibration{};
 };
 
-// Depth maps to datagrams.
+// May change between frames.
+struct StreamParams {
+  wire::StreamChoice choice{};
+  int pace_percent = 60;       // of the period: frames are spread over at most that; 0: at once
+  hal::Duration period{};      // of the trigger
+  std::uint32_t revision = 0;  // of the settings
+};
+
+// What a frame's way out took, without the waits of pacing.
+struct StreamTimes {
+  hal::Duration code{};
+  hal::Duration send{};
+};
+
+// A second way out, for the loop's thread: the serial line. Takes what it has room for.
+class SideLine {
+ public:
+  virtual ~SideLine() = default;
+  virtual void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
+                     const dsp::DepthMap& map) noexcept = 0;
+  // A sealed packet that is no part of a frame: health, events.
+  virtual void packet(std::span<const std::byte> datagram) noexcept = 0;
+};
+
+// Depth maps to datagrams, to all receivers alike; health and events beside them.
 class Stream {
  public:
-  Stream(const StreamSetup& setup, hal::Clock& clock, hal::Link& link, Events& events) noexcept
-      : setup_(setup),
-        clock_(clock),
-        events_(events),
-        paced_(clock, link),
-        packetizer_(setup.origin, paced_) {}
+  // side may be nullptr.
+  Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
+         hal::DatagramPort& port, SideLine* side, Events& events, dsp::Arena& arena) noexcept;
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
 
-  // Sends one frame, paced so that it ends at `latest`, or at once when that has passed. Counts
-  // packets. Never blocks longer than until `latest`. The first status of the link that was not
-  // kOk: kWouldBlock, kDeviceError (some were dropped), kDeviceLost (reopen).
+  void set_params(const StreamParams& params) noexcept;
+  // At most kMostReceivers; a new one gets calibration and health at once.
+  // refused: one of them, which has not subscribed, says that nobody listens there.
+  void set_receivers(std::span<const hal::Peer> receivers, bool refused = false) noexcept;
+  std::span<const hal::Peer> receivers() const noexcept {
+    return std::span(receivers_).first(receiver_count_);
+  }
+
+  // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
+  // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
+  // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
+  // Health and events that are due. Each period, also where there is no frame.
+  void report(const Surroundings& around) noexcept;
+
+  void observe(const Event& event) noexcept { reporter_.observe(event); }
+  // Of the last frame.
+  const StreamTimes& times() const noexcept { return times_; }
+  const Reporter& reporter() const noexcept { return reporter_; }
 
  private:
+  using Datagrams = std::span<const std::span<const std::byte>>;
+
   wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
+  wire::Header header(wire::PacketType type) const noexcept;
+  Status send_paced(Datagrams datagrams, hal::Time latest) noexcept;
+  // To everybody, now.
+  Status send(Datagrams datagrams) noexcept;
+  Status send_one(std::span<const std::byte> datagram) noexcept;
 
   StreamSetup setup_;
   hal::Clock& clock_;
+  hal::DatagramPort& port_;
+  SideLine* side_;
   Events& events_;
-  PacedLink paced_;
-  wire::Packetizer packetizer_;
-  std::uint32_t number_ = 0;
+  wire::FrameCoder coder_;
+  StreamParams params_;
+  Reporter reporter_;
+  std::array<hal::Peer, kMostReceivers> receivers_{};
+  std::size_t receiver_count_ = 0;
+  bool refused_ = false;
+  wire::FrameStamp stamp_;  // of the last frame
+  bool begun_ = false;      // a frame was sent
   std::optional<hal::Time> calibration_due_;
+  bool greet_ = true;  // health for a new receiver
+  StreamTimes times_;
+  wire::DatagramBuffer buffer_{};
 };
 
 }  // namespace stof::firmware

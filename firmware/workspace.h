@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstddef>
-#include <cstring>
 #include <span>
 
 #include "board/board.h"
@@ -10,7 +9,8 @@
 #include "dsp/base/arena.h"
 #include "dsp/fusion/fuser.h"
 
-// All memory of the frame path, reserved at link time for the largest frames the board accepts.
+// All memory of the frame path, reserved at link time for the largest frames the board accepts:
+// images, and datagrams on their way out.
 // Rectifier, Matcher, Converter and Fuser say what they take once they know their parameters
 // (bytes_needed); here stands an upper bound of that for the board's table, proven by tests.
 namespace stof::firmware {
@@ -77,17 +77,23 @@ constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,
          image_bytes(stereo);
 }
 
+// A coded frame with every stream, raw, on its way out; the serial line's small pictures and sectors.
+constexpr std::size_t coded_bytes(const board::StereoConfig& stereo,
+                                  const board::PmdConfig& pmd) noexcept {
+  return 20 * pixels(stereo.width, stereo.height) + 12 * pixels(pmd.width, pmd.height) +
+         16 * static_cast<std::size_t>(stereo.width + stereo.height) + (std::size_t{1} << 20);
+}
+
 inline constexpr std::size_t kMiB = 1 << 20;
 
 struct Workspace {
   alignas(dsp::Arena::kAlign)
       std::array<std::byte, workspace_bytes(board::kConfig.stereo, board::kConfig.pmd)> memory;
 
-  // Writes every page that will be used, so that the loop meets none for the first time.
-  void prefault(std::size_t bytes) noexcept { std::memset(memory.data(), 0, bytes); }
-  dsp::Arena arena() noexcept { return dsp::Arena(memory); }
+  alignas(dsp::Arena::kAlign)
+      std::array<std::byte, coded_bytes(board::kConfig.stereo, board::kConfig.pmd)> coded;
 };
-static_assert(sizeof(Workspace) <= board::kConfig.workspace_limit);
+static_assert(sizeof(Workspace::memory) <= board::kConfig.workspace_limit);
 
 // A camera pair of 640x480 with 64 disparities and a PMD camera of 176x144 leaves room for more in
 // 24 MiB.

@@ -15,7 +15,12 @@
 #include "hal/emu/stereo_camera.h"
 #include "hal/emu/trigger.h"
 #include "hal/linux/clock.h"
-#include "hal/linux/link_udp.h"
+#include "hal/linux/file_store.h"
+#include "hal/linux/mdns_port.h"
+#include "hal/linux/network.h"
+#include "hal/linux/peer_address.h"
+#include "hal/linux/serial_tty.h"
+#include "hal/linux/udp_port.h"
 
 namespace stof::board {
 namespace {
@@ -114,11 +119,53 @@ std::optional<Refusal> write_truth(const std::filesystem::path& file, const Worl
 
 emu::StereoTiming stereo_timing() { return {.exposure = kConfig.timing.stereo_exposure}; }
 
+// How it talks.
+struct LinesOpen {
+  std::unique_ptr<hal::posix::UdpPort> port;
+  std::optional<hal::Peer> to;
+  std::optional<hal::posix::SerialTty> serial;
+  std::unique_ptr<hal::posix::Network> network = std::make_unique<hal::posix::Network>();
+  std::unique_ptr<hal::posix::MdnsPort> mdns;
+  std::vector<std::string> notes;
+};
+
+std::expected<LinesOpen, Refusal> open_lines(const Lines& wanted) {
+  LinesOpen lines;
+  auto port = hal::posix::UdpPort::open({.port = wanted.udp_port});
+  if (!port) {
+    return refuse(port.error().message);
+  }
+  lines.port = std::move(*port);
+  if (!wanted.to.empty()) {
+    const auto peer = hal::posix::resolve(wanted.to);
+    if (!peer) {
+      return refuse(peer.error().message);
+    }
+    lines.to = *peer;
+  }
+  if (!wanted.serial.empty()) {
+    auto serial = hal::posix::SerialTty::open({.device = wanted.serial, .baud = wanted.baud});
+    if (!serial) {
+      return refuse(serial.error());
+    }
+    lines.serial = std::move(*serial);
+  }
+  if (wanted.mdns) {
+    auto mdns = hal::posix::MdnsPort::open();
+    if (mdns) {
+      lines.mdns = std::move(*mdns);
+    } else {
+      lines.notes.push_back("no mDNS: " + mdns.error().message);
+    }
+  }
+  return lines;
+}
+
 // The rig as long as the program lives. Real time unless --free-run, so that latency means
 // something.
 struct Rig {
   World world;
-  hal::posix::UdpLink link;
+  LinesOpen lines;
   emu::Clock emulated_clock;
   hal::posix::Clock machine_clock;
   hal::Clock& clock;
@@ -127,9 +174,9 @@ struct Rig {
   std::optional<emu::Trigger> trigger;
   std::optional<Board> board;
 
-  Rig(World&& seen, hal::posix::UdpLink&& to, const Request& request)
+  Rig(World&& seen, LinesOpen&& opened, const Request& request)
       : world(std::move(seen)),
-        link(std::move(to)),
+        lines(std::move(opened)),
         clock(request.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
         stereo(clock, *world.imagery, stereo_timing(), request.faults[kStereo]) {
     constexpr hal::Duration kPulse = std::chrono::microseconds(50);
@@ -148,24 +195,30 @@ struct Rig {
                         .trigger = *trigger,
                         .stereo = stereo,
                         .pmd = pmd ? &*pmd : nullptr,
-                        .link = link,
+                        .port = *lines.port,
+                        .serial = lines.serial ? &*lines.serial : nullptr,
+                        .to = lines.to,
+                        .network = *lines.network,
+                        .mdns = lines.mdns.get(),
                         .calibration = world.calibration,
                         .disparities = world.disparities,
                         .emulated_time = request.free_run,
                         .notes = world.notes});
+    board->notes.insert(board->notes.end(), lines.notes.begin(), lines.notes.end());
   }
 };
 
 }  // namespace
 
-std::expected<Board*, Refusal> open(std::span<const std::string_view> arguments) {
+std::expected<Board*, Refusal> open(const Lines& lines,
+                                    std::span<const std::string_view> arguments) {
   const std::expected<Request, Refusal> request = parse(arguments);
   if (!request) {
     return std::unexpected(request.error());
   }
-  auto link = hal::posix::UdpLink::open(request->to);
-  if (!link) {
-    return refuse(link.error().message);
+  std::expected<LinesOpen, Refusal> talks = open_lines(lines);
+  if (!talks) {
+    return std::unexpected(talks.error());
   }
   std::expected<World, Refusal> world = request->dataset ? replay(*request) : rendered(*request);
   if (!world) {
@@ -177,8 +230,12 @@ std::expected<Board*, Refusal> open(std::span<const std::string_view> arguments)
     }
   }
   static std::optional<Rig> rig;
-  rig.emplace(std::move(*world), std::move(*link), *request);
+  rig.emplace(std::move(*world), std::move(*talks), *request);
   return &*rig->board;
+}
+
+std::unique_ptr<hal::Store> make_store(std::string_view name) {
+  return std::make_unique<hal::posix::FileStore>(name);
 }
 
 // Emulated devices come back by themselves when their fault ends.

@@ -72,9 +72,7 @@ bool take_switch(std::string_view flag, Request& request) {
 }
 
 bool take_value(std::string_view flag, std::string_view value, Request& request) {
-  if (flag == "--to") {
-    request.to = value;
-  } else if (flag == "--dataset") {
+  if (flag == "--dataset") {
     request.dataset = value;
   } else if (flag == "--tof") {
     request.tof = value;
@@ -135,8 +133,6 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
 }
 
 std::string_view usage() noexcept {
-  static constexpr std::string_view kTo =
-      "  --to HOST:PORT       where packets go, UDP (default 127.0.0.1:7560)\n";
   static constexpr std::string_view kRest =
       "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
       "right.pgm, meta.txt\n"
@@ -150,8 +146,7 @@ std::string_view usage() noexcept {
       "  --fault D:KIND:N[:M] fault at call N (and every M calls) of D = trigger, stereo, pmd;\n"
       "                       KIND = drop, delay, repeat, tear, corrupt, vanish\n";
   static const std::string text = [] {
-    std::string all(kTo);
-    all += scene_usage();
+    std::string all(scene_usage());
     all += kRest;
     return all;
   }();

@@ -18,7 +18,6 @@ namespace stof::board {
 // What a fault may strike.
 enum Device : std::size_t { kTrigger, kStereo, kPmd, kDevices };
 struct Request {
-  std::string to = "127.0.0.1:7560";
   SceneRequest scene;  // where there is no dataset
   std::optional<std::filesystem::path> dataset;
   std::optional<std::filesystem::path> tof;

@@ -128,7 +128,7 @@ TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
   int lost = 0;
   while (rig.events.counters.published < 10'000 && steps < 15'000) {
     lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1 : 0;
-    while (rig.link.receive()) {
+    while (rig.port.take_sent()) {
     }
     while (rig.events.take()) {
     }
@@ -170,20 +170,28 @@ TEST(NoHeapDeathTest, EveryWayToAllocateIsCaught) {
 }
 
 // A device whose adapter allocates in the loop.
-class AllocatingLink final : public hal::Link {
+class AllocatingPort final : public hal::DatagramPort {
  public:
-  Status send(std::span<const std::byte> datagram) noexcept override {
-    const std::vector<std::byte> copy(datagram.begin(), datagram.end());
+  Status send(const hal::Peer&, std::span<const std::span<const std::byte>> datagrams,
+              std::size_t& sent) noexcept override {
+    const std::vector<std::byte> copy(datagrams[0].begin(), datagrams[0].end());
     kept = const_cast<std::byte*>(copy.data());
+    sent = datagrams.size();
     return Status::kOk;
   }
+  Result<hal::Received> receive(std::span<std::byte>, hal::Duration) noexcept override {
+    return fail(Status::kTimeout);
+  }
+  std::uint64_t overruns() const noexcept override { return 0; }
+  bool take_refusal(hal::Peer&) noexcept override { return false; }
+  std::uint16_t port() const noexcept override { return 1; }
 };
 
 TEST(NoHeapDeathTest, AnAllocationDeepInsideAStepIsCaught) {
   EXPECT_DEATH(
       {
-        AllocatingLink link;
-        Rig rig({.link = &link});
+        AllocatingPort port;
+        Rig rig({.port = &port});
         for (int i = 0; i < 3; ++i) {
           static_cast<void>(step_without_heap(rig.loop));
         }

@@ -54,6 +54,10 @@ emu::PmdTiming pmd_timing(const RigOptions& options) {
           .every = options.timing.pmd_every};
 }
 
+std::size_t bytes(const Setup& setup) {
+  return Pipeline::bytes_needed(setup) + wire::FrameCoder::bytes_needed(sizes_of(setup));
+}
+
 }  // namespace
 
 int disparity_of(std::size_t edge) { return 1 + static_cast<int>(edge * 3 % kDistances); }
@@ -117,21 +121,24 @@ Rig::Rig(const RigOptions& options)
       painted_stereo(stereo, log),
       painted_pmd(pmd, log, options.timing.pmd_integration),
       trigger(clock, 50us, {&log, &stereo, &pmd}, options.faults.trigger),
-      link(256, options.faults.link),
+      port(256, options.faults.link),
       board{.clock = clock,
             .trigger = trigger,
             .stereo = painted_stereo,
             .pmd = options.with_pmd ? &painted_pmd : nullptr,
-            .link = options.link != nullptr ? *options.link : link,
+            .port = options.port != nullptr ? *options.port : port,
+            .serial = nullptr,
+            .to = std::nullopt,
+            .network = network,
+            .mdns = nullptr,
             .calibration = small_setup(options.with_pmd).calibration,
             .disparities = kDisparities,
             .emulated_time = true,
             .notes = {}},
       setup(small_setup(options.with_pmd)),
-      memory(static_cast<std::byte*>(
-                 std::aligned_alloc(dsp::Arena::kAlign, Pipeline::bytes_needed(setup))),
+      memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(setup))),
              &std::free),
-      arena({memory.get(), Pipeline::bytes_needed(setup)}),
+      arena({memory.get(), bytes(setup)}),
       pipeline(setup, clock, arena),
       stream({.origin = {.device_id = 7, .session_id = 9},
               .clock = wire::ClockState::kEmulated,
@@ -139,8 +146,12 @@ Rig::Rig(const RigOptions& options)
                   wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
                                                 options.timing.period.count())
                       .value()},
-             clock, board.link, events),
-      loop(board, options.timing, setup, pipeline, stream, events) {}
+             sizes_of(setup), clock, board.port, nullptr, events, arena),
+      loop(board, options.timing, setup, pipeline, stream, events) {
+  stream.set_params({.choice = options.choice, .period = options.timing.period});
+  const hal::Peer receiver{.address = {}, .port = 1};
+  stream.set_receivers({&receiver, 1});
+}
 
 std::size_t Received::count(dsp::Source which) const {
   return static_cast<std::size_t>(std::ranges::count(source, static_cast<std::uint8_t>(which)));
@@ -160,10 +171,10 @@ double Received::depth_m() const {
   return static_cast<double>(both[both.size() / 2]) / dsp::kQuarterMmPerMetre;
 }
 
-void Receiver::drain(emu::Link& link) {
-  while (const auto datagram = link.receive()) {
-    bytes.insert(bytes.end(), datagram->begin(), datagram->end());
-    if (const auto packet = wire::parse_packet(*datagram)) {
+void Receiver::drain(emu::DatagramPort& port) {
+  while (const auto sent = port.take_sent()) {
+    bytes.insert(bytes.end(), sent->bytes.begin(), sent->bytes.end());
+    if (const auto packet = wire::parse_packet(sent->bytes)) {
       take(*packet);
     } else {
       ++damaged;
@@ -175,6 +186,14 @@ void Receiver::take(const wire::PacketView& packet) {
   const wire::Header& header = packet.header;
   if (header.type == wire::PacketType::kCalibration) {
     ++calibrations;
+    return;
+  }
+  if (header.type == wire::PacketType::kEvent) {
+    events.push_back(wire::decode_event_report(packet.payload).value());
+    return;
+  }
+  if (header.type == wire::PacketType::kHealth) {
+    healths.push_back(wire::decode_health_report(packet.payload).value());
     return;
   }
   Received& frame = frames[header.frame.number];
@@ -197,7 +216,7 @@ void Receiver::take(const wire::PacketView& packet) {
 void run(Rig& rig, Receiver& receiver, int steps) {
   for (int i = 0; i < steps; ++i) {
     static_cast<void>(rig.loop.step());
-    receiver.drain(rig.link);
+    receiver.drain(rig.port);
   }
 }
 

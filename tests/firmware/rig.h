@@ -21,7 +21,7 @@
 #include "hal/emu/clock.h"
 #include "hal/emu/faults.h"
 #include "hal/emu/imagery.h"
-#include "hal/emu/link.h"
+#include "hal/emu/datagram_port.h"
 #include "hal/emu/pmd_camera.h"
 #include "hal/emu/stereo_camera.h"
 #include "hal/emu/trigger.h"
@@ -98,6 +98,11 @@ class PaintedPmd final : public hal::PmdCamera {
   hal::Duration integration_;
 };
 
+class NoNetwork final : public hal::Network {
+ public:
+  std::size_t addresses(std::span<hal::InterfaceAddress>) noexcept override { return 0; }
+};
+
 struct Faults {
   emu::FaultPlan trigger{};
   emu::FaultPlan stereo{};
@@ -109,7 +114,9 @@ struct RigOptions {
   Faults faults{};
   board::TimingConfig timing = test::timing();
   bool with_pmd = true;
-  hal::Link* link = nullptr;  // in place of the emulated one
+  hal::DatagramPort* port = nullptr;  // in place of the emulated one
+  wire::StreamChoice choice{
+      .coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
 };
 
 Setup small_setup(bool with_pmd);
@@ -127,7 +134,8 @@ struct Rig {
   PaintedStereo painted_stereo;
   PaintedPmd painted_pmd;
   emu::Trigger trigger;
-  emu::Link link;
+  emu::DatagramPort port;
+  NoNetwork network;
   board::Board board;
   Setup setup;
   std::unique_ptr<std::byte, decltype(&std::free)> memory;
@@ -158,10 +166,12 @@ struct Received {
 class Receiver {
  public:
   // Takes everything that waits in the link.
-  void drain(emu::Link& link);
+  void drain(emu::DatagramPort& port);
 
   std::map<std::uint32_t, Received> frames;  // by number
   std::size_t calibrations = 0;
+  std::vector<wire::EventReport> events;
+  std::vector<wire::HealthReport> healths;
   std::size_t damaged = 0;
   std::vector<std::byte> bytes;  // all datagrams, one after the other
 

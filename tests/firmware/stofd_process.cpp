@@ -41,6 +41,7 @@ std::vector<std::string> command() {
 
 Stofd::Stofd(const std::vector<std::string>& arguments) {
   std::vector<std::string> words = command();
+  words.insert(words.end(), {"--port", "0"});  // several may run at a time
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) {

@@ -94,13 +94,17 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
     expect_refused({"--block", value}, "--block");
   }
   expect_refused({"--disparities", "257"}, "--disparities");
-  expect_refused({"--preset", "best"}, "fast, quality, chapter");
+  expect_refused({"--preset", "best"}, "fast or quality, or chapter");
   expect_refused({"--method", "sa"}, "--method");
   expect_refused({"--lr=-1"}, "--lr");
-  expect_refused({"--no-block"}, "--block");
+  expect_refused({"--no-block"}, "--no-block");
   expect_refused({"--fill"}, "--fill");
   expect_refused({"--shape", "region", "--method", "sgm"}, "method wta");
-  expect_refused({"--period-ms", "0"}, "--period-ms");
+  expect_refused({"--period-ms", "-1"}, "--period-ms");
+  expect_refused({"--set", "streams.depth"}, "PATH=VALUE");
+  expect_refused({"--set", "streams.depth=zip"}, "off, raw or rvl");
+  expect_refused({"--set", "moon=1"}, "moon");
+  expect_refused({"--port", "65536"}, "--port");
   expect_refused({"--to", "nowhere"}, "nowhere");
   expect_refused({"--to", "127.0.0.1:99999"}, "99999");
   expect_refused({"--to"}, "--to");
@@ -126,7 +130,7 @@ TEST_F(StofdTest, BadDatasetsEndInOneLineAndCodeTwo) {
   const std::string good = dataset("good");
   expect_refused({"--dataset", good, "--tof", path("tof")}, path("tof"));
   expect_refused({"--dataset", good, "--truth", path("truth.pfm")}, "gt_left.pgm");
-  expect_refused({"--dataset", good, "--period-ms", "10"}, "--period-ms");
+  expect_refused({"--dataset", good, "--period-ms", "10"}, "period");
   expect_refused({"--dataset", good, "--disparities", "200"}, "--disparities");
   expect_refused({"--dataset", dataset("wide", 1281, 8)}, "1281x8");
   expect_refused({"--dataset", dataset("high", 8, 721)}, "8x721");

@@ -9,6 +9,7 @@
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectifier.h"
+#include "firmware/appliance.h"
 #include "firmware/pipeline.h"
 
 namespace stof::firmware {
@@ -80,8 +81,10 @@ TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
   setup.calibration.pmd.emitter_count = 1;
   setup.depth.match = preset("quality", board::kConfig.stereo);
   const std::size_t bytes = Pipeline::bytes_needed(setup);
-  EXPECT_LE(bytes, sizeof(Workspace));
-  EXPECT_GE(bytes, sizeof(Workspace) / 10 * 8);
+  EXPECT_LE(bytes, sizeof(Workspace::memory));
+  EXPECT_GE(bytes, sizeof(Workspace::memory) / 10 * 8);
+  EXPECT_LE(coded_bytes_needed(setup), sizeof(Workspace::coded));
+  EXPECT_GE(coded_bytes_needed(setup), sizeof(Workspace::coded) / 10 * 8);
 }
 
 TEST(Workspace, GrowsWithEveryDimension) {
