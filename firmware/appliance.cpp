@@ -29,9 +29,9 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& 
       arena_(memory.coded),
       side_(),
       stream_(stream, sizes_of(plan.setup), parts.board.clock, parts.board.port,
-              parts.serial == nullptr ? nullptr
-                                      : &side_.emplace(serial_setup(stream), *parts.serial,
-                                                       parts.board.clock, arena_),
+              parts.serial == nullptr
+                  ? nullptr
+                  : &side_.emplace(serial_setup(stream), *parts.serial, parts.board.clock, arena_),
               parts.events, arena_),
       images_(memory.images) {
   build(plan);

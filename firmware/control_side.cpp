@@ -30,15 +30,16 @@ ControlSide::ControlSide(const Parts& parts, const settings::Settings& active,
     serial_.emplace(*parts_.board.serial, *parts_.serial, *line_requests_);
     serial_->set(active.serial.mode, static_cast<std::uint32_t>(active.serial.baud));
   }
-  thread_.emplace(ControlParts{
-      .port = parts_.board.port,
-      .gate = gate_,
-      .subscribers = subscribers_,
-      .ring = parts_.receivers,
-      .hooks = hooks_,
-      .turn = parts_.serial == nullptr
-                  ? hal::Duration(std::chrono::milliseconds(20))
-                  : SerialDesk::turn(static_cast<std::uint32_t>(active.serial.baud))});
+  introduce(started_);  // nobody is answered before
+  thread_.emplace(
+      ControlParts{.port = parts_.board.port,
+                   .gate = gate_,
+                   .subscribers = subscribers_,
+                   .ring = parts_.receivers,
+                   .hooks = hooks_,
+                   .turn = parts_.serial == nullptr
+                               ? hal::Duration(std::chrono::milliseconds(20))
+                               : SerialDesk::turn(static_cast<std::uint32_t>(active.serial.baud))});
 }
 
 ControlSide::~ControlSide() {
@@ -65,15 +66,23 @@ void ControlSide::tell_loop() noexcept {
                           std::memory_order_relaxed);
 }
 
-void ControlSide::tick(hal::Time now) noexcept {
-  tell_loop();
-  const settings::Settings& active = desk_.active();
+wire::Announce ControlSide::introduce(hal::Time now) noexcept {
   const wire::Health health = parts_.vitals.health.load(std::memory_order_relaxed);
   wire::Announce told = announce();
   told.uptime_ms = static_cast<std::uint64_t>((now - started_) / std::chrono::milliseconds(1));
   gate_.set_announce(told, health);
+  beacon_.set(told, parts_.origin, {.health = health});
+  if (line_requests_) {
+    line_requests_->set_announce(told, health);
+  }
+  return told;
+}
+
+void ControlSide::tick(hal::Time now) noexcept {
+  tell_loop();
+  const settings::Settings& active = desk_.active();
+  const wire::Announce told = introduce(now);
   if (active.discovery.beacon) {
-    beacon_.set(told, parts_.origin, {.health = health});
     beacon_.tick(now);
   }
   if (mdns_ && active.discovery.mdns) {
@@ -87,7 +96,6 @@ void ControlSide::tick(hal::Time now) noexcept {
   }
   mdns_on_ = active.discovery.mdns;
   if (serial_) {
-    line_requests_->set_announce(told, health);
     serial_->tick(now);
   }
 }

@@ -63,6 +63,8 @@ class ControlSide final : public settings::Limits, public settings::SettingsSink
 
  private:
   wire::Announce announce() const noexcept;
+  // Renews what everybody is told who asks.
+  wire::Announce introduce(hal::Time now) noexcept;
   void tell_loop() noexcept;
 
   Parts parts_;

@@ -19,6 +19,11 @@ namespace stof::firmware {
 // The PMD camera may expose at every k-th edge, k at most this.
 inline constexpr int kMaxPmdEvery = 8;
 
+// kDeviceLost, where it is one of them, else b.
+constexpr Status first_lost(Status a, Status b) noexcept {
+  return a == Status::kDeviceLost ? a : b;
+}
+
 // Empty, or why edges of this timing cannot be told apart or cameras cannot follow.
 const char* problem(const board::TimingConfig& timing) noexcept;
 
@@ -43,8 +48,8 @@ class Loop {
   // allowed, and needed by devices that come back by themselves.
   Status step() noexcept;
 
-  // After a pause, with another timing perhaps; problem(timing) must be empty. The grid begins anew,
-  // and nothing is known about what frames will cost.
+  // After a pause, with another timing perhaps; problem(timing) must be empty. The grid begins
+  // anew, and nothing is known about what frames will cost.
   void restart(const board::TimingConfig& timing) noexcept;
 
  private:

@@ -11,7 +11,7 @@
 #include <random>
 #include <string>
 #include <string_view>
-#include <thread>
+#include <utility>
 #include <vector>
 
 #include "board/board.h"
@@ -20,10 +20,12 @@
 #include "firmware/events.h"
 #include "firmware/options.h"
 #include "firmware/pipeline.h"
+#include "firmware/reopener.h"
 #include "firmware/report.h"
 #include "firmware/settings/assignment.h"
 #include "firmware/settings/saved.h"
 #include "firmware/start.h"
+#include "firmware/teller.h"
 #include "firmware/wire/calibration_packet.h"
 #include "firmware/workspace.h"
 
@@ -52,11 +54,6 @@ void watch_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-void say(const std::string& line) {
-  std::printf("stofd: %s\n", line.c_str());
-  std::fflush(stdout);
-}
-
 int refuse(const std::string& line, int code = kExitBadInput) {
   std::fprintf(stderr, "stofd: %s\n", line.c_str());
   return code;
@@ -75,63 +72,6 @@ int help() {
 
 // Random, so that a receiver notices a sender that started anew.
 std::uint32_t make_session_id() { return std::random_device()(); }
-
-// Prints what the loop notes, from a thread of its own: a terminal that blocks must not block the
-// loop.
-class Teller {
- public:
-  Teller() : thread_([this] { run(); }) {}
-  ~Teller() {
-    done_.store(true);
-    thread_.join();
-    tell();
-  }
-
- private:
-  void run() {
-    while (!done_.load()) {
-      tell();
-      std::this_thread::sleep_for(std::chrono::milliseconds(20));
-    }
-  }
-  static void tell() {
-    while (const std::optional<Event> event = events.take()) {
-      say(describe(*event));
-    }
-  }
-
-  std::atomic<bool> done_{false};
-  std::thread thread_;
-};
-
-// Asks the board to reopen what is lost, soon at first, then once a second.
-class Reopener {
- public:
-  explicit Reopener(board::Board& board) : board_(board) {}
-
-  void after(Status step) noexcept {
-    if (step != Status::kDeviceLost) {
-      wait_ = kShortest;
-      return;
-    }
-    const hal::Time now = board_.clock.now();
-    if (now < next_) {
-      return;
-    }
-    // Not back yet, or gone again at once: the loop goes on and tells.
-    static_cast<void>(board::reopen(board_));
-    next_ = now + wait_;
-    wait_ = std::min(2 * wait_, kLongest);
-  }
-
- private:
-  static constexpr hal::Duration kShortest = std::chrono::milliseconds(50);
-  static constexpr hal::Duration kLongest = std::chrono::seconds(1);
-
-  board::Board& board_;
-  hal::Time next_{};
-  hal::Duration wait_ = kShortest;
-};
 
 void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
   const dsp::Pinhole& left = rig.calibration.stereo.left;
@@ -154,8 +94,7 @@ void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
   say("listening at UDP port " + std::to_string(board.port.port()));
 }
 
-wire::Announce introduce(const board::Board& board, const RigInFront& rig,
-                         const Options& options) {
+wire::Announce introduce(const board::Board& board, const RigInFront& rig, const Options& options) {
   wire::Announce announce{
       .port = board.port.port(),
       .image_width = static_cast<std::uint16_t>(rig.calibration.stereo.left.width),
@@ -171,8 +110,7 @@ wire::Announce introduce(const board::Board& board, const RigInFront& rig,
 bool write_port(const std::string& file, std::uint16_t port) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "w"),
                                                             &std::fclose);
-  return out && std::fprintf(out.get(), "%u\n", unsigned{port}) > 0 &&
-         std::fflush(out.get()) == 0;
+  return out && std::fprintf(out.get(), "%u\n", unsigned{port}) > 0 && std::fflush(out.get()) == 0;
 }
 
 // What the settings are at start.
@@ -223,7 +161,7 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
                        .serial = line,
                        .vitals = vitals},
                       start.active, start.saved);
-  const Teller teller;
+  const Teller teller(events);
   Reopener reopener(board);
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
@@ -233,19 +171,37 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
   }
 }
 
-int run(board::Board& board, const Options& options, const StartSettings& start) {
+// Settings that were saved for another rig must not keep a sensor out of reach.
+std::string drop_unusable(const RigInFront& rig, const Options& options, StartSettings& start) {
+  if (start.store == nullptr) {
+    return {};
+  }
+  const auto plan = make_plan(rig, board::kConfig, start.saved);
+  if (plan) {
+    return {};
+  }
+  say(options.settings + ": not for this sensor, set aside, the defaults hold: " + plan.error());
+  static_cast<void>(start.store->set_aside());  // the next save replaces it in any case
+  start.saved = {};
+  start.active = {};
+  return apply(options.assignments, start.active);
+}
+
+int run(board::Board& board, const Options& options, StartSettings start) {
   const auto rig = make_rig(board, board::kConfig, options.calibration);
   if (!rig) {
     return refuse(rig.error());
+  }
+  if (const std::string why = drop_unusable(*rig, options, start); !why.empty()) {
+    return refuse(why);
   }
   auto plan = make_plan(*rig, board::kConfig, start.active);
   if (!plan) {
     return refuse(plan.error());
   }
   plan->stream.revision = 1;
-  const auto calibration =
-      wire::make_calibration_packet(plan->setup.calibration, plan->setup.depth.fusion.max_range,
-                                    plan->timing.period.count());
+  const auto calibration = wire::make_calibration_packet(
+      plan->setup.calibration, plan->setup.depth.fusion.max_range, plan->timing.period.count());
   if (!calibration) {
     return refuse("the rig's calibration holds numbers that no rig has: calibrate it anew");
   }
@@ -279,22 +235,22 @@ int start_and_run(std::span<const std::string_view> arguments) {
     return print(settings::settings_tables());
   }
   watch_signals();
-  const auto start = read_settings(*options);
+  auto start = read_settings(*options);
   if (!start) {
     return refuse(start.error());
   }
   const settings::Settings& active = start->active;
-  const auto board = board::open(
-      {.udp_port = options->port.value_or(static_cast<std::uint16_t>(active.udp_port)),
-       .to = options->to,
-       .serial = std::string(active.serial.device.view()),
-       .baud = static_cast<std::uint32_t>(active.serial.baud),
-       .mdns = true},
-      options->board);
+  const auto board =
+      board::open({.udp_port = options->port.value_or(static_cast<std::uint16_t>(active.udp_port)),
+                   .to = options->to,
+                   .serial = std::string(active.serial.device.view()),
+                   .baud = static_cast<std::uint32_t>(active.serial.baud),
+                   .mdns = true},
+                  options->board);
   if (!board) {
     return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);
   }
-  return run(**board, *options, *start);
+  return run(**board, *options, std::move(*start));
 }
 
 }  // namespace

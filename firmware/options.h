@@ -31,8 +31,8 @@ struct Options {
   std::string port_file;        // gets the number of the UDP port; empty: none
   std::uint32_t device_id = 1;
   std::optional<std::uint32_t> session_id;
-  std::optional<std::uint16_t> port;  // UDP, 0: any free one; none: as the settings say
-  std::vector<Assignment> assignments;   // in order
+  std::optional<std::uint16_t> port;    // UDP, 0: any free one; none: as the settings say
+  std::vector<Assignment> assignments;  // in order
   std::vector<std::string_view> board;  // everything that is not ours, in order
 };
 

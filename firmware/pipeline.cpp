@@ -34,10 +34,8 @@ std::size_t map_bytes(const dsp::Pinhole& left) noexcept {
 wire::FrameSizes sizes_of(const Setup& setup) noexcept {
   const dsp::Pinhole& left = setup.calibration.stereo.left;
   const dsp::Pinhole& pmd = setup.calibration.pmd.lens;
-  return {.width = left.width,
-          .height = left.height,
-          .pmd_width = pmd.width,
-          .pmd_height = pmd.height};
+  return {
+      .width = left.width, .height = left.height, .pmd_width = pmd.width, .pmd_height = pmd.height};
 }
 
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {

@@ -111,8 +111,7 @@ std::string limits(const Setup& setup, const board::Config& config) {
            " cannot be matched with these parameters: check --disparities, --min-disparity and "
            "--block";
   }
-  if (const std::size_t bytes = Pipeline::bytes_needed(setup);
-      bytes > sizeof(Workspace::memory)) {
+  if (const std::size_t bytes = Pipeline::bytes_needed(setup); bytes > sizeof(Workspace::memory)) {
     return "matching " + size_text(left.width, left.height) + " with " +
            std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
            std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +

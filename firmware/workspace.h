@@ -77,7 +77,8 @@ constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,
          image_bytes(stereo);
 }
 
-// A coded frame with every stream, raw, on its way out; the serial line's small pictures and sectors.
+// A coded frame with every stream, raw, on its way out; the serial line's small pictures and
+// sectors.
 constexpr std::size_t coded_bytes(const board::StereoConfig& stereo,
                                   const board::PmdConfig& pmd) noexcept {
   return 20 * pixels(stereo.width, stereo.height) + 12 * pixels(pmd.width, pmd.height) +

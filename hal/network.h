@@ -11,11 +11,11 @@ namespace stof::hal {
 
 // One address of an interface of this machine.
 struct InterfaceAddress {
-  std::uint32_t interface = 0;              // its index, as Peer::scope
-  std::array<std::uint8_t, 16> address{};   // as Peer::address
+  std::uint32_t interface = 0;               // its index, as Peer::scope
+  std::array<std::uint8_t, 16> address{};    // as Peer::address
   std::array<std::uint8_t, 16> broadcast{};  // likewise; all 0: none
-  std::uint8_t prefix_bits = 0;             // that all of its link share, of the 128
-  bool multicast = false;                   // the interface carries it
+  std::uint8_t prefix_bits = 0;              // that all of its link share, of the 128
+  bool multicast = false;                    // the interface carries it
 
   friend bool operator==(const InterfaceAddress&, const InterfaceAddress&) = default;
 };

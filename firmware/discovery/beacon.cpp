@@ -5,12 +5,11 @@
 
 namespace stof::firmware {
 
-std::span<const std::byte> seal_announce(const wire::Announce& announce,
-                                         const wire::Origin& origin, const wire::FrameStamp& stamp,
+std::span<const std::byte> seal_announce(const wire::Announce& announce, const wire::Origin& origin,
+                                         const wire::FrameStamp& stamp,
                                          wire::DatagramBuffer& buffer) noexcept {
   wire::encode_announce(announce, wire::payload_space(buffer).first<wire::kAnnounceBytes>());
-  const wire::Header header{
-      .type = wire::PacketType::kAnnounce, .origin = origin, .frame = stamp};
+  const wire::Header header{.type = wire::PacketType::kAnnounce, .origin = origin, .frame = stamp};
   return wire::seal_packet(header, wire::kAnnounceBytes, buffer);
 }
 
@@ -30,8 +29,8 @@ void Beacon::tick(hal::Time now) noexcept {
   const auto send_to = [&](const std::array<std::uint8_t, 16>& address) {
     std::size_t sent = 0;
     // Nobody to hear it is no error.
-    static_cast<void>(port_.send({.address = address, .port = kBeaconPort},
-                                 std::span(&packet, 1), sent));
+    static_cast<void>(
+        port_.send({.address = address, .port = kBeaconPort}, std::span(&packet, 1), sent));
   };
   send_to(hal::from_ipv4(255, 255, 255, 255));
   const auto found = std::span(addresses_).first(network_.addresses(addresses_));

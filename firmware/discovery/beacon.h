@@ -16,8 +16,8 @@ namespace stof::firmware {
 inline constexpr std::uint16_t kBeaconPort = 7561;
 
 // One packet that says who and where the sensor is, request_id as in `announce`.
-std::span<const std::byte> seal_announce(const wire::Announce& announce,
-                                         const wire::Origin& origin, const wire::FrameStamp& stamp,
+std::span<const std::byte> seal_announce(const wire::Announce& announce, const wire::Origin& origin,
+                                         const wire::FrameStamp& stamp,
                                          wire::DatagramBuffer& buffer) noexcept;
 
 // Tells everybody near who and where the sensor is, once a second, by IPv4 broadcast to port 7561:

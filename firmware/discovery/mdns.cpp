@@ -26,6 +26,10 @@ constexpr auto kGroup4 = hal::from_ipv4(224, 0, 0, 251);
 constexpr std::array<std::uint8_t, 16> kGroup6{0xff, 0x02, 0, 0, 0, 0, 0, 0,
                                                0,    0,    0, 0, 0, 0, 0, 0xfb};
 
+hal::Peer group_of(std::uint32_t interface, bool ipv6) noexcept {
+  return {.address = ipv6 ? kGroup6 : kGroup4, .port = Responder::kPort, .scope = interface};
+}
+
 bool same_names(const Service& a, const Service& b) noexcept {
   return a.announce.serial == b.announce.serial && a.announce.name == b.announce.name &&
          a.announce.version == b.announce.version && a.announce.board == b.announce.board &&
@@ -115,9 +119,8 @@ void Responder::stop(hal::Time now) noexcept {
 Responder::Link* Responder::link_of(const hal::Peer& peer) noexcept {
   const auto links = std::span(links_).first(link_count_);
   const bool ipv6 = !hal::is_ipv4(peer.address);
-  const auto found = std::ranges::find_if(links, [&](const Link& link) {
-    return link.interface == peer.scope && link.ipv6 == ipv6;
-  });
+  const auto found = std::ranges::find_if(
+      links, [&](const Link& link) { return link.interface == peer.scope && link.ipv6 == ipv6; });
   return found == links.end() ? nullptr : &*found;
 }
 
@@ -169,15 +172,11 @@ void Responder::next_step(hal::Time now) noexcept {
   }
 }
 
-hal::Peer Responder::group_of(const Link& link) const noexcept {
-  return {.address = link.ipv6 ? kGroup6 : kGroup4, .port = kPort, .scope = link.interface};
-}
-
 std::optional<Responder::Datagram> Responder::step(const Link& link) noexcept {
   const bool probe = phase_ == Phase::kProbe;
-  dns::Writer writer(buffer_, 0,
-                     probe ? std::uint16_t{0}
-                           : static_cast<std::uint16_t>(dns::kResponse | dns::kAuthoritative));
+  dns::Writer writer(
+      buffer_, 0,
+      probe ? std::uint16_t{0} : static_cast<std::uint16_t>(dns::kResponse | dns::kAuthoritative));
   if (probe) {
     records_.write_probe(writer, link.interface);
   } else if (phase_ == Phase::kAnnounce) {
@@ -188,7 +187,7 @@ std::optional<Responder::Datagram> Responder::step(const Link& link) noexcept {
   } else {
     records_.write(writer, kLeaving, Section::kAnswer, link.interface, Tone::kGoodbye);
   }
-  return Datagram{.to = group_of(link), .bytes = writer.message()};
+  return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
 
 std::optional<Responder::Datagram> Responder::flush(Link& link, hal::Time now) noexcept {
@@ -210,7 +209,7 @@ std::optional<Responder::Datagram> Responder::flush(Link& link, hal::Time now) n
   records_.write(writer, answers, Section::kAnswer, link.interface, Tone::kMulticast);
   records_.write(writer, records_.additionals(answers, link.interface), Section::kAdditional,
                  link.interface, Tone::kMulticast);
-  return Datagram{.to = group_of(link), .bytes = writer.message()};
+  return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
 
 std::optional<Responder::Datagram> Responder::next(hal::Time now) noexcept {

@@ -15,9 +15,9 @@
 
 namespace stof::firmware {
 
-// A multicast DNS responder (RFC 6762) for one sensor: probes for its names, announces them, answers
-// questions, takes another name where someone else has it. Datagrams and time in, datagrams out: no
-// socket, no clock, no heap. Peers carry their interface in `scope`, also those of IPv4.
+// A multicast DNS responder (RFC 6762) for one sensor: probes for its names, announces them,
+// answers questions, takes another name where someone else has it. Datagrams and time in, datagrams
+// out: no socket, no clock, no heap. Peers carry their interface in `scope`, also those of IPv4.
 //
 // Not done: RFC 6762 section 7.4 (silence when another one has answered) and section 6.5 beyond
 // A, AAAA, SRV and TXT. What was multicast less than a second ago is not multicast again.
@@ -35,12 +35,14 @@ class Responder {
   // seed: differs from sensor to sensor.
   Responder(const Service& service, std::uint32_t seed) noexcept;
 
-  // The addresses now. Where they changed, it begins anew. Those beyond kMostAddresses are left out.
+  // The addresses now. Where they changed, it begins anew. Those beyond kMostAddresses are left
+  // out.
   void set_addresses(std::span<const hal::InterfaceAddress> addresses, hal::Time now) noexcept;
   // Says goodbye for the old names where they change.
   void set_service(const Service& service, hal::Time now) noexcept;
 
-  // Any bytes that came to port 5353, from anybody. What has to go to the one who asked, if anything.
+  // Any bytes that came to port 5353, from anybody. What has to go to the one who asked, if
+  // anything.
   std::optional<Datagram> take(std::span<const std::byte> message, const hal::Peer& from,
                                hal::Time now) noexcept;
   // What has to go to all. To be called until it returns nothing, then again within 20 ms.
@@ -76,13 +78,12 @@ class Responder {
   std::optional<Datagram> answer_alone(std::span<const wire::dns::Question> questions,
                                        RecordSet answers, std::uint16_t id,
                                        const hal::Peer& to) noexcept;
-  void schedule(Link& link, RecordSet answers, hal::Time due) noexcept;
+  static void schedule(Link& link, RecordSet answers, hal::Time due) noexcept;
   void yield_probe(wire::dns::Reader& reader, const wire::dns::Header& header,
                    hal::Time now) noexcept;
   void lose(hal::Time now) noexcept;
   std::optional<Datagram> step(const Link& link) noexcept;
   std::optional<Datagram> flush(Link& link, hal::Time now) noexcept;
-  hal::Peer group_of(const Link& link) const noexcept;
   std::uint32_t random(std::uint32_t below) noexcept;
 
   Service service_;

@@ -9,7 +9,7 @@ namespace {
 namespace dns = wire::dns;
 using dns::Type;
 
-constexpr std::uint32_t kLegacyLife_s = 10;
+constexpr std::uint32_t kLegacyLifeSeconds = 10;
 constexpr std::string_view kTop = "local";
 
 // Text that grows in place; what does not fit is left out.
@@ -166,9 +166,9 @@ void Records::write_txt(dns::Writer& writer) const noexcept {
 void Records::write_one(dns::Writer& writer, RecordSet kind, std::uint16_t klass,
                         std::uint32_t ttl_s) const noexcept {
   // RFC 4034 section 4.1.2: window 0, its length, bit k of it (from the left): type k.
-  constexpr std::array<std::byte, 7> kInstanceTypes{
-      std::byte{0}, std::byte{5}, std::byte{0}, std::byte{0},
-      std::byte{0x80}, std::byte{0}, std::byte{0x40}};  // 16 TXT, 33 SRV
+  constexpr std::array<std::byte, 7> kInstanceTypes{std::byte{0},   std::byte{5},    std::byte{0},
+                                                    std::byte{0},   std::byte{0x80}, std::byte{0},
+                                                    std::byte{0x40}};  // 16 TXT, 33 SRV
   switch (kind) {
     case kServicesPtr:
       writer.begin_record(services_, Type::kPtr, klass, ttl_s);
@@ -217,7 +217,7 @@ void Records::write(dns::Writer& writer, RecordSet set, dns::Writer::Section sec
       continue;
     }
     std::uint32_t ttl_s = tone == Tone::kGoodbye ? 0 : life_s(kind);
-    ttl_s = tone == Tone::kLegacy ? std::min(ttl_s, kLegacyLife_s) : ttl_s;
+    ttl_s = tone == Tone::kLegacy ? std::min(ttl_s, kLegacyLifeSeconds) : ttl_s;
     const std::uint16_t klass = klass_of(kind, tone);
     if ((kind & (kA | kAaaa)) != 0) {
       write_addresses(writer, kind, section, interface, klass, ttl_s);
@@ -226,12 +226,9 @@ void Records::write(dns::Writer& writer, RecordSet set, dns::Writer::Section sec
     if (kind == kHostNsec) {
       const RecordSet has = address_kinds(interface);
       // Bits 1 (A) and 28 (AAAA).
-      const std::array<std::byte, 6> types{std::byte{0},
-                                           std::byte{4},
-                                           (has & kA) != 0 ? std::byte{0x40} : std::byte{0},
-                                           std::byte{0},
-                                           std::byte{0},
-                                           (has & kAaaa) != 0 ? std::byte{0x08} : std::byte{0}};
+      const std::array<std::byte, 6> types{
+          std::byte{0}, std::byte{4}, (has & kA) != 0 ? std::byte{0x40} : std::byte{0},
+          std::byte{0}, std::byte{0}, (has & kAaaa) != 0 ? std::byte{0x08} : std::byte{0}};
       writer.begin_record(host_, Type::kNsec, klass, ttl_s);
       writer.data_name(host_);
       writer.data(types);

@@ -40,7 +40,8 @@ inline constexpr RecordSet kShared = kServicesPtr | kInstancePtr;
 // Text up to its first 0.
 template <std::size_t kSize>
 constexpr std::string_view text_of(const std::array<char, kSize>& text) noexcept {
-  return std::string_view(text.data(), kSize).substr(0, std::string_view(text.data(), kSize).find('\0'));
+  return std::string_view(text.data(), kSize)
+      .substr(0, std::string_view(text.data(), kSize).find('\0'));
 }
 
 // Seconds that a record may be kept: RFC 6762 section 10.

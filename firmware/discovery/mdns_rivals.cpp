@@ -82,7 +82,8 @@ Records::Rival Records::compare_address(const dns::Record& record) const noexcep
   return below ? Rival::kBelow : Rival::kAbove;
 }
 
-Records::Rival Records::rival(const dns::Reader& message, const dns::Record& record) const noexcept {
+Records::Rival Records::rival(const dns::Reader& message,
+                              const dns::Record& record) const noexcept {
   if ((record.klass & ~dns::kTopBit) != dns::kInternet || record.ttl_s == 0) {
     return Rival::kNone;
   }

@@ -16,7 +16,7 @@ constexpr unsigned kMostRecords = 256;
 
 // RFC 6762 section 6: answers that others may give as well come spread in time.
 constexpr hal::Duration kLeastDelay = 20ms;
-constexpr std::uint32_t kSpread_ms = 100;
+constexpr std::uint32_t kSpreadMs = 100;
 constexpr hal::Duration kMoreDelay = 400ms;
 constexpr hal::Duration kProbeGap = 250ms;
 
@@ -135,7 +135,7 @@ std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
     const bool more = (header.flags & dns::kTruncated) != 0;
     hal::Duration delay{};
     if (!probe && (more || (all & kShared) != 0)) {
-      delay = (more ? kMoreDelay : kLeastDelay) + std::chrono::milliseconds(random(kSpread_ms));
+      delay = (more ? kMoreDelay : kLeastDelay) + std::chrono::milliseconds(random(kSpreadMs));
     }
     schedule(link, all, now + delay);
     link.more_from = more ? std::optional(from) : std::nullopt;
@@ -150,9 +150,9 @@ void Responder::schedule(Link& link, RecordSet answers, hal::Time due) noexcept 
   link.pending |= answers;
 }
 
-std::optional<Responder::Datagram> Responder::answer_alone(
-    std::span<const dns::Question> questions, RecordSet answers, std::uint16_t id,
-    const hal::Peer& to) noexcept {
+std::optional<Responder::Datagram> Responder::answer_alone(std::span<const dns::Question> questions,
+                                                           RecordSet answers, std::uint16_t id,
+                                                           const hal::Peer& to) noexcept {
   const Tone tone = questions.empty() ? Tone::kMulticast : Tone::kLegacy;
   dns::Writer writer(buffer_, id, dns::kResponse | dns::kAuthoritative);
   for (const dns::Question& question : questions) {

@@ -112,7 +112,8 @@ const Sectors& SectorFinder::find(const dsp::DepthMap& map) noexcept {
     sector.bound = bins_used_;
     sector.nearer = 0;
   }
-  for (int y = 0; y < lens_.height; ++y) {
+  // From below: a floor then comes nearest first, and what lies behind needs no counting.
+  for (int y = lens_.height - 1; y >= 0; --y) {
     measure_row(map.depth.row(y), map.width.row(y), limits_[static_cast<std::size_t>(y)]);
     for (std::size_t i = 0; i < sectors_.size(); ++i) {
       Sector& sector = sectors_[i];

@@ -19,7 +19,7 @@ constexpr std::array<SettingsPreset, 5> kPresets{{
      "surest there, narrows the search, which repeating patterns need",
      R"({"depth": {"max_range_mm": 2000, "guided": true, "temporal": true}})"},
     {"fast", "least computation: the highest rate", R"({"depth": {"preset": "fast"}})"},
-    {"quality", "densest depth: about twice the computation",
+    {"quality", "densest depth: the search takes several times as long",
      R"({"depth": {"preset": "quality"}})"},
 }};
 

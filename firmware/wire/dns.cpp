@@ -8,7 +8,8 @@ namespace stof::wire::dns {
 namespace {
 
 constexpr std::size_t kMostLabel = 63;
-constexpr unsigned kPointer = 0xc0;  // upper two bits of a length: the rest of the name is elsewhere
+constexpr unsigned kPointer =
+    0xc0;  // upper two bits of a length: the rest of the name is elsewhere
 constexpr std::size_t kMostPlace = 0x3fff;  // that a pointer reaches
 
 constexpr unsigned value_of(std::byte byte) noexcept { return std::to_integer<unsigned>(byte); }
@@ -95,7 +96,8 @@ Result<Name> Reader::name_at(std::size_t offset) const noexcept {
       if (message_.size() - at < 2) {
         break;
       }
-      const std::size_t target = u16_at(message_, at) & kMostPlace;
+      const std::size_t pointer = u16_at(message_, at);
+      const std::size_t target = pointer & kMostPlace;
       if (target >= lowest || target < kHeaderBytes) {
         break;
       }
@@ -124,7 +126,7 @@ Result<Name> Reader::name() noexcept {
   while (value_of(message_[at_]) != 0 && value_of(message_[at_]) < kPointer) {
     at_ += 1 + value_of(message_[at_]);
   }
-  at_ += value_of(message_[at_]) == 0 ? 1 : 2;
+  at_ += value_of(message_[at_]) == 0 ? 1U : 2U;
   return name;
 }
 

@@ -139,7 +139,7 @@ class Writer {
   std::size_t kept_ = kHeaderBytes;
   std::size_t length_at_ = 0;  // of the open record
   bool full_ = false;
-  std::array<std::uint16_t, 4> counts_{};  // of the sections, questions first
+  std::array<std::uint16_t, 4> counts_{};        // of the sections, questions first
   std::array<std::uint16_t, kPlaces> places_{};  // where labels begin that names may end with
   std::size_t places_count_ = 0;
   std::size_t places_kept_ = 0;

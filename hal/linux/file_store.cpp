@@ -96,7 +96,7 @@ Result<std::size_t> FileStore::load(std::span<std::byte> space) noexcept {
 Status FileStore::write_new(std::span<const std::byte> bytes) const noexcept {
   constexpr mode_t kReadable = 0644;
   const Fd file(::open(new_.data(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadable));
-  return judge(file && write_all(file.get(), bytes));
+  return judge(file && write_all(file.get(), bytes) && ::fsync(file.get()) == 0);
 }
 
 Status FileStore::save(std::span<const std::byte> bytes) noexcept {

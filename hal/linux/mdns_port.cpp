@@ -104,10 +104,9 @@ Status send_one(int fd, const SocketAddress& to, bool ipv6, std::uint32_t interf
     write_control(message, IPPROTO_IPV6, IPV6_PKTINFO,
                   in6_pktinfo{.ipi6_addr = {}, .ipi6_ifindex = interface});
   } else {
-    write_control(message, IPPROTO_IP, IP_PKTINFO,
-                  in_pktinfo{.ipi_ifindex = static_cast<int>(interface),
-                             .ipi_spec_dst = {},
-                             .ipi_addr = {}});
+    write_control(
+        message, IPPROTO_IP, IP_PKTINFO,
+        in_pktinfo{.ipi_ifindex = static_cast<int>(interface), .ipi_spec_dst = {}, .ipi_addr = {}});
   }
   if (sendmsg(fd, &message, MSG_DONTWAIT | MSG_NOSIGNAL) >= 0) {
     return Status::kOk;

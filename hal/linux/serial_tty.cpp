@@ -19,7 +19,7 @@ struct NamedSpeed {
   std::uint32_t baud;
   tcflag_t flag;
 };
-// For kernels and drivers that take no other.
+// For drivers, and emulated kernels, that take no other.
 constexpr std::array kNamedSpeeds{NamedSpeed{57'600, B57600},      NamedSpeed{115'200, B115200},
                                   NamedSpeed{230'400, B230400},    NamedSpeed{460'800, B460800},
                                   NamedSpeed{500'000, B500000},    NamedSpeed{576'000, B576000},
@@ -79,10 +79,7 @@ int configure_named(int fd, const SerialOptions& options) noexcept {
 
 int configure(int fd, const SerialOptions& options) noexcept {
   const int error = configure_any(fd, options);
-  if (error == 0 || error == EIO) {
-    return error;
-  }
-  return configure_named(fd, options) == 0 ? 0 : error;
+  return error == EINVAL || error == ENOSYS ? configure_named(fd, options) : error;
 }
 
 bool takes(std::uint32_t baud) noexcept {

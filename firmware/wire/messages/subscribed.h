@@ -17,7 +17,7 @@ inline constexpr std::size_t kSubscribedBytes = 16;
 // Type 129.
 struct Subscribed {
   std::uint32_t request_id = 0;                // of the request
-  SubscribeResult result = SubscribeResult{};  // see "Results"
+  SubscribeResult result = SubscribeResult{};  // see below
   std::uint8_t subscribers = 0;                // now
   std::uint16_t lease_ms = 0;  // granted; ask again before it is over, best after a third of it
   std::uint64_t cookie = 0;    // for the next request

@@ -36,12 +36,10 @@ TEST(Beacon, TellsEveryLinkOnceASecond) {
       hal::InterfaceAddress{.interface = 1,
                             .address = hal::from_ipv4(127, 0, 0, 1),
                             .broadcast = hal::from_ipv4(127, 255, 255, 255)},
-      hal::InterfaceAddress{.interface = 2,
-                            .address = kOwn4,
-                            .broadcast = hal::from_ipv4(192, 0, 2, 255)},
-      hal::InterfaceAddress{.interface = 2,
-                            .address = kPeer4,
-                            .broadcast = hal::from_ipv4(192, 0, 2, 255)},
+      hal::InterfaceAddress{
+          .interface = 2, .address = kOwn4, .broadcast = hal::from_ipv4(192, 0, 2, 255)},
+      hal::InterfaceAddress{
+          .interface = 2, .address = kPeer4, .broadcast = hal::from_ipv4(192, 0, 2, 255)},
       hal::InterfaceAddress{.interface = 3, .address = {0xfe, 0x80}}};
   network.set(addresses);
   SentPort port;

@@ -83,13 +83,13 @@ TEST(DnsReader, FollowsPointersBack) {
 
 TEST(DnsReader, RefusesNamesThatDoNotEnd) {
   for (const auto& message : {
-           with_header({0xc0, 12, 0, 1, 0, 1}),                 // points at itself
-           with_header({0xc0, 14, 0xc0, 12, 0, 1, 0, 1}),       // forward
-           with_header({1, 'a', 0xc0, 12, 0, 1, 0, 1}),         // round and round
-           with_header({0xc0, 0, 0, 1, 0, 1}),                  // into the header
-           with_header({0x40, 'a', 0, 0, 1, 0, 1}),             // kinds of label that are not ours
+           with_header({0xc0, 12, 0, 1, 0, 1}),            // points at itself
+           with_header({0xc0, 14, 0xc0, 12, 0, 1, 0, 1}),  // forward
+           with_header({1, 'a', 0xc0, 12, 0, 1, 0, 1}),    // round and round
+           with_header({0xc0, 0, 0, 1, 0, 1}),             // into the header
+           with_header({0x40, 'a', 0, 0, 1, 0, 1}),        // kinds of label that are not ours
            with_header({0x80, 'a', 0, 0, 1, 0, 1}),
-           with_header({5, 'a', 'b'}),                          // ends inside
+           with_header({5, 'a', 'b'}),  // ends inside
            with_header({0xc0}),
            with_header({}),
        }) {

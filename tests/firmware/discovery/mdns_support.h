@@ -71,8 +71,7 @@ inline Heard hear(const Responder::Datagram& datagram, hal::Time at) {
   for (int i = 0; i < heard.header.questions; ++i) {
     heard.questions.push_back(reader.question().value());
   }
-  const int records =
-      heard.header.answers + heard.header.authorities + heard.header.additionals;
+  const int records = heard.header.answers + heard.header.authorities + heard.header.additionals;
   for (int i = 0; i < records; ++i) {
     heard.records.push_back(reader.record().value());
   }

@@ -85,11 +85,12 @@ TEST(Responder, AnswersAnAddressInTheseBytes) {
   const auto answer = bench.take(Message(0, 0x1234).ask(kHost, Type::kA).bytes(), kLegacyPeer);
   ASSERT_TRUE(answer);
   const std::vector<int> expected{
-      0x12, 0x34, 0x84, 0x00, 0, 1, 0, 1, 0, 0, 0, 1,                         // header
-      8, 's', 't', 'o', 'f', '-', 'a', '1', '7', 5, 'l', 'o', 'c', 'a', 'l',  // question
-      0, 0, 1, 0, 1,                                                          //
-      0xc0, 12, 0, 1, 0, 1, 0, 0, 0, 10, 0, 4, 192, 0, 2, 2,                  // A
-      0xc0, 12, 0, 47, 0, 1, 0, 0, 0, 10, 0, 8, 0xc0, 12, 0, 4, 0x40, 0, 0, 0};  // NSEC
+      0x12, 0x34, 0x84, 0x00, 0,   1,   0,   1,   0,   0,  0,   1,                       // header
+      8,    's',  't',  'o',  'f', '-', 'a', '1', '7', 5,  'l', 'o', 'c',  'a', 'l',     // question
+      0,    0,    1,    0,    1,                                                         //
+      0xc0, 12,   0,    1,    0,   1,   0,   0,   0,   10, 0,   4,   192,  0,   2,   2,  // A
+      0xc0, 12,   0,    47,   0,   1,   0,   0,   0,   10, 0,   8,   0xc0, 12,  0,   4,
+      0x40, 0,    0,    0};  // NSEC
   std::vector<std::byte> bytes;
   for (const int value : expected) {
     bytes.push_back(static_cast<std::byte>(value));
@@ -125,20 +126,19 @@ TEST(Responder, SaysThatATypeIsMissing) {
 TEST(Responder, KeepsSilentAboutWhatIsKnown) {
   Bench bench;
   bench.settle();
-  static_cast<void>(bench.take(
-      Message().ask(kService, Type::kPtr).pointer(kService, kInstance, 2250).bytes()));
+  static_cast<void>(
+      bench.take(Message().ask(kService, Type::kPtr).pointer(kService, kInstance, 2250).bytes()));
   EXPECT_TRUE(bench.run(1s).empty());
   // With less than half of its life left it is told again.
-  static_cast<void>(bench.take(
-      Message().ask(kService, Type::kPtr).pointer(kService, kInstance, 2249).bytes()));
+  static_cast<void>(
+      bench.take(Message().ask(kService, Type::kPtr).pointer(kService, kInstance, 2249).bytes()));
   EXPECT_EQ(bench.run(1s).size(), 1U);
 }
 
 TEST(Responder, WaitsForKnownAnswersThatFollow) {
   Bench bench;
   bench.settle();
-  static_cast<void>(
-      bench.take(Message(dns::kTruncated).ask(kService, Type::kPtr).bytes()));
+  static_cast<void>(bench.take(Message(dns::kTruncated).ask(kService, Type::kPtr).bytes()));
   EXPECT_TRUE(bench.run(300ms).empty());
   static_cast<void>(bench.take(Message().pointer(kService, kInstance, 4500).bytes()));
   EXPECT_TRUE(bench.run(1s).empty());
@@ -171,8 +171,7 @@ TEST(Responder, AnswersNobodyBeyondItsLink) {
 TEST(Responder, TakesAnotherNameWhereItsOwnIsTaken) {
   Bench bench;
   static_cast<void>(bench.run(300ms));
-  static_cast<void>(
-      bench.take(Message(0x8400).srv(kInstance, 7560, {"other", "local"}).bytes()));
+  static_cast<void>(bench.take(Message(0x8400).srv(kInstance, 7560, {"other", "local"}).bytes()));
   const auto heard = bench.run(4s);
   EXPECT_EQ(bench.responder.instance(), (dns::Name{"front (A17)-2", "_stof", "_udp", "local"}));
   EXPECT_EQ(bench.responder.host(), (dns::Name{"stof-a17-2", "local"}));
@@ -198,8 +197,7 @@ TEST(Responder, TakesItsOwnWordsForNoRivals) {
     bench.now += 10ms;
     while (const auto datagram = bench.responder.next(bench.now)) {
       const std::vector<std::byte> copy(datagram->bytes.begin(), datagram->bytes.end());
-      EXPECT_FALSE(bench.take(
-          copy, {.address = kOwn4, .port = 5353, .scope = kEthernet}));
+      EXPECT_FALSE(bench.take(copy, {.address = kOwn4, .port = 5353, .scope = kEthernet}));
     }
   }
   EXPECT_EQ(bench.responder.instance(), kInstance);
@@ -219,13 +217,13 @@ TEST(Responder, AgreesWithATwinOnWhoIsCalledWhat) {
     for (hal::Time now = one.now; now < one.now + 20s; now += 5ms) {
       while (const auto datagram = one.responder.next(now)) {
         const std::vector<std::byte> copy(datagram->bytes.begin(), datagram->bytes.end());
-        static_cast<void>(other.responder.take(
-            copy, {.address = kOwn4, .port = 5353, .scope = kEthernet}, now));
+        static_cast<void>(
+            other.responder.take(copy, {.address = kOwn4, .port = 5353, .scope = kEthernet}, now));
       }
       while (const auto datagram = other.responder.next(now)) {
         const std::vector<std::byte> copy(datagram->bytes.begin(), datagram->bytes.end());
-        static_cast<void>(one.responder.take(
-            copy, {.address = kPeer4, .port = 5353, .scope = kEthernet}, now));
+        static_cast<void>(
+            one.responder.take(copy, {.address = kPeer4, .port = 5353, .scope = kEthernet}, now));
       }
     }
     EXPECT_TRUE(one.responder.established()) << offset_ms;
@@ -278,7 +276,7 @@ TEST(Responder, SpeaksOnEveryLinkWithTheAddressesOfThat) {
 }
 
 TEST(Responder, BeginsAnewWhenItsAddressesChange) {
-  Bench bench({});
+  Bench bench(std::vector<hal::InterfaceAddress>{});
   EXPECT_TRUE(bench.run(3s).empty());
   bench.responder.set_addresses(std::span(&kEthernet4, 1), bench.now);
   EXPECT_EQ(bench.run(4s).size(), 5U);

@@ -28,9 +28,10 @@ void answer(stof::hal::posix::UdpPort& port, stof::wire::Announce announce,
   namespace wire = stof::wire;
   wire::DatagramBuffer buffer{};
   const auto received = port.receive(buffer, std::chrono::milliseconds(10));
-  const auto packet = received ? wire::parse_packet(std::span(buffer).first(
-                                     std::min(received->bytes, buffer.size())))
-                               : std::unexpected(wire::PacketFault::kTruncated);
+  const auto packet =
+      received
+          ? wire::parse_packet(std::span(buffer).first(std::min(received->bytes, buffer.size())))
+          : std::unexpected(wire::PacketFault::kTruncated);
   if (!packet || packet->header.type != wire::PacketType::kDiscover) {
     return;
   }

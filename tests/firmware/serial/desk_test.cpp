@@ -251,6 +251,21 @@ TEST(SerialDesk, OpensALostPortAgainWithMoreAndMorePatience) {
   EXPECT_GT(line.desk.counters().lost, 1000U);
 }
 
+// Half a frame is on the line, and no silence long enough to tell.
+TEST(SerialDesk, BeginsWithAZeroAfterReopening) {
+  Line line(8192, {{.kind = FaultKind::kTear, .call = 0}, {.kind = FaultKind::kVanish, .call = 1}});
+  line.put(kEvent);
+  line.tick(2);
+  ASSERT_TRUE(line.desk.lost());
+  line.now += 50ms;
+  line.desk.tick(line.now);
+  ASSERT_FALSE(line.desk.lost());
+  line.put(kEvent);
+  line.desk.tick(line.now);
+  line.drain();
+  EXPECT_EQ(line.receiver.packets.size(), 1U);
+}
+
 TEST(SerialDesk, AnswersAtTheOldSpeedBeforeItChanges) {
   Line line;
   line.port.feed(settings_request(1, 1000));

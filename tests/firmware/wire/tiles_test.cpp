@@ -150,7 +150,7 @@ TEST(TilesTest, SplitsNoRowThatFitsByOneNibble) {
       Cut tiles = cut(values, raster, true);
       expect_image(tiles, values, raster);
       expect_whole_rows(tiles, values, raster, true);
-      split += tiles.store.part(1).first_column > 0 ? 1 : 0;
+      split += tiles.store.part(1).first_column > 0 ? 1U : 0U;
     }
   }
   EXPECT_TRUE(split > 0 && split < 140 * 7) << split;  // both sides of the limit were seen
