@@ -24,6 +24,7 @@ STEP_LIMIT_S = 20 * 60
 TAIL_LINES = 60
 CASE_LINES = 20
 CASES_SHOWN = 10
+FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
 @dataclasses.dataclass
@@ -102,6 +103,8 @@ def unit_tests(log, script):
 def layers(log):
     count = one(log.run("scripts/check_layers.py"))
     count.add(unit_tests(log, "scripts/check_layers_test.py"))
+    count.add(one(log.run("scripts/wire_table.py", "--check")))
+    count.add(unit_tests(log, "scripts/wire_table_test.py"))
     return count
 
 
@@ -203,12 +206,24 @@ def planted(log):
     return count
 
 
+def fuzz(log):
+    """A short run of each fuzz target; a case is a target."""
+    succeeded = log.run("scripts/fuzz", "--runs", FUZZ_RUNS)
+    last = re.search(r"^(\d+) passed, (\d+) failed$", "\n".join(log.lines()), re.MULTILINE)
+    if not last:
+        return Count(failed=1, notes=["the build failed"])
+    count = Count(passed=int(last[1]), failed=int(last[2]) or (0 if succeeded else 1))
+    count.notes += [line for line in log.lines() if "FINDING" in line or line.startswith("    again: ")]
+    return count
+
+
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
     "emu": tested("emu"),
     "tidy": check("scripts/tidy"),
     "emu-asan": tested("emu-asan"),
+    "fuzz": fuzz,
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", vectors),
     "arm64-ubsan": arm64("arm64-ubsan"),

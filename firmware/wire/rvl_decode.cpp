@@ -138,7 +138,7 @@ Status rvl_decode(std::span<const std::byte> in, std::span<T> values) noexcept {
     std::ranges::fill(values.first(zeros), T{0});
     values = values.subspan(zeros);
     const std::size_t others = reader.next();
-    if (others > values.size() || false) {
+    if (others > values.size() || (others == 0 && !values.empty())) {
       return Status::kCorrupt;
     }
     Reader local = reader;  // in registers

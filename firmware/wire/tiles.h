@@ -111,7 +111,8 @@ constexpr std::size_t raw_pixels(const Raster& raster, std::size_t first,
 template <typename T>
 void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 
-// RVL, or raw where that is shorter; never more than raw_tiles(), and needs the space of one more.
+// RVL, or raw where that is shorter: single tiles, or all of them where there would be more than
+// raw_tiles(). Needs the space of one part more than that.
 template <typename T>
 void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 

@@ -3,9 +3,12 @@
 #include <new>
 
 #include "host/cli/calib.h"
+#include "host/cli/config.h"
+#include "host/cli/discover.h"
 #include "host/cli/evaluate.h"
 #include "host/cli/evaluate_pmd.h"
 #include "host/cli/exit.h"
+#include "host/cli/proxy.h"
 #include "host/cli/report.h"
 #include "host/cli/view.h"
 
@@ -24,6 +27,9 @@ struct Commands {
   ViewOptions view;
   ReportOptions report;
   CalibPmdOptions calib_pmd;
+  ConfigOptions config;
+  DiscoverCommand discover;
+  ProxyOptions proxy;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -50,7 +56,10 @@ void add_evaluate(CLI::App& app, Commands& commands) {
 void add_view(CLI::App& app, ViewOptions& options) {
   CLI::App& view_command =
       *app.add_subcommand("view", "Receive depth, print a line a second, leave pictures");
-  view_command.add_option("--port", options.port, "UDP port, 0: any free one")
+  view_command.add_option("SENSOR", options.sensor,
+                          "HOST[:PORT] of the sensor to subscribe at, port 7560 without; none: "
+                          "listen for a sensor that sends here");
+  view_command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
       ->capture_default_str();
   view_command.add_option("--bind", options.bind, "Address of the interface to listen at")
       ->capture_default_str();
@@ -94,8 +103,11 @@ int run(int argc, char** argv) {
   Commands commands;
   add_evaluate(app, commands);
   add_view(app, commands.view);
+  add_proxy(app, commands.proxy);
   add_report(app, commands.report);
   add_calib(app, commands.calib_pmd);
+  add_config(app, commands.config);
+  add_discover(app, commands.discover);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

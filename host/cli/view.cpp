@@ -6,6 +6,7 @@
 
 #include "host/cli/exit.h"
 #include "host/cli/kept_frame.h"
+#include "host/cli/sensor_text.h"
 #include "host/cli/view_meter.h"
 
 namespace stof::host {
@@ -27,6 +28,7 @@ void say(const std::string& line) {
 
 client::Receiver open_receiver(const ViewOptions& options) {
   client::ReceiverOptions where;
+  where.sensor = options.sensor;
   where.address = options.bind;
   where.port = options.port;
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
@@ -34,6 +36,22 @@ client::Receiver open_receiver(const ViewOptions& options) {
     throw Failure(Exit::kBadInput, receiver.error().message);
   }
   return std::move(*receiver);
+}
+
+std::string place(const ViewOptions& options, const client::Receiver& receiver) {
+  return "UDP " + (options.sensor.empty() ? options.bind + ":" + std::to_string(receiver.port())
+                                          : receiver.place());
+}
+
+// Why a subscription brings nothing, and what to do.
+const char* silence(client::Receiver& receiver) {
+  if (receiver.subscription() == client::Subscription::State::kFull) {
+    return ": the sensor has as many subscribers as it takes: end another one";
+  }
+  if (receiver.take_refusal()) {
+    return ": nobody listens there: start stofd, or check its port";
+  }
+  return ": check that the sensor runs, its address and the network";
 }
 
 void write_port(const std::filesystem::path& file, std::uint16_t port) {
@@ -58,6 +76,7 @@ class View {
     std::uint64_t packets = 0;
     while (g_stop == 0 && (options_.frames == 0 || frames_ < options_.frames)) {
       take(receiver_.next(kLook));
+      say_events();
       const client::Time now = client::Time::clock::now();
       if (packets != receiver_.statistics().packets()) {
         packets = receiver_.statistics().packets();
@@ -68,25 +87,30 @@ class View {
         return;
       }
       if (meter_.due(now)) {
-        say(meter_.line(now, receiver_.statistics(), score()));
+        say(line(now));
       }
     }
   }
 
   // The last lines and the files. Throws Failure when less came than was asked for.
   void finish() {
-    const std::string where = "UDP " + options_.bind + ":" + std::to_string(receiver_.port());
+    const std::string where = place(options_, receiver_);
     if (frames_ == 0) {
       const bool heard = receiver_.statistics().packets() != 0;
-      throw Failure(Exit::kFailure, where + ": " +
-                                        (heard ? "packets came, but no frame" : "no packet came") +
-                                        ": start stofd with --to, or check the network" +
-                                        (heard ? "; " + summary_line(receiver_.statistics()) : ""));
+      throw Failure(Exit::kFailure,
+                    where + ": " + (heard ? "packets came, but no frame" : "no packet came") +
+                        (options_.sensor.empty() ? ": start stofd with --to, or check the network"
+                                                 : silence(receiver_)) +
+                        (heard ? "; " + summary_line(receiver_.statistics()) : ""));
     }
     if (meter_.pending()) {
-      say(meter_.line(client::Time::clock::now(), receiver_.statistics(), score()));
+      say(line(client::Time::clock::now()));
     }
+    say(streams_);
     say(summary_line(receiver_.statistics()));
+    if (receiver_.health()) {
+      say(health_line(*receiver_.health()));
+    }
     if (!options_.out.empty()) {
       say((whole_.empty() ? newest_ : whole_).write(options_.out, options_.scale));
     }
@@ -102,6 +126,17 @@ class View {
  private:
   static constexpr std::chrono::milliseconds kLook{100};
 
+  void say_events() {
+    while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
+      say(event_line(*event));
+    }
+  }
+
+  std::string line(client::Time now) {
+    return meter_.line(now, receiver_.statistics(), score()) +
+           (receiver_.health() ? active_text(*receiver_.health()) : "");
+  }
+
   void take(const Result<client::Frame>& frame) {
     if (!frame) {
       if (frame.error() == Status::kDeviceLost) {
@@ -112,7 +147,7 @@ class View {
     if (frames_ == 0 && !options_.truth.empty()) {
       truth_ = value_or_fail(dataset::read_pfm(options_.truth));
     }
-    if (truth_ &&
+    if (truth_ && !frame->depth.empty() &&
         (truth_->width != frame->depth.width() || truth_->height != frame->depth.height())) {
       throw Failure(Exit::kBadInput,
                     options_.truth.string() +
@@ -120,6 +155,7 @@ class View {
     }
     ++frames_;
     meter_.count(*frame);
+    streams_ = streams_line(*frame);
     if (frame->complete()) {
       whole_.keep(*frame);
     } else {
@@ -128,7 +164,7 @@ class View {
   }
 
   std::optional<DepthScore> score() const {
-    if (!truth_ || whole_.empty()) {
+    if (!truth_ || !whole_.has_depth()) {
       return std::nullopt;
     }
     return score_depth(whole_.planes(), *truth_);
@@ -140,6 +176,7 @@ class View {
   KeptFrame whole_;   // the newest complete frame
   KeptFrame newest_;  // the newest incomplete one
   std::optional<dataset::Image<float>> truth_;
+  std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;
   bool silent_ = false;
 };
@@ -149,7 +186,7 @@ class View {
 void view(const ViewOptions& options) {
   stop_on_signals();
   client::Receiver receiver = open_receiver(options);
-  say("listening on UDP " + options.bind + ":" + std::to_string(receiver.port()));
+  say((options.sensor.empty() ? "listening on " : "subscribing at ") + place(options, receiver));
   if (!options.port_file.empty()) {
     write_port(options.port_file, receiver.port());
   }

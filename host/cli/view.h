@@ -10,6 +10,7 @@
 namespace stof::host {
 
 struct ViewOptions {
+  std::string sensor;                         // HOST[:PORT] to subscribe at; empty: listens
   std::uint16_t port = client::kDefaultPort;  // 0: any free one
   std::string bind = "0.0.0.0";
   std::uint64_t frames = 0;         // 0: until SIGINT or SIGTERM

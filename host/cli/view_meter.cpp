@@ -112,6 +112,9 @@ std::string ViewMeter::line(client::Time now, const client::Statistics& statisti
   result += text(", lost %llu packets %llu frames",
                  static_cast<unsigned long long>(statistics.packets_missing),
                  static_cast<unsigned long long>(statistics.frames_lost));
+  if (statistics.recovered != 0) {
+    result += text(", recovered %llu", static_cast<unsigned long long>(statistics.recovered));
+  }
   result += drift_;
   since_ = now;
   counted_from_ = newest_;
@@ -124,10 +127,14 @@ std::string ViewMeter::line(client::Time now, const client::Statistics& statisti
 
 std::string summary_line(const client::Statistics& statistics) {
   const std::uint64_t received = statistics.frames_complete + statistics.frames_incomplete;
-  const std::string result =
+  std::string result =
       text("%llu frames received, %llu verified whole (every packet there, every CRC right), ",
            static_cast<unsigned long long>(received),
            static_cast<unsigned long long>(statistics.frames_complete));
+  if (statistics.recovered != 0) {
+    result += text("%llu packets made of parity, ",
+                   static_cast<unsigned long long>(statistics.recovered));
+  }
   const std::pair<std::uint64_t, const char*> causes[] = {
       {statistics.packets_missing, "packets missing"},
       {statistics.frames_lost, "frames lost whole"},
@@ -144,7 +151,8 @@ std::string summary_line(const client::Statistics& statistics) {
       {statistics.oversized, "packets of too large an image"},
       {statistics.foreign, "packets of another sensor"},
       {statistics.duplicate, "packets twice"},
-      {statistics.late, "packets late"}};
+      {statistics.late, "packets late"},
+      {statistics.events_dropped, "events dropped"}};
   std::string lost;
   for (const auto& [count, cause] : causes) {
     if (count != 0) {

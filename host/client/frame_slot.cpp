@@ -1,144 +1,130 @@
 #include "host/client/frame_slot.h"
 
-#include <algorithm>
-#include <span>
-
-#include "firmware/wire/bytes.h"
-
 namespace stof::client {
 namespace {
 
 constexpr std::size_t kWordBits = 64;
 
-std::size_t pixels_of(const wire::Header& header) noexcept {
-  return std::size_t{header.image_width} * header.image_height;
-}
-
-// Stores the pixels of one tile unless one of them is there already.
-template <typename T>
-bool store(std::span<const std::byte> payload, std::size_t first, std::uint8_t bit,
-           std::vector<T>& pixels, std::vector<std::uint8_t>& received) {
-  const std::size_t count = payload.size() / sizeof(T);
-  const std::span<std::uint8_t> marks = std::span(received).subspan(first, count);
-  std::uint8_t seen = 0;
-  for (const std::uint8_t mark : marks) {
-    seen |= mark;
-  }
-  if ((seen & bit) != 0) {
-    return false;
-  }
-  for (std::uint8_t& mark : marks) {
-    mark |= bit;
-  }
-  wire::get_pixels(payload, std::span(pixels).subspan(first, count));
-  return true;
-}
-
 }  // namespace
 
-bool test_bit(const std::vector<std::uint64_t>& bits, std::size_t index) noexcept {
-  return index / kWordBits < bits.size() &&
-         ((bits[index / kWordBits] >> (index % kWordBits)) & 1) != 0;
+void PacketSet::begin(std::size_t count) { words_.assign((count + kWordBits - 1) / kWordBits, 0); }
+
+bool PacketSet::has(std::size_t index) const noexcept {
+  return index / kWordBits < words_.size() &&
+         ((words_[index / kWordBits] >> (index % kWordBits)) & 1) != 0;
 }
 
-void FrameSlot::begin(const wire::Header& header, Time now) {
-  const std::size_t pixels = pixels_of(header);
+void PacketSet::insert(std::size_t index) noexcept {
+  words_[index / kWordBits] |= std::uint64_t{1} << (index % kWordBits);
+}
+
+void FrameSlot::begin(const wire::Header& header, bool parity, Time now) {
   state = State::kOpen;
   header_ = header;
   first_packet_ = now;
   last_packet_ = now;
   received_packets_ = 0;
-  packets_.assign((header.count + kWordBits - 1) / kWordBits, 0);
-  depth_.assign(pixels, dsp::kNoDepth);
-  width_.assign(pixels, 0);
-  source_.assign(pixels, dsp::Source::kNone);
-  received_.assign(pixels, 0);
-  received_depth_ = 0;
-  received_width_ = 0;
-  received_source_ = 0;
+  recovered_ = 0;
+  packets_.begin(header.count);
+  parity_packets_.begin(wire::parity_groups(header.count));
+  groups_.clear();
+  if (parity) {
+    begin_parity();
+  }
+  pixels_.begin();
   info_.reset();
   calibration_.reset();
 }
 
-bool FrameSlot::agrees(const wire::Header& header) const noexcept {
-  return header.frame.freshness == header_.frame.freshness &&
-         header.frame.exposure_middle_ns == header_.frame.exposure_middle_ns &&
-         header.count == header_.count && header.image_width == header_.image_width &&
-         header.image_height == header_.image_height;
+void FrameSlot::begin_parity() {
+  groups_.assign(wire::parity_groups(header_.count), wire::ParityGroup{});
 }
 
-Placed FrameSlot::add(const wire::PacketView& packet, Time now) {
-  const wire::Header& header = packet.header;
-  if (!agrees(header)) {
+bool FrameSlot::agrees(const wire::FrameStamp& stamp) const noexcept {
+  return stamp.freshness == header_.frame.freshness &&
+         stamp.exposure_middle_ns == header_.frame.exposure_middle_ns;
+}
+
+Placed FrameSlot::add(const wire::PacketView& part, Time now) {
+  const wire::Header& header = part.header;
+  if (!agrees(header.frame) || header.count != header_.count) {
     return Placed::kContradicting;
   }
-  if (test_bit(packets_, header.index)) {
+  if (packets_.has(header.index)) {
     return Placed::kDuplicate;
   }
   Placed placed = Placed::kIgnored;
   if (header.type == wire::PacketType::kTile) {
-    placed = add_tile(packet);
+    placed = pixels_.add(part);
   } else if (header.type == wire::PacketType::kFrameInfo) {
-    const Result<wire::FrameInfo> info = wire::decode_frame_info(packet.payload);
-    placed = info && !info_ ? Placed::kStored : Placed::kContradicting;
-    if (placed == Placed::kStored) {
-      info_ = *info;
-    }
+    placed = add_info(part);
   }
-  if (placed != Placed::kContradicting) {
-    packets_[header.index / kWordBits] |= std::uint64_t{1} << (header.index % kWordBits);
-    ++received_packets_;
-    last_packet_ = now;
+  if (placed == Placed::kContradicting) {
+    return placed;
+  }
+  packets_.insert(header.index);
+  ++received_packets_;
+  last_packet_ = now;
+  if (parity() && !groups_[group_of(header.index)].one_is_missing()) {
+    // A part too long for parity is not of a sender that uses it: its group recovers nothing.
+    static_cast<void>(groups_[group_of(header.index)].add(header, part.payload));
   }
   return placed;
 }
 
-Placed FrameSlot::add_tile(const wire::PacketView& packet) {
-  const wire::Header& header = packet.header;
-  const std::size_t first =
-      std::size_t{header.first_row} * header.image_width + header.first_column;
-  if (wire::pixel_bytes(header.stream, header.codec) == 0) {
-    return Placed::kIgnored;
+Placed FrameSlot::add_info(const wire::PacketView& part) {
+  const Result<wire::FrameInfo> info = wire::decode_frame_info(part.payload);
+  if (!info || info_ || !pixels_.expect(part.header, *info)) {
+    return Placed::kContradicting;
   }
-  bool stored = false;
-  switch (header.stream) {
-    case wire::Stream::kDepth:
-      stored = store(packet.payload, first, kHasDepth, depth_, received_);
-      received_depth_ += stored ? header.pixel_count : 0;
-      break;
-    case wire::Stream::kWidth:
-      stored = store(packet.payload, first, kHasWidth, width_, received_);
-      received_width_ += stored ? header.pixel_count : 0;
-      break;
-    case wire::Stream::kSource:
-      stored = store(packet.payload, first, kHasSource, source_, received_);
-      received_source_ += stored ? header.pixel_count : 0;
-      break;
-    default:
-      return Placed::kIgnored;
+  info_ = *info;
+  if (info->parity_groups != 0 && !parity()) {
+    begin_parity();
   }
-  return stored ? Placed::kStored : Placed::kContradicting;
+  return Placed::kStored;
+}
+
+Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
+  const Result<wire::ParityFields> fields = wire::decode_parity_fields(packet.payload);
+  if (!fields || fields->count != header_.count || !agrees(packet.header.frame)) {
+    return Placed::kContradicting;
+  }
+  const std::size_t group = packet.header.index;
+  if (parity_packets_.has(group)) {
+    return Placed::kDuplicate;
+  }
+  if (parity()) {
+    if (group >= groups_.size() || groups_[group].add_parity(packet) != Status::kOk) {
+      return Placed::kContradicting;
+    }
+  } else if (group >= wire::parity_groups(header_.count)) {
+    return Placed::kContradicting;
+  }
+  parity_packets_.insert(group);
+  last_packet_ = now;
+  return Placed::kStored;
+}
+
+std::optional<wire::PacketView> FrameSlot::recover(std::size_t group) const {
+  if (!groups_[group].one_is_missing()) {
+    return std::nullopt;
+  }
+  const Result<wire::PacketView> packet = groups_[group].recover();
+  return packet ? std::optional(*packet) : std::nullopt;
 }
 
 Frame FrameSlot::view() const {
-  const int columns = header_.image_width;
-  const int rows = header_.image_height;
-  const auto pixels = static_cast<std::uint32_t>(pixels_of(header_));
-  return {.origin = header_.origin,
-          .stamp = header_.frame,
-          .depth = {depth_.data(), columns, rows},
-          .width = {width_.data(), columns, rows},
-          .source = {source_.data(), columns, rows},
-          .received = {received_.data(), columns, rows},
-          .missing_depth = pixels - received_depth_,
-          .missing_width = pixels - received_width_,
-          .missing_source = pixels - received_source_,
-          .packets = header_.count,
-          .missing_packets = missing_packets(),
-          .info = info_,
-          .calibration = calibration_,
-          .first_packet = first_packet_,
-          .last_packet = last_packet_};
+  Frame frame{.origin = header_.origin,
+              .stamp = header_.frame,
+              .packets = header_.count,
+              .missing_packets = missing_packets(),
+              .recovered_packets = recovered_,
+              .info = info_,
+              .calibration = calibration_,
+              .first_packet = first_packet_,
+              .last_packet = last_packet_};
+  pixels_.view(frame);
+  return frame;
 }
 
 }  // namespace stof::client

@@ -7,12 +7,20 @@ namespace {
 
 constexpr double kPixelScale = 65536;
 constexpr double kMicrometres = 1e-6;
+constexpr float kMillimetres = 1e-3F;
 
 float width_of(const Frame& frame, int v, std::size_t column, double unit) {
   if ((frame.received.row(v)[column] & kHasWidth) == 0) {
     return kUnknownWidth;
   }
   return static_cast<float>(frame.width.row(v)[column] * unit);
+}
+
+dsp::Source source_of(const Frame& frame, int v, std::size_t column) {
+  if ((frame.received.row(v)[column] & kHasSource) == 0) {
+    return dsp::Source::kNone;
+  }
+  return frame.source.row(v)[column];
 }
 
 }  // namespace
@@ -44,10 +52,26 @@ Status point_cloud(const Frame& frame, std::vector<Point>& points) {
                         .y = static_cast<float>((v - cy) / fy * z),
                         .z = static_cast<float>(z),
                         .z_width = width_of(frame, v, column, unit),
-                        .source = frame.source.row(v)[column]});
+                        .source = source_of(frame, v, column)});
     }
   }
   return Status::kOk;
+}
+
+void cloud_points(const Frame& frame, std::vector<Point>& points) {
+  points.clear();
+  constexpr float kUnit = 1.0F / dsp::kQuarterMmPerMetre;
+  for (int v = 0; v < frame.cloud.height(); ++v) {
+    for (const CloudPoint& point : frame.cloud.row(v)) {
+      if (point.depth == dsp::kNoDepth) {
+        continue;
+      }
+      points.push_back({.x = static_cast<float>(point.x_mm) * kMillimetres,
+                        .y = static_cast<float>(point.y_mm) * kMillimetres,
+                        .z = static_cast<float>(point.depth) * kUnit,
+                        .z_width = static_cast<float>(point.width) * kUnit});
+    }
+  }
 }
 
 }  // namespace stof::client

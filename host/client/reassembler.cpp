@@ -6,8 +6,6 @@ namespace stof::client {
 namespace {
 
 constexpr Duration kSilence = std::chrono::seconds(1);
-constexpr Duration kShortestTimeout = std::chrono::milliseconds(100);
-constexpr Duration kLongestTimeout = std::chrono::seconds(10);
 
 std::uint64_t& counter(Statistics& statistics, wire::PacketFault fault) {
   switch (fault) {
@@ -25,6 +23,10 @@ std::uint64_t& counter(Statistics& statistics, wire::PacketFault fault) {
       break;
   }
   return statistics.bad_field;
+}
+
+std::size_t pixels(const wire::Header& header) {
+  return std::size_t{header.image_width} * header.image_height;
 }
 
 // Whether a part of a known kind is what it says. What is unknown cannot be judged.
@@ -51,10 +53,47 @@ void Reassembler::push(std::span<const std::byte> datagram, Time now) {
   }
   if (wire::part_of_frame(header.type)) {
     push_part(*packet, now);
-  } else if (header.type == wire::PacketType::kCalibration) {
-    push_calibration(*packet);
+  } else if (header.type == wire::PacketType::kParity) {
+    push_parity(*packet, now);
   } else {
-    ++statistics_.unknown;
+    push_report(*packet);
+  }
+}
+
+void Reassembler::push_report(const wire::PacketView& packet) {
+  switch (packet.header.type) {
+    case wire::PacketType::kCalibration:
+      count(reports_.push_calibration(packet));
+      break;
+    case wire::PacketType::kHealth:
+      count(reports_.push_health(packet));
+      break;
+    case wire::PacketType::kEvent: {
+      bool overflow = false;
+      count(reports_.push_event(packet, overflow));
+      statistics_.events_dropped += overflow ? 1 : 0;
+      break;
+    }
+    default:
+      ++statistics_.unknown;
+      break;
+  }
+}
+
+void Reassembler::count(Reported reported) {
+  switch (reported) {
+    case Reported::kTaken:
+      ++statistics_.packets_ok;
+      break;
+    case Reported::kDuplicate:
+      ++statistics_.duplicate;
+      break;
+    case Reported::kLate:
+      ++statistics_.late;
+      break;
+    case Reported::kContradicting:
+      ++statistics_.bad_field;
+      break;
   }
 }
 
@@ -91,49 +130,22 @@ void Reassembler::start_session(const wire::Origin& origin) {
   }
   origin_ = origin;
   ++statistics_.sessions;
+  statistics_.events_dropped += reports_.restart();
   newest_.reset();
   last_closed_.reset();
   freshness_.reset();
-  calibration_.reset();
   closed_count_ = 0;
+  parity_ = false;
 }
 
-void Reassembler::push_calibration(const wire::PacketView& packet) {
-  const Result<wire::CalibrationPacket> decoded = wire::read_calibration_packet(packet.payload);
-  if (!decoded) {
-    ++statistics_.bad_field;
-    return;
-  }
-  const std::uint32_t number = packet.header.frame.number;
-  if (calibration_ && number_distance(number, calibration_frame_) < 0) {
-    ++statistics_.late;
-    return;
-  }
-  calibration_ = *decoded;
-  calibration_frame_ = number;
-  ++statistics_.packets_ok;
+// Two frames are in flight: with n seen, n - 1 may still begin.
+bool Reassembler::over(std::uint32_t number) const {
+  return (last_closed_ && number_distance(number, *last_closed_) <= 0) ||
+         (newest_ && number_distance(number, *newest_) < -1);
 }
 
-void Reassembler::push_part(const wire::PacketView& packet, Time now) {
-  const wire::Header& header = packet.header;
-  if (contradicts_itself(packet)) {
-    ++statistics_.bad_field;
-    return;
-  }
-  if (std::size_t{header.image_width} * header.image_height > options_.max_pixels) {
-    ++statistics_.oversized;
-    return;
-  }
-  const std::uint32_t number = header.frame.number;
-  // Two are in flight: with n seen, n - 1 may still begin.
-  const bool over = (last_closed_ && number_distance(number, *last_closed_) <= 0) ||
-                    (newest_ && number_distance(number, *newest_) < -1);
-  if (over) {
-    refuse_closed(header);
-    return;
-  }
-  FrameSlot& slot = open(header, now);
-  switch (slot.add(packet, now)) {
+bool Reassembler::count(Placed placed) {
+  switch (placed) {
     case Placed::kStored:
       ++statistics_.packets_ok;
       break;
@@ -142,150 +154,108 @@ void Reassembler::push_part(const wire::PacketView& packet, Time now) {
       break;
     case Placed::kDuplicate:
       ++statistics_.duplicate;
-      return;
+      return false;
     case Placed::kContradicting:
       ++statistics_.bad_field;
-      return;
+      return false;
   }
+  return true;
+}
+
+void Reassembler::push_part(const wire::PacketView& packet, Time now) {
+  const wire::Header& header = packet.header;
+  if (contradicts_itself(packet)) {
+    ++statistics_.bad_field;
+    return;
+  }
+  if (pixels(header) > options_.max_pixels) {
+    ++statistics_.oversized;
+    return;
+  }
+  if (over(header.frame.number)) {
+    refuse_closed(header);
+    return;
+  }
+  FrameSlot& slot = open(header, now);
+  if (!count(slot.add(packet, now))) {
+    return;
+  }
+  parity_ = parity_ || slot.parity();
+  if (slot.parity()) {
+    repair(slot, slot.group_of(header.index), now);
+  }
+  close_if_complete(slot);
+}
+
+void Reassembler::push_parity(const wire::PacketView& packet, Time now) {
+  const Result<wire::ParityFields> fields = wire::decode_parity_fields(packet.payload);
+  if (!fields || fields->count == 0) {
+    ++statistics_.bad_field;
+    return;
+  }
+  parity_ = true;
+  if (over(packet.header.frame.number)) {
+    count_closed_parity(packet.header);
+    return;
+  }
+  wire::Header part = packet.header;  // as one of the parts that are missing
+  part.count = fields->count;
+  FrameSlot& slot = open(part, now);
+  if (!count(slot.add_parity(packet, now))) {
+    return;
+  }
+  if (slot.parity()) {
+    repair(slot, packet.header.index, now);
+  }
+  close_if_complete(slot);
+}
+
+// What parity makes good is judged like what arrives.
+void Reassembler::repair(FrameSlot& slot, std::size_t group, Time now) {
+  const std::optional<wire::PacketView> packet = slot.recover(group);
+  if (!packet || contradicts_itself(*packet) || pixels(packet->header) > options_.max_pixels) {
+    return;
+  }
+  const Placed placed = slot.add(*packet, now);
+  if (placed == Placed::kStored || placed == Placed::kIgnored) {
+    slot.count_recovered();
+    ++statistics_.recovered;
+  }
+}
+
+void Reassembler::close_if_complete(FrameSlot& slot) {
   if (slot.complete()) {
-    close_older_than(number);
+    close_older_than(slot.number());
     close(slot);
   }
 }
 
-void Reassembler::refuse_closed(const wire::Header& header) {
+Reassembler::Closed* Reassembler::closed(std::uint32_t number) {
   const std::size_t known = std::min(closed_count_, kClosed);
   for (std::size_t i = 0; i < known; ++i) {
-    if (closed_[i].number == header.frame.number && test_bit(closed_[i].packets, header.index)) {
-      ++statistics_.duplicate;
-      return;
+    if (closed_[i].number == number) {
+      return &closed_[i];
     }
   }
-  ++statistics_.late;
+  return nullptr;
 }
 
-// The slot of this packet's frame, begun when it is the frame's first.
-FrameSlot& Reassembler::open(const wire::Header& header, Time now) {
-  const std::uint32_t number = header.frame.number;
-  for (FrameSlot& slot : slots_) {
-    if (slot.state == FrameSlot::State::kOpen && slot.number() == number) {
-      return slot;
-    }
-  }
-  if (!newest_ || number_distance(number, *newest_) > 0) {
-    newest_ = number;
-    close_older_than(number - 1);
-  }
-  FrameSlot* slot = nullptr;
-  for (FrameSlot& candidate : slots_) {
-    if (candidate.state == FrameSlot::State::kFree) {
-      slot = &candidate;
-    }
-  }
-  if (slot == nullptr) {  // nobody took the finished ones
-    slot = oldest(FrameSlot::State::kFinished);
-    ++statistics_.frames_dropped;
-  }
-  slot->begin(header, now);
-  return *slot;
+void Reassembler::refuse_closed(const wire::Header& header) {
+  const Closed* const frame = closed(header.frame.number);
+  ++(frame != nullptr && frame->packets.has(header.index) ? statistics_.duplicate
+                                                          : statistics_.late);
 }
 
-void Reassembler::close_older_than(std::uint32_t number) {
-  for (FrameSlot* slot = oldest(FrameSlot::State::kOpen);
-       slot != nullptr && number_distance(slot->number(), number) < 0;
-       slot = oldest(FrameSlot::State::kOpen)) {
-    close(*slot);
-  }
-}
-
-// Only ever of the oldest open frame: frames finish in the order of their numbers.
-void Reassembler::close(FrameSlot& slot) {
-  const std::uint32_t number = slot.number();
-  if (last_closed_) {
-    statistics_.frames_lost += number - *last_closed_ - 1;
-  }
-  last_closed_ = number;
-  statistics_.packets_missing += slot.missing_packets();
-  Closed& closed = closed_[closed_count_++ % kClosed];
-  closed.number = number;
-  closed.packets = slot.packets();
-
-  // The first verified exposure is number 1.
-  const bool fresh =
-      freshness_ ? number_distance(slot.freshness(), *freshness_) > 0 : slot.freshness() != 0;
-  if (!fresh) {
-    ++statistics_.frames_stale;
-    slot.state = FrameSlot::State::kFree;
-    return;
-  }
-  freshness_ = slot.freshness();
-  slot.keep_calibration(calibration_);
-  slot.order = ++finished_;
-  slot.state = FrameSlot::State::kFinished;
-}
-
-std::optional<Frame> Reassembler::take() {
-  for (FrameSlot& slot : slots_) {
-    if (slot.state == FrameSlot::State::kOut) {
-      slot.state = FrameSlot::State::kFree;
-    }
-  }
-  FrameSlot* const slot = oldest(FrameSlot::State::kFinished);
-  if (slot == nullptr) {
-    return std::nullopt;
-  }
-  slot->state = FrameSlot::State::kOut;
-  ++(slot->complete() ? statistics_.frames_complete : statistics_.frames_incomplete);
-  return slot->view();
-}
-
-// In the order of finishing, or, of those that are not finished, of their numbers.
-FrameSlot* Reassembler::oldest(FrameSlot::State state) {
-  FrameSlot* found = nullptr;
-  for (FrameSlot& slot : slots_) {
-    if (slot.state != state) {
-      continue;
-    }
-    const bool finished = state == FrameSlot::State::kFinished;
-    if (found == nullptr || (finished ? slot.order < found->order
-                                      : number_distance(slot.number(), found->number()) < 0)) {
-      found = &slot;
-    }
-  }
-  return found;
-}
-
-Duration Reassembler::frame_timeout() const {
-  if (options_.frame_timeout) {
-    return *options_.frame_timeout;
-  }
-  const std::int64_t period_ns = calibration_ ? calibration_->period_ns : 0;
-  const std::int64_t bounded = std::clamp<std::int64_t>(period_ns, 0, kLongestTimeout.count());
-  return std::clamp(Duration(bounded + bounded / 2), kShortestTimeout, kLongestTimeout);
-}
-
-std::optional<Time> Reassembler::next_expiry() const {
-  std::optional<Time> first;
-  for (const FrameSlot& slot : slots_) {
-    if (slot.state == FrameSlot::State::kOpen) {
-      const Time expiry = slot.last_packet() + frame_timeout();
-      first = first ? std::min(*first, expiry) : expiry;
-    }
-  }
-  return first;
-}
-
-void Reassembler::expire(Time now) {
-  const Duration timeout = frame_timeout();
-  std::optional<std::uint32_t> expired;
-  for (const FrameSlot& slot : slots_) {
-    if (slot.state == FrameSlot::State::kOpen && now - slot.last_packet() >= timeout &&
-        (!expired || number_distance(slot.number(), *expired) > 0)) {
-      expired = slot.number();
-    }
-  }
-  if (expired) {
-    close_older_than(*expired + 1);
+// The parity of a whole frame comes after it and is as it should be.
+void Reassembler::count_closed_parity(const wire::Header& header) {
+  Closed* const frame = closed(header.frame.number);
+  if (frame == nullptr || header.index >= frame->parity_groups) {
+    ++statistics_.late;
+  } else if (frame->parity.has(header.index)) {
+    ++statistics_.duplicate;
+  } else {
+    frame->parity.insert(header.index);
+    ++(frame->whole ? statistics_.packets_ok : statistics_.late);
   }
 }
 

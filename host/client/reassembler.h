@@ -10,6 +10,7 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame.h"
 #include "host/client/frame_slot.h"
+#include "host/client/reports.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {
@@ -17,8 +18,8 @@ namespace stof::client {
 struct ReassemblerOptions {
   // Only this device is listened to; without it, the first one heard.
   std::optional<std::uint32_t> device_id{};
-  // Largest image accepted: bounds what a datagram can make us allocate (six bytes a pixel, four
-  // frames).
+  // Largest image of a stream accepted: bounds what datagrams can make us allocate (27 bytes a
+  // pixel with all eight streams, four frames; and 5 MB a frame with parity).
   std::size_t max_pixels = std::size_t{1} << 21;
   // A frame that got no packet for so long is closed. Without it 1.5 periods of the sensor, but at
   // least 100 ms, so that a computer busy for a moment does not look like a lost packet. It decides
@@ -32,6 +33,9 @@ struct ReassemblerOptions {
 //  - when a later frame is complete (all that is missing would have to arrive after that), or
 //  - when a packet of frame n + 2 or later arrives, or
 //  - by expire().
+// Where the sender adds parity, a part that is missing is made of the others and the group's parity
+// packet as soon as these are there: it counts as recovered, and not as missing. A stream that was
+// joined in the middle of a frame begins to be repaired with the next one.
 // No clock and no socket: `now` is the caller's, and must not go back.
 class Reassembler {
  public:
@@ -50,10 +54,14 @@ class Reassembler {
   std::optional<Frame> take();
 
   const Statistics& statistics() const noexcept { return statistics_; }
-  // Of the current session.
+  // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
-    return calibration_;
+    return reports_.calibration();
   }
+  const std::optional<wire::HealthReport>& health() const noexcept { return reports_.health(); }
+
+  // What began or ended at the sensor, in the order of arrival, each event once. 64 are kept.
+  std::optional<wire::EventReport> take_event() { return reports_.take_event(); }
 
  private:
   static constexpr std::size_t kSlots = 4;    // two open, two finished or one finished and one out
@@ -62,14 +70,25 @@ class Reassembler {
 
   struct Closed {
     std::uint32_t number = 0;
-    std::vector<std::uint64_t> packets;
+    PacketSet packets;
+    PacketSet parity;
+    std::uint16_t parity_groups = 0;
+    bool whole = false;
   };
 
   bool accept_origin(const wire::Origin& origin, Time now);
   void start_session(const wire::Origin& origin);
-  void push_calibration(const wire::PacketView& packet);
+  void push_report(const wire::PacketView& packet);
   void push_part(const wire::PacketView& packet, Time now);
+  void push_parity(const wire::PacketView& packet, Time now);
+  void count(Reported reported);
+  bool count(Placed placed);  // whether something was added
+  bool over(std::uint32_t number) const;
+  Closed* closed(std::uint32_t number);
   void refuse_closed(const wire::Header& header);
+  void count_closed_parity(const wire::Header& header);
+  void repair(FrameSlot& slot, std::size_t group, Time now);
+  void close_if_complete(FrameSlot& slot);
   FrameSlot& open(const wire::Header& header, Time now);
   void close(FrameSlot& slot);
   void close_older_than(std::uint32_t number);
@@ -90,8 +109,8 @@ class Reassembler {
   std::optional<std::uint32_t> newest_;       // frame number that a packet carried
   std::optional<std::uint32_t> last_closed_;  // frame number
   std::optional<std::uint32_t> freshness_;    // of the newest frame delivered
-  std::optional<wire::CalibrationPacket> calibration_;
-  std::uint32_t calibration_frame_ = 0;
+  bool parity_ = false;                       // the sender uses it
+  Reports reports_;
   std::array<Closed, kClosed> closed_;
   std::size_t closed_count_ = 0;
 };

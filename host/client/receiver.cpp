@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <random>
 #include <utility>
 
 #include "host/client/udp_socket.h"
@@ -17,14 +18,46 @@ struct Receiver::Parts {
   Parts(std::unique_ptr<UdpSocket> bound, const ReceiverOptions& options)
       : socket(std::move(bound)),
         reassembler(options.reassembler),
-        asked_buffer(options.socket_buffer) {}
+        asked_buffer(options.socket_buffer) {
+    if (!options.sensor.empty()) {
+      SubscriptionOptions terms = options.subscription;
+      terms.device_id = terms.device_id ? terms.device_id : options.reassembler.device_id;
+      subscription.emplace(terms, static_cast<std::uint32_t>(std::random_device()()));
+    }
+  }
+
+  Parts(const Parts&) = delete;
+  Parts& operator=(const Parts&) = delete;
+  ~Parts() {
+    for (int i = 0; i < 2 && subscription; ++i) {
+      const std::span<const std::byte> farewell = subscription->farewell();
+      if (!farewell.empty()) {
+        static_cast<void>(socket->send(farewell));
+      }
+    }
+  }
+
+  // What does not leave is asked for again soon.
+  void ask(Time now) {
+    if (!subscription) {
+      return;
+    }
+    if (const std::span<const std::byte> request = subscription->due(now); !request.empty()) {
+      static_cast<void>(socket->send(request));
+    }
+  }
 
   // Pushes what was read until a frame is finished.
   std::optional<Frame> push_read() {
     std::optional<Frame> frame = reassembler.take();
     const Time now = std::chrono::steady_clock::now();
     while (!frame && next < read) {
-      reassembler.push(socket->datagram(next++), now);
+      const std::span<const std::byte> datagram = socket->datagram(next++);
+      if (subscription && subscription->take(datagram, now)) {
+        ask(now);  // a cookie is shown at once
+        continue;
+      }
+      reassembler.push(datagram, now);
       frame = reassembler.take();
     }
     return frame;
@@ -32,6 +65,7 @@ struct Receiver::Parts {
 
   std::unique_ptr<UdpSocket> socket;
   Reassembler reassembler;
+  std::optional<Subscription> subscription;
   int asked_buffer;
   std::size_t read = 0;  // datagrams in the socket's space
   std::size_t next = 0;  // of these, to push
@@ -39,9 +73,11 @@ struct Receiver::Parts {
 };
 
 std::expected<Receiver, OpenError> Receiver::open(const ReceiverOptions& options) {
-  auto socket = UdpSocket::open(options.address, options.port, options.socket_buffer);
+  auto socket = options.sensor.empty()
+                    ? UdpSocket::open(options.address, options.port, options.socket_buffer)
+                    : UdpSocket::connect(options.sensor, options.socket_buffer);
   if (!socket) {
-    return std::unexpected(OpenError{socket.error().status, std::move(socket.error().message)});
+    return std::unexpected(std::move(socket.error()));
   }
   return Receiver(std::make_unique<Parts>(std::move(*socket), options));
 }
@@ -54,6 +90,7 @@ Receiver::~Receiver() = default;
 Result<Frame> Receiver::next(Duration timeout) {
   const Time deadline = std::chrono::steady_clock::now() + std::min(timeout, kForever);
   while (true) {
+    parts_->ask(std::chrono::steady_clock::now());
     if (const std::optional<Frame> frame = parts_->push_read()) {
       return *frame;
     }
@@ -64,6 +101,9 @@ Result<Frame> Receiver::next(Duration timeout) {
     parts_->read = *read;
     parts_->next = 0;
     if (*read > 0) {
+      if (parts_->subscription) {
+        parts_->subscription->heard(std::chrono::steady_clock::now());
+      }
       continue;
     }
     // Only now: while the socket held packets, no frame was known to wait in vain.
@@ -75,7 +115,7 @@ Result<Frame> Receiver::next(Duration timeout) {
     if (now >= deadline) {
       return fail(Status::kTimeout);
     }
-    const Time until = std::min(deadline, parts_->reassembler.next_expiry().value_or(deadline));
+    const Time until = std::min(deadline, next_due().value_or(deadline));
     if (parts_->socket->wait(until - now) == Status::kDeviceLost) {
       return fail(Status::kDeviceLost);
     }
@@ -88,7 +128,36 @@ const Statistics& Receiver::statistics() const noexcept {
   return parts_->statistics;
 }
 
+const std::optional<wire::HealthReport>& Receiver::health() const noexcept {
+  return parts_->reassembler.health();
+}
+
+const std::optional<wire::CalibrationPacket>& Receiver::calibration() const noexcept {
+  return parts_->reassembler.calibration();
+}
+
+std::optional<wire::EventReport> Receiver::take_event() { return parts_->reassembler.take_event(); }
+
 std::uint16_t Receiver::port() const noexcept { return parts_->socket->port(); }
+
+const std::string& Receiver::place() const noexcept { return parts_->socket->place(); }
+
+std::optional<Subscription::State> Receiver::subscription() const noexcept {
+  return parts_->subscription ? std::optional(parts_->subscription->state()) : std::nullopt;
+}
+
+bool Receiver::take_refusal() noexcept { return parts_->socket->take_refusal(); }
+
+int Receiver::fd() const noexcept { return parts_->socket->fd(); }
+
+std::optional<Time> Receiver::next_due() const noexcept {
+  const std::optional<Time> expiry = parts_->reassembler.next_expiry();
+  if (!parts_->subscription) {
+    return expiry;
+  }
+  const Time asking = parts_->subscription->next_due();
+  return std::min(asking, expiry.value_or(asking));
+}
 
 int Receiver::socket_buffer() const noexcept { return parts_->socket->buffer_bytes(); }
 

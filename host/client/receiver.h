@@ -4,34 +4,37 @@
 #include <cstdint>
 #include <expected>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "dsp/base/status.h"
+#include "host/client/error.h"
 #include "host/client/frame.h"
 #include "host/client/reassembler.h"
+#include "host/client/sensor_address.h"
 #include "host/client/statistics.h"
+#include "host/client/subscription.h"
 
 namespace stof::client {
 
-inline constexpr std::uint16_t kDefaultPort = 7560;
-
 struct ReceiverOptions {
+  // HOST[:PORT] of a sensor to subscribe at, port 7560 without; an IPv6 address with a port in
+  // brackets. Empty: no subscription, listens at `address` and `port` for a sensor that sends here.
+  std::string sensor{};
+  SubscriptionOptions subscription{};  // its device_id: where it has none, the reassembler's
+  // Without a sensor only:
   std::string address = "0.0.0.0";    // IPv4 or IPv6 literal of the interface to listen at
   std::uint16_t port = kDefaultPort;  // 0: any free one, see Receiver::port()
-  int socket_buffer = 4 << 20;        // bytes asked of the system
+
+  int socket_buffer = 4 << 20;  // bytes asked of the system
   ReassemblerOptions reassembler{};
 };
 
-// One line for a person: what, where, what to do.
-struct OpenError {
-  Status status;
-  std::string message;
-};
-
-// Receives the frames of one sensor. For one thread.
+// Receives the frames of one sensor. For one thread. A subscription ends with the receiver.
 class Receiver {
  public:
-  // kInvalidArgument: not an address; kDeviceError: the port cannot be had.
+  // kInvalidArgument: not an address; kDeviceError: the port cannot be had, or there is no such
+  // host. That the sensor answers is not waited for; with its name it may block on a name server.
   static std::expected<Receiver, OpenError> open(const ReceiverOptions& options);
 
   Receiver(Receiver&&) noexcept;
@@ -40,11 +43,27 @@ class Receiver {
 
   // The next frame, valid until the next call. Blocks no longer than `timeout`; with 0 it only
   // looks. kTimeout: none was finished; kDeviceLost: the socket failed, open again.
-  // Call it often: what the socket's buffer cannot hold in between is lost (socket_drops).
+  // Call it often: what the socket's buffer cannot hold in between is lost (socket_drops). It also
+  // keeps the subscription alive, for which a call every second is enough.
   Result<Frame> next(Duration timeout);
+
+  // Of the current session, as far as next() has read; absent until the first one arrived.
+  const std::optional<wire::HealthReport>& health() const noexcept;
+  const std::optional<wire::CalibrationPacket>& calibration() const noexcept;
+  // What began or ended at the sensor, each event once. Look after every next().
+  std::optional<wire::EventReport> take_event();
 
   const Statistics& statistics() const noexcept;
   std::uint16_t port() const noexcept;
+  // Where the sensor is, or where this listens: "192.168.1.20:7560".
+  const std::string& place() const noexcept;
+  // None: without a sensor to subscribe at.
+  std::optional<Subscription::State> subscription() const noexcept;
+  // Whether the sensor's computer answered that nobody listens there, since the last call.
+  bool take_refusal() noexcept;
+  // Readable when next(0) has something to do; so is it when next_due() has passed.
+  int fd() const noexcept;
+  std::optional<Time> next_due() const noexcept;
 
   // What the system granted of ReceiverOptions::socket_buffer.
   int socket_buffer() const noexcept;

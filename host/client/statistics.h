@@ -7,7 +7,7 @@ namespace stof::client {
 // What became of everything that arrived, by cause. Since the receiver was opened.
 struct Statistics {
   // Every datagram is counted in exactly one of these.
-  std::uint64_t packets_ok = 0;
+  std::uint64_t packets_ok = 0;   // also parity that was not needed, and an event's repetition
   std::uint64_t truncated = 0;    // cut short
   std::uint64_t bad_magic = 0;    // not a packet of ours
   std::uint64_t bad_version = 0;  // a layout this library does not know: update it
@@ -28,7 +28,10 @@ struct Statistics {
   std::uint64_t frames_dropped = 0;     // cut off by a restart of the sender, or nobody took them
 
   std::uint64_t packets_missing = 0;  // of frames of which something arrived
-  std::uint64_t sessions = 0;         // starts of the sender seen: 1 at the first packet
+  // Packets made of parity: they are not missing. One that comes after all is a duplicate.
+  std::uint64_t recovered = 0;
+  std::uint64_t events_dropped = 0;  // nobody took them, or the sender started again before
+  std::uint64_t sessions = 0;        // starts of the sender seen: 1 at the first packet
   // Of this machine: datagrams that found the socket's buffer full. They are missing above, too.
   std::uint64_t socket_drops = 0;
 

@@ -12,18 +12,8 @@
 namespace stof::client {
 namespace {
 
-struct Address {
-  sockaddr_storage storage{};
-  socklen_t length = 0;
-};
-
-// The socket interface takes sockaddr*, whatever is behind it.
-sockaddr* generic(Address& address) {
-  return reinterpret_cast<sockaddr*>(&address.storage);  // NOLINT: the sockets' own interface
-}
-
-std::optional<Address> parse_address(const std::string& text, std::uint16_t port) {
-  Address address;
+std::optional<SocketAddress> parse_address(const std::string& text, std::uint16_t port) {
+  SocketAddress address;
   sockaddr_in v4{};
   if (inet_pton(AF_INET, text.c_str(), &v4.sin_addr) == 1) {
     v4.sin_family = AF_INET;
@@ -44,19 +34,20 @@ std::optional<Address> parse_address(const std::string& text, std::uint16_t port
 }
 
 std::uint16_t bound_port(int fd) {
-  Address address;
+  SocketAddress address;
   address.length = sizeof address.storage;
-  if (getsockname(fd, generic(address), &address.length) != 0) {
-    return 0;
-  }
-  if (address.storage.ss_family == AF_INET) {
-    sockaddr_in v4{};
-    std::memcpy(&v4, &address.storage, sizeof v4);
-    return ntohs(v4.sin_port);
-  }
-  sockaddr_in6 v6{};
-  std::memcpy(&v6, &address.storage, sizeof v6);
-  return ntohs(v6.sin6_port);
+  return getsockname(fd, address.generic(), &address.length) == 0 ? address.port() : 0;
+}
+
+// Refusals of what was sent before, and ways that are closed for now: the socket works on.
+bool passes(int error) {
+  return error == ECONNREFUSED || error == EHOSTUNREACH || error == ENETUNREACH ||
+         error == ENETDOWN || error == EPROTO || error == EACCES || error == EPERM ||
+         error == EMSGSIZE;
+}
+
+int make_socket(int family) {
+  return ::socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
 }
 
 void set_option(int fd, int name, int value) {
@@ -77,51 +68,100 @@ UdpSocket::UdpSocket(int fd) : fd_(fd) {
 
 UdpSocket::~UdpSocket() { close(fd_); }
 
-std::expected<std::unique_ptr<UdpSocket>, UdpSocket::Error> UdpSocket::open(
-    const std::string& address, std::uint16_t port, int buffer_bytes) {
-  std::optional<Address> at = parse_address(address, port);
+std::expected<std::unique_ptr<UdpSocket>, OpenError> UdpSocket::open(const std::string& address,
+                                                                     std::uint16_t port,
+                                                                     int buffer_bytes) {
+  std::optional<SocketAddress> at = parse_address(address, port);
   if (!at) {
     return std::unexpected(
-        Error{Status::kInvalidArgument,
-              "listening address '" + address +
-                  "': not an IPv4 or IPv6 address; use 0.0.0.0 to listen at every interface"});
+        OpenError{Status::kInvalidArgument,
+                  "listening address '" + address +
+                      "': not an IPv4 or IPv6 address; use 0.0.0.0 to listen at every interface"});
   }
   const std::string place = "UDP port " + std::to_string(port) + " at " + address + ": ";
-  const int fd = ::socket(at->storage.ss_family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+  const int fd = make_socket(at->storage.ss_family);
   if (fd < 0) {
-    return std::unexpected(Error{Status::kDeviceError,
-                                 place + std::strerror(errno) + "; this system gives no socket"});
+    return std::unexpected(OpenError{
+        Status::kDeviceError, place + std::strerror(errno) + "; this system gives no socket"});
   }
   std::unique_ptr<UdpSocket> socket(new UdpSocket(fd));
-  if (bind(fd, generic(*at), at->length) != 0) {
-    return std::unexpected(Error{
+  if (bind(fd, at->generic(), at->length) != 0) {
+    return std::unexpected(OpenError{
         Status::kDeviceError,
         place + std::strerror(errno) + "; close the program that uses it or take another port"});
   }
-  socket->port_ = bound_port(fd);
-  socket->ask_for_buffer(buffer_bytes);
-  set_option(fd, SO_RXQ_OVFL, 1);  // without it drops are not told apart, nothing else
+  socket->prepare(buffer_bytes);
+  socket->place_ = address + ":" + std::to_string(socket->port_);
   return socket;
 }
 
-void UdpSocket::ask_for_buffer(int bytes) {
+std::expected<std::unique_ptr<UdpSocket>, OpenError> UdpSocket::connect(std::string_view sensor,
+                                                                        int buffer_bytes) {
+  auto addresses = resolve_sensor(sensor);
+  if (!addresses) {
+    return std::unexpected(std::move(addresses.error()));
+  }
+  int error = EADDRNOTAVAIL;
+  for (SocketAddress& address : *addresses) {
+    const int fd = make_socket(address.storage.ss_family);
+    if (fd < 0) {
+      error = errno;
+      continue;
+    }
+    std::unique_ptr<UdpSocket> socket(new UdpSocket(fd));
+    if (::connect(fd, address.generic(), address.length) == 0) {
+      socket->prepare(buffer_bytes);
+      socket->place_ = address.text();
+      return socket;
+    }
+    error = errno;
+  }
+  return std::unexpected(OpenError{Status::kDeviceError,
+                                   "sensor '" + std::string(sensor) + "': " + std::strerror(error) +
+                                       "; check the network and the route to that host"});
+}
+
+void UdpSocket::prepare(int buffer_bytes) {
+  port_ = bound_port(fd_);
   // The forced size passes net.core.rmem_max and needs CAP_NET_ADMIN.
-  set_option(fd_, SO_RCVBUF, bytes);
-  set_option(fd_, SO_RCVBUFFORCE, bytes);
+  set_option(fd_, SO_RCVBUF, buffer_bytes);
+  set_option(fd_, SO_RCVBUFFORCE, buffer_bytes);
   int got = 0;
   socklen_t length = sizeof got;
   if (getsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &got, &length) == 0) {
     buffer_bytes_ = got / 2;  // the system doubles what is set, for its own bookkeeping
   }
+  set_option(fd_, SO_RXQ_OVFL, 1);  // without it drops are not told apart, nothing else
+}
+
+Status UdpSocket::send(std::span<const std::byte> datagram) {
+  // The first error may answer an earlier datagram.
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    if (::send(fd_, datagram.data(), datagram.size(), MSG_NOSIGNAL) >= 0) {
+      return Status::kOk;
+    }
+    if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS || errno == ENOMEM) {
+      return Status::kWouldBlock;
+    }
+    if (errno != EINTR && !passes(errno)) {
+      return Status::kDeviceLost;
+    }
+    refused_ = refused_ || errno == ECONNREFUSED;
+  }
+  return Status::kDeviceError;
 }
 
 Result<std::size_t> UdpSocket::receive() {
   for (mmsghdr& message : messages_) {
     message.msg_hdr.msg_controllen = kControlSpace;
   }
-  const int count = recvmmsg(fd_, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
+  int count = recvmmsg(fd_, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
+  if (count < 0 && passes(errno)) {
+    refused_ = refused_ || errno == ECONNREFUSED;
+    count = recvmmsg(fd_, messages_.data(), kBatch, MSG_DONTWAIT, nullptr);
+  }
   if (count < 0) {
-    const bool nothing = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR;
+    const bool nothing = errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR || passes(errno);
     return nothing ? Result<std::size_t>(0) : fail(Status::kDeviceLost);
   }
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -153,7 +193,7 @@ Status UdpSocket::wait(Duration timeout) {
   if (ready < 0) {
     return errno == EINTR ? Status::kTimeout : Status::kDeviceLost;
   }
-  if (ready > 0 && (entry.revents & (POLLERR | POLLNVAL)) != 0) {
+  if (ready > 0 && (entry.revents & POLLNVAL) != 0) {  // POLLERR: receive() hears which
     return Status::kDeviceLost;
   }
   return ready > 0 ? Status::kOk : Status::kTimeout;

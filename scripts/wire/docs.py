@@ -3,7 +3,7 @@
 import re
 
 PATH = "docs/WIRE.md"
-BLOCK = re.compile(r"(<!-- table: ([\w ]+) -->\n)(?:.*?\n)?(<!-- end -->)", re.DOTALL)
+BLOCK = re.compile(r"(<!-- table: (\w+) -->\n)(?:(?!<!-- ).*\n)*(<!-- end -->)")
 
 
 def table(titles, rows):
@@ -53,7 +53,12 @@ def layout_table(wire, layout):
                  ("H + P", "4", "u32", "CRC", "CRC-32C of all H + P bytes before it")]
     elif layout.tail:
         rows.append((str(layout.bytes), "the rest", "", layout.tail, "up to the end of the payload"))
-    return table((("offset", True), ("bytes", True), ("type", False), ("field", False), ("meaning", False)), rows)
+    text = table((("offset", True), ("bytes", True), ("type", False), ("field", False), ("meaning", False)), rows)
+    if layout.name == "header":
+        return text
+    if layout.tail:
+        return f"Payload of {layout.bytes} bytes and {layout.tail}.\n\n{text}"
+    return f"Payload of {layout.bytes} bytes; ignore what follows them.\n\n{text}"
 
 
 def conditions_table(wire):

@@ -110,11 +110,11 @@ local function add(tree, buffer, at, prefix, layout)
   return at
 end
 
--- Bits that have names, as a list of them.
+-- The names of the bits of a mask, behind a tree's title.
 local function add_names(tree, mask, of)
-  for value, name in pairs(names[of]) do
-    if bits.band(mask, bits.lshift(1, value)) ~= 0 then
-      tree:append_text(" " .. name)
+  for bit_number = 0, 31 do
+    if bits.band(mask, bits.lshift(1, bit_number)) ~= 0 then
+      tree:append_text(string.format(", %s", names[of][bit_number] or "bit " .. bit_number))
     end
   end
 end
@@ -126,7 +126,7 @@ local function add_payload(tree, header_type, payload)
     return
   end
   local layout = layouts[name]
-  local part = tree:add(stof, payload, layout.message)
+  local part = tree:add(payload, layout.message)
   if payload:len() < layout.bytes then
     part:add_proto_expert_info(experts.short)
     return

@@ -50,24 +50,24 @@ class Layout:
             raise Refused("truncated")
         found = {}
         for name, kind, count in cls.LAYOUT:
-            if isinstance(kind, str):
-                one = struct.Struct("<" + kind)
-                values = [one.unpack_from(data, at + i * one.size)[0] if kind != "x" else None
-                          for i in range(count)]
-                at += count * one.size
-            else:
-                values = [kind.unpack(data, at + i * kind.size()) for i in range(count)]
-                at += count * kind.size()
+            values = []
+            for _ in range(count):
+                if isinstance(kind, str):
+                    values += struct.unpack_from("<" + kind, data, at)
+                    at += struct.calcsize("<" + kind)
+                else:
+                    values.append(kind.unpack(data, at))
+                    at += kind.size()
             if name:
                 found[name] = cls._value(name, values)
         return cls(**found)
 
     @classmethod
     def _value(cls, name, values):
-        default = {field.name: field for field in dataclasses.fields(cls)}[name]
-        if default.type in (str, "str"):
+        kind = cls.__dataclass_fields__[name].type
+        if kind is str:
             return bytes(values).split(b"\\0")[0].decode("utf-8", "replace")
-        return tuple(values) if default.type in (tuple, "tuple") else values[0]
+        return tuple(values) if kind is tuple else values[0]
 
     def pack(self):
         """Bytes. Raises struct.error where a number does not fit its field."""

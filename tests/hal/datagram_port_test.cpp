@@ -58,8 +58,8 @@ TEST(EmuDatagramPort, KeepsToWhomEachWent) {
   DatagramPort port(4);
   EXPECT_EQ(send(port, "a", kOne), Status::kOk);
   EXPECT_EQ(send(port, "b", kTwo), Status::kOk);
-  EXPECT_EQ(port.take_sent()->to, kOne);
-  EXPECT_EQ(port.take_sent()->to, kTwo);
+  EXPECT_EQ(port.take_sent().value().to, kOne);
+  EXPECT_EQ(port.take_sent().value().to, kTwo);
   EXPECT_FALSE(port.take_sent());
 }
 
@@ -139,8 +139,8 @@ TEST(EmuDatagramPortFaults, EveryDelayedDatagramArrivesBehindTheNextAtItsOwnPeer
   for (const char* const datagram : {"0", "1", "2", "3"}) {
     EXPECT_EQ(send(port, datagram, *datagram % 2 == 0 ? kOne : kTwo), Status::kOk);
   }
-  EXPECT_EQ(port.take_sent()->to, kTwo);
-  EXPECT_EQ(port.take_sent()->to, kOne);
+  EXPECT_EQ(port.take_sent().value().to, kTwo);
+  EXPECT_EQ(port.take_sent().value().to, kOne);
   EXPECT_EQ(taken(port), (Texts{"3", "2"}));
 }
 

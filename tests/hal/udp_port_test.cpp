@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/linux/peer_address.h"
+#include "tests/support/udp_abilities.h"
 
 namespace stof::test {
 namespace {
@@ -157,6 +158,9 @@ TEST(UdpPort, ReceiveWaitsNoLongerThanAsked) {
 }
 
 TEST(UdpPort, TellsWhoRefusesAndLosesNothingForIt) {
+  if (!tells_refusals()) {
+    GTEST_SKIP() << "this system does not tell who refuses";
+  }
   const auto sensor = open_port();
   const auto alive = open_port();
   std::uint16_t closed = 0;
@@ -178,6 +182,9 @@ TEST(UdpPort, TellsWhoRefusesAndLosesNothingForIt) {
 }
 
 TEST(UdpPort, TellsWhoRefusesOnIpv6) {
+  if (!tells_refusals()) {
+    GTEST_SKIP() << "this system does not tell who refuses";
+  }
   const auto sensor = open_port();
   std::uint16_t closed = 0;
   {
@@ -192,6 +199,9 @@ TEST(UdpPort, TellsWhoRefusesOnIpv6) {
 }
 
 TEST(UdpPort, CountsWhatFoundItsBufferFull) {
+  if (!counts_overruns()) {
+    GTEST_SKIP() << "this system does not count datagrams that find the buffer full";
+  }
   const auto one = open_port();
   const auto two = open_port({.buffer_bytes = 4096});
   constexpr std::uint64_t kSent = 200;
@@ -212,7 +222,7 @@ TEST(UdpPort, SendsFromTwoThreadsAtOnce) {
   const auto one = open_port();
   const auto two = open_port();
   const auto send_many = [&](char which) {
-    for (int i = 0; i < 500; ++i) {
+    for (int i = 0; i < 100; ++i) {
       ASSERT_EQ(send(*one, local(two->port()), std::string(1, which)), Status::kOk);
     }
   };
@@ -225,9 +235,8 @@ TEST(UdpPort, SendsFromTwoThreadsAtOnce) {
     a += heard.text == "a" ? 1 : 0;
     b += heard.text == "b" ? 1 : 0;
   }
-  EXPECT_EQ(static_cast<std::uint64_t>(a + b) + two->overruns(), 1000U);
-  EXPECT_GT(a, 0);
-  EXPECT_GT(b, 0);
+  EXPECT_EQ(a, 100);
+  EXPECT_EQ(b, 100);
 }
 
 TEST(UdpPort, SaysInOneLineThatAPortIsTaken) {

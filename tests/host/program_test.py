@@ -105,7 +105,7 @@ class BadInput(Program):
         for arguments in ([], ["frobnicate"], ["--frobnicate"], ["evaluate"], ["evaluate", "stereo"],
                           ["evaluate", "fusion", "a"], ["evaluate", "stereo", "a", "--runs", "x"],
                           ["view", "--port", "70000"], ["view", "--port", "-1"], ["view", "--timeout", "0"],
-                          ["view", "--timeout", "-1"], ["view", "--frames", "x"], ["view", "surplus"],
+                          ["view", "--timeout", "-1"], ["view", "--frames", "x"], ["view", "localhost", "surplus"],
                           ["view", "--near", "3", "--far", "2"], ["view", "--near", "0"]):
             with self.subTest(arguments):
                 self.refuse(2, [], *arguments)
@@ -177,6 +177,7 @@ class BadInput(Program):
 
     def test_an_address_that_is_none(self):
         self.refuse(2, ["no.such.address"], "view", "--bind", "no.such.address", "--timeout", "1")
+        self.refuse(2, ["HOST:PORT", "'localhost:x'"], "view", "localhost:x")
 
 
 class Evaluate(Program):
@@ -312,6 +313,12 @@ class Evaluate(Program):
 class View(Program):
     def test_nothing_received_is_a_failure_in_one_line(self):
         self.refuse(1, ["127.0.0.1", "no packet came"], "view", "--bind", "127.0.0.1", "--port", 0, "--timeout", 0.3)
+
+    def test_a_sensor_that_is_not_there_is_a_failure_in_one_line(self):
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as nobody:
+            nobody.bind(("127.0.0.1", 0))
+            sensor = f"127.0.0.1:{nobody.getsockname()[1]}"
+        self.refuse(1, [sensor, "nobody listens there"], "view", sensor, "--timeout", 0.5)
 
     def test_what_is_no_packet_is_counted_and_shows_nothing(self):
         port_file = self.folder / "port"

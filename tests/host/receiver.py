@@ -1,23 +1,52 @@
 #!/usr/bin/env python3
 """A receiver in plain Python, written from docs/WIRE.md alone: a second opinion on the wire.
 
-Prints one line for each frame, with the CRC-32C of its depth, width and source pixels in raster
-order, and at the end what was refused, by cause.
+Subscribes to a sensor (--sensor), or listens at a port. Prints one line for each frame, with the CRC-32C of
+its streams' pixels in raster order, and at the end what was refused, by cause.
 """
 
 import argparse
 import collections
+import select
 import socket
 import struct
+import sys
+import time
 
 HEADER = struct.Struct("<4sBBBBIIBBBBIqIHHHHHHHH")  # without the payload and the CRC
 CRC_BYTES = 4
 MAX_DATAGRAM = 1232
-TILE, FRAME_INFO, CALIBRATION = 1, 2, 64
+TILE, FRAME_INFO = 1, 2
+CALIBRATION, HEALTH, PARITY, EVENT, ANNOUNCE, SECTORS = 64, 65, 66, 67, 68, 69
+SUBSCRIBE, SUBSCRIBED, UNSUBSCRIBE = 128, 129, 130
 FIRST_OWN_COUNTING = 64
-FRAME_INFO_BYTES = 120
-# (stream, codec): name, bytes of a pixel
-KINDS = {(1, 1): ("depth", 2), (2, 1): ("width", 2), (3, 2): ("source", 1)}
+FRAME_INFO_BYTES = 232
+CALIBRATION_BYTES = 120
+HEALTH_BYTES = 216
+EVENT_PAYLOAD = struct.Struct("<IBBBBIIq")
+PARITY_FIELDS = struct.Struct("<HBBBBHHHHHH")
+SUBSCRIBE_PAYLOAD = struct.Struct("<IHHQ16x")
+SUBSCRIBED_PAYLOAD = struct.Struct("<IBBHQ")
+RAW16, RAW8, RVL16, RVL8, POINTS = 1, 2, 3, 4, 5
+# stream: name, bytes of a pixel, codecs
+STREAMS = {
+    1: ("depth", 2, (RAW16, RVL16)),
+    2: ("width", 2, (RAW16, RVL16)),
+    3: ("source", 1, (RAW8, RVL8)),
+    4: ("disparity", 2, (RAW16, RVL16)),
+    5: ("pmd raw", 2, (RAW16, RVL16)),
+    6: ("grey left", 1, (RAW8, RVL8)),
+    7: ("grey right", 1, (RAW8, RVL8)),
+    8: ("cloud", 8, (POINTS,)),
+}
+CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
+              " serial lost, serial full, settings unsaved, restart needed, flooded").split(", ")
+SEVERITIES = ("info", "minor", "major", "critical")
+REACTIONS = ("none", "watch", "slow", "stop")
+DEFAULT_PORT = 7560
+LEASE_MS = 3000
+SILENCE_S = 1.0
+ASK_AGAIN_S = 0.2
 
 Header = collections.namedtuple(
     "Header",
@@ -83,56 +112,167 @@ def parse(datagram):
     return header, datagram[header.header_length : end]
 
 
+def rvl_numbers(payload):
+    """The numbers of the whole payload, with what fills the last word, and the nibbles up to each."""
+    number = shift = nibbles = 0
+    for (word,) in struct.iter_unpack("<I", payload):
+        for at in (28, 24, 20, 16, 12, 8, 4, 0):
+            nibble = word >> at & 15
+            nibbles += 1
+            number |= (nibble & 7) << shift
+            shift += 3
+            if nibble < 8:
+                if shift > 18:
+                    raise Refused("field")
+                yield number, nibbles
+                number = shift = 0
+    if shift:
+        raise Refused("field")
+
+
+def rvl(payload, count, size):
+    """The pixels of a tile, as bytes; raises Refused."""
+    if len(payload) % 4:
+        raise Refused("field")
+    mask = (1 << 8 * size) - 1
+    numbers = rvl_numbers(payload)
+    values, before, nibbles = [], 0, 0
+    try:
+        while len(values) < count:
+            zeros, nibbles = next(numbers)
+            others, nibbles = next(numbers)
+            if len(values) + zeros + others > count or (others == 0 and len(values) + zeros < count):
+                raise Refused("field")
+            values += [0] * zeros
+            for _ in range(others):
+                code, nibbles = next(numbers)
+                before = (before + (code >> 1 ^ -(code & 1))) & mask
+                values.append(before)
+    except StopIteration:
+        raise Refused("field") from None
+    if 2 * len(payload) - nibbles > 7 or any(number for number, _ in numbers):
+        raise Refused("field")
+    return struct.pack(f"<{count}{'H' if size == 2 else 'B'}", *values)
+
+
+def pixels_of(header, payload):
+    """The pixels of a tile of a known kind, as bytes; raises Refused."""
+    _, size, _ = STREAMS[header.stream]
+    if (
+        header.pixel_count == 0
+        or header.first_column >= header.width
+        or header.first_row * header.width + header.first_column + header.pixel_count > header.width * header.height
+    ):
+        raise Refused("field")
+    if header.codec in (RVL16, RVL8):
+        return rvl(payload, header.pixel_count, size)
+    if len(payload) != header.pixel_count * size:
+        raise Refused("field")
+    return payload
+
+
+def groups_of(count):
+    return (count + 15) // 16
+
+
+def exclusive_or(blocks):
+    total = 0
+    for block in blocks:
+        total ^= int.from_bytes(block, "little")
+    return total.to_bytes(MAX_DATAGRAM, "little")
+
+
 class Frame:
     """One frame being put together. What does not arrive stays 0."""
 
     def __init__(self, header):
-        self.common = self.common_of(header)
         self.header = header
-        pixels = header.width * header.height
-        self.images = {name: bytearray(pixels * size) for name, size in KINDS.values()}
-        self.arrived = set()
+        self.common = self.common_of(header)
+        self.images = {}  # stream: (width, height, bytes)
+        self.arrived = {}  # index: what parity is made of
+        self.parity = {}  # group: the payload of its packet
+        self.recovered = 0
 
     @staticmethod
     def common_of(header):
-        return header.freshness, header.exposure, header.count, header.width, header.height
+        return header.freshness, header.exposure, header.count
 
     def complete(self):
         return len(self.arrived) == self.header.count
 
     def add(self, header, payload):
+        """Raises Refused."""
         if self.common_of(header) != self.common:
             raise Refused("field")
         if header.index in self.arrived:
             raise Refused("duplicate")
-        kind = KINDS.get((header.stream, header.codec)) if header.type == TILE else None
-        if kind:
-            self.place(kind, header, payload)
-        self.arrived.add(header.index)
-        if not kind and header.type != FRAME_INFO:
+        known = True
+        if header.type == TILE:
+            known = header.stream in STREAMS and header.codec in STREAMS[header.stream][2]
+            if known:
+                self.place(header, pixels_of(header, payload))
+        elif header.type == FRAME_INFO:
+            if len(payload) < FRAME_INFO_BYTES:
+                raise Refused("field")
+        else:
+            known = False
+        self.arrived[header.index] = self.parity_part(header, payload)
+        if not known:
             raise Refused("unknown")
 
-    def place(self, kind, header, payload):
-        name, size = kind
-        first = header.first_row * header.width + header.first_column
-        end = first + header.pixel_count
-        if (
-            header.pixel_count == 0
-            or header.first_column >= header.width
-            or end > header.width * header.height
-            or len(payload) != header.pixel_count * size
-        ):
+    def place(self, header, pixels):
+        width, height, image = self.images.setdefault(
+            header.stream, (header.width, header.height, bytearray(header.width * header.height * STREAMS[header.stream][1])))
+        if (width, height) != (header.width, header.height):
             raise Refused("field")
-        self.images[name][first * size : end * size] = payload
+        size = STREAMS[header.stream][1]
+        first = (header.first_row * width + header.first_column) * size
+        image[first : first + len(pixels)] = pixels
+
+    @staticmethod
+    def parity_part(header, payload):
+        fields = PARITY_FIELDS.pack(0, header.type, header.flags, header.stream, header.codec, header.width, header.height,
+                                    header.first_row, header.first_column, header.pixel_count, len(payload))
+        return fields + payload
+
+    def add_parity(self, header, payload):
+        """Raises Refused."""
+        if len(payload) < PARITY_FIELDS.size:
+            raise Refused("field")
+        count = PARITY_FIELDS.unpack_from(payload)[0]
+        if count != self.header.count or header.count != groups_of(count):
+            raise Refused("field")
+        self.parity[header.index] = bytes(2) + payload[2:]
+
+    def recover(self):
+        """Places what parity brings back. Raises Refused."""
+        groups = groups_of(self.header.count)
+        for group, parity in list(self.parity.items()):
+            members = range(group, self.header.count, groups)
+            missing = [index for index in members if index not in self.arrived]
+            if len(missing) != 1:
+                continue
+            total = exclusive_or([parity, *(self.arrived[index] for index in members if index in self.arrived)])
+            fields, data = total[: PARITY_FIELDS.size], total[PARITY_FIELDS.size :]
+            _, kind, flags, stream, codec, width, height, row, column, pixels, length = PARITY_FIELDS.unpack(fields)
+            del self.parity[group]
+            if kind >= FIRST_OWN_COUNTING or any(data[length:]):
+                raise Refused("field")
+            header = self.header._replace(type=kind, flags=flags, stream=stream, codec=codec, width=width, height=height,
+                                          first_row=row, first_column=column, pixel_count=pixels, payload_length=length,
+                                          index=missing[0])
+            self.add(header, data[:length])
+            self.recovered += 1
 
     def line(self):
         crc = 0
-        for name in ("depth", "width", "source"):
-            crc = crc32c(self.images[name], crc)
-        header = self.header
+        for stream in sorted(self.images):
+            crc = crc32c(self.images[stream][2], crc)
+        width, height = self.images[1][:2] if 1 in self.images else (self.header.width, self.header.height)
+        recovered = f" recovered {self.recovered}" if self.recovered else ""
         return (
-            f"frame {header.number} {header.width}x{header.height}"
-            f" packets {len(self.arrived)}/{header.count} crc {crc:08x}"
+            f"frame {self.header.number} {width}x{height}"
+            f" packets {len(self.arrived)}/{self.header.count}{recovered} crc {crc:08x}"
         )
 
 
@@ -144,6 +284,8 @@ class Receiver:
         self.session = None
         self.ended = set()
         self.refused = collections.Counter()
+        self.reports = []  # lines about health and events, to be taken by the caller
+        self.counts = collections.Counter()  # of packets taken, by type
         self.begin_session(None)
 
     def begin_session(self, session):
@@ -151,10 +293,15 @@ class Receiver:
             self.ended.add(self.session)
         self.session = session
         self.open = {}
+        self.waiting = {}  # frame number: parity packets that came before any part
         self.last_closed = None
         self.freshness = None
+        self.period = 0.0
+        self.health = None  # (uptime, severity, reaction)
+        self.event = None  # sequence of the newest
+        self.last_packet = 0.0
 
-    def push(self, datagram):
+    def push(self, datagram, now=0.0):
         """The frames that this datagram closes."""
         try:
             header, payload = parse(datagram)
@@ -165,30 +312,94 @@ class Receiver:
             if header.session != self.session:
                 self.begin_session(header.session)
             if header.type < FIRST_OWN_COUNTING:
-                return self.push_part(header, payload)
-            if header.type != CALIBRATION:
-                raise Refused("unknown")
+                closed = self.push_part(header, payload)
+                self.last_packet = now
+                return closed
+            if header.type == PARITY:
+                return self.push_parity(header, payload)
+            self.push_other(header, payload)
+            self.counts[header.type] += 1
         except Refused as cause:
             self.refused[str(cause)] += 1
         return []
 
-    def push_part(self, header, payload):
-        if header.type == FRAME_INFO and len(payload) < FRAME_INFO_BYTES:
+    def push_other(self, header, payload):
+        if header.type == CALIBRATION:
+            if len(payload) < CALIBRATION_BYTES:
+                raise Refused("field")
+            self.period = struct.unpack_from("<q", payload, 48)[0] / 1e9
+        elif header.type == HEALTH:
+            self.push_health(payload)
+        elif header.type == EVENT:
+            self.push_event(payload)
+        elif header.type not in (ANNOUNCE, SECTORS):
+            raise Refused("unknown")
+
+    def push_health(self, payload):
+        if len(payload) < HEALTH_BYTES:
             raise Refused("field")
+        uptime, active, severity, reaction, subscribers, rate = struct.unpack_from("<QIBBBxI", payload)
+        if self.health is not None and uptime < self.health[0]:
+            raise Refused("late")
+        self.health = uptime, severity, reaction
+        names = ", ".join(name for bit, name in enumerate(CONDITIONS) if active >> bit & 1) or "nothing wrong"
+        self.reports.append(f"health {name_in(SEVERITIES, severity)} robot {name_in(REACTIONS, reaction)} subscribers"
+                            f" {subscribers} rate {rate / 1000:.1f} Hz: {names}")
+
+    def push_event(self, payload):
+        if len(payload) < EVENT_PAYLOAD.size:
+            raise Refused("field")
+        sequence, condition, severity, reaction, active, count, value, _ = EVENT_PAYLOAD.unpack_from(payload)
+        if self.event is not None and ahead(sequence, self.event) <= 0:
+            return  # the repetition
+        self.event = sequence
+        self.reports.append(f"event {name_in(CONDITIONS, condition)} {'began' if active else 'ended'}"
+                            f" {name_in(SEVERITIES, severity)} robot {name_in(REACTIONS, reaction)} count {count} value {value}")
+
+    def push_part(self, header, payload):
         number = header.number
         if self.last_closed is not None and ahead(number, self.last_closed) <= 0:
             raise Refused("late")
         if any(ahead(other, number) >= 2 for other in self.open):
             raise Refused("late")
         closed = self.close(lambda other: ahead(number, other) >= 2)
-        frame = self.open.setdefault(number, Frame(header))
+        if number not in self.open:
+            self.open[number] = Frame(header)
+            for waiting in self.waiting.pop(number, ()):
+                self.try_to(lambda packet=waiting: self.open[number].add_parity(*packet))
+        frame = self.open[number]
+        self.try_to(lambda: frame.add(header, payload))
+        self.counts[header.type] += 1
+        return closed + self.finish(frame)
+
+    def push_parity(self, header, payload):
+        self.counts[PARITY] += 1
+        number = header.number
+        if number in self.open:
+            frame = self.open[number]
+            frame.add_parity(header, payload)
+            return self.finish(frame)
+        if self.last_closed is None or ahead(number, self.last_closed) > 0:
+            self.waiting.setdefault(number, []).append((header, payload))
+        return []
+
+    def finish(self, frame):
+        self.try_to(frame.recover)
+        if frame.complete():
+            return self.close(lambda other: ahead(frame.header.number, other) >= 0)
+        return []
+
+    def try_to(self, action):
         try:
-            frame.add(header, payload)
+            action()
         except Refused as cause:
             self.refused[str(cause)] += 1
-        if frame.complete():
-            closed += self.close(lambda other: ahead(number, other) >= 0)
-        return closed
+
+    def expire(self, now):
+        """The frames that nothing came for."""
+        if self.open and now - self.last_packet > max(0.1, 1.5 * self.period):
+            return self.close(lambda other: True)
+        return []
 
     def close(self, condition):
         closed = []
@@ -197,6 +408,7 @@ class Receiver:
             if condition(number):
                 frame = self.open.pop(number)
                 self.last_closed = number
+                self.waiting = {n: parts for n, parts in self.waiting.items() if ahead(n, number) > 0}
                 fresh = frame.header.freshness
                 if ahead(fresh, self.freshness) > 0 if self.freshness is not None else fresh != 0:
                     self.freshness = fresh
@@ -206,25 +418,117 @@ class Receiver:
         return closed
 
 
+def name_in(names, value):
+    return names[value] if value < len(names) else str(value)
+
+
+class Subscription:
+    """What to send to a sensor and when. No clock and no socket: `now` in seconds is the caller's."""
+
+    def __init__(self, now):
+        self.cookie = 0
+        self.request = 0
+        self.granted = 0.0  # seconds; 0: none
+        self.next_at = now
+        self.heard_at = now
+
+    def due(self, now):
+        """The datagram to send, or None."""
+        if self.granted and now - self.heard_at > SILENCE_S:
+            self.granted, self.cookie = 0.0, 0  # the sensor has started again, or the network is back
+            self.next_at = now
+        if now < self.next_at:
+            return None
+        self.request += 1
+        self.next_at = now + (self.granted / 3 if self.granted else ASK_AGAIN_S)
+        return self.packet(SUBSCRIBE)
+
+    def packet(self, kind):
+        payload = SUBSCRIBE_PAYLOAD.pack(self.request, LEASE_MS, 0, self.cookie)
+        header = HEADER.pack(b"STOF", 1, kind, HEADER.size, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, len(payload))
+        return header + payload + crc32c(header + payload).to_bytes(CRC_BYTES, "little")
+
+    def heard(self, datagram, now):
+        """Whether this is an answer to us; the datagram is any that came from the sensor."""
+        self.heard_at = now
+        if len(datagram) < HEADER.size or datagram[5] != SUBSCRIBED:
+            return False
+        try:
+            _, payload = parse(datagram)
+        except Refused:
+            return False
+        if len(payload) < SUBSCRIBED_PAYLOAD.size:
+            return False
+        request, result, _, lease_ms, cookie = SUBSCRIBED_PAYLOAD.unpack_from(payload)
+        if request != self.request:
+            return True
+        self.cookie = cookie
+        if result == 1:  # cookie
+            self.next_at = now
+        elif result == 0:
+            self.granted = lease_ms / 1000
+            self.next_at = now + self.granted / 3
+        else:
+            self.granted = 0.0
+        return True
+
+
+def sensor_address(text):
+    host, colon, port = text.rpartition(":")
+    return (host, int(port)) if colon else (text, DEFAULT_PORT)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--sensor", metavar="HOST[:PORT]", help="subscribe there")
     parser.add_argument("--address", default="0.0.0.0")
-    parser.add_argument("--port", type=int, default=7560, help="0: any free one, printed")
+    parser.add_argument("--port", type=int, help=f"listen here; 0: any free one, printed; {DEFAULT_PORT} without --sensor")
     parser.add_argument("--frames", type=int, default=0, help="stop after so many; 0: never")
+    parser.add_argument("--seconds", type=float, default=0, help="stop after so long; 0: never")
+    parser.add_argument("--reports", action="store_true", help="print health and events too")
     options = parser.parse_args()
     endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
     endpoint.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)
-    endpoint.bind((options.address, options.port))
+    port = options.port if options.port is not None else 0 if options.sensor else DEFAULT_PORT
+    endpoint.bind((options.address, port))
     print(f"listening {endpoint.getsockname()[1]}", flush=True)
+    sensor = sensor_address(options.sensor) if options.sensor else None
     receiver = Receiver()
+    begin = time.monotonic()
+    subscription = Subscription(begin) if sensor else None
     frames = 0
     while options.frames == 0 or frames < options.frames:
-        for frame in receiver.push(endpoint.recv(65536)):
+        now = time.monotonic()
+        if options.seconds and now - begin > options.seconds:
+            break
+        request = subscription.due(now) if subscription else None
+        if request:
+            endpoint.sendto(request, sensor)
+        closed = []
+        if select.select([endpoint], [], [], 0.05)[0]:
+            try:
+                datagram = endpoint.recv(65536)
+            except ConnectionError:
+                continue  # nobody listens there yet
+            now = time.monotonic()
+            if not (subscription and subscription.heard(datagram, now)):
+                closed = receiver.push(datagram, now)
+        else:
+            closed = receiver.expire(now)
+        for frame in closed:
             print(frame.line(), flush=True)
             frames += 1
+        if options.reports and receiver.reports:
+            print("\n".join(receiver.reports), flush=True)
+        receiver.reports.clear()
+    if subscription:
+        endpoint.sendto(subscription.packet(UNSUBSCRIBE), sensor)
     refused = " ".join(f"{cause} {count}" for cause, count in sorted(receiver.refused.items()))
     print(f"refused {refused}", flush=True)
+    taken = " ".join(f"{kind} {count}" for kind, count in sorted(receiver.counts.items()))
+    print(f"taken by type {taken}", flush=True)
+    return 0 if options.frames <= frames else 1
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "host/cli/sensor_text.h"
+
 namespace stof::host {
 namespace {
 
@@ -95,6 +97,45 @@ TEST(SummaryLine, SaysThatNothingWasLost) {
       "30 frames received, 30 verified whole (every packet there, every CRC right), nothing lost");
 }
 
+TEST(SummaryLine, TellsWhatParityMadeGood) {
+  client::Statistics statistics;
+  statistics.recovered = 12;
+  EXPECT_NE(summary_line(statistics).find("), 12 packets made of parity, nothing lost"),
+            std::string::npos);
+  EXPECT_NE(ViewMeter().line(kStart, statistics, std::nullopt).find("recovered 12"),
+            std::string::npos);
+}
+
+TEST(EventLine, SaysWhatToDo) {
+  EXPECT_EQ(
+      event_line({.condition = 8, .reaction = wire::Reaction::kWatch, .active = 1}),
+      "event: drift began: the rig has drifted from its calibration: calibrate it anew; go on, "
+      "and tell whoever maintains the robot");
+  EXPECT_EQ(event_line({.condition = 8, .active = 0}), "event: drift ended");
+  // Of a newer sensor.
+  EXPECT_EQ(event_line({.condition = 200, .reaction = wire::Reaction::kSlow, .active = 1}),
+            "event: condition 200 began; slow down: expect gaps");
+  EXPECT_NE(event_line({.condition = 200, .reaction = wire::Reaction{9}, .active = 1})
+                .find("bring the robot to a safe stop"),
+            std::string::npos);
+}
+
+TEST(HealthLine, NamesWhatIsActive) {
+  EXPECT_EQ(health_line({.uptime_ms = 12'345,
+                         .subscribers = 2,
+                         .rate_mhz = 29'970,
+                         .latency_us = 21'040,
+                         .longest_latency_us = 33'100}),
+            "health: good, up 12 s, 30.0 frames/s, latency 21.0 ms mean 33.1 ms longest, 2 "
+            "subscribers");
+  const wire::HealthReport ill{.active = (1U << 4) | (1U << 31),
+                               .severity = wire::Severity::kMajor,
+                               .reaction = wire::Reaction::kSlow};
+  EXPECT_EQ(active_text(ill), ", active: late condition 31");
+  EXPECT_NE(health_line(ill).find("major trouble"), std::string::npos);
+  EXPECT_NE(health_line(ill).find("; slow down"), std::string::npos);
+}
+
 TEST(SummaryLine, NamesEveryCauseOfLoss) {
   using client::Statistics;
   constexpr std::uint64_t Statistics::* kCauses[] = {
@@ -105,7 +146,8 @@ TEST(SummaryLine, NamesEveryCauseOfLoss) {
       &Statistics::bad_field,       &Statistics::bad_magic,
       &Statistics::bad_version,     &Statistics::unknown,
       &Statistics::oversized,       &Statistics::foreign,
-      &Statistics::duplicate,       &Statistics::late};
+      &Statistics::duplicate,       &Statistics::late,
+      &Statistics::events_dropped};
   for (std::uint64_t Statistics::* cause : kCauses) {
     Statistics statistics;
     statistics.*cause = 4711;

@@ -1,5 +1,6 @@
 #include "host/cli/view.h"
 
+#include <array>
 #include <csignal>
 #include <cstring>
 #include <optional>
@@ -11,11 +12,14 @@
 #include <unistd.h>
 
 #include "dataset/dataset.h"
-#include "firmware/wire/packetizer.h"
+#include "firmware/wire/calibration_packet.h"
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
 #include "host/cli/exit.h"
 #include "tests/dataset/scratch.h"
+#include "tests/host/client/sent_frame.h"
 
-// view() against a sender on loopback that speaks through the appliance's own packetizer.
+// view() against a sender on loopback that speaks through the appliance's own coder.
 namespace stof::host {
 namespace {
 
@@ -24,7 +28,7 @@ using namespace std::chrono_literals;
 constexpr int kWidth = 8;
 constexpr int kHeight = 6;
 
-class LoopbackSink final : public wire::PacketSink {
+class LoopbackSink {
  public:
   explicit LoopbackSink(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
     sockaddr_in to{};
@@ -35,14 +39,13 @@ class LoopbackSink final : public wire::PacketSink {
   }
   LoopbackSink(const LoopbackSink&) = delete;
   LoopbackSink& operator=(const LoopbackSink&) = delete;
-  ~LoopbackSink() override { close(socket_); }
-  Status send(std::span<const std::byte> datagram) noexcept override {
+  ~LoopbackSink() { close(socket_); }
+  void send(std::span<const std::byte> datagram) {
     ++sent;
-    if (sent == drop) {
-      return Status::kOk;
+    if (sent != drop) {
+      EXPECT_EQ(::send(socket_, datagram.data(), datagram.size(), 0),
+                static_cast<ssize_t>(datagram.size()));
     }
-    return ::send(socket_, datagram.data(), datagram.size(), 0) < 0 ? Status::kDeviceError
-                                                                    : Status::kOk;
   }
 
   int sent = 0;
@@ -57,6 +60,8 @@ struct SentFrame {
   dataset::Image<dsp::QuarterMm> depth;
   dataset::Image<dsp::QuarterMm> width;
   dataset::Image<dsp::Source> source;
+  dataset::Image<dsp::Disparity> disparity{kWidth, kHeight, dsp::Disparity::from_pixels(20)};
+  dataset::Image<std::uint8_t> grey{kWidth, kHeight, 200};
 
   explicit SentFrame(std::uint32_t n)
       : depth(kWidth, kHeight, static_cast<dsp::QuarterMm>(n * 4000)),
@@ -65,7 +70,13 @@ struct SentFrame {
     depth.pixels[0] = width.pixels[0] = 0;
     source.pixels[0] = dsp::Source::kNone;
   }
-  dsp::DepthMap map() { return {depth.view(), width.view(), source.view()}; }
+  wire::FrameImages images() {
+    return {.map = {depth.view(), width.view(), source.view()},
+            .disparity = disparity.view(),
+            .pmd = {},
+            .left = grey.view(),
+            .right = grey.view()};
+  }
 };
 
 class View : public test::Scratch {
@@ -93,7 +104,24 @@ class View : public test::Scratch {
   void send_frames(std::uint32_t count, bool with_calibration, int drop) const {
     LoopbackSink sink(wait_for_port());
     sink.drop = drop;
-    wire::Packetizer packetizer({.device_id = 1, .session_id = 2}, sink);
+    const wire::Origin origin{.device_id = 1, .session_id = 2};
+    test::Coder coder(origin, {.width = kWidth, .height = kHeight});
+    for (std::uint32_t n = 1; n <= count; ++n) {
+      SentFrame frame(n);
+      const wire::FrameStamp stamp{.number = n, .freshness = n};
+      if (with_calibration) {
+        sink.send(calibration(origin));
+      }
+      for (const test::Datagram& packet : coder.code(stamp, frame.images(), choice_)) {
+        sink.send(packet);
+      }
+    }
+    for (const test::Datagram& packet : reports_) {
+      sink.send(packet);
+    }
+  }
+
+  static test::Datagram calibration(const wire::Origin& origin) {
     const dsp::Calibration rig{
         .stereo =
             {.left = {.width = kWidth, .height = kHeight, .fx = 10, .fy = 10, .cx = 3, .cy = 2},
@@ -101,16 +129,10 @@ class View : public test::Scratch {
              .doff_px = 0},
         .pmd = {},
         .pmd_to_stereo = {}};
-    const wire::CalibrationPacket calibration =
-        wire::make_calibration_packet(rig, 40000, 33'000'000).value();
-    for (std::uint32_t n = 1; n <= count; ++n) {
-      SentFrame frame(n);
-      const wire::FrameStamp stamp{.number = n, .freshness = n};
-      if (with_calibration) {
-        EXPECT_EQ(packetizer.publish(stamp, calibration), Status::kOk);
-      }
-      EXPECT_EQ(packetizer.publish(stamp, wire::FrameInfo{}, frame.map()).status, Status::kOk);
-    }
+    std::array<std::byte, wire::kCalibrationPacketBytes> payload{};
+    wire::encode_calibration_packet(wire::make_calibration_packet(rig, 40000, 33'000'000).value(),
+                                    payload);
+    return test::report_datagram({.origin = origin}, wire::PacketType::kCalibration, payload);
   }
 
   // Runs view() with a sender; what it printed and how it ended.
@@ -130,6 +152,8 @@ class View : public test::Scratch {
   std::filesystem::path out() const { return folder() / "out"; }
 
   ViewOptions options_;
+  wire::StreamChoice choice_ = test::raw_map();
+  std::vector<test::Datagram> reports_;  // after the frames
   std::string printed_;
   std::optional<Failure> failure_;
 };
@@ -156,6 +180,73 @@ TEST_F(View, LeavesPicturesOfWhatItReceived) {
   EXPECT_NEAR(point[1], 0.9F, 1e-4F);
   EXPECT_EQ(point[2], 3.0F);
   EXPECT_EQ(point[3], 0.005F);
+}
+
+TEST_F(View, ShowsTheStreamsThatCome) {
+  options_.frames = 2;
+  options_.out = out();
+  for (const wire::Stream stream :
+       {wire::Stream::kDisparity, wire::Stream::kGreyLeft, wire::Stream::kGreyRight}) {
+    choice_.of(stream) = wire::Coding::kRvl;
+  }
+  choice_.parity = true;
+  run(2, true, 13);  // without the width of frame 2, which parity makes good
+  EXPECT_FALSE(failure_.has_value()) << failure_->what();
+  EXPECT_TRUE(said("streams: depth 8x6, width 8x6, source 8x6, disparity 8x6, left 8x6, right 8x6"))
+      << printed_;
+  EXPECT_TRUE(said("2 frames received, 2 verified whole")) << printed_;
+  for (const char* name : {"depth.png", "source.png", "disparity.png", "left.png", "right.png"}) {
+    EXPECT_TRUE(std::filesystem::exists(out() / name)) << name;
+    EXPECT_TRUE(said(name)) << printed_;
+  }
+}
+
+TEST_F(View, SaysWhatParityMadeGood) {
+  options_.frames = 1;
+  choice_.parity = true;
+  run(1, true, 3);
+  EXPECT_FALSE(failure_.has_value()) << failure_->what();
+  EXPECT_TRUE(said("1 frames received, 1 verified whole")) << printed_;
+  EXPECT_TRUE(said("1 packets made of parity, nothing lost")) << printed_;
+}
+
+TEST_F(View, DoesWithoutDepth) {
+  options_.frames = 2;
+  options_.out = out();
+  choice_ = {};
+  choice_.of(wire::Stream::kGreyLeft) = wire::Coding::kRaw;
+  run(2);
+  EXPECT_FALSE(failure_.has_value()) << failure_->what();
+  EXPECT_TRUE(said("streams: left 8x6\n")) << printed_;
+  EXPECT_TRUE(said("no depth arrived")) << printed_;
+  EXPECT_TRUE(std::filesystem::exists(out() / "left.png"));
+  EXPECT_FALSE(std::filesystem::exists(out() / "depth.png"));
+}
+
+TEST_F(View, SaysWhatTheSensorSaysOfItself) {
+  const wire::Origin origin{.device_id = 1, .session_id = 2};
+  std::array<std::byte, wire::kHealthReportBytes> health{};
+  wire::encode_health_report({.uptime_ms = 5000,
+                              .active = 1U << 2,
+                              .severity = wire::Severity::kCritical,
+                              .reaction = wire::Reaction::kStop,
+                              .subscribers = 1},
+                             health);
+  std::array<std::byte, wire::kEventReportBytes> event{};
+  wire::encode_event_report(
+      {.sequence = 1, .condition = 2, .reaction = wire::Reaction::kStop, .active = 1}, event);
+  reports_ = {test::report_datagram({.origin = origin}, wire::PacketType::kEvent, event),
+              test::report_datagram({.origin = origin}, wire::PacketType::kEvent, event),
+              test::report_datagram({.origin = origin}, wire::PacketType::kHealth, health)};
+  options_.timeout_s = 0.5;
+  run(1);  // goes on until the timeout
+  EXPECT_TRUE(
+      said("event: stereo_lost began: a stereo camera is gone; bring the robot to a safe "
+           "stop\n"))
+      << printed_;
+  EXPECT_EQ(printed_.find("event:"), printed_.rfind("event:"));
+  EXPECT_TRUE(said("health: no data, up 5 s")) << printed_;
+  EXPECT_TRUE(said("active: stereo_lost; bring the robot to a safe stop")) << printed_;
 }
 
 TEST_F(View, ScoresAgainstTheTruth) {

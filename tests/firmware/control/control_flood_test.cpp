@@ -3,6 +3,7 @@
 #include "tests/firmware/control/robot.h"
 #include "tests/firmware/control/sensor.h"
 #include "tests/support/random.h"
+#include "tests/support/udp_abilities.h"
 
 // A sender of rubbish against the port that a subscriber depends on.
 namespace stof::test {
@@ -54,20 +55,19 @@ TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
   std::vector<std::uint64_t> sent(kinds.size());
   auto renewal = std::chrono::steady_clock::now();
   int renewals = 0;
-  const auto seen = [&] {
+  const auto refused = [&] {
     const wire::ControlCounters counters = control_counters(sensor.gate, *sensor.port);
-    return counters.accepted + counters.truncated + counters.bad_magic + counters.bad_version +
-           counters.bad_length + counters.bad_crc + counters.bad_field + counters.not_control +
-           counters.foreign + counters.too_short + counters.cookies + counters.busy;
+    return counters.truncated + counters.bad_magic + counters.bad_version + counters.bad_length +
+           counters.bad_crc + counters.bad_field + counters.not_control + counters.foreign +
+           counters.too_short;
   };
   std::uint64_t flood = 0;
-  const std::uint64_t before = seen();
   for (int i = 0; i < rounds; ++i) {
     const std::size_t kind = random.next() % kinds.size();
-    // What a full socket of ours loses would be lost to no counter: not more in flight than it
-    // holds. Requests of the subscriber are among what is seen.
-    if (i % 64 == 0) {
-      for (int k = 0; k < 5000 && flood > seen() - before + 500; ++k) {
+    // Not more in flight than a socket holds that is granted no more than usual: what it loses is
+    // counted without a reason.
+    if (i % 16 == 0) {
+      for (int k = 0; k < 5000 && flood > refused() + 100; ++k) {
         std::this_thread::sleep_for(1ms);
       }
     }
@@ -81,7 +81,7 @@ TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
       renewal += 1s;
     }
   }
-  for (int k = 0; k < 5000 && seen() - before < flood; ++k) {
+  for (int k = 0; k < 5000 && refused() < flood; ++k) {
     std::this_thread::sleep_for(1ms);
   }
   const wire::ControlCounters counters = control_counters(sensor.gate, *sensor.port);
@@ -106,6 +106,9 @@ TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
 // As fast as it can, from three threads; nothing is lost but what the socket cannot hold, and that
 // is counted.
 TEST(ControlFlood, AtFullSpeedLosesNothingUncounted) {
+  if (!counts_overruns()) {
+    GTEST_SKIP() << "this system does not count datagrams that find the buffer full";
+  }
   Sensor sensor;
   Robot robot(sensor);
   ASSERT_EQ(robot.ask(), SubscribeResult::kOk);

@@ -49,7 +49,7 @@ class ControlTurn : public testing::Test {
     const std::uint64_t cookie = subscribed(answers().at(0).second).value().cookie;
     port_.inject(subscribe({.cookie = cookie}), from);
     receive();
-    EXPECT_EQ(subscribed(answers().at(0).second)->result, wire::SubscribeResult::kOk);
+    EXPECT_EQ(subscribed(answers().at(0).second).value().result, wire::SubscribeResult::kOk);
   }
 
   hal::emu::DatagramPort port_{600};
@@ -69,7 +69,7 @@ TEST_F(ControlTurn, AnswersWhoeverAsked) {
   const auto all = answers();
   ASSERT_EQ(all.size(), 2U);
   EXPECT_EQ(all[0].first, peer(1));
-  EXPECT_EQ(subscribed(all[1].second)->request_id, 2U);
+  EXPECT_EQ(subscribed(all[1].second).value().request_id, 2U);
 }
 
 TEST_F(ControlTurn, TellsTheLoopWhenTheListChangesAndNotOtherwise) {
@@ -86,7 +86,7 @@ TEST_F(ControlTurn, TellsTheLoopWhenTheListChangesAndNotOtherwise) {
   control_.tick(kStart + 1s);
   EXPECT_FALSE(ring_.pop());
   control_.tick(kStart + 3s);
-  EXPECT_EQ(ring_.pop()->count, 0U);
+  EXPECT_EQ(ring_.pop().value().count, 0U);
 }
 
 TEST_F(ControlTurn, AFullRingGetsTheNewestListLater) {
@@ -111,7 +111,7 @@ TEST_F(ControlTurn, WhoRefusesLeaves) {
   join(peer(2));
   port_.refuse(peer(1));
   control_.tick(kStart);
-  EXPECT_EQ(ring_.pop()->all()[0], peer(2));
+  EXPECT_EQ(ring_.pop().value().all()[0], peer(2));
   EXPECT_EQ(subscribers_.count(), 1U);
 }
 

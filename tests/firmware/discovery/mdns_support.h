@@ -103,10 +103,11 @@ class Message {
     static_cast<void>(writer_.finish(section));
     return *this;
   }
-  Message& address(const dns::Name& name, const std::array<std::uint8_t, 16>& address) {
+  Message& address(const dns::Name& name, const std::array<std::uint8_t, 16>& address,
+                   dns::Writer::Section section = dns::Writer::Section::kAnswer) {
     writer_.begin_record(name, Type::kA, dns::kInternet | dns::kTopBit, 120);
     writer_.data(std::as_bytes(std::span(address)).last(4));
-    static_cast<void>(writer_.finish(dns::Writer::Section::kAnswer));
+    static_cast<void>(writer_.finish(section));
     return *this;
   }
   std::vector<std::byte> bytes() {

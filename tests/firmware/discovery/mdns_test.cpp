@@ -233,6 +233,22 @@ TEST(Responder, AgreesWithATwinOnWhoIsCalledWhat) {
   }
 }
 
+// RFC 6762 section 8.2: of two that probe at once the one with the greater data goes on.
+TEST(Responder, YieldsToTheProbeWithTheGreaterAddress) {
+  for (const std::uint8_t last : {std::uint8_t{1}, std::uint8_t{9}}) {
+    Bench bench;
+    EXPECT_EQ(bench.run(300ms).size() > 0, true);
+    const auto probe =
+        Message()
+            .ask(kHost, Type::kAny)
+            .address(kHost, hal::from_ipv4(192, 0, 2, last), dns::Writer::Section::kAuthority)
+            .bytes();
+    EXPECT_FALSE(bench.take(probe));
+    EXPECT_EQ(bench.run(900ms).empty(), last == 9) << int{last};
+    EXPECT_EQ(bench.responder.host(), kHost);
+  }
+}
+
 TEST(Responder, SaysGoodbye) {
   Bench bench;
   bench.settle();

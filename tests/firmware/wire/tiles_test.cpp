@@ -1,6 +1,7 @@
 #include "firmware/wire/tiles.h"
 
 #include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -129,31 +130,53 @@ void expect_all_cuts() {
 TEST(TilesTest, PlacesEveryPixelOnceAndSplitsNoRowThatFits16) { expect_all_cuts<std::uint16_t>(); }
 TEST(TilesTest, PlacesEveryPixelOnceAndSplitsNoRowThatFits8) { expect_all_cuts<std::uint8_t>(); }
 
-// Rows whose code grows nibble by nibble over what a payload takes, and whose last run goes on in
+// A row whose code grows nibble by nibble over what a payload takes, and whose last run goes on in
 // the next row, with a length of more nibbles.
+std::vector<std::uint16_t> row_at_the_limit(std::size_t steep, std::size_t wide) {
+  std::vector<std::uint16_t> row(700, 40'000);
+  for (std::size_t x = 0; x < steep; ++x) {
+    row[x] = x % 2 == 0 ? 30'000 : 1;  // six nibbles each
+  }
+  row[700 - 64] = 0;
+  for (std::size_t x = 0; x < wide; ++x) {
+    row[steep + 1 + x] = static_cast<std::uint16_t>(40'000 + 20 * (x + 1));
+  }
+  return row;
+}
+
 TEST(TilesTest, SplitsNoRowThatFitsByOneNibble) {
   const Raster raster{.stream = Stream::kDepth, .width = 700, .height = 3};
+  Random random(1);
+  std::vector<std::uint16_t> noise(700);
+  random.fill(std::span(noise), 1, 65'535);
+  const std::vector<std::uint16_t> zeros(700);
   std::size_t split = 0;
-  for (std::size_t steep = 240; steep < 380; ++steep) {
+  for (std::size_t steep = 300; steep < 340; ++steep) {
     for (std::size_t wide = 0; wide < 7; ++wide) {
-      std::vector<std::uint16_t> values(raster.width * raster.height, 40'000);
-      for (std::size_t y = 0; y < raster.height; ++y) {
-        const std::span<std::uint16_t> row = std::span(values).subspan(y * 700, 700);
-        for (std::size_t x = 0; x < steep; ++x) {
-          row[x] = x % 2 == 0 ? 30'000 : 1;  // six nibbles each
+      const std::vector<std::uint16_t> row = row_at_the_limit(steep, wide);
+      for (const auto& rows : {std::array{row, row, row}, std::array{row, noise, row},
+                               std::array{zeros, row, noise}}) {
+        std::vector<std::uint16_t> values;
+        for (const std::vector<std::uint16_t>& each : rows) {
+          values.insert(values.end(), each.begin(), each.end());
         }
-        row[700 - 64] = 0;  // the last run has 63 values, and more with the next row
-        for (std::size_t x = 0; x < wide; ++x) {
-          row[steep + 1 + x] = static_cast<std::uint16_t>(40'000 + 20 * (x + 1));
-        }
+        Cut tiles = cut(values, raster, true);
+        expect_image(tiles, values, raster);
+        expect_whole_rows(tiles, values, raster, true);
+        split += row_fits(values, raster, 1, true) ? 0U : 1U;
       }
-      Cut tiles = cut(values, raster, true);
-      expect_image(tiles, values, raster);
-      expect_whole_rows(tiles, values, raster, true);
-      split += tiles.store.part(1).first_column > 0 ? 1U : 0U;
     }
   }
-  EXPECT_TRUE(split > 0 && split < 140 * 7) << split;  // both sides of the limit were seen
+  EXPECT_TRUE(split > 350 && split < 800) << split;  // of 840: both sides of the limit
+}
+
+TEST(TilesTest, NoiseCostsRawPacketsAndTheRestAlmostNone) {
+  const Raster raster{.stream = Stream::kDepth, .width = 640, .height = 40};
+  std::vector<std::uint16_t> values = picture<std::uint16_t>(raster, 1, 3);
+  std::fill(values.begin() + 20 * 640, values.end(), std::uint16_t{0});
+  Cut tiles = cut(values, raster, true);
+  expect_image(tiles, values, raster);
+  EXPECT_LE(tiles.store.size(), raw_tiles(640, 20, 2) + 1);
 }
 
 TEST(TilesTest, RawTilesAreCountedBeforehand) {

@@ -141,7 +141,7 @@ TEST(Newer, UnknownPartsAreCountedAndTheFrameIsWhole) {
   };
   // A type, a stream and a codec without a name, and a pair that does not belong together.
   for (const Change& change : {Change{5, std::byte{9}}, Change{16, std::byte{77}},
-                               Change{17, std::byte{3}}, Change{17, std::byte{2}}}) {
+                               Change{17, std::byte{99}}, Change{17, std::byte{2}}}) {
     std::vector<Datagram> packets = datagrams(frame_spec(1));
     packets[1][change.offset] = change.value;
     reseal(packets[1]);
@@ -154,12 +154,15 @@ TEST(Newer, UnknownPartsAreCountedAndTheFrameIsWhole) {
 }
 
 TEST(Newer, UnknownPacketsOutsideFramesAreCounted) {
-  Datagram health = calibration_datagram(frame_spec(1), 1);
-  health[5] = std::byte{65};
-  reseal(health);
+  Datagram packet = calibration_datagram(frame_spec(1), 1);
   Reassembler reassembler;
-  EXPECT_EQ(push_all(reassembler, {health}), 0U);
-  EXPECT_EQ(reassembler.statistics().unknown, 1U);
+  // Of nobody yet; sectors and an announcement, which say nothing to a receiver of frames.
+  for (const std::uint8_t type : {std::uint8_t{127}, std::uint8_t{69}, std::uint8_t{68}}) {
+    packet[5] = std::byte{type};
+    reseal(packet);
+    EXPECT_EQ(push_all(reassembler, {packet}), 0U);
+  }
+  EXPECT_EQ(reassembler.statistics().unknown, 3U);
   EXPECT_FALSE(reassembler.next_expiry());  // no frame was begun
 }
 

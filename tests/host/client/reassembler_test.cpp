@@ -62,7 +62,7 @@ TEST(Reassembler, AWholeFrameIsDeliveredAtItsLastPacket) {
   EXPECT_EQ(frame->stamp.number, 100U);
   EXPECT_EQ(frame->stamp.exposure_middle_ns, 100'000'000);
   EXPECT_EQ(frame->packets, 13U);
-  EXPECT_EQ(frame->missing_depth + frame->missing_width + frame->missing_source, 0U);
+  EXPECT_EQ(frame->missing, decltype(frame->missing){});
   ASSERT_TRUE(frame->info);
   EXPECT_EQ(frame->info->tiles[0], 5);
   EXPECT_EQ(frame->last_packet - frame->first_packet, milliseconds(3));
@@ -89,9 +89,9 @@ TEST(Reassembler, WhatIsMissingIsNoneAndMarkedWhicheverPacketIsLost) {
     const ExpectedImages expected(rest, 300, 5);
     EXPECT_TRUE(expected.equal(*frame)) << lost;
     EXPECT_EQ(frame->missing_packets, 1U);
-    EXPECT_EQ(frame->missing_depth, expected.missing(kHasDepth));
-    EXPECT_EQ(frame->missing_width, expected.missing(kHasWidth));
-    EXPECT_EQ(frame->missing_source, expected.missing(kHasSource));
+    EXPECT_EQ(frame->missing_pixels(wire::Stream::kDepth), expected.missing(kHasDepth));
+    EXPECT_EQ(frame->missing_pixels(wire::Stream::kWidth), expected.missing(kHasWidth));
+    EXPECT_EQ(frame->missing_pixels(wire::Stream::kSource), expected.missing(kHasSource));
     EXPECT_EQ(frame->info.has_value(), lost != 0);
     EXPECT_EQ(reassembler.statistics().packets_missing, 1U);
     EXPECT_EQ(reassembler.statistics().frames_incomplete, 1U);

@@ -2,15 +2,26 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
-#include "firmware/wire/packetizer.h"
+#include "firmware/wire/frame_coder.h"
 #include "host/client/frame.h"
 #include "tests/firmware/wire/wire_support.h"
 
 namespace stof::test {
+
+// Depth, width and source, not compressed.
+inline wire::StreamChoice raw_map() {
+  wire::StreamChoice choice;
+  for (const wire::Stream stream :
+       {wire::Stream::kDepth, wire::Stream::kWidth, wire::Stream::kSource}) {
+    choice.of(stream) = wire::Coding::kRaw;
+  }
+  return choice;
+}
 
 // What a frame is sent as: 13 packets for the default size (frame info, five rows of depth, five of
 // width, two tiles of source). Random pixels, others for each seed.
@@ -21,6 +32,7 @@ struct FrameSpec {
   wire::Origin origin = kOrigin;
   int width = 300;
   int height = 5;
+  bool parity = false;
 };
 
 // The frame of this number, fresh, with pixels of its own.
@@ -34,25 +46,63 @@ inline wire::FrameStamp stamp_of(const FrameSpec& spec) {
           .exposure_middle_ns = std::int64_t{1'000'000} * spec.number};
 }
 
+// The appliance's own coder with memory of its own.
+class Coder {
+ public:
+  Coder(const wire::Origin& origin, const wire::FrameSizes& sizes)
+      : memory_(wire::FrameCoder::bytes_needed(sizes) / sizeof(Line) + 1),
+        arena_(std::as_writable_bytes(std::span(memory_))),
+        coder_(origin, sizes, {.fx = 65536, .fy = 65536}, arena_) {}
+
+  std::vector<Datagram> code(const wire::FrameStamp& stamp, const wire::FrameImages& images,
+                             const wire::StreamChoice& choice) {
+    std::vector<Datagram> packets;
+    const auto coded = coder_.code(stamp, {}, images, choice);
+    if (coded) {
+      for (const std::span<const std::byte> packet : *coded) {
+        packets.emplace_back(packet.begin(), packet.end());
+      }
+    }
+    return packets;
+  }
+
+ private:
+  struct alignas(dsp::Arena::kAlign) Line {
+    std::byte bytes[dsp::Arena::kAlign];
+  };
+  std::vector<Line> memory_;
+  dsp::Arena arena_;
+  wire::FrameCoder coder_;
+};
+
 inline std::vector<Datagram> datagrams(const FrameSpec& spec) {
   RandomMap map(spec.width, spec.height, spec.seed);
-  KeepingSink sink;
-  wire::Packetizer packetizer(spec.origin, sink);
-  static_cast<void>(packetizer.publish(stamp_of(spec), {}, map.view()));
-  return sink.sent;
+  Coder coder(spec.origin, {.width = spec.width, .height = spec.height});
+  wire::StreamChoice choice = raw_map();
+  choice.parity = spec.parity;
+  return coder.code(stamp_of(spec), {.map = map.view()}, choice);
+}
+
+// A packet outside the frames.
+inline Datagram report_datagram(const FrameSpec& spec, wire::PacketType type,
+                                std::span<const std::byte> payload) {
+  wire::DatagramBuffer buffer;
+  std::ranges::copy(payload, wire::payload_space(buffer).begin());
+  const std::span<const std::byte> sealed = wire::seal_packet(
+      {.type = type, .origin = spec.origin, .frame = stamp_of(spec)}, payload.size(), buffer);
+  return {sealed.begin(), sealed.end()};
 }
 
 inline Datagram calibration_datagram(const FrameSpec& spec, std::int64_t period_ns,
                                      std::int32_t fx = 65536) {
-  KeepingSink sink;
-  wire::Packetizer packetizer(spec.origin, sink);
-  const wire::CalibrationPacket packet{.image_width = static_cast<std::uint16_t>(spec.width),
-                                       .image_height = static_cast<std::uint16_t>(spec.height),
-                                       .fx = fx,
-                                       .fy = 65536,
-                                       .period_ns = period_ns};
-  static_cast<void>(packetizer.publish(stamp_of(spec), packet));
-  return sink.sent.front();
+  std::array<std::byte, wire::kCalibrationPacketBytes> payload{};
+  wire::encode_calibration_packet({.image_width = static_cast<std::uint16_t>(spec.width),
+                                   .image_height = static_cast<std::uint16_t>(spec.height),
+                                   .fx = fx,
+                                   .fy = 65536,
+                                   .period_ns = period_ns},
+                                  payload);
+  return report_datagram(spec, wire::PacketType::kCalibration, payload);
 }
 
 // After the bytes of a packet were changed on purpose.
@@ -61,14 +111,28 @@ inline void reseal(Datagram& datagram) {
   wire::put_u32(bytes.last<4>(), wire::crc32c(bytes.first(bytes.size() - 4)));
 }
 
-// The images that `packets` (intact, of one frame, in any order) make: placed one pixel at a time,
-// everything else none.
+template <typename T>
+bool same_pixels(dsp::ImageView<const T> image, const std::vector<T>& pixels) {
+  const auto columns = static_cast<std::size_t>(image.width());
+  for (int y = 0; y < image.height(); ++y) {
+    const std::size_t begin = static_cast<std::size_t>(y) * columns;
+    if (begin + columns > pixels.size() ||
+        !std::ranges::equal(image.row(y), std::span(pixels).subspan(begin, columns))) {
+      return false;
+    }
+  }
+  return pixels.size() == columns * static_cast<std::size_t>(image.height());
+}
+
+// The images that `packets` (intact, of one frame, raw, in any order) make: placed one pixel at a
+// time, everything else none.
 class ExpectedImages {
  public:
   ExpectedImages(const std::vector<Datagram>& packets, int width, int height)
       : depth_(static_cast<std::size_t>(width * height)),
         width_(depth_.size()),
         source_(depth_.size()),
+        cause_(depth_.size()),
         received_(depth_.size()) {
     for (const Datagram& datagram : packets) {
       const auto packet = wire::parse_packet(datagram);
@@ -78,9 +142,12 @@ class ExpectedImages {
     }
   }
 
+  // An image of which nothing arrived, and that frame info did not tell of, is empty.
   bool equal(const client::Frame& frame) const {
-    return same(frame.depth, depth_) && same(frame.width, width_) && same(frame.source, source_) &&
-           same(frame.received, received_);
+    return same(frame.depth, depth_, client::kHasDepth) &&
+           same(frame.width, width_, client::kHasWidth) &&
+           same(frame.source, source_, client::kHasSource) &&
+           same(frame.cause, cause_, client::kHasSource) && same_pixels(frame.received, received_);
   }
   std::uint32_t missing(std::uint8_t bit) const {
     return static_cast<std::uint32_t>(
@@ -94,7 +161,9 @@ class ExpectedImages {
       const std::size_t at =
           std::size_t{header.first_row} * header.image_width + header.first_column + i;
       if (header.stream == wire::Stream::kSource) {
-        source_[at] = dsp::Source{wire::get_u8(packet.payload.subspan(i).first<1>())};
+        const std::uint8_t both = wire::get_u8(packet.payload.subspan(i).first<1>());
+        source_[at] = static_cast<dsp::Source>(both % 16);
+        cause_[at] = static_cast<dsp::Cause>(both / 16);
         received_[at] |= client::kHasSource;
         continue;
       }
@@ -105,21 +174,14 @@ class ExpectedImages {
   }
 
   template <typename T>
-  static bool same(dsp::ImageView<const T> image, const std::vector<T>& pixels) {
-    for (int y = 0; y < image.height(); ++y) {
-      const std::size_t columns = static_cast<std::size_t>(image.width());
-      if (!std::ranges::equal(image.row(y), std::span(pixels).subspan(
-                                                static_cast<std::size_t>(y) * columns, columns))) {
-        return false;
-      }
-    }
-    return pixels.size() ==
-           static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
+  bool same(dsp::ImageView<const T> image, const std::vector<T>& pixels, std::uint8_t bit) const {
+    return image.empty() ? missing(bit) == pixels.size() : same_pixels(image, pixels);
   }
 
   std::vector<dsp::QuarterMm> depth_;
   std::vector<dsp::QuarterMm> width_;
   std::vector<dsp::Source> source_;
+  std::vector<dsp::Cause> cause_;
   std::vector<std::uint8_t> received_;
 };
 

@@ -1,5 +1,6 @@
-// Sends frames of random pixels to a port of this machine, their packets shuffled and among
-// damaged, doubled and foreign ones, and prints what a receiver must see:
+// Sends frames of all eight streams, raw and coded in turn, to a port of this machine, their
+// packets shuffled and among damaged, doubled and foreign ones; one of each frame is lost, and
+// parity makes it good. Prints what a receiver must see:
 //   wire_test_sender PORT FRAMES
 // After each frame it waits for a line on stdin: nothing depends on speed.
 #include <charconv>
@@ -12,23 +13,14 @@
 #include <vector>
 
 #include "firmware/wire/crc32c.h"
-#include "tests/firmware/wire/wire_support.h"
 #include "tests/host/client/loopback_sender.h"
+#include "tests/host/client/told_frame.h"
 
 namespace stof::test {
 namespace {
 
-constexpr int kWidth = 161;
-constexpr int kHeight = 120;
+constexpr ToldSizes kSizes{.width = 161, .height = 120, .pmd_width = 40, .pmd_height = 30};
 constexpr std::uint32_t kFirstNumber = 0xFFFFFFF0;  // wraps on the way
-
-template <typename T>
-std::uint32_t checksum(dsp::ImageView<const T> image, std::uint32_t before) {
-  for (int y = 0; y < image.height(); ++y) {
-    before = wire::crc32c(std::as_bytes(image.row(y)), before);
-  }
-  return before;
-}
 
 void shuffle(std::vector<Datagram>& packets, Random& random) {
   for (std::size_t i = packets.size(); i > 1; --i) {
@@ -45,26 +37,31 @@ std::vector<Datagram> noise(const Datagram& packet, Random& random) {
   Datagram cut = packet;
   cut.resize(static_cast<std::size_t>(random.between(0, static_cast<int>(packet.size()) - 1)));
   Datagram other(100, std::byte{0x55});
-  KeepingSink sink;
-  wire::Packetizer stranger({.device_id = 1, .session_id = 1}, sink);
-  static_cast<void>(stranger.publish({}, {}, {}));
-  return {damaged, cut, other, sink.sent.front()};
+  Coder stranger({.device_id = 1, .session_id = 1}, {});
+  return {damaged, cut, other, stranger.code({}, {}, {}).front()};
+}
+
+// The parts of a frame shuffled but one, then its parity, that of the lost one at the end.
+std::vector<Datagram> lossy(std::vector<Datagram> packets, std::uint16_t parts, Random& random) {
+  const std::uint16_t groups = wire::parity_groups(parts);
+  const auto lost = static_cast<std::ptrdiff_t>(random.between(0, parts - 1));
+  std::swap(packets[parts + static_cast<std::size_t>(lost % groups)], packets.back());
+  std::vector<Datagram> shuffled(packets.begin(), packets.begin() + parts);
+  shuffled.erase(shuffled.begin() + lost);
+  shuffle(shuffled, random);
+  shuffled.insert(shuffled.end(), packets.begin() + parts, packets.end());
+  return shuffled;
 }
 
 bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
-  RandomMap map(kWidth, kHeight, frame);
-  const dsp::DepthMap view = map.view();
-  KeepingSink sink;
-  wire::Packetizer packetizer(kOrigin, sink);
-  const wire::FrameStamp stamp{.number = kFirstNumber + frame, .freshness = 1 + frame};
-  if (packetizer.publish(stamp, {}, view).status != Status::kOk) {
-    return false;
-  }
+  const FrameSpec spec{.number = kFirstNumber + frame, .freshness = 1 + frame};
+  const wire::Coding coding = frame % 2 == 0 ? wire::Coding::kRvl : wire::Coding::kRaw;
+  std::vector<Datagram> packets =
+      told_datagrams(spec, kSizes, every_stream(coding, true, kSizes.cloud_step));
+  const std::uint16_t parts = wire::parse_packet(packets.front())->header.count;
   Random random(frame);
-  std::vector<Datagram>& packets = sink.sent;
-  const std::size_t count = packets.size();
-  shuffle(packets, random);
-  const std::vector<Datagram> around = noise(packets.back(), random);
+  packets = lossy(std::move(packets), parts, random);
+  const std::vector<Datagram> around = noise(packets.front(), random);
   packets.insert(packets.begin() + 1, around.begin(), around.end());
   packets.insert(packets.begin() + 1, packets.front());
   for (const Datagram& packet : packets) {
@@ -72,10 +69,9 @@ bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
       return false;
     }
   }
-  const std::uint32_t crc = checksum<dsp::Source>(
-      view.source, checksum<dsp::QuarterMm>(view.width, checksum<dsp::QuarterMm>(view.depth, 0)));
-  std::printf("frame %u %dx%d packets %zu/%zu crc %08x\n", stamp.number, kWidth, kHeight, count,
-              count, crc);
+  std::printf("frame %u %dx%d packets %u/%u recovered 1 crc %08x\n", spec.number, kSizes.width,
+              kSizes.height, unsigned{parts}, unsigned{parts},
+              wire::crc32c(ToldFrame(spec.number, kSizes).bytes()));
   std::fflush(stdout);
   return std::getchar() != EOF;
 }

@@ -1,0 +1,113 @@
+#include "host/cli/discover.h"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/exit.h"
+#include "host/discovery/discover.h"
+
+namespace stof::host {
+namespace {
+
+constexpr std::array kWayNames{client::Way::kDirect, client::Way::kBeacon, client::Way::kMdns};
+
+const char* health_name(const std::optional<wire::Health>& health) {
+  if (!health) {
+    return "unknown";
+  }
+  switch (*health) {
+    case wire::Health::kOk:
+      return "ok";
+    case wire::Health::kDegraded:
+      return "degraded";
+    case wire::Health::kFault:
+      return "fault";
+  }
+  return "unknown";
+}
+
+std::vector<std::string> ways_of(const client::FoundSensor& sensor) {
+  std::vector<std::string> names;
+  for (const client::Way way : kWayNames) {
+    if (sensor.ways[static_cast<std::size_t>(way)]) {
+      names.emplace_back(client::to_string(way));
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+std::string discover_line(const client::FoundSensor& sensor) {
+  std::string line = sensor.serial + " '" + sensor.name + "' at " + sensor.endpoint() + ": " +
+                     sensor.board + ", version " + sensor.version + ", health " +
+                     health_name(sensor.health);
+  if (sensor.rate_mhz) {
+    std::array<char, 64> figures{};
+    std::snprintf(figures.data(), figures.size(), ", %.1f Hz, %u of %u subscribers",
+                  static_cast<double>(*sensor.rate_mhz) / 1000, sensor.subscribers,
+                  sensor.most_subscribers);
+    line += figures.data();
+  }
+  line += "; by";
+  for (const std::string& way : ways_of(sensor)) {
+    line += " " + way;
+  }
+  return line;
+}
+
+std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const client::FoundSensor& sensor : sensors) {
+    nlohmann::ordered_json entry{
+        {"serial", sensor.serial},       {"name", sensor.name},
+        {"address", sensor.address},     {"port", sensor.port},
+        {"device_id", sensor.device_id}, {"version", sensor.version},
+        {"board", sensor.board},         {"health", health_name(sensor.health)},
+        {"found_by", ways_of(sensor)}};
+    if (sensor.rate_mhz) {
+      entry["rate_hz"] = static_cast<double>(*sensor.rate_mhz) / 1000;
+      entry["subscribers"] = sensor.subscribers;
+      entry["most_subscribers"] = sensor.most_subscribers;
+    }
+    list.push_back(std::move(entry));
+  }
+  // Texts come from the network and may be anything.
+  return list.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+void discover(const DiscoverCommand& command) {
+  const auto timeout = std::chrono::duration_cast<std::chrono::milliseconds>(
+      std::chrono::duration<double>(command.timeout_s));
+  const auto sensors =
+      value_or_fail(client::discover({.timeout = timeout, .addresses = command.addresses}));
+  if (command.json) {
+    std::puts(discover_json(sensors).c_str());
+  } else {
+    for (const client::FoundSensor& sensor : sensors) {
+      std::puts(discover_line(sensor).c_str());
+    }
+  }
+  if (sensors.empty()) {
+    throw Failure(Exit::kFailure,
+                  "no sensor answered: check power and cable, or name it: --address HOST");
+  }
+}
+
+void add_discover(CLI::App& app, DiscoverCommand& command) {
+  CLI::App& discover_command =
+      *app.add_subcommand("discover", "List the sensors near: serial, name, address, health");
+  discover_command
+      .add_option("--timeout", command.timeout_s, "Seconds to wait; a beacon comes once a second")
+      ->check(CLI::Range(0.1, 3600.0))
+      ->capture_default_str();
+  discover_command.add_option("--address", command.addresses,
+                              "Also ask HOST[:PORT], also beyond the local network");
+  discover_command.add_flag("--json", command.json, "A JSON array");
+  discover_command.callback([&command] { discover(command); });
+}
+
+}  // namespace stof::host

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "host/discovery/found.h"
+
+namespace stof::host {
+
+struct DiscoverCommand {
+  double timeout_s = 2.5;
+  std::vector<std::string> addresses;  // HOST[:PORT]
+  bool json = false;
+};
+
+// One line a sensor, as `stof discover` prints it.
+std::string discover_line(const client::FoundSensor& sensor);
+// The same as a JSON array.
+std::string discover_json(const std::vector<client::FoundSensor>& sensors);
+
+// `stof discover`: lists the sensors near. Throws Failure, also where there is none.
+void discover(const DiscoverCommand& command);
+
+void add_discover(CLI::App& app, DiscoverCommand& command);
+
+}  // namespace stof::host

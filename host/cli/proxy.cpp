@@ -1,0 +1,134 @@
+#include "host/cli/proxy.h"
+
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+
+#include "host/cli/exit.h"
+#include "host/link/relay.h"
+
+namespace stof::host {
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;  // NOLINT: what a signal handler may write
+
+link::Duration milliseconds(double ms) {
+  return std::chrono::duration_cast<link::Duration>(std::chrono::duration<double, std::milli>(ms));
+}
+
+link::Direction direction(const std::string& only) {
+  if (only == "down") {
+    return link::Direction::kDown;
+  }
+  return only == "up" ? link::Direction::kUp : link::Direction::kBoth;
+}
+
+link::RelayOptions relay_options(const ProxyOptions& options) {
+  constexpr double kPercent = 0.01;
+  return {.listen_address = options.bind,
+          .listen_port = options.port,
+          .upstream = options.to,
+          .impairment = {.loss = kPercent * options.loss_percent,
+                         .burst = options.burst,
+                         .duplicate = kPercent * options.duplicate_percent,
+                         .corrupt = kPercent * options.corrupt_percent,
+                         .reorder = options.reorder,
+                         .delay = milliseconds(options.delay_ms),
+                         .jitter = milliseconds(options.jitter_ms),
+                         .seed = options.seed},
+          .only = direction(options.only)};
+}
+
+void print_way(const char* name, const link::Impairment::Counts& counts) {
+  std::printf(", %s %llu in %llu out %llu lost %llu twice %llu damaged", name,
+              static_cast<unsigned long long>(counts.in),
+              static_cast<unsigned long long>(counts.out),
+              static_cast<unsigned long long>(counts.lost + counts.overflowed),
+              static_cast<unsigned long long>(counts.duplicated),
+              static_cast<unsigned long long>(counts.corrupted));
+}
+
+void print_line(double seconds, const link::RelayCounts& counts) {
+  std::printf("%6.1f s  %zu clients", seconds, counts.clients);
+  print_way("down", counts.down);
+  print_way("up", counts.up);
+  std::printf("\n");
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+void proxy(const ProxyOptions& options) {
+  struct sigaction action{};
+  action.sa_handler = [](int /*signal*/) { g_stop = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  const auto relay = link::Relay::open(relay_options(options));
+  if (!relay) {
+    throw Failure(Exit::kBadInput, relay.error());
+  }
+  std::printf("passing UDP %s:%u to %s\n", options.bind.c_str(), unsigned{(*relay)->port()},
+              options.to.c_str());
+  std::fflush(stdout);
+  if (!options.port_file.empty()) {
+    std::ofstream stream(options.port_file);
+    stream << (*relay)->port() << '\n';
+    stream.close();
+    if (!stream) {
+      throw Failure(Exit::kBadInput, options.port_file.string() +
+                                         ": cannot be written: check the folder and its "
+                                         "permissions");
+    }
+  }
+  constexpr std::chrono::seconds kLine{1};
+  constexpr std::chrono::milliseconds kLook{100};
+  const link::Time began = link::Time::clock::now();
+  link::Time next = began + kLine;
+  while (g_stop == 0) {
+    if (!(*relay)->run(kLook)) {
+      throw Failure(Exit::kFailure, "the socket failed: start again");
+    }
+    const link::Time now = link::Time::clock::now();
+    if (now >= next) {
+      print_line(std::chrono::duration<double>(now - began).count(), (*relay)->counts());
+      next += kLine;
+    }
+  }
+  print_line(std::chrono::duration<double>(link::Time::clock::now() - began).count(),
+             (*relay)->counts());
+}
+
+void add_proxy(CLI::App& app, ProxyOptions& options) {
+  const CLI::Range percent(0.0, 100.0);
+  constexpr double kMostMs = 10'000;
+  CLI::App& command = *app.add_subcommand(
+      "proxy", "Pass datagrams between receivers and a sensor as a bad network would");
+  command.add_option("--listen", options.port, "UDP port for the receivers, 0: any free one")
+      ->required();
+  command.add_option("--bind", options.bind, "Address of the interface to listen at")
+      ->capture_default_str();
+  command.add_option("--to", options.to, "HOST:PORT of the sensor")->required();
+  command.add_option("--loss", options.loss_percent, "Percent of the datagrams that are lost")
+      ->check(percent);
+  command.add_option("--burst", options.burst, "Mean number of datagrams lost in a row")
+      ->check(CLI::Range(1.0, 10'000.0));
+  command.add_option("--duplicate", options.duplicate_percent, "Percent that arrive twice")
+      ->check(percent);
+  command.add_option("--corrupt", options.corrupt_percent, "Percent with one to three wrong bits")
+      ->check(percent);
+  command.add_option("--reorder", options.reorder, "How many later datagrams may overtake one")
+      ->check(CLI::Range(0, 1000));
+  command.add_option("--delay", options.delay_ms, "Delay of each, milliseconds")
+      ->check(CLI::Range(0.0, kMostMs));
+  command.add_option("--jitter", options.jitter_ms, "More delay, up to this, milliseconds")
+      ->check(CLI::Range(0.0, kMostMs));
+  command.add_option("--seed", options.seed, "Of the random numbers")->capture_default_str();
+  command.add_option("--only", options.only, "The way that is bad: from the sensor is down")
+      ->check(CLI::IsMember({"both", "down", "up"}))
+      ->capture_default_str();
+  command.add_option("--port-file", options.port_file,
+                     "File that gets the number of the opened port");
+  command.callback([&options] { proxy(options); });
+}
+
+}  // namespace stof::host

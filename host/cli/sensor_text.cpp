@@ -1,0 +1,111 @@
+#include "host/cli/sensor_text.h"
+
+#include <array>
+#include <cstdio>
+
+#include "firmware/wire/messages/conditions.h"
+
+namespace stof::host {
+namespace {
+
+const char* word(wire::Severity severity) {
+  switch (severity) {
+    case wire::Severity::kInfo:
+      return "good";
+    case wire::Severity::kMinor:
+      return "minor trouble";
+    case wire::Severity::kMajor:
+      return "major trouble";
+    case wire::Severity::kCritical:
+      return "no data";
+  }
+  return "trouble of an unknown kind";
+}
+
+const char* advice(wire::Reaction reaction) {
+  switch (reaction) {
+    case wire::Reaction::kNone:
+      return "go on";
+    case wire::Reaction::kWatch:
+      return "go on, and tell whoever maintains the robot";
+    case wire::Reaction::kSlow:
+      return "slow down: expect gaps";
+    case wire::Reaction::kStop:
+      return "bring the robot to a safe stop";
+  }
+  return "bring the robot to a safe stop: the reaction is of a newer sensor";
+}
+
+std::string name_of(std::uint8_t condition) {
+  const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(condition));
+  return info != nullptr ? info->name : "condition " + std::to_string(condition);
+}
+
+std::string fixed(double value) {
+  std::array<char, 32> buffer{};
+  std::snprintf(buffer.data(), buffer.size(), "%.1f", value);
+  return buffer.data();
+}
+
+template <typename T>
+void add_stream(std::string& line, const char* name, dsp::ImageView<const T> image,
+                const char* more = "") {
+  if (!image.empty()) {
+    line += std::string(line.empty() ? "streams: " : ", ") + name + " " +
+            std::to_string(image.width()) + "x" + std::to_string(image.height()) + more;
+  }
+}
+
+}  // namespace
+
+std::string event_line(const wire::EventReport& event) {
+  const wire::ConditionInfo* const info =
+      wire::info_of(static_cast<wire::Condition>(event.condition));
+  std::string line = "event: " + name_of(event.condition);
+  if (event.active == 0) {
+    return line + " ended";
+  }
+  line += " began";
+  if (info != nullptr) {
+    line += std::string(": ") + info->text;
+  }
+  return line + "; " + advice(event.reaction);
+}
+
+std::string active_text(const wire::HealthReport& health) {
+  std::string names;
+  for (std::uint8_t k = 0; k < 32; ++k) {
+    if (((health.active >> k) & 1) != 0) {
+      names += " " + name_of(k);
+    }
+  }
+  return names.empty() ? names : ", active:" + names;
+}
+
+std::string health_line(const wire::HealthReport& health) {
+  std::string line = std::string("health: ") + word(health.severity) + ", up " +
+                     std::to_string(health.uptime_ms / 1000) + " s, " +
+                     fixed(health.rate_mhz / 1e3) + " frames/s, latency " +
+                     fixed(health.latency_us / 1e3) + " ms mean " +
+                     fixed(health.longest_latency_us / 1e3) + " ms longest, " +
+                     std::to_string(health.subscribers) + " subscribers" + active_text(health);
+  if (health.active != 0) {
+    line += std::string("; ") + advice(health.reaction);
+  }
+  return line;
+}
+
+std::string streams_line(const client::Frame& frame) {
+  std::string line;
+  add_stream(line, "depth", frame.depth);
+  add_stream(line, "width", frame.width);
+  add_stream(line, "source", frame.source);
+  add_stream(line, "disparity", frame.disparity);
+  add_stream(line, "pmd", frame.pmd.front(), " x 4");
+  add_stream(line, "left", frame.left);
+  add_stream(line, "right", frame.right);
+  add_stream(line, "cloud", frame.cloud);
+  return line.empty() ? "streams: none" : line;
+}
+
+}  // namespace stof::host

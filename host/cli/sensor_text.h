@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
+#include "host/client/frame.h"
+
+// What a sensor says about itself, in words.
+namespace stof::host {
+
+// "stereo_lost began: a stereo camera is gone; bring the robot to a safe stop".
+std::string event_line(const wire::EventReport& event);
+
+// ", active: stereo_lost drift"; empty where nothing is wrong.
+std::string active_text(const wire::HealthReport& health);
+
+// "health: good, up 12 s, 30.0 frames/s, latency 21.0 ms mean 33.1 ms longest, 2 subscribers".
+std::string health_line(const wire::HealthReport& health);
+
+// "streams: depth 640x480, source 640x480, pmd 224x172 x 4".
+std::string streams_line(const client::Frame& frame);
+
+}  // namespace stof::host

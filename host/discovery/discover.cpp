@@ -1,0 +1,172 @@
+#include "host/discovery/discover.h"
+
+#include <algorithm>
+#include <array>
+#include <random>
+
+#include <poll.h>
+
+#include "firmware/wire/dns.h"
+#include "firmware/wire/messages/discover.h"
+#include "host/discovery/sockets.h"
+
+namespace stof::client {
+namespace {
+
+namespace dns = wire::dns;
+using Clock = std::chrono::steady_clock;
+using namespace std::chrono_literals;
+
+constexpr std::uint16_t kMdnsPort = 5353;
+constexpr std::array<std::byte, 4> kGroup4{std::byte{224}, std::byte{0}, std::byte{0},
+                                           std::byte{251}};
+
+// When questions are asked: any of them may be lost.
+constexpr std::array kAsk{0ms, 300ms, 1000ms, 1900ms};
+
+in_addr address4(std::uint8_t a, std::uint8_t b, std::uint8_t c, std::uint8_t d) {
+  return in_addr{.s_addr = htonl((std::uint32_t{a} << 24) | (std::uint32_t{b} << 16) |
+                                 (std::uint32_t{c} << 8) | d)};
+}
+
+std::vector<std::byte> seal_question(std::uint32_t request_id) {
+  wire::DatagramBuffer buffer;
+  wire::encode_discover({.request_id = request_id},
+                        wire::payload_space(buffer).first<wire::kDiscoverBytes>());
+  const auto packet =
+      wire::seal_packet({.type = wire::PacketType::kDiscover}, wire::kDiscoverBytes, buffer);
+  return {packet.begin(), packet.end()};
+}
+
+// From a port of our own, so that everybody answers us alone.
+std::vector<std::byte> mdns_question() {
+  std::array<std::byte, 512> buffer{};
+  dns::Writer writer(buffer, 0, 0);
+  static_cast<void>(
+      writer.question({"_stof", "_udp", "local"}, dns::Type::kPtr, dns::kInternet | dns::kTopBit));
+  const auto message = writer.message();
+  return {message.begin(), message.end()};
+}
+
+class Search {
+ public:
+  explicit Search(std::vector<sockaddr_storage> asked)
+      : asked_(std::move(asked)), question_(seal_question(std::random_device{}() | 1U)) {}
+
+  bool any_open() const { return ask4_.is_open() || ask6_.is_open() || beacons_.is_open(); }
+
+  void ask() {
+    const Interfaces interfaces = list_interfaces();
+    std::vector<in_addr> near = interfaces.broadcasts;
+    near.push_back(address4(255, 255, 255, 255));
+    near.push_back(address4(127, 0, 0, 1));
+    for (const in_addr& address : near) {
+      ask4_.send(make_address(address, kSensorPort), question_);
+    }
+    for (const sockaddr_storage& address : asked_) {
+      ask4_.send(address, question_);
+      ask6_.send(address, question_);
+    }
+    in_addr group4{};
+    std::ranges::copy(kGroup4, std::as_writable_bytes(std::span(&group4, 1)).begin());
+    in6_addr group6{};
+    group6.s6_addr[0] = 0xff;
+    group6.s6_addr[1] = 0x02;
+    group6.s6_addr[15] = 0xfb;
+    for (const unsigned interface : interfaces.multicast) {
+      mdns4_.send_by(interface, make_address(group4, kMdnsPort), mdns_question_);
+      mdns6_.send_by(interface, make_address(group6, kMdnsPort, interface), mdns_question_);
+    }
+  }
+
+  // Blocks until something has come or the time is there.
+  void wait(Clock::time_point until) const {
+    std::array<pollfd, 5> fds{};
+    std::ranges::transform(sockets_, fds.begin(), [](const AskingSocket* socket) {
+      return pollfd{.fd = socket->fd(), .events = POLLIN, .revents = 0};
+    });
+    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
+    static_cast<void>(
+        poll(fds.data(), fds.size(), static_cast<int>(std::clamp<std::int64_t>(left, 0, 1000))));
+  }
+
+  void take() {
+    // Somebody who floods us does not keep us: then it is looked at the clock.
+    constexpr int kMost = 100;
+    std::array<std::byte, 9000> space{};  // the longest of multicast DNS
+    for (const AskingSocket* socket : sockets_) {
+      for (int i = 0; i < kMost; ++i) {
+        const auto read = socket->receive(space);
+        if (!read) {
+          break;
+        }
+        take(*socket, *read);
+      }
+    }
+  }
+
+  std::vector<FoundSensor> result() const { return found_.sorted(); }
+
+ private:
+  void take(const AskingSocket& socket, const AskingSocket::Read& read) {
+    if (&socket == &mdns4_ || &socket == &mdns6_) {
+      found_.take_mdns(read.datagram, read.from);
+    } else {
+      const Way way = &socket == &beacons_ ? Way::kBeacon : Way::kDirect;
+      static_cast<void>(found_.take_packet(read.datagram, read.from, way));
+    }
+    // Who is only told of is asked: multicast DNS says nothing of health, and packets should go
+    // both ways.
+    for (const std::string& endpoint : found_.take_silent()) {
+      if (const auto address = look_up(endpoint, kSensorPort)) {
+        ask4_.send(*address, question_);
+        ask6_.send(*address, question_);
+      }
+    }
+  }
+
+  std::vector<sockaddr_storage> asked_;
+  std::vector<std::byte> question_;
+  std::vector<std::byte> mdns_question_ = mdns_question();
+  AskingSocket ask4_{AF_INET, 0};
+  AskingSocket ask6_{AF_INET6, 0};
+  AskingSocket mdns4_{AF_INET, 0};
+  AskingSocket mdns6_{AF_INET6, 0};
+  AskingSocket beacons_{AF_INET, kBeaconPort};
+  std::array<const AskingSocket*, 5> sockets_{&ask4_, &ask6_, &mdns4_, &mdns6_, &beacons_};
+  FoundSensors found_;
+};
+
+}  // namespace
+
+std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOptions& options) {
+  std::vector<sockaddr_storage> asked;
+  for (const std::string& text : options.addresses) {
+    const auto address = look_up(text, kSensorPort);
+    if (!address) {
+      return std::unexpected(DiscoverError{
+          "'" + text + "': no such host: give HOST or HOST:PORT, such as 192.168.1.20"});
+    }
+    asked.push_back(*address);
+  }
+  Search search(std::move(asked));
+  if (!search.any_open()) {
+    return std::unexpected(DiscoverError{"the system gives no UDP socket: close other programs"});
+  }
+  const Clock::time_point begin = Clock::now();
+  const Clock::time_point end = begin + options.timeout;
+  std::size_t asked_times = 0;
+  for (Clock::time_point now = begin; now < end; now = Clock::now()) {
+    if (asked_times < kAsk.size() && now >= begin + kAsk[asked_times]) {
+      search.ask();
+      ++asked_times;
+    }
+    const Clock::time_point next =
+        asked_times < kAsk.size() ? std::min(end, begin + kAsk[asked_times]) : end;
+    search.wait(next);
+    search.take();
+  }
+  return search.result();
+}
+
+}  // namespace stof::client

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <vector>
+
+#include "host/discovery/found.h"
+
+namespace stof::client {
+
+inline constexpr std::uint16_t kSensorPort = 7560;  // of requests
+inline constexpr std::uint16_t kBeaconPort = 7561;
+
+struct DiscoverOptions {
+  // A beacon comes once a second, answers within milliseconds.
+  std::chrono::milliseconds timeout{2500};
+  // HOST[:PORT], IPv6 with a port in brackets: asked beside all that are near.
+  std::vector<std::string> addresses{};
+};
+
+// One line for a person.
+struct DiscoverError {
+  std::string message;
+};
+
+// Asks for sensors by broadcast, on this machine, at the given addresses and by multicast DNS, and
+// listens to beacons, for the whole timeout. Blocks for it, and before that on a name server. The
+// error: an address that is none, or no socket at all; a network that is missing is none.
+std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOptions& options);
+
+}  // namespace stof::client

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "firmware/wire/packet.h"
+
+namespace stof::client {
+
+// How a sensor was found. An answer to a question of ours is the surest: packets go both ways.
+enum class Way : std::uint8_t { kMdns, kBeacon, kDirect };
+inline constexpr std::size_t kWays = 3;
+const char* to_string(Way way) noexcept;
+
+struct FoundSensor {
+  std::uint32_t device_id = 0;
+  std::string serial{};
+  std::string name{};
+  std::string version{};
+  std::string board{};
+  std::string address{};  // numeric, of the surest way; of link-local IPv6 with %interface
+  std::uint16_t port = 0;
+  std::array<bool, kWays> ways{};
+  // Known from beacons and answers only.
+  std::optional<wire::Health> health{};
+  std::optional<std::uint32_t> rate_mhz{};  // frames of its last second, 1/1000 Hz
+  unsigned subscribers = 0;
+  unsigned most_subscribers = 0;
+
+  // HOST:PORT, IPv6 in brackets.
+  std::string endpoint() const;
+};
+
+// What many datagrams say, each sensor once. No socket.
+class FoundSensors {
+ public:
+  // One datagram of the wire format. False: it is not an announcement of a sensor.
+  bool take_packet(std::span<const std::byte> datagram, const std::string& from, Way way);
+  // One answer of multicast DNS, any bytes.
+  void take_mdns(std::span<const std::byte> message, const std::string& from);
+
+  // Endpoints of sensors that were told of since the last call and have not answered themselves.
+  std::vector<std::string> take_silent();
+  // By serial number.
+  std::vector<FoundSensor> sorted() const;
+
+ private:
+  FoundSensor& entry(std::uint32_t device_id, const std::string& serial, std::uint16_t port);
+  void found_by(FoundSensor& sensor, const std::string& from, Way way);
+
+  std::vector<FoundSensor> sensors_;
+  std::vector<std::string> silent_;
+};
+
+}  // namespace stof::client

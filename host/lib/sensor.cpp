@@ -1,0 +1,269 @@
+#include "host/lib/sensor.h"
+
+#include <chrono>
+#include <limits>
+#include <system_error>
+#include <utility>
+
+using namespace stof;
+using lib::guarded;
+
+namespace {
+
+constexpr client::Duration kPoll = std::chrono::milliseconds(100);  // how soon a stop is seen
+
+client::ReceiverOptions receiver_options(const stof_options& options) {
+  client::ReceiverOptions out;
+  if (options.sensor != nullptr) {
+    out.sensor = options.sensor;
+  }
+  if (options.bind != nullptr) {
+    out.address = options.bind;
+  }
+  out.port = options.port != 0 ? options.port : out.port;
+  if (options.device_id != 0) {
+    out.reassembler.device_id = options.device_id;
+  }
+  constexpr std::uint32_t kMost = std::numeric_limits<int>::max();
+  if (options.socket_buffer != 0) {
+    out.socket_buffer = static_cast<int>(std::min(options.socket_buffer, kMost));
+  }
+  if (options.max_pixels != 0) {
+    out.reassembler.max_pixels = options.max_pixels;
+  }
+  return out;
+}
+
+}  // namespace
+
+void stof_sensor::share() {
+  const stof_statistics now = lib::to_statistics(receiver.statistics(), receiver.socket_buffer());
+  std::string new_advice = receiver.advice();
+  const std::scoped_lock lock(shared);
+  statistics = now;
+  advice = std::move(new_advice);
+  if (receiver.health()) {
+    health = lib::to_health(*receiver.health());
+  }
+}
+
+stof_status stof_sensor::receive(client::Duration timeout) {
+  const Result<client::Frame> frame = receiver.next(timeout);
+  share();
+  if (!frame) {
+    return lib::to_status(frame.error());
+  }
+  taken = {.frame = *frame, .points = &points};
+  return STOF_OK;
+}
+
+void stof_sensor::run() noexcept {
+  stof_status status = STOF_OK;
+  while (!stopping && (status == STOF_OK || status == STOF_TIMEOUT)) {
+    status = guarded([this] { return receive(kPoll); });
+    if (status == STOF_OK && callbacks.frame != nullptr) {
+      stof_frame frame = lib::to_frame(taken);
+      frame.struct_size = sizeof frame;
+      callbacks.frame(callbacks.user, &frame);
+    }
+    while (const auto event = receiver.take_event()) {
+      stof_event told = lib::to_event(*event);
+      told.struct_size = sizeof told;
+      if (callbacks.event != nullptr) {
+        callbacks.event(callbacks.user, &told);
+      }
+    }
+    const auto& report = receiver.health();
+    if (report && report->uptime_ms != told_health_ms && callbacks.health != nullptr) {
+      told_health_ms = report->uptime_ms;
+      stof_health told = lib::to_health(*report);
+      told.struct_size = sizeof told;
+      callbacks.health(callbacks.user, &told);
+    }
+  }
+  if (!stopping && callbacks.failed != nullptr) {
+    callbacks.failed(callbacks.user, status);
+  }
+}
+
+extern "C" {
+
+stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* why,
+                      size_t why_size) {
+  const auto known = lib::read(options);
+  lib::give_text("", why, why_size);
+  if (sensor == nullptr || !known) {
+    lib::give_text("stof_open: no options, or without struct_size: use STOF_INIT(stof_options)",
+                   why, why_size);
+    return STOF_BAD_ARGUMENT;
+  }
+  *sensor = nullptr;
+  return guarded([&] {
+    const client::ReceiverOptions wanted = receiver_options(*known);
+    auto receiver = client::Receiver::open(wanted);
+    if (!receiver) {
+      lib::give_text(receiver.error().message, why, why_size);
+      return lib::to_status(receiver.error().status);
+    }
+    auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor);
+    opened->share();
+    *sensor = opened.release();
+    return STOF_OK;
+  });
+}
+
+void stof_close(stof_sensor* sensor) {
+  if (sensor != nullptr && stof_stop(sensor) == STOF_OK) {
+    delete sensor;
+  }
+}
+
+stof_status stof_next(stof_sensor* sensor, int timeout_ms, stof_frame* frame) {
+  if (sensor == nullptr || frame == nullptr || frame->struct_size < sizeof frame->struct_size) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->running) {
+    return STOF_BUSY;
+  }
+  return guarded([&] {
+    const stof_status status = sensor->receive(std::chrono::milliseconds(std::max(timeout_ms, 0)));
+    if (status == STOF_OK) {
+      static_cast<void>(lib::give(frame, lib::to_frame(sensor->taken)));
+    }
+    return status;
+  });
+}
+
+int stof_fd(const stof_sensor* sensor) { return sensor == nullptr ? -1 : sensor->receiver.fd(); }
+
+int stof_due_ms(const stof_sensor* sensor) {
+  constexpr int kSoon = 1000;
+  if (sensor == nullptr || sensor->running) {
+    return kSoon;
+  }
+  const auto due = sensor->receiver.next_due();
+  if (!due) {
+    return kSoon;
+  }
+  // Compared before they are subtracted: the past may be very long ago.
+  const client::Time now = client::Time::clock::now();
+  if (*due <= now) {
+    return 0;
+  }
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(
+      std::min<client::Duration>(*due - now, std::chrono::milliseconds(kSoon)));
+  return static_cast<int>(left.count());
+}
+
+stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capacity,
+                        size_t* count) {
+  if (frame == nullptr || frame->struct_size < sizeof *frame || frame->self == nullptr ||
+      count == nullptr || (points == nullptr && capacity != 0)) {
+    return STOF_BAD_ARGUMENT;
+  }
+  return guarded([&] {
+    const auto& taken = *static_cast<const lib::Taken*>(frame->self);
+    *count = 0;
+    if (taken.frame.depth.empty()) {
+      client::cloud_points(taken.frame, *taken.points);
+    } else if (const Status made = client::point_cloud(taken.frame, *taken.points);
+               made != Status::kOk) {
+      return made == Status::kUnsupported ? STOF_NOT_YET : lib::to_status(made);
+    }
+    *count = taken.points->size();
+    for (std::size_t i = 0; i < std::min(*count, capacity); ++i) {
+      const client::Point& point = (*taken.points)[i];
+      points[i] = {.x = point.x,
+                   .y = point.y,
+                   .z = point.z,
+                   .z_width = point.z_width,
+                   .source = static_cast<std::uint32_t>(point.source)};
+    }
+    return *count > capacity ? STOF_TOO_SMALL : STOF_OK;
+  });
+}
+
+stof_status stof_get_health(stof_sensor* sensor, stof_health* health) {
+  if (sensor == nullptr) {
+    return STOF_BAD_ARGUMENT;
+  }
+  const std::scoped_lock lock(sensor->shared);
+  if (!sensor->health) {
+    return STOF_NOT_YET;
+  }
+  return lib::give(health, *sensor->health) ? STOF_OK : STOF_BAD_ARGUMENT;
+}
+
+stof_status stof_next_event(stof_sensor* sensor, stof_event* event) {
+  if (sensor == nullptr || event == nullptr || event->struct_size < sizeof event->struct_size) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->running) {
+    return STOF_BUSY;
+  }
+  return guarded([&] {
+    const auto report = sensor->receiver.take_event();
+    if (!report) {
+      return STOF_TIMEOUT;
+    }
+    static_cast<void>(lib::give(event, lib::to_event(*report)));
+    return STOF_OK;
+  });
+}
+
+stof_status stof_start(stof_sensor* sensor, const stof_callbacks* callbacks) {
+  const auto known = lib::read(callbacks);
+  if (sensor == nullptr || !known) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->running) {
+    return STOF_BUSY;
+  }
+  return guarded([&] {
+    sensor->callbacks = *known;
+    sensor->stopping = false;
+    sensor->running = true;
+    try {
+      sensor->thread = std::thread([sensor] { sensor->run(); });
+    } catch (const std::system_error&) {
+      sensor->running = false;
+      return STOF_INTERNAL;
+    }
+    return STOF_OK;
+  });
+}
+
+stof_status stof_stop(stof_sensor* sensor) {
+  if (sensor == nullptr) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->running) {
+    if (sensor->thread.get_id() == std::this_thread::get_id()) {
+      return STOF_BUSY;
+    }
+    sensor->stopping = true;
+    sensor->thread.join();
+    sensor->running = false;
+  }
+  return STOF_OK;
+}
+
+stof_status stof_get_statistics(stof_sensor* sensor, stof_statistics* statistics) {
+  if (sensor == nullptr) {
+    return STOF_BAD_ARGUMENT;
+  }
+  const std::scoped_lock lock(sensor->shared);
+  return lib::give(statistics, sensor->statistics) ? STOF_OK : STOF_BAD_ARGUMENT;
+}
+
+size_t stof_advice(stof_sensor* sensor, char* text, size_t size) {
+  if (sensor == nullptr) {
+    lib::give_text("", text, size);
+    return 0;
+  }
+  const std::scoped_lock lock(sensor->shared);
+  lib::give_text(sensor->advice, text, size);
+  return sensor->advice.size();
+}
+
+}  // extern "C"

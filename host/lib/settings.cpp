@@ -1,0 +1,78 @@
+#include "host/lib/sensor.h"
+
+using namespace stof;
+
+namespace {
+
+stof_status status_of(const client::ControlAnswer& answer) noexcept {
+  switch (answer.result) {
+    case wire::SettingsResult::kOk:
+      return STOF_OK;
+    case wire::SettingsResult::kUnsupported:
+      return STOF_UNSUPPORTED;
+    default:
+      return STOF_REFUSED;
+  }
+}
+
+stof_status status_of(Status status) noexcept {
+  switch (status) {
+    case Status::kTooLarge:
+      return STOF_BAD_ARGUMENT;  // the text
+    case Status::kTimeout:
+      return STOF_UNREACHABLE;
+    default:
+      return lib::to_status(status);
+  }
+}
+
+}  // namespace
+
+extern "C" {
+
+stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_document document,
+                          const char* in, char* out, size_t out_size, stof_answer* answer) {
+  lib::give_text("", out, out_size);
+  if (sensor == nullptr || (answer != nullptr && answer->struct_size < sizeof(std::uint32_t))) {
+    return STOF_BAD_ARGUMENT;
+  }
+  if (sensor->sensor.empty()) {
+    lib::give_text("stof_settings: name the sensor in stof_options::sensor", out, out_size);
+    return STOF_UNSUPPORTED;
+  }
+  return lib::guarded([&] {
+    const std::scoped_lock lock(sensor->control_mutex);
+    if (!sensor->control) {
+      auto opened = client::ControlClient::open(sensor->sensor);
+      if (!opened) {
+        lib::give_text(opened.error().message, out, out_size);
+        return lib::to_status(opened.error().status);
+      }
+      sensor->control = std::make_unique<client::ControlClient>(std::move(*opened));
+    }
+    // What arrives may have values without a name here, so may what leaves.
+    const auto got = sensor->control->request(static_cast<wire::SettingsOperation>(operation),
+                                              static_cast<wire::SettingsDocument>(document),
+                                              in == nullptr ? std::string_view{} : in);
+    if (!got) {
+      lib::give_text(got.error().message, out, out_size);
+      if (got.error().status == Status::kDeviceLost) {
+        sensor->control.reset();
+      }
+      return status_of(got.error().status);
+    }
+    lib::give_text(got->text, out, out_size);
+    if (answer != nullptr) {
+      stof_answer told{};
+      told.revision = got->revision;
+      told.restart = got->restart ? 1 : 0;
+      told.text_length = got->text.size();
+      static_cast<void>(lib::give(answer, told));
+    }
+    const stof_status status = status_of(*got);
+    const bool cut = operation == STOF_GET && got->text.size() >= out_size;
+    return status == STOF_OK && cut ? STOF_TOO_SMALL : status;
+  });
+}
+
+}  // extern "C"

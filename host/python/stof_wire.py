@@ -1,0 +1,806 @@
+"""The wire of a stof sensor: packets to objects and back. Plain Python 3, nothing to install.
+
+header, payload = parse(datagram)        # raises Refused, whose text is the cause
+message = MESSAGES[header.type].unpack(payload)  # types that have a message; raises Refused
+datagram = seal(Header(type=PacketType.DISCOVER), Discover(request_id=1).pack())
+
+The bytes are those of docs/WIRE.md. Numbers of the enumerations may be unknown: of a newer sensor.
+
+Made by scripts/wire_table.py of firmware/wire/messages.json: change that.
+"""
+
+import dataclasses
+import enum
+import struct
+import typing
+
+MAX_DATAGRAM = 1232
+CRC_BYTES = 4
+
+
+class Refused(Exception):
+    """Bytes that are not what they should be; the text is the cause."""
+
+
+class PacketType(enum.IntEnum):
+    TILE = 1  # part of a frame: a run of pixels of one stream
+    FRAME_INFO = 2  # part of a frame: its index 0
+    CALIBRATION = 64  # once a second, with the number of the frame it was sent beside; index 0 of 1
+    HEALTH = 65  # once a second and on change, also without frames; index 0 of 1
+    PARITY = 66  # of a frame: its index counts groups; see "Parity"
+    # a condition that began or ended, when it did and once more a second later; index 0 of 1
+    EVENT = 67
+    ANNOUNCE = 68  # who and where the sensor is; answers a discover, and the beacon
+    SECTORS = 69  # nearest obstacle by direction; on serial lines; index 0 of 1
+    SUBSCRIBE = 128  # to the sensor: send me the streams, and go on for a lease
+    SUBSCRIBED = 129  # answer to subscribe and unsubscribe
+    UNSUBSCRIBE = 130  # to the sensor: stop
+    SETTINGS_REQUEST = 132  # to the sensor: read or change settings
+    SETTINGS_ANSWER = 133  # answer to it
+    DISCOVER = 134  # to the sensor, also by broadcast: who are you
+
+
+class Stream(enum.IntEnum):
+    NONE = 0  # outside tiles
+    DEPTH = 1  # u16, quarter millimetres, Z in the rectified left camera; 0 = none
+    # u16, quarter millimetres, of the interval: the truth lies in depth - width / 2 .. depth +
+    # width / 2 (95 percent); 0 where depth is none. A quarter of it is the standard deviation
+    WIDTH = 2
+    # u8: where the depth comes from (bits 0 to 3, see "Sources") and why it was resolved or is
+    # missing (bits 4 to 7, see "Causes")
+    SOURCE = 3
+    # u16: 32768 + disparity in 1/16 px of the rectified left picture, stereo alone; 0 = none
+    DISPARITY = 4
+    # u16: the four samples of the PMD camera as they came, A0 to A3 below each other (reference
+    # phase 0, 90, 180, 270 degrees): PMD width x 4 PMD height
+    PMD_RAW = 5
+    GREY_LEFT = 6  # u8: the left picture, rectified where the sensor rectifies
+    GREY_RIGHT = 7  # u8: the right picture, likewise
+    # one point for each block of step x step pixels: of its pixels with a depth the one whose near
+    # bound (depth - width / 2) is nearest
+    CLOUD = 8
+
+
+class Codec(enum.IntEnum):
+    NONE = 0  # outside tiles
+    RAW16 = 1  # two bytes a pixel
+    RAW8 = 2  # one byte a pixel
+    RVL16 = 3  # RVL of values of 16 bits, begun anew in each packet; see "RVL"
+    RVL8 = 4  # RVL of values of 8 bits
+    # 8 bytes a point: x and y (i16, mm), depth and width (u16, quarter millimetres); depth 0 = no
+    # point
+    POINTS = 5
+
+
+class Health(enum.IntEnum):
+    OK = 0  # good
+    DEGRADED = 1  # a minor or major condition is active
+    FAULT = 2  # a critical condition is active
+
+
+class ClockState(enum.IntEnum):
+    MONOTONIC = 0  # nanoseconds of the sensor's own clock, synchronised with nothing
+    EMULATED = 1  # an emulated rig's own time
+
+
+class Severity(enum.IntEnum):
+    INFO = 0  # nothing to do
+    MINOR = 1  # the data are good, something wants attention
+    MAJOR = 2  # the data are incomplete or less sure than usual; may heal by itself
+    CRITICAL = 3  # there are no data; may heal by itself
+
+
+class Reaction(enum.IntEnum):
+    NONE = 0  # go on
+    WATCH = 1  # go on, tell whoever maintains the robot
+    SLOW = 2  # slow down: rely on what arrives, but expect gaps
+    STOP = 3  # bring the robot to a safe stop: the sensor sees nothing
+
+
+class SubscribeResult(enum.IntEnum):
+    OK = 0  # the streams come, for the lease
+    COOKIE = 1  # repeat the request with this cookie
+    FULL = 2  # as many subscribers as the sensor takes: try again when one has left
+    ENDED = 3  # the subscription is over
+
+
+class SettingsOperation(enum.IntEnum):
+    GET = 0  # read a document, from `offset` on
+    # the text is a JSON object: changes those fields of the active settings, and nothing if one of
+    # them is refused
+    SET = 1
+    # the same to the staged settings, which are the active ones until something is staged
+    STAGE = 2
+    COMMIT = 3  # the staged settings become the active ones and are saved
+    REVERT = 4  # what is staged is forgotten
+    PRESET = 5  # the text is a preset's name: as set, with its fields
+    SAVE = 6  # the active settings are those of the next start
+    RESET = 7  # as set, with every field's default
+
+
+class SettingsDocument(enum.IntEnum):
+    ACTIVE = 0  # what the sensor runs with
+    STAGED = 1  # what commit would make active
+    SAVED = 2  # what the next start would use
+    DEFAULTS = 3  # what it would run with without any file
+    SCHEMA = 4  # the JSON Schema of all of these
+
+
+class SettingsResult(enum.IntEnum):
+    OK = 0  # done; of get: the text is a part of the document
+    COOKIE = 1  # repeat the request with this cookie
+    INVALID = 2  # refused, nothing changed; the text says which field and what it takes
+    NOT_SAVED = 3  # active, but could not be saved; the text says why
+    UNSUPPORTED = 4  # an operation or document this sensor does not know
+    BUSY = 5  # another request is being served: repeat
+
+
+class Condition(enum.IntEnum):
+    """What can be wrong with a sensor: values in events, bits in health."""
+
+    NO_FRAMES = 0  # several edges in a row without a frame; value: edges so far
+    TRIGGER_LOST = 1  # the trigger line is gone; value: 0
+    STEREO_LOST = 2  # a stereo camera is gone; value: 0
+    PMD_LOST = 3  # the PMD camera is gone; value: 0
+    LATE = 4  # the computer is too slow: periods were skipped; value: periods skipped
+    LINK_LOST = 5  # the network port failed; value: 0
+    UNREACHABLE = 6  # datagrams do not leave: nobody can be reached; value: 0
+    # the network does not take all datagrams: send less, or raise the port's buffer; value:
+    # datagrams dropped in this second
+    LINK_FULL = 7
+    # the rig has drifted from its calibration: calibrate it anew; value: bit k: drift k is
+    # significant
+    DRIFT = 8
+    SERIAL_LOST = 9  # the serial port failed; value: 0
+    # the serial line is too slow for its profile and rate; value: frames dropped in this second
+    SERIAL_FULL = 10
+    SETTINGS_UNSAVED = 11  # the settings could not be saved; value: 0
+    RESTART_NEEDED = 12  # some settings wait for the next start; value: 0
+    FLOODED = 13  # more than 1,000 refused requests in a second; value: refused in this second
+
+
+class ConditionInfo(typing.NamedTuple):
+    """What a condition means."""
+
+    text: str
+    severity: Severity
+    reaction: Reaction  # of the robot while it is active
+
+
+CONDITIONS = {
+    Condition.NO_FRAMES: ConditionInfo(
+        "several edges in a row without a frame",
+        Severity.CRITICAL, Reaction.STOP),
+    Condition.TRIGGER_LOST: ConditionInfo(
+        "the trigger line is gone",
+        Severity.CRITICAL, Reaction.STOP),
+    Condition.STEREO_LOST: ConditionInfo(
+        "a stereo camera is gone",
+        Severity.CRITICAL, Reaction.STOP),
+    Condition.PMD_LOST: ConditionInfo(
+        "the PMD camera is gone",
+        Severity.CRITICAL, Reaction.STOP),
+    Condition.LATE: ConditionInfo(
+        "the computer is too slow: periods were skipped",
+        Severity.MAJOR, Reaction.SLOW),
+    Condition.LINK_LOST: ConditionInfo(
+        "the network port failed",
+        Severity.MAJOR, Reaction.NONE),
+    Condition.UNREACHABLE: ConditionInfo(
+        "datagrams do not leave: nobody can be reached",
+        Severity.MINOR, Reaction.NONE),
+    Condition.LINK_FULL: ConditionInfo(
+        "the network does not take all datagrams: send less, or raise the port's buffer",
+        Severity.MAJOR, Reaction.SLOW),
+    Condition.DRIFT: ConditionInfo(
+        "the rig has drifted from its calibration: calibrate it anew",
+        Severity.MAJOR, Reaction.WATCH),
+    Condition.SERIAL_LOST: ConditionInfo(
+        "the serial port failed",
+        Severity.MAJOR, Reaction.NONE),
+    Condition.SERIAL_FULL: ConditionInfo(
+        "the serial line is too slow for its profile and rate",
+        Severity.MINOR, Reaction.NONE),
+    Condition.SETTINGS_UNSAVED: ConditionInfo(
+        "the settings could not be saved",
+        Severity.MINOR, Reaction.WATCH),
+    Condition.RESTART_NEEDED: ConditionInfo(
+        "some settings wait for the next start",
+        Severity.INFO, Reaction.NONE),
+    Condition.FLOODED: ConditionInfo(
+        "more than 1,000 refused requests in a second",
+        Severity.MINOR, Reaction.WATCH),
+}
+
+
+class Layout:
+    """Fields one after the other, without gaps. LAYOUT: (name, code of struct, or class, count)."""
+
+    LAYOUT: typing.ClassVar[tuple] = ()
+
+    @classmethod
+    def size(cls):
+        """Bytes."""
+        return sum(count * (struct.calcsize("<" + kind) if isinstance(kind, str) else kind.size())
+                   for _, kind, count in cls.LAYOUT)
+
+    @classmethod
+    def unpack(cls, data, at=0):
+        """From the bytes that begin at `at`; what follows them is ignored. Raises Refused."""
+        if len(data) - at < cls.size():
+            raise Refused("truncated")
+        found = {}
+        for name, kind, count in cls.LAYOUT:
+            values = []
+            for _ in range(count):
+                if isinstance(kind, str):
+                    values += struct.unpack_from("<" + kind, data, at)
+                    at += struct.calcsize("<" + kind)
+                else:
+                    values.append(kind.unpack(data, at))
+                    at += kind.size()
+            if name:
+                found[name] = cls._value(name, values)
+        return cls(**found)
+
+    @classmethod
+    def _value(cls, name, values):
+        kind = cls.__dataclass_fields__[name].type
+        if kind is str:
+            return bytes(values).split(b"\0")[0].decode("utf-8", "replace")
+        return tuple(values) if kind is tuple else values[0]
+
+    def pack(self):
+        """Bytes. Raises struct.error where a number does not fit its field."""
+        out = bytearray()
+        for name, kind, count in self.LAYOUT:
+            value = getattr(self, name) if name else None
+            if kind == "x":
+                out += bytes(count)
+            elif isinstance(value, str):
+                out += value.encode()[:count].ljust(count, b"\0")
+            else:
+                values = value if isinstance(value, tuple) else (value,)
+                if len(values) != count:
+                    raise struct.error(f"{name}: takes {count} values, not {len(values)}")
+                for one in values:
+                    out += struct.pack("<" + kind, one) if isinstance(kind, str) else one.pack()
+        return bytes(out)
+
+
+@dataclasses.dataclass
+class Origin(Layout):
+    device_id: int = 0  # of the sensor; in requests the one that is meant, 0: any
+    session_id: int = 0  # random, another one at each start of the sender; in requests ignored
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("device_id", "I", 1),
+        ("session_id", "I", 1),
+    )
+
+
+@dataclasses.dataclass
+class LoopCounters(Layout):
+    edges: int = 0  # trigger edges since the sender's start, as all counters that follow
+    frames_published: int = 0  # frames published
+    mispaired: int = 0  # exposures that did not belong to one edge, not published
+    timeouts: int = 0  # of cameras
+    deadline_misses: int = 0  # periods skipped and frames too old to publish
+    link_drops: int = 0  # datagrams that the link did not take
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("edges", "Q", 1),
+        ("frames_published", "Q", 1),
+        ("mispaired", "Q", 1),
+        ("timeouts", "Q", 1),
+        ("deadline_misses", "Q", 1),
+        ("link_drops", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class DriftReading(Layout):
+    value: int = 0  # see "Drift" for the unit
+    sigma: int = 2147483647  # standard deviation; 2^31 - 1: unknown
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("value", "i", 1),
+        ("sigma", "i", 1),
+    )
+
+
+@dataclasses.dataclass
+class ControlCounters(Layout):
+    accepted: int = 0  # requests that were served, since the sender's start, as all that follow
+    truncated: int = 0  # refused: cut short
+    bad_magic: int = 0  # refused: not a packet of ours
+    bad_version: int = 0  # refused: of another version
+    bad_length: int = 0  # refused: longer than it says
+    bad_crc: int = 0  # refused: damaged
+    bad_field: int = 0  # refused: contradicts itself
+    not_control: int = 0  # refused: of a type that a sensor does not take
+    foreign: int = 0  # refused: for another device
+    # refused: shorter than its answer could be, from a source that was not validated
+    too_short: int = 0
+    cookies: int = 0  # answered with a cookie only: the source was not validated
+    busy: int = 0  # refused: more requests at once than the sensor queues
+    overrun: int = 0  # lost before they were read: the socket's buffer was full
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("accepted", "Q", 1),
+        ("truncated", "Q", 1),
+        ("bad_magic", "Q", 1),
+        ("bad_version", "Q", 1),
+        ("bad_length", "Q", 1),
+        ("bad_crc", "Q", 1),
+        ("bad_field", "Q", 1),
+        ("not_control", "Q", 1),
+        ("foreign", "Q", 1),
+        ("too_short", "Q", 1),
+        ("cookies", "Q", 1),
+        ("busy", "Q", 1),
+        ("overrun", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class Header(Layout):
+    """Of every packet, before its payload."""
+
+    magic: int = 0x464f5453  # `53 54 4f 46`, "STOF"
+    version: int = 1  # 1. A receiver refuses every other value
+    type: int = 0  # PacketType: see "Types"
+    # H, offset of the payload: 52 in this version. A larger one is legal: skip what lies between 52
+    # and H
+    header_length: int = 52
+    flags: int = 0  # none defined: sent as 0, ignored
+    origin: Origin = dataclasses.field(default_factory=Origin)
+    stream: int = 0  # Stream: see "Streams"; 0 outside tiles
+    codec: int = 0  # Codec: see "Streams"; 0 outside tiles
+    health: int = 0  # Health: summary of the sensor: 0 good, 1 degraded, 2 fault
+    # ClockState: what times count from: 0 the sensor's own monotonic clock, synchronised with
+    # nothing; 1 the time of an emulated rig
+    clock: int = 0
+    number: int = 0  # of the frame: advances by one with each frame sent, wraps from 2^32 - 1 to 0
+    exposure_middle_ns: int = 0  # ns: middle of the exposure of the stereo pair
+    freshness: int = 0  # see "Freshness"
+    index: int = 0  # of the packet, from 0, below the count
+    count: int = 1  # packets of the frame, at least 1
+    # pixels, of the whole image of the stream; outside tiles of the depth image
+    image_width: int = 0
+    image_height: int = 0  # rows, likewise
+    first_row: int = 0  # of a tile; 0 in other types, as the next two
+    first_column: int = 0  # of a tile
+    pixel_count: int = 0  # of a tile
+    payload_length: int = 0  # P
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("magic", "I", 1),
+        ("version", "B", 1),
+        ("type", "B", 1),
+        ("header_length", "B", 1),
+        ("flags", "B", 1),
+        ("origin", Origin, 1),
+        ("stream", "B", 1),
+        ("codec", "B", 1),
+        ("health", "B", 1),
+        ("clock", "B", 1),
+        ("number", "I", 1),
+        ("exposure_middle_ns", "q", 1),
+        ("freshness", "I", 1),
+        ("index", "H", 1),
+        ("count", "H", 1),
+        ("image_width", "H", 1),
+        ("image_height", "H", 1),
+        ("first_row", "H", 1),
+        ("first_column", "H", 1),
+        ("pixel_count", "H", 1),
+        ("payload_length", "H", 1),
+    )
+
+
+@dataclasses.dataclass
+class FrameInfo(Layout):
+    """Type 2, one a frame."""
+
+    exposure_begin_ns: int = 0  # begin of the stereo exposure, ns, same clock as the header
+    exposure_end_ns: int = 0  # end of it
+    # age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0
+    # without
+    pmd_age_ns: int = 0
+    compute_ns: int = 0  # what the frame took to compute, ns
+    latency_ns: int = 0  # from the exposure middle to the sending of this packet, ns
+    # pixels by source: none, stereo, PMD, both, resolved, conflict
+    pixels_by_source: tuple = (0,) * 6
+    counters: LoopCounters = dataclasses.field(default_factory=LoopCounters)
+    pixels_by_cause: tuple = (0,) * 6  # pixels by cause, as in "Causes"
+    drifts: tuple = (DriftReading(),) * 5  # drift of the rig from its calibration, see "Drift"
+    drift_patches: int = 0  # patches of the picture that the drifts are known from
+    drift_significant: int = 0  # bit k: drift k is significant; calibrate the rig anew
+    tiles: tuple = (0,) * 8  # tiles of streams 1 to 8 in this frame; 0 = not sent
+    pmd_present: int = 0  # 1: PMD data took part in this frame, 0: not
+    parity_groups: int = 0  # packets of parity that go with this frame, modulo 256; 0: none
+    cloud_step: int = 0  # side of a cloud's block, px; 0: no cloud
+    # of the settings this frame was made with: advances with every change
+    settings_revision: int = 0
+    # what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (with
+    # pacing)
+    stage_us: tuple = (0,) * 6
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("exposure_begin_ns", "q", 1),
+        ("exposure_end_ns", "q", 1),
+        ("pmd_age_ns", "q", 1),
+        ("compute_ns", "q", 1),
+        ("latency_ns", "q", 1),
+        ("pixels_by_source", "I", 6),
+        ("counters", LoopCounters, 1),
+        ("pixels_by_cause", "I", 6),
+        ("drifts", DriftReading, 5),
+        ("drift_patches", "I", 1),
+        ("drift_significant", "I", 1),
+        ("tiles", "H", 8),
+        ("pmd_present", "B", 1),
+        ("parity_groups", "B", 1),
+        ("cloud_step", "B", 1),
+        ("", "x", 1),
+        ("settings_revision", "I", 1),
+        ("stage_us", "I", 6),
+    )
+
+
+@dataclasses.dataclass
+class CalibrationPacket(Layout):
+    """Type 64, with the first frame and then once a second."""
+
+    image_width: int = 0  # pixels
+    image_height: int = 0  # rows
+    pmd_width: int = 0  # pixels; 0: no PMD camera
+    pmd_height: int = 0  # rows
+    fx: int = 0  # 1/65536 px, of the rectified left camera, in which depth is Z
+    fy: int = 0  # 1/65536 px
+    cx: int = 0  # 1/65536 px
+    cy: int = 0  # 1/65536 px
+    doff: int = 0  # 1/65536 px: cx of the right camera less that of the left
+    depth_unit_um: int = 250  # of one step of depth and width, micrometres
+    max_range: int = 0  # maximal range, depth units
+    modulation_hz: int = 0  # PMD modulation frequency, Hz
+    baseline_nm: int = 0  # nm
+    period_ns: int = 0  # of the trigger, ns
+    rotation: tuple = (0,) * 9  # R, row by row, 2^-30
+    translation_nm: tuple = (0,) * 3  # T, nm
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("image_width", "H", 1),
+        ("image_height", "H", 1),
+        ("pmd_width", "H", 1),
+        ("pmd_height", "H", 1),
+        ("fx", "i", 1),
+        ("fy", "i", 1),
+        ("cx", "i", 1),
+        ("cy", "i", 1),
+        ("doff", "i", 1),
+        ("depth_unit_um", "I", 1),
+        ("max_range", "I", 1),
+        ("modulation_hz", "I", 1),
+        ("baseline_nm", "q", 1),
+        ("period_ns", "q", 1),
+        ("rotation", "i", 9),
+        ("", "x", 4),
+        ("translation_nm", "q", 3),
+    )
+
+
+@dataclasses.dataclass
+class HealthReport(Layout):
+    """Type 65, once a second and on change, also while there are no frames."""
+
+    uptime_ms: int = 0  # since the sender's start, ms
+    active: int = 0  # bit k: condition k of "Events" is active
+    severity: int = 0  # Severity: the highest of them
+    reaction: int = 0  # Reaction: what the robot should do
+    subscribers: int = 0  # that the streams go to now
+    rate_mhz: int = 0  # frames of the last second, 1/1000 Hz
+    # mean of the last second: exposure middle to the sending of the last packet, us
+    latency_us: int = 0
+    longest_latency_us: int = 0  # longest of the last second, us
+    settings_revision: int = 0  # as in the frame info
+    counters: LoopCounters = dataclasses.field(default_factory=LoopCounters)
+    packets_sent: int = 0  # datagrams to all subscribers
+    control: ControlCounters = dataclasses.field(default_factory=ControlCounters)
+    serial_sent: int = 0  # frames and messages on the serial line
+    serial_dropped: int = 0  # of these, not sent: the line was busy
+    serial_refused: int = 0  # frames and messages from the serial line that were damaged or unknown
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("uptime_ms", "Q", 1),
+        ("active", "I", 1),
+        ("severity", "B", 1),
+        ("reaction", "B", 1),
+        ("subscribers", "B", 1),
+        ("", "x", 1),
+        ("rate_mhz", "I", 1),
+        ("latency_us", "I", 1),
+        ("longest_latency_us", "I", 1),
+        ("settings_revision", "I", 1),
+        ("counters", LoopCounters, 1),
+        ("packets_sent", "Q", 1),
+        ("control", ControlCounters, 1),
+        ("serial_sent", "Q", 1),
+        ("serial_dropped", "Q", 1),
+        ("serial_refused", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class EventReport(Layout):
+    """Type 67."""
+
+    sequence: int = 0  # advances with each change; the repetition has the same
+    condition: int = 0  # Condition: see "Events"
+    severity: int = 0  # Severity: of it
+    reaction: int = 0  # Reaction: what the robot should do while it is active
+    active: int = 0  # 1: it began, 0: it ended
+    count: int = 0  # how often it has begun since the sender's start
+    value: int = 0  # depends on the condition
+    at_ns: int = 0  # when, ns, clock of the header
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("sequence", "I", 1),
+        ("condition", "B", 1),
+        ("severity", "B", 1),
+        ("reaction", "B", 1),
+        ("active", "B", 1),
+        ("count", "I", 1),
+        ("value", "I", 1),
+        ("at_ns", "q", 1),
+    )
+
+
+@dataclasses.dataclass
+class ParityFields(Layout):
+    """Type 66. After these fields the exclusive or of the payloads of the group, each filled up with
+    0 to the longest."""
+
+    count: int = 0  # packets of the frame, as in the headers of its parts
+    type: int = 0  # exclusive or over the group's packets, as all that follow: type
+    flags: int = 0  # flags
+    stream: int = 0  # stream
+    codec: int = 0  # codec
+    image_width: int = 0  # image width
+    image_height: int = 0  # image height
+    first_row: int = 0  # first row
+    first_column: int = 0  # first column
+    pixel_count: int = 0  # pixel count
+    payload_length: int = 0  # payload length
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("count", "H", 1),
+        ("type", "B", 1),
+        ("flags", "B", 1),
+        ("stream", "B", 1),
+        ("codec", "B", 1),
+        ("image_width", "H", 1),
+        ("image_height", "H", 1),
+        ("first_row", "H", 1),
+        ("first_column", "H", 1),
+        ("pixel_count", "H", 1),
+        ("payload_length", "H", 1),
+    )
+
+
+@dataclasses.dataclass
+class Announce(Layout):
+    """Type 68."""
+
+    request_id: int = 0  # of the discover that it answers; 0 in the beacon
+    port: int = 0  # UDP port of the sensor for requests
+    subscribers: int = 0  # now
+    most_subscribers: int = 0  # that it takes
+    serial: str = ""  # serial number, UTF-8, filled up with 0, as all texts
+    name: str = ""  # given by whoever owns it
+    version: str = ""  # of its software
+    board: str = ""  # what it is
+    uptime_ms: int = 0  # since its start, ms
+    image_width: int = 0  # of its depth, pixels
+    image_height: int = 0  # rows
+    rate_mhz: int = 0  # frames of the last second, 1/1000 Hz
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("port", "H", 1),
+        ("subscribers", "B", 1),
+        ("most_subscribers", "B", 1),
+        ("serial", "B", 16),
+        ("name", "B", 32),
+        ("version", "B", 16),
+        ("board", "B", 16),
+        ("uptime_ms", "Q", 1),
+        ("image_width", "H", 1),
+        ("image_height", "H", 1),
+        ("rate_mhz", "I", 1),
+        ("", "x", 24),
+    )
+
+
+@dataclasses.dataclass
+class SectorReport(Layout):
+    """Type 69: the nearest obstacle in each of 72 directions, by its near bound."""
+
+    # direction of the middle of the first sector, millionths of a degree, clockwise from straight
+    # ahead
+    first_udeg: int = 0
+    step_udeg: int = 0  # from one sector to the next
+    least_cm: int = 0  # nearest distance that can be told
+    most_cm: int = 0  # furthest
+    # horizontal distance from the camera, rounded towards it; 65535: unknown
+    distances_cm: tuple = (0,) * 72
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("first_udeg", "i", 1),
+        ("step_udeg", "I", 1),
+        ("least_cm", "H", 1),
+        ("most_cm", "H", 1),
+        ("distances_cm", "H", 72),
+    )
+
+
+@dataclasses.dataclass
+class Subscribe(Layout):
+    """Types 128 and 130, to the sensor."""
+
+    request_id: int = 0  # any number, comes back in the answer
+    # how long to send without hearing from us; the sensor takes 500 to 10,000, 0: 3,000
+    lease_ms: int = 0
+    cookie: int = 0  # of an answer; 0: none yet
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("lease_ms", "H", 1),
+        ("", "x", 2),
+        ("cookie", "Q", 1),
+        ("", "x", 16),
+    )
+
+
+@dataclasses.dataclass
+class Subscribed(Layout):
+    """Type 129."""
+
+    request_id: int = 0  # of the request
+    result: int = 0  # SubscribeResult: see below
+    subscribers: int = 0  # now
+    lease_ms: int = 0  # granted; ask again before it is over, best after a third of it
+    cookie: int = 0  # for the next request
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("result", "B", 1),
+        ("subscribers", "B", 1),
+        ("lease_ms", "H", 1),
+        ("cookie", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class SettingsRequest(Layout):
+    """Type 132. The text follows, up to the end of the payload, at most 1,024 bytes."""
+
+    request_id: int = 0  # any number, comes back in the answer
+    operation: int = 0  # SettingsOperation: see "Settings"
+    document: int = 0  # SettingsDocument: of get
+    offset: int = 0  # of get: where the answer's text begins in the document, bytes
+    cookie: int = 0  # of an answer; 0: none yet. Not looked at on serial lines
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("operation", "B", 1),
+        ("document", "B", 1),
+        ("offset", "H", 1),
+        ("cookie", "Q", 1),
+        ("", "x", 8),
+    )
+
+
+@dataclasses.dataclass
+class SettingsAnswer(Layout):
+    """Type 133. The text follows, up to the end of the payload."""
+
+    request_id: int = 0  # of the request
+    result: int = 0  # SettingsResult: see "Settings"
+    restart: int = 0  # 1: some of the active settings wait for the next start
+    total: int = 0  # of get: length of the document, bytes
+    revision: int = 0  # of the active settings: advances with every change
+    cookie: int = 0  # for the next request
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("result", "B", 1),
+        ("restart", "B", 1),
+        ("total", "H", 1),
+        ("revision", "I", 1),
+        ("", "x", 4),
+        ("cookie", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class Discover(Layout):
+    """Type 134, to the sensor, also by broadcast."""
+
+    request_id: int = 0  # any number but 0, comes back in the answer
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("", "x", 124),
+    )
+
+
+# The payload of each type that is one message; what follows it is text or data.
+MESSAGES = {
+    PacketType.FRAME_INFO: FrameInfo,
+    PacketType.CALIBRATION: CalibrationPacket,
+    PacketType.HEALTH: HealthReport,
+    PacketType.EVENT: EventReport,
+    PacketType.PARITY: ParityFields,
+    PacketType.ANNOUNCE: Announce,
+    PacketType.SECTORS: SectorReport,
+    PacketType.SUBSCRIBE: Subscribe,
+    PacketType.UNSUBSCRIBE: Subscribe,
+    PacketType.SUBSCRIBED: Subscribed,
+    PacketType.SETTINGS_REQUEST: SettingsRequest,
+    PacketType.SETTINGS_ANSWER: SettingsAnswer,
+    PacketType.DISCOVER: Discover,
+}
+
+def _crc_table():
+    table = []
+    for byte in range(256):
+        for _ in range(8):
+            byte = byte >> 1 ^ (0x82F63B78 if byte & 1 else 0)
+        table.append(byte)
+    return tuple(table)
+
+
+_CRC_TABLE = _crc_table()
+
+
+def crc32c(data, before=0):
+    """CRC-32C (Castagnoli); of b"123456789" it is 0xE3069283. `before`: of what precedes."""
+    crc = before ^ 0xFFFFFFFF
+    for byte in data:
+        crc = crc >> 8 ^ _CRC_TABLE[(crc ^ byte) & 0xFF]
+    return crc ^ 0xFFFFFFFF
+
+
+def parse(datagram):
+    """(Header, payload) of a verified packet. Raises Refused: truncated, magic, version, length,
+    crc or field."""
+    if len(datagram) < Header.size() + CRC_BYTES:
+        raise Refused("truncated")
+    header = Header.unpack(datagram)
+    if header.magic != Header.magic:
+        raise Refused("magic")
+    if header.version != Header.version:
+        raise Refused("version")
+    if header.header_length < Header.size():
+        raise Refused("length")
+    end = header.header_length + header.payload_length
+    if len(datagram) < end + CRC_BYTES:
+        raise Refused("truncated")
+    if len(datagram) > end + CRC_BYTES or len(datagram) > MAX_DATAGRAM:
+        raise Refused("length")
+    if crc32c(datagram[:end]) != int.from_bytes(datagram[end:], "little"):
+        raise Refused("crc")
+    if header.index >= header.count:
+        raise Refused("field")
+    return header, bytes(datagram[header.header_length:end])
+
+
+def seal(header, payload=b""):
+    """The datagram of a header and a payload; lengths and CRC are filled in. Raises ValueError."""
+    header = dataclasses.replace(header, header_length=Header.size(), payload_length=len(payload))
+    packet = header.pack() + payload
+    if len(packet) + CRC_BYTES > MAX_DATAGRAM:
+        raise ValueError(f"a payload of {len(payload)} bytes does not fit a datagram")
+    return packet + crc32c(packet).to_bytes(CRC_BYTES, "little")

@@ -1,0 +1,177 @@
+"""What the fuzz targets of tests/fuzz begin with: one folder a target, made when it is needed."""
+
+import json
+import struct
+
+from wire import samples
+
+SEAL, COOKIE = 1, 2  # flags of a record, see tests/fuzz/records.h
+PEERS, SECONDS = 4, 16
+
+
+def record(data, flags=SEAL):
+    return struct.pack("<BH", flags, len(data)) + data
+
+
+def records(packets, flags=SEAL):
+    return b"".join(record(packet, flags) for packet in packets)
+
+
+def gate():
+    one = samples.messages()
+    asked = {name: one[name] for name in ("subscribe", "unsubscribe", "settings_request", "discover")}
+    seeds = {name: record(packet) + record(packet, SEAL | COOKIE) for name, packet in asked.items()}
+    wire = samples.wire
+    for operation in wire.SettingsOperation:
+        for document in wire.SettingsDocument if operation == 0 else (0,):
+            request = wire.SettingsRequest(request_id=9, operation=operation, document=document).pack()
+            text = {"SET": b'{"streams":{"depth":"raw"},"serial":{"baud":57600}}', "STAGE": b'{"name":"left"}',
+                    "PRESET": b"outdoor"}.get(operation.name, b"")
+            packet = samples.seal(wire.PacketType.SETTINGS_REQUEST, request + text)
+            seeds[f"settings_{operation.name.lower()}_{document}"] = record(packet) + record(packet, SEAL | COOKIE)
+    subscribe = asked["subscribe"]
+    seeds["five_subscribers"] = b"".join(
+        record(subscribe, SEAL | PEERS * peer) + record(subscribe, SEAL | COOKIE | PEERS * peer) for peer in range(4))
+    seeds["lease_over"] = records([subscribe] * 2, SEAL | COOKIE) + record(subscribe, SEAL | COOKIE | SECONDS * 15)
+    seeds["damaged"] = record(subscribe, 0) + record(subscribe[:-1], 0) + record(b"", 0) + record(bytes(1233), 0)
+    return seeds
+
+
+def with_parity(parts):
+    wire = samples.wire
+    parsed = [wire.parse(part) for part in parts]
+    total = bytearray(wire.ParityFields.size() + max(len(payload) for _, payload in parsed))
+    for header, payload in parsed:
+        fields = wire.ParityFields(0, header.type, header.flags, header.stream, header.codec, header.image_width,
+                                   header.image_height, header.first_row, header.first_column, header.pixel_count,
+                                   len(payload)).pack()
+        for i, byte in enumerate(fields + payload):
+            total[i] ^= byte
+    total[0:2] = len(parts).to_bytes(2, "little")
+    return samples.seal(wire.PacketType.PARITY, bytes(total), index=0, count=1, image_width=4, image_height=2)
+
+
+def reassembler():
+    raw, coded = samples.frame(False), samples.frame(True)
+    parity = with_parity(coded)
+    seeds = {"raw": records(raw), "coded": records(coded), "backwards": records(reversed(coded)),
+             "messages": records(samples.messages().values()),
+             "lost_and_recovered": records([coded[0], coded[2], coded[3], parity]),
+             "parity_first": records([parity, coded[3], coded[0], coded[1]]),
+             "twice": records(raw + raw), "incomplete": records(raw[:2])}
+    kinds = {4: (3, 16), 5: (3, 16), 6: (4, 8), 7: (4, 8)}
+    parts = [samples.tile(stream, codec, samples.rvl([0, 5, 0, 0, 200, 201, 1, 0], bits), i, 5)
+             for i, (stream, (codec, bits)) in enumerate(kinds.items())]
+    parts.append(samples.tile(8, 5, struct.pack("<hhHH", -5, 5, 4000, 4) * 8, 4, 5))
+    seeds["other_streams"] = records(parts)
+    return seeds
+
+
+def serial():
+    stream = b"\0".join([b"", *(samples.cobs(packet)[:-1] for packet in samples.messages().values()), b""])
+    one = samples.cobs(samples.frame(True)[1])
+    return {"stream": b"\0" + stream, "one": b"\0" + one, "cut": b"\0" + one[10:] + one, "round": b"\1" + bytes(600),
+            "long_blocks": b"\1" + bytes(i % 255 + 1 for i in range(700)), "noise": b"\0\xff\xfe\0\1\0\2\0"}
+
+
+def settings():
+    texts = {
+        "empty": "{}", "streams": {"streams": {"depth": "raw", "cloud": "on", "cloud_step": 8, "parity": True}},
+        "serial": {"serial": {"mode": "mavlink", "baud": 57600, "device": "/dev/ttyS0", "rate_hz": 15}},
+        "depth": {"depth": {"preset": "quality", "max_range_mm": 16380, "guided": True, "match": {"block": "16x16"}}},
+        "others": {"name": "vorn \u00fc", "period_ms": 33, "udp": {"port": 7561}, "mavlink": {"system_id": 1},
+                   "discovery": {"mdns": False}, "sectors": {"above_mm": 300, "pixels": 8}},
+        "twice": '{"name":"a","name":"b"}', "escapes": '{"name":"\\u00e9\\n\\ud83d\\ude00"}', "nested": "{" * 40,
+        "numbers": '{"period_ms":1e2,"udp":{"port":-0.5}}', "tail": "{} x", "open": '{"name":"'}
+    return {name: (text if isinstance(text, str) else json.dumps(text)).encode() for name, text in texts.items()}
+
+
+def rvl():
+    seeds = {}
+    for bits, name in ((16, "depth"), (8, "grey")):
+        values = [0, 0, 5, 6, 7, 0, (1 << bits) - 1, 1]
+        code = samples.rvl(values, bits)
+        seeds[f"decode_{name}"] = struct.pack("<BH", bits == 8, len(values)) + code
+        seeds[f"encode_{name}"] = struct.pack("<BH", 2 + (bits == 8), 24) + bytes(range(40))
+    seeds["zeros"] = struct.pack("<BH", 0, 500) + samples.rvl([0] * 500, 16)
+    return seeds
+
+
+def mavlink():
+    heartbeat = struct.pack("<IBBBBB", 0, 2, 3, 0, 4, 3)
+    ping = struct.pack("<QIBB", 1_000_000, 7, 0, 0)
+    two, one = samples.mavlink2(0, 50, heartbeat), samples.mavlink1(0, 50, heartbeat)
+    signed = bytearray(two)
+    signed[2] = 1
+    body = bytes(signed[1:-2])
+    signed[-2:] = struct.pack("<H", samples.x25(body + bytes([50])))
+    return {"heartbeat2": two, "heartbeat1": one, "ping": samples.mavlink2(4, 237, ping), "signed": bytes(signed) + bytes(13),
+            "cut": two[:7] + one + two, "noise": b"\xfd\xfe\xfd\0\xff" + two}
+
+
+def name(text):
+    return b"".join(bytes([len(label)]) + label.encode() for label in text.split(".")) + b"\0"
+
+
+def mdns():
+    def query(*questions, flags=0):
+        return struct.pack(">6H", 0, flags, len(questions), 0, 0, 0) + b"".join(
+            name(text) + struct.pack(">HH", kind, cls) for text, kind, cls in questions)
+
+    service, every = "_stof._udp.local", "_services._dns-sd._udp.local"
+    answer = struct.pack(">6H", 0, 0x8400, 0, 1, 0, 0) + name("stof-1.local") + struct.pack(">HHIH", 1, 0x8001, 120, 4)
+    loop = struct.pack(">6H", 0, 0, 1, 0, 0, 0) + b"\xc0\x0c" + struct.pack(">HH", 12, 1)
+    known = query((service, 12, 1))[:6] + struct.pack(">3H", 1, 0, 0) + name(service) + struct.pack(">HH", 12, 1)
+    known += b"\xc0\x0c" + struct.pack(">HHIH", 12, 1, 4500, 2) + b"\xc0\x0c"
+    seeds = {"service": query((service, 12, 1)), "unicast": query((service, 12, 0x8001)), "every": query((every, 12, 1)),
+             "any": query(("stof-1.local", 255, 1)), "two": query((service, 12, 1), ("stof-1.local", 28, 1)),
+             "conflict": answer + bytes([10, 0, 0, 9]), "loop": loop, "known": known, "short": b"\0" * 11}
+    return {key: record(data, 0) * 2 + record(data, SECONDS * 3) for key, data in seeds.items()}
+
+
+def calibration():
+    def file(version, size, values):
+        body = bytearray(size)
+        struct.pack_into("<8sHHI", body, 0, b"STOFCAL\0", version, 0, size)
+        for form, at, value in values:
+            struct.pack_into("<" + form, body, at, value)
+        struct.pack_into("<I", body, size - 4, samples.wire.crc32c(body[:-4]))
+        return bytes(body)
+
+    pmd = [("i", 112, 2), ("i", 116, 2), ("I", 788, 4)]
+    options = [("I", 784, 15)]
+    return {"three": b"\0" + file(3, 796, []), "pattern": b"\1" + file(3, 796 + 8, pmd),
+            "options": b"\1" + file(3, 796 + 256 + 56 + 300 + 24, options), "two": b"\1" + file(2, 584, []),
+            "one": b"\1" + file(1, 580, []), "later": b"\1" + file(4, 796, []), "short": b"\1" + bytes(20)}
+
+
+def discovery():
+    header = struct.pack(">6H", 0, 0x8400, 0, 4, 0, 0)
+    service, instance, host = name("_stof._udp.local"), name("front (1)._stof._udp.local"), name("stof-1.local")
+
+    def answer(owner, kind, data):
+        return owner + struct.pack(">HHIH", kind, 0x8001, 120, len(data)) + data
+
+    text = b"".join(bytes([len(pair)]) + pair for pair in (b"txtvers=1", b"serial=1", b"name=front", b"id=1", b"board=emu"))
+    mdns_answer = header + (answer(service, 12, instance) + answer(instance, 33, struct.pack(">3H", 0, 0, 7560) + host)
+                            + answer(instance, 16, text) + answer(host, 1, bytes([10, 0, 0, 1])))
+    wire = samples.wire
+    announce = wire.Announce(port=7560, subscribers=1, most_subscribers=4, serial="1", name="front", version="0.1.0", board="emu")
+    packet = samples.seal(wire.PacketType.ANNOUNCE, announce.pack())
+    return {"mdns": record(mdns_answer, 0), "beacon": record(packet), "both": record(packet) + record(mdns_answer, 0),
+            "loop": record(header + b"\xc0\x0c" * 8, 0)}
+
+
+TARGETS = {"calibration": calibration, "discovery": discovery, "gate": gate, "reassembler": reassembler, "serial": serial, "settings": settings, "rvl": rvl,
+           "mavlink": mavlink, "mdns": mdns}
+
+
+def write(folder):
+    """Writes folder/TARGET/NAME; how many."""
+    count = 0
+    for target, make in TARGETS.items():
+        (folder / target).mkdir(parents=True, exist_ok=True)
+        for key, data in make().items():
+            (folder / target / key).write_bytes(data)
+            count += 1
+    return count

@@ -1,0 +1,69 @@
+#include "host/client/reassembler.h"
+
+#include <array>
+#include <chrono>
+
+#include "tests/fuzz/records.h"
+
+// Datagrams to a receiver: frames come out whole or marked, every datagram is counted once.
+namespace stof {
+namespace {
+
+constexpr std::size_t kMostPixels = 1 << 12;
+
+template <typename T>
+void look_at(dsp::ImageView<const T> image) {
+  fuzz::require(image.width() >= 0 && image.height() >= 0);
+  for (int y = 0; y < image.height(); ++y) {
+    fuzz::touch(std::as_bytes(image.row(y)));
+  }
+}
+
+void look_at(const client::Frame& frame) {
+  look_at(frame.depth);
+  look_at(frame.width);
+  look_at(frame.source);
+  look_at(frame.cause);
+  look_at(frame.received);
+  look_at(frame.disparity);
+  for (const auto& samples : frame.pmd) {
+    look_at(samples);
+  }
+  look_at(frame.left);
+  look_at(frame.right);
+  look_at(frame.cloud);
+  for (const auto& marks : frame.marks) {
+    look_at(marks);
+  }
+  fuzz::require(frame.missing_packets <= frame.packets);
+}
+
+}  // namespace
+}  // namespace stof
+
+void stof::fuzz::run(std::span<const std::byte> input) {
+  client::Reassembler reassembler({.max_pixels = kMostPixels});
+  client::Time now{};
+  std::uint64_t pushed = 0;
+  const auto take_all = [&] {
+    while (const std::optional<client::Frame> frame = reassembler.take()) {
+      look_at(*frame);
+    }
+    while (reassembler.take_event()) {
+    }
+  };
+  fuzz::for_each_record(input, [&](const fuzz::Record& record) {
+    wire::DatagramBuffer space{};
+    const bool seal = (record.flags & fuzz::kSeal) != 0;
+    now += std::chrono::milliseconds(20 * record.seconds());
+    reassembler.push(seal ? fuzz::sealed(record.bytes, space) : record.bytes, now);
+    ++pushed;
+    if ((record.flags & fuzz::kCookie) == 0) {
+      take_all();
+    }
+    reassembler.expire(now);
+  });
+  reassembler.expire(now + std::chrono::seconds(100));
+  take_all();
+  fuzz::require(reassembler.statistics().packets() == pushed);
+}

@@ -1,0 +1,145 @@
+#include <array>
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
+#include "host/client/reassembler.h"
+#include "tests/host/client/sent_frame.h"
+
+namespace stof::client {
+namespace {
+
+using test::Datagram;
+using test::frame_spec;
+
+constexpr Time kStart{};
+
+Datagram health(std::uint64_t uptime_ms, std::uint32_t active = 0, std::uint32_t session = 1) {
+  std::array<std::byte, wire::kHealthReportBytes> payload{};
+  wire::encode_health_report({.uptime_ms = uptime_ms, .active = active}, payload);
+  test::FrameSpec spec = frame_spec(1);
+  spec.origin.session_id = session;
+  return test::report_datagram(spec, wire::PacketType::kHealth, payload);
+}
+
+Datagram event(std::uint32_t sequence, std::uint32_t session = 1) {
+  std::array<std::byte, wire::kEventReportBytes> payload{};
+  wire::encode_event_report({.sequence = sequence, .condition = 3, .active = 1, .value = sequence},
+                            payload);
+  test::FrameSpec spec = frame_spec(1);
+  spec.origin.session_id = session;
+  return test::report_datagram(spec, wire::PacketType::kEvent, payload);
+}
+
+std::vector<std::uint32_t> take_events(Reassembler& reassembler) {
+  std::vector<std::uint32_t> sequences;
+  while (const std::optional<wire::EventReport> taken = reassembler.take_event()) {
+    EXPECT_EQ(taken->value, taken->sequence);
+    sequences.push_back(taken->sequence);
+  }
+  return sequences;
+}
+
+TEST(Health, TheNewestOfTheSessionIsKept) {
+  Reassembler reassembler;
+  EXPECT_FALSE(reassembler.health());
+  reassembler.push(health(2000, 5), kStart);
+  reassembler.push(health(1000, 7), kStart);
+  ASSERT_TRUE(reassembler.health());
+  EXPECT_EQ(reassembler.health()->active, 5U);
+  EXPECT_EQ(reassembler.statistics().late, 1U);
+  reassembler.push(health(2000, 6), kStart);  // on change, within the same millisecond
+  EXPECT_EQ(reassembler.health()->active, 6U);
+  EXPECT_EQ(reassembler.statistics().packets_ok, 2U);
+  EXPECT_FALSE(reassembler.take());
+  EXPECT_FALSE(reassembler.next_expiry());
+}
+
+TEST(Health, EndsWithItsSession) {
+  Reassembler reassembler;
+  reassembler.push(health(9'000'000), kStart);
+  reassembler.push(event(1, 2), kStart);
+  EXPECT_FALSE(reassembler.health());
+  reassembler.push(health(10, 0, 2), kStart);
+  ASSERT_TRUE(reassembler.health());
+  EXPECT_EQ(reassembler.health()->uptime_ms, 10U);
+}
+
+TEST(Event, IsDeliveredOnceHoweverOftenItArrives) {
+  Reassembler reassembler;
+  for (int i = 0; i < 3; ++i) {
+    reassembler.push(event(7), kStart);
+    reassembler.push(event(8), kStart);
+  }
+  EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{7, 8}));
+  EXPECT_EQ(reassembler.statistics().packets_ok, 6U);
+  EXPECT_EQ(reassembler.statistics().duplicate, 0U);
+}
+
+TEST(Event, OneThatWasOvertakenIsDelivered) {
+  Reassembler reassembler;
+  for (const std::uint32_t sequence : {9U, 7U, 8U, 7U, 9U}) {
+    reassembler.push(event(sequence), kStart);
+  }
+  EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{9, 7, 8}));
+}
+
+TEST(Event, NumbersWrap) {
+  Reassembler reassembler;
+  for (const std::uint32_t sequence : {0xFFFFFFFFU, 0U, 0xFFFFFFFEU, 0xFFFFFFFFU, 1U, 0U}) {
+    reassembler.push(event(sequence), kStart);
+  }
+  EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{0xFFFFFFFF, 0, 0xFFFFFFFE, 1}));
+}
+
+TEST(Event, OneFarBehindIsLate) {
+  Reassembler reassembler;
+  reassembler.push(event(1000), kStart);
+  reassembler.push(event(1000 - 63), kStart);
+  reassembler.push(event(1000 - 64), kStart);
+  EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{1000, 937}));
+  EXPECT_EQ(reassembler.statistics().late, 1U);
+  reassembler.push(event(5000), kStart);  // a jump forgets what is out of the window
+  reassembler.push(event(5000 - 63), kStart);
+  reassembler.push(event(5000), kStart);
+  EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{5000, 4937}));
+}
+
+TEST(Event, ThoseNobodyTakesAreDroppedOldestFirstAndCounted) {
+  Reassembler reassembler;
+  for (std::uint32_t sequence = 1; sequence <= 70; ++sequence) {
+    reassembler.push(event(sequence), kStart);
+  }
+  EXPECT_EQ(reassembler.statistics().events_dropped, 6U);
+  const std::vector<std::uint32_t> left = take_events(reassembler);
+  ASSERT_EQ(left.size(), 64U);
+  EXPECT_EQ(left.front(), 7U);
+  EXPECT_EQ(left.back(), 70U);
+}
+
+TEST(Event, EndsWithItsSession) {
+  Reassembler reassembler;
+  reassembler.push(event(1), kStart);
+  reassembler.push(event(2), kStart);
+  reassembler.push(event(2, 2), kStart);
+  EXPECT_EQ(take_events(reassembler), (std::vector<std::uint32_t>{2}));
+  EXPECT_EQ(reassembler.statistics().events_dropped, 2U);
+}
+
+TEST(Report, AShortOneIsRefused) {
+  for (const wire::PacketType type : {wire::PacketType::kHealth, wire::PacketType::kEvent,
+                                      wire::PacketType::kParity, wire::PacketType::kCalibration}) {
+    Reassembler reassembler;
+    reassembler.push(test::report_datagram(frame_spec(1), type, std::array<std::byte, 17>{}),
+                     kStart);
+    EXPECT_EQ(reassembler.statistics().bad_field, 1U) << static_cast<int>(type);
+    EXPECT_EQ(reassembler.statistics().packets(), 1U);
+    EXPECT_FALSE(reassembler.next_expiry());
+  }
+}
+
+}  // namespace
+}  // namespace stof::client

@@ -1,0 +1,271 @@
+// libstof's C interface against the network end of a sensor.
+#include <atomic>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <stof/stof.h>
+#include <stof/stof.hpp>
+
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
+#include "tests/firmware/control/sensor.h"
+#include "tests/host/client/told_frame.h"
+
+namespace {
+
+using namespace std::chrono_literals;
+using stof::test::Datagram;
+using stof::test::frame_spec;
+
+std::string endpoint(const stof::test::Sensor& sensor) {
+  return "127.0.0.1:" + std::to_string(sensor.number());
+}
+
+stof::Sensor open(const stof::test::Sensor& sensor) {
+  std::string why;
+  auto opened = stof::Sensor::open(endpoint(sensor), &why);
+  if (!opened) {
+    ADD_FAILURE() << why;
+    std::abort();
+  }
+  return std::move(*opened);
+}
+
+// Subscribed: what the sensor sends now arrives.
+void subscribe(stof::Sensor& client, stof::test::Sensor& sensor) {
+  for (int i = 0; i < 1000 && sensor.list().count != 1; ++i) {
+    static_cast<void>(client.next(5ms));
+  }
+  ASSERT_EQ(sensor.list().count, 1U);
+}
+
+void send(stof::test::Sensor& sensor, const std::vector<Datagram>& datagrams) {
+  for (const Datagram& datagram : datagrams) {
+    ASSERT_EQ(sensor.send(datagram), stof::Status::kOk);
+  }
+}
+
+Datagram calibration() {
+  stof::test::FrameSpec spec = frame_spec(1);
+  spec.width = 64;
+  spec.height = 48;
+  return stof::test::calibration_datagram(spec, 33'000'000);
+}
+
+std::vector<Datagram> all_streams(std::uint32_t number) {
+  return stof::test::told_datagrams(
+      frame_spec(number), {},
+      stof::test::every_stream(stof::wire::Coding::kRvl, /*parity=*/false, /*cloud_step=*/8));
+}
+
+TEST(Lib, GivesEveryStreamOfAFrame) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  send(sensor, {calibration()});
+  send(sensor, all_streams(5));
+  const auto frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->complete());
+  EXPECT_EQ(frame->number(), 5U);
+  EXPECT_EQ(frame->exposure_middle(), 5ms);
+  const stof_frame& c = frame->c();
+  for (const stof_plane* const plane :
+       {&c.depth, &c.width, &c.source, &c.cause, &c.disparity, &c.left, &c.right}) {
+    EXPECT_EQ(plane->width, 64U);
+    EXPECT_EQ(plane->height, 48U);
+    EXPECT_EQ(plane->stride, 64 * plane->pixel_bytes);
+    EXPECT_EQ(plane->bytes, 64 * 48 * plane->pixel_bytes);
+    EXPECT_EQ(plane->missing, 0U);
+  }
+  for (const stof_plane& plane : c.pmd) {
+    EXPECT_EQ(plane.width, 16U);
+    EXPECT_EQ(plane.height, 12U);
+  }
+  EXPECT_EQ(c.cloud.width, 8U);
+  EXPECT_EQ(c.cloud.pixel_bytes, 8U);
+  stof::test::ToldFrame told(5, {});
+  const auto images = told.images();
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      ASSERT_EQ(frame->depth().at(x, y), images.map.depth.at(x, y));
+      ASSERT_EQ(frame->left().at(x, y), images.left.at(x, y));
+      ASSERT_TRUE(frame->depth().arrived(x, y));
+    }
+  }
+  ASSERT_TRUE(frame->calibration());
+  EXPECT_EQ(frame->calibration()->fx, 1.0);
+  EXPECT_EQ(frame->calibration()->k[8], 1.0);
+  EXPECT_EQ(frame->calibration()->depth_unit_m, 250e-6);
+  EXPECT_TRUE(frame->info());
+}
+
+TEST(Lib, MakesPointsOfDepth) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  send(sensor, all_streams(5));
+  auto frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  std::vector<stof::Point> points;
+  EXPECT_EQ(frame->points(points), STOF_NOT_YET);  // without calibration
+  send(sensor, {calibration()});
+  send(sensor, all_streams(6));
+  frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  ASSERT_EQ(frame->points(points), STOF_OK);
+  ASSERT_EQ(points.size(), 64U * 48);  // each has a depth
+  const float z = static_cast<float>(frame->depth().at(3, 2)) / 4000;
+  EXPECT_FLOAT_EQ(points[2 * 64 + 3].z, z);
+  EXPECT_FLOAT_EQ(points[2 * 64 + 3].x, 3 * z);
+  EXPECT_FLOAT_EQ(points[2 * 64 + 3].y, 2 * z);
+  std::size_t count = 0;
+  stof_point one;
+  EXPECT_EQ(stof_points(&frame->c(), &one, 1, &count), STOF_TOO_SMALL);
+  EXPECT_EQ(count, points.size());
+  EXPECT_EQ(one.z, points[0].z);
+}
+
+TEST(Lib, MarksWhatDidNotArrive) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  std::vector<Datagram> datagrams = stof::test::datagrams(frame_spec(1));
+  datagrams.erase(datagrams.begin() + 1);  // the first row of depth
+  send(sensor, datagrams);
+  send(sensor, stof::test::datagrams(frame_spec(2)));
+  const auto frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->number(), 1U);
+  EXPECT_FALSE(frame->complete());
+  EXPECT_EQ(frame->depth().missing(), 300U);
+  EXPECT_FALSE(frame->depth().arrived(0, 0));
+  EXPECT_TRUE(frame->depth().arrived(0, 1));
+  EXPECT_TRUE(frame->width().arrived(0, 0));
+}
+
+TEST(Lib, CallsBackOnAThreadOfItsOwn) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  std::atomic<int> frames{0};
+  std::atomic<stof_status> stop_inside{STOF_OK};
+  ASSERT_EQ(client.start({.frame =
+                              [&](const stof::Frame& frame) {
+                                std::vector<stof::Point> points;
+                                EXPECT_EQ(frame.points(points), STOF_OK);
+                                stop_inside = client.stop();
+                                ++frames;
+                              },
+                          .health = {},
+                          .event = {},
+                          .failed = {}}),
+            STOF_OK);
+  EXPECT_EQ(client.start({}), STOF_BUSY);
+  stof_status status = STOF_OK;
+  EXPECT_FALSE(client.next(0ms, &status));
+  EXPECT_EQ(status, STOF_BUSY);
+  ASSERT_TRUE(sensor.reaches(1));
+  send(sensor, {calibration()});
+  for (std::uint32_t number = 1; number <= 5; ++number) {
+    send(sensor, all_streams(number));
+    for (int i = 0; i < 1000 && frames < static_cast<int>(number); ++i) {
+      std::this_thread::sleep_for(5ms);
+    }
+  }
+  EXPECT_EQ(frames, 5);
+  EXPECT_EQ(stop_inside, STOF_BUSY);  // a thread cannot wait for itself
+  EXPECT_EQ(client.statistics().frames_complete, 5U);
+  EXPECT_EQ(client.stop(), STOF_OK);
+  EXPECT_EQ(client.stop(), STOF_OK);
+  EXPECT_EQ(client.start({}), STOF_OK);  // and again; ends with the sensor
+}
+
+TEST(Lib, TellsHealthAndEvents) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  EXPECT_FALSE(client.health());
+  std::array<std::byte, stof::wire::kHealthReportBytes> health{};
+  stof::wire::encode_health_report(
+      {.uptime_ms = 5000, .active = 4, .rate_mhz = 29'500, .latency_us = 40'000}, health);
+  std::array<std::byte, stof::wire::kEventReportBytes> event{};
+  stof::wire::encode_event_report({.sequence = 3,
+                                   .condition = 2,
+                                   .severity = stof::wire::Severity::kCritical,
+                                   .reaction = stof::wire::Reaction::kStop,
+                                   .active = 1},
+                                  event);
+  send(sensor, {stof::test::report_datagram(frame_spec(1), stof::wire::PacketType::kHealth, health),
+                stof::test::report_datagram(frame_spec(1), stof::wire::PacketType::kEvent, event)});
+  for (int i = 0; i < 1000 && !client.health(); ++i) {
+    static_cast<void>(client.next(5ms));
+  }
+  ASSERT_TRUE(client.health());
+  EXPECT_EQ(client.health()->uptime_ms, 5000U);
+  EXPECT_DOUBLE_EQ(client.health()->rate_hz, 29.5);
+  EXPECT_DOUBLE_EQ(client.health()->latency_s, 0.04);
+  std::optional<stof::Event> told;
+  for (int i = 0; i < 1000 && !told; ++i) {
+    static_cast<void>(client.next(5ms));
+    told = client.next_event();
+  }
+  ASSERT_TRUE(told);
+  EXPECT_STREQ(stof_condition_name(told->condition), "stereo_lost");
+  EXPECT_STREQ(stof_reaction_name(told->reaction), "stop");
+  EXPECT_FALSE(client.next_event());
+}
+
+// A program that was built with a shorter or a longer structure.
+TEST(Lib, WritesNoMoreThanTheCallerKnows) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  send(sensor, all_streams(9));
+  struct Older {
+    std::uint32_t words[4];
+    std::uint32_t beyond;
+  } older{{16, 0, 0, 0}, 0xABABABAB};
+  ASSERT_EQ(stof_next(client.c(), 10'000, reinterpret_cast<stof_frame*>(&older)), STOF_OK);
+  EXPECT_EQ(older.words[0], 16U);
+  EXPECT_EQ(older.words[3], 9U);  // number
+  EXPECT_EQ(older.beyond, 0xABABABABU);
+  stof_statistics none{};
+  EXPECT_EQ(stof_get_statistics(client.c(), &none), STOF_BAD_ARGUMENT);
+}
+
+TEST(Lib, RefusesWhatMakesNoSense) {
+  char why[100] = "x";
+  stof_sensor* sensor = nullptr;
+  EXPECT_EQ(stof_open(nullptr, &sensor, why, sizeof why), STOF_BAD_ARGUMENT);
+  EXPECT_NE(std::string(why), "");
+  stof_options options = STOF_INIT(stof_options);
+  options.sensor = "[::1";
+  EXPECT_EQ(stof_open(&options, &sensor, why, sizeof why), STOF_BAD_ARGUMENT);
+  EXPECT_EQ(sensor, nullptr);
+  EXPECT_NE(std::string(why).find("[::1"), std::string::npos);
+  EXPECT_EQ(stof_open(&options, &sensor, nullptr, 0), STOF_BAD_ARGUMENT);
+  stof_frame frame = STOF_INIT(stof_frame);
+  EXPECT_EQ(stof_next(nullptr, 0, &frame), STOF_BAD_ARGUMENT);
+  std::size_t count = 0;
+  EXPECT_EQ(stof_points(&frame, nullptr, 0, &count), STOF_BAD_ARGUMENT);
+  EXPECT_EQ(stof_fd(nullptr), -1);
+  stof_close(nullptr);
+  EXPECT_EQ(stof_discover(10, nullptr, 1, nullptr, 0, 1, &count, nullptr, 0), STOF_BAD_ARGUMENT);
+  EXPECT_STREQ(stof_status_text(-1), "unknown");
+  EXPECT_STREQ(stof_status_text(STOF_INTERNAL), "internal error");
+  EXPECT_STREQ(stof_condition_name(1000), "unknown");
+}
+
+TEST(Lib, SaysThatNobodyAnswersForSettings) {
+  std::uint16_t closed = 0;
+  {
+    closed = stof::test::Sensor().number();
+  }
+  auto client = stof::Sensor::open("127.0.0.1:" + std::to_string(closed));
+  ASSERT_TRUE(client);
+  const stof::Answer answer = client->get();
+  EXPECT_EQ(answer.status, STOF_UNREACHABLE);
+  EXPECT_NE(answer.text, "");
+}
+
+}  // namespace

@@ -1,0 +1,123 @@
+#!/usr/bin/env python3
+"""package_test.py: libstof as another project gets it. Installs it, builds the projects of host/lib/examples
+against it, one by CMake, one by pkg-config, and runs them against stofd, before and after the whole was moved.
+Environment: STOF_BUILD, STOF_EXAMPLES, STOFD (folders and program), CMAKE, CC, CXX, CFLAGS, CXXFLAGS, GENERATOR.
+Ends with 77 in a cross build: its programs do not run against the installed library here."""
+
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+ENVIRONMENT = os.environ
+FRAMES = 5
+
+
+def run(*command, **options):
+    ended = subprocess.run([str(word) for word in command], capture_output=True, text=True, timeout=240, **options)
+    if ended.returncode != 0:
+        raise AssertionError(f"{command}: {ended.returncode}\n{ended.stdout}\n{ended.stderr}")
+    return ended.stdout
+
+
+class Package(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="stof_package_")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        cls.examples = pathlib.Path(ENVIRONMENT["STOF_EXAMPLES"])
+        first = cls.folder / "first"
+        run(ENVIRONMENT["CMAKE"], "--install", ENVIRONMENT["STOF_BUILD"], "--prefix", first, "--component", "stof")
+        cls.prefix = cls.folder / "moved" / "deeper"
+        cls.prefix.parent.mkdir()
+        shutil.move(first, cls.prefix)  # nothing may know where it was
+        cls.library = next(cls.prefix.rglob("libstof.so")).parent
+        cls.sensor = subprocess.Popen([ENVIRONMENT["STOFD"], "--port", "0", "--port-file", cls.folder / "port"],
+                                      stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        cls.addClassCleanup(cls.stop)
+        end = time.monotonic() + 60
+        while not (cls.folder / "port").exists() or not (cls.folder / "port").read_text().strip():
+            if time.monotonic() > end or cls.sensor.poll() is not None:
+                raise AssertionError("stofd opens no port")
+            time.sleep(0.05)
+        cls.endpoint = "127.0.0.1:" + (cls.folder / "port").read_text().strip()
+
+    @classmethod
+    def stop(cls):
+        cls.sensor.terminate()
+        cls.sensor.wait(20)
+
+    def run_example(self, program, *arguments):
+        return run(program, self.endpoint, FRAMES, *arguments,
+                   env={**ENVIRONMENT, "LD_LIBRARY_PATH": str(self.library)})
+
+    def build_by_cmake(self, name, *options):
+        build = self.folder / name
+        run(ENVIRONMENT["CMAKE"], "-S", self.examples / "cpp", "-B", build, "-G", ENVIRONMENT["GENERATOR"],
+            f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={ENVIRONMENT['CXX']}",
+            f"-DCMAKE_CXX_FLAGS={ENVIRONMENT['CXXFLAGS']} -Wall -Wextra -Werror", *options)
+        run(ENVIRONMENT["CMAKE"], "--build", build)
+        return build / "points"
+
+    def test_a_cmake_project_finds_it_and_gets_points(self):
+        text = self.run_example(self.build_by_cmake("cmake"))
+        self.assertEqual(len(re.findall(r"^frame \d+: \d+x\d+, [1-9]\d* points, the nearest at", text, re.MULTILINE)),
+                         FRAMES, text)
+
+    def test_a_c_project_finds_it_by_pkg_config(self):
+        if not shutil.which("pkg-config"):
+            self.skipTest("no pkg-config: install it")
+        found = {**ENVIRONMENT, "PKG_CONFIG_PATH": str(self.library / "pkgconfig"), "PKG_CONFIG_LIBDIR": ""}
+        self.assertEqual(run("pkg-config", "--modversion", "stof", env=found).strip(),
+                         run("pkg-config", "--modversion", "stof >= 0.1", env=found).strip())
+        flags = run("pkg-config", "--cflags", "--libs", "stof", env=found).split()
+        program = self.folder / "watch"
+        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), "-Wall", "-Wextra", "-Werror",
+            self.examples / "c/main.c", "-o", program, *flags)
+        text = self.run_example(program)
+        self.assertGreaterEqual(len(re.findall(r"^frame \d+: \d+\.\d+ m straight ahead", text, re.MULTILINE)), FRAMES)
+        self.assertIn("libstof 0.1", text)
+
+    def test_the_static_library_is_whole(self):
+        program = self.folder / "static"
+        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "c/main.c",
+            "-o", program, self.library / "libstof.a", "-lstdc++", "-lm", "-pthread")
+        self.assertIn("straight ahead", self.run_example(program))
+
+    def test_nothing_but_the_interface_is_visible(self):
+        names = run("nm", "-D", "--defined-only", self.library / "libstof.so").split("\n")
+        visible = {line.split()[-1].split("@")[0] for line in names if line}
+        header = (self.prefix / "include/stof/stof.h").read_text()
+        declared = set(re.findall(r"^STOF_API [^;]*?(stof_\w+)\(", header, re.MULTILINE))
+        self.assertEqual({name for name in visible if not name.startswith("__")} - {"STOF_0"}, declared)
+
+    def test_it_needs_the_run_time_libraries_alone(self):
+        if "sanitize" in ENVIRONMENT["CXXFLAGS"]:
+            self.skipTest("sanitizers add theirs")
+        needed = re.findall(r"NEEDED.*\[(.*?)\.so", run("readelf", "-d", self.library / "libstof.so"))
+        self.assertLessEqual(set(needed), {"libc", "libm", "libstdc++", "libgcc_s", "libpthread", "ld-linux-x86-64",
+                                           "ld-linux-aarch64"})
+        self.assertIn("libstof.so.0", run("readelf", "-d", self.library / "libstof.so"))
+
+    def test_another_version_is_not_taken(self):
+        with self.assertRaises(AssertionError) as refused:
+            source = self.folder / "newer"
+            source.mkdir()
+            (source / "CMakeLists.txt").write_text(
+                "cmake_minimum_required(VERSION 3.16)\nproject(newer LANGUAGES CXX)\nfind_package(stof 0.2 REQUIRED)\n")
+            run(ENVIRONMENT["CMAKE"], "-S", source, "-B", source / "build", "-G", ENVIRONMENT["GENERATOR"],
+                f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DCMAKE_CXX_COMPILER={ENVIRONMENT['CXX']}")
+        self.assertIn("0.2", str(refused.exception))
+
+
+if __name__ == "__main__":
+    if not ENVIRONMENT.get("STOFD"):
+        print("skipped: a cross build: the examples cannot run against the installed library here")
+        sys.exit(77)
+    unittest.main(argv=sys.argv[:1], verbosity=2)
