@@ -11,6 +11,7 @@ using Names = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 3> kSearches{"fast", "quality", "chapter"};
 constexpr std::array<std::string_view, 3> kCodings{"off", "raw", "rvl"};
+constexpr std::array<std::string_view, 4> kMapCodings{"off", "raw", "rvl", "fit"};
 constexpr std::array<std::string_view, 2> kOffOrOn{"off", "on"};
 constexpr std::array<std::string_view, 3> kModes{"off", "stof", "mavlink"};
 constexpr std::array<std::string_view, 3> kProfiles{"sectors", "coarse", "medium"};
@@ -111,8 +112,8 @@ constexpr std::array kBefore{
 };
 
 constexpr std::array kAfter{
-    stream<wire::Stream::kDepth>("depth", kCodings, "depth"),
-    stream<wire::Stream::kWidth>("width", kCodings, "width of the depth's interval"),
+    stream<wire::Stream::kDepth>("depth", kMapCodings, "depth; fit: rounded where its interval is wide"),
+    stream<wire::Stream::kWidth>("width", kMapCodings, "width of the depth's interval"),
     stream<wire::Stream::kSource>("source", kCodings,
                                   "where each pixel's depth comes from, and why"),
     stream<wire::Stream::kDisparity>("disparity", kCodings, "disparity, stereo alone"),

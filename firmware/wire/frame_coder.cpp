@@ -7,13 +7,13 @@
 #include "dsp/base/check.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/cloud.h"
+#include "firmware/wire/fit.h"
 
 namespace stof::wire {
 namespace {
 
 constexpr std::size_t kMaxU16 = std::numeric_limits<std::uint16_t>::max();
 constexpr std::size_t kSamples = 4;  // of a PMD pixel
-constexpr int kCauseShift = 4;       // source and cause share a byte
 constexpr int kDisparityOffset = 32'768;
 static_assert(kFrameInfoBytes <= kMaxTilePayload);
 
@@ -68,7 +68,8 @@ std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes) noexcept {
   return dsp::Arena::bytes_for<DatagramBuffer>(packets) + dsp::Arena::bytes_for<Part>(packets) +
          dsp::Arena::bytes_for<std::span<const std::byte>>(packets) +
          dsp::Arena::bytes_for<std::uint16_t>(pixels16(sizes)) +
-         dsp::Arena::bytes_for<std::uint8_t>(pixels8(sizes));
+         dsp::Arena::bytes_for<std::uint8_t>(pixels8(sizes)) +
+         dsp::Arena::bytes_for<std::uint8_t>(fit_bands(sizes.height));
 }
 
 FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,
@@ -80,6 +81,7 @@ FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,
   datagrams_ = arena.take<std::span<const std::byte>>(packets);
   values16_ = arena.take<std::uint16_t>(pixels16(sizes));
   values8_ = arena.take<std::uint8_t>(pixels8(sizes));
+  scales_ = arena.take<std::uint8_t>(fit_bands(sizes.height));
 }
 
 bool FrameCoder::fits(const FrameImages& images) const noexcept {
@@ -137,30 +139,12 @@ void FrameCoder::add_image(dsp::ImageView<const T> image, Stream stream, Coding 
   add_tiles<T>(values, stream, image.width(), image.height(), coding);
 }
 
-void FrameCoder::add_source(const dsp::DepthMap& map, Coding coding) noexcept {
-  if (coding == Coding::kOff || map.source.empty()) {
-    return;
-  }
-  STOF_CHECK(map.cause.empty() || same_size(map.cause, map.source));
-  const int width = map.source.width();
-  const auto columns = static_cast<std::size_t>(width);
-  const std::span<std::uint8_t> values =
-      values8_.first(columns * static_cast<std::size_t>(map.source.height()));
-  for (int y = 0; y < map.source.height(); ++y) {
-    const std::span<std::uint8_t> out =
-        values.subspan(static_cast<std::size_t>(y) * columns, columns);
-    std::ranges::transform(map.source.row(y), out.begin(),
-                           [](dsp::Source source) { return static_cast<std::uint8_t>(source); });
-    if (!map.cause.empty()) {
-      std::ranges::transform(out, map.cause.row(y), out.begin(),
-                             [](std::uint8_t source, dsp::Cause cause) {
-                               const int bits = static_cast<int>(cause) << kCauseShift;
-                               return static_cast<std::uint8_t>(source | bits);
-                             });
-    }
-  }
-  add_tiles<std::uint8_t>(values, Stream::kSource, width, map.source.height(), coding);
-}
+// Those that add_map() uses.
+template void FrameCoder::add_image(dsp::ImageView<const dsp::QuarterMm>, Stream, Coding) noexcept;
+template void FrameCoder::add_tiles(std::span<const std::uint8_t>, Stream, int, int,
+                                    Coding) noexcept;
+template void FrameCoder::add_tiles(std::span<const std::uint16_t>, Stream, int, int,
+                                    Coding) noexcept;
 
 void FrameCoder::add_disparity(dsp::ImageView<const dsp::Disparity> image, Coding coding) noexcept {
   if (coding == Coding::kOff || image.empty()) {
@@ -197,9 +181,7 @@ void FrameCoder::add_pmd(const FrameImages& images, Coding coding) noexcept {
 
 void FrameCoder::add_streams(const FrameImages& images, const StreamChoice& choice) noexcept {
   const dsp::DepthMap& map = images.map;
-  add_image<dsp::QuarterMm>(map.depth, Stream::kDepth, choice.of(Stream::kDepth));
-  add_image<dsp::QuarterMm>(map.width, Stream::kWidth, choice.of(Stream::kWidth));
-  add_source(map, choice.of(Stream::kSource));
+  add_map(map, choice);
   add_disparity(images.disparity, choice.of(Stream::kDisparity));
   add_pmd(images, choice.of(Stream::kPmdRaw));
   add_image(images.left, Stream::kGreyLeft, choice.of(Stream::kGreyLeft));
@@ -226,6 +208,7 @@ Header FrameCoder::header_of(std::size_t index, std::uint16_t count,
                              const FrameStamp& stamp) noexcept {
   const Part& part = store_.part(index);
   return {.type = part.type,
+          .flags = part.flags,
           .origin = origin_,
           .frame = stamp,
           .stream = part.stream,

@@ -19,7 +19,9 @@ namespace stof::wire {
 
 inline constexpr std::size_t kStreams = 8;  // streams 1 to 8; index: number less 1
 
-enum class Coding : std::uint8_t { kOff, kRaw, kRvl };
+// kFit: RVL of depth and width rounded as far as the intervals do not care (fit.h), and nothing
+// else than kRvl of the other streams.
+enum class Coding : std::uint8_t { kOff, kRaw, kRvl, kFit };
 
 // What of a frame is sent, and how.
 struct StreamChoice {
@@ -69,10 +71,21 @@ class FrameCoder {
                                                            const StreamChoice& choice) noexcept;
 
  private:
+  // What becomes of depth or width.
+  struct Rounding {
+    Stream stream = Stream::kDepth;
+    bool depth = true;   // depth is rounded; the widths are those of the rounded depth
+    bool scaled = true;  // the stream travels in units of its bands' scales
+  };
+
   bool fits(const FrameImages& images) const noexcept;
   void add_streams(const FrameImages& images, const StreamChoice& choice) noexcept;
   template <typename T>
   void add_image(dsp::ImageView<const T> image, Stream stream, Coding coding) noexcept;
+  void add_map(const dsp::DepthMap& map, const StreamChoice& choice) noexcept;
+  void add_depth_and_width(const dsp::DepthMap& map, const StreamChoice& choice) noexcept;
+  std::span<std::uint16_t> rounded(const dsp::DepthMap& map, const Rounding& rounding) noexcept;
+  void add_scaled_tiles(std::span<std::uint16_t> values, const Raster& raster) noexcept;
   void add_source(const dsp::DepthMap& map, Coding coding) noexcept;
   void add_disparity(dsp::ImageView<const dsp::Disparity> image, Coding coding) noexcept;
   void add_pmd(const FrameImages& images, Coding coding) noexcept;
@@ -92,6 +105,7 @@ class FrameCoder {
   std::span<std::span<const std::byte>> datagrams_;
   std::span<std::uint16_t> values16_;  // of an image that is not one piece in memory
   std::span<std::uint8_t> values8_;
+  std::span<std::uint8_t> scales_;  // of the map's bands
   ParityGroup group_;
 };
 

@@ -35,7 +35,9 @@ struct FrameStamp {
 
 struct Header {
   PacketType type = PacketType::kTile;
-  std::uint8_t flags = 0;  // none defined: sent as 0, ignored
+  // Bits 0 to 3 of a tile of depth or width: its values stand for what is 1 << scale times as
+  // large. The others are sent as 0 and ignored.
+  std::uint8_t flags = 0;
   Origin origin{};
   FrameStamp frame{};
   Stream stream = Stream::kNone;
@@ -95,12 +97,14 @@ constexpr std::size_t raw_pixel_bytes(Codec codec) noexcept {
   }
 }
 
+constexpr unsigned scale_of(const Header& header) noexcept { return header.flags & 0x0FU; }
+
 // Bytes that a pixel of a stream has in memory: 1, 2 or 8; 0 for a stream or codec this code does
 // not know, or a pair of them that does not belong together.
 std::size_t pixel_bytes(Stream stream, Codec codec) noexcept;
 
-// Whether a tile of a known stream and codec lies in its image and has as many bytes as it says;
-// how many an RVL tile has to have only its decoder knows.
+// Whether a tile of a known stream and codec lies in its image, has a scale only where there is one
+// and has as many bytes as it says; how many an RVL tile has to have only its decoder knows.
 bool consistent_tile(const PacketView& packet) noexcept;
 
 }  // namespace stof::wire

@@ -170,9 +170,10 @@ Part Raster::part(Codec codec, std::size_t first, std::size_t pixels,
                   std::size_t payload_bytes) const noexcept {
   return {.stream = stream,
           .codec = codec,
+          .flags = scale,
           .image_width = static_cast<std::uint16_t>(width),
-          .image_height = static_cast<std::uint16_t>(height),
-          .first_row = static_cast<std::uint16_t>(first / width),
+          .image_height = static_cast<std::uint16_t>(image_height == 0 ? height : image_height),
+          .first_row = static_cast<std::uint16_t>(first_row + first / width),
           .first_column = static_cast<std::uint16_t>(first % width),
           .pixel_count = static_cast<std::uint16_t>(pixels),
           .payload_bytes = static_cast<std::uint16_t>(payload_bytes)};
@@ -191,17 +192,28 @@ void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& s
 }
 
 template <typename T>
-void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept {
+bool try_rvl_tiles(std::span<const T> values, const Raster& raster, std::size_t most,
+                   PartStore& store) noexcept {
   STOF_CHECK(values.size() == raster.width * raster.height);
   const std::size_t begin = store.size();
-  if (!RvlTiles<T>(values, raster, store).add(raw_tiles(raster.width, raster.height, sizeof(T)))) {
+  const bool added = RvlTiles<T>(values, raster, store).add(most);
+  if (!added) {
     store.cut_back(begin);
+  }
+  return added;
+}
+
+template <typename T>
+void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept {
+  if (!try_rvl_tiles(values, raster, raw_tiles(raster.width, raster.height, sizeof(T)), store)) {
     add_raw_tiles(values, raster, store);
   }
 }
 
 template void add_raw_tiles(std::span<const std::uint8_t>, const Raster&, PartStore&) noexcept;
 template void add_raw_tiles(std::span<const std::uint16_t>, const Raster&, PartStore&) noexcept;
+template bool try_rvl_tiles(std::span<const std::uint16_t>, const Raster&, std::size_t,
+                            PartStore&) noexcept;
 template void add_rvl_tiles(std::span<const std::uint8_t>, const Raster&, PartStore&) noexcept;
 template void add_rvl_tiles(std::span<const std::uint16_t>, const Raster&, PartStore&) noexcept;
 

@@ -20,6 +20,7 @@ struct Part {
   PacketType type = PacketType::kTile;
   Stream stream = Stream::kNone;
   Codec codec = Codec::kNone;
+  std::uint8_t flags = 0;
   std::uint16_t image_width = 0;
   std::uint16_t image_height = 0;
   std::uint16_t first_row = 0;
@@ -76,11 +77,14 @@ constexpr std::size_t chosen(const RawFit& fit) noexcept {
   return fit.rows > 0 ? fit.rows : fit.all;
 }
 
-// What a stream is and how large.
+// What values are and how many: an image of a stream, or whole rows of one.
 struct Raster {
   Stream stream = Stream::kNone;
   std::size_t width = 0;
   std::size_t height = 0;
+  std::size_t first_row = 0;
+  std::size_t image_height = 0;  // 0: they are the image
+  std::uint8_t scale = 0;        // 0 to 15: they stand for what is 1 << scale times as large
 
   Part part(Codec codec, std::size_t first, std::size_t pixels,
             std::size_t payload_bytes) const noexcept;
@@ -112,7 +116,11 @@ template <typename T>
 void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 
 // RVL, or raw where that is shorter: single tiles, or all of them where there would be more than
-// raw_tiles(). Needs the space of one part more than that.
+// raw_tiles(). Needs the space of one part more than that. try_: at most `most` tiles; false:
+// there would be more, the store is as it was.
+template <typename T>
+bool try_rvl_tiles(std::span<const T> values, const Raster& raster, std::size_t most,
+                   PartStore& store) noexcept;
 template <typename T>
 void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 

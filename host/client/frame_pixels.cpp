@@ -1,6 +1,7 @@
 #include "host/client/frame_pixels.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/rvl.h"
@@ -22,6 +23,25 @@ bool read(const wire::PacketView& tile, std::span<T> pixels) noexcept {
     return wire::rvl_decode<T>(tile.payload, pixels) == Status::kOk;
   }
   wire::get_pixels(tile.payload, pixels);
+  return true;
+}
+
+// Depth and width. false: also where a pixel is more than 16 bits hold.
+bool read_scaled(const wire::PacketView& tile, std::span<std::uint16_t> pixels) noexcept {
+  if (!read(tile, pixels)) {
+    return false;
+  }
+  const unsigned scale = wire::scale_of(tile.header);
+  if (scale == 0) {
+    return true;
+  }
+  const unsigned most = std::numeric_limits<std::uint16_t>::max() >> scale;
+  if (std::ranges::any_of(pixels, [most](std::uint16_t pixel) { return pixel > most; })) {
+    return false;
+  }
+  std::ranges::transform(pixels, pixels.begin(), [scale](std::uint16_t pixel) {
+    return static_cast<std::uint16_t>(pixel << scale);
+  });
   return true;
 }
 
@@ -95,9 +115,9 @@ bool FramePixels::decode(const wire::PacketView& tile, std::size_t first, std::s
   const std::size_t count = tile.header.pixel_count;
   switch (tile.header.stream) {
     case Stream::kDepth:
-      return read(tile, room(depth_, pixels, first, count));
+      return read_scaled(tile, room(depth_, pixels, first, count));
     case Stream::kWidth:
-      return read(tile, room(width_, pixels, first, count));
+      return read_scaled(tile, room(width_, pixels, first, count));
     case Stream::kSource:
       return decode_source(tile, first, pixels);
     case Stream::kDisparity:

@@ -39,6 +39,7 @@ STREAMS = {
     7: ("grey right", 1, (RAW8, RVL8)),
     8: ("cloud", 8, (POINTS,)),
 }
+SCALED = 1, 2  # streams
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
               " serial lost, serial full, settings unsaved, restart needed, flooded").split(", ")
 SEVERITIES = ("info", "minor", "major", "critical")
@@ -164,11 +165,21 @@ def pixels_of(header, payload):
         or header.first_row * header.width + header.first_column + header.pixel_count > header.width * header.height
     ):
         raise Refused("field")
+    scale = header.flags & 15
+    if scale and header.stream not in SCALED:
+        raise Refused("field")
     if header.codec in (RVL16, RVL8):
-        return rvl(payload, header.pixel_count, size)
+        payload = rvl(payload, header.pixel_count, size)
     if len(payload) != header.pixel_count * size:
         raise Refused("field")
-    return payload
+    return scaled(payload, scale) if scale else payload
+
+
+def scaled(pixels, scale):
+    values = [value << scale for (value,) in struct.iter_unpack("<H", pixels)]
+    if max(values) > 65535:
+        raise Refused("field")
+    return struct.pack(f"<{len(values)}H", *values)
 
 
 def groups_of(count):

@@ -16,9 +16,10 @@ inline constexpr std::size_t kHeaderFieldsBytes = 52;
 
 // Header: of every packet, before its payload.
 struct HeaderFields {
-  PacketType type = PacketType{};   // see "Types"
-  std::uint8_t flags = 0;           // none defined: sent as 0, ignored
-  Origin origin{};                  // origin
+  PacketType type = PacketType{};  // see "Types"
+  std::uint8_t flags = 0;  // bits 0 to 3: scale of a tile of depth or width (see "Tiles"), else 0.
+                           // Bits 4 to 7 are reserved
+  Origin origin{};         // origin
   Stream stream = Stream{};         // see "Streams"; 0 outside tiles
   Codec codec = Codec{};            // see "Streams"; 0 outside tiles
   Health health = Health{};         // summary of the sensor: 0 good, 1 degraded, 2 fault

@@ -5,7 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "firmware/wire/packetizer.h"
+#include "dsp/fusion/depth_map.h"
+#include "firmware/wire/packet.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
@@ -14,25 +15,6 @@ namespace stof::test {
 using Datagram = std::vector<std::byte>;
 
 inline constexpr wire::Origin kOrigin{.device_id = 0x0A0B0C0D, .session_id = 0x11223344};
-
-// Keeps what is sent; refuses the datagrams that `refuse` names (their number, from 0).
-class KeepingSink final : public wire::PacketSink {
- public:
-  Status send(std::span<const std::byte> datagram) noexcept override {
-    const std::size_t number = offered++;
-    if (number >= refuse_begin && number < refuse_end) {
-      return refusal;
-    }
-    sent.emplace_back(datagram.begin(), datagram.end());
-    return Status::kOk;
-  }
-
-  std::vector<Datagram> sent;
-  std::size_t offered = 0;
-  std::size_t refuse_begin = 0;
-  std::size_t refuse_end = 0;
-  Status refusal = Status::kWouldBlock;
-};
 
 // A depth map with its pixels: random, every value of every format possible. The rows of the views
 // have a gap, and the last one ends at an unreadable page.

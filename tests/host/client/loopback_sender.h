@@ -9,12 +9,12 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "firmware/wire/packetizer.h"
+#include "dsp/base/status.h"
 
 namespace stof::test {
 
 // Sends datagrams to a UDP port of this machine.
-class LoopbackSender final : public wire::PacketSink {
+class LoopbackSender {
  public:
   explicit LoopbackSender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
     sockaddr_in to{};
@@ -26,13 +26,13 @@ class LoopbackSender final : public wire::PacketSink {
     std::memcpy(&generic, &to, sizeof to);
     connected_ = fd_ >= 0 && connect(fd_, &generic, sizeof generic) == 0;
   }
-  ~LoopbackSender() override { close(fd_); }
+  ~LoopbackSender() { close(fd_); }
   LoopbackSender(const LoopbackSender&) = delete;
   LoopbackSender& operator=(const LoopbackSender&) = delete;
 
   bool connected() const { return connected_; }
 
-  Status send(std::span<const std::byte> datagram) noexcept override {
+  Status send(std::span<const std::byte> datagram) noexcept {
     const ssize_t sent = ::send(fd_, datagram.data(), datagram.size(), 0);
     return sent == static_cast<ssize_t>(datagram.size()) ? Status::kOk : Status::kDeviceError;
   }
