@@ -24,6 +24,7 @@ set(STOF_TEST_OPTIONS -O1)
 # stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
 # cases ctest runs one by one, through the emulator where the build is a cross build.
 # LABELS kernel: compares kernels with their references, and must fail where a wrong byte is planted.
+# LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu).
 function(stof_add_test)
   cmake_parse_arguments(ARG "" "NAME;LABELS" "SOURCES;LIBRARIES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)

@@ -112,7 +112,8 @@ constexpr std::array kBefore{
 };
 
 constexpr std::array kAfter{
-    stream<wire::Stream::kDepth>("depth", kMapCodings, "depth; fit: rounded where its interval is wide"),
+    stream<wire::Stream::kDepth>("depth", kMapCodings,
+                                 "depth; fit: rounded where its interval is wide"),
     stream<wire::Stream::kWidth>("width", kMapCodings, "width of the depth's interval"),
     stream<wire::Stream::kSource>("source", kCodings,
                                   "where each pixel's depth comes from, and why"),

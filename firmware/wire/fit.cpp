@@ -67,12 +67,11 @@ void fit_depth(std::span<const dsp::QuarterMm> depth, unsigned scale,
 
 void grow_width(std::span<const dsp::QuarterMm> depth, std::span<const dsp::QuarterMm> width,
                 unsigned scale, std::span<std::uint16_t> out) noexcept {
-  std::ranges::transform(
-      depth, width, out.begin(), [scale](dsp::QuarterMm d, dsp::QuarterMm w) {
-        const unsigned rounded = in_units(d, scale) << scale;
-        const unsigned moved = rounded > d ? rounded - d : d - rounded;
-        return static_cast<std::uint16_t>(w + 2 * moved);
-      });
+  std::ranges::transform(depth, width, out.begin(), [scale](dsp::QuarterMm d, dsp::QuarterMm w) {
+    const unsigned rounded = in_units(d, scale) << scale;
+    const unsigned moved = rounded > d ? rounded - d : d - rounded;
+    return static_cast<std::uint16_t>(w + 2 * moved);
+  });
 }
 
 void fit_width(std::span<std::uint16_t> width, unsigned scale) noexcept {

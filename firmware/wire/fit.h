@@ -16,7 +16,7 @@ inline constexpr int kFitRows = 8;  // of a band; the last one may have fewer
 inline constexpr int kMostFitScale = 5;
 // A step is at most this part of the intervals' widths, but for one pixel of kFitNarrow.
 inline constexpr unsigned kFitPart = 8;
-inline constexpr unsigned kFitNarrow = 128;
+inline constexpr unsigned kFitNarrow = 256;
 // Wider than this there is no room to grow by what rounding may move: 3 << kMostFitScale.
 inline constexpr unsigned kMostFitWidth = 65'535 - (3U << kMostFitScale);
 

@@ -93,7 +93,8 @@ void FrameCoder::add_source(const dsp::DepthMap& map, Coding coding) noexcept {
   add_tiles<std::uint8_t>(values, Stream::kSource, width, map.source.height(), coding);
 }
 
-void FrameCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoice& choice) noexcept {
+void FrameCoder::add_depth_and_width(const dsp::DepthMap& map,
+                                     const StreamChoice& choice) noexcept {
   const Coding depth = choice.of(Stream::kDepth);
   const Coding width = choice.of(Stream::kWidth);
   const bool fit = depth == Coding::kFit || width == Coding::kFit;
@@ -116,9 +117,8 @@ void FrameCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoic
   }
   Raster widths = raster;
   widths.stream = Stream::kWidth;
-  const Rounding rounding{.stream = Stream::kWidth,
-                          .depth = depth == Coding::kFit,
-                          .scaled = width == Coding::kFit};
+  const Rounding rounding{
+      .stream = Stream::kWidth, .depth = depth == Coding::kFit, .scaled = width == Coding::kFit};
   if (rounding.scaled) {
     add_scaled_tiles(rounded(map, rounding), widths);
   } else if (width != Coding::kOff) {

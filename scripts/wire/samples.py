@@ -89,7 +89,7 @@ def messages():
         if kind == wire.PacketType.SETTINGS_REQUEST:
             payload += b'{"streams":{"depth":"rvl"}}'
         if kind == wire.PacketType.SETTINGS_ANSWER:
-            payload += b"streams.depth: takes off, raw or rvl"
+            payload += b"streams.depth: takes off, raw, rvl or fit"
         if kind == wire.PacketType.FRAME_INFO:
             payload = wire.FrameInfo(tiles=(1, 1, 1, 0, 0, 0, 0, 0), pmd_present=1).pack()
         if kind == wire.PacketType.CALIBRATION:

@@ -59,8 +59,12 @@ def reassembler():
              "lost_and_recovered": records([coded[0], coded[2], coded[3], parity]),
              "parity_first": records([parity, coded[3], coded[0], coded[1]]),
              "twice": records(raw + raw), "incomplete": records(raw[:2])}
+    values = [0, 5, 0, 0, 200, 201, 1, 0]
+    seeds["scaled"] = records([samples.tile(1, 3, samples.rvl(values, 16), 0, 3, flags=5),
+                               samples.tile(2, 1, struct.pack("<8H", *values), 1, 3, flags=15),
+                               samples.tile(3, 2, bytes(8), 2, 3, flags=1)])
     kinds = {4: (3, 16), 5: (3, 16), 6: (4, 8), 7: (4, 8)}
-    parts = [samples.tile(stream, codec, samples.rvl([0, 5, 0, 0, 200, 201, 1, 0], bits), i, 5)
+    parts = [samples.tile(stream, codec, samples.rvl(values, bits), i, 5)
              for i, (stream, (codec, bits)) in enumerate(kinds.items())]
     parts.append(samples.tile(8, 5, struct.pack("<hhHH", -5, 5, 4000, 4) * 8, 4, 5))
     seeds["other_streams"] = records(parts)

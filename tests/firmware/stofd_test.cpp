@@ -102,7 +102,7 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
   expect_refused({"--shape", "region", "--method", "sgm"}, "method wta");
   expect_refused({"--period-ms", "-1"}, "--period-ms");
   expect_refused({"--set", "streams.depth"}, "PATH=VALUE");
-  expect_refused({"--set", "streams.depth=zip"}, "off, raw or rvl");
+  expect_refused({"--set", "streams.depth=zip"}, "off, raw, rvl or fit");
   expect_refused({"--set", "moon=1"}, "moon");
   expect_refused({"--port", "65536"}, "--port");
   expect_refused({"--to", "nowhere"}, "nowhere");

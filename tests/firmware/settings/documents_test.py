@@ -100,7 +100,7 @@ class Documents(unittest.TestCase):
         """On every field with many values. Of the matcher's options the schema knows only types; it counts letters
         where the parser counts bytes."""
         schema = json.loads(ask("schema"))
-        values = [True, False, None, "", "a", "off", "on", "raw", "rvl", "fast", "preset", "/dev/ttyS0", "/dev/", "/etc/x",
+        values = [True, False, None, "", "a", "off", "on", "raw", "rvl", "fit", "fast", "preset", "/dev/ttyS0", "/dev/", "/etc/x",
                   "/dev/../x", "x" * 31, "x" * 32, "/dev/" + "x" * 58, "/dev/" + "x" * 59, "back\\slash", "quo\"te",
                   "tab\t", "K\u00fcche", [], {}, {"a": 1}, 1.5, 1e300, 10**30, -1, 0, 1]
         cases = []

@@ -212,7 +212,7 @@ TEST(Fields, RefuseWhatIsNoneOfTheirValues) {
 
 TEST(Fields, SayWhatTheyTake) {
   EXPECT_EQ(refusal(R"({"streams": {"depth": "foo"}})"),
-            "streams.depth: takes off, raw or rvl, not \"foo\"");
+            "streams.depth: takes off, raw, rvl or fit, not \"foo\"");
   EXPECT_EQ(refusal(R"({"serial": {"baud": 100}})"),
             "serial.baud: takes 57600 to 12000000, not 100");
   EXPECT_EQ(refusal(R"({"depth": {"guided": "yes"}})"),
@@ -232,7 +232,7 @@ TEST(Fields, SayWhatTheyTake) {
             "\"depth.colour\": there is no such setting");
   Settings settings;
   EXPECT_EQ(apply_assignment(settings, "streams.depth=foo"),
-            "streams.depth: takes off, raw or rvl, not \"foo\"");
+            "streams.depth: takes off, raw, rvl or fit, not \"foo\"");
   EXPECT_EQ(apply_assignment(settings, "streams.depth"),
             "\"streams.depth\": write SETTING=VALUE, such as streams.depth=raw");
   EXPECT_EQ(settings, Settings{});

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/wire/frame_coder.h"
 #include "firmware/wire/rvl.h"
 #include "firmware/wire/tiles.h"
 #include "tests/firmware/wire/corridor_frame.h"
@@ -56,6 +57,31 @@ TEST(CorridorTest, RvlMakesDepthSmallAndRestartsCostLittle) {
   RecordProperty("restarts", std::to_string(restarts));
   EXPECT_GE(ratio, 2.0);  // 2.05: steps of the disparity and the noise of the PMD take most of it
   EXPECT_LT(restarts, 1.01);
+}
+
+std::size_t payloads(std::span<const std::span<const std::byte>> datagrams, Stream stream) {
+  std::size_t bytes = 0;
+  for (const std::span<const std::byte> datagram : datagrams) {
+    const PacketView packet = parse_packet(datagram).value();
+    bytes += packet.header.stream == stream ? packet.payload.size() : 0;
+  }
+  return bytes;
+}
+
+TEST(CorridorTest, RoundedDepthAndWidthAreAThird) {
+  test::CorridorFrame frame;
+  test::CoderInMemory memory({}, frame.sizes(), {.fx = 65'536, .fy = 65'536});
+  StreamChoice choice;
+  choice.of(Stream::kDepth) = Coding::kFit;
+  choice.of(Stream::kWidth) = Coding::kFit;
+  const auto datagrams = memory.coder().code({}, {}, frame.images(), choice).value();
+  const auto ratio = [&datagrams](Stream stream) {
+    return 2.0 * 640 * 480 / static_cast<double>(payloads(datagrams, stream));
+  };
+  RecordProperty("depth", std::to_string(ratio(Stream::kDepth)));
+  RecordProperty("width", std::to_string(ratio(Stream::kWidth)));
+  EXPECT_GE(ratio(Stream::kDepth), 2.9);  // 3.09
+  EXPECT_GE(ratio(Stream::kWidth), 2.6);
 }
 
 }  // namespace

@@ -230,6 +230,30 @@ TEST(Tile, IsConsistentExactlyWhenItLiesInItsImage) {
   }
 }
 
+TEST(Tile, OnlyDepthAndWidthHaveAScale) {
+  const std::vector<std::byte> payload(8);
+  for (const auto& [stream, codec, allowed] : {std::tuple{Stream::kDepth, Codec::kRaw16, true},
+                                               {Stream::kDepth, Codec::kRvl16, true},
+                                               {Stream::kWidth, Codec::kRaw16, true},
+                                               {Stream::kWidth, Codec::kRvl16, true},
+                                               {Stream::kSource, Codec::kRaw8, false},
+                                               {Stream::kSource, Codec::kRvl8, false},
+                                               {Stream::kDisparity, Codec::kRaw16, false},
+                                               {Stream::kPmdRaw, Codec::kRvl16, false},
+                                               {Stream::kGreyLeft, Codec::kRaw8, false},
+                                               {Stream::kCloud, Codec::kPoints, false}}) {
+    const std::size_t bytes = raw_pixel_bytes(codec) == 0 ? 8 : raw_pixel_bytes(codec);
+    PacketView packet{
+        .header = {.stream = stream, .codec = codec, .image_width = 1, .image_height = 1},
+        .payload = std::span(payload).first(bytes)};
+    packet.header.pixel_count = 1;
+    for (unsigned flags = 0; flags < 256; ++flags) {  // bits 4 to 7 are ignored
+      packet.header.flags = static_cast<std::uint8_t>(flags);
+      EXPECT_EQ(consistent_tile(packet), allowed || flags % 16 == 0) << flags;
+    }
+  }
+}
+
 TEST(Tile, StatesAtTheEndsOfTheirRangesDoNotWrap) {
   const std::vector<std::byte> payload(kMaxPayload);
   PacketView packet{.header = {.stream = Stream::kSource,

@@ -68,6 +68,56 @@ TEST(Streams, AllEightArrivePixelForPixel) {
   }
 }
 
+TEST(Streams, RoundedDepthAndWidthArriveAsTheyWereSent) {
+  Reassembler reassembler;
+  const std::optional<Frame> frame = push_all(
+      reassembler, told_datagrams(frame_spec(7), {}, test::every_stream(Coding::kFit, false, 8)));
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->complete());
+  for (int y = 0; y < 48; ++y) {
+    for (int x = 0; x < 64; ++x) {
+      const auto place = static_cast<std::size_t>(64 * y + x);
+      const std::uint16_t depth = test::told16(7, place, 4);
+      ASSERT_EQ(frame->depth.at(x, y), test::fit_depth_of(depth));
+      ASSERT_EQ(frame->width.at(x, y), test::fit_width_of(depth, test::told16(7, place, 1)));
+    }
+  }
+  EXPECT_EQ(judge(*frame).wrong, 2 * kMapPixels - 2 * 48);  // all others: one of 32 is a multiple
+}
+
+// A tile of one pixel.
+std::uint64_t bad_fields(Stream stream, std::uint8_t scale, std::uint16_t value) {
+  const bool byte = stream == Stream::kSource;
+  wire::DatagramBuffer buffer{};
+  wire::put_u16(wire::payload_space(buffer).first<2>(), value);
+  const std::span<const std::byte> packet =
+      wire::seal_packet({.flags = scale,
+                         .origin = test::kOrigin,
+                         .frame = {.number = 1, .freshness = 1},
+                         .stream = stream,
+                         .codec = byte ? wire::Codec::kRaw8 : wire::Codec::kRaw16,
+                         .image_width = 1,
+                         .image_height = 1,
+                         .pixel_count = 1},
+                        byte ? 1 : 2, buffer);
+  Reassembler reassembler;
+  reassembler.push(packet, kStart);
+  return reassembler.statistics().bad_field;
+}
+
+TEST(Streams, AScaleThatDoesNotFitIsRefused) {
+  for (const Stream stream : {Stream::kDepth, Stream::kWidth}) {
+    EXPECT_EQ(bad_fields(stream, 5, 2047), 0U);
+    EXPECT_EQ(bad_fields(stream, 5, 2048), 1U);
+    EXPECT_EQ(bad_fields(stream, 15, 1), 0U);
+    EXPECT_EQ(bad_fields(stream, 15, 2), 1U);
+  }
+  EXPECT_EQ(bad_fields(Stream::kSource, 0, 1), 0U);
+  EXPECT_EQ(bad_fields(Stream::kSource, 1, 1), 1U);
+  EXPECT_EQ(bad_fields(Stream::kDisparity, 0, 1), 0U);
+  EXPECT_EQ(bad_fields(Stream::kDisparity, 1, 1), 1U);
+}
+
 TEST(Streams, TheCloudIsThatOfItsFrame) {
   Reassembler reassembler;
   const ToldSizes sizes{.width = 61, .height = 45};  // the last blocks are cut

@@ -1,8 +1,9 @@
-// Sends frames of all eight streams, raw and coded in turn, to a port of this machine, their
-// packets shuffled and among damaged, doubled and foreign ones; one of each frame is lost, and
-// parity makes it good. Prints what a receiver must see:
+// Sends frames of all eight streams, raw, coded and rounded in turn, to a port of this machine,
+// their packets shuffled and among damaged, doubled and foreign ones; one of each frame is lost,
+// and parity makes it good. Prints what a receiver must see:
 //   wire_test_sender PORT FRAMES
 // After each frame it waits for a line on stdin: nothing depends on speed.
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdio>
@@ -55,7 +56,8 @@ std::vector<Datagram> lossy(std::vector<Datagram> packets, std::uint16_t parts, 
 
 bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
   const FrameSpec spec{.number = kFirstNumber + frame, .freshness = 1 + frame};
-  const wire::Coding coding = frame % 2 == 0 ? wire::Coding::kRvl : wire::Coding::kRaw;
+  constexpr std::array kCodings{wire::Coding::kRvl, wire::Coding::kRaw, wire::Coding::kFit};
+  const wire::Coding coding = kCodings[frame % kCodings.size()];
   std::vector<Datagram> packets =
       told_datagrams(spec, kSizes, every_stream(coding, true, kSizes.cloud_step));
   const std::uint16_t parts = wire::parse_packet(packets.front())->header.count;
@@ -71,7 +73,7 @@ bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
   }
   std::printf("frame %u %dx%d packets %u/%u recovered 1 crc %08x\n", spec.number, kSizes.width,
               kSizes.height, unsigned{parts}, unsigned{parts},
-              wire::crc32c(ToldFrame(spec.number, kSizes).bytes()));
+              wire::crc32c(ToldFrame(spec.number, kSizes).bytes(coding == wire::Coding::kFit)));
   std::fflush(stdout);
   return std::getchar() != EOF;
 }

@@ -46,6 +46,15 @@ inline wire::StreamChoice every_stream(wire::Coding coding, bool parity, int clo
   return choice;
 }
 
+// What kFit makes of pixels as above: their widths are 1,000 and more, which gives steps of 32.
+constexpr dsp::QuarterMm fit_depth_of(dsp::QuarterMm depth) noexcept {
+  return static_cast<dsp::QuarterMm>((depth + 16) / 32 * 32);
+}
+constexpr dsp::QuarterMm fit_width_of(dsp::QuarterMm depth, dsp::QuarterMm width) noexcept {
+  const int moved = std::abs(fit_depth_of(depth) - depth);
+  return static_cast<dsp::QuarterMm>((width + 2 * moved + 31) / 32 * 32);
+}
+
 // The pixels of one frame as they are sent.
 class ToldFrame {
  public:
@@ -91,16 +100,21 @@ class ToldFrame {
     return images;
   }
 
-  // All streams in the order of their numbers, each as docs/WIRE.md says that it travels when raw.
-  std::vector<std::byte> bytes() const {
+  // All streams in the order of their numbers, each as docs/WIRE.md says that it travels when raw;
+  // or depth and width as they are after kFit.
+  std::vector<std::byte> bytes(bool fit = false) const {
     std::vector<std::byte> out;
     const auto add8 = [&out](unsigned value) { out.push_back(static_cast<std::byte>(value)); };
     const auto add16 = [&add8](unsigned value) {
       add8(value % 256);
       add8(value / 256 % 256);
     };
-    std::ranges::for_each(depth_, add16);
-    std::ranges::for_each(width_, add16);
+    for (const dsp::QuarterMm depth : depth_) {
+      add16(fit ? fit_depth_of(depth) : depth);
+    }
+    for (std::size_t i = 0; i < width_.size(); ++i) {
+      add16(fit ? fit_width_of(depth_[i], width_[i]) : width_[i]);
+    }
     for (std::size_t i = 0; i < source_.size(); ++i) {
       add8(static_cast<unsigned>(source_[i]) + 16 * static_cast<unsigned>(cause_[i]));
     }

@@ -94,9 +94,9 @@ TEST_F(ConfigTest, SetsValuesOfEveryType) {
 }
 
 TEST_F(ConfigTest, RefusalsOfTheSensorAreTheLine) {
-  EXPECT_EQ(
-      refusal({"set", "name=a", "streams.depth=foo"}),
-      std::pair(std::string("streams.depth: takes off, raw or rvl, not \"foo\""), Exit::kBadInput));
+  EXPECT_EQ(refusal({"set", "name=a", "streams.depth=foo"}),
+            std::pair(std::string("streams.depth: takes off, raw, rvl or fit, not \"foo\""),
+                      Exit::kBadInput));
   EXPECT_EQ(refusal({"set", "depth.disparities=200"}).second, Exit::kBadInput);
   EXPECT_EQ(refusal({"preset", "sea"}).first,
             "preset: takes indoor, outdoor, near, fast or quality");

@@ -76,6 +76,26 @@ class ReceiverTest(unittest.TestCase):
                 frames = receiver.Receiver().push(samples.tile(stream, codec, payload, 0, 1))
                 self.assertEqual(bytes(frames[0].images[stream][2]), pixels)
 
+    def test_depth_and_width_have_a_scale_and_nothing_else_has(self):
+        for stream, (_, size, codecs) in receiver.STREAMS.items():
+            for codec in codecs:
+                with self.subTest(stream=stream, codec=codec):
+                    values = [0, 1, 2, 3, 0, 100, 2047, 7] if size == 2 else [1] * 8
+                    payload = struct.pack("<8H", *values) if size == 2 else bytes(8 * size)
+                    if codec in (receiver.RVL16, receiver.RVL8):
+                        payload = samples.rvl(values, 8 * size)
+                    taker = receiver.Receiver()
+                    frames = taker.push(samples.tile(stream, codec, payload, 0, 1, flags=0xA5))
+                    if stream in (1, 2):
+                        expected = struct.pack("<8H", *(32 * value for value in values))
+                        self.assertEqual(bytes(frames[0].images[stream][2]), expected)
+                    else:
+                        self.assertEqual((frames, taker.refused), ([], {"field": 1}))
+        for flags, refused in ((5, {}), (6, {"field": 1})):
+            taker = receiver.Receiver()
+            taker.push(samples.tile(1, 1, struct.pack("<8H", *[1023] * 7, 1024), 0, 1, flags=flags))
+            self.assertEqual(taker.refused, refused)
+
     def test_the_documents_decoder_agrees(self):
         text = (ROOT / "docs/WIRE.md").read_text(encoding="utf-8")
         names = {"struct": struct}
