@@ -12,6 +12,10 @@ namespace {
 constexpr std::uint32_t kSilentEdges = 3;
 // The loop is in time again after so many edges in time.
 constexpr std::uint32_t kInTimeEdges = 32;
+// An edge that was late because of a prompt frame is forgotten after so many that were not.
+constexpr int kOverrunWeight = 16;
+constexpr hal::Duration kLeastPatience = std::chrono::seconds(2);
+constexpr hal::Duration kMostPatience = std::chrono::minutes(1);
 // A shot this many periods old is not news any more.
 constexpr int kExpiredPeriods = 3;
 
@@ -80,6 +84,9 @@ void Loop::restart(const board::TimingConfig& timing) noexcept {
   timing_ = timing;
   next_ = std::max(next_, board_.clock.now());
   prompt_ = false;
+  prompt_again_ = {};
+  patience_ = {};
+  fetch_cost_ = {};
   search_cost_ = {};
   other_cost_ = {};
   pipeline_.forget_match();
@@ -146,31 +153,39 @@ Status Loop::publish_held() noexcept {
     const hal::Duration published = board_.clock.now() - computed;
     pipeline_.watch();
     count_stages(output.stats, published, events_.counters);
-    learn(output.stats);
+    learn(output.stats, held_->edge);
   }
   pipeline_.forget_match();
   held_.reset();  // its slots go home
   return sent;
 }
 
-void Loop::learn(const Stats& stats) noexcept {
-  // A frame that cost more counts at once, one that cost less by and by.
-  const auto follow = [](hal::Duration& cost, hal::Duration now) {
-    cost = std::max(now, cost - (cost - now) / 16);
-  };
+void Loop::learn(const Stats& stats, hal::Time edge) noexcept {
   const StreamTimes& stream = stream_.times();
   follow(search_cost_, stats.match);
   follow(other_cost_, stats.convert + stats.fuse + stats.watch + stream.code + stream.send);
-  hal::Duration collected = timing_.stereo_exposure;
-  if (pipeline_.may_match_first()) {
-    collected += search_cost_;
+  const hal::Time now = board_.clock.now();
+  if (!prompt_) {
+    const bool overlaps = pipeline_.may_match_first();
+    hal::Duration collected =
+        timing_.stereo_exposure + fetch_cost_ + (overlaps ? search_cost_ : hal::Duration{});
+    if (board_.pmd != nullptr) {
+      collected = std::max(collected, timing_.pmd_integration);
+    }
+    collected += overlaps ? hal::Duration{} : search_cost_;
+    prompt_ = collected + other_cost_ <= timing_.period * 15 / 16 && now >= prompt_again_;
+    overruns_ = 0;
+    return;
   }
-  if (board_.pmd != nullptr) {
-    collected = std::max(collected, timing_.pmd_integration);
+  const bool overrun = now - stream.waited - edge > timing_.period;
+  overruns_ = overrun ? overruns_ + kOverrunWeight : std::max(0, overruns_ - 1);
+  if (overruns_ >= 3 * kOverrunWeight) {
+    prompt_ = false;
+    patience_ = std::clamp(2 * patience_, kLeastPatience, kMostPatience);
+    prompt_again_ = now + patience_;
+  } else if (now - prompt_again_ > kMostPatience) {
+    patience_ = {};
   }
-  const hal::Duration done =
-      collected + other_cost_ + (pipeline_.may_match_first() ? hal::Duration{} : search_cost_);
-  prompt_ = done <= timing_.period * (prompt_ ? 7 : 6) / 8;
 }
 
 void Loop::note(const Event& event) noexcept {

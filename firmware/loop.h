@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,14 +25,20 @@ constexpr Status first_lost(Status a, Status b) noexcept {
   return a == Status::kDeviceLost ? a : b;
 }
 
+// A cost that counts at once where it is more than before, by and by where it is less.
+constexpr void follow(hal::Duration& cost, hal::Duration now) noexcept {
+  cost = std::max(now, cost - (cost - now) / 16);
+}
+
 // Empty, or why edges of this timing cannot be told apart or cameras cannot follow.
 const char* problem(const board::TimingConfig& timing) noexcept;
 
 // The one loop. Where a frame can be computed before the next edge, it pulses the trigger for n,
 // searches while the PMD camera still integrates, collects, fuses and publishes n: the last packet
 // leaves before the next edge. Where the computer is too slow for that, it pulses for n + 1,
-// computes and publishes n, and collects n + 1: a period later, at the same rate. It goes by what
-// the last frames have cost.
+// computes and publishes n, and collects n + 1: a period later, at the same rate. What the
+// last frames have cost says when that is worth trying; where it fails several times, it is tried
+// again after a while, then after a longer one.
 //
 // Edges lie on a fixed grid, the first at once. A loop that comes later than an eighth of a period
 // skips to the next point of the grid, and no edge follows another sooner than 7/8 of a period.
@@ -60,8 +67,8 @@ class Loop {
   void wait_for_grid() noexcept;
   Result<hal::Time> pulse() noexcept;
   Status publish_held() noexcept;
-  // What frames cost, and whether the next can be out before its next edge.
-  void learn(const Stats& stats) noexcept;
+  // What this frame cost, and whether the next can be out before its next edge.
+  void learn(const Stats& stats, hal::Time edge) noexcept;
   Status collect(hal::Time edge) noexcept;
   Status collect_stereo(hal::Time edge, std::optional<StereoLease>& found) noexcept;
   Status collect_pmd(hal::Time edge) noexcept;
@@ -94,10 +101,14 @@ class Loop {
   bool publishing_ = false;
   std::uint32_t edges_in_time_ = 0;  // since the loop was late, as far as that matters
   std::array<bool, kParts> lost_{};
-  bool unreachable_ = false;     // no receiver
-  bool prompt_ = false;          // frames go out before their next edge
-  hal::Duration search_cost_{};  // of the costlier of the last frames
-  hal::Duration other_cost_{};   // conversion, fusion, coding, sending, watching
+  bool unreachable_ = false;    // no receiver
+  bool prompt_ = false;         // frames go out before their next edge
+  hal::Duration fetch_cost_{};  // of the costlier of the last frames: from the cameras' drivers
+  hal::Duration search_cost_{};
+  hal::Duration other_cost_{};  // conversion, fusion, coding, sending, watching
+  int overruns_ = 0;            // of late, being prompt: each counts for some frames
+  hal::Time prompt_again_{};    // not before, after it has failed
+  hal::Duration patience_{};    // until then
 };
 
 }  // namespace stof::firmware

@@ -14,6 +14,7 @@ constexpr int kMaxFramesPerEdge = 16;
 
 Status Loop::collect(hal::Time edge) noexcept {
   remember(edge);
+  const hal::Time start = board_.clock.now();
   std::optional<StereoLease> stereo;
   const Status stereo_status = collect_stereo(edge, stereo);
   if (prompt_ && stereo && pipeline_.may_match_first()) {
@@ -22,6 +23,9 @@ Status Loop::collect(hal::Time edge) noexcept {
   // Also without a stereo frame: what the PMD camera has must not wait for the next edge.
   const Status pmd_status = board_.pmd == nullptr ? Status::kOk : collect_pmd(edge);
   const bool pmd_good = board_.pmd == nullptr || pmd_usable(edge);
+  if (start - edge > std::max(timing_.stereo_exposure, timing_.pmd_integration)) {
+    follow(fetch_cost_, board_.clock.now() - start);  // all of it waited already
+  }
   if (stereo && pmd_good) {
     hold(edge, std::move(*stereo));
     paired(true, Part::kLoop, Status::kOk);

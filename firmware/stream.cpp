@@ -74,6 +74,7 @@ Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest)
     side_->frame(stamp_, info, output.map);
   }
   Status status = Status::kOk;
+  times_ = {};
   if (receiver_count_ > 0) {
     if (!calibration_due_ || clock_.now() >= *calibration_due_) {
       calibration_due_ = clock_.now() + kCalibrationInterval;
@@ -102,14 +103,15 @@ Status Stream::send_paced(Datagrams datagrams, hal::Time latest) noexcept {
   const hal::Duration budget = std::max(latest - start, hal::Duration::zero());
   const std::size_t burst = budget > hal::Duration::zero() ? kBurst : datagrams.size();
   Status status = Status::kOk;
-  times_.send = {};
   for (std::size_t at = 0; at < datagrams.size(); at += burst) {
     const hal::Time due = start + budget * static_cast<std::int64_t>(at) /
                                       static_cast<std::int64_t>(datagrams.size());
-    if (due > clock_.now()) {
+    const hal::Time ready = clock_.now();
+    if (due > ready) {
       clock_.wait_until(due);
     }
     const hal::Time begin = clock_.now();
+    times_.waited += begin - ready;
     const Status sent = send(datagrams.subspan(at, std::min(burst, datagrams.size() - at)));
     times_.send += clock_.now() - begin;
     status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;

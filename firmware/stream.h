@@ -35,10 +35,11 @@ struct StreamParams {
   std::uint32_t revision = 0;  // of the settings
 };
 
-// What a frame's way out took, without the waits of pacing.
+// What a frame's way out took.
 struct StreamTimes {
   hal::Duration code{};
-  hal::Duration send{};
+  hal::Duration send{};    // without the waits of pacing
+  hal::Duration waited{};  // these
 };
 
 // A second way out, for the loop's thread: the serial line. Takes what it has room for.

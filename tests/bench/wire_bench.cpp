@@ -9,6 +9,7 @@
 
 #include "dsp/fusion/decimate.h"
 #include "firmware/wire/crc32c.h"
+#include "firmware/wire/fit.h"
 #include "firmware/wire/frame_coder.h"
 #include "firmware/wire/rvl.h"
 #include "tests/firmware/wire/corridor_frame.h"
@@ -85,6 +86,30 @@ void measure(test::CorridorFrame& frame, FrameCoder& coder, const char* name,
               sent.size(), bytes, code_ms, decode_ms, crc_ms, pixels + sum == 0 ? "." : "");
 }
 
+// What rounding costs: the sum of all widths, and those of pixels that it hurts.
+void print_growth(const dsp::DepthMap& map) {
+  std::vector<std::uint16_t> grown(static_cast<std::size_t>(map.width.width()));
+  double before = 0.0;
+  double after = 0.0;
+  int pixels = 0;
+  int quarter = 0;
+  for (int y = 0; y < map.depth.height(); ++y) {
+    const unsigned scale = fit_scale(map, y / kFitRows * kFitRows);
+    grow_width(map.depth.row(y), map.width.row(y), scale, grown);
+    fit_width(grown, scale);
+    for (std::size_t x = 0; x < grown.size(); ++x) {
+      const int width = map.width.row(y)[x];
+      const int rounded = grown[x] << scale;
+      before += width;
+      after += rounded;
+      pixels += map.depth.row(y)[x] != dsp::kNoDepth ? 1 : 0;
+      quarter += 4 * (rounded - width) > width ? 1 : 0;
+    }
+  }
+  std::printf("fit: widths grow by %.2f %%, of %.3f %% of the pixels by more than a quarter\n",
+              100.0 * (after / before - 1.0), 100.0 * quarter / pixels);
+}
+
 StreamChoice only(Stream stream, Coding coding) {
   StreamChoice choice;
   choice.of(stream) = coding;
@@ -121,6 +146,7 @@ void run(const char* preset) {
   measure(frame, coder, "depth, width, source", usual(Coding::kRvl, false));
   measure(frame, coder, "the same with parity", usual(Coding::kRvl, true));
   measure(frame, coder, "the same raw", usual(Coding::kRaw, false));
+  print_growth(frame.images().map);
   std::vector<dsp::QuarterMm> small(2 * 160 * 120);
   const dsp::ImageView<dsp::QuarterMm> depth(small.data(), 160, 120);
   const dsp::ImageView<dsp::QuarterMm> width(small.data() + 160 * 120, 160, 120);

@@ -152,9 +152,11 @@ StreamChoice choice_of(Coding depth, Coding width) {
 }
 
 void expect_scales(const dsp::DepthMap& map, const Sent& sent) {
-  for (std::size_t i = 0; i < sent.scales.size(); ++i) {
-    const int row = static_cast<int>(i) / map.depth.width();
-    ASSERT_EQ(sent.scales[i], fit_scale(map, row / kFitRows * kFitRows)) << "row " << row;
+  const auto columns = static_cast<std::size_t>(map.depth.width());
+  for (int y = 0; y < map.depth.height(); ++y) {
+    const std::uint16_t scale = fit_scale(map, y / kFitRows * kFitRows);
+    const auto row = std::span(sent.scales).subspan(static_cast<std::size_t>(y) * columns, columns);
+    ASSERT_TRUE(std::ranges::all_of(row, [scale](auto sent) { return sent == scale; })) << y;
   }
 }
 
