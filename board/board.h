@@ -16,8 +16,8 @@
 #include "hal/network.h"
 #include "hal/pmd_camera.h"
 #include "hal/serial_port.h"
-#include "hal/store.h"
 #include "hal/stereo_camera.h"
+#include "hal/store.h"
 #include "hal/time.h"
 #include "hal/trigger.h"
 

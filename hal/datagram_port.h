@@ -41,8 +41,8 @@ class DatagramPort {
   virtual Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
                       std::size_t& sent) noexcept = 0;
 
-  // The next datagram, its first space.size() bytes: `bytes` is its whole length, which may be more.
-  // Blocks for `timeout` at most; 0 only looks. kTimeout, kDeviceLost.
+  // The next datagram, its first space.size() bytes: `bytes` is its whole length, which may be
+  // more. Blocks for `timeout` at most; 0 only looks. kTimeout, kDeviceLost.
   virtual Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept = 0;
 
   // Datagrams that found the receive queue full, since it was opened.

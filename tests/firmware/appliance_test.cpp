@@ -24,14 +24,14 @@ struct Memory4Test {
 };
 
 Plan small_plan() {
-  return {.setup = small_setup(true),
-          .timing = timing(),
-          .stream = {.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw,
-                                           wire::Coding::kRaw}},
-                     .pace_percent = 60,
-                     .period = timing().period,
-                     .revision = 1},
-          .serial = {}};
+  return {
+      .setup = small_setup(true),
+      .timing = timing(),
+      .stream = {.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}},
+                 .pace_percent = 60,
+                 .period = timing().period,
+                 .revision = 1},
+      .serial = {}};
 }
 
 // The appliance in the place of the rig's own loop.

@@ -19,9 +19,9 @@
 #include "firmware/pipeline.h"
 #include "firmware/stream.h"
 #include "hal/emu/clock.h"
+#include "hal/emu/datagram_port.h"
 #include "hal/emu/faults.h"
 #include "hal/emu/imagery.h"
-#include "hal/emu/datagram_port.h"
 #include "hal/emu/pmd_camera.h"
 #include "hal/emu/stereo_camera.h"
 #include "hal/emu/trigger.h"
@@ -115,8 +115,7 @@ struct RigOptions {
   board::TimingConfig timing = test::timing();
   bool with_pmd = true;
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
-  wire::StreamChoice choice{
-      .coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
+  wire::StreamChoice choice{.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
 };
 
 Setup small_setup(bool with_pmd);
@@ -155,8 +154,7 @@ struct Received {
   std::size_t packets = 0;
 
   bool complete() const {
-    return packets ==
-           std::size_t{1} + info.tiles[0] + info.tiles[1] + info.tiles[2];
+    return packets == std::size_t{1} + info.tiles[0] + info.tiles[1] + info.tiles[2];
   }
   std::size_t count(dsp::Source which) const;
   // The median of the pixels that both sensors saw, in metres; 0 without any.

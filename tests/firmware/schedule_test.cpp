@@ -136,13 +136,13 @@ TEST(Schedule, PacketsAreSpreadOverTheirShareOfThePeriod) {
                                    wire::Coding::kRaw, wire::Coding::kRaw},
                         .cloud_step = 2}});
     clock = &rig.clock;
-    rig.stream.set_params({.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw,
-                                                 wire::Coding::kRaw, wire::Coding::kRaw,
-                                                 wire::Coding::kRaw, wire::Coding::kRaw,
-                                                 wire::Coding::kRaw, wire::Coding::kRaw},
-                                      .cloud_step = 2},
-                           .pace_percent = percent,
-                           .period = kPeriod});
+    rig.stream.set_params(
+        {.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw,
+                               wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw,
+                               wire::Coding::kRaw, wire::Coding::kRaw},
+                    .cloud_step = 2},
+         .pace_percent = percent,
+         .period = kPeriod});
     for (int i = 0; i < 4; ++i) {
       port.times.clear();
       static_cast<void>(rig.loop.step());
