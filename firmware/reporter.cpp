@@ -14,11 +14,6 @@ constexpr std::size_t index_of(wire::Condition condition) noexcept {
   return static_cast<std::size_t>(condition);
 }
 
-std::uint32_t microseconds(hal::Duration time) noexcept {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
-  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, 0xFFFF'FFFF));
-}
-
 std::uint64_t refused(const wire::ControlCounters& control) noexcept {
   return control.truncated + control.bad_magic + control.bad_version + control.bad_length +
          control.bad_crc + control.bad_field + control.not_control + control.foreign +
@@ -46,6 +41,11 @@ std::optional<wire::Condition> lost(Part part) noexcept {
 }
 
 }  // namespace
+
+std::uint32_t microseconds(hal::Duration time) noexcept {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, 0xFFFF'FFFF));
+}
 
 void Reporter::observe(const Event& event) noexcept {
   switch (event.kind) {

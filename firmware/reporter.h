@@ -82,7 +82,8 @@ class Reporter {
   std::uint64_t refused_ = 0;
 };
 
-// Datagrams and frames that did not belong to one edge.
+// As they travel; held to 0 .. 2^32 - 1.
+std::uint32_t microseconds(hal::Duration time) noexcept;
 wire::LoopCounters loop_counters(const Counters& counters) noexcept;
 
 }  // namespace stof::firmware

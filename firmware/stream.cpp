@@ -16,11 +16,6 @@ constexpr hal::Duration kCalibrationInterval = std::chrono::seconds(1);
 // Datagrams that go to one receiver at once: its socket holds a fraction of a frame only.
 constexpr std::size_t kBurst = 8;
 
-std::uint32_t microseconds(hal::Duration time) noexcept {
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
-  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, 0xFFFF'FFFF));
-}
-
 wire::FrameImages images_of(const Shot& shot, const Output& output) noexcept {
   wire::FrameImages images{.map = output.map,
                            .disparity = output.stereo.disparity,

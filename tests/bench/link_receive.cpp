@@ -45,8 +45,10 @@ class Meter {
                                                     frame.stamp.exposure_middle_ns));
     if (frame.info) {
       ++infos_;
-      code_us_ += frame.info->stage_us[4];
-      send_us_ += frame.info->stage_us[5];
+      for (std::size_t i = 0; i < stages_us_.size(); ++i) {
+        stages_us_[i] += frame.info->stage_us[i];
+      }
+      ready_us_ += frame.info->latency_ns / 1000;
       packets_ += frame.packets;
     }
   }
@@ -65,14 +67,18 @@ class Meter {
   }
 
   void summary(const client::Statistics& statistics) const {
-    std::printf(
-        "{\"seconds\":%.3f,\"cpu\":%.4f,\"frames\":%llu,\"infos\":%llu,\"code_us\":%llu,"
-        "\"send_us\":%llu,\"packets\":%llu,\"disordered\":%llu,%s,\"statistics\":%s}\n",
-        1e-3 * milliseconds(last_ - first_), cpu_seconds() - cpu_,
-        static_cast<unsigned long long>(frames_), static_cast<unsigned long long>(infos_),
-        static_cast<unsigned long long>(code_us_), static_cast<unsigned long long>(send_us_),
-        static_cast<unsigned long long>(packets_), static_cast<unsigned long long>(disordered_),
-        quantiles("latency", latencies_).c_str(), json(statistics).c_str());
+    std::printf("{\"seconds\":%.3f,\"cpu\":%.4f,\"frames\":%llu,\"infos\":%llu,\"ready_us\":%lld,",
+                1e-3 * milliseconds(last_ - first_), cpu_seconds() - cpu_,
+                static_cast<unsigned long long>(frames_), static_cast<unsigned long long>(infos_),
+                static_cast<long long>(ready_us_));
+    std::printf("\"stages_us\":[");
+    for (std::size_t i = 0; i < stages_us_.size(); ++i) {
+      std::printf("%s%llu", i == 0 ? "" : ",", static_cast<unsigned long long>(stages_us_[i]));
+    }
+    std::printf("],\"packets\":%llu,\"disordered\":%llu,%s,\"statistics\":%s}\n",
+                static_cast<unsigned long long>(packets_),
+                static_cast<unsigned long long>(disordered_),
+                quantiles("latency", latencies_).c_str(), json(statistics).c_str());
   }
 
  private:
@@ -95,8 +101,8 @@ class Meter {
   Order order_;
   std::uint64_t frames_ = 0;
   std::uint64_t infos_ = 0;
-  std::uint64_t code_us_ = 0;
-  std::uint64_t send_us_ = 0;
+  std::array<std::uint64_t, 6> stages_us_{};  // as FrameInfo::stage_us
+  std::int64_t ready_us_ = 0;  // from the exposure to the sending of the first packet
   std::uint64_t packets_ = 0;
   std::uint64_t disordered_ = 0;
   std::uint64_t uptime_ = 0;
