@@ -20,12 +20,13 @@ struct SubscriptionOptions {
 
 // What to send to one sensor, and when, so that its streams come and go on coming: asks every
 // 200 ms until it is answered, shows the cookie it is given, asks again after a third of the lease,
-// once a second while the sensor is full, and anew when nothing was heard for a second, as after a
-// restart of the sensor. No clock and no socket: `now` is the caller's, and must not go back.
+// once a second while the sensor is full, and anew when nothing was heard for half a second, as
+// after a restart of the sensor. No clock and no socket: `now` is the caller's, and must not go
+// back.
 class Subscription {
  public:
   static constexpr Duration kRepeat = std::chrono::milliseconds(200);
-  static constexpr Duration kSilence = std::chrono::seconds(1);
+  static constexpr Duration kSilence = std::chrono::milliseconds(500);
   static constexpr Duration kFullRepeat = std::chrono::seconds(1);
 
   enum class State : std::uint8_t {
