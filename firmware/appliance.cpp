@@ -8,6 +8,13 @@ namespace stof::firmware {
 
 namespace {
 
+// Every page that the loop will use is written once, so that it meets none for the first time.
+std::span<std::byte> written(std::span<std::byte> memory, std::size_t bytes) noexcept {
+  STOF_CHECK(bytes <= memory.size());
+  std::ranges::fill(memory.first(bytes), std::byte{0});
+  return memory;
+}
+
 SerialSetup serial_setup(const StreamSetup& stream) noexcept {
   return {.origin = stream.origin, .calibration = stream.calibration, .clock = stream.clock};
 }
@@ -26,7 +33,7 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& 
                      const Memory& memory) noexcept
     : parts_(parts),
       plan_(plan),
-      arena_(memory.coded),
+      arena_(written(memory.coded, coded_bytes_needed(plan.setup))),
       side_(),
       stream_(stream, sizes_of(plan.setup), parts.board.clock, parts.board.port,
               parts.serial == nullptr
@@ -43,12 +50,8 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& 
 }
 
 void Appliance::build(const Plan& plan) noexcept {
-  const std::size_t bytes = Pipeline::bytes_needed(plan.setup);
-  STOF_CHECK(bytes <= images_.size());
-  // Every page that the loop will use is written here, so that it meets none for the first time.
-  std::ranges::fill(images_.first(bytes), std::byte{0});
   pipeline_.reset();
-  dsp::Arena arena(images_);
+  dsp::Arena arena(written(images_, Pipeline::bytes_needed(plan.setup)));
   pipeline_.emplace(plan.setup, parts_.board.clock, arena);
 }
 
