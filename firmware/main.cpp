@@ -151,16 +151,16 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
       plan, {.images = workspace.memory, .coded = workspace.coded});
-  ControlSide control({.board = board,
-                       .rig = rig,
-                       .store = start.store.get(),
-                       .origin = origin,
-                       .announce = introduce(board, rig, options),
-                       .plans = plans,
-                       .receivers = receivers,
-                       .serial = line,
-                       .vitals = vitals},
-                      start.active, start.saved);
+  const ControlSide control({.board = board,
+                             .rig = rig,
+                             .store = start.store.get(),
+                             .origin = origin,
+                             .announce = introduce(board, rig, options),
+                             .plans = plans,
+                             .receivers = receivers,
+                             .serial = line,
+                             .vitals = vitals},
+                            start.active, start.saved);
   const Teller teller(events);
   Reopener reopener(board);
   while (!stop_requested.load(std::memory_order_relaxed) &&

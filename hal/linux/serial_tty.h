@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <expected>
 #include <string>
+#include <utility>
 
 #include "hal/serial_port.h"
 
@@ -37,7 +38,7 @@ class SerialTty final : public SerialPort {
   Status reopen() noexcept override;
 
  private:
-  explicit SerialTty(const SerialOptions& options) : options_(options) {}
+  explicit SerialTty(SerialOptions options) : options_(std::move(options)) {}
   void shut() noexcept;
 
   SerialOptions options_;

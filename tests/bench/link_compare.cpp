@@ -23,6 +23,12 @@ struct Pixels {
   std::vector<std::uint8_t> received;
 };
 
+// Of a stream of which nothing arrived there may be no image: none, as where a pixel is missing.
+template <typename T>
+unsigned at(const dsp::ImageView<const T>& image, int x, int y) {
+  return y < image.height() ? static_cast<unsigned>(image.row(y)[static_cast<std::size_t>(x)]) : 0U;
+}
+
 Pixels copy(const Frame& frame) {
   Pixels pixels{.width = frame.received.width(),
                 .height = frame.received.height(),
@@ -32,14 +38,10 @@ Pixels copy(const Frame& frame) {
                 .received = {}};
   for (int y = 0; y < pixels.height; ++y) {
     for (int x = 0; x < pixels.width; ++x) {
-      const auto at = static_cast<std::size_t>(x);
-      const std::uint32_t depth = frame.depth.row(y)[at];
-      const std::uint32_t width = frame.width.row(y)[at];
-      const auto source = static_cast<unsigned>(frame.source.row(y)[at]);
-      const auto cause = static_cast<unsigned>(frame.cause.row(y)[at]);
-      pixels.depth_width.push_back(depth << 16U | width);
-      pixels.source.push_back(static_cast<std::uint16_t>(source << 8U | cause));
-      pixels.received.push_back(frame.received.row(y)[at]);
+      pixels.depth_width.push_back(at(frame.depth, x, y) << 16U | at(frame.width, x, y));
+      pixels.source.push_back(
+          static_cast<std::uint16_t>(at(frame.source, x, y) << 8U | at(frame.cause, x, y)));
+      pixels.received.push_back(static_cast<std::uint8_t>(at(frame.received, x, y)));
     }
   }
   return pixels;

@@ -2,6 +2,7 @@
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
+#include <map>
 #include <mutex>
 #include <thread>
 
@@ -19,6 +20,7 @@ struct Outcome {
   std::uint64_t stale = 0;       // not newer than what anybody had before the cycle
   std::uint64_t old = 0;         // exposed before the subscription by more than kOld
   std::uint64_t torn = 0;        // incomplete
+  std::uint64_t inherited = 0;   // of these, at a port that another client had just left
   double oldest_ms = 0;          // exposure before the subscription
 };
 
@@ -41,6 +43,7 @@ class Cycles {
     sum_.stale += mine.stale;
     sum_.old += mine.old;
     sum_.torn += mine.torn;
+    sum_.inherited += mine.inherited;
     sum_.oldest_ms = std::max(sum_.oldest_ms, mine.oldest_ms);
   }
 
@@ -59,11 +62,26 @@ class Cycles {
       judge(*frame, before, began, mine);
       if (frame->complete()) {
         mine.first_ms.push_back(milliseconds(frame->last_packet - began));
+        leave(receiver.port());
         return;
       }
       ++mine.torn;
+      mine.inherited += inherited(receiver.port(), began) ? 1U : 0U;
     }
     ++mine.timeouts;
+  }
+
+  // Notes that a client is about to leave a port.
+  void leave(std::uint16_t port) {
+    const std::scoped_lock lock(mutex_);
+    left_at_[port] = Time::clock::now();
+  }
+  // Whether a client left the port so late that the sensor may still have been at its last frame.
+  bool inherited(std::uint16_t port, Time began) {
+    constexpr std::chrono::milliseconds kFrame{100};
+    const std::scoped_lock lock(mutex_);
+    const auto found = left_at_.find(port);
+    return found != left_at_.end() && began - found->second < kFrame;
   }
 
   void judge(const Frame& frame, std::uint64_t before, Time began, Outcome& mine) {
@@ -75,7 +93,7 @@ class Cycles {
     const double ms =
         1e-6 * static_cast<double>(nanoseconds(began) - frame.stamp.exposure_middle_ns);
     mine.oldest_ms = std::max(mine.oldest_ms, ms);
-    mine.old += ms > kOldMs ? 1 : 0;
+    mine.old += ms > kOldMs ? 1U : 0U;
     std::uint64_t known = newest_.load();
     while ((known == kNothing || newer(number(now), number(known))) &&
            !newest_.compare_exchange_weak(known, now)) {
@@ -97,6 +115,7 @@ class Cycles {
   std::atomic<std::int64_t> left_;
   std::atomic<std::uint64_t> newest_{kNothing};  // that anybody was given
   std::mutex mutex_;
+  std::map<std::uint16_t, Time> left_at_;
   Outcome sum_;
 };
 
@@ -114,11 +133,12 @@ int cycles(const Words& words) {
   const Outcome& outcome = cycles.outcome();
   std::printf(
       "{\"cycles\":%zu,\"seconds\":%.3f,\"timeouts\":%llu,\"stale\":%llu,\"old\":%llu,"
-      "\"torn\":%llu,\"oldest_ms\":%.3f,%s}\n",
+      "\"torn\":%llu,\"inherited\":%llu,\"oldest_ms\":%.3f,%s}\n",
       outcome.first_ms.size(), 1e-3 * milliseconds(Time::clock::now() - began),
       static_cast<unsigned long long>(outcome.timeouts),
       static_cast<unsigned long long>(outcome.stale), static_cast<unsigned long long>(outcome.old),
-      static_cast<unsigned long long>(outcome.torn), outcome.oldest_ms,
+      static_cast<unsigned long long>(outcome.torn),
+      static_cast<unsigned long long>(outcome.inherited), outcome.oldest_ms,
       quantiles("first", outcome.first_ms).c_str());
   return 0;
 }
