@@ -87,6 +87,7 @@ class FrameCoder {
   std::span<std::uint16_t> rounded(const dsp::DepthMap& map, const Rounding& rounding) noexcept;
   void add_scaled_tiles(std::span<std::uint16_t> values, const Raster& raster) noexcept;
   void add_source(const dsp::DepthMap& map, Coding coding) noexcept;
+  bool add_steps(std::span<std::uint8_t> values, Raster raster) noexcept;
   void add_disparity(dsp::ImageView<const dsp::Disparity> image, Coding coding) noexcept;
   void add_pmd(const FrameImages& images, Coding coding) noexcept;
   template <typename T>

@@ -90,7 +90,40 @@ void FrameCoder::add_source(const dsp::DepthMap& map, Coding coding) noexcept {
                              });
     }
   }
-  add_tiles<std::uint8_t>(values, Stream::kSource, width, map.source.height(), coding);
+  if (coding == Coding::kRaw ||
+      !add_steps(values, {.stream = Stream::kSource,
+                          .width = columns,
+                          .height = static_cast<std::size_t>(map.source.height())})) {
+    add_tiles<std::uint8_t>(values, Stream::kSource, width, map.source.height(), coding);
+  }
+}
+
+// Neighbours are mostly alike: steps from one to the next are mostly zeros, which RVL counts.
+// false: a row does not fit a tile, where the first pixel of a tile would be told as a step. Then
+// nothing is added and the values are as they were.
+bool FrameCoder::add_steps(std::span<std::uint8_t> values, Raster raster) noexcept {
+  for (std::size_t first = 0; first < values.size(); first += raster.width) {
+    for (std::size_t x = raster.width - 1; x > 0; --x) {
+      values[first + x] ^= values[first + x - 1];
+    }
+  }
+  raster.steps = true;
+  const std::size_t begin = store_.size();
+  add_rvl_tiles<std::uint8_t>(values, raster, store_);
+  bool whole = true;
+  for (std::size_t i = begin; i < store_.size(); ++i) {
+    whole = whole && store_.part(i).first_column == 0;
+  }
+  if (whole) {
+    return true;
+  }
+  store_.cut_back(begin);
+  for (std::size_t first = 0; first < values.size(); first += raster.width) {
+    for (std::size_t x = 1; x < raster.width; ++x) {
+      values[first + x] ^= values[first + x - 1];
+    }
+  }
+  return false;
 }
 
 void FrameCoder::add_depth_and_width(const dsp::DepthMap& map,

@@ -145,6 +145,13 @@ bool FramePixels::decode_source(const wire::PacketView& tile, std::size_t first,
   if (!read(tile, both)) {
     return false;
   }
+  if (wire::in_steps(tile.header)) {
+    const std::size_t width = tile.header.image_width;
+    for (std::size_t i = 1; i < count; ++i) {
+      const bool begins_row = (first + i) % width == 0;
+      both[i] = begins_row ? both[i] : static_cast<std::uint8_t>(both[i] ^ both[i - 1]);
+    }
+  }
   const std::span<dsp::Source> source = room(source_, pixels, first, count);
   const std::span<dsp::Cause> cause = room(cause_, pixels, first, count);
   for (std::size_t i = 0; i < count; ++i) {

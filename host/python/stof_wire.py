@@ -353,7 +353,8 @@ class Header(Layout):
     # H, offset of the payload: 52 in this version. A larger one is legal: skip what lies between 52
     # and H
     header_length: int = 52
-    # bits 0 to 3: scale of a tile of depth or width (see "Tiles"), else 0. Bits 4 to 7 are reserved
+    # bits 0 to 3: scale of a tile of depth or width (see "Tiles"), else 0. Bit 4: a tile of source
+    # is told in steps. Bits 5 to 7 are reserved
     flags: int = 0
     origin: Origin = dataclasses.field(default_factory=Origin)
     stream: int = 0  # Stream: see "Streams"; 0 outside tiles

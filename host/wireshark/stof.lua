@@ -169,7 +169,7 @@ layouts.header = {
   {name = "version", size = 1, count = 1, kind = "uint8", title = "Version", base = base.DEC, doc = "1. A receiver refuses every other value"},
   {name = "type", size = 1, count = 1, kind = "uint8", title = "Type", base = base.DEC, names = "PacketType", doc = "see \"Types\""},
   {name = "header_length", size = 1, count = 1, kind = "uint8", title = "Header length", base = base.DEC, doc = "H, offset of the payload: 52 in this version. A larger one is legal: skip what lies between 52 and H"},
-  {name = "flags", size = 1, count = 1, kind = "uint8", title = "Flags", base = base.DEC, doc = "bits 0 to 3: scale of a tile of depth or width (see \"Tiles\"), else 0. Bits 4 to 7 are reserved"},
+  {name = "flags", size = 1, count = 1, kind = "uint8", title = "Flags", base = base.DEC, doc = "bits 0 to 3: scale of a tile of depth or width (see \"Tiles\"), else 0. Bit 4: a tile of source is told in steps. Bits 5 to 7 are reserved"},
   {name = "origin", size = 8, count = 1, layout = "Origin"},
   {name = "stream", size = 1, count = 1, kind = "uint8", title = "Stream", base = base.DEC, names = "Stream", doc = "see \"Streams\"; 0 outside tiles"},
   {name = "codec", size = 1, count = 1, kind = "uint8", title = "Codec", base = base.DEC, names = "Codec", doc = "see \"Streams\"; 0 outside tiles"},

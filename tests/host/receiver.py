@@ -40,6 +40,7 @@ STREAMS = {
     8: ("cloud", 8, (POINTS,)),
 }
 SCALED = 1, 2  # streams
+SOURCE = 3
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
               " serial lost, serial full, settings unsaved, restart needed, flooded").split(", ")
 SEVERITIES = ("info", "minor", "major", "critical")
@@ -166,13 +167,24 @@ def pixels_of(header, payload):
     ):
         raise Refused("field")
     scale = header.flags & 15
-    if scale and header.stream not in SCALED:
+    steps = header.flags & 16
+    if (scale and header.stream not in SCALED) or (steps and header.stream != SOURCE):
         raise Refused("field")
     if header.codec in (RVL16, RVL8):
         payload = rvl(payload, header.pixel_count, size)
     if len(payload) != header.pixel_count * size:
         raise Refused("field")
+    if steps:
+        payload = summed(payload, header)
     return scaled(payload, scale) if scale else payload
+
+
+def summed(steps, header):
+    pixels = bytearray(steps)
+    for i in range(1, len(pixels)):
+        if (header.first_column + i) % header.width:
+            pixels[i] ^= pixels[i - 1]
+    return bytes(pixels)
 
 
 def scaled(pixels, scale):

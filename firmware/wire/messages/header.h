@@ -18,7 +18,7 @@ inline constexpr std::size_t kHeaderFieldsBytes = 52;
 struct HeaderFields {
   PacketType type = PacketType{};  // see "Types"
   std::uint8_t flags = 0;  // bits 0 to 3: scale of a tile of depth or width (see "Tiles"), else 0.
-                           // Bits 4 to 7 are reserved
+                           // Bit 4: a tile of source is told in steps. Bits 5 to 7 are reserved
   Origin origin{};         // origin
   Stream stream = Stream{};         // see "Streams"; 0 outside tiles
   Codec codec = Codec{};            // see "Streams"; 0 outside tiles

@@ -123,6 +123,16 @@ StreamChoice everything(Coding coding) {
   return choice;
 }
 
+// What is told in steps, as it was.
+std::vector<int> summed(std::vector<std::uint8_t> values, const Header& header) {
+  for (std::size_t i = 1; i < values.size() && in_steps(header); ++i) {
+    if ((header.first_column + i) % header.image_width != 0) {
+      values[i] ^= values[i - 1];
+    }
+  }
+  return {values.begin(), values.end()};
+}
+
 // Pixels of a tile as numbers.
 std::vector<int> pixels_of(const PacketView& tile) {
   const std::size_t count = tile.header.pixel_count;
@@ -137,11 +147,11 @@ std::vector<int> pixels_of(const PacketView& tile) {
       break;
     case Codec::kRaw8:
       get_pixels(tile.payload, std::span(values8));
-      return {values8.begin(), values8.end()};
+      return summed(values8, tile.header);
     default:
       EXPECT_EQ(tile.header.codec, Codec::kRvl8);
       EXPECT_EQ(rvl_decode<std::uint8_t>(tile.payload, values8), Status::kOk);
-      return {values8.begin(), values8.end()};
+      return summed(values8, tile.header);
   }
   return {values16.begin(), values16.end()};
 }

@@ -230,7 +230,7 @@ TEST(Tile, IsConsistentExactlyWhenItLiesInItsImage) {
   }
 }
 
-TEST(Tile, OnlyDepthAndWidthHaveAScale) {
+TEST(Tile, OnlyDepthAndWidthHaveAScaleAndOnlySourceHasSteps) {
   const std::vector<std::byte> payload(8);
   for (const auto& [stream, codec, allowed] : {std::tuple{Stream::kDepth, Codec::kRaw16, true},
                                                {Stream::kDepth, Codec::kRvl16, true},
@@ -247,9 +247,12 @@ TEST(Tile, OnlyDepthAndWidthHaveAScale) {
         .header = {.stream = stream, .codec = codec, .image_width = 1, .image_height = 1},
         .payload = std::span(payload).first(bytes)};
     packet.header.pixel_count = 1;
-    for (unsigned flags = 0; flags < 256; ++flags) {  // bits 4 to 7 are ignored
+    for (unsigned flags = 0; flags < 256; ++flags) {  // bits 5 to 7 are ignored
       packet.header.flags = static_cast<std::uint8_t>(flags);
-      EXPECT_EQ(consistent_tile(packet), allowed || flags % 16 == 0) << flags;
+      const bool steps = (flags & kStepsFlag) != 0;
+      EXPECT_EQ(consistent_tile(packet),
+                (allowed || flags % 16 == 0) && (!steps || stream == Stream::kSource))
+          << flags;
     }
   }
 }
