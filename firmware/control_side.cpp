@@ -18,7 +18,9 @@ ControlSide::ControlSide(const Parts& parts, const settings::Settings& active,
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
   if (parts_.board.to) {
-    static_cast<void>(subscribers_.fix(*parts_.board.to));  // the first of them: there is room
+    // The first of them, and before the first frame: there is room for both.
+    static_cast<void>(subscribers_.fix(*parts_.board.to));
+    static_cast<void>(parts_.receivers.push(subscribers_.list()));
   }
   if (parts_.board.mdns != nullptr) {
     mdns_.emplace(*parts_.board.mdns, parts_.board.network,

@@ -425,8 +425,8 @@ class FrameInfo(Layout):
     cloud_step: int = 0  # side of a cloud's block, px; 0: no cloud
     # of the settings this frame was made with: advances with every change
     settings_revision: int = 0
-    # what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (with
-    # pacing)
+    # what each stage took, us: convert, match, fuse, watch; of the frame before: code, send
+    # (without the waits of pacing)
     stage_us: tuple = (0,) * 6
 
     LAYOUT: typing.ClassVar[tuple] = (

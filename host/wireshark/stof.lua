@@ -208,7 +208,7 @@ layouts.frame_info = {
   {name = "cloud_step", size = 1, count = 1, kind = "uint8", title = "Cloud step", base = base.DEC, doc = "side of a cloud's block, px; 0: no cloud"},
   {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "of the settings this frame was made with: advances with every change"},
-  {name = "stage_us", size = 4, count = 6, kind = "uint32", title = "Stage us", base = base.DEC, doc = "what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (with pacing)"},
+  {name = "stage_us", size = 4, count = 6, kind = "uint32", title = "Stage us", base = base.DEC, doc = "what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (without the waits of pacing)"},
 }
 
 layouts.calibration = {

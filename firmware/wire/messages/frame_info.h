@@ -35,8 +35,9 @@ struct FrameInfo {
   std::uint8_t cloud_step = 0;     // side of a cloud's block, px; 0: no cloud
   std::uint32_t settings_revision =
       0;  // of the settings this frame was made with: advances with every change
-  std::array<std::uint32_t, 6> stage_us{};  // what each stage took, us: convert, match, fuse,
-                                            // watch; of the frame before: code, send (with pacing)
+  std::array<std::uint32_t, 6>
+      stage_us{};  // what each stage took, us: convert, match, fuse, watch; of the frame before:
+                   // code, send (without the waits of pacing)
 };
 
 void encode_frame_info(const FrameInfo& value, std::span<std::byte, kFrameInfoBytes> out) noexcept;
