@@ -10,17 +10,17 @@
 namespace stof::firmware::test {
 namespace {
 
-struct Memory4Test {
-  explicit Memory4Test(std::size_t bytes)
-      : bytes(static_cast<std::byte*>(std::aligned_alloc(
-                  dsp::Arena::kAlign,
-                  (bytes + dsp::Arena::kAlign - 1) / dsp::Arena::kAlign * dsp::Arena::kAlign)),
-              &std::free),
-        size(bytes) {}
-  std::span<std::byte> span() const { return {bytes.get(), size}; }
+struct Block {
+  explicit Block(std::size_t size)
+      : memory(static_cast<std::byte*>(std::aligned_alloc(
+                   dsp::Arena::kAlign,
+                   (size + dsp::Arena::kAlign - 1) / dsp::Arena::kAlign * dsp::Arena::kAlign)),
+               &std::free),
+        bytes(size) {}
+  std::span<std::byte> span() const { return {memory.get(), bytes}; }
 
-  std::unique_ptr<std::byte, decltype(&std::free)> bytes;
-  std::size_t size;
+  std::unique_ptr<std::byte, decltype(&std::free)> memory;
+  std::size_t bytes;
 };
 
 Plan small_plan() {
@@ -39,8 +39,8 @@ struct Box {
   Rig rig;
   PlanRing plans;
   SubscriberRing receivers;
-  Memory4Test images{std::size_t{4} << 20};
-  Memory4Test coded{coded_bytes_needed(small_setup(true))};
+  Block images{std::size_t{4} << 20};
+  Block coded{coded_bytes_needed(small_setup(true))};
   std::vector<std::byte> line = std::vector<std::byte>(SerialSender::kRingBytes);
   ByteRing serial{line};
   Appliance appliance;

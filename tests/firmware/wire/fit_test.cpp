@@ -24,11 +24,11 @@ bool holds(int depth, int width, int rounded_depth, int rounded_width) {
 }
 
 struct Map {
-  Map(int columns, int rows)
-      : depth(static_cast<std::size_t>(columns * rows)),
+  Map(int across, int down)
+      : depth(static_cast<std::size_t>(across * down)),
         width(depth.size()),
-        columns(columns),
-        rows(rows) {}
+        columns(across),
+        rows(down) {}
 
   dsp::DepthMap view() {
     return {{depth.data(), columns, rows}, {width.data(), columns, rows}, {}, {}};
@@ -156,7 +156,7 @@ void expect_scales(const dsp::DepthMap& map, const Sent& sent) {
   for (int y = 0; y < map.depth.height(); ++y) {
     const std::uint16_t scale = fit_scale(map, y / kFitRows * kFitRows);
     const auto row = std::span(sent.scales).subspan(static_cast<std::size_t>(y) * columns, columns);
-    ASSERT_TRUE(std::ranges::all_of(row, [scale](auto sent) { return sent == scale; })) << y;
+    ASSERT_TRUE(std::ranges::all_of(row, [scale](auto one) { return one == scale; })) << y;
   }
 }
 
