@@ -326,7 +326,10 @@ TEST(SerialDesk, WantsShorterTurnsOnFasterLines) {
 // The whole way: depth map, sender, ring, desk, a pseudo-terminal, a receiver.
 TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
   Pty pty;
-  ASSERT_TRUE(pty.open());
+  if (!pty.open() && !pty.has_any_speed()) {
+    GTEST_SKIP() << "this system makes no pseudo-terminals";
+  }
+  ASSERT_FALSE(pty.name().empty());
   auto tty = hal::posix::SerialTty::open({.device = pty.name(), .baud = 3'000'000});
   ASSERT_TRUE(tty) << tty.error();
   SenderBench bench;
