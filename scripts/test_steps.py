@@ -208,7 +208,7 @@ def planted(log):
 
 def fuzz(log):
     """A short run of each fuzz target; a case is a target."""
-    succeeded = log.run("scripts/fuzz", "--runs", FUZZ_RUNS)
+    succeeded = log.run("scripts/fuzz", "--runs", str(FUZZ_RUNS))
     last = re.search(r"^(\d+) passed, (\d+) failed$", "\n".join(log.lines()), re.MULTILINE)
     if not last:
         return Count(failed=1, notes=["the build failed"])
