@@ -88,7 +88,12 @@ void ControlSide::tick(hal::Time now) noexcept {
     beacon_.tick(now);
   }
   if (mdns_ && active.discovery.mdns) {
-    if (active.name != mdns_name_) {
+    if (!mdns_on_) {  // an agent that has said goodbye does not come back
+      mdns_name_ = active.name;
+      mdns_.emplace(*parts_.board.mdns, parts_.board.network,
+                    Service{.announce = told, .device_id = parts_.origin.device_id},
+                    parts_.origin.session_id);
+    } else if (active.name != mdns_name_) {
       mdns_name_ = active.name;
       mdns_->set_service({.announce = told, .device_id = parts_.origin.device_id}, now);
     }

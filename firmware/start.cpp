@@ -163,6 +163,7 @@ std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::C
     plan.timing.period = std::chrono::milliseconds(settings.period_ms);
   }
   plan.stream.period = plan.timing.period;
+  plan.stream.max_range = plan.setup.depth.fusion.max_range;
   if (const char* const why = problem(plan.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
   }

@@ -40,7 +40,14 @@ Stream::Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clo
       coder_(setup.origin, sizes, setup.calibration, arena),
       reporter_(clock.now()) {}
 
-void Stream::set_params(const StreamParams& params) noexcept { params_ = params; }
+void Stream::set_params(const StreamParams& params) noexcept {
+  params_ = params;
+  setup_.calibration.period_ns = params.period.count();
+  if (params.max_range > 0) {
+    setup_.calibration.max_range = params.max_range;
+  }
+  calibration_due_.reset();  // receivers go by it
+}
 
 void Stream::set_receivers(std::span<const hal::Peer> receivers, bool refused) noexcept {
   STOF_CHECK(receivers.size() <= receivers_.size());

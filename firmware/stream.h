@@ -30,9 +30,10 @@ struct StreamSetup {
 // May change between frames.
 struct StreamParams {
   wire::StreamChoice choice{};
-  int pace_percent = 60;       // of the period: frames are spread over at most that; 0: at once
-  hal::Duration period{};      // of the trigger
-  std::uint32_t revision = 0;  // of the settings
+  int pace_percent = 60;         // of the period: frames are spread over at most that; 0: at once
+  hal::Duration period{};        // of the trigger
+  std::uint32_t revision = 0;    // of the settings
+  dsp::QuarterMm max_range = 0;  // told with the calibration, as the period; 0: as at start
 };
 
 // What a frame's way out took.
