@@ -26,7 +26,9 @@ std::size_t coded_bytes_needed(const Setup& setup) noexcept {
   SerialSetup serial;
   serial.calibration.image_width = static_cast<std::uint16_t>(left.width);
   serial.calibration.image_height = static_cast<std::uint16_t>(left.height);
-  return wire::FrameCoder::bytes_needed(sizes_of(setup)) + SerialSender::bytes_needed(serial);
+  const wire::FrameSizes sizes = sizes_of(setup);
+  return wire::FrameCoder::bytes_needed(sizes, wire::FrameCoder::usual_packets(sizes)) +
+         SerialSender::bytes_needed(serial);
 }
 
 Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& plan,
@@ -52,7 +54,9 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& 
 void Appliance::build(const Plan& plan) noexcept {
   pipeline_.reset();
   dsp::Arena arena(written(images_, Pipeline::bytes_needed(plan.setup)));
-  pipeline_.emplace(plan.setup, parts_.board.clock, arena);
+  const dsp::Crew crew =
+      parts_.workers == nullptr ? dsp::Crew() : dsp::Crew(*parts_.workers, plan.setup.threads);
+  pipeline_.emplace(plan.setup, parts_.board.clock, arena, crew);
 }
 
 void Appliance::apply(const Plan& plan) noexcept {
@@ -60,7 +64,8 @@ void Appliance::apply(const Plan& plan) noexcept {
   if (side_) {
     side_->sender.set(plan.serial);
   }
-  const bool rebuilt = !(plan.setup.depth == plan_.setup.depth);
+  const bool rebuilt =
+      !(plan.setup.depth == plan_.setup.depth) || plan.setup.threads != plan_.setup.threads;
   if (rebuilt) {
     build(plan);
   }

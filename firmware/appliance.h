@@ -6,6 +6,7 @@
 
 #include "board/board.h"
 #include "dsp/base/arena.h"
+#include "dsp/base/workers.h"
 #include "firmware/control/orders.h"
 #include "firmware/events.h"
 #include "firmware/loop.h"
@@ -30,7 +31,8 @@ struct Memory {
   std::span<std::byte> coded;   // at least coded_bytes_needed()
 };
 
-// What runs on the loop's thread: pipeline, stream and loop, in the workspace. New settings take
+// What runs on the loop's thread: pipeline, stream and loop, in the workspace; others help with the
+// pipeline alone. New settings take
 // effect between two frames: what only the stream does from the next one on, a new way to compute
 // depth builds the pipeline anew in the same memory. Allocates nothing after construction.
 class Appliance {
@@ -40,7 +42,8 @@ class Appliance {
     Events& events;
     PlanRing& plans;
     SubscriberRing& receivers;
-    ByteRing* serial;  // to the serial line; nullptr: there is none
+    ByteRing* serial;                 // to the serial line; nullptr: there is none
+    dsp::Workers* workers = nullptr;  // nullptr: the loop's thread computes alone
   };
 
   Appliance(const Parts& parts, const StreamSetup& stream, const Plan& plan,

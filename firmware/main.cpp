@@ -11,10 +11,12 @@
 #include <random>
 #include <string>
 #include <string_view>
+#include <thread>
 #include <utility>
 #include <vector>
 
 #include "board/board.h"
+#include "dsp/base/workers.h"
 #include "firmware/appliance.h"
 #include "firmware/control_side.h"
 #include "firmware/events.h"
@@ -42,6 +44,9 @@ constinit PlanRing plans{};
 constinit SubscriberRing receivers{};
 constinit Vitals vitals{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
+static_assert(sizeof(events) + sizeof(plans) + sizeof(receivers) + sizeof(vitals) +
+                  sizeof(serial_memory) <=
+              kOtherStaticBytes / 4 * 3);
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler writes it
 
@@ -73,6 +78,15 @@ int help() {
 // Random, so that a receiver notices a sender that started anew.
 std::uint32_t make_session_id() { return std::random_device()(); }
 
+// How many compute, and why not more.
+std::string threads_text(const RigInFront& rig, const Plan& plan) {
+  const int threads = plan.setup.threads;
+  return std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+         (threads == rig.threads
+              ? std::string()
+              : " (of " + std::to_string(rig.threads) + ": there is no memory for more searches)");
+}
+
 void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
   const dsp::Pinhole& left = rig.calibration.stereo.left;
   const dsp::Pinhole& pmd = rig.calibration.pmd.lens;
@@ -90,7 +104,7 @@ void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
       std::to_string(
           std::chrono::duration_cast<std::chrono::microseconds>(plan.timing.period).count()) +
       " us, workspace " + std::to_string(bytes / 1024) + " of " +
-      std::to_string(sizeof(Workspace::memory) / 1024) + " KiB");
+      std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " + threads_text(rig, plan));
   say("listening at UDP port " + std::to_string(board.port.port()));
 }
 
@@ -138,15 +152,30 @@ std::expected<StartSettings, std::string> read_settings(const Options& options) 
   return start;
 }
 
+// Threads that compute depth, the loop's own among them.
+int threads_of(const settings::Settings& settings) {
+  if (settings.compute.threads > 0) {
+    return settings.compute.threads;
+  }
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1,
+                    settings::kUsualThreads);
+}
+
 // Ends with the loop; the control thread before it.
 void run_loop(board::Board& board, const Options& options, const RigInFront& rig, const Plan& plan,
-              const StartSettings& start, const wire::CalibrationPacket& calibration) {
+              const StartSettings& start, const wire::CalibrationPacket& calibration,
+              dsp::Workers& workers) {
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};
   ByteRing serial(serial_memory);
   ByteRing* const line = board.serial == nullptr ? nullptr : &serial;
   Appliance appliance(
-      {.board = board, .events = events, .plans = plans, .receivers = receivers, .serial = line},
+      {.board = board,
+       .events = events,
+       .plans = plans,
+       .receivers = receivers,
+       .serial = line,
+       .workers = &workers},
       {.origin = origin,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
@@ -188,13 +217,19 @@ std::string drop_unusable(const RigInFront& rig, const Options& options, StartSe
 }
 
 int run(board::Board& board, const Options& options, StartSettings start) {
-  const auto rig = make_rig(board, board::kConfig, options.calibration);
+  auto rig = make_rig(board, board::kConfig, options.calibration);
   if (!rig) {
     return refuse(rig.error());
   }
   if (const std::string why = drop_unusable(*rig, options, start); !why.empty()) {
     return refuse(why);
   }
+  dsp::Workers workers({.threads = threads_of(start.active), .name = "stof-depth"});
+  if (workers.status() != Status::kOk) {
+    say("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
+        std::to_string(threads_of(start.active)) + " compute: check its limits");
+  }
+  rig->threads = workers.threads();
   auto plan = make_plan(*rig, board::kConfig, start.active);
   if (!plan) {
     return refuse(plan.error());
@@ -209,7 +244,7 @@ int run(board::Board& board, const Options& options, StartSettings start) {
     return refuse(options.port_file + ": cannot be written: check the folder and its permissions");
   }
   greet(board, *rig, *plan);
-  run_loop(board, options, *rig, *plan, start, *calibration);
+  run_loop(board, options, *rig, *plan, start, *calibration, workers);
   say(summary(events.counters));
   say(stage_times(events.counters));
   return kExitOk;

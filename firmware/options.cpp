@@ -20,11 +20,12 @@ struct Alias {
   std::string_view path;
   std::string_view alone;  // its value; empty: one follows
 };
-constexpr std::array<Alias, 8> kAliases{{{"--preset", "preset", ""},
+constexpr std::array<Alias, 9> kAliases{{{"--preset", "preset", ""},
                                          {"--disparities", "depth.disparities", ""},
                                          {"--guided", "depth.guided", "true"},
                                          {"--temporal", "depth.temporal", "true"},
                                          {"--period-ms", "period_ms", ""},
+                                         {"--threads", "compute.threads", ""},
                                          {"--name", "name", ""},
                                          {"--serial", "serial.device", ""},
                                          {"--baud", "serial.baud", ""}}};
@@ -249,6 +250,8 @@ std::string options_usage() {
       "  --max-range METRES   nothing is further away, 0.5 to 16.38 (default 10)\n"
       "  --guided             PMD intervals narrow the search where they can be trusted\n"
       "  --temporal           depth is averaged over frames where nothing moves\n"
+      "  --threads N          that compute depth, 1..8 (default: the board's processors, at most "
+      "4)\n"
       "  --device N           device number in every packet (default 1)\n"
       "  --session N          session number in every packet (default: random)\n"
       "  --help               this text\n";

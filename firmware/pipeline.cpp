@@ -39,13 +39,14 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
 }
 
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
-  return dsp::DepthMaker::bytes_needed(setup.calibration, setup.depth) +
+  return dsp::DepthMaker::bytes_needed(setup.calibration, setup.depth, setup.threads) +
          map_bytes(setup.calibration.stereo.left);
 }
 
-Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noexcept
+Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
+                   const dsp::Crew& crew) noexcept
     : clock_(clock),
-      maker_(setup.calibration, setup.depth, arena),
+      maker_(setup.calibration, setup.depth, arena, crew),
       guided_(setup.depth.guided && setup.has_pmd()) {
   const int width = setup.calibration.stereo.left.width;
   const int height = setup.calibration.stereo.left.height;

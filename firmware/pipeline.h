@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "dsp/base/arena.h"
+#include "dsp/base/workers.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/depth/depth_maker.h"
 #include "firmware/shot.h"
@@ -17,6 +18,7 @@ namespace stof::firmware {
 struct Setup {
   dsp::Calibration calibration;
   dsp::DepthParams depth;
+  int threads = 1;  // that compute it
 
   bool has_pmd() const noexcept { return calibration.pmd.lens.width > 0; }
 };
@@ -54,8 +56,10 @@ class Pipeline {
   // Bytes of the Arena; setup.depth.match must pass dsp::check.
   static std::size_t bytes_needed(const Setup& setup) noexcept;
 
-  // Builds all tables. setup.calibration is complete(), problem() of it empty.
-  Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena) noexcept;
+  // Builds all tables. setup.calibration is complete(), problem() of it empty. crew: of at most
+  // setup.threads; no result depends on it.
+  Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
+           const dsp::Crew& crew = {}) noexcept;
 
   // Whether match() may come before the PMD's samples: not where they guide the search.
   bool may_match_first() const noexcept { return !guided_; }

@@ -129,7 +129,8 @@ std::expected<RigInFront, std::string> make_rig(const board::Board& board,
   RigInFront rig{.calibration = board.calibration,
                  .fixed_pattern = {},
                  .disparities = board.disparities,
-                 .calibration_file = calibration_file};
+                 .calibration_file = calibration_file,
+                 .threads = 1};
   if (const char* const why = dsp::complete(rig.calibration.stereo); *why != '\0') {
     return std::unexpected(std::string("the rig's calibration: ") + why +
                            ": calibrate the rig anew");
@@ -155,7 +156,8 @@ std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::C
     return std::unexpected(std::string(why));
   }
   Plan plan{.setup = {.calibration = rig.calibration,
-                      .depth = settings::depth_params(settings, rig.disparities)},
+                      .depth = settings::depth_params(settings, rig.disparities),
+                      .threads = 1},
             .timing = config.timing,
             .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
             .serial = serial_params(settings)};
@@ -169,6 +171,10 @@ std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::C
   }
   if (std::string why = limits(plan.setup, config); !why.empty()) {
     return std::unexpected(std::move(why));
+  }
+  plan.setup.threads = rig.threads;
+  while (plan.setup.threads > 1 && Pipeline::bytes_needed(plan.setup) > sizeof(Workspace::memory)) {
+    --plan.setup.threads;
   }
   return plan;
 }

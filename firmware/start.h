@@ -21,6 +21,7 @@ struct RigInFront {
   std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
   int disparities = 0;                      // that the rig asks for
   std::string calibration_file;             // empty: the board's own
+  int threads = 1;                          // there are to compute depth
 };
 
 // calibration_file: replaces the board's calibration; empty: that holds.
@@ -36,7 +37,8 @@ struct Plan {
   SerialParams serial;
 };
 
-// An error where the board has no room for these settings, or no use.
+// As many of the rig's threads as the board has memory for: each searches in memory of its own. An
+// error where the board has no room for these settings, or no use.
 std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::Config& config,
                                            const settings::Settings& settings);
 

@@ -37,7 +37,7 @@ Stream::Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clo
       port_(port),
       side_(side),
       events_(events),
-      coder_(setup.origin, sizes, setup.calibration, arena),
+      coder_(setup.origin, sizes, setup.calibration, arena, wire::FrameCoder::usual_packets(sizes)),
       reporter_(clock.now()) {}
 
 void Stream::set_params(const StreamParams& params) noexcept {
@@ -85,11 +85,7 @@ Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest)
       status = send_one(wire::seal_packet(header(wire::PacketType::kCalibration),
                                           wire::kCalibrationPacketBytes, buffer_));
     }
-    const hal::Time start = clock_.now();
-    const auto coded = coder_.code(stamp_, info, images_of(shot, output), params_.choice);
-    times_.code = clock_.now() - start;
-    const hal::Time paced = start + params_.period * params_.pace_percent / 100;
-    const Status sent = coded ? send_paced(*coded, std::min(paced, latest)) : coded.error();
+    const Status sent = send_frame(shot, output, info, latest);
     status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;
   }
   if (refused_ && status == Status::kOk && receiver_count_ == 1) {
@@ -100,25 +96,54 @@ Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest)
   return status;
 }
 
-Status Stream::send_paced(Datagrams datagrams, hal::Time latest) noexcept {
-  const hal::Time start = clock_.now();
-  const hal::Duration budget = std::max(latest - start, hal::Duration::zero());
-  const std::size_t burst = budget > hal::Duration::zero() ? kBurst : datagrams.size();
-  Status status = Status::kOk;
-  for (std::size_t at = 0; at < datagrams.size(); at += burst) {
-    const hal::Time due = start + budget * static_cast<std::int64_t>(at) /
-                                      static_cast<std::int64_t>(datagrams.size());
-    const hal::Time ready = clock_.now();
-    if (due > ready) {
-      clock_.wait_until(due);
+// Begins with the first datagrams, so that coding what does not lie in memory takes from the time
+// between them.
+class Stream::Paced final : public wire::DatagramSink {
+ public:
+  Paced(Stream& stream, hal::Time latest) noexcept : stream_(stream), latest_(latest) {}
+
+  void take(Datagrams datagrams, std::size_t all) noexcept override {
+    hal::Clock& clock = stream_.clock_;
+    if (sent_ == 0) {
+      start_ = clock.now();
+      budget_ = std::max(latest_ - start_, hal::Duration::zero());
     }
-    const hal::Time begin = clock_.now();
-    times_.waited += begin - ready;
-    const Status sent = send(datagrams.subspan(at, std::min(burst, datagrams.size() - at)));
-    times_.send += clock_.now() - begin;
-    status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;
+    const std::size_t burst = budget_ > hal::Duration::zero() ? kBurst : datagrams.size();
+    for (std::size_t at = 0; at < datagrams.size(); at += burst) {
+      const Datagrams some = datagrams.subspan(at, std::min(burst, datagrams.size() - at));
+      const hal::Time due =
+          start_ + budget_ * static_cast<std::int64_t>(sent_) / static_cast<std::int64_t>(all);
+      const hal::Time ready = clock.now();
+      if (due > ready) {
+        clock.wait_until(due);
+      }
+      const hal::Time begin = clock.now();
+      stream_.times_.waited += begin - ready;
+      const Status sent = stream_.send(some);
+      stream_.times_.send += clock.now() - begin;
+      status_ = status_ == Status::kOk || sent == Status::kDeviceLost ? sent : status_;
+      sent_ += some.size();
+    }
   }
-  return status;
+
+  Status status() const noexcept { return status_; }
+
+ private:
+  Stream& stream_;
+  hal::Time latest_;
+  hal::Time start_{};
+  hal::Duration budget_{};
+  std::size_t sent_ = 0;
+  Status status_ = Status::kOk;
+};
+
+Status Stream::send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
+                          hal::Time latest) noexcept {
+  const hal::Time start = clock_.now();
+  Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest));
+  const Status coded = coder_.code(stamp_, info, images_of(shot, output), params_.choice, paced);
+  times_.code = clock_.now() - start - times_.send - times_.waited;
+  return coded == Status::kOk ? paced.status() : coded;
 }
 
 // kDeviceError only where nobody at all could be reached.

@@ -83,11 +83,13 @@ class Stream {
   const Reporter& reporter() const noexcept { return reporter_; }
 
  private:
-  using Datagrams = std::span<const std::span<const std::byte>>;
+  using Datagrams = wire::Datagrams;
+  class Paced;  // a frame's datagrams on their way, spread over time
 
   wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
   wire::Header header(wire::PacketType type) const noexcept;
-  Status send_paced(Datagrams datagrams, hal::Time latest) noexcept;
+  Status send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
+                    hal::Time latest) noexcept;
   // To everybody, now.
   Status send(Datagrams datagrams) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;

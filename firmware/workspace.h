@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -7,7 +8,7 @@
 #include "board/board.h"
 #include "board/config.h"
 #include "dsp/base/arena.h"
-#include "dsp/fusion/fuser.h"
+#include "firmware/wire/tiles.h"
 
 // All memory of the frame path, reserved at link time for the largest frames the board accepts:
 // images, and datagrams on their way out.
@@ -19,9 +20,12 @@ constexpr std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// Two rectified images, places of 6 bytes for each of their pixels.
+// Two rectified images; for each 400 bytes a tile of 32 x 32 pixels, which tell their places, and
+// 16 a row.
 constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcept {
-  return 2 * (1 + 6) * pixels(stereo.width, stereo.height) + 10 * dsp::Arena::kAlign;
+  return 2 * (pixels(stereo.width, stereo.height) +
+              400 * pixels((stereo.width + 31) / 32, (stereo.height + 31) / 32) +
+              16 * static_cast<std::size_t>(stereo.height) + 5 * dsp::Arena::kAlign);
 }
 
 // Preset `quality`, which takes the most of all presets: eight images; for each column and
@@ -29,12 +33,15 @@ constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcep
 // costs and paths, and of some more; and what the largest blocks add to a row of sums. Other
 // searches, a guide and a filter over time may take more than that at the board's full size; then
 // they are refused at start.
-constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo) noexcept {
+// threads: each has a search of its own; from two on, two maps are checked at the same time.
+constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo, int threads = 1) noexcept {
   const auto lanes = static_cast<std::size_t>((stereo.disparities + 15) / 16 * 16);
   const auto columns = static_cast<std::size_t>(stereo.width);
   const auto block = static_cast<std::size_t>(stereo.block_width);
-  return 13 * pixels(stereo.width, stereo.height) + (2 * 26 + 96 + 14) * columns * lanes +
-         4 * block * lanes + 192 * (columns + block) + 64 * lanes + 8192;
+  const std::size_t search = (2 * 26 + 96 + 14) * columns * lanes + 4 * block * lanes +
+                             192 * (columns + block) + 64 * lanes + 4096;
+  return (threads > 1 ? 17 : 13) * pixels(stereo.width, stereo.height) +
+         static_cast<std::size_t>(threads) * search + 8192;
 }
 
 // Ten maps of up to 4 bytes a pixel, some with a border column on both sides, tables of lights and
@@ -70,19 +77,44 @@ constexpr std::size_t image_bytes(const board::StereoConfig& stereo) noexcept {
   return (2 + 2 + 2 + 1 + 1) * pixels(stereo.width, stereo.height) + 5 * dsp::Arena::kAlign;
 }
 
+// What each part of the frame path takes for a board, at most.
+struct Share {
+  const char* part;
+  std::size_t bytes;
+};
+constexpr std::array<Share, 7> shares(const board::StereoConfig& stereo,
+                                      const board::PmdConfig& pmd) noexcept {
+  return {{{"rectifier", rectifier_bytes(stereo)},
+           {"matcher", matcher_bytes(stereo)},
+           {"converter", converter_bytes(pmd)},
+           {"fuser", fuser_bytes(stereo, pmd)},
+           {"unwrapper", unwrapper_bytes(stereo, pmd)},
+           {"monitor", monitor_bytes(pmd)},
+           {"images", image_bytes(stereo)}}};
+}
 constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
-  return rectifier_bytes(stereo) + matcher_bytes(stereo) + converter_bytes(pmd) +
-         fuser_bytes(stereo, pmd) + unwrapper_bytes(stereo, pmd) + monitor_bytes(pmd) +
-         image_bytes(stereo);
+  std::size_t sum = 0;
+  for (const Share& share : shares(stereo, pmd)) {
+    sum += share.bytes;
+  }
+  return sum;
 }
 
-// A coded frame with every stream, raw, on its way out; the serial line's small pictures and
-// sectors.
+// Coded depth, width and source on their way out, of larger frames a piece at a time; one image's
+// values; what parity adds up. The serial line's small pictures and sectors.
 constexpr std::size_t coded_bytes(const board::StereoConfig& stereo,
                                   const board::PmdConfig& pmd) noexcept {
-  return 20 * pixels(stereo.width, stereo.height) + 12 * pixels(pmd.width, pmd.height) +
-         16 * static_cast<std::size_t>(stereo.width + stereo.height) + (std::size_t{1} << 20);
+  const auto width = static_cast<std::size_t>(stereo.width);
+  const auto height = static_cast<std::size_t>(stereo.height);
+  const auto samples = 4 * static_cast<std::size_t>(pmd.height);  // rows of them
+  const std::size_t depth = wire::raw_tiles(width, height, 2);
+  const std::size_t parts = 3 * depth + 3 * wire::raw_tiles(width, height, 1) +
+                            wire::raw_tiles(static_cast<std::size_t>(pmd.width), samples, 2) +
+                            wire::raw_tiles((width + 1) / 2, (height + 1) / 2, 8);
+  return 1250 * (depth + depth / 4) + 100 * parts +
+         2 * std::max(width * height, static_cast<std::size_t>(pmd.width) * samples) +
+         32 * (width + height) + (std::size_t{1} << 19);
 }
 
 inline constexpr std::size_t kMiB = 1 << 20;
@@ -96,10 +128,16 @@ struct Workspace {
 };
 static_assert(sizeof(Workspace::memory) <= board::kConfig.workspace_limit);
 
+// What else stofd holds at link time: the serial line's ring (128 KiB), rings of plans and
+// receivers, counters (main.cpp asserts it), and what the C++ library brings.
+inline constexpr std::size_t kOtherStaticBytes = std::size_t{256} << 10;
+
 // A camera pair of 640x480 with 64 disparities and a PMD camera of 176x144 leaves room for more in
-// 24 MiB.
+// 24 MiB, all static memory counted.
 inline constexpr board::StereoConfig kVga{
     .width = 640, .height = 480, .disparities = 64, .block_width = 64, .block_height = 64};
-static_assert(workspace_bytes(kVga, {.width = 176, .height = 144}) <= 24 * kMiB);
+inline constexpr board::PmdConfig kVgaPmd{.width = 176, .height = 144};
+static_assert(workspace_bytes(kVga, kVgaPmd) + coded_bytes(kVga, kVgaPmd) + kOtherStaticBytes <=
+              24 * kMiB);
 
 }  // namespace stof::firmware

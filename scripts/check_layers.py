@@ -42,7 +42,9 @@ HAL_INTERFACES = "hal/*.h"
 BOARD_TABLES = "board/*.h"
 FLOORS = (
     Floor("dsp/base/simd.h", ("dsp/base/*",), ("arm_neon.h", "simde/arm/neon.h")),
+    Floor("dsp/base/avx2.h", ("dsp/base/*",), ("immintrin.h",)),
     Floor("dsp/calib/*.cpp", ("dsp/*",), ("Eigen/*",)),
+    Floor("dsp/base/workers.cpp", ("dsp/base/*",), ("pthread.h",)),
     Floor("dsp/*", ("dsp/*",)),
     Floor("dataset/*", ("dataset/*", "dsp/base/*", "dsp/calib/*"), ANY_LIBRARY),
     Floor("hal/emu/*", ("hal/emu/*", HAL_INTERFACES, "dsp/*", "dataset/*"), ANY_LIBRARY),
@@ -53,6 +55,7 @@ FLOORS = (
     Floor("board/*.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
     Floor("board/*/config.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
     Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
+    Floor("firmware/wire/crc32c_hardware.cpp", ("firmware/wire/*",), ("sys/auxv.h",)),
     Floor("firmware/wire/*", ("firmware/wire/*", "dsp/*")),
     Floor("firmware/settings/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
@@ -105,9 +108,12 @@ def judge_project_include(root, path, floor, name):
             return (f'{floor.files} must not know "{name}"',
                     "include the interface in hal/; only board/<name>/ and tests choose an implementation")
         return (f'{floor.files} must not know "{name}"', f"it may include {', '.join(floor.project)}")
-    neon = path.endswith(("_neon.cpp", "_neon.h"))
-    if not neon and (name == "dsp/base/simd.h" or name.endswith("_neon.h")):
+    neon = path.endswith(("_neon.cpp", "_neon.h")) or fits(path, "dsp/base/simd_*.h")
+    if not neon and (fits(name, "dsp/base/simd*.h") or name.endswith("_neon.h")):
         return f'"{name}" outside of a *_neon.cpp', "move what needs vectors into the kernel's *_neon.cpp"
+    avx2 = path.endswith(("_avx2.cpp", "_avx2.h", "_avx512.cpp"))
+    if not avx2 and (name == "dsp/base/avx2.h" or name.endswith("_avx2.h")):
+        return f'"{name}" outside of a *_avx2.cpp', "only these files are compiled for AVX2: move it there"
     return None
 
 
@@ -117,6 +123,8 @@ def judge_library_include(path, floor, name):
         return None
     if name in ("arm_neon.h", "simde/arm/neon.h"):
         return f"<{name}> is included in dsp/base/simd.h alone", 'include "dsp/base/simd.h" in a *_neon.cpp'
+    if name == "immintrin.h":
+        return f"<{name}> is included in dsp/base/avx2.h alone", 'include "dsp/base/avx2.h" in a *_avx2.cpp'
     if name.endswith(".h") and "c" + name[:-2] in STD:
         return f"<{name}> is C's name", f"include <c{name[:-2]}>"
     if name.split("/")[0] in FOLDERS:

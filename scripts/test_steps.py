@@ -118,6 +118,16 @@ def vectors(log, preset):
     return count
 
 
+def wide(log, preset):
+    """Whether what is compiled for wider vectors stays apart, and whether the check would notice."""
+    count = unit_tests(log, "scripts/check_wide_test.py")
+    count.add(one(log.run("scripts/check_wide.py", f"build/{preset}")))
+    if count.failed:
+        count.notes.append("failed: scripts/check_wide.py or its test")
+        count.details.append(f"    --- wide\n{indented(log.lines()[-CASE_LINES:])}")
+    return count
+
+
 def build(log, preset):
     return (log.run("cmake", "--preset", preset, "-Wno-dev")
             and log.run("cmake", "--build", "--preset", preset, "--", "-k", "0"))
@@ -220,7 +230,7 @@ def fuzz(log):
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
-    "emu": tested("emu"),
+    "emu": tested("emu", wide),
     "tidy": check("scripts/tidy", "--product"),
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),

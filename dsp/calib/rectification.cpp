@@ -157,7 +157,7 @@ SourceMap::SourceMap(const Pinhole& raw, const std::array<double, 9>& turn,
                      const Pinhole& rectified) noexcept
     : raw_(raw), rectified_(rectified), turn_(turn), fold_(fold_of(raw)) {}
 
-SourceMap::Place SourceMap::at(double u, double v) const noexcept {
+SourceMap::Place SourceMap::unbounded(double u, double v) const noexcept {
   const double x = (u - rectified_.cx) / rectified_.fx;
   const double y = (v - rectified_.cy) / rectified_.fy;
   // The transposed turn carries back into the camera's axes.
@@ -170,12 +170,17 @@ SourceMap::Place SourceMap::at(double u, double v) const noexcept {
   const double r2 = raw_x * raw_x + raw_y * raw_y;
   const double s = std::min(r2, fold_);
   const double stretch = (1 + s * (raw_.k1 + s * raw_.k2)) * (s < r2 ? std::sqrt(s / r2) : 1.0);
-  const double at_u = raw_.fx * raw_x * stretch + raw_.cx;
-  const double at_v = raw_.fy * raw_y * stretch + raw_.cy;
+  return {.u = raw_.fx * raw_x * stretch + raw_.cx,
+          .v = raw_.fy * raw_y * stretch + raw_.cy,
+          .inside = forward >= ahead && s == r2};
+}
+
+SourceMap::Place SourceMap::at(double u, double v) const noexcept {
+  const Place free = unbounded(u, v);
   Place place;
-  place.u = std::clamp(at_u, 0.0, raw_.width - 1.0);
-  place.v = std::clamp(at_v, 0.0, raw_.height - 1.0);
-  place.inside = forward >= ahead && s == r2 && place.u == at_u && place.v == at_v;
+  place.u = std::clamp(free.u, 0.0, raw_.width - 1.0);
+  place.v = std::clamp(free.v, 0.0, raw_.height - 1.0);
+  place.inside = free.inside && place.u == free.u && place.v == free.v;
   return place;
 }
 

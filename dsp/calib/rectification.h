@@ -41,6 +41,9 @@ class SourceMap {
   SourceMap(const Pinhole& raw, const std::array<double, 9>& turn,
             const Pinhole& rectified) noexcept;
   Place at(double u, double v) const noexcept;
+  // The same before u and v are brought into the picture: what varies smoothly beyond its border
+  // too. `inside` tells nothing of the border.
+  Place unbounded(double u, double v) const noexcept;
 
   const Pinhole& raw() const noexcept { return raw_; }
   const Pinhole& rectified() const noexcept { return rectified_; }

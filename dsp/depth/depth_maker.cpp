@@ -37,15 +37,15 @@ GuideParams guide_params(const Calibration& calibration, const DepthParams& para
 
 }  // namespace
 
-std::size_t DepthMaker::bytes_needed(const Calibration& calibration,
-                                     const DepthParams& params) noexcept {
+std::size_t DepthMaker::bytes_needed(const Calibration& calibration, const DepthParams& params,
+                                     int threads) noexcept {
   const Pinhole& left = calibration.stereo.left;
   const Pinhole& pmd = calibration.pmd.lens;
   const int w = left.width;
   const int h = left.height;
   const int candidates = params.match.disparities;
-  std::size_t bytes = Matcher::bytes_needed(search(calibration, params), w, h) +
-                      Fuser::bytes_needed(w, h, candidates, pmd.width, pmd.height) +
+  std::size_t bytes = Matcher::bytes_needed(search(calibration, params), w, h, threads) +
+                      Fuser::bytes_needed(w, h, candidates, pmd.width, pmd.height, threads) +
                       Arena::bytes_for<Disparity>(pixels(left));
   bytes += calibration.stereo.raw ? Rectifier::bytes_needed(w, h) : 0;
   bytes += guides(calibration, params) ? GuideMaker::bytes_needed(w, h, pmd.width, pmd.height) : 0;
@@ -59,12 +59,13 @@ std::size_t DepthMaker::bytes_needed(const Calibration& calibration,
   return bytes;
 }
 
-DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params,
-                       Arena& arena) noexcept
-    : matcher_(search(calibration, params), calibration.stereo.left.width,
-               calibration.stereo.left.height, arena),
+DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
+                       const Crew& crew) noexcept
+    : crew_(crew),
+      matcher_(search(calibration, params), calibration.stereo.left.width,
+               calibration.stereo.left.height, arena, crew),
       fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
-             calibration.stereo.left.width, calibration.stereo.left.height, arena) {
+             calibration.stereo.left.width, calibration.stereo.left.height, arena, crew.threads()) {
   const int w = calibration.stereo.left.width;
   const int h = calibration.stereo.left.height;
   const MatchParams& match = params.match;
@@ -100,27 +101,28 @@ void DepthMaker::convert(const PmdFrame& frame) noexcept {
 void DepthMaker::match(ImageView<const std::uint8_t> left,
                        ImageView<const std::uint8_t> right) noexcept {
   const Guide guide = guide_maker_ && pmd_ != nullptr ? guide_maker_->make(*pmd_) : Guide{};
-  const Rows rows = disparity_.rows();
   left_ = left;
   right_ = right;
   if (rectifier_) {
-    rectifier_->rectify(left, right, rows);
+    crew_.run_rows(disparity_.rows(), kRowsAtOnce,
+                   [&](Rows rows, int) noexcept { rectifier_->rectify(left, right, rows); });
     left_ = rectifier_->left();
     right_ = rectifier_->right();
   }
   // In steps: what looks at the whole map must not see what lies beyond a border.
   matcher_.start(left_, right_, guide);
-  matcher_.filter(rows);
-  matcher_.derive(rows);
-  matcher_.match_rows(rows, disparity_);
-  if (rectifier_) {
-    rectifier_->clear_border(rows, disparity_);
-  }
+  matcher_.search(disparity_);
+  clear_border();
   matcher_.finish(disparity_);
-  if (rectifier_) {
-    rectifier_->clear_border(rows, disparity_);
-  }
+  clear_border();
   matched_ = true;
+}
+
+void DepthMaker::clear_border() noexcept {
+  if (rectifier_) {
+    crew_.run_rows(disparity_.rows(), kRowsAtOnce,
+                   [&](Rows rows, int) noexcept { rectifier_->clear_border(rows, disparity_); });
+  }
 }
 
 StereoMaps DepthMaker::stereo() const noexcept {
@@ -132,7 +134,10 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
     unwrapper_->resolve(*pmd_, stereo().disparity);
     unresolved_ = false;
   }
-  fuser_.fuse(stereo(), pmd_, out);
+  fuser_.prepare(pmd_);
+  crew_.run_rows(out.depth.rows(), kRowsAtOnce, [&](Rows rows, int thread) noexcept {
+    fuser_.fuse_rows(stereo(), rows, thread, out);
+  });
   if (temporal_) {
     temporal_->apply(matched_ ? left_ : ImageView<const std::uint8_t>{}, out);
   }

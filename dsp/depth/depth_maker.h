@@ -5,6 +5,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "dsp/base/workers.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/drift.h"
 #include "dsp/fusion/fuser.h"
@@ -34,12 +35,14 @@ struct DepthParams {
 // construction. Each frame: convert() where there are new PMD samples, match(), fuse().
 class DepthMaker {
  public:
-  static std::size_t bytes_needed(const Calibration& calibration,
-                                  const DepthParams& params) noexcept;
+  // threads: of the crew.
+  static std::size_t bytes_needed(const Calibration& calibration, const DepthParams& params,
+                                  int threads = 1) noexcept;
 
   // calibration is complete(), problem() of it empty; its PMD size may be 0x0: stereo alone.
-  // check(params.match) of the stereo size is kOk.
-  DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena) noexcept;
+  // check(params.match) of the stereo size is kOk. The result is the same with any crew.
+  DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
+             const Crew& crew = {}) noexcept;
 
   // Samples hold until the next ones; after forget_pmd() there are none.
   void convert(const PmdFrame& frame) noexcept;
@@ -66,6 +69,9 @@ class DepthMaker {
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
  private:
+  void clear_border() noexcept;
+
+  Crew crew_;
   std::optional<Rectifier> rectifier_;
   std::optional<GuideMaker> guide_maker_;
   Matcher matcher_;

@@ -18,6 +18,8 @@
 namespace stof::dsp {
 namespace {
 
+constexpr int kRowsAtOnce = 64;
+
 std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
@@ -53,6 +55,19 @@ QuarterMm range_of(const PmdSensor& sensor) noexcept {
 
 }  // namespace
 
+// Rows of one thread.
+struct Fuser::Scratch {
+  std::span<QuarterMm> stereo_low;
+  std::span<QuarterMm> stereo_high;
+  std::span<std::uint8_t> half;
+  std::span<Cause> cause;  // where nobody asks for it
+
+  static std::size_t bytes_needed(std::size_t row) noexcept {
+    return 2 * Arena::bytes_for<QuarterMm>(row) + Arena::bytes_for<std::uint8_t>(row) +
+           Arena::bytes_for<Cause>(row);
+  }
+};
+
 struct Fuser::Tables {
   FusionParams params;
   SettleParams settling;
@@ -61,29 +76,28 @@ struct Fuser::Tables {
   DisparityTable disparity;
   Reprojector reprojector;
   PaintedView painted;
-  std::span<QuarterMm> stereo_low;
-  std::span<QuarterMm> stereo_high;
-  std::span<std::uint8_t> half;
   std::span<std::uint8_t> ratio;  // of matches without one
   std::span<Disparity> nothing;   // a row without stereo
-  std::span<Cause> cause;         // where nobody asks for it
+  std::span<Scratch> scratch;     // of each thread
 };
 
 std::size_t Fuser::bytes_needed(int width, int height, int disparities, int pmd_width,
-                                int pmd_height) noexcept {
+                                int pmd_height, int threads) noexcept {
   const std::size_t row = static_cast<std::size_t>(width);
   return Arena::bytes_for<Tables>(1) + Arena::bytes_for<DepthInterval>(table_size(disparities)) +
          Arena::bytes_for<std::int32_t>(row) +
          Arena::bytes_for<std::int32_t>(column_table_size(width, disparities)) +
          2 * Arena::bytes_for<QuarterMm>(pixels(width, height)) +
          Arena::bytes_for<std::uint8_t>(pixels(width, height)) +
-         2 * Arena::bytes_for<QuarterMm>(row) + 2 * Arena::bytes_for<std::uint8_t>(row) +
-         Arena::bytes_for<Disparity>(row) + Arena::bytes_for<Cause>(row) +
+         Arena::bytes_for<std::uint8_t>(row) + Arena::bytes_for<Disparity>(row) +
+         Arena::bytes_for<Scratch>(static_cast<std::size_t>(threads)) +
+         static_cast<std::size_t>(threads) * Scratch::bytes_needed(row) +
          Reprojector::bytes_needed(pmd_width, pmd_height);
 }
 
 Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
-             int disparities, int width, int height, Arena& arena) noexcept {
+             int disparities, int width, int height, Arena& arena, int threads) noexcept {
+  STOF_CHECK(threads >= 1);
   STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
   tables_ = std::construct_at(arena.take<Tables>(1).data());
   Tables& t = *tables_;
@@ -109,22 +123,24 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   t.painted.low = arena.take_image<QuarterMm>(width, height);
   t.painted.high = arena.take_image<QuarterMm>(width, height);
   t.painted.flags = arena.take_image<std::uint8_t>(width, height);
-  t.stereo_low = arena.take<QuarterMm>(row);
-  t.stereo_high = arena.take<QuarterMm>(row);
-  t.half = arena.take<std::uint8_t>(row);
   t.ratio = arena.take<std::uint8_t>(row);
   t.nothing = arena.take<Disparity>(row);
-  t.cause = arena.take<Cause>(row);
+  t.scratch = arena.take<Scratch>(static_cast<std::size_t>(threads));
+  for (Scratch& scratch : t.scratch) {
+    scratch = {arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),
+               arena.take<std::uint8_t>(row), arena.take<Cause>(row)};
+  }
   std::ranges::fill(t.ratio, std::uint8_t{0});
   std::ranges::fill(t.nothing, Disparity::none());
   t.reprojector = Reprojector(calibration, width, height, arena);
 }
 
-void Fuser::fuse_row(const StereoMaps& stereo, int y, const DepthMap& out) noexcept {
+void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                     const DepthMap& out) noexcept {
   Tables& t = *tables_;
   SettleRow row{.disparity = t.nothing,
                 .weak = {},
-                .stereo = {t.stereo_low, t.stereo_high},
+                .stereo = {scratch.stereo_low, scratch.stereo_high},
                 .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
                 .support = {t.ratio, t.painted.flags.row(y)}};
   if (!stereo.disparity.empty()) {
@@ -134,45 +150,62 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const DepthMap& out) noexc
     row.weak = stereo.weak.row(y);
   }
   if (stereo.ratio.empty()) {
-    std::ranges::fill(t.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
+    std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
   } else {
     row.support.ratio = stereo.ratio.row(y);
     best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.settling.infinity_raw,
-                        t.half);
+                        scratch.half);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
-                       out.cause.empty() ? t.cause : out.cause.row(y)};
+                       out.cause.empty() ? scratch.cause : out.cause.row(y)};
   if (t.converging) {
-    best::column_interval(row.disparity, t.half, t.columns, t.stereo_low, t.stereo_high);
+    best::column_interval(row.disparity, scratch.half, t.columns, scratch.stereo_low,
+                          scratch.stereo_high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     settle_row(row, t.settling, t.columns, fused);
   } else {
-    best::stereo_interval(row.disparity, t.half, t.disparity, t.stereo_low, t.stereo_high);
+    best::stereo_interval(row.disparity, scratch.half, t.disparity, scratch.stereo_low,
+                          scratch.stereo_high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     settle_row(row, t.settling, t.disparity, fused);
   }
 }
 
-void Fuser::fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept {
-  Tables& t = *tables_;
+void Fuser::prepare(const PmdMaps* pmd) noexcept {
+  if (pmd != nullptr) {
+    tables_->reprojector.locate(*pmd);
+  } else {
+    tables_->reprojector.forget();
+  }
+}
+
+void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
+                      const DepthMap& out) noexcept {
+  const Tables& t = *tables_;
   STOF_CHECK(same_size(out.depth, t.painted.low) && same_size(out.width, out.depth) &&
              same_size(out.source, out.depth) &&
              (out.cause.empty() || same_size(out.cause, out.depth)));
   STOF_CHECK(stereo.disparity.empty() || same_size(stereo.disparity, out.depth));
   STOF_CHECK(stereo.ratio.empty() || same_size(stereo.ratio, out.depth));
   STOF_CHECK(stereo.weak.empty() || same_size(stereo.weak, out.depth));
-  const Rows all = out.depth.rows();
-  if (pmd != nullptr) {
-    t.reprojector.locate(*pmd);
-  } else {
-    t.reprojector.forget();
-  }
+  STOF_CHECK(rows.begin >= 0 && rows.end <= out.depth.height());
+  const Scratch& scratch = t.scratch[static_cast<std::size_t>(thread)];
   // The z-buffer is of no use once everything is painted: depth is written over it.
-  t.painted.nearest = out.depth;
-  t.reprojector.paint(all, t.painted);
-  for (int y = all.begin; y < all.end; ++y) {
-    fuse_row(stereo, y, out);
+  PaintedView painted = t.painted;
+  painted.nearest = out.depth;
+  // In stripes, so that what was painted is still near when it is fused.
+  for (int y = rows.begin; y < rows.end; y += kRowsAtOnce) {
+    const Rows some{y, std::min(y + kRowsAtOnce, rows.end)};
+    t.reprojector.paint(some, painted);
+    for (int row = some.begin; row < some.end; ++row) {
+      fuse_row(stereo, row, scratch, out);
+    }
   }
+}
+
+void Fuser::fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept {
+  prepare(pmd);
+  fuse_rows(stereo, out.depth.rows(), 0, out);
 }
 
 }  // namespace stof::dsp

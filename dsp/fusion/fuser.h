@@ -36,21 +36,30 @@ struct StereoMaps {
 // settles what only one of both saw (settle.h).
 class Fuser {
  public:
-  // disparities: of the Matcher whose result will be fused.
+  // disparities: of the Matcher whose result will be fused. threads: how many fuse_rows() run at
+  // the same time.
   static std::size_t bytes_needed(int width, int height, int disparities, int pmd_width,
-                                  int pmd_height) noexcept;
+                                  int pmd_height, int threads = 1) noexcept;
 
   // stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
   // only).
   Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
-        int disparities, int width, int height, Arena& arena) noexcept;
+        int disparities, int width, int height, Arena& arena, int threads = 1) noexcept;
 
-  // pmd: nullptr for stereo only. out: all of its images are written.
+  // First where the PMD's readings lie, then rows of the result, in any order and by any split:
+  // the same thread number (0 .. threads - 1) not twice at the same time. stereo and out as in
+  // fuse(), the same for all rows.
+  void prepare(const PmdMaps* pmd) noexcept;
+  void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out) noexcept;
+
+  // Both. pmd: nullptr for stereo only. out: all of its images are written.
   void fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept;
 
  private:
   struct Tables;
-  void fuse_row(const StereoMaps& stereo, int y, const DepthMap& out) noexcept;
+  struct Scratch;
+  void fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                const DepthMap& out) noexcept;
 
   Tables* tables_;
 };

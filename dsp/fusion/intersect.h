@@ -60,6 +60,12 @@ IntersectKernel intersect;
 namespace neon {
 IntersectKernel intersect;
 }
+namespace avx2 {
+IntersectKernel intersect;
+}
+namespace best {
+inline constexpr Kernel<IntersectKernel> intersect{STOF_VARIANTS(intersect)};
+}
 
 // depth and width of an interval that is not empty, as above.
 constexpr QuarterMm middle_of(int low, int high) noexcept {

@@ -5,7 +5,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
+#include <span>
 
 #include "dsp/stereo/match_params.h"
 
@@ -17,7 +17,10 @@ class PixelSet {
  public:
   static constexpr std::size_t kWord = 64;
 
-  void put(std::size_t word, std::uint64_t bits) noexcept { words_[word] = bits; }
+  // Those of n pixels.
+  std::span<std::uint64_t> words(std::size_t n) noexcept {
+    return std::span(words_).first((n + kWord - 1) / kWord);
+  }
   void add(std::size_t x) noexcept { words_[x / kWord] |= std::uint64_t{1} << (x % kWord); }
   void remove(std::size_t x) noexcept { words_[x / kWord] &= ~(std::uint64_t{1} << (x % kWord)); }
   void unite(const PixelSet& other, std::size_t n) noexcept {
@@ -62,18 +65,5 @@ class PixelSet {
 
   std::array<std::uint64_t, static_cast<std::size_t>(kMaxImageWidth) / kWord> words_;
 };
-
-// 64 bytes of 0 or 1 as bits, the first lowest.
-inline std::uint64_t packed(const std::array<std::uint8_t, PixelSet::kWord>& bytes) noexcept {
-  static_assert(std::endian::native == std::endian::little);
-  constexpr std::uint64_t kGather = 0x0102040810204080;  // the eighth byte gets one bit of each
-  std::uint64_t all = 0;
-  for (std::size_t k = 0; k < bytes.size(); k += 8) {
-    std::uint64_t eight = 0;
-    std::memcpy(&eight, bytes.data() + k, sizeof eight);
-    all |= ((eight * kGather) >> 56) << k;
-  }
-  return all;
-}
 
 }  // namespace stof::dsp

@@ -49,5 +49,11 @@ ProjectKernel project;
 namespace neon {
 ProjectKernel project;
 }
+namespace avx2 {
+ProjectKernel project;
+}
+namespace best {
+inline constexpr Kernel<ProjectKernel> project{STOF_VARIANTS(project)};
+}
 
 }  // namespace stof::dsp

@@ -1,13 +1,13 @@
 #include "dsp/fusion/settle.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
 #include "dsp/fusion/pixel_set.h"
+#include "dsp/fusion/settle_marks.h"
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/stereo/match_params.h"
 
@@ -78,19 +78,20 @@ class Settler {
       : row_(row), params_(params), table_(table), out_(out) {}
 
   void run() noexcept {
-    for (std::size_t x = 0; x < row_.disparity.size(); x += PixelSet::kWord) {
-      look_at(x, std::min(PixelSet::kWord, row_.disparity.size() - x));
-    }
+    const std::size_t n = row_.disparity.size();
+    best::settle_marks(
+        {row_.disparity, row_.weak, row_.support, row_.pmd, out_.source, out_.cause},
+        {open_.words(n), matched_.words(n), disputed_.words(n), weak_.words(n), edge_.words(n)});
+    std::ranges::fill(confirmed_.words(n), 0U);
     each_run([this](const Run& run) noexcept {
       settle_shadow(run);
       confirm_weak(run);
     });
-    matched_.unite(confirmed_, row_.disparity.size());
+    matched_.unite(confirmed_, n);
     each_run([this](const Run& run) noexcept {
       settle_gap(run);
       settle_edges(run);
     });
-    const std::size_t n = row_.disparity.size();
     for (std::size_t x = disputed_.next(0, n); params_.pmd_range != 0 && x < n;
          x = disputed_.next(x + 1, n)) {
       if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
@@ -100,33 +101,6 @@ class Settler {
   }
 
  private:
-  // Sorts up to 64 pixels into the sets.
-  void look_at(std::size_t from, std::size_t count) noexcept {
-    std::array<std::uint8_t, PixelSet::kWord> open{};
-    std::array<std::uint8_t, PixelSet::kWord> matched{};
-    std::array<std::uint8_t, PixelSet::kWord> disputed{};
-    for (std::size_t i = 0; i < count; ++i) {
-      const std::size_t x = from + i;
-      const Source source = out_.source[x];
-      const unsigned mixed = out_.cause[x] == Cause::kMixedPixel ? 1 : 0;
-      const unsigned wide =
-          (row_.pmd.high[x] - row_.pmd.low[x]) * kNarrowShare > row_.pmd.low[x] ? 1 : 0;
-      const unsigned pmd = source == Source::kPmd ? wide : 0;
-      const unsigned conflict = source == Source::kConflict ? 1 : 0;
-      const unsigned stereo = source == Source::kStereo || source == Source::kBoth ? 1 : 0;
-      const unsigned resolved = source == Source::kResolved ? mixed : 0;
-      const unsigned distinct = row_.support.ratio[x] < kNeighbourRatio ? 1 : 0;
-      const unsigned valid = row_.disparity[x].valid() ? 1 : 0;
-      open[i] = static_cast<std::uint8_t>(pmd | (conflict & mixed));
-      matched[i] = static_cast<std::uint8_t>((stereo | resolved) & distinct & valid);
-      disputed[i] = static_cast<std::uint8_t>(conflict);
-    }
-    open_.put(from / PixelSet::kWord, packed(open));
-    matched_.put(from / PixelSet::kWord, packed(matched));
-    disputed_.put(from / PixelSet::kWord, packed(disputed));
-    confirmed_.put(from / PixelSet::kWord, 0);
-  }
-
   Disparity match_at(std::size_t x) const noexcept {
     return row_.disparity[x].valid() ? row_.disparity[x] : row_.weak[x];
   }
@@ -203,9 +177,9 @@ class Settler {
 
   // The pixels' own matches, which become neighbours of others.
   void confirm_weak(const Run& run) noexcept {
-    for (std::size_t x = run.begin; !row_.weak.empty() && x < run.end; ++x) {
-      if (row_.weak[x].valid() && !row_.disparity[x].valid() && open_.has(x) &&
-          publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
+    for (std::size_t x = weak_.next(run.begin, run.end); x < run.end;
+         x = weak_.next(x + 1, run.end)) {
+      if (open_.has(x) && publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
         confirmed_.add(x);
       }
     }
@@ -227,10 +201,14 @@ class Settler {
   // Where the PMD says that there is an edge: the surface that is nearest in the picture, or the
   // other one.
   void settle_edges(const Run& run) noexcept {
+    std::size_t x = edge_.next(run.begin, run.end);
+    if (x == run.end) {
+      return;
+    }
     const Surface<Table> left = surface(run.left.raw, kMixedShare);
     const Surface<Table> right = surface(run.right.raw, kMixedShare);
-    for (std::size_t x = run.begin; x < run.end; ++x) {
-      if ((row_.support.pmd_flags[x] & kPmdEdge) == 0 || !open_.has(x)) {
+    for (; x < run.end; x = edge_.next(x + 1, run.end)) {
+      if (!open_.has(x)) {
         continue;
       }
       const bool has_left = run.left.valid() && run.to_left(x) <= params_.reach_px;
@@ -264,6 +242,8 @@ class Settler {
   PixelSet matched_;    // whose match was published and stands for a surface
   PixelSet confirmed_;  // by their weak match
   PixelSet disputed_;   // kConflict at first
+  PixelSet weak_;       // with a weak match alone
+  PixelSet edge_;       // where the PMD says that there is an edge
 };
 
 template <typename Table>

@@ -52,5 +52,11 @@ StereoInterval stereo_interval;
 namespace neon {
 StereoInterval stereo_interval;
 }
+namespace avx2 {
+StereoInterval stereo_interval;
+}
+namespace best {
+inline constexpr Kernel<StereoInterval> stereo_interval{STOF_VARIANTS(stereo_interval)};
+}
 
 }  // namespace stof::dsp

@@ -58,5 +58,11 @@ CountVotes count_votes;
 namespace neon {
 CountVotes count_votes;
 }
+namespace avx2 {
+CountVotes count_votes;
+}
+namespace best {
+inline constexpr Kernel<CountVotes> count_votes{STOF_VARIANTS(count_votes)};
+}
 
 }  // namespace stof::dsp

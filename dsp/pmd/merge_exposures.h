@@ -8,8 +8,8 @@
 
 namespace stof::dsp {
 
-// What the kernels phase and shot_sigma made of one exposure, one row. ratio and sigma may be empty
-// (in all rows that are merged).
+// What the kernels phase and sigma_and_ratio made of one exposure, one row. ratio and sigma may be
+// empty (in all rows that are merged).
 struct ExposureRow {
   std::span<Phase> phase;
   std::span<std::uint16_t> amp2;

@@ -36,7 +36,6 @@ struct PhaseRow {
   std::span<Phase> phase;
   std::span<std::uint16_t> amp2;
   std::span<std::uint16_t> offset;
-  std::span<std::uint8_t> ratio;
   std::span<std::uint8_t> flags;
 };
 
@@ -44,8 +43,6 @@ struct PhaseRow {
 //   phase  = atan2(Q, I), one turn is 65536; at most 0.70 from the real number; 0 when I = Q = 0
 //   amp2   = sqrt(I^2 + Q^2) rounded to nearest, exactly; at most 46340
 //   offset = (A0 + A1 + A2 + A3 + 2) / 4 - dark, at least 0
-//   ratio  = 128 amp2 / offset by one IEEE single division, rounded to nearest (ties to even), at
-//            most 255: the modulation ratio A / offset in 1/256. Offset 0 counts as 1
 //   flags  = kPmdSaturated, kPmdUnderRange, kPmdLowAmplitude, kPmdLowRatio, kPmdAsymmetric
 // How phase is computed (both variants, bit for bit): t = mn / mx in Q16 by one IEEE single
 // division, theta = t + t P(t^2) in 1/8 phase units, P of degree 5 fitted with this very rounding,
@@ -63,6 +60,12 @@ PhaseKernel phase;
 }
 namespace neon {
 PhaseKernel phase;
+}
+namespace avx2 {
+PhaseKernel phase;
+}
+namespace best {
+inline constexpr Kernel<PhaseKernel> phase{STOF_VARIANTS(phase)};
 }
 
 }  // namespace stof::dsp

@@ -59,12 +59,6 @@ int less_stray(int difference, int stray) noexcept {
   return std::clamp(difference - stray, -kLargest, kLargest);
 }
 
-std::uint8_t ratio_of(std::uint32_t amp2, std::uint32_t light) noexcept {
-  const float ratio =
-      static_cast<float>(128 * amp2) / static_cast<float>(std::max(light, std::uint32_t{1}));
-  return static_cast<std::uint8_t>(nearest_even(std::min(ratio, 255.0F)));
-}
-
 unsigned flag_if(bool condition, PmdFlag flag) noexcept { return condition ? unsigned{flag} : 0; }
 
 }  // namespace
@@ -74,8 +68,7 @@ void phase(const SampleRows& samples, const PhaseLimits& limits, const PhaseRow&
   for (const std::span<const std::uint16_t>& row : samples) {
     STOF_CHECK(row.size() == n);
   }
-  STOF_CHECK(out.amp2.size() == n && out.offset.size() == n);
-  STOF_CHECK(out.ratio.size() == n && out.flags.size() == n);
+  STOF_CHECK(out.amp2.size() == n && out.offset.size() == n && out.flags.size() == n);
   STOF_CHECK(limits.ratio_q16 <= kMaxRatioQ16 && limits.asymmetry_slope_q8 <= kMaxAsymmetrySlopeQ8);
   for (std::size_t x = 0; x < n; ++x) {
     std::array<int, 4> a{};
@@ -100,7 +93,6 @@ void phase(const SampleRows& samples, const PhaseLimits& limits, const PhaseRow&
     out.phase[x] = phase_of(i, q);
     out.amp2[x] = static_cast<std::uint16_t>(magnitude);
     out.offset[x] = static_cast<std::uint16_t>(light);
-    out.ratio[x] = ratio_of(magnitude, light);
     out.flags[x] = static_cast<std::uint8_t>(flag);
   }
 }

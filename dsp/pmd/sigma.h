@@ -17,11 +17,16 @@ struct NoiseModel {
   float base = 0;
 };
 
-// sigma = nearest integer (ties to even) of the formula above by IEEE single operations in that
-// order, 1 .. 65535; amp2 0 counts as 1. Equal lengths, any length, any alignment; no overlap.
-using ShotSigmaKernel = void(std::span<const std::uint16_t> amp2,
-                             std::span<const std::uint16_t> offset, const NoiseModel& model,
-                             std::span<QuarterMm> sigma) noexcept;
+// What amplitude and light tell about a reading:
+//   sigma = nearest integer (ties to even) of the formula above by IEEE single operations in that
+//           order, 1 .. 65535; amp2 0 counts as 1
+//   ratio = 128 amp2 / offset by one IEEE single division, rounded to nearest (ties to even), at
+//           most 255: the modulation ratio A / offset in 1/256. Offset 0 counts as 1
+// Equal lengths, any length, any alignment; no overlap.
+using SigmaAndRatioKernel = void(std::span<const std::uint16_t> amp2,
+                                 std::span<const std::uint16_t> offset, const NoiseModel& model,
+                                 std::span<QuarterMm> sigma,
+                                 std::span<std::uint8_t> ratio) noexcept;
 
 // sigma by distance: steps of 1024 quarter mm (256 mm) and what sigma gains until the next,
 // linear in between. A value 0 .. 65535, value + gain too.
@@ -44,14 +49,22 @@ using CombineSigmaKernel = void(std::span<const QuarterMm> other,
                                 std::span<QuarterMm> sigma) noexcept;
 
 namespace ref {
-ShotSigmaKernel shot_sigma;
+SigmaAndRatioKernel sigma_and_ratio;
 CurveSigmaKernel curve_sigma;
 CombineSigmaKernel combine_sigma;
 }  // namespace ref
 namespace neon {
-ShotSigmaKernel shot_sigma;
+SigmaAndRatioKernel sigma_and_ratio;
 CurveSigmaKernel curve_sigma;
 CombineSigmaKernel combine_sigma;
 }  // namespace neon
+namespace avx2 {
+SigmaAndRatioKernel sigma_and_ratio;
+CombineSigmaKernel combine_sigma;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<SigmaAndRatioKernel> sigma_and_ratio{STOF_VARIANTS(sigma_and_ratio)};
+inline constexpr Kernel<CombineSigmaKernel> combine_sigma{STOF_VARIANTS(combine_sigma)};
+}  // namespace best
 
 }  // namespace stof::dsp

@@ -10,20 +10,27 @@ namespace {
 
 constexpr int kCurveBits = 10;
 
-// Nearest integer, ties to even, 1 .. 65535.
+// Nearest integer, ties to even, for 0 <= v < 2^22.
+int nearest_even(float v) noexcept { return static_cast<int>(v + 12582912.0F) - 12582912; }
+
+// 1 .. 65535.
 QuarterMm limited(float sigma) noexcept {
-  const float inside = std::clamp(sigma, 1.0F, 65535.0F);
-  return static_cast<QuarterMm>(static_cast<int>(inside + 12582912.0F) - 12582912);
+  return static_cast<QuarterMm>(nearest_even(std::clamp(sigma, 1.0F, 65535.0F)));
 }
 
 }  // namespace
 
-void shot_sigma(std::span<const std::uint16_t> amp2, std::span<const std::uint16_t> offset,
-                const NoiseModel& model, std::span<QuarterMm> sigma) noexcept {
-  STOF_CHECK(amp2.size() == sigma.size() && offset.size() == sigma.size());
-  for (std::size_t x = 0; x < sigma.size(); ++x) {
+void sigma_and_ratio(std::span<const std::uint16_t> amp2, std::span<const std::uint16_t> offset,
+                     const NoiseModel& model, std::span<QuarterMm> sigma,
+                     std::span<std::uint8_t> ratio) noexcept {
+  const std::size_t n = sigma.size();
+  STOF_CHECK(amp2.size() == n && offset.size() == n && ratio.size() == n);
+  for (std::size_t x = 0; x < n; ++x) {
     const float variance = model.slope * static_cast<float>(offset[x]) + model.base;
     sigma[x] = limited(std::sqrt(variance) / static_cast<float>(std::max<int>(amp2[x], 1)));
+    const float modulation =
+        static_cast<float>(128 * amp2[x]) / static_cast<float>(std::max<int>(offset[x], 1));
+    ratio[x] = static_cast<std::uint8_t>(nearest_even(std::min(modulation, 255.0F)));
   }
 }
 

@@ -15,8 +15,8 @@ SampleRows sample_rows(const PmdSamples& samples, int y) noexcept {
 
 void measure_exposure(const PmdSamples& samples, int y, const ExposureTables& tables,
                       const ExposureRow& out) noexcept {
-  best::phase(sample_rows(samples, y), tables.limits, pixels_of(out));
-  best::shot_sigma(out.amp2, out.offset, tables.noise, out.sigma);
+  best::phase(sample_rows(samples, y), tables.limits, {out.phase, out.amp2, out.offset, out.flags});
+  best::sigma_and_ratio(out.amp2, out.offset, tables.noise, out.sigma, out.ratio);
 }
 
 }  // namespace
@@ -58,10 +58,6 @@ IntegrationQ8 prepare_tone(std::span<const PmdExposure> exposures,
     one.gain_q8 = static_cast<std::uint16_t>(std::min(gain, 65535U));
   }
   return longest;
-}
-
-PhaseRow pixels_of(const ExposureRow& row) noexcept {
-  return {row.phase, row.amp2, row.offset, row.ratio, row.flags};
 }
 
 std::size_t exposure_row_bytes(std::size_t width) noexcept {

@@ -50,7 +50,11 @@ std::size_t search_map_bytes(const MatchParams& params, int width, int height) n
 
 void search_map(const MatchParams& params, const PreparedPair& pair, Arena arena,
                 ImageView<std::int16_t> winners) noexcept {
-  const auto right = arena.take_image<std::int16_t>(winners.width(), winners.height());
+  // Coarse to fine need not look at the right picture's winners where nobody asks for them.
+  const bool check = params.left_right_tolerance.has_value();
+  const auto right = has_shape(params) || check
+                         ? arena.take_image<std::int16_t>(winners.width(), winners.height())
+                         : ImageView<std::int16_t>();
   if (has_shape(params)) {
     match_shapes(params, pair, arena, winners, right);
   } else {
@@ -64,7 +68,7 @@ void search_map(const MatchParams& params, const PreparedPair& pair, Arena arena
   for (int y = 0; y < winners.height(); ++y) {
     settle_single_candidates(params.min_disparity, params.disparities, winners.row(y));
   }
-  if (params.left_right_tolerance) {
+  if (check) {
     check_blocks(right, params.min_disparity, *params.left_right_tolerance, winners);
   }
 }

@@ -26,93 +26,20 @@ namespace {
 
 std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
-bool fills(const MatchParams& params) noexcept {
-  return params.fill || params.method == Method::kOrdered;
-}
-
-bool keeps_weak(const MatchParams& params) noexcept {
-  return params.confidence && (params.distinct || params.min_texture);
-}
-
-// The most that one step takes for itself.
-std::size_t scratch_bytes(const MatchParams& params, int width, int height) noexcept {
-  const std::size_t right = size(width) + size(lanes_of(params)) - 1;
-  std::size_t bytes =
-      Arena::bytes_for<std::uint32_t>(right) + Arena::bytes_for<std::int16_t>(right);
-  const auto needs = [&](std::size_t more) noexcept { bytes = std::max(bytes, more); };
-  if (params.distinct) {
-    needs(drop_indistinct_bytes(width));
-  }
-  if (params.min_texture) {
-    needs(drop_flat_bytes(width));
-  }
-  if (params.histogram_permille) {
-    needs(Arena::bytes_for<std::uint32_t>(size(params.disparities) + 1));
-  }
-  if (params.speckle_pixels) {
-    needs(drop_speckles_bytes(width, height));
-  }
-  if (searches_map(params)) {
-    needs(Arena::bytes_for<std::int16_t>(size(width) * size(height)) +
-          search_map_bytes(params, width, height));
-  }
-  return bytes;
+// Rows that a thread searches at once. Semi-global optimisation works on whole stripes; sums over
+// blocks begin anew only where a thread takes over what is another's.
+int rows_at_once(const MatchParams& params) noexcept {
+  return params.method == Method::kSemiGlobal ? SemiGlobal<std::uint8_t, std::uint8_t>::kStripe
+                                              : kRowsAtOnce;
 }
 
 }  // namespace
-
-std::size_t Matcher::bytes_needed(const MatchParams& params, int width, int height) noexcept {
-  const std::size_t pixels = size(width) * size(height);
-  std::size_t bytes =
-      PreparedPair::bytes_needed(params, width, height) +
-      (needs_wide_sums(params) ? RowSearch<std::uint32_t>::bytes_needed(params, width)
-                               : RowSearch<std::uint16_t>::bytes_needed(params, width));
-  bytes += params.distinct ? Arena::bytes_for<std::int16_t>(pixels) : 0;
-  bytes += params.median || keeps_weak(params) ? Arena::bytes_for<Disparity>(pixels) : 0;
-  bytes += fills(params) ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
-  bytes += params.confidence ? Arena::bytes_for<std::uint8_t>(pixels) : 0;
-  bytes += keeps_weak(params) && !params.distinct ? Arena::bytes_for<Disparity>(pixels) : 0;
-  return bytes + Arena::bytes_for<std::byte>(scratch_bytes(params, width, height));
-}
-
-Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena) noexcept
-    : params_(params), pair_(params, width, height, arena) {
-  STOF_CHECK(check(params, width, height) == Status::kOk);
-  if (needs_wide_sums(params)) {
-    wide_search_.emplace(params, width, arena);
-  } else {
-    search_.emplace(params, width, arena);
-  }
-  if (params.distinct) {
-    margins_ = arena.take_image<std::int16_t>(width, height);
-  }
-  if (params.median || keeps_weak(params)) {
-    spare_ = arena.take_image<Disparity>(width, height);
-  }
-  if (fills(params)) {
-    filled_ = arena.take_image<std::uint8_t>(width, height);
-  }
-  if (params.confidence) {
-    ratio_ = arena.take_image<std::uint8_t>(width, height);
-  }
-  if (keeps_weak(params)) {
-    // Margins are of no use once the indistinct ones are dropped.
-    weak_ = params.distinct
-                ? ImageView<Disparity>(
-                      reinterpret_cast<Disparity*>(margins_.data()),  // NOLINT: both are an i16
-                      width, height)
-                : arena.take_image<Disparity>(width, height);
-  }
-  scratch_ = arena.take<std::byte>(scratch_bytes(params, width, height));
-}
 
 void Matcher::match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                     ImageView<Disparity> out, Guide guide) noexcept {
   STOF_CHECK(same_size(left, out));
   start(left, right, guide);
-  filter(left.rows());
-  derive(left.rows());
-  match_rows(left.rows(), out);
+  search(out);
   finish(out);
 }
 
@@ -125,27 +52,45 @@ void Matcher::start(ImageView<const std::uint8_t> left, ImageView<const std::uin
   if (left.empty()) {
     return;
   }
-  if (search_) {
-    search_->start(pair_, guide);
-  } else {
-    wide_search_->start(pair_, guide);
+  for (RowSearch<std::uint16_t>& search : searches_) {
+    search.start(pair_, guide);
+  }
+  for (RowSearch<std::uint32_t>& search : wide_searches_) {
+    search.start(pair_, guide);
+  }
+}
+
+void Matcher::search(ImageView<Disparity> out) noexcept {
+  if (pair_.filters()) {
+    by_rows([this](Rows rows, int) noexcept { filter(rows); });
+  }
+  if (pair_.derives()) {
+    by_rows([this](Rows rows, int) noexcept { derive(rows); });
+  }
+  if (!searches_map(params_)) {
+    crew_.run_rows(out.rows(), rows_at_once(params_),
+                   [&](Rows rows, int thread) noexcept { match_rows(rows, out, thread); });
   }
 }
 
 void Matcher::filter(Rows rows) noexcept { pair_.filter(rows); }
 void Matcher::derive(Rows rows) noexcept { pair_.derive(rows); }
 
-void Matcher::match_rows(Rows rows, ImageView<Disparity> out) noexcept {
+void Matcher::match_rows(Rows rows, ImageView<Disparity> out, int thread) noexcept {
   STOF_CHECK(out.width() == width_ && out.height() == height_ && rows.begin >= 0 &&
              rows.end <= height_);
   if (out.empty() || searches_map(params_)) {
     return;  // in finish()
   }
-  if (search_) {
-    match_rows_with(*search_, rows, out);
+  if (!searches_.empty()) {
+    match_rows_with(searches_[size(thread)], rows, thread, out);
   } else {
-    match_rows_with(*wide_search_, rows, out);
+    match_rows_with(wide_searches_[size(thread)], rows, thread, out);
   }
+}
+
+std::span<std::byte> Matcher::scratch_of(int thread) const noexcept {
+  return scratch_.subspan(size(thread) * thread_bytes_, thread_bytes_);
 }
 
 ImageView<const std::uint8_t> Matcher::filled() const noexcept {
@@ -159,18 +104,18 @@ ImageView<const std::uint8_t> Matcher::ratio() const noexcept {
 ImageView<const Disparity> Matcher::weak() const noexcept { return cut(weak_, width_, height_); }
 
 template <typename Sum>
-void Matcher::match_rows_with(RowSearch<Sum>& search, Rows rows,
+void Matcher::match_rows_with(RowSearch<Sum>& search, Rows rows, int thread,
                               ImageView<Disparity> out) noexcept {
   for (int y = rows.begin; y < rows.end; ++y) {
     const FoundRow<Sum> found = search.row(y);
-    check_row(found, y);
+    check_row(found, y, thread);
     refine_row(found, y, out.row(y));
   }
 }
 
 // Drops winners that their own row speaks against.
 template <typename Sum>
-void Matcher::check_row(const FoundRow<Sum>& found, int y) noexcept {
+void Matcher::check_row(const FoundRow<Sum>& found, int y, int thread) noexcept {
   const int lanes = lanes_of(params_);
   if (!filled_.empty()) {
     std::ranges::copy(found.continued, filled_.row(y).begin());
@@ -200,7 +145,7 @@ void Matcher::check_row(const FoundRow<Sum>& found, int y) noexcept {
     std::ranges::fill(filled_.row(y), std::uint8_t{0});
     return;
   }
-  Arena arena(scratch_);
+  Arena arena(scratch_of(thread));
   const std::size_t right = found.winners.size() + size(lanes) - 1;
   const std::span<std::int16_t> right_winners = arena.take<std::int16_t>(right);
   if (found.narrow_judged.empty()) {
@@ -230,6 +175,13 @@ template <typename Sum>
 void Matcher::refine_row(const FoundRow<Sum>& found, int y, std::span<Disparity> out) noexcept {
   const int lanes = lanes_of(params_);
   const int first = params_.min_disparity;
+  if (!found.fitted.empty()) {
+    for (std::size_t x = 0; x < out.size(); ++x) {  // a check may have dropped a winner since
+      out[x].raw = found.winners[x] == kNoWinner ? Disparity::none().raw : found.fitted[x].raw;
+    }
+    fit_grey_values(y, out);
+    return;
+  }
   switch (params_.subpixel) {
     case Subpixel::kEquiangular:
       best::refine_winners(found.judged, lanes, first, found.winners, out);
@@ -255,16 +207,18 @@ void Matcher::match_map(ImageView<Disparity> out) noexcept {
   Arena arena(scratch_);
   const auto winners = arena.take_image<std::int16_t>(width_, height_);
   search_map(params_, pair_, arena, winners);
-  for (int y = 0; y < height_; ++y) {
-    best::whole_winners(params_.min_disparity, winners.row(y), out.row(y));
-    fit_grey_values(y, out.row(y));
-    if (!filled_.empty()) {
-      std::ranges::fill(filled_.row(y), std::uint8_t{0});
+  by_rows([&](Rows rows, int) noexcept {
+    for (int y = rows.begin; y < rows.end; ++y) {
+      best::whole_winners(params_.min_disparity, winners.row(y), out.row(y));
+      fit_grey_values(y, out.row(y));
+      if (!filled_.empty()) {
+        std::ranges::fill(filled_.row(y), std::uint8_t{0});
+      }
+      if (params_.confidence) {
+        std::ranges::fill(ratio_.row(y).first(size(width_)), kRatioUnknown);
+      }
     }
-    if (params_.confidence) {
-      std::ranges::fill(ratio_.row(y).first(size(width_)), kRatioUnknown);
-    }
-  }
+  });
 }
 
 }  // namespace stof::dsp

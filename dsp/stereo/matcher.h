@@ -2,12 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
+#include "dsp/base/workers.h"
 #include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
@@ -18,17 +18,24 @@ namespace stof::dsp {
 // In place of a peak ratio that was not computed: neither distinct nor with rivals.
 inline constexpr std::uint8_t kRatioUnknown = 128;
 
+// Rows that a thread does at once, where a step looks at few others.
+inline constexpr int kRowsAtOnce = 16;
+
 // Matches one stereo pair as MatchParams say: picture, cost, search, checks, refinement. Holds its
 // buffers, allocates nothing. Disparities in the left image, none where no candidate lies inside
 // the right image, where all of them cost the same (a flat, black or saturated picture) or where a
 // check failed. Nothing is filled unless asked for, and filled() tells what was.
 class Matcher {
  public:
-  // Bytes of the Arena that a Matcher for images up to width x height takes.
-  static std::size_t bytes_needed(const MatchParams& params, int width, int height) noexcept;
+  // Bytes of the Arena that a Matcher for images up to width x height takes, with a crew of so many
+  // threads: each has a search of its own.
+  static std::size_t bytes_needed(const MatchParams& params, int width, int height,
+                                  int threads = 1) noexcept;
 
-  // params, width and height must pass check().
-  Matcher(const MatchParams& params, int width, int height, Arena& arena) noexcept;
+  // params, width and height must pass check(). The result is the same with any crew; searches of
+  // whole maps have but one thread.
+  Matcher(const MatchParams& params, int width, int height, Arena& arena,
+          const Crew& crew = {}) noexcept;
 
   // left, right, out: equal size, at most the constructor's. Any size from 1x1; empty does nothing.
   // guide: of the same size, or empty; not empty only where MatchParams are `guided`. The result is
@@ -40,14 +47,17 @@ class Matcher {
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              ImageView<Disparity> out, Guide guide = {}) noexcept;
 
-  // match() in steps, for splitting: each step over all rows, in any split, before the next. The
-  // result of a row does not depend on the split. Pictures and guide are looked at until finish().
+  // match() in steps. Pictures and guide are looked at until finish().
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
              Guide guide = {}) noexcept;
+  void search(ImageView<Disparity> out) noexcept;  // what looks at rows, by the crew
+  void finish(ImageView<Disparity> out) noexcept;  // what looks at the whole map
+
+  // search() in steps: each over all rows, in any split, before the next. The result of a row does
+  // not depend on the split. thread: below that of the crew; one at a time each.
   void filter(Rows rows) noexcept;
   void derive(Rows rows) noexcept;
-  void match_rows(Rows rows, ImageView<Disparity> out) noexcept;
-  void finish(ImageView<Disparity> out) noexcept;  // what looks at the whole map
+  void match_rows(Rows rows, ImageView<Disparity> out, int thread = 0) noexcept;
 
   // With MatchParams::confidence, of the last match(); else empty.
   // Peak ratio of each pixel (check/peak_ratio.h): 0 = nothing comes near, 255 = a rival is as
@@ -64,9 +74,10 @@ class Matcher {
 
  private:
   template <typename Sum>
-  void match_rows_with(RowSearch<Sum>& search, Rows rows, ImageView<Disparity> out) noexcept;
+  void match_rows_with(RowSearch<Sum>& search, Rows rows, int thread,
+                       ImageView<Disparity> out) noexcept;
   template <typename Sum>
-  void check_row(const FoundRow<Sum>& found, int y) noexcept;
+  void check_row(const FoundRow<Sum>& found, int y, int thread) noexcept;
   template <typename Sum>
   void judge_distinctness(const FoundRow<Sum>& found, int y) noexcept;
   template <typename Sum>
@@ -74,20 +85,34 @@ class Matcher {
   void fit_grey_values(int y, std::span<Disparity> out) noexcept;
   void match_map(ImageView<Disparity> out) noexcept;
   void drop_implausible(ImageView<Disparity> out) noexcept;
+  void drop_specks(ImageView<Disparity> out) noexcept;
   void keep_weak(ImageView<const Disparity> out) noexcept;
+  void note_filled(ImageView<Disparity> out) noexcept;
+  std::span<std::byte> scratch_of(int thread) const noexcept;
+  template <typename Job>
+  void by_rows(Job&& job) const noexcept;
 
   MatchParams params_;
+  Crew crew_;
   PreparedPair pair_;
-  std::optional<RowSearch<std::uint16_t>> search_;
-  std::optional<RowSearch<std::uint32_t>> wide_search_;
+  std::span<RowSearch<std::uint16_t>> searches_;  // one for each thread, or wide ones
+  std::span<RowSearch<std::uint32_t>> wide_searches_;
   ImageView<std::int16_t> margins_;  // distinct
   ImageView<Disparity> spare_;       // the map before a check or the median
   ImageView<std::uint8_t> filled_;
   ImageView<std::uint8_t> ratio_;
   ImageView<Disparity> weak_;
-  std::span<std::byte> scratch_;  // of one check or one whole-map search at a time
+  std::span<std::byte> scratch_;  // of one whole-map step at a time, or shared out to the threads,
+  std::size_t thread_bytes_;      // so much each,
+  std::size_t map_bytes_;         // or so much for each of two maps
   int width_ = 0;                 // of the current pictures
   int height_ = 0;
 };
+
+// job(Rows, thread) for all rows, by the crew.
+template <typename Job>
+void Matcher::by_rows(Job&& job) const noexcept {
+  crew_.run_rows({0, height_}, kRowsAtOnce, job);
+}
 
 }  // namespace stof::dsp

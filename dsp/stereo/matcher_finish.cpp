@@ -16,20 +16,42 @@ namespace {
 
 std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
+void copy_rows(ImageView<const Disparity> from, Rows rows, ImageView<Disparity> to) noexcept {
+  for (int y = rows.begin; y < rows.end; ++y) {
+    std::ranges::copy(from.row(y), to.row(y).begin());
+  }
+}
+
+// What was there before, and is not any more.
+void keep_dropped(std::span<const Disparity> before, std::span<const Disparity> now,
+                  std::span<Disparity> dropped) noexcept {
+  for (std::size_t x = 0; x < dropped.size(); ++x) {
+    dropped[x] = now[x].valid() ? Disparity::none() : before[x];
+  }
+}
+
 }  // namespace
 
 // Drops what the whole map speaks against.
 void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
   const ImageView<Disparity> before = cut(spare_, width_, height_);
-  for (int y = 0; !weak_.empty() && y < height_; ++y) {
-    std::ranges::copy(out.row(y), before.row(y).begin());
-  }
-  if (params_.min_texture) {
-    drop_flat(pair_.left(), *params_.prefilter_cap, *params_.min_texture, out.rows(),
-              Arena(scratch_), out);
-  }
-  if (params_.distinct) {
-    drop_indistinct(cut(margins_, width_, height_), out.rows(), Arena(scratch_), out);
+  const ImageView<const std::int16_t> margins = cut(margins_, width_, height_);
+  if (!weak_.empty() || params_.min_texture || params_.distinct) {
+    // Few large stripes: each begins its sums over 24 rows anew.
+    const int stripes = crew_.threads() == 1 ? 1 : 2 * crew_.threads();
+    const int step = (height_ + stripes - 1) / stripes;
+    crew_.run_rows(out.rows(), step, [&](Rows rows, int thread) noexcept {
+      if (!weak_.empty()) {
+        copy_rows(out, rows, before);
+      }
+      if (params_.min_texture) {
+        drop_flat(pair_.left(), *params_.prefilter_cap, *params_.min_texture, rows,
+                  Arena(scratch_of(thread)), out);
+      }
+      if (params_.distinct) {
+        drop_indistinct(margins, rows, Arena(scratch_of(thread)), out);
+      }
+    });
   }
   if (params_.histogram_permille) {
     Arena arena(scratch_);
@@ -37,9 +59,18 @@ void Matcher::drop_implausible(ImageView<Disparity> out) noexcept {
               arena.take<std::uint32_t>(size(params_.disparities) + 1));
   }
   if (params_.speckle_pixels) {
-    drop_speckles(out, *params_.speckle_pixels, Arena(scratch_));
+    drop_specks(out);
   }
   keep_weak(out);
+}
+
+// Of the map, and of what was there before its checks.
+void Matcher::drop_specks(ImageView<Disparity> out) noexcept {
+  const ImageView<Disparity> before = cut(spare_, width_, height_);
+  crew_.run(weak_.empty() ? 1 : 2, [&](int part, int) noexcept {
+    drop_speckles(part == 0 ? out : before, *params_.speckle_pixels,
+                  Arena(scratch_.subspan(size(part) * map_bytes_)));
+  });
 }
 
 // Of what was consistent, what was dropped since.
@@ -49,14 +80,11 @@ void Matcher::keep_weak(ImageView<const Disparity> out) noexcept {
     return;
   }
   const ImageView<Disparity> before = cut(spare_, width_, height_);
-  if (params_.speckle_pixels) {
-    drop_speckles(before, *params_.speckle_pixels, Arena(scratch_));
-  }
-  for (int y = 0; y < height_; ++y) {
-    for (std::size_t x = 0; x < size(width_); ++x) {
-      weak.row(y)[x] = out.row(y)[x].valid() ? Disparity::none() : before.row(y)[x];
+  by_rows([&](Rows rows, int) noexcept {
+    for (int y = rows.begin; y < rows.end; ++y) {
+      keep_dropped(before.row(y), out.row(y), weak.row(y));
     }
-  }
+  });
 }
 
 void Matcher::finish(ImageView<Disparity> out) noexcept {
@@ -69,20 +97,27 @@ void Matcher::finish(ImageView<Disparity> out) noexcept {
   drop_implausible(out);
   if (params_.median) {
     const ImageView<Disparity> copy = cut(spare_, width_, height_);
-    for (int y = 0; y < height_; ++y) {
-      std::ranges::copy(out.row(y), copy.row(y).begin());
+    by_rows([&](Rows rows, int) noexcept { copy_rows(out, rows, copy); });
+    by_rows([&](Rows rows, int) noexcept { best::median_disparity(copy, rows, out); });
+  }
+  note_filled(out);
+}
+
+void Matcher::note_filled(ImageView<Disparity> out) noexcept {
+  if (filled_.empty()) {
+    return;
+  }
+  by_rows([&](Rows rows, int) noexcept {
+    if (params_.fill) {
+      fill_from_background(out, rows, cut(filled_, width_, height_));
     }
-    best::median_disparity(copy, out.rows(), out);
-  }
-  if (params_.fill) {
-    fill_from_background(out, out.rows(), cut(filled_, width_, height_));
-  }
-  for (int y = 0; !filled_.empty() && y < height_; ++y) {
-    const std::span<std::uint8_t> filled = filled_.row(y);
-    for (std::size_t x = 0; x < size(width_); ++x) {
-      filled[x] = out.row(y)[x].valid() ? filled[x] : std::uint8_t{0};  // a check dropped it
+    for (int y = rows.begin; y < rows.end; ++y) {
+      const std::span<std::uint8_t> filled = filled_.row(y);
+      for (std::size_t x = 0; x < size(width_); ++x) {
+        filled[x] = out.row(y)[x].valid() ? filled[x] : std::uint8_t{0};  // a check dropped it
+      }
     }
-  }
+  });
 }
 
 }  // namespace stof::dsp

@@ -22,6 +22,9 @@ class PreparedPair {
   // result of a row does not depend on the split.
   void filter(Rows rows) noexcept;
   void derive(Rows rows) noexcept;
+  // Whether they do anything.
+  bool filters() const noexcept { return changes_right(params_); }
+  bool derives() const noexcept { return params_.prefilter_cap.has_value(); }
 
   // Grey values, smoothed and equalised where asked for.
   ImageView<const std::uint8_t> left_grey() const noexcept { return left_grey_; }

@@ -1,64 +1,69 @@
 #include "dsp/stereo/rectifier.h"
 
+#include <cstdint>
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/base/target.h"
 #include "dsp/calib/rectification.h"
-#include "dsp/stereo/rectify.h"
 
 namespace stof::dsp {
 namespace {
 
-RemapTable take_table(Arena& arena, int width, int height) noexcept {
-  return {.x = arena.take_image<std::uint16_t>(width, height),
-          .y = arena.take_image<std::uint16_t>(width, height),
-          .fraction_x = arena.take_image<std::uint8_t>(width, height),
-          .fraction_y = arena.take_image<std::uint8_t>(width, height)};
+// The column of the right picture that is nearest to the match.
+std::int32_t match_of(std::int32_t x, Disparity disparity) noexcept {
+  return x - round_shift<std::int32_t>(disparity.raw, Disparity::kFractionBits);
 }
 
-bool inside(std::uint8_t mask) noexcept { return (mask & kPlaceInside) != 0; }
+bool within(const RemapTable::Seen& seen, std::int32_t x) noexcept {
+  return x >= seen.begin && x < seen.end;
+}
+
+const RawPair& raw_of(const StereoRig& rig) noexcept {
+  STOF_CHECK(rig.raw.has_value());
+  return *rig.raw;
+}
 
 }  // namespace
 
 std::size_t Rectifier::bytes_needed(int width, int height) noexcept {
   const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  return 4 * Arena::bytes_for<std::uint16_t>(pixels) + 6 * Arena::bytes_for<std::uint8_t>(pixels);
+  return 2 * Arena::bytes_for<std::uint8_t>(pixels) + 2 * RemapTable::bytes_needed(width, height);
 }
 
-Rectifier::Rectifier(const StereoRig& rig, Arena& arena) noexcept {
-  STOF_CHECK(rig.raw.has_value());
-  const Rectification rectified = dsp::rectify(*rig.raw);
-  const int width = rectified.left.width;
-  const int height = rectified.left.height;
-  left_ = arena.take_image<std::uint8_t>(width, height);
-  right_ = arena.take_image<std::uint8_t>(width, height);
-  left_table_ = take_table(arena, width, height);
-  right_table_ = take_table(arena, width, height);
-  fill_remap_table(SourceMap(rig.raw->left, rectified.left_turn, rectified.left), left_table_);
-  fill_remap_table(SourceMap(rig.raw->right, rectified.right_turn, rectified.right), right_table_);
-}
+Rectifier::Rectifier(const StereoRig& rig, Arena& arena) noexcept
+    : Rectifier(raw_of(rig), dsp::rectify(raw_of(rig)), arena) {}
+
+Rectifier::Rectifier(const RawPair& pair, const Rectification& rectified, Arena& arena) noexcept
+    : left_(arena.take_image<std::uint8_t>(rectified.left.width, rectified.left.height)),
+      right_(arena.take_image<std::uint8_t>(rectified.left.width, rectified.left.height)),
+      left_table_(SourceMap(pair.left, rectified.left_turn, rectified.left), arena),
+      right_table_(SourceMap(pair.right, rectified.right_turn, rectified.right), arena) {}
 
 void Rectifier::rectify(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                         Rows rows) noexcept {
   STOF_CHECK(same_size(left, left_) && same_size(right, right_));
   for (int y = rows.begin; y < rows.end; ++y) {
-    best::remap_row(left, left_table_.row(y), left_.row(y));
-    best::remap_row(right, right_table_.row(y), right_.row(y));
+    left_table_.remap(left, y, left_.row(y));
+    right_table_.remap(right, y, right_.row(y));
   }
 }
 
 void Rectifier::clear_border(Rows rows, ImageView<Disparity> disparity) const noexcept {
   STOF_CHECK(same_size(disparity, left_));
   for (int y = rows.begin; y < rows.end; ++y) {
-    const std::span<const std::uint8_t> left = left_mask().row(y);
-    const std::span<const std::uint8_t> right = right_mask().row(y);
+    const RemapTable::Seen left = left_table_.seen(y);
+    const RemapTable::Seen right = right_table_.seen(y);
     const std::span<Disparity> row = disparity.row(y);
-    for (std::size_t x = 0; x < row.size(); ++x) {
-      const int shift = round_shift<int>(row[x].raw, Disparity::kFractionBits);
-      const std::size_t match = x - static_cast<std::size_t>(shift);  // wraps where it is negative
-      if (!inside(left[x]) || match >= right.size() || !inside(right[match])) {
-        row[x] = Disparity::none();
+    const auto width = static_cast<std::int32_t>(row.size());
+    Disparity* const pixels = row.data();
+    for (std::int32_t x = 0; x < width; ++x) {
+      const bool keep = within(left, x) && within(right, match_of(x, pixels[x]));
+      pixels[x] = keep ? pixels[x] : Disparity::none();
+    }
+    for (std::int32_t x = 0; x < width && (left.torn || right.torn); ++x) {
+      if (pixels[x].valid() &&
+          !(left_table_.inside(x, y) && right_table_.inside(match_of(x, pixels[x]), y))) {
+        pixels[x] = Disparity::none();
       }
     }
   }

@@ -12,7 +12,7 @@
 namespace stof::dsp {
 
 // Turns the raw pictures of a pair into rectified ones of the same size, through tables built once
-// from the calibration. Holds tables (12 bytes a pixel) and both results, allocates nothing.
+// from the calibration. Holds tables (0.4 bytes a pixel) and both results, allocates nothing.
 class Rectifier {
  public:
   // Bytes of the Arena that a Rectifier for pictures of this size takes.
@@ -30,15 +30,17 @@ class Rectifier {
   ImageView<const std::uint8_t> left() const noexcept { return left_; }
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
-  // Masks of what the cameras saw, the same for all frames: the bit kPlaceInside is set there.
-  ImageView<const std::uint8_t> left_mask() const noexcept { return left_table_.fraction_x; }
-  ImageView<const std::uint8_t> right_mask() const noexcept { return right_table_.fraction_x; }
+  // What the cameras saw, the same for all frames, and where they saw it.
+  const RemapTable& left_table() const noexcept { return left_table_; }
+  const RemapTable& right_table() const noexcept { return right_table_; }
 
   // Drops the disparities of pixels that the left camera did not see, and those whose match, to
   // the nearest pixel, the right one did not see or lies outside of its picture.
   void clear_border(Rows rows, ImageView<Disparity> disparity) const noexcept;
 
  private:
+  Rectifier(const RawPair& pair, const Rectification& rectified, Arena& arena) noexcept;
+
   ImageView<std::uint8_t> left_;
   ImageView<std::uint8_t> right_;
   RemapTable left_table_;

@@ -1,7 +1,6 @@
 #include "dsp/stereo/row_search.h"
 
 #include <algorithm>
-#include <limits>
 #include <type_traits>
 
 #include "dsp/base/check.h"
@@ -29,19 +28,6 @@ void convert(std::span<const From> from, std::span<To> to) noexcept {
   });
 }
 
-using NarrowPaths = SemiGlobal<std::uint8_t, std::uint8_t>;
-using MixedPaths = SemiGlobal<std::uint8_t, std::uint16_t>;
-using BlockPaths = SemiGlobal<std::uint16_t, std::uint16_t>;
-
-std::size_t path_bytes(const MatchParams& params, int width) noexcept {
-  if (params.cost != Cost::kMixed) {
-    return BlockPaths::bytes_needed(block_path_params(params), width);
-  }
-  const PathParams<std::uint8_t> how = mixed_path_params(params);
-  return fit_narrow_sums(how) ? NarrowPaths::bytes_needed(how, width)
-                              : MixedPaths::bytes_needed(how, width);
-}
-
 bool judges_by_wide_sums(const MatchParams& params) noexcept {
   return params.uniqueness_percent || params.subpixel == Subpixel::kEquiangular ||
          params.subpixel == Subpixel::kParabola;
@@ -50,80 +36,14 @@ bool judges_by_wide_sums(const MatchParams& params) noexcept {
 }  // namespace
 
 template <typename Sum>
-std::size_t RowSearch<Sum>::bytes_needed(const MatchParams& params, int width) noexcept {
-  const std::size_t lanes = size(lanes_of(params));
-  const std::size_t row = Arena::bytes_for<Sum>(size(width) * lanes);
-  std::size_t bytes = row + Arena::bytes_for<Sum>(size(width) + 1) +
-                      4 * Arena::bytes_for<std::uint8_t>(size(width)) +
-                      Arena::bytes_for<std::int16_t>(size(width));
-  if (params.cost == Cost::kMixed) {
-    bytes += CrossCosts::bytes_needed(params, width) +
-             Arena::bytes_for<std::uint8_t>(size(width) * lanes);
-  } else {
-    bytes += CostRows::bytes_needed(params, width);
-  }
-  if (is_method(params, Method::kScanline)) {
-    bytes += 2 * row;
-  }
-  if (is_method(params, Method::kOrdered)) {
-    bytes += Arena::bytes_for<std::byte>(ordered_bytes_needed<Sum>(width, lanes_of(params)));
-  }
-  if (is_method(params, Method::kSemiGlobal)) {
-    bytes += path_bytes(params, width);
-  } else {
-    bytes += params.guided ? row : 0;
-  }
-  return bytes;
-}
-
-template <typename Sum>
-RowSearch<Sum>::RowSearch(const MatchParams& params, int width, Arena& arena) noexcept
-    : params_(params), lanes_(lanes_of(params)) {
-  const std::size_t row = size(width) * size(lanes_);
-  if (!is_method(params, Method::kSemiGlobal)) {
-    penalties_ = block_penalties<Sum>(params);
-    occlusion_ = block_occlusion<Sum>(params);
-  }
-  costs_ = arena.take<Sum>(row);
-  large_ = arena.take<Sum>(size(width) + 1);
-  continued_ = arena.take<std::uint8_t>(size(width));
-  interesting_left_ = arena.take<std::uint8_t>(size(width));
-  interesting_right_ = arena.take<std::uint8_t>(size(width));
-  winners_ = arena.take<std::int16_t>(size(width));
-  if (params.cost == Cost::kMixed) {
-    cross_rows_.emplace(params, width, arena);
-    narrow_ = arena.take<std::uint8_t>(row);
-  } else {
-    block_rows_.emplace(params, width, arena);
-  }
-  if (is_method(params, Method::kScanline)) {
-    paths_ = arena.take<Sum>(row);
-    marginals_ = arena.take<Sum>(row);
-  }
-  if (is_method(params, Method::kOrdered)) {
-    ordered_scratch_ = arena.take<std::byte>(ordered_bytes_needed<Sum>(width, lanes_));
-  }
-  if (is_method(params, Method::kSemiGlobal)) {
-    const PathParams<std::uint8_t> mixed = mixed_path_params(params);
-    if (params.cost != Cost::kMixed) {
-      block_paths_.emplace(block_path_params(params), width, arena);
-    } else if (fit_narrow_sums(mixed)) {
-      narrow_paths_.emplace(mixed, width, arena);
-    } else {
-      mixed_paths_.emplace(mixed, width, arena);
-    }
-  } else if (params.guided) {
-    masked_ = arena.take<Sum>(row);
-  }
-}
-
-template <typename Sum>
 void RowSearch<Sum>::start(const PreparedPair& pair, Guide guide) noexcept {
   STOF_CHECK(guide.empty() || (params_.guided && same_size(guide, pair.left())));
   pair_ = &pair;
   guide_ = guide;
   if (cross_rows_) {
     cross_rows_->start(pair.left_grey(), pair.right_grey());
+  } else if (block_search_) {
+    block_search_->start({.left = pair.left(), .right = pair.right()});
   } else {
     block_rows_->start({.left = pair.left(), .right = pair.right()});
   }
@@ -141,12 +61,27 @@ void RowSearch<Sum>::start(const PreparedPair& pair, Guide guide) noexcept {
 
 template <typename Sum>
 FoundRow<Sum> RowSearch<Sum>::row(int y) noexcept {
-  const FoundRow<Sum> found = search(y);
+  FoundRow<Sum> found = search(y);
   const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
   keep_guided(guide, found.winners);
   settle_single_candidates(params_.min_disparity, params_.disparities, found.winners);
   keep_guided(guide, found.winners);
+  if (!found.fitted.empty()) {
+    settle_fits(found.winners);
+  }
   return found;
+}
+
+// What had one candidate has no neighbours to be fitted to.
+template <typename Sum>
+void RowSearch<Sum>::settle_fits(std::span<const std::int16_t> winners) noexcept {
+  const int width = static_cast<int>(winners.size());
+  for (const int x :
+       {params_.min_disparity, width + params_.min_disparity + params_.disparities - 2}) {
+    if (x >= 0 && x < width && winners[size(x)] != kNoWinner) {
+      fitted_[size(x)] = Disparity::from_pixels(params_.min_disparity + winners[size(x)]);
+    }
+  }
 }
 
 template <typename Sum>
@@ -163,6 +98,10 @@ FoundRow<Sum> RowSearch<Sum>::search(int y) noexcept {
       } else {
         semi_global(y, found);
       }
+      return found;
+    }
+    if (block_search_) {
+      search_blocks(y, found);
       return found;
     }
   }
@@ -183,6 +122,23 @@ FoundRow<Sum> RowSearch<Sum>::search(int y) noexcept {
       }
   }
   return found;
+}
+
+template <typename Sum>
+void RowSearch<Sum>::search_blocks(int y, FoundRow<std::uint16_t>& found) noexcept {
+  if constexpr (std::is_same_v<Sum, std::uint16_t>) {
+    const std::size_t n = found.winners.size();
+    const std::span<Sum> costs = costs_.empty() ? costs_ : costs_.first(n * size(lanes_));
+    const std::span<Disparity> fitted = fitted_.first(n);
+    block_search_->row(y, {.winners = found.winners, .fitted = fitted, .costs = costs});
+    found.costs = costs;
+    found.judged = guided_costs(y, costs);
+    if (found.judged.data() == costs.data()) {
+      found.fitted = fitted;
+    } else {
+      best::winners(found.judged, lanes_, found.winners);
+    }
+  }
 }
 
 // Rows as they come, or in costs_ where they have to be changed.

@@ -11,6 +11,7 @@
 #include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
+#include "dsp/stereo/search/block_search.h"
 #include "dsp/stereo/search/scaled_costs.h"
 #include "dsp/stereo/search/semi_global.h"
 
@@ -29,6 +30,8 @@ struct FoundRow {
   std::span<const Sum> judged{};
   std::span<const std::uint8_t> narrow_judged{};
   std::span<std::int16_t> winners;
+  // The winners with the fit of their costs, where that came with the search; else empty.
+  std::span<const Disparity> fitted{};
   // 1 where a winner is none of the search's own but was continued from the background.
   std::span<const std::uint8_t> continued;
 };
@@ -49,6 +52,8 @@ class RowSearch {
 
  private:
   FoundRow<Sum> search(int y) noexcept;
+  void search_blocks(int y, FoundRow<std::uint16_t>& found) noexcept;
+  void settle_fits(std::span<const std::int16_t> winners) noexcept;
   std::span<const Sum> block_costs(int y) noexcept;
   std::span<const Sum> guided_costs(int y, std::span<const Sum> costs) noexcept;
   void semi_global(int y, FoundRow<std::uint16_t>& found) noexcept;
@@ -64,6 +69,7 @@ class RowSearch {
   const PreparedPair* pair_ = nullptr;
   Guide guide_;
 
+  std::optional<BlockSearch> block_search_;  // for most block matching; else
   std::optional<CostRows> block_rows_;
   std::optional<CrossCosts> cross_rows_;
   std::optional<SemiGlobal<std::uint8_t, std::uint8_t>> narrow_paths_;
@@ -71,7 +77,7 @@ class RowSearch {
   std::optional<SemiGlobal<std::uint16_t, std::uint16_t>> block_paths_;
   ScaledCosts scaled_;
 
-  std::span<Sum> costs_;
+  std::span<Sum> costs_;      // with kBlockCostMargin elements before and behind them
   std::span<Sum> masked_;     // guided
   std::span<Sum> paths_;      // scanline
   std::span<Sum> marginals_;  // scanline
@@ -82,6 +88,7 @@ class RowSearch {
   std::span<std::uint8_t> interesting_left_;
   std::span<std::uint8_t> interesting_right_;
   std::span<std::int16_t> winners_;
+  std::span<Disparity> fitted_;  // with a block_search_
 };
 
 extern template class RowSearch<std::uint16_t>;

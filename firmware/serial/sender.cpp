@@ -15,6 +15,9 @@ using settings::SerialProfile;
 
 constexpr hal::Duration kSecond = std::chrono::seconds(1);
 constexpr wire::FrameSizes kLargest{.width = kMedium.width, .height = kMedium.height};
+// Depth and width, raw, and the frame info.
+constexpr std::size_t kMostPackets =
+    1 + 2 * wire::raw_tiles(kMedium.width, kMedium.height, sizeof(dsp::QuarterMm));
 
 dsp::Pinhole lens_of(const wire::CalibrationPacket& calibration) noexcept {
   constexpr double kOne = 65'536;
@@ -50,7 +53,7 @@ std::uint8_t variance_cm2(std::uint32_t sigma_mm) noexcept {
 std::size_t SerialSender::bytes_needed(const SerialSetup& setup) noexcept {
   const std::size_t pixels = std::size_t{kMedium.width} * kMedium.height;
   return SectorFinder::bytes_needed(setup.calibration.image_width, setup.calibration.image_height) +
-         wire::FrameCoder::bytes_needed(kLargest) +
+         wire::FrameCoder::bytes_needed(kLargest, kMostPackets) +
          2 * dsp::Arena::bytes_for<dsp::QuarterMm>(pixels);
 }
 
@@ -58,7 +61,7 @@ SerialSender::SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena&
     : setup_(setup),
       ring_(ring),
       finder_(lens_of(setup.calibration), SectorParams{}, arena),
-      coder_(setup.origin, kLargest, setup.calibration, arena),
+      coder_(setup.origin, kLargest, setup.calibration, arena, kMostPackets),
       depth_(arena.take_image<dsp::QuarterMm>(kMedium.width, kMedium.height)),
       width_(arena.take_image<dsp::QuarterMm>(kMedium.width, kMedium.height)),
       mavlink_(params_.system_id, params_.component_id) {}

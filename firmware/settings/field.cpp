@@ -4,6 +4,8 @@
 #include <array>
 #include <type_traits>
 
+#include "dsp/base/workers.h"
+
 namespace stof::settings {
 namespace {
 
@@ -163,7 +165,12 @@ constexpr std::array kAfter{
         "discovery", "mdns", "answers to multicast DNS, service _stof._udp"),
     yes_or_no<[](auto& s) -> auto& { return s.discovery.beacon; }>(
         "discovery", "beacon", "tells once a second by broadcast where it is"),
+    whole<[](auto& s) -> auto& { return s.compute.threads; }>(
+        "compute", "threads", 0, kMostThreads, "",
+        "threads that compute depth; 0: one for each processor, at most 4", Applies::kRestart),
 };
+static_assert(kMostThreads == dsp::Workers::kMost);
+static_assert(kUsualThreads == 4, "said in the table");
 
 constexpr std::string_view kMatchGroup = "depth.match";
 

@@ -40,6 +40,10 @@ inline constexpr std::size_t kMatchSlots = 24;
 // dsp::find_preset() of their names.
 enum class Search : std::uint8_t { kFast, kQuality, kChapter };
 
+// dsp::Workers::kMost.
+inline constexpr int kMostThreads = 8;
+inline constexpr int kUsualThreads = 4;
+
 struct DepthSettings {
   Search preset = Search::kFast;
   int max_range_mm = 10000;
@@ -83,6 +87,12 @@ struct MavlinkSettings {
   friend bool operator==(const MavlinkSettings&, const MavlinkSettings&) = default;
 };
 
+struct ComputeSettings {
+  int threads = 0;  // 0: as many as the board has processors, at most kUsualThreads
+
+  friend bool operator==(const ComputeSettings&, const ComputeSettings&) = default;
+};
+
 struct DiscoverySettings {
   bool mdns = true;
   bool beacon = true;
@@ -102,6 +112,7 @@ struct Settings {
   SectorSettings sectors;
   MavlinkSettings mavlink;
   DiscoverySettings discovery;
+  ComputeSettings compute;
 
   friend bool operator==(const Settings&, const Settings&) = default;
 };

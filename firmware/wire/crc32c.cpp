@@ -3,6 +3,7 @@
 #include <array>
 
 #include "firmware/wire/bytes.h"
+#include "firmware/wire/crc32c_variants.h"
 
 namespace stof::wire {
 namespace {
@@ -33,9 +34,11 @@ constexpr Tables make_tables() noexcept {
 
 constexpr Tables kTables = make_tables();
 
+const bool kHardware = hardware::available();
+
 }  // namespace
 
-std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before) noexcept {
+std::uint32_t table::crc32c(std::span<const std::byte> bytes, std::uint32_t before) noexcept {
   std::uint32_t crc = ~before;
   while (bytes.size() >= kSlices) {
     const std::uint32_t low = get_u32(bytes.first<4>()) ^ crc;
@@ -49,6 +52,10 @@ std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before) noe
     crc = (crc >> 8) ^ kTables[0][(crc ^ std::to_integer<std::uint32_t>(byte)) & 0xFF];
   }
   return ~crc;
+}
+
+std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before) noexcept {
+  return kHardware ? hardware::crc32c(bytes, before) : table::crc32c(bytes, before);
 }
 
 }  // namespace stof::wire

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "firmware/wire/wide.h"
+
 namespace stof::wire {
 namespace {
 
@@ -39,6 +41,37 @@ unsigned in_units(unsigned depth, unsigned scale) noexcept {
   return depth == dsp::kNoDepth ? 0 : units;
 }
 
+void depth_row(std::span<const dsp::QuarterMm> depth, unsigned scale,
+               std::span<std::uint16_t> out) noexcept {
+  std::ranges::transform(depth, out.begin(), [scale](dsp::QuarterMm d) {
+    return static_cast<std::uint16_t>(in_units(d, scale));
+  });
+}
+
+void width_row(std::span<const dsp::QuarterMm> depth, std::span<const dsp::QuarterMm> width,
+               unsigned scale, std::span<std::uint16_t> out) noexcept {
+  std::ranges::transform(depth, width, out.begin(), [scale](dsp::QuarterMm d, dsp::QuarterMm w) {
+    const unsigned rounded = in_units(d, scale) << scale;
+    const unsigned moved = rounded > d ? rounded - d : d - rounded;
+    return static_cast<std::uint16_t>(w + 2 * moved);
+  });
+}
+
+STOF_WIRE_WIDE void count_row_wide(std::span<const dsp::QuarterMm> depth,
+                                   std::span<const dsp::QuarterMm> width, unsigned least,
+                                   Counts& counts) noexcept {
+  count_row(depth, width, least, counts);
+}
+STOF_WIRE_WIDE void depth_row_wide(std::span<const dsp::QuarterMm> depth, unsigned scale,
+                                   std::span<std::uint16_t> out) noexcept {
+  depth_row(depth, scale, out);
+}
+STOF_WIRE_WIDE void width_row_wide(std::span<const dsp::QuarterMm> depth,
+                                   std::span<const dsp::QuarterMm> width, unsigned scale,
+                                   std::span<std::uint16_t> out) noexcept {
+  width_row(depth, width, scale, out);
+}
+
 }  // namespace
 
 std::uint8_t fit_scale(const dsp::DepthMap& map, int first) noexcept {
@@ -46,7 +79,8 @@ std::uint8_t fit_scale(const dsp::DepthMap& map, int first) noexcept {
   for (int scale = kMostFitScale; scale > 0; --scale) {
     Counts counts;
     for (int y = first; y < end; ++y) {
-      count_row(map.depth.row(y), map.width.row(y), kFitPart << scale, counts);
+      (wide() ? count_row_wide : count_row)(map.depth.row(y), map.width.row(y), kFitPart << scale,
+                                            counts);
     }
     if (counts.pixels == 0 || counts.wide > 0) {
       return 0;
@@ -60,18 +94,12 @@ std::uint8_t fit_scale(const dsp::DepthMap& map, int first) noexcept {
 
 void fit_depth(std::span<const dsp::QuarterMm> depth, unsigned scale,
                std::span<std::uint16_t> out) noexcept {
-  std::ranges::transform(depth, out.begin(), [scale](dsp::QuarterMm d) {
-    return static_cast<std::uint16_t>(in_units(d, scale));
-  });
+  (wide() ? depth_row_wide : depth_row)(depth, scale, out);
 }
 
 void grow_width(std::span<const dsp::QuarterMm> depth, std::span<const dsp::QuarterMm> width,
                 unsigned scale, std::span<std::uint16_t> out) noexcept {
-  std::ranges::transform(depth, width, out.begin(), [scale](dsp::QuarterMm d, dsp::QuarterMm w) {
-    const unsigned rounded = in_units(d, scale) << scale;
-    const unsigned moved = rounded > d ? rounded - d : d - rounded;
-    return static_cast<std::uint16_t>(w + 2 * moved);
-  });
+  (wide() ? width_row_wide : width_row)(depth, width, scale, out);
 }
 
 void fit_width(std::span<std::uint16_t> width, unsigned scale) noexcept {

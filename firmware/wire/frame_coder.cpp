@@ -31,22 +31,14 @@ constexpr std::size_t parts_of(const FrameSizes& sizes) noexcept {
          tiles_of(cloud_width, cloud_height, kPointBytes);
 }
 
-constexpr std::size_t packets_of(const FrameSizes& sizes) noexcept {
-  const std::size_t parts = parts_of(sizes);
-  return parts + (parts + kParityGroupSize - 1) / kParityGroupSize;
-}
-
 constexpr std::size_t pixels16(const FrameSizes& sizes) noexcept {
   return std::max(static_cast<std::size_t>(sizes.width) * static_cast<std::size_t>(sizes.height),
                   kSamples * static_cast<std::size_t>(sizes.pmd_width) *
                       static_cast<std::size_t>(sizes.pmd_height));
 }
-constexpr std::size_t pixels8(const FrameSizes& sizes) noexcept {
-  return static_cast<std::size_t>(sizes.width) * static_cast<std::size_t>(sizes.height);
-}
-
 // RVL is tried in the space of one part more.
 constexpr std::size_t kSpare = 1;
+constexpr std::size_t kLeastPackets = 8;
 
 template <typename T>
 bool within(const dsp::ImageView<T>& image, int width, int height) noexcept {
@@ -63,25 +55,47 @@ void copy_image(dsp::ImageView<const T> image, std::span<T> out) noexcept {
 
 }  // namespace
 
-std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes) noexcept {
-  const std::size_t packets = packets_of(sizes) + kSpare;
-  return dsp::Arena::bytes_for<DatagramBuffer>(packets) + dsp::Arena::bytes_for<Part>(packets) +
-         dsp::Arena::bytes_for<std::span<const std::byte>>(packets) +
+std::size_t FrameCoder::most_packets(const FrameSizes& sizes) noexcept {
+  const std::size_t parts = parts_of(sizes);
+  return parts + (parts + kParityGroupSize - 1) / kParityGroupSize;
+}
+
+std::size_t FrameCoder::usual_packets(const FrameSizes& sizes) noexcept {
+  const std::size_t depth = tiles_of(sizes.width, sizes.height, sizeof(dsp::QuarterMm));
+  return std::min(depth + depth / 4, most_packets(sizes));
+}
+
+std::size_t FrameCoder::buffers_of(const FrameSizes& sizes, std::size_t packets) noexcept {
+  return std::min(std::max(packets, kLeastPackets), most_packets(sizes)) + kSpare;
+}
+
+std::size_t FrameCoder::groups_of(const FrameSizes& sizes, std::size_t packets) noexcept {
+  const std::size_t all = most_packets(sizes);
+  return packets < all ? all - parts_of(sizes) : 1;
+}
+
+std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes, std::size_t packets) noexcept {
+  const std::size_t buffers = buffers_of(sizes, packets);
+  return dsp::Arena::bytes_for<DatagramBuffer>(buffers) +
+         dsp::Arena::bytes_for<Part>(parts_of(sizes) + kSpare) +
+         dsp::Arena::bytes_for<std::span<const std::byte>>(buffers) +
          dsp::Arena::bytes_for<std::uint16_t>(pixels16(sizes)) +
-         dsp::Arena::bytes_for<std::uint8_t>(pixels8(sizes)) +
-         dsp::Arena::bytes_for<std::uint8_t>(fit_bands(sizes.height));
+         dsp::Arena::bytes_for<std::uint8_t>(fit_bands(sizes.height)) +
+         dsp::Arena::bytes_for<ParityGroup>(groups_of(sizes, packets));
 }
 
 FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,
-                       const CalibrationPacket& calibration, dsp::Arena& arena) noexcept
+                       const CalibrationPacket& calibration, dsp::Arena& arena,
+                       std::size_t packets) noexcept
     : origin_(origin), sizes_(sizes), calibration_(calibration) {
-  const std::size_t packets = packets_of(sizes) + kSpare;
-  const std::span<DatagramBuffer> buffers = arena.take<DatagramBuffer>(packets);
-  store_ = PartStore(buffers, arena.take<Part>(packets));
-  datagrams_ = arena.take<std::span<const std::byte>>(packets);
+  const std::span<DatagramBuffer> buffers = arena.take<DatagramBuffer>(buffers_of(sizes, packets));
+  store_ = PartStore(buffers, arena.take<Part>(parts_of(sizes) + kSpare));
+  datagrams_ = arena.take<std::span<const std::byte>>(buffers.size());
   values16_ = arena.take<std::uint16_t>(pixels16(sizes));
-  values8_ = arena.take<std::uint8_t>(pixels8(sizes));
+  values8_ = {reinterpret_cast<std::uint8_t*>(values16_.data()),  // NOLINT: one at a time
+              values16_.size_bytes()};
   scales_ = arena.take<std::uint8_t>(fit_bands(sizes.height));
+  groups_ = arena.take<ParityGroup>(groups_of(sizes, packets));
 }
 
 bool FrameCoder::fits(const FrameImages& images) const noexcept {
@@ -103,13 +117,21 @@ bool FrameCoder::fits(const FrameImages& images) const noexcept {
 template <typename T>
 void FrameCoder::add_tiles(std::span<const T> values, Stream stream, int width, int height,
                            Coding coding) noexcept {
-  const Raster raster{.stream = stream,
-                      .width = static_cast<std::size_t>(width),
-                      .height = static_cast<std::size_t>(height)};
-  if (coding == Coding::kRaw) {
+  add_values(values,
+             {.stream = stream,
+              .width = static_cast<std::size_t>(width),
+              .height = static_cast<std::size_t>(height)},
+             coding);
+}
+
+template <typename T>
+void FrameCoder::add_values(std::span<const T> values, const Raster& raster,
+                            Coding coding) noexcept {
+  bool& is_raw = is_raw_[static_cast<std::size_t>(raster.stream) - 1];
+  if (coding == Coding::kRaw || is_raw) {
     add_raw_tiles(values, raster, store_);
   } else {
-    add_rvl_tiles(values, raster, store_);
+    is_raw = !add_rvl_tiles(values, raster, store_);
   }
 }
 
@@ -141,6 +163,7 @@ void FrameCoder::add_image(dsp::ImageView<const T> image, Stream stream, Coding 
 
 // Those that add_map() uses.
 template void FrameCoder::add_image(dsp::ImageView<const dsp::QuarterMm>, Stream, Coding) noexcept;
+template void FrameCoder::add_values(std::span<const std::uint8_t>, const Raster&, Coding) noexcept;
 template void FrameCoder::add_tiles(std::span<const std::uint8_t>, Stream, int, int,
                                     Coding) noexcept;
 template void FrameCoder::add_tiles(std::span<const std::uint16_t>, Stream, int, int,
@@ -191,7 +214,7 @@ void FrameCoder::add_streams(const FrameImages& images, const StreamChoice& choi
   }
 }
 
-void FrameCoder::write_info(const FrameInfo& info, const StreamChoice& choice) noexcept {
+FrameInfo FrameCoder::counted(const FrameInfo& info, const StreamChoice& choice) noexcept {
   FrameInfo counted = info;
   counted.tiles = {};
   for (std::size_t i = 1; i < store_.size(); ++i) {
@@ -201,77 +224,31 @@ void FrameCoder::write_info(const FrameInfo& info, const StreamChoice& choice) n
   const bool cloud = counted.tiles[static_cast<std::size_t>(Stream::kCloud) - 1] > 0;
   counted.parity_groups = choice.parity ? static_cast<std::uint8_t>(groups) : std::uint8_t{0};
   counted.cloud_step = cloud ? static_cast<std::uint8_t>(choice.cloud_step) : std::uint8_t{0};
-  encode_frame_info(counted, store_.payload(0).first<kFrameInfoBytes>());
+  return counted;
 }
 
-Header FrameCoder::header_of(std::size_t index, std::uint16_t count,
-                             const FrameStamp& stamp) noexcept {
-  const Part& part = store_.part(index);
-  return {.type = part.type,
-          .flags = part.flags,
-          .origin = origin_,
-          .frame = stamp,
-          .stream = part.stream,
-          .codec = part.codec,
-          .index = static_cast<std::uint16_t>(index),
-          .count = count,
-          .image_width = part.image_width,
-          .image_height = part.image_height,
-          .first_row = part.first_row,
-          .first_column = part.first_column,
-          .pixel_count = part.pixel_count};
-}
-
-void FrameCoder::add_parity(std::uint16_t count, const FrameStamp& stamp) noexcept {
-  const std::uint16_t groups = parity_groups(count);
-  for (std::uint16_t group = 0; group < groups; ++group) {
-    group_.clear();
-    for (std::size_t i = group; i < count; i += groups) {
-      const std::size_t bytes = store_.part(i).payload_bytes;
-      // A part of this coder is never longer than a group takes.
-      STOF_CHECK(group_.add(header_of(i, count, stamp), store_.payload(i).first(bytes)) ==
-                 Status::kOk);
-    }
-    const std::size_t at = std::size_t{count} + group;
-    const std::size_t bytes = group_.write(count, store_.payload(at));
-    const Header header{.type = PacketType::kParity,
-                        .origin = origin_,
-                        .frame = stamp,
-                        .index = group,
-                        .count = groups,
-                        .image_width = store_.part(0).image_width,
-                        .image_height = store_.part(0).image_height};
-    datagrams_[at] = seal_packet(header, bytes, store_.buffer(at));
-  }
-}
-
-Result<std::span<const std::span<const std::byte>>> FrameCoder::code(
-    const FrameStamp& stamp, const FrameInfo& info, const FrameImages& images,
-    const StreamChoice& choice) noexcept {
-  if (!fits(images)) {
-    return fail(Status::kTooLarge);
-  }
+void FrameCoder::add_info(const FrameImages& images) noexcept {
   const dsp::DepthMap& map = images.map;
   const int width = map.depth.empty() ? sizes_.width : map.depth.width();
   const int height = map.depth.empty() ? sizes_.height : map.depth.height();
-  store_.cut_back(0);
+  encode_frame_info(info_, store_.payload(0).first<kFrameInfoBytes>());
   store_.add({.type = PacketType::kFrameInfo,
               .image_width = static_cast<std::uint16_t>(width),
               .image_height = static_cast<std::uint16_t>(height),
               .payload_bytes = kFrameInfoBytes});
-  add_streams(images, choice);
-  write_info(info, choice);
+}
 
-  const auto count = static_cast<std::uint16_t>(store_.size());
-  for (std::size_t i = 0; i < count; ++i) {
-    datagrams_[i] =
-        seal_packet(header_of(i, count, stamp), store_.part(i).payload_bytes, store_.buffer(i));
-  }
-  if (!choice.parity) {
-    return datagrams_.first(count);
-  }
-  add_parity(count, stamp);
-  return datagrams_.first(std::size_t{count} + parity_groups(count));
+bool FrameCoder::count(const FrameInfo& info, const FrameImages& images,
+                       const StreamChoice& choice) noexcept {
+  is_raw_ = {};
+  no_steps_ = false;
+  store_.clear();
+  add_info(images);
+  add_streams(images, choice);
+  info_ = counted(info, choice);
+  const auto parts = static_cast<std::uint16_t>(store_.size());
+  return store_.whole() &&
+         parts + (choice.parity ? parity_groups(parts) : std::size_t{0}) <= store_.buffers();
 }
 
 }  // namespace stof::wire

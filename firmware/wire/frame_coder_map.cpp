@@ -15,6 +15,7 @@ constexpr int kCauseShift = 4;  // source and cause share a byte
 // Rows of one scale are one raster: no tile has two. As many tiles as raw ones at most, or they are
 // raw and not scaled, with the same values.
 void FrameCoder::add_scaled_tiles(std::span<std::uint16_t> values, const Raster& raster) noexcept {
+  bool& is_raw = is_raw_[static_cast<std::size_t>(raster.stream) - 1];
   const std::size_t begin = store_.size();
   const std::size_t most = raw_tiles(raster.width, raster.height, sizeof(std::uint16_t));
   const std::size_t bands = fit_bands(static_cast<int>(raster.height));
@@ -33,8 +34,10 @@ void FrameCoder::add_scaled_tiles(std::span<std::uint16_t> values, const Raster&
                       .image_height = raster.height,
                       .scale = scale};
     const std::size_t left = most - (store_.size() - begin);
-    if (!try_rvl_tiles<std::uint16_t>(values.subspan(first * raster.width, rows * raster.width),
-                                      part, left, store_)) {
+    is_raw = is_raw ||
+             !try_rvl_tiles<std::uint16_t>(
+                 values.subspan(first * raster.width, rows * raster.width), part, left, store_);
+    if (is_raw) {
       store_.cut_back(begin);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const std::size_t row = i / raster.width;
@@ -102,6 +105,9 @@ void FrameCoder::add_source(const dsp::DepthMap& map, Coding coding) noexcept {
 // false: a row does not fit a tile, where the first pixel of a tile would be told as a step. Then
 // nothing is added and the values are as they were.
 bool FrameCoder::add_steps(std::span<std::uint8_t> values, Raster raster) noexcept {
+  if (no_steps_) {
+    return false;
+  }
   for (std::size_t first = 0; first < values.size(); first += raster.width) {
     for (std::size_t x = raster.width - 1; x > 0; --x) {
       values[first + x] ^= values[first + x - 1];
@@ -109,7 +115,7 @@ bool FrameCoder::add_steps(std::span<std::uint8_t> values, Raster raster) noexce
   }
   raster.steps = true;
   const std::size_t begin = store_.size();
-  add_rvl_tiles<std::uint8_t>(values, raster, store_);
+  add_values<std::uint8_t>(values, raster, Coding::kRvl);
   bool whole = true;
   for (std::size_t i = begin; i < store_.size(); ++i) {
     whole = whole && store_.part(i).first_column == 0;
@@ -118,6 +124,8 @@ bool FrameCoder::add_steps(std::span<std::uint8_t> values, Raster raster) noexce
     return true;
   }
   store_.cut_back(begin);
+  no_steps_ = true;
+  is_raw_[static_cast<std::size_t>(raster.stream) - 1] = false;  // that was told of the steps
   for (std::size_t first = 0; first < values.size(); first += raster.width) {
     for (std::size_t x = 1; x < raster.width; ++x) {
       values[first + x] ^= values[first + x - 1];

@@ -1,87 +1,124 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cstring>
+#include <limits>
+#include <type_traits>
 
 #include "dsp/base/check.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/rvl.h"
 #include "firmware/wire/rvl_numbers.h"
+#include "firmware/wire/wide.h"
 
 namespace stof::wire {
 namespace {
 
-// Without a branch: the first three nibbles by the low 9 bits of a number and whether there are
-// others, the rest by those others, which are none for 0.
-constexpr unsigned kLowBits = 9;
-constexpr std::uint32_t kLow = 1U << kLowBits;
-constexpr std::array<RvlPattern, std::size_t{2} * kLow> kFirst = [] {
-  std::array<RvlPattern, std::size_t{2} * kLow> patterns{};
-  for (std::uint32_t i = 0; i < kLow; ++i) {
-    patterns[i] = rvl_spread(i);
-    patterns[kLow + i] = rvl_spread(i | kLow, 4);
-    patterns[kLow + i].bits &= 0xFFF0'0000;
-    patterns[kLow + i].nibbles = 3;
+// Differences from -kNear to kNear - 1 have at most four nibbles: those below, the number of bits
+// above.
+constexpr std::uint32_t kNear = 2048;
+constexpr unsigned kBitsAt = 16;
+constexpr std::array<std::uint32_t, std::size_t{2} * kNear> kNearNumbers = [] {
+  std::array<std::uint32_t, std::size_t{2} * kNear> numbers{};
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t number = i < kNear ? 2 * (kNear - i) - 1 : 2 * (i - kNear);
+    const RvlPattern pattern = rvl_spread(number);
+    numbers[i] = pattern.bits | (kRvlNibbleBits * pattern.nibbles << kBitsAt);
   }
-  return patterns;
+  return numbers;
 }();
-constexpr std::array<RvlPattern, (kMostRvlValues >> kLowBits) + 1> kRest = [] {
-  std::array<RvlPattern, (kMostRvlValues >> kLowBits) + 1> patterns{};
-  for (std::uint32_t i = 1; i < patterns.size(); ++i) {
-    patterns[i] = rvl_spread(i);
-    patterns[i].bits >>= 3 * kRvlNibbleBits;
-  }
-  return patterns;
-}();
-
-// number <= kMostRvlValues.
-RvlPattern pattern_of(std::uint32_t number) noexcept {
-  const std::uint32_t more = number >= kLow ? kLow : 0;
-  const RvlPattern first = kFirst[more + number % kLow];
-  const RvlPattern rest = kRest[number >> kLowBits];
-  return {.bits = first.bits | rest.bits, .nibbles = first.nibbles + rest.nibbles};
+// Place of a difference in it; outside of it where it is not near.
+template <typename T>
+std::uint32_t near(T value, T before) noexcept {
+  const auto difference = static_cast<std::make_signed_t<T>>(static_cast<T>(value - before));
+  return static_cast<std::uint32_t>(difference + static_cast<std::int32_t>(kNear));
 }
 
-// Writes nibbles; the caller has seen that they fit.
+// Whole or part of a word or two: nibbles, the first ones lowest.
+struct Nibbles {
+  std::uint64_t bits = 0;
+  unsigned count = 0;  // bits, not nibbles
+};
+constexpr Nibbles of_near(std::uint32_t entry) noexcept {
+  return {.bits = entry & ((1U << kBitsAt) - 1), .count = entry >> kBitsAt};
+}
+constexpr Nibbles joined(Nibbles first, Nibbles second) noexcept {
+  return {.bits = first.bits | (second.bits << first.count), .count = first.count + second.count};
+}
+
+// Writes nibbles, in the order of rvl_numbers.h; the caller has seen that they fit.
 class Writer {
  public:
-  explicit Writer(std::span<std::byte> out) noexcept
-      : out_(out),
-        capacity_(static_cast<std::uint32_t>(out.size() / kRvlWordBytes) * kRvlWordNibbles) {}
+  // Most that add_many() takes.
+  static constexpr unsigned kMostBits = 56;
 
-  std::uint32_t left() const noexcept { return capacity_ - nibbles_; }
-  std::uint32_t nibbles() const noexcept { return nibbles_; }
+  explicit Writer(std::span<std::byte> out) noexcept
+      : out_(out.first(out.size() / kRvlWordBytes * kRvlWordBytes)) {}
+
+  std::uint32_t left() const noexcept {
+    return static_cast<std::uint32_t>(2 * out_.size()) - nibbles();
+  }
+  std::uint32_t nibbles() const noexcept {
+    return static_cast<std::uint32_t>(2 * at_) + bits_ / kRvlNibbleBits;
+  }
 
   void add(RvlPattern pattern) noexcept {
-    pending_ |= (std::uint64_t{pattern.bits} << kRvlWordBits) >> bits_;
-    store();
-    nibbles_ += pattern.nibbles;
-    bits_ += kRvlNibbleBits * pattern.nibbles;
-    // Without a branch: either a whole word is done, or nothing moves.
-    const unsigned whole = bits_ / kRvlWordBits;
-    at_ += kRvlWordBytes * whole;
-    pending_ <<= kRvlWordBits * whole;
-    bits_ %= kRvlWordBits;
+    pending_ |= std::uint64_t{pattern.bits} << bits_;
+    for (bits_ += kRvlNibbleBits * pattern.nibbles; bits_ >= kByteBits; bits_ -= kByteBits) {
+      out_[at_++] = static_cast<std::byte>(pending_ & 0xFFU);
+      pending_ >>= kByteBits;
+    }
+  }
+
+  // Whether there is room for kMostBits, with two words of its own.
+  bool takes_many() const noexcept { return at_ + sizeof(pending_) <= out_.size(); }
+  // If so.
+  void add_many(Nibbles nibbles) noexcept {
+    pending_ |= nibbles.bits << bits_;
+    put_u64(out_.subspan(at_).first<sizeof(pending_)>(), pending_);
+    bits_ += nibbles.count;
+    at_ += bits_ / kByteBits;
+    pending_ >>= bits_ / kByteBits * kByteBits;
+    bits_ %= kByteBits;
   }
 
   void flush() noexcept {
     if (bits_ > 0) {
-      store();
+      out_[at_] = static_cast<std::byte>(pending_);
     }
   }
 
  private:
-  void store() noexcept {
-    put_u32(out_.subspan(at_).first<kRvlWordBytes>(),
-            static_cast<std::uint32_t>(pending_ >> kRvlWordBits));
-  }
+  static constexpr unsigned kByteBits = 8;
 
   std::span<std::byte> out_;
-  std::uint32_t capacity_;
-  std::uint32_t nibbles_ = 0;
-  std::uint64_t pending_ = 0;  // its first bits_ bits belong to the word at at_
-  unsigned bits_ = 0;          // < kRvlWordBits
+  std::uint64_t pending_ = 0;  // its lowest bits_ bits belong to the byte at at_; the others are 0
+  unsigned bits_ = 0;          // < kByteBits
   std::size_t at_ = 0;
 };
+
+// How many values are 0, or are not, from the first on: eight bytes at a time.
+template <bool kZeros, typename T>
+std::size_t run_of(std::span<const T> values) noexcept {
+  constexpr std::size_t kStep = sizeof(std::uint64_t) / sizeof(T);
+  constexpr std::uint64_t kOnes = ~std::uint64_t{0} / std::numeric_limits<T>::max();
+  constexpr std::uint64_t kTops = kOnes << (8 * sizeof(T) - 1);
+  std::size_t at = 0;
+  for (; at + kStep <= values.size(); at += kStep) {
+    std::uint64_t some = 0;
+    std::memcpy(&some, values.data() + at, sizeof some);
+    // The lowest top bit that is set is that of the first 0.
+    const std::uint64_t ends = kZeros ? some : (some - kOnes) & ~some & kTops;
+    if (ends != 0) {
+      return at + static_cast<std::size_t>(std::countr_zero(ends)) / (8 * sizeof(T));
+    }
+  }
+  while (at < values.size() && (values[at] == 0) == kZeros) {
+    ++at;
+  }
+  return at;
+}
+static_assert(std::endian::native == std::endian::little);
 
 // Codes one sequence.
 template <typename T>
@@ -102,9 +139,8 @@ class Encoder {
   // Each adds one run; false: not all of it fits.
   bool add_zeros() noexcept {
     const auto rest = values_.subspan(at_);
-    const auto other = std::ranges::find_if(rest, [](T value) { return value != 0; });
-    const auto count = static_cast<std::uint32_t>(other - rest.begin());
-    const RvlPattern length = pattern_of(count);
+    const auto count = static_cast<std::uint32_t>(run_of<true>(rest));
+    const RvlPattern length = rvl_spread(count);
     if (length.nibbles + 1 > writer_.left()) {
       return false;
     }
@@ -124,8 +160,8 @@ class Encoder {
   bool add_others() noexcept {
     const std::size_t most = std::min<std::size_t>(values_.size() - at_, writer_.left());
     const auto rest = values_.subspan(at_, most);
-    const auto count = static_cast<std::size_t>(std::ranges::find(rest, T{0}) - rest.begin());
-    const RvlPattern length = pattern_of(static_cast<std::uint32_t>(count));
+    const std::size_t count = run_of<false>(rest);
+    const RvlPattern length = rvl_spread(static_cast<std::uint32_t>(count));
     if (count == 0) {
       // The values end, or `out` does: what is already said by the cut after the zeros.
       return false;
@@ -159,26 +195,34 @@ class Encoder {
     Writer writer = writer_;
     T before = before_;
     std::size_t at = at_;
+    const T* const values = values_.data();
     while (at < end) {
-      // Two at once, where they fit one word.
-      if (at + 1 < end) {
-        const RvlPattern first = pattern_of(rvl_zigzag(values_[at], before));
-        const RvlPattern second = pattern_of(rvl_zigzag(values_[at + 1], values_[at]));
-        const std::uint32_t nibbles = first.nibbles + second.nibbles;
-        if (nibbles <= std::min(kRvlWordNibbles, writer.left())) [[likely]] {
-          writer.add({.bits = first.bits | (second.bits >> (kRvlNibbleBits * first.nibbles)),
-                      .nibbles = nibbles});
-          before = values_[at + 1];
-          at += 2;
-          continue;
+      if (at + 4 <= end && writer.takes_many()) [[likely]] {
+        const std::uint32_t first = near(values[at], before);
+        const std::uint32_t second = near(values[at + 1], values[at]);
+        const std::uint32_t third = near(values[at + 2], values[at + 1]);
+        const std::uint32_t fourth = near(values[at + 3], values[at + 2]);
+        if ((first | second | third | fourth) < kNearNumbers.size()) [[likely]] {
+          const Nibbles all =
+              joined(joined(of_near(kNearNumbers[first]), of_near(kNearNumbers[second])),
+                     joined(of_near(kNearNumbers[third]), of_near(kNearNumbers[fourth])));
+          if (all.count <= Writer::kMostBits) [[likely]] {
+            writer.add_many(all);
+            before = values[at + 3];
+            at += 4;
+            continue;
+          }
         }
       }
-      const RvlPattern pattern = pattern_of(rvl_zigzag(values_[at], before));
-      if (pattern.nibbles > writer.left()) {
+      const RvlPattern pattern = rvl_spread(rvl_zigzag(values[at], before));
+      if (writer.takes_many()) {
+        writer.add_many({.bits = pattern.bits, .count = kRvlNibbleBits * pattern.nibbles});
+      } else if (pattern.nibbles > writer.left()) {
         break;
+      } else {
+        writer.add(pattern);
       }
-      writer.add(pattern);
-      before = values_[at];
+      before = values[at];
       ++at;
     }
     before_ = before;
@@ -204,6 +248,12 @@ class Encoder {
   RvlFit fit_;
 };
 
+template <typename T>
+STOF_WIRE_WIDE RvlFit fit_wide(std::span<const T> values, std::size_t first_row, std::size_t row,
+                               std::span<std::byte> out) noexcept {
+  return Encoder<T>(values, first_row, row, out).run();
+}
+
 }  // namespace
 
 template <typename T>
@@ -211,7 +261,8 @@ RvlFit rvl_fit(std::span<const T> values, std::size_t first_row, std::size_t row
                std::span<std::byte> out) noexcept {
   STOF_CHECK(first_row > 0 && row > 0);
   const std::size_t most = std::min(values.size(), kMostRvlValues);
-  return Encoder<T>(values.first(most), first_row, row, out).run();
+  return wide() ? fit_wide(values.first(most), first_row, row, out)
+                : Encoder<T>(values.first(most), first_row, row, out).run();
 }
 
 template <typename T>

@@ -204,17 +204,19 @@ bool try_rvl_tiles(std::span<const T> values, const Raster& raster, std::size_t 
 }
 
 template <typename T>
-void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept {
-  if (!try_rvl_tiles(values, raster, raw_tiles(raster.width, raster.height, sizeof(T)), store)) {
-    add_raw_tiles(values, raster, store);
+bool add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept {
+  if (try_rvl_tiles(values, raster, raw_tiles(raster.width, raster.height, sizeof(T)), store)) {
+    return true;
   }
+  add_raw_tiles(values, raster, store);
+  return false;
 }
 
 template void add_raw_tiles(std::span<const std::uint8_t>, const Raster&, PartStore&) noexcept;
 template void add_raw_tiles(std::span<const std::uint16_t>, const Raster&, PartStore&) noexcept;
 template bool try_rvl_tiles(std::span<const std::uint16_t>, const Raster&, std::size_t,
                             PartStore&) noexcept;
-template void add_rvl_tiles(std::span<const std::uint8_t>, const Raster&, PartStore&) noexcept;
-template void add_rvl_tiles(std::span<const std::uint16_t>, const Raster&, PartStore&) noexcept;
+template bool add_rvl_tiles(std::span<const std::uint8_t>, const Raster&, PartStore&) noexcept;
+template bool add_rvl_tiles(std::span<const std::uint16_t>, const Raster&, PartStore&) noexcept;
 
 }  // namespace stof::wire

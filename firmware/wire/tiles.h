@@ -1,65 +1,18 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/check.h"
 #include "firmware/wire/packet.h"
 #include "firmware/wire/parity.h"
+#include "firmware/wire/part_store.h"
 
 // Images cut into tiles. A tile holds whole rows wherever one row alone, coded, fits a payload of
 // kMaxTilePayload bytes: as many as fit. A row that does not fit is split, and its packets are
 // filled.
 namespace stof::wire {
-
-// A part of a frame whose payload is written; what its header says beside the frame's stamp.
-struct Part {
-  PacketType type = PacketType::kTile;
-  Stream stream = Stream::kNone;
-  Codec codec = Codec::kNone;
-  std::uint8_t flags = 0;
-  std::uint16_t image_width = 0;
-  std::uint16_t image_height = 0;
-  std::uint16_t first_row = 0;
-  std::uint16_t first_column = 0;
-  std::uint16_t pixel_count = 0;
-  std::uint16_t payload_bytes = 0;
-};
-
-// The parts of a frame before they are sealed, in memory of the caller; both spans are equally
-// long.
-class PartStore {
- public:
-  PartStore() noexcept = default;
-  PartStore(std::span<DatagramBuffer> buffers, std::span<Part> parts) noexcept
-      : buffers_(buffers), parts_(parts) {}
-
-  std::size_t size() const noexcept { return size_; }
-  Part& part(std::size_t index) noexcept { return parts_[index]; }
-  DatagramBuffer& buffer(std::size_t index) noexcept { return buffers_[index]; }
-  std::span<std::byte, kMaxPayload> payload(std::size_t index) noexcept {
-    STOF_CHECK(index < buffers_.size());
-    return payload_space(buffers_[index]);
-  }
-
-  // The payload of the part that is added next.
-  std::span<std::byte, kMaxTilePayload> space() noexcept {
-    return payload(size_).first<kMaxTilePayload>();
-  }
-  void add(const Part& part) noexcept {
-    STOF_CHECK(size_ < parts_.size());
-    parts_[size_++] = part;
-  }
-  void cut_back(std::size_t size) noexcept { size_ = std::min(size_, size); }
-
- private:
-  std::span<DatagramBuffer> buffers_;
-  std::span<Part> parts_;
-  std::size_t size_ = 0;
-};
 
 // How far a raw tile may go that begins in column `column`: to the last row's end that fits (0:
 // none does) and to the last pixel that fits.
@@ -118,11 +71,11 @@ void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& s
 
 // RVL, or raw where that is shorter: single tiles, or all of them where there would be more than
 // raw_tiles(). Needs the space of one part more than that. try_: at most `most` tiles; false:
-// there would be more, the store is as it was.
+// there would be more, the store is as it was. add_: false: all of them are raw.
 template <typename T>
 bool try_rvl_tiles(std::span<const T> values, const Raster& raster, std::size_t most,
                    PartStore& store) noexcept;
 template <typename T>
-void add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
+bool add_rvl_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 
 }  // namespace stof::wire

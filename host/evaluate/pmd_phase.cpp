@@ -18,7 +18,6 @@ struct Outputs {
   std::vector<dsp::Phase> phase;
   std::vector<std::uint16_t> amp2;
   std::vector<std::uint16_t> offset;
-  std::vector<std::uint8_t> ratio;
   std::vector<std::uint8_t> flags;
   friend bool operator==(const Outputs&, const Outputs&) = default;
 };
@@ -26,12 +25,10 @@ struct Outputs {
 Outputs run(dsp::PhaseKernel& kernel, const std::array<std::vector<std::uint16_t>, 4>& samples,
             std::size_t n) {
   Outputs out{std::vector<dsp::Phase>(n), std::vector<std::uint16_t>(n),
-              std::vector<std::uint16_t>(n), std::vector<std::uint8_t>(n),
-              std::vector<std::uint8_t>(n)};
+              std::vector<std::uint16_t>(n), std::vector<std::uint8_t>(n)};
   const auto row = [&samples, n](std::size_t k) { return std::span(samples[k]).first(n); };
   const dsp::PhaseLimits limits{.dark = 100};
-  kernel({row(0), row(1), row(2), row(3)}, limits,
-         {out.phase, out.amp2, out.offset, out.ratio, out.flags});
+  kernel({row(0), row(1), row(2), row(3)}, limits, {out.phase, out.amp2, out.offset, out.flags});
   return out;
 }
 

@@ -53,6 +53,16 @@ DistinctMargins<std::uint8_t> distinct_margins;
 DistinctMargins<std::uint16_t> distinct_margins;
 DistinctMargins<std::uint32_t> distinct_margins;
 }  // namespace neon
+namespace avx2 {
+DistinctMargins<std::uint8_t> distinct_margins;
+DistinctMargins<std::uint16_t> distinct_margins;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<DistinctMargins<std::uint8_t>, DistinctMargins<std::uint16_t>,
+                        DistinctMargins<std::uint32_t>>
+    distinct_margins{STOF_VARIANTS(distinct_margins), STOF_VARIANTS(distinct_margins),
+                     STOF_PORTABLE(distinct_margins)};
+}  // namespace best
 
 // What drop_indistinct takes from its Arena.
 std::size_t drop_indistinct_bytes(int width) noexcept;

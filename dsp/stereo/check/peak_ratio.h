@@ -28,5 +28,13 @@ PeakRatio<std::uint8_t> peak_ratio;
 PeakRatio<std::uint16_t> peak_ratio;
 PeakRatio<std::uint32_t> peak_ratio;
 }  // namespace neon
+namespace avx2 {
+PeakRatio<std::uint8_t> peak_ratio;
+PeakRatio<std::uint16_t> peak_ratio;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<PeakRatio<std::uint8_t>, PeakRatio<std::uint16_t>, PeakRatio<std::uint32_t>>
+    peak_ratio{STOF_VARIANTS(peak_ratio), STOF_VARIANTS(peak_ratio), STOF_PORTABLE(peak_ratio)};
+}  // namespace best
 
 }  // namespace stof::dsp

@@ -1,9 +1,10 @@
 #include "dsp/stereo/check/speckle.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <span>
 #include <utility>
 
@@ -12,88 +13,174 @@
 namespace stof::dsp {
 namespace {
 
-bool connected(Disparity a, Disparity b) noexcept {
-  return std::abs(a.raw - b.raw) <= Disparity::kOne;
+using Word = std::uint64_t;
+constexpr std::size_t kWord = 64;  // pixels
+
+constexpr std::size_t words_of(int width) noexcept {
+  return (static_cast<std::size_t>(width) + kWord - 1) / kWord;
+}
+// Elements of a line: a pixel before the first, and whole words.
+constexpr std::size_t line_size(int width) noexcept { return 1 + words_of(width) * kWord; }
+
+std::size_t first_of(Word bits) noexcept {
+  return static_cast<std::size_t>(std::countr_zero(bits));
 }
 
-// Connected pixels of one row, all valid.
-struct Run {
-  int begin = 0;
-  int end = 0;
+// One bit for each of 64 pixels, the first lowest, where holds(k) is. In bytes first and without
+// branches, so that compilers make vectors of it.
+template <typename Holds>
+Word bits_where(Holds holds) noexcept {
+  constexpr std::size_t kBytes = sizeof(Word);
+  std::array<std::array<std::uint8_t, kBytes>, kWord / kBytes> flags;
+  std::uint8_t* const flag = flags.front().data();
+  for (std::size_t k = 0; k < kWord; ++k) {
+    flag[k] = holds(k) ? 1 : 0;
+  }
+  Word out = 0;
+  for (std::size_t byte = 0; byte < flags.size(); ++byte) {
+    // Moves the lowest bit of byte k to bit k of the highest byte.
+    const Word gathered = std::bit_cast<Word>(flags[byte]) * Word{0x0102040810204080};
+    out |= (gathered >> (kWord - kBytes)) << (kBytes * byte);
+  }
+  return out;
+}
+
+bool near(std::int16_t a, std::int16_t b) noexcept {
+  return static_cast<std::uint16_t>(std::max(a, b) - std::min(a, b)) <= Disparity::kOne;
+}
+
+// What is known of one row. A run is a row of connected pixels; runs of the image are numbered from
+// the top, from left to right.
+struct Line {
+  std::span<std::int16_t> raw;  // a pixel before the row, the row, and behind it none
+  std::span<Word> valid;
+  std::span<Word> begins;        // the first pixels of runs
+  std::span<std::int32_t> runs;  // how many begin before this word, from the top
+
+  static constexpr std::size_t bytes_needed(int width) noexcept {
+    return Arena::bytes_for<std::int16_t>(line_size(width)) +
+           2 * Arena::bytes_for<Word>(words_of(width)) +
+           Arena::bytes_for<std::int32_t>(words_of(width));
+  }
+  Line(int width, Arena& arena) noexcept
+      : raw(arena.take<std::int16_t>(line_size(width))),
+        valid(arena.take<Word>(words_of(width))),
+        begins(arena.take<Word>(words_of(width))),
+        runs(arena.take<std::int32_t>(words_of(width))) {
+    std::ranges::fill(raw, Disparity::none().raw);
+    std::ranges::fill(valid, Word{0});
+  }
+
+  const std::int16_t* pixels(std::size_t word) const noexcept {
+    return raw.data() + 1 + word * kWord;
+  }
+  // The run of pixel `bit` of a word.
+  std::int32_t run(std::size_t word, std::size_t bit) const noexcept {
+    return runs[word] + std::popcount(begins[word] << (kWord - 1 - bit)) - 1;
+  }
+
+  // Reads a row and finds its runs.
+  void read(std::span<const Disparity> row) const noexcept {
+    for (std::size_t x = 0; x < row.size(); ++x) {
+      raw[x + 1] = row[x].raw;
+    }
+    Word before = 0;  // whether the last pixel was valid
+    for (std::size_t word = 0; word < valid.size(); ++word) {
+      const std::int16_t* const p = pixels(word);
+      const Word some = bits_where([p](std::size_t k) { return p[k] != Disparity::none().raw; });
+      const Word like_left = bits_where([p](std::size_t k) { return near(p[k], p[k - 1]); });
+      valid[word] = some;
+      begins[word] = some & ~(like_left & (some << 1U | before));
+      before = some >> (kWord - 1);
+    }
+  }
+
+  // Calls use(begin, end) for all runs.
+  template <typename Use>
+  void each_run(Use use) const noexcept {
+    std::size_t begin = 0;
+    bool open = false;  // a run that began in a word before
+    for (std::size_t word = 0; word < valid.size(); ++word) {
+      // Behind a run there is a run that begins or a pixel that is not valid.
+      const Word starts = begins[word];
+      const Word before = valid[word] << 1U | (open ? 1U : 0U);
+      const Word stops = (~valid[word] | starts) & before;
+      Word events = starts | stops;
+      for (; events != 0; events &= events - 1) {
+        const std::size_t bit = first_of(events);
+        const std::size_t x = word * kWord + bit;
+        if ((stops >> bit) % 2 != 0) {
+          use(begin, x);
+        }
+        begin = (starts >> bit) % 2 != 0 ? x : begin;
+      }
+      open = valid[word] >> (kWord - 1) != 0;
+    }
+    if (open) {
+      use(begin, valid.size() * kWord);
+    }
+  }
 };
 
-// The first run of the row that begins at x or later; empty at the row's end when there is none.
-Run next_run(std::span<const Disparity> row, int x) noexcept {
-  const int width = static_cast<int>(row.size());
-  const Disparity* const pixels = row.data();
-  while (x < width && !pixels[x].valid()) {
-    ++x;
-  }
-  Run run{x, std::min(x + 1, width)};
-  while (run.end < width && pixels[run.end].valid() &&
-         connected(pixels[run.end - 1], pixels[run.end])) {
-    ++run.end;
-  }
-  return run;
-}
-
-// Patches are sets of runs, a run being named by its first pixel. links_ of that pixel is -size of
-// the patch for the run that stands for it, else another run of the same patch; links_ of the other
-// pixels are not used. Union by size keeps chains short.
+// Patches are sets of runs. links_ of a run is -size of the patch for the run that stands for it,
+// else another run of the same patch. Union by size keeps chains short.
 class Patches {
  public:
   Patches(ImageView<const Disparity> disparities, Arena& arena) noexcept
       : disparities_(disparities),
-        links_(arena.take_image<std::int32_t>(disparities.width(), disparities.height())),
-        runs_(arena.take<Run>(row_size())),
-        runs_above_(arena.take<Run>(row_size())) {}
+        links_(arena.take<std::int32_t>(static_cast<std::size_t>(disparities.width()) *
+                                        static_cast<std::size_t>(disparities.height()))),
+        line_(disparities.width(), arena),
+        above_(disparities.width(), arena) {}
 
   void find() noexcept {
+    std::int32_t count = 0;
     for (int y = 0; y < disparities_.height(); ++y) {
-      std::swap(runs_, runs_above_);
-      count_above_ = count_;
-      find_runs(y);
-      if (y > 0) {
-        join_rows(y);
+      std::swap(line_, above_);
+      line_.read(disparities_.row(y));
+      std::int32_t next = count;
+      line_.each_run([&](std::size_t begin, std::size_t end) noexcept {
+        link(next++) = -static_cast<std::int32_t>(end - begin);
+      });
+      for (std::size_t word = 0; word < line_.begins.size(); ++word) {
+        line_.runs[word] = count;
+        count += std::popcount(line_.begins[word]);
       }
+      join_rows();
     }
   }
 
-  // The size of the patch of the run that begins at pixel x of row y.
-  int size(int x, int y) noexcept { return -link(root(index(x, y))); }
+  // Calls drop(y, begin, end) for the runs of patches of fewer than min_pixels pixels.
+  template <typename Drop>
+  void each_small(int min_pixels, Drop drop) noexcept {
+    std::int32_t run = 0;
+    for (int y = 0; y < disparities_.height(); ++y) {
+      line_.read(disparities_.row(y));
+      line_.each_run([&](std::size_t begin, std::size_t end) noexcept {
+        if (-link(root(run++)) < min_pixels) {
+          drop(y, begin, end);
+        }
+      });
+    }
+  }
 
  private:
-  std::size_t row_size() const noexcept { return static_cast<std::size_t>(disparities_.width()); }
-  std::int32_t index(int x, int y) const noexcept { return y * links_.width() + x; }
-  std::int32_t& link(std::int32_t at) noexcept { return links_.data()[at]; }
+  std::int32_t& link(std::int32_t run) noexcept { return links_[static_cast<std::size_t>(run)]; }
 
-  void find_runs(int y) noexcept {
-    const std::span<const Disparity> row = disparities_.row(y);
-    count_ = 0;
-    for (Run run = next_run(row, 0); run.begin < run.end; run = next_run(row, run.end)) {
-      link(index(run.begin, y)) = run.begin - run.end;
-      runs_[count_++] = run;
-    }
-  }
-
-  void join_rows(int y) noexcept {
-    const Disparity* const above = disparities_.row(y - 1).data();
-    const Disparity* const here = disparities_.row(y).data();
-    std::size_t i = 0;
-    std::size_t k = 0;
-    while (i < count_above_ && k < count_) {
-      const Run a = runs_above_[i];
-      const Run b = runs_[k];
-      const int end = std::min(a.end, b.end);
-      int x = std::max(a.begin, b.begin);
-      while (x < end && !connected(above[x], here[x])) {
-        ++x;
+  // Once where a run first touches one above it, and again where either is another than before.
+  void join_rows() noexcept {
+    Word last = 0;  // whether the last pixel touched the one above
+    for (std::size_t word = 0; word < line_.valid.size(); ++word) {
+      const std::int16_t* const here = line_.pixels(word);
+      const std::int16_t* const there = above_.pixels(word);
+      const Word alike = bits_where([=](std::size_t k) { return near(here[k], there[k]); });
+      const Word touching = alike & line_.valid[word] & above_.valid[word];
+      const Word again = (touching << 1U | last) & ~line_.begins[word] & ~above_.begins[word];
+      for (Word first = touching & ~again; first != 0; first &= first - 1) {
+        const std::size_t bit = first_of(first);
+        join(root(above_.run(word, bit)), root(line_.run(word, bit)));
       }
-      if (x < end) {
-        join(root(index(a.begin, y - 1)), root(index(b.begin, y)));
-      }
-      i += a.end == end ? 1 : 0;
-      k += b.end == end ? 1 : 0;
+      last = touching >> (kWord - 1);
     }
   }
 
@@ -120,19 +207,17 @@ class Patches {
   }
 
   ImageView<const Disparity> disparities_;
-  ImageView<std::int32_t> links_;
-  std::span<Run> runs_;  // of the row, and of the one above it
-  std::span<Run> runs_above_;
-  std::size_t count_ = 0;
-  std::size_t count_above_ = 0;
+  std::span<std::int32_t> links_;
+  Line line_;
+  Line above_;
 };
 
 }  // namespace
 
 std::size_t drop_speckles_bytes(int width, int height) noexcept {
-  const auto row = static_cast<std::size_t>(width);
-  return Arena::bytes_for<std::int32_t>(row * static_cast<std::size_t>(height)) +
-         2 * Arena::bytes_for<Run>(row);
+  return Arena::bytes_for<std::int32_t>(static_cast<std::size_t>(width) *
+                                        static_cast<std::size_t>(height)) +
+         2 * Line::bytes_needed(width);
 }
 
 void drop_speckles(ImageView<Disparity> disparities, int min_pixels, Arena arena) noexcept {
@@ -142,14 +227,9 @@ void drop_speckles(ImageView<Disparity> disparities, int min_pixels, Arena arena
   }
   Patches patches(disparities, arena);
   patches.find();
-  for (int y = 0; y < disparities.height(); ++y) {
-    const std::span<Disparity> row = disparities.row(y);
-    for (Run run = next_run(row, 0); run.begin < run.end; run = next_run(row, run.end)) {
-      if (patches.size(run.begin, y) < min_pixels) {
-        std::fill(row.begin() + run.begin, row.begin() + run.end, Disparity::none());
-      }
-    }
-  }
+  patches.each_small(min_pixels, [&](int y, std::size_t begin, std::size_t end) noexcept {
+    std::ranges::fill(disparities.row(y).subspan(begin, end - begin), Disparity::none());
+  });
 }
 
 }  // namespace stof::dsp

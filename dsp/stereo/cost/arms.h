@@ -36,6 +36,14 @@ namespace neon {
 ArmsAlong arms_along;
 ArmsAcross arms_across;
 }  // namespace neon
+namespace avx2 {
+ArmsAlong arms_along;
+ArmsAcross arms_across;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<ArmsAlong> arms_along{STOF_VARIANTS(arms_along)};
+inline constexpr Kernel<ArmsAcross> arms_across{STOF_VARIANTS(arms_across)};
+}  // namespace best
 
 // The columns [begin, end) of arms_along(), for vector variants.
 void arms_along_columns(std::span<const std::uint8_t> row, const ArmParams& params,

@@ -39,5 +39,13 @@ namespace neon {
 Census<5> census_5x5;
 Census<7> census_9x7;
 }  // namespace neon
+namespace avx2 {
+Census<5> census_5x5;
+Census<7> census_9x7;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<Census<5>> census_5x5{STOF_VARIANTS(census_5x5)};
+inline constexpr Kernel<Census<7>> census_9x7{STOF_VARIANTS(census_9x7)};
+}  // namespace best
 
 }  // namespace stof::dsp

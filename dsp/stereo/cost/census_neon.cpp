@@ -67,9 +67,12 @@ class Describer {
 // out[k] = row[x + k - before], the nearest column where there is none.
 void copy_clamped(std::span<const std::uint8_t> row, std::size_t x, std::size_t before,
                   std::span<std::uint8_t> out) noexcept {
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    out[k] = row[std::min(std::max(x + k, before) - before, row.size() - 1)];
-  }
+  const std::size_t missing = before - std::min(x, before);
+  const std::size_t from = x + missing - before;
+  const std::size_t count = std::min(out.size() - missing, row.size() - from);
+  std::ranges::fill(out.first(missing), row.front());
+  std::ranges::copy(row.subspan(from, count), out.subspan(missing).begin());
+  std::ranges::fill(out.subspan(missing + count), row.back());
 }
 
 template <std::size_t kWidth, std::size_t kHeight>

@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
+#include "dsp/base/image.h"
 #include "dsp/stereo/cost/mixed.h"
 #include "dsp/stereo/cost/sad.h"
 
@@ -52,17 +53,23 @@ template <typename Sum>
 void mark_outside(const MatchParams& params, int width, std::span<Sum> costs) noexcept {
   const int lanes = lanes_of(params);
   STOF_CHECK(costs.size() == size(width) * size(lanes));
-  for (int x = 0; x < width; ++x) {
-    const int farthest = x - params.min_disparity;  // the candidate that meets right column 0
-    const int begin = std::clamp(farthest - width + 1, 0, lanes);
-    const int end = std::clamp(std::min(params.disparities, farthest + 1), begin, lanes);
-    if (begin == 0 && end == lanes) {
-      continue;  // nearly every pixel
+  const auto mark = [&](Rows columns) noexcept {
+    for (int x = columns.begin; x < columns.end; ++x) {
+      const int farthest = x - params.min_disparity;  // the candidate that meets right column 0
+      const int begin = std::clamp(farthest - width + 1, 0, lanes);
+      const int end = std::clamp(std::min(params.disparities, farthest + 1), begin, lanes);
+      const std::span<Sum> pixel = costs.subspan(size(x) * size(lanes), size(lanes));
+      std::ranges::fill(pixel.first(size(begin)), kNoCost<Sum>);
+      std::ranges::fill(pixel.subspan(size(end)), kNoCost<Sum>);
     }
-    const std::span<Sum> pixel = costs.subspan(size(x) * size(lanes), size(lanes));
-    std::ranges::fill(pixel.first(size(begin)), kNoCost<Sum>);
-    std::ranges::fill(pixel.subspan(size(end)), kNoCost<Sum>);
-  }
+  };
+  // Nearly every pixel has all candidates.
+  const int whole_end = std::clamp(width + params.min_disparity, 0, width);
+  const int whole = params.disparities < lanes
+                        ? whole_end
+                        : std::clamp(lanes - 1 + params.min_disparity, 0, whole_end);
+  mark({0, whole});
+  mark({whole_end, width});
 }
 
 template void mark_outside(const MatchParams&, int, std::span<std::uint8_t>) noexcept;

@@ -47,5 +47,15 @@ SumAlong sum_along;
 SumDown sum_down;
 CrossMeans cross_means;
 }  // namespace neon
+namespace avx2 {
+SumAlong sum_along;
+SumDown sum_down;
+CrossMeans cross_means;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<SumAlong> sum_along{STOF_VARIANTS(sum_along)};
+inline constexpr Kernel<SumDown> sum_down{STOF_VARIANTS(sum_down)};
+inline constexpr Kernel<CrossMeans> cross_means{STOF_VARIANTS(cross_means)};
+}  // namespace best
 
 }  // namespace stof::dsp

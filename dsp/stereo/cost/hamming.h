@@ -22,5 +22,11 @@ HammingCosts hamming_costs;
 namespace neon {
 HammingCosts hamming_costs;
 }
+namespace avx2 {
+HammingCosts hamming_costs;
+}
+namespace best {
+inline constexpr Kernel<HammingCosts> hamming_costs{STOF_VARIANTS(hamming_costs)};
+}
 
 }  // namespace stof::dsp

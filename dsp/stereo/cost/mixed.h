@@ -33,5 +33,11 @@ MixedCosts mixed_costs;
 namespace neon {
 MixedCosts mixed_costs;
 }
+namespace avx2 {
+MixedCosts mixed_costs;
+}
+namespace best {
+inline constexpr Kernel<MixedCosts> mixed_costs{STOF_VARIANTS(mixed_costs)};
+}
 
 }  // namespace stof::dsp

@@ -21,6 +21,12 @@ ClippedSobel clipped_sobel;
 namespace neon {
 ClippedSobel clipped_sobel;
 }
+namespace avx2 {
+ClippedSobel clipped_sobel;
+}
+namespace best {
+inline constexpr Kernel<ClippedSobel> clipped_sobel{STOF_VARIANTS(clipped_sobel)};
+}  // namespace best
 
 // The tail of a row for vector variants: columns [begin, end) as in clipped_sobel().
 void clipped_sobel_columns(std::span<const std::uint8_t> above, std::span<const std::uint8_t> here,

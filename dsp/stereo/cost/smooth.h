@@ -19,6 +19,12 @@ Binomial binomial;
 namespace neon {
 Binomial binomial;
 }
+namespace avx2 {
+Binomial binomial;
+}
+namespace best {
+inline constexpr Kernel<Binomial> binomial{STOF_VARIANTS(binomial)};
+}  // namespace best
 
 // The tail of a row for vector variants: columns [begin, end) as in binomial().
 void binomial_columns(std::span<const std::uint8_t> above, std::span<const std::uint8_t> here,

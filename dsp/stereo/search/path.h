@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "dsp/base/check.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/sad.h"
 
@@ -33,11 +35,30 @@ using PathsBothWays = void(std::span<const Cost> costs, int lanes, Cost small,
                            std::span<Cost> from_right) noexcept;
 
 // From another row: before x is `before`'s column x - shift (shift -1, 0 or 1: down-left, down,
-// down-right when rows come from the top). before: the paths of that row, overlapping nothing.
+// down-right when rows come from the top). before: the paths of that row, overlapping nothing; with
+// shift 0 it may be the same memory as paths.
 template <typename Cost>
 using PathsAcross = void(std::span<const Cost> costs, std::span<const Cost> before, int shift,
                          int lanes, Cost small, std::span<const Cost> large,
                          std::span<Cost> paths) noexcept;
+
+// One direction along the row and one straight across rows.
+template <typename Cost>
+struct AxesRow {
+  std::span<const Cost> costs;
+  int lanes;
+  Cost small;
+  bool from_left;  // else from the right
+  std::span<const Cost> large_along;
+  std::span<const Cost> large_across;  // empty where there is no row before
+};
+
+// Both at once, and their sum: faster than one after the other. front: paths of the row before,
+// which become this row's. sums = the two paths, plus `others` where these are not empty; u8 sums
+// saturate, others wrap. others and sums may be the same memory, else no overlap.
+template <typename Cost>
+using PathsOfAxes = void(const AxesRow<Cost>& row, std::span<Cost> front,
+                         std::span<const Cost> others, std::span<Cost> sums) noexcept;
 
 namespace ref {
 PathsAlong<std::uint8_t> paths_from_left;
@@ -52,6 +73,8 @@ PathsBothWays<std::uint32_t> paths_both_ways;
 PathsAcross<std::uint8_t> paths_across;
 PathsAcross<std::uint16_t> paths_across;
 PathsAcross<std::uint32_t> paths_across;
+PathsOfAxes<std::uint8_t> paths_of_axes;
+PathsOfAxes<std::uint16_t> paths_of_axes;
 }  // namespace ref
 namespace neon {
 PathsAlong<std::uint8_t> paths_from_left;
@@ -66,6 +89,43 @@ PathsBothWays<std::uint32_t> paths_both_ways;
 PathsAcross<std::uint8_t> paths_across;
 PathsAcross<std::uint16_t> paths_across;
 PathsAcross<std::uint32_t> paths_across;
+PathsOfAxes<std::uint8_t> paths_of_axes;
+PathsOfAxes<std::uint16_t> paths_of_axes;
 }  // namespace neon
+namespace avx2 {
+PathsAlong<std::uint16_t> paths_from_left;
+PathsAlong<std::uint16_t> paths_from_right;
+PathsBothWays<std::uint8_t> paths_both_ways;
+PathsBothWays<std::uint16_t> paths_both_ways;
+PathsAcross<std::uint8_t> paths_across;
+PathsAcross<std::uint16_t> paths_across;
+PathsOfAxes<std::uint8_t> paths_of_axes;
+PathsOfAxes<std::uint16_t> paths_of_axes;
+}  // namespace avx2
+namespace best {
+template <template <typename> typename Paths>
+using PathKernel = Kernel<Paths<std::uint8_t>, Paths<std::uint16_t>, Paths<std::uint32_t>>;
+inline constexpr PathKernel<PathsAlong> paths_from_left{
+    STOF_PORTABLE(paths_from_left), STOF_VARIANTS(paths_from_left), STOF_PORTABLE(paths_from_left)};
+inline constexpr PathKernel<PathsAlong> paths_from_right{STOF_PORTABLE(paths_from_right),
+                                                         STOF_VARIANTS(paths_from_right),
+                                                         STOF_PORTABLE(paths_from_right)};
+inline constexpr PathKernel<PathsBothWays> paths_both_ways{
+    STOF_VARIANTS(paths_both_ways), STOF_VARIANTS(paths_both_ways), STOF_PORTABLE(paths_both_ways)};
+inline constexpr PathKernel<PathsAcross> paths_across{
+    STOF_VARIANTS(paths_across), STOF_VARIANTS(paths_across), STOF_PORTABLE(paths_across)};
+inline constexpr Kernel<PathsOfAxes<std::uint8_t>, PathsOfAxes<std::uint16_t>> paths_of_axes{
+    STOF_VARIANTS(paths_of_axes), STOF_VARIANTS(paths_of_axes)};
+}  // namespace best
+
+// What paths_of_axes expects of its sizes, for its variants.
+template <typename Cost>
+void check_axes(const AxesRow<Cost>& row, std::size_t front, std::size_t others,
+                std::size_t sums) noexcept {
+  STOF_CHECK(row.lanes >= kCostLanes && row.lanes <= 256 && row.lanes % kCostLanes == 0 &&
+             row.costs.size() == row.large_along.size() * static_cast<std::size_t>(row.lanes));
+  STOF_CHECK(row.large_across.empty() || row.large_across.size() == row.large_along.size());
+  STOF_CHECK(front == row.costs.size() && sums == front && (others == 0 || others == front));
+}
 
 }  // namespace stof::dsp

@@ -1,6 +1,7 @@
 #include "dsp/stereo/search/path.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <limits>
 
@@ -15,7 +16,7 @@ Cost saturated_sum(Cost a, Cost b) noexcept {
   return sum < a ? kNoCost<Cost> : sum;
 }
 
-// One pixel. costs and paths may be the same memory; before is empty where there is no pixel.
+// One pixel. All three may be the same memory; before is empty where there is no pixel.
 template <typename Cost>
 void step(std::span<const Cost> costs, std::span<const Cost> before, Cost small, Cost large,
           std::span<Cost> paths) noexcept {
@@ -24,11 +25,13 @@ void step(std::span<const Cost> costs, std::span<const Cost> before, Cost small,
     return;
   }
   const Cost lowest = *std::ranges::min_element(before);
+  Cost previous = 0;
   for (std::size_t i = 0; i < costs.size(); ++i) {
     Cost best = std::min(before[i], saturated_sum(lowest, large));
     if (i > 0) {
-      best = std::min(best, saturated_sum(before[i - 1], small));
+      best = std::min(best, saturated_sum(previous, small));
     }
+    previous = before[i];
     if (i + 1 < costs.size()) {
       best = std::min(best, saturated_sum(before[i + 1], small));
     }
@@ -67,6 +70,35 @@ void cross(std::span<const Cost> costs, std::span<const Cost> before, int shift,
     const std::size_t at = static_cast<std::size_t>(x) * count;
     step(costs.subspan(at, count), before.subspan(from, inside ? count : 0), small,
          large[static_cast<std::size_t>(x)], paths.subspan(at, count));
+  }
+}
+
+template <typename Cost>
+Cost total(Cost a, Cost b) noexcept {
+  return sizeof(Cost) == 1 ? saturated_sum(a, b) : static_cast<Cost>(a + b);
+}
+
+template <typename Cost>
+void both_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
+               std::span<Cost> sums) noexcept {
+  check_axes(row, front.size(), others.size(), sums.size());
+  const std::size_t count = static_cast<std::size_t>(row.lanes);
+  const std::size_t n = row.large_along.size();
+  std::array<Cost, 256> buffer;
+  const std::span<Cost> along = std::span<Cost>(buffer).first(count);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t x = row.from_left ? k : n - 1 - k;
+    const std::span<const Cost> costs = row.costs.subspan(x * count, count);
+    const std::span<Cost> across = front.subspan(x * count, count);
+    const bool first_row = row.large_across.empty();
+    step(costs, std::span<const Cost>(along).first(k == 0 ? 0 : count), row.small,
+         row.large_along[x], along);
+    step(costs, std::span<const Cost>(across).first(first_row ? 0 : count), row.small,
+         first_row ? Cost{0} : row.large_across[x], across);
+    for (std::size_t i = 0; i < count; ++i) {
+      const Cost more = others.empty() ? Cost{0} : others[x * count + i];
+      sums[x * count + i] = total(total(along[i], across[i]), more);
+    }
   }
 }
 
@@ -138,6 +170,14 @@ void paths_across(std::span<const std::uint32_t> costs, std::span<const std::uin
                   int shift, int lanes, std::uint32_t small, std::span<const std::uint32_t> large,
                   std::span<std::uint32_t> paths) noexcept {
   cross(costs, before, shift, lanes, small, large, paths);
+}
+void paths_of_axes(const AxesRow<std::uint8_t>& row, std::span<std::uint8_t> front,
+                   std::span<const std::uint8_t> others, std::span<std::uint8_t> sums) noexcept {
+  both_axes(row, front, others, sums);
+}
+void paths_of_axes(const AxesRow<std::uint16_t>& row, std::span<std::uint16_t> front,
+                   std::span<const std::uint16_t> others, std::span<std::uint16_t> sums) noexcept {
+  both_axes(row, front, others, sums);
 }
 
 }  // namespace stof::dsp::ref

@@ -7,6 +7,7 @@
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/prefilter.h"
 #include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/search/tile_strips.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
@@ -14,11 +15,11 @@ namespace {
 
 constexpr int kMostLevels = 2;
 // Around what the coarser size found, in candidates of the finer size.
-constexpr int kMargin = 2;
+constexpr int kMargin = 1;
 // The surroundings of a tile, in pixels of the coarser size.
-constexpr int kReach = 2;
+constexpr int kReach = 6;
 // A candidate that, with its two neighbours, fewer of the surroundings found is an error.
-constexpr int kShare = 32;
+constexpr int kShare = 24;
 
 constexpr int halved(int size) noexcept { return (size + 1) / 2; }
 constexpr int floor_half(int value) noexcept { return value >= 0 ? value / 2 : -((1 - value) / 2); }
@@ -38,7 +39,16 @@ bool wide(const MatchParams& params) noexcept {
 
 int levels(const MatchParams& params) noexcept { return params.pyramid_levels.value_or(0); }
 
-std::size_t search_bytes(const MatchParams& params, bool check, int width, int height) noexcept {
+// Strips are for few candidates, so not for the coarsest size.
+bool by_strips(const MatchParams& params, bool coarsest) noexcept {
+  return !coarsest && TileStrips::serves(params);
+}
+
+std::size_t search_bytes(const MatchParams& params, bool coarsest, bool check, int width,
+                         int height) noexcept {
+  if (by_strips(params, coarsest)) {
+    return TileStrips::bytes_needed(params, check, width, height);
+  }
   const std::size_t search =
       wide(params) ? TileSearch<std::uint32_t>::bytes_needed(params, check, width, height)
                    : TileSearch<std::uint16_t>::bytes_needed(params, check, width, height);
@@ -53,30 +63,62 @@ struct Level {
   TileWinners winners;
 };
 
-// What a tile of the finer size has to search.
-CandidateRange around(const Level& coarse, const MatchParams& fine, int x, Rows rows) noexcept {
-  std::array<int, kMaxDisparities + 2> found{};  // [candidate + 1]
-  const ImageView<std::int16_t> map = coarse.winners.left;
-  const int first_x = std::max(x / 2 - kReach, 0);
-  const int end_x =
-      std::min((x + TileSearch<std::uint16_t>::kTileWidth - 1) / 2 + kReach + 1, map.width());
-  const int first_y = std::max(rows.begin / 2 - kReach, 0);
-  const int end_y = std::min((rows.end - 1) / 2 + kReach + 1, map.height());
-  for (int y = first_y; y < end_y; ++y) {
-    for (const std::int16_t winner : map.row(y).subspan(
-             static_cast<std::size_t>(first_x), static_cast<std::size_t>(end_x - first_x))) {
-      ++found[static_cast<std::size_t>(winner + 1)];
+static_assert(TileSearch<std::uint16_t>::kTileWidth == kTileColumns);
+
+// Which candidates the surroundings of a tile of the finer size found; none: no information.
+class Surroundings {
+ public:
+  Surroundings(const Level& coarse, int x, Rows rows) noexcept
+      : disparities_(coarse.params.disparities) {
+    const ImageView<std::int16_t> map = coarse.winners.left;
+    const int first_x = std::max(x / 2 - kReach, 0);
+    const int end_x = std::min((x + kTileColumns - 1) / 2 + kReach + 1, map.width());
+    const int first_y = std::max(rows.begin / 2 - kReach, 0);
+    const int end_y = std::min((rows.end - 1) / 2 + kReach + 1, map.height());
+    for (int y = first_y; y < end_y; ++y) {
+      count(map.row(y).subspan(static_cast<std::size_t>(first_x),
+                               static_cast<std::size_t>(end_x - first_x)));
+    }
+    for (std::size_t k = 1; k < kCounters; ++k) {
+      for (std::size_t i = 0; i <= static_cast<std::size_t>(disparities_); ++i) {
+        counts_[0][i] = static_cast<std::uint16_t>(counts_[0][i] + counts_[k][i]);
+      }
+    }
+    const int pixels = (end_x - first_x) * (end_y - first_y) - counts_[0][0];
+    counts_[0][0] = 0;
+    needed_ = std::max(pixels / kShare, 1);
+  }
+
+  bool hold(int candidate) const noexcept {
+    const std::size_t at = static_cast<std::size_t>(candidate) + 1;
+    const auto& found = counts_[0];
+    return found[at] > 0 && found[at - 1] + found[at] + found[at + 1] >= needed_;
+  }
+
+ private:
+  // Equal neighbours count in different places: none waits for the one before.
+  static constexpr std::size_t kCounters = 4;
+
+  void count(std::span<const std::int16_t> winners) noexcept {
+    for (std::size_t x = 0; x < winners.size(); ++x) {
+      ++counts_[x % kCounters][static_cast<std::size_t>(winners[x] + 1)];
     }
   }
-  const int pixels = (end_x - first_x) * (end_y - first_y) - found[0];
-  found[0] = 0;
-  const int needed = std::max(pixels / kShare, 1);
+
+  int disparities_;
+  int needed_ = 1;
+  std::array<std::array<std::uint16_t, kMaxDisparities + 2>, kCounters>
+      counts_{};  // [candidate + 1]
+};
+
+// What a tile of the finer size has to search: as one range,
+CandidateRange range_around(const Level& coarse, const MatchParams& fine, int x,
+                            Rows rows) noexcept {
+  const Surroundings around(coarse, x, rows);
   int lowest = kMaxDisparities;
   int highest = -1;
   for (int i = 0; i < coarse.params.disparities; ++i) {
-    const std::size_t at = static_cast<std::size_t>(i) + 1;
-    const int above = i + 1 < coarse.params.disparities ? found[at + 1] : 0;
-    if (found[at] > 0 && found[at - 1] + found[at] + above >= needed) {
+    if (around.hold(i)) {
       lowest = std::min(lowest, i);
       highest = i;
     }
@@ -91,6 +133,52 @@ CandidateRange around(const Level& coarse, const MatchParams& fine, int x, Rows 
   // Whole vectors search more for the same price: to either side.
   const int lanes = (last - first + kCostLanes) / kCostLanes * kCostLanes;
   return {std::clamp(first - (lanes - 1 - (last - first)) / 2, 0, all - lanes), lanes};
+}
+
+struct CandidateList {
+  std::array<std::int16_t, kMaxDisparities> numbers{};
+  std::size_t count = 0;
+
+  std::span<const std::int16_t> view() const noexcept { return std::span(numbers).first(count); }
+  // first .. last, as far as they are above those before.
+  void append(int first, int last) noexcept {
+    if (count > 0) {
+      first = std::max(first, numbers[count - 1] + 1);
+    }
+    for (int i = first; i <= last; ++i) {
+      numbers[count++] = static_cast<std::int16_t>(i);
+    }
+  }
+};
+
+// or as those alone that lie near one that was found.
+CandidateList list_around(const Level& coarse, const MatchParams& fine, int x, Rows rows) noexcept {
+  const Surroundings around(coarse, x, rows);
+  const int offset = 2 * coarse.params.min_disparity - fine.min_disparity;
+  CandidateList list;
+  for (int i = 0; i < coarse.params.disparities; ++i) {
+    if (around.hold(i)) {
+      list.append(std::max(2 * i + offset - kMargin, 0),
+                  std::min(2 * i + 1 + offset + kMargin, fine.disparities - 1));
+    }
+  }
+  if (list.count == 0) {
+    list.append(0, fine.disparities - 1);
+  }
+  return list;
+}
+
+void search_strips(const Level& level, const Level& coarse, Arena arena) noexcept {
+  const ImageView<std::int16_t> map = level.winners.left;
+  TileStrips strips(level.params, !level.winners.right.empty(), map.width(), map.height(), arena);
+  strips.start(level.pictures.left, level.pictures.right);
+  for (int y = 0; y < map.height(); y += TileStrips::kTileHeight) {
+    const Rows rows{y, std::min(y + TileStrips::kTileHeight, map.height())};
+    for (int t = 0; t < TileStrips::tiles(map.width()); ++t) {
+      const CandidateList list = list_around(coarse, level.params, t * kTileColumns, rows);
+      strips.search(rows, t, list.view(), level.winners);
+    }
+  }
 }
 
 template <typename Sum>
@@ -109,8 +197,7 @@ void search(const Level& level, const Level* coarse, Arena arena) noexcept {
   for (int y = 0; y < map.height(); y += TileSearch<Sum>::kTileHeight) {
     const Rows rows{y, std::min(y + TileSearch<Sum>::kTileHeight, map.height())};
     for (std::size_t t = 0; coarse != nullptr && t < ranges.size(); ++t) {
-      ranges[t] =
-          around(*coarse, level.params, static_cast<int>(t) * TileSearch<Sum>::kTileWidth, rows);
+      ranges[t] = range_around(*coarse, level.params, static_cast<int>(t) * kTileColumns, rows);
     }
     tiles.search(rows, ranges, level.winners);
   }
@@ -163,7 +250,8 @@ void halve(ImageView<const std::uint8_t> in, ImageView<std::uint8_t> out) noexce
 }
 
 std::size_t pyramid_bytes_needed(const MatchParams& params, int width, int height) noexcept {
-  std::size_t bytes = search_bytes(params, true, width, height);
+  std::size_t search = search_bytes(params, levels(params) == 0, true, width, height);
+  std::size_t bytes = 0;
   MatchParams level = params;
   for (int k = 0; k < levels(params); ++k) {
     level = coarser(level);
@@ -171,8 +259,9 @@ std::size_t pyramid_bytes_needed(const MatchParams& params, int width, int heigh
     height = halved(height);
     const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     bytes += 4 * Arena::bytes_for<std::uint8_t>(pixels) + Arena::bytes_for<std::int16_t>(pixels);
+    search = std::max(search, search_bytes(level, k + 1 == levels(params), false, width, height));
   }
-  return bytes;
+  return bytes + search;
 }
 
 void match_coarse_to_fine(const MatchParams& params, const PyramidPictures& pictures, Arena arena,
@@ -188,7 +277,9 @@ void match_coarse_to_fine(const MatchParams& params, const PyramidPictures& pict
   for (int k = levels(params); k >= 0; --k) {
     const Level& level = sizes[static_cast<std::size_t>(k)];
     const Level* const coarse = k < levels(params) ? &level + 1 : nullptr;
-    if (wide(level.params)) {
+    if (by_strips(level.params, coarse == nullptr)) {
+      search_strips(level, *coarse, arena);
+    } else if (wide(level.params)) {
       search<std::uint32_t>(level, coarse, arena);
     } else {
       search<std::uint16_t>(level, coarse, arena);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdlib>
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
@@ -12,11 +11,21 @@
 namespace stof::dsp {
 namespace {
 
+// large[x] between here[x] and before[x]: written so that compilers see vectors.
 template <typename Cost>
-Cost penalty(int difference, const EdgePenalties<Cost>& p) noexcept {
-  const Cost weak = difference > p.edge ? Cost{2} : Cost{1};
-  const Cost divisor = difference > p.strong_edge ? Cost{4} : weak;
-  return std::max(p.small, static_cast<Cost>(p.large / divisor));
+void penalties_between(std::span<const std::uint8_t> here, std::span<const std::uint8_t> before,
+                       const EdgePenalties<Cost>& p, std::span<Cost> large) noexcept {
+  const Cost flat = std::max(p.small, p.large);
+  const Cost weak = std::max(p.small, static_cast<Cost>(p.large / 2));
+  const Cost strong = std::max(p.small, static_cast<Cost>(p.large / 4));
+  const auto edge = static_cast<std::uint8_t>(std::clamp(p.edge, 0, 255));
+  const auto strong_edge = static_cast<std::uint8_t>(std::clamp(p.strong_edge, 0, 255));
+  for (std::size_t x = 0; x < here.size(); ++x) {
+    const auto difference =
+        static_cast<std::uint8_t>(std::max(here[x], before[x]) - std::min(here[x], before[x]));
+    const Cost below = difference > edge ? weak : flat;
+    large[x] = difference > strong_edge ? strong : below;
+  }
 }
 
 // True where two offered candidates cost different sums.
@@ -75,8 +84,8 @@ void edge_penalties_along(std::span<const std::uint8_t> row, const EdgePenalties
                           std::span<Cost> large) noexcept {
   STOF_CHECK(large.size() == row.size() + 1);
   std::ranges::fill(large, penalties.large);
-  for (std::size_t x = 1; x < row.size(); ++x) {
-    large[x] = penalty(std::abs(row[x] - row[x - 1]), penalties);
+  if (row.size() > 1) {
+    penalties_between(row.subspan(1), row.first(row.size() - 1), penalties, large.subspan(1));
   }
 }
 
@@ -87,11 +96,12 @@ void edge_penalties_across(std::span<const std::uint8_t> here, std::span<const s
   STOF_CHECK(here.size() == before.size() && large.size() == here.size() && shift >= -1 &&
              shift <= 1);
   std::ranges::fill(large, penalties.large);
-  const int n = static_cast<int>(here.size());
-  for (int x = std::max(shift, 0); x < std::min(n, n + shift); ++x) {
-    const int difference =
-        here[static_cast<std::size_t>(x)] - before[static_cast<std::size_t>(x - shift)];
-    large[static_cast<std::size_t>(x)] = penalty(std::abs(difference), penalties);
+  const std::size_t begin = shift > 0 ? 1U : 0U;  // the first column with one before it
+  const std::size_t from = shift < 0 ? 1U : 0U;
+  if (here.size() > begin + from || shift == 0) {
+    const std::size_t n = here.size() - begin - from;
+    penalties_between(here.subspan(begin, n), before.subspan(from, n), penalties,
+                      large.subspan(begin));
   }
 }
 

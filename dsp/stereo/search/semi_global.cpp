@@ -1,6 +1,7 @@
 #include "dsp/stereo/search/semi_global.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
@@ -23,16 +24,38 @@ constexpr std::array<int, 3> kShifts{0, -1, 1};
 
 }  // namespace
 
+// The straight one needs one row, each of the others two.
+template <typename Cost, typename Sum>
+std::size_t SemiGlobal<Cost, Sum>::front_rows(int shifts) noexcept {
+  return shifts == 0 ? 0 : size(2 * shifts - 1);
+}
+
 template <typename Cost, typename Sum>
 std::size_t SemiGlobal<Cost, Sum>::bytes_needed(const PathParams<Cost>& params,
                                                 int width) noexcept {
   const std::size_t row = size(width) * size(params.lanes);
-  const std::size_t down = size(shifts_down(params.directions));
-  const std::size_t up = size(shifts_up(params.directions));
-  return Arena::bytes_for<Cost>(row * size(kKept)) + Arena::bytes_for<Cost>(row * up * kStripe) +
-         2 * std::max(down, up) * Arena::bytes_for<Cost>(row) + 2 * Arena::bytes_for<Cost>(row) +
-         Arena::bytes_for<Cost>(size(width) + 1) + Arena::bytes_for<Sum>(row) +
+  const int down = shifts_down(params.directions);
+  const int up = shifts_up(params.directions);
+  const bool in_place = kInPlace && params.directions == 4;
+  return Arena::bytes_for<Cost>(row * size(kKept)) +
+         Arena::bytes_for<Cost>(row * size(up) * kStripe) +
+         2 * front_rows(std::max(down, up)) * Arena::bytes_for<Cost>(row) +
+         (in_place ? 0 : 2 * Arena::bytes_for<Cost>(row) + Arena::bytes_for<Sum>(row)) +
+         Arena::bytes_for<Cost>(size(width) + 1) + Arena::bytes_for<Cost>(size(width)) +
          Arena::bytes_for<Cost>(params.guided ? row : 0);
+}
+
+template <typename Cost, typename Sum>
+SemiGlobal<Cost, Sum>::Fronts SemiGlobal<Cost, Sum>::take_fronts(int shifts, std::size_t row,
+                                                                 Arena& arena) noexcept {
+  Fronts fronts;
+  for (int k = 0; k < shifts; ++k) {
+    fronts[size(k)].paths = arena.take<Cost>(row);
+    if (k > 0) {
+      fronts[size(k)].next = arena.take<Cost>(row);
+    }
+  }
+  return fronts;
 }
 
 template <typename Cost, typename Sum>
@@ -42,15 +65,15 @@ SemiGlobal<Cost, Sum>::SemiGlobal(const PathParams<Cost>& params, int width, Are
   const std::size_t row = size(width) * size(params.lanes);
   costs_ = arena.take<Cost>(row * size(kKept));
   upwards_ = arena.take<Cost>(row * size(up_) * kStripe);
-  for (Front& front : fronts_) {
-    for (int k = 0; k < std::max(down_, up_); ++k) {
-      front.paths[size(k)] = arena.take<Cost>(row);
-    }
+  downward_ = take_fronts(std::max(down_, up_), row, arena);
+  ahead_ = take_fronts(std::max(down_, up_), row, arena);
+  if (!in_place()) {
+    from_left_ = arena.take<Cost>(row);
+    from_right_ = arena.take<Cost>(row);
+    sums_ = arena.take<Sum>(row);
   }
-  from_left_ = arena.take<Cost>(row);
-  from_right_ = arena.take<Cost>(row);
   large_ = arena.take<Cost>(size(width) + 1);
-  sums_ = arena.take<Sum>(row);
+  across_ = arena.take<Cost>(size(width));
   masked_ = arena.take<Cost>(params.guided ? row : 0);
 }
 
@@ -61,7 +84,7 @@ void SemiGlobal<Cost, Sum>::start(ImageView<const std::uint8_t> grey, CostSource
   grey_ = grey;
   source_ = &costs;
   guide_ = guide;
-  STOF_CHECK(size(row_size()) <= sums_.size());
+  STOF_CHECK(size(row_size()) * size(kKept) <= costs_.size());
   kept_ = {};
   stripe_ = -1;
 }
@@ -69,22 +92,23 @@ void SemiGlobal<Cost, Sum>::start(ImageView<const std::uint8_t> grey, CostSource
 template <typename Cost, typename Sum>
 std::span<Sum> SemiGlobal<Cost, Sum>::sums(int y) noexcept {
   STOF_CHECK(y >= 0 && y < grey_.height());
-  if (y / kStripe != stripe_) {
+  if (y / kStripe != stripe_ || y <= done_) {
     open_stripe(y / kStripe);
-  } else if (y < done_) {
-    approach();
   }
-  while (done_ < y) {
-    ++done_;
-    advance(done_, done_ - 1, fronts_[size((done_ + 1) % 2)], fronts_[size(done_ % 2)]);
+  while (done_ + 1 < y) {
+    go_down(done_ + 1);
   }
-  sum_row(y);
-  return sums_.first(size(row_size()));
+  return sum_row(y);
 }
 
 template <typename Cost, typename Sum>
 std::span<Cost> SemiGlobal<Cost, Sum>::kept(int y) const noexcept {
   return costs_.subspan(size(y % kKept) * size(row_size()), size(row_size()));
+}
+
+template <typename Cost, typename Sum>
+std::span<Cost> SemiGlobal<Cost, Sum>::stored(int shift, int y) const noexcept {
+  return upwards_.subspan(size(shift * kStripe + y % kStripe) * size(row_size()), size(row_size()));
 }
 
 // Valid until the next call.
@@ -110,66 +134,125 @@ void SemiGlobal<Cost, Sum>::keep_costs(Rows rows) noexcept {
   kept_.begin = std::max(kept_.begin, kept_.end - kKept);
 }
 
-// The costs of the stripe and its surroundings, and all upward paths of its rows.
+// The costs of the stripe and of the rows below, all upward paths of its rows, and the downward
+// paths of the row above.
 template <typename Cost, typename Sum>
 void SemiGlobal<Cost, Sum>::open_stripe(int stripe) noexcept {
-  stripe_ = stripe;
   const int begin = stripe * kStripe;
   const int end = std::min(begin + kStripe, grey_.height());
   const int last = (up_ == 0 ? end : std::min(end + kApproach, grey_.height())) - 1;
-  keep_costs({down_ == 0 ? begin : std::max(begin - kApproach, 0), last + 1});
-  if (up_ > 0) {
-    for (int y = last; y >= begin; --y) {
-      Front here = fronts_[size(y % 2)];
-      Front before = fronts_[size((y + 1) % 2)];
-      for (int k = 0; k < up_; ++k) {
-        const auto stored = [&](int row) noexcept {
-          return upwards_.subspan(size(k * kStripe + row - begin) * size(row_size()),
-                                  size(row_size()));
-        };
-        here.paths[size(k)] = y < end ? stored(y) : here.paths[size(k)];
-        before.paths[size(k)] = y + 1 < end ? stored(y + 1) : before.paths[size(k)];
+  if (down_ > 0 && begin > 0) {
+    if (stripe == stripe_ + 1 && stripe_ >= 0 && done_ == begin - 1) {
+      std::swap(downward_, ahead_);
+    } else {
+      for (int y = begin - kApproach; y < begin; ++y) {
+        keep_costs({y, y + 1});
+        advance(y, y > begin - kApproach ? y - 1 : -1, down_, downward_);
       }
-      advance(y, y < last ? y + 1 : -1, before, here);
     }
   }
-  approach();
+  stripe_ = stripe;
+  done_ = begin - 1;
+  keep_costs({begin, last + 1});
+  climb({begin, last + 1});
 }
 
-// Downward paths from above the stripe to its first row.
+// Upward paths of rows, of which those of the stripe are stored.
 template <typename Cost, typename Sum>
-void SemiGlobal<Cost, Sum>::approach() noexcept {
-  const int begin = stripe_ * kStripe;
-  const int first = down_ == 0 ? begin : std::max(begin - kApproach, 0);
-  for (done_ = first; done_ <= begin; ++done_) {
-    advance(done_, done_ > first ? done_ - 1 : -1, fronts_[size((done_ + 1) % 2)],
-            fronts_[size(done_ % 2)]);
+void SemiGlobal<Cost, Sum>::climb(Rows rows) noexcept {
+  const int end = std::min(rows.begin + kStripe, rows.end);
+  for (int y = rows.end - 1; up_ > 0 && y >= rows.begin; --y) {
+    const int from = y + 1 < rows.end ? y + 1 : -1;
+    if constexpr (kInPlace) {
+      if (in_place() && y < end) {
+        sum_axes(y, from, false, ahead_[0], {}, stored(0, y));
+        continue;
+      }
+    }
+    advance(y, from, up_, ahead_);
+    for (int k = 0; y < end && k < up_; ++k) {
+      std::ranges::copy(ahead_[size(k)].paths.first(size(row_size())), stored(k, y).begin());
+    }
   }
-  done_ = begin;
 }
 
-// Paths of row y that come from row `from`, whose own are `before`; from -1 when y is the first.
+// Downward paths of row y, where no sums of it are wanted or before they are.
 template <typename Cost, typename Sum>
-void SemiGlobal<Cost, Sum>::advance(int y, int from, Front before, const Front& here) noexcept {
-  const int count = from > y ? up_ : down_;
+void SemiGlobal<Cost, Sum>::go_down(int y) noexcept {
+  advance(y, y - 1, down_, downward_);
+  go_ahead(y);
+  done_ = y;
+}
+
+// The last rows of a stripe are those in which the downward paths of the next one begin.
+template <typename Cost, typename Sum>
+void SemiGlobal<Cost, Sum>::go_ahead(int y) noexcept {
+  const int first = (stripe_ + 1) * kStripe - kApproach;
+  if (y >= first && first + kApproach < grey_.height()) {
+    advance(y, y > first ? y - 1 : -1, down_, ahead_);
+  }
+}
+
+// Paths of row y that come from row `from`, whose own are in fronts; from -1 when y is the first.
+template <typename Cost, typename Sum>
+void SemiGlobal<Cost, Sum>::advance(int y, int from, int shifts, Fronts& fronts) noexcept {
   const std::span<const Cost> costs = path_costs(y);
   const std::size_t n = size(row_size());
-  for (int k = 0; k < (from < 0 ? std::max(down_, up_) : count); ++k) {
-    const std::span<Cost> paths = here.paths[size(k)].first(n);
+  for (int k = 0; k < shifts; ++k) {
+    Front& front = fronts[size(k)];
     if (from < 0) {
-      std::ranges::copy(costs, paths.begin());
+      std::ranges::copy(costs, front.paths.begin());
       continue;
     }
-    const std::span<Cost> large = large_.first(size(grey_.width()));
-    edge_penalties_across(grey_.row(y), grey_.row(from), kShifts[size(k)], params_.penalties,
-                          large);
-    best::paths_across(costs, before.paths[size(k)].first(n), kShifts[size(k)], params_.lanes,
-                       params_.penalties.small, large, paths);
+    const std::span<Cost> next = front.next.empty() ? front.paths : front.next;
+    best::paths_across(costs, front.paths.first(n), kShifts[size(k)], params_.lanes,
+                       params_.penalties.small, across(y, from, kShifts[size(k)]), next.first(n));
+    if (!front.next.empty()) {
+      std::swap(front.paths, front.next);
+    }
   }
 }
 
+// What a large change between two rows costs; empty where from is -1. Valid until the next call.
 template <typename Cost, typename Sum>
-void SemiGlobal<Cost, Sum>::sum_row(int y) noexcept {
+std::span<const Cost> SemiGlobal<Cost, Sum>::across(int y, int from, int shift) noexcept {
+  if (from < 0) {
+    return {};
+  }
+  const std::span<Cost> large = across_.first(size(grey_.width()));
+  edge_penalties_across(grey_.row(y), grey_.row(from), shift, params_.penalties, large);
+  return large;
+}
+
+// The path along row y, plus the straight one from row `from`, plus others.
+template <typename Cost, typename Sum>
+void SemiGlobal<Cost, Sum>::sum_axes(int y, int from, bool from_left, Front& front,
+                                     std::span<const Cost> others, std::span<Cost> sums) noexcept {
+  const std::span<Cost> large = large_.first(size(grey_.width()) + 1);
+  edge_penalties_along(grey_.row(y), params_.penalties, large);
+  const AxesRow<Cost> row{
+      .costs = path_costs(y),
+      .lanes = params_.lanes,
+      .small = params_.penalties.small,
+      .from_left = from_left,
+      .large_along = from_left ? large.first(large.size() - 1) : large.subspan(1),
+      .large_across = across(y, from, 0)};
+  best::paths_of_axes(row, front.paths.first(size(row_size())), others, sums);
+}
+
+// done_ is the row before.
+template <typename Cost, typename Sum>
+std::span<Sum> SemiGlobal<Cost, Sum>::sum_row(int y) noexcept {
+  if constexpr (kInPlace) {
+    if (in_place()) {
+      const std::span<Cost> sums = stored(0, y);
+      sum_axes(y, y - 1, true, downward_[0], sums, sums);
+      go_ahead(y);
+      done_ = y;
+      return sums;
+    }
+  }
+  go_down(y);
   const std::size_t n = size(row_size());
   const std::span<Cost> large = large_.first(size(grey_.width()) + 1);
   edge_penalties_along(grey_.row(y), params_.penalties, large);
@@ -179,13 +262,13 @@ void SemiGlobal<Cost, Sum>::sum_row(int y) noexcept {
   std::array<const Cost*, 2 + 2 * kMostShifts> rows{from_left_.data(), from_right_.data()};
   std::size_t count = 2;
   for (int k = 0; k < down_; ++k) {
-    rows[count++] = fronts_[size(y % 2)].paths[size(k)].data();
+    rows[count++] = downward_[size(k)].paths.data();
   }
   for (int k = 0; k < up_; ++k) {
-    const int row = k * kStripe + y - stripe_ * kStripe;
-    rows[count++] = upwards_.subspan(size(row) * n).data();
+    rows[count++] = stored(k, y).data();
   }
   best::sum_paths(std::span<const Cost* const>(rows).first(count), sums_.first(n));
+  return sums_.first(n);
 }
 
 template class SemiGlobal<std::uint8_t, std::uint8_t>;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
@@ -49,39 +50,58 @@ class SemiGlobal {
   void start(ImageView<const std::uint8_t> grey, CostSource<Cost>& costs,
              Guide guide = {}) noexcept;
   // Row y of sums, width * lanes; valid, and the caller's, until the next call. Consecutive rows
-  // are cheapest. Candidates that the costs mark as outside are kNoCost in u8 sums and mean nothing
-  // in others.
+  // are cheapest; a row before the last one, or the same again, costs a stripe. Candidates that the
+  // costs mark as outside are kNoCost in u8 sums and mean nothing in others.
   std::span<Sum> sums(int y) noexcept;
   // The costs of the row that was asked for last, not masked.
   std::span<const Cost> costs(int y) const noexcept { return kept(y); }
 
  private:
-  static constexpr int kKept = kStripe + 2 * kApproach;
+  // Costs of a stripe and of the rows its upward paths begin in. The rows its downward paths begin
+  // in belong to the stripe before, which takes these paths along.
+  static constexpr int kKept = kStripe + kApproach;
   static constexpr int kMostShifts = 3;
+  // Along the row and straight across: both at once, summed in place.
+  static constexpr bool kInPlace = std::is_same_v<Cost, Sum>;
 
-  // Paths that come from the row before, for each of the shifts -1, 0, 1 in use.
+  // Paths that come from the row before, of one of the shifts -1, 0, 1.
   struct Front {
-    std::array<std::span<Cost>, kMostShifts> paths;
+    std::span<Cost> paths;
+    std::span<Cost> next;  // empty for the straight one, which works in place
   };
+  using Fronts = std::array<Front, kMostShifts>;
 
+  static std::size_t front_rows(int shifts) noexcept;
+  static Fronts take_fronts(int shifts, std::size_t row, Arena& arena) noexcept;
+  bool in_place() const noexcept { return kInPlace && params_.directions == 4; }
   int row_size() const noexcept { return grey_.width() * params_.lanes; }
   std::span<Cost> kept(int y) const noexcept;
+  std::span<Cost> stored(int shift, int y) const noexcept;
   std::span<const Cost> path_costs(int y) noexcept;
   void keep_costs(Rows rows) noexcept;
   void open_stripe(int stripe) noexcept;
-  void approach() noexcept;
-  void advance(int y, int from, Front before, const Front& here) noexcept;
-  void sum_row(int y) noexcept;
+  void climb(Rows rows) noexcept;
+  void go_down(int y) noexcept;
+  void go_ahead(int y) noexcept;
+  void advance(int y, int from, int shifts, Fronts& fronts) noexcept;
+  std::span<const Cost> across(int y, int from, int shift) noexcept;
+  void sum_axes(int y, int from, bool from_left, Front& front, std::span<const Cost> others,
+                std::span<Cost> sums) noexcept;
+  std::span<Sum> sum_row(int y) noexcept;
 
   PathParams<Cost> params_;
   int down_;  // how many shifts downwards, and upwards
   int up_;
-  std::span<Cost> costs_;    // kKept rows
-  std::span<Cost> upwards_;  // up_ x kStripe rows
-  std::array<Front, 2> fronts_;
+  std::span<Cost> costs_;  // kKept rows
+  // Upward paths of the stripe, up_ x kStripe rows; with in_place() summed with those from the
+  // right, and at last with all others.
+  std::span<Cost> upwards_;
+  Fronts downward_;
+  Fronts ahead_;  // downward paths towards the next stripe; before those, upward ones
   std::span<Cost> from_left_;
   std::span<Cost> from_right_;
-  std::span<Cost> large_;  // of the row, width + 1
+  std::span<Cost> large_;   // along the row, width + 1
+  std::span<Cost> across_;  // across rows
   std::span<Sum> sums_;
   std::span<Cost> masked_;  // one row
 
@@ -90,7 +110,7 @@ class SemiGlobal {
   Guide guide_;
   Rows kept_;  // rows whose costs are in costs_
   int stripe_ = -1;
-  int done_ = 0;  // the row whose downward paths are in fronts_[done_ % 2], and whose sums stand
+  int done_ = 0;  // the row whose downward paths are in downward_, the last that was asked for
 };
 
 extern template class SemiGlobal<std::uint8_t, std::uint8_t>;

@@ -22,5 +22,13 @@ SumPaths<std::uint8_t, std::uint8_t> sum_paths;
 SumPaths<std::uint8_t, std::uint16_t> sum_paths;
 SumPaths<std::uint16_t, std::uint16_t> sum_paths;
 }  // namespace neon
+namespace avx2 {
+SumPaths<std::uint8_t, std::uint8_t> sum_paths;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<SumPaths<std::uint8_t, std::uint8_t>, SumPaths<std::uint8_t, std::uint16_t>,
+                        SumPaths<std::uint16_t, std::uint16_t>>
+    sum_paths{STOF_VARIANTS(sum_paths), STOF_PORTABLE(sum_paths), STOF_PORTABLE(sum_paths)};
+}  // namespace best
 
 }  // namespace stof::dsp

@@ -1,6 +1,7 @@
 #include "dsp/stereo/search/tile_search.h"
 
 #include <algorithm>
+#include <type_traits>
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
@@ -16,6 +17,20 @@ constexpr int whole_lanes(int candidates) noexcept {
   return (candidates + kCostLanes - 1) / kCostLanes * kCostLanes;
 }
 
+// Winners among all candidates, from those of a range.
+void number_from(int first, std::span<std::int16_t> winners) noexcept {
+  for (std::int16_t& winner : winners) {
+    winner = winner == kNoWinner ? kNoWinner : static_cast<std::int16_t>(winner + first);
+  }
+}
+
+// Whether block_winners() does it all.
+template <typename Sum>
+bool fuses(const MatchParams& params) noexcept {
+  return std::is_same_v<Sum, std::uint16_t> &&
+         block_winners_serve(params.block_width, params.block_height, largest_difference(params));
+}
+
 }  // namespace
 
 template <typename Sum>
@@ -28,7 +43,8 @@ std::size_t TileSearch<Sum>::bytes_needed(const MatchParams& params, bool check,
   return Arena::bytes_for<std::uint8_t>(size(columns) * size(height)) +
          Arena::bytes_for<std::uint8_t>(size(columns + lanes - 1) * size(height)) +
          Arena::bytes_for<Sum>(size(widest + params.block_width - 1) * size(lanes)) +
-         Arena::bytes_for<Sum>(size(widest) * size(lanes)) +
+         Arena::bytes_for<Sum>(size(widest) * size(lanes) + 2 * kBlockCostMargin) +
+         Arena::bytes_for<Disparity>(size(fuses<Sum>(params) ? widest : 0)) +
          Arena::bytes_for<Sum>(size(check ? width : 0) * size(kTileHeight)) +
          Arena::bytes_for<Sum>(right) + Arena::bytes_for<std::int16_t>(right);
 }
@@ -48,7 +64,9 @@ TileSearch<Sum>::TileSearch(const MatchParams& params, bool check, int width, in
   left_ = arena.take_image<std::uint8_t>(columns, height);
   right_ = arena.take_image<std::uint8_t>(columns + lanes_ - 1, height);
   columns_ = arena.take<Sum>(size(widest + block_width_ - 1) * size(lanes_));
-  costs_ = arena.take<Sum>(size(widest) * size(lanes_));
+  costs_ = arena.take<Sum>(size(widest) * size(lanes_) + 2 * kBlockCostMargin)
+               .subspan(kBlockCostMargin, size(widest) * size(lanes_));
+  fitted_ = arena.take<Disparity>(size(fuses<Sum>(params) ? widest : 0));
   lowest_ = arena.take_image<Sum>(check ? width : 0, kTileHeight);
   tile_lowest_ = arena.take<Sum>(right);
   tile_winners_ = arena.take<std::int16_t>(right);
@@ -104,7 +122,11 @@ void TileSearch<Sum>::search(Rows rows, std::span<const CandidateRange> ranges,
       }
       tile = both;
     }
-    search_tile(rows, tile, out);
+    if (fused()) {
+      search_fused(rows, tile, out);
+    } else {
+      search_tile(rows, tile, out);
+    }
   }
 }
 
@@ -121,6 +143,57 @@ std::span<const std::uint8_t> TileSearch<Sum>::right_part(int y, const Tile& til
                                        size(tile.width + block_width_ - 1 + tile.range.lanes - 1));
 }
 
+// The column sums of the block around the first of these rows.
+template <typename Sum>
+void TileSearch<Sum>::start_columns(Rows rows, const Tile& tile, std::span<Sum> columns) noexcept {
+  const int first = rows.begin - block_height_ / 2;
+  std::ranges::fill(columns, Sum{0});
+  for (int y = first; y < first + block_height_; ++y) {
+    best::add_differences(left_part(y, tile), right_part(y, tile), tile.range.lanes, columns);
+  }
+}
+
+template <typename Sum>
+void TileSearch<Sum>::search_fused(Rows rows, const Tile& tile, const TileWinners& out) noexcept {
+  if constexpr (std::is_same_v<Sum, std::uint16_t>) {
+    const int lanes = tile.range.lanes;
+    const int above = block_height_ / 2;
+    const int below = block_height_ - 1 - above;
+    const std::span<Sum> columns =
+        columns_.first(size(tile.width + block_width_ - 1) * size(lanes));
+    start_columns(rows, tile, columns);
+    for (Sum& sum : columns) {
+      sum = static_cast<Sum>(sum * kBlockSumScale);
+    }
+    const bool check = !out.right.empty();
+    const std::span<Sum> costs = costs_.first(size(check ? tile.width : 0) * size(lanes));
+    const BlockRow row{.block_width = block_width_,
+                       .lanes = lanes,
+                       .disparities = std::min(lanes, disparities_ - tile.range.first),
+                       .min_disparity = min_disparity_ + tile.range.first,
+                       .x = tile.x,
+                       .right_width = left_.width() - block_width_ + 1,
+                       .fit = CostFit::kNone};
+    for (int y = rows.begin; y < rows.end; ++y) {
+      // Nothing slides to the first row: the same pixels enter and leave.
+      const int leaving = y > rows.begin ? y - 1 - above : y + below;
+      const std::span<std::int16_t> winners =
+          out.left.row(y).subspan(size(tile.x), size(tile.width));
+      best::block_winners(
+          {.new_left = left_part(y + below, tile),
+           .new_right = right_part(y + below, tile),
+           .old_left = left_part(leaving, tile),
+           .old_right = right_part(leaving, tile)},
+          row, columns,
+          {.winners = winners, .fitted = fitted_.first(size(tile.width)), .costs = costs});
+      number_from(tile.range.first, winners);
+      if (check) {
+        find_right(tile, costs, lowest_.row(y - rows.begin), out.right.row(y));
+      }
+    }
+  }
+}
+
 template <typename Sum>
 void TileSearch<Sum>::search_tile(Rows rows, const Tile& tile, const TileWinners& out) noexcept {
   const int lanes = tile.range.lanes;
@@ -128,10 +201,7 @@ void TileSearch<Sum>::search_tile(Rows rows, const Tile& tile, const TileWinners
   const int below = block_height_ - 1 - above;
   const std::span<Sum> columns = columns_.first(size(tile.width + block_width_ - 1) * size(lanes));
   const std::span<Sum> costs = costs_.first(size(tile.width) * size(lanes));
-  std::ranges::fill(columns, Sum{0});
-  for (int y = rows.begin - above; y <= rows.begin + below; ++y) {
-    best::add_differences(left_part(y, tile), right_part(y, tile), lanes, columns);
-  }
+  start_columns(rows, tile, columns);
   for (int y = rows.begin; y < rows.end; ++y) {
     if (y > rows.begin) {
       const int leaving = y - 1 - above;
@@ -142,10 +212,7 @@ void TileSearch<Sum>::search_tile(Rows rows, const Tile& tile, const TileWinners
     mark_outside(tile, costs);
     const std::span<std::int16_t> winners = out.left.row(y).subspan(size(tile.x), size(tile.width));
     best::winners(std::span<const Sum>(costs), lanes, winners);
-    for (std::int16_t& winner : winners) {
-      winner =
-          winner == kNoWinner ? kNoWinner : static_cast<std::int16_t>(winner + tile.range.first);
-    }
+    number_from(tile.range.first, winners);
     if (!out.right.empty()) {
       find_right(tile, costs, lowest_.row(y - rows.begin), out.right.row(y));
     }

@@ -8,6 +8,7 @@
 #include "dsp/base/image.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/match_params.h"
+#include "dsp/stereo/search/block_winners.h"
 
 namespace stof::dsp {
 
@@ -57,9 +58,12 @@ class TileSearch {
     int width;
     CandidateRange range;
   };
+  bool fused() const noexcept { return !fitted_.empty(); }
   int work(const Tile& tile) const noexcept;
   Tile merged(const Tile& a, const Tile& b) const noexcept;
   void search_tile(Rows rows, const Tile& tile, const TileWinners& out) noexcept;
+  void search_fused(Rows rows, const Tile& tile, const TileWinners& out) noexcept;
+  void start_columns(Rows rows, const Tile& tile, std::span<Sum> columns) noexcept;
   void mark_outside(const Tile& tile, std::span<Sum> costs) const noexcept;
   void find_right(const Tile& tile, std::span<const Sum> costs, std::span<Sum> lowest,
                   std::span<std::int16_t> winners) noexcept;
@@ -76,7 +80,8 @@ class TileSearch {
   ImageView<std::uint8_t> right_;  // and reversed
   std::span<Sum> columns_;
   std::span<Sum> costs_;
-  ImageView<Sum> lowest_;  // of the right pixels of the rows at work
+  std::span<Disparity> fitted_;  // empty where block_winners() does not serve
+  ImageView<Sum> lowest_;        // of the right pixels of the rows at work
   std::span<Sum> tile_lowest_;
   std::span<std::int16_t> tile_winners_;
 };

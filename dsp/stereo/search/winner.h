@@ -45,5 +45,19 @@ RightWinners<std::uint8_t> right_winners;
 RightWinners<std::uint16_t> right_winners;
 RightWinners<std::uint32_t> right_winners;
 }  // namespace neon
+namespace avx2 {
+Winners<std::uint8_t> winners;
+Winners<std::uint16_t> winners;
+RightWinners<std::uint8_t> right_winners;
+RightWinners<std::uint16_t> right_winners;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<Winners<std::uint8_t>, Winners<std::uint16_t>, Winners<std::uint32_t>>
+    winners{STOF_VARIANTS(winners), STOF_VARIANTS(winners), STOF_PORTABLE(winners)};
+inline constexpr Kernel<RightWinners<std::uint8_t>, RightWinners<std::uint16_t>,
+                        RightWinners<std::uint32_t>>
+    right_winners{STOF_VARIANTS(right_winners), STOF_VARIANTS(right_winners),
+                  STOF_PORTABLE(right_winners)};
+}  // namespace best
 
 }  // namespace stof::dsp

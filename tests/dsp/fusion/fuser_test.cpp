@@ -220,6 +220,34 @@ TEST(Fuser, ConvertsRadialDistanceToDepth) {
   EXPECT_NEAR(at(rig, 60, 20).depth, 10000 / std::sqrt(1 + 0.0625), 8);
 }
 
+TEST(Fuser, AnySplitOfRowsGivesTheSame) {
+  constexpr int kHeight = 150;  // more than two stripes
+  Rig whole(simple_rig(80, kHeight, 20, 40), 80, kHeight);
+  Rig split(simple_rig(80, kHeight, 20, 40), 80, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      const int raw = (x * 7 + y * 13) % 5 == 0 ? 0 : 16 * (40 + (x / 9 + y / 7) % 20);
+      whole.disparity.view().at(x, y) =
+          raw == 0 ? Disparity::none() : Disparity::from_raw(static_cast<std::int16_t>(raw));
+    }
+  }
+  const StereoMaps stereo{.disparity = whole.disparity.view()};
+  Sphere pmd(20, 40, 8300, 1000, kPmdEdge);
+  whole.fuser.fuse(stereo, &pmd.maps, whole.out());
+  for (const int step : {1, 7, 64, 149}) {
+    fill(split.depth.view(), QuarterMm{3});
+    split.fuser.prepare(&pmd.maps);
+    for (int end = kHeight; end > 0; end -= step) {
+      split.fuser.fuse_rows(stereo, {std::max(end - step, 0), end}, 0, split.out());
+    }
+    for (int y = 0; y < kHeight; ++y) {
+      ASSERT_TRUE(std::ranges::equal(whole.depth.view().row(y), split.depth.view().row(y))) << y;
+      ASSERT_TRUE(std::ranges::equal(whole.width.view().row(y), split.width.view().row(y))) << y;
+      ASSERT_TRUE(std::ranges::equal(whole.source.view().row(y), split.source.view().row(y))) << y;
+    }
+  }
+}
+
 TEST(Fuser, WritesEveryPixelOfAnySizeFromOneByOne) {
   for (const auto& [w, h] : {std::pair{1, 1}, {1, 7}, {7, 1}, {8, 3}, {17, 2}}) {
     for (const auto& [pw, ph] : {std::pair{0, 0}, {1, 1}, {9, 2}}) {

@@ -9,6 +9,7 @@
 #include "dsp/pmd/converter.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -120,7 +121,7 @@ TEST(Intersect, PublishesAnIntervalThatHoldsTheRealOneAndFits) {
   }
 }
 
-TEST(Intersect, NeonEqualsReferenceForEveryLengthAndExtreme) {
+TEST(Intersect, AllVectorsEqualTheReferenceForEveryLengthAndExtreme) {
   for (std::size_t n = 0; n <= 70; ++n) {
     for (const int spread : {6, 3000, 65535}) {
       test::Random random(n * 3 + static_cast<std::size_t>(spread));
@@ -148,12 +149,15 @@ TEST(Intersect, NeonEqualsReferenceForEveryLengthAndExtreme) {
         const SupportRow support{ratio.span(), flags.span()};
         ref::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
                        {da.span(), wa.span(), source_a.span(), cause_a.span()});
-        neon::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
-                        {db.span(), wb.span(), source_b.span(), cause_b.span()});
-        ASSERT_TRUE(std::ranges::equal(da.span(), db.span())) << n << " spread " << spread;
-        ASSERT_TRUE(std::ranges::equal(wa.span(), wb.span())) << n << " spread " << spread;
-        ASSERT_TRUE(std::ranges::equal(source_a.span(), source_b.span())) << n;
-        ASSERT_TRUE(std::ranges::equal(cause_a.span(), cause_b.span())) << n;
+        for (const Vectors vectors : test::all_vectors()) {
+          const test::UseVectors use(vectors);
+          best::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
+                          {db.span(), wb.span(), source_b.span(), cause_b.span()});
+          ASSERT_TRUE(std::ranges::equal(da.span(), db.span())) << n << " spread " << spread;
+          ASSERT_TRUE(std::ranges::equal(wa.span(), wb.span())) << n << " spread " << spread;
+          ASSERT_TRUE(std::ranges::equal(source_a.span(), source_b.span())) << n;
+          ASSERT_TRUE(std::ranges::equal(cause_a.span(), cause_b.span())) << n;
+        }
       }
     }
   }

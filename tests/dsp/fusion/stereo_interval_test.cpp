@@ -8,6 +8,7 @@
 #include "dsp/calib/disparity_table.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -85,7 +86,7 @@ TEST(StereoInterval, WidensWithTheSpread) {
   EXPECT_EQ(widest.at(Disparity::from_pixels(64)).low, 5003);    // the table reaches beyond its end
 }
 
-TEST(StereoInterval, NeonEqualsReferenceForEveryLengthAndAnyDisparity) {
+TEST(StereoInterval, AllVectorsEqualTheReferenceForEveryLengthAndAnyDisparity) {
   for (std::size_t n = 0; n <= 70; ++n) {
     for (const int first : {-32767, -300, -16, 0, 5000, 32000}) {
       test::Random random(n + static_cast<std::size_t>(first + 32768));
@@ -108,9 +109,12 @@ TEST(StereoInterval, NeonEqualsReferenceForEveryLengthAndAnyDisparity) {
                                  .max_range = static_cast<QuarterMm>(random.next()),
                                  .bounds = bounds.span()};
       ref::stereo_interval(disparity.span(), half.span(), table, low_a.span(), high_a.span());
-      neon::stereo_interval(disparity.span(), half.span(), table, low_b.span(), high_b.span());
-      ASSERT_TRUE(std::ranges::equal(low_a.span(), low_b.span())) << n << " first " << first;
-      ASSERT_TRUE(std::ranges::equal(high_a.span(), high_b.span())) << n << " first " << first;
+      for (const Vectors vectors : test::all_vectors()) {
+        const test::UseVectors use(vectors);
+        best::stereo_interval(disparity.span(), half.span(), table, low_b.span(), high_b.span());
+        ASSERT_TRUE(std::ranges::equal(low_a.span(), low_b.span())) << n << " first " << first;
+        ASSERT_TRUE(std::ranges::equal(high_a.span(), high_b.span())) << n << " first " << first;
+      }
     }
   }
 }

@@ -10,6 +10,7 @@
 #include "dsp/pmd/pmd_maps.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -26,34 +27,20 @@ Pixel run(std::array<std::uint16_t, 4> a, const PhaseLimits& limits = {}) {
   Phase phase = 0;
   std::uint16_t amp2 = 0;
   std::uint16_t offset = 0;
-  std::uint8_t ratio = 0;
   std::uint8_t flags = 0;
   const auto one = [](const std::uint16_t& sample) { return std::span(&sample, 1); };
   ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits,
-             {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&ratio, 1}, {&flags, 1}});
+             {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&flags, 1}});
   return {phase, amp2, offset, flags};
-}
-
-int ratio_of(std::array<std::uint16_t, 4> a, const PhaseLimits& limits = {}) {
-  Phase phase = 0;
-  std::uint16_t amp2 = 0;
-  std::uint16_t offset = 0;
-  std::uint8_t ratio = 0;
-  std::uint8_t flags = 0;
-  const auto one = [](const std::uint16_t& sample) { return std::span(&sample, 1); };
-  ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits,
-             {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&ratio, 1}, {&flags, 1}});
-  return ratio;
 }
 
 // What both variants make of n pixels, in guarded memory.
 struct Outputs {
-  explicit Outputs(std::size_t n) : phase(n), amp2(n), offset(n), ratio(n), flags(n) {}
-  PhaseRow row() { return {phase.span(), amp2.span(), offset.span(), ratio.span(), flags.span()}; }
+  explicit Outputs(std::size_t n) : phase(n), amp2(n), offset(n), flags(n) {}
+  PhaseRow row() { return {phase.span(), amp2.span(), offset.span(), flags.span()}; }
   test::GuardedBuffer<Phase> phase;
   test::GuardedBuffer<std::uint16_t> amp2;
   test::GuardedBuffer<std::uint16_t> offset;
-  test::GuardedBuffer<std::uint8_t> ratio;
   test::GuardedBuffer<std::uint8_t> flags;
 };
 
@@ -103,19 +90,6 @@ TEST(Phase, KeepsThirtyPercentModulationAndFlagsLess) {
   // offset 1000 needs amp2 >= 39322 * 1000 >> 16 = 600, that is A = 300.
   EXPECT_EQ(run({1400, 1100, 800, 1100}, limits).flags, 0);
   EXPECT_EQ(run({1400, 1100, 801, 1100}, limits).flags, kPmdLowRatio);
-}
-
-TEST(Phase, WritesTheModulationRatioInSteps) {
-  const PhaseLimits limits{.dark = 100};
-  EXPECT_EQ(ratio_of({1400, 1100, 800, 1100}, limits), 77);  // A 300 of 1000: 76.8 / 256
-  EXPECT_EQ(ratio_of({1200, 1100, 1000, 1100}, limits), 26);
-  EXPECT_EQ(ratio_of({1100, 1100, 1100, 1100}, limits), 0);
-  EXPECT_EQ(ratio_of({3100, 1600, 100, 1600}, limits), 255);  // A = offset is the most there is
-  EXPECT_EQ(ratio_of({200, 0, 0, 0}, limits), 255);           // offset 0 counts as 1
-  EXPECT_EQ(ratio_of({100, 100, 100, 100}, limits), 0);
-  // Half a step rounds to even: 128 * 1 / 256 and 128 * 3 / 256.
-  EXPECT_EQ(ratio_of({257, 256, 256, 256}), 0);
-  EXPECT_EQ(ratio_of({258, 256, 255, 256}), 2);
 }
 
 TEST(Phase, SubtractsStrayLightBeforePhaseAndAmplitude) {
@@ -222,20 +196,42 @@ TEST(Phase, StaysWithinOneLsbOnEveryRatioOfTheLargestAmplitude) {
   EXPECT_EQ(worst.wrong_roots, 0);
 }
 
-TEST(Phase, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (const int top : {1, 255, 4095, 32767, 65535}) {
-      test::Random random(n * 7 + static_cast<std::size_t>(top));
-      Samples samples(n);
-      for (test::GuardedBuffer<std::uint16_t>& plane : samples.a) {
-        random.fill(plane.span(), 0, top);
-        for (std::uint16_t& sample : plane.span()) {
-          const int what = random.between(0, 15);
-          if (what <= 1) {
-            sample = static_cast<std::uint16_t>(what * top);
-          }
-        }
+// Four planes of random samples up to `top`, a few of them 0 or `top`.
+Samples random_samples(test::Random& random, std::size_t n, int top) {
+  Samples samples(n);
+  for (test::GuardedBuffer<std::uint16_t>& plane : samples.a) {
+    random.fill(plane.span(), 0, top);
+    for (std::uint16_t& sample : plane.span()) {
+      const int what = random.between(0, 15);
+      if (what <= 1) {
+        sample = static_cast<std::uint16_t>(what * top);
       }
+    }
+  }
+  return samples;
+}
+
+void expect_equal_to_reference(Samples& samples, const PhaseLimits& limits) {
+  const std::size_t n = samples.a[0].size();
+  Outputs a(n);
+  ref::phase(samples.rows(), limits, a.row());
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    Outputs b(n);
+    best::phase(samples.rows(), limits, b.row());
+    ASSERT_TRUE(std::ranges::equal(a.phase.span(), b.phase.span())) << static_cast<int>(vectors);
+    ASSERT_TRUE(std::ranges::equal(a.amp2.span(), b.amp2.span())) << static_cast<int>(vectors);
+    ASSERT_TRUE(std::ranges::equal(a.offset.span(), b.offset.span())) << static_cast<int>(vectors);
+    ASSERT_TRUE(std::ranges::equal(a.flags.span(), b.flags.span())) << static_cast<int>(vectors);
+  }
+}
+
+TEST(Phase, EqualsReferenceForEveryLengthAndExtreme) {
+  for (std::size_t n = 0; n <= 70; ++n) {
+    for (const int top : {1, 255, 4095, 8191, 32767, 65535}) {
+      SCOPED_TRACE(testing::Message() << "length " << n << ", samples up to " << top);
+      test::Random random(n * 7 + static_cast<std::size_t>(top));
+      Samples samples = random_samples(random, n, top);
       PhaseLimits limits{
           .saturation = static_cast<std::uint16_t>(top),
           .dark = static_cast<std::uint16_t>(random.between(0, 200)),
@@ -248,20 +244,57 @@ TEST(Phase, NeonEqualsReferenceForEveryLengthAndExtreme) {
         limits.asymmetry_slope_q8 = kMaxAsymmetrySlopeQ8;
         limits.lowest = 0;
       }
-      Outputs a(n);
-      Outputs b(n);
       if (n % 3 != 0) {
         limits.stray_i = static_cast<std::int16_t>(random.between(-32767, 32767));
         limits.stray_q = static_cast<std::int16_t>(random.between(-32767, 32767));
       }
-      ref::phase(samples.rows(), limits, a.row());
-      neon::phase(samples.rows(), limits, b.row());
-      ASSERT_TRUE(std::ranges::equal(a.phase.span(), b.phase.span())) << n << " top " << top;
-      ASSERT_TRUE(std::ranges::equal(a.amp2.span(), b.amp2.span())) << n << " top " << top;
-      ASSERT_TRUE(std::ranges::equal(a.offset.span(), b.offset.span())) << n << " top " << top;
-      ASSERT_TRUE(std::ranges::equal(a.ratio.span(), b.ratio.span())) << n << " top " << top;
-      ASSERT_TRUE(std::ranges::equal(a.flags.span(), b.flags.span())) << n << " top " << top;
+      ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits));
     }
+  }
+}
+
+// Limits of the sizes that the ways of few bits are for, and next to them.
+TEST(Phase, EqualsReferenceWhereFewBitsHoldEverything) {
+  for (std::size_t n = 16; n <= 400; ++n) {
+    SCOPED_TRACE(testing::Message() << "length " << n);
+    test::Random random(n);
+    const int top = n % 2 == 0 ? 4095 : 8191;
+    Samples samples = random_samples(random, n, top);
+    PhaseLimits limits{.saturation = static_cast<std::uint16_t>(top + random.between(-1, 1)),
+                       .lowest = static_cast<std::uint16_t>(random.between(0, 9)),
+                       .dark = static_cast<std::uint16_t>(random.between(0, 200)),
+                       .min_amp2 = static_cast<std::uint16_t>(random.between(0, 300)),
+                       .ratio_q16 = static_cast<std::uint32_t>(random.between(0, 65535))};
+    if (n % 3 != 0) {  // up to what 16 bits hold
+      limits.asymmetry_slope_q8 =
+          static_cast<std::uint32_t>(random.between(0, n % 5 == 0 ? 4095 : 1023));
+      limits.asymmetry_base = static_cast<std::uint32_t>(random.between(0, 65536));
+    }
+    if (n % 7 != 0) {
+      const int most = n % 4 == 0 ? 4100 : 3003;
+      limits.stray_i = static_cast<std::int16_t>(random.between(-most, most));
+      limits.stray_q = static_cast<std::int16_t>(random.between(-most, most));
+    }
+    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits));
+    // One sample of more bits than the sensor should have.
+    samples.a[n % 4].span()[n / 2] = static_cast<std::uint16_t>(random.between(top + 1, 65535));
+    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits));
+  }
+}
+
+// Every amplitude of a 12-bit sensor with the largest stray light, one row each.
+TEST(Phase, EqualsReferenceForEveryPairOfTwelveBitDifferences) {
+  constexpr int kTop = 4095;
+  constexpr std::size_t kStep = 3;
+  Samples samples(kTop + 1);
+  for (std::size_t k = 0; k <= kTop; ++k) {
+    samples.a[0].span()[k] = static_cast<std::uint16_t>(k);
+  }
+  const PhaseLimits limits{.saturation = kTop + 1, .stray_i = -4096, .stray_q = -4096};
+  for (std::size_t q = 0; q <= kTop; q += kStep) {
+    std::ranges::fill(samples.a[3].span(), static_cast<std::uint16_t>(q));
+    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits)) << "Q " << q;
+    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, {})) << "Q " << q;
   }
 }
 

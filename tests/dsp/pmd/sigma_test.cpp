@@ -9,15 +9,28 @@
 #include "dsp/calib/pmd_tables.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
 
-int shot(const NoiseModel& model, std::uint16_t amp2, std::uint16_t offset) {
+struct Quality {
+  int sigma;
+  int ratio;
+};
+
+Quality quality(const NoiseModel& model, std::uint16_t amp2, std::uint16_t offset) {
   QuarterMm sigma = 0;
-  ref::shot_sigma({&amp2, 1}, {&offset, 1}, model, {&sigma, 1});
-  return sigma;
+  std::uint8_t ratio = 0;
+  ref::sigma_and_ratio({&amp2, 1}, {&offset, 1}, model, {&sigma, 1}, {&ratio, 1});
+  return {sigma, ratio};
 }
+
+int shot(const NoiseModel& model, std::uint16_t amp2, std::uint16_t offset) {
+  return quality(model, amp2, offset).sigma;
+}
+
+int ratio_of(std::uint16_t amp2, std::uint16_t offset) { return quality({}, amp2, offset).ratio; }
 
 int on_curve(const SigmaCurve& curve, QuarterMm distance) {
   QuarterMm sigma = 7;
@@ -79,6 +92,19 @@ TEST(ShotSigma, FollowsTheMeasuredCurveOfTheChapter) {
   }
 }
 
+TEST(ModulationRatio, ComesInSteps) {
+  EXPECT_EQ(ratio_of(600, 1000), 77);  // A 300 of 1000: 76.8 / 256
+  EXPECT_EQ(ratio_of(200, 1000), 26);
+  EXPECT_EQ(ratio_of(0, 1000), 0);
+  EXPECT_EQ(ratio_of(3000, 1500), 255);  // A = offset is the most there is
+  EXPECT_EQ(ratio_of(200, 0), 255);      // offset 0 counts as 1
+  EXPECT_EQ(ratio_of(1, 0), 128);
+  EXPECT_EQ(ratio_of(0, 0), 0);
+  // Half a step rounds to even: 128 * 1 / 256 and 128 * 3 / 256.
+  EXPECT_EQ(ratio_of(1, 256), 0);
+  EXPECT_EQ(ratio_of(3, 256), 2);
+}
+
 TEST(CurveSigma, IsThePolynomialOfTheChapter) {
   const SigmaCurve curve = sigma_curve(kChapter);
   constexpr std::array<double, 4> kSigmaCm{0.52, 1.62, 3.28, 5.48};
@@ -111,33 +137,55 @@ TEST(CombineSigma, IsThatOfTheWeightedMean) {
   EXPECT_EQ(both(1, 1), 1);  // never better than the unit
 }
 
-TEST(Sigma, NeonEqualsReferenceForEveryLengthAndExtreme) {
+struct Outputs {
+  explicit Outputs(std::size_t n) : sigma(n), combined(n), curve(n), ratio(n) {}
+  bool operator==(Outputs& other) {
+    return std::ranges::equal(sigma.span(), other.sigma.span()) &&
+           std::ranges::equal(combined.span(), other.combined.span()) &&
+           std::ranges::equal(curve.span(), other.curve.span()) &&
+           std::ranges::equal(ratio.span(), other.ratio.span());
+  }
+  test::GuardedBuffer<QuarterMm> sigma;
+  test::GuardedBuffer<QuarterMm> combined;
+  test::GuardedBuffer<QuarterMm> curve;
+  test::GuardedBuffer<std::uint8_t> ratio;
+};
+
+TEST(Sigma, EqualsReferenceForEveryLengthAndExtreme) {
   for (std::size_t n = 0; n <= 70; ++n) {
-    for (std::uint64_t variant = 0; variant < 3; ++variant) {
+    for (std::uint64_t variant = 0; variant < 4; ++variant) {
       test::Random random(n * 4 + variant);
-      test::GuardedBuffer<std::uint16_t> amp2(n), offset(n);
-      test::GuardedBuffer<QuarterMm> a(n), b(n), distance(n), other(n);
-      random.fill(amp2.span(), 0, variant == 0 ? 3 : 65535);
-      random.fill(offset.span());
-      random.fill(distance.span(), 0, variant == 0 ? 2 : 65535);
-      random.fill(other.span(), 1, variant == 0 ? 2 : 65535);
-      const NoiseModel model{static_cast<float>(random.between(0, 1000000)),
-                             static_cast<float>(random.between(0, 1000000))};
-      ref::shot_sigma(amp2.span(), offset.span(), model, a.span());
-      neon::shot_sigma(amp2.span(), offset.span(), model, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
-      ref::combine_sigma(other.span(), a.span());
-      neon::combine_sigma(other.span(), b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
+      const bool small = variant % 2 == 0;
+      test::GuardedBuffer<std::uint16_t> amp2(n);
+      test::GuardedBuffer<std::uint16_t> offset(n);
+      test::GuardedBuffer<QuarterMm> distance(n);
+      test::GuardedBuffer<QuarterMm> other(n);
+      random.fill(amp2.span(), 0, small ? 3 : 65535);
+      random.fill(offset.span(), 0, variant == 2 ? 3 : 65535);
+      random.fill(distance.span(), 0, small ? 2 : 65535);
+      random.fill(other.span(), 1, small ? 2 : 65535);
+      const NoiseModel model{static_cast<float>(random.between(0, 1000000)) / 7,
+                             static_cast<float>(random.between(0, 1000000)) / 7};
       SigmaCurve curve{};
       for (SigmaStep& step : curve) {
         const int end = random.between(0, 65535);
         step.value = random.between(0, 65535);
         step.gain = end - step.value;
       }
-      ref::curve_sigma(distance.span(), curve, a.span());
-      neon::curve_sigma(distance.span(), curve, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
+      Outputs a(n);
+      ref::sigma_and_ratio(amp2.span(), offset.span(), model, a.sigma.span(), a.ratio.span());
+      std::ranges::copy(a.sigma.span(), a.combined.span().begin());
+      ref::combine_sigma(other.span(), a.combined.span());
+      ref::curve_sigma(distance.span(), curve, a.curve.span());
+      for (const Vectors vectors : test::all_vectors()) {
+        const test::UseVectors use(vectors);
+        Outputs b(n);
+        best::sigma_and_ratio(amp2.span(), offset.span(), model, b.sigma.span(), b.ratio.span());
+        std::ranges::copy(b.sigma.span(), b.combined.span().begin());
+        best::combine_sigma(other.span(), b.combined.span());
+        best::curve_sigma(distance.span(), curve, b.curve.span());
+        ASSERT_TRUE(a == b) << n << "/" << variant << " vectors " << static_cast<int>(vectors);
+      }
     }
   }
 }

@@ -35,8 +35,8 @@ struct Tone {
     const std::size_t n = phase.size();
     const std::span<const std::uint16_t> all(planes);
     best::phase({all.first(n), all.subspan(n, n), all.subspan(2 * n, n), all.subspan(3 * n, n)},
-                limits_at(tables, kReferenceIntegration), {phase, amp2, offset, ratio, flags});
-    best::shot_sigma(amp2, offset, noise_at(tables, kReferenceIntegration), sigma);
+                limits_at(tables, kReferenceIntegration), {phase, amp2, offset, flags});
+    best::sigma_and_ratio(amp2, offset, noise_at(tables, kReferenceIntegration), sigma, ratio);
     best::correct_phase(phase, sensor.fixed_pattern, tables.correction, corrected);
   }
   ToneReadings readings() const { return {corrected, amp2, sigma}; }

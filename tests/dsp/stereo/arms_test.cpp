@@ -8,6 +8,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -35,31 +36,37 @@ TEST(Arms, AcrossRowsEndWithTheImage) {
   EXPECT_EQ(arms, (Row{0, 0, 0}));
 }
 
-TEST(Arms, NeonEqualsReferenceForEveryLength) {
-  for (std::size_t n = 0; n <= 100; ++n) {
-    for (const ArmParams params : {ArmParams{1, 0}, ArmParams{5, 20}, ArmParams{12, 60},
-                                   ArmParams{kMaxArm, 200}, ArmParams{kMaxArm, 255}}) {
-      test::Random random(n);
-      std::vector<test::GuardedBuffer<std::uint8_t>> rows;
-      for (int k = 0; k <= kMaxArm; ++k) {
-        random.fill(rows.emplace_back(n).span());
-      }
-      std::vector<test::GuardedBuffer<std::uint8_t>> out;
-      for (int k = 0; k < 4; ++k) {
-        out.emplace_back(n);
-      }
-      ref::arms_along(rows[0].span(), params, out[0].span(), out[1].span());
-      neon::arms_along(rows[0].span(), params, out[2].span(), out[3].span());
-      ASSERT_TRUE(std::ranges::equal(out[0].span(), out[2].span())) << n << ", " << params.longest;
-      ASSERT_TRUE(std::ranges::equal(out[1].span(), out[3].span())) << n << ", " << params.longest;
+TEST(Arms, VectorsEqualReferenceForEveryLength) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (std::size_t n = 0; n <= 100; ++n) {
+      for (const ArmParams params : {ArmParams{1, 0}, ArmParams{5, 20}, ArmParams{12, 60},
+                                     ArmParams{kMaxArm, 200}, ArmParams{kMaxArm, 255}}) {
+        test::Random random(n);
+        std::vector<test::GuardedBuffer<std::uint8_t>> rows;
+        for (int k = 0; k <= kMaxArm; ++k) {
+          random.fill(rows.emplace_back(n).span());
+        }
+        std::vector<test::GuardedBuffer<std::uint8_t>> out;
+        for (int k = 0; k < 4; ++k) {
+          out.emplace_back(n);
+        }
+        ref::arms_along(rows[0].span(), params, out[0].span(), out[1].span());
+        best::arms_along(rows[0].span(), params, out[2].span(), out[3].span());
+        ASSERT_TRUE(std::ranges::equal(out[0].span(), out[2].span()))
+            << n << ", " << params.longest;
+        ASSERT_TRUE(std::ranges::equal(out[1].span(), out[3].span()))
+            << n << ", " << params.longest;
 
-      std::vector<const std::uint8_t*> others;
-      for (int k = 0; k < params.longest - static_cast<int>(n % 3) % params.longest; ++k) {
-        others.push_back(rows[static_cast<std::size_t>(k) + 1].span().data());
+        std::vector<const std::uint8_t*> others;
+        for (int k = 0; k < params.longest - static_cast<int>(n % 3) % params.longest; ++k) {
+          others.push_back(rows[static_cast<std::size_t>(k) + 1].span().data());
+        }
+        ref::arms_across(rows[0].span(), others, params, out[0].span());
+        best::arms_across(rows[0].span(), others, params, out[2].span());
+        ASSERT_TRUE(std::ranges::equal(out[0].span(), out[2].span()))
+            << n << ", " << params.longest;
       }
-      ref::arms_across(rows[0].span(), others, params, out[0].span());
-      neon::arms_across(rows[0].span(), others, params, out[2].span());
-      ASSERT_TRUE(std::ranges::equal(out[0].span(), out[2].span())) << n << ", " << params.longest;
     }
   }
 }

@@ -7,6 +7,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -76,30 +77,34 @@ TEST(Census, SeesOrderAloneAcrossTheWholeRangeOfGreyValues) {
   EXPECT_EQ(bit_of(planes, 6, 4, 10), 0);  // 128 is not darker than 128
 }
 
-template <std::size_t kRows>
-void expect_neon_equals_reference(int bits, Census<kRows>& reference_census,
-                                  Census<kRows>& neon_census) {
-  for (std::size_t n = 0; n <= 100; ++n) {
-    std::vector<test::GuardedBuffer<std::uint8_t>> pixels;
-    Window<kRows> rows;
-    test::Random random(n);
-    pixels.reserve(kRows);
-    for (std::size_t r = 0; r < kRows; ++r) {
-      pixels.emplace_back(n);
-      // Few grey levels: many neighbours equal their centre.
-      random.fill(pixels.back().span(), n % 2 == 0 ? 0 : 126, n % 2 == 0 ? 255 : 130);
-      rows[r] = pixels.back().span();
+template <std::size_t kRows, typename Best>
+void expect_vectors_equal_reference(int bits, Census<kRows>& reference_census,
+                                    const Best& best_census) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (std::size_t n = 0; n <= 100; ++n) {
+      std::vector<test::GuardedBuffer<std::uint8_t>> pixels;
+      Window<kRows> rows;
+      test::Random random(n);
+      pixels.reserve(kRows);
+      for (std::size_t r = 0; r < kRows; ++r) {
+        pixels.emplace_back(n);
+        // Few grey levels: many neighbours equal their centre.
+        random.fill(pixels.back().span(), n % 2 == 0 ? 0 : 126, n % 2 == 0 ? 255 : 130);
+        rows[r] = pixels.back().span();
+      }
+      test::GuardedBuffer<std::uint8_t> reference(planes_of(bits) * n, 1),
+          best(reference.size(), 2);
+      reference_census(rows, reference.span());
+      best_census(rows, best.span());
+      ASSERT_TRUE(std::ranges::equal(reference.span(), best.span())) << "length " << n;
     }
-    test::GuardedBuffer<std::uint8_t> reference(planes_of(bits) * n, 1), neon(reference.size(), 2);
-    reference_census(rows, reference.span());
-    neon_census(rows, neon.span());
-    ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << "length " << n;
   }
 }
 
-TEST(Census, NeonEqualsReferenceForEveryLength) {
-  expect_neon_equals_reference<5>(kCensus5x5Bits, ref::census_5x5, neon::census_5x5);
-  expect_neon_equals_reference<7>(kCensus9x7Bits, ref::census_9x7, neon::census_9x7);
+TEST(Census, VectorsEqualReferenceForEveryLength) {
+  expect_vectors_equal_reference<5>(kCensus5x5Bits, ref::census_5x5, best::census_5x5);
+  expect_vectors_equal_reference<7>(kCensus9x7Bits, ref::census_9x7, best::census_9x7);
 }
 
 }  // namespace

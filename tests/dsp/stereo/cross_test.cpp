@@ -7,6 +7,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -70,44 +71,48 @@ TEST(Cross, ARegionOfTwoPixelsIsTheirMean) {
   }
 }
 
-TEST(Cross, NeonEqualsReferenceForEveryWidthAndLaneCount) {
-  for (const int lanes : {16, 32, 48, 64, 80, 256}) {
-    const auto step = static_cast<std::size_t>(lanes);
-    for (std::size_t n = 0; n <= 20; ++n) {
-      test::Random random(n + step);
-      test::GuardedBuffer<std::uint8_t> costs(n * step), left(n), right(n);
-      test::GuardedBuffer<std::uint16_t> above(n * step);
-      random.fill(costs.span());
-      random.fill(above.span());
-      for (std::size_t x = 0; x < n; ++x) {
-        left[x] = static_cast<std::uint8_t>(random.between(0, static_cast<int>(x)));
-        right[x] = static_cast<std::uint8_t>(random.between(0, static_cast<int>(n - 1 - x)));
-      }
-      test::GuardedBuffer<std::uint16_t> sums[2] = {
-          test::GuardedBuffer<std::uint16_t>((n + 1) * step),
-          test::GuardedBuffer<std::uint16_t>((n + 1) * step)};
-      ref::sum_along(costs.span(), lanes, sums[0].span());
-      neon::sum_along(costs.span(), lanes, sums[1].span());
-      ASSERT_TRUE(std::ranges::equal(sums[0].span(), sums[1].span())) << n << "x" << lanes;
+TEST(Cross, VectorsEqualReferenceForEveryWidthAndLaneCount) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const int lanes : {16, 32, 48, 64, 80, 256}) {
+      const auto step = static_cast<std::size_t>(lanes);
+      for (std::size_t n = 0; n <= 20; ++n) {
+        test::Random random(n + step);
+        test::GuardedBuffer<std::uint8_t> costs(n * step), left(n), right(n);
+        test::GuardedBuffer<std::uint16_t> above(n * step);
+        random.fill(costs.span());
+        random.fill(above.span());
+        for (std::size_t x = 0; x < n; ++x) {
+          left[x] = static_cast<std::uint8_t>(random.between(0, static_cast<int>(x)));
+          right[x] = static_cast<std::uint8_t>(random.between(0, static_cast<int>(n - 1 - x)));
+        }
+        test::GuardedBuffer<std::uint16_t> sums[2] = {
+            test::GuardedBuffer<std::uint16_t>((n + 1) * step),
+            test::GuardedBuffer<std::uint16_t>((n + 1) * step)};
+        ref::sum_along(costs.span(), lanes, sums[0].span());
+        best::sum_along(costs.span(), lanes, sums[1].span());
+        ASSERT_TRUE(std::ranges::equal(sums[0].span(), sums[1].span())) << n << "x" << lanes;
 
-      test::GuardedBuffer<std::uint16_t> below[2] = {test::GuardedBuffer<std::uint16_t>(n * step),
-                                                     test::GuardedBuffer<std::uint16_t>(n * step)};
-      ref::sum_down(sums[0].span(), left.span(), right.span(), lanes, above.span(),
-                    below[0].span());
-      neon::sum_down(sums[0].span(), left.span(), right.span(), lanes, above.span(),
-                     below[1].span());
-      ASSERT_TRUE(std::ranges::equal(below[0].span(), below[1].span())) << n << "x" << lanes;
+        test::GuardedBuffer<std::uint16_t> below[2] = {
+            test::GuardedBuffer<std::uint16_t>(n * step),
+            test::GuardedBuffer<std::uint16_t>(n * step)};
+        ref::sum_down(sums[0].span(), left.span(), right.span(), lanes, above.span(),
+                      below[0].span());
+        best::sum_down(sums[0].span(), left.span(), right.span(), lanes, above.span(),
+                       below[1].span());
+        ASSERT_TRUE(std::ranges::equal(below[0].span(), below[1].span())) << n << "x" << lanes;
 
-      std::vector<CrossEnds> ends(n);
-      for (CrossEnds& end : ends) {
-        end = {above.span().data(), below[0].span().data(),
-               static_cast<std::int16_t>(random.between(0, 32767))};
+        std::vector<CrossEnds> ends(n);
+        for (CrossEnds& end : ends) {
+          end = {above.span().data(), below[0].span().data(),
+                 static_cast<std::int16_t>(random.between(0, 32767))};
+        }
+        test::GuardedBuffer<std::uint8_t> means[2] = {test::GuardedBuffer<std::uint8_t>(n * step),
+                                                      test::GuardedBuffer<std::uint8_t>(n * step)};
+        ref::cross_means(ends, lanes, means[0].span());
+        best::cross_means(ends, lanes, means[1].span());
+        ASSERT_TRUE(std::ranges::equal(means[0].span(), means[1].span())) << n << "x" << lanes;
       }
-      test::GuardedBuffer<std::uint8_t> means[2] = {test::GuardedBuffer<std::uint8_t>(n * step),
-                                                    test::GuardedBuffer<std::uint8_t>(n * step)};
-      ref::cross_means(ends, lanes, means[0].span());
-      neon::cross_means(ends, lanes, means[1].span());
-      ASSERT_TRUE(std::ranges::equal(means[0].span(), means[1].span())) << n << "x" << lanes;
     }
   }
 }

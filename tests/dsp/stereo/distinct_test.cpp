@@ -7,6 +7,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -50,27 +51,30 @@ TYPED_TEST(Distinct, TheShiftKeepsTheLargestMarginWhole) {
   EXPECT_EQ(margins[0], (70 * 63 * cost) >> shift);
 }
 
-TYPED_TEST(Distinct, NeonEqualsReferenceForEveryLengthAndShift) {
-  for (const int lanes : {16, 64, 256}) {
-    for (std::size_t n = 0; n <= 33; ++n) {
-      for (const int spread : {0, 30, 65534, 260000000}) {
-        const int largest =
-            static_cast<int>(std::min<std::int64_t>(spread, std::int64_t{kNoCost<TypeParam>} - 1));
-        test::GuardedBuffer<TypeParam> costs(n * static_cast<std::size_t>(lanes));
-        test::GuardedBuffer<std::int16_t> winners(n), reference(n), neon(n);
-        test::Random random(n + static_cast<std::size_t>(spread));
-        random.fill(costs.span(), 0, largest);
-        for (TypeParam& cost : costs.span()) {
-          cost = random.between(0, 7) == 0 ? kNoCost<TypeParam> : cost;
-        }
-        random.fill(winners.span(), kNoWinner, lanes - 1);
-        for (const int shift : {0, 3, margin_shift(largest, lanes)}) {
-          ref::distinct_margins(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
-                                lanes % 3 == 0 ? 70 : 85, shift, reference.span());
-          neon::distinct_margins(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
-                                 lanes % 3 == 0 ? 70 : 85, shift, neon.span());
-          ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
-              << n << " x " << lanes << " up to " << largest << " >> " << shift;
+TYPED_TEST(Distinct, VectorsEqualReferenceForEveryLengthAndShift) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const int lanes : {16, 64, 256}) {
+      for (std::size_t n = 0; n <= 33; ++n) {
+        for (const int spread : {0, 30, 65534, 260000000}) {
+          const int largest = static_cast<int>(
+              std::min<std::int64_t>(spread, std::int64_t{kNoCost<TypeParam>} - 1));
+          test::GuardedBuffer<TypeParam> costs(n * static_cast<std::size_t>(lanes));
+          test::GuardedBuffer<std::int16_t> winners(n), reference(n), neon(n);
+          test::Random random(n + static_cast<std::size_t>(spread));
+          random.fill(costs.span(), 0, largest);
+          for (TypeParam& cost : costs.span()) {
+            cost = random.between(0, 7) == 0 ? kNoCost<TypeParam> : cost;
+          }
+          random.fill(winners.span(), kNoWinner, lanes - 1);
+          for (const int shift : {0, 3, margin_shift(largest, lanes)}) {
+            ref::distinct_margins(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
+                                  lanes % 3 == 0 ? 70 : 85, shift, reference.span());
+            best::distinct_margins(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
+                                   lanes % 3 == 0 ? 70 : 85, shift, neon.span());
+            ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
+                << n << " x " << lanes << " up to " << largest << " >> " << shift;
+          }
         }
       }
     }

@@ -9,6 +9,7 @@
 #include "dsp/stereo/cost/census.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -61,17 +62,21 @@ TEST(HammingCosts, OfOppositeDescriptorsAreAllTheirBits) {
   EXPECT_TRUE(std::ranges::all_of(costs, [](int cost) { return cost == 62 - 6; }));
 }
 
-TEST(HammingCosts, NeonEqualsReferenceForEveryShape) {
-  for (const int bits : {kCensus5x5Bits, kCensus9x7Bits}) {
-    for (const int lanes : {16, 32, 48, 64, 80, 128, 256}) {
-      for (const std::size_t n : {1U, 2U, 15U, 16U, 17U, 33U}) {
-        const std::size_t count = static_cast<std::size_t>(lanes);
-        const Side left(n, planes_of(bits), n), right(n + count - 1, planes_of(bits), n + 99);
-        test::GuardedBuffer<std::uint8_t> reference(n * count, 1), neon(n * count, 2);
-        ref::hamming_costs(left.planes.span(), right.planes.span(), bits, lanes, reference.span());
-        neon::hamming_costs(left.planes.span(), right.planes.span(), bits, lanes, neon.span());
-        ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
-            << bits << " bits, " << lanes << " lanes, " << n << " columns";
+TEST(HammingCosts, VectorsEqualReferenceForEveryShape) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const int bits : {kCensus5x5Bits, kCensus9x7Bits}) {
+      for (const int lanes : {16, 32, 48, 64, 80, 128, 256}) {
+        for (const std::size_t n : {1U, 2U, 15U, 16U, 17U, 33U}) {
+          const std::size_t count = static_cast<std::size_t>(lanes);
+          const Side left(n, planes_of(bits), n), right(n + count - 1, planes_of(bits), n + 99);
+          test::GuardedBuffer<std::uint8_t> reference(n * count, 1), neon(n * count, 2);
+          ref::hamming_costs(left.planes.span(), right.planes.span(), bits, lanes,
+                             reference.span());
+          best::hamming_costs(left.planes.span(), right.planes.span(), bits, lanes, neon.span());
+          ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
+              << bits << " bits, " << lanes << " lanes, " << n << " columns";
+        }
       }
     }
   }

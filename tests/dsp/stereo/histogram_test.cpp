@@ -1,11 +1,13 @@
 #include "dsp/stereo/check/histogram.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
+#include "tests/support/random.h"
 
 namespace stof::dsp {
 namespace {
@@ -44,6 +46,45 @@ TEST(Histogram, EndsOfTheRangeAndEmptyImagesAreHarmless) {
   drop_rare({row.data(), 3, 1}, 0, 1000, counts.span());
   EXPECT_TRUE(std::ranges::none_of(row, &Disparity::valid));
   drop_rare({}, 0, 1000, counts.span());
+}
+
+TEST(Histogram, EqualsPlainCountingForEveryWidth) {
+  for (int width = 1; width <= 140; ++width) {
+    test::Random random(static_cast<std::uint64_t>(width));
+    const int least = random.between(-20, 20);
+    const int candidates = random.between(1, 40);
+    const int permille = random.between(0, 60);
+    test::GuardedImage<Disparity> image(width, 3, width + 1, Disparity::from_raw(7));
+    const auto bin = [&](Disparity disparity) {
+      const int whole = static_cast<int>(std::floor((disparity.raw + 8) / 16.0));
+      return std::clamp(whole - least, 0, candidates);
+    };
+    std::vector<int> plain(static_cast<std::size_t>(candidates) + 1);
+    for (int y = 0; y < 3; ++y) {
+      for (Disparity& disparity : image.view().row(y)) {
+        const int raw = random.between(0, 9) == 0 ? random.between(-32768, 32767)
+                                                  : random.between(least * 16, (least + 9) * 16);
+        disparity = random.between(0, 4) == 0 ? Disparity::none()
+                                              : Disparity::from_raw(static_cast<std::int16_t>(raw));
+        plain[static_cast<std::size_t>(bin(disparity))] += disparity.valid() ? 1 : 0;
+      }
+    }
+    std::vector<Disparity> expected;
+    for (int y = 0; y < 3; ++y) {
+      for (const Disparity disparity : image.view().row(y)) {
+        const bool rare =
+            plain[static_cast<std::size_t>(bin(disparity))] * 1000 < permille * 3 * width;
+        expected.push_back(rare ? Disparity::none() : disparity);
+      }
+    }
+    test::GuardedBuffer<std::uint32_t> counts(plain.size());
+    drop_rare(image.view(), least, permille, counts.span());
+    for (int i = 0; i < 3 * width; ++i) {
+      ASSERT_EQ(image.view().at(i % width, i / width), expected[static_cast<std::size_t>(i)])
+          << "width " << width << ", pixel " << i;
+    }
+    ASSERT_TRUE(image.padding_is(Disparity::from_raw(7)));
+  }
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include "dsp/stereo/cost/census.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -49,17 +50,20 @@ TEST(MixedCosts, StayWithinTheBoundThatSumsAreSizedBy) {
   EXPECT_EQ(costs, std::vector<std::uint8_t>(16, kLargestMixedCost));
 }
 
-TEST(MixedCosts, NeonEqualsReferenceForEveryShape) {
-  for (const int lanes : {16, 48, 64, 80, 128, 256}) {
-    for (std::size_t n = 1; n <= 40; ++n) {
-      const std::size_t count = static_cast<std::size_t>(lanes);
-      const Side left(n, n);
-      const Side right(n + count - 1, n + 99);
-      test::GuardedBuffer<std::uint8_t> reference(n * count, 1), neon(n * count, 2);
-      ref::mixed_costs(left.row(), right.row(), lanes, reference.span());
-      neon::mixed_costs(left.row(), right.row(), lanes, neon.span());
-      ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
-          << lanes << " lanes, " << n << " columns";
+TEST(MixedCosts, VectorsEqualReferenceForEveryShape) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const int lanes : {16, 48, 64, 80, 128, 256}) {
+      for (std::size_t n = 1; n <= 40; ++n) {
+        const std::size_t count = static_cast<std::size_t>(lanes);
+        const Side left(n, n);
+        const Side right(n + count - 1, n + 99);
+        test::GuardedBuffer<std::uint8_t> reference(n * count, 1), neon(n * count, 2);
+        ref::mixed_costs(left.row(), right.row(), lanes, reference.span());
+        best::mixed_costs(left.row(), right.row(), lanes, neon.span());
+        ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span()))
+            << lanes << " lanes, " << n << " columns";
+      }
     }
   }
 }

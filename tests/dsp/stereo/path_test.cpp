@@ -7,6 +7,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -102,56 +103,152 @@ TYPED_TEST(Path, WhatIsOutsideStaysOutsideAndAnEmptyPixelStartsAnew) {
   }
 }
 
-TYPED_TEST(Path, NeonEqualsReferenceAlongRows) {
+TYPED_TEST(Path, VectorsEqualReferenceAlongRows) {
   using Cost = TypeParam;
-  for (int lanes = 16; lanes <= 256; lanes += 16) {
-    for (const std::size_t n : {1U, 2U, 3U, 17U}) {
-      for (const bool whole_range : {false, true}) {
-        test::Random random(n + static_cast<std::size_t>(lanes));
-        const std::size_t count = n * static_cast<std::size_t>(lanes);
-        test::GuardedBuffer<Cost> costs(count), large(n), other(n), reference(count), neon(count);
-        this->fill(costs.span(), random, whole_range);
-        random.fill(other.span(), 9, 200);
-        random.fill(large.span(), 9, whole_range ? 250 : 60);
-        const auto compare = [&](PathsAlong<Cost>* plain, PathsAlong<Cost>* fast) {
-          plain(costs.span(), lanes, Cost{9}, large.span(), reference.span());
-          fast(costs.span(), lanes, Cost{9}, large.span(), neon.span());
-          return std::ranges::equal(reference.span(), neon.span());
-        };
-        ASSERT_TRUE(compare(ref::paths_from_left, neon::paths_from_left)) << lanes << " x " << n;
-        ASSERT_TRUE(compare(ref::paths_from_right, neon::paths_from_right)) << lanes << " x " << n;
-        test::GuardedBuffer<Cost> left(count), right(count);
-        neon::paths_both_ways(costs.span(), lanes, Cost{9}, other.span(), large.span(), left.span(),
-                              right.span());
-        ASSERT_TRUE(std::ranges::equal(reference.span(), right.span())) << lanes << " x " << n;
-        ref::paths_both_ways(costs.span(), lanes, Cost{9}, other.span(), large.span(), neon.span(),
-                             reference.span());
-        ASSERT_TRUE(std::ranges::equal(neon.span(), left.span())) << lanes << " x " << n;
-        neon::paths_from_right(costs.span(), lanes, Cost{9}, large.span(), costs.span());
-        ASSERT_TRUE(std::ranges::equal(reference.span(), costs.span())) << "in place";
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (int lanes = 16; lanes <= 256; lanes += 16) {
+      for (const std::size_t n : {1U, 2U, 3U, 17U}) {
+        for (const bool whole_range : {false, true}) {
+          test::Random random(n + static_cast<std::size_t>(lanes));
+          const std::size_t count = n * static_cast<std::size_t>(lanes);
+          test::GuardedBuffer<Cost> costs(count), large(n), other(n), reference(count), neon(count);
+          this->fill(costs.span(), random, whole_range);
+          random.fill(other.span(), 9, 200);
+          random.fill(large.span(), 9, whole_range ? 250 : 60);
+          const auto compare = [&](PathsAlong<Cost>* plain, const auto& fast) {
+            plain(costs.span(), lanes, Cost{9}, large.span(), reference.span());
+            fast(costs.span(), lanes, Cost{9}, large.span(), neon.span());
+            return std::ranges::equal(reference.span(), neon.span());
+          };
+          ASSERT_TRUE(compare(ref::paths_from_left, best::paths_from_left)) << lanes << " x " << n;
+          ASSERT_TRUE(compare(ref::paths_from_right, best::paths_from_right))
+              << lanes << " x " << n;
+          test::GuardedBuffer<Cost> left(count), right(count);
+          best::paths_both_ways(costs.span(), lanes, Cost{9}, other.span(), large.span(),
+                                left.span(), right.span());
+          ASSERT_TRUE(std::ranges::equal(reference.span(), right.span())) << lanes << " x " << n;
+          ref::paths_both_ways(costs.span(), lanes, Cost{9}, other.span(), large.span(),
+                               neon.span(), reference.span());
+          ASSERT_TRUE(std::ranges::equal(neon.span(), left.span())) << lanes << " x " << n;
+          best::paths_from_right(costs.span(), lanes, Cost{9}, large.span(), costs.span());
+          ASSERT_TRUE(std::ranges::equal(reference.span(), costs.span())) << "in place";
+        }
       }
     }
   }
 }
 
-TYPED_TEST(Path, NeonEqualsReferenceAcrossRows) {
+TYPED_TEST(Path, VectorsEqualReferenceAcrossRows) {
   using Cost = TypeParam;
-  for (int lanes = 16; lanes <= 256; lanes += 16) {
-    for (const std::size_t n : {1U, 2U, 17U}) {
-      for (const int shift : {-1, 0, 1}) {
-        test::Random random(n + static_cast<std::size_t>(lanes));
-        const std::size_t count = n * static_cast<std::size_t>(lanes);
-        test::GuardedBuffer<Cost> costs(count), before(count), large(n), reference(count),
-            neon(count);
-        this->fill(costs.span(), random, n == 17);
-        this->fill(before.span(), random, n == 17);
-        random.fill(large.span(), 9, 250);
-        ref::paths_across(costs.span(), before.span(), shift, lanes, Cost{9}, large.span(),
-                          reference.span());
-        neon::paths_across(costs.span(), before.span(), shift, lanes, Cost{9}, large.span(),
-                           neon.span());
-        ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << lanes << " x " << n;
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (int lanes = 16; lanes <= 256; lanes += 16) {
+      for (const std::size_t n : {1U, 2U, 17U}) {
+        for (const int shift : {-1, 0, 1}) {
+          test::Random random(n + static_cast<std::size_t>(lanes));
+          const std::size_t count = n * static_cast<std::size_t>(lanes);
+          test::GuardedBuffer<Cost> costs(count), before(count), large(n), reference(count),
+              neon(count);
+          this->fill(costs.span(), random, n == 17);
+          this->fill(before.span(), random, n == 17);
+          random.fill(large.span(), 9, 250);
+          ref::paths_across(costs.span(), before.span(), shift, lanes, Cost{9}, large.span(),
+                            reference.span());
+          best::paths_across(costs.span(), before.span(), shift, lanes, Cost{9}, large.span(),
+                             neon.span());
+          ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << lanes << " x " << n;
+          if (shift == 0) {
+            for (const bool plain : {true, false}) {
+              std::ranges::copy(before.span(), neon.span().begin());
+              if (plain) {
+                ref::paths_across(costs.span(), neon.span(), 0, lanes, Cost{9}, large.span(),
+                                  neon.span());
+              } else {
+                best::paths_across(costs.span(), neon.span(), 0, lanes, Cost{9}, large.span(),
+                                   neon.span());
+              }
+              ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << "in place";
+            }
+          }
+        }
       }
+    }
+  }
+}
+
+template <typename Cost>
+void expect_axes_equal_reference(int lanes, std::size_t n, bool whole_range,
+                                 void (*fill)(std::span<Cost>, test::Random&, bool)) {
+  test::Random random(n + static_cast<std::size_t>(lanes));
+  const std::size_t count = n * static_cast<std::size_t>(lanes);
+  test::GuardedBuffer<Cost> costs(count), large(n), across(n), reference(count), fast(count);
+  test::GuardedBuffer<Cost> front(count), other_front(count), others(count);
+  fill(costs.span(), random, whole_range);
+  fill(others.span(), random, whole_range);
+  random.fill(large.span(), 9, 60);
+  random.fill(across.span(), 9, 200);
+  for (const bool from_left : {false, true}) {
+    for (const bool first_row : {false, true}) {
+      for (const bool more : {false, true}) {
+        fill(front.span(), random, whole_range);
+        std::ranges::copy(front.span(), other_front.span().begin());
+        const AxesRow<Cost> row{
+            .costs = costs.span(),
+            .lanes = lanes,
+            .small = Cost{9},
+            .from_left = from_left,
+            .large_along = large.span(),
+            .large_across = first_row ? std::span<const Cost>() : across.span()};
+        const auto rest = more ? std::span<const Cost>(others.span()) : std::span<const Cost>();
+        ref::paths_of_axes(row, front.span(), rest, reference.span());
+        std::ranges::copy(others.span(), fast.span().begin());
+        best::paths_of_axes(row, other_front.span(),
+                            more ? std::span<const Cost>(fast.span()) : rest, fast.span());
+        ASSERT_TRUE(std::ranges::equal(front.span(), other_front.span())) << lanes << " x " << n;
+        ASSERT_TRUE(std::ranges::equal(reference.span(), fast.span())) << lanes << " x " << n;
+      }
+    }
+  }
+}
+
+TYPED_TEST(Path, VectorsEqualReferenceOfBothAxes) {
+  using Cost = TypeParam;
+  if constexpr (sizeof(Cost) <= 2) {
+    for (const Vectors vectors : test::all_vectors()) {
+      const test::UseVectors use(vectors);
+      for (int lanes = 16; lanes <= 256; lanes += 16) {
+        for (const std::size_t n : {1U, 2U, 17U}) {
+          expect_axes_equal_reference<Cost>(lanes, n, n == 17, &TestFixture::fill);
+        }
+      }
+    }
+  }
+}
+
+TYPED_TEST(Path, BothAxesAreThePathsOfEachAndTheirSum) {
+  using Cost = TypeParam;
+  if constexpr (sizeof(Cost) <= 2) {
+    test::Random random(4);
+    const std::size_t n = 9, count = n * 32;
+    std::vector<Cost> costs(count), front(count), large(n, 30), across(n, 50), sums(count);
+    std::vector<Cost> along(count), down(count);
+    random.fill(std::span(costs), 0, 30);
+    random.fill(std::span(front), 0, 60);
+    ref::paths_from_left(std::span<const Cost>(costs), 32, Cost{5}, std::span<const Cost>(large),
+                         std::span(along));
+    ref::paths_across(std::span<const Cost>(costs), std::span<const Cost>(front), 0, 32, Cost{5},
+                      std::span<const Cost>(across), std::span(down));
+    const AxesRow<Cost> row{.costs = costs,
+                            .lanes = 32,
+                            .small = Cost{5},
+                            .from_left = true,
+                            .large_along = large,
+                            .large_across = across};
+    ref::paths_of_axes(row, std::span(front), {}, std::span(sums));
+    EXPECT_EQ(front, down);
+    for (std::size_t i = 0; i < count; ++i) {
+      ASSERT_EQ(sums[i], along[i] + down[i]);
     }
   }
 }

@@ -9,6 +9,7 @@
 #include "dsp/stereo/search/winner.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -64,24 +65,29 @@ TYPED_TEST(PeakRatioOf, ARivalAsGoodAndNothingToCompareAreTheSame) {
   EXPECT_EQ(this->ratio(costs, kNoWinner), 255);
 }
 
-TYPED_TEST(PeakRatioOf, NeonEqualsReferenceForEveryLength) {
-  for (const int lanes : {16, 48, 256}) {
-    for (std::size_t n = 0; n <= 41; ++n) {
-      for (const int spread : {1, 40, 254, 65534}) {
-        const int largest = static_cast<int>(
-            std::min<std::uint32_t>(static_cast<std::uint32_t>(spread), kNoCost<TypeParam> - 1U));
-        test::GuardedBuffer<TypeParam> costs(n * static_cast<std::size_t>(lanes));
-        test::GuardedBuffer<std::int16_t> winners(n);
-        test::GuardedBuffer<std::uint8_t> a(n), b(n);
-        test::Random random(n + static_cast<std::size_t>(spread + lanes));
-        random.fill(costs.span(), 0, largest);
-        for (TypeParam& cost : costs.span()) {
-          cost = random.between(0, 3) == 0 ? kNoCost<TypeParam> : cost;
+TYPED_TEST(PeakRatioOf, VectorsEqualReferenceForEveryLength) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const int lanes : {16, 48, 256}) {
+      for (std::size_t n = 0; n <= 41; ++n) {
+        for (const int spread : {1, 40, 254, 65534}) {
+          const int largest = static_cast<int>(
+              std::min<std::uint32_t>(static_cast<std::uint32_t>(spread), kNoCost<TypeParam> - 1U));
+          test::GuardedBuffer<TypeParam> costs(n * static_cast<std::size_t>(lanes));
+          test::GuardedBuffer<std::int16_t> winners(n);
+          test::GuardedBuffer<std::uint8_t> a(n), b(n);
+          test::Random random(n + static_cast<std::size_t>(spread + lanes));
+          random.fill(costs.span(), 0, largest);
+          for (TypeParam& cost : costs.span()) {
+            cost = random.between(0, 3) == 0 ? kNoCost<TypeParam> : cost;
+          }
+          random.fill(winners.span(), kNoWinner, lanes - 1);
+          ref::peak_ratio(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
+                          a.span());
+          best::peak_ratio(std::span<const TypeParam>(costs.span()), lanes, winners.span(),
+                           b.span());
+          ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << " x " << lanes;
         }
-        random.fill(winners.span(), kNoWinner, lanes - 1);
-        ref::peak_ratio(std::span<const TypeParam>(costs.span()), lanes, winners.span(), a.span());
-        neon::peak_ratio(std::span<const TypeParam>(costs.span()), lanes, winners.span(), b.span());
-        ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << " x " << lanes;
       }
     }
   }

@@ -1,5 +1,6 @@
 #include "dsp/stereo/cost/prefilter.h"
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -7,6 +8,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -40,32 +42,40 @@ TEST(ClippedSobel, WeighsTheMiddleRowTwice) {
   EXPECT_EQ(out[1], 114);
 }
 
-TEST(ClippedSobel, NeonEqualsReferenceForEveryLength) {
+TEST(ClippedSobel, VectorsEqualReferenceForEveryLength) {
   for (std::size_t n = 0; n <= 100; ++n) {
-    test::GuardedBuffer<std::uint8_t> above(n), here(n), below(n), reference(n), neon(n);
+    test::GuardedBuffer<std::uint8_t> above(n), here(n), below(n), reference(n), vectors(n);
     test::Random random(n);
     random.fill(above.span());
     random.fill(here.span());
     random.fill(below.span());
     for (const int cap : {1, 15, 31, 127}) {
       ref::clipped_sobel(above.span(), here.span(), below.span(), cap, reference.span());
-      neon::clipped_sobel(above.span(), here.span(), below.span(), cap, neon.span());
-      for (std::size_t x = 0; x < n; ++x) {
-        ASSERT_EQ(reference[x], neon[x]) << "length " << n << " cap " << cap << " column " << x;
+      for (const Vectors v : test::all_vectors()) {
+        const test::UseVectors use(v);
+        std::ranges::fill(vectors.span(), std::uint8_t{255});
+        best::clipped_sobel(above.span(), here.span(), below.span(), cap, vectors.span());
+        for (std::size_t x = 0; x < n; ++x) {
+          ASSERT_EQ(reference[x], vectors[x])
+              << "length " << n << " cap " << cap << " column " << x;
+        }
       }
     }
   }
 }
 
-TEST(ClippedSobel, NeonEqualsReferenceAtExtremes) {
+TEST(ClippedSobel, VectorsEqualReferenceAtExtremes) {
   for (const int black : {0, 255}) {
-    test::GuardedBuffer<std::uint8_t> row(67), reference(67), neon(67);
+    test::GuardedBuffer<std::uint8_t> row(67), reference(67), vectors(67);
     for (std::size_t x = 0; x < row.size(); ++x) {
       row[x] = static_cast<std::uint8_t>(x % 3 == 0 ? black : 255 - black);
     }
     ref::clipped_sobel(row.span(), row.span(), row.span(), 127, reference.span());
-    neon::clipped_sobel(row.span(), row.span(), row.span(), 127, neon.span());
-    EXPECT_TRUE(std::ranges::equal(reference.span(), neon.span()));
+    for (const Vectors v : test::all_vectors()) {
+      const test::UseVectors use(v);
+      best::clipped_sobel(row.span(), row.span(), row.span(), 127, vectors.span());
+      EXPECT_TRUE(std::ranges::equal(reference.span(), vectors.span()));
+    }
   }
 }
 

@@ -133,17 +133,14 @@ TEST(Rectifier, TablesMapOnePointIntoOneRowWithinATenthOfAPixel) {
   for (const double toe_in : {0.03, 0.3}) {
     const RawPair pair = raw_pair(320, 240, toe_in);
     const Rectification r = rectify(pair);
-    test::GuardedImage<std::uint16_t> x_places(320, 240, 320), y_places(320, 240, 320);
-    test::GuardedImage<std::uint8_t> fx(320, 240, 320), fy(320, 240, 320);
-    const RemapTable table{x_places.view(), y_places.view(), fx.view(), fy.view()};
-    fill_remap_table(SourceMap(pair.right, r.right_turn, r.right), table);
+    Memory memory(RemapTable::bytes_needed(320, 240));
+    Arena arena = memory.arena();
+    const RemapTable table(SourceMap(pair.right, r.right_turn, r.right), arena);
     const auto place = [&](int x, int y) {
-      return std::pair{table.x.at(x, y) + (table.fraction_x.at(x, y) % kPlaceOne) / 128.0,
-                       table.y.at(x, y) + table.fraction_y.at(x, y) / 128.0};
+      const Place at = table.place(x, y);
+      return std::pair{at.x + at.fraction_x / 128.0, at.y + at.fraction_y / 128.0};
     };
-    const auto seen = [&](int x, int y) {
-      return x >= 0 && x < 320 && (table.fraction_x.at(x, y) & kPlaceInside) != 0;
-    };
+    const auto seen = [&](int x, int y) { return x >= 0 && x < 320 && table.inside(x, y); };
     int compared = 0;
     for (int y = 3; y < 240; y += 7) {
       for (int x = 3; x < 320; x += 7) {
@@ -229,8 +226,8 @@ TEST(Rectifier, MatcherFindsTheDepthOfAPlaneInRawPictures) {
 TEST(Rectifier, PixelsThatACameraDidNotSeeHaveNoDisparity) {
   Scene scene(raw_pair(160, 120, 0.35), Plane{}, 0.06);
   scene.rectifier.rectify(scene.left.view(), scene.right.view(), scene.left.view().rows());
-  const auto saw = [](const ImageView<const std::uint8_t>& mask, int x, int y) {
-    return x >= 0 && x < mask.width() && (mask.at(x, y) & kPlaceInside) != 0;
+  const auto saw = [](const RemapTable& table, int x, int y) {
+    return x >= 0 && x < 160 && table.inside(x, y);
   };
   for (const int sixteenths : {0, 8, 7, -8, -9, 300, -300, 16 * 160, -16 * 160, 32767, -32767}) {
     const Disparity all = Disparity::from_raw(static_cast<std::int16_t>(sixteenths));
@@ -245,7 +242,7 @@ TEST(Rectifier, PixelsThatACameraDidNotSeeHaveNoDisparity) {
       for (int x = 0; x < 160; ++x) {
         const int match = x - static_cast<int>(std::floor(sixteenths / 16.0 + 0.5));
         const bool want =
-            saw(scene.rectifier.left_mask(), x, y) && saw(scene.rectifier.right_mask(), match, y);
+            saw(scene.rectifier.left_table(), x, y) && saw(scene.rectifier.right_table(), match, y);
         ASSERT_EQ(disparity.view().at(x, y) == all, want) << sixteenths << " at " << x << ", " << y;
         ASSERT_EQ(disparity.view().at(x, y).valid(), want);
         cleared += want ? 0 : 1;

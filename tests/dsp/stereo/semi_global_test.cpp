@@ -20,11 +20,11 @@ std::size_t size(int value) { return static_cast<std::size_t>(value); }
 template <typename Cost>
 class Scene final : public CostSource<Cost> {
  public:
-  Scene(int width, int height, std::uint64_t seed)
+  Scene(int width, int height, std::uint64_t seed, int largest = 90)
       : width_(width), grey_(size(width * height)), costs_(size(width * height * kLanes)) {
     test::Random random(seed);
     random.fill(std::span(grey_));
-    random.fill(std::span(costs_), 0, 90);
+    random.fill(std::span(costs_), 0, largest);
     asked_.resize(size(height));
   }
   void row(int y, std::span<Cost> costs) noexcept override {
@@ -52,28 +52,32 @@ PathParams<Cost> params(int directions) {
   return {.directions = directions, .lanes = kLanes, .penalties = {.small = 5, .large = 40}};
 }
 
-template <typename Cost>
-using Map = std::vector<std::vector<std::uint16_t>>;
+template <typename Cost, typename Sum = std::uint16_t>
+using Map = std::vector<std::vector<Sum>>;
 
 // The sums of all rows, asked for in the order of `rows`.
-template <typename Cost>
-Map<Cost> sums_of(Scene<Cost>& scene, int directions, const std::vector<int>& rows) {
+template <typename Sum, typename Cost>
+Map<Cost, Sum> sums_of(Scene<Cost>& scene, const PathParams<Cost>& how,
+                       const std::vector<int>& rows) {
   const int width = scene.grey().width();
-  const auto how = params<Cost>(directions);
-  std::vector<std::byte> memory(SemiGlobal<Cost, std::uint16_t>::bytes_needed(how, width) +
-                                Arena::kAlign);
+  std::vector<std::byte> memory(SemiGlobal<Cost, Sum>::bytes_needed(how, width) + Arena::kAlign);
   void* aligned = memory.data();
   std::size_t space = memory.size();
   std::align(Arena::kAlign, 1, aligned, space);
   Arena arena(std::span(static_cast<std::byte*>(aligned), space));
-  SemiGlobal<Cost, std::uint16_t> semi_global(how, width, arena);
+  SemiGlobal<Cost, Sum> semi_global(how, width, arena);
   semi_global.start(scene.grey(), scene);
-  Map<Cost> map(size(scene.grey().height()));
+  Map<Cost, Sum> map(size(scene.grey().height()));
   for (const int y : rows) {
     const auto sums = semi_global.sums(y);
     map[size(y)].assign(sums.begin(), sums.end());
   }
   return map;
+}
+
+template <typename Cost>
+Map<Cost> sums_of(Scene<Cost>& scene, int directions, const std::vector<int>& rows) {
+  return sums_of<std::uint16_t>(scene, params<Cost>(directions), rows);
 }
 
 std::vector<int> in_order(int height) {
@@ -175,19 +179,47 @@ TEST(SemiGlobal, AgreesWithWholeColumnsOnNearlyEveryWinner) {
   EXPECT_LE(differing, 40 * height / 1000);
 }
 
+// From below, and jumping about.
+std::vector<std::vector<int>> odd_orders(int height) {
+  std::vector<int> backwards = in_order(height);
+  std::ranges::reverse(backwards);
+  std::vector<int> jumping;
+  for (int k = 0; k < height; ++k) {
+    jumping.push_back(k * 29 % height);
+  }
+  return {backwards, jumping};
+}
+
 TEST(SemiGlobal, RowsMayBeAskedForInAnyOrder) {
   const int height = 3 * SemiGlobal<std::uint8_t, std::uint16_t>::kStripe + 7;
   for (const int directions : {2, 4, 5, 8}) {
     Scene<std::uint8_t> scene(17, height, 9);
     const Map<std::uint8_t> expected = sums_of(scene, directions, in_order(height));
-    std::vector<int> backwards = in_order(height);
-    std::ranges::reverse(backwards);
-    EXPECT_EQ(sums_of(scene, directions, backwards), expected);
-    std::vector<int> jumping;
-    for (int k = 0; k < height; ++k) {
-      jumping.push_back(k * 29 % height);
+    for (const std::vector<int>& rows : odd_orders(height)) {
+      EXPECT_EQ(sums_of(scene, directions, rows), expected);
     }
-    EXPECT_EQ(sums_of(scene, directions, jumping), expected);
+  }
+}
+
+// Sums of bytes are made in place, where all four directions are.
+TEST(SemiGlobal, SumsOfBytesAreThoseOfWordsInAnyOrderOfRows) {
+  const int height = 3 * SemiGlobal<std::uint8_t, std::uint8_t>::kStripe + 7;
+  for (const int directions : {2, 4, 5, 8}) {
+    // Eight paths of at most 10 + 15 fit a byte.
+    Scene<std::uint8_t> scene(17, height, 9, 10);
+    const PathParams<std::uint8_t> how{
+        .directions = directions, .lanes = kLanes, .penalties = {.small = 2, .large = 15}};
+    const Map<std::uint8_t> words = sums_of<std::uint16_t>(scene, how, in_order(height));
+    Map<std::uint8_t, std::uint8_t> expected;
+    for (const std::vector<std::uint16_t>& row : words) {
+      EXPECT_LT(*std::ranges::max_element(row), 255);
+      expected.emplace_back(row.begin(), row.end());
+    }
+    std::vector<std::vector<int>> orders = odd_orders(height);
+    orders.push_back(in_order(height));
+    for (const std::vector<int>& rows : orders) {
+      EXPECT_EQ(sums_of<std::uint8_t>(scene, how, rows), expected) << directions << " directions";
+    }
   }
 }
 

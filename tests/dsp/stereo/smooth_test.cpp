@@ -7,6 +7,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -39,21 +40,25 @@ TEST(Binomial, RoundsHalfUpAndRepeatsTheBorder) {
 TEST(Binomial, LeavesAFlatPictureAlone) {
   for (const int grey : {0, 1, 127, 254, 255}) {
     test::GuardedBuffer<std::uint8_t> row(37, static_cast<std::uint8_t>(grey)), out(37);
-    neon::binomial(row.span(), row.span(), row.span(), out.span());
+    best::binomial(row.span(), row.span(), row.span(), out.span());
     EXPECT_TRUE(std::ranges::equal(row.span(), out.span())) << grey;
   }
 }
 
-TEST(Binomial, NeonEqualsReferenceForEveryLength) {
+TEST(Binomial, VectorsEqualReferenceForEveryLength) {
   for (std::size_t n = 0; n <= 100; ++n) {
-    test::GuardedBuffer<std::uint8_t> above(n), here(n), below(n), reference(n, 1), neon(n, 2);
+    test::GuardedBuffer<std::uint8_t> above(n), here(n), below(n), reference(n, 1), vectors(n, 2);
     test::Random random(n);
     random.fill(above.span());
     random.fill(here.span());
     random.fill(below.span());
     ref::binomial(above.span(), here.span(), below.span(), reference.span());
-    neon::binomial(above.span(), here.span(), below.span(), neon.span());
-    ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << "length " << n;
+    for (const Vectors v : test::all_vectors()) {
+      const test::UseVectors use(v);
+      std::ranges::fill(vectors.span(), std::uint8_t{2});
+      best::binomial(above.span(), here.span(), below.span(), vectors.span());
+      ASSERT_TRUE(std::ranges::equal(reference.span(), vectors.span())) << "length " << n;
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -25,10 +26,14 @@ void expect_equal_sums() {
         random.fill(rows.back().span(), 0, std::is_same_v<Cost, std::uint8_t> ? 255 : 8191);
         pointers.push_back(rows.back().span().data());
       }
-      test::GuardedBuffer<Sum> reference(n), neon(n);
+      test::GuardedBuffer<Sum> reference(n);
       ref::sum_paths(std::span<const Cost* const>(pointers), reference.span());
-      neon::sum_paths(std::span<const Cost* const>(pointers), neon.span());
-      ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << count << ", " << n;
+      for (const Vectors vectors : test::all_vectors()) {
+        const test::UseVectors use(vectors);
+        test::GuardedBuffer<Sum> fast(n);
+        best::sum_paths(std::span<const Cost* const>(pointers), fast.span());
+        ASSERT_TRUE(std::ranges::equal(reference.span(), fast.span())) << count << ", " << n;
+      }
       for (std::size_t i = 0; i < n; ++i) {
         std::size_t total = 0;
         for (const Cost* const row : pointers) {
@@ -40,7 +45,7 @@ void expect_equal_sums() {
   }
 }
 
-TEST(SumPaths, NeonEqualsReferenceForEveryNumberOfDirections) {
+TEST(SumPaths, VectorsEqualTheReferenceForEveryNumberOfDirections) {
   expect_equal_sums<std::uint8_t, std::uint8_t>();
   expect_equal_sums<std::uint8_t, std::uint16_t>();
   expect_equal_sums<std::uint16_t, std::uint16_t>();

@@ -7,6 +7,7 @@
 
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -65,15 +66,18 @@ TYPED_TEST(Winner, NothingWinsWhereAllCandidatesCostTheSame) {
   }
 }
 
-TYPED_TEST(Winner, NeonEqualsReferenceForEveryLaneCountAndLength) {
-  for (int lanes = 16; lanes <= 256; lanes += 16) {
-    for (const std::size_t n : {1U, 2U, 9U, 31U}) {
-      for (const int spread : {0, 1, 3, 60000}) {
-        const auto costs = this->costs(n, lanes, n + static_cast<std::size_t>(lanes), spread);
-        test::GuardedBuffer<std::int16_t> reference(n), neon(n);
-        ref::winners(costs.span(), lanes, reference.span());
-        neon::winners(costs.span(), lanes, neon.span());
-        ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << lanes << " x " << n;
+TYPED_TEST(Winner, VectorsEqualReferenceForEveryLaneCountAndLength) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (int lanes = 16; lanes <= 256; lanes += 16) {
+      for (const std::size_t n : {1U, 2U, 9U, 31U}) {
+        for (const int spread : {0, 1, 3, 60000}) {
+          const auto costs = this->costs(n, lanes, n + static_cast<std::size_t>(lanes), spread);
+          test::GuardedBuffer<std::int16_t> reference(n), neon(n);
+          ref::winners(costs.span(), lanes, reference.span());
+          best::winners(costs.span(), lanes, neon.span());
+          ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << lanes << " x " << n;
+        }
       }
     }
   }
@@ -93,18 +97,21 @@ TYPED_TEST(Winner, RightPixelTakesTheBestOfItsDiagonal) {
   EXPECT_EQ(winners[0], 0);
 }
 
-TYPED_TEST(Winner, NeonEqualsReferenceForRightPixels) {
-  for (int lanes = 16; lanes <= 256; lanes += 48) {
-    for (const std::size_t n : {1U, 2U, 9U, 31U, 100U}) {
-      for (const int spread : {1, 3, 60000}) {
-        const auto costs = this->costs(n, lanes, n, spread);
-        const std::size_t right = n + static_cast<std::size_t>(lanes) - 1;
-        test::GuardedBuffer<TypeParam> lowest_ref(right), lowest_neon(right);
-        test::GuardedBuffer<std::int16_t> reference(right), neon(right);
-        ref::right_winners(costs.span(), lanes, lowest_ref.span(), reference.span());
-        neon::right_winners(costs.span(), lanes, lowest_neon.span(), neon.span());
-        ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << lanes << " x " << n;
-        ASSERT_TRUE(std::ranges::equal(lowest_ref.span(), lowest_neon.span()));
+TYPED_TEST(Winner, VectorsEqualReferenceForRightPixels) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (int lanes = 16; lanes <= 256; lanes += 48) {
+      for (const std::size_t n : {1U, 2U, 9U, 31U, 100U}) {
+        for (const int spread : {1, 3, 60000}) {
+          const auto costs = this->costs(n, lanes, n, spread);
+          const std::size_t right = n + static_cast<std::size_t>(lanes) - 1;
+          test::GuardedBuffer<TypeParam> lowest_ref(right), lowest_neon(right);
+          test::GuardedBuffer<std::int16_t> reference(right), neon(right);
+          ref::right_winners(costs.span(), lanes, lowest_ref.span(), reference.span());
+          best::right_winners(costs.span(), lanes, lowest_neon.span(), neon.span());
+          ASSERT_TRUE(std::ranges::equal(reference.span(), neon.span())) << lanes << " x " << n;
+          ASSERT_TRUE(std::ranges::equal(lowest_ref.span(), lowest_neon.span()));
+        }
       }
     }
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/wire/crc32c_variants.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
@@ -53,6 +54,28 @@ TEST(Crc32c, EqualsOneBitAtATimeForEveryLength) {
       byte = static_cast<std::byte>(random.next());
     }
     ASSERT_EQ(crc32c(bytes.span()), bitwise(bytes.span())) << "length " << length;
+  }
+}
+
+// Up to more than two turns of each loop, and a datagram.
+TEST(Crc32c, EveryVariantIsTheSameForEveryLengthAndAlignment) {
+  if (!hardware::available()) {
+    GTEST_SKIP() << "this processor has no instruction for it";
+  }
+  constexpr std::size_t kMost = 2200;
+  test::GuardedBuffer<std::byte> bytes(kMost);
+  test::Random random(3);
+  for (std::byte& byte : bytes.span()) {
+    byte = static_cast<std::byte>(random.next());
+  }
+  for (std::size_t length = 0; length <= kMost; ++length) {
+    for (std::size_t offset = 0; offset < 9 && offset + length <= kMost; ++offset) {
+      // Ends at an unreadable page first.
+      const auto part = bytes.span().last(offset + length).first(length);
+      const auto before = static_cast<std::uint32_t>(random.next());
+      ASSERT_EQ(hardware::crc32c(part, before), table::crc32c(part, before))
+          << "length " << length << " at " << offset;
+    }
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/rvl.h"
+#include "firmware/wire/wide.h"
 #include "tests/firmware/wire/corridor_frame.h"
 #include "tests/firmware/wire/wire_support.h"
 
@@ -212,6 +213,35 @@ TEST(FitTest, RandomMapsStayHonest) {
       random.fill(part, least, random.between(0, 3) == 0 ? 65'535 : 2 * least);
     }
     expect_honest(map.view(), false);
+  }
+}
+
+// What is compiled for all processors, and for those with longer vectors.
+TEST(FitTest, IsTheSameOnAllProcessors) {
+  if (!wide_available()) {
+    GTEST_SKIP() << "this processor runs one kind of code only";
+  }
+  Random random(7);
+  for (int columns = 1; columns < 100; ++columns) {
+    Map map(columns, 9);
+    random.fill(std::span(map.depth), 0, columns % 3 == 0 ? 3 : 65'535);
+    random.fill(std::span(map.width), random.between(0, 300), columns % 7 == 0 ? 65'535 : 65'000);
+    for (unsigned scale = 0; scale <= kMostFitScale; ++scale) {
+      const auto rounded = [&](bool wide) {
+        use_wide(wide);
+        const dsp::DepthMap view = map.view();
+        Values depth(static_cast<std::size_t>(columns));
+        Values width(depth.size());
+        fit_depth(view.depth.row(8), scale, depth);
+        grow_width(view.depth.row(8), view.width.row(8), scale, width);
+        depth.insert(depth.end(), width.begin(), width.end());
+        depth.push_back(fit_scale(view, 0));
+        depth.push_back(fit_scale(view, kFitRows));
+        return depth;
+      };
+      const Values narrow = rounded(false);
+      ASSERT_EQ(rounded(true), narrow) << columns << " columns, scale " << scale;
+    }
   }
 }
 

@@ -28,10 +28,11 @@ constexpr CalibrationPacket kLens{.fx = 1 << 22, .fy = 1 << 22, .cx = 1 << 21, .
 
 // A coder with its memory, exactly as much as it asks for.
 struct Coder {
-  explicit Coder(const FrameSizes& sizes)
-      : lines(FrameCoder::bytes_needed(sizes) / sizeof(Line)),
+  explicit Coder(const FrameSizes& sizes) : Coder(sizes, FrameCoder::most_packets(sizes)) {}
+  Coder(const FrameSizes& sizes, std::size_t packets)
+      : lines(FrameCoder::bytes_needed(sizes, packets) / sizeof(Line)),
         arena(std::as_writable_bytes(std::span(lines))),
-        coder(kOrigin, sizes, kLens, arena) {}
+        coder(kOrigin, sizes, kLens, arena, packets) {}
 
   struct alignas(dsp::Arena::kAlign) Line {
     std::byte bytes[dsp::Arena::kAlign];
@@ -251,6 +252,59 @@ TEST(FrameCoderTest, RefusesImagesLargerThanSaid) {
   EXPECT_EQ(coder.coder.code(kStamp, {}, more_pmd.view(), {}).error(), Status::kTooLarge);
   Images smaller({31, 19, 15, 11}, 1, 5);
   EXPECT_TRUE(coder.coder.code(kStamp, {}, smaller.view(), everything(Coding::kRaw)).has_value());
+}
+
+// Keeps copies, as the datagrams are gone afterwards.
+struct Kept final : DatagramSink {
+  void take(Datagrams datagrams, std::size_t all) noexcept override {
+    most = std::max(most, datagrams.size());
+    told.push_back(all);
+    for (const std::span<const std::byte> datagram : datagrams) {
+      sent.emplace_back(datagram.begin(), datagram.end());
+    }
+  }
+  std::vector<std::vector<std::byte>> sent;
+  std::vector<std::size_t> told;
+  std::size_t most = 0;
+};
+
+void expect_same_in_little(const FrameSizes& sizes, Images& images, const StreamChoice& choice,
+                           std::size_t packets) {
+  SCOPED_TRACE(std::to_string(sizes.width) + " wide in " + std::to_string(packets));
+  Coder large(sizes);
+  Coder little(sizes, packets);
+  const Datagrams whole = large.coder.code(kStamp, {}, images.view(), choice).value();
+  for (int repeat = 0; repeat < 2; ++repeat) {  // nothing is left of the frame before
+    Kept kept;
+    ASSERT_EQ(little.coder.code(kStamp, {}, images.view(), choice, kept), Status::kOk);
+    ASSERT_EQ(kept.sent.size(), whole.size());
+    for (std::size_t i = 0; i < whole.size(); ++i) {
+      ASSERT_TRUE(std::ranges::equal(kept.sent[i], whole[i])) << "datagram " << i;
+    }
+    ASSERT_TRUE(std::ranges::all_of(kept.told, [&](std::size_t n) { return n == whole.size(); }));
+    ASSERT_LE(kept.most, std::max<std::size_t>(packets, 8) + 1);
+  }
+  const auto at_once = little.coder.code(kStamp, {}, images.view(), choice);
+  if (whole.size() > std::max<std::size_t>(packets, 8) + 1) {
+    ASSERT_EQ(at_once.error(), Status::kTooLarge);
+  }
+}
+
+TEST(FrameCoderTest, LittleMemorySendsTheSame) {
+  for (const FrameSizes& sizes : {FrameSizes{37, 29, 11, 7}, FrameSizes{640, 31, 352, 5},
+                                  FrameSizes{1280, 9, 0, 0}, FrameSizes{320, 100, 64, 40}}) {
+    for (const int most : {2, 30, 2000, 65'535}) {  // from steps to noise, which goes raw
+      Images images(sizes, static_cast<std::uint64_t>(sizes.width + most), most);
+      for (const Coding coding : {Coding::kRaw, Coding::kRvl, Coding::kFit}) {
+        for (const std::size_t packets : {0U, 8U, 9U, 33U}) {
+          StreamChoice choice = everything(coding);
+          expect_same_in_little(sizes, images, choice, packets);
+          choice.parity = false;
+          expect_same_in_little(sizes, images, choice, packets);
+        }
+      }
+    }
+  }
 }
 
 TEST(FrameCoderTest, EachLostDatagramComesBackFromParity) {

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/wire/wide.h"
 #include "tests/support/guarded.h"
 #include "tests/support/long_run.h"
 #include "tests/support/random.h"
@@ -107,6 +108,46 @@ TEST(RvlTest, CodesTheWorkedExample) {
 
 TEST(RvlTest, GivesBackWhatItCoded16) { expect_all_round_trips<std::uint16_t>(); }
 TEST(RvlTest, GivesBackWhatItCoded8) { expect_all_round_trips<std::uint8_t>(); }
+
+// What is compiled for all processors, and for those with longer vectors.
+template <typename T>
+void expect_same_on_all_processors() {
+  Random random(11);
+  for (const Sample<T>& sample : samples<T>()) {
+    for (const std::size_t space : {4U, 12U, 1112U, 20'000U}) {
+      std::array<std::vector<std::byte>, 2> codes;
+      std::array<std::uint32_t, 2> least{};
+      for (const bool wide : {false, true}) {
+        use_wide(wide);
+        least[wide ? 1 : 0] = rvl_least_nibbles<T>(sample.values);
+        GuardedBuffer<std::byte> out(space);
+        const RvlCoded coded = rvl_encode<T>(sample.values, out.span());
+        codes[wide ? 1 : 0].assign(out.span().begin(),
+                                   out.span().begin() + static_cast<std::ptrdiff_t>(coded.bytes));
+      }
+      ASSERT_EQ(codes[0], codes[1]) << sample.name;
+      ASSERT_EQ(least[0], least[1]) << sample.name;
+      for (int damage = 0; damage < 4 && !codes[0].empty(); ++damage) {
+        std::array<std::vector<T>, 2> back{std::vector<T>(sample.values.size()),
+                                           std::vector<T>(sample.values.size())};
+        use_wide(false);
+        const Status status = rvl_decode<T>(codes[0], back[0]);
+        use_wide(true);
+        ASSERT_EQ(rvl_decode<T>(codes[0], back[1]), status) << sample.name;
+        ASSERT_TRUE(status != Status::kOk || back[0] == back[1]) << sample.name;
+        codes[0][random.next() % codes[0].size()] ^= static_cast<std::byte>(random.next());
+      }
+    }
+  }
+}
+
+TEST(RvlTest, IsTheSameOnAllProcessors) {
+  if (!wide_available()) {
+    GTEST_SKIP() << "this processor runs one kind of code only";
+  }
+  expect_same_on_all_processors<std::uint16_t>();
+  expect_same_on_all_processors<std::uint8_t>();
+}
 
 TEST(RvlTest, EveryPairOfValuesComesBack) {
   std::array<std::byte, 8> out{};

@@ -1,0 +1,31 @@
+#include "dsp/base/target.h"
+
+#include "dsp/base/check.h"
+
+namespace stof::dsp {
+namespace {
+
+Vectors g_vectors = widest_vectors();
+
+}  // namespace
+
+Vectors widest_vectors() noexcept {
+#if defined(__x86_64__)
+  if (__builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
+      __builtin_cpu_supports("avx2") != 0) {
+    return Vectors::kAvx512;
+  }
+  return __builtin_cpu_supports("avx2") != 0 ? Vectors::kAvx2 : Vectors::kNeon;
+#else
+  return Vectors::kNeon;
+#endif
+}
+
+void use_vectors(Vectors vectors) noexcept {
+  STOF_CHECK(vectors <= widest_vectors());
+  g_vectors = vectors;
+}
+
+Vectors vectors() noexcept { return g_vectors; }
+
+}  // namespace stof::dsp

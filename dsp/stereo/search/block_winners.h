@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/refine/subpixel.h"
+#include "dsp/stereo/search/winner.h"
+
+// Winner takes all on sums of absolute differences over blocks, with the fit of the costs, in one
+// pass over a row: column sums slide by a row of pixels, block sums stay in registers, and the sums
+// themselves need not be kept. Equal to sad.h, winner.h and subpixel.h one after the other.
+//
+// Sums are eight times the sums of differences. Their low three bits then number groups of eight
+// candidates, so that the minimum itself tells which group it comes from, and of a tie is the group
+// of the smaller candidates.
+namespace stof::dsp {
+
+inline constexpr int kBlockSumScale = 8;
+// What sums of a block may reach: eight times it and the number of a group fit u16, below what
+// stands for no candidate; so does the largest number of the fit, 8.5 times a difference of sums.
+inline constexpr int kLargestBlockSum = 7710;
+// The largest pixel: differences have a sign and seven bits.
+inline constexpr int kLargestBlockPixel = 127;
+
+constexpr bool block_winners_serve(int block_width, int block_height, int largest_pixel) noexcept {
+  return largest_pixel <= kLargestBlockPixel &&
+         block_width * block_height * largest_pixel <= kLargestBlockSum;
+}
+static_assert(block_winners_serve(16, 16, 30) && block_winners_serve(15, 15, 30));
+
+// Pixels that enter a block's column sums and that leave them: n columns, layout of sad.h.
+struct BlockPixels {
+  std::span<const std::uint8_t> new_left;
+  std::span<const std::uint8_t> new_right;
+  std::span<const std::uint8_t> old_left;
+  std::span<const std::uint8_t> old_right;
+};
+
+enum class CostFit : std::uint8_t { kNone, kEquiangular, kParabola };
+
+// Where the n - block_width + 1 columns of a row lie, and what they may match.
+struct BlockRow {
+  int block_width = 1;
+  int lanes = 0;          // a multiple of 16, at most 256
+  int disparities = 0;    // candidates, at most lanes
+  int min_disparity = 0;  // of candidate 0
+  int x = 0;              // of the first column
+  int right_width = 0;    // right columns 0 .. right_width - 1 can be met
+  CostFit fit = CostFit::kNone;
+};
+
+struct BlockMatches {
+  std::span<std::int16_t> winners;  // one for each column
+  std::span<Disparity> fitted;      // as refine_winners() of these winners, or whole_winners()
+  // Empty, or the costs as sad.h has them, kNoCost where there is no candidate. Up to
+  // kBlockCostMargin elements before and behind them are read.
+  std::span<std::uint16_t> costs;
+};
+inline constexpr int kBlockCostMargin = 8;
+
+// columns: n x lanes, kBlockSumScale times the column sums of the row before; then of this row.
+using BlockWinners = void(const BlockPixels& pixels, const BlockRow& row,
+                          std::span<std::uint16_t> columns, const BlockMatches& out) noexcept;
+namespace ref {
+BlockWinners block_winners;
+}
+namespace neon {
+BlockWinners block_winners;
+}
+namespace avx2 {
+BlockWinners block_winners;
+}
+namespace avx512 {
+BlockWinners block_winners;
+}
+namespace best {
+inline constexpr Kernel<BlockWinners> block_winners{STOF_ALL_VARIANTS(block_winners)};
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,147 @@
+#pragma once
+
+#include <cstring>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/search/block_strips_body.h"
+
+// The pass over a row that the vector variants of block_winners() share. Isa is the
+// vocabulary of one of them:
+//   V, kLanes                      a vector of u16 sums
+//   load, store, add, sub, smaller, either (bitwise or), eighth (>> 3)
+//   pixel(p)                       a left pixel in all lanes
+//   exchange(l, r, ol, or, a, b)   a, b += 8 (|l - r| - |ol - or|) of 2 kLanes candidates
+//   exchange(l, r, ol, or, a)      of kLanes, where these are 16
+//   numbers(v)                     what the groups of the v-th vector are numbered with
+//   outside(first, begin, end)     all ones in lanes whose candidate, first + lane, is none of
+//   these store_eight(p, v)              the lowest of each lane number modulo 8 lowest(eights,
+//   first, costs, winners)   winners of eight columns among candidates from `first`
+//                                  on and, where first > 0, those found before
+//   fit<kShift>(row, around, costs, winners, fitted)   eight fits
+namespace stof::dsp::block_winners_body {
+
+// Above every cost, where sums have lost their three bits.
+inline constexpr std::uint16_t kNone = kNoCost<std::uint16_t> >> 3;
+
+template <typename Isa>
+class Pass {
+ public:
+  Pass(const BlockPixels& pixels, const BlockRow& row, std::uint16_t* columns,
+       const BlockMatches& out) noexcept
+      : pixels_(pixels),
+        row_(row),
+        out_(out),
+        columns_(columns),
+        lanes_(static_cast<std::size_t>(row.lanes)),
+        block_(static_cast<std::size_t>(row.block_width)) {}
+
+  void go() noexcept {
+    for_strips([&]<std::size_t kPairs>(std::size_t first) noexcept { begin<kPairs>(first); });
+    for (std::size_t x = 0; x < out_.winners.size(); x += kChunk) {
+      const std::size_t count = std::min(kChunk, out_.winners.size() - x);
+      for_strips(
+          [&]<std::size_t kPairs>(std::size_t first) noexcept { search<kPairs>(x, count, first); });
+      finish(x, count);
+    }
+  }
+
+ private:
+  static constexpr std::size_t kMargin = 16;
+
+  // 64 candidates at a time keep their sums in registers; what is left is 32 or 16.
+  template <typename Call>
+  void for_strips(Call&& call) noexcept {
+    constexpr std::size_t kPair = 2 * Isa::kLanes;
+    std::size_t first = 0;
+    for (; first + 64 <= lanes_; first += 64) {
+      call.template operator()<64 / kPair>(first);
+    }
+    if constexpr (kPair <= 32) {
+      if (first + 32 <= lanes_) {
+        call.template operator()<32 / kPair>(first);
+        first += 32;
+      }
+    }
+    if constexpr (kPair <= 32) {
+      if (first < lanes_) {
+        call.template operator()<16 / kPair>(first);
+      }
+    }
+  }
+
+  bool keeps_costs() const noexcept { return !out_.costs.empty(); }
+  // What is in memory of the sums of a chunk.
+  std::uint16_t* sums(std::size_t x) noexcept {
+    return keeps_costs() ? out_.costs.data() + x * lanes_ : ring_ + kMargin;
+  }
+
+  // The first block but for its last column.
+  template <std::size_t kPairs>
+  void begin(std::size_t first) noexcept {
+    Strip<Isa, kPairs> strip;
+    for (std::size_t v = 0; v < strip.kVectors; ++v) {
+      strip.sums[v] = Isa::numbers(v);
+    }
+    Place at(pixels_, columns_, lanes_, 0, first);
+    for (std::size_t k = 0; k + 1 < block_; ++k, at.advance(lanes_)) {
+      strip.exchange(at);
+    }
+    strip.store(state_ + first);
+  }
+
+  template <std::size_t kPairs>
+  void search(std::size_t x, std::size_t count, std::size_t first) noexcept {
+    if (!whole(row_, x, count)) {
+      keeps_costs() ? run<kPairs, true, true>(x, count, first)
+                    : run<kPairs, true, false>(x, count, first);
+    } else {
+      keeps_costs() ? run<kPairs, false, true>(x, count, first)
+                    : run<kPairs, false, false>(x, count, first);
+    }
+    for (std::size_t p = 0; p < count; p += 8) {
+      Isa::lowest(chunk_.eights.data() + 8 * p, first, chunk_.costs.data() + p,
+                  chunk_.winners.data() + p);
+    }
+  }
+
+  template <std::size_t kPairs, bool kMasked, bool kCosts>
+  void run(std::size_t x, std::size_t count, std::size_t first) noexcept {
+    // All in locals: the compiler must take vector stores for stores to members.
+    const std::size_t lanes = lanes_;
+    Place at(pixels_, columns_, lanes, x + block_ - 1, first);
+    const std::uint16_t* leaving = columns_ + x * lanes + first;
+    std::uint16_t* to = sums(x) + first;
+    std::uint16_t* eights = chunk_.eights.data();
+    Strip<Isa, kPairs> strip;
+    strip.load(state_ + first);
+    for (std::size_t p = 0; p < count; ++p) {
+      strip.exchange(at);
+      const Limits exist = kMasked ? limits(row_, x + p) : Limits{};
+      strip.template keep<kMasked, kCosts>(exist, static_cast<int>(first), to, eights);
+      strip.leave(leaving);
+      at.advance(lanes);
+      leaving += lanes;
+      to += lanes;
+      eights += 8;
+    }
+    strip.store(state_ + first);
+  }
+
+  void finish(std::size_t x, std::size_t count) noexcept;
+  bool suspicious(std::size_t x, std::size_t count) const noexcept;
+  void drop_ties(std::size_t x, std::size_t count) noexcept;
+  template <int kShift>
+  void fit(const std::uint16_t* sums, std::size_t p, std::size_t count) noexcept;
+
+  BlockPixels pixels_;
+  BlockRow row_;
+  BlockMatches out_;
+  std::uint16_t* columns_;
+  std::size_t lanes_;
+  std::size_t block_;
+  alignas(32) std::uint16_t state_[kMostLanes];
+  alignas(32) std::uint16_t ring_[kChunk * kMostLanes + 2 * kMargin];
+  Chunk chunk_{};
+};
+
+}  // namespace stof::dsp::block_winners_body

@@ -1,0 +1,126 @@
+#include "dsp/stereo/search/block_winners.h"
+
+#include "dsp/base/simd.h"
+#include "dsp/base/simd_lowest.h"
+#include "dsp/stereo/search/block_fits_body.h"
+
+namespace stof::dsp::neon {
+namespace {
+
+constexpr std::uint16_t kNumbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
+
+struct Neon {
+  using V = uint16x8_t;
+  static constexpr std::size_t kLanes = 8;
+
+  static V load(const std::uint16_t* p) noexcept { return vld1q_u16(p); }
+  static void store(std::uint16_t* p, V v) noexcept { vst1q_u16(p, v); }
+  static void store_eight(std::uint16_t* p, V v) noexcept { vst1q_u16(p, v); }
+  static V add(V a, V b) noexcept { return vaddq_u16(a, b); }
+  static V sub(V a, V b) noexcept { return vsubq_u16(a, b); }
+  static V smaller(V a, V b) noexcept { return vminq_u16(a, b); }
+  static V either(V a, V b) noexcept { return vorrq_u16(a, b); }
+  static V eighth(V a) noexcept { return vshrq_n_u16(a, 3); }
+  static V numbers(std::size_t v) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(v)); }
+
+  static V outside(int first, int begin, int end) noexcept {
+    // Less `begin`, wrapped, those inside are below the number of candidates.
+    const V candidate =
+        vaddq_u16(vld1q_u16(kNumbers), vdupq_n_u16(static_cast<std::uint16_t>(first - begin)));
+    return vcgeq_u16(candidate, vdupq_n_u16(static_cast<std::uint16_t>(std::max(end - begin, 0))));
+  }
+
+  static uint8x16_t pixel(const std::uint8_t* p) noexcept { return vdupq_n_u8(*p); }
+  static void exchange(uint8x16_t in, const std::uint8_t* new_right, uint8x16_t gone,
+                       const std::uint8_t* old_right, V& a, V& b) noexcept {
+    simd::add_eight_times(simd::difference_of_small(in, vld1q_u8(new_right)),
+                          simd::difference_of_small(gone, vld1q_u8(old_right)), a, b);
+  }
+
+  static void lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,
+                     std::int16_t* winners) noexcept {
+    V sums;
+    V lane;
+    simd::find_lowest(eights, sums, lane);
+    const V group = vshlq_n_u16(vandq_u16(sums, vdupq_n_u16(7)), 3);
+    const V winner =
+        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first)));
+    const V cost = vshrq_n_u16(sums, 3);
+    if (first == 0) {
+      vst1q_u16(costs, cost);
+      vst1q_s16(winners, vreinterpretq_s16_u16(winner));
+      return;
+    }
+    const V before = vld1q_u16(costs);
+    const V better = vcltq_u16(cost, before);
+    vst1q_u16(costs, vminq_u16(cost, before));
+    vst1q_s16(winners, vbslq_s16(better, vreinterpretq_s16_u16(winner), vld1q_s16(winners)));
+  }
+
+  // around[k]: the sums of the candidates before and behind the k-th winner, and its own between.
+  template <int kShift>
+  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[8],
+                  const std::uint16_t* costs, const std::int16_t* winners,
+                  std::int16_t* fitted) noexcept {
+    const int16x8_t winner = vld1q_s16(winners);
+    const int16x8_t none = vdupq_n_s16(kNoWinner);
+    const int16x8_t base =
+        vaddq_s16(winner, vdupq_n_s16(static_cast<std::int16_t>(row.min_disparity)));
+    int16x8_t out = vshlq_n_s16(base, Disparity::kFractionBits);
+    if (row.fit != CostFit::kNone) {
+      const V a = vcombine_u16(vld1_u16(around[0]), vld1_u16(around[1]));
+      const V b = vcombine_u16(vld1_u16(around[2]), vld1_u16(around[3]));
+      const V c = vcombine_u16(vld1_u16(around[4]), vld1_u16(around[5]));
+      const V d = vcombine_u16(vld1_u16(around[6]), vld1_u16(around[7]));
+      const V low = vuzp1q_u16(a, b);
+      const V high = vuzp1q_u16(c, d);
+      const V before = shifted<kShift>(vuzp1q_u16(low, high));
+      const V after = shifted<kShift>(vuzp2q_u16(low, high));
+      const int16x8_t last = vdupq_n_s16(static_cast<std::int16_t>(row.lanes - 1));
+      const V missing = vdupq_n_u16(kNoCost<std::uint16_t> >> kShift);
+      const V inside = vandq_u16(vcgtq_s16(winner, vdupq_n_s16(0)), vcltq_s16(winner, last));
+      const V usable = vandq_u16(inside, vcltq_u16(vmaxq_u16(before, after), missing));
+      const V shift = sixteenths(before, vld1q_u16(costs), after, row.fit);
+      const int16x8_t signed_shift = vreinterpretq_s16_u16(vandq_u16(shift, usable));
+      out = vbslq_s16(vcltq_u16(before, after), vsubq_s16(out, signed_shift),
+                      vaddq_s16(out, signed_shift));
+    }
+    out = vbslq_s16(vceqq_s16(winner, none), vdupq_n_s16(Disparity::none().raw), out);
+    vst1q_s16(fitted, out);
+  }
+
+ private:
+  template <int kShift>
+  static V shifted(V v) noexcept {
+    if constexpr (kShift == 0) {
+      return v;
+    } else {
+      return vshrq_n_u16(v, kShift);
+    }
+  }
+
+  // 0..8: 16 |before - after| reaches (2 k - 1) rises for k = 1.. once for each of them, which is
+  // when 8 |before - after| + rise / 2 reaches k rises.
+  static V sixteenths(V before, V best, V after, CostFit fit) noexcept {
+    const V higher = vsubq_u16(vmaxq_u16(before, after), best);
+    const V lower = vsubq_u16(vminq_u16(before, after), best);
+    const V rise = fit == CostFit::kEquiangular ? higher : vqaddq_u16(higher, lower);
+    const V reach = vaddq_u16(vshlq_n_u16(vsubq_u16(higher, lower), 3), vshrq_n_u16(rise, 1));
+    V bound = rise;
+    V count = vdupq_n_u16(0);
+    for (int k = 0; k < 8; ++k) {
+      count = vsubq_u16(count, vcgeq_u16(reach, bound));  // a true mask is -1
+      bound = vqaddq_u16(bound, rise);
+    }
+    return vandq_u16(count, vcgtq_u16(rise, vdupq_n_u16(0)));
+  }
+};
+
+}  // namespace
+
+void block_winners(const BlockPixels& pixels, const BlockRow& row, std::span<std::uint16_t> columns,
+                   const BlockMatches& out) noexcept {
+  block_winners_body::pass<Neon>(pixels, row, columns, out);
+}
+
+}  // namespace stof::dsp::neon

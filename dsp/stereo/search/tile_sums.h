@@ -1,0 +1,96 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/image.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/search/winner.h"
+
+// Winner takes all in a tile of a picture that searches few candidates: the pixels of a row lie
+// side by side in a vector, one candidate after the other, so that a tile pays for the candidates
+// it has, in any choice, and not for whole vectors of them.
+//
+// Sums of a tile are laid out [candidate][kTileColumns]: kTileSumScale times the sum of absolute
+// differences over the block, and in the low three bits the place of the candidate modulo 8: of a
+// group of eight the minimum itself tells which one it is, of a tie the first one.
+namespace stof::dsp {
+
+inline constexpr int kTileColumns = 48;
+inline constexpr int kTileSumScale = 8;
+// The largest pixel: four differences of differences fit a byte with a sign.
+inline constexpr int kLargestTilePixel = 31;
+inline constexpr int kLargestTileSum = 8190;  // of a block; kTileSumScale times it fits u16
+
+constexpr bool tile_sums_serve(int block_width, int block_height, int largest_pixel) noexcept {
+  return largest_pixel <= kLargestTilePixel &&
+         block_width * block_height * largest_pixel <= kLargestTileSum;
+}
+static_assert(tile_sums_serve(16, 16, 30));
+
+// Columns of a row that kernels look at from the first one of a tile on.
+constexpr int tile_reach(int block_width) noexcept {
+  constexpr int kVector = 32;
+  return (kTileColumns + block_width - 1 + kVector - 1) / kVector * kVector;
+}
+
+// Where a tile lies in pictures that were widened, so that all columns it looks at exist: block
+// column k of candidate c compares left column left_x + k with right column right_x + k - c.
+// Pixels are at most kLargestTilePixel.
+struct TilePlace {
+  ImageView<const std::uint8_t> left;
+  ImageView<const std::uint8_t> right;
+  int left_x = 0;
+  int right_x = 0;
+  int block_width = 1;                       // 1..64
+  std::span<const std::int16_t> candidates;  // ascending
+};
+
+// sums: of the block that these rows of the pictures make; rows beyond the pictures replicate.
+using StartTile = void(const TilePlace& tile, Rows rows, std::span<std::uint16_t> sums) noexcept;
+// Row `entering` enters the block, row `leaving` leaves it.
+using SlideTile = void(const TilePlace& tile, int entering, int leaving,
+                       std::span<std::uint16_t> sums) noexcept;
+
+// Candidate c exists for columns begin + c .. end + c - 1 of the tile.
+struct TileLimits {
+  int begin = 0;
+  int end = 0;
+};
+// winners[x] as winners() of winner.h has them, among `candidates`, for at most kTileColumns.
+using FindInTile = void(std::span<const std::uint16_t> sums,
+                        std::span<const std::int16_t> candidates, const TileLimits& limits,
+                        std::span<std::int16_t> winners) noexcept;
+
+// The sums of one candidate, at right columns that ascend with the left ones: where its cost
+// (without the scale) is less than `lowest` it becomes the winner. Equal lengths; no overlap.
+using OfferToRight = void(std::span<const std::uint16_t> sums, std::int16_t candidate,
+                          std::span<std::uint16_t> lowest,
+                          std::span<std::int16_t> winners) noexcept;
+
+namespace ref {
+StartTile start_tile;
+SlideTile slide_tile;
+FindInTile find_in_tile;
+OfferToRight offer_to_right;
+}  // namespace ref
+namespace neon {
+StartTile start_tile;
+SlideTile slide_tile;
+FindInTile find_in_tile;
+OfferToRight offer_to_right;
+}  // namespace neon
+namespace avx2 {
+StartTile start_tile;
+SlideTile slide_tile;
+FindInTile find_in_tile;
+OfferToRight offer_to_right;
+}  // namespace avx2
+namespace best {
+inline constexpr Kernel<StartTile> start_tile{STOF_VARIANTS(start_tile)};
+inline constexpr Kernel<SlideTile> slide_tile{STOF_VARIANTS(slide_tile)};
+inline constexpr Kernel<FindInTile> find_in_tile{STOF_VARIANTS(find_in_tile)};
+inline constexpr Kernel<OfferToRight> offer_to_right{STOF_VARIANTS(offer_to_right)};
+}  // namespace best
+
+}  // namespace stof::dsp

@@ -1,0 +1,236 @@
+#include "dsp/stereo/search/winner.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+#include "dsp/base/avx2.h"
+#include "dsp/base/check.h"
+#include "dsp/stereo/cost/sums_avx2.h"
+
+namespace stof::dsp::avx2 {
+namespace {
+
+// Packs two halves by themselves.
+u8x32 narrowed(u16x16 low, u16x16 high) noexcept {
+  const __m256i packed = _mm256_packs_epi16(bits(low), bits(high));
+  return as<u8x32>(_mm256_permute4x64_epi64(packed, 0b11'01'10'00));
+}
+
+// A bit for each of 32 candidates, set where it costs the lowest. Of `cheap` only those lanes stay
+// in which that, or nothing, is asked.
+std::uint64_t find_lowest(const std::uint8_t* costs, u8x32 lowest, u8x32& cheap) noexcept {
+  const u8x32 cost = load<u8x32>(costs);
+  const u8x32 found = as<u8x32>(bits(cost == lowest));
+  cheap &= found | as<u8x32>(bits(cost == all(kNoCost<std::uint8_t>)));
+  return mask_of(found);
+}
+std::uint64_t find_lowest(const std::uint16_t* costs, u16x16 lowest, u16x16& cheap) noexcept {
+  const u16x16 none = all(kNoCost<std::uint16_t>);
+  const u16x16 low = load<u16x16>(costs);
+  const u16x16 high = load<u16x16>(costs + 16);
+  const u16x16 low_found = as<u16x16>(bits(low == lowest));
+  const u16x16 high_found = as<u16x16>(bits(high == lowest));
+  cheap &=
+      (low_found | as<u16x16>(bits(low == none))) & (high_found | as<u16x16>(bits(high == none)));
+  return mask_of(narrowed(low_found, high_found));
+}
+
+// lanes a multiple of 32; kLanes as many, or 0: a known count is unrolled.
+template <typename V, std::size_t kLanes, typename Sum>
+std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
+  constexpr std::size_t kStep = sizeof(V) / sizeof(Sum);
+  const std::size_t count = kLanes != 0 ? kLanes : lanes;
+  V least = load<V>(costs);
+  for (std::size_t i = kStep; i < count; i += kStep) {
+    least = smaller(least, load<V>(costs + i));
+  }
+  const V lowest = lowest_everywhere(least);
+  V cheap = ~V{};
+  std::size_t winner = 0;
+  // From the last candidates to the first, which win ties.
+  for (std::size_t i = count; i > 0;) {
+    i -= 32;
+    std::uint64_t found = find_lowest(costs + i, lowest, cheap);
+    if (i > 0) {
+      i -= 32;
+      found = found << 32 | find_lowest(costs + i, lowest, cheap);
+    }
+    winner = found != 0 ? i + static_cast<std::size_t>(std::countr_zero(found)) : winner;
+  }
+  // Where nothing is offered, all cost the lowest.
+  return mask_of(as<u8x32>(bits(cheap))) == ~std::uint32_t{0} ? kNoWinner
+                                                              : static_cast<std::int16_t>(winner);
+}
+
+template <typename V, std::size_t kLanes, typename Sum>
+void find_winners_of(std::span<const Sum> costs, std::size_t lanes,
+                     std::span<std::int16_t> winners) noexcept {
+  const Sum* pixel = costs.data();
+  for (std::int16_t& winner : winners) {
+    winner = find_winner<V, kLanes>(pixel, lanes);
+    pixel += lanes;
+  }
+}
+
+template <typename V, typename Sum>
+void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes > 0 && costs.size() == winners.size() * count);
+  if (lanes == 64) {
+    find_winners_of<V, 64>(costs, count, winners);
+  } else {
+    find_winners_of<V, 0>(costs, count, winners);
+  }
+  damage(winners);
+}
+
+// A right pixel meets its candidates along a diagonal of the costs, its neighbour along the next
+// one: a vector of right pixels reads a vector of each column, and the lowest costs stay in
+// registers. Where only some of them have a candidate in a column, the others' lanes read what
+// belongs to the columns beside it, and are masked.
+template <typename V, typename Sum>
+class RightPixels {
+ public:
+  static constexpr std::size_t kCount = sizeof(V) / sizeof(Sum);
+  static constexpr int kLanes = static_cast<int>(kCount);
+
+  struct Found {
+    V lowest;
+    V candidates;  // mean nothing where lowest is kNoCost
+  };
+
+  // lanes >= kLanes.
+  RightPixels(std::span<const Sum> costs, int lanes) noexcept
+      : costs_(costs.data()), lanes_(lanes), last_(static_cast<int>(costs.size()) / lanes - 1) {
+    first_column_.fill(kNoCost<Sum>);
+    last_column_.fill(kNoCost<Sum>);
+    std::ranges::copy(costs.first(kCount), first_column_.begin() + kLanes);
+    std::ranges::copy(costs.last(kCount), last_column_.begin());
+  }
+
+  // Of right pixels j .. j + kLanes - 1, of which the first one meets column last_ - j + i as its
+  // candidate i.
+  Found find(int j) const noexcept {
+    Found found{.lowest = all(kNoCost<Sum>), .candidates = V{}};
+    int i = std::max(j - last_, 1 - kLanes);
+    V candidates = load<V>(kNumbers.data()) + all(static_cast<Sum>(i));
+    const Sum* at = costs_ + static_cast<std::ptrdiff_t>(last_ - j + i) * lanes_ + i;
+    const auto meet = [&](V costs) noexcept {
+      const V lowest = smaller(found.lowest, costs);
+      const V kept = as<V>(bits(lowest == found.lowest));
+      found = {.lowest = lowest, .candidates = larger(found.candidates, candidates & ~kept)};
+      candidates += all(Sum{1});
+      at += lanes_ + 1;
+      ++i;
+    };
+    if (i < 0 && i == j - last_) {
+      meet(load<V>(first_column_.data() + kLanes + i));
+    }
+    while (i < 0) {
+      meet(load<V>(at) | load<V>(kMasks.data() + kLanes + i));
+    }
+    while (i <= std::min(j, lanes_ - kLanes)) {
+      meet(load<V>(at));
+    }
+    while (i < std::min(j, lanes_)) {
+      meet(load<V>(at) | load<V>(kMasks.data() + 2 * kLanes - (lanes_ - i)));
+    }
+    if (i == j && j < lanes_) {
+      meet(load<V>(last_column_.data() + kLanes - (lanes_ - i)));
+    }
+    return found;
+  }
+
+ private:
+  static constexpr auto kNumbers = [] {
+    std::array<Sum, kCount> numbers{};
+    for (std::size_t k = 0; k < numbers.size(); ++k) {
+      numbers[k] = static_cast<Sum>(k);
+    }
+    return numbers;
+  }();
+  // Ends a vector of candidates on either side of the middle.
+  static constexpr auto kMasks = [] {
+    std::array<Sum, 3 * kCount> masks{};
+    std::ranges::fill_n(masks.begin(), kLanes, kNoCost<Sum>);
+    std::ranges::fill_n(masks.begin() + 2 * kLanes, kLanes, kNoCost<Sum>);
+    return masks;
+  }();
+
+  const Sum* costs_;
+  int lanes_;
+  int last_;  // column
+  // Beyond these there is no memory.
+  std::array<Sum, 2 * kCount> first_column_;
+  std::array<Sum, 2 * kCount> last_column_;
+};
+
+// kNoWinner where missing.
+void store_winners(u8x32 candidates, u8x32 missing, std::int16_t* winners) noexcept {
+  const __m256i low = _mm256_cvtepu8_epi16(_mm256_castsi256_si128(bits(candidates)));
+  const __m256i high = _mm256_cvtepu8_epi16(_mm256_extracti128_si256(bits(candidates), 1));
+  const __m256i low_mask = _mm256_cvtepi8_epi16(_mm256_castsi256_si128(bits(missing)));
+  const __m256i high_mask = _mm256_cvtepi8_epi16(_mm256_extracti128_si256(bits(missing), 1));
+  store(winners, as<i16x16>(_mm256_or_si256(low, low_mask)));
+  store(winners + 16, as<i16x16>(_mm256_or_si256(high, high_mask)));
+}
+void store_winners(u16x16 candidates, u16x16 missing, std::int16_t* winners) noexcept {
+  store(winners, as<i16x16>(bits(candidates | missing)));
+}
+
+template <typename V, typename Sum>
+void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                        std::span<std::int16_t> winners) noexcept {
+  const RightPixels<V, Sum> pixels(costs, lanes);
+  constexpr int kLanes = RightPixels<V, Sum>::kLanes;
+  const int n = static_cast<int>(costs.size()) / lanes;
+  STOF_CHECK(n >= 1 &&
+             costs.size() == static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
+  const int right = n + lanes - 1;
+  STOF_CHECK(lowest.size() == static_cast<std::size_t>(right) && winners.size() == lowest.size());
+  for (int next = 0; next < right; next += kLanes) {
+    // The last vector repeats pixels of the one before rather than ending outside.
+    const int j = std::min(next, right - kLanes);
+    const auto [least, candidates] = pixels.find(j);
+    store(lowest.data() + j, least);
+    store_winners(candidates, as<V>(bits(least == all(kNoCost<Sum>))), winners.data() + j);
+  }
+}
+
+}  // namespace
+
+void winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::int16_t> out) noexcept {
+  if (lanes % 32 != 0) {
+    neon::winners(costs, lanes, out);
+    return;
+  }
+  find_winners<u8x32>(costs, lanes, out);
+}
+
+void winners(std::span<const std::uint16_t> costs, int lanes,
+             std::span<std::int16_t> out) noexcept {
+  if (lanes % 32 != 0) {
+    neon::winners(costs, lanes, out);
+    return;
+  }
+  find_winners<u16x16>(costs, lanes, out);
+}
+
+void right_winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::uint8_t> lowest,
+                   std::span<std::int16_t> out) noexcept {
+  if (lanes % 32 != 0) {
+    neon::right_winners(costs, lanes, lowest, out);
+    return;
+  }
+  find_right_winners<u8x32>(costs, lanes, lowest, out);
+}
+
+void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
+                   std::span<std::int16_t> out) noexcept {
+  find_right_winners<u16x16>(costs, lanes, lowest, out);
+}
+
+}  // namespace stof::dsp::avx2

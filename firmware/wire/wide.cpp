@@ -1,0 +1,28 @@
+#include "firmware/wire/wide.h"
+
+#include "dsp/base/check.h"
+
+namespace stof::wire {
+namespace {
+
+bool g_wide = wide_available();
+
+}  // namespace
+
+bool wide_available() noexcept {
+#if defined(__x86_64__)
+  return __builtin_cpu_supports("avx2") != 0 && __builtin_cpu_supports("bmi") != 0 &&
+         __builtin_cpu_supports("bmi2") != 0;
+#else
+  return false;
+#endif
+}
+
+bool wide() noexcept { return g_wide; }
+
+void use_wide(bool wide) noexcept {
+  STOF_CHECK(!wide || wide_available());
+  g_wide = wide;
+}
+
+}  // namespace stof::wire

@@ -1,0 +1,34 @@
+#!/usr/bin/env python3
+"""Tests of scripts/check_wide.py."""
+
+import unittest
+
+import check_wide
+
+LISTING = """\
+0000000000000000 r .L.str
+                 U stof::dsp::check_failed(char const*, char const*, int)
+                 w __gmon_start__
+0000000000000000 T stof::dsp::avx2::sum_paths(int)
+0000000000000040 t stof::dsp::avx2::(anonymous namespace)::own()
+"""
+
+
+class SharedSymbols(unittest.TestCase):
+    def test_own_and_needed_ones_are_none(self):
+        self.assertEqual(check_wide.shared_symbols(LISTING), [])
+
+    def test_an_inline_function_is_one(self):
+        listing = LISTING + "0000000000000080 W std::span<int>::size() const\n"
+        self.assertEqual(check_wide.shared_symbols(listing), ["std::span<int>::size() const"])
+
+    def test_a_unique_variable_is_one(self):
+        listing = LISTING + "0000000000000000 u guard variable for table()::values\n"
+        self.assertEqual(check_wide.shared_symbols(listing), ["guard variable for table()::values"])
+
+    def test_a_folder_without_objects_is_no_success(self):
+        self.assertEqual(check_wide.main(["/nowhere"]), 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

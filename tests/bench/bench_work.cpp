@@ -1,0 +1,138 @@
+#include "tests/bench/bench_work.h"
+
+#include <utility>
+
+#include "dsp/base/workers.h"
+#include "dsp/pmd/phase.h"
+#include "dsp/stereo/matcher.h"
+#include "dsp/stereo/rectifier.h"
+#include "host/evaluate/workspace.h"
+#include "tests/dsp/stereo/raw_world.h"
+
+namespace stof::bench {
+namespace {
+
+struct MatchState {
+  MatchState(const Pictures& both, const dsp::MatchParams& params, int threads)
+      : pictures(both),
+        workers({.threads = threads}),
+        workspace(dsp::Matcher::bytes_needed(params, both.left.width, both.left.height,
+                                             workers.threads())),
+        arena(workspace.arena()),
+        matcher(params, both.left.width, both.left.height, arena,
+                dsp::Crew(workers, workers.threads())),
+        out(both.left.width, both.left.height) {}
+
+  Pictures pictures;
+  dsp::Workers workers;
+  host::Workspace workspace;
+  dsp::Arena arena;
+  dsp::Matcher matcher;
+  dataset::Image<dsp::Disparity> out;
+};
+
+struct RectifyState {
+  explicit RectifyState(const Pictures& both)
+      : pictures(both),
+        workspace(dsp::Rectifier::bytes_needed(both.left.width, both.left.height)),
+        arena(workspace.arena()),
+        rectifier(raw_rig(both.left.width, both.left.height), arena) {}
+
+  Pictures pictures;
+  host::Workspace workspace;
+  dsp::Arena arena;
+  dsp::Rectifier rectifier;
+};
+
+struct PhaseState {
+  explicit PhaseState(Samples four)
+      : samples(std::move(four)),
+        phase(samples.images[0].width, samples.images[0].height),
+        amp2(phase.width, phase.height),
+        offset(phase.width, phase.height),
+        flags(phase.width, phase.height) {}
+
+  void run() {
+    for (int y = 0; y < phase.height; ++y) {
+      const auto row = [&](std::size_t k) {
+        return std::as_const(samples.images[k]).view().row(y);
+      };
+      dsp::best::phase(
+          {row(0), row(1), row(2), row(3)}, {},
+          {phase.view().row(y), amp2.view().row(y), offset.view().row(y), flags.view().row(y)});
+    }
+  }
+
+  Samples samples;
+  dataset::Image<dsp::Phase> phase;
+  dataset::Image<std::uint16_t> amp2;
+  dataset::Image<std::uint16_t> offset;
+  dataset::Image<std::uint8_t> flags;
+};
+
+}  // namespace
+
+dsp::MatchParams block_params(int disparities) {
+  return {.disparities = disparities,
+          .block_width = 15,
+          .block_height = 15,
+          .subpixel = dsp::Subpixel::kParabola};
+}
+
+dsp::MatchParams preset_params(const char* preset, int disparities) {
+  dsp::MatchParams params = dsp::find_preset(preset)->params;
+  params.disparities = disparities;
+  return params;
+}
+
+dsp::MatchParams pyramid_params(int levels, int disparities) {
+  dsp::MatchParams params = block_params(disparities);
+  params.subpixel = dsp::Subpixel::kWhole;
+  if (levels > 0) {
+    params.pyramid_levels = levels;
+  }
+  return params;
+}
+
+Work match_work(const Pictures& pictures, const dsp::MatchParams& params, int threads) {
+  const auto state = std::make_shared<MatchState>(pictures, params, threads);
+  return [state] {
+    state->matcher.match(std::as_const(state->pictures.left).view(),
+                         std::as_const(state->pictures.right).view(), state->out.view());
+  };
+}
+
+Samples::Samples(int width, int height) {
+  std::uint32_t state = 1;
+  for (int k = 0; k < 4; ++k) {
+    dataset::Image<std::uint16_t>& image = images.emplace_back(width, height);
+    for (std::uint16_t& value : image.pixels) {
+      state = state * 1664525U + 1013904223U;
+      value = static_cast<std::uint16_t>(200U + (state >> 20U) * 7U / 8U);
+    }
+  }
+}
+
+Work phase_work(const Samples& samples) {
+  const auto state = std::make_shared<PhaseState>(samples);
+  return [state] { state->run(); };
+}
+
+dsp::StereoRig raw_rig(int width, int height) {
+  dsp::StereoRig rig;
+  rig.raw = dsp::raw::raw_pair(width, height);
+  const char* const wrong = dsp::complete(rig);
+  STOF_CHECK(*wrong == '\0');
+  return rig;
+}
+
+Work rectify_work(const Pictures& pictures) {
+  const auto state = std::make_shared<RectifyState>(pictures);
+  return [state] {
+    state->rectifier.rectify(std::as_const(state->pictures.left).view(),
+                             std::as_const(state->pictures.right).view(),
+                             state->rectifier.left().rows());
+  };
+}
+
+}  // namespace stof::bench

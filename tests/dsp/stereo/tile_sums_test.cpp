@@ -1,0 +1,171 @@
+#include "dsp/stereo/search/tile_sums.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dsp/stereo/search/tile_strips.h"
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+#include "tests/support/vectors.h"
+
+namespace stof::dsp {
+namespace {
+
+using Picture = test::GuardedImage<std::uint8_t>;
+using Sums = test::GuardedBuffer<std::uint16_t>;
+
+constexpr int kRows = 12;
+
+Picture noise(int width, test::Random& random) {
+  Picture picture(width, kRows, width);
+  for (int y = 0; y < kRows; ++y) {
+    random.fill(picture.view().row(y), 0, kLargestTilePixel);
+  }
+  return picture;
+}
+
+std::vector<std::vector<std::int16_t>> choices() {
+  std::vector<std::vector<std::int16_t>> lists{{0}, {7}, {0, 9}, {3, 4, 5, 20, 21}};
+  for (const int count : {7, 8, 9, 40}) {
+    std::vector<std::int16_t>& list = lists.emplace_back();
+    for (int i = 0; i < count; ++i) {
+      list.push_back(static_cast<std::int16_t>(i + (i > 10 ? 3 : 0)));
+    }
+  }
+  return lists;
+}
+
+TEST(TileSums, EqualTheReferenceForEveryBlockAndChoiceOfCandidates) {
+  test::Random random(5);
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (int block = 1; block <= 64; ++block) {
+      for (const auto& candidates : choices()) {
+        const int last = candidates.back();
+        const int height = std::min(kRows, kLargestTileSum / kLargestTilePixel / block);
+        Picture left = noise(tile_reach(block) + 1, random);
+        Picture right = noise(tile_reach(block) + last, random);
+        const TilePlace tile{.left = left.view(),
+                             .right = right.view(),
+                             .left_x = 1,
+                             .right_x = last,
+                             .block_width = block,
+                             .candidates = candidates};
+        Sums expected(candidates.size() * kTileColumns);
+        Sums sums(candidates.size() * kTileColumns);
+        ref::start_tile(tile, {-2, height - 2}, expected.span());
+        best::start_tile(tile, {-2, height - 2}, sums.span());
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          ASSERT_EQ(sums[i], expected[i]) << "block " << block << " at " << i;
+        }
+        for (int y = -2; y < 3; ++y) {
+          ref::slide_tile(tile, y + height, y, expected.span());
+          best::slide_tile(tile, y + height, y, sums.span());
+        }
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+          ASSERT_EQ(sums[i], expected[i]) << "block " << block << " at " << i;
+        }
+      }
+    }
+  }
+}
+
+// Few values, so that many tie.
+Sums some_sums(std::size_t candidates, std::uint64_t seed) {
+  test::Random random(seed);
+  Sums sums(candidates * kTileColumns);
+  std::vector<std::uint8_t> costs(sums.size());
+  random.fill(std::span<std::uint8_t>(costs), 0, 3);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const std::size_t place = i / kTileColumns % kTileSumScale;
+    sums[i] = static_cast<std::uint16_t>(kTileSumScale * costs[i] + place);
+  }
+  return sums;
+}
+
+TEST(TileSums, FindWhatTheReferenceFindsWithinAnyLimits) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const auto& candidates : choices()) {
+      for (const TileLimits limits : {TileLimits{-1100, 1100}, TileLimits{-40, 48},
+                                      TileLimits{0, 60}, TileLimits{-3, 5}, TileLimits{90, 100}}) {
+        for (const std::size_t width : {std::size_t{1}, std::size_t{17}, std::size_t{48}}) {
+          Sums sums = some_sums(candidates.size(), width);
+          test::GuardedBuffer<std::int16_t> expected(width, 99), found(width, 99);
+          ref::find_in_tile(sums.span(), candidates, limits, expected.span());
+          best::find_in_tile(sums.span(), candidates, limits, found.span());
+          for (std::size_t x = 0; x < width; ++x) {
+            ASSERT_EQ(found[x], expected[x]) << candidates.size() << " candidates at " << x;
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(TileSums, OfferToTheRightWhatTheReferenceOffers) {
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (std::size_t n = 0; n <= 48; ++n) {
+      test::GuardedBuffer<std::uint16_t> low(n, 2), expected_low(n, 2);
+      test::GuardedBuffer<std::int16_t> won(n, -1), expected(n, -1);
+      for (std::size_t i = 0; i < 3; ++i) {
+        Sums sums = some_sums(1, n + i);
+        const auto row = sums.span().first(n);
+        ref::offer_to_right(row, static_cast<std::int16_t>(i), expected_low.span(),
+                            expected.span());
+        best::offer_to_right(row, static_cast<std::int16_t>(i), low.span(), won.span());
+      }
+      for (std::size_t x = 0; x < n; ++x) {
+        ASSERT_EQ(low[x], expected_low[x]) << n;
+        ASSERT_EQ(won[x], expected[x]) << n;
+      }
+    }
+  }
+}
+
+TEST(TileStrips, SearchingEverythingIsWhatTileSearchFinds) {
+  test::Random random(9);
+  for (const int width : {1, 40, 48, 49, 150}) {
+    for (const int min_disparity : {-70, -3, 0, 9, 200}) {
+      const MatchParams params{
+          .min_disparity = min_disparity, .disparities = 37, .block_width = 7, .block_height = 5};
+      Picture left = noise(width, random), right = noise(width, random);
+      const auto run = [&]<typename Search>(auto search_all) {
+        test::GuardedBuffer<std::byte> memory(Search::bytes_needed(params, true, width, kRows));
+        Arena arena(memory.span());
+        Search search(params, true, width, kRows, arena);
+        search.start(left.view(), right.view());
+        search_all(search);
+      };
+      using Map = test::GuardedImage<std::int16_t>;
+      Map found(width, kRows, width), met(width, kRows, width);
+      Map expected(width, kRows, width), expected_met(width, kRows, width);
+      std::vector<std::int16_t> all(37);
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        all[i] = static_cast<std::int16_t>(i);
+      }
+      run.template operator()<TileStrips>([&](TileStrips& strips) {
+        for (int t = 0; t < TileStrips::tiles(width); ++t) {
+          strips.search({0, kRows}, t, all, {found.view(), met.view()});
+        }
+      });
+      using Plain = TileSearch<std::uint16_t>;
+      run.template operator()<Plain>([&](Plain& search) {
+        const std::vector<CandidateRange> ranges(static_cast<std::size_t>(Plain::tiles(width)),
+                                                 CandidateRange{0, 48});
+        search.search({0, kRows}, ranges, {expected.view(), expected_met.view()});
+      });
+      for (int y = 0; y < kRows; ++y) {
+        for (int x = 0; x < width; ++x) {
+          ASSERT_EQ(found.view().at(x, y), expected.view().at(x, y)) << width << " " << x;
+          ASSERT_EQ(met.view().at(x, y), expected_met.view().at(x, y)) << width << " " << x;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stof::dsp
