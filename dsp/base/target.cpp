@@ -5,7 +5,11 @@
 namespace stof::dsp {
 namespace {
 
-Vectors g_vectors = widest_vectors();
+// Others may ask before main().
+Vectors& chosen() noexcept {
+  static Vectors vectors = widest_vectors();
+  return vectors;
+}
 
 }  // namespace
 
@@ -23,9 +27,9 @@ Vectors widest_vectors() noexcept {
 
 void use_vectors(Vectors vectors) noexcept {
   STOF_CHECK(vectors <= widest_vectors());
-  g_vectors = vectors;
+  chosen() = vectors;
 }
 
-Vectors vectors() noexcept { return g_vectors; }
+Vectors vectors() noexcept { return chosen(); }
 
 }  // namespace stof::dsp

@@ -25,9 +25,8 @@ class PartJob {
   template <typename F>
     requires(!std::is_same_v<std::remove_cvref_t<F>, PartJob> &&
              std::is_nothrow_invocable_v<F&, int, int>)
-  PartJob(
-      F&& job) noexcept  // NOLINT(google-explicit-constructor,bugprone-forwarding-reference-overload):
-                         // a reference to it
+  // NOLINTNEXTLINE(google-explicit-constructor,bugprone-forwarding-reference-overload): a reference
+  PartJob(F&& job) noexcept
       : object_(const_cast<void*>(static_cast<const void*>(std::addressof(job)))),  // NOLINT: type
         call_([](void* object, int part, int thread) noexcept {                     // comes back
           (*static_cast<std::remove_reference_t<F>*>(object))(part, thread);

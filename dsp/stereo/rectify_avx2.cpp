@@ -50,7 +50,7 @@ i16x16 lasts(i16x16 v) noexcept { return shuffled(v, _mm256_set1_epi16(0x0F0E));
 
 // A, B, C, D of both axes.
 i32x8 numbers_of(const PlaceTile& tile, float t) noexcept {
-  const auto power = [&](std::size_t i) noexcept { return _mm256_loadu_ps(&tile.powers[i][0]); };
+  const auto power = [&](std::size_t i) noexcept { return _mm256_loadu_ps(tile.powers[i].data()); };
   const auto times = [](__m256 v, float f) noexcept { return _mm256_mul_ps(v, _mm256_set1_ps(f)); };
   __m256 sum = _mm256_add_ps(power(0), times(power(1), t));
   sum = _mm256_add_ps(sum, times(power(2), t * t));
@@ -79,17 +79,17 @@ struct Walk {
   }
 };
 
-// axis 0: x, 1: y.
-template <int axis>
+// kAxis 0: x, 1: y.
+template <int kAxis>
 Walk walk_of(const PlaceTile& tile, i32x8 numbers) noexcept {
-  const i32x8 slope = all(numbers[4 * axis + 1]);
+  const i32x8 slope = all(numbers[4 * kAxis + 1]);
   const i16x16 narrow = as<i16x16>(_mm256_packs_epi32(bits(numbers), bits(numbers)));
   const __m256i curves = bits(narrow);  // C, D of x in element 1, of y in element 5
-  return {.even = all(numbers[4 * axis]) + slope * i32x8{0, 2, 4, 6, 8, 10, 12, 14},
+  return {.even = all(numbers[4 * kAxis]) + slope * i32x8{0, 2, 4, 6, 8, 10, 12, 14},
           .slope = slope,
-          .curve = _mm256_permutevar8x32_epi32(curves, _mm256_set1_epi32(4 * axis + 1)),
-          .low = all(tile.low[axis]),
-          .high = all(tile.high[axis])};
+          .curve = _mm256_permutevar8x32_epi32(curves, _mm256_set1_epi32(4 * kAxis + 1)),
+          .low = all(tile.low[kAxis]),
+          .high = all(tile.high[kAxis])};
 }
 
 struct Sixteen {

@@ -155,10 +155,9 @@ struct Source {
 bool mix_eight(const Source& source, const Eight& places, std::uint8_t* out) noexcept {
   const int y_first = vgetq_lane_s16(places.y, 0);
   const int y_last = vgetq_lane_s16(places.y, kLanes - 1);
-  const int left =
-      std::min(std::min<int>(vgetq_lane_s16(places.x, 0), vgetq_lane_s16(places.x, kLanes - 1)),
-               source.most_left);
-  const int top = std::min(std::min(y_first, y_last), source.most_top);
+  const int left = std::min<int>(
+      {vgetq_lane_s16(places.x, 0), vgetq_lane_s16(places.x, kLanes - 1), source.most_left});
+  const int top = std::min({y_first, y_last, source.most_top});
   const int last = std::max(1, std::max(y_first, y_last) - top);
   const uint16x8_t column =
       vreinterpretq_u16_s16(vsubq_s16(places.x, vdupq_n_s16(static_cast<std::int16_t>(left))));

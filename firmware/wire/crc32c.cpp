@@ -34,8 +34,6 @@ constexpr Tables make_tables() noexcept {
 
 constexpr Tables kTables = make_tables();
 
-const bool kHardware = hardware::available();
-
 }  // namespace
 
 std::uint32_t table::crc32c(std::span<const std::byte> bytes, std::uint32_t before) noexcept {
@@ -55,7 +53,8 @@ std::uint32_t table::crc32c(std::span<const std::byte> bytes, std::uint32_t befo
 }
 
 std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before) noexcept {
-  return kHardware ? hardware::crc32c(bytes, before) : table::crc32c(bytes, before);
+  static const bool has_instruction = hardware::available();  // others may ask before main()
+  return has_instruction ? hardware::crc32c(bytes, before) : table::crc32c(bytes, before);
 }
 
 }  // namespace stof::wire

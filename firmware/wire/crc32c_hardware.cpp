@@ -56,7 +56,7 @@ std::uint32_t add8(std::uint32_t crc, const std::byte* at) noexcept {
   std::uint64_t bytes = 0;
   std::memcpy(&bytes, at, sizeof bytes);
 #if defined(__x86_64__)
-  std::uint64_t wide = crc;
+  std::uint64_t wide = crc;  // NOLINT(misc-const-correctness): the instruction writes it
   asm("crc32q %1, %0" : "+r"(wide) : "r"(bytes));
   return static_cast<std::uint32_t>(wide);
 #elif defined(__aarch64__)

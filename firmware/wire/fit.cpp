@@ -76,11 +76,11 @@ STOF_WIRE_WIDE void width_row_wide(std::span<const dsp::QuarterMm> depth,
 
 std::uint8_t fit_scale(const dsp::DepthMap& map, int first) noexcept {
   const int end = std::min(first + kFitRows, map.depth.height());
+  const auto count = wide() ? count_row_wide : count_row;
   for (int scale = kMostFitScale; scale > 0; --scale) {
     Counts counts;
     for (int y = first; y < end; ++y) {
-      (wide() ? count_row_wide : count_row)(map.depth.row(y), map.width.row(y), kFitPart << scale,
-                                            counts);
+      count(map.depth.row(y), map.width.row(y), kFitPart << scale, counts);
     }
     if (counts.pixels == 0 || counts.wide > 0) {
       return 0;

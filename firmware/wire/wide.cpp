@@ -5,7 +5,11 @@
 namespace stof::wire {
 namespace {
 
-bool g_wide = wide_available();
+// Others may ask before main().
+bool& chosen() noexcept {
+  static bool wide = wide_available();
+  return wide;
+}
 
 }  // namespace
 
@@ -18,11 +22,11 @@ bool wide_available() noexcept {
 #endif
 }
 
-bool wide() noexcept { return g_wide; }
+bool wide() noexcept { return chosen(); }
 
 void use_wide(bool wide) noexcept {
   STOF_CHECK(!wide || wide_available());
-  g_wide = wide;
+  chosen() = wide;
 }
 
 }  // namespace stof::wire

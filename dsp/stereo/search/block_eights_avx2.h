@@ -11,7 +11,7 @@
 namespace stof::dsp::avx2 {
 
 template <typename Isa>
-struct Eights {
+struct Eights {  // NOLINT(bugprone-crtp-constructor-accessibility): functions alone
   static void lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,
                      std::int16_t* winners) noexcept {
     __m128i found[8];  // the lowest and where, in the low 32 bits

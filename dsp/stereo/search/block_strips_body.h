@@ -114,14 +114,15 @@ struct Strip {
     V kept[kVectors];
     for (std::size_t v = 0; v < kVectors; ++v) {
       kept[v] = sums[v];
-      V stored = kCosts ? Isa::eighth(sums[v]) : sums[v];
+      const V wanted = kCosts ? Isa::eighth(sums[v]) : sums[v];
       if constexpr (kMasked) {
         const int candidate = first + static_cast<int>(v * Isa::kLanes);
         const V outside = Isa::outside(candidate, exist.begin, exist.end);
         kept[v] = Isa::either(kept[v], outside);
-        stored = Isa::either(stored, outside);
+        Isa::store(to + v * Isa::kLanes, Isa::either(wanted, outside));
+      } else {
+        Isa::store(to + v * Isa::kLanes, wanted);
       }
-      Isa::store(to + v * Isa::kLanes, stored);
     }
     for (std::size_t n = kPairs; n > 0; n /= 2) {  // a tree: nothing waits for long
       for (std::size_t v = 0; v < n; ++v) {
