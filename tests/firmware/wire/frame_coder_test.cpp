@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -199,7 +200,7 @@ void expect_frame(std::span<const std::span<const std::byte>> datagrams, Images&
     ASSERT_EQ(next[k], choice.coding[k] == Coding::kOff ? 0 : all);
   }
   EXPECT_EQ(info.tiles, tiles);
-  EXPECT_EQ(info.parity_groups, choice.parity ? parity_groups(parts) % 256 : 0);
+  EXPECT_EQ(info.parity_groups, choice.parity ? std::min<int>(parity_groups(parts), 255) : 0);
   EXPECT_EQ(info.cloud_step, choice.of(Stream::kCloud) != Coding::kOff ? 3 : 0);
   EXPECT_EQ(info.settings_revision, 17U);
 }
@@ -218,6 +219,23 @@ TEST(FrameCoderTest, SendsEveryImageBitForBit) {
       }
     }
   }
+}
+
+// A byte that wraps would say of 256 that there is none.
+TEST(FrameCoderTest, ManyPacketsOfParityAreNotToldAsNone) {
+  StreamChoice choice{.parity = true};
+  choice.of(Stream::kPmdRaw) = Coding::kRaw;
+  std::set<std::size_t> told;
+  for (int height = 980; height <= 992; ++height) {
+    const FrameSizes sizes{1, 1, 600, height};
+    Coder coder(sizes);
+    Images images(sizes, 1, 65'535);
+    const auto sent = coder.coder.code(kStamp, {.settings_revision = 17}, images.view(), choice);
+    ASSERT_TRUE(sent.has_value());
+    expect_frame(*sent, images, sizes, choice);
+    told.insert(parity_groups(parse_packet(sent->front())->header.count));
+  }
+  EXPECT_TRUE(told.contains(255) && told.contains(256) && told.contains(257));
 }
 
 TEST(FrameCoderTest, SendsOnlyWhatIsChosen) {
