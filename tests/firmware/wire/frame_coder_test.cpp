@@ -325,6 +325,31 @@ TEST(FrameCoderTest, LittleMemorySendsTheSame) {
   }
 }
 
+// Attempts at shorter codes take more memory than what they end with.
+TEST(FrameCoderTest, HardlyEnoughMemorySendsTheSame) {
+  for (const FrameSizes& sizes : {FrameSizes{640, 31, 0, 0}, FrameSizes{1280, 40, 0, 0}}) {
+    for (const int most : {30, 2000, 65'535}) {
+      Images images(sizes, static_cast<std::uint64_t>(sizes.width + most), most);
+      for (const Coding coding : {Coding::kRvl, Coding::kFit}) {
+        for (const Stream last : {Stream::kDepth, Stream::kWidth, Stream::kSource}) {
+          StreamChoice choice;
+          for (Stream stream = Stream::kDepth; stream <= last;
+               stream = static_cast<Stream>(static_cast<int>(stream) + 1)) {
+            choice.of(stream) = coding;
+          }
+          Coder large(sizes);
+          const std::size_t all =
+              large.coder.code(kStamp, {}, images.view(), choice).value().size();
+          for (std::size_t packets = all - std::min<std::size_t>(all, 4); packets <= all;
+               ++packets) {
+            expect_same_in_little(sizes, images, choice, packets);
+          }
+        }
+      }
+    }
+  }
+}
+
 TEST(FrameCoderTest, EachLostDatagramComesBackFromParity) {
   const FrameSizes sizes{160, 90, 32, 24};
   Coder coder(sizes);
