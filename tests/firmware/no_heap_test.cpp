@@ -151,7 +151,7 @@ void run_without_heap(dsp::Workers* workers, std::uint64_t frames) {
   std::uint64_t steps = 0;
   std::uint64_t lost = 0;
   while (rig.events.counters.published < frames && steps < frames + frames / 2) {
-    lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1 : 0;
+    lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1U : 0U;
     while (rig.port.take_sent()) {
     }
     while (rig.events.take()) {
