@@ -78,15 +78,6 @@ int help() {
 // Random, so that a receiver notices a sender that started anew.
 std::uint32_t make_session_id() { return std::random_device()(); }
 
-// How many compute, and why not more.
-std::string threads_text(const RigInFront& rig, const Plan& plan) {
-  const int threads = plan.setup.threads;
-  return std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
-         (threads == rig.threads
-              ? std::string()
-              : " (of " + std::to_string(rig.threads) + ": there is no memory for more searches)");
-}
-
 void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
   const dsp::Pinhole& left = rig.calibration.stereo.left;
   const dsp::Pinhole& pmd = rig.calibration.pmd.lens;
@@ -104,7 +95,8 @@ void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
       std::to_string(
           std::chrono::duration_cast<std::chrono::microseconds>(plan.timing.period).count()) +
       " us, workspace " + std::to_string(bytes / 1024) + " of " +
-      std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " + threads_text(rig, plan));
+      std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " +
+      threads_text(plan.setup.threads, rig.threads));
   say("listening at UDP port " + std::to_string(board.port.port()));
 }
 

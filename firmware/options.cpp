@@ -250,8 +250,8 @@ std::string options_usage() {
       "  --max-range METRES   nothing is further away, 0.5 to 16.38 (default 10)\n"
       "  --guided             PMD intervals narrow the search where they can be trusted\n"
       "  --temporal           depth is averaged over frames where nothing moves\n"
-      "  --threads N          that compute depth, 1..8 (default: the board's processors, at most "
-      "4)\n"
+      "  --threads N          that compute depth, 1..8; 0 (default): the board's processors, at "
+      "most 4\n"
       "  --device N           device number in every packet (default 1)\n"
       "  --session N          session number in every packet (default: random)\n"
       "  --help               this text\n";

@@ -70,6 +70,13 @@ std::string describe(const Event& event) {
   return "unknown event";
 }
 
+std::string threads_text(int threads, int there) {
+  return std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+         (threads == there
+              ? std::string()
+              : " (of " + std::to_string(there) + ": there is no memory for more searches)");
+}
+
 std::string summary(const Counters& counters) {
   std::string text = std::to_string(counters.published) + " frames published of " +
                      std::to_string(counters.edges) + " edges, " +

@@ -10,6 +10,9 @@ namespace stof::firmware {
 // One line without its end.
 std::string describe(const Event& event);
 
+// How many threads compute, of those there are, and why not more.
+std::string threads_text(int threads, int there);
+
 // One line of totals: for the end.
 std::string summary(const Counters& counters);
 

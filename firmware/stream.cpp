@@ -151,8 +151,10 @@ Status Stream::send(Datagrams datagrams) noexcept {
   Counters& counters = events_.counters;
   Status status = Status::kOk;
   std::size_t unreachable = 0;
+  std::size_t others = receiver_count_;  // whose turn has not come
   for (const hal::Peer& peer : receivers()) {
     bool reached = false;
+    --others;
     for (std::size_t at = 0; at < datagrams.size();) {
       std::size_t sent = 0;
       const Status taken = port_.send(peer, datagrams.subspan(at), sent);
@@ -160,7 +162,7 @@ Status Stream::send(Datagrams datagrams) noexcept {
       at += sent;
       reached = reached || taken != Status::kDeviceError;
       if (taken == Status::kDeviceLost) {
-        counters.packets_dropped += datagrams.size() - at;
+        counters.packets_dropped += datagrams.size() - at + others * datagrams.size();
         return taken;
       }
       if (at < datagrams.size()) {  // this one is lost, the next one is tried

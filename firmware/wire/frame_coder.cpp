@@ -39,6 +39,7 @@ constexpr std::size_t pixels16(const FrameSizes& sizes) noexcept {
 // RVL is tried in the space of one part more.
 constexpr std::size_t kSpare = 1;
 constexpr std::size_t kLeastPackets = 8;
+constexpr std::uint16_t kMostTold = 255;  // parity groups, of the frame info's byte
 
 template <typename T>
 bool within(const dsp::ImageView<T>& image, int width, int height) noexcept {
@@ -222,7 +223,8 @@ FrameInfo FrameCoder::counted(const FrameInfo& info, const StreamChoice& choice)
   }
   const std::uint16_t groups = parity_groups(static_cast<std::uint16_t>(store_.size()));
   const bool cloud = counted.tiles[static_cast<std::size_t>(Stream::kCloud) - 1] > 0;
-  counted.parity_groups = choice.parity ? static_cast<std::uint8_t>(groups) : std::uint8_t{0};
+  counted.parity_groups =
+      choice.parity ? static_cast<std::uint8_t>(std::min(groups, kMostTold)) : std::uint8_t{0};
   counted.cloud_step = cloud ? static_cast<std::uint8_t>(choice.cloud_step) : std::uint8_t{0};
   return counted;
 }

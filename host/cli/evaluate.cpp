@@ -31,6 +31,10 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
   command.add_flag("--energy", match.energy, "Print SPEC's energy of the map; slow");
   command.add_option("--runs", match.runs, "Runs of which the median time is printed")
       ->capture_default_str();
+  command
+      .add_option("--threads", match.threads,
+                  "Threads that compute, 1 to 8; times depend on it, results do not (sa has one)")
+      ->capture_default_str();
   command.add_flag("--json", options.json, "Machine-readable result on stdout");
   command.add_option("--out", options.out, "Folder for the maps, made where missing");
 }

@@ -47,6 +47,7 @@ FusionOptions fusion_options(const EvaluateFusionOptions& options) {
   result.guided = options.guided;
   result.chapter_geometry = options.chapter_geometry;
   result.runs = options.match.runs;
+  result.threads = options.match.threads;
   return result;
 }
 

@@ -64,7 +64,9 @@ ordered_json to_json(double ms, const DisparityScore& score) {
 }
 
 void print_json(const std::vector<Row>& rows, const Row& mean, const EvaluateOptions& options) {
-  ordered_json report{{"matcher", describe(options.match)}, {"runs", options.match.runs}};
+  ordered_json report{{"matcher", describe(options.match)},
+                      {"runs", options.match.runs},
+                      {"threads", options.match.threads}};
   for (const Row& row : rows) {
     ordered_json scene{
         {"name", row.name}, {"width", row.width}, {"height", row.height}, {"ndisp", row.ndisp}};

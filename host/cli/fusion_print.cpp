@@ -70,6 +70,7 @@ ordered_json to_json(const FusionCase& fused, const MatchOptions& match) {
       {"pmd_height", fused.lens.height},
       {"matcher", describe(match)},
       {"runs", match.runs},
+      {"threads", match.threads},
       {"truth_pixels", fused.scores.fused.truth_pixels},
       {"ms",
        {{"match", result.match_ms}, {"convert", result.convert_ms}, {"fuse", result.fuse_ms}}}};

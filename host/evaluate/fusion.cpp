@@ -193,9 +193,13 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   dsp::DepthParams params{.match = match, .fusion = {}, .guided = options.guided};
   params.fusion.max_range = options.max_range;
   params.fusion.spread = dsp::spread_of(match);
-  Workspace space(dsp::DepthMaker::bytes_needed(calibration, params));
+  dsp::Workers workers({.threads = options.threads});
+  if (workers.threads() < options.threads) {
+    return refuse(too_few_threads(workers, options.threads));
+  }
+  Workspace space(dsp::DepthMaker::bytes_needed(calibration, params, options.threads));
   dsp::Arena arena = space.arena();
-  dsp::DepthMaker maker(calibration, params, arena);
+  dsp::DepthMaker maker(calibration, params, arena, dsp::Crew(workers, options.threads));
   const FirstFrame first(recording);
   Run run{
       .scene = scene, .frame = first.frame(), .maker = maker, .images = DepthImages(width, height)};

@@ -18,6 +18,7 @@ struct FusionOptions {
   bool guided = false;            // PMD intervals narrow the search
   bool chapter_geometry = false;  // adds FusionResult::chapter
   int runs = 1;                   // of which the median time is taken
+  int threads = 1;                // that match and fuse; no result depends on it
 };
 
 // The parameters a scene of `disparities` candidates is matched with. A preset means what the

@@ -56,8 +56,11 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
   if (!start) {
     return std::unexpected(start.error());
   }
-  MatchPlan plan{
-      .params = *start, .seed = options.seed, .energy = options.energy, .runs = options.runs};
+  MatchPlan plan{.params = *start,
+                 .seed = options.seed,
+                 .energy = options.energy,
+                 .runs = options.runs,
+                 .threads = options.threads};
   plan.params.disparities = disparities;
   for (const auto& [name, value] : options.settings) {
     if (name == "method" && value == "sa") {
@@ -79,6 +82,10 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
   if (options.runs < 1) {
     return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
   }
+  if (options.threads < 1 || options.threads > dsp::Workers::kMost) {
+    return refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
+                  std::to_string(dsp::Workers::kMost));
+  }
   return plan;
 }
 
@@ -95,8 +102,13 @@ std::string describe(const MatchOptions& options) {
   return text.empty() ? "wta, sad 16x16" : text;
 }
 
+std::string too_few_threads(const dsp::Workers& workers, int asked) {
+  return "--threads " + std::to_string(asked) + ": the system gives " +
+         std::to_string(workers.threads()) + ": use fewer";
+}
+
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
-                                         const dsp::MatchParams& params, int runs) {
+                                         const dsp::MatchParams& params, int runs, int threads) {
   const int width = scene.left.width;
   const int height = scene.left.height;
   if (dsp::check(params, width, height) != Status::kOk) {
@@ -105,9 +117,13 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
         std::to_string(params.disparities) +
         " disparities are more than this version matches: use a smaller picture or ndisp");
   }
-  Workspace workspace(dsp::Matcher::bytes_needed(params, width, height));
+  dsp::Workers workers({.threads = threads});
+  if (workers.threads() < threads) {
+    return refuse(too_few_threads(workers, threads));
+  }
+  Workspace workspace(dsp::Matcher::bytes_needed(params, width, height, threads));
   dsp::Arena arena = workspace.arena();
-  dsp::Matcher matcher(params, width, height, arena);
+  dsp::Matcher matcher(params, width, height, arena, dsp::Crew(workers, threads));
   MatchResult result{.disparity = {width, height}, .filled = {width, height}};
   result.median_ms = median_time_ms(
       runs, [&] { matcher.match(scene.left.view(), scene.right.view(), result.disparity.view()); });
@@ -119,7 +135,7 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
 }
 
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan) {
-  dataset::Loaded<MatchResult> result = match_scene(scene, plan.params, plan.runs);
+  dataset::Loaded<MatchResult> result = match_scene(scene, plan.params, plan.runs, plan.threads);
   if (!result) {
     return result;
   }

@@ -9,6 +9,7 @@
 
 #include "dataset/dataset.h"
 #include "dsp/base/fixed.h"
+#include "dsp/base/workers.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/search/annealing.h"
 #include "host/evaluate/workspace.h"
@@ -24,6 +25,7 @@ struct MatchOptions {
   std::uint64_t seed = 1;      // of sa
   bool energy = false;         // of the map, on the cost it was matched with
   int runs = 5;                // of which the median time is taken
+  int threads = 1;             // that match, 1 .. dsp::Workers::kMost; not those of sa
 };
 
 // What the options come to for one scene.
@@ -34,6 +36,7 @@ struct MatchPlan {
   std::uint64_t seed = 1;
   bool energy = false;
   int runs = 5;
+  int threads = 1;
 };
 
 // The plan for a scene of `disparities` candidates, or one line that says which option is unknown,
@@ -51,11 +54,15 @@ struct MatchResult {
   std::optional<std::uint64_t> energy = std::nullopt;
 };
 
-// Runs dsp::Matcher over the scene. One line when the scene is too large for it.
+// Runs dsp::Matcher over the scene; the maps are the same for any number of threads. One line when
+// the scene is too large for it, or the system has no such number of threads.
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
-                                         const dsp::MatchParams& params, int runs);
+                                         const dsp::MatchParams& params, int runs, int threads = 1);
 // The same, and what the plan adds to it.
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan);
+
+// The line of who asked for more threads than the system gives.
+std::string too_few_threads(const dsp::Workers& workers, int asked);
 
 // Median time in ms of `runs` calls, at least one.
 double median_time_ms(int runs, const std::function<void()>& work);

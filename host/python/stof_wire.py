@@ -421,7 +421,8 @@ class FrameInfo(Layout):
     drift_significant: int = 0  # bit k: drift k is significant; calibrate the rig anew
     tiles: tuple = (0,) * 8  # tiles of streams 1 to 8 in this frame; 0 = not sent
     pmd_present: int = 0  # 1: PMD data took part in this frame, 0: not
-    parity_groups: int = 0  # packets of parity that go with this frame, modulo 256; 0: none
+    # packets of parity that go with this frame, 255: so many or more; 0: none
+    parity_groups: int = 0
     cloud_step: int = 0  # side of a cloud's block, px; 0: no cloud
     # of the settings this frame was made with: advances with every change
     settings_revision: int = 0

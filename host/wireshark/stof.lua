@@ -204,7 +204,7 @@ layouts.frame_info = {
   {name = "drift_significant", size = 4, count = 1, kind = "uint32", title = "Drift significant", base = base.DEC, doc = "bit k: drift k is significant; calibrate the rig anew"},
   {name = "tiles", size = 2, count = 8, kind = "uint16", title = "Tiles", base = base.DEC, doc = "tiles of streams 1 to 8 in this frame; 0 = not sent"},
   {name = "pmd_present", size = 1, count = 1, kind = "uint8", title = "Pmd present", base = base.DEC, doc = "1: PMD data took part in this frame, 0: not"},
-  {name = "parity_groups", size = 1, count = 1, kind = "uint8", title = "Parity groups", base = base.DEC, doc = "packets of parity that go with this frame, modulo 256; 0: none"},
+  {name = "parity_groups", size = 1, count = 1, kind = "uint8", title = "Parity groups", base = base.DEC, doc = "packets of parity that go with this frame, 255: so many or more; 0: none"},
   {name = "cloud_step", size = 1, count = 1, kind = "uint8", title = "Cloud step", base = base.DEC, doc = "side of a cloud's block, px; 0: no cloud"},
   {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "of the settings this frame was made with: advances with every change"},

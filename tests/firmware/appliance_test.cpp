@@ -1,78 +1,11 @@
 #include "firmware/appliance.h"
 
-#include <cstdlib>
-#include <memory>
-
 #include <gtest/gtest.h>
 
-#include "tests/firmware/rig.h"
+#include "tests/firmware/box.h"
 
 namespace stof::firmware::test {
 namespace {
-
-struct Block {
-  explicit Block(std::size_t size)
-      : memory(static_cast<std::byte*>(std::aligned_alloc(
-                   dsp::Arena::kAlign,
-                   (size + dsp::Arena::kAlign - 1) / dsp::Arena::kAlign * dsp::Arena::kAlign)),
-               &std::free),
-        bytes(size) {}
-  std::span<std::byte> span() const { return {memory.get(), bytes}; }
-
-  std::unique_ptr<std::byte, decltype(&std::free)> memory;
-  std::size_t bytes;
-};
-
-Plan small_plan() {
-  return {
-      .setup = small_setup(true),
-      .timing = timing(),
-      .stream = {.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}},
-                 .pace_percent = 60,
-                 .period = timing().period,
-                 .revision = 1},
-      .serial = {}};
-}
-
-// The appliance in the place of the rig's own loop.
-struct Box {
-  Rig rig;
-  PlanRing plans;
-  SubscriberRing receivers;
-  Block images{std::size_t{4} << 20};
-  Block coded{coded_bytes_needed(small_setup(true))};
-  std::vector<std::byte> line = std::vector<std::byte>(SerialSender::kRingBytes);
-  ByteRing serial{line};
-  Appliance appliance;
-
-  explicit Box(bool with_serial = false)
-      : appliance({.board = rig.board,
-                   .events = rig.events,
-                   .plans = plans,
-                   .receivers = receivers,
-                   .serial = with_serial ? &serial : nullptr},
-                  {.origin = {.device_id = 7, .session_id = 9},
-                   .clock = wire::ClockState::kEmulated,
-                   .calibration = wire::make_calibration_packet(rig.setup.calibration, 40'000,
-                                                                timing().period.count())
-                                      .value()},
-                  small_plan(), {.images = images.span(), .coded = coded.span()}) {}
-
-  void subscribe(std::uint16_t port) {
-    SubscriberList list;
-    list.peers[0] = {.address = {}, .port = port};
-    list.count = 1;
-    ASSERT_TRUE(receivers.push(list));
-  }
-  Receiver run(int steps) {
-    Receiver receiver;
-    for (int i = 0; i < steps; ++i) {
-      static_cast<void>(appliance.step({}));
-      receiver.drain(rig.port);
-    }
-    return receiver;
-  }
-};
 
 TEST(Appliance, SendsNothingUntilSomebodySubscribes) {
   Box box;
@@ -117,6 +50,56 @@ TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
   EXPECT_EQ(after.frames.rbegin()->second.info.settings_revision, 3U);
   EXPECT_EQ(box.rig.events.counters.skipped_periods, 0U);
   EXPECT_EQ(box.rig.events.counters.unpaired_edges, 0U);
+}
+
+// Every datagram of `plans`, each for some frames.
+std::vector<std::byte> sent_with(dsp::Workers* workers, std::span<const Plan> plans) {
+  Box box(false, workers);
+  box.subscribe(1);
+  std::vector<std::byte> bytes = box.run(5).bytes;
+  for (const Plan& plan : plans) {
+    EXPECT_TRUE(box.plans.push(plan));
+    const Receiver some = box.run(5);
+    EXPECT_GE(some.frames.size(), 4U);
+    bytes.insert(bytes.end(), some.bytes.begin(), some.bytes.end());
+  }
+  return bytes;
+}
+
+TEST(Appliance, AnyNumberOfThreadsSendsTheSameBytes) {
+  dsp::Workers workers({.threads = 4});
+  std::vector<Plan> plans;
+  for (const char* const preset : {"", "quality", "fast"}) {
+    for (const int threads : {3, 1, 4, 2, 7}) {  // more than there are, too
+      Plan& plan = plans.emplace_back(small_plan());
+      plan.setup.threads = threads;
+      if (*preset != '\0') {
+        plan.setup.depth.match = dsp::for_depth(*dsp::find_preset(preset));
+        plan.setup.depth.match.disparities = kDisparities;
+      }
+    }
+  }
+  const std::vector<std::byte> alone = sent_with(nullptr, plans);
+  EXPECT_GT(alone.size(), plans.size() * 4 * kWidth * kHeight);
+  EXPECT_TRUE(sent_with(&workers, plans) == alone);
+}
+
+TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
+  dsp::Workers workers({.threads = 4});
+  Box box(false, &workers);
+  box.subscribe(1);
+  Receiver receiver = box.run(5);
+  for (const int threads : {4, 1, 3, 2}) {
+    Plan plan = small_plan();
+    plan.setup.threads = threads;
+    plan.stream.revision = static_cast<std::uint32_t>(threads);
+    ASSERT_TRUE(box.plans.push(plan));
+    receiver.frames.merge(box.run(5).frames);
+    EXPECT_EQ(receiver.frames.rbegin()->second.info.settings_revision, plan.stream.revision);
+  }
+  EXPECT_GE(receiver.frames.size(), 21U);  // at most one is lost each time
+  EXPECT_EQ(expect_true_frames(box.rig, receiver).size(), receiver.frames.size());
+  EXPECT_EQ(box.rig.events.counters.skipped_periods, 0U);
 }
 
 TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {

@@ -1,14 +1,20 @@
 #include <array>
+#include <atomic>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
+#include <iterator>
 #include <memory>
 #include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "tests/firmware/rig.h"
+#include "dsp/base/workers.h"
+#include "tests/firmware/box.h"
 
 // The linker sends every call of the allocator in this program through these (--wrap), also those
 // of the library under test. Operator new of the C++ library calls malloc inside that library,
@@ -21,7 +27,7 @@ thread_local volatile bool forbidden = false;
 void allocated(const char* how) {
   if (forbidden) {
     forbidden = false;
-    std::fprintf(stderr, "the loop's thread allocates: %s\n", how);
+    std::fprintf(stderr, "a thread of the loop allocates: %s\n", how);
     std::abort();
   }
 }
@@ -113,7 +119,20 @@ Status step_without_heap(Loop& loop) {
   return status;
 }
 
-TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
+Status step_without_heap(Appliance& appliance) {
+  forbidden = true;
+  const Status status = appliance.step({});
+  forbidden = false;
+  return status;
+}
+
+// Threads that may never allocate once they are there.
+dsp::Workers::Params heapless(int threads) {
+  return {.threads = threads, .prepare = [](int) { forbidden = true; }};
+}
+
+// Faults of every kind, again and again.
+Faults all_faults() {
   const auto some = [](std::uint32_t first) {
     std::array<emu::Fault, 6> faults{};
     for (std::uint32_t i = 0; i < faults.size(); ++i) {
@@ -122,23 +141,76 @@ TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
     }
     return emu::FaultPlan{faults[0], faults[1], faults[2], faults[3], faults[4], faults[5]};
   };
-  Rig rig({.faults = {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)}});
-  rig.log.edges.reserve(20'000);
-  int steps = 0;
-  int lost = 0;
-  while (rig.events.counters.published < 10'000 && steps < 15'000) {
-    lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1 : 0;
+  return {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)};
+}
+
+// workers: nullptr: none.
+void run_without_heap(dsp::Workers* workers, std::uint64_t frames) {
+  Rig rig({.faults = all_faults(), .workers = workers});
+  rig.log.edges.reserve(2 * frames);
+  std::uint64_t steps = 0;
+  std::uint64_t lost = 0;
+  while (rig.events.counters.published < frames && steps < frames + frames / 2) {
+    lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1U : 0U;
     while (rig.port.take_sent()) {
     }
     while (rig.events.take()) {
     }
     ++steps;
   }
-  EXPECT_EQ(rig.events.counters.published, 10'000U);
+  EXPECT_EQ(rig.events.counters.published, frames);
   // The faults were there.
-  EXPECT_GT(lost, 50);
-  EXPECT_GT(of(rig.events.counters.stereo_dropped, Drop::kTorn), 20U);
-  EXPECT_GT(of(rig.events.counters.pmd_dropped, Drop::kStale), 20U);
+  EXPECT_GT(lost, frames / 200);
+  EXPECT_GT(of(rig.events.counters.stereo_dropped, Drop::kTorn), frames / 500);
+  EXPECT_GT(of(rig.events.counters.pmd_dropped, Drop::kStale), frames / 500);
+}
+
+TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
+  run_without_heap(nullptr, 10'000);
+}
+
+TEST(NoHeap, NoThreadAllocatesWhereSeveralCompute) {
+  for (const int threads : {2, 4}) {
+    dsp::Workers workers(heapless(threads));
+    ASSERT_EQ(workers.threads(), threads);
+    run_without_heap(&workers, 2'000);
+  }
+}
+
+std::ptrdiff_t threads_there() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return std::distance(begin(tasks), end(tasks));
+}
+
+TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
+  const std::ptrdiff_t before = threads_there();
+  {
+    dsp::Workers workers(heapless(4));
+    Box box(false, &workers);
+    box.rig.log.edges.reserve(2'000);
+    box.subscribe(1);
+    Plan plan = small_plan();
+    for (int change = 0; change < 200; ++change) {
+      const bool quality = change % 3 == 0;
+      plan.setup.depth.match = dsp::for_depth(*dsp::find_preset(quality ? "quality" : "fast"));
+      plan.setup.depth.match.disparities = kDisparities;
+      plan.setup.threads = 1 + change * 3 % 4;
+      plan.timing.period = change % 5 == 0 ? 40ms : 33ms;
+      ASSERT_TRUE(box.plans.push(plan));
+      for (int step = 0; step < 4; ++step) {
+        static_cast<void>(step_without_heap(box.appliance));
+        while (box.rig.port.take_sent()) {
+        }
+      }
+    }
+    EXPECT_GE(box.rig.events.counters.published, 500U);
+    EXPECT_EQ(threads_there(), before + 3);
+  }
+  for (int wait = 0; wait < 1000 && threads_there() != before;
+       ++wait) {  // the system takes a while
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(threads_there(), before);
 }
 
 // That the trap springs: through every door of the allocator.
@@ -169,6 +241,23 @@ TEST(NoHeapDeathTest, EveryWayToAllocateIsCaught) {
   expect_death("operator new", [] { kept = new std::string(100, 'x'); });
 }
 
+TEST(NoHeapDeathTest, AnAllocationOfAHelperIsCaught) {
+  EXPECT_DEATH(
+      {
+        dsp::Workers workers(heapless(2));
+        std::atomic<bool> helped{false};
+        workers.run(2, 2, [&](int part, int thread) noexcept {
+          if (thread != 0) {
+            kept = std::malloc(10);
+            helped = true;
+          }
+          while (part == 0 && thread == 0 && !helped) {  // the other part is the helper's
+          }
+        });
+      },
+      "a thread of the loop allocates: malloc");
+}
+
 // A device whose adapter allocates in the loop.
 class AllocatingPort final : public hal::DatagramPort {
  public:
@@ -196,7 +285,7 @@ TEST(NoHeapDeathTest, AnAllocationDeepInsideAStepIsCaught) {
           static_cast<void>(step_without_heap(rig.loop));
         }
       },
-      "the loop's thread allocates: operator new");
+      "a thread of the loop allocates: operator new");
 }
 
 }  // namespace

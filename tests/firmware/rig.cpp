@@ -54,6 +54,12 @@ emu::PmdTiming pmd_timing(const RigOptions& options) {
           .every = options.timing.pmd_every};
 }
 
+Setup setup_of(const RigOptions& options) {
+  Setup setup = small_setup(options.with_pmd);
+  setup.threads = options.workers == nullptr ? 1 : options.workers->threads();
+  return setup;
+}
+
 std::size_t bytes(const Setup& setup) {
   return Pipeline::bytes_needed(setup) + wire::FrameCoder::bytes_needed(sizes_of(setup));
 }
@@ -135,11 +141,13 @@ Rig::Rig(const RigOptions& options)
             .disparities = kDisparities,
             .emulated_time = true,
             .notes = {}},
-      setup(small_setup(options.with_pmd)),
+      setup(setup_of(options)),
       memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(setup))),
              &std::free),
       arena({memory.get(), bytes(setup)}),
-      pipeline(setup, clock, arena),
+      pipeline(
+          setup, clock, arena,
+          options.workers == nullptr ? dsp::Crew() : dsp::Crew(*options.workers, setup.threads)),
       stream({.origin = {.device_id = 7, .session_id = 9},
               .clock = wire::ClockState::kEmulated,
               .calibration =

@@ -81,6 +81,22 @@ TEST_F(FuseScene, SaysWhereEachDepthComesFrom) {
   }
 }
 
+TEST_F(FuseScene, AnyNumberOfThreadsGivesTheSame) {
+  const dataset::StereoScene scene = test::shifted_scene();
+  const FusionResult alone = fuse(scene, 2.0, {.guided = true, .chapter_geometry = true});
+  for (int threads = 2; threads <= dsp::Workers::kMost; ++threads) {
+    const FusionResult result =
+        fuse(scene, 2.0, {.guided = true, .chapter_geometry = true, .threads = threads});
+    EXPECT_EQ(result.stereo.depth.pixels, alone.stereo.depth.pixels) << threads;
+    EXPECT_EQ(result.fused.depth.pixels, alone.fused.depth.pixels) << threads;
+    EXPECT_EQ(result.fused.low.pixels, alone.fused.low.pixels) << threads;
+    EXPECT_EQ(result.fused.high.pixels, alone.fused.high.pixels) << threads;
+    EXPECT_EQ(result.source.pixels, alone.source.pixels) << threads;
+    EXPECT_EQ(result.cause.pixels, alone.cause.pixels) << threads;
+    EXPECT_EQ(result.chapter->fused.depth.pixels, alone.chapter->fused.depth.pixels) << threads;
+  }
+}
+
 TEST_F(FuseScene, MeasuresNothingBeyondTheRange) {
   const FusionResult result = fuse(test::shifted_scene(), 2.0, {.max_range = 7000});
   EXPECT_EQ(score_depth(result.fused, dataset::Image<float>(40, 30, 2)).coverage, 0);

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/host/fusion_scene.h"
+
 namespace stof::host {
 namespace {
 
@@ -63,6 +65,31 @@ TEST(MatchOptions, RefuseWhatIsUnknownOrDoesNotGoTogether) {
   MatchOptions options;
   options.preset = "best";
   EXPECT_FALSE(match_plan(options, 16));
+}
+
+TEST(MatchOptions, TakeOneThreadUnlessTheySayMore) {
+  EXPECT_EQ(match_plan({}, 16)->threads, 1);
+  for (const int threads : {-1, 0, 9}) {
+    MatchOptions options;
+    options.threads = threads;
+    const auto plan = match_plan(options, 16);
+    ASSERT_FALSE(plan);
+    EXPECT_EQ(plan.error().message, "--threads " + std::to_string(threads) + ": use 1 to 8");
+  }
+}
+
+TEST(MatchScene, IsTheSameForAnyNumberOfThreads) {
+  const dataset::StereoScene scene = test::shifted_scene();
+  for (const char* const name : {"fast", "quality", "chapter"}) {
+    MatchOptions options = with({{"fill", "on"}});
+    options.preset = name;
+    const MatchResult alone = *match_scene(scene, *match_plan(options, scene.ndisp));
+    for (options.threads = 2; options.threads <= dsp::Workers::kMost; ++options.threads) {
+      const MatchResult result = *match_scene(scene, *match_plan(options, scene.ndisp));
+      EXPECT_EQ(result.disparity.pixels, alone.disparity.pixels) << name << options.threads;
+      EXPECT_EQ(result.filled.pixels, alone.filled.pixels) << name << options.threads;
+    }
+  }
 }
 
 TEST(Workspace, GivesAlignedMemoryOfAtLeastTheSize) {

@@ -121,7 +121,7 @@ class BadInput(Program):
         scene = self.write_scene()
         for arguments in (["--method", "best"], ["--cost", "ncc"], ["--preset", "best"], ["--directions", "3"],
                           ["--penalties", "9,8"], ["--min-disparity", "5000"], ["--block", "16"], ["--block", "65x1"],
-                          ["--runs", "0"], ["--runs", "-3"]):
+                          ["--runs", "0"], ["--runs", "-3"], ["--threads", "0"], ["--threads", "9"]):
             self.refuse(2, arguments, "evaluate", "stereo", scene, *arguments)
 
     def test_a_missing_folder(self):
@@ -215,6 +215,34 @@ class Evaluate(Program):
     def test_stereo_says_nothing_about_absent_truth(self):
         report = json.loads(self.succeed("evaluate", "stereo", self.write_scene(truth=False), "--json"))
         self.assertEqual(set(report["scenes"][0]["bp_percent"].values()), {None})
+
+    def test_any_number_of_threads_gives_the_same(self):
+        scene, prefix = self.write_scene(), self.write_recording()
+
+        def without_times(report):
+            return {key: value for key, value in report.items() if not key.endswith("ms") and key != "threads"}
+
+        def results(command, *arguments):
+            reports, maps = [], []
+            for threads in (1, 2, 3, 8):
+                out = self.folder / f"{command}_{threads}"
+                report = json.loads(self.succeed("evaluate", command, *arguments, "--preset", "quality", "--json",
+                                                 "--runs", 2, "--threads", threads, "--out", out))
+                self.assertEqual(report["threads"], threads)
+                scores = report.get("scenes", [report])
+                reports.append([without_times(score) for score in scores])
+                maps.append([file.read_bytes() for file in sorted(out.rglob("*.pfm"))])
+            self.assertGreater(len(maps[0]), 0)
+            for report, files in zip(reports[1:], maps[1:]):
+                self.assertEqual(report, reports[0])
+                self.assertEqual(files, maps[0])
+
+        results("stereo", scene)
+        results("fusion", scene, prefix)
+        self.assertEqual(json.loads(self.succeed("evaluate", "stereo", scene, "--json"))["threads"], 1)
+        for command in ("stereo", "fusion"):
+            self.assertIn("--threads", self.succeed("evaluate", command, "--help"))
+        self.assertNotIn("--threads", self.succeed("evaluate", "pmd", "--help"))
 
     def test_stereo_runs_every_method_cost_and_preset(self):
         scene = self.write_scene()

@@ -31,8 +31,9 @@ struct FrameInfo {
   std::uint32_t drift_significant = 0;   // bit k: drift k is significant; calibrate the rig anew
   std::array<std::uint16_t, 8> tiles{};  // tiles of streams 1 to 8 in this frame; 0 = not sent
   std::uint8_t pmd_present = 0;          // 1: PMD data took part in this frame, 0: not
-  std::uint8_t parity_groups = 0;  // packets of parity that go with this frame, modulo 256; 0: none
-  std::uint8_t cloud_step = 0;     // side of a cloud's block, px; 0: no cloud
+  std::uint8_t parity_groups =
+      0;  // packets of parity that go with this frame, 255: so many or more; 0: none
+  std::uint8_t cloud_step = 0;  // side of a cloud's block, px; 0: no cloud
   std::uint32_t settings_revision =
       0;  // of the settings this frame was made with: advances with every change
   std::array<std::uint32_t, 6>

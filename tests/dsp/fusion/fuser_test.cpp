@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/workers.h"
 #include "tests/support/guarded.h"
 
 namespace stof::dsp {
@@ -33,15 +34,16 @@ Calibration simple_rig(int width, int height, int pmd_width, int pmd_height) {
 
 class Rig {
  public:
-  Rig(const Calibration& rig, int w, int h, int disparities = 64)
-      : bytes_(Fuser::bytes_needed(w, h, disparities, rig.pmd.lens.width, rig.pmd.lens.height)),
+  Rig(const Calibration& rig, int w, int h, int disparities = 64, int threads = 1)
+      : bytes_(Fuser::bytes_needed(w, h, disparities, rig.pmd.lens.width, rig.pmd.lens.height,
+                                   threads)),
         memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
         arena_({memory_, bytes_}),
         depth(w, h, w + 3, 9),
         width(w, h, w + 2, 9),
         source(w, h, w + 1, Source::kConflict),
         disparity(w, h, w + 1),
-        fuser(rig, {}, 0, disparities, w, h, arena_) {}
+        fuser(rig, {}, 0, disparities, w, h, arena_, threads) {}
   Rig(const Rig&) = delete;
   Rig& operator=(const Rig&) = delete;
   ~Rig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
@@ -220,17 +222,31 @@ TEST(Fuser, ConvertsRadialDistanceToDepth) {
   EXPECT_NEAR(at(rig, 60, 20).depth, 10000 / std::sqrt(1 + 0.0625), 8);
 }
 
+void fill_steps(const ImageView<Disparity>& disparity) {
+  for (int y = 0; y < disparity.height(); ++y) {
+    for (int x = 0; x < disparity.width(); ++x) {
+      const int raw = (x * 7 + y * 13) % 5 == 0 ? 0 : 16 * (40 + (x / 9 + y / 7) % 20);
+      disparity.at(x, y) =
+          raw == 0 ? Disparity::none() : Disparity::from_raw(static_cast<std::int16_t>(raw));
+    }
+  }
+}
+
+bool same(Rig& a, Rig& b) {
+  bool equal = true;
+  for (int y = 0; y < a.depth.view().height(); ++y) {
+    equal = equal && std::ranges::equal(a.depth.view().row(y), b.depth.view().row(y)) &&
+            std::ranges::equal(a.width.view().row(y), b.width.view().row(y)) &&
+            std::ranges::equal(a.source.view().row(y), b.source.view().row(y));
+  }
+  return equal;
+}
+
 TEST(Fuser, AnySplitOfRowsGivesTheSame) {
   constexpr int kHeight = 150;  // more than two stripes
   Rig whole(simple_rig(80, kHeight, 20, 40), 80, kHeight);
   Rig split(simple_rig(80, kHeight, 20, 40), 80, kHeight);
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < 80; ++x) {
-      const int raw = (x * 7 + y * 13) % 5 == 0 ? 0 : 16 * (40 + (x / 9 + y / 7) % 20);
-      whole.disparity.view().at(x, y) =
-          raw == 0 ? Disparity::none() : Disparity::from_raw(static_cast<std::int16_t>(raw));
-    }
-  }
+  fill_steps(whole.disparity.view());
   const StereoMaps stereo{.disparity = whole.disparity.view()};
   Sphere pmd(20, 40, 8300, 1000, kPmdEdge);
   whole.fuser.fuse(stereo, &pmd.maps, whole.out());
@@ -240,10 +256,29 @@ TEST(Fuser, AnySplitOfRowsGivesTheSame) {
     for (int end = kHeight; end > 0; end -= step) {
       split.fuser.fuse_rows(stereo, {std::max(end - step, 0), end}, 0, split.out());
     }
-    for (int y = 0; y < kHeight; ++y) {
-      ASSERT_TRUE(std::ranges::equal(whole.depth.view().row(y), split.depth.view().row(y))) << y;
-      ASSERT_TRUE(std::ranges::equal(whole.width.view().row(y), split.width.view().row(y))) << y;
-      ASSERT_TRUE(std::ranges::equal(whole.source.view().row(y), split.source.view().row(y))) << y;
+    ASSERT_TRUE(same(whole, split)) << step;
+  }
+}
+
+TEST(Fuser, ThreadsAtOnceGiveTheSame) {
+  Workers workers({.threads = 4});
+  for (const auto& [w, h] : {std::pair{1, 1}, {1, 99}, {61, 1}, {33, 17}, {79, 133}}) {
+    const Calibration calibration = simple_rig(w, h, 20, 40);
+    Rig whole(calibration, w, h);
+    fill_steps(whole.disparity.view());
+    const StereoMaps stereo{.disparity = whole.disparity.view()};
+    Sphere pmd(20, 40, 8300, 1000, kPmdEdge);
+    whole.fuser.fuse(stereo, &pmd.maps, whole.out());
+    for (int threads = 1; threads <= 4; ++threads) {
+      Rig crewed(calibration, w, h, 64, threads);
+      for (int frame = 0; frame < 20; ++frame) {
+        fill(crewed.depth.view(), QuarterMm{3});
+        crewed.fuser.prepare(&pmd.maps);
+        Crew(workers, threads).run_rows({0, h}, 3, [&](Rows rows, int thread) noexcept {
+          crewed.fuser.fuse_rows(stereo, rows, thread, crewed.out());
+        });
+        ASSERT_TRUE(same(whole, crewed)) << w << "x" << h << ", " << threads << " threads";
+      }
     }
   }
 }

@@ -215,6 +215,19 @@ TEST_F(SettingsDeskTest, TellsWhatWaitsForARestart) {
   EXPECT_EQ(ask(Operation::kReset).fields.restart, 0);
 }
 
+TEST_F(SettingsDeskTest, ThreadsWaitForARestart) {
+  EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 3}})").fields.restart, 1);
+  EXPECT_EQ(board_.applied.compute.threads, 3);
+  EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 0}})").fields.restart, 0);
+  EXPECT_EQ(ask(Operation::kStage, R"({"compute": {"threads": 8}})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).fields.restart, 1);
+  EXPECT_EQ(settings_of(Document::kSaved).compute.threads, 8);
+  const Answer many = ask(Operation::kSet, R"({"compute": {"threads": 9}})");
+  EXPECT_EQ(many.result, Result::kInvalid);
+  EXPECT_EQ(many.text, "compute.threads: takes 0 to 8, not 9");
+  EXPECT_EQ(desk_.active().compute.threads, 8);
+}
+
 TEST_F(SettingsDeskTest, TellsWhatCouldNotBeSaved) {
   store_.break_down(true);
   EXPECT_EQ(ask(Operation::kSet, R"({"name": "a"})").result, Result::kOk);

@@ -238,6 +238,23 @@ TEST(Fields, SayWhatTheyTake) {
   EXPECT_EQ(settings, Settings{});
 }
 
+TEST(Fields, ThreadsAreAsManyAsTheBoardHasUnlessTheyAreGiven) {
+  EXPECT_EQ(Settings{}.compute.threads, 0);
+  const Field threads = field(find_field("compute.threads"));
+  EXPECT_EQ(threads.applies, Applies::kRestart);
+  for (int count = 0; count <= kMostThreads; ++count) {
+    Settings settings;
+    EXPECT_EQ(apply_assignment(settings, "compute.threads=" + std::to_string(count)), "");
+    EXPECT_EQ(settings.compute.threads, count);
+    EXPECT_EQ(json_of(threads, settings), std::to_string(count));
+  }
+  EXPECT_EQ(refusal(R"({"compute": {"threads": 9}})"), "compute.threads: takes 0 to 8, not 9");
+  EXPECT_EQ(refusal(R"({"compute": {"threads": -1}})"), "compute.threads: takes 0 to 8, not -1");
+  EXPECT_EQ(refusal(R"({"compute": {"threads": "all"}})"),
+            "compute.threads: takes 0 to 8, not \"all\"");
+  EXPECT_EQ(refusal(R"({"compute": {"cores": 1}})"), "\"compute.cores\": there is no such setting");
+}
+
 TEST(Fields, DeviceStaysBelowDev) {
   for (const char* const name : {"/dev/", "/dev/../etc/passwd", "dev/tty", "/devil", "tty"}) {
     EXPECT_NE(refusal("{\"serial\": {\"device\": \"" + std::string(name) + "\"}}"), "accepted");

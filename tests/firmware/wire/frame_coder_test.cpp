@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -199,7 +200,7 @@ void expect_frame(std::span<const std::span<const std::byte>> datagrams, Images&
     ASSERT_EQ(next[k], choice.coding[k] == Coding::kOff ? 0 : all);
   }
   EXPECT_EQ(info.tiles, tiles);
-  EXPECT_EQ(info.parity_groups, choice.parity ? parity_groups(parts) % 256 : 0);
+  EXPECT_EQ(info.parity_groups, choice.parity ? std::min<int>(parity_groups(parts), 255) : 0);
   EXPECT_EQ(info.cloud_step, choice.of(Stream::kCloud) != Coding::kOff ? 3 : 0);
   EXPECT_EQ(info.settings_revision, 17U);
 }
@@ -218,6 +219,23 @@ TEST(FrameCoderTest, SendsEveryImageBitForBit) {
       }
     }
   }
+}
+
+// A byte that wraps would say of 256 that there is none.
+TEST(FrameCoderTest, ManyPacketsOfParityAreNotToldAsNone) {
+  StreamChoice choice{.parity = true};
+  choice.of(Stream::kPmdRaw) = Coding::kRaw;
+  std::set<std::size_t> told;
+  for (int height = 980; height <= 992; ++height) {
+    const FrameSizes sizes{1, 1, 600, height};
+    Coder coder(sizes);
+    Images images(sizes, 1, 65'535);
+    const auto sent = coder.coder.code(kStamp, {.settings_revision = 17}, images.view(), choice);
+    ASSERT_TRUE(sent.has_value());
+    expect_frame(*sent, images, sizes, choice);
+    told.insert(parity_groups(parse_packet(sent->front())->header.count));
+  }
+  EXPECT_TRUE(told.contains(255) && told.contains(256) && told.contains(257));
 }
 
 TEST(FrameCoderTest, SendsOnlyWhatIsChosen) {
@@ -301,6 +319,31 @@ TEST(FrameCoderTest, LittleMemorySendsTheSame) {
           expect_same_in_little(sizes, images, choice, packets);
           choice.parity = false;
           expect_same_in_little(sizes, images, choice, packets);
+        }
+      }
+    }
+  }
+}
+
+// Attempts at shorter codes take more memory than what they end with.
+TEST(FrameCoderTest, HardlyEnoughMemorySendsTheSame) {
+  for (const FrameSizes& sizes : {FrameSizes{640, 31, 0, 0}, FrameSizes{1280, 40, 0, 0}}) {
+    for (const int most : {30, 2000, 65'535}) {
+      Images images(sizes, static_cast<std::uint64_t>(sizes.width + most), most);
+      for (const Coding coding : {Coding::kRvl, Coding::kFit}) {
+        for (const Stream last : {Stream::kDepth, Stream::kWidth, Stream::kSource}) {
+          StreamChoice choice;
+          for (Stream stream = Stream::kDepth; stream <= last;
+               stream = static_cast<Stream>(static_cast<int>(stream) + 1)) {
+            choice.of(stream) = coding;
+          }
+          Coder large(sizes);
+          const std::size_t all =
+              large.coder.code(kStamp, {}, images.view(), choice).value().size();
+          for (std::size_t packets = all - std::min<std::size_t>(all, 4); packets <= all;
+               ++packets) {
+            expect_same_in_little(sizes, images, choice, packets);
+          }
         }
       }
     }

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/appliance.h"
+#include "tests/firmware/rig.h"
+
+namespace stof::firmware::test {
+
+struct Block {
+  explicit Block(std::size_t size)
+      : memory(static_cast<std::byte*>(std::aligned_alloc(
+                   dsp::Arena::kAlign,
+                   (size + dsp::Arena::kAlign - 1) / dsp::Arena::kAlign * dsp::Arena::kAlign)),
+               &std::free),
+        bytes(size) {}
+  std::span<std::byte> span() const { return {memory.get(), bytes}; }
+
+  std::unique_ptr<std::byte, decltype(&std::free)> memory;
+  std::size_t bytes;
+};
+
+inline Plan small_plan() {
+  return {
+      .setup = small_setup(true),
+      .timing = timing(),
+      .stream = {.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}},
+                 .pace_percent = 60,
+                 .period = timing().period,
+                 .revision = 1},
+      .serial = {}};
+}
+
+// The appliance in the place of the rig's own loop.
+struct Box {
+  Rig rig;
+  PlanRing plans;
+  SubscriberRing receivers;
+  Block images{std::size_t{4} << 20};
+  Block coded{coded_bytes_needed(small_setup(true))};
+  std::vector<std::byte> line = std::vector<std::byte>(SerialSender::kRingBytes);
+  ByteRing serial{line};
+  Appliance appliance;
+
+  explicit Box(bool with_serial = false, dsp::Workers* workers = nullptr)
+      : appliance({.board = rig.board,
+                   .events = rig.events,
+                   .plans = plans,
+                   .receivers = receivers,
+                   .serial = with_serial ? &serial : nullptr,
+                   .workers = workers},
+                  {.origin = {.device_id = 7, .session_id = 9},
+                   .clock = wire::ClockState::kEmulated,
+                   .calibration = wire::make_calibration_packet(rig.setup.calibration, 40'000,
+                                                                timing().period.count())
+                                      .value()},
+                  small_plan(), {.images = images.span(), .coded = coded.span()}) {}
+
+  void subscribe(std::uint16_t port) {
+    SubscriberList list;
+    list.peers[0] = {.address = {}, .port = port};
+    list.count = 1;
+    ASSERT_TRUE(receivers.push(list));
+  }
+  Receiver run(int steps) {
+    Receiver receiver;
+    for (int i = 0; i < steps; ++i) {
+      static_cast<void>(appliance.step({}));
+      receiver.drain(rig.port);
+    }
+    return receiver;
+  }
+};
+
+}  // namespace stof::firmware::test
