@@ -24,6 +24,7 @@ STEP_LIMIT_S = 20 * 60
 TAIL_LINES = 60
 CASE_LINES = 20
 CASES_SHOWN = 10
+CONFIGURED_AS = {"gcc-tests": "gcc"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
@@ -129,7 +130,7 @@ def wide(log, preset):
 
 
 def build(log, preset):
-    return (log.run("cmake", "--preset", preset, "-Wno-dev")
+    return (log.run("cmake", "--preset", CONFIGURED_AS.get(preset, preset), "-Wno-dev")
             and log.run("cmake", "--build", "--preset", preset, "--", "-k", "0"))
 
 
@@ -227,6 +228,11 @@ def fuzz(log):
     return count
 
 
+def gcc_tests(log):
+    """What step `gcc` leaves: the tests that do not run there."""
+    return one(build(log, "gcc-tests"))
+
+
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
@@ -235,14 +241,15 @@ STEPS = {
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", vectors),
+    "planted": planted,
+    "arm64-ubsan": arm64("arm64-ubsan"),
     "fuzz": fuzz,
     "tidy-tests": check("scripts/tidy"),  # what `tidy` has read is not read again
-    "arm64-ubsan": arm64("arm64-ubsan"),
-    "planted": planted,
+    "gcc-tests": gcc_tests,
 }
 QUICK = ("format", "layers", "emu")
 # What takes the run beyond half an hour on two cores, and seldom finds what the others do not.
-LONG = ("tidy-tests", "fuzz", "arm64-ubsan", "planted")
+LONG = ("planted", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests")
 
 
 def main():
@@ -250,6 +257,8 @@ def main():
         prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: all but {', '.join(LONG)}, in this order.")
     parser.add_argument("--quick", action="store_true", help=f"only {', '.join(QUICK)}")
     parser.add_argument("--all", action="store_true", help=f"also {', '.join(LONG)}")
+    parser.add_argument("--minutes", type=int, metavar="N",
+                        help="with --all: none of these is begun when so many minutes are over")
     parser.add_argument("steps", metavar="STEP", nargs="*", help="only these steps")
     arguments = parser.parse_args()
     usual = list(STEPS) if arguments.all else [step for step in STEPS if step not in LONG]
@@ -261,9 +270,14 @@ def main():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by a signal"))
     LOGS.mkdir(parents=True, exist_ok=True)
     total = Count()
+    start = time.monotonic()
+    left_out = []
     for name in chosen:
-        log = Log(name)
         begin = time.monotonic()
+        if arguments.minutes is not None and name in LONG and begin - start > 60 * arguments.minutes:
+            left_out.append(name)
+            continue
+        log = Log(name)
         count = STEPS[name](log)
         total.add(count)
         print(f"{name:<11} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
@@ -272,6 +286,8 @@ def main():
         if count.failed:
             print("\n".join(count.details[:CASES_SHOWN]) or log.excerpt())
             print(f"    (all of it in {log.path.relative_to(ROOT)})", flush=True)
+    if left_out:
+        print(f"not begun, {arguments.minutes} minutes being over: {', '.join(left_out)}")
     if total.skipped:
         print(f"{total.skipped} skipped, each with its reason above")
     print(f"{total.passed} passed, {total.failed} failed")
