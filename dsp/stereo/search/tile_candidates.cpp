@@ -7,10 +7,11 @@
 namespace stof::dsp {
 namespace {
 
-// Around what the coarser size found, in candidates of the finer size.
+// Around twice what the coarser size found: the halves that it rounded.
 constexpr int kMargin = 1;
-// The surroundings of a tile, in pixels of the coarser size.
-constexpr int kReach = 6;
+// The surroundings of a tile, in pixels of the coarser size: what a block of 16 px around its last
+// pixels still meets.
+constexpr int kReach = 4;
 // A candidate that, with its two neighbours, fewer of the surroundings found is an error.
 constexpr int kShare = 24;
 
@@ -91,7 +92,7 @@ CandidateRange range_around(const CoarseWinners& coarse, const MatchParams& fine
   }
   const int offset = 2 * coarse.min_disparity - fine.min_disparity;
   const int first = std::clamp(2 * lowest + offset - kMargin, 0, fine.disparities - 1);
-  const int last = std::clamp(2 * highest + 1 + offset + kMargin, first, fine.disparities - 1);
+  const int last = std::clamp(2 * highest + offset + kMargin, first, fine.disparities - 1);
   // Whole vectors search more for the same price: to either side.
   const int lanes = (last - first + kCostLanes) / kCostLanes * kCostLanes;
   return {std::clamp(first - (lanes - 1 - (last - first)) / 2, 0, all - lanes), lanes};
@@ -105,7 +106,7 @@ CandidateList list_around(const CoarseWinners& coarse, const MatchParams& fine, 
   for (int i = 0; i < coarse.disparities; ++i) {
     if (around.hold(i)) {
       list.append(std::max(2 * i + offset - kMargin, 0),
-                  std::min(2 * i + 1 + offset + kMargin, fine.disparities - 1));
+                  std::min(2 * i + offset + kMargin, fine.disparities - 1));
     }
   }
   if (list.count == 0) {
