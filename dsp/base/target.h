@@ -4,8 +4,8 @@
 
 // The only place that knows which variant of a kernel runs. Every kernel has a `ref` (the meaning,
 // plain as the formula) and a `neon` (equal to it, bit for bit; through SIMDe on x86). Those that
-// dominate the frame on x86 have an `avx2` too, equal again, and the one that dominates them all an
-// `avx512`; they are chosen at start where the processor has them. Callers write best::kernel(...).
+// dominate the frame on x86 have an `avx2` too, equal again, and the block searches an `avx512`;
+// they are chosen at start where the processor has them. Callers write best::kernel(...).
 namespace stof::dsp {
 
 namespace ref {}

@@ -78,7 +78,8 @@ struct MatchParams {
   std::optional<Interest> interest = std::nullopt;
   // kScanline searches only this many px to either side of what winner takes all found nearby.
   std::optional<int> band = std::nullopt;
-  // Coarse to fine: 1 begins at half size, 2 at a quarter; finer sizes search near what was found.
+  // Coarse to fine (search/pyramid.h): 1 begins at half size, 2 at a quarter; finer sizes search
+  // near what was found, large blocks at every second pixel of every second row.
   std::optional<int> pyramid_levels = std::nullopt;
   // Each match may be given a guide (cost/mask_costs.h): which candidates each pixel may take.
   bool guided = false;

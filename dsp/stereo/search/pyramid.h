@@ -27,8 +27,13 @@ std::size_t pyramid_bytes_needed(const MatchParams& params, int width, int heigh
 // Winner takes all on sums of absolute differences, coarse to fine: all candidates at the coarsest
 // of params.pyramid_levels halved sizes; at each finer size a tile (tile_search.h) searches only
 // around what its surroundings found before. A thing that the coarse pictures do not show is not
-// found. params: block, disparities, prefilter_cap and pyramid_levels count. winners: of the
-// pictures' size; right empty where it is not wanted. arena: pyramid_bytes_needed() are scratch.
+// found.
+// With a prefilter and blocks of at least 8 px either way, neighbours having most of their block in
+// common, only every second pixel of every second row is searched, and those between take a winner
+// of their neighbours (pyramid_rows.h), first along rows. Where right winners are wanted each pixel
+// of the finest size is searched.
+// params: block, disparities, prefilter_cap and pyramid_levels count. winners: of the pictures'
+// size; right empty where it is not wanted. arena: pyramid_bytes_needed() are scratch.
 // Source: Sun 2002.
 void match_coarse_to_fine(const MatchParams& params, const PyramidPictures& pictures, Arena arena,
                           const TileWinners& winners) noexcept;

@@ -69,6 +69,21 @@ void TileStrips::start(ImageView<const std::uint8_t> left,
   }
 }
 
+TilePlace TileStrips::place_of(int t, std::span<const std::int16_t> candidates) const noexcept {
+  const int x = t * kTileColumns;
+  return {.left = left_,
+          .right = right_,
+          .left_x = x,
+          .right_x = x + disparities_ - 1,
+          .block_width = block_width_,
+          .candidates = candidates};
+}
+
+TileLimits TileStrips::limits_of(int t) const noexcept {
+  const int begin = min_disparity_ - t * kTileColumns;
+  return {begin, begin + width_};
+}
+
 void TileStrips::search(Rows rows, int t, std::span<const std::int16_t> candidates,
                         const TileWinners& out) noexcept {
   const bool check = !out.right.empty();
@@ -79,14 +94,9 @@ void TileStrips::search(Rows rows, int t, std::span<const std::int16_t> candidat
   }
   const int x = t * kTileColumns;
   const int width = std::min(kTileColumns, width_ - x);
-  const TilePlace tile{.left = left_,
-                       .right = right_,
-                       .left_x = x,
-                       .right_x = x + disparities_ - 1,
-                       .block_width = block_width_,
-                       .candidates = candidates};
+  const TilePlace tile = place_of(t, candidates);
   const std::span<std::uint16_t> sums = sums_.first(candidates.size() * kTileColumns);
-  const TileLimits limits{min_disparity_ - x, min_disparity_ - x + width_};
+  const TileLimits limits = limits_of(t);
   const int above = block_height_ / 2;
   const int below = block_height_ - 1 - above;
   best::start_tile(tile, {rows.begin - above, rows.begin + below + 1}, sums);
@@ -99,6 +109,16 @@ void TileStrips::search(Rows rows, int t, std::span<const std::int16_t> candidat
       find_right(x, width, candidates, lowest_.row(y - rows.begin), out.right.row(y));
     }
   }
+}
+
+void TileStrips::search_quarter(Rows rows, int t, std::span<const std::int16_t> candidates,
+                                ImageView<std::int16_t> out) const noexcept {
+  STOF_CHECK(rows.begin % 2 == 0 && out.width() == (width_ + 1) / 2);
+  const int column = t * kQuarterColumns;
+  const ImageView<std::int16_t> part(out.row(rows.begin / 2).data() + column,
+                                     std::min(kQuarterColumns, out.width() - column),
+                                     (rows.count() + 1) / 2, out.stride());
+  best::find_quarter(place_of(t, candidates), rows, block_height_, limits_of(t), part);
 }
 
 // Tiles come from the left, so that an equal cost of a later one is of a larger candidate.

@@ -35,8 +35,13 @@ class TileStrips {
   // Where right winners are wanted, tiles of the same rows follow each other from t = 0 on.
   void search(Rows rows, int t, std::span<const std::int16_t> candidates,
               const TileWinners& out) noexcept;
+  // The same for every second column of every second row: out holds those alone.
+  void search_quarter(Rows rows, int t, std::span<const std::int16_t> candidates,
+                      ImageView<std::int16_t> out) const noexcept;
 
  private:
+  TilePlace place_of(int t, std::span<const std::int16_t> candidates) const noexcept;
+  TileLimits limits_of(int t) const noexcept;
   void find_right(int x, int width, std::span<const std::int16_t> candidates,
                   std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) const noexcept;
 

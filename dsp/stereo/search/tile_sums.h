@@ -30,7 +30,7 @@ static_assert(tile_sums_serve(16, 16, 30));
 
 // Columns of a row that kernels look at from the first one of a tile on.
 constexpr int tile_reach(int block_width) noexcept {
-  constexpr int kVector = 32;
+  constexpr int kVector = 64;
   return (kTileColumns + block_width - 1 + kVector - 1) / kVector * kVector;
 }
 
@@ -68,29 +68,45 @@ using OfferToRight = void(std::span<const std::uint16_t> sums, std::int16_t cand
                           std::span<std::uint16_t> lowest,
                           std::span<std::int16_t> winners) noexcept;
 
+// Of every second column of every second row: winners(k, r) is what find_in_tile() would have for
+// column 2 k from the sums around row rows.begin + 2 r, of the block rows from block_height / 2
+// above it on. winners: at most kQuarterColumns x kQuarterRows, as high as half of `rows`, rounded
+// up.
+inline constexpr int kQuarterColumns = kTileColumns / 2;
+inline constexpr int kQuarterRows = 16;
+using FindQuarter = void(const TilePlace& tile, Rows rows, int block_height,
+                         const TileLimits& limits, ImageView<std::int16_t> winners) noexcept;
+
 namespace ref {
 StartTile start_tile;
 SlideTile slide_tile;
 FindInTile find_in_tile;
 OfferToRight offer_to_right;
+FindQuarter find_quarter;
 }  // namespace ref
 namespace neon {
 StartTile start_tile;
 SlideTile slide_tile;
 FindInTile find_in_tile;
 OfferToRight offer_to_right;
+FindQuarter find_quarter;
 }  // namespace neon
 namespace avx2 {
 StartTile start_tile;
 SlideTile slide_tile;
 FindInTile find_in_tile;
 OfferToRight offer_to_right;
+FindQuarter find_quarter;
 }  // namespace avx2
+namespace avx512 {
+FindQuarter find_quarter;
+}  // namespace avx512
 namespace best {
 inline constexpr Kernel<StartTile> start_tile{STOF_VARIANTS(start_tile)};
 inline constexpr Kernel<SlideTile> slide_tile{STOF_VARIANTS(slide_tile)};
 inline constexpr Kernel<FindInTile> find_in_tile{STOF_VARIANTS(find_in_tile)};
 inline constexpr Kernel<OfferToRight> offer_to_right{STOF_VARIANTS(offer_to_right)};
+inline constexpr Kernel<FindQuarter> find_quarter{STOF_ALL_VARIANTS(find_quarter)};
 }  // namespace best
 
 }  // namespace stof::dsp

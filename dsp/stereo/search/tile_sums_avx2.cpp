@@ -2,6 +2,7 @@
 
 #include "dsp/base/avx2.h"
 #include "dsp/stereo/search/tile_find_body.h"
+#include "dsp/stereo/search/tile_quarter_body.h"
 #include "dsp/stereo/search/tile_sums_body.h"
 
 namespace stof::dsp::avx2 {
@@ -9,7 +10,7 @@ namespace {
 
 constexpr i16x16 kPlaces{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-// What tile_boxes_body.h asks for.
+// What tile_boxes_body.h and tile_quarter_body.h ask for.
 struct Avx2 {
   using Bytes = u8x32;
   using Sums = u16x16;
@@ -20,6 +21,7 @@ struct Avx2 {
   static Bytes difference(Bytes a, Bytes b) noexcept {
     return as<u8x32>(_mm256_abs_epi8(bits(a - b)));  // below 128: the sign is right
   }
+  static Bytes zero() noexcept { return avx2::all(std::uint8_t{0}); }
   static Bytes plus(Bytes a, Bytes b) noexcept { return a + b; }
   static Bytes minus(Bytes a, Bytes b) noexcept { return a - b; }
   static Sums low(Bytes v) noexcept {
@@ -65,6 +67,24 @@ struct Avx2 {
     const i16x16 to = avx2::all(static_cast<std::int16_t>(end));
     return as<u16x16>(bits((kPlaces >= from) & (kPlaces < to)));
   }
+
+  static Sums greater(Sums a, Sums b) noexcept {
+    return as<u16x16>(_mm256_max_epu16(bits(a), bits(b)));
+  }
+  static Sums pairs(Bytes v) noexcept {
+    return as<u16x16>(_mm256_maddubs_epi16(_mm256_set1_epi8(8), bits(v)));
+  }
+  static Sums firsts(Bytes v) noexcept {
+    return as<u16x16>(_mm256_maddubs_epi16(_mm256_set1_epi16(8), bits(v)));
+  }
+  static Sums seconds(Bytes v) noexcept {
+    return as<u16x16>(_mm256_maddubs_epi16(_mm256_set1_epi16(0x800), bits(v)));
+  }
+  template <int kBy, typename V>
+  static V after(V a, V b) noexcept {
+    const __m256i middle = _mm256_permute2x128_si256(bits(a), bits(b), 0x21);
+    return as<V>(_mm256_alignr_epi8(middle, bits(a), 2 * kBy));
+  }
 };
 
 }  // namespace
@@ -83,6 +103,10 @@ void find_in_tile(std::span<const std::uint16_t> sums, std::span<const std::int1
 void offer_to_right(std::span<const std::uint16_t> sums, std::int16_t candidate,
                     std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
   tile_sums_body::offer<Avx2>(sums, candidate, lowest, winners);
+}
+void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+                  ImageView<std::int16_t> winners) noexcept {
+  tile_quarter_body::find_quarter<Avx2>(tile, rows, block_height, limits, winners);
 }
 
 }  // namespace stof::dsp::avx2

@@ -10,9 +10,8 @@
 // start_tile() and slide_tile() of both variants.
 namespace stof::dsp::tile_sums_body {
 
-static void check_tile(const TilePlace& tile, std::span<std::uint16_t> sums) noexcept {
-  STOF_CHECK(tile.block_width >= 1 && tile.block_width <= 64 && !tile.candidates.empty() &&
-             sums.size() == tile.candidates.size() * kColumns);
+static void check_tile(const TilePlace& tile) noexcept {
+  STOF_CHECK(tile.block_width >= 1 && tile.block_width <= 64 && !tile.candidates.empty());
   const int reach = tile_reach(tile.block_width);
   STOF_CHECK(tile.left_x >= 0 && tile.left_x + reach <= tile.left.width() &&
              tile.right_x >= tile.candidates.back() &&
@@ -70,7 +69,8 @@ void Boxes<Isa, kBlock>::slide(int entering, int leaving, std::size_t first, std
 // For all candidates, by groups.
 template <typename Isa, typename Work>
 void with_boxes(const TilePlace& tile, std::span<std::uint16_t> sums, Work work) noexcept {
-  check_tile(tile, sums);
+  check_tile(tile);
+  STOF_CHECK(sums.size() == tile.candidates.size() * kColumns);
   const auto go = [&](auto boxes) noexcept {
     for (std::size_t first = 0; first < tile.candidates.size(); first += kGroup) {
       work(boxes, first, std::min(kGroup, tile.candidates.size() - first),

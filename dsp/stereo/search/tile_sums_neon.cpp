@@ -4,6 +4,7 @@
 
 #include "dsp/base/simd.h"
 #include "dsp/stereo/search/tile_find_body.h"
+#include "dsp/stereo/search/tile_quarter_body.h"
 #include "dsp/stereo/search/tile_sums_body.h"
 
 namespace stof::dsp::neon {
@@ -11,7 +12,7 @@ namespace {
 
 constexpr std::array<std::int16_t, 8> kPlaces{0, 1, 2, 3, 4, 5, 6, 7};
 
-// What tile_boxes_body.h asks for.
+// What tile_boxes_body.h and tile_quarter_body.h ask for.
 struct Neon {
   using Bytes = uint8x16_t;
   using Sums = uint16x8_t;
@@ -20,6 +21,7 @@ struct Neon {
   static Bytes load_bytes(const std::uint8_t* p) noexcept { return vld1q_u8(p); }
   static void store_bytes(std::uint8_t* p, Bytes v) noexcept { vst1q_u8(p, v); }
   static Bytes difference(Bytes a, Bytes b) noexcept { return vabdq_u8(a, b); }
+  static Bytes zero() noexcept { return vdupq_n_u8(0); }
   static Bytes plus(Bytes a, Bytes b) noexcept { return vaddq_u8(a, b); }
   static Bytes minus(Bytes a, Bytes b) noexcept { return vsubq_u8(a, b); }
   static Sums low(Bytes v) noexcept { return vmovl_u8(vget_low_u8(v)); }
@@ -58,6 +60,25 @@ struct Neon {
     return vandq_u16(vcgeq_s16(lane, vdupq_n_s16(static_cast<std::int16_t>(begin))),
                      vcltq_s16(lane, vdupq_n_s16(static_cast<std::int16_t>(end))));
   }
+
+  static Sums greater(Sums a, Sums b) noexcept { return vmaxq_u16(a, b); }
+  static Sums pairs(Bytes v) noexcept {
+    return times8(vreinterpretq_u16_s16(vpaddlq_s8(vreinterpretq_s8_u8(v))));
+  }
+  static Sums firsts(Bytes v) noexcept {
+    return vreinterpretq_u16_s16(vshrq_n_s16(vshlq_n_s16(vreinterpretq_s16_u8(v), 8), 5));
+  }
+  static Sums seconds(Bytes v) noexcept {
+    return times8(vreinterpretq_u16_s16(vshrq_n_s16(vreinterpretq_s16_u8(v), 8)));
+  }
+  template <int kBy>
+  static Sums after(Sums a, Sums b) noexcept {
+    return vextq_u16(a, b, kBy);
+  }
+  template <int kBy>
+  static Bytes after(Bytes a, Bytes b) noexcept {
+    return vextq_u8(a, b, 2 * kBy);
+  }
 };
 
 }  // namespace
@@ -76,6 +97,10 @@ void find_in_tile(std::span<const std::uint16_t> sums, std::span<const std::int1
 void offer_to_right(std::span<const std::uint16_t> sums, std::int16_t candidate,
                     std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
   tile_sums_body::offer<Neon>(sums, candidate, lowest, winners);
+}
+void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+                  ImageView<std::int16_t> winners) noexcept {
+  tile_quarter_body::find_quarter<Neon>(tile, rows, block_height, limits, winners);
 }
 
 }  // namespace stof::dsp::neon

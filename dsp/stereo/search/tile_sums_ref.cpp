@@ -1,14 +1,16 @@
 #include "dsp/stereo/search/tile_sums.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdlib>
 
 #include "dsp/base/check.h"
+#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp::ref {
 namespace {
 
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
+constexpr std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
 // What row y of the pictures adds to the block of column x.
 int row_sum(const TilePlace& tile, int y, int x, int candidate) noexcept {
@@ -81,6 +83,24 @@ void offer_to_right(std::span<const std::uint16_t> sums, std::int16_t candidate,
     if (cost < lowest[x]) {
       lowest[x] = cost;
       winners[x] = candidate;
+    }
+  }
+}
+
+void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+                  ImageView<std::int16_t> winners) noexcept {
+  STOF_CHECK(winners.width() <= kQuarterColumns && winners.height() <= kQuarterRows &&
+             winners.height() == (rows.count() + 1) / 2);
+  std::array<std::uint16_t, size(kMaxDisparities) * kTileColumns> sums{};
+  std::array<std::int16_t, kTileColumns> found{};
+  const std::span<std::uint16_t> used =
+      std::span(sums).first(tile.candidates.size() * kTileColumns);
+  for (int r = 0; r < winners.height(); ++r) {
+    const int first = rows.begin + 2 * r - block_height / 2;
+    start_tile(tile, {first, first + block_height}, used);
+    find_in_tile(used, tile.candidates, limits, found);
+    for (int k = 0; k < winners.width(); ++k) {
+      winners.at(k, r) = found[size(2 * k)];
     }
   }
 }

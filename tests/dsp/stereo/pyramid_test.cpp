@@ -15,6 +15,7 @@
 #include "dsp/stereo/search/winner.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
+#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -242,28 +243,85 @@ TEST(Pyramid, FindsNearAndFarFromEveryStartAndWithNegativeDisparities) {
   }
 }
 
-TEST(Pyramid, AnySizeStaysInsideItsMemoryAndItsRange) {
-  for (const int width : {1, 2, 3, 31, 49, 100}) {
-    for (const int height : {1, 2, 5, 50}) {
-      for (const int levels : {1, 2}) {
-        Pair pair = noise(width, height, 5);
-        const MatchParams params{.min_disparity = -3,
-                                 .disparities = 37,
-                                 .block_width = 7,
-                                 .block_height = 5,
-                                 .pyramid_levels = levels};
-        test::GuardedBuffer<std::byte> memory(pyramid_bytes_needed(params, width, height));
-        Map left(width, height, width), right(width, height, width);
-        match_coarse_to_fine(params, pair.pictures(), Arena(memory.span()),
-                             {left.view(), right.view()});
-        for (int y = 0; y < height; ++y) {
-          for (int x = 0; x < width; ++x) {
-            const int winner = left.view().at(x, y);
-            const int column = x + 3 - winner;
-            ASSERT_TRUE(winner == kNoWinner || (winner < 37 && column >= 0 && column < width));
+void expect_in_range(const MatchParams& params, ImageView<const std::int16_t> map) {
+  for (int y = 0; y < map.height(); ++y) {
+    for (int x = 0; x < map.width(); ++x) {
+      const int winner = map.at(x, y);
+      const int column = x - params.min_disparity - winner;
+      ASSERT_TRUE(winner == kNoWinner ||
+                  (winner < params.disparities && column >= 0 && column < map.width()))
+          << x;
+    }
+  }
+}
+
+struct Block {
+  int width, height;
+};
+
+TEST(Pyramid, AnySizeStaysInsideItsMemoryAndItsRangeWithAnyVectors) {
+  for (const Block block : {Block{7, 5}, Block{15, 15}, Block{16, 16}, Block{9, 8}}) {
+    for (const int width : {1, 2, 3, 31, 48, 49, 100}) {
+      for (const int height : {1, 2, 5, 32, 50}) {
+        for (const int levels : {1, 2}) {
+          Pair pair = noise(width, height, 5);
+          for (const auto& picture : {pair.left.view(), pair.right.view()}) {
+            for (int y = 0; y < height; ++y) {
+              std::ranges::transform(picture.row(y), picture.row(y).begin(), [](std::uint8_t v) {
+                return static_cast<std::uint8_t>(v * 3 / 4);  // of a derivative with a cap of 15
+              });
+            }
+          }
+          const MatchParams params{.min_disparity = -3,
+                                   .disparities = 37,
+                                   .block_width = block.width,
+                                   .block_height = block.height,
+                                   .pyramid_levels = levels};
+          test::GuardedBuffer<std::byte> memory(pyramid_bytes_needed(params, width, height));
+          Map expected(width, height, width);
+          for (const Vectors vectors : test::all_vectors()) {
+            const test::UseVectors use(vectors);
+            Map left(width, height, width), right(width, height, width);
+            for (const bool check : {true, false}) {
+              match_coarse_to_fine(params, pair.pictures(), Arena(memory.span()),
+                                   {left.view(), check ? right.view() : ImageView<std::int16_t>()});
+              expect_in_range(params, left.view());
+            }
+            for (int y = 0; y < height; ++y) {
+              if (vectors == Vectors::kNeon) {
+                std::ranges::copy(left.view().row(y), expected.view().row(y).begin());
+              }
+              ASSERT_TRUE(std::ranges::equal(left.view().row(y), expected.view().row(y)));
+            }
           }
         }
       }
+    }
+  }
+}
+
+TEST(Pyramid, PixelsBetweenTakeAWinnerOfTheirNeighbours) {
+  Pair pair = wall_and_board(240, 160, 6, 51);
+  const MatchParams params{
+      .disparities = 61, .block_width = 15, .block_height = 15, .pyramid_levels = 1};
+  for (const auto& picture : {pair.left.view(), pair.right.view()}) {
+    for (int y = 0; y < 160; ++y) {
+      std::ranges::transform(picture.row(y), picture.row(y).begin(),
+                             [](std::uint8_t v) { return static_cast<std::uint8_t>(v / 9); });
+    }
+  }
+  test::GuardedBuffer<std::byte> memory(pyramid_bytes_needed(params, 240, 160));
+  Map map(240, 160, 240);
+  match_coarse_to_fine(params, pair.pictures(), Arena(memory.span()), {map.view(), {}});
+  for (int y = 1; y < 159; y += 2) {
+    for (int x = 61; x < 239; ++x) {
+      const int winner = map.view().at(x, y);
+      ASSERT_TRUE(winner == map.view().at(x, y - 1) || winner == map.view().at(x, y + 1)) << x;
+      const int above = map.view().at(x, y - 1);
+      const bool searched = x % 2 == 0;
+      ASSERT_TRUE(searched || above == map.view().at(x - 1, y - 1) ||
+                  above == map.view().at(x + 1, y - 1))
+          << x;
     }
   }
 }

@@ -1,5 +1,6 @@
 #include "dsp/stereo/search/tile_sums.h"
 
+#include <algorithm>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -120,6 +121,82 @@ TEST(TileSums, OfferToTheRightWhatTheReferenceOffers) {
       for (std::size_t x = 0; x < n; ++x) {
         ASSERT_EQ(low[x], expected_low[x]) << n;
         ASSERT_EQ(won[x], expected[x]) << n;
+      }
+    }
+  }
+}
+
+// Columns and rows that replicate make ties of all candidates.
+Picture half_flat(int width, test::Random& random) {
+  Picture picture = noise(width, random);
+  for (int y = 0; y < kRows; ++y) {
+    const auto flat = picture.view().row(y).subspan(static_cast<std::size_t>(width) * 2 / 3);
+    std::ranges::fill(flat, std::uint8_t{9});
+  }
+  return picture;
+}
+
+TEST(TileSums, FindAQuarterAsTheReferenceFindsItForEveryBlockAndLimit) {
+  test::Random random(6);
+  for (const Vectors vectors : test::all_vectors()) {
+    const test::UseVectors use(vectors);
+    for (const int block : {1, 2, 7, 8, 14, 15, 16, 17, 18, 31, 33, 64}) {
+      for (const auto& candidates : choices()) {
+        const int last = candidates.back();
+        Picture left = half_flat(tile_reach(block) + 1, random);
+        Picture right = half_flat(tile_reach(block) + last, random);
+        const TilePlace tile{.left = left.view(),
+                             .right = right.view(),
+                             .left_x = 1,
+                             .right_x = last,
+                             .block_width = block,
+                             .candidates = candidates};
+        const int height = std::min(15, kLargestTileSum / kLargestTilePixel / block);
+        for (const TileLimits limits : {TileLimits{-1100, 1100}, TileLimits{-40, 48},
+                                        TileLimits{0, 60}, TileLimits{-3, 5}, TileLimits{90, 99}}) {
+          for (const int rows : {1, 4, 2 * kQuarterRows}) {
+            const int width = rows == 4 ? 7 : kQuarterColumns;
+            const int found_rows = (rows + 1) / 2;
+            test::GuardedImage<std::int16_t> expected(width, found_rows, width);
+            test::GuardedImage<std::int16_t> found(width, found_rows, width);
+            ref::find_quarter(tile, {-3, rows - 3}, height, limits, expected.view());
+            best::find_quarter(tile, {-3, rows - 3}, height, limits, found.view());
+            for (int r = 0; r < found_rows; ++r) {
+              for (int k = 0; k < width; ++k) {
+                ASSERT_EQ(found.view().at(k, r), expected.view().at(k, r))
+                    << "block " << block << ", " << candidates.size() << " candidates at " << k;
+              }
+            }
+          }
+        }
+      }
+    }
+  }
+}
+
+TEST(TileStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
+  test::Random random(10);
+  for (const int width : {1, 2, 47, 49, 150}) {
+    for (const int min_disparity : {-70, -3, 9}) {
+      const MatchParams params{
+          .min_disparity = min_disparity, .disparities = 21, .block_width = 15, .block_height = 8};
+      Picture left = noise(width, random), right = noise(width, random);
+      test::GuardedBuffer<std::byte> memory(TileStrips::bytes_needed(params, false, width, kRows));
+      Arena arena(memory.span());
+      TileStrips strips(params, false, width, kRows, arena);
+      strips.start(left.view(), right.view());
+      using Map = test::GuardedImage<std::int16_t>;
+      Map all(width, kRows, width), quarter((width + 1) / 2, kRows / 2, (width + 1) / 2);
+      const std::vector<std::int16_t> candidates{0, 1, 2, 5, 6, 13, 20};
+      for (int t = 0; t < TileStrips::tiles(width); ++t) {
+        strips.search({0, kRows}, t, candidates, {all.view(), {}});
+        strips.search_quarter({0, 4}, t, candidates, quarter.view());
+        strips.search_quarter({4, kRows}, t, candidates, quarter.view());
+      }
+      for (int r = 0; r < kRows / 2; ++r) {
+        for (int k = 0; k < (width + 1) / 2; ++k) {
+          ASSERT_EQ(quarter.view().at(k, r), all.view().at(2 * k, 2 * r)) << width << " " << k;
+        }
       }
     }
   }
