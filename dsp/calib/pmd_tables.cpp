@@ -42,7 +42,7 @@ PhaseLimits phase_limits(const PmdSensor& sensor, const PmdTone& tone, double sq
   limits.dark = clamp_to<std::uint16_t>(sensor.dark_lsb);
   limits.min_amp2 = clamp_to<std::uint16_t>(2.0 * sensor.min_amplitude_lsb);
   limits.ratio_q16 =
-      std::min(clamp_to<std::uint32_t>(2 * tone.min_modulation_ratio * 65536), kMaxRatioQ16);
+      2 * std::min(clamp_to<std::uint32_t>(tone.min_modulation_ratio * 65536), kMaxRatioQ16 / 2);
   limits.asymmetry_slope_q8 = std::min(
       clamp_to<std::uint32_t>(squared / sensor.electrons_per_lsb * kQ8), kMaxAsymmetrySlopeQ8);
   return limits;

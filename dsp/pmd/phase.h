@@ -15,7 +15,8 @@ struct PhaseLimits {
   std::uint16_t lowest = 1;         // a sample below it: kPmdUnderRange; 0 = never
   std::uint16_t dark = 0;           // subtracted from the mean, clamped at 0
   std::uint16_t min_amp2 = 8;       // amp2 below it: kPmdLowAmplitude
-  // amp2 < (ratio_q16 * offset) >> 16: kPmdLowRatio. 2 * ratio * 65536, at most 131072.
+  // amp2 < (ratio_q16 * offset) >> 16: kPmdLowRatio. 2 * ratio * 65536, at most 131072; even
+  // numbers below 65536 are faster.
   std::uint32_t ratio_q16 = 39322;
   // (A0 + A2 - A1 - A3)^2 > base + ((slope_q8 * offset) >> 8): kPmdAsymmetric. The even sums are
   // equal on a static scene whatever the phase and its odd harmonics (wiggling), so this is a

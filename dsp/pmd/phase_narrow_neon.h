@@ -25,6 +25,7 @@ struct Narrow {
     const bool noise_fits =
         limits.asymmetry_slope_q8 <= kMostSlope && noise < kMostUneven * kMostUneven;
     return limits.saturation <= kMostSample + 1 && limits.ratio_q16 <= 65535 &&
+           limits.ratio_q16 % 2 == 0 &&
            std::max(std::abs(limits.stray_i), std::abs(limits.stray_q)) <= kMostStray &&
            (noise_fits || never_asymmetric(limits));
   }
@@ -48,8 +49,8 @@ struct Narrow {
   }
 
   static uint16x8_t least_amp2(uint16x8_t offset, const Limits& limits) noexcept {
-    const uint16x4_t ratio = vdup_n_u16(static_cast<std::uint16_t>(limits.ratio));
-    return upper(vmull_u16(vget_low_u16(offset), ratio), vmull_u16(vget_high_u16(offset), ratio));
+    const int16x8_t half = vdupq_n_s16(static_cast<std::int16_t>(limits.ratio / 2));
+    return vreinterpretq_u16_s16(simd::product_above(vreinterpretq_s16_u16(offset), half));
   }
 
   static uint16x8_t asymmetric(uint16x8_t uneven, uint16x8_t offset,

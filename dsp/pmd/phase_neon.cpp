@@ -179,10 +179,13 @@ void phase(const SampleRows& samples, const PhaseLimits& limits, const PhaseRow&
   if (largest > Narrow::kMostSample) {
     whole_vectors<Wide>(samples, limits, out, x);
   }
-  ref::phase(
-      {samples[0].subspan(x), samples[1].subspan(x), samples[2].subspan(x), samples[3].subspan(x)},
-      limits,
-      {out.phase.subspan(x), out.amp2.subspan(x), out.offset.subspan(x), out.flags.subspan(x)});
+  if (x < n) {
+    ref::phase({samples[0].subspan(x), samples[1].subspan(x), samples[2].subspan(x),
+                samples[3].subspan(x)},
+               limits,
+               {out.phase.subspan(x), out.amp2.subspan(x), out.offset.subspan(x),
+                out.flags.subspan(x)});
+  }
 }
 
 }  // namespace stof::dsp::neon
