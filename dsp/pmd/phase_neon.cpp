@@ -180,11 +180,11 @@ void phase(const SampleRows& samples, const PhaseLimits& limits, const PhaseRow&
     whole_vectors<Wide>(samples, limits, out, x);
   }
   if (x < n) {
-    ref::phase({samples[0].subspan(x), samples[1].subspan(x), samples[2].subspan(x),
-                samples[3].subspan(x)},
-               limits,
-               {out.phase.subspan(x), out.amp2.subspan(x), out.offset.subspan(x),
-                out.flags.subspan(x)});
+    ref::phase(
+        {samples[0].subspan(x), samples[1].subspan(x), samples[2].subspan(x),
+         samples[3].subspan(x)},
+        limits,
+        {out.phase.subspan(x), out.amp2.subspan(x), out.offset.subspan(x), out.flags.subspan(x)});
   }
 }
 
