@@ -15,7 +15,7 @@ namespace {
 // in the block.
 constexpr int kPlaceBits = 12;
 constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
-static_assert(kWidestStep * kWidestStep == 1 << kPlaceBits);
+static_assert(kMostBlock * kMostBlock == 1 << kPlaceBits);
 static_assert((3ULL * kMaxQuarterMm << kPlaceBits) + (1 << kPlaceBits) <= kNobody);
 
 std::uint32_t nearest_key(std::span<const QuarterMm> depth, std::span<const QuarterMm> width,
@@ -32,7 +32,7 @@ std::uint32_t nearest_key(std::span<const QuarterMm> depth, std::span<const Quar
 }  // namespace
 
 NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) noexcept {
-  STOF_CHECK(step >= kLeastStep && step <= kWidestStep);
+  STOF_CHECK(step >= kLeastBlock && step <= kMostBlock);
   const int left = column * step;
   const int top = row * step;
   const int columns = std::min(step, map.depth.width() - left);

@@ -8,8 +8,8 @@
 // right and lower border) is told by the pixel whose near bound (depth - width / 2) is nearest.
 namespace stof::dsp {
 
-inline constexpr int kLeastStep = 1;
-inline constexpr int kMostStep = 64;
+inline constexpr int kLeastBlock = 1;
+inline constexpr int kMostBlock = 64;
 
 constexpr int decimated(int pixels, int step) noexcept { return (pixels + step - 1) / step; }
 
@@ -22,7 +22,7 @@ struct NearestPixel {
 
 // Of those pixels of block (column, row) that have a depth the one with the smallest
 // 2 * depth - width, of equal ones the first in raster order; without any, depth and width are 0.
-// step: kLeastStep to kMostStep; the block begins inside the map.
+// step: kLeastBlock to kMostBlock; the block begins inside the map.
 NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) noexcept;
 
 // The same of every block. `depth` and `width` have decimated(map width, step) x

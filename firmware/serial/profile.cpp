@@ -8,7 +8,7 @@
 namespace stof::firmware {
 
 int profile_step(const Profile& profile, int width, int height) noexcept {
-  return std::max({dsp::kLeastStep, dsp::decimated(width, profile.width),
+  return std::max({dsp::kLeastBlock, dsp::decimated(width, profile.width),
                    dsp::decimated(height, profile.height)});
 }
 

@@ -127,7 +127,7 @@ bool SerialSender::send_picture(const wire::FrameStamp& stamp, const wire::Frame
                                 const dsp::DepthMap& map, hal::Time now) noexcept {
   const Profile& profile = params_.profile == SerialProfile::kCoarse ? kCoarse : kMedium;
   const int step = profile_step(profile, map.depth.width(), map.depth.height());
-  if (step > dsp::kMostStep) {
+  if (step > dsp::kMostBlock) {
     return false;
   }
   const int columns = dsp::decimated(map.depth.width(), step);

@@ -20,7 +20,7 @@ inline constexpr int kLeastCloudStep = 2;
 std::int16_t point_mm(int pixel, dsp::QuarterMm depth, std::int32_t focal,
                       std::int32_t centre) noexcept;
 
-// Adds the tiles; step: kLeastCloudStep to dsp::kMostStep. fx and fy of the lens are positive.
+// Adds the tiles; step: kLeastCloudStep to dsp::kMostBlock. fx and fy of the lens are positive.
 void add_cloud_tiles(const dsp::DepthMap& map, int step, const CalibrationPacket& lens,
                      PartStore& store) noexcept;
 
