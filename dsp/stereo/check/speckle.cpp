@@ -89,7 +89,7 @@ struct Line {
       const std::int16_t* const p = pixels(word);
       const std::int16_t* const left = p - 1;
       const Word some = bits_where([p](std::size_t k) { return p[k] != Disparity::none().raw; });
-      const Word like_left = bits_where([p](std::size_t k) { return near(p[k], left[k]); });
+      const Word like_left = bits_where([p, left](std::size_t k) { return near(p[k], left[k]); });
       valid[word] = some;
       begins[word] = some & ~(like_left & (some << 1U | before));
       before = some >> (kWord - 1);
