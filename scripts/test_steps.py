@@ -257,8 +257,6 @@ def main():
         prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: all but {', '.join(LONG)}, in this order.")
     parser.add_argument("--quick", action="store_true", help=f"only {', '.join(QUICK)}")
     parser.add_argument("--all", action="store_true", help=f"also {', '.join(LONG)}")
-    parser.add_argument("--minutes", type=int, metavar="N",
-                        help="with --all: none of these is begun when so many minutes are over")
     parser.add_argument("steps", metavar="STEP", nargs="*", help="only these steps")
     arguments = parser.parse_args()
     usual = list(STEPS) if arguments.all else [step for step in STEPS if step not in LONG]
@@ -270,14 +268,9 @@ def main():
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by a signal"))
     LOGS.mkdir(parents=True, exist_ok=True)
     total = Count()
-    start = time.monotonic()
-    left_out = []
     for name in chosen:
-        begin = time.monotonic()
-        if arguments.minutes is not None and name in LONG and begin - start > 60 * arguments.minutes:
-            left_out.append(name)
-            continue
         log = Log(name)
+        begin = time.monotonic()
         count = STEPS[name](log)
         total.add(count)
         print(f"{name:<11} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
@@ -286,8 +279,6 @@ def main():
         if count.failed:
             print("\n".join(count.details[:CASES_SHOWN]) or log.excerpt())
             print(f"    (all of it in {log.path.relative_to(ROOT)})", flush=True)
-    if left_out:
-        print(f"not begun, {arguments.minutes} minutes being over: {', '.join(left_out)}")
     if total.skipped:
         print(f"{total.skipped} skipped, each with its reason above")
     print(f"{total.passed} passed, {total.failed} failed")
