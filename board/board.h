@@ -20,6 +20,7 @@
 #include "hal/store.h"
 #include "hal/time.h"
 #include "hal/trigger.h"
+#include "hal/watchdog.h"
 
 // Which board this is was chosen at link time; its table kConfig by the build.
 #include STOF_BOARD_CONFIG
@@ -37,8 +38,12 @@ struct Board {
   std::optional<hal::Peer> to;  // gets every packet without having asked for it
   hal::Network& network;
   hal::MulticastPort* mdns;  // nullptr: none was asked for, or it cannot be had
+  hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
   dsp::Calibration calibration;
+  bool drawn = false;         // the calibration is the drawing's: nothing was measured
+  bool drawn_will_do = false;  // and whoever started it knows
   int disparities;     // search range that the rig asks for
+  hal::Duration least_period{};  // with a shorter one frames cannot be told apart
   bool emulated_time;  // the clock is not this machine's
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing
@@ -50,6 +55,8 @@ struct Lines {
   std::string to;                 // HOST:PORT; empty: nobody gets packets who has not subscribed
   std::string serial;             // device file of the serial line; empty: none
   std::uint32_t baud = 921'600;
+  bool flow_control = false;  // of the serial line, RTS and CTS
+  int dscp = 0;               // of every datagram, 0..63
   bool mdns = false;
 };
 
@@ -68,6 +75,23 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 // Opens again, in place, what returned kDeviceLost; may allocate, and block for up to a second.
 // kOk: go on. kDeviceLost: not back yet, try again later. What is open stays as it is.
 Status reopen(Board& board) noexcept;
+
+// Keeps the program's memory in RAM from now on, and readies the stack of the calling thread, where
+// the board's table asks for priority. A line: what the system refuses and what to do; it goes on.
+std::optional<std::string> lock_memory();
+// The calling thread, and those that it starts meanwhile, run before everything else on the board
+// (true, with the priority that it was opened with), or as everything does. A line: as above.
+std::optional<std::string> be_urgent(bool urgent);
+
+// Heap calls of a thread since count_heap_calls().
+struct HeapCalls {
+  bool counted = false;         // this build counts them
+  std::uint64_t own = 0;        // ours: none is allowed in the loop
+  std::uint64_t libraries = 0;  // inside of device libraries that cannot do without
+};
+// From now on those of the calling thread are counted.
+void count_heap_calls() noexcept;
+HeapCalls heap_calls() noexcept;
 
 // Where settings are kept under that name; nothing is opened yet.
 std::unique_ptr<hal::Store> make_store(std::string_view name);

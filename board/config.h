@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 
 #include "hal/time.h"
 
@@ -32,13 +33,92 @@ struct TimingConfig {
   friend constexpr bool operator==(const TimingConfig&, const TimingConfig&) = default;
 };
 
+// A net of the schematic, and the GPIO line that it is on: the kernel's name of the line
+// ("GPIO17"), or LABEL:OFFSET on a chip whose lines have no names ("9030000.pl061:0"). Without a
+// line it is not wired.
+struct Net {
+  const char* name = "";
+  const char* line = "";
+  constexpr bool wired() const noexcept { return *line != '\0'; }
+};
+
+// From the board to the trigger inputs of the cameras, and what left and right camera answer while
+// they expose.
+struct Nets {
+  Net left_trigger{};
+  Net right_trigger{};  // not wired: the left one's line is fanned out to both
+  Net pmd_trigger{};    // not wired: likewise
+  Net left_strobe{};
+  Net right_strobe{};
+};
+
+// A pair of cameras as one of the kernel's interfaces knows them, and how their trigger is driven.
+struct PairConfig {
+  const char* left = "";   // empty: this board has no pair of that kind
+  const char* right = "";  // empty: both pictures side by side come from `left`
+  bool active_low = false;
+  // How long the trigger is active; 0: as long as they shall expose, which ends `pulse_lag` later.
+  hal::Duration pulse{};
+  hal::Duration pulse_lag{};
+  hal::Duration most_delay{};  // a frame's stamp is at most this much later than its exposure's end
+};
+
+struct PmdDeviceConfig {
+  std::uint16_t usb_vendor = 0;
+  std::uint16_t usb_product = 0;
+  std::uint32_t modulation_khz = 20'000;
+};
+
+// What a board is made of beside the processor; nothing of it on an emulated one.
+struct DeviceConfig {
+  Nets nets{};
+  PairConfig v4l2{};
+  PairConfig libcamera{};
+  PmdDeviceConfig pmd{};
+  const char* watchdog = "";         // device file; empty: none
+  hal::Duration watchdog_timeout{};  // a loop that stands still for that long restarts the board
+  int priority = 0;                  // SCHED_FIFO, of what computes frames; 0: as everything else
+};
+
+// What is drawn, before anything was measured: lenses in pixels of the largest pictures, metres.
+struct DrawnRig {
+  double stereo_focal_px = 0;
+  double baseline_m = 0;
+  double pmd_focal_px = 0;
+  double pmd_right_m = 0;  // of the left camera
+  double pmd_below_m = 0;
+};
+
 struct Config {
   const char* name = "";
   StereoConfig stereo;
   PmdConfig pmd;
   TimingConfig timing;
+  DeviceConfig devices{};
+  DrawnRig drawn{};
   std::size_t workspace_limit = 0;  // bytes that the memory of the frame path must stay within
 };
+
+// How long the trigger of a pair is active for that exposure.
+constexpr hal::Duration pulse_length(const PairConfig& pair, hal::Duration exposure) noexcept {
+  return pair.pulse > hal::Duration::zero() ? pair.pulse : exposure - pair.pulse_lag;
+}
+
+// The pair can be driven with this timing: the pulse fits into the exposure, and a stamp tells one
+// edge from the next.
+constexpr bool valid(const PairConfig& pair, const TimingConfig& timing) noexcept {
+  const hal::Duration pulse = pulse_length(pair, timing.stereo_exposure);
+  return *pair.left == '\0' ||
+         (pulse > hal::Duration::zero() && pulse <= timing.stereo_exposure &&
+          pair.most_delay > hal::Duration::zero() &&
+          timing.stereo_exposure + pair.most_delay <= timing.period);
+}
+
+constexpr bool valid(const DeviceConfig& devices, const TimingConfig& timing) noexcept {
+  return valid(devices.v4l2, timing) && valid(devices.libcamera, timing) && devices.priority >= 0 &&
+         devices.priority <= 98 &&
+         (*devices.watchdog == '\0' || devices.watchdog_timeout >= 3 * timing.period);
+}
 
 constexpr bool valid(const Config& config) noexcept {
   const TimingConfig& timing = config.timing;
@@ -49,7 +129,7 @@ constexpr bool valid(const Config& config) noexcept {
          timing.stereo_exposure > hal::Duration::zero() &&
          timing.period > timing.stereo_exposure + timing.edge_tolerance &&
          timing.period * timing.pmd_every > timing.pmd_integration + timing.edge_tolerance &&
-         timing.edge_tolerance > hal::Duration::zero();
+         timing.edge_tolerance > hal::Duration::zero() && valid(config.devices, timing);
 }
 
 }  // namespace stof::board

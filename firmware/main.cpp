@@ -25,9 +25,10 @@
 #include "firmware/reopener.h"
 #include "firmware/report.h"
 #include "firmware/settings/assignment.h"
-#include "firmware/settings/saved.h"
 #include "firmware/start.h"
+#include "firmware/start_settings.h"
 #include "firmware/teller.h"
+#include "firmware/watchdog_feeder.h"
 #include "firmware/wire/calibration_packet.h"
 #include "firmware/workspace.h"
 
@@ -119,31 +120,6 @@ bool write_port(const std::string& file, std::uint16_t port) {
   return out && std::fprintf(out.get(), "%u\n", unsigned{port}) > 0 && std::fflush(out.get()) == 0;
 }
 
-// What the settings are at start.
-struct StartSettings {
-  std::unique_ptr<hal::Store> store;  // may be empty
-  settings::Settings saved;
-  settings::Settings active;
-};
-
-std::expected<StartSettings, std::string> read_settings(const Options& options) {
-  StartSettings start;
-  if (!options.settings.empty()) {
-    start.store = board::make_store(options.settings);
-    std::array<char, 512> space{};
-    settings::Window line(space);
-    start.saved = settings::load_settings(*start.store, options.settings, nullptr, line);
-    if (!line.text().empty()) {
-      say(std::string(line.text()));
-    }
-  }
-  start.active = start.saved;
-  if (std::string why = apply(options.assignments, start.active); !why.empty()) {
-    return std::unexpected(std::move(why));
-  }
-  return start;
-}
-
 // Threads that compute depth, the loop's own among them.
 int threads_of(const settings::Settings& settings) {
   if (settings.compute.threads > 0) {
@@ -184,28 +160,29 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
                             start.active, start.saved);
   const Teller teller(events);
   Reopener reopener(board);
+  WatchdogFeeder watchdog(board.watchdog, board.clock);
+  // Only now: what the other threads do can wait.
+  static_cast<void>(board::be_urgent(true));
+  board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
     reopener.after(appliance.step(control.surroundings(appliance.serial())));
+    watchdog.after_round();
     vitals.rate_mhz.store(appliance.stream().reporter().rate_mhz(), std::memory_order_relaxed);
     vitals.health.store(appliance.stream().reporter().summary(), std::memory_order_relaxed);
   }
+  watchdog.end();
+  if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
+    say(heap_text(heap.own, heap.libraries, events.counters.edges));
+  }
+  static_cast<void>(board::be_urgent(false));
 }
 
-// Settings that were saved for another rig must not keep a sensor out of reach.
-std::string drop_unusable(const RigInFront& rig, const Options& options, StartSettings& start) {
-  if (start.store == nullptr) {
-    return {};
+// Threads that help to compute are as urgent as the loop.
+void say_refusal(const std::optional<std::string>& refusal) {
+  if (refusal) {
+    say(*refusal);
   }
-  const auto plan = make_plan(rig, board::kConfig, start.saved);
-  if (plan) {
-    return {};
-  }
-  say(options.settings + ": not for this sensor, set aside, the defaults hold: " + plan.error());
-  static_cast<void>(start.store->set_aside());  // the next save replaces it in any case
-  start.saved = {};
-  start.active = {};
-  return apply(options.assignments, start.active);
 }
 
 int run(board::Board& board, const Options& options, StartSettings start) {
@@ -216,11 +193,14 @@ int run(board::Board& board, const Options& options, StartSettings start) {
   if (const std::string why = drop_unusable(*rig, options, start); !why.empty()) {
     return refuse(why);
   }
+  say_refusal(board::lock_memory());
+  say_refusal(board::be_urgent(true));
   dsp::Workers workers({.threads = threads_of(start.active), .name = "stof-depth"});
   if (workers.status() != Status::kOk) {
     say("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
         std::to_string(threads_of(start.active)) + " compute: check its limits");
   }
+  static_cast<void>(board::be_urgent(false));
   rig->threads = workers.threads();
   auto plan = make_plan(*rig, board::kConfig, start.active);
   if (!plan) {
@@ -272,6 +252,8 @@ int start_and_run(std::span<const std::string_view> arguments) {
                    .to = options->to,
                    .serial = std::string(active.serial.device.view()),
                    .baud = static_cast<std::uint32_t>(active.serial.baud),
+                   .flow_control = active.serial.flow_control,
+                   .dscp = active.dscp,
                    .mdns = true},
                   options->board);
   if (!board) {

@@ -77,6 +77,11 @@ std::string threads_text(int threads, int there) {
               : " (of " + std::to_string(there) + ": there is no memory for more searches)");
 }
 
+std::string heap_text(std::uint64_t own, std::uint64_t libraries, std::uint64_t edges) {
+  return "heap calls in the loop: " + std::to_string(own) + " of our own, " +
+         std::to_string(libraries) + " of device libraries in " + std::to_string(edges) + " edges";
+}
+
 std::string summary(const Counters& counters) {
   std::string text = std::to_string(counters.published) + " frames published of " +
                      std::to_string(counters.edges) + " edges, " +

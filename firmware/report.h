@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "firmware/events.h"
@@ -12,6 +13,9 @@ std::string describe(const Event& event);
 
 // How many threads compute, of those there are, and why not more.
 std::string threads_text(int threads, int there);
+
+// One line: what the loop's thread asked of the heap, while so many edges went out.
+std::string heap_text(std::uint64_t own, std::uint64_t libraries, std::uint64_t edges);
 
 // One line of totals: for the end.
 std::string summary(const Counters& counters);

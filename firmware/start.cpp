@@ -81,6 +81,25 @@ std::string load_calibration(const std::string& name, const board::Config& confi
   return {};
 }
 
+// Of the board in front of us, beside those of any.
+std::string period_limits(const RigInFront& rig, const board::Config& config,
+                          hal::Duration period) {
+  const auto text = [](hal::Duration time) {
+    return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count()) + " ms";
+  };
+  if (period < rig.least_period) {
+    return "period_ms: the cameras of board " + std::string(config.name) + " need " +
+           text(rig.least_period) + " from edge to edge, or frames cannot be told apart: choose a "
+           "longer period";
+  }
+  const hal::Duration patience = config.devices.watchdog_timeout;
+  if (patience > hal::Duration::zero() && 3 * period > patience) {
+    return "period_ms: the watchdog of board " + std::string(config.name) + " waits for " +
+           text(patience) + ", three periods must fit: choose a shorter period";
+  }
+  return {};
+}
+
 std::string limits(const Setup& setup, const board::Config& config) {
   const dsp::Pinhole& left = setup.calibration.stereo.left;
   if (left.width > config.stereo.width || left.height > config.stereo.height) {
@@ -130,7 +149,14 @@ std::expected<RigInFront, std::string> make_rig(const board::Board& board,
                  .fixed_pattern = {},
                  .disparities = board.disparities,
                  .calibration_file = calibration_file,
-                 .threads = 1};
+                 .threads = 1,
+                 .least_period = board.least_period};
+  if (board.drawn && !board.drawn_will_do && calibration_file.empty()) {
+    return std::unexpected(
+        "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
+        "--uncalibrated to see pictures");
+  }
+  const dsp::Hertz modulation = rig.calibration.pmd.tone.modulation;
   if (const char* const why = dsp::complete(rig.calibration.stereo); *why != '\0') {
     return std::unexpected(std::string("the rig's calibration: ") + why +
                            ": calibrate the rig anew");
@@ -141,6 +167,13 @@ std::expected<RigInFront, std::string> make_rig(const board::Board& board,
   if (!calibration_file.empty()) {
     if (std::string why = load_calibration(calibration_file, config, rig); !why.empty()) {
       return std::unexpected(std::move(why));
+    }
+    const dsp::Hertz calibrated = rig.calibration.pmd.tone.modulation;
+    if (board.drawn && board.pmd != nullptr && calibrated.value != modulation.value) {
+      return std::unexpected(calibration_file + ": of a PMD camera that modulates with " +
+                             std::to_string(calibrated.value) + " Hz, this board's does with " +
+                             std::to_string(modulation.value) +
+                             " Hz: use the calibration of this rig");
     }
   }
   if (const char* const why = dsp::problem(rig.calibration); *why != '\0') {
@@ -168,6 +201,9 @@ std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::C
   plan.stream.max_range = plan.setup.depth.fusion.max_range;
   if (const char* const why = problem(plan.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
+  }
+  if (std::string why = period_limits(rig, config, plan.timing.period); !why.empty()) {
+    return std::unexpected(std::move(why));
   }
   if (std::string why = limits(plan.setup, config); !why.empty()) {
     return std::unexpected(std::move(why));

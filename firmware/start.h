@@ -22,6 +22,7 @@ struct RigInFront {
   int disparities = 0;                      // that the rig asks for
   std::string calibration_file;             // empty: the board's own
   int threads = 1;                          // there are to compute depth
+  hal::Duration least_period{};             // that its cameras' frames can be told apart with
 };
 
 // calibration_file: replaces the board's calibration; empty: that holds.

@@ -16,7 +16,8 @@ set(CMAKE_C_COMPILER_TARGET aarch64-linux-gnu)
 set(CMAKE_CXX_COMPILER_TARGET aarch64-linux-gnu)
 set(CMAKE_LIBRARY_ARCHITECTURE aarch64-linux-gnu)
 # crt files, libgcc and libstdc++ of the sysroot's GCC, not of the host's.
-set(_flags "--gcc-toolchain=${CMAKE_SYSROOT}/usr -mcpu=cortex-a72")
+# -fstack-usage: what scripts/budgets.py reads.
+set(_flags "--gcc-toolchain=${CMAKE_SYSROOT}/usr -mcpu=cortex-a72 -fstack-usage")
 set(CMAKE_C_FLAGS_INIT "${_flags}")
 set(CMAKE_CXX_FLAGS_INIT "${_flags}")
 # The sanitizers' arm64 runtimes lie in the sysroot, in the same version as the compiler.

@@ -8,6 +8,7 @@
 
 #include "board/emu/request.h"
 #include "board/emu/scenes.h"
+#include "board/lines.h"
 #include "dataset/dataset.h"
 #include "hal/emu/clock.h"
 #include "hal/emu/pmd_camera.h"
@@ -16,11 +17,6 @@
 #include "hal/emu/trigger.h"
 #include "hal/linux/clock.h"
 #include "hal/linux/file_store.h"
-#include "hal/linux/mdns_port.h"
-#include "hal/linux/network.h"
-#include "hal/linux/peer_address.h"
-#include "hal/linux/serial_tty.h"
-#include "hal/linux/udp_port.h"
 
 namespace stof::board {
 namespace {
@@ -119,48 +115,6 @@ std::optional<Refusal> write_truth(const std::filesystem::path& file, const Worl
 
 emu::StereoTiming stereo_timing() { return {.exposure = kConfig.timing.stereo_exposure}; }
 
-// How it talks.
-struct LinesOpen {
-  std::unique_ptr<hal::posix::UdpPort> port;
-  std::optional<hal::Peer> to;
-  std::optional<hal::posix::SerialTty> serial;
-  std::unique_ptr<hal::posix::Network> network = std::make_unique<hal::posix::Network>();
-  std::unique_ptr<hal::posix::MdnsPort> mdns;
-  std::vector<std::string> notes;
-};
-
-std::expected<LinesOpen, Refusal> open_lines(const Lines& wanted) {
-  LinesOpen lines;
-  auto port = hal::posix::UdpPort::open({.port = wanted.udp_port});
-  if (!port) {
-    return refuse(port.error().message);
-  }
-  lines.port = std::move(*port);
-  if (!wanted.to.empty()) {
-    const auto peer = hal::posix::resolve(wanted.to);
-    if (!peer) {
-      return refuse(peer.error().message);
-    }
-    lines.to = *peer;
-  }
-  if (!wanted.serial.empty()) {
-    auto serial = hal::posix::SerialTty::open({.device = wanted.serial, .baud = wanted.baud});
-    if (!serial) {
-      return refuse(serial.error());
-    }
-    lines.serial = std::move(*serial);
-  }
-  if (wanted.mdns) {
-    auto mdns = hal::posix::MdnsPort::open();
-    if (mdns) {
-      lines.mdns = std::move(*mdns);
-    } else {
-      lines.notes.push_back("no mDNS: " + mdns.error().message);
-    }
-  }
-  return lines;
-}
-
 // The rig as long as the program lives. Real time unless --free-run, so that latency means
 // something.
 struct Rig {
@@ -237,6 +191,12 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
   return std::make_unique<hal::posix::FileStore>(name);
 }
+
+// An emulated rig shares a laptop with others.
+std::optional<std::string> lock_memory() { return std::nullopt; }
+std::optional<std::string> be_urgent(bool) { return std::nullopt; }
+void count_heap_calls() noexcept {}
+HeapCalls heap_calls() noexcept { return {}; }
 
 // Emulated devices come back by themselves when their fault ends.
 Status reopen(Board&) noexcept { return Status::kOk; }

@@ -47,10 +47,12 @@ constexpr Field whole(std::string_view group, std::string_view name, int low, in
 }
 
 template <auto kMember>
-constexpr Field yes_or_no(std::string_view group, std::string_view name, std::string_view meaning) {
+constexpr Field yes_or_no(std::string_view group, std::string_view name, std::string_view meaning,
+                          Applies applies = Applies::kNow) {
   return {.group = group,
           .name = name,
           .kind = Kind::kBoolean,
+          .applies = applies,
           .high = 1,
           .meaning = meaning,
           .number = &get_number<kMember>,
@@ -134,6 +136,9 @@ constexpr std::array kAfter{
         "what sending is spread over; 0: at once"),
     whole<[](auto& s) -> auto& { return s.udp_port; }>(
         "udp", "port", 1, 65'535, "", "for requests and subscriptions", Applies::kRestart),
+    whole<[](auto& s) -> auto& { return s.dscp; }>(
+        "udp", "dscp", 0, 63, "", "class of every datagram (RFC 2474), such as 34 for video",
+        Applies::kRestart),
     choice<[](auto& s) -> auto& { return s.serial.mode; }>("serial", "mode", kModes,
                                                            "what the serial line speaks"),
     text<[](auto& s) -> auto& { return s.serial.device; }>(
@@ -141,6 +146,8 @@ constexpr std::array kAfter{
         "the serial line, such as /dev/ttyAMA0; empty: none", Applies::kRestart),
     whole<[](auto& s) -> auto& { return s.serial.baud; }>("serial", "baud", 57'600, 12'000'000,
                                                           "bit/s", "speed of the serial line"),
+    yes_or_no<[](auto& s) -> auto& { return s.serial.flow_control; }>(
+        "serial", "flow_control", "RTS and CTS hold either side up", Applies::kRestart),
     choice<[](auto& s) -> auto& { return s.serial.profile; }>(
         "serial", "profile", kProfiles,
         "mode stof: nearest obstacle by direction, or depth at about 80x60 or 160x120"),

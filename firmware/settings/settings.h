@@ -63,6 +63,7 @@ struct SerialSettings {
   SerialMode mode = SerialMode::kOff;
   Text<kDeviceBytes + 1> device{};  // empty: no line
   int baud = 921'600;
+  bool flow_control = false;  // RTS and CTS
   SerialProfile profile = SerialProfile::kSectors;
   int rate_hz = 10;
   bool width = false;  // the stream `width` beside depth
@@ -108,6 +109,7 @@ struct Settings {
       .coding = {wire::Coding::kFit, wire::Coding::kFit, wire::Coding::kRvl}};
   int pace_percent = 60;  // of a period, that sending is spread over
   int udp_port = 7560;
+  int dscp = 0;  // of every datagram
   SerialSettings serial;
   SectorSettings sectors;
   MavlinkSettings mavlink;

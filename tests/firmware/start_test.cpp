@@ -1,5 +1,6 @@
 #include "firmware/start.h"
 
+#include <chrono>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -121,6 +122,30 @@ TEST(ThreadsText, SaysHowManyComputeAndWhyNotMore) {
 }
 
 // Threads are made once: a setting that comes later waits for the next start.
+TEST(MakePlan, RefusesAPeriodThatTheCamerasOrTheWatchdogCannotFollow) {
+  RigInFront rig = rig_of(0, 0);
+  rig.calibration.stereo.left.width = 320;
+  rig.calibration.stereo.left.height = 200;
+  rig.disparities = 32;
+  rig.least_period = std::chrono::milliseconds(40);
+  settings::Settings settings;
+  settings.period_ms = 39;
+  const auto fast = make_plan(rig, board::kConfig, settings);
+  ASSERT_FALSE(fast);
+  EXPECT_NE(fast.error().find("need 40 ms"), std::string::npos) << fast.error();
+  settings.period_ms = 40;
+  EXPECT_TRUE(make_plan(rig, board::kConfig, settings));
+
+  board::Config watched = board::kConfig;
+  watched.devices.watchdog_timeout = std::chrono::seconds(15);
+  settings.period_ms = 5001;
+  const auto slow = make_plan(rig, watched, settings);
+  ASSERT_FALSE(slow);
+  EXPECT_NE(slow.error().find("watchdog"), std::string::npos) << slow.error();
+  settings.period_ms = 5000;
+  EXPECT_TRUE(make_plan(rig, watched, settings));
+}
+
 TEST(MakePlan, TakesTheThreadsThatThereAre) {
   RigInFront rig = rig_of(0, 0);
   rig.calibration.stereo.left.width = 320;

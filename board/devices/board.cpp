@@ -1,0 +1,298 @@
+#include "board/board.h"
+
+#include <array>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "board/devices/drawn_rig.h"
+#include "board/devices/late.h"
+#include "board/devices/request.h"
+#include "board/lines.h"
+#include "hal/linux/clock.h"
+#include "hal/linux/file_store.h"
+#include "hal/linux/gpio_trigger.h"
+#include "hal/linux/heap_watch.h"
+#include "hal/linux/libcamera_stereo.h"
+#include "hal/linux/realtime.h"
+#include "hal/linux/usb_pmd.h"
+#include "hal/linux/v4l2_pmd.h"
+#include "hal/linux/v4l2_stereo.h"
+#include "hal/linux/watchdog.h"
+
+namespace stof::board {
+namespace {
+
+namespace posix = hal::posix;
+
+using Stereo = Late<hal::StereoCamera, hal::StereoFrame>;
+using Pmd = Late<hal::PmdCamera, hal::PmdFrame>;
+
+constexpr const DeviceConfig& kDevices = kConfig.devices;
+constexpr const TimingConfig& kTiming = kConfig.timing;
+
+const PairConfig& pair_of(const Request& request) {
+  return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
+}
+
+bool has_pmd(const Request& request) { return request.pmd != "none"; }
+
+PictureSize stereo_size(const Request& request) {
+  return request.size.value_or(PictureSize{kConfig.stereo.width, kConfig.stereo.height});
+}
+
+PictureSize pmd_size(const Request& request) {
+  return has_pmd(request)
+             ? request.pmd_size.value_or(PictureSize{kConfig.pmd.width, kConfig.pmd.height})
+             : PictureSize{};
+}
+
+// What is not wired is fanned out of the left camera's line.
+posix::GpioTriggerOptions trigger_options(const Request& request) {
+  const PairConfig& pair = pair_of(request);
+  posix::GpioTriggerOptions options{
+      .active_low = pair.active_low,
+      .width = pulse_length(pair, kTiming.stereo_exposure),
+      .most_doubt = kTiming.edge_tolerance,
+  };
+  for (const Net& net : {kDevices.nets.left_trigger, kDevices.nets.right_trigger,
+                         kDevices.nets.pmd_trigger}) {
+    if (net.wired()) {
+      options.outputs.emplace_back(net.line);
+    }
+  }
+  for (const Net& net : {kDevices.nets.left_strobe, kDevices.nets.right_strobe}) {
+    if (net.wired()) {
+      options.strobes.emplace_back(net.line);
+    }
+  }
+  return options;
+}
+
+// Everything that the board is made of, as long as the program lives.
+class Rig {
+ public:
+  Rig(Request&& request, LinesOpen&& lines, std::unique_ptr<posix::GpioTrigger> trigger)
+      : request_(std::move(request)),
+        lines_(std::move(lines)),
+        trigger_(std::move(trigger)),
+        stereo_exposures_(trigger_->edges(), kTiming.stereo_exposure),
+        pmd_exposures_(trigger_->edges(), kTiming.pmd_integration),
+        left_strobe_(*trigger_, 0),
+        right_strobe_(*trigger_, kDevices.nets.left_strobe.wired() ? 1 : 0),
+        stereo_([this] { return open_stereo(); }) {
+    if (has_pmd(request_)) {
+      pmd_.emplace([this] { return open_pmd(); });
+    }
+    open_watchdog();
+    assemble();
+  }
+
+  Board& board() { return *board_; }
+  int priority() const { return request_.priority.value_or(kDevices.priority); }
+
+  // The serial line is the control thread's, which reopens it.
+  Status reopen() noexcept {
+    const posix::MarkedHeap marked;
+    Status worst = trigger_->reopen();
+    for (const Status status : {stereo_.reopen(), pmd_ ? pmd_->reopen() : Status::kOk}) {
+      worst = status == Status::kOk ? worst : status;
+    }
+    return worst;
+  }
+
+ private:
+  std::expected<Stereo::Opened, posix::OpenError> open_stereo();
+  std::expected<Pmd::Opened, posix::OpenError> open_pmd();
+  void open_watchdog();
+  void assemble();
+
+  // What a sensor says itself, where it is wired, else what it was told.
+  std::array<posix::Exposures*, 2> stereo_exposures() {
+    posix::Exposures* const told = &stereo_exposures_;
+    return {kDevices.nets.left_strobe.wired() ? &left_strobe_ : told,
+            kDevices.nets.right_strobe.wired() ? &right_strobe_ : told};
+  }
+
+  Request request_;
+  LinesOpen lines_;
+  posix::Clock clock_;
+  std::unique_ptr<posix::GpioTrigger> trigger_;
+  posix::EdgeExposures stereo_exposures_;
+  posix::EdgeExposures pmd_exposures_;
+  posix::StrobeExposures left_strobe_;  // used where it is wired
+  posix::StrobeExposures right_strobe_;
+  Stereo stereo_;
+  std::optional<Pmd> pmd_;
+  std::unique_ptr<posix::WatchdogDevice> watchdog_;
+  std::vector<std::string> notes_;
+  std::optional<Board> board_;
+};
+
+// A camera of a kind that is opened by `make`, as one that may be missing.
+template <typename Opened, typename Made>
+std::expected<Opened, posix::OpenError> opened(Made&& made) {
+  if (!made) {
+    return std::unexpected(std::move(made.error()));
+  }
+  auto* const camera = made->get();
+  return Opened{.camera = std::move(*made), .reopen = [camera] { return camera->reopen(); }};
+}
+
+std::string or_table(const std::string& wanted, const char* table) {
+  return wanted.empty() ? std::string(table) : wanted;
+}
+
+std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
+  const PairConfig& pair = pair_of(request_);
+  const PictureSize size = stereo_size(request_);
+  const std::string left = or_table(request_.left, pair.left);
+  std::string right = or_table(request_.right, pair.right);
+  if (right == "none") {
+    right.clear();
+  }
+  if (request_.cameras == PairKind::kLibcamera) {
+    return opened<Stereo::Opened>(posix::open_libcamera(
+        {.left = left,
+         .right = right,
+         .width = size.width,
+         .height = size.height,
+         .exposure = kTiming.stereo_exposure,
+         .gain = static_cast<float>(request_.gain.value_or(0)),
+         .exposures = &stereo_exposures_,
+         .most_delay = pair.most_delay,
+         .most_skew = kTiming.edge_tolerance}));
+  }
+  return opened<Stereo::Opened>(posix::V4l2Stereo::open(
+      posix::kernel_calls(), clock_,
+      {.nodes = {left, right},
+       .width = size.width,
+       .height = size.height,
+       .exposure = kTiming.stereo_exposure,
+       .gain = request_.gain,
+       .exposures = stereo_exposures(),
+       .most_delay = pair.most_delay}));
+}
+
+std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
+  const PictureSize size = pmd_size(request_);
+  if (request_.pmd != "usb") {
+    return opened<Pmd::Opened>(
+        posix::V4l2Pmd::open(posix::kernel_calls(), clock_,
+                             {.node = request_.pmd,
+                              .width = size.width,
+                              .height = size.height,
+                              .exposures = &pmd_exposures_,
+                              .integration = kTiming.pmd_integration,
+                              .most_delay = pair_of(request_).most_delay}));
+  }
+  return opened<Pmd::Opened>(
+      posix::UsbPmd::open(clock_, trigger_->edges(),
+                          {.vendor = kDevices.pmd.usb_vendor,
+                           .product = kDevices.pmd.usb_product,
+                           .width = size.width,
+                           .height = size.height,
+                           .modulation_khz = kDevices.pmd.modulation_khz,
+                           .integration = kTiming.pmd_integration / 4,
+                           .edge_tolerance = pair_of(request_).most_delay}));
+}
+
+void Rig::open_watchdog() {
+  const std::string device = or_table(request_.watchdog, kDevices.watchdog);
+  if (device.empty() || device == "none") {
+    return;
+  }
+  auto opened = posix::WatchdogDevice::open(
+      {.device = device,
+       .timeout = std::chrono::duration_cast<std::chrono::seconds>(kDevices.watchdog_timeout)});
+  if (opened) {
+    watchdog_ = std::move(*opened);
+  } else {
+    notes_.push_back("no watchdog: " + opened.error().message);
+  }
+}
+
+void Rig::assemble() {
+  const PairConfig& pair = pair_of(request_);
+  notes_.insert(notes_.end(), lines_.notes.begin(), lines_.notes.end());
+  if (!stereo_.why().empty()) {
+    notes_.push_back("waiting for the stereo cameras: " + stereo_.why());
+  }
+  if (pmd_ && !pmd_->why().empty()) {
+    notes_.push_back("waiting for the PMD camera: " + pmd_->why());
+  }
+  if (!pmd_) {
+    notes_.emplace_back("no PMD camera (--pmd none): depth from stereo alone");
+  }
+  board_.emplace(
+      Board{.clock = clock_,
+            .trigger = *trigger_,
+            .stereo = stereo_,
+            .pmd = pmd_ ? &*pmd_ : nullptr,
+            .port = *lines_.port,
+            .serial = lines_.serial ? &*lines_.serial : nullptr,
+            .to = lines_.to,
+            .network = *lines_.network,
+            .mdns = lines_.mdns.get(),
+            .watchdog = watchdog_.get(),
+            .calibration = drawn_rig(kConfig, stereo_size(request_), pmd_size(request_)),
+            .drawn = true,
+            .drawn_will_do = request_.uncalibrated,
+            .disparities = kConfig.stereo.disparities,
+            .least_period = kTiming.stereo_exposure + pair.most_delay,
+            .emulated_time = false,
+            .notes = notes_});
+}
+
+std::optional<Rig> rig;
+
+}  // namespace
+
+std::expected<Board*, Refusal> open(const Lines& lines,
+                                    std::span<const std::string_view> arguments) {
+  std::expected<Request, Refusal> request = parse(arguments);
+  if (!request) {
+    return std::unexpected(request.error());
+  }
+  std::expected<LinesOpen, Refusal> talks = open_lines(lines);
+  if (!talks) {
+    return std::unexpected(talks.error());
+  }
+  auto trigger = posix::GpioTrigger::open(trigger_options(*request));
+  if (!trigger) {
+    return std::unexpected(Refusal{.message = trigger.error().message, .device = true});
+  }
+  rig.emplace(std::move(*request), std::move(*talks), std::move(*trigger));
+  return &rig->board();
+}
+
+std::unique_ptr<hal::Store> make_store(std::string_view name) {
+  return std::make_unique<posix::FileStore>(name);
+}
+
+Status reopen(Board&) noexcept { return rig->reopen(); }
+
+std::optional<std::string> lock_memory() {
+  if (rig->priority() == 0) {
+    return std::nullopt;
+  }
+  std::optional<std::string> refused = posix::lock_memory();
+  posix::prefault_stack();
+  return refused;
+}
+
+std::optional<std::string> be_urgent(bool urgent) {
+  if (rig->priority() == 0) {
+    return std::nullopt;
+  }
+  return urgent ? posix::set_fifo_priority(rig->priority()) : posix::set_ordinary_priority();
+}
+
+void count_heap_calls() noexcept { posix::watch_heap_of_this_thread(); }
+
+HeapCalls heap_calls() noexcept {
+  const posix::HeapCounts counts = posix::heap_counts();
+  return {.counted = counts.counted, .own = counts.calls, .libraries = counts.marked};
+}
+
+}  // namespace stof::board

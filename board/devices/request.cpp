@@ -1,0 +1,140 @@
+#include "board/devices/request.h"
+
+#include <charconv>
+#include <utility>
+
+namespace stof::board {
+namespace {
+
+std::unexpected<Refusal> refuse(std::string message) {
+  return std::unexpected(Refusal{std::move(message)});
+}
+
+std::optional<int> number(std::string_view text, int low, int high) {
+  int value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  const bool whole = error == std::errc{} && end == text.data() + text.size();
+  return whole && value >= low && value <= high ? std::optional(value) : std::nullopt;
+}
+
+std::optional<PictureSize> size(std::string_view text) {
+  constexpr int kMost = 8192;
+  const std::size_t x = text.find('x');
+  if (x == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::optional<int> width = number(text.substr(0, x), 1, kMost);
+  const std::optional<int> height = number(text.substr(x + 1), 1, kMost);
+  return width && height ? std::optional(PictureSize{*width, *height}) : std::nullopt;
+}
+
+bool take_text(std::string_view flag, std::string_view value, Request& request) {
+  if (flag == "--left") {
+    request.left = value;
+  } else if (flag == "--right") {
+    request.right = value;
+  } else if (flag == "--pmd") {
+    request.pmd = value;
+  } else if (flag == "--watchdog") {
+    request.watchdog = value;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// false: not one of these. What the flag takes: the value is none of that.
+std::expected<bool, std::string> take_value(std::string_view flag, std::string_view value,
+                                            Request& request) {
+  const char* takes = nullptr;
+  if (flag == "--cameras") {
+    request.cameras = value == "libcamera" ? PairKind::kLibcamera : PairKind::kV4l2;
+    takes = value == "libcamera" || value == "v4l2" ? nullptr : "v4l2 or libcamera";
+  } else if (flag == "--size") {
+    request.size = size(value);
+    takes = request.size ? nullptr : "WIDTHxHEIGHT, such as 640x480";
+  } else if (flag == "--pmd-size") {
+    request.pmd_size = size(value);
+    takes = request.pmd_size ? nullptr : "WIDTHxHEIGHT, such as 176x144";
+  } else if (flag == "--gain") {
+    request.gain = number(value, 0, 65'535);
+    takes = request.gain ? nullptr : "a whole number from 0 to 65535";
+  } else if (flag == "--priority") {
+    request.priority = number(value, 0, 98);
+    takes = request.priority ? nullptr : "a whole number from 0 (none) to 98";
+  } else {
+    return take_text(flag, value, request);
+  }
+  if (takes != nullptr) {
+    return std::unexpected(std::string(flag) + " takes " + takes + ", not \"" + std::string(value) +
+                           "\"; try --help");
+  }
+  return true;
+}
+
+// Empty, or why the board has no room for pictures of that size.
+std::string too_large(std::string_view flag, PictureSize asked, int width, int height) {
+  if (asked.width <= width && asked.height <= height) {
+    return {};
+  }
+  return std::string(flag) + ": board " + kConfig.name + " takes pictures of up to " +
+         std::to_string(width) + "x" + std::to_string(height) + ": choose smaller ones";
+}
+
+}  // namespace
+
+std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
+  Request request;
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string_view flag = arguments[i];
+    if (flag == "--uncalibrated") {
+      request.uncalibrated = true;
+      continue;
+    }
+    const bool last = i + 1 == arguments.size();
+    const std::string_view value = last ? std::string_view() : arguments[i + 1];
+    const std::expected<bool, std::string> taken = take_value(flag, value, request);
+    if (taken && !*taken) {
+      return refuse("unknown argument \"" + std::string(flag) + "\"; try --help");
+    }
+    if (value.empty()) {
+      return refuse(std::string(flag) + " takes a value; try --help");
+    }
+    if (!taken) {
+      return refuse(taken.error());
+    }
+    ++i;
+  }
+  if (request.pmd == "none" && request.pmd_size) {
+    return refuse("--pmd-size: there is no PMD camera with --pmd none: leave one out");
+  }
+  const PictureSize stereo = request.size.value_or(PictureSize{});
+  const PictureSize pmd = request.pmd_size.value_or(PictureSize{});
+  std::string why = too_large("--size", stereo, kConfig.stereo.width, kConfig.stereo.height);
+  if (why.empty()) {
+    why = too_large("--pmd-size", pmd, kConfig.pmd.width, kConfig.pmd.height);
+  }
+  if (!why.empty()) {
+    return refuse(std::move(why));
+  }
+  return request;
+}
+
+std::string_view usage() noexcept {
+  return "  --cameras KIND       v4l2 (default), or libcamera where stofd was built with it\n"
+         "  --left CAMERA        in place of the table's: /dev/video0, usb:VVVV:PPPP[:SERIAL], "
+         "card:NAME\n"
+         "                       or what libcamera calls it\n"
+         "  --right CAMERA       likewise; none: both pictures come side by side from the left\n"
+         "  --size WxH           of one picture (default: the table's)\n"
+         "  --gain N             of both cameras, in their own units (default: as they are)\n"
+         "  --pmd DEVICE         usb (default), a V4L2 device that sends four stacked raw phases, "
+         "or none\n"
+         "  --pmd-size WxH       of one of its phases\n"
+         "  --uncalibrated       start without --calibration: pictures are right, depth is not "
+         "measured\n"
+         "  --watchdog DEVICE    in place of the table's, or none\n"
+         "  --priority N         SCHED_FIFO of what computes, 0: none (default: the table's)\n";
+}
+
+}  // namespace stof::board

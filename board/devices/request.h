@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "board/board.h"
+
+// The command line of a board with real devices.
+namespace stof::board {
+
+struct PictureSize {
+  int width = 0;
+  int height = 0;
+};
+
+enum class PairKind : std::uint8_t { kV4l2, kLibcamera };
+
+struct Request {
+  PairKind cameras = PairKind::kV4l2;
+  std::string left;                 // in place of the table's
+  std::string right;                // likewise; "none": both pictures come from the left one
+  std::string pmd = "usb";          // "none", or a V4L2 node that sends stacked raw phases
+  std::optional<PictureSize> size;  // of one picture of the pair
+  std::optional<PictureSize> pmd_size;
+  std::optional<int> gain;
+  std::string watchdog;         // in place of the table's; "none"
+  std::optional<int> priority;  // likewise
+  bool uncalibrated = false;
+};
+
+std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);
+
+}  // namespace stof::board

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "board/board.h"
+#include "hal/linux/mdns_port.h"
+#include "hal/linux/network.h"
+#include "hal/linux/serial_tty.h"
+#include "hal/linux/udp_port.h"
+
+// How a board that runs Linux talks, whatever its cameras are.
+namespace stof::board {
+
+struct LinesOpen {
+  std::unique_ptr<hal::posix::UdpPort> port;
+  std::optional<hal::Peer> to;
+  std::optional<hal::posix::SerialTty> serial;
+  std::unique_ptr<hal::posix::Network> network = std::make_unique<hal::posix::Network>();
+  std::unique_ptr<hal::posix::MdnsPort> mdns;
+  std::vector<std::string> notes;
+};
+
+std::expected<LinesOpen, Refusal> open_lines(const Lines& wanted);
+
+}  // namespace stof::board

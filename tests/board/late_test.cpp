@@ -1,0 +1,80 @@
+#include "board/devices/late.h"
+
+#include <gtest/gtest.h>
+
+#include "hal/stereo_camera.h"
+
+namespace stof::board {
+namespace {
+
+// A camera whose next answer the test decides.
+struct Script {
+  bool there = false;
+  int opened = 0;
+  int reopened = 0;
+  Status answer = Status::kTimeout;
+};
+
+class ScriptedCamera final : public hal::StereoCamera {
+ public:
+  explicit ScriptedCamera(Script& script) : script_(script) {}
+  Result<hal::Lease<hal::StereoFrame>> wait_frame(hal::Time) noexcept override {
+    return fail(script_.answer);
+  }
+
+ private:
+  Script& script_;
+};
+
+using LateStereo = Late<hal::StereoCamera, hal::StereoFrame>;
+
+LateStereo::Open opener(Script& script) {
+  return [&script]() -> std::expected<LateStereo::Opened, hal::posix::OpenError> {
+    if (!script.there) {
+      return std::unexpected(hal::posix::OpenError{"no camera: plug it in"});
+    }
+    ++script.opened;
+    return LateStereo::Opened{.camera = std::make_unique<ScriptedCamera>(script),
+                              .reopen = [&script] {
+                                ++script.reopened;
+                                return script.there ? Status::kOk : Status::kDeviceLost;
+                              }};
+  };
+}
+
+Status answer(LateStereo& camera) { return camera.wait_frame(hal::Time{}).error(); }
+
+TEST(Late, IsLostUntilItsCameraComes) {
+  Script script;
+  LateStereo camera(opener(script));
+  EXPECT_EQ(camera.why(), "no camera: plug it in");
+  EXPECT_EQ(answer(camera), Status::kDeviceLost);
+  EXPECT_EQ(camera.reopen(), Status::kDeviceLost);
+  script.there = true;
+  EXPECT_EQ(camera.reopen(), Status::kOk);
+  EXPECT_EQ(answer(camera), Status::kTimeout);
+  EXPECT_EQ(script.opened, 1);
+  EXPECT_EQ(script.reopened, 0);
+}
+
+TEST(Late, ReopensInPlaceWhatIsLostAndNothingElse) {
+  Script script{.there = true};
+  LateStereo camera(opener(script));
+  EXPECT_EQ(camera.why(), "");
+  EXPECT_EQ(camera.reopen(), Status::kOk);
+  EXPECT_EQ(script.reopened, 0);
+  script.answer = Status::kDeviceLost;
+  script.there = false;
+  EXPECT_EQ(answer(camera), Status::kDeviceLost);
+  EXPECT_EQ(camera.reopen(), Status::kDeviceLost);
+  EXPECT_EQ(answer(camera), Status::kDeviceLost);
+  script.there = true;
+  script.answer = Status::kTimeout;
+  EXPECT_EQ(camera.reopen(), Status::kOk);
+  EXPECT_EQ(answer(camera), Status::kTimeout);
+  EXPECT_EQ(script.opened, 1);
+  EXPECT_EQ(script.reopened, 2);
+}
+
+}  // namespace
+}  // namespace stof::board

@@ -1,0 +1,73 @@
+#include "board/devices/request.h"
+
+#include <gtest/gtest.h>
+
+#include "board/devices/drawn_rig.h"
+
+namespace stof::board {
+namespace {
+
+using Arguments = std::vector<std::string_view>;
+
+std::string refusal(const Arguments& arguments) {
+  const auto request = parse(arguments);
+  return request ? std::string() : request.error().message;
+}
+
+TEST(DeviceRequest, WithoutFlagsIsTheTable) {
+  const auto request = parse({});
+  ASSERT_TRUE(request);
+  EXPECT_EQ(request->cameras, PairKind::kV4l2);
+  EXPECT_TRUE(request->left.empty());
+  EXPECT_EQ(request->pmd, "usb");
+  EXPECT_FALSE(request->size || request->pmd_size || request->gain || request->priority);
+  EXPECT_FALSE(request->uncalibrated);
+}
+
+TEST(DeviceRequest, TakesEveryFlag) {
+  const Arguments all{"--cameras", "libcamera", "--left",     "a",       "--right",
+                      "none",      "--size",    "640x400",    "--gain",  "7",
+                      "--pmd",     "card:tof",  "--pmd-size", "224x172", "--uncalibrated",
+                      "--watchdog", "none",     "--priority", "0"};
+  const auto request = parse(all);
+  ASSERT_TRUE(request) << refusal(all);
+  EXPECT_EQ(request->cameras, PairKind::kLibcamera);
+  EXPECT_EQ(request->left, "a");
+  EXPECT_EQ(request->right, "none");
+  EXPECT_EQ(request->size->width, 640);
+  EXPECT_EQ(request->size->height, 400);
+  EXPECT_EQ(request->pmd_size->width, 224);
+  EXPECT_EQ(request->gain, 7);
+  EXPECT_EQ(request->priority, 0);
+  EXPECT_EQ(request->watchdog, "none");
+  EXPECT_TRUE(request->uncalibrated);
+}
+
+TEST(DeviceRequest, SaysWhatAFlagTakes) {
+  EXPECT_NE(refusal({"--cameras", "webcam"}).find("v4l2 or libcamera"), std::string::npos);
+  for (const char* const size : {"640", "640x", "x480", "640x480x3", "-640x480", "0x0", "1e3x5"}) {
+    EXPECT_NE(refusal({"--size", size}).find("WIDTHxHEIGHT"), std::string::npos) << size;
+  }
+  EXPECT_NE(refusal({"--gain", "-1"}).find("whole number"), std::string::npos);
+  EXPECT_NE(refusal({"--priority", "99"}).find("0 (none) to 98"), std::string::npos);
+  EXPECT_NE(refusal({"--left"}).find("takes a value"), std::string::npos);
+  EXPECT_NE(refusal({"--scene", "hall"}).find("unknown argument"), std::string::npos);
+  EXPECT_NE(refusal({"--size", "641x480"}).find("up to 640x480"), std::string::npos);
+  EXPECT_NE(refusal({"--pmd-size", "8x145"}).find("up to 176x144"), std::string::npos);
+  EXPECT_NE(refusal({"--pmd", "none", "--pmd-size", "8x8"}).find("leave one out"),
+            std::string::npos);
+}
+
+TEST(DrawnRig, ScalesWithThePictures) {
+  const dsp::Calibration full = drawn_rig(kConfig, {640, 480}, {176, 144});
+  EXPECT_DOUBLE_EQ(full.stereo.left.fx, kConfig.drawn.stereo_focal_px);
+  EXPECT_STREQ(dsp::problem(full), "");
+  const dsp::Calibration half = drawn_rig(kConfig, {320, 240}, {88, 72});
+  EXPECT_DOUBLE_EQ(half.stereo.left.fx * 2, full.stereo.left.fx);
+  EXPECT_DOUBLE_EQ(half.stereo.left.cx, 159.5);
+  EXPECT_STREQ(dsp::problem(half), "");
+  EXPECT_EQ(drawn_rig(kConfig, {320, 240}, {}).pmd.lens.width, 0);
+}
+
+}  // namespace
+}  // namespace stof::board
