@@ -194,6 +194,50 @@ def arm64(preset, *checks):
     return step
 
 
+BOARDS = ("virt", "rpi4", "rpi5")
+# What only a build for a board has, so that step `tidy` has not read it.
+ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio_*.cpp", "hal/linux/libcamera_*.cpp")
+
+
+def boards(log):
+    """The appliance of every board, within its budgets; what only they are made of, read by clang-tidy."""
+    if not log.run("toolchains/sysroot.sh"):
+        return Count(failed=1, notes=["no sysroot"])
+    count = Count()
+    for board in BOARDS:
+        built = build(log, board)
+        count.add(one(built and log.run("scripts/budgets.py", f"build/{board}")))
+        if not built:
+            count.notes.append(f"failed: the build of board {board}")
+    count.add(unit_tests(log, "scripts/budgets_test.py"))
+    sources = sorted(str(path.relative_to(ROOT)) for pattern in ON_BOARDS_ONLY for path in ROOT.glob(pattern))
+    count.add(one(log.run("scripts/tidy", "--build-dir", "build/virt", *sources)))
+    return count
+
+
+def system(length):
+    """The appliance of board virt in an emulated machine, with emulated devices."""
+    def step(log):
+        count = unit_tests(log, "tests/system/parts_test.py")
+        if not (log.run("toolchains/sysroot.sh") and log.run("toolchains/kernel.sh") and build(log, "virt")
+                and log.run("cmake", "--preset", "emu", "-Wno-dev")
+                and log.run("cmake", "--build", "--preset", "emu", "--target", "stof_system_tools", "stofd")):
+            count.add(Count(failed=1, notes=["the build failed"]))
+            return count
+        succeeded = log.run("python3", "-B", "tests/system/system_test.py", f"--{length}")
+        lines = log.lines()
+        last = [match for match in (re.fullmatch(r"(\d+) passed, (\d+) failed(?:, (\d+) skipped)?", line)
+                                    for line in lines) if match]
+        if not last:
+            count.add(Count(failed=1, notes=["the system test did not end"]))
+            return count
+        passed, failed = int(last[-1][1]), int(last[-1][2])
+        count.add(Count(passed=passed, failed=failed or (0 if succeeded else 1)))
+        count.notes += [line for line in lines if line.startswith(("figure: ", "FAILED: "))]
+        return count
+    return step
+
+
 def planted(log):
     """Kernels with a wrong byte: every program that compares one must notice, else it proves nothing."""
     if not build(log, "planted"):
@@ -241,15 +285,18 @@ STEPS = {
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", vectors),
+    "boards": boards,
+    "system": system("short"),
     "planted": planted,
     "arm64-ubsan": arm64("arm64-ubsan"),
     "fuzz": fuzz,
     "tidy-tests": check("scripts/tidy"),  # what `tidy` has read is not read again
     "gcc-tests": gcc_tests,
+    "system-long": system("long"),
 }
 QUICK = ("format", "layers", "emu")
 # What takes the run beyond half an hour on two cores, and seldom finds what the others do not.
-LONG = ("planted", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests")
+LONG = ("planted", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
 
 
 def main():
@@ -257,10 +304,13 @@ def main():
         prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: all but {', '.join(LONG)}, in this order.")
     parser.add_argument("--quick", action="store_true", help=f"only {', '.join(QUICK)}")
     parser.add_argument("--all", action="store_true", help=f"also {', '.join(LONG)}")
+    parser.add_argument("--system-long", action="store_true", help="only system-long: all figures of the system test")
     parser.add_argument("steps", metavar="STEP", nargs="*", help="only these steps")
     arguments = parser.parse_args()
     usual = list(STEPS) if arguments.all else [step for step in STEPS if step not in LONG]
     chosen = arguments.steps or (QUICK if arguments.quick else usual)
+    if arguments.system_long:
+        chosen = ["system-long"]
     unknown = [step for step in chosen if step not in STEPS]
     if unknown:
         parser.error(f"unknown step {', '.join(unknown)}: choose from {', '.join(STEPS)}")
