@@ -67,6 +67,7 @@ struct PmdDeviceConfig {
   std::uint16_t usb_vendor = 0;
   std::uint16_t usb_product = 0;
   std::uint32_t modulation_khz = 20'000;
+  std::uint32_t integration_us = 2'000;  // of one sample; readout comes on top
 };
 
 // What a board is made of beside the processor; nothing of it on an emulated one.
@@ -108,14 +109,14 @@ constexpr hal::Duration pulse_length(const PairConfig& pair, hal::Duration expos
 // edge from the next.
 constexpr bool valid(const PairConfig& pair, const TimingConfig& timing) noexcept {
   const hal::Duration pulse = pulse_length(pair, timing.stereo_exposure);
-  return *pair.left == '\0' ||
-         (pulse > hal::Duration::zero() && pulse <= timing.stereo_exposure &&
-          pair.most_delay > hal::Duration::zero() &&
-          timing.stereo_exposure + pair.most_delay <= timing.period);
+  return *pair.left == '\0' || (pulse > hal::Duration::zero() && pulse <= timing.stereo_exposure &&
+                                pair.most_delay > hal::Duration::zero() &&
+                                timing.stereo_exposure + pair.most_delay <= timing.period);
 }
 
 constexpr bool valid(const DeviceConfig& devices, const TimingConfig& timing) noexcept {
-  return valid(devices.v4l2, timing) && valid(devices.libcamera, timing) && devices.priority >= 0 &&
+  return 4 * std::chrono::microseconds(devices.pmd.integration_us) <= timing.pmd_integration &&
+         valid(devices.v4l2, timing) && valid(devices.libcamera, timing) && devices.priority >= 0 &&
          devices.priority <= 98 &&
          (*devices.watchdog == '\0' || devices.watchdog_timeout >= 3 * timing.period);
 }

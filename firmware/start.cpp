@@ -89,7 +89,8 @@ std::string period_limits(const RigInFront& rig, const board::Config& config,
   };
   if (period < rig.least_period) {
     return "period_ms: the cameras of board " + std::string(config.name) + " need " +
-           text(rig.least_period) + " from edge to edge, or frames cannot be told apart: choose a "
+           text(rig.least_period) +
+           " from edge to edge, or frames cannot be told apart: choose a "
            "longer period";
   }
   const hal::Duration patience = config.devices.watchdog_timeout;

@@ -7,8 +7,8 @@
 
 #include "board/devices/drawn_rig.h"
 #include "board/devices/late.h"
+#include "board/devices/lines.h"
 #include "board/devices/request.h"
-#include "board/lines.h"
 #include "hal/linux/clock.h"
 #include "hal/linux/file_store.h"
 #include "hal/linux/gpio_trigger.h"
@@ -55,8 +55,8 @@ posix::GpioTriggerOptions trigger_options(const Request& request) {
       .width = pulse_length(pair, kTiming.stereo_exposure),
       .most_doubt = kTiming.edge_tolerance,
   };
-  for (const Net& net : {kDevices.nets.left_trigger, kDevices.nets.right_trigger,
-                         kDevices.nets.pmd_trigger}) {
+  for (const Net& net :
+       {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
     if (net.wired()) {
       options.outputs.emplace_back(net.line);
     }
@@ -152,49 +152,46 @@ std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
     right.clear();
   }
   if (request_.cameras == PairKind::kLibcamera) {
-    return opened<Stereo::Opened>(posix::open_libcamera(
-        {.left = left,
-         .right = right,
-         .width = size.width,
-         .height = size.height,
-         .exposure = kTiming.stereo_exposure,
-         .gain = static_cast<float>(request_.gain.value_or(0)),
-         .exposures = &stereo_exposures_,
-         .most_delay = pair.most_delay,
-         .most_skew = kTiming.edge_tolerance}));
+    return opened<Stereo::Opened>(
+        posix::open_libcamera({.left = left,
+                               .right = right,
+                               .width = size.width,
+                               .height = size.height,
+                               .exposure = kTiming.stereo_exposure,
+                               .gain = static_cast<float>(request_.gain.value_or(0)),
+                               .exposures = &stereo_exposures_,
+                               .most_delay = pair.most_delay,
+                               .most_skew = kTiming.edge_tolerance}));
   }
-  return opened<Stereo::Opened>(posix::V4l2Stereo::open(
-      posix::kernel_calls(), clock_,
-      {.nodes = {left, right},
-       .width = size.width,
-       .height = size.height,
-       .exposure = kTiming.stereo_exposure,
-       .gain = request_.gain,
-       .exposures = stereo_exposures(),
-       .most_delay = pair.most_delay}));
+  return opened<Stereo::Opened>(posix::V4l2Stereo::open(posix::kernel_calls(), clock_,
+                                                        {.nodes = {left, right},
+                                                         .width = size.width,
+                                                         .height = size.height,
+                                                         .exposure = kTiming.stereo_exposure,
+                                                         .gain = request_.gain,
+                                                         .exposures = stereo_exposures(),
+                                                         .most_delay = pair.most_delay}));
 }
 
 std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
   const PictureSize size = pmd_size(request_);
   if (request_.pmd != "usb") {
-    return opened<Pmd::Opened>(
-        posix::V4l2Pmd::open(posix::kernel_calls(), clock_,
-                             {.node = request_.pmd,
-                              .width = size.width,
-                              .height = size.height,
-                              .exposures = &pmd_exposures_,
-                              .integration = kTiming.pmd_integration,
-                              .most_delay = pair_of(request_).most_delay}));
+    return opened<Pmd::Opened>(posix::V4l2Pmd::open(posix::kernel_calls(), clock_,
+                                                    {.node = request_.pmd,
+                                                     .width = size.width,
+                                                     .height = size.height,
+                                                     .exposures = &pmd_exposures_,
+                                                     .integration = kTiming.pmd_integration,
+                                                     .most_delay = pair_of(request_).most_delay}));
   }
-  return opened<Pmd::Opened>(
-      posix::UsbPmd::open(clock_, trigger_->edges(),
-                          {.vendor = kDevices.pmd.usb_vendor,
-                           .product = kDevices.pmd.usb_product,
-                           .width = size.width,
-                           .height = size.height,
-                           .modulation_khz = kDevices.pmd.modulation_khz,
-                           .integration = kTiming.pmd_integration / 4,
-                           .edge_tolerance = pair_of(request_).most_delay}));
+  return opened<Pmd::Opened>(posix::UsbPmd::open(
+      {.id = {.vendor = kDevices.pmd.usb_vendor, .product = kDevices.pmd.usb_product, .serial = {}},
+       .config = {.modulation_khz = kDevices.pmd.modulation_khz,
+                  .integration_us = kDevices.pmd.integration_us},
+       .width = size.width,
+       .height = size.height,
+       .edge_tolerance = kTiming.period / 4},
+      trigger_->edges()));
 }
 
 void Rig::open_watchdog() {
@@ -224,24 +221,23 @@ void Rig::assemble() {
   if (!pmd_) {
     notes_.emplace_back("no PMD camera (--pmd none): depth from stereo alone");
   }
-  board_.emplace(
-      Board{.clock = clock_,
-            .trigger = *trigger_,
-            .stereo = stereo_,
-            .pmd = pmd_ ? &*pmd_ : nullptr,
-            .port = *lines_.port,
-            .serial = lines_.serial ? &*lines_.serial : nullptr,
-            .to = lines_.to,
-            .network = *lines_.network,
-            .mdns = lines_.mdns.get(),
-            .watchdog = watchdog_.get(),
-            .calibration = drawn_rig(kConfig, stereo_size(request_), pmd_size(request_)),
-            .drawn = true,
-            .drawn_will_do = request_.uncalibrated,
-            .disparities = kConfig.stereo.disparities,
-            .least_period = kTiming.stereo_exposure + pair.most_delay,
-            .emulated_time = false,
-            .notes = notes_});
+  board_.emplace(Board{.clock = clock_,
+                       .trigger = *trigger_,
+                       .stereo = stereo_,
+                       .pmd = pmd_ ? &*pmd_ : nullptr,
+                       .port = *lines_.port,
+                       .serial = lines_.serial ? &*lines_.serial : nullptr,
+                       .to = lines_.to,
+                       .network = *lines_.network,
+                       .mdns = lines_.mdns.get(),
+                       .watchdog = watchdog_.get(),
+                       .calibration = drawn_rig(kConfig, stereo_size(request_), pmd_size(request_)),
+                       .drawn = true,
+                       .drawn_will_do = request_.uncalibrated,
+                       .disparities = kConfig.stereo.disparities,
+                       .least_period = kTiming.stereo_exposure + pair.most_delay,
+                       .emulated_time = false,
+                       .notes = notes_});
 }
 
 std::optional<Rig> rig;

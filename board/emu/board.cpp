@@ -6,9 +6,9 @@
 #include <optional>
 #include <utility>
 
+#include "board/devices/lines.h"
 #include "board/emu/request.h"
 #include "board/emu/scenes.h"
-#include "board/lines.h"
 #include "dataset/dataset.h"
 #include "hal/emu/clock.h"
 #include "hal/emu/pmd_camera.h"

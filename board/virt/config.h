@@ -4,9 +4,9 @@
 
 namespace stof::board {
 
-// `qemu-system-aarch64 -M virt`: a PL061 for the trigger, cameras on USB. Everything is as on a real
-// board but for time: an emulated processor is twenty times slower, so edges come five a second, and
-// what is late by milliseconds is in time.
+// `qemu-system-aarch64 -M virt`: a PL061 for the trigger, cameras on USB. Everything is as on a
+// real board but for time: an emulated processor is twenty times slower, so edges come five a
+// second, and what is late by milliseconds is in time.
 inline constexpr Config kConfig{
     .name = "virt",
     .stereo =

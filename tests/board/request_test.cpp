@@ -25,10 +25,10 @@ TEST(DeviceRequest, WithoutFlagsIsTheTable) {
 }
 
 TEST(DeviceRequest, TakesEveryFlag) {
-  const Arguments all{"--cameras", "libcamera", "--left",     "a",       "--right",
-                      "none",      "--size",    "640x400",    "--gain",  "7",
-                      "--pmd",     "card:tof",  "--pmd-size", "224x172", "--uncalibrated",
-                      "--watchdog", "none",     "--priority", "0"};
+  const Arguments all{"--cameras",  "libcamera", "--left",     "a",       "--right",
+                      "none",       "--size",    "640x400",    "--gain",  "7",
+                      "--pmd",      "card:tof",  "--pmd-size", "224x172", "--uncalibrated",
+                      "--watchdog", "none",      "--priority", "0"};
   const auto request = parse(all);
   ASSERT_TRUE(request) << refusal(all);
   EXPECT_EQ(request->cameras, PairKind::kLibcamera);

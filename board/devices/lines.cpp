@@ -1,4 +1,4 @@
-#include "board/lines.h"
+#include "board/devices/lines.h"
 
 #include <utility>
 
@@ -21,9 +21,8 @@ std::expected<LinesOpen, Refusal> open_lines(const Lines& wanted) {
     lines.to = *peer;
   }
   if (!wanted.serial.empty()) {
-    auto serial = hal::posix::SerialTty::open({.device = wanted.serial,
-                                                .baud = wanted.baud,
-                                                .flow_control = wanted.flow_control});
+    auto serial = hal::posix::SerialTty::open(
+        {.device = wanted.serial, .baud = wanted.baud, .flow_control = wanted.flow_control});
     if (!serial) {
       return std::unexpected(Refusal{serial.error()});
     }
