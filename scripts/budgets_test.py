@@ -54,6 +54,10 @@ class Budgets(unittest.TestCase):
         (self.build / "b.su").write_text("c.cpp:3:3:h\t16\tdynamic\n")
         self.assertEqual(self.verdicts()[3], False)
 
+    def test_frames_of_library_headers_are_the_library_s(self):
+        (self.build / "b.su").write_text("../sysroot/usr/include/eigen3/a.h:3:3:h\t16\tdynamic\n")
+        self.assertEqual(self.verdicts()[3], True)
+
     def test_without_any_frame_nothing_is_known(self):
         (self.build / "a.su").unlink()
         self.assertEqual(self.verdicts()[3], False)

@@ -50,11 +50,10 @@ PictureSize pmd_size(const Request& request) {
 // What is not wired is fanned out of the left camera's line.
 posix::GpioTriggerOptions trigger_options(const Request& request) {
   const PairConfig& pair = pair_of(request);
-  posix::GpioTriggerOptions options{
-      .active_low = pair.active_low,
-      .width = pulse_length(pair, kTiming.stereo_exposure),
-      .most_doubt = kTiming.edge_tolerance,
-  };
+  posix::GpioTriggerOptions options;
+  options.active_low = pair.active_low;
+  options.width = pulse_length(pair, kTiming.stereo_exposure);
+  options.most_doubt = kTiming.edge_tolerance;
   for (const Net& net :
        {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
     if (net.wired()) {
@@ -152,16 +151,17 @@ std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
     right.clear();
   }
   if (request_.cameras == PairKind::kLibcamera) {
-    return opened<Stereo::Opened>(
-        posix::open_libcamera({.left = left,
-                               .right = right,
-                               .width = size.width,
-                               .height = size.height,
-                               .exposure = kTiming.stereo_exposure,
-                               .gain = static_cast<float>(request_.gain.value_or(0)),
-                               .exposures = &stereo_exposures_,
-                               .most_delay = pair.most_delay,
-                               .most_skew = kTiming.edge_tolerance}));
+    posix::LibcameraOptions options;
+    options.left = left;
+    options.right = right;
+    options.width = size.width;
+    options.height = size.height;
+    options.exposure = kTiming.stereo_exposure;
+    options.gain = static_cast<float>(request_.gain.value_or(0));
+    options.exposures = &stereo_exposures_;
+    options.most_delay = pair.most_delay;
+    options.most_skew = kTiming.edge_tolerance;
+    return opened<Stereo::Opened>(posix::open_libcamera(options));
   }
   return opened<Stereo::Opened>(posix::V4l2Stereo::open(posix::kernel_calls(), clock_,
                                                         {.nodes = {left, right},
@@ -184,14 +184,15 @@ std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
                                                      .integration = kTiming.pmd_integration,
                                                      .most_delay = pair_of(request_).most_delay}));
   }
-  return opened<Pmd::Opened>(posix::UsbPmd::open(
-      {.id = {.vendor = kDevices.pmd.usb_vendor, .product = kDevices.pmd.usb_product, .serial = {}},
-       .config = {.modulation_khz = kDevices.pmd.modulation_khz,
-                  .integration_us = kDevices.pmd.integration_us},
-       .width = size.width,
-       .height = size.height,
-       .edge_tolerance = kTiming.period / 4},
-      trigger_->edges()));
+  posix::UsbPmdOptions options;
+  options.id.vendor = kDevices.pmd.usb_vendor;
+  options.id.product = kDevices.pmd.usb_product;
+  options.config.modulation_khz = kDevices.pmd.modulation_khz;
+  options.config.integration_us = kDevices.pmd.integration_us;
+  options.width = size.width;
+  options.height = size.height;
+  options.edge_tolerance = kTiming.period / 4;
+  return opened<Pmd::Opened>(posix::UsbPmd::open(options, trigger_->edges()));
 }
 
 void Rig::open_watchdog() {
