@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <cstring>
 #include <ctime>
 
 #include <fcntl.h>
@@ -37,6 +38,21 @@ class KernelCalls final : public V4l2Calls {
   }
 };
 
+const char* advice(int error) noexcept {
+  switch (error) {
+    case EACCES:
+    case EPERM:
+      return "add the user to the group of that device, often video";
+    case EBUSY:
+      return "another program has it: end that first";
+    case ENOTTY:
+    case EINVAL:
+      return "give a node that captures video, such as /dev/video0";
+    default:
+      return "check the cable and the device's name";
+  }
+}
+
 }  // namespace
 
 V4l2Calls& kernel_calls() noexcept {
@@ -53,6 +69,10 @@ int ask_driver(V4l2Calls& calls, int fd, unsigned long request, void* argument) 
       return errno;
     }
   }
+}
+
+std::string with_advice(const char* what, int error) {
+  return std::string(what) + ": " + std::strerror(error) + "; " + advice(error);
 }
 
 }  // namespace stof::hal::posix

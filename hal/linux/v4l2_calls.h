@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <string>
 
 #include <poll.h>
 
@@ -31,5 +32,8 @@ V4l2Calls& kernel_calls() noexcept;
 
 // calls.ioctl(), again while a signal interrupts it. Zero, or the error.
 int ask_driver(V4l2Calls& calls, int fd, unsigned long request, void* argument) noexcept;
+
+// "what: the error's text; what to do about it".
+std::string with_advice(const char* what, int error);
 
 }  // namespace stof::hal::posix

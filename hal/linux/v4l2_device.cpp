@@ -2,7 +2,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <utility>
 
 #include <linux/videodev2.h>
@@ -16,45 +15,12 @@ namespace {
 
 constexpr int kMostErrors = 8;  // EIO in a row: a queue that was given up answers nothing else
 
-const char* advice(int error) noexcept {
-  switch (error) {
-    case EACCES:
-    case EPERM:
-      return "add the user to the group of that device, often video";
-    case EBUSY:
-      return "another program has it: end that first";
-    case ENOTTY:
-    case EINVAL:
-      return "give a node that captures video, such as /dev/video0";
-    default:
-      return "check the cable and the device's name";
-  }
-}
-
-std::string told(const char* what, int error) {
-  return std::string(what) + ": " + std::strerror(error) + "; " + advice(error);
-}
-
-std::string size_text(std::uint32_t width, std::uint32_t height) {
-  return std::to_string(width) + "x" + std::to_string(height);
-}
-
 v4l2_buffer empty_buffer(std::uint32_t index) noexcept {
   v4l2_buffer buffer{};
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
   buffer.index = index;
   return buffer;
-}
-
-v4l2_format wanted_format(const V4l2Options& options, FourCc pixels) noexcept {
-  v4l2_format format{};
-  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  format.fmt.pix.width = static_cast<std::uint32_t>(options.width);
-  format.fmt.pix.height = static_cast<std::uint32_t>(options.height);
-  format.fmt.pix.pixelformat = pixels;
-  format.fmt.pix.field = V4L2_FIELD_NONE;
-  return format;
 }
 
 bool stamps_monotonic(std::uint32_t flags) noexcept {
@@ -106,70 +72,31 @@ V4l2Device::Done V4l2Device::open_node() {
   path_ = std::move(*path);
   fd_ = calls_.open(path_.c_str());
   if (fd_ < 0) {
-    return refuse(told("cannot be opened", errno));
+    return refuse(with_advice("cannot be opened", errno));
   }
   lost_ = false;
   errors_in_a_row_ = 0;
   v4l2_capability answer{};
   if (const int error = ask_driver(calls_, fd_, VIDIOC_QUERYCAP, &answer); error != 0) {
-    return refuse(told("is no video device", error));
+    return refuse(with_advice("is no video device", error));
   }
   constexpr std::uint32_t kNeeded = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   if ((answer.device_caps & kNeeded) != kNeeded) {
-    return refuse(told("does not capture", EINVAL));
+    return refuse(with_advice("does not capture", EINVAL));
   }
   return {};
 }
 
 V4l2Device::Done V4l2Device::set_format() {
-  for (const FourCc pixels : options_.formats) {
-    v4l2_format format = wanted_format(options_, pixels);
-    const v4l2_pix_format wanted = format.fmt.pix;
-    const int error = ask_driver(calls_, fd_, VIDIOC_S_FMT, &format);
-    if (error == EBUSY || error == ENODEV) {
-      return refuse(told("takes no format", error));
-    }
-    const v4l2_pix_format& got = format.fmt.pix;
-    if (error != 0 || got.pixelformat != pixels || got.width != wanted.width ||
-        got.height != wanted.height) {
-      continue;
-    }
-    const std::size_t row = row_bytes(pixels, options_.width);
-    const std::size_t stride = got.bytesperline == 0 ? row : got.bytesperline;
-    if (row == 0 || stride < row) {
-      continue;
-    }
-    format_ = {.pixels = pixels, .stride = stride};
-    needed_bytes_ = stride * static_cast<std::size_t>(options_.height - 1) + row;
-    return {};
+  std::expected<V4l2Format, std::string> set =
+      set_v4l2_format(calls_, fd_, options_.width, options_.height, options_.formats);
+  if (!set) {
+    return refuse(set.error());
   }
-  std::string asked;
-  for (const FourCc pixels : options_.formats) {
-    asked += (asked.empty() ? "" : ", ") + to_string(pixels);
-  }
-  const v4l2_pix_format wanted = wanted_format(options_, 0).fmt.pix;
-  return refuse("does not give " + size_text(wanted.width, wanted.height) + " in " + asked +
-                ", it offers " + offers() + "; set the size to one of these, or use another one");
-}
-
-// The formats of the driver, each with the size that it takes for the asked one.
-std::string V4l2Device::offers() {
-  constexpr std::uint32_t kMost = 16;
-  std::string list;
-  for (std::uint32_t index = 0; index < kMost; ++index) {
-    v4l2_fmtdesc about{};
-    about.index = index;
-    about.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    if (ask_driver(calls_, fd_, VIDIOC_ENUM_FMT, &about) != 0) {
-      break;
-    }
-    v4l2_format format = wanted_format(options_, about.pixelformat);
-    list += (list.empty() ? "" : ", ") + to_string(about.pixelformat);
-    if (ask_driver(calls_, fd_, VIDIOC_TRY_FMT, &format) == 0) {
-      list += " " + size_text(format.fmt.pix.width, format.fmt.pix.height);
-    }
-  }
-  return list.empty() ? "nothing" : list;
+  format_ = *set;
+  needed_bytes_ = format_.stride * static_cast<std::size_t>(options_.height - 1) +
+                  row_bytes(format_.pixels, options_.width);
+  return {};
 }
 
 V4l2Device::Done V4l2Device::set_controls() {
@@ -195,7 +122,7 @@ V4l2Device::Done V4l2Device::start() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   if (const int error = ask_driver(calls_, fd_, VIDIOC_REQBUFS, &request); error != 0) {
-    return refuse(told("gives no buffers", error));
+    return refuse(with_advice("gives no buffers", error));
   }
   if (request.count < kLeastBuffers) {
     return refuse("gives " + std::to_string(request.count) + " buffers, " +
@@ -204,7 +131,7 @@ V4l2Device::Done V4l2Device::start() {
   for (std::uint32_t i = 0; i < request.count; ++i) {
     v4l2_buffer buffer = empty_buffer(i);
     if (const int error = ask_driver(calls_, fd_, VIDIOC_QUERYBUF, &buffer); error != 0) {
-      return refuse(told("does not tell its buffers", error));
+      return refuse(with_advice("does not tell its buffers", error));
     }
     if (!stamps_monotonic(buffer.flags)) {
       return refuse("does not stamp with CLOCK_MONOTONIC; use another camera or driver");
@@ -215,16 +142,16 @@ V4l2Device::Done V4l2Device::start() {
     stamps_begin_ = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
     const std::uint8_t* const data = calls_.map(fd_, buffer.length, buffer.m.offset);
     if (data == nullptr) {
-      return refuse(told("does not show its buffers", errno));
+      return refuse(with_advice("does not show its buffers", errno));
     }
     mappings_.push_back({.data = data, .bytes = buffer.length});
     if (!enqueue(i)) {
-      return refuse(told("does not take its buffers", errno));
+      return refuse(with_advice("does not take its buffers", errno));
     }
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   if (const int error = ask_driver(calls_, fd_, VIDIOC_STREAMON, &type); error != 0) {
-    return refuse(told("does not stream", error));
+    return refuse(with_advice("does not stream", error));
   }
   return {};
 }

@@ -11,6 +11,7 @@
 #include "hal/linux/grey_formats.h"
 #include "hal/linux/open_error.h"
 #include "hal/linux/v4l2_calls.h"
+#include "hal/linux/v4l2_format.h"
 #include "hal/time.h"
 
 namespace stof::hal::posix {
@@ -23,11 +24,6 @@ struct V4l2Options {
   std::optional<Duration> exposure;  // none: controls are left alone
   std::optional<std::int32_t> gain;  // in the driver's units
   std::string sysfs = "/sys";
-};
-
-struct V4l2Format {
-  FourCc pixels = 0;
-  std::size_t stride = 0;  // bytes from one row to the next
 };
 
 // A picture as the driver wrote it. Readable until it is released, also when its device is lost,
@@ -95,7 +91,6 @@ class V4l2Device {
   using Done = std::expected<void, OpenError>;
 
   std::unexpected<OpenError> refuse(const std::string& reason) const;
-  std::string offers();
   Done open_node();
   Done set_format();
   Done set_controls();
