@@ -17,9 +17,16 @@ namespace {
 
 // Answers to earlier datagrams that one call may meet: the socket tells each once.
 constexpr int kMostOldErrors = 16;
+constexpr int kMostDscp = 63;
 
 bool set_option(int fd, int level, int name, int value) noexcept {
   return setsockopt(fd, level, name, &value, sizeof value) == 0;
+}
+
+// The upper six bits of that byte; the lower two are ECN's.
+bool set_class(int fd, int family, int dscp) noexcept {
+  return set_option(fd, IPPROTO_IP, IP_TOS, dscp << 2) &&
+         (family != AF_INET6 || set_option(fd, IPPROTO_IPV6, IPV6_TCLASS, dscp << 2));
 }
 
 // The forced size passes net.core.?mem_max and needs CAP_NET_ADMIN.
@@ -76,6 +83,10 @@ UdpPort::~UdpPort() { close(fd_); }
 
 std::expected<std::unique_ptr<UdpPort>, OpenError> UdpPort::open(const UdpPortOptions& options) {
   const std::string place = "UDP port " + std::to_string(options.port) + ": ";
+  if (options.dscp < 0 || options.dscp > kMostDscp) {
+    return std::unexpected(
+        OpenError{place + "no DSCP " + std::to_string(options.dscp) + "; give 0 to 63"});
+  }
   int family = options.ipv4_only ? AF_INET : AF_INET6;
   int fd = socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (fd < 0 && family == AF_INET6) {
@@ -100,6 +111,9 @@ bool UdpPort::configure(const UdpPortOptions& options) noexcept {
   // Without these two, overruns and refusals are not told, nothing else.
   static_cast<void>(set_option(fd_, SOL_SOCKET, SO_RXQ_OVFL, 1));
   static_cast<void>(set_option(fd_, IPPROTO_IP, IP_RECVERR, 1));
+  if (options.dscp != 0 && !set_class(fd_, family_, options.dscp)) {
+    return false;
+  }
   Peer any;
   if (family_ == AF_INET6) {
     static_cast<void>(set_option(fd_, IPPROTO_IPV6, IPV6_RECVERR, 1));

@@ -20,7 +20,7 @@ struct UdpPortOptions {
   std::uint16_t port = 0;      // 0: any free one
   int buffer_bytes = 4 << 20;  // asked of the system for each direction
   bool ipv4_only = false;      // also where there is IPv6
-  int dscp = 0;
+  int dscp = 0;                // 0 .. 63: class of what is sent (RFC 2474), IPv6 and IPv4
 };
 
 // A UDP port at every interface, IPv6 and IPv4 (IPv4 alone where the system has no IPv6), that
