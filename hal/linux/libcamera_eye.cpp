@@ -47,7 +47,8 @@ std::int64_t microseconds(Duration time) noexcept {
 void set_controls(const libcamera::ControlInfoMap& known, const LibcameraOptions& options,
                   libcamera::ControlList& list) {
   namespace controls = libcamera::controls;
-  const auto has = [&known](const libcamera::ControlId& id) { return known.count(id.id()) != 0; };
+  // By pointer: by number every control of libcamera counts, at some cameras.
+  const auto has = [&known](const libcamera::ControlId& id) { return known.count(&id) != 0; };
   if (has(controls::AeEnable) && (options.exposure > Duration{0} || options.gain > 0)) {
     list.set(controls::AeEnable, false);
   }
@@ -182,8 +183,8 @@ void LibcameraEye::close() noexcept {
   }
   running_ = false;
   if (node_gone()) {
-    // stop() would wait for buffers that a driver without a device does not return, and abort. What
-    // the loop's thread sent before has to arrive while there are requests.
+    // stop() aborts where buffers do not come back, and a driver without a device keeps them. What
+    // the loop's thread has sent has to arrive while there are requests.
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   } else {
     camera_->stop();

@@ -1,6 +1,7 @@
 #include "hal/linux/libcamera_mailbox.h"
 
 #include <cstddef>
+#include <utility>
 
 #include "dsp/base/check.h"
 
@@ -42,7 +43,10 @@ void LibcameraMailbox::give_back(int slot) noexcept {
   states_[static_cast<std::size_t>(slot)].store(kWithCamera, std::memory_order_release);
 }
 
+// While one looks, the other thread may deliver an older one behind and a newer one ahead. Who has
+// seen the newer one sees the older one, too, when looking again.
 std::optional<int> LibcameraMailbox::move_oldest(std::uint64_t to) noexcept {
+  std::uint64_t seen = 0;
   for (;;) {
     std::optional<int> oldest;
     std::uint64_t state = 0;
@@ -54,9 +58,13 @@ std::optional<int> LibcameraMailbox::move_oldest(std::uint64_t to) noexcept {
         state = found;
       }
     }
+    if (!oldest) {
+      return oldest;
+    }
     // Fails where the other thread was faster: then there is another oldest one.
-    if (!oldest || states_[static_cast<std::size_t>(*oldest)].compare_exchange_strong(
-                       state, (state & ~kWhere) | to, std::memory_order_acq_rel)) {
+    if (state == std::exchange(seen, state) &&
+        states_[static_cast<std::size_t>(*oldest)].compare_exchange_strong(
+            state, (state & ~kWhere) | to, std::memory_order_acq_rel)) {
       return oldest;
     }
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cstdlib>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -63,7 +64,6 @@ std::optional<OpenError> LibcameraStereo::open() {
   if (!bell_.works()) {
     return OpenError{"cannot open cameras of libcamera: too many open files; raise the limit"};
   }
-  libcamera::logSetLevel("*", "ERROR");
   manager_ = std::make_unique<libcamera::CameraManager>();
   if (manager_->start() != 0) {
     return OpenError{
@@ -72,6 +72,7 @@ std::optional<OpenError> LibcameraStereo::open() {
   std::vector<std::shared_ptr<libcamera::Camera>> cameras = manager_->cameras();
   std::ranges::sort(cameras, {}, [](const auto& camera) { return camera->id(); });
   std::vector<LibcameraName> names;
+  names.reserve(cameras.size());
   for (const std::shared_ptr<libcamera::Camera>& camera : cameras) {
     names.push_back(
         {camera->id(),
@@ -89,8 +90,6 @@ std::optional<OpenError> LibcameraStereo::open() {
   if (!error) {
     error = eyes_[kRight].open(cameras[*right], options_);
   }
-  // From now on Status tells, and a camera without a device is told of without end.
-  libcamera::logSetLevel("*", "FATAL");
   return error;
 }
 
@@ -161,6 +160,10 @@ std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
       options.buffers > LibcameraMailbox::kMostSlots) {
     return std::unexpected(
         OpenError{"cannot open cameras of libcamera: give a size and 4 to 16 buffers"});
+  }
+  // Status and OpenError tell; libcamera writes about a lost device without end.
+  if (std::getenv("LIBCAMERA_LOG_LEVELS") == nullptr) {
+    libcamera::logSetTarget(libcamera::LoggingTargetNone);
   }
   if (in_use.exchange(true)) {
     return std::unexpected(OpenError{"libcamera is in use by this program: close the other pair"});
