@@ -28,7 +28,7 @@ std::expected<std::vector<std::byte>, std::string> read_file(const std::string& 
     return std::unexpected(name + ": cannot be opened: check the name and its permissions");
   }
   std::vector<std::byte> bytes;
-  std::array<std::byte, 65536> part;
+  std::array<std::byte, 4096> part;
   while (const std::size_t count = std::fread(part.data(), 1, part.size(), file.get())) {
     bytes.insert(bytes.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count));
     if (bytes.size() > limit) {

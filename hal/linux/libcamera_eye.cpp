@@ -10,6 +10,8 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
+#include "hal/linux/heap_watch.h"
+
 namespace stof::hal::posix {
 namespace {
 
@@ -243,6 +245,7 @@ void LibcameraEye::requeue(int slot) noexcept {
   }
   pixels_->end_reading(slot);
   libcamera::Request* const request = requests_[static_cast<std::size_t>(slot)].get();
+  const MarkedHeap marked;
   request->reuse(libcamera::Request::ReuseBuffers);
   if (camera_->queueRequest(request) != 0) {
     mark_lost();
