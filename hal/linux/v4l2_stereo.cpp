@@ -162,9 +162,12 @@ bool V4l2Stereo::together(const V4l2Arrival& left, const V4l2Arrival& right) con
 }
 
 void V4l2Stereo::drop(std::size_t side) noexcept {
+  const V4l2Arrival gone = feeds_[side]->take();
+  feeds_[side]->device().release(gone.buffer);
   ++counters_.unpaired;
-  counters_.unplaced += feeds_[side]->oldest()->placed ? 0 : 1;
-  feeds_[side]->drop_oldest();
+  if (!gone.placed) {
+    ++counters_.unplaced;
+  }
 }
 
 Lease<StereoFrame> V4l2Stereo::hand_out() noexcept {
