@@ -35,7 +35,7 @@ class V4l2Feed {
   // kDeviceLost.
   Status drain(int room) noexcept;
   // nullptr: nothing waits.
-  const V4l2Arrival* oldest() const noexcept { return count_ == 0 ? nullptr : &waiting_[0]; }
+  const V4l2Arrival* oldest() const noexcept { return count_ == 0 ? nullptr : waiting_.data(); }
   // The oldest one, whose buffer is now the caller's to release.
   V4l2Arrival take() noexcept;
   void drop_oldest() noexcept { device_.release(take().buffer); }

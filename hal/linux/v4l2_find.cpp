@@ -121,7 +121,8 @@ std::expected<std::string, OpenError> find_v4l2_node(V4l2Calls& calls, const std
   std::filesystem::path found_in;  // the device that has the node
   for (const std::string& name : list_nodes(folder)) {
     // The node's interface; its USB device is the folder above.
-    const std::string device = folder + "/" + name + "/device" + (usb ? "/.." : "");
+    const std::string node = std::string(folder).append("/").append(name);
+    const std::string device = node + (usb ? "/device/.." : "/device");
     if (usb && !is_usb(device, *usb)) {
       continue;
     }

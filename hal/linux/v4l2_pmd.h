@@ -23,7 +23,7 @@ struct V4l2PmdOptions {
   Exposures* exposures = nullptr;
   // Of all four samples together, from the exposure's begin. 0: as long as the exposure.
   Duration integration{};
-  // From an exposure's end to the stamp of its picture: readout and the way to the driver.
+  // As V4l2StereoOptions::most_delay.
   Duration most_delay = std::chrono::milliseconds(25);
   std::vector<FourCc> formats = {kY12p, kY12, kY16};  // the best one first
   std::string sysfs = "/sys";

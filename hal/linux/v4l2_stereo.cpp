@@ -86,7 +86,7 @@ std::expected<void, OpenError> V4l2Stereo::start() {
   const auto pixels =
       static_cast<std::size_t>(options_.width) * static_cast<std::size_t>(options_.height);
   for (std::size_t side = 0; side < 2; ++side) {
-    if (polled_[std::min(side, used_ - 1)]->device().format().pixels != kGrey) {
+    if (converts(side)) {
       for (Slot& slot : slots_) {
         slot.grey[side].resize(pixels);  // once: what is leased stays where it is
       }
@@ -187,26 +187,34 @@ Lease<StereoFrame> V4l2Stereo::hand_out() noexcept {
                           .left_sequence = pair[0].buffer.sequence,
                           .right_sequence = pair[1].buffer.sequence};
   for (std::size_t i = 0; i < used_; ++i) {
-    if (feeds_[i]->device().format().pixels == kGrey) {
-      slot.held[i] = pair[i].buffer;
-    } else {
+    if (converts(i)) {
       feeds_[i]->device().release(pair[i].buffer);
+    } else {
+      slot.held[i] = pair[i].buffer;
     }
   }
   return {frame, *this, static_cast<int>(free - slots_.begin())};
 }
 
+const V4l2Format& V4l2Stereo::format(std::size_t side) const noexcept {
+  return polled_[std::min(side, used_ - 1)]->device().format();
+}
+
+bool V4l2Stereo::converts(std::size_t side) const noexcept {
+  return options_.copy || format(side).pixels != kGrey;
+}
+
 dsp::ImageView<const std::uint8_t> V4l2Stereo::view(Slot& slot, std::size_t side,
                                                     const V4l2Buffer& buffer) noexcept {
-  const V4l2Format& format = polled_[std::min(side, used_ - 1)]->device().format();
-  const std::size_t row = row_bytes(format.pixels, options_.width);
+  const auto [pixels, stride] = format(side);
+  const std::size_t row = row_bytes(pixels, options_.width);
   const std::uint8_t* const first = buffer.data + (side_by_side() ? side * row : 0);
-  if (format.pixels == kGrey) {
-    return {first, options_.width, options_.height, static_cast<std::ptrdiff_t>(format.stride)};
+  if (!converts(side)) {
+    return {first, options_.width, options_.height, static_cast<std::ptrdiff_t>(stride)};
   }
   const dsp::ImageView<std::uint8_t> grey(slot.grey[side].data(), options_.width, options_.height);
   for (int y = 0; y < options_.height; ++y) {
-    to_grey(format.pixels, {first + static_cast<std::size_t>(y) * format.stride, row}, grey.row(y));
+    to_grey(pixels, {first + static_cast<std::size_t>(y) * stride, row}, grey.row(y));
   }
   return grey;
 }

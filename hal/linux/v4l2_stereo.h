@@ -27,9 +27,12 @@ struct V4l2StereoOptions {
   // Where exposures are looked up, of left and right (side by side: of both, the left one). They
   // outlive the camera.
   std::array<Exposures*, 2> exposures{};
-  // From an exposure's end to the stamp of its picture: readout and the way to the driver.
+  // From an exposure's end to the stamp of its picture: readout and the way to the driver. Shorter
+  // than the way to the next exposure's end, or pictures could be taken for those of the next one.
   Duration most_delay = std::chrono::milliseconds(25);
   std::vector<FourCc> formats = {kGrey, kY10, kY12, kY16, kYuyv};  // the best one first
+  bool copy =
+      false;  // also GREY: where the driver's buffers are not cached, as on some CSI bridges
   std::string sysfs = "/sys";
 };
 
@@ -44,11 +47,11 @@ struct V4l2StereoCounters {
 // by the exposures behind their stamps, so that a lost one costs one frame and never shifts the
 // views. Where neither view has a known exposure, the frame carries its raw stamps, as exposures of
 // no length, which belong to no edge.
-// GREY is a view into the driver's buffer, whose rows may be padded; other formats are converted as
-// to_grey() says when they are handed out. Sequences are the driver's.
-// Four slots, and eight buffers of each driver: of what waits unread the newest four are kept; with
-// more than eight waiting the driver itself loses the newest. Allocates in open() and reopen()
-// alone. For one thread.
+// GREY is a view into the driver's buffer, whose rows may be padded, if it is not to be copied;
+// other formats are converted as to_grey() says when they are handed out. Sequences are the
+// driver's. Four slots, and eight buffers of each driver: of what waits unread the newest four are
+// kept; with more than eight waiting the driver itself loses the newest. Allocates in open() and
+// reopen() alone. For one thread.
 class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
  public:
   static constexpr int kSlots = V4l2Feed::kMostWaiting;
@@ -87,6 +90,8 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   bool match() noexcept;
   bool together(const V4l2Arrival& left, const V4l2Arrival& right) const noexcept;
   void drop(std::size_t side) noexcept;
+  const V4l2Format& format(std::size_t side) const noexcept;
+  bool converts(std::size_t side) const noexcept;
   Lease<StereoFrame> hand_out() noexcept;
   dsp::ImageView<const std::uint8_t> view(Slot& slot, std::size_t side,
                                           const V4l2Buffer& buffer) noexcept;

@@ -177,6 +177,19 @@ TEST(V4l2Stereo, ReopeningManyTimesKeepsNothing) {
   EXPECT_EQ(rig.kernel().mappings(), 0U);
 }
 
+TEST(V4l2Stereo, CopiesGreyWhereItIsAsked) {
+  V4l2StereoRig<hal::posix::kGrey, false, 5> rig;
+  rig.close();
+  auto options = rig.options();
+  options.copy = true;
+  const auto camera = hal::posix::V4l2Stereo::open(rig.kernel(), rig.clock(), options);
+  ASSERT_TRUE(camera);
+  const hal::Time edge = rig.pulse();
+  const auto frame = (*camera)->wait_frame(edge + 3ms);
+  expect_exposure(frame, 1);
+  EXPECT_EQ((*frame)->left.stride(), (*frame)->left.width());
+}
+
 TEST(V4l2Pmd, SamplesCarryTheQuartersOfTheExposure) {
   Pmd rig;
   const hal::Time edge = rig.pulse();
