@@ -31,8 +31,8 @@ struct V4l2StereoOptions {
   // than the way to the next exposure's end, or pictures could be taken for those of the next one.
   Duration most_delay = std::chrono::milliseconds(25);
   std::vector<FourCc> formats = {kGrey, kY10, kY12, kY16, kYuyv};  // the best one first
-  bool copy =
-      false;  // also GREY: where the driver's buffers are not cached, as on some CSI bridges
+  // Copies GREY, too: where the driver's buffers are not cached, as on some CSI bridges.
+  bool copy = false;
   std::string sysfs = "/sys";
 };
 

@@ -27,7 +27,7 @@ TEST(DeviceRequest, WithoutFlagsIsTheTable) {
 TEST(DeviceRequest, TakesEveryFlag) {
   const Arguments all{"--cameras",  "libcamera", "--left",     "a",       "--right",
                       "none",       "--size",    "640x400",    "--gain",  "7",
-                      "--pmd",      "card:tof",  "--pmd-size", "224x172", "--uncalibrated",
+                      "--pmd",      "card:tof",  "--pmd-size", "160x120", "--uncalibrated",
                       "--watchdog", "none",      "--priority", "0"};
   const auto request = parse(all);
   ASSERT_TRUE(request) << refusal(all);
@@ -36,7 +36,7 @@ TEST(DeviceRequest, TakesEveryFlag) {
   EXPECT_EQ(request->right, "none");
   EXPECT_EQ(request->size->width, 640);
   EXPECT_EQ(request->size->height, 400);
-  EXPECT_EQ(request->pmd_size->width, 224);
+  EXPECT_EQ(request->pmd_size->width, 160);
   EXPECT_EQ(request->gain, 7);
   EXPECT_EQ(request->priority, 0);
   EXPECT_EQ(request->watchdog, "none");

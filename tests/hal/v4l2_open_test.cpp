@@ -124,6 +124,33 @@ TEST(V4l2Open, CameraThatAnotherHasIsBusy) {
   EXPECT_TRUE(rig.shoot());
 }
 
+TEST(KernelCalls, AreTheSystemsOwn) {
+  hal::posix::V4l2Calls& calls = hal::posix::kernel_calls();
+  EXPECT_LT(calls.open("/dev/no such node"), 0);
+  const int fd = calls.open("/dev/zero");
+  ASSERT_GE(fd, 0);
+  const std::uint8_t* const data = calls.map(fd, 4096, 0);
+  ASSERT_NE(data, nullptr);
+  EXPECT_EQ(data[4095], 0);
+  calls.unmap(data, 4096);
+  pollfd entry{.fd = fd, .events = POLLIN, .revents = 0};
+  EXPECT_EQ(calls.poll(std::span(&entry, 1), 1s), 1);
+  calls.close(fd);
+  EXPECT_EQ(calls.map(fd, 4096, 0), nullptr);
+  EXPECT_EQ(calls.poll({}, 1ms), 0);
+}
+
+TEST(KernelCalls, WhatIsNoCameraIsToldSo) {
+  Stereo rig;
+  auto options = rig.options();
+  options.nodes[0] = "/dev/null";
+  const auto opened = V4l2Stereo::open(hal::posix::kernel_calls(), rig.clock(), options);
+  ASSERT_FALSE(opened);
+  EXPECT_TRUE(
+      opened.error().message.starts_with("camera '/dev/null' (/dev/null): is no video device: "))
+      << opened.error().message;
+}
+
 // /sys as the kernel lays it out: a node's device is a link to a USB interface.
 class V4l2Find : public testing::Test {
  protected:
