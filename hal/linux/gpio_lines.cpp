@@ -71,7 +71,8 @@ std::vector<std::string> chips_in(const std::string& folder) {
   while (const dirent* const entry = readdir(open)) {
     const std::string name = &entry->d_name[0];
     if (name.starts_with("gpiochip")) {
-      paths.push_back(folder + "/" + name);
+      paths.push_back(folder);
+      paths.back().append("/").append(name);
     }
   }
   closedir(open);

@@ -1,8 +1,8 @@
 // The linker sends every call of the allocator through these (--wrap): of this program's own
 // objects, and in a static link of all libraries, whose operator new calls malloc.
 
+#include <cerrno>
 #include <cstddef>
-#include <cstdint>
 #include <cstdlib>
 
 #include "hal/linux/heap_watch.h"
@@ -16,7 +16,6 @@ void* __real_realloc(void* at, std::size_t size);
 void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
 int __real_posix_memalign(void** at, std::size_t alignment, std::size_t size);
 void* __real_memalign(std::size_t alignment, std::size_t size);
-void* __real_reallocarray(void* at, std::size_t count, std::size_t size);
 
 void* __wrap_malloc(std::size_t size) {
   note_heap_call();
@@ -44,6 +43,12 @@ void* __wrap_memalign(std::size_t alignment, std::size_t size) {
 }
 void* __wrap_reallocarray(void* at, std::size_t count, std::size_t size) {
   note_heap_call();
-  return __real_reallocarray(at, count, size);
+  std::size_t bytes = 0;
+  if (__builtin_mul_overflow(count, size, &bytes)) {
+    errno = ENOMEM;
+    return nullptr;
+  }
+  // Not through the C library's own, which in a static link would come by __wrap_realloc again.
+  return __real_realloc(at, bytes);
 }
 }

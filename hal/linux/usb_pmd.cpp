@@ -99,7 +99,7 @@ void UsbPmd::take_in(Transfer& transfer) noexcept {
                     accept(buffer, static_cast<std::size_t>(transfer.libusb->actual_length));
   if (good) {
     damaged_in_row_ = 0;
-    lost_frames_ += slots_.push(buffer) ? 0 : 1;
+    lost_frames_ += slots_.push(buffer) ? 0U : 1U;
   } else {
     slots_.put_back(buffer);
   }

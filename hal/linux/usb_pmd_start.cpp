@@ -187,7 +187,7 @@ void UsbPmd::shut() noexcept {
     }
     return any;
   };
-  for (Transfer& transfer : transfers_) {
+  for (const Transfer& transfer : transfers_) {
     if (transfer.buffer >= 0) {
       static_cast<void>(libusb_cancel_transfer(transfer.libusb));
     }
