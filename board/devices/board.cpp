@@ -93,10 +93,13 @@ class Rig {
   // The serial line is the control thread's, which reopens it.
   Status reopen() noexcept {
     const posix::MarkedHeap marked;
+    // Libraries start threads when they open a device, and may spin for one that is gone.
+    static_cast<void>(be_urgent(false));
     Status worst = trigger_->reopen();
     for (const Status status : {stereo_.reopen(), pmd_ ? pmd_->reopen() : Status::kOk}) {
       worst = status == Status::kOk ? worst : status;
     }
+    static_cast<void>(be_urgent(true));
     return worst;
   }
 

@@ -160,8 +160,12 @@ std::expected<void, OpenError> GpioTrigger::request() {
 }
 
 Status GpioTrigger::reopen() noexcept {
+  if (request_ != nullptr && !lost_) {
+    return Status::kOk;
+  }
   shut();
   const auto requested = request();
+  lost_ = !requested;
   trouble_ = requested ? std::string() : requested.error().message;
   return requested ? Status::kOk : Status::kDeviceLost;
 }
@@ -188,6 +192,7 @@ Result<Time> GpioTrigger::pulse() noexcept {
   const bool lowered = set_outputs(false);
   doubt_ = after - before;
   if (!raised || !lowered) {
+    lost_ = true;
     return fail(Status::kDeviceLost);
   }
   if (doubt_ > options_.most_doubt) {

@@ -54,7 +54,7 @@ class GpioTrigger final : public hal::Trigger {
 
   // kDeviceError: an edge went out, but when is not known to `most_doubt`. kDeviceLost: reopen().
   Result<Time> pulse() noexcept override;
-  // In place. kDeviceLost: not back yet; trouble() says why.
+  // In place; nothing where it was not lost. kDeviceLost: not back yet; trouble() says why.
   Status reopen() noexcept;
   // One line, why reopen() failed last; empty: it did not.
   const std::string& trouble() const noexcept { return trouble_; }
@@ -82,6 +82,7 @@ class GpioTrigger final : public hal::Trigger {
   std::array<StrobeLog, kMostStrobes> strobes_;
   EdgeLog edges_;
   Duration doubt_{};
+  bool lost_ = false;
   std::string trouble_;
 };
 

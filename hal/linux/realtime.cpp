@@ -19,12 +19,6 @@ std::string line(const std::string& what, int error, const char* advice) {
   return what + ": " + std::strerror(error) + "; " + advice;
 }
 
-// Children must not inherit SCHED_FIFO: they would starve the rest of the machine.
-constexpr int kResetOnFork = 0x40000000;
-#ifdef SCHED_RESET_ON_FORK
-static_assert(kResetOnFork == SCHED_RESET_ON_FORK);
-#endif
-
 int set_policy(int policy, int priority) noexcept {
   sched_param parameters{};
   parameters.sched_priority = priority;
@@ -59,7 +53,7 @@ RealtimeNote set_fifo_priority(int priority) {
       priority > sched_get_priority_max(SCHED_FIFO)) {
     return line(what, EINVAL, "give 1 to 99");
   }
-  const int error = set_policy(SCHED_FIFO | kResetOnFork, priority);
+  const int error = set_policy(SCHED_FIFO, priority);
   if (error == 0) {
     return std::nullopt;
   }
@@ -68,7 +62,7 @@ RealtimeNote set_fifo_priority(int priority) {
 }
 
 RealtimeNote set_ordinary_priority() {
-  const int error = set_policy(SCHED_OTHER | kResetOnFork, 0);
+  const int error = set_policy(SCHED_OTHER, 0);
   if (error == 0) {
     return std::nullopt;
   }

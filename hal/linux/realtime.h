@@ -14,7 +14,8 @@ using RealtimeNote = std::optional<std::string>;  // nothing: granted
 RealtimeNote lock_memory();
 // Touches the calling thread's stack, so that later calls fault no page. At most 1 MiB counts.
 void prefault_stack(std::size_t bytes = std::size_t{256} << 10) noexcept;
-// SCHED_FIFO for the calling thread: 1 is least, 99 most. Threads that it starts stay ordinary.
+// SCHED_FIFO for the calling thread: 1 is least, 99 most. Threads that it starts meanwhile have it
+// as well.
 RealtimeNote set_fifo_priority(int priority);
 // As ordinary threads are.
 RealtimeNote set_ordinary_priority();
