@@ -196,7 +196,7 @@ def arm64(preset, *checks):
 
 BOARDS = ("virt", "rpi4", "rpi5")
 # What only a build for a board has, so that step `tidy` has not read it.
-ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio_*.cpp", "hal/linux/libcamera_*.cpp")
+ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio_*.cpp", "hal/linux/libcamera_*.cpp", "hal/linux/libusb_udev.cpp")
 
 
 def boards(log):

@@ -13,7 +13,8 @@ namespace {
 
 }  // namespace
 
-// Parameters do not matter to what never returns. NOLINTBEGIN(readability-identifier-naming)
+// Parameters do not matter to what never returns.
+// NOLINTBEGIN(readability-identifier-naming,bugprone-macro-parentheses)
 #define STOF_NO_UDEV(name) \
   void* name() { called(#name); }
 
@@ -40,4 +41,4 @@ STOF_NO_UDEV(udev_monitor_unref)
 STOF_NO_UDEV(udev_new)
 STOF_NO_UDEV(udev_unref)
 }
-// NOLINTEND(readability-identifier-naming)
+// NOLINTEND(readability-identifier-naming,bugprone-macro-parentheses)

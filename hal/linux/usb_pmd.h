@@ -19,7 +19,7 @@
 #include "hal/linux/usb_link.h"
 #include "hal/pmd_camera.h"
 
-struct libusb_transfer;  // libusb's own
+struct libusb_transfer;  // NOLINT(readability-identifier-naming): libusb's own
 
 namespace stof::hal::posix {
 
