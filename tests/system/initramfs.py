@@ -177,8 +177,9 @@ class Image:
         part.replace(path)
 
 
-def build(out, files, programs, *, kernel=KERNEL, libraries=None, modules=MODULES, init=GUEST / "init"):
-    """files, programs: pairs of a path here (files: or bytes) and a path there."""
+def build(out, files, programs, *, kernel=KERNEL, libraries=None, modules=MODULES, init=GUEST / "init",
+          extra=None):
+    """files, programs: pairs of a path here (files: or bytes) and a path there. extra(image): adds what else there is."""
     image = Image(kernel, libraries)
     image.archive.file("init", pathlib.Path(init).read_bytes(), 0o755)
     image.modules(modules)
@@ -186,6 +187,8 @@ def build(out, files, programs, *, kernel=KERNEL, libraries=None, modules=MODULE
         image.archive.file(target, source if isinstance(source, bytes) else pathlib.Path(source).read_bytes())
     for source, target in programs:
         image.program(source, target)
+    if extra:
+        extra(image)
     image.write(out)
 
 
