@@ -60,8 +60,8 @@ class ArchiveTest(unittest.TestCase):
             for module, depends in (("top", "mid-dle,base"), ("mid-dle", "base,in_kernel"), ("base", "")):
                 (folder / "kernel" / f"{module}.ko").write_bytes(b"\0depends=" + depends.encode() + b"\0")
             (folder / "modules.builtin").write_text("kernel/x/in-kernel.ko\n")
-            order = initramfs.Modules(folder).in_order(["top", "base"])
-        self.assertEqual([module for module, _ in order], ["base", "mid_dle", "top"])
+            order = initramfs.Modules(folder).in_order([["base"], ["top"]])
+        self.assertEqual([entry[:2] for entry in order], [(0, "base"), (1, "mid_dle"), (1, "top")])
 
 
 class ElfTest(unittest.TestCase):

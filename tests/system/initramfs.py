@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Writes an initramfs: a newc cpio archive of files, kernel modules and programs with their libraries.
 
-Modules are unpacked and listed in /modules in the order in which insmod takes them: no depmod, no
-modprobe. No root, no external program.
+Modules are unpacked and listed in /modules, "GROUP NAME" a line, in the order in which insmod takes them: no
+depmod, no modprobe. No root, no external program.
 """
 
 import argparse
@@ -16,8 +16,9 @@ import elf
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 KERNEL = ROOT / "build" / "kernel-arm64"
 GUEST = pathlib.Path(__file__).resolve().parent / "guest"
-# What the guest of the system test needs, without what the kernel has built in. What is inserted first comes first.
-MODULES = ("xhci_pci", "virtio_net", "8250_pci", "uvcvideo", "i6300esb")
+# What the guest of the system test needs, beside what the kernel has built in: the first group is inserted before
+# the others, which do not depend on each other.
+MODULES = (("xhci_pci",), ("uvcvideo",), ("virtio_net",), ("8250_pci", "i6300esb"))
 LIBRARY_APPLETS = ("cat cp dd dmesg grep insmod ip kill ls mkdir mkfifo mount poweroff reboot rm sed sh sleep stty tr touch"
            " usleep watchdog").split()
 FOLDERS = ("usr/lib/aarch64-linux-gnu", "usr/lib")
@@ -96,11 +97,11 @@ class Modules:
         data = path.read_bytes()
         return lzma.decompress(data) if path.suffix == ".xz" else data
 
-    def in_order(self, names):
-        """[(name, bytes)]: these and what they depend on, each after what it depends on."""
+    def in_order(self, groups):
+        """[(group's number, name, bytes)]: these and what they depend on, each once and after what it depends on."""
         found, order = set(), []
 
-        def take(name):
+        def take(number, name):
             name = _name_of(name)
             if name in found or name in self.builtin:
                 return
@@ -108,11 +109,12 @@ class Modules:
             data = self.read(name)
             depends = re.search(rb"(?:^|\0)depends=([^\0]*)\0", data)
             for other in filter(None, depends[1].decode().split(",") if depends else []):
-                take(other)
-            order.append((name, data))
+                take(number, other)
+            order.append((number, name, data))
 
-        for name in names:
-            take(name)
+        for number, names in enumerate(groups):
+            for name in names:
+                take(number, name)
         return order
 
 
@@ -131,11 +133,11 @@ class Image:
         for name in APPLETS:
             self.archive.link(f"bin/{name}", "busybox")
 
-    def modules(self, names):
-        order = Modules(self.kernel / "modules").in_order(names)
-        for name, data in order:
+    def modules(self, groups):
+        order = Modules(self.kernel / "modules").in_order(groups)
+        for _, name, data in order:
             self.archive.file(f"modules.d/{name}.ko", data)
-        self.archive.file("modules", "".join(f"{name}\n" for name, _ in order).encode())
+        self.archive.file("modules", "".join(f"{group} {name}\n" for group, name, _ in order).encode())
 
     def program(self, source, target):
         """A program, and the closure of the libraries that it names."""
@@ -204,13 +206,14 @@ def main():
     parser.add_argument("out")
     parser.add_argument("--kernel", default=KERNEL, help="what toolchains/kernel.sh made")
     parser.add_argument("--libraries", help="where programs' libraries are, such as build/sysroot-arm64")
-    parser.add_argument("--modules", default=",".join(MODULES))
+    parser.add_argument("--modules", default=" ".join(",".join(group) for group in MODULES),
+                        help="groups with spaces between, such as xhci_pci uvcvideo,virtio_net")
     parser.add_argument("--init", default=GUEST / "init")
     parser.add_argument("--file", type=pair, action="append", default=[], metavar="HERE:THERE")
     parser.add_argument("--program", type=pair, action="append", default=[], metavar="HERE:THERE")
     options = parser.parse_args()
     build(options.out, options.file, options.program, kernel=options.kernel, libraries=options.libraries,
-          modules=[name for name in options.modules.split(",") if name], init=options.init)
+          modules=[group.split(",") for group in options.modules.split()], init=options.init)
 
 
 if __name__ == "__main__":

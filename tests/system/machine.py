@@ -191,11 +191,11 @@ class Console:
 class Machine:
     """QEMU's virt board. usb: names of usb-redir sockets, `Machine.path(name)`.
 
-    guest_port: a UDP port of the guest that `Machine.port` leads to. icount: options of virtual time (never sleep=off
+    watchdog: what it does when nobody kicks it, as -watchdog-action; None: there is none. guest_port: a UDP port of the guest that `Machine.port` leads to. icount: options of virtual time (never sleep=off
     together with devices that the host drives: time runs away while the guest waits).
     """
 
-    def __init__(self, image, initramfs, *, append="", usb=(), guest_port=7560, serial=True, watchdog=None, icount=None,
+    def __init__(self, image, initramfs, *, append="", usb=(), guest_port=7560, serial=True, watchdog="none", icount=None,
                  processors=2, memory="512", reboot=False, log=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="stof-"))
         self.log = pathlib.Path(log) if log else self.folder / "console.log"

@@ -55,7 +55,7 @@ void print(const stof::Frame& frame) {
   std::printf("{\"frame\": %" PRIu32 ", \"session\": %" PRIu32 ", \"freshness\": %" PRIu32
               ", \"at_ns\": %" PRId64 ", \"middle_ns\": %" PRId64
               ", \"missing\": %u, \"health\": %u, \"hash\": \"%016" PRIx64 "\", \"depth\": %d",
-              c.number, c.session_id, c.freshness, c.last_packet_ns, c.exposure_middle_ns,
+              c.number, c.session_id, c.freshness, c.first_packet_ns, c.exposure_middle_ns,
               unsigned{c.missing_packets}, unsigned{c.health}, hash.value(),
               frame.depth().empty() ? 0 : 1);
   if (const auto info = frame.info()) {
