@@ -10,6 +10,7 @@ import lzma
 import pathlib
 import re
 import stat
+import struct
 
 import elf
 
@@ -21,6 +22,8 @@ GUEST = pathlib.Path(__file__).resolve().parent / "guest"
 MODULES = (("xhci_pci",), ("uvcvideo",), ("virtio_net",), ("8250_pci", "i6300esb"))
 LIBRARY_APPLETS = ("cat cp dd dmesg grep insmod ip kill ls mkdir mkfifo mount poweroff reboot rm sed sh sleep stty tr touch"
            " usleep watchdog").split()
+SIGNED = b"~Module signature appended~\n"
+SIGNATURE_FIELDS = struct.Struct(">5B3xI")  # struct module_signature of the kernel; the last is the signature's length
 FOLDERS = ("usr/lib/aarch64-linux-gnu", "usr/lib")
 APPLETS = ("cat cp dd dmesg grep insmod ip kill ls mkdir mkfifo mount poweroff reboot rm sed sh sleep stty tr touch"
            " usleep watchdog").split()
@@ -79,6 +82,14 @@ def _name_of(module):
     return module.replace("-", "_")
 
 
+def unsigned(module):
+    """The module without its signature, whose verification takes an emulated processor long."""
+    if not module.endswith(SIGNED):
+        return module
+    end = len(module) - len(SIGNED) - SIGNATURE_FIELDS.size
+    return module[:end - SIGNATURE_FIELDS.unpack_from(module, end)[-1]]
+
+
 class Modules:
     """The modules of an unpacked kernel by their names."""
 
@@ -95,7 +106,7 @@ class Modules:
         if path is None:
             raise SystemExit(f"initramfs: the kernel has no module {name}: check its name, or toolchains/kernel.sh")
         data = path.read_bytes()
-        return lzma.decompress(data) if path.suffix == ".xz" else data
+        return unsigned(lzma.decompress(data) if path.suffix == ".xz" else data)
 
     def in_order(self, groups):
         """[(group's number, name, bytes)]: these and what they depend on, each once and after what it depends on."""

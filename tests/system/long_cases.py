@@ -1,4 +1,4 @@
-"""What takes minutes: endurance, pixel formats, lateness in virtual time, the watchdog, the libcamera variant.
+"""Cases with rigs of their own: boot, endurance, pixel formats, lateness, the watchdog, the libcamera variant.
 
 Each takes (bench, report); bench.rig() starts a rig of its own.
 """
@@ -10,6 +10,8 @@ import time
 import cases
 import judge
 
+BOOT_BAR_S = 3.0  # from the kernel's start to the first frame
+BOOTS = 4
 EDGES = 1000
 REPLUGS = 20
 LATENESS_BAR_US = 200
@@ -18,6 +20,15 @@ LATENESS_PERIOD_MS = 20
 VIRTUAL_TIME = "shift=2,sleep=off"  # no device that the host drives, see machine.Machine
 WATCHDOG_S = 15  # the board's table
 TRACE = "/sys/kernel/tracing"
+
+
+def boot(bench, report):
+    """The fastest of a few counts: what else this machine does makes a boot slower, nothing makes it faster."""
+    seconds = []
+    while len(seconds) < BOOTS and min(seconds, default=BOOT_BAR_S + 1) > BOOT_BAR_S:
+        with bench.rig("boot") as rig:
+            seconds.append(cases.first_frame(rig, report))
+    report.at_most(f"boot to first frame, guest time, best of {len(seconds)}", min(seconds), BOOT_BAR_S, "s")
 
 
 def thousand_edges(bench, report):
@@ -103,4 +114,5 @@ def lateness(bench, report):
     report.figure("edges late, SCHED_OTHER, likewise", f"{seen['OTHER']:.0f} us", "told", True)
 
 
+BRIEF = (boot,)
 LONG = (thousand_edges, many_replugs, formats, lateness, watchdog, libcamera)

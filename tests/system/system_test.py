@@ -57,15 +57,16 @@ def run(options):
                 if not report.run(case.__name__, case, shared, report) and not shared.receiver.count():
                     print("\n".join(shared.log()[-20:]))
                     break  # nothing works without
-    for case in long_cases.LONG:
-        if (options.long and not wanted) or case.__name__ in wanted:
+    for case in (*long_cases.BRIEF, *long_cases.LONG):
+        by_default = options.long or (options.short and case in long_cases.BRIEF)
+        if case.__name__ in wanted if wanted else by_default:
             report.run(case.__name__, case, bench, report)
     print(f"{report.passed} passed, {report.failed} failed")
     return 1 if report.failed or not report.passed else 0
 
 
 def parse():
-    names = [case.__name__ for case in (*cases.SHORT, *long_cases.LONG)]
+    names = [case.__name__ for case in (*cases.SHORT, *long_cases.BRIEF, *long_cases.LONG)]
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], epilog="cases: " + ", ".join(names))
     parser.add_argument("--short", action="store_true", help="up to four minutes (default)")
     parser.add_argument("--long", action="store_true", help="all that, and a quarter of an hour")
