@@ -21,8 +21,8 @@ class Report:
         self.missed = []
 
     def figure(self, name, value, bar, good):
-        """One line `name: value (bar)`; a figure outside of its bar fails the case, which goes on."""
-        print(f"  {name}: {value} ({bar}){'' if good else ' MISSED'}", flush=True)
+        """One line `figure: name: value (bar)`; a figure outside of its bar fails the case, which goes on."""
+        print(f"figure: {name}: {value} ({bar}){'' if good else ' MISSED'}", flush=True)
         if not good:
             self.missed.append(f"{name}: {value}, not {bar}")
 
@@ -45,6 +45,6 @@ class Report:
         why = "; ".join(filter(None, [why, *self.missed]))
         self.passed += not why
         self.failed += bool(why)
-        print(f"{'FAILED' if why else 'ok':6} {name} ({time.monotonic() - begin:.1f} s){': ' + why if why else ''}",
+        print(f"{'FAILED' if why else 'ok'}: {name}, {time.monotonic() - begin:.1f} s{': ' + why if why else ''}",
               flush=True)
         return not why

@@ -15,8 +15,8 @@ BOOTS = 4
 EDGES = 1000
 REPLUGS = 20
 LATENESS_BAR_US = 200
-LATENESS_EDGES = 200
-LATENESS_PERIOD_MS = 20
+LATENESS_EDGES = 60
+LATENESS_PERIOD_MS = 200
 VIRTUAL_TIME = "shift=2,sleep=off"  # no device that the host drives, see machine.Machine
 WATCHDOG_S = 15  # the board's table
 TRACE = "/sys/kernel/tracing"
