@@ -17,6 +17,7 @@ import threading
 import time
 
 QEMU = "qemu-system-aarch64"
+ENDS_WITH_US = ("setpriv", "--pdeathsig", "KILL")  # also when this program is killed
 CONNECT_S = 20.0
 ANSWER_S = 20.0
 Event = collections.namedtuple("Event", "name uptime more")
@@ -191,12 +192,13 @@ class Console:
 class Machine:
     """QEMU's virt board. usb: names of usb-redir sockets, `Machine.path(name)`.
 
-    watchdog: what it does when nobody kicks it, as -watchdog-action; None: there is none. guest_port: a UDP port of the guest that `Machine.port` leads to. icount: options of virtual time (never sleep=off
-    together with devices that the host drives: time runs away while the guest waits).
+    guest_port: a UDP port of the guest that `Machine.port` leads to. watchdog: what it does when nobody kicks it, as
+    -watchdog-action; None: there is none. icount: options of virtual time (never sleep=off together with devices that
+    the host drives: time runs away while the guest waits).
     """
 
-    def __init__(self, image, initramfs, *, append="", usb=(), guest_port=7560, serial=True, watchdog="none", icount=None,
-                 processors=2, memory="512", reboot=False, log=None):
+    def __init__(self, image, initramfs, *, append="", usb=(), guest_port=7560, serial=True, watchdog="none",
+                 icount=None, processors=2, memory="512", reboot=False, log=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="stof-"))
         self.log = pathlib.Path(log) if log else self.folder / "console.log"
         self.log.write_bytes(b"")
@@ -217,7 +219,7 @@ class Machine:
         def server(name):
             return f"socket,id={name},path={self.path(name)},server=on,wait=off"
 
-        command = ["setpriv", "--pdeathsig", "KILL", QEMU, "-M", "virt", "-cpu", "cortex-a72", "-smp", str(processors),
+        command = [*ENDS_WITH_US, QEMU, "-M", "virt", "-cpu", "cortex-a72", "-smp", str(processors),
                    "-m", memory, "-display", "none", "-nodefaults", "-S", "-kernel", str(image), "-initrd",
                    str(initramfs), "-append", f"console=ttyAMA0 quiet loglevel=4 panic=-1 {append}",
                    "-chardev", server("console"), "-serial", "chardev:console",

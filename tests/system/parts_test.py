@@ -147,8 +147,8 @@ class PmdCameraTest(CameraCase):
 
     def setUp(self):
         pictures = [bytes([k]) * (64 * 48 * 8) for k in range(3)]
-        self.camera = self.plug(lambda path, schedule: pmd_camera.PmdCamera(path, schedule, 0x50, self.SIZE, pictures, 12,
-                                                                            20_000))
+        self.camera = self.plug(lambda path, schedule: pmd_camera.PmdCamera(path, schedule, 0x50, self.SIZE, pictures,
+                                                                            12, 20_000))
 
     def test_announces_endpoints_interfaces_and_itself(self):
         self.assertEqual([kind for kind, _, _ in self.greeting], [usbredir.ENDPOINTS, usbredir.INTERFACES,

@@ -61,8 +61,8 @@ class Receiver:
     """stof_system_receive, and what it has printed."""
 
     def __init__(self, program, *arguments):
-        self.process = subprocess.Popen([program, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                                        stdin=subprocess.DEVNULL, text=True)
+        self.process = subprocess.Popen([*machine.ENDS_WITH_US, program, *map(str, arguments)], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
         self.condition = threading.Condition()
         self.frames = []
         self.events = []
