@@ -190,7 +190,7 @@ class Image:
 
 def build(out, files, programs, *, kernel=KERNEL, libraries=None, modules=MODULES, init=GUEST / "init",
           extra=None):
-    """files, programs: pairs of a path here (files: or bytes) and a path there. extra(image) adds what else there is."""
+    """files, programs: pairs of a path here (files: or bytes) and a path there. extra(image) adds whatever else."""
     image = Image(kernel, libraries)
     image.archive.file("init", pathlib.Path(init).read_bytes(), 0o755)
     image.modules(modules)
