@@ -1,0 +1,201 @@
+"""What the appliance promises, as cases that share one running rig. Each takes (rig, report)."""
+
+import re
+import time
+
+import judge
+import machine
+import serial_line
+import triggered
+
+BACK_BAR_S = 2.0  # from a camera's return, or the program's end, to the next frame
+UNPLUGGED_S = 0.5
+PRIORITY = 80
+FIFO = 1
+STEREO_EXPOSURE_US = 4_000
+FAULTS_APART = 5  # edges
+
+
+def shown(rig, report, since, edges, least):
+    """Lets `edges` edges go by; all frames since number `since` must be of their edges, `least` of them at least."""
+    begin = rig.steps()
+    rig.at_step(begin + edges)
+    time.sleep(0.3)  # what the last but one gave has arrived
+    verdict = rig.judge(rig.receiver.frames[since:])
+    report.none("frames that are not of their edge", verdict["mispaired"])
+    report.none("frames that differ from the host's", verdict["different"])
+    judge.check(verdict["frames"] >= least, f"{verdict['frames']} frames of {edges} edges, at least {least} are "
+                f"wanted; the program said {rig.log()[-5:]}")
+    return verdict
+
+
+def first_frame(rig, report):
+    """Seconds from the kernel's start to the first packet of the first frame, in the guest's time."""
+    frame = rig.receiver.wait(lambda frame: "latency_ns" in frame, timeout=60, what="first frame")
+    seconds = (frame["middle_ns"] + frame["latency_ns"]) * 1e-9
+    start = rig.machine.console.event("start")
+    report.figure("boot to the program's start and to the first frame, guest time",
+                  f"{start.uptime:.2f} and {seconds:.2f} s", "told", True)
+    return seconds
+
+
+def edges_give_frames(rig, report, edges=60):
+    since = rig.receiver.count()
+    verdict = shown(rig, report, since, edges, edges - 2 - edges // 50)
+    report.figure("edges", edges, f">= {edges}", True)
+    report.none("frames that did not arrive whole", verdict["incomplete"])
+    steps = verdict["steps"]
+    missing = len(set(range(steps[0], steps[-1] + 1)) - set(steps))
+    # A machine that is busy with something else may be late for one.
+    report.figure("edges in between without a frame", missing, f"<= {edges // 50}", missing <= edges // 50)
+    report.none("edges with two frames", len(steps) - len(set(steps)))
+
+
+def controls(rig, report):
+    for name in ("left", "right"):
+        settings = rig.cameras[name].exposures[-1].settings
+        judge.check(not settings["auto"], f"the {name} camera chooses its exposure by itself")
+        report.figure(f"exposure of the {name} camera", f"{settings['exposure_us']} us", f"{STEREO_EXPOSURE_US} us",
+                      settings["exposure_us"] == STEREO_EXPOSURE_US)
+    lines = [rig.edges[line] for line in sorted(rig.edges)]
+    apart = [max(times) - min(times) for times in zip(*(line[-20:] for line in lines))]
+    report.figure("lines rise apart, as the host sees it", f"{max(apart) * 1e6:.0f} us", "told", True)
+
+
+def read_process(rig):
+    """{"uptime": .., "realtime": .., ..., "tasks": [{...}]} of the program's process."""
+    process = {"tasks": []}
+    for line in rig.machine.ask("proc"):
+        words = line.split()
+        if words[0] == "task":
+            head, name = line.split(" comm ", 1)
+            fields = head.split()
+            task = {key: int(value) for key, value in zip(fields[2::2], fields[3::2])}
+            process["tasks"].append({"id": int(fields[1]), "name": name, **task})
+        elif len(words) > 1:
+            process[words[0]] = words[1]
+    return process
+
+
+def real_time(rig, report):
+    before = read_process(rig)
+    rig.at_step(rig.steps() + 20)
+    after = read_process(rig)
+    report.figure("kernel is real-time", after.get("realtime"), "1", after.get("realtime") == "1")
+    report.figure("memory locked", f"{after.get('VmLck')} kB", "> 0", int(after.get("VmLck", 0)) > 0)
+    loop = after["tasks"][0]
+    report.figure("loop's policy and priority", f"{loop['policy']}, {loop['rt']}",
+                  f"{FIFO}, which is SCHED_FIFO, {PRIORITY}", (loop["policy"], loop["rt"]) == (FIFO, PRIORITY))
+    old = {task["id"]: task for task in before["tasks"]}
+    for task in after["tasks"]:
+        same = old.get(task["id"])
+        judge.check(same is not None, f"a thread {task['name']} was started between two readings")
+        for kind in ("minflt", "majflt"):
+            # The loop and those that compute with it; the control thread may fault.
+            if task["policy"] == FIFO or task is loop:
+                report.none(f"{kind} of thread {task['name']} in 20 edges", task[kind] - same[kind])
+
+
+def recovers(rig, report, break_it, lost=2):
+    """A fault of one edge costs at most `lost` frames, and none that follows is wrong."""
+    rig.at_step(rig.steps())
+    since = rig.receiver.count()
+    break_it()
+    shown(rig, report, since, FAULTS_APART + lost, FAULTS_APART - 1)
+
+
+def lost_edge(rig, report):
+    for name in ("left", "right", "pmd"):
+        recovers(rig, report, lambda name=name: rig.cameras[name].fail_next(triggered.DROP))
+
+
+def late_frame(rig, report):
+    for name in ("left", "pmd"):
+        recovers(rig, report, lambda name=name: rig.cameras[name].fail_next(triggered.DELAY, 0.25), lost=4)
+
+
+def broken_frame(rig, report):
+    for kind in (triggered.SHORT, triggered.CORRUPT):
+        for name in ("right", "pmd"):
+            recovers(rig, report, lambda kind=kind, name=name: rig.cameras[name].fail_next(kind), lost=3)
+
+
+def replug(rig, report, name, bar=BACK_BAR_S):
+    """Seconds from the camera's return to the next frame."""
+    camera = rig.cameras[name]
+    since = rig.receiver.count()
+    camera.unplug()
+    time.sleep(UNPLUGGED_S)
+    steps = rig.steps()
+    begin = time.monotonic()
+    camera.plug()
+    number = rig.receiver.count()
+    rig.receiver.wait(lambda frame: frame["missing"] == 0, number, timeout=20,
+                      what=f"frame after the {name} camera's return")
+    seconds = time.monotonic() - begin
+    report.at_most(f"{name} camera plugged in to next frame", seconds, bar, "s")
+    judge.check(rig.steps() > steps, "the trigger stood still")
+    shown(rig, report, since, 4, 3)
+    return seconds
+
+
+def replugs(rig, report):
+    for name in rig.cameras:
+        replug(rig, report, name)
+
+
+def pmd_stall(rig, report):
+    since = rig.receiver.count()
+    rig.cameras["pmd"].stall(True)
+    time.sleep(1.0)
+    rig.cameras["pmd"].stall(False)
+    begin, number = time.monotonic(), rig.receiver.count()
+    rig.receiver.wait(lambda frame: frame["missing"] == 0, number, timeout=20,
+                      what="frame after the PMD camera's stall")
+    report.at_most("PMD camera answers again to next frame", time.monotonic() - begin, BACK_BAR_S, "s")
+    shown(rig, report, since, 4, 4)
+
+
+def killed(rig, report):
+    session = rig.receiver.frames[-1]["session"]
+    since = rig.receiver.count()
+    begin = time.monotonic()
+    rig.machine.ask("kill9")
+    rig.receiver.wait(lambda frame: frame["session"] != session and frame["missing"] == 0, since, timeout=20,
+                      what="frame of a new session")
+    report.at_most("kill -9 to next frame", time.monotonic() - begin, BACK_BAR_S, "s")
+    shown(rig, report, since, 5, 4)
+
+
+def serial(rig, report):
+    with serial_line.SerialLine(rig.machine) as line:
+        count = line.frames(1.5)
+    report.figure("frames on the serial line in 1.5 s", count, ">= 3", count >= 3)
+    # Nobody holds the other end: the line's bytes go nowhere, frames by UDP must not wait for it.
+    since = rig.receiver.count()
+    shown(rig, report, since, 10, 9)
+    with serial_line.SerialLine(rig.machine) as line:
+        count = line.frames(1.5)
+    report.figure("frames on the serial line after it was cut", count, ">= 3", count >= 3)
+    judge.check(line.damaged <= 1, f"{line.damaged} damaged packets on the serial line")  # one was cut
+
+
+def ends_as_asked(rig, report):
+    since = len(rig.machine.console.events)
+    rig.machine.ask("hold")
+    rig.machine.ask("term")
+    try:
+        end = rig.machine.console.event("end", since, timeout=15)
+    except machine.MachineError:
+        raise judge.Failure("it does not end at SIGTERM") from None
+    report.figure("exit code after SIGTERM", end.more, "0", end.more == "0")
+    summary = rig.machine.console.line("frames published of", timeout=5).text
+    print("  " + summary)
+    heap = rig.machine.console.line("heap calls in the loop", timeout=5).text
+    own = re.search(r"(\d+) of our own", heap)
+    report.figure("heap calls of our own in the loop", own[1] if own else heap, "0", bool(own) and own[1] == "0")
+    print("  " + heap)
+
+
+SHORT = (first_frame, edges_give_frames, controls, real_time, lost_edge, late_frame, broken_frame, replugs, pmd_stall,
+         killed, serial, ends_as_asked)

@@ -1,0 +1,268 @@
+"""The rig of the system test: the machine with stofd, its cameras and their world, receivers, expected frames."""
+
+import array
+import hashlib
+import json
+import pathlib
+import queue
+import statistics
+import subprocess
+import sys
+import threading
+import time
+
+import initramfs
+import machine
+import pmd_camera
+import triggered
+import uvc_camera
+
+ROOT = initramfs.ROOT
+STEREO, PMD = (320, 240), (64, 48)
+STEPS = 8  # different pictures
+PERIOD_S = 0.2
+DISPARITIES = 32
+LEFT_LINE, RIGHT_LINE, PMD_LINE = 0, 1, 2
+LEFT_STROBE, RIGHT_STROBE = 4, 5
+HOST = "10.0.2.2"  # as the guest sees it
+# What guest and host compute alike: lossless, so that frames can be compared bit by bit.
+COMMON = ["--disparities", str(DISPARITIES), "--set", "streams.depth=rvl", "--set", "streams.width=rvl", "--set",
+          "streams.source=rvl", "--set", "discovery.mdns=false"]
+
+
+def size_text(size):
+    return f"{size[0]}x{size[1]}"
+
+
+def read_pgm(path):
+    """Width, height and the pixels' bytes; 16-bit ones big-endian."""
+    data = pathlib.Path(path).read_bytes()
+    fields, at = [], 0
+    while len(fields) < 4:
+        end = at
+        while data[end] not in b" \t\n\r":
+            end += 1
+        if end > at:
+            fields.append(data[at:end])
+        at = end + 1
+    return int(fields[1]), int(fields[2]), data[at:]
+
+
+def samples(path):
+    """A PMD recording's four planes, little-endian."""
+    _, _, pixels = read_pgm(path)
+    values = array.array("H", pixels)
+    if sys.byteorder == "little":
+        values.byteswap()
+    return values.tobytes(), max(values)
+
+
+class Receiver:
+    """stof_system_receive, and what it has printed."""
+
+    def __init__(self, program, *arguments):
+        self.process = subprocess.Popen([*machine.ENDS_WITH_US, program, *map(str, arguments)], stdout=subprocess.PIPE,
+                                        stderr=subprocess.PIPE, stdin=subprocess.DEVNULL, text=True)
+        self.condition = threading.Condition()
+        self.frames = []
+        self.events = []
+        if self.process.stderr.readline().strip() != "open":
+            raise machine.MachineError("the receiver opens no port: " + self.process.stderr.read().strip())
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self.process.stdout:
+            message = json.loads(line)
+            message["seen"] = time.monotonic()
+            with self.condition:
+                (self.frames if "frame" in message else self.events).append(message)
+                self.condition.notify_all()
+
+    def wait(self, fits, since=0, timeout=30.0, what="a frame"):
+        """The first of the frames from number `since` on that fits."""
+        end = time.monotonic() + timeout
+        with self.condition:
+            at = since
+            while True:
+                for frame in self.frames[at:]:
+                    if fits(frame):
+                        return frame
+                at = max(at, len(self.frames))
+                left = end - time.monotonic()
+                if left <= 0:
+                    raise machine.MachineError(f"no {what} in {timeout} s; {len(self.frames) - since} others came")
+                self.condition.wait(left)
+
+    def count(self):
+        with self.condition:
+            return len(self.frames)
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        self.process.stdout.close()
+        self.process.stderr.close()
+
+
+class Scene:
+    """What the cameras see, step by step, and what an appliance on this machine makes of it."""
+
+    def __init__(self, programs, cache):
+        """programs: the folder of stofd (board emu), stof_system_frames and stof_system_receive."""
+        self.programs = pathlib.Path(programs)
+        self.receive = self.programs / "stof_system_receive"
+        # Rendered and computed once, for these programs.
+        key = hashlib.sha256(" ".join([*COMMON, size_text(STEREO), size_text(PMD), str(STEPS)]).encode())
+        for name in ("stof_system_frames", "stofd"):
+            key.update((self.programs / name).read_bytes())
+        self.folder = pathlib.Path(cache) / key.hexdigest()[:16]
+        self.calibration = self.folder / "rig.cal"
+        if not (self.folder / "hashes.json").exists():
+            self.folder.mkdir(parents=True, exist_ok=True)
+            subprocess.run([self.programs / "stof_system_frames", self.folder, str(STEPS), size_text(STEREO),
+                            size_text(PMD)], check=True, timeout=600)
+            (self.folder / "hashes.json").write_text(json.dumps(self._compute()))
+        self.hashes = json.loads((self.folder / "hashes.json").read_text())
+        if len(set(self.hashes)) != STEPS:
+            raise machine.MachineError("two steps of the scene give the same frame: they cannot be told apart")
+        self.left = [self._grey(k, "left.pgm") for k in range(STEPS)]
+        self.right = [self._grey(k, "right.pgm") for k in range(STEPS)]
+        planes = [samples(self.folder / str(k) / "pmd_raw.pgm") for k in range(STEPS)]
+        self.pmd = [plane for plane, _ in planes]
+        self.pmd_bits = min(max(max(most for _, most in planes).bit_length(), 10), 15)
+
+    def _grey(self, k, name):
+        return read_pgm(self.folder / str(k) / name)[2]
+
+    def _compute(self):
+        """The hash of each step's frame; sessions tell the steps apart."""
+        port = machine.free_udp_port()
+        receiver = Receiver(self.receive, "--listen", port)
+        try:
+            hashes = []
+            for k in range(STEPS):
+                folder = self.folder / str(k)
+                since = receiver.count()
+                subprocess.run([self.programs / "stofd", "--dataset", folder, "--tof", folder / "pmd", "--calibration",
+                                self.calibration, "--free-run", "--frames", "4", "--session", str(k + 1), "--port", "0",
+                                "--to", f"127.0.0.1:{port}", *COMMON], check=True, stdout=subprocess.DEVNULL,
+                               timeout=120)
+                frame = receiver.wait(lambda frame, k=k: frame["session"] == k + 1 and frame["missing"] == 0, since,
+                                      what=f"frame of step {k} from the emulated rig")
+                hashes.append(frame["hash"])
+            return hashes
+        finally:
+            receiver.close()
+
+
+class Rig:
+    """stofd in the machine, three cameras plugged in, a receiver of every packet."""
+
+    def __init__(self, scene, stofd, work, *, arguments=(), formats=("GREY",), cameras=True, common=True,
+                 libraries=None, image_extra=None, **machine_options):
+        self.scene = scene
+        self.folder = pathlib.Path(work)
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self.receiver = self.machine = None
+        self.schedule = triggered.Schedule()
+        self.world = triggered.World(PERIOD_S / 4)
+        self.cameras = {}
+        self.edges = {line: [] for line in (LEFT_LINE, RIGHT_LINE, PMD_LINE)}
+        try:
+            self.port = machine.free_udp_port()
+            command = ["/bin/stofd", "--to", f"{HOST}:{self.port}", *arguments]
+            if common:
+                command += ["--calibration", "/rig.cal", "--size", size_text(STEREO), "--pmd-size", size_text(PMD),
+                            "--period-ms", str(round(PERIOD_S * 1000)), *COMMON]
+            files = [(" ".join(command).encode(), "command"), (scene.calibration, "rig.cal")]
+            initramfs.build(self.folder / "initramfs", files, [(stofd, "bin/stofd")], libraries=libraries,
+                            extra=image_extra)
+            self.receiver = Receiver(scene.receive, "--listen", self.port)
+            self.machine = machine.Machine(initramfs.KERNEL / "image", self.folder / "initramfs",
+                                           usb=("left", "right", "pmd") if cameras else (),
+                                           log=self.folder / "console.log", **machine_options)
+            if cameras:
+                self._plug_in(formats)
+            self.machine.go()
+        except BaseException:
+            self.close()
+            raise
+
+    def _plug_in(self, formats):
+        scene, path = self.scene, self.machine.path
+        left = uvc_camera.UvcCamera(path("left"), self.schedule, 0x51, "left", STEREO, scene.left, formats)
+        right = uvc_camera.UvcCamera(path("right"), self.schedule, 0x52, "right", STEREO, scene.right, formats)
+        pmd = pmd_camera.PmdCamera(path("pmd"), self.schedule, 0x50, PMD, scene.pmd, scene.pmd_bits, 20_000)
+        self.cameras = {"left": left, "right": right, "pmd": pmd}
+        by_line = {LEFT_LINE: left, RIGHT_LINE: right, PMD_LINE: pmd}
+        strobes = queue.Queue()
+        left.strobe = lambda level: strobes.put((LEFT_STROBE, level))
+        right.strobe = lambda level: strobes.put((RIGHT_STROBE, level))
+        threading.Thread(target=self._drive, args=(strobes,), daemon=True).start()
+
+        def edge(line, level, at):
+            if line in by_line and level:
+                self.edges[line].append(at)
+                by_line[line].edge(self.world.edge(at), at)
+
+        self.machine.lines.listeners.append(edge)
+        for camera in self.cameras.values():
+            camera.plug()
+
+    def _drive(self, strobes):
+        try:
+            while True:
+                self.machine.lines.drive(*strobes.get())
+        except (OSError, machine.MachineError):
+            pass  # the machine has ended
+
+    def steps(self):
+        """How many steps the world has made."""
+        return len(self.world.steps)
+
+    def at_step(self, number, timeout=60.0):
+        end = time.monotonic() + timeout
+        while self.steps() <= number:
+            if time.monotonic() > end:
+                raise machine.MachineError(f"{self.steps()} edges in {timeout} s, not {number}")
+            time.sleep(0.01)
+
+    def judge(self, frames):
+        """Pairs frames with edges: those that show another step than that of their edge or that of none, those that
+        show nothing that a step can give, and those that did not arrive whole."""
+        whole = [frame for frame in frames if frame["missing"] == 0 and frame["depth"] and "latency_ns" in frame]
+        verdict = {"frames": len(frames), "incomplete": len(frames) - len(whole), "mispaired": 0, "different": 0,
+                   "steps": []}
+        if not whole:
+            return verdict
+        # The guest's clock runs as fast as the host's. A frame leaves when its exposure and latency are over.
+        offset = statistics.median(frame["at_ns"] - frame["middle_ns"] - frame["latency_ns"] for frame in whole) * 1e-9
+        times = list(self.world.steps)
+        for frame in whole:
+            begin = frame["begin_ns"] * 1e-9 + offset
+            number = min(range(len(times)), key=lambda n, at=begin: abs(times[n] - at))
+            verdict["steps"].append(number)
+            if frame["hash"] not in self.scene.hashes:
+                verdict["different"] += 1
+            elif abs(times[number] - begin) > PERIOD_S / 3 or self.scene.hashes[number % STEPS] != frame["hash"]:
+                verdict["mispaired"] += 1
+        return verdict
+
+    def log(self):
+        with self.machine.console.condition:
+            return [entry.text for entry in self.machine.console.log]
+
+    def close(self):
+        self.schedule.end()
+        for camera in self.cameras.values():
+            camera.unplug()
+        if self.machine:
+            self.machine.close()
+        if self.receiver:
+            self.receiver.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
