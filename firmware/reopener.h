@@ -7,7 +7,7 @@
 
 namespace stof::firmware {
 
-// Asks the board to reopen what is lost, soon at first, then once a second.
+// Asks the board to reopen what is lost, soon at first, then four times a second.
 class Reopener {
  public:
   explicit Reopener(board::Board& board) : board_(board) {}
@@ -29,7 +29,7 @@ class Reopener {
 
  private:
   static constexpr hal::Duration kShortest = std::chrono::milliseconds(50);
-  static constexpr hal::Duration kLongest = std::chrono::seconds(1);
+  static constexpr hal::Duration kLongest = std::chrono::milliseconds(250);
 
   board::Board& board_;
   hal::Time next_{};
