@@ -19,7 +19,7 @@ FAULTS_APART = 5  # edges
 def shown(rig, report, since, edges, least):
     """Lets `edges` edges go by; all frames since number `since` must be of their edges, `least` of them at least."""
     begin = rig.steps()
-    rig.at_step(begin + edges)
+    rig.at_step(begin + edges, timeout=30 + edges * 0.4)  # twice the period
     time.sleep(0.3)  # what the last but one gave has arrived
     verdict = rig.judge(rig.receiver.frames[since:])
     report.none("frames that are not of their edge", verdict["mispaired"])
