@@ -68,6 +68,8 @@ struct PmdDeviceConfig {
   std::uint16_t usb_product = 0;
   std::uint32_t modulation_khz = 20'000;
   std::uint32_t integration_us = 2'000;  // of one sample; readout comes on top
+  // A frame whose edge, by the camera's clock, lies this close to one of ours is of that one.
+  hal::Duration edge_tolerance = std::chrono::milliseconds(2);
 };
 
 // What a board is made of beside the processor; nothing of it on an emulated one.
@@ -116,8 +118,8 @@ constexpr bool valid(const PairConfig& pair, const TimingConfig& timing) noexcep
 
 constexpr bool valid(const DeviceConfig& devices, const TimingConfig& timing) noexcept {
   return 4 * std::chrono::microseconds(devices.pmd.integration_us) <= timing.pmd_integration &&
-         valid(devices.v4l2, timing) && valid(devices.libcamera, timing) && devices.priority >= 0 &&
-         devices.priority <= 98 &&
+         2 * devices.pmd.edge_tolerance < timing.period && valid(devices.v4l2, timing) &&
+         valid(devices.libcamera, timing) && devices.priority >= 0 && devices.priority <= 98 &&
          (*devices.watchdog == '\0' || devices.watchdog_timeout >= 3 * timing.period);
 }
 

@@ -194,7 +194,7 @@ std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
   options.config.integration_us = kDevices.pmd.integration_us;
   options.width = size.width;
   options.height = size.height;
-  options.edge_tolerance = kTiming.period / 4;
+  options.edge_tolerance = kDevices.pmd.edge_tolerance;
   return opened<Pmd::Opened>(posix::UsbPmd::open(options, trigger_->edges()));
 }
 

@@ -42,13 +42,12 @@ def first_frame(rig, report):
 
 def edges_give_frames(rig, report, edges=60):
     since = rig.receiver.count()
-    verdict = shown(rig, report, since, edges, edges - 2 - edges // 50)
+    verdict = shown(rig, report, since, edges, edges - 2)
     report.figure("edges", edges, f">= {edges}", True)
     report.none("frames that did not arrive whole", verdict["incomplete"])
     steps = verdict["steps"]
     missing = len(set(range(steps[0], steps[-1] + 1)) - set(steps))
-    # A machine that is busy with something else may be late for one.
-    report.figure("edges in between without a frame", missing, f"<= {edges // 50}", missing <= edges // 50)
+    report.none("edges in between without a frame", missing)
     report.none("edges with two frames", len(steps) - len(set(steps)))
 
 

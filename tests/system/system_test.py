@@ -6,6 +6,8 @@ sources compute on this machine from what those edges exposed, bit by bit. tests
 """
 
 import argparse
+import contextlib
+import os
 import pathlib
 import signal
 import subprocess
@@ -83,6 +85,9 @@ def parse():
 
 def main():
     options = parse()
+    # The cameras' edges must not wait for whatever else this machine does, where we may say so.
+    with contextlib.suppress(PermissionError):
+        os.nice(-10)
     # A killed test ends its machines as one that has run.
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
     subprocess.run([ROOT / "toolchains" / "kernel.sh"], check=True)
