@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstddef>
+#include <ctime>
 #include <optional>
 
 #include "dsp/base/check.h"
+#include "hal/linux/clock_offset.h"
 
 namespace stof::hal::posix {
+namespace {
+
+constexpr Duration kAges = std::chrono::hours(24);
+
+}  // namespace
 
 Status V4l2Feed::drain(int room) noexcept {
   STOF_CHECK(room >= 0 && room <= kMostWaiting);
@@ -52,7 +59,10 @@ void V4l2Feed::keep_newest(int room) noexcept {
   }
 }
 
-V4l2Arrival V4l2Feed::place(const V4l2Buffer& buffer) noexcept {
+V4l2Arrival V4l2Feed::place(V4l2Buffer buffer) noexcept {
+  if (buffer.stamp - clock_.now() > kAges) {
+    buffer.stamp = ClockOffset(CLOCK_REALTIME).to_monotonic(buffer.stamp.time_since_epoch());
+  }
   const std::optional<Exposure> exposure = exposures_.ended_at(buffer.stamp);
   if (exposure && buffer.stamp - exposure->end <= most_delay_) {
     return {.buffer = buffer, .exposure = *exposure, .placed = true};

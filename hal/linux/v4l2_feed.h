@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "hal/clock.h"
 #include "hal/linux/exposures.h"
 #include "hal/linux/v4l2_device.h"
 
@@ -24,8 +25,14 @@ class V4l2Feed {
 
   // A stamp that is more than `most_delay` later than the end of the newest exposure before it has
   // another cause. `exposures` outlives the feed.
-  V4l2Feed(V4l2Calls& calls, V4l2Options options, Exposures& exposures, Duration most_delay)
-      : device_(calls, std::move(options)), exposures_(exposures), most_delay_(most_delay) {}
+  // Stamps that are ages ahead of `clock` are of CLOCK_REALTIME (uvcvideo's module option `clock`),
+  // whatever the driver says, and are converted. `clock` outlives the feed.
+  V4l2Feed(V4l2Calls& calls, hal::Clock& clock, V4l2Options options, Exposures& exposures,
+           Duration most_delay)
+      : device_(calls, std::move(options)),
+        clock_(clock),
+        exposures_(exposures),
+        most_delay_(most_delay) {}
 
   V4l2Device& device() noexcept { return device_; }
   const V4l2Device& device() const noexcept { return device_; }
@@ -44,10 +51,11 @@ class V4l2Feed {
   const Exposure& damaged() const noexcept { return damaged_; }
 
  private:
-  V4l2Arrival place(const V4l2Buffer& buffer) noexcept;
+  V4l2Arrival place(V4l2Buffer buffer) noexcept;
   void keep_newest(int room) noexcept;
 
   V4l2Device device_;
+  hal::Clock& clock_;
   Exposures& exposures_;
   Duration most_delay_;
   std::array<V4l2Arrival, kMostWaiting> waiting_{};

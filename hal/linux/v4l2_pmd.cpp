@@ -28,7 +28,7 @@ V4l2Pmd::V4l2Pmd(V4l2Calls& calls, hal::Clock& clock, V4l2PmdOptions options)
     : calls_(calls),
       clock_(clock),
       options_(std::move(options)),
-      feed_(calls, device_options(options_), *options_.exposures, options_.most_delay) {
+      feed_(calls, clock, device_options(options_), *options_.exposures, options_.most_delay) {
   samples_.resize(static_cast<std::size_t>(options_.width) *
                   static_cast<std::size_t>(options_.height) * kSamples * kSlots);
 }

@@ -32,7 +32,7 @@ V4l2Stereo::V4l2Stereo(V4l2Calls& calls, hal::Clock& clock, V4l2StereoOptions op
                        .exposure = options_.exposure,
                        .gain = options_.gain,
                        .sysfs = options_.sysfs};
-    feeds_[i] = std::make_unique<V4l2Feed>(calls, std::move(device), *options_.exposures[i],
+    feeds_[i] = std::make_unique<V4l2Feed>(calls, clock, std::move(device), *options_.exposures[i],
                                            options_.most_delay);
     polled_[i] = feeds_[i].get();
   }

@@ -99,8 +99,8 @@ void FakeV4l2::fill(Node& node, const Shot& shot) {
   const std::size_t missing = shot.fault == V4l2Fault::kShort ? node.camera.padding + 1 : 0;
   buffer.bytesused = static_cast<std::uint32_t>(memory.size() - missing);
   buffer.flags = shot.fault == V4l2Fault::kErrorFlag ? V4L2_BUF_FLAG_ERROR : 0;
-  const auto stamp =
-      std::chrono::duration_cast<std::chrono::microseconds>(shot.ready.time_since_epoch());
+  const auto stamp = std::chrono::duration_cast<std::chrono::microseconds>(
+      shot.ready.time_since_epoch() + node.camera.stamps_ahead);
   buffer.timestamp.tv_sec = stamp / 1s;
   buffer.timestamp.tv_usec = (stamp % 1s).count();
   node.done.push_back(buffer);

@@ -41,6 +41,7 @@ struct FakeCamera {
   std::uint32_t height = 4;
   std::uint32_t padding = 0;  // bytes after each row
   std::uint32_t most_buffers = 32;
+  hal::Duration stamps_ahead{};  // of the rig's clock
   std::uint32_t stamps = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
   std::map<std::uint32_t, FakeControl> controls = {};
   // The brightness of a pixel in exposure `number`, which counts from 1.

@@ -1,5 +1,8 @@
+#include <ctime>
+
 #include <gtest/gtest.h>
 
+#include "hal/linux/clock_offset.h"
 #include "tests/hal/v4l2_pmd_rig.h"
 #include "tests/hal/v4l2_rigs.h"
 
@@ -69,6 +72,20 @@ TEST(V4l2Stereo, PicturesWithoutAnExposureCarryTheirRawStamps) {
   for (const hal::Exposure& exposure : Stereo::exposures(**frame)) {
     EXPECT_EQ(exposure.begin, edge + Stereo::kExposure + Stereo::kReadout + 100ms);
     EXPECT_EQ(exposure.end, exposure.begin);
+  }
+}
+
+TEST(V4l2Stereo, StampsOfTheWallClockAreConverted) {
+  Stereo rig;
+  const hal::posix::ClockOffset wall(CLOCK_REALTIME);
+  for (const std::size_t side : {0U, 1U}) {
+    rig.fake(side).stamps_ahead = wall.from_monotonic(hal::Time{});
+  }
+  for (std::uint32_t number = 1; number <= 5; ++number) {
+    const hal::Time edge = rig.clock().now();
+    const auto frame = rig.shoot();
+    expect_exposure(frame, number);
+    EXPECT_EQ((*frame)->left_exposure.begin, edge);
   }
 }
 
