@@ -30,6 +30,8 @@ using Pmd = Late<hal::PmdCamera, hal::PmdFrame>;
 
 constexpr const DeviceConfig& kDevices = kConfig.devices;
 constexpr const TimingConfig& kTiming = kConfig.timing;
+// A PMD camera that leaves out edges looks like one that lost them.
+static_assert(kTiming.pmd_every == 1);
 
 const PairConfig& pair_of(const Request& request) {
   return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;

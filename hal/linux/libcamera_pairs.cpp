@@ -7,12 +7,13 @@
 
 namespace stof::hal::posix {
 
-std::optional<Exposure> LibcameraPairs::exposure_of(Time stamp) const noexcept {
-  if (matching_.exposures == nullptr) {
-    return Exposure{stamp - matching_.exposure, stamp};
+std::optional<Exposure> LibcameraPairs::exposure_of(std::size_t side,
+                                                    const LibcameraArrival& arrival) noexcept {
+  if (!placers_[side]) {
+    return Exposure{arrival.stamp - matching_.exposure, arrival.stamp};
   }
-  const std::optional<Exposure> found = matching_.exposures->ended_at(stamp);
-  return found && stamp - found->end <= matching_.most_delay ? found : std::nullopt;
+  const Placed placed = placers_[side]->place(arrival.stamp, arrival.sequence);
+  return placed.sure ? std::optional(placed.exposure) : std::nullopt;
 }
 
 void LibcameraPairs::send_home(std::size_t side, int slot) noexcept {
@@ -27,11 +28,15 @@ Status LibcameraPairs::fill(std::size_t side) noexcept {
       return Status::kWouldBlock;
     }
     const LibcameraArrival arrival = mailboxes_[side].arrival(*slot);
+    const std::optional<Exposure> exposure = exposure_of(side, arrival);
     if (arrival.damaged) {
       send_home(side, *slot);
       return Status::kCorrupt;
     }
-    const std::optional<Exposure> exposure = exposure_of(arrival.stamp);
+    if (placers_[side] && placers_[side]->hopeless()) {
+      send_home(side, *slot);
+      return Status::kDeviceLost;
+    }
     if (exposure) {
       heads_[side] = Frame{.slot = *slot, .exposure = *exposure, .sequence = arrival.sequence};
     } else {
@@ -45,7 +50,8 @@ Result<LibcameraPairs::Pair> LibcameraPairs::next() noexcept {
   for (;;) {
     // Both, so that a damaged frame is told of even where the other side waits.
     const Status left = fill(kLeft);
-    const Status right = left == Status::kCorrupt ? left : fill(kRight);
+    const bool told = left == Status::kCorrupt || left == Status::kDeviceLost;
+    const Status right = told ? left : fill(kRight);
     if (right != Status::kOk || left != Status::kOk) {
       return fail(right != Status::kOk ? right : left);
     }
@@ -77,6 +83,11 @@ void LibcameraPairs::give_back(int lease) noexcept {
 
 void LibcameraPairs::start_over() noexcept {
   heads_ = {};
+  for (std::optional<Placer>& placer : placers_) {
+    if (placer) {
+      placer->forget();
+    }
+  }
   for (Lent& lent : lent_) {
     lent.old = lent.out;
   }

@@ -8,6 +8,7 @@
 #include "dsp/base/status.h"
 #include "hal/linux/exposures.h"
 #include "hal/linux/libcamera_mailbox.h"
+#include "hal/linux/placer.h"
 
 namespace stof::hal::posix {
 
@@ -45,13 +46,19 @@ class LibcameraPairs {
 
   // Both must outlive this.
   LibcameraPairs(const LibcameraMatching& matching, LibcameraRequeuer& requeuer) noexcept
-      : matching_(matching), requeuer_(requeuer) {}
+      : matching_(matching), requeuer_(requeuer) {
+    if (matching.exposures != nullptr) {
+      for (std::optional<Placer>& placer : placers_) {
+        placer.emplace(*matching.exposures, matching.most_delay);
+      }
+    }
+  }
 
   LibcameraMailbox& mailbox(std::size_t side) noexcept { return mailboxes_[side]; }
 
   // The oldest pair that is here. Of two frames that do not belong together the older goes back; a
   // frame without an exposure goes back. kWouldBlock: none yet. kCorrupt: a damaged frame went
-  // back.
+  // back. kDeviceLost: too many in a row that nobody can place: open the cameras anew.
   Result<Pair> next() noexcept;
   // The slots go to their cameras, unless those were opened again since.
   void give_back(int lease) noexcept;
@@ -70,10 +77,11 @@ class LibcameraPairs {
 
   Status fill(std::size_t side) noexcept;
   void send_home(std::size_t side, int slot) noexcept;
-  std::optional<Exposure> exposure_of(Time stamp) const noexcept;
+  std::optional<Exposure> exposure_of(std::size_t side, const LibcameraArrival& arrival) noexcept;
 
   LibcameraMatching matching_;
   LibcameraRequeuer& requeuer_;
+  std::array<std::optional<Placer>, 2> placers_;  // none: the cameras run freely
   std::array<LibcameraMailbox, 2> mailboxes_;
   std::array<std::optional<Frame>, 2> heads_;  // without a partner yet
   // Twice the slots: old ones may still be out.

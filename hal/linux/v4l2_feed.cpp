@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <cstddef>
 #include <ctime>
-#include <optional>
 
 #include "dsp/base/check.h"
 #include "hal/linux/clock_offset.h"
@@ -40,6 +39,10 @@ Status V4l2Feed::drain(int room) noexcept {
       waiting_[static_cast<std::size_t>(count_++)] = place(buffer);
     }
   }
+  if (placer_.hopeless()) {
+    device_.lose();
+    return Status::kDeviceLost;
+  }
   return result;
 }
 
@@ -53,6 +56,11 @@ V4l2Arrival V4l2Feed::take() noexcept {
 
 void V4l2Feed::drop_all() noexcept { keep_newest(0); }
 
+void V4l2Feed::forget() noexcept {
+  drop_all();
+  placer_.forget();
+}
+
 void V4l2Feed::keep_newest(int room) noexcept {
   while (count_ > room) {
     drop_oldest();
@@ -63,11 +71,8 @@ V4l2Arrival V4l2Feed::place(V4l2Buffer buffer) noexcept {
   if (buffer.stamp - clock_.now() > kAges) {
     buffer.stamp = ClockOffset(CLOCK_REALTIME).to_monotonic(buffer.stamp.time_since_epoch());
   }
-  const std::optional<Exposure> exposure = exposures_.ended_at(buffer.stamp);
-  if (exposure && buffer.stamp - exposure->end <= most_delay_) {
-    return {.buffer = buffer, .exposure = *exposure, .placed = true};
-  }
-  return {.buffer = buffer, .exposure = {buffer.stamp, buffer.stamp}, .placed = false};
+  const Placed placed = placer_.place(buffer.stamp, buffer.sequence);
+  return {.buffer = buffer, .exposure = placed.exposure, .placed = placed.sure};
 }
 
 void wait_for_any(V4l2Calls& calls, std::span<V4l2Feed* const> feeds, Duration timeout) noexcept {

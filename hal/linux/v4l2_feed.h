@@ -6,6 +6,7 @@
 
 #include "hal/clock.h"
 #include "hal/linux/exposures.h"
+#include "hal/linux/placer.h"
 #include "hal/linux/v4l2_device.h"
 
 namespace stof::hal::posix {
@@ -14,7 +15,7 @@ namespace stof::hal::posix {
 struct V4l2Arrival {
   V4l2Buffer buffer;
   Exposure exposure;    // both ends are the stamp where it is not placed
-  bool placed = false;  // an exposure was found that ended shortly before the stamp
+  bool placed = false;  // Placer is sure of the exposure
 };
 
 // The pictures of one device that have come and wait for being handed out, the oldest first, each
@@ -23,23 +24,19 @@ class V4l2Feed {
  public:
   static constexpr int kMostWaiting = 4;
 
-  // A stamp that is more than `most_delay` later than the end of the newest exposure before it has
-  // another cause. `exposures` outlives the feed.
+  // `exposures` and `most_delay` as Placer's.
   // Stamps that are ages ahead of `clock` are of CLOCK_REALTIME (uvcvideo's module option `clock`),
   // whatever the driver says, and are converted. `clock` outlives the feed.
   V4l2Feed(V4l2Calls& calls, hal::Clock& clock, V4l2Options options, Exposures& exposures,
            Duration most_delay)
-      : device_(calls, std::move(options)),
-        clock_(clock),
-        exposures_(exposures),
-        most_delay_(most_delay) {}
+      : device_(calls, std::move(options)), clock_(clock), placer_(exposures, most_delay) {}
 
   V4l2Device& device() noexcept { return device_; }
   const V4l2Device& device() const noexcept { return device_; }
 
   // Takes what the driver has, at most as much as it has buffers, and keeps the newest `room`
   // (kMostWaiting at most). kOk; kCorrupt: as kOk, and a damaged picture was among them;
-  // kDeviceLost.
+  // kDeviceLost, also: too many pictures in a row that nobody can place.
   Status drain(int room) noexcept;
   // nullptr: nothing waits.
   const V4l2Arrival* oldest() const noexcept { return count_ == 0 ? nullptr : waiting_.data(); }
@@ -47,6 +44,8 @@ class V4l2Feed {
   V4l2Arrival take() noexcept;
   void drop_oldest() noexcept { device_.release(take().buffer); }
   void drop_all() noexcept;
+  // The device is about to be opened anew: drops all, and what was learnt of it.
+  void forget() noexcept;
   // When light was collected for the last damaged picture.
   const Exposure& damaged() const noexcept { return damaged_; }
 
@@ -56,8 +55,7 @@ class V4l2Feed {
 
   V4l2Device device_;
   hal::Clock& clock_;
-  Exposures& exposures_;
-  Duration most_delay_;
+  Placer placer_;
   std::array<V4l2Arrival, kMostWaiting> waiting_{};
   int count_ = 0;
   Exposure damaged_{};

@@ -49,7 +49,7 @@ std::expected<std::unique_ptr<V4l2Pmd>, OpenError> V4l2Pmd::open(V4l2Calls& call
 }
 
 Status V4l2Pmd::reopen() noexcept {
-  feed_.drop_all();
+  feed_.forget();
   corrupt_ = false;
   return feed_.device().open() ? Status::kOk : Status::kDeviceLost;
 }

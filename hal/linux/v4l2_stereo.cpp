@@ -60,7 +60,7 @@ Status V4l2Stereo::reopen() noexcept { return start() ? Status::kOk : Status::kD
 std::expected<void, OpenError> V4l2Stereo::start() {
   const std::span<V4l2Feed* const> feeds = std::span(polled_).first(used_);
   for (V4l2Feed* const feed : feeds) {
-    feed->drop_all();
+    feed->forget();
     feed->device().shut();
   }
   corrupt_ = false;

@@ -111,8 +111,11 @@ def lost_edge(rig, report):
 
 
 def late_frame(rig, report):
-    for name in ("left", "pmd"):
-        recovers(rig, report, lambda name=name: rig.cameras[name].fail_next(triggered.DELAY, 0.25), lost=4)
+    # Until shortly after the next edge, when it looks like that one's picture; and beyond the one after it.
+    for name in ("left", "right", "pmd"):
+        for seconds in (0.21, 0.25, 0.45):
+            recovers(rig, report, lambda name=name, seconds=seconds:
+                     rig.cameras[name].fail_next(triggered.DELAY, seconds), lost=5)
 
 
 def broken_frame(rig, report):

@@ -73,6 +73,7 @@ class TriggeredCamera(usbredir.Device):
         super().__init__(path)
         self.schedule = schedule
         self.busy_until = 0.0
+        self.out_until = 0.0  # when the last picture was ready: what is held up holds up the next one
         self.generation = 0  # of the power: what was exposed before is not delivered
         self.faults = collections.deque()  # for the next exposures, None: none
         self.exposures = []
@@ -97,6 +98,7 @@ class TriggeredCamera(usbredir.Device):
     def powered(self):
         self.generation += 1
         self.busy_until = 0.0
+        self.out_until = 0.0
 
     def edge(self, step, at):
         """The trigger's active edge has come."""
@@ -117,7 +119,8 @@ class TriggeredCamera(usbredir.Device):
             if self.strobe:
                 self.strobe(1)
                 self.schedule.at(end, self.strobe, 0)
-            self.schedule.at(end + self.readout_s + late, self._read_out, exposure, fault, self.generation)
+            self.out_until = max(self.out_until, end + self.readout_s + late)
+            self.schedule.at(self.out_until, self._read_out, exposure, fault, self.generation)
 
     def _read_out(self, exposure, fault, generation):
         with self.lock:
