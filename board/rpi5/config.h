@@ -19,8 +19,8 @@ inline constexpr Config kConfig{
     .devices = {.nets = {.left_trigger = {"CAM_L_TRIG", "GPIO17"},
                          .right_trigger = {"CAM_R_TRIG", "GPIO27"},
                          .pmd_trigger = {"PMD_TRIG", "GPIO22"},
-                         .left_strobe = {"CAM_L_STROBE", "GPIO23"},
-                         .right_strobe = {"CAM_R_STROBE", "GPIO24"}},
+                         .left_strobe = {"CAM_L_STROBE", ""},
+                         .right_strobe = {"CAM_R_STROBE", ""}},
                 // Triggered UVC cameras of a global shutter: a rising edge begins the exposure.
                 .v4l2 = {.left = "usb:1209:0051",
                          .right = "usb:1209:0052",
