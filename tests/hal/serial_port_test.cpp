@@ -93,6 +93,22 @@ TEST(SerialTty, MakesAnySpeedOfItsRange) {
   EXPECT_EQ(pty.read(11), "still there");
 }
 
+TEST(SerialTty, FlowControlStaysAsItWasAskedFor) {
+  for (const bool asked : {false, true}) {
+    Pty pty;
+    if (!pty.open() && !pty.has_any_speed()) {
+      GTEST_SKIP() << "this system makes no pseudo-terminals";
+    }
+    auto tty = SerialTty::open({.device = pty.name(), .baud = 921'600, .flow_control = asked});
+    ASSERT_TRUE(tty) << tty.error();
+    EXPECT_EQ(pty.has_flow_control(), asked);
+    EXPECT_EQ(tty->set_baud(115'200), Status::kOk);
+    EXPECT_EQ(pty.has_flow_control(), asked);
+    EXPECT_EQ(tty->reopen(), Status::kOk);
+    EXPECT_EQ(pty.has_flow_control(), asked);
+  }
+}
+
 TEST(SerialTty, TellsWhenTheOtherEndIsGoneAndComesBack) {
   Pty pty;
   if (!pty.open() && !pty.has_any_speed()) {

@@ -43,6 +43,11 @@ class Pty {
     termios2 line{};
     return ioctl(fd_, TCGETS2, &line) == 0;
   }
+  // Whether the program's end is held up by RTS and CTS.
+  bool has_flow_control() const {
+    termios line{};
+    return ioctl(fd_, TCGETS, &line) == 0 && (line.c_cflag & CRTSCTS) != 0;
+  }
 
   void write(std::string_view text) const {
     while (!text.empty()) {
