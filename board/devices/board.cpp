@@ -62,9 +62,9 @@ posix::GpioTriggerOptions trigger_options(const Request& request) {
       options.outputs.emplace_back(net.line);
     }
   }
-  for (const Net& net : {kDevices.nets.left_strobe, kDevices.nets.right_strobe}) {
-    if (net.wired()) {
-      options.strobes.emplace_back(net.line);
+  for (const std::string& line : strobe_lines(request)) {
+    if (!line.empty()) {
+      options.strobes.push_back(line);
     }
   }
   return options;
@@ -80,7 +80,7 @@ class Rig {
         stereo_exposures_(trigger_->edges(), kTiming.stereo_exposure),
         pmd_exposures_(trigger_->edges(), kTiming.pmd_integration),
         left_strobe_(*trigger_, 0),
-        right_strobe_(*trigger_, kDevices.nets.left_strobe.wired() ? 1 : 0),
+        right_strobe_(*trigger_, strobe_lines(request_)[0].empty() ? 0 : 1),
         stereo_([this] { return open_stereo(); }) {
     if (has_pmd(request_)) {
       pmd_.emplace([this] { return open_pmd(); });
@@ -114,8 +114,8 @@ class Rig {
   // What a sensor says itself, where it is wired, else what it was told.
   std::array<posix::Exposures*, 2> stereo_exposures() {
     posix::Exposures* const told = &stereo_exposures_;
-    return {kDevices.nets.left_strobe.wired() ? &left_strobe_ : told,
-            kDevices.nets.right_strobe.wired() ? &right_strobe_ : told};
+    const std::array<std::string, 2> lines = strobe_lines(request_);
+    return {lines[0].empty() ? told : &left_strobe_, lines[1].empty() ? told : &right_strobe_};
   }
 
   Request request_;

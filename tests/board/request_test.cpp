@@ -22,13 +22,17 @@ TEST(DeviceRequest, WithoutFlagsIsTheTable) {
   EXPECT_EQ(request->pmd, "usb");
   EXPECT_FALSE(request->size || request->pmd_size || request->gain || request->priority);
   EXPECT_FALSE(request->uncalibrated);
+  const std::array<std::string, 2> wired{kConfig.devices.nets.left_strobe.line,
+                                         kConfig.devices.nets.right_strobe.line};
+  EXPECT_EQ(strobe_lines(*request), wired);
 }
 
 TEST(DeviceRequest, TakesEveryFlag) {
-  const Arguments all{"--cameras",  "libcamera", "--left",     "a",       "--right",
-                      "none",       "--size",    "640x400",    "--gain",  "7",
-                      "--pmd",      "card:tof",  "--pmd-size", "160x120", "--uncalibrated",
-                      "--watchdog", "none",      "--priority", "0"};
+  const Arguments all{"--cameras",  "libcamera",      "--left",     "a",       "--right",
+                      "none",       "--size",         "640x400",    "--gain",  "7",
+                      "--pmd",      "card:tof",       "--pmd-size", "160x120", "--uncalibrated",
+                      "--watchdog", "none",           "--priority", "0",       "--left-strobe",
+                      "GPIO5",      "--right-strobe", "none"};
   const auto request = parse(all);
   ASSERT_TRUE(request) << refusal(all);
   EXPECT_EQ(request->cameras, PairKind::kLibcamera);
@@ -41,6 +45,8 @@ TEST(DeviceRequest, TakesEveryFlag) {
   EXPECT_EQ(request->priority, 0);
   EXPECT_EQ(request->watchdog, "none");
   EXPECT_TRUE(request->uncalibrated);
+  const std::array<std::string, 2> strobes{"GPIO5", ""};
+  EXPECT_EQ(strobe_lines(*request), strobes);
 }
 
 TEST(DeviceRequest, SaysWhatAFlagTakes) {

@@ -21,8 +21,10 @@ import libcamera_image
 import long_cases
 import machine
 import rig
+import wiring_cases
 
 ROOT = initramfs.ROOT
+LONG = (*long_cases.LONG, *wiring_cases.LONG)
 
 
 class Bench:
@@ -59,7 +61,7 @@ def run(options):
                 if not report.run(case.__name__, case, shared, report) and not shared.receiver.count():
                     print("\n".join(shared.log()[-20:]))
                     break  # nothing works without
-    for case in (*long_cases.BRIEF, *long_cases.LONG):
+    for case in (*long_cases.BRIEF, *LONG):
         by_default = options.long or (options.short and case in long_cases.BRIEF)
         if case.__name__ in wanted if wanted else by_default:
             report.run(case.__name__, case, bench, report)
@@ -68,7 +70,7 @@ def run(options):
 
 
 def parse():
-    names = [case.__name__ for case in (*cases.SHORT, *long_cases.BRIEF, *long_cases.LONG)]
+    names = [case.__name__ for case in (*cases.SHORT, *long_cases.BRIEF, *LONG)]
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], epilog="cases: " + ", ".join(names))
     parser.add_argument("--short", action="store_true", help="up to four minutes (default)")
     parser.add_argument("--long", action="store_true", help="all that, and a quarter of an hour")
