@@ -20,11 +20,12 @@ import judge
 import libcamera_image
 import long_cases
 import machine
+import pi_lines
 import rig
 import wiring_cases
 
 ROOT = initramfs.ROOT
-LONG = (*long_cases.LONG, *wiring_cases.LONG)
+LONG = (*long_cases.LONG, *wiring_cases.LONG, pi_lines.rpi4_lines)
 
 
 class Bench:
@@ -77,6 +78,7 @@ def parse():
     parser.add_argument("--case", action="append", default=[], choices=names, help="these alone", metavar="NAME")
     parser.add_argument("--stofd", default=ROOT / "build/virt/bin/stofd")
     parser.add_argument("--libcamera", default=ROOT / "build/virt/bin/stofd-libcamera", help="its libcamera variant")
+    parser.add_argument("--rpi4", type=pathlib.Path, default=ROOT / "build/rpi4/bin/stofd", help="stofd of board rpi4")
     parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stofd and test programs")
     parser.add_argument("--sysroot", default=ROOT / "build/sysroot-arm64", help="libraries of the libcamera variant")
     parser.add_argument("--work", default=ROOT / "build/system", help="where images, scenes and logs go")
