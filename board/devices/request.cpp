@@ -117,6 +117,10 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
   if (request.pmd == "none" && request.pmd_size) {
     return refuse("--pmd-size: there is no PMD camera with --pmd none: leave one out");
   }
+  if (request.cameras == PairKind::kLibcamera &&
+      !(request.left_strobe + request.right_strobe).empty()) {
+    return refuse("--left-strobe, --right-strobe: libcamera tells exposures itself: leave them out");
+  }
   const PictureSize stereo = request.size.value_or(PictureSize{});
   const PictureSize pmd = request.pmd_size.value_or(PictureSize{});
   std::string why = too_large("--size", stereo, kConfig.stereo.width, kConfig.stereo.height);
