@@ -28,11 +28,10 @@ TEST(DeviceRequest, WithoutFlagsIsTheTable) {
 }
 
 TEST(DeviceRequest, TakesEveryFlag) {
-  const Arguments all{"--cameras",  "libcamera",      "--left",     "a",       "--right",
-                      "none",       "--size",         "640x400",    "--gain",  "7",
-                      "--pmd",      "card:tof",       "--pmd-size", "160x120", "--uncalibrated",
-                      "--watchdog", "none",           "--priority", "0",       "--left-strobe",
-                      "GPIO5",      "--right-strobe", "none"};
+  const Arguments all{"--cameras",  "libcamera", "--left",     "a",       "--right",
+                      "none",       "--size",    "640x400",    "--gain",  "7",
+                      "--pmd",      "card:tof",  "--pmd-size", "160x120", "--uncalibrated",
+                      "--watchdog", "none",      "--priority", "0"};
   const auto request = parse(all);
   ASSERT_TRUE(request) << refusal(all);
   EXPECT_EQ(request->cameras, PairKind::kLibcamera);
@@ -45,8 +44,16 @@ TEST(DeviceRequest, TakesEveryFlag) {
   EXPECT_EQ(request->priority, 0);
   EXPECT_EQ(request->watchdog, "none");
   EXPECT_TRUE(request->uncalibrated);
-  const std::array<std::string, 2> strobes{"GPIO5", ""};
-  EXPECT_EQ(strobe_lines(*request), strobes);
+}
+
+TEST(DeviceRequest, TakesStrobeLinesOrNone) {
+  const Arguments flags{"--left-strobe", "GPIO5", "--right-strobe", "none"};
+  const auto request = parse(flags);
+  ASSERT_TRUE(request) << refusal(flags);
+  const std::array<std::string, 2> lines{"GPIO5", ""};
+  EXPECT_EQ(strobe_lines(*request), lines);
+  EXPECT_NE(refusal({"--cameras", "libcamera", "--left-strobe", "GPIO5"}).find("leave them out"),
+            std::string::npos);
 }
 
 TEST(DeviceRequest, SaysWhatAFlagTakes) {
