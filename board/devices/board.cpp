@@ -9,6 +9,7 @@
 #include "board/devices/late.h"
 #include "board/devices/lines.h"
 #include "board/devices/request.h"
+#include "board/devices/wiring.h"
 #include "hal/linux/clock.h"
 #include "hal/linux/file_store.h"
 #include "hal/linux/gpio_trigger.h"
@@ -33,10 +34,6 @@ constexpr const TimingConfig& kTiming = kConfig.timing;
 // A PMD camera that leaves out edges looks like one that lost them.
 static_assert(kTiming.pmd_every == 1);
 
-const PairConfig& pair_of(const Request& request) {
-  return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
-}
-
 bool has_pmd(const Request& request) { return request.pmd != "none"; }
 
 PictureSize stereo_size(const Request& request) {
@@ -49,27 +46,6 @@ PictureSize pmd_size(const Request& request) {
              : PictureSize{};
 }
 
-// What is not wired is fanned out of the left camera's line.
-posix::GpioTriggerOptions trigger_options(const Request& request) {
-  const PairConfig& pair = pair_of(request);
-  posix::GpioTriggerOptions options;
-  options.active_low = pair.active_low;
-  options.width = pulse_length(pair, kTiming.stereo_exposure);
-  options.most_doubt = kTiming.edge_tolerance;
-  for (const Net& net :
-       {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
-    if (net.wired()) {
-      options.outputs.emplace_back(net.line);
-    }
-  }
-  for (const Net& net : {kDevices.nets.left_strobe, kDevices.nets.right_strobe}) {
-    if (net.wired()) {
-      options.strobes.emplace_back(net.line);
-    }
-  }
-  return options;
-}
-
 // Everything that the board is made of, as long as the program lives.
 class Rig {
  public:
@@ -80,7 +56,7 @@ class Rig {
         stereo_exposures_(trigger_->edges(), kTiming.stereo_exposure),
         pmd_exposures_(trigger_->edges(), kTiming.pmd_integration),
         left_strobe_(*trigger_, 0),
-        right_strobe_(*trigger_, kDevices.nets.left_strobe.wired() ? 1 : 0),
+        right_strobe_(*trigger_, strobe_lines(request_)[0].empty() ? 0 : 1),
         stereo_([this] { return open_stereo(); }) {
     if (has_pmd(request_)) {
       pmd_.emplace([this] { return open_pmd(); });
@@ -90,7 +66,7 @@ class Rig {
   }
 
   Board& board() { return *board_; }
-  int priority() const { return request_.priority.value_or(kDevices.priority); }
+  int priority() const { return priority_of(request_); }
 
   // The serial line is the control thread's, which reopens it.
   Status reopen() noexcept {
@@ -114,8 +90,8 @@ class Rig {
   // What a sensor says itself, where it is wired, else what it was told.
   std::array<posix::Exposures*, 2> stereo_exposures() {
     posix::Exposures* const told = &stereo_exposures_;
-    return {kDevices.nets.left_strobe.wired() ? &left_strobe_ : told,
-            kDevices.nets.right_strobe.wired() ? &right_strobe_ : told};
+    const std::array<std::string, 2> lines = strobe_lines(request_);
+    return {lines[0].empty() ? told : &left_strobe_, lines[1].empty() ? told : &right_strobe_};
   }
 
   Request request_;
@@ -218,6 +194,9 @@ void Rig::open_watchdog() {
 void Rig::assemble() {
   const PairConfig& pair = pair_of(request_);
   notes_.insert(notes_.end(), lines_.notes.begin(), lines_.notes.end());
+  if (!trigger_->note().empty()) {
+    notes_.push_back(trigger_->note());
+  }
   if (!stereo_.why().empty()) {
     notes_.push_back("waiting for the stereo cameras: " + stereo_.why());
   }

@@ -35,6 +35,10 @@ bool take_text(std::string_view flag, std::string_view value, Request& request) 
     request.right = value;
   } else if (flag == "--pmd") {
     request.pmd = value;
+  } else if (flag == "--left-strobe") {
+    request.left_strobe = value;
+  } else if (flag == "--right-strobe") {
+    request.right_strobe = value;
   } else if (flag == "--watchdog") {
     request.watchdog = value;
   } else {
@@ -81,6 +85,11 @@ std::string too_large(std::string_view flag, PictureSize asked, int width, int h
          std::to_string(width) + "x" + std::to_string(height) + ": choose smaller ones";
 }
 
+std::string strobe_line(const std::string& wanted, const Net& net) {
+  const std::string line = wanted.empty() ? std::string(net.line) : wanted;
+  return line == "none" ? std::string() : line;
+}
+
 }  // namespace
 
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
@@ -108,6 +117,11 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
   if (request.pmd == "none" && request.pmd_size) {
     return refuse("--pmd-size: there is no PMD camera with --pmd none: leave one out");
   }
+  if (request.cameras == PairKind::kLibcamera &&
+      !(request.left_strobe + request.right_strobe).empty()) {
+    return refuse(
+        "--left-strobe, --right-strobe: libcamera tells exposures itself: leave them out");
+  }
   const PictureSize stereo = request.size.value_or(PictureSize{});
   const PictureSize pmd = request.pmd_size.value_or(PictureSize{});
   std::string why = too_large("--size", stereo, kConfig.stereo.width, kConfig.stereo.height);
@@ -120,12 +134,22 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
   return request;
 }
 
+std::array<std::string, 2> strobe_lines(const Request& request) {
+  const Nets& nets = kConfig.devices.nets;
+  return {strobe_line(request.left_strobe, nets.left_strobe),
+          strobe_line(request.right_strobe, nets.right_strobe)};
+}
+
 std::string_view usage() noexcept {
   return "  --cameras KIND       v4l2 (default), or libcamera where stofd was built with it\n"
          "  --left CAMERA        in place of the table's: /dev/video0, usb:VVVV:PPPP[:SERIAL], "
          "card:NAME\n"
          "                       or what libcamera calls it\n"
          "  --right CAMERA       likewise; none: both pictures come side by side from the left\n"
+         "  --left-strobe LINE   GPIO line that is high while the camera exposes, in place of the "
+         "table's,\n"
+         "                       or none\n"
+         "  --right-strobe LINE  likewise\n"
          "  --size WxH           of one picture (default: the table's)\n"
          "  --gain N             of both cameras, in their own units (default: as they are)\n"
          "  --pmd DEVICE         usb (default), a V4L2 device that sends four stacked raw phases, "

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <expected>
 #include <optional>
@@ -21,9 +22,11 @@ enum class PairKind : std::uint8_t { kV4l2, kLibcamera };
 
 struct Request {
   PairKind cameras = PairKind::kV4l2;
-  std::string left;                 // in place of the table's
-  std::string right;                // likewise; "none": both pictures come from the left one
-  std::string pmd = "usb";          // "none", or a V4L2 node that sends stacked raw phases
+  std::string left;         // in place of the table's
+  std::string right;        // likewise; "none": both pictures come from the left one
+  std::string pmd = "usb";  // "none", or a V4L2 node that sends stacked raw phases
+  std::string left_strobe;  // a GPIO line in place of the table's; "none": not wired
+  std::string right_strobe;
   std::optional<PictureSize> size;  // of one picture of the pair
   std::optional<PictureSize> pmd_size;
   std::optional<int> gain;
@@ -33,5 +36,8 @@ struct Request {
 };
 
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);
+
+// The GPIO lines on which left and right camera tell when they expose; empty: not wired.
+std::array<std::string, 2> strobe_lines(const Request& request);
 
 }  // namespace stof::board

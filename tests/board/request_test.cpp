@@ -22,6 +22,9 @@ TEST(DeviceRequest, WithoutFlagsIsTheTable) {
   EXPECT_EQ(request->pmd, "usb");
   EXPECT_FALSE(request->size || request->pmd_size || request->gain || request->priority);
   EXPECT_FALSE(request->uncalibrated);
+  const std::array<std::string, 2> wired{kConfig.devices.nets.left_strobe.line,
+                                         kConfig.devices.nets.right_strobe.line};
+  EXPECT_EQ(strobe_lines(*request), wired);
 }
 
 TEST(DeviceRequest, TakesEveryFlag) {
@@ -41,6 +44,16 @@ TEST(DeviceRequest, TakesEveryFlag) {
   EXPECT_EQ(request->priority, 0);
   EXPECT_EQ(request->watchdog, "none");
   EXPECT_TRUE(request->uncalibrated);
+}
+
+TEST(DeviceRequest, TakesStrobeLinesOrNone) {
+  const Arguments flags{"--left-strobe", "GPIO5", "--right-strobe", "none"};
+  const auto request = parse(flags);
+  ASSERT_TRUE(request) << refusal(flags);
+  const std::array<std::string, 2> lines{"GPIO5", ""};
+  EXPECT_EQ(strobe_lines(*request), lines);
+  EXPECT_NE(refusal({"--cameras", "libcamera", "--left-strobe", "GPIO5"}).find("leave them out"),
+            std::string::npos);
 }
 
 TEST(DeviceRequest, SaysWhatAFlagTakes) {

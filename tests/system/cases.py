@@ -5,6 +5,7 @@ import time
 
 import judge
 import machine
+import rig as system_rig
 import serial_line
 import triggered
 
@@ -15,6 +16,8 @@ FIFO = 1
 WORKERS = "stof-depth"  # what their names begin with
 STEREO_EXPOSURE_US = 4_000
 FAULTS_APART = 5  # edges
+SUBSCRIBED_S = 2.0
+SUBSCRIBED_EDGES = 15
 
 
 def shown(rig, report, since, edges, least):
@@ -49,6 +52,26 @@ def edges_give_frames(rig, report, edges=60):
     missing = len(set(range(steps[0], steps[-1] + 1)) - set(steps))
     report.none("edges in between without a frame", missing)
     report.none("edges with two frames", len(steps) - len(set(steps)))
+
+
+def subscribed(rig, report):
+    """A receiver asks for frames, as libstof does, and is let go."""
+    begin = time.monotonic()
+    receiver = system_rig.Receiver(rig.scene.receive, "--sensor", f"127.0.0.1:{rig.machine.port}")
+    try:
+        receiver.wait(lambda frame: frame["missing"] == 0 and frame["depth"], timeout=20, what="frame by subscription")
+        report.at_most("subscription to first whole frame", time.monotonic() - begin, SUBSCRIBED_S, "s")
+        number, since = rig.steps(), receiver.count()
+        rig.at_step(number + SUBSCRIBED_EDGES)
+        time.sleep(0.3)
+        verdict = rig.judge(receiver.frames[since:])
+    finally:
+        receiver.close()
+    report.none("subscribed frames that are not of their edge", verdict["mispaired"])
+    report.none("subscribed frames that differ from the host's", verdict["different"])
+    report.none("subscribed frames that did not arrive whole", verdict["incomplete"])
+    report.figure("subscribed frames", f"{verdict['frames']} of {SUBSCRIBED_EDGES} edges", f">= {SUBSCRIBED_EDGES - 2}",
+                  verdict["frames"] >= SUBSCRIBED_EDGES - 2)
 
 
 def controls(rig, report):
@@ -201,5 +224,5 @@ def ends_as_asked(rig, report):
     print("  " + heap)
 
 
-SHORT = (first_frame, edges_give_frames, controls, real_time, lost_edge, late_frame, broken_frame, replugs, pmd_stall,
+SHORT = (first_frame, edges_give_frames, subscribed, controls, real_time, lost_edge, late_frame, broken_frame, replugs, pmd_stall,
          killed, serial, ends_as_asked)

@@ -9,6 +9,7 @@ import time
 
 import cases
 import judge
+import rig as system_rig
 
 BOOT_BAR_S = 3.0  # from the kernel's start to the first frame
 BOOTS = 4
@@ -52,8 +53,9 @@ def many_replugs(bench, report):
 
 
 def formats(bench, report):
-    for name in ("YUYV", "Y16"):
-        with bench.rig(f"format-{name}", formats=(name,)) as rig:
+    for name in ("YUYV", "Y10", "Y12", "Y16"):
+        plugs = {**system_rig.stereo_pair(bench.scene, (name,)), **system_rig.usb_pmd(bench.scene)}
+        with bench.rig(f"format-{name}", plugs=plugs) as rig:
             rig.receiver.wait(lambda frame: "latency_ns" in frame, timeout=60, what=f"frame from {name} pictures")
             chosen = rig.cameras["left"].format()
             report.figure("pixel format", chosen, name, chosen == name)
@@ -100,7 +102,7 @@ def lateness(bench, report):
     arguments = ["--pmd", "none", "--uncalibrated", "--period-ms", str(LATENESS_PERIOD_MS), "--watchdog", "none"]
     seen = {}
     for policy, more in (("FIFO", []), ("OTHER", ["--priority", "0"])):
-        with bench.rig(f"lateness-{policy}", cameras=False, common=False, arguments=arguments + more, serial=False,
+        with bench.rig(f"lateness-{policy}", plugs={}, common=False, arguments=arguments + more, serial=False,
                        icount=VIRTUAL_TIME, processors=1) as rig:
             rig.machine.console.event("start", timeout=120)
             ask = rig.machine.ask

@@ -1,6 +1,7 @@
 """The rig of the system test: the machine with stofd, its cameras and their world, receivers, expected frames."""
 
 import array
+import collections
 import hashlib
 import json
 import pathlib
@@ -28,6 +29,8 @@ HOST = "10.0.2.2"  # as the guest sees it
 # What guest and host compute alike: lossless, so that frames can be compared bit by bit.
 COMMON = ["--disparities", str(DISPARITIES), "--set", "streams.depth=rvl", "--set", "streams.width=rvl", "--set",
           "streams.source=rvl", "--set", "discovery.mdns=false"]
+# A camera on the rig: make(path of its socket, schedule), and what it is wired to. strobe may be None.
+Plug = collections.namedtuple("Plug", "make trigger strobe", defaults=(None,))
 
 
 def size_text(size):
@@ -155,18 +158,38 @@ class Scene:
             receiver.close()
 
 
-class Rig:
-    """stofd in the machine, three cameras plugged in, a receiver of every packet."""
+def uvc(product, name, size, pictures, formats):
+    return lambda path, schedule: uvc_camera.UvcCamera(path, schedule, product, name, size, pictures, formats)
 
-    def __init__(self, scene, stofd, work, *, arguments=(), formats=("GREY",), cameras=True, common=True,
+
+def stereo_pair(scene, formats=("GREY",)):
+    return {"left": Plug(uvc(0x51, "left", STEREO, scene.left, formats), LEFT_LINE, LEFT_STROBE),
+            "right": Plug(uvc(0x52, "right", STEREO, scene.right, formats), RIGHT_LINE, RIGHT_STROBE)}
+
+
+def usb_pmd(scene):
+    def make(path, schedule):
+        return pmd_camera.PmdCamera(path, schedule, 0x50, PMD, scene.pmd, scene.pmd_bits, 20_000)
+    return {"pmd": Plug(make, PMD_LINE)}
+
+
+class Rig:
+    """stofd in the machine, its cameras plugged in, a receiver of every packet.
+
+    plugs: Plugs by name; None: a pair and a PMD camera on USB.
+    """
+
+    def __init__(self, scene, stofd, work, *, arguments=(), plugs=None, common=True,
                  libraries=None, image_extra=None, **machine_options):
         self.scene = scene
         self.folder = pathlib.Path(work)
         self.folder.mkdir(parents=True, exist_ok=True)
         self.receiver = self.machine = None
+        plugs = {**stereo_pair(scene), **usb_pmd(scene)} if plugs is None else plugs
         self.schedule = triggered.Schedule()
         self.world = triggered.World(PERIOD_S / 4)
         self.cameras = {}
+        self.strobe_late = []  # seconds from where a strobe should change to where the machine has taken it
         self.edges = {line: [] for line in (LEFT_LINE, RIGHT_LINE, PMD_LINE)}
         try:
             self.port = machine.free_udp_port()
@@ -179,25 +202,22 @@ class Rig:
                             extra=image_extra)
             self.receiver = Receiver(scene.receive, "--listen", self.port)
             self.machine = machine.Machine(initramfs.KERNEL / "image", self.folder / "initramfs",
-                                           usb=("left", "right", "pmd") if cameras else (),
-                                           log=self.folder / "console.log", **machine_options)
-            if cameras:
-                self._plug_in(formats)
+                                           usb=tuple(plugs), log=self.folder / "console.log", **machine_options)
+            if plugs:
+                self._plug_in(plugs)
             self.machine.go()
         except BaseException:
             self.close()
             raise
 
-    def _plug_in(self, formats):
-        scene, path = self.scene, self.machine.path
-        left = uvc_camera.UvcCamera(path("left"), self.schedule, 0x51, "left", STEREO, scene.left, formats)
-        right = uvc_camera.UvcCamera(path("right"), self.schedule, 0x52, "right", STEREO, scene.right, formats)
-        pmd = pmd_camera.PmdCamera(path("pmd"), self.schedule, 0x50, PMD, scene.pmd, scene.pmd_bits, 20_000)
-        self.cameras = {"left": left, "right": right, "pmd": pmd}
-        by_line = {LEFT_LINE: left, RIGHT_LINE: right, PMD_LINE: pmd}
+    def _plug_in(self, plugs):
+        by_line = {}
         strobes = queue.Queue()
-        left.strobe = lambda level: strobes.put((LEFT_STROBE, level))
-        right.strobe = lambda level: strobes.put((RIGHT_STROBE, level))
+        for name, plug in plugs.items():
+            camera = plug.make(self.machine.path(name), self.schedule)
+            if plug.strobe is not None:
+                camera.strobe = lambda level, line=plug.strobe: strobes.put((line, level, time.monotonic()))
+            self.cameras[name] = by_line[plug.trigger] = camera
         threading.Thread(target=self._drive, args=(strobes,), daemon=True).start()
 
         def edge(line, level, at):
@@ -212,7 +232,9 @@ class Rig:
     def _drive(self, strobes):
         try:
             while True:
-                self.machine.lines.drive(*strobes.get())
+                line, level, at = strobes.get()
+                self.machine.lines.drive(line, level)
+                self.strobe_late.append(time.monotonic() - at)
         except (OSError, machine.MachineError):
             pass  # the machine has ended
 

@@ -20,9 +20,12 @@ import judge
 import libcamera_image
 import long_cases
 import machine
+import pi_lines
 import rig
+import wiring_cases
 
 ROOT = initramfs.ROOT
+LONG = (*long_cases.LONG, *wiring_cases.LONG, pi_lines.rpi4_lines)
 
 
 class Bench:
@@ -59,7 +62,7 @@ def run(options):
                 if not report.run(case.__name__, case, shared, report) and not shared.receiver.count():
                     print("\n".join(shared.log()[-20:]))
                     break  # nothing works without
-    for case in (*long_cases.BRIEF, *long_cases.LONG):
+    for case in (*long_cases.BRIEF, *LONG):
         by_default = options.long or (options.short and case in long_cases.BRIEF)
         if case.__name__ in wanted if wanted else by_default:
             report.run(case.__name__, case, bench, report)
@@ -68,13 +71,14 @@ def run(options):
 
 
 def parse():
-    names = [case.__name__ for case in (*cases.SHORT, *long_cases.BRIEF, *long_cases.LONG)]
+    names = [case.__name__ for case in (*cases.SHORT, *long_cases.BRIEF, *LONG)]
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0], epilog="cases: " + ", ".join(names))
     parser.add_argument("--short", action="store_true", help="up to four minutes (default)")
     parser.add_argument("--long", action="store_true", help="all that, and a quarter of an hour")
     parser.add_argument("--case", action="append", default=[], choices=names, help="these alone", metavar="NAME")
     parser.add_argument("--stofd", default=ROOT / "build/virt/bin/stofd")
     parser.add_argument("--libcamera", default=ROOT / "build/virt/bin/stofd-libcamera", help="its libcamera variant")
+    parser.add_argument("--rpi4", type=pathlib.Path, default=ROOT / "build/rpi4/bin/stofd", help="stofd of board rpi4")
     parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stofd and test programs")
     parser.add_argument("--sysroot", default=ROOT / "build/sysroot-arm64", help="libraries of the libcamera variant")
     parser.add_argument("--work", default=ROOT / "build/system", help="where images, scenes and logs go")

@@ -21,6 +21,8 @@ MANUAL, APERTURE_PRIORITY = 1, 8
 
 HIGH_10 = bytes(value >> 6 for value in range(256))
 LOW_10 = bytes(value << 2 & 0xFF for value in range(256))
+HIGH_12 = bytes(value >> 4 for value in range(256))
+LOW_12 = bytes(value << 4 & 0xFF for value in range(256))
 
 
 def interleave(first, second):
@@ -36,6 +38,7 @@ FORMATS = {
     "YUYV": (b"YUY2", 16, lambda grey: interleave(grey, b"\x80" * len(grey))),
     "Y16": (b"Y16 ", 16, lambda grey: interleave(bytes(len(grey)), grey)),
     "Y10": (b"Y10 ", 16, lambda grey: interleave(grey.translate(LOW_10), grey.translate(HIGH_10))),
+    "Y12": (b"Y12 ", 16, lambda grey: interleave(grey.translate(LOW_12), grey.translate(HIGH_12))),
 }
 GUID_TAIL = bytes.fromhex("000010008000" "00aa00389b71")
 
@@ -65,6 +68,7 @@ class UvcCamera(triggered.TriggeredCamera):
     cls = (0xEF, 2, 1)
     interfaces = (usbredir.Interface(CONTROL_INTERFACE, 14, 1, 0), usbredir.Interface(STREAM_INTERFACE, 14, 2, 0))
     endpoints = (usbredir.Endpoint(ENDPOINT, usbredir.TYPE_BULK, PACKET, STREAM_INTERFACE),)
+    first_exposure = 100  # what it has when it is plugged in, 100 us
 
     def __init__(self, path, schedule, product, name, size, pictures, formats=("GREY", "YUYV", "Y16", "Y10")):
         super().__init__(path, schedule)
@@ -81,7 +85,7 @@ class UvcCamera(triggered.TriggeredCamera):
     def powered(self):
         super().powered()
         self.auto = Control(1, 0, 0, MANUAL | APERTURE_PRIORITY, APERTURE_PRIORITY)
-        self.exposure = Control(4, 1, 2000, 1, 100)  # 100 us
+        self.exposure = Control(4, 1, 2000, 1, self.first_exposure)  # 100 us
         self.gain = Control(2, 0, 255, 1, 0)
         self.controls = {(TERMINAL, 2): self.auto, (TERMINAL, 4): self.exposure, (UNIT, 4): self.gain}
         self.probe = self._probe(1)
@@ -123,9 +127,13 @@ class UvcCamera(triggered.TriggeredCamera):
         self.delivered += 1
         self.send(message, short_end=len(message) % PACKET == 0)
 
+    def pixels(self, name, k):
+        """Picture k in the named format."""
+        return FORMATS[name][2](self.pictures[k])
+
     def _payload(self, name, k):
         if (name, k) not in self.converted:
-            self.converted[name, k] = bytes((HEADER_BYTES, 0)) + FORMATS[name][2](self.pictures[k])
+            self.converted[name, k] = bytes((HEADER_BYTES, 0)) + self.pixels(name, k)
         return self.converted[name, k]
 
     # Requests.
