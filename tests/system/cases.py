@@ -224,5 +224,5 @@ def ends_as_asked(rig, report):
     print("  " + heap)
 
 
-SHORT = (first_frame, edges_give_frames, subscribed, controls, real_time, lost_edge, late_frame, broken_frame, replugs, pmd_stall,
-         killed, serial, ends_as_asked)
+SHORT = (first_frame, edges_give_frames, subscribed, controls, real_time, lost_edge, late_frame, broken_frame, replugs,
+         pmd_stall, killed, serial, ends_as_asked)

@@ -1,6 +1,6 @@
 """A board's stofd on the kernel's own driver of a Raspberry Pi's GPIO: QEMU's raspi3b, no camera, no network.
 
-The pin controller of that Pi is driven by the driver of the Pi 4, and its lines have the same names. What else a Pi 4 has
+The driver of the Pi 4 drives the pin controller of that Pi, and its lines have the same names. What else a Pi 4 has
 (PCIe, USB 3, Ethernet), QEMU has not.
 """
 
@@ -31,8 +31,8 @@ def tell(stofd, work):
     initramfs.build(work / "initramfs", [(COMMAND, "command")], [(stofd, "bin/stofd")], modules=(),
                     init=initramfs.GUEST / "init_lines")
     command = [*machine.ENDS_WITH_US, machine.QEMU, "-M", BOARD, "-dtb", tree, "-kernel", initramfs.KERNEL / "image",
-               "-initrd", work / "initramfs", "-append", "console=ttyAMA0 quiet loglevel=1 panic=-1", "-display", "none",
-               "-nodefaults", "-serial", "stdio", "-no-reboot"]
+               "-initrd", work / "initramfs", "-append", "console=ttyAMA0 quiet loglevel=1 panic=-1", "-display",
+               "none", "-nodefaults", "-serial", "stdio", "-no-reboot"]
     lines = []
     process = subprocess.Popen([str(word) for word in command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT, text=True, errors="replace")
