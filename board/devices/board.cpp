@@ -9,7 +9,6 @@
 #include "board/devices/late.h"
 #include "board/devices/lines.h"
 #include "board/devices/request.h"
-#include "board/devices/wiring.h"
 #include "hal/linux/clock.h"
 #include "hal/linux/file_store.h"
 #include "hal/linux/gpio_trigger.h"
@@ -34,6 +33,10 @@ constexpr const TimingConfig& kTiming = kConfig.timing;
 // A PMD camera that leaves out edges looks like one that lost them.
 static_assert(kTiming.pmd_every == 1);
 
+const PairConfig& pair_of(const Request& request) {
+  return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
+}
+
 bool has_pmd(const Request& request) { return request.pmd != "none"; }
 
 PictureSize stereo_size(const Request& request) {
@@ -44,6 +47,27 @@ PictureSize pmd_size(const Request& request) {
   return has_pmd(request)
              ? request.pmd_size.value_or(PictureSize{kConfig.pmd.width, kConfig.pmd.height})
              : PictureSize{};
+}
+
+// What is not wired is fanned out of the left camera's line.
+posix::GpioTriggerOptions trigger_options(const Request& request) {
+  const PairConfig& pair = pair_of(request);
+  posix::GpioTriggerOptions options;
+  options.active_low = pair.active_low;
+  options.width = pulse_length(pair, kTiming.stereo_exposure);
+  options.most_doubt = kTiming.edge_tolerance;
+  for (const Net& net :
+       {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
+    if (net.wired()) {
+      options.outputs.emplace_back(net.line);
+    }
+  }
+  for (const std::string& line : strobe_lines(request)) {
+    if (!line.empty()) {
+      options.strobes.push_back(line);
+    }
+  }
+  return options;
 }
 
 // Everything that the board is made of, as long as the program lives.
@@ -66,7 +90,7 @@ class Rig {
   }
 
   Board& board() { return *board_; }
-  int priority() const { return priority_of(request_); }
+  int priority() const { return request_.priority.value_or(kDevices.priority); }
 
   // The serial line is the control thread's, which reopens it.
   Status reopen() noexcept {
@@ -194,9 +218,6 @@ void Rig::open_watchdog() {
 void Rig::assemble() {
   const PairConfig& pair = pair_of(request_);
   notes_.insert(notes_.end(), lines_.notes.begin(), lines_.notes.end());
-  if (!trigger_->note().empty()) {
-    notes_.push_back(trigger_->note());
-  }
   if (!stereo_.why().empty()) {
     notes_.push_back("waiting for the stereo cameras: " + stereo_.why());
   }

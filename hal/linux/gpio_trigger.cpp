@@ -10,14 +10,12 @@
 #include "dsp/base/check.h"
 #include "hal/linux/clock.h"
 #include "hal/linux/gpio_lines.h"
-#include "hal/linux/realtime.h"
 
 namespace stof::hal::posix {
 namespace {
 
 constexpr Duration kLeastWidth = std::chrono::microseconds(1);
 constexpr Duration kMostWidth = std::chrono::milliseconds(10);
-constexpr const char* kConsumer = "stof";
 constexpr std::size_t kEventsAtOnce = 64;
 constexpr int kMostReads = 16;  // a line that chatters must not keep us here
 
@@ -142,7 +140,7 @@ std::expected<void, OpenError> GpioTrigger::request() {
   const std::unique_ptr<gpiod_request_config, FreeRequestConfig> how(gpiod_request_config_new());
   if (lines && how && add_lines(lines.get(), outputs, true, options_.active_low) &&
       add_lines(lines.get(), strobes, false, options_.strobe_active_low)) {
-    gpiod_request_config_set_consumer(how.get(), kConsumer);
+    gpiod_request_config_set_consumer(how.get(), "stof");
     gpiod_request_config_set_event_buffer_size(how.get(), kEventsAtOnce * 2);
     request_ = gpiod_chip_request_lines(found->chip.get(), how.get(), lines.get());
   }
@@ -157,9 +155,6 @@ std::expected<void, OpenError> GpioTrigger::request() {
   }
   for (StrobeLog& strobe : strobes_) {
     strobe.restart();
-  }
-  if (!strobes.empty() && options_.interrupt_priority > 0) {
-    note_ = raise_interrupt_threads(kConsumer, options_.interrupt_priority).value_or("");
   }
   return {};
 }

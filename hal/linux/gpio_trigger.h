@@ -28,10 +28,6 @@ struct GpioTriggerOptions {
   std::vector<std::string> strobes;  // 0 to 2: inputs that are high while a sensor exposes
   bool active_low = false;           // outputs
   bool strobe_active_low = false;
-  // SCHED_FIFO priority of the kernel's threads that read the strobes, 1 to 99; 0: as they are, 50.
-  // Such a thread looks at the line when it runs: one that waits for a more urgent program, longer
-  // than the exposure, finds it low again and never tells of it.
-  int interrupt_priority = 0;
 
   Duration width = std::chrono::microseconds(100);  // of a pulse, 1 us to 10 ms
   // An edge whose time is known to no better than this is a kDeviceError.
@@ -62,8 +58,6 @@ class GpioTrigger final : public hal::Trigger {
   Status reopen() noexcept;
   // One line, why reopen() failed last; empty: it did not.
   const std::string& trouble() const noexcept { return trouble_; }
-  // One line, what the system refused though it is not fatal; empty: nothing.
-  const std::string& note() const noexcept { return note_; }
 
   // Of the last pulse.
   Duration doubt() const noexcept { return doubt_; }
@@ -90,7 +84,6 @@ class GpioTrigger final : public hal::Trigger {
   Duration doubt_{};
   bool lost_ = false;
   std::string trouble_;
-  std::string note_;
 };
 
 // Exposures of the sensor on a strobe line, which must outlive it.

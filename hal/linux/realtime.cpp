@@ -2,12 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
-#include <string_view>
-#include <system_error>
 
 #include <alloca.h>
 #include <pthread.h>
@@ -20,40 +15,8 @@ namespace {
 
 constexpr std::size_t kMostStack = std::size_t{1} << 20;
 
-std::string line(const std::string& what, int error, const std::string& advice) {
+std::string line(const std::string& what, int error, const char* advice) {
   return what + ": " + std::strerror(error) + "; " + advice;
-}
-
-// Of "/proc/27": 27; 0: not a process.
-pid_t process_of(const std::filesystem::path& folder) {
-  const std::string name = folder.filename().string();
-  pid_t id = 0;
-  const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), id);
-  return error == std::errc{} && end == name.data() + name.size() ? id : 0;
-}
-
-// Whether that process is a thread of the kernel for interrupts of `device`. Names are cut.
-bool serves(const std::filesystem::path& folder, const std::string& device) {
-  constexpr std::size_t kMostName = 15;
-  constexpr std::string_view kPrefix = "irq/";
-  std::ifstream file(folder / "comm");
-  std::string name;
-  std::getline(file, name);
-  const std::size_t dash = name.find('-');
-  if (!name.starts_with(kPrefix) || dash == std::string::npos) {
-    return false;
-  }
-  return name == (name.substr(0, dash + 1) + device).substr(0, kMostName);
-}
-
-// 0, or errno.
-int make_urgent(pid_t thread, int priority) noexcept {
-  sched_param parameters{};
-  if (sched_getparam(thread, &parameters) == 0 && parameters.sched_priority >= priority) {
-    return 0;
-  }
-  parameters.sched_priority = priority;
-  return sched_setscheduler(thread, SCHED_FIFO, &parameters) == 0 ? 0 : errno;
 }
 
 int set_policy(int policy, int priority) noexcept {
@@ -104,26 +67,6 @@ RealtimeNote set_ordinary_priority() {
     return std::nullopt;
   }
   return line("real-time priority stays", error, "restart the program");
-}
-
-RealtimeNote raise_interrupt_threads(const std::string& device, int priority,
-                                     const std::string& proc) {
-  int refused = 0;
-  std::error_code error;
-  const std::filesystem::directory_iterator end;
-  for (std::filesystem::directory_iterator it(proc, error); !error && it != end;
-       it.increment(error)) {
-    const pid_t thread = process_of(it->path());
-    if (thread > 0 && serves(it->path(), device)) {
-      const int code = make_urgent(thread, priority);
-      refused = refused == 0 ? code : refused;
-    }
-  }
-  if (refused == 0) {
-    return std::nullopt;
-  }
-  return line("interrupts of " + device + " stay less urgent than this program", refused,
-              "allow it: CAP_SYS_NICE, or raise the threads irq/*-" + device + " with chrt");
 }
 
 }  // namespace stof::hal::posix

@@ -19,10 +19,5 @@ void prefault_stack(std::size_t bytes = std::size_t{256} << 10) noexcept;
 RealtimeNote set_fifo_priority(int priority);
 // As ordinary threads are.
 RealtimeNote set_ordinary_priority();
-// SCHED_FIFO for the kernel's threads that serve interrupts of `device`, which are called
-// "irq/N-DEVICE" (kernel/irq/manage.c); none of them: nothing to do. Threads that are more urgent
-// already stay so.
-RealtimeNote raise_interrupt_threads(const std::string& device, int priority,
-                                     const std::string& proc = "/proc");
 
 }  // namespace stof::hal::posix
