@@ -80,7 +80,9 @@ struct DeviceConfig {
   PmdDeviceConfig pmd{};
   const char* watchdog = "";         // device file; empty: none
   hal::Duration watchdog_timeout{};  // a loop that stands still for that long restarts the board
-  int priority = 0;                  // SCHED_FIFO, of what computes frames; 0: as everything else
+  // SCHED_FIFO, of what computes frames; 0: as everything else. Below 50, which the threads behind
+  // interrupts have: frames are stamped by them.
+  int priority = 0;
 };
 
 // What is drawn, before anything was measured: lenses in pixels of the largest pictures, metres.
@@ -119,7 +121,7 @@ constexpr bool valid(const PairConfig& pair, const TimingConfig& timing) noexcep
 constexpr bool valid(const DeviceConfig& devices, const TimingConfig& timing) noexcept {
   return 4 * std::chrono::microseconds(devices.pmd.integration_us) <= timing.pmd_integration &&
          2 * devices.pmd.edge_tolerance < timing.period && valid(devices.v4l2, timing) &&
-         valid(devices.libcamera, timing) && devices.priority >= 0 && devices.priority <= 98 &&
+         valid(devices.libcamera, timing) && devices.priority >= 0 && devices.priority < 50 &&
          (*devices.watchdog == '\0' || devices.watchdog_timeout >= 3 * timing.period);
 }
 

@@ -58,6 +58,10 @@ void watch_signals() {
   action.sa_handler = &request_stop;
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);  // whoever started it by hand has gone
+  struct sigaction none{};
+  none.sa_handler = SIG_IGN;  // a reader of our lines that has gone ends nothing
+  sigaction(SIGPIPE, &none, nullptr);
 }
 
 int refuse(const std::string& line, int code = kExitBadInput) {

@@ -9,6 +9,7 @@
 #include "board/devices/late.h"
 #include "board/devices/lines.h"
 #include "board/devices/request.h"
+#include "board/devices/wiring.h"
 #include "hal/linux/clock.h"
 #include "hal/linux/file_store.h"
 #include "hal/linux/gpio_trigger.h"
@@ -33,10 +34,6 @@ constexpr const TimingConfig& kTiming = kConfig.timing;
 // A PMD camera that leaves out edges looks like one that lost them.
 static_assert(kTiming.pmd_every == 1);
 
-const PairConfig& pair_of(const Request& request) {
-  return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
-}
-
 bool has_pmd(const Request& request) { return request.pmd != "none"; }
 
 PictureSize stereo_size(const Request& request) {
@@ -47,27 +44,6 @@ PictureSize pmd_size(const Request& request) {
   return has_pmd(request)
              ? request.pmd_size.value_or(PictureSize{kConfig.pmd.width, kConfig.pmd.height})
              : PictureSize{};
-}
-
-// What is not wired is fanned out of the left camera's line.
-posix::GpioTriggerOptions trigger_options(const Request& request) {
-  const PairConfig& pair = pair_of(request);
-  posix::GpioTriggerOptions options;
-  options.active_low = pair.active_low;
-  options.width = pulse_length(pair, kTiming.stereo_exposure);
-  options.most_doubt = kTiming.edge_tolerance;
-  for (const Net& net :
-       {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
-    if (net.wired()) {
-      options.outputs.emplace_back(net.line);
-    }
-  }
-  for (const std::string& line : strobe_lines(request)) {
-    if (!line.empty()) {
-      options.strobes.push_back(line);
-    }
-  }
-  return options;
 }
 
 // Everything that the board is made of, as long as the program lives.
@@ -89,23 +65,41 @@ class Rig {
     assemble();
   }
 
+  // An orderly end, also of a start that was refused: nothing is to be restarted.
+  ~Rig() {
+    if (watchdog_) {
+      static_cast<void>(watchdog_->disarm());
+    }
+  }
+  Rig(const Rig&) = delete;
+  Rig& operator=(const Rig&) = delete;
+
   Board& board() { return *board_; }
-  int priority() const { return request_.priority.value_or(kDevices.priority); }
+  int priority() const { return priority_of(request_); }
 
   // The serial line is the control thread's, which reopens it.
   Status reopen() noexcept {
     const posix::MarkedHeap marked;
     // Libraries start threads when they open a device, and may spin for one that is gone.
     static_cast<void>(be_urgent(false));
-    Status worst = trigger_->reopen();
-    for (const Status status : {stereo_.reopen(), pmd_ ? pmd_->reopen() : Status::kOk}) {
-      worst = status == Status::kOk ? worst : status;
-    }
+    // A camera that hangs may take its driver's patience, seconds; each has all of the watchdog's.
+    kick();
+    const Status trigger = trigger_->reopen();
+    const Status stereo = stereo_.reopen();
+    kick();
+    const Status pmd = pmd_ ? pmd_->reopen() : Status::kOk;
+    kick();
     static_cast<void>(be_urgent(true));
-    return worst;
+    const bool back = trigger == Status::kOk && stereo == Status::kOk && pmd == Status::kOk;
+    return back ? Status::kOk : Status::kDeviceLost;
   }
 
  private:
+  void kick() noexcept {
+    if (watchdog_) {
+      static_cast<void>(watchdog_->kick());
+    }
+  }
   std::expected<Stereo::Opened, posix::OpenError> open_stereo();
   std::expected<Pmd::Opened, posix::OpenError> open_pmd();
   void open_watchdog();

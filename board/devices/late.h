@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <expected>
 #include <functional>
 #include <memory>
@@ -13,8 +14,9 @@
 
 namespace stof::board {
 
-// A camera that need not be there when the board starts: until it is, it is lost. `Camera` is the
-// interface, `Frame` what it gives.
+// A camera that need not be there when the board starts: until it is, it is lost. One that is there
+// and sends nothing for seconds is lost as well: its driver may have given up without a word.
+// `Camera` is the interface, `Frame` what it gives.
 template <typename Camera, typename Frame>
 class Late final : public Camera {
  public:
@@ -31,7 +33,14 @@ class Late final : public Camera {
       return fail(Status::kDeviceLost);
     }
     Result<hal::Lease<Frame>> frame = opened_.camera->wait_frame(deadline);
+    if (!frame && frame.error() != Status::kDeviceLost && silent(deadline)) {
+      frame = fail(Status::kDeviceLost);
+    }
     lost_ = !frame && frame.error() == Status::kDeviceLost;
+    if (frame) {
+      timeouts_ = 0;
+      patience_ = kLeastPatience;
+    }
     return frame;
   }
 
@@ -59,10 +68,30 @@ class Late final : public Camera {
   const std::string& why() const noexcept { return why_; }
 
  private:
+  static constexpr int kLeastTimeouts = 8;
+  static constexpr hal::Duration kLeastPatience = std::chrono::seconds(3);
+  static constexpr hal::Duration kMostPatience = std::chrono::minutes(1);
+
+  // One more wait without a frame: whether those are too many. Each time it is more patient.
+  bool silent(hal::Time deadline) noexcept {
+    if (timeouts_++ == 0) {
+      silent_since_ = deadline;
+    }
+    if (timeouts_ < kLeastTimeouts || deadline - silent_since_ < patience_) {
+      return false;
+    }
+    timeouts_ = 0;
+    patience_ = std::min(2 * patience_, kMostPatience);
+    return true;
+  }
+
   Open open_;
   Opened opened_{};
   std::string why_;
   bool lost_ = true;
+  int timeouts_ = 0;  // in a row
+  hal::Time silent_since_{};
+  hal::Duration patience_ = kLeastPatience;
 };
 
 }  // namespace stof::board

@@ -119,7 +119,8 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
   }
   if (request.cameras == PairKind::kLibcamera &&
       !(request.left_strobe + request.right_strobe).empty()) {
-    return refuse("--left-strobe, --right-strobe: libcamera tells exposures itself: leave them out");
+    return refuse(
+        "--left-strobe, --right-strobe: libcamera tells exposures itself: leave them out");
   }
   const PictureSize stereo = request.size.value_or(PictureSize{});
   const PictureSize pmd = request.pmd_size.value_or(PictureSize{});

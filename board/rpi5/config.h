@@ -28,15 +28,15 @@ inline constexpr Config kConfig{
                          .most_delay = std::chrono::milliseconds(25)},
                 // IMX296 through XTR: it exposes while XTR is low, and 14.26 us on (Raspberry Pi
                 // documentation, external trigger).
-                .libcamera = {.left = "imx296:0",
-                              .right = "imx296:1",
+                .libcamera = {.left = "model:imx296:0",
+                              .right = "model:imx296:1",
                               .active_low = true,
                               .pulse_lag = std::chrono::nanoseconds(14'260),
                               .most_delay = std::chrono::milliseconds(20)},
                 .pmd = {.usb_vendor = 0x1209, .usb_product = 0x0050},
                 .watchdog = "/dev/watchdog0",
                 .watchdog_timeout = std::chrono::seconds(15),  // the longest of a BCM2835
-                .priority = 80},
+                .priority = 45},
     .drawn = {.stereo_focal_px = 1230,
               .baseline_m = 0.12,
               .pmd_focal_px = 202,

@@ -35,7 +35,7 @@ inline constexpr Config kConfig{
                         .edge_tolerance = std::chrono::milliseconds(90)},
                 .watchdog = "/dev/watchdog0",
                 .watchdog_timeout = std::chrono::seconds(15),
-                .priority = 80},
+                .priority = 45},
     .drawn = {.stereo_focal_px = 615,
               .baseline_m = 0.12,
               .pmd_focal_px = 158.8,

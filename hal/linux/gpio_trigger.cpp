@@ -191,11 +191,13 @@ Result<Time> GpioTrigger::pulse() noexcept {
   // Also where raising failed: one of the lines may be high.
   const bool lowered = set_outputs(false);
   doubt_ = after - before;
+  const Duration longer = clock.now() - after - options_.width;
   if (!raised || !lowered) {
     lost_ = true;
     return fail(Status::kDeviceLost);
   }
-  if (doubt_ > options_.most_doubt) {
+  if (doubt_ > options_.most_doubt ||
+      (options_.width_is_exposure && longer > options_.most_doubt)) {
     return fail(Status::kDeviceError);
   }
   edges_.note(before);

@@ -30,6 +30,7 @@ struct GpioTriggerOptions {
   bool strobe_active_low = false;
 
   Duration width = std::chrono::microseconds(100);  // of a pulse, 1 us to 10 ms
+  bool width_is_exposure = false;  // the sensors expose as long as the pulse is (IMX296's XTR)
   // An edge whose time is known to no better than this is a kDeviceError.
   Duration most_doubt = std::chrono::milliseconds(1);
 };
@@ -52,7 +53,8 @@ class GpioTrigger final : public hal::Trigger {
   GpioTrigger(const GpioTrigger&) = delete;
   GpioTrigger& operator=(const GpioTrigger&) = delete;
 
-  // kDeviceError: an edge went out, but when is not known to `most_doubt`. kDeviceLost: reopen().
+  // kDeviceError: an edge went out, but when is not known to `most_doubt`, or the exposure that it
+  // began was longer than that. kDeviceLost: reopen().
   Result<Time> pulse() noexcept override;
   // In place; nothing where it was not lost. kDeviceLost: not back yet; trouble() says why.
   Status reopen() noexcept;

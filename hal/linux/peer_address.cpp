@@ -55,6 +55,13 @@ SocketAddress stored(const Address& address) noexcept {
   return out;
 }
 
+// A static program has no resolver: that of glibc is made of shared libraries of its own version.
+#if defined(STOF_STATIC)
+constexpr int kOnlyAddresses = AI_NUMERICHOST;
+#else
+constexpr int kOnlyAddresses = 0;
+#endif
+
 }  // namespace
 
 std::expected<Peer, OpenError> resolve(std::string_view destination) {
@@ -65,12 +72,14 @@ std::expected<Peer, OpenError> resolve(std::string_view destination) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
   hints.ai_socktype = SOCK_DGRAM;
-  hints.ai_flags = AI_NUMERICSERV;
+  hints.ai_flags = AI_NUMERICSERV | kOnlyAddresses;
   addrinfo* found = nullptr;
   const int lookup = getaddrinfo(target->host.c_str(), target->port.c_str(), &hints, &found);
   if (lookup != 0) {
     std::string why = gai_strerror(lookup);
-    return refuse(destination, why.append("; check the host's name or give its address"));
+    return refuse(destination,
+                  why.append(kOnlyAddresses != 0 ? "; give the host's address, not a name"
+                                                 : "; check the host's name or give its address"));
   }
   const std::unique_ptr<addrinfo, decltype(&freeaddrinfo)> addresses(found, freeaddrinfo);
   for (const addrinfo* entry = found; entry != nullptr; entry = entry->ai_next) {

@@ -10,6 +10,7 @@ constexpr std::uint32_t kMostSteps = 32;
 void Placer::forget() noexcept {
   last_.reset();
   usual_delay_ = {};
+  believed_ = false;
   doubtful_ = 0;
 }
 
@@ -36,13 +37,13 @@ Placed Placer::place(Time stamp, std::uint32_t number) noexcept {
     return nowhere;  // the next one's step tells whether it was counted
   }
   const Duration delay = stamp - found->end;
-  bool follows = true;
+  bool follows = false;
   if (last_) {
     const std::optional<std::uint32_t> steps = steps_since_last(*found);
-    follows = steps && *steps > 0 && *steps == number - last_->number;
-    const bool soon = delay <= usual_delay_ + most_delay_ / 4;
-    follows = follows && (doubtful_ == 0 || soon);
-  } else {
+    const bool soon = !believed_ || delay <= usual_delay_ + most_delay_ / 4;
+    follows = steps && *steps > 0 && *steps == number - last_->number && (doubtful_ == 0 || soon);
+  }
+  if (!believed_) {
     usual_delay_ = delay;
   }
   last_ = Claim{.exposure = *found, .number = number};
@@ -51,6 +52,7 @@ Placed Placer::place(Time stamp, std::uint32_t number) noexcept {
     return nowhere;
   }
   doubtful_ = 0;
+  believed_ = true;
   usual_delay_ += (delay - usual_delay_) / 8;
   return {.exposure = *found, .sure = true};
 }

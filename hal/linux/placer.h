@@ -18,8 +18,8 @@ struct Placed {
 // away is the count. As long as the camera's numbers advance as exposures do, all is well; after a
 // step that differs (an exposure without a picture, two pictures for one exposure) nothing is
 // placed until a picture again follows the one before it, exposure by exposure, and comes as soon
-// after it as those that were believed. So a lost or late picture costs one or two more, and
-// an old one is never taken for new.
+// after it as those that were believed. So the first picture is never believed, a lost or late one
+// costs one or two more, and an old one is not taken for new.
 // Not to be told apart: a camera that from its first picture on, or from one moment on for ever and
 // at the same time of the period, is late by whole periods.
 class Placer {
@@ -50,7 +50,8 @@ class Placer {
   Duration most_delay_;
   std::optional<Claim> last_;  // believed or not
   Duration usual_delay_{};
-  int doubtful_ = 0;  // in a row
+  bool believed_ = false;  // any picture since forget()
+  int doubtful_ = 0;       // in a row
 };
 
 }  // namespace stof::hal::posix

@@ -81,8 +81,9 @@ std::expected<std::string, OpenError> find_usb(const UsbId& id, const UsbRoots& 
   closedir(folder);
   if (count != 1) {
     const std::string why =
-        count == 0 ? "not plugged in; check cable, power and the board's table"
-                   : std::to_string(count) + " are plugged in; name one by its serial number";
+        count == 0
+            ? "not plugged in; check cable, power and the board's table"
+            : std::to_string(count) + " are plugged in; unplug those that are not this rig's";
     return std::unexpected(OpenError{what + why});
   }
   std::array<char, 16> place{};

@@ -56,8 +56,8 @@ const char* advice(int error) noexcept {
 }  // namespace
 
 V4l2Calls& kernel_calls() noexcept {
-  static KernelCalls calls;
-  return calls;
+  static KernelCalls* const calls = new KernelCalls;  // outlives every camera
+  return *calls;
 }
 
 int ask_driver(V4l2Calls& calls, int fd, unsigned long request, void* argument) noexcept {

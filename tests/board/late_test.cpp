@@ -76,5 +76,22 @@ TEST(Late, ReopensInPlaceWhatIsLostAndNothingElse) {
   EXPECT_EQ(script.reopened, 2);
 }
 
+TEST(Late, SilentCameraIsOpenedAnewAtLongerAndLongerIntervals) {
+  Script script{.there = true};
+  LateStereo camera(opener(script));
+  std::vector<hal::Duration> when;
+  for (hal::Duration at{}; at < std::chrono::minutes(5); at += std::chrono::milliseconds(33)) {
+    if (camera.wait_frame(hal::Time(at)).error() == Status::kDeviceLost) {
+      when.push_back(at);
+      EXPECT_EQ(camera.reopen(), Status::kOk);
+    }
+  }
+  ASSERT_GE(when.size(), 6U);
+  EXPECT_NEAR(std::chrono::duration<double>(when[0]).count(), 3, 0.1);
+  EXPECT_NEAR(std::chrono::duration<double>(when[1] - when[0]).count(), 6, 0.1);
+  EXPECT_NEAR(std::chrono::duration<double>(when[5] - when[4]).count(), 60, 0.1);
+  EXPECT_EQ(static_cast<std::size_t>(script.reopened), when.size());
+}
+
 }  // namespace
 }  // namespace stof::board

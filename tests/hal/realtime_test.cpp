@@ -1,10 +1,6 @@
 #include "hal/linux/realtime.h"
 
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <string>
-#include <utility>
 
 #include <gtest/gtest.h>
 #include <sched.h>
@@ -17,7 +13,6 @@ namespace {
 
 using hal::posix::lock_memory;
 using hal::posix::prefault_stack;
-using hal::posix::raise_interrupt_threads;
 using hal::posix::RealtimeNote;
 using hal::posix::set_fifo_priority;
 using hal::posix::set_ordinary_priority;
@@ -80,71 +75,6 @@ TEST(Realtime, GoesThereAndBackWhereItMay) {
   EXPECT_EQ(sched_getscheduler(0) & 0xFF, SCHED_FIFO);
   EXPECT_FALSE(set_ordinary_priority());
   EXPECT_EQ(sched_getscheduler(0) & 0xFF, SCHED_OTHER);
-}
-
-// A folder like /proc in which processes have chosen names.
-class Processes {
- public:
-  Processes() {
-    std::string name = testing::TempDir() + "procXXXXXX";
-    folder_ = mkdtemp(name.data());
-  }
-  ~Processes() { std::filesystem::remove_all(folder_); }
-  Processes(const Processes&) = delete;
-  Processes& operator=(const Processes&) = delete;
-
-  void add(const std::string& process, const char* name) const {
-    std::filesystem::create_directory(folder_ / process);
-    std::ofstream(folder_ / process / "comm") << name << '\n';
-  }
-  std::string path() const { return folder_.string(); }
-
- private:
-  std::filesystem::path folder_;
-};
-
-TEST(Realtime, RaisesTheInterruptThreadsOfTheDeviceAlone) {
-  const Processes processes;
-  const std::string self = std::to_string(getpid());
-  for (const char* const other :
-       {"irq/7-stofx", "irq/7", "stof", "xirq/7-stof", "irq/7-mystof", "irq/7-"}) {
-    processes.add(self, other);
-    EXPECT_FALSE(raise_interrupt_threads("stof", 2, processes.path())) << other;
-    EXPECT_EQ(sched_getscheduler(0) & 0xFF, SCHED_OTHER) << other;
-  }
-  processes.add("self", "irq/7-stof");
-  processes.add("1x", "irq/7-stof");
-  EXPECT_FALSE(raise_interrupt_threads("stof", 2, processes.path()));
-  EXPECT_FALSE(raise_interrupt_threads("stof", 2, processes.path() + "/none"));
-}
-
-TEST(Realtime, InterruptThreadsAreRaisedAndNeverLowered) {
-  if (const RealtimeNote note = set_fifo_priority(1)) {
-    GTEST_SKIP() << *note;
-  }
-  const Processes processes;
-  const std::string self = std::to_string(getpid());
-  for (const auto& [name, device] :
-       {std::pair{"irq/29-stof", "stof"}, std::pair{"irq/105-longnam", "longname"}}) {
-    EXPECT_FALSE(set_fifo_priority(1));
-    processes.add(self, name);
-    for (const int priority : {2, 1}) {
-      EXPECT_FALSE(raise_interrupt_threads(device, priority, processes.path()));
-      sched_param parameters{};
-      EXPECT_EQ(sched_getparam(0, &parameters), 0);
-      EXPECT_EQ(parameters.sched_priority, 2) << name;
-    }
-  }
-  EXPECT_FALSE(set_ordinary_priority());
-}
-
-TEST(Realtime, InterruptThreadsThatAreRefusedAreANote) {
-  const Processes processes;
-  processes.add("1", "irq/29-stof");
-  std::filesystem::permissions(processes.path(), std::filesystem::perms::all);
-  EXPECT_TRUE(holds_without_rights([&] {
-    return is_a_note(raise_interrupt_threads("stof", 81, processes.path()), "CAP_SYS_NICE");
-  }));
 }
 
 TEST(Realtime, PrefaultsAnyStackWithinItsBound) {

@@ -32,6 +32,12 @@ void FakeV4l2::expose(hal::Time edge, hal::Duration exposure, hal::Duration read
   }
 }
 
+void FakeV4l2::count_anew() {
+  for (Node& node : nodes_) {
+    node.exposures = 0;
+  }
+}
+
 void FakeV4l2::unplug(FakeCamera& camera) {
   for (Node& node : nodes_) {
     if (&node.camera == &camera) {

@@ -59,6 +59,8 @@ class FakeV4l2 final : public hal::posix::V4l2Calls {
 
   // Stays where it is.
   FakeCamera& add(FakeCamera camera);
+  // The next exposure of every camera is number 1 again; the driver's own count goes on.
+  void count_anew();
   void expose(hal::Time edge, hal::Duration exposure, hal::Duration readout);
   void unplug(FakeCamera& camera);
   void plug(FakeCamera& camera, const std::string& path);

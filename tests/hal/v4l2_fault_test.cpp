@@ -32,7 +32,7 @@ TEST(V4l2Stereo, PictureThatIsLostCostsOneFrameAndNeverShiftsTheViews) {
       expect_exposure(rig.shoot(), number);
     }
     EXPECT_EQ(rig.camera().counters().unpaired, 1U);
-    EXPECT_EQ(rig.camera().counters().frames, 11U);
+    EXPECT_EQ(rig.camera().counters().frames, 12U) << "with the one that was not believed";
   }
 }
 
@@ -123,7 +123,8 @@ TEST(V4l2Stereo, CameraThatAlwaysHasOneMoreDoesNotHoldUpTheDeadline) {
     Stereo rig;
     rig.fake(side).chatty = true;
     const hal::Time deadline = rig.clock().now() + 5ms;
-    EXPECT_EQ(rig.wait_frame(deadline).error(), Status::kTimeout);
+    // Pictures without edges: nobody can place them, and after a while the camera is given up.
+    EXPECT_FALSE(rig.wait_frame(deadline));
     EXPECT_LT(rig.clock().now(), deadline + 1ms);
   }
 }
@@ -225,6 +226,8 @@ TEST(V4l2Pmd, IntegrationMayBeShorterThanTheExposure) {
   options.integration = 400us;
   const auto camera = hal::posix::V4l2Pmd::open(rig.kernel(), rig.clock(), options);
   ASSERT_TRUE(camera);
+  ASSERT_TRUE((*camera)->wait_frame(rig.pulse() + 3ms)) << "not believed, but told";
+  rig.clock().wait_until(rig.clock().now() + 3ms);
   const hal::Time edge = rig.pulse();
   const auto frame = (*camera)->wait_frame(edge + 3ms);
   ASSERT_TRUE(frame);
@@ -244,7 +247,7 @@ TEST(V4l2Pmd, DamagedLostAndLateFramesCostThemselvesAlone) {
   EXPECT_EQ(rig.shoot().error(), Status::kTimeout);
   const auto fifth = rig.shoot();
   ASSERT_TRUE(fifth);
-  EXPECT_EQ((*fifth)->sequence, 4U);
+  EXPECT_EQ((*fifth)->sequence, 5U);
   EXPECT_EQ(Pmd::bytes(**fifth), Pmd::expected(5));
   EXPECT_EQ(rig.shoot().error(), Status::kTimeout);
   const auto late = rig.wait_frame(rig.clock().now() + 200ms);

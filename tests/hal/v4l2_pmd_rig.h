@@ -24,6 +24,10 @@ class V4l2PmdRig : public V4l2Rig {
     auto opened = Camera::open(kernel_, clock_, options());
     EXPECT_TRUE(opened) << opened.error().message;
     camera_ = std::move(*opened);
+    // The first picture after opening is not believed.
+    static_cast<void>(shoot());
+    clock_.wait_until(clock_.now() + frame_time());
+    kernel_.count_anew();
   }
 
   hal::posix::V4l2PmdOptions options() {

@@ -86,6 +86,13 @@ class V4l2StereoRig : public V4l2Rig {
     auto opened = Camera::open(kernel_, clock_, options());
     EXPECT_TRUE(opened) << opened.error().message;
     camera_ = std::move(*opened);
+    believe();
+  }
+  // The first picture after opening is not believed.
+  void believe() {
+    static_cast<void>(shoot());
+    clock_.wait_until(clock_.now() + frame_time());
+    kernel_.count_anew();
   }
 
   hal::posix::V4l2StereoOptions options() {

@@ -11,7 +11,7 @@ import triggered
 
 BACK_BAR_S = 2.0  # from a camera's return, or the program's end, to the next frame
 UNPLUGGED_S = 0.5
-PRIORITY = 80
+PRIORITY = 45
 FIFO = 1
 WORKERS = "stof-depth"  # what their names begin with
 STEREO_EXPOSURE_US = 4_000

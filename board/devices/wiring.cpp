@@ -1,0 +1,39 @@
+#include "board/devices/wiring.h"
+
+namespace stof::board {
+namespace {
+
+constexpr const DeviceConfig& kDevices = kConfig.devices;
+constexpr const TimingConfig& kTiming = kConfig.timing;
+
+}  // namespace
+
+const PairConfig& pair_of(const Request& request) {
+  return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
+}
+
+int priority_of(const Request& request) { return request.priority.value_or(kDevices.priority); }
+
+// What is not wired is fanned out of the left camera's line.
+hal::posix::GpioTriggerOptions trigger_options(const Request& request) {
+  const PairConfig& pair = pair_of(request);
+  hal::posix::GpioTriggerOptions options;
+  options.active_low = pair.active_low;
+  options.width = pulse_length(pair, kTiming.stereo_exposure);
+  options.width_is_exposure = pair.pulse == hal::Duration::zero();
+  options.most_doubt = kTiming.edge_tolerance;
+  for (const Net& net :
+       {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
+    if (net.wired()) {
+      options.outputs.emplace_back(net.line);
+    }
+  }
+  for (const std::string& line : strobe_lines(request)) {
+    if (!line.empty()) {
+      options.strobes.push_back(line);
+    }
+  }
+  return options;
+}
+
+}  // namespace stof::board
