@@ -175,7 +175,9 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
     vitals.rate_mhz.store(appliance.stream().reporter().rate_mhz(), std::memory_order_relaxed);
     vitals.health.store(appliance.stream().reporter().summary(), std::memory_order_relaxed);
   }
-  watchdog.end();
+  if (watchdog.end() != Status::kOk) {
+    say("the watchdog cannot be stopped: the board restarts unless stofd is started again soon");
+  }
   if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
     say(heap_text(heap.own, heap.libraries, events.counters.edges));
   }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dsp/base/status.h"
 #include "hal/clock.h"
 #include "hal/watchdog.h"
 
@@ -25,12 +26,9 @@ class WatchdogFeeder {
     }
   }
 
-  // The loop ends as asked: nothing is to be restarted.
-  void end() noexcept {
-    if (watchdog_ != nullptr) {
-      static_cast<void>(watchdog_->disarm());
-    }
-  }
+  // The loop ends as asked: nothing is to be restarted. kUnsupported, kDeviceError: it will be,
+  // unless the program is started again in time.
+  Status end() noexcept { return watchdog_ == nullptr ? Status::kOk : watchdog_->disarm(); }
 
  private:
   hal::Watchdog* watchdog_;

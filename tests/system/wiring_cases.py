@@ -28,8 +28,8 @@ def strobes(bench, report):
     """Exposures are what the cameras' strobe lines say. Here a strobe goes through this program and QEMU: a busy
     machine makes it late, or both its edges come as one. A frame whose strobe is later than the board's tolerance
     of 12 ms must be dropped, and so are one or two that follow it, until pictures and exposures are counted alike
-    again. So more than half of the edges must give a frame in the best of a few rounds (nearly all do on a machine
-    that does nothing beside); a wrong frame is one too many in every round."""
+    again. So half of the edges must give a frame in the best of a few rounds, which says that strobes are used, not
+    how good they are on a board; a wrong frame is one too many in every round."""
     lines = ["--left-strobe", f"{CHIP}:{system_rig.LEFT_STROBE}", "--right-strobe",
              f"{CHIP}:{system_rig.RIGHT_STROBE}"]
     with bench.rig("strobes", arguments=lines) as rig:
