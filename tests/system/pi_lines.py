@@ -16,7 +16,8 @@ import machine
 BOARD, TREE = "raspi3b", "usr/lib/linux-image-*/broadcom/bcm2837-rpi-3-b.dtb"
 # board/rpi4/config.h, in the order in which they rise; and the strobes.
 TRIGGERS, STROBES = ("GPIO17", "GPIO27", "GPIO22"), ("GPIO23", "GPIO24")
-COMMAND = b"/bin/stofd --uncalibrated --pmd none --watchdog none"
+COMMAND = (b"/bin/stofd --uncalibrated --pmd none --watchdog none"
+           b" --left-strobe GPIO23 --right-strobe GPIO24")
 BOOT_S = 120.0
 LEAST_PULSES = 20
 APART_US = 1000  # of the lines of one edge, on an emulated processor
