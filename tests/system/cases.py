@@ -43,13 +43,20 @@ def first_frame(rig, report):
     return seconds
 
 
-def edges_give_frames(rig, report, edges=60):
-    since = rig.receiver.count()
-    verdict = shown(rig, report, since, edges, edges - 2)
+def edges_give_frames(rig, report, edges=60, rounds=2):
+    """Every edge gives a frame, and none is wrong in any round. A machine that does not get its turn on this one loses
+    frames, and says so: then one more round."""
+    for left in reversed(range(rounds)):
+        verdict = shown(rig, report, rig.receiver.count(), edges, 1)
+        steps = verdict["steps"]
+        missing = len(set(range(steps[0], steps[-1] + 1)) - set(steps))
+        if missing == 0 and verdict["frames"] >= edges - 2 or left == 0:
+            break
+        print(f"  {missing} edges without a frame, once more; the program said {rig.log()[-3:]}")
+    judge.check(verdict["frames"] >= edges - 2, f"{verdict['frames']} frames of {edges} edges; the program said "
+                f"{rig.log()[-5:]}")
     report.figure("edges", edges, f">= {edges}", True)
     report.none("frames that did not arrive whole", verdict["incomplete"])
-    steps = verdict["steps"]
-    missing = len(set(range(steps[0], steps[-1] + 1)) - set(steps))
     report.none("edges in between without a frame", missing)
     report.none("edges with two frames", len(steps) - len(set(steps)))
 
