@@ -12,7 +12,7 @@ import judge
 import rig as system_rig
 
 BOOT_BAR_S = 3.0  # from the kernel's start to the first frame
-BOOTS = 4
+BOOTS = 8
 EDGES = 1000
 REPLUGS = 20
 LIBCAMERA_BACK_BAR_S = 3.0  # it looks at all devices again
