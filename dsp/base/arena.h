@@ -12,14 +12,31 @@ namespace stof::dsp {
 
 // Hands out parts of one block of memory, in order, once: this is how a Matcher, a Converter and a
 // Fuser get their buffers from the caller's static workspace. Nothing is freed one by one.
-// Contents are not initialised. Running out is our own bug (sizes are asked for first): CHECK.
+// Contents are not initialised. Running out is our own bug (sizes are measured first): CHECK.
+//
+// A part takes its memory in its constructor, and nowhere else is told how much that is:
+// bytes_taken() runs the same constructor with an arena that only measures.
 class Arena {
  public:
   static constexpr std::size_t kAlign = 64;  // a cache line, and any vector register
 
   constexpr explicit Arena(std::span<std::byte> memory) noexcept : memory_(memory) {}
 
-  // What take<T>(count) uses up at most, for bytes_needed() functions.
+  // An arena that never runs out, over addresses at which no process has memory: whoever touches
+  // what it hands out faults. A constructor that also fills what it takes asks is_measuring().
+  static Arena measuring() noexcept {
+    return Arena({reinterpret_cast<std::byte*>(kNobodys), kNobodys});  // NOLINT: never touched
+  }
+  bool is_measuring() const noexcept {
+    return reinterpret_cast<std::uintptr_t>(memory_.data()) >= kNobodys;  // NOLINT: compared only
+  }
+  // Bytes that were taken of an arena that measures.
+  std::size_t taken() const noexcept {
+    STOF_CHECK(is_measuring());
+    return kNobodys - memory_.size();
+  }
+
+  // What take<T>(count) uses up.
   template <typename T>
   static constexpr std::size_t bytes_for(std::size_t count) noexcept {
     return (count * sizeof(T) + kAlign - 1) / kAlign * kAlign;
@@ -43,7 +60,19 @@ class Arena {
   }
 
  private:
+  // Above what x86-64 and AArch64 give a program, and not where tags of pointers are ignored.
+  static constexpr std::uintptr_t kNobodys = std::uintptr_t{1} << 55;
+
   std::span<std::byte> memory_;
 };
+
+// Bytes of an Arena that lay_out(Arena&) takes: construct a part there, or several.
+//   bytes_taken([&](Arena& arena) noexcept { Fuser(calibration, params, arena); })
+template <typename LayOut>
+std::size_t bytes_taken(LayOut&& lay_out) noexcept {
+  Arena arena = Arena::measuring();
+  lay_out(arena);
+  return arena.taken();
+}
 
 }  // namespace stof::dsp
