@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "hal/linux/peer_address.h"
+#include "hal/linux/ports/peer_address.h"
 
 namespace stof::board {
 

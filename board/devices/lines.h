@@ -7,10 +7,10 @@
 #include <vector>
 
 #include "board/board.h"
-#include "hal/linux/mdns_port.h"
-#include "hal/linux/network.h"
-#include "hal/linux/serial_tty.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/mdns_port.h"
+#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/serial_tty.h"
+#include "hal/linux/ports/udp_port.h"
 
 // How a board that runs Linux talks, whatever its cameras are.
 namespace stof::board {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "board/devices/request.h"
-#include "hal/linux/gpio_trigger.h"
+#include "hal/linux/gpio/gpio_trigger.h"
 
 // How the trigger of a board with real devices is driven, and what it listens to.
 namespace stof::board {

@@ -10,13 +10,13 @@
 #include "board/emu/request.h"
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
-#include "hal/emu/clock.h"
-#include "hal/emu/pmd_camera.h"
-#include "hal/emu/replay.h"
-#include "hal/emu/stereo_camera.h"
-#include "hal/emu/trigger.h"
-#include "hal/linux/clock.h"
-#include "hal/linux/file_store.h"
+#include "hal/emu/cameras/pmd_camera.h"
+#include "hal/emu/cameras/stereo_camera.h"
+#include "hal/emu/cameras/trigger.h"
+#include "hal/emu/devices/clock.h"
+#include "hal/emu/imagery/replay.h"
+#include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_store.h"
 
 namespace stof::board {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "board/board.h"
-#include "hal/linux/libcamera_find.h"
+#include "hal/linux/libcamera/libcamera_find.h"
 
 // The table of a board with a Raspberry Pi's connectors.
 namespace stof::board {

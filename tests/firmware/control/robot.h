@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "hal/linux/peer_address.h"
+#include "hal/linux/ports/peer_address.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/firmware/control/sensor.h"
 

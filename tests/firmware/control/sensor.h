@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/control_thread.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/udp_port.h"
 
 namespace stof::test {
 

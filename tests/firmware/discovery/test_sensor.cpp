@@ -8,10 +8,10 @@
 #include "firmware/discovery/beacon.h"
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/wire/messages/discover.h"
-#include "hal/linux/clock.h"
-#include "hal/linux/mdns_port.h"
-#include "hal/linux/network.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/mdns_port.h"
+#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/udp_port.h"
+#include "hal/linux/system/clock.h"
 
 namespace {
 

@@ -1,4 +1,4 @@
-#include "hal/linux/file_store.h"
+#include "hal/linux/system/file_store.h"
 
 #include <cerrno>
 #include <cstdlib>
