@@ -16,11 +16,11 @@
 namespace stof::board {
 
 struct LinesOpen {
-  std::unique_ptr<hal::posix::UdpPort> port;
+  std::unique_ptr<hal::linux::UdpPort> port;
   std::optional<hal::Peer> to;
-  std::optional<hal::posix::SerialTty> serial;
-  std::unique_ptr<hal::posix::Network> network = std::make_unique<hal::posix::Network>();
-  std::unique_ptr<hal::posix::MdnsPort> mdns;
+  std::optional<hal::linux::SerialTty> serial;
+  std::unique_ptr<hal::linux::Network> network = std::make_unique<hal::linux::Network>();
+  std::unique_ptr<hal::linux::MdnsPort> mdns;
   std::vector<std::string> notes;
 };
 

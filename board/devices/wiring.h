@@ -12,6 +12,6 @@ const PairConfig& pair_of(const Request& request);
 // SCHED_FIFO, of what computes; 0: none.
 int priority_of(const Request& request);
 
-hal::posix::GpioTriggerOptions trigger_options(const Request& request);
+hal::linux::GpioTriggerOptions trigger_options(const Request& request);
 
 }  // namespace stof::board

@@ -121,7 +121,7 @@ struct Rig {
   World world;
   LinesOpen lines;
   emu::Clock emulated_clock;
-  hal::posix::Clock machine_clock;
+  hal::linux::Clock machine_clock;
   hal::Clock& clock;
   emu::StereoCamera stereo;
   std::optional<emu::PmdCamera> pmd;
@@ -189,7 +189,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<hal::posix::FileStore>(name);
+  return std::make_unique<hal::linux::FileStore>(name);
 }
 
 // An emulated rig shares a laptop with others.

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 std::optional<Time> EdgeLog::at_or_before(Time time) const noexcept {
   const std::size_t known = std::min(count_, kDepth);
@@ -32,4 +32,4 @@ std::optional<Time> EdgeLog::nearest(Time time) const noexcept {
   return time - *before <= *after - time ? before : after;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

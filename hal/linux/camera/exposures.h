@@ -6,7 +6,7 @@
 
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // When light was collected, as far as the rig can tell. A frame's stamp says when the frame came to
 // the kernel, which is later by exposure, readout and bus: cameras look here for the exposure
@@ -50,4 +50,4 @@ class EdgeExposures final : public Exposures {
   Duration exposure_;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -5,7 +5,7 @@
 
 #include "dsp/base/check.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Who has which buffer of a camera: nobody, the device that fills it, the queue of whole frames
 // (oldest first), or a lease. A queue that is full with the leases loses its oldest frame; with
@@ -89,4 +89,4 @@ class FrameSlots {
   std::size_t leased_ = 0;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -1,6 +1,6 @@
 #include "hal/linux/camera/placer.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr std::uint32_t kMostSteps = 32;
@@ -57,4 +57,4 @@ Placed Placer::place(Time stamp, std::uint32_t number) noexcept {
   return {.exposure = *found, .sure = true};
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -5,7 +5,7 @@
 
 #include "hal/linux/camera/exposures.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Where one picture of a camera belongs.
 struct Placed {
@@ -54,4 +54,4 @@ class Placer {
   int doubtful_ = 0;       // in a row
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

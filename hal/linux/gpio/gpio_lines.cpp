@@ -10,7 +10,7 @@
 #include <dirent.h>
 #include <gpiod.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 std::string why_not(const std::string& path, int error) {
@@ -107,4 +107,4 @@ std::expected<GpioLines, OpenError> find_gpio_lines(const std::string& path,
   return std::unexpected(OpenError{trouble});
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -10,7 +10,7 @@
 
 struct gpiod_chip;
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct CloseGpioChip {
   void operator()(gpiod_chip* chip) const noexcept;
@@ -29,4 +29,4 @@ std::expected<GpioLines, OpenError> find_gpio_lines(const std::string& path,
                                                     const std::string& devices,
                                                     std::span<const std::string> lines);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -11,7 +11,7 @@
 #include "hal/linux/gpio/gpio_lines.h"
 #include "hal/linux/system/clock.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr Duration kLeastWidth = std::chrono::microseconds(1);
@@ -238,4 +238,4 @@ const StrobeLog& GpioTrigger::strobe(std::size_t strobe) const noexcept {
   return strobes_[strobe];
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -16,7 +16,7 @@
 struct gpiod_line_request;
 struct gpiod_edge_event_buffer;
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct GpioTriggerOptions {
   std::string chip;              // such as /dev/gpiochip0; empty: the first that has all lines
@@ -104,4 +104,4 @@ class StrobeExposures final : public Exposures {
   std::size_t strobe_;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 void StrobeLog::note_rise(Time at, std::uint64_t number) noexcept {
   rise_ = at;
@@ -27,4 +27,4 @@ std::optional<Exposure> StrobeLog::ended_at(Time stamp) const noexcept {
   return std::nullopt;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -7,7 +7,7 @@
 
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // The last exposures that a sensor told on its strobe line: high while it collects light. Edges
 // come with a number that advances by one, so that a lost one is noticed. Allocates nothing.
@@ -30,4 +30,4 @@ class StrobeLog {
   std::uint64_t rise_number_ = 0;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -1,6 +1,6 @@
 #include "hal/linux/libcamera/libcamera_stereo.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
     const LibcameraOptions& /*options*/) {
@@ -8,4 +8,4 @@ std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
       OpenError{"this stofd was built without libcamera: use stofd-libcamera, or --cameras v4l2"});
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -12,7 +12,7 @@
 
 #include "hal/linux/system/heap_watch.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 using libcamera::StreamRole;
@@ -252,4 +252,4 @@ void LibcameraEye::requeue(int slot) noexcept {
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

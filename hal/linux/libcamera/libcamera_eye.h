@@ -14,7 +14,7 @@
 #include "hal/linux/libcamera/libcamera_mailbox.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Wakes the loop from libcamera's thread (eventfd).
 class LibcameraBell {
@@ -115,4 +115,4 @@ class LibcameraEye {
   std::atomic<bool> lost_{false};
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

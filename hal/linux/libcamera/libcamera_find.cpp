@@ -8,7 +8,7 @@
 
 #include <regex.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr std::string_view kModel = "model:";
@@ -95,4 +95,4 @@ std::expected<std::size_t, OpenError> find_libcamera(std::span<const LibcameraNa
                                    "': name one of: " + list(cameras)});
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -7,7 +7,7 @@
 
 #include "hal/linux/open_error.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct LibcameraName {
   std::string id;
@@ -19,4 +19,4 @@ struct LibcameraName {
 std::expected<std::size_t, OpenError> find_libcamera(std::span<const LibcameraName> cameras,
                                                      const std::string& wanted);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

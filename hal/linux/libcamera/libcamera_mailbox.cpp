@@ -5,7 +5,7 @@
 
 #include "dsp/base/check.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 void LibcameraMailbox::reset(int slots, int reserve) noexcept {
   STOF_CHECK(slots <= kMostSlots && reserve >= 0 && reserve < slots);
@@ -70,4 +70,4 @@ std::optional<int> LibcameraMailbox::move_oldest(std::uint64_t to) noexcept {
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -7,7 +7,7 @@
 
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // What a camera tells about a filled buffer.
 struct LibcameraArrival {
@@ -64,4 +64,4 @@ constexpr Time from_libcamera(Duration stamp, Duration monotonic, Duration boott
   return Time(stamp <= monotonic ? stamp : stamp - (boottime - monotonic));
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

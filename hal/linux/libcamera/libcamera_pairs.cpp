@@ -5,7 +5,7 @@
 
 #include "dsp/base/check.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 std::optional<Exposure> LibcameraPairs::exposure_of(std::size_t side,
                                                     const LibcameraArrival& arrival) noexcept {
@@ -97,4 +97,4 @@ bool LibcameraPairs::old_ones_out() const noexcept {
   return std::ranges::any_of(lent_, [](const Lent& lent) { return lent.out && lent.old; });
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

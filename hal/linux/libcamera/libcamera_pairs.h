@@ -10,7 +10,7 @@
 #include "hal/linux/camera/placer.h"
 #include "hal/linux/libcamera/libcamera_mailbox.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 inline constexpr std::size_t kLeft = 0;
 inline constexpr std::size_t kRight = 1;
@@ -88,4 +88,4 @@ class LibcameraPairs {
   std::array<Lent, 2 * std::size_t{LibcameraMailbox::kMostSlots}> lent_{};
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -15,7 +15,7 @@
 #include "hal/linux/libcamera/libcamera_eye.h"
 #include "hal/linux/system/clock.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 LibcameraBell::LibcameraBell() noexcept : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
 
@@ -115,4 +115,4 @@ void LibcameraPixels::end_reading(int slot) noexcept {
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

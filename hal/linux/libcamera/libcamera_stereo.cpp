@@ -15,7 +15,7 @@
 #include "hal/linux/libcamera/libcamera_find.h"
 #include "hal/linux/libcamera/libcamera_pairs.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 // Libcamera aborts where there are two camera managers.
@@ -175,4 +175,4 @@ std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
   return stereo;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

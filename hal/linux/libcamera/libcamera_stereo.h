@@ -8,7 +8,7 @@
 #include "hal/linux/open_error.h"
 #include "hal/stereo_camera.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct LibcameraOptions {
   // Which of libcamera's cameras (`cam -l`): a part of its id, a POSIX extended regular expression
@@ -47,4 +47,4 @@ class ReopenableStereo : public StereoCamera {
 std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
     const LibcameraOptions& options);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -14,7 +14,7 @@
 
 #include "hal/linux/ports/peer_address.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr std::array<std::uint8_t, 4> kGroup4{224, 0, 0, 251};
@@ -227,4 +227,4 @@ Result<Received> MdnsPort::receive(std::span<std::byte> space, Duration timeout)
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

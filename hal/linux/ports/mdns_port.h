@@ -8,7 +8,7 @@
 #include "hal/linux/open_error.h"
 #include "hal/network.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Port 5353 and the groups 224.0.0.251 and ff02::fb of multicast DNS, shared with the other
 // responders of this machine. For one thread.
@@ -38,4 +38,4 @@ class MdnsPort final : public hal::MulticastPort {
   bool ipv6_first_ = false;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

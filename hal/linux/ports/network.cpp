@@ -13,7 +13,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 using Address = std::array<std::uint8_t, 16>;
@@ -164,4 +164,4 @@ std::size_t Network::addresses(std::span<InterfaceAddress> space) noexcept {
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -5,7 +5,7 @@
 
 #include "hal/network.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Asks the kernel (rtnetlink). Without sockets of that kind there are no addresses.
 class Network final : public hal::Network {
@@ -27,4 +27,4 @@ class Network final : public hal::Network {
   alignas(8) std::array<std::byte, 16384> buffer_{};
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -10,7 +10,7 @@
 #include <netdb.h>
 #include <netinet/in.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 // ::ffff:a.b.c.d
@@ -132,4 +132,4 @@ std::optional<Peer> to_peer(const sockaddr_storage& address) noexcept {
   return std::nullopt;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -9,7 +9,7 @@
 #include "hal/datagram_port.h"
 #include "hal/linux/open_error.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // "HOST:PORT", HOST numeric or a name, an IPv6 address in brackets: "[::1]:5600",
 // "[fe80::1%eth0]:5600". The first address of a name counts. Start-up only: may block on a name
@@ -27,4 +27,4 @@ std::optional<SocketAddress> to_socket_address(const Peer& peer, int family) noe
 // None: neither IPv4 nor IPv6.
 std::optional<Peer> to_peer(const sockaddr_storage& address) noexcept;
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -12,7 +12,7 @@
 
 #include "hal/linux/ports/peer_address.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 // One answer that came.
@@ -72,4 +72,4 @@ bool Refusals::take(Peer& peer) noexcept {
   return true;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

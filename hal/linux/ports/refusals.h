@@ -5,7 +5,7 @@
 
 #include "hal/datagram_port.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Peers that answered "nobody listens here" (ICMP), from a UDP socket's queue of errors
 // (IP_RECVERR, IPV6_RECVERR). For one thread.
@@ -23,4 +23,4 @@ class Refusals {
   std::size_t count_ = 0;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

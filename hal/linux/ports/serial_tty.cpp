@@ -12,7 +12,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 struct NamedSpeed {
@@ -214,4 +214,4 @@ Status SerialTty::set_baud(std::uint32_t baud) noexcept {
   return Status::kUnsupported;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

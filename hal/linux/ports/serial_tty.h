@@ -7,7 +7,7 @@
 
 #include "hal/serial_port.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct SerialOptions {
   std::string device;  // such as /dev/ttyAMA0
@@ -45,4 +45,4 @@ class SerialTty final : public SerialPort {
   int fd_ = -1;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

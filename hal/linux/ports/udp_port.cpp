@@ -12,7 +12,7 @@
 
 #include "hal/linux/ports/peer_address.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 // Answers to earlier datagrams that one call may meet: the socket tells each once.
@@ -276,4 +276,4 @@ void UdpPort::note_overruns(const msghdr& message) noexcept {
   kernel_overruns_ = count;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -14,7 +14,7 @@
 #include "hal/linux/open_error.h"
 #include "hal/linux/ports/refusals.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct UdpPortOptions {
   std::uint16_t port = 0;      // 0: any free one
@@ -77,4 +77,4 @@ class UdpPort final : public hal::DatagramPort {
   std::atomic<std::uint64_t> overruns_{0};
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

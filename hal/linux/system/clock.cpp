@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <ctime>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 constexpr std::int64_t kNanosecondsPerSecond = 1'000'000'000;
 }  // namespace
@@ -28,4 +28,4 @@ void Clock::wait_until(Time time) noexcept {
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -3,7 +3,7 @@
 #include "hal/clock.h"
 
 // Devices of a Linux host. The folder is `linux`, the namespace `posix`: `linux` is a macro.
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // CLOCK_MONOTONIC. Waits sleep; any thread may use it.
 class Clock final : public hal::Clock {
@@ -12,4 +12,4 @@ class Clock final : public hal::Clock {
   void wait_until(Time time) noexcept override;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -2,7 +2,7 @@
 
 #include <chrono>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 constexpr int kReadings = 5;     // an interrupt spoils one, not five
 constexpr int kMostSlew = 1000;  // ppm
@@ -42,4 +42,4 @@ bool ClockOffset::measure() noexcept {
   return std::chrono::abs(ahead_ - old_ahead) <= kLeastStep + slewed;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

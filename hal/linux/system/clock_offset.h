@@ -4,7 +4,7 @@
 
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Time of another clock of this machine, since its own beginning.
 using ClockReader = Duration (*)(clockid_t clock) noexcept;
@@ -42,4 +42,4 @@ class ClockOffset {
   Duration measured_{};  // when
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 class Fd {
@@ -111,4 +111,4 @@ Status FileStore::set_aside() noexcept {
   return judge(std::rename(name_.data(), bad_.data()) == 0 && flush_folder(folder_.data()));
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

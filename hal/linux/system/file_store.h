@@ -6,7 +6,7 @@
 
 #include "hal/store.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // A file. New contents are written beside it (NAME.new), flushed to the medium and renamed, and the
 // folder is flushed: after a power cut the file is the old or the new one. What is set aside
@@ -33,4 +33,4 @@ class FileStore final : public Store {
   Name folder_{};
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstdlib>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 // volatile: compilers know malloc, and that it writes no variable of ours.
@@ -52,4 +52,4 @@ HeapCounts heap_counts() noexcept {
 MarkedHeap::MarkedHeap() noexcept { depth = depth + 1; }
 MarkedHeap::~MarkedHeap() { depth = depth - 1; }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // How often the watched thread called the heap since it asked to be watched: malloc and its like,
 // and operator new as far as the C++ library is linked statically; free is not counted. Counting
@@ -31,4 +31,4 @@ class MarkedHeap {
 // Of heap_wrap.cpp, before each call.
 void note_heap_call() noexcept;
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

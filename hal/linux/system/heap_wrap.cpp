@@ -7,7 +7,7 @@
 
 #include "hal/linux/system/heap_watch.h"
 
-using stof::hal::posix::note_heap_call;
+using stof::hal::linux::note_heap_call;
 
 extern "C" {
 void* __real_malloc(std::size_t size);

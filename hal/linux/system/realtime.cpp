@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr std::size_t kMostStack = std::size_t{1} << 20;
@@ -69,4 +69,4 @@ RealtimeNote set_ordinary_priority() {
   return line("real-time priority stays", error, "restart the program");
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

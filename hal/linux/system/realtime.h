@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // What a thread with deadlines asks of the system. A refusal is never fatal: it is a note, one
 // line that says what, why and what to do. All of them may allocate and block: at start only.
@@ -20,4 +20,4 @@ RealtimeNote set_fifo_priority(int priority);
 // As ordinary threads are.
 RealtimeNote set_ordinary_priority();
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -8,7 +8,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 const char* advice(int error) noexcept {
@@ -96,4 +96,4 @@ Status WatchdogDevice::disarm() noexcept {
   return Status::kOk;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

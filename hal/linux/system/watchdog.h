@@ -7,7 +7,7 @@
 #include "hal/linux/open_error.h"
 #include "hal/watchdog.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct WatchdogOptions {
   std::string device = "/dev/watchdog0";
@@ -42,4 +42,4 @@ class WatchdogDevice final : public hal::Watchdog {
   bool can_stop_;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

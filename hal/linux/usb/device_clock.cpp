@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr Duration kLongestWay = std::chrono::seconds(1);
@@ -68,4 +68,4 @@ std::optional<Duration> DeviceClock::uncertainty(std::uint64_t theirs) const noe
   return span ? std::optional(doubt_ + drift_in(*span)) : std::nullopt;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

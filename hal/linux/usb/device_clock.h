@@ -5,7 +5,7 @@
 
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Another clock's stamps, nanoseconds that may wrap, on hal::Time. For one thread; nothing blocks.
 class DeviceClock {
@@ -43,4 +43,4 @@ class DeviceClock {
   Duration doubt_{};          // to within this
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

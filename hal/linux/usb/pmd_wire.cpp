@@ -1,6 +1,6 @@
 #include "hal/linux/usb/pmd_wire.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 template <typename T>
@@ -139,4 +139,4 @@ std::array<std::byte, kPmdHeaderBytes> compose_pmd_header(const PmdHeader& heade
   return bytes;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -7,7 +7,7 @@
 #include <span>
 
 // How a PMD camera on USB speaks: docs/HARDWARE.md, "A PMD camera on USB".
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 inline constexpr std::uint8_t kPmdInterfaceClass = 0xFF;
 inline constexpr std::uint8_t kPmdInterfaceSubclass = 0x50;
@@ -104,4 +104,4 @@ std::array<std::byte, kPmdInfoBytes> compose_pmd_info(const PmdInfo& info) noexc
 std::array<std::byte, kPmdHeaderBytes> compose_pmd_header(const PmdHeader& header,
                                                           const PmdInfo& info) noexcept;
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -11,7 +11,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr int kMostBusNumber = 999;  // three digits of the node's name
@@ -91,4 +91,4 @@ std::expected<std::string, OpenError> find_usb(const UsbId& id, const UsbRoots& 
   return roots.nodes + place.data();
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -6,7 +6,7 @@
 
 #include "hal/linux/open_error.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct UsbId {
   std::uint16_t vendor = 0;
@@ -26,4 +26,4 @@ std::expected<std::string, OpenError> find_usb(const UsbId& id, const UsbRoots& 
 // "1209:0050", with the serial number if there is one.
 std::string to_string(const UsbId& id);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

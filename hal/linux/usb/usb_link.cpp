@@ -11,7 +11,7 @@
 #include "hal/linux/system/heap_watch.h"
 #include "hal/linux/usb/pmd_wire.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 const char* advice(int error) noexcept {
@@ -146,4 +146,4 @@ bool UsbLink::run(std::int64_t timeout_us, int& done) noexcept {
   return error_ == 0 || error_ == LIBUSB_ERROR_INTERRUPTED || error_ == LIBUSB_ERROR_TIMEOUT;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -12,7 +12,7 @@
 struct libusb_context;
 struct libusb_device_handle;
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // Class, subclass, protocol of an interface.
 struct UsbFunction {
@@ -63,4 +63,4 @@ class UsbLink {
   int error_ = 0;  // libusb's
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

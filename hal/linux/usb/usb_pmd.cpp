@@ -10,7 +10,7 @@
 #include "hal/linux/system/clock.h"
 #include "hal/linux/system/heap_watch.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "pictures are read as they come");
@@ -207,4 +207,4 @@ Result<Lease<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -21,7 +21,7 @@
 
 struct libusb_transfer;  // NOLINT(readability-identifier-naming): libusb's own
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct UsbPmdOptions {
   UsbId id{.vendor = 0x1209, .product = 0x0050, .serial = {}};
@@ -131,4 +131,4 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   std::uint16_t flags_ = 0;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -9,7 +9,7 @@
 #include "hal/linux/system/heap_watch.h"
 #include "hal/linux/usb/usb_pmd.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr int kClockTries = 8;
@@ -219,4 +219,4 @@ void UsbPmd::shut() noexcept {
   closing_ = false;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -6,7 +6,7 @@
 
 #include "dsp/base/check.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 static_assert(std::endian::native == std::endian::little);
@@ -102,4 +102,4 @@ void to_samples(FourCc format, std::span<const std::uint8_t> row,
   std::memcpy(out.data(), row.data(), 2 * out.size());
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -7,7 +7,7 @@
 
 // Pixel formats of V4L2 that hold one brightness a pixel, and what is made of them
 // (kernel documentation, userspace-api/media/v4l/yuv-formats.html).
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 using FourCc = std::uint32_t;
 
@@ -46,4 +46,4 @@ void to_grey(FourCc format, std::span<const std::uint8_t> row,
 void to_samples(FourCc format, std::span<const std::uint8_t> row,
                 std::span<std::uint16_t> out) noexcept;
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -10,7 +10,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 class KernelCalls final : public V4l2Calls {
@@ -75,4 +75,4 @@ std::string with_advice(const char* what, int error) {
   return std::string(what) + ": " + std::strerror(error) + "; " + advice(error);
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

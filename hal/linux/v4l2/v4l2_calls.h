@@ -9,7 +9,7 @@
 
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // What V4L2 cameras ask of the kernel; tests put a driver of their own here. As the system calls of
 // these names: what fails leaves its reason in errno.
@@ -36,4 +36,4 @@ int ask_driver(V4l2Calls& calls, int fd, unsigned long request, void* argument) 
 // "what: the error's text; what to do about it".
 std::string with_advice(const char* what, int error);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -6,7 +6,7 @@
 
 #include <linux/videodev2.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr Duration kExposureUnit = std::chrono::microseconds(100);
@@ -91,4 +91,4 @@ std::expected<void, std::string> set_v4l2_gain(V4l2Calls& calls, int fd, std::in
   return {};
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -10,7 +10,7 @@
 #include "hal/linux/v4l2/v4l2_controls.h"
 #include "hal/linux/v4l2/v4l2_find.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr int kMostErrors = 8;  // EIO in a row: a queue that was given up answers nothing else
@@ -235,4 +235,4 @@ bool V4l2Device::enqueue(std::uint32_t index) noexcept {
   return errno == 0;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

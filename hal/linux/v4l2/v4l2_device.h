@@ -14,7 +14,7 @@
 #include "hal/linux/v4l2/v4l2_format.h"
 #include "hal/time.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct V4l2Options {
   std::string node;  // as find_v4l2_node() takes it
@@ -112,4 +112,4 @@ class V4l2Device {
   V4l2Counters counters_;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

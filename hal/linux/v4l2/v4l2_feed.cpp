@@ -8,7 +8,7 @@
 #include "dsp/base/check.h"
 #include "hal/linux/system/clock_offset.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr Duration kAges = std::chrono::hours(24);
@@ -90,4 +90,4 @@ void wait_for_any(V4l2Calls& calls, std::span<V4l2Feed* const> feeds, Duration t
   }
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -9,7 +9,7 @@
 #include "hal/linux/camera/placer.h"
 #include "hal/linux/v4l2/v4l2_device.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // A picture and the exposure behind it.
 struct V4l2Arrival {
@@ -65,4 +65,4 @@ class V4l2Feed {
 // error are lost afterwards.
 void wait_for_any(V4l2Calls& calls, std::span<V4l2Feed* const> feeds, Duration timeout) noexcept;
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -12,7 +12,7 @@
 
 #include <linux/videodev2.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr std::string_view kUsb = "usb:";
@@ -146,4 +146,4 @@ std::expected<std::string, OpenError> find_v4l2_node(V4l2Calls& calls, const std
   return found;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

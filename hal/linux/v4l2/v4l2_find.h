@@ -6,7 +6,7 @@
 #include "hal/linux/open_error.h"
 #include "hal/linux/v4l2/v4l2_calls.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 // The capture node (/dev/video0) that a text means:
 //   /dev/video0             that node
@@ -18,4 +18,4 @@ namespace stof::hal::posix {
 std::expected<std::string, OpenError> find_v4l2_node(V4l2Calls& calls, const std::string& text,
                                                      const std::string& sysfs);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

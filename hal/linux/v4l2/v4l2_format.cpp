@@ -5,7 +5,7 @@
 
 #include <linux/videodev2.h>
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 std::string size_text(std::uint32_t width, std::uint32_t height) {
@@ -69,4 +69,4 @@ std::expected<V4l2Format, std::string> set_v4l2_format(V4l2Calls& calls, int fd,
                          "; set the size to one of these, or use another one");
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -8,7 +8,7 @@
 #include "hal/linux/v4l2/grey_formats.h"
 #include "hal/linux/v4l2/v4l2_calls.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct V4l2Format {
   FourCc pixels = 0;
@@ -20,4 +20,4 @@ struct V4l2Format {
 std::expected<V4l2Format, std::string> set_v4l2_format(V4l2Calls& calls, int fd, int width,
                                                        int height, std::span<const FourCc> formats);
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -6,7 +6,7 @@
 
 #include "dsp/base/check.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 constexpr int kSamples = 4;
@@ -123,4 +123,4 @@ void V4l2Pmd::give_back(int slot) noexcept {
   --out_;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -13,7 +13,7 @@
 #include "hal/linux/v4l2/v4l2_feed.h"
 #include "hal/pmd_camera.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct V4l2PmdOptions {
   std::string node;  // as find_v4l2_node() takes it
@@ -71,4 +71,4 @@ class V4l2Pmd final : public hal::PmdCamera, private SlotOwner {
   bool corrupt_ = false;  // to be told
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -7,7 +7,7 @@
 
 #include "dsp/base/check.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 std::string exposure_text(const std::optional<Duration>& exposure) {
@@ -240,4 +240,4 @@ V4l2StereoCounters V4l2Stereo::counters() const noexcept {
   return all;
 }
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -14,7 +14,7 @@
 #include "hal/linux/v4l2/v4l2_feed.h"
 #include "hal/stereo_camera.h"
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 
 struct V4l2StereoOptions {
   // Left and right, as find_v4l2_node() takes them. No right one: one node gives both side by side,
@@ -110,4 +110,4 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   V4l2StereoCounters counters_;
 };
 
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

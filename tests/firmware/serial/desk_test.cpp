@@ -330,7 +330,7 @@ TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
     GTEST_SKIP() << "this system makes no pseudo-terminals";
   }
   ASSERT_FALSE(pty.name().empty());
-  auto tty = hal::posix::SerialTty::open({.device = pty.name(), .baud = 3'000'000});
+  auto tty = hal::linux::SerialTty::open({.device = pty.name(), .baud = 3'000'000});
   ASSERT_TRUE(tty) << tty.error();
   SenderBench bench;
   Random random(12);

@@ -12,7 +12,7 @@ using EmuStereo = StereoRig<hal::emu::Clock>;
 using EmuPmd = PmdRig<hal::emu::Clock>;
 
 using Cameras =
-    testing::Types<EmuStereo, EmuPmd, StereoRig<hal::posix::Clock>, PmdRig<hal::posix::Clock>>;
+    testing::Types<EmuStereo, EmuPmd, StereoRig<hal::linux::Clock>, PmdRig<hal::linux::Clock>>;
 INSTANTIATE_TYPED_TEST_SUITE_P(Emu, CameraContract, Cameras);
 
 constexpr hal::Time kLate = hal::emu::Clock::kStart + 1h;

@@ -155,7 +155,7 @@ int gpiod_line_request_set_values_subset(gpiod_line_request*, size_t count, cons
     errno = chip->set_error;
     return -1;
   }
-  stof::hal::posix::Clock clock;
+  stof::hal::linux::Clock clock;
   clock.wait_until(clock.now() + chip->set_takes);
   for (size_t i = 0; i < count; ++i) {
     chip->high.at(offsets[i]) =

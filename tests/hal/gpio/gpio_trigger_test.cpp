@@ -15,9 +15,9 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using hal::posix::GpioTrigger;
-using hal::posix::GpioTriggerOptions;
-using hal::posix::StrobeExposures;
+using hal::linux::GpioTrigger;
+using hal::linux::GpioTriggerOptions;
+using hal::linux::StrobeExposures;
 
 GpioTriggerOptions options_of(const FakeGpioChip& chip) {
   GpioTriggerOptions options;
@@ -148,12 +148,12 @@ TEST(GpioTrigger, AllocatesNothingWhileItRuns) {
   for (int i = 0; i < 100; ++i) {
     chip.tell(2, i % 2 == 0, hal::Time(1000s) + i * 1ms);
   }
-  hal::posix::watch_heap_of_this_thread();
+  hal::linux::watch_heap_of_this_thread();
   for (int i = 0; i < 10; ++i) {
     static_cast<void>(trigger->pulse());
   }
   static_cast<void>(left.ended_at(hal::Time(2000s)));
-  const hal::posix::HeapCounts counts = hal::posix::heap_counts();
+  const hal::linux::HeapCounts counts = hal::linux::heap_counts();
   EXPECT_TRUE(counts.counted);
   EXPECT_EQ(counts.calls, 0U);
 }

@@ -21,15 +21,15 @@ namespace {
 
 using hal::Duration;
 using hal::Time;
-using hal::posix::EdgeExposures;
-using hal::posix::EdgeLog;
-using hal::posix::find_libcamera;
-using hal::posix::from_libcamera;
-using hal::posix::kLeft;
-using hal::posix::kRight;
-using hal::posix::LibcameraMailbox;
-using hal::posix::LibcameraName;
-using hal::posix::LibcameraPairs;
+using hal::linux::EdgeExposures;
+using hal::linux::EdgeLog;
+using hal::linux::find_libcamera;
+using hal::linux::from_libcamera;
+using hal::linux::kLeft;
+using hal::linux::kRight;
+using hal::linux::LibcameraMailbox;
+using hal::linux::LibcameraName;
+using hal::linux::LibcameraPairs;
 using std::chrono::milliseconds;
 
 constexpr Duration kPeriod = milliseconds(33);
@@ -39,7 +39,7 @@ constexpr Duration kTransfer = milliseconds(9);
 Time edge(int n) { return Time(std::chrono::seconds(100)) + n * kPeriod; }
 
 // Two cameras with buffers, as libcamera runs them: each fills the buffer that was queued first.
-class Cameras : public hal::posix::LibcameraRequeuer {
+class Cameras : public hal::linux::LibcameraRequeuer {
  public:
   Cameras(int slots, int reserve) {
     for (const std::size_t side : {kLeft, kRight}) {
@@ -294,7 +294,7 @@ TEST(FindLibcamera, TakesAPartAnExpressionOrTheNumberOfAModel) {
 }
 
 TEST(NoLibcamera, SaysWhatToUse) {
-  const auto camera = hal::posix::open_libcamera({});
+  const auto camera = hal::linux::open_libcamera({});
   ASSERT_FALSE(camera);
   EXPECT_EQ(camera.error().message,
             "this stofd was built without libcamera: use stofd-libcamera, or --cameras v4l2");

@@ -14,7 +14,7 @@ namespace stof::test {
 namespace {
 
 using hal::emu::FaultKind;
-using hal::posix::SerialTty;
+using hal::linux::SerialTty;
 
 std::span<const std::byte> bytes(const std::string& text) { return std::as_bytes(std::span(text)); }
 

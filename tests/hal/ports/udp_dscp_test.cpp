@@ -14,7 +14,7 @@ namespace stof::test {
 namespace {
 
 using hal::Peer;
-using hal::posix::UdpPort;
+using hal::linux::UdpPort;
 
 // A plain socket that is told each datagram's class.
 class Listener {

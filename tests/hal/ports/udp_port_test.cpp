@@ -18,9 +18,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using hal::Peer;
-using hal::posix::resolve;
-using hal::posix::UdpPort;
-using hal::posix::UdpPortOptions;
+using hal::linux::resolve;
+using hal::linux::UdpPort;
+using hal::linux::UdpPortOptions;
 
 std::unique_ptr<UdpPort> open_port(const UdpPortOptions& options = {}) {
   auto port = UdpPort::open(options);

@@ -27,7 +27,7 @@ TEST(EmuClock, NeverGoesBack) {
 }
 
 TEST(PosixClock, NeverGoesBack) {
-  hal::posix::Clock clock;
+  hal::linux::Clock clock;
   hal::Time last = clock.now();
   EXPECT_GT(last, hal::Time{});
   for (int i = 0; i < 1000; ++i) {
@@ -38,7 +38,7 @@ TEST(PosixClock, NeverGoesBack) {
 }
 
 TEST(PosixClock, WaitsAtLeastUntilTheTime) {
-  hal::posix::Clock clock;
+  hal::linux::Clock clock;
   for (const hal::Duration wait : {hal::Duration(1ns), hal::Duration(1ms), hal::Duration(3ms)}) {
     const hal::Time until = clock.now() + wait;
     clock.wait_until(until);
@@ -47,7 +47,7 @@ TEST(PosixClock, WaitsAtLeastUntilTheTime) {
 }
 
 TEST(PosixClock, DoesNotWaitForThePast) {
-  hal::posix::Clock clock;
+  hal::linux::Clock clock;
   clock.wait_until(clock.now() - 1h);
   clock.wait_until(hal::Time{});
   clock.wait_until(hal::Time::min());

@@ -8,11 +8,11 @@ namespace stof::test {
 namespace {
 
 TEST(HeapWatch, WithoutTheLinkersHelpSaysThatNothingIsCounted) {
-  hal::posix::watch_heap_of_this_thread();
+  hal::linux::watch_heap_of_this_thread();
   void* volatile const block = std::malloc(1);
   std::free(block);
-  EXPECT_FALSE(hal::posix::heap_counts().counted);
-  EXPECT_EQ(hal::posix::heap_counts().calls, 0U);
+  EXPECT_FALSE(hal::linux::heap_counts().counted);
+  EXPECT_EQ(hal::linux::heap_counts().calls, 0U);
 }
 
 }  // namespace

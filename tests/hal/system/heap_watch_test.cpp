@@ -11,10 +11,10 @@
 namespace stof::test {
 namespace {
 
-using hal::posix::heap_counts;
-using hal::posix::HeapCounts;
-using hal::posix::MarkedHeap;
-using hal::posix::watch_heap_of_this_thread;
+using hal::linux::heap_counts;
+using hal::linux::HeapCounts;
+using hal::linux::MarkedHeap;
+using hal::linux::watch_heap_of_this_thread;
 
 // What is returned is looked at: compilers leave out blocks that nobody looks at.
 void use(void* block) {

@@ -11,11 +11,11 @@
 namespace stof::test {
 namespace {
 
-using hal::posix::lock_memory;
-using hal::posix::prefault_stack;
-using hal::posix::RealtimeNote;
-using hal::posix::set_fifo_priority;
-using hal::posix::set_ordinary_priority;
+using hal::linux::lock_memory;
+using hal::linux::prefault_stack;
+using hal::linux::RealtimeNote;
+using hal::linux::set_fifo_priority;
+using hal::linux::set_ordinary_priority;
 
 // AddressSanitizer puts a mlockall() that does nothing in the system's place.
 #if defined(__SANITIZE_ADDRESS__)

@@ -59,7 +59,7 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using hal::posix::WatchdogDevice;
+using hal::linux::WatchdogDevice;
 
 class WatchdogTest : public testing::Test {
  protected:
@@ -115,7 +115,7 @@ TEST_F(WatchdogTest, DriverThatCannotStopSaysSo) {
 }
 
 TEST_F(WatchdogTest, SaysInOneLineWhyItDoesNotOpen) {
-  const auto message = [](const hal::posix::WatchdogOptions& options) {
+  const auto message = [](const hal::linux::WatchdogOptions& options) {
     const auto dog = WatchdogDevice::open(options);
     EXPECT_FALSE(dog);
     return dog ? std::string() : dog.error().message;

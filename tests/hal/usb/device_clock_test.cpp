@@ -14,9 +14,9 @@ namespace {
 using namespace std::chrono_literals;
 using hal::Duration;
 using hal::Time;
-using hal::posix::ClockOffset;
-using hal::posix::DeviceClock;
-using hal::posix::StrobeLog;
+using hal::linux::ClockOffset;
+using hal::linux::DeviceClock;
+using hal::linux::StrobeLog;
 
 constexpr Time kStart{1000s};
 constexpr std::uint64_t kTheirs = 5'000'000'000;
@@ -97,8 +97,8 @@ TEST(DeviceClock, OneWrongEdgeCostsOneStep) {
 TEST(ClockOffset, ConvertsThereAndBack) {
   for (const clockid_t id : {CLOCK_BOOTTIME, CLOCK_REALTIME}) {
     const ClockOffset offset(id);
-    const Duration monotonic = hal::posix::read_clock(CLOCK_MONOTONIC);
-    const Duration other = hal::posix::read_clock(id);
+    const Duration monotonic = hal::linux::read_clock(CLOCK_MONOTONIC);
+    const Duration other = hal::linux::read_clock(id);
     EXPECT_LT(std::chrono::abs(offset.to_monotonic(other) - Time(monotonic)), 50ms);
     EXPECT_EQ(offset.from_monotonic(offset.to_monotonic(other)), other);
     EXPECT_LT(offset.uncertainty(), 50ms);

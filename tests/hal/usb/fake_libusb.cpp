@@ -23,7 +23,7 @@ struct libusb_device_handle {
 namespace stof::test {
 namespace {
 
-using hal::posix::PmdRequest;
+using hal::linux::PmdRequest;
 using Wrong = FakeUsbCamera::Wrong;
 
 FakeUsbCamera* camera = nullptr;
@@ -71,7 +71,7 @@ int answer(std::uint8_t request, unsigned char* data, int length) {
       return copy(bytes);
     }
     case PmdRequest::kClock: {
-      const std::uint64_t now = camera->clock_at(hal::posix::Clock().now());
+      const std::uint64_t now = camera->clock_at(hal::linux::Clock().now());
       std::array<std::uint8_t, 8> bytes{};
       for (std::size_t i = 0; i < bytes.size(); ++i) {
         bytes[i] = static_cast<std::uint8_t>(now >> (8 * i));
@@ -92,7 +92,7 @@ int obey(std::uint8_t request, std::uint16_t value, const unsigned char* data, i
     camera->messages.clear();
     return 0;
   }
-  const auto config = hal::posix::parse_pmd_config(
+  const auto config = hal::linux::parse_pmd_config(
       std::as_bytes(std::span(data, static_cast<std::size_t>(length))));
   if (camera->refuses_config || !config) {
     return LIBUSB_ERROR_PIPE;
@@ -113,7 +113,7 @@ void serve() {
     const auto bulk = std::ranges::find(camera->under_way, LIBUSB_TRANSFER_TYPE_BULK,
                                         [](const libusb_transfer* t) { return t->type; });
     if (bulk == camera->under_way.end() || camera->messages.empty() ||
-        camera->messages.front().ready > hal::posix::Clock().now()) {
+        camera->messages.front().ready > hal::linux::Clock().now()) {
       break;
     }
     libusb_transfer* const transfer = *bulk;
@@ -160,7 +160,7 @@ void FakeUsbCamera::expose(hal::Time edge, Wrong wrong) {
     return;
   }
   constexpr std::uint32_t kStepNs = 200'000;
-  hal::posix::PmdHeader header{
+  hal::linux::PmdHeader header{
       .sequence = ++sequence, .modulation_khz = config.modulation_khz, .edge = clock_at(edge)};
   for (std::uint32_t k = 0; k < 4; ++k) {
     header.samples[k] = {.begin_ns = k * kStepNs, .length_ns = kStepNs};
@@ -213,9 +213,9 @@ libusb_device* libusb_get_device(libusb_device_handle* device) { return &device-
 int libusb_get_active_config_descriptor(libusb_device*, libusb_config_descriptor** config) {
   static libusb_interface_descriptor usual{};
   usual.bInterfaceNumber = 3;
-  usual.bInterfaceClass = stof::hal::posix::kPmdInterfaceClass;
-  usual.bInterfaceSubClass = stof::hal::posix::kPmdInterfaceSubclass;
-  usual.bInterfaceProtocol = stof::hal::posix::kPmdInterfaceProtocol;
+  usual.bInterfaceClass = stof::hal::linux::kPmdInterfaceClass;
+  usual.bInterfaceSubClass = stof::hal::linux::kPmdInterfaceSubclass;
+  usual.bInterfaceProtocol = stof::hal::linux::kPmdInterfaceProtocol;
   static libusb_interface interface{};
   interface.altsetting = &usual;
   interface.num_altsetting = 1;
@@ -239,7 +239,7 @@ int libusb_control_transfer(libusb_device_handle*, uint8_t type, uint8_t request
   if (!camera->answers || index != 3) {
     return LIBUSB_ERROR_TIMEOUT;
   }
-  return type == stof::hal::posix::kPmdRequestIn ? stof::test::answer(request, data, length)
+  return type == stof::hal::linux::kPmdRequestIn ? stof::test::answer(request, data, length)
                                                  : stof::test::obey(request, value, data, length);
 }
 libusb_transfer* libusb_alloc_transfer(int) {
@@ -263,10 +263,10 @@ int libusb_cancel_transfer(libusb_transfer* transfer) {
 }
 int libusb_clear_halt(libusb_device_handle*, unsigned char endpoint) {
   ++camera->halts_cleared;
-  return endpoint == stof::hal::posix::kPmdEndpoint ? 0 : LIBUSB_ERROR_NOT_FOUND;
+  return endpoint == stof::hal::linux::kPmdEndpoint ? 0 : LIBUSB_ERROR_NOT_FOUND;
 }
 int libusb_handle_events_timeout_completed(libusb_context*, timeval* limit, int* completed) {
-  stof::hal::posix::Clock clock;
+  stof::hal::linux::Clock clock;
   const stof::hal::Time end =
       clock.now() + std::chrono::seconds(limit->tv_sec) + std::chrono::microseconds(limit->tv_usec);
   for (;;) {

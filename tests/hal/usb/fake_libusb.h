@@ -50,7 +50,7 @@ class FakeUsbCamera {
            static_cast<std::uint64_t>(clock_shift);
   }
 
-  hal::posix::PmdInfo info{.width = 12,
+  hal::linux::PmdInfo info{.width = 12,
                            .height = 7,
                            .bits = 12,
                            .least_khz = 1000,
@@ -58,7 +58,7 @@ class FakeUsbCamera {
                            .least_integration_us = 10,
                            .most_integration_us = 5000,
                            .serial = 77};
-  hal::posix::PmdConfig config;
+  hal::linux::PmdConfig config;
   std::int64_t clock_shift = 0;
   bool plugged = true;
   bool streaming = false;

@@ -10,15 +10,15 @@
 namespace stof::test {
 namespace {
 
-using hal::posix::compose_pmd_config;
-using hal::posix::compose_pmd_header;
-using hal::posix::compose_pmd_info;
-using hal::posix::parse_pmd_config;
-using hal::posix::parse_pmd_frame;
-using hal::posix::parse_pmd_info;
-using hal::posix::PmdConfig;
-using hal::posix::PmdHeader;
-using hal::posix::PmdInfo;
+using hal::linux::compose_pmd_config;
+using hal::linux::compose_pmd_header;
+using hal::linux::compose_pmd_info;
+using hal::linux::parse_pmd_config;
+using hal::linux::parse_pmd_frame;
+using hal::linux::parse_pmd_info;
+using hal::linux::PmdConfig;
+using hal::linux::PmdHeader;
+using hal::linux::PmdInfo;
 
 constexpr PmdInfo kInfo{.width = 3,
                         .height = 2,

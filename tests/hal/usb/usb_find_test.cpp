@@ -10,7 +10,7 @@
 namespace stof::test {
 namespace {
 
-using hal::posix::find_usb;
+using hal::linux::find_usb;
 
 class FindUsb : public testing::Test {
  protected:

@@ -16,8 +16,8 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using hal::posix::UsbPmd;
-using hal::posix::UsbPmdOptions;
+using hal::linux::UsbPmd;
+using hal::linux::UsbPmdOptions;
 using Wrong = FakeUsbCamera::Wrong;
 
 UsbPmdOptions options_of(const FakeUsbCamera& usb) {
@@ -72,9 +72,9 @@ class UsbPmdRig {
   void close() { camera_.reset(); }
 
  private:
-  hal::posix::Clock clock_;
+  hal::linux::Clock clock_;
   FakeUsbCamera usb_;
-  hal::posix::EdgeLog edges_;
+  hal::linux::EdgeLog edges_;
   std::unique_ptr<UsbPmd> camera_;
 };
 
@@ -189,7 +189,7 @@ TEST(UsbPmd, FollowsAClockThatDrifts) {
 }
 
 std::string refusal(const FakeUsbCamera& usb, const UsbPmdOptions& options) {
-  const hal::posix::EdgeLog edges;
+  const hal::linux::EdgeLog edges;
   const auto camera = UsbPmd::open(options, edges);
   EXPECT_FALSE(camera);
   EXPECT_EQ(usb.open_devices, 0);

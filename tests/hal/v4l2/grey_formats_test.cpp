@@ -5,7 +5,7 @@
 namespace stof::test {
 namespace {
 
-using namespace hal::posix;  // NOLINT(google-build-using-namespace): what is tested
+using namespace hal::linux;  // NOLINT(google-build-using-namespace): what is tested
 using Bytes = std::vector<std::uint8_t>;
 
 Bytes grey(FourCc format, const Bytes& row, std::size_t width) {
@@ -24,9 +24,9 @@ TEST(GreyFormats, NamesAreTheKernels) {
   EXPECT_EQ(kGrey, 0x59455247U);  // V4L2_PIX_FMT_GREY
   EXPECT_EQ(kY10, 0x20303159U);
   EXPECT_EQ(kY12p, 0x50323159U);
-  EXPECT_EQ(hal::posix::to_string(kYuyv), "YUYV");
-  EXPECT_EQ(hal::posix::to_string(kY10), "Y10");
-  EXPECT_EQ(hal::posix::to_string(0x0141U), "A...");
+  EXPECT_EQ(hal::linux::to_string(kYuyv), "YUYV");
+  EXPECT_EQ(hal::linux::to_string(kY10), "Y10");
+  EXPECT_EQ(hal::linux::to_string(0x0141U), "A...");
 }
 
 TEST(GreyFormats, RowsHaveTheBytesOfTheirPixels) {
@@ -77,7 +77,7 @@ TEST(GreyFormats, EveryLengthIsConvertedAndNothingElse) {
                              : format == kY10  ? std::min(deep / 4, 255)
                              : format == kY12  ? std::min(deep / 16, 255)
                                                : deep / 256;
-        ASSERT_EQ(out[x], expected) << hal::posix::to_string(format) << " pixel " << x;
+        ASSERT_EQ(out[x], expected) << hal::linux::to_string(format) << " pixel " << x;
       }
     }
   }

@@ -6,8 +6,8 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using hal::posix::Placed;
-using hal::posix::Placer;
+using hal::linux::Placed;
+using hal::linux::Placer;
 
 constexpr hal::Duration kPeriod = 33ms;
 constexpr hal::Duration kExposure = 4ms;
@@ -35,8 +35,8 @@ class PlacerTest : public testing::Test {
            placed.exposure.end == edge(exposed) + kExposure;
   }
 
-  hal::posix::EdgeLog edges_;
-  hal::posix::EdgeExposures exposures_{edges_, kExposure};
+  hal::linux::EdgeLog edges_;
+  hal::linux::EdgeExposures exposures_{edges_, kExposure};
   Placer placer_{exposures_, kMost};
   int noted_ = -1;
 };

@@ -7,12 +7,12 @@
 namespace stof::test {
 namespace {
 
-using hal::posix::kGrey;
-using hal::posix::kY10;
-using hal::posix::kY12;
-using hal::posix::kY12p;
-using hal::posix::kY16;
-using hal::posix::kYuyv;
+using hal::linux::kGrey;
+using hal::linux::kY10;
+using hal::linux::kY12;
+using hal::linux::kY12p;
+using hal::linux::kY16;
+using hal::linux::kYuyv;
 
 using Cameras = testing::Types<V4l2StereoRig<kGrey, false>, V4l2StereoRig<kY10, false>,
                                V4l2StereoRig<kGrey, true>, V4l2PmdRig<kY12p>>;

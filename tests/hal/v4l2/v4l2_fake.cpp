@@ -8,7 +8,7 @@
 namespace stof::test {
 
 using namespace std::chrono_literals;
-using hal::posix::row_bytes;
+using hal::linux::row_bytes;
 
 FakeCamera& FakeV4l2::add(FakeCamera camera) {
   nodes_.emplace_back().camera = std::move(camera);
@@ -119,15 +119,15 @@ void FakeV4l2::paint(const Node& node, std::uint32_t number, std::vector<std::ui
     for (std::uint32_t x = 0; x < node.camera.width; ++x) {
       const std::uint32_t value =
           node.camera.pixel(number, static_cast<int>(x), static_cast<int>(y));
-      if (node.format == hal::posix::kGrey) {
+      if (node.format == hal::linux::kGrey) {
         row[x] = byte(value);
-      } else if (node.format == hal::posix::kY12p) {
+      } else if (node.format == hal::linux::kY12p) {
         std::uint8_t* const three = row + std::size_t{x} / 2 * 3;
         three[x % 2] = byte(value >> 4);
         three[2] = x % 2 == 0 ? byte(value & 0x0F) : byte(three[2] | (value & 0x0F) << 4);
       } else {
         row[2 * x] = byte(value);
-        row[2 * x + 1] = node.format == hal::posix::kYuyv ? byte(x + 77) : byte(value >> 8);
+        row[2 * x + 1] = node.format == hal::linux::kYuyv ? byte(x + 77) : byte(value >> 8);
       }
     }
   }

@@ -36,7 +36,7 @@ struct FakeCamera {
   std::string path;
   std::string card = "Fake";
   std::uint32_t caps = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
-  std::vector<hal::posix::FourCc> formats = {hal::posix::kGrey};
+  std::vector<hal::linux::FourCc> formats = {hal::linux::kGrey};
   std::uint32_t width = 8;  // the only size
   std::uint32_t height = 4;
   std::uint32_t padding = 0;  // bytes after each row
@@ -53,7 +53,7 @@ struct FakeCamera {
 
 // A kernel with V4L2 cameras that expose at edges, on a clock that moves when somebody polls. What
 // was unmapped is unreadable (with AddressSanitizer), what was opened twice is busy.
-class FakeV4l2 final : public hal::posix::V4l2Calls {
+class FakeV4l2 final : public hal::linux::V4l2Calls {
  public:
   explicit FakeV4l2(hal::Clock& clock) : clock_(clock) {}
 

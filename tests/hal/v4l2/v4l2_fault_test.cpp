@@ -10,8 +10,8 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using Stereo = V4l2StereoRig<hal::posix::kGrey, false>;
-using Pmd = V4l2PmdRig<hal::posix::kY12p>;
+using Stereo = V4l2StereoRig<hal::linux::kGrey, false>;
+using Pmd = V4l2PmdRig<hal::linux::kY12p>;
 
 // Frames of whole pairs: both views of one exposure, as it says.
 void expect_exposure(const Result<hal::Lease<hal::StereoFrame>>& frame, std::uint32_t number) {
@@ -77,7 +77,7 @@ TEST(V4l2Stereo, PicturesWithoutAnExposureCarryTheirRawStamps) {
 
 TEST(V4l2Stereo, StampsOfTheWallClockAreConverted) {
   Stereo rig;
-  const hal::posix::ClockOffset wall(CLOCK_REALTIME);
+  const hal::linux::ClockOffset wall(CLOCK_REALTIME);
   for (const std::size_t side : {0U, 1U}) {
     rig.fake(side).stamps_ahead = wall.from_monotonic(hal::Time{});
   }
@@ -196,11 +196,11 @@ TEST(V4l2Stereo, ReopeningManyTimesKeepsNothing) {
 }
 
 TEST(V4l2Stereo, CopiesGreyWhereItIsAsked) {
-  V4l2StereoRig<hal::posix::kGrey, false, 5> rig;
+  V4l2StereoRig<hal::linux::kGrey, false, 5> rig;
   rig.close();
   auto options = rig.options();
   options.copy = true;
-  const auto camera = hal::posix::V4l2Stereo::open(rig.kernel(), rig.clock(), options);
+  const auto camera = hal::linux::V4l2Stereo::open(rig.kernel(), rig.clock(), options);
   ASSERT_TRUE(camera);
   const hal::Time edge = rig.pulse();
   const auto frame = (*camera)->wait_frame(edge + 3ms);
@@ -224,7 +224,7 @@ TEST(V4l2Pmd, IntegrationMayBeShorterThanTheExposure) {
   rig.close();
   auto options = rig.options();
   options.integration = 400us;
-  const auto camera = hal::posix::V4l2Pmd::open(rig.kernel(), rig.clock(), options);
+  const auto camera = hal::linux::V4l2Pmd::open(rig.kernel(), rig.clock(), options);
   ASSERT_TRUE(camera);
   ASSERT_TRUE((*camera)->wait_frame(rig.pulse() + 3ms)) << "not believed, but told";
   rig.clock().wait_until(rig.clock().now() + 3ms);

@@ -42,7 +42,7 @@ class Uncounted {
   int before_ = allocations;
 };
 
-class UncountedKernel final : public hal::posix::V4l2Calls {
+class UncountedKernel final : public hal::linux::V4l2Calls {
  public:
   explicit UncountedKernel(FakeV4l2& kernel) : kernel_(kernel) {}
 
@@ -94,8 +94,8 @@ void expect_no_heap(Rig& rig, int least_frames) {
 }
 
 TEST(V4l2NoHeap, StereoAllocatesNothingAfterItWasOpened) {
-  V4l2StereoRig<hal::posix::kGrey, false> grey;
-  V4l2StereoRig<hal::posix::kYuyv, true> converted;
+  V4l2StereoRig<hal::linux::kGrey, false> grey;
+  V4l2StereoRig<hal::linux::kYuyv, true> converted;
   for (std::uint32_t number = 1; number < 200; number += 7) {
     grey.fake(0).faults[number] = V4l2Fault::kLose;
     grey.fake(1).faults[number + 1] = V4l2Fault::kErrorFlag;
@@ -107,7 +107,7 @@ TEST(V4l2NoHeap, StereoAllocatesNothingAfterItWasOpened) {
 }
 
 TEST(V4l2NoHeap, PmdAllocatesNothingAfterItWasOpened) {
-  V4l2PmdRig<hal::posix::kY12p> rig;
+  V4l2PmdRig<hal::linux::kY12p> rig;
   expect_no_heap(rig, 200);
 }
 

@@ -11,11 +11,11 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using hal::posix::find_v4l2_node;
-using hal::posix::kGrey;
-using hal::posix::kY10;
-using hal::posix::kYuyv;
-using hal::posix::V4l2Stereo;
+using hal::linux::find_v4l2_node;
+using hal::linux::kGrey;
+using hal::linux::kY10;
+using hal::linux::kYuyv;
+using hal::linux::V4l2Stereo;
 using Stereo = V4l2StereoRig<kGrey, false>;
 
 // Opens the rig's cameras anew after `change`; the message of the refusal.
@@ -23,7 +23,7 @@ template <typename Change>
 std::string refusal(const Change& change) {
   Stereo rig;
   rig.close();
-  hal::posix::V4l2StereoOptions options = rig.options();
+  hal::linux::V4l2StereoOptions options = rig.options();
   change(rig, options);
   const auto opened = V4l2Stereo::open(rig.kernel(), rig.clock(), options);
   EXPECT_FALSE(opened);
@@ -125,7 +125,7 @@ TEST(V4l2Open, CameraThatAnotherHasIsBusy) {
 }
 
 TEST(KernelCalls, AreTheSystemsOwn) {
-  hal::posix::V4l2Calls& calls = hal::posix::kernel_calls();
+  hal::linux::V4l2Calls& calls = hal::linux::kernel_calls();
   EXPECT_LT(calls.open("/dev/no such node"), 0);
   const int fd = calls.open("/dev/zero");
   ASSERT_GE(fd, 0);
@@ -144,7 +144,7 @@ TEST(KernelCalls, WhatIsNoCameraIsToldSo) {
   Stereo rig;
   auto options = rig.options();
   options.nodes[0] = "/dev/null";
-  const auto opened = V4l2Stereo::open(hal::posix::kernel_calls(), rig.clock(), options);
+  const auto opened = V4l2Stereo::open(hal::linux::kernel_calls(), rig.clock(), options);
   ASSERT_FALSE(opened);
   EXPECT_TRUE(
       opened.error().message.starts_with("camera '/dev/null' (/dev/null): is no video device: "))
@@ -236,7 +236,7 @@ TEST_F(V4l2Find, CameraIsFoundAgainUnderAnotherNumber) {
   Stereo rig;
   put("video0", "1-1", "0bda", "L", kCapture);
   rig.close();
-  hal::posix::V4l2StereoOptions options = rig.options();
+  hal::linux::V4l2StereoOptions options = rig.options();
   options.nodes[0] = "usb:0bda:0c45:L";
   options.sysfs = root_;
   const auto camera = V4l2Stereo::open(rig.kernel(), rig.clock(), options);

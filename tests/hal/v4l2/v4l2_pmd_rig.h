@@ -5,11 +5,11 @@
 namespace stof::test {
 
 // A PMD camera of a FakeV4l2, as camera_contract.h wants it.
-template <hal::posix::FourCc kFormat, std::uint32_t kPadding = 0>
+template <hal::linux::FourCc kFormat, std::uint32_t kPadding = 0>
 class V4l2PmdRig : public V4l2Rig {
  public:
   using Frame = hal::PmdFrame;
-  using Camera = hal::posix::V4l2Pmd;
+  using Camera = hal::linux::V4l2Pmd;
   static constexpr int kSlots = Camera::kSlots;
 
   V4l2PmdRig() {
@@ -30,7 +30,7 @@ class V4l2PmdRig : public V4l2Rig {
     kernel_.count_anew();
   }
 
-  hal::posix::V4l2PmdOptions options() {
+  hal::linux::V4l2PmdOptions options() {
     return {.node = "/dev/video0", .width = kWidth, .height = kHeight, .exposures = &exposures_};
   }
   Camera& camera() { return *camera_; }

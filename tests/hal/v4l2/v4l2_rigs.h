@@ -42,35 +42,35 @@ class V4l2Rig {
 
   hal::emu::Clock clock_;
   FakeV4l2 kernel_{clock_};
-  hal::posix::EdgeLog edges_;
-  hal::posix::EdgeExposures exposures_{edges_, kExposure};
+  hal::linux::EdgeLog edges_;
+  hal::linux::EdgeExposures exposures_{edges_, kExposure};
 };
 
 // The brightness of a pixel with a format's bits, low ones set that conversion has to drop.
-inline std::uint32_t deepen(hal::posix::FourCc format, std::uint32_t grey) {
+inline std::uint32_t deepen(hal::linux::FourCc format, std::uint32_t grey) {
   switch (format) {
-    case hal::posix::kY10:
+    case hal::linux::kY10:
       return grey << 2 | 3;
-    case hal::posix::kY12:
+    case hal::linux::kY12:
       return grey << 4 | 15;
-    case hal::posix::kY16:
+    case hal::linux::kY16:
       return grey << 8 | 255;
     default:
       return grey;
   }
 }
 
-template <hal::posix::FourCc kFormat, bool kSideBySide, std::uint32_t kPadding = 0>
+template <hal::linux::FourCc kFormat, bool kSideBySide, std::uint32_t kPadding = 0>
 class V4l2StereoRig : public V4l2Rig {
  public:
   using Frame = hal::StereoFrame;
-  using Camera = hal::posix::V4l2Stereo;
+  using Camera = hal::linux::V4l2Stereo;
   static constexpr int kSlots = Camera::kSlots;
 
   V4l2StereoRig() {
     for (int side = 0; side < (kSideBySide ? 1 : 2); ++side) {
       FakeCamera camera{.path = "/dev/video" + std::to_string(2 * side)};
-      camera.formats = {hal::posix::fourcc("MJPG"), kFormat};
+      camera.formats = {hal::linux::fourcc("MJPG"), kFormat};
       camera.width = kSideBySide ? 2 * kWidth : kWidth;
       camera.padding = kPadding;
       camera.controls[V4L2_CID_EXPOSURE_AUTO] = {.maximum = 3, .value = 3};
@@ -95,7 +95,7 @@ class V4l2StereoRig : public V4l2Rig {
     kernel_.count_anew();
   }
 
-  hal::posix::V4l2StereoOptions options() {
+  hal::linux::V4l2StereoOptions options() {
     return {.nodes = {"/dev/video0", kSideBySide ? "" : "/dev/video2"},
             .width = kWidth,
             .height = kHeight,
