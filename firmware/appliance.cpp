@@ -54,9 +54,8 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& 
 void Appliance::build(const Plan& plan) noexcept {
   pipeline_.reset();
   dsp::Arena arena(written(images_, Pipeline::bytes_needed(plan.setup)));
-  const dsp::Crew crew =
-      parts_.workers == nullptr ? dsp::Crew() : dsp::Crew(*parts_.workers, plan.setup.threads);
-  pipeline_.emplace(plan.setup, parts_.board.clock, arena, crew);
+  pipeline_.emplace(plan.setup, parts_.board.clock, arena,
+                    parts_.threads.first(plan.setup.threads));
 }
 
 void Appliance::apply(const Plan& plan) noexcept {

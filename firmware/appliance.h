@@ -6,7 +6,7 @@
 
 #include "board/board.h"
 #include "dsp/base/arena.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "firmware/control/orders.h"
 #include "firmware/events.h"
 #include "firmware/loop.h"
@@ -42,8 +42,8 @@ class Appliance {
     Events& events;
     PlanRing& plans;
     SubscriberRing& receivers;
-    ByteRing* serial;                 // to the serial line; nullptr: there is none
-    dsp::Workers* workers = nullptr;  // nullptr: the loop's thread computes alone
+    ByteRing* serial;   // to the serial line; nullptr: there is none
+    dsp::Crew threads;  // that may compute, the loop's among them
   };
 
   Appliance(const Parts& parts, const StreamSetup& stream, const Plan& plan,
