@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/rectification.h"
+#include "dsp/calib/stereo/rectification.h"
 #include "dsp/stereo/rectifier.h"
 #include "dsp/stereo/rectify.h"
 #include "hal/emu/clock.h"
