@@ -18,13 +18,13 @@
 #include "firmware/loop.h"
 #include "firmware/pipeline.h"
 #include "firmware/stream.h"
-#include "hal/emu/clock.h"
-#include "hal/emu/datagram_port.h"
-#include "hal/emu/faults.h"
-#include "hal/emu/imagery.h"
-#include "hal/emu/pmd_camera.h"
-#include "hal/emu/stereo_camera.h"
-#include "hal/emu/trigger.h"
+#include "hal/emu/cameras/pmd_camera.h"
+#include "hal/emu/cameras/stereo_camera.h"
+#include "hal/emu/cameras/trigger.h"
+#include "hal/emu/devices/clock.h"
+#include "hal/emu/devices/datagram_port.h"
+#include "hal/emu/devices/faults.h"
+#include "hal/emu/imagery/imagery.h"
 
 // A small rig of emulated devices around the real loop, and a receiver that looks at its packets.
 namespace stof::firmware::test {

@@ -11,7 +11,7 @@
 #include "firmware/settings/document.h"
 #include "firmware/settings/presets.h"
 #include "firmware/settings/saved.h"
-#include "hal/emu/store.h"
+#include "hal/emu/devices/store.h"
 
 namespace stof::settings {
 namespace {

@@ -10,7 +10,7 @@
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "firmware/wire/packet.h"
-#include "hal/emu/store.h"
+#include "hal/emu/devices/store.h"
 
 namespace stof::host {
 

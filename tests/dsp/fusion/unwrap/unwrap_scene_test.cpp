@@ -11,12 +11,12 @@
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
-#include "hal/emu/eye.h"
-#include "hal/emu/pmd_samples.h"
-#include "hal/emu/random.h"
-#include "hal/emu/rendered.h"
-#include "hal/emu/rig.h"
-#include "hal/emu/scene.h"
+#include "hal/emu/imagery/pmd_samples.h"
+#include "hal/emu/imagery/random.h"
+#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/scenes/eye.h"
+#include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/scene.h"
 
 // Rendered halls of up to 14 m, seen by a PMD camera that repeats after 7.49 m: the whole way from
 // pictures and samples to periods.
