@@ -62,7 +62,7 @@ FLOORS = (
     Floor("firmware/wire/*", ("firmware/wire/*", "dsp/*")),
     Floor("firmware/settings/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
-    Floor("firmware/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),
+    Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),
     Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
     Floor("host/*", ("host/*", "dsp/*", "posix/*", "dataset/*", "firmware/wire/*", "hal/framing/*", "board/config.h"),
           ANY_LIBRARY),

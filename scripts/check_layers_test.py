@@ -29,7 +29,7 @@ GOOD = {
     "hal/linux/usb.h": '#pragma once\n#include <libusb.h>\n#include "hal/framing/cobs.h"\n',
     "posix/socket.h": "#pragma once\n#include <sys/socket.h>\n#include <span>\n",
     "hal/linux/port.cpp": '#include "posix/socket.h"\n',
-    "firmware/main.cpp": '#include "posix/worker_threads.h"\n',
+    "firmware/program/main.cpp": '#include "posix/worker_threads.h"\n',
     "posix/worker_threads.h": "#pragma once\n",
     "board/config.h": '#pragma once\n#include "hal/time.h"\n',
     "board/board.h": '#pragma once\n#include "board/config.h"\n#include STOF_BOARD_CONFIG\n',

@@ -129,6 +129,12 @@ StereoMaps DepthMaker::stereo() const noexcept {
   return matched_ ? StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()} : StereoMaps{};
 }
 
+void DepthMaker::forget_past() noexcept {
+  if (temporal_) {
+    temporal_->forget();
+  }
+}
+
 void DepthMaker::fuse(const DepthMap& out) noexcept {
   if (unresolved_ && pmd_ != nullptr) {
     unwrapper_->resolve(*pmd_, stereo().disparity);

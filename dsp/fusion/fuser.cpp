@@ -6,13 +6,13 @@
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/column_tables.h"
-#include "dsp/calib/disparity_table.h"
-#include "dsp/fusion/column_interval.h"
-#include "dsp/fusion/intersect.h"
-#include "dsp/fusion/reproject.h"
-#include "dsp/fusion/settle.h"
-#include "dsp/fusion/stereo_interval.h"
+#include "dsp/calib/stereo/column_tables.h"
+#include "dsp/calib/stereo/disparity_table.h"
+#include "dsp/fusion/interval/column_interval.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/interval/stereo_interval.h"
+#include "dsp/fusion/project/reproject.h"
+#include "dsp/fusion/resolve/ambiguity_resolver.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -70,7 +70,7 @@ struct Fuser::Scratch {
 
 struct Fuser::Tables {
   FusionParams params;
-  SettleParams settling;
+  AmbiguityParams ambiguity;
   bool converging;  // then columns count, else disparity does
   ColumnTables columns;
   DisparityTable disparity;
@@ -103,10 +103,10 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   Tables& t = *tables_;
   const std::size_t row = static_cast<std::size_t>(width);
   t.params = params;
-  t.settling = {.infinity_raw = infinity_of(calibration.stereo), .max_range = params.max_range};
+  t.ambiguity = {.infinity_raw = infinity_of(calibration.stereo), .max_range = params.max_range};
   if (calibration.pmd.lens.width > 0) {
-    t.settling.pmd_range = range_of(calibration.pmd);
-    t.settling.reach_px = reach_of(calibration);
+    t.ambiguity.pmd_range = range_of(calibration.pmd);
+    t.ambiguity.reach_px = reach_of(calibration);
   }
   const auto first =
       static_cast<std::int16_t>(std::max((min_disparity - 1) * Disparity::kOne, -32767));
@@ -138,11 +138,11 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
 void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                      const DepthMap& out) noexcept {
   Tables& t = *tables_;
-  SettleRow row{.disparity = t.nothing,
-                .weak = {},
-                .stereo = {scratch.stereo_low, scratch.stereo_high},
-                .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
-                .support = {t.ratio, t.painted.flags.row(y)}};
+  AmbiguityRow row{.disparity = t.nothing,
+                   .weak = {},
+                   .stereo = {scratch.stereo_low, scratch.stereo_high},
+                   .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
+                   .support = {t.ratio, t.painted.flags.row(y)}};
   if (!stereo.disparity.empty()) {
     row.disparity = stereo.disparity.row(y);
   }
@@ -153,7 +153,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
   } else {
     row.support.ratio = stereo.ratio.row(y);
-    best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.settling.infinity_raw,
+    best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.ambiguity.infinity_raw,
                         scratch.half);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
@@ -162,12 +162,12 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     best::column_interval(row.disparity, scratch.half, t.columns, scratch.stereo_low,
                           scratch.stereo_high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
-    settle_row(row, t.settling, t.columns, fused);
+    resolve_ambiguities(row, t.ambiguity, t.columns, fused);
   } else {
     best::stereo_interval(row.disparity, scratch.half, t.disparity, scratch.stereo_low,
                           scratch.stereo_high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
-    settle_row(row, t.settling, t.disparity, fused);
+    resolve_ambiguities(row, t.ambiguity, t.disparity, fused);
   }
 }
 

@@ -7,14 +7,14 @@
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/near_table.h"
-#include "dsp/calib/pmd_tables.h"
-#include "dsp/calib/tone_pair.h"
-#include "dsp/pmd/combine_tones.h"
-#include "dsp/pmd/fill_intervals.h"
-#include "dsp/pmd/near_lights.h"
-#include "dsp/pmd/to_quarter_mm.h"
-#include "dsp/pmd/tone.h"
+#include "dsp/calib/pmd/near_table.h"
+#include "dsp/calib/pmd/pmd_tables.h"
+#include "dsp/calib/pmd/tone_pair.h"
+#include "dsp/pmd/interval/fill_intervals.h"
+#include "dsp/pmd/phase/tone.h"
+#include "dsp/pmd/range/combine_tones.h"
+#include "dsp/pmd/range/near_lights.h"
+#include "dsp/pmd/range/to_quarter_mm.h"
 
 namespace stof::dsp {
 namespace {

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/rectification.h"
+#include "dsp/calib/stereo/rectification.h"
 
 namespace stof::dsp {
 namespace {

@@ -7,7 +7,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
-#include "dsp/calib/remap_table.h"
+#include "dsp/calib/stereo/remap_table.h"
 
 namespace stof::dsp {
 

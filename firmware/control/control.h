@@ -3,9 +3,9 @@
 #include <chrono>
 #include <span>
 
-#include "firmware/control/gate.h"
-#include "firmware/control/orders.h"
 #include "firmware/control/periodic.h"
+#include "firmware/control/request_handler.h"
+#include "firmware/control/subscriber_list.h"
 #include "firmware/control/subscribers.h"
 #include "firmware/wire/messages/structs.h"
 #include "hal/datagram_port.h"

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "dsp/fusion/intersect.h"
-#include "dsp/fusion/reproject.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/project/reproject.h"
 #include "host/evaluate/workspace.h"
 
 namespace stof::host {

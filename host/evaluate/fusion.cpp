@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "dsp/fusion/stereo_spread.h"
+#include "dsp/fusion/interval/stereo_spread.h"
 #include "dsp/stereo/match_options.h"
 #include "host/evaluate/chapter_geometry.h"
 #include "host/evaluate/median.h"

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "dsp/base/fixed.h"
-#include "dsp/calib/ray_table.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "host/evaluate/median.h"
 #include "host/evaluate/pmd_frame_file.h"
 #include "host/evaluate/rank_correlation.h"

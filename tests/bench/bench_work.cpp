@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "dsp/pmd/phase.h"
+#include "dsp/pmd/phase/phase.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectifier.h"
 #include "host/evaluate/workspace.h"

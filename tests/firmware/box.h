@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/appliance.h"
+#include "firmware/program/appliance.h"
 #include "tests/firmware/rig.h"
 
 namespace stof::firmware::test {

@@ -14,10 +14,10 @@
 #include <gtest/gtest.h>
 
 #include "board/board.h"
-#include "firmware/events.h"
-#include "firmware/loop.h"
-#include "firmware/pipeline.h"
-#include "firmware/stream.h"
+#include "firmware/events/events.h"
+#include "firmware/loop/loop.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/stream.h"
 #include "hal/emu/cameras/pmd_camera.h"
 #include "hal/emu/cameras/stereo_camera.h"
 #include "hal/emu/cameras/trigger.h"

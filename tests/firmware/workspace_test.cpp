@@ -9,8 +9,8 @@
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectifier.h"
-#include "firmware/appliance.h"
-#include "firmware/pipeline.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/program/appliance.h"
 
 namespace stof::firmware {
 namespace {

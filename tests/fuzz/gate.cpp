@@ -1,8 +1,7 @@
-#include "firmware/control/gate.h"
-
 #include <array>
 #include <chrono>
 
+#include "firmware/control/request_handler.h"
 #include "firmware/settings/desk.h"
 #include "firmware/settings/document.h"
 #include "firmware/wire/messages/settings_answer.h"

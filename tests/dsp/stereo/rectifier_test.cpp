@@ -10,8 +10,8 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/rectification.h"
-#include "dsp/calib/remap_table.h"
+#include "dsp/calib/stereo/rectification.h"
+#include "dsp/calib/stereo/remap_table.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectify.h"
 #include "tests/dsp/stereo/raw_world.h"

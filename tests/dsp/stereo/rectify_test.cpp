@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/remap_table.h"
+#include "dsp/calib/stereo/remap_table.h"
 #include "tests/dsp/stereo/raw_world.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
