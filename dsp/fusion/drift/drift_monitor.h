@@ -19,9 +19,9 @@ namespace stof::dsp {
 // everywhere.
 //
 // A patch of the PMD picture that shows one plane is carried into the left view; there the pictures
-// of the pair say, by a least-squares fit of grey values along the rows (disparity_shift.h), how far
-// the true disparity is from the expected one. A turn of the PMD camera moves the plane across its
-// own slope g, a range offset moves it along the ray; to first order
+// of the pair say, by a least-squares fit of grey values along the rows (disparity_shift.h), how
+// far the true disparity is from the expected one. A turn of the PMD camera moves the plane across
+// its own slope g, a range offset moves it along the ray; to first order
 //   e = sum over k of drift_k J_k,  J_k = dd_k - g_x du_k - g_y dv_k
 // where (du, dv, dd) is how the patch's true place and disparity differ from the expected ones for
 // drift_k = 1. Each patch keeps the mean of e and J over time, older frames fading; the solution is
@@ -82,8 +82,6 @@ struct MatchedPair {
 
 class DriftMonitor {
  public:
-  static std::size_t bytes_needed(int pmd_width, int pmd_height) noexcept;
-
   // The calibration is complete(); with a PMD size of 0x0 nothing is ever observed.
   DriftMonitor(const Calibration& calibration, const DriftParams& params, Arena& arena) noexcept;
 
