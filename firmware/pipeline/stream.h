@@ -78,9 +78,9 @@ class Stream {
   // Health and events that are due. Each period, also where there is no frame.
   void report(const ControlStatus& control) noexcept;
 
-  void observe(const Event& event) noexcept { health_.observe(event); }
   // Of the last frame.
   const StreamTimes& times() const noexcept { return times_; }
+  HealthMonitor& health() noexcept { return health_; }
   const HealthMonitor& health() const noexcept { return health_; }
 
  private:

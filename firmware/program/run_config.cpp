@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "dsp/stereo/matcher.h"
-#include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/settings/depth.h"
 #include "firmware/wire/calibration_file.h"
@@ -199,7 +198,7 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   }
   run_config.stream.period = run_config.timing.period;
   run_config.stream.max_range = run_config.setup.depth.fusion.max_range;
-  if (const char* const why = problem(run_config.timing); *why != '\0') {
+  if (const char* const why = board::problem(run_config.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
   }
   if (std::string why = period_limits(rig, config, run_config.timing.period); !why.empty()) {
