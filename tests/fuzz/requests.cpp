@@ -65,7 +65,8 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   CheckingSink sink;
   settings::SettingsDesk desk({}, {}, {.limits = limits, .sink = sink});
   firmware::Subscribers subscribers;
-  firmware::Gate gate({.device_id = 0x0A0B0C0D, .session_id = 1}, kSecret, subscribers, &desk);
+  firmware::RequestHandler handler({.device_id = 0x0A0B0C0D, .session_id = 1}, kSecret, subscribers,
+                                   &desk);
   hal::Time now{std::chrono::seconds(1000)};
   std::array<std::uint64_t, 4> cookies{};
   std::uint64_t taken = 0;
@@ -87,7 +88,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
     if ((record.flags & fuzz::kSeal) != 0) {
       bytes = fuzz::sealed(bytes, space);
     }
-    const std::span<const std::byte> answer = gate.take(bytes, peer, now);
+    const std::span<const std::byte> answer = handler.take(bytes, peer, now);
     ++taken;
     if (!answer.empty()) {
       fuzz::require(answer.size() <= bytes.size() || proven(bytes, peer, now));
@@ -99,7 +100,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
     subscribers.expire(now);
   });
 
-  const wire::ControlCounters counters = gate.counters();
+  const wire::ControlCounters counters = handler.counters();
   fuzz::require(taken == counters.accepted + counters.truncated + counters.bad_magic +
                              counters.bad_version + counters.bad_length + counters.bad_crc +
                              counters.bad_field + counters.not_control + counters.foreign +
