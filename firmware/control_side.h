@@ -18,7 +18,7 @@
 #include "firmware/serial/byte_ring.h"
 #include "firmware/serial/desk.h"
 #include "firmware/serial/requests.h"
-#include "firmware/settings/desk.h"
+#include "firmware/settings/settings_server.h"
 #include "firmware/start.h"
 
 namespace stof::firmware {

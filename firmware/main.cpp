@@ -24,12 +24,12 @@
 #include "firmware/pipeline.h"
 #include "firmware/reopener.h"
 #include "firmware/report.h"
-#include "firmware/settings/assignment.h"
+#include "firmware/settings/fields/assignment.h"
 #include "firmware/start.h"
 #include "firmware/start_settings.h"
 #include "firmware/teller.h"
 #include "firmware/watchdog_feeder.h"
-#include "firmware/wire/calibration_packet.h"
+#include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/workspace.h"
 
 namespace stof::firmware {

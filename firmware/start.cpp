@@ -10,7 +10,7 @@
 #include "firmware/loop.h"
 #include "firmware/pipeline.h"
 #include "firmware/settings/depth.h"
-#include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 #include "firmware/workspace.h"
 
 namespace stof::firmware {

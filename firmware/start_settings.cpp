@@ -3,7 +3,7 @@
 #include <array>
 #include <utility>
 
-#include "firmware/settings/assignment.h"
+#include "firmware/settings/fields/assignment.h"
 #include "firmware/settings/saved.h"
 #include "firmware/teller.h"
 
