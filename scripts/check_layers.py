@@ -57,7 +57,7 @@ FLOORS = (
     Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
     Floor("firmware/wire/crc32c_hardware.cpp", ("firmware/wire/*",), ("sys/auxv.h",)),
     Floor("firmware/wire/*", ("firmware/wire/*", "dsp/*")),
-    Floor("firmware/settings/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
+    Floor("firmware/settings/text/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
     Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
     Floor("host/*", ("host/*", "dsp/*", "dataset/*", "firmware/wire/*", "hal/framing/*", "board/config.h"),

@@ -9,7 +9,7 @@
 #include "dsp/calib/calibration.h"
 #include "dsp/depth/depth_maker.h"
 #include "firmware/pipeline/shot.h"
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "hal/clock.h"
 
 namespace stof::firmware {

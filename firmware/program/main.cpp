@@ -28,8 +28,8 @@
 #include "firmware/program/initial_settings.h"
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
-#include "firmware/settings/assignment.h"
-#include "firmware/wire/calibration_packet.h"
+#include "firmware/settings/fields/assignment.h"
+#include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/workspace.h"
 
 namespace stof::firmware {
