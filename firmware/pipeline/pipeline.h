@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "dsp/base/arena.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/depth/depth_maker.h"
 #include "firmware/pipeline/shot.h"

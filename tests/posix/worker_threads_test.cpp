@@ -1,4 +1,4 @@
-#include "dsp/base/workers.h"
+#include "posix/worker_threads.h"
 
 #include <algorithm>
 #include <array>
@@ -13,7 +13,9 @@
 #include <gtest/gtest.h>
 #include <sched.h>
 
-namespace stof::dsp {
+#include "dsp/base/thread_team.h"
+
+namespace stof::posix {
 namespace {
 
 // Names of this process's threads.
@@ -28,21 +30,26 @@ std::vector<std::string> thread_names() {
   return names;
 }
 
+// As users of threads run them: through a dsp::Crew.
+void run_parts(WorkerThreads& workers, int parts, int threads, dsp::PartJob job) {
+  dsp::Crew(workers, threads).run(parts, job);
+}
+
 void spend(std::chrono::microseconds time) {
   const auto end = std::chrono::steady_clock::now() + time;
   while (std::chrono::steady_clock::now() < end) {
   }
 }
 
-TEST(Workers, DoesEveryPartOnceForAnyNumberOfThreadsAndParts) {
-  for (int threads = 1; threads <= Workers::kMost; ++threads) {
-    Workers workers({.threads = threads});
+TEST(WorkerThreads, DoesEveryPartOnceForAnyNumberOfThreadsAndParts) {
+  for (int threads = 1; threads <= WorkerThreads::kMost; ++threads) {
+    WorkerThreads workers({.threads = threads});
     ASSERT_EQ(workers.threads(), threads);
-    ASSERT_EQ(workers.status(), Status::kOk);
+    ASSERT_EQ(workers.error(), 0);
     for (const int parts : {0, 1, 2, 3, 5, 8, 9, 64, 1000}) {
-      for (int used = 1; used <= Workers::kMost; ++used) {
+      for (int used = 1; used <= WorkerThreads::kMost; ++used) {
         std::vector<int> done(static_cast<std::size_t>(parts));
-        workers.run(parts, used, [&](int part, int) noexcept {
+        run_parts(workers, parts, used, [&](int part, int) noexcept {
           ++done[static_cast<std::size_t>(part)];  // not atomic: whoever does it twice is seen
         });
         ASSERT_TRUE(std::ranges::all_of(done, [](int count) { return count == 1; }))
@@ -52,14 +59,14 @@ TEST(Workers, DoesEveryPartOnceForAnyNumberOfThreadsAndParts) {
   }
 }
 
-TEST(Workers, TwoPartsAtATimeHaveTwoThreads) {
-  Workers workers({.threads = 4});
+TEST(WorkerThreads, TwoPartsAtATimeHaveTwoThreads) {
+  WorkerThreads workers({.threads = 4});
   for (int used = 1; used <= 4; ++used) {
-    std::array<std::atomic<int>, Workers::kMost> inside{};
+    std::array<std::atomic<int>, WorkerThreads::kMost> inside{};
     std::atomic<bool> shared{false};
     std::atomic<int> highest{0};
     for (int run = 0; run < 200; ++run) {
-      workers.run(40, used, [&](int, int thread) noexcept {
+      run_parts(workers, 40, used, [&](int, int thread) noexcept {
         std::atomic<int>& mine = inside[static_cast<std::size_t>(thread)];
         shared = shared || mine.fetch_add(1) != 0;
         highest = std::max<int>(highest, thread);
@@ -71,10 +78,10 @@ TEST(Workers, TwoPartsAtATimeHaveTwoThreads) {
   }
 }
 
-TEST(Workers, OneThreadGoesThroughPartsInOrder) {
-  Workers workers({.threads = 2});
+TEST(WorkerThreads, OneThreadGoesThroughPartsInOrder) {
+  WorkerThreads workers({.threads = 2});
   std::vector<int> order;
-  workers.run(5, 1, [&](int part, int thread) noexcept {
+  run_parts(workers, 5, 1, [&](int part, int thread) noexcept {
     EXPECT_EQ(thread, 0);
     order.push_back(part);
   });
@@ -82,10 +89,10 @@ TEST(Workers, OneThreadGoesThroughPartsInOrder) {
 }
 
 // A caller that waits for a thread that the system does not run would wait for good here.
-TEST(Workers, WhatOneThreadDoesNotBeginOthersTakeOver) {
-  Workers workers({.threads = 2});
+TEST(WorkerThreads, WhatOneThreadDoesNotBeginOthersTakeOver) {
+  WorkerThreads workers({.threads = 2});
   std::atomic<int> others{0};
-  workers.run(16, 2, [&](int part, int) noexcept {
+  run_parts(workers, 16, 2, [&](int part, int) noexcept {
     if (part == 0) {
       while (others.load() < 15) {
         std::this_thread::yield();
@@ -97,12 +104,12 @@ TEST(Workers, WhatOneThreadDoesNotBeginOthersTakeOver) {
   EXPECT_EQ(others.load(), 15);
 }
 
-TEST(Workers, WhatAThreadWroteIsThereForTheNextRun) {
-  Workers workers({.threads = 3});
+TEST(WorkerThreads, WhatAThreadWroteIsThereForTheNextRun) {
+  WorkerThreads workers({.threads = 3});
   std::vector<int> from(64, 0);
   std::vector<int> to(64, 0);
   for (int run = 1; run <= 2000; ++run) {
-    workers.run(64, 3, [&](int part, int) noexcept {
+    run_parts(workers, 64, 3, [&](int part, int) noexcept {
       const std::size_t at = static_cast<std::size_t>(part);
       to[at] = from[63 - at] + 1;
     });
@@ -111,13 +118,13 @@ TEST(Workers, WhatAThreadWroteIsThereForTheNextRun) {
   }
 }
 
-TEST(Workers, WakesThreadsThatSleep) {
-  Workers workers({.threads = 2});
+TEST(WorkerThreads, WakesThreadsThatSleep) {
+  WorkerThreads workers({.threads = 2});
   for (int run = 0; run < 20; ++run) {
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
     std::array<std::atomic<int>, 2> by{};
     std::atomic<int> begun{0};
-    workers.run(2, 2, [&](int, int thread) noexcept {
+    run_parts(workers, 2, 2, [&](int, int thread) noexcept {
       by[static_cast<std::size_t>(thread)].fetch_add(1);
       begun.fetch_add(1);
       while (begun.load() < 2) {  // both parts at once: two threads, or this never ends
@@ -129,14 +136,14 @@ TEST(Workers, WakesThreadsThatSleep) {
   }
 }
 
-TEST(Workers, LongAndShortRunsFollowEachOther) {
-  Workers workers({.threads = 4});
+TEST(WorkerThreads, LongAndShortRunsFollowEachOther) {
+  WorkerThreads workers({.threads = 4});
   std::atomic<int> done{0};
   int asked = 0;
   for (int run = 0; run < 300; ++run) {
     const int parts = 1 + run * 7 % 13;
     const auto time = std::chrono::microseconds(run % 5 * 10);
-    workers.run(parts, 1 + run % 4, [&](int, int) noexcept {
+    run_parts(workers, parts, 1 + run % 4, [&](int, int) noexcept {
       spend(time);
       done.fetch_add(1);
     });
@@ -147,16 +154,16 @@ TEST(Workers, LongAndShortRunsFollowEachOther) {
 
 std::atomic<int> prepared{0};
 
-TEST(Workers, ThreadsHaveNamesAndArePreparedAndNoneIsMadeLater) {
+TEST(WorkerThreads, ThreadsHaveNamesAndArePreparedAndNoneIsMadeLater) {
   prepared = 0;
   const std::size_t before = thread_names().size();
-  Workers workers({.threads = 3, .name = "very-long-name", .prepare = [](int thread) {
-                     prepared.fetch_add(1 << thread);
-                   }});
+  WorkerThreads workers({.threads = 3, .name = "very-long-name", .prepare = [](int thread) {
+                           prepared.fetch_add(1 << thread);
+                         }});
   std::atomic<int> begun{0};
   for (int run = 0; run < 10; ++run) {
     begun = 0;
-    workers.run(3, 3, [&](int, int) noexcept {
+    run_parts(workers, 3, 3, [&](int, int) noexcept {
       begun.fetch_add(1);
       while (begun.load() < 3) {
         std::this_thread::yield();
@@ -170,12 +177,12 @@ TEST(Workers, ThreadsHaveNamesAndArePreparedAndNoneIsMadeLater) {
   EXPECT_EQ(std::ranges::count(names, "very-long-na-2"), 1);
 }
 
-TEST(Workers, ThreadsHaveTheSchedulingOfWhoeverMakesThem) {
+TEST(WorkerThreads, ThreadsHaveTheSchedulingOfWhoeverMakesThem) {
   const int policy = sched_getscheduler(0);
-  Workers workers({.threads = 2});
+  WorkerThreads workers({.threads = 2});
   std::atomic<int> begun{0};
   std::array<int, 2> policies{-1, -1};
-  workers.run(2, 2, [&](int part, int) noexcept {
+  run_parts(workers, 2, 2, [&](int part, int) noexcept {
     policies[static_cast<std::size_t>(part)] = sched_getscheduler(0);
     begun.fetch_add(1);
     while (begun.load() < 2) {
@@ -185,37 +192,15 @@ TEST(Workers, ThreadsHaveTheSchedulingOfWhoeverMakesThem) {
   EXPECT_EQ(policies, (std::array<int, 2>{policy, policy}));
 }
 
-TEST(Workers, WhereTheSystemRefusesThreadsTheCallerDoesAll) {
-  Workers workers({.threads = 4, .stack_bytes = std::size_t{1} << 56});  // nobody has that much
-  EXPECT_EQ(workers.status(), Status::kDeviceError);
+TEST(WorkerThreads, WhereTheSystemRefusesThreadsTheCallerDoesAll) {
+  WorkerThreads workers(
+      {.threads = 4, .stack_bytes = std::size_t{1} << 56});  // nobody has that much
+  EXPECT_NE(workers.error(), 0);
   EXPECT_EQ(workers.threads(), 1);
   int done = 0;
-  workers.run(10, 4, [&](int, int thread) noexcept { done += thread == 0 ? 1 : 0; });
+  run_parts(workers, 10, 4, [&](int, int thread) noexcept { done += thread == 0 ? 1 : 0; });
   EXPECT_EQ(done, 10);
 }
 
-TEST(Crew, RunsRowsInStripes) {
-  Workers workers({.threads = 3});
-  for (const Crew& crew : {Crew(), Crew(workers, 1), Crew(workers, 2), Crew(workers, 99)}) {
-    for (const Rows rows : {Rows{0, 0}, Rows{0, 1}, Rows{3, 50}, Rows{0, 48}}) {
-      for (const int step : {1, 16, 100}) {
-        std::array<int, 64> seen{};
-        crew.run_rows(rows, step, [&](Rows some, int thread) noexcept {
-          EXPECT_LT(thread, crew.threads());
-          EXPECT_TRUE(some.count() == step || some.end == rows.end);
-          for (int y = some.begin; y < some.end; ++y) {
-            ++seen[static_cast<std::size_t>(y)];
-          }
-        });
-        for (int y = 0; y < 64; ++y) {
-          ASSERT_EQ(seen[static_cast<std::size_t>(y)], y >= rows.begin && y < rows.end ? 1 : 0);
-        }
-      }
-    }
-  }
-  EXPECT_EQ(Crew().threads(), 1);
-  EXPECT_EQ(Crew(workers, 99).threads(), 3);
-}
-
 }  // namespace
-}  // namespace stof::dsp
+}  // namespace stof::posix

@@ -1,12 +1,13 @@
-#include "dsp/base/workers.h"
+#include "posix/worker_threads.h"
 
+#include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <type_traits>
 
 #include <pthread.h>
 
-#include "dsp/base/check.h"
-
-namespace stof::dsp {
+namespace stof::posix {
 namespace {
 
 constexpr int kSpins = 500;  // some microseconds
@@ -22,7 +23,7 @@ struct Parts {
 };
 constexpr int kPartBits = 28;
 constexpr std::uint64_t kPartMask = (std::uint64_t{1} << kPartBits) - 1;
-static_assert(2 * kPartBits + 8 == 64 && Workers::kMost < 256);
+static_assert(2 * kPartBits + 8 == 64 && WorkerThreads::kMost < 256);
 
 std::uint64_t pack(const Parts& parts) noexcept {
   return static_cast<std::uint64_t>(parts.threads) << (2 * kPartBits) |
@@ -65,19 +66,24 @@ void wait_for_change(const std::atomic<std::uint32_t>& value, std::uint32_t from
   }
 }
 
+// A precondition: whoever breaks it has a bug.
+void require(bool holds) noexcept {
+  if (!holds) [[unlikely]] {
+    std::abort();
+  }
+}
+
 std::size_t place(int thread) noexcept { return static_cast<std::size_t>(thread); }
 
 }  // namespace
 
-Workers::Workers(const Params& params) noexcept : params_(params) {
-  STOF_CHECK(params.threads >= 1 && params.threads <= kMost);
+WorkerThreads::WorkerThreads(const Params& params) noexcept : params_(params) {
+  require(params.threads >= 1 && params.threads <= kMost);
   static_assert(std::is_same_v<pthread_t, unsigned long>);
   pthread_attr_t attributes;
   pthread_attr_init(&attributes);
-  if (pthread_attr_setstacksize(&attributes, params.stack_bytes) != 0) {
-    status_ = Status::kDeviceError;
-  }
-  for (int thread = 1; thread < params.threads && status_ == Status::kOk; ++thread) {
+  error_ = pthread_attr_setstacksize(&attributes, params.stack_bytes);
+  for (int thread = 1; thread < params.threads && error_ == 0; ++thread) {
     Start& start = starts_[place(thread)];
     start = {.workers = this, .thread = thread};
     const auto enter = [](void* at) -> void* {
@@ -85,16 +91,13 @@ Workers::Workers(const Params& params) noexcept : params_(params) {
       mine.workers->serve(mine.thread);
       return nullptr;
     };
-    if (pthread_create(&handles_[place(thread)], &attributes, enter, &start) != 0) {
-      status_ = Status::kDeviceError;
-    } else {
-      ++threads_;
-    }
+    error_ = pthread_create(&handles_[place(thread)], &attributes, enter, &start);
+    threads_ += error_ == 0 ? 1 : 0;
   }
   pthread_attr_destroy(&attributes);
 }
 
-Workers::~Workers() {
+WorkerThreads::~WorkerThreads() {
   ending_.store(true, std::memory_order_relaxed);
   runs_.fetch_add(1);
   runs_.notify_all();
@@ -103,7 +106,7 @@ Workers::~Workers() {
   }
 }
 
-void Workers::serve(int thread) noexcept {
+void WorkerThreads::serve(int thread) noexcept {
   std::array<char, 16> name{};
   std::snprintf(name.data(), name.size(), "%.12s-%d", params_.name, thread);
   pthread_setname_np(pthread_self(), name.data());
@@ -123,17 +126,17 @@ void Workers::serve(int thread) noexcept {
 }
 
 // Until there is nothing left to begin.
-void Workers::work(int thread) noexcept {
+void WorkerThreads::work(int thread) noexcept {
   for (int part = 0; take(thread, part);) {
-    job_(part, thread);
+    call_(object_, part, thread);
     if (parts_.fetch_sub(1) == 1) {
       parts_.notify_one();
     }
   }
 }
 
-// job_ is that of the part for as long as the part is not done.
-bool Workers::take(int thread, int& part) noexcept {
+// call_ and object_ are those of the part for as long as the part is not done.
+bool WorkerThreads::take(int thread, int& part) noexcept {
   std::atomic<std::uint64_t>& own = shares_[place(thread)].left;
   std::uint64_t word = own.load(std::memory_order_acquire);
   for (Parts mine = unpack(word); mine.count() > 0; mine = unpack(word)) {
@@ -158,16 +161,17 @@ bool Workers::take(int thread, int& part) noexcept {
   return false;
 }
 
-void Workers::run(int parts, int threads, PartJob job) noexcept {
-  STOF_CHECK(parts >= 0 && static_cast<std::uint64_t>(parts) <= kPartMask && threads >= 1);
+void WorkerThreads::run(int parts, int threads, Call* call, void* object) noexcept {
+  require(parts >= 0 && static_cast<std::uint64_t>(parts) <= kPartMask && threads >= 1);
   threads = std::min({threads, threads_, parts});
   if (threads <= 1) {
     for (int part = 0; part < parts; ++part) {
-      job(part, 0);
+      call(object, part, 0);
     }
     return;
   }
-  job_ = job;
+  call_ = call;
+  object_ = object;
   parts_.store(static_cast<std::uint32_t>(parts), std::memory_order_relaxed);
   const auto begin = [&](int thread) noexcept {
     return static_cast<int>(std::int64_t{parts} * thread / threads);
@@ -184,4 +188,4 @@ void Workers::run(int parts, int threads, PartJob job) noexcept {
   }
 }
 
-}  // namespace stof::dsp
+}  // namespace stof::posix
