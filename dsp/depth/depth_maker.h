@@ -5,7 +5,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/fusion/fuser.h"

@@ -5,7 +5,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/pmd/converter.h"
-#include "host/calibrate/pmd_model.h"
+#include "host/calibrate/fit/pmd_model.h"
 #include "host/evaluate/workspace.h"
 
 namespace stof::host {

@@ -116,7 +116,7 @@ struct RigOptions {
   bool with_pmd = true;
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
   wire::StreamChoice choice{.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
-  dsp::Workers* workers = nullptr;  // all of them compute; nullptr: the loop's thread alone
+  dsp::Crew threads = {};  // that compute
 };
 
 Setup small_setup(bool with_pmd);

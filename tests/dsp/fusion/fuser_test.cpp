@@ -7,7 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
+#include "posix/worker_threads.h"
 #include "tests/support/guarded.h"
 #include "tests/support/in_own_memory.h"
 
@@ -253,7 +254,7 @@ TEST(Fuser, AnySplitOfRowsGivesTheSame) {
 }
 
 TEST(Fuser, ThreadsAtOnceGiveTheSame) {
-  Workers workers({.threads = 4});
+  posix::WorkerThreads workers({.threads = 4});
   for (const auto& [w, h] : {std::pair{1, 1}, {1, 99}, {61, 1}, {33, 17}, {79, 133}}) {
     const Calibration calibration = simple_rig(w, h, 20, 40);
     Rig whole(calibration, w, h);
