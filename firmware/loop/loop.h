@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "board/board.h"
-#include "board/config.h"
+#include "board/timing.h"
 #include "dsp/base/status.h"
 #include "firmware/events/events.h"
 #include "firmware/loop/frame_collector.h"

@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "board/config.h"
+#include "board/timing.h"
 #include "hal/time.h"
 
 namespace stof::firmware {
