@@ -8,7 +8,7 @@
 #include "board/board.h"
 #include "board/config.h"
 #include "dsp/base/arena.h"
-#include "firmware/wire/tiles.h"
+#include "firmware/wire/frame/tiles.h"
 
 // All memory of the frame path, reserved at link time for the largest frames the board accepts:
 // images, and datagrams on their way out.

@@ -5,11 +5,11 @@
 #include <cstdint>
 
 #include "dsp/base/arena.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/depth/depth_maker.h"
 #include "firmware/pipeline/shot.h"
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "hal/clock.h"
 
 namespace stof::firmware {

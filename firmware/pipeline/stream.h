@@ -11,8 +11,8 @@
 #include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/shot.h"
-#include "firmware/wire/calibration_packet.h"
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
 

@@ -55,10 +55,8 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunCon
 void Appliance::build(const RunConfig& run_config) noexcept {
   pipeline_.reset();
   dsp::Arena arena(written(images_, Pipeline::bytes_needed(run_config.setup)));
-  const dsp::Crew crew = parts_.workers == nullptr
-                             ? dsp::Crew()
-                             : dsp::Crew(*parts_.workers, run_config.setup.threads);
-  pipeline_.emplace(run_config.setup, parts_.board.clock, arena, crew);
+  pipeline_.emplace(run_config.setup, parts_.board.clock, arena,
+                    parts_.threads.first(run_config.setup.threads));
 }
 
 void Appliance::apply(const RunConfig& run_config) noexcept {

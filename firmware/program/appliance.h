@@ -6,7 +6,7 @@
 
 #include "board/board.h"
 #include "dsp/base/arena.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "firmware/control/subscriber_list.h"
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
@@ -43,8 +43,8 @@ class Appliance {
     Events& events;
     RunConfigRing& run_configs;
     SubscriberRing& receivers;
-    ByteRing* serial;                 // to the serial line; nullptr: there is none
-    dsp::Workers* workers = nullptr;  // nullptr: the loop's thread computes alone
+    ByteRing* serial;   // to the serial line; nullptr: there is none
+    dsp::Crew threads;  // that may compute, the loop's among them
   };
 
   Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,

@@ -19,7 +19,7 @@
 #include "firmware/serial/byte_ring.h"
 #include "firmware/serial/requests.h"
 #include "firmware/serial/serial_link.h"
-#include "firmware/settings/desk.h"
+#include "firmware/settings/settings_server.h"
 
 namespace stof::firmware {
 

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "firmware/events/event_printer.h"
-#include "firmware/settings/assignment.h"
+#include "firmware/settings/fields/assignment.h"
 #include "firmware/settings/saved.h"
 
 namespace stof::firmware {

@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "board/board.h"
-#include "dsp/base/workers.h"
 #include "firmware/events/event_printer.h"
 #include "firmware/events/events.h"
 #include "firmware/events/log_text.h"
@@ -28,9 +27,10 @@
 #include "firmware/program/initial_settings.h"
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
-#include "firmware/settings/assignment.h"
-#include "firmware/wire/calibration_packet.h"
+#include "firmware/settings/fields/assignment.h"
+#include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/workspace.h"
+#include "posix/worker_threads.h"
 
 namespace stof::firmware {
 namespace {
@@ -138,7 +138,7 @@ int threads_of(const settings::Settings& settings) {
 // Ends with the loop; the control thread before it.
 void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
               const RunConfig& run_config, const InitialSettings& start,
-              const wire::CalibrationPacket& calibration, dsp::Workers& workers) {
+              const wire::CalibrationPacket& calibration, posix::WorkerThreads& workers) {
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};
   ByteRing serial(serial_memory);
@@ -149,7 +149,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .run_configs = run_configs,
        .receivers = receivers,
        .serial = line,
-       .workers = &workers},
+       .threads = {workers, workers.threads()}},
       {.origin = origin,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
@@ -204,8 +204,8 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   }
   say_refusal(board::lock_memory());
   say_refusal(board::be_urgent(true));
-  dsp::Workers workers({.threads = threads_of(start.active), .name = "stof-depth"});
-  if (workers.status() != Status::kOk) {
+  posix::WorkerThreads workers({.threads = threads_of(start.active), .name = "stof-depth"});
+  if (workers.error() != 0) {
     print_line("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
                std::to_string(threads_of(start.active)) + " compute: check its limits");
   }

@@ -9,7 +9,7 @@
 #include "dsp/stereo/matcher.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/settings/depth.h"
-#include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 #include "firmware/workspace.h"
 
 namespace stof::firmware {

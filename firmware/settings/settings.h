@@ -7,7 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/frame/frame_coder.h"
 
 // What a sensor can be told to do differently. The table in field.cpp says of each field which
 // values it takes, its unit and what it means; the values below are the defaults.
@@ -40,7 +40,7 @@ inline constexpr std::size_t kMatchSlots = 24;
 // dsp::find_preset() of their names.
 enum class Search : std::uint8_t { kFast, kQuality, kChapter };
 
-// dsp::Workers::kMost.
+// dsp::Crew::kMost.
 inline constexpr int kMostThreads = 8;
 inline constexpr int kUsualThreads = 4;
 

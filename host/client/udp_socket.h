@@ -16,7 +16,7 @@
 
 #include "dsp/base/status.h"
 #include "host/client/error.h"
-#include "host/client/frame.h"
+#include "host/client/frame/frame.h"
 #include "host/client/sensor_address.h"
 
 namespace stof::client {

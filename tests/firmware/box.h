@@ -49,13 +49,13 @@ struct Box {
   ByteRing serial{line};
   Appliance appliance;
 
-  explicit Box(bool with_serial = false, dsp::Workers* workers = nullptr)
+  explicit Box(bool with_serial = false, dsp::Crew threads = {})
       : appliance({.board = rig.board,
                    .events = rig.events,
                    .run_configs = run_configs,
                    .receivers = receivers,
                    .serial = with_serial ? &serial : nullptr,
-                   .workers = workers},
+                   .threads = threads},
                   {.origin = {.device_id = 7, .session_id = 9},
                    .clock = wire::ClockState::kEmulated,
                    .calibration = wire::make_calibration_packet(rig.setup.calibration, 40'000,

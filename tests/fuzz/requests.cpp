@@ -2,8 +2,8 @@
 #include <chrono>
 
 #include "firmware/control/request_handler.h"
-#include "firmware/settings/desk.h"
-#include "firmware/settings/document.h"
+#include "firmware/settings/fields/document.h"
+#include "firmware/settings/settings_server.h"
 #include "firmware/wire/messages/settings_answer.h"
 #include "tests/fuzz/records.h"
 

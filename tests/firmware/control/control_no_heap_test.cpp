@@ -31,12 +31,12 @@ using namespace std::chrono_literals;
 
 // Every kind of request, answer, refusal and list, through a real port.
 TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
-  auto port = hal::posix::UdpPort::open({});
-  auto robot = hal::posix::UdpPort::open({});
+  auto port = hal::linux::UdpPort::open({});
+  auto robot = hal::linux::UdpPort::open({});
   ASSERT_TRUE(port && robot);
   std::uint16_t closed = 0;
   {
-    closed = hal::posix::UdpPort::open({}).value()->port();
+    closed = hal::linux::UdpPort::open({}).value()->port();
   }
   firmware::Subscribers subscribers;
   firmware::RequestHandler handler({.device_id = 1}, firmware::CookieSecret{}, subscribers,

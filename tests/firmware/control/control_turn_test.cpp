@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/control.h"
-#include "hal/emu/datagram_port.h"
+#include "hal/emu/devices/datagram_port.h"
 #include "tests/firmware/control/requests.h"
 
 // The control thread's turns, one at a time and without a thread.

@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/control_thread.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/udp_port.h"
 
 namespace stof::test {
 
@@ -51,15 +51,15 @@ class Sensor {
   }
   std::uint16_t number() const { return port->port(); }
 
-  std::unique_ptr<hal::posix::UdpPort> port;
+  std::unique_ptr<hal::linux::UdpPort> port;
   firmware::Subscribers subscribers;
   firmware::RequestHandler handler;
   firmware::SubscriberRing ring;
   std::optional<firmware::ControlThread> thread;
 
  private:
-  static std::unique_ptr<hal::posix::UdpPort> open(std::uint16_t number) {
-    auto port = hal::posix::UdpPort::open({.port = number});
+  static std::unique_ptr<hal::linux::UdpPort> open(std::uint16_t number) {
+    auto port = hal::linux::UdpPort::open({.port = number});
     if (!port) {
       ADD_FAILURE() << port.error().message;
       std::abort();

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/emu/clock.h"
+#include "hal/emu/devices/clock.h"
 
 namespace stof::firmware {
 namespace {

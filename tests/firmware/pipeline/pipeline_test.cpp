@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/rectification.h"
+#include "dsp/calib/stereo/rectification.h"
 #include "dsp/stereo/rectifier.h"
 #include "dsp/stereo/rectify.h"
-#include "hal/emu/clock.h"
+#include "hal/emu/devices/clock.h"
 #include "tests/dsp/stereo/raw_world.h"
 #include "tests/support/guarded.h"
 

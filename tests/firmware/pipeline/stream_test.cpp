@@ -10,8 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/messages/frame_info.h"
-#include "hal/emu/clock.h"
-#include "hal/emu/datagram_port.h"
+#include "hal/emu/devices/clock.h"
+#include "hal/emu/devices/datagram_port.h"
 #include "tests/support/random.h"
 
 namespace stof::firmware {

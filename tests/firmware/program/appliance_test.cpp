@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "posix/worker_threads.h"
 #include "tests/firmware/box.h"
 
 namespace stof::firmware::test {
@@ -53,8 +54,8 @@ TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
 }
 
 // Every datagram of `run_configs`, each for some frames.
-std::vector<std::byte> sent_with(dsp::Workers* workers, std::span<const RunConfig> run_configs) {
-  Box box(false, workers);
+std::vector<std::byte> sent_with(dsp::Crew threads, std::span<const RunConfig> run_configs) {
+  Box box(false, threads);
   box.subscribe(1);
   std::vector<std::byte> bytes = box.run(5).bytes;
   for (const RunConfig& run_config : run_configs) {
@@ -67,7 +68,7 @@ std::vector<std::byte> sent_with(dsp::Workers* workers, std::span<const RunConfi
 }
 
 TEST(Appliance, AnyNumberOfThreadsSendsTheSameBytes) {
-  dsp::Workers workers({.threads = 4});
+  posix::WorkerThreads workers({.threads = 4});
   std::vector<RunConfig> run_configs;
   for (const char* const preset : {"", "quality", "fast"}) {
     for (const int threads : {3, 1, 4, 2, 7}) {  // more than there are, too
@@ -79,14 +80,14 @@ TEST(Appliance, AnyNumberOfThreadsSendsTheSameBytes) {
       }
     }
   }
-  const std::vector<std::byte> alone = sent_with(nullptr, run_configs);
+  const std::vector<std::byte> alone = sent_with({}, run_configs);
   EXPECT_GT(alone.size(), run_configs.size() * 4 * kWidth * kHeight);
-  EXPECT_TRUE(sent_with(&workers, run_configs) == alone);
+  EXPECT_TRUE(sent_with({workers, 4}, run_configs) == alone);
 }
 
 TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
-  dsp::Workers workers({.threads = 4});
-  Box box(false, &workers);
+  posix::WorkerThreads workers({.threads = 4});
+  Box box(false, {workers, 4});
   box.subscribe(1);
   Receiver receiver = box.run(5);
   for (const int threads : {4, 1, 3, 2}) {

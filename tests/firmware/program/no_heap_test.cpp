@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/base/workers.h"
+#include "posix/worker_threads.h"
 #include "tests/firmware/box.h"
 
 // The linker sends every call of the allocator in this program through these (--wrap), also those
@@ -127,7 +127,7 @@ Status step_without_heap(Appliance& appliance) {
 }
 
 // Threads that may never allocate once they are there.
-dsp::Workers::Params heapless(int threads) {
+posix::WorkerThreads::Params heapless(int threads) {
   return {.threads = threads, .prepare = [](int) { forbidden = true; }};
 }
 
@@ -144,9 +144,8 @@ Faults all_faults() {
   return {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)};
 }
 
-// workers: nullptr: none.
-void run_without_heap(dsp::Workers* workers, std::uint64_t frames) {
-  Rig rig({.faults = all_faults(), .workers = workers});
+void run_without_heap(dsp::Crew threads, std::uint64_t frames) {
+  Rig rig({.faults = all_faults(), .threads = threads});
   rig.log.edges.reserve(2 * frames);
   std::uint64_t steps = 0;
   std::uint64_t lost = 0;
@@ -166,14 +165,14 @@ void run_without_heap(dsp::Workers* workers, std::uint64_t frames) {
 }
 
 TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
-  run_without_heap(nullptr, 10'000);
+  run_without_heap({}, 10'000);
 }
 
 TEST(NoHeap, NoThreadAllocatesWhereSeveralCompute) {
   for (const int threads : {2, 4}) {
-    dsp::Workers workers(heapless(threads));
+    posix::WorkerThreads workers(heapless(threads));
     ASSERT_EQ(workers.threads(), threads);
-    run_without_heap(&workers, 2'000);
+    run_without_heap({workers, threads}, 2'000);
   }
 }
 
@@ -185,8 +184,8 @@ std::ptrdiff_t threads_there() {
 TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
   const std::ptrdiff_t before = threads_there();
   {
-    dsp::Workers workers(heapless(4));
-    Box box(false, &workers);
+    posix::WorkerThreads workers(heapless(4));
+    Box box(false, {workers, 4});
     box.rig.log.edges.reserve(2'000);
     box.subscribe(1);
     RunConfig run_config = small_run_config();
@@ -245,9 +244,9 @@ TEST(NoHeapDeathTest, EveryWayToAllocateIsCaught) {
 TEST(NoHeapDeathTest, AnAllocationOfAHelperIsCaught) {
   EXPECT_DEATH(
       {
-        dsp::Workers workers(heapless(2));
+        posix::WorkerThreads workers(heapless(2));
         std::atomic<bool> helped{false};
-        workers.run(2, 2, [&](int part, int thread) noexcept {
+        dsp::Crew(workers, 2).run(2, [&](int part, int thread) noexcept {
           if (thread != 0) {
             kept = std::malloc(10);
             helped = true;

@@ -12,8 +12,8 @@
 #include "firmware/wire/messages/discover.h"
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
-#include "hal/emu/serial_port.h"
-#include "hal/linux/serial_tty.h"
+#include "hal/emu/devices/serial_port.h"
+#include "hal/linux/ports/serial_tty.h"
 #include "tests/firmware/serial/line.h"
 #include "tests/support/pty.h"
 #include "tests/support/random.h"
@@ -330,7 +330,7 @@ TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
     GTEST_SKIP() << "this system makes no pseudo-terminals";
   }
   ASSERT_FALSE(pty.name().empty());
-  auto tty = hal::posix::SerialTty::open({.device = pty.name(), .baud = 3'000'000});
+  auto tty = hal::linux::SerialTty::open({.device = pty.name(), .baud = 3'000'000});
   ASSERT_TRUE(tty) << tty.error();
   SenderBench bench;
   Random random(12);

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "dsp/calib/pmd_sensor.h"
+
+// What a PMD sensor measures, in double precision: the appliance's conversion (dsp/pmd) read
+// backwards. A pixel that sees a surface at radial distance D:
+//   path  = mean over the lights e of (|D r - e| + D) / 2, weighted by what comes back from each
+//           (dsp/calib/pmd/near_table.h), D without lights
+//   phi2  = (path - shift) / (scale turn), turn = c / (2 f)
+//   phi1  - W(phi1) = phi2
+//   I + jQ = A exp(+-2 pi j (phi1 + offset + pattern)) + stray; minus where the phase falls
+// Phases are in turns, distances in metres.
+namespace stof::host {
+
+inline constexpr int kHarmonics = 8;
+
+// W: the table of an older calibration, or harmonics 1 .. 8.
+struct WigglingCurve {
+  std::array<double, kHarmonics> cosine{};
+  std::array<double, kHarmonics> sine{};
+  std::array<double, dsp::kWigglingSteps> table{};  // added to them, linear between the steps
+
+  double at(double phi) const noexcept;
+  double slope(double phi) const noexcept;  // dW / dphi
+  // phi1 of phi1 - W(phi1) = phi2.
+  double inverse(double phi2) const noexcept;
+};
+
+struct PmdModel {
+  double turn_m = 0;
+  bool phase_falls = false;
+  double offset = 0;
+  double scale = 1;
+  double shift_m = 0;  // kept from an older calibration, never fitted: offset says the same
+  WigglingCurve wiggling;
+  std::complex<double> stray;  // I + jQ, LSB at the reference integration time
+  std::vector<dsp::Emitter> emitters;
+  std::vector<double> pattern;  // of each pixel, or empty
+};
+
+double half_path(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,
+                 double distance_m) noexcept;
+// The distance whose half path this is.
+double distance_of(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,
+                   double path_m) noexcept;
+
+// Into -0.5 .. 0.5.
+double wrapped(double turns) noexcept;
+
+// The distance that a pixel measures, nearest to `near_m`: what is unambiguous elsewhere is known
+// here.
+double measured_distance(const PmdModel& model, std::complex<double> reading, double pattern,
+                         const std::array<double, 3>& ray, double near_m) noexcept;
+
+// Everything of the model that a sensor already has, and back. `pattern` keeps what the sensor's
+// fixed_pattern borrows.
+PmdModel model_of(const dsp::PmdSensor& sensor);
+void put_model(const PmdModel& model, dsp::PmdSensor& sensor, std::vector<std::int16_t>& pattern);
+
+// The unit rays of all pixels, row by row; {} where a pixel has none.
+std::vector<std::array<double, 3>> rays_of(const dsp::Pinhole& lens);
+
+}  // namespace stof::host
