@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "board/timing.h"
 #include "hal/time.h"
 
 namespace stof::board {
@@ -21,16 +22,6 @@ struct StereoConfig {
 struct PmdConfig {
   int width = 0;
   int height = 0;
-};
-
-struct TimingConfig {
-  hal::Duration period{};  // of the trigger
-  hal::Duration stereo_exposure{};
-  hal::Duration pmd_integration{};  // all four samples
-  hal::Duration edge_tolerance{};   // an exposure begins this near to its edge
-  int pmd_every = 1;                // the PMD camera exposes at every k-th edge
-
-  friend constexpr bool operator==(const TimingConfig&, const TimingConfig&) = default;
 };
 
 // A net of the schematic, and the GPIO line that it is on: the kernel's name of the line
@@ -130,11 +121,8 @@ constexpr bool valid(const Config& config) noexcept {
   return config.stereo.width > 0 && config.stereo.height > 0 && config.stereo.disparities > 0 &&
          config.stereo.block_width >= 1 && config.stereo.block_width <= 64 &&
          config.stereo.block_height >= 1 && config.stereo.block_height <= 64 &&
-         config.pmd.width >= 0 && config.pmd.height >= 0 && timing.pmd_every >= 1 &&
-         timing.stereo_exposure > hal::Duration::zero() &&
-         timing.period > timing.stereo_exposure + timing.edge_tolerance &&
-         timing.period * timing.pmd_every > timing.pmd_integration + timing.edge_tolerance &&
-         timing.edge_tolerance > hal::Duration::zero() && valid(config.devices, timing);
+         config.pmd.width >= 0 && config.pmd.height >= 0 && *problem(timing) == '\0' &&
+         timing.stereo_exposure > hal::Duration::zero() && valid(config.devices, timing);
 }
 
 }  // namespace stof::board

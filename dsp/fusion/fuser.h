@@ -36,13 +36,9 @@ struct StereoMaps {
 // resolves what only one of both saw (resolve/ambiguity_resolver.h).
 class Fuser {
  public:
-  // disparities: of the Matcher whose result will be fused. threads: how many fuse_rows() run at
-  // the same time.
-  static std::size_t bytes_needed(int width, int height, int disparities, int pmd_width,
-                                  int pmd_height, int threads = 1) noexcept;
-
-  // stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
-  // only).
+  // Stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
+  // only). disparities: of the Matcher whose result will be fused. threads: how many fuse_rows()
+  // run at the same time.
   Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
         int disparities, int width, int height, Arena& arena, int threads = 1) noexcept;
 

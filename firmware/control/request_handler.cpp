@@ -7,17 +7,17 @@ namespace stof::firmware {
 using wire::PacketFault;
 using wire::PacketType;
 
-Gate::Gate(const wire::Origin& origin, const CookieSecret& secret, Subscribers& subscribers,
-           SettingsService* settings) noexcept
+RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& secret,
+                               Subscribers& subscribers, SettingsService* settings) noexcept
     : origin_(origin), cookies_(secret), subscribers_(subscribers), settings_(settings) {}
 
-void Gate::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
+void RequestHandler::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
   announce_ = announce;
   health_ = health;
 }
 
-std::span<const std::byte> Gate::take(std::span<const std::byte> datagram, const hal::Peer& from,
-                                      hal::Time now) noexcept {
+std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datagram,
+                                                const hal::Peer& from, hal::Time now) noexcept {
   const std::expected<wire::PacketView, PacketFault> packet = wire::parse_packet(datagram);
   if (!packet) {
     return refuse(reason(packet.error()));
@@ -39,7 +39,7 @@ std::span<const std::byte> Gate::take(std::span<const std::byte> datagram, const
   return header.type == PacketType::kSettingsRequest ? serve_settings(request) : subscribe(request);
 }
 
-Gate::Answer Gate::subscribe(const Request& request) noexcept {
+RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcept {
   const Result<wire::Subscribe> asked = wire::decode_subscribe(request.packet.payload);
   if (!asked) {
     return refuse(Count::kBadField);
@@ -71,7 +71,7 @@ Gate::Answer Gate::subscribe(const Request& request) noexcept {
   return answer(request, out);
 }
 
-Gate::Answer Gate::serve_settings(const Request& request) noexcept {
+RequestHandler::Answer RequestHandler::serve_settings(const Request& request) noexcept {
   const Result<wire::SettingsRequest> asked = wire::decode_settings_request(request.packet.payload);
   if (!asked) {
     return refuse(Count::kBadField);
@@ -101,7 +101,7 @@ Gate::Answer Gate::serve_settings(const Request& request) noexcept {
   return answer(out, text_bytes);
 }
 
-Gate::Answer Gate::discover(const Request& request) noexcept {
+RequestHandler::Answer RequestHandler::discover(const Request& request) noexcept {
   const Result<wire::Discover> asked = wire::decode_discover(request.packet.payload);
   // The length first: a discover without its padding is an attempt to get more than was sent.
   if (!may_answer_unproven(request, wire::kAnnounceBytes)) {
@@ -118,7 +118,8 @@ Gate::Answer Gate::discover(const Request& request) noexcept {
   return seal(PacketType::kAnnounce, wire::kAnnounceBytes);
 }
 
-bool Gate::may_answer_unproven(const Request& request, std::size_t payload_bytes) noexcept {
+bool RequestHandler::may_answer_unproven(const Request& request,
+                                         std::size_t payload_bytes) noexcept {
   if (wire::kHeaderBytes + payload_bytes + wire::kCrcBytes > request.bytes) {
     count(Count::kTooShort);
     return false;
@@ -130,7 +131,8 @@ bool Gate::may_answer_unproven(const Request& request, std::size_t payload_bytes
   return true;
 }
 
-Gate::Answer Gate::answer(const Request& request, const wire::Subscribed& subscribed) noexcept {
+RequestHandler::Answer RequestHandler::answer(const Request& request,
+                                              const wire::Subscribed& subscribed) noexcept {
   wire::Subscribed out = subscribed;
   out.subscribers = static_cast<std::uint8_t>(subscribers_.count());
   out.cookie = cookies_.make(request.from, request.now);
@@ -139,29 +141,30 @@ Gate::Answer Gate::answer(const Request& request, const wire::Subscribed& subscr
 }
 
 // The text lies behind the answer already.
-Gate::Answer Gate::answer(const wire::SettingsAnswer& settings, std::size_t text_bytes) noexcept {
+RequestHandler::Answer RequestHandler::answer(const wire::SettingsAnswer& settings,
+                                              std::size_t text_bytes) noexcept {
   wire::encode_settings_answer(settings,
                                wire::payload_space(buffer_).first<wire::kSettingsAnswerBytes>());
   return seal(PacketType::kSettingsAnswer, wire::kSettingsAnswerBytes + text_bytes);
 }
 
-Gate::Answer Gate::seal(PacketType type, std::size_t payload_bytes) noexcept {
+RequestHandler::Answer RequestHandler::seal(PacketType type, std::size_t payload_bytes) noexcept {
   return wire::seal_packet({.type = type, .origin = origin_, .frame = {.health = health_}},
                            payload_bytes, buffer_);
 }
 
-Gate::Answer Gate::refuse(Count why) noexcept {
+RequestHandler::Answer RequestHandler::refuse(Count why) noexcept {
   count(why);
   return {};
 }
 
-void Gate::count(Count what) noexcept {
+void RequestHandler::count(Count what) noexcept {
   // One thread writes; the others only have to see whole numbers.
   std::atomic<std::uint64_t>& counter = counts_[static_cast<std::size_t>(what)];
   counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
 }
 
-Gate::Count Gate::reason(PacketFault fault) noexcept {
+RequestHandler::Count RequestHandler::reason(PacketFault fault) noexcept {
   switch (fault) {
     case PacketFault::kTruncated:
       return Count::kTruncated;
@@ -179,7 +182,7 @@ Gate::Count Gate::reason(PacketFault fault) noexcept {
   return Count::kBadField;
 }
 
-wire::ControlCounters Gate::counters() const noexcept {
+wire::ControlCounters RequestHandler::counters() const noexcept {
   const auto of = [this](Count what) {
     return counts_[static_cast<std::size_t>(what)].load(std::memory_order_relaxed);
   };

@@ -27,14 +27,14 @@ namespace stof::firmware {
 // more than kUnprovenPerSecond of them leave in a second to all sources together: whoever writes
 // somebody else's address on its requests cannot make us send more than it sends itself.
 // No clock, no socket, no heap; for one thread, except counters().
-class Gate {
+class RequestHandler {
  public:
   static constexpr std::uint32_t kUnprovenPerSecond = 1000;
 
-  // `subscribers` and `settings` outlive the gate; settings nullptr: every request for them is
+  // `subscribers` and `settings` outlive the handler; settings nullptr: every request for them is
   // answered with kUnsupported.
-  Gate(const wire::Origin& origin, const CookieSecret& secret, Subscribers& subscribers,
-       SettingsService* settings) noexcept;
+  RequestHandler(const wire::Origin& origin, const CookieSecret& secret, Subscribers& subscribers,
+                 SettingsService* settings) noexcept;
 
   // What a discover is answered with; request_id and subscribers are filled in here.
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;

@@ -8,29 +8,29 @@
 
 namespace stof::firmware {
 
-void say(const std::string& line) {
+void print_line(const std::string& line) {
   std::printf("stofd: %s\n", line.c_str());
   std::fflush(stdout);
 }
 
-Teller::Teller(Events& events) : events_(events), thread_([this] { run(); }) {}
+EventPrinter::EventPrinter(Events& events) : events_(events), thread_([this] { run(); }) {}
 
-Teller::~Teller() {
+EventPrinter::~EventPrinter() {
   done_.store(true);
   thread_.join();
-  tell();
+  print_noted();
 }
 
-void Teller::run() {
+void EventPrinter::run() {
   while (!done_.load()) {
-    tell();
+    print_noted();
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
 }
 
-void Teller::tell() {
+void EventPrinter::print_noted() {
   while (const std::optional<Event> event = events_.take()) {
-    say(describe(*event));
+    print_line(describe(*event));
   }
 }
 

@@ -10,16 +10,16 @@ namespace stof::firmware {
 
 // Prints what the loop notes, from a thread of its own: a terminal that blocks must not block the
 // loop. The destructor prints the rest.
-class Teller {
+class EventPrinter {
  public:
-  explicit Teller(Events& events);
-  ~Teller();
-  Teller(const Teller&) = delete;
-  Teller& operator=(const Teller&) = delete;
+  explicit EventPrinter(Events& events);
+  ~EventPrinter();
+  EventPrinter(const EventPrinter&) = delete;
+  EventPrinter& operator=(const EventPrinter&) = delete;
 
  private:
   void run();
-  void tell();
+  void print_noted();
 
   Events& events_;
   std::atomic<bool> done_{false};
@@ -27,6 +27,6 @@ class Teller {
 };
 
 // One line on standard output, at once.
-void say(const std::string& line);
+void print_line(const std::string& line);
 
 }  // namespace stof::firmware

@@ -1,12 +1,12 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 
 #include "dsp/base/status.h"
+#include "firmware/spsc_ring.h"
 #include "hal/time.h"
 
 // What the loop has to tell: typed events in a fixed ring and plain counters. Text is made
@@ -85,14 +85,10 @@ struct Counters {
   }
 };
 
-constexpr std::uint64_t& of(std::array<std::uint64_t, kParts>& counts, Part part) noexcept {
-  return counts[static_cast<std::size_t>(part)];
-}
-constexpr std::uint64_t of(const std::array<std::uint64_t, kParts>& counts, Part part) noexcept {
-  return counts[static_cast<std::size_t>(part)];
-}
-constexpr std::uint64_t& of(std::array<std::uint64_t, kDrops>& counts, Drop drop) noexcept {
-  return counts[static_cast<std::size_t>(drop)];
+// The count of one part, or of one cause.
+template <typename Counts, typename Which>
+constexpr auto& of(Counts& counts, Which which) noexcept {
+  return counts[static_cast<std::size_t>(which)];
 }
 
 // The loop's thread notes, one other thread takes. Neither blocks or allocates.
@@ -101,16 +97,12 @@ class Events {
   Counters counters;
 
   // A full ring keeps what it has: the event is counted as lost.
-  void note(const Event& event) noexcept;
+  void note(const Event& event) noexcept { counters.lost_events += ring_.push(event) ? 0U : 1U; }
   // The oldest event that was not taken yet.
-  std::optional<Event> take() noexcept;
+  std::optional<Event> take() noexcept { return ring_.pop(); }
 
  private:
-  static constexpr std::uint32_t kCapacity = 64;
-
-  std::array<Event, kCapacity> ring_{};
-  std::atomic<std::uint32_t> noted_{0};
-  std::atomic<std::uint32_t> taken_{0};
+  SpscRing<Event, 64> ring_;
 };
 
 }  // namespace stof::firmware

@@ -14,10 +14,10 @@ constexpr std::size_t index_of(wire::Condition condition) noexcept {
   return static_cast<std::size_t>(condition);
 }
 
-std::uint64_t refused(const wire::ControlCounters& control) noexcept {
-  return control.truncated + control.bad_magic + control.bad_version + control.bad_length +
-         control.bad_crc + control.bad_field + control.not_control + control.foreign +
-         control.too_short + control.busy + control.overrun;
+std::uint64_t refused(const wire::ControlCounters& requests) noexcept {
+  return requests.truncated + requests.bad_magic + requests.bad_version + requests.bad_length +
+         requests.bad_crc + requests.bad_field + requests.not_control + requests.foreign +
+         requests.too_short + requests.busy + requests.overrun;
 }
 
 std::uint32_t less(std::uint64_t now, std::uint64_t before) noexcept {
@@ -47,7 +47,7 @@ std::uint32_t microseconds(hal::Duration time) noexcept {
   return static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, 0xFFFF'FFFF));
 }
 
-void Reporter::observe(const Event& event) noexcept {
+void HealthMonitor::observe(const Event& event) noexcept {
   switch (event.kind) {
     case EventKind::kPublishing:
     case EventKind::kUnpaired:
@@ -70,8 +70,8 @@ void Reporter::observe(const Event& event) noexcept {
   }
 }
 
-void Reporter::set(wire::Condition condition, bool active, std::uint32_t value,
-                   hal::Time now) noexcept {
+void HealthMonitor::set(wire::Condition condition, bool active, std::uint32_t value,
+                        hal::Time now) noexcept {
   Entry& entry = entries_[index_of(condition)];
   if (entry.active == active) {
     return;
@@ -86,15 +86,15 @@ void Reporter::set(wire::Condition condition, bool active, std::uint32_t value,
   changed_ = true;
 }
 
-void Reporter::frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
-                          hal::Time now) noexcept {
+void HealthMonitor::frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
+                               hal::Time now) noexcept {
   ++frames_;
   latency_ += latency;
   longest_ = std::max(longest_, latency);
   set(wire::Condition::kDrift, drifted, drifts, now);
 }
 
-wire::Health Reporter::summary() const noexcept {
+wire::Health HealthMonitor::summary() const noexcept {
   wire::Health health = wire::Health::kOk;
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (!entries_[i].active) {
@@ -111,7 +111,7 @@ wire::Health Reporter::summary() const noexcept {
   return health;
 }
 
-wire::EventReport Reporter::report(std::size_t condition) const noexcept {
+wire::EventReport HealthMonitor::report(std::size_t condition) const noexcept {
   const Entry& entry = entries_[condition];
   const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(condition));
   return {.sequence = entry.sequence,
@@ -124,7 +124,7 @@ wire::EventReport Reporter::report(std::size_t condition) const noexcept {
           .at_ns = entry.at.time_since_epoch().count()};
 }
 
-std::optional<wire::EventReport> Reporter::next_event(hal::Time now) noexcept {
+std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexcept {
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     Entry& entry = entries_[i];
     if (std::exchange(entry.changed, false)) {
@@ -140,15 +140,15 @@ std::optional<wire::EventReport> Reporter::next_event(hal::Time now) noexcept {
 }
 
 // What only a whole second can tell.
-void Reporter::judge_second(const Counters& counters, const Surroundings& around,
-                            hal::Time now) noexcept {
+void HealthMonitor::judge_second(const Counters& counters, const ControlStatus& control,
+                                 hal::Time now) noexcept {
   const std::int64_t passed = (now - second_).count();
   rate_mhz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
   latency_us_ = frames_ == 0 ? 0 : microseconds(latency_ / frames_);
   longest_us_ = microseconds(longest_);
   const std::uint32_t dropped = less(counters.packets_dropped, dropped_);
-  const std::uint32_t serial = less(around.serial_dropped, serial_dropped_);
-  const std::uint32_t flood = less(refused(around.control), refused_);
+  const std::uint32_t serial = less(control.serial_dropped, serial_dropped_);
+  const std::uint32_t flood = less(refused(control.requests), refused_);
   // Whoever cannot be reached at all is another matter.
   const bool full = dropped > 0 && !entries_[index_of(wire::Condition::kUnreachable)].active &&
                     !entries_[index_of(wire::Condition::kLinkLost)].active;
@@ -160,19 +160,19 @@ void Reporter::judge_second(const Counters& counters, const Surroundings& around
   latency_ = {};
   longest_ = {};
   dropped_ = counters.packets_dropped;
-  serial_dropped_ = around.serial_dropped;
-  refused_ = refused(around.control);
+  serial_dropped_ = control.serial_dropped;
+  refused_ = refused(control.requests);
 }
 
-std::optional<wire::HealthReport> Reporter::next_health(const Counters& counters,
-                                                        const Surroundings& around, bool wanted,
-                                                        hal::Time now) noexcept {
-  set(wire::Condition::kSerialLost, around.serial_lost, 0, now);
-  set(wire::Condition::kSettingsUnsaved, around.settings_unsaved, 0, now);
-  set(wire::Condition::kRestartNeeded, around.restart_needed, 0, now);
+std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& counters,
+                                                             const ControlStatus& control,
+                                                             bool wanted, hal::Time now) noexcept {
+  set(wire::Condition::kSerialLost, control.serial_lost, 0, now);
+  set(wire::Condition::kSettingsUnsaved, control.settings_unsaved, 0, now);
+  set(wire::Condition::kRestartNeeded, control.restart_needed, 0, now);
   const bool second = now - second_ >= kSecond;
   if (second) {
-    judge_second(counters, around, now);
+    judge_second(counters, control, now);
   }
   if (!second && !changed_ && !wanted) {
     return std::nullopt;
@@ -180,17 +180,17 @@ std::optional<wire::HealthReport> Reporter::next_health(const Counters& counters
   changed_ = false;
   wire::HealthReport health{
       .uptime_ms = static_cast<std::uint64_t>((now - start_) / std::chrono::milliseconds(1)),
-      .subscribers = around.subscribers,
+      .subscribers = control.subscribers,
       .rate_mhz = rate_mhz_,
       .latency_us = latency_us_,
       .longest_latency_us = longest_us_,
-      .settings_revision = around.settings_revision,
+      .settings_revision = control.settings_revision,
       .counters = loop_counters(counters),
       .packets_sent = counters.packets_sent,
-      .control = around.control,
-      .serial_sent = around.serial_sent,
-      .serial_dropped = around.serial_dropped,
-      .serial_refused = around.serial_refused};
+      .control = control.requests,
+      .serial_sent = control.serial_sent,
+      .serial_dropped = control.serial_dropped,
+      .serial_refused = control.serial_refused};
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     if (entries_[i].active) {
       const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(i));

@@ -13,9 +13,9 @@
 
 namespace stof::firmware {
 
-// What goes on beside the loop, told by the control thread.
-struct Surroundings {
-  wire::ControlCounters control{};
+// What the control thread tells the loop, for health messages.
+struct ControlStatus {
+  wire::ControlCounters requests{};
   std::uint64_t serial_sent = 0;
   std::uint64_t serial_dropped = 0;
   std::uint64_t serial_refused = 0;
@@ -29,9 +29,9 @@ struct Surroundings {
 // Which conditions (docs/WIRE.md, "Events") are active, and what has to be told about them: each
 // change at once and once more a second later, the whole once a second and on change. For the
 // loop's thread; no heap.
-class Reporter {
+class HealthMonitor {
  public:
-  explicit Reporter(hal::Time start) noexcept : start_(start), second_(start) {}
+  explicit HealthMonitor(hal::Time start) noexcept : start_(start), second_(start) {}
 
   // What the loop noted.
   void observe(const Event& event) noexcept;
@@ -46,7 +46,7 @@ class Reporter {
   // none.
   std::optional<wire::EventReport> next_event(hal::Time now) noexcept;
   std::optional<wire::HealthReport> next_health(const Counters& counters,
-                                                const Surroundings& around, bool wanted,
+                                                const ControlStatus& control, bool wanted,
                                                 hal::Time now) noexcept;
   // Of the last whole second, 1/1000 Hz.
   std::uint32_t rate_mhz() const noexcept { return rate_mhz_; }
@@ -63,7 +63,7 @@ class Reporter {
   };
 
   wire::EventReport report(std::size_t condition) const noexcept;
-  void judge_second(const Counters& counters, const Surroundings& around, hal::Time now) noexcept;
+  void judge_second(const Counters& counters, const ControlStatus& control, hal::Time now) noexcept;
 
   hal::Time start_;
   std::array<Entry, wire::kConditions> entries_{};

@@ -1,23 +1,14 @@
 #include "firmware/loop/loop.h"
 
-#include <algorithm>
 #include <utility>
-
-#include "dsp/base/check.h"
 
 namespace stof::firmware {
 namespace {
 
-// So many edges in a row without a frame are a state, fewer are an incident that is only counted.
-constexpr std::uint32_t kSilentEdges = 3;
-// The loop is in time again after so many edges in time.
-constexpr std::uint32_t kInTimeEdges = 32;
-// An edge that was late because of a prompt frame is forgotten after so many that were not.
-constexpr int kOverrunWeight = 16;
-constexpr hal::Duration kLeastPatience = std::chrono::seconds(2);
-constexpr hal::Duration kMostPatience = std::chrono::minutes(1);
-// A shot this many periods old is not news any more.
-constexpr int kExpiredPeriods = 3;
+// kDeviceLost where it is one of them, else kOk.
+Status lost_or_ok(Status a, Status b) noexcept {
+  return a == Status::kDeviceLost || b == Status::kDeviceLost ? Status::kDeviceLost : Status::kOk;
+}
 
 void count_stages(const Stats& stats, hal::Duration publish, Counters& counters) noexcept {
   counters.stage(Stage::kMatch).add(stats.match);
@@ -28,111 +19,59 @@ void count_stages(const Stats& stats, hal::Duration publish, Counters& counters)
 
 }  // namespace
 
-const char* problem(const board::TimingConfig& timing) noexcept {
-  if (timing.pmd_every < 1 || timing.pmd_every > kMaxPmdEvery) {
-    return "the PMD camera must expose at every edge or at every k-th, k at most 8";
-  }
-  if (timing.edge_tolerance <= hal::Duration::zero() ||
-      timing.period <= 16 * timing.edge_tolerance) {
-    return "the period must be longer than 16 edge tolerances";
-  }
-  if (timing.period > std::chrono::minutes(1)) {
-    return "the period must be at most a minute";
-  }
-  // Edges come 7/8 of a period apart at the nearest.
-  const hal::Duration spacing = timing.period - timing.period / 8;
-  if (spacing <= timing.stereo_exposure + timing.edge_tolerance) {
-    return "7/8 of the period must be longer than the exposure of the stereo cameras";
-  }
-  if (timing.pmd_every * spacing <= timing.pmd_integration + timing.edge_tolerance) {
-    return "7/8 of the period must be longer than the integration of the PMD camera";
-  }
-  return "";
-}
-
 Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
            Pipeline& pipeline, Stream& stream, Events& events) noexcept
     : board_(board),
-      timing_(timing),
       pipeline_(pipeline),
       stream_(stream),
-      events_(events),
-      stereo_pairing_(setup.calibration.stereo.left.width, setup.calibration.stereo.left.height),
-      pmd_pairing_(setup.calibration.pmd.lens.width, setup.calibration.pmd.lens.height),
-      next_(board.clock.now()),
-      edges_in_time_(kInTimeEdges) {
-  STOF_CHECK(*problem(timing) == '\0');
-}
+      conditions_(board.clock, events, stream.health()),
+      schedule_(timing, board.pmd != nullptr, board.clock.now()),
+      collector_(board, setup, conditions_) {}
 
 Status Loop::step() noexcept {
-  wait_for_grid();
+  wait_for_edge();
   const Result<hal::Time> edge = pulse();  // shot n begins to expose
-  Status sent = publish_held();            // shot n - 1, if it had to wait for its turn
+  Status status = publish_held();          // shot n - 1, if it had to wait for its turn
   if (!edge) {
-    return first_lost(edge.error(), sent) == Status::kDeviceLost ? Status::kDeviceLost
-                                                                 : Status::kOk;
+    return lost_or_ok(edge.error(), status);
   }
-  const Status collected = collect(*edge);  // pairs stereo and PMD with this edge
-  if (prompt_) {
-    sent = first_lost(sent, publish_held());
+  status = lost_or_ok(status, collect(*edge));  // pairs stereo and PMD with this edge
+  if (schedule_.same_period()) {
+    status = lost_or_ok(status, publish_held());
   }
-  return first_lost(sent, collected);
+  return status;
 }
 
 void Loop::restart(const board::TimingConfig& timing) noexcept {
-  STOF_CHECK(*problem(timing) == '\0');
-  timing_ = timing;
-  next_ = std::max(next_, board_.clock.now());
-  prompt_ = false;
-  prompt_again_ = {};
-  patience_ = {};
-  fetch_cost_ = {};
-  search_cost_ = {};
-  other_cost_ = {};
+  schedule_.restart(timing, board_.clock.now());
   pipeline_.forget_match();
+  last_edge_.reset();
 }
 
-void Loop::wait_for_grid() noexcept {
-  Counters& counters = events_.counters;
+void Loop::wait_for_edge() noexcept {
   const hal::Time now = board_.clock.now();
-  const hal::Duration late = now - next_;
-  if (late > timing_.period / 8) {
-    const auto skipped = (late + timing_.period - hal::Duration(1)) / timing_.period;
-    next_ += skipped * timing_.period;
-    counters.skipped_periods += static_cast<std::uint64_t>(skipped);
-    if (std::exchange(edges_in_time_, 0) >= kInTimeEdges) {
-      note({now, EventKind::kLate, Part::kLoop, Status::kTimeout,
-            static_cast<std::uint32_t>(skipped)});
-    }
-  } else {
-    if (edges_in_time_ < kInTimeEdges && ++edges_in_time_ == kInTimeEdges) {
-      note({now, EventKind::kInTime, Part::kLoop, Status::kOk, 0});
-    }
-    counters.late_edges += late > timing_.edge_tolerance ? 1U : 0U;
-  }
-  board_.clock.wait_until(next_);
+  conditions_.note_lateness(schedule_.arrive(now), now);
+  board_.clock.wait_until(schedule_.next());
 }
 
 // The edge that went out, later than any before it; errors as Trigger::pulse.
 Result<hal::Time> Loop::pulse() noexcept {
-  const hal::Time planned = std::exchange(next_, next_ + timing_.period);
+  const hal::Time planned = schedule_.advance();
   Result<hal::Time> edge = board_.trigger.pulse();
-  heard(Part::kTrigger, edge ? Status::kOk : edge.error());
-  if (!edge) {
-    paired(false, Part::kTrigger, edge.error());
-    return edge;
+  conditions_.note_device_status(Part::kTrigger, edge ? Status::kOk : edge.error());
+  if (edge) {
+    Counters& counters = conditions_.counters();
+    ++counters.edges;
+    const hal::Duration tolerance = schedule_.timing().edge_tolerance;
+    if (*edge >= planned - tolerance && *edge <= board_.clock.now()) {
+      counters.skipped_periods += schedule_.keep_distance(*edge);
+      return edge;
+    }
+    // A time that cannot be: nobody knows what was exposed when.
+    edge = fail(Status::kDeviceError);
+    conditions_.note_device_status(Part::kTrigger, edge.error());
   }
-  ++events_.counters.edges;
-  // A time that cannot be: nobody knows what was exposed when.
-  if (*edge < planned - timing_.edge_tolerance || *edge > board_.clock.now()) {
-    heard(Part::kTrigger, Status::kDeviceError);
-    paired(false, Part::kTrigger, Status::kDeviceError);
-    return fail(Status::kDeviceError);
-  }
-  while (next_ - *edge < timing_.period - timing_.period / 8) {
-    next_ += timing_.period;
-    ++events_.counters.skipped_periods;
-  }
+  conditions_.note_no_frame(Part::kTrigger, edge.error());
   return edge;
 }
 
@@ -141,102 +80,57 @@ Status Loop::publish_held() noexcept {
     return Status::kOk;
   }
   Status sent = Status::kOk;
-  if (board_.clock.now() - held_->edge > kExpiredPeriods * timing_.period) {
-    ++events_.counters.expired;
+  Counters& counters = conditions_.counters();
+  if (schedule_.expired(held_->edge, board_.clock.now())) {
+    ++counters.expired;
   } else {
+    note_gap(*held_);
     const Output& output = pipeline_.compute(*held_);
     const hal::Time computed = board_.clock.now();
-    ++events_.counters.published;
-    // Done well before the next edge, for a thread that wakes up late.
-    sent = stream_.publish(*held_, output, next_ - timing_.period / 8);
-    link_answered(sent);
+    ++counters.published;
+    sent = stream_.publish(*held_, output, schedule_.send_deadline());
+    conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;
     pipeline_.watch();
-    count_stages(output.stats, published, events_.counters);
-    learn(output.stats, held_->edge);
+    count_stages(output.stats, published, counters);
+    update_schedule(output.stats, held_->edge);
   }
   pipeline_.forget_match();
   held_.reset();  // its slots go home
   return sent;
 }
 
-void Loop::learn(const Stats& stats, hal::Time edge) noexcept {
+void Loop::note_gap(const Shot& shot) noexcept {
+  // A camera that was lost may expose otherwise than before, however soon it is back.
+  if (!last_edge_ || schedule_.gap(*last_edge_, shot.edge) ||
+      shot.stereo_losses != stereo_losses_) {
+    pipeline_.forget_past();
+  }
+  last_edge_ = shot.edge;
+  stereo_losses_ = shot.stereo_losses;
+}
+
+void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {
   const StreamTimes& stream = stream_.times();
-  follow(search_cost_, stats.match);
-  follow(other_cost_, stats.convert + stats.fuse + stats.watch + stream.code + stream.send);
-  const hal::Time now = board_.clock.now();
-  if (!prompt_) {
-    const bool overlaps = pipeline_.may_match_first();
-    hal::Duration collected =
-        timing_.stereo_exposure + fetch_cost_ + (overlaps ? search_cost_ : hal::Duration{});
-    if (board_.pmd != nullptr) {
-      collected = std::max(collected, timing_.pmd_integration);
-    }
-    collected += overlaps ? hal::Duration{} : search_cost_;
-    prompt_ = collected + other_cost_ <= timing_.period * 15 / 16 && now >= prompt_again_;
-    overruns_ = 0;
-    return;
-  }
-  const bool overrun = now - stream.waited - edge > timing_.period;
-  overruns_ = overrun ? overruns_ + kOverrunWeight : std::max(0, overruns_ - 1);
-  if (overruns_ >= 3 * kOverrunWeight) {
-    prompt_ = false;
-    patience_ = std::clamp(2 * patience_, kLeastPatience, kMostPatience);
-    prompt_again_ = now + patience_;
-  } else if (now - prompt_again_ > kMostPatience) {
-    patience_ = {};
-  }
+  schedule_.note_sent(
+      edge,
+      {.search = stats.match,
+       .other = stats.convert + stats.fuse + stats.watch + stream.code + stream.send,
+       .paced = stream.waited,
+       .search_first = pipeline_.may_match_first()},
+      board_.clock.now());
 }
 
-void Loop::note(const Event& event) noexcept {
-  events_.note(event);
-  stream_.observe(event);
-}
-
-void Loop::heard(Part part, Status status) noexcept {
-  const auto at = static_cast<std::size_t>(part);
-  const bool lost = status == Status::kDeviceLost;
-  if (lost != std::exchange(lost_[at], lost)) {
-    note({board_.clock.now(), lost ? EventKind::kLost : EventKind::kBack, part, status, 0});
+Status Loop::collect(hal::Time edge) noexcept {
+  const hal::Time begin = board_.clock.now();
+  const bool search_first = schedule_.same_period() && pipeline_.may_match_first();
+  Collected collected = collector_.collect(edge, schedule_.next(), schedule_.timing(),
+                                           search_first ? &pipeline_ : nullptr);
+  schedule_.note_fetch(edge, begin, board_.clock.now());
+  if (collected.shot) {
+    held_.emplace(std::move(*collected.shot));
   }
-  if (lost) {
-    ++events_.counters.losses[at];
-    if (part == Part::kStereo) {
-      stereo_pairing_.forget();
-    } else if (part == Part::kPmd) {
-      pmd_pairing_.forget();
-    }
-  } else if (status == Status::kTimeout) {
-    ++events_.counters.timeouts[at];
-  } else if (status != Status::kOk) {
-    ++events_.counters.errors[at];
-  }
-}
-
-void Loop::link_answered(Status status) noexcept {
-  heard(Part::kLink,
-        status == Status::kWouldBlock ? Status::kOk : status);  // the stream counts drops
-  const bool unreachable = status == Status::kDeviceError;
-  if (unreachable != std::exchange(unreachable_, unreachable)) {
-    note({board_.clock.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending,
-          Part::kLink, status, 0});
-  }
-}
-
-void Loop::paired(bool success, Part missing, Status why) noexcept {
-  if (success) {
-    if (!std::exchange(publishing_, true)) {
-      note({board_.clock.now(), EventKind::kPublishing, Part::kLoop, Status::kOk, silent_edges_});
-    }
-    silent_edges_ = 0;
-    return;
-  }
-  ++events_.counters.unpaired_edges;
-  ++silent_edges_;
-  if (silent_edges_ == kSilentEdges) {
-    publishing_ = false;
-    note({board_.clock.now(), EventKind::kUnpaired, missing, why, silent_edges_});
-  }
+  return collected.lost ? Status::kDeviceLost : Status::kOk;
 }
 
 }  // namespace stof::firmware

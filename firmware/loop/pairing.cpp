@@ -11,8 +11,8 @@ bool has_size(const dsp::ImageView<T>& image, int width, int height) noexcept {
 }
 
 // The four samples of one frame against one edge.
-Drop place_all(const Window& window, const hal::PmdFrame& frame) noexcept {
-  const Drop first = place(window, frame.exposures[0]);
+Drop match_samples(const ExposureWindow& window, const hal::PmdFrame& frame) noexcept {
+  const Drop first = match_exposure(window, frame.exposures[0]);
   if (first != Drop::kNone) {
     return first;
   }
@@ -31,7 +31,7 @@ Drop place_all(const Window& window, const hal::PmdFrame& frame) noexcept {
 
 }  // namespace
 
-Drop place(const Window& window, const hal::Exposure& exposure) noexcept {
+Drop match_exposure(const ExposureWindow& window, const hal::Exposure& exposure) noexcept {
   if (exposure.begin < window.edge - window.tolerance) {
     return Drop::kOlderEdge;
   }
@@ -61,14 +61,14 @@ void SequenceGuard::accept(std::uint32_t sequence) noexcept {
   run_ = 0;
 }
 
-Drop StereoPairing::judge(const Window& window, const hal::StereoFrame& frame) noexcept {
+Drop StereoPairing::judge(const ExposureWindow& window, const hal::StereoFrame& frame) noexcept {
   if (!has_size(frame.left, width_, height_) || !has_size(frame.right, width_, height_)) {
     return Drop::kWrongSize;
   }
   const bool left_new = left_.advances(frame.left_sequence);
   const bool right_new = right_.advances(frame.right_sequence);
-  const Drop left = place(window, frame.left_exposure);
-  const Drop right = place(window, frame.right_exposure);
+  const Drop left = match_exposure(window, frame.left_exposure);
+  const Drop right = match_exposure(window, frame.right_exposure);
   if (left_new != right_new) {
     return Drop::kTorn;
   }
@@ -90,7 +90,8 @@ void StereoPairing::forget() noexcept {
   right_.forget();
 }
 
-PmdVerdict PmdPairing::judge(std::span<const Window> windows, const hal::PmdFrame& frame) noexcept {
+PmdVerdict PmdPairing::judge(std::span<const ExposureWindow> windows,
+                             const hal::PmdFrame& frame) noexcept {
   for (const auto& sample : frame.samples) {
     if (!has_size(sample, width_, height_)) {
       return {Drop::kWrongSize};
@@ -99,7 +100,7 @@ PmdVerdict PmdPairing::judge(std::span<const Window> windows, const hal::PmdFram
   if (!sequence_.advances(frame.sequence)) {
     return {Drop::kStale};
   }
-  const Drop newest = place_all(windows.front(), frame);
+  const Drop newest = match_samples(windows.front(), frame);
   if (newest != Drop::kOlderEdge) {
     if (newest == Drop::kNone) {
       sequence_.accept(frame.sequence);
@@ -107,7 +108,7 @@ PmdVerdict PmdPairing::judge(std::span<const Window> windows, const hal::PmdFram
     return {newest};
   }
   for (std::size_t age = 1; age < windows.size(); ++age) {
-    if (place_all(windows[age], frame) == Drop::kNone) {
+    if (match_samples(windows[age], frame) == Drop::kNone) {
       sequence_.accept(frame.sequence);
       return {Drop::kNone, static_cast<int>(age)};
     }

@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "board/config.h"
+#include "board/timing.h"
 #include "firmware/events/events.h"
 #include "hal/pmd_camera.h"
 #include "hal/stereo_camera.h"
@@ -16,14 +16,14 @@ namespace stof::firmware {
 
 // Exposures that an edge can have caused begin within `tolerance` of it and last `exposure` at
 // most, with `tolerance` on top.
-struct Window {
+struct ExposureWindow {
   hal::Time edge;
   hal::Duration exposure;
   hal::Duration tolerance;
 };
 
 // kNone, kOlderEdge, kNewerEdge or kBadStamp.
-Drop place(const Window& window, const hal::Exposure& exposure) noexcept;
+Drop match_exposure(const ExposureWindow& window, const hal::Exposure& exposure) noexcept;
 
 // Numbers of one sensor, which advance with each exposure. Small steps ahead are believed; after a
 // number that does not advance, or leaps, the count is taken up again only when kRestart numbers in
@@ -51,7 +51,7 @@ class StereoPairing {
  public:
   StereoPairing(int width, int height) noexcept : width_(width), height_(height) {}
   // kNone: the frame is of this edge, and new. Remembers its numbers then.
-  Drop judge(const Window& window, const hal::StereoFrame& frame) noexcept;
+  Drop judge(const ExposureWindow& window, const hal::StereoFrame& frame) noexcept;
   void forget() noexcept;
 
  private:
@@ -73,7 +73,7 @@ class PmdPairing {
  public:
   PmdPairing(int width, int height) noexcept : width_(width), height_(height) {}
   // windows: the edges that may have caused it, the newest first; at least one.
-  PmdVerdict judge(std::span<const Window> windows, const hal::PmdFrame& frame) noexcept;
+  PmdVerdict judge(std::span<const ExposureWindow> windows, const hal::PmdFrame& frame) noexcept;
   void forget() noexcept { sequence_.forget(); }
 
  private:

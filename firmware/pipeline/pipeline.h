@@ -9,7 +9,7 @@
 #include "dsp/calib/calibration.h"
 #include "dsp/depth/depth_maker.h"
 #include "firmware/pipeline/shot.h"
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "hal/clock.h"
 
 namespace stof::firmware {
@@ -67,6 +67,9 @@ class Pipeline {
   void match(const hal::StereoFrame& stereo) noexcept;
   // That frame does not become a part of any shot.
   void forget_match() noexcept { matched_ = false; }
+
+  // After a gap in the frames: depth is averaged with none before it.
+  void forget_past() noexcept { maker_.forget_past(); }
 
   // Frames of the calibration's sizes; matches them where match() has not. The result is valid
   // until the next call of compute() or match().

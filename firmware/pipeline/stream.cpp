@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dsp/base/check.h"
-#include "firmware/wire/frame_info.h"
+#include "firmware/wire/frame/frame_info.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 
@@ -31,14 +31,15 @@ wire::FrameImages images_of(const Shot& shot, const Output& output) noexcept {
 }  // namespace
 
 Stream::Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
-               hal::DatagramPort& port, SideLine* side, Events& events, dsp::Arena& arena) noexcept
+               hal::DatagramPort& port, FrameListener* listener, Events& events,
+               dsp::Arena& arena) noexcept
     : setup_(setup),
       clock_(clock),
       port_(port),
-      side_(side),
+      listener_(listener),
       events_(events),
       coder_(setup.origin, sizes, setup.calibration, arena, wire::FrameCoder::usual_packets(sizes)),
-      reporter_(clock.now()) {}
+      health_(clock.now()) {}
 
 void Stream::set_params(const StreamParams& params) noexcept {
   params_ = params;
@@ -54,7 +55,7 @@ void Stream::set_receivers(std::span<const hal::Peer> receivers, bool refused) n
   for (const hal::Peer& peer : receivers) {
     if (std::ranges::find(this->receivers(), peer) == this->receivers().end()) {
       calibration_due_.reset();
-      greet_ = true;
+      health_wanted_ = true;
     }
   }
   std::ranges::copy(receivers, receivers_.begin());
@@ -63,17 +64,16 @@ void Stream::set_receivers(std::span<const hal::Peer> receivers, bool refused) n
 }
 
 Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
-  stamp_ = {
-      .number = begun_ ? stamp_.number + 1 : 0,
-      .freshness = shot.freshness,
-      .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
-      .health = std::max(reporter_.summary(),
-                         shot.missed_edges == 0 ? wire::Health::kOk : wire::Health::kDegraded),
-      .clock = setup_.clock};
+  stamp_ = {.number = begun_ ? stamp_.number + 1 : 0,
+            .freshness = shot.freshness,
+            .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
+            .health = std::max(health_.summary(), shot.missed_edges == 0 ? wire::Health::kOk
+                                                                         : wire::Health::kDegraded),
+            .clock = setup_.clock};
   begun_ = true;
   const wire::FrameInfo info = describe(shot, output);
-  if (side_ != nullptr) {
-    side_->frame(stamp_, info, output.map);
+  if (listener_ != nullptr) {
+    listener_->frame(stamp_, info, output.map);
   }
   Status status = Status::kOk;
   times_ = {};
@@ -92,7 +92,7 @@ Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest)
     status = Status::kDeviceError;  // sent nevertheless: whoever begins to listen misses nothing
   }
   const hal::Time now = clock_.now();
-  reporter_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
+  health_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
   return status;
 }
 
@@ -181,21 +181,21 @@ Status Stream::send_one(std::span<const std::byte> datagram) noexcept {
   return send(one);
 }
 
-void Stream::report(const Surroundings& around) noexcept {
+void Stream::report(const ControlStatus& control) noexcept {
   const hal::Time now = clock_.now();
   const auto tell = [this](wire::PacketType type, std::size_t bytes) {
     const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
     static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
-    if (side_ != nullptr) {
-      side_->packet(datagram);
+    if (listener_ != nullptr) {
+      listener_->packet(datagram);
     }
   };
-  while (const std::optional<wire::EventReport> event = reporter_.next_event(now)) {
+  while (const std::optional<wire::EventReport> event = health_.next_event(now)) {
     encode_event_report(*event, wire::payload_space(buffer_).first<wire::kEventReportBytes>());
     tell(wire::PacketType::kEvent, wire::kEventReportBytes);
   }
   const std::optional<wire::HealthReport> health =
-      reporter_.next_health(events_.counters, around, std::exchange(greet_, false), now);
+      health_.next_health(events_.counters, control, std::exchange(health_wanted_, false), now);
   if (health) {
     encode_health_report(*health, wire::payload_space(buffer_).first<wire::kHealthReportBytes>());
     tell(wire::PacketType::kHealth, wire::kHealthReportBytes);
@@ -204,7 +204,7 @@ void Stream::report(const Surroundings& around) noexcept {
 
 wire::Header Stream::header(wire::PacketType type) const noexcept {
   wire::FrameStamp stamp = stamp_;
-  stamp.health = std::max(stamp.health, reporter_.summary());
+  stamp.health = std::max(stamp.health, health_.summary());
   stamp.clock = setup_.clock;
   return {.type = type,
           .origin = setup_.origin,

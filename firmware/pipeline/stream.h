@@ -11,8 +11,8 @@
 #include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/shot.h"
-#include "firmware/wire/calibration_packet.h"
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
 
@@ -43,10 +43,10 @@ struct StreamTimes {
   hal::Duration waited{};  // these
 };
 
-// A second way out, for the loop's thread: the serial line. Takes what it has room for.
-class SideLine {
+// Gets every frame and message as well, on the loop's thread: the serial line.
+class FrameListener {
  public:
-  virtual ~SideLine() = default;
+  virtual ~FrameListener() = default;
   virtual void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
                      const dsp::DepthMap& map) noexcept = 0;
   // A sealed packet that is no part of a frame: health, events.
@@ -56,9 +56,10 @@ class SideLine {
 // Depth maps to datagrams, to all receivers alike; health and events beside them.
 class Stream {
  public:
-  // side may be nullptr.
+  // listener may be nullptr.
   Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
-         hal::DatagramPort& port, SideLine* side, Events& events, dsp::Arena& arena) noexcept;
+         hal::DatagramPort& port, FrameListener* listener, Events& events,
+         dsp::Arena& arena) noexcept;
   Stream(const Stream&) = delete;
   Stream& operator=(const Stream&) = delete;
 
@@ -75,12 +76,12 @@ class Stream {
   // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
   // Health and events that are due. Each period, also where there is no frame.
-  void report(const Surroundings& around) noexcept;
+  void report(const ControlStatus& control) noexcept;
 
-  void observe(const Event& event) noexcept { reporter_.observe(event); }
   // Of the last frame.
   const StreamTimes& times() const noexcept { return times_; }
-  const Reporter& reporter() const noexcept { return reporter_; }
+  HealthMonitor& health() noexcept { return health_; }
+  const HealthMonitor& health() const noexcept { return health_; }
 
  private:
   using Datagrams = wire::Datagrams;
@@ -97,18 +98,18 @@ class Stream {
   StreamSetup setup_;
   hal::Clock& clock_;
   hal::DatagramPort& port_;
-  SideLine* side_;
+  FrameListener* listener_;
   Events& events_;
   wire::FrameCoder coder_;
   StreamParams params_;
-  Reporter reporter_;
+  HealthMonitor health_;
   std::array<hal::Peer, kMostReceivers> receivers_{};
   std::size_t receiver_count_ = 0;
   bool refused_ = false;
   wire::FrameStamp stamp_;  // of the last frame
   bool begun_ = false;      // a frame was sent
   std::optional<hal::Time> calibration_due_;
-  bool greet_ = true;  // health for a new receiver
+  bool health_wanted_ = true;  // health for a new receiver
   StreamTimes times_;
   wire::DatagramBuffer buffer_{};
 };

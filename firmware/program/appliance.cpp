@@ -31,64 +31,65 @@ std::size_t coded_bytes_needed(const Setup& setup) noexcept {
          SerialSender::bytes_needed(serial);
 }
 
-Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const Plan& plan,
+Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
                      const Memory& memory) noexcept
     : parts_(parts),
-      plan_(plan),
-      arena_(written(memory.coded, coded_bytes_needed(plan.setup))),
-      side_(),
-      stream_(stream, sizes_of(plan.setup), parts.board.clock, parts.board.port,
-              parts.serial == nullptr
-                  ? nullptr
-                  : &side_.emplace(serial_setup(stream), *parts.serial, parts.board.clock, arena_),
+      run_config_(run_config),
+      arena_(written(memory.coded, coded_bytes_needed(run_config.setup))),
+      serial_(),
+      stream_(stream, sizes_of(run_config.setup), parts.board.clock, parts.board.port,
+              parts.serial == nullptr ? nullptr
+                                      : &serial_.emplace(serial_setup(stream), *parts.serial,
+                                                         parts.board.clock, arena_),
               parts.events, arena_),
       images_(memory.images) {
-  build(plan);
-  stream_.set_params(plan.stream);
-  if (side_) {
-    side_->sender.set(plan.serial);
+  build(run_config);
+  stream_.set_params(run_config.stream);
+  if (serial_) {
+    serial_->sender.set(run_config.serial);
   }
-  loop_.emplace(parts_.board, plan.timing, plan.setup, *pipeline_, stream_, parts_.events);
+  loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, stream_,
+                parts_.events);
 }
 
-void Appliance::build(const Plan& plan) noexcept {
+void Appliance::build(const RunConfig& run_config) noexcept {
   pipeline_.reset();
-  dsp::Arena arena(written(images_, Pipeline::bytes_needed(plan.setup)));
-  pipeline_.emplace(plan.setup, parts_.board.clock, arena,
-                    parts_.threads.first(plan.setup.threads));
+  dsp::Arena arena(written(images_, Pipeline::bytes_needed(run_config.setup)));
+  pipeline_.emplace(run_config.setup, parts_.board.clock, arena,
+                    parts_.threads.first(run_config.setup.threads));
 }
 
-void Appliance::apply(const Plan& plan) noexcept {
-  stream_.set_params(plan.stream);
-  if (side_) {
-    side_->sender.set(plan.serial);
+void Appliance::apply(const RunConfig& run_config) noexcept {
+  stream_.set_params(run_config.stream);
+  if (serial_) {
+    serial_->sender.set(run_config.serial);
   }
-  const bool rebuilt =
-      !(plan.setup.depth == plan_.setup.depth) || plan.setup.threads != plan_.setup.threads;
+  const bool rebuilt = !(run_config.setup.depth == run_config_.setup.depth) ||
+                       run_config.setup.threads != run_config_.setup.threads;
   if (rebuilt) {
-    build(plan);
+    build(run_config);
   }
-  if (rebuilt || plan.timing != plan_.timing) {
-    loop_->restart(plan.timing);
+  if (rebuilt || run_config.timing != run_config_.timing) {
+    loop_->restart(run_config.timing);
   }
-  plan_ = plan;
+  run_config_ = run_config;
 }
 
-Status Appliance::step(const Surroundings& around) noexcept {
+Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
     stream_.set_receivers(receivers->all(), receivers->refused);
   }
-  std::optional<Plan> newest;
-  while (const std::optional<Plan> plan = parts_.plans.pop()) {
-    newest = plan;
+  std::optional<RunConfig> newest;
+  while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {
+    newest = run_config;
   }
   if (newest) {
     apply(*newest);
   }
   const Status status = loop_->step();
-  stream_.report(around);
-  if (side_) {
-    side_->sender.tick(parts_.board.clock.now(), stream_.reporter().summary());
+  stream_.report(control);
+  if (serial_) {
+    serial_->sender.tick(parts_.board.clock.now(), stream_.health().summary());
   }
   return status;
 }

@@ -20,15 +20,16 @@
 namespace stof::firmware {
 
 // New settings, from the control thread to the loop's.
-using PlanRing = SpscRing<Plan, 4>;
+using RunConfigRing = SpscRing<RunConfig, 4>;
 
 // What coded frames and the serial line's pictures of a rig take.
 std::size_t coded_bytes_needed(const Setup& setup) noexcept;
 
 // Memory that begins aligned for Arena.
 struct Memory {
-  std::span<std::byte> images;  // at least Pipeline::bytes_needed() of every plan that will come
-  std::span<std::byte> coded;   // at least coded_bytes_needed()
+  std::span<std::byte>
+      images;  // at least Pipeline::bytes_needed() of every RunConfig that will come
+  std::span<std::byte> coded;  // at least coded_bytes_needed()
 };
 
 // What runs on the loop's thread: pipeline, stream and loop, in the workspace; others help with the
@@ -40,30 +41,31 @@ class Appliance {
   struct Parts {
     board::Board& board;
     Events& events;
-    PlanRing& plans;
+    RunConfigRing& run_configs;
     SubscriberRing& receivers;
     ByteRing* serial;   // to the serial line; nullptr: there is none
     dsp::Crew threads;  // that may compute, the loop's among them
   };
 
-  Appliance(const Parts& parts, const StreamSetup& stream, const Plan& plan,
+  Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
             const Memory& memory) noexcept;
   Appliance(const Appliance&) = delete;
   Appliance& operator=(const Appliance&) = delete;
 
   // One period: new receivers and settings, Loop::step(), health and events.
-  Status step(const Surroundings& around) noexcept;
+  Status step(const ControlStatus& control) noexcept;
 
   const Stream& stream() const noexcept { return stream_; }
   SerialSender::Counters serial() const noexcept {
-    return side_ ? side_->sender.counters() : SerialSender::Counters{};
+    return serial_ ? serial_->sender.counters() : SerialSender::Counters{};
   }
 
  private:
   // The serial line as the stream sees it.
-  class Side final : public SideLine {
+  class SerialListener final : public FrameListener {
    public:
-    Side(const SerialSetup& setup, ByteRing& ring, hal::Clock& clock, dsp::Arena& arena) noexcept
+    SerialListener(const SerialSetup& setup, ByteRing& ring, hal::Clock& clock,
+                   dsp::Arena& arena) noexcept
         : clock_(clock), sender(setup, ring, arena) {}
     void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
                const dsp::DepthMap& map) noexcept override {
@@ -80,13 +82,13 @@ class Appliance {
     SerialSender sender;
   };
 
-  void apply(const Plan& plan) noexcept;
-  void build(const Plan& plan) noexcept;
+  void apply(const RunConfig& run_config) noexcept;
+  void build(const RunConfig& run_config) noexcept;
 
   Parts parts_;
-  Plan plan_;
+  RunConfig run_config_;
   dsp::Arena arena_;
-  std::optional<Side> side_;
+  std::optional<SerialListener> serial_;
   Stream stream_;
   std::span<std::byte> images_;
   std::optional<Pipeline> pipeline_;

@@ -19,12 +19,12 @@
 #include "firmware/serial/byte_ring.h"
 #include "firmware/serial/requests.h"
 #include "firmware/serial/serial_link.h"
-#include "firmware/settings/desk.h"
+#include "firmware/settings/settings_server.h"
 
 namespace stof::firmware {
 
 // What the loop tells the control thread.
-struct Vitals {
+struct LoopStatus {
   std::atomic<std::uint32_t> rate_mhz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
@@ -32,49 +32,51 @@ struct Vitals {
 
 // Everything that the control thread does, put together: requests, subscriptions, settings,
 // discovery, the serial line. What the loop needs to know of it is told through rings and atomics.
-class ControlSide final : public settings::Limits, public settings::SettingsSink, public Periodic {
+class ControlServices final : public settings::Limits,
+                              public settings::SettingsSink,
+                              public Periodic {
  public:
   struct Parts {
     board::Board& board;
-    const RigInFront& rig;
+    const RigInfo& rig;
     hal::Store* store;  // of settings; nullptr: nothing is kept
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
-    PlanRing& plans;
+    RunConfigRing& run_configs;
     SubscriberRing& receivers;
     ByteRing* serial;  // nullptr: there is no line
-    const Vitals& vitals;
+    const LoopStatus& loop_status;
   };
 
   // active: what the loop begins with, as revision 1. The thread starts at once.
-  ControlSide(const Parts& parts, const settings::Settings& active,
-              const settings::Settings& saved);
+  ControlServices(const Parts& parts, const settings::Settings& active,
+                  const settings::Settings& saved);
   // Ends the thread; says goodbye where it was announced.
-  ~ControlSide() override;
-  ControlSide(const ControlSide&) = delete;
-  ControlSide& operator=(const ControlSide&) = delete;
+  ~ControlServices() override;
+  ControlServices(const ControlServices&) = delete;
+  ControlServices& operator=(const ControlServices&) = delete;
 
   // Of the loop's thread. `made`: what its end of the serial line counted.
-  Surroundings surroundings(const SerialSender::Counters& made) const noexcept;
+  ControlStatus status(const SerialSender::Counters& made) const noexcept;
 
   bool accepts(const settings::Settings& settings, settings::Window& why) noexcept override;
   bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override;
   void tick(hal::Time now) noexcept override;
 
  private:
-  wire::Announce announce() const noexcept;
+  wire::Announce make_announce() const noexcept;
   // Renews what everybody is told who asks.
-  wire::Announce introduce(hal::Time now) noexcept;
-  void tell_loop() noexcept;
+  wire::Announce update_announce(hal::Time now) noexcept;
+  void publish_status() noexcept;
 
   Parts parts_;
   settings::SettingsDesk desk_;
   Subscribers subscribers_;
-  Gate gate_;
+  RequestHandler handler_;
   Beacon beacon_;
   std::optional<MdnsAgent> mdns_;
   std::optional<LineRequests> line_requests_;
-  std::optional<SerialDesk> serial_;
+  std::optional<SerialLink> serial_;
   settings::Text<settings::kNameBytes + 1> mdns_name_;
   bool mdns_on_ = true;
   hal::Time started_ = control_now();

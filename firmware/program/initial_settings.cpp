@@ -4,42 +4,43 @@
 #include <utility>
 
 #include "firmware/events/event_printer.h"
-#include "firmware/settings/assignment.h"
+#include "firmware/settings/fields/assignment.h"
 #include "firmware/settings/saved.h"
 
 namespace stof::firmware {
 
-std::expected<StartSettings, std::string> read_settings(const Options& options) {
-  StartSettings start;
+std::expected<InitialSettings, std::string> read_settings(const Options& options) {
+  InitialSettings initial;
   if (!options.settings.empty()) {
-    start.store = board::make_store(options.settings);
+    initial.store = board::make_store(options.settings);
     std::array<char, 512> space{};
     settings::Window line(space);
-    start.saved = settings::load_settings(*start.store, options.settings, nullptr, line);
+    initial.saved = settings::load_settings(*initial.store, options.settings, nullptr, line);
     if (!line.text().empty()) {
-      say(std::string(line.text()));
+      print_line(std::string(line.text()));
     }
   }
-  start.active = start.saved;
-  if (std::string why = apply(options.assignments, start.active); !why.empty()) {
+  initial.active = initial.saved;
+  if (std::string why = apply(options.assignments, initial.active); !why.empty()) {
     return std::unexpected(std::move(why));
   }
-  return start;
+  return initial;
 }
 
-std::string drop_unusable(const RigInFront& rig, const Options& options, StartSettings& start) {
-  if (start.store == nullptr) {
+std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {
+  if (initial.store == nullptr) {
     return {};
   }
-  const auto plan = make_plan(rig, board::kConfig, start.saved);
-  if (plan) {
+  const auto run_config = make_run_config(rig, board::kConfig, initial.saved);
+  if (run_config) {
     return {};
   }
-  say(options.settings + ": not for this sensor, set aside, the defaults hold: " + plan.error());
-  static_cast<void>(start.store->set_aside());  // the next save replaces it in any case
-  start.saved = {};
-  start.active = {};
-  return apply(options.assignments, start.active);
+  print_line(options.settings +
+             ": not for this sensor, set aside, the defaults hold: " + run_config.error());
+  static_cast<void>(initial.store->set_aside());  // the next save replaces it in any case
+  initial.saved = {};
+  initial.active = {};
+  return apply(options.assignments, initial.active);
 }
 
 }  // namespace stof::firmware

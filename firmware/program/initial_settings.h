@@ -12,17 +12,17 @@
 namespace stof::firmware {
 
 // What the settings are at start: what was saved, and on top of it what the command line says.
-struct StartSettings {
+struct InitialSettings {
   std::unique_ptr<hal::Store> store;  // may be empty
   settings::Settings saved;
   settings::Settings active;
 };
 
 // Opens the store where one is named. Error: one line, which flag takes what.
-std::expected<StartSettings, std::string> read_settings(const Options& options);
+std::expected<InitialSettings, std::string> read_settings(const Options& options);
 
 // Settings that were saved for another rig must not keep a sensor out of reach: they are set aside
 // and the defaults hold. Empty, or what is wrong with the command line.
-std::string drop_unusable(const RigInFront& rig, const Options& options, StartSettings& start);
+std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial);
 
 }  // namespace stof::firmware

@@ -27,8 +27,8 @@
 #include "firmware/program/initial_settings.h"
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
-#include "firmware/settings/assignment.h"
-#include "firmware/wire/calibration_packet.h"
+#include "firmware/settings/fields/assignment.h"
+#include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/workspace.h"
 #include "posix/worker_threads.h"
 
@@ -41,11 +41,11 @@ constexpr int kExitBadInput = 2;
 
 constinit Workspace workspace{};
 constinit Events events{};
-constinit PlanRing plans{};
+constinit RunConfigRing run_configs{};
 constinit SubscriberRing receivers{};
-constinit Vitals vitals{};
+constinit LoopStatus loop_status{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
-static_assert(sizeof(events) + sizeof(plans) + sizeof(receivers) + sizeof(vitals) +
+static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(loop_status) +
                   sizeof(serial_memory) <=
               kOtherStaticBytes / 4 * 3);
 std::atomic<bool> stop_requested{false};
@@ -83,29 +83,31 @@ int help() {
 // Random, so that a receiver notices a sender that started anew.
 std::uint32_t make_session_id() { return std::random_device()(); }
 
-void greet(const board::Board& board, const RigInFront& rig, const Plan& plan) {
+void print_start(const board::Board& board, const RigInfo& rig, const RunConfig& run_config) {
   const dsp::Pinhole& left = rig.calibration.stereo.left;
   const dsp::Pinhole& pmd = rig.calibration.pmd.lens;
   for (const std::string& note : board.notes) {
-    say(note);
+    print_line(note);
   }
-  const std::size_t bytes = Pipeline::bytes_needed(plan.setup);
-  say("board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
-      std::to_string(left.height) + " with " + std::to_string(plan.setup.depth.match.disparities) +
-      " disparities, " +
+  const std::size_t bytes = Pipeline::bytes_needed(run_config.setup);
+  print_line(
+      "board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
+      std::to_string(left.height) + " with " +
+      std::to_string(run_config.setup.depth.match.disparities) + " disparities, " +
       (board.pmd == nullptr
            ? std::string("no PMD camera: depth from stereo alone")
            : "PMD " + std::to_string(pmd.width) + "x" + std::to_string(pmd.height)) +
       ", period " +
       std::to_string(
-          std::chrono::duration_cast<std::chrono::microseconds>(plan.timing.period).count()) +
+          std::chrono::duration_cast<std::chrono::microseconds>(run_config.timing.period).count()) +
       " us, workspace " + std::to_string(bytes / 1024) + " of " +
       std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " +
-      threads_text(plan.setup.threads, rig.threads));
-  say("listening at UDP port " + std::to_string(board.port.port()));
+      threads_text(run_config.setup.threads, rig.threads));
+  print_line("listening at UDP port " + std::to_string(board.port.port()));
 }
 
-wire::Announce introduce(const board::Board& board, const RigInFront& rig, const Options& options) {
+wire::Announce make_announce(const board::Board& board, const RigInfo& rig,
+                             const Options& options) {
   wire::Announce announce{
       .port = board.port.port(),
       .image_width = static_cast<std::uint16_t>(rig.calibration.stereo.left.width),
@@ -134,9 +136,9 @@ int threads_of(const settings::Settings& settings) {
 }
 
 // Ends with the loop; the control thread before it.
-void run_loop(board::Board& board, const Options& options, const RigInFront& rig, const Plan& plan,
-              const StartSettings& start, const wire::CalibrationPacket& calibration,
-              posix::WorkerThreads& workers) {
+void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
+              const RunConfig& run_config, const InitialSettings& start,
+              const wire::CalibrationPacket& calibration, posix::WorkerThreads& workers) {
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};
   ByteRing serial(serial_memory);
@@ -144,25 +146,25 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
   Appliance appliance(
       {.board = board,
        .events = events,
-       .plans = plans,
+       .run_configs = run_configs,
        .receivers = receivers,
        .serial = line,
        .threads = {workers, workers.threads()}},
       {.origin = origin,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
-      plan, {.images = workspace.memory, .coded = workspace.coded});
-  const ControlSide control({.board = board,
-                             .rig = rig,
-                             .store = start.store.get(),
-                             .origin = origin,
-                             .announce = introduce(board, rig, options),
-                             .plans = plans,
-                             .receivers = receivers,
-                             .serial = line,
-                             .vitals = vitals},
-                            start.active, start.saved);
-  const Teller teller(events);
+      run_config, {.images = workspace.memory, .coded = workspace.coded});
+  const ControlServices control({.board = board,
+                                 .rig = rig,
+                                 .store = start.store.get(),
+                                 .origin = origin,
+                                 .announce = make_announce(board, rig, options),
+                                 .run_configs = run_configs,
+                                 .receivers = receivers,
+                                 .serial = line,
+                                 .loop_status = loop_status},
+                                start.active, start.saved);
+  const EventPrinter printer(events);
   Reopener reopener(board);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
   // Only now: what the other threads do can wait.
@@ -170,16 +172,17 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
   board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
-    reopener.after(appliance.step(control.surroundings(appliance.serial())));
+    reopener.after(appliance.step(control.status(appliance.serial())));
     watchdog.after_round();
-    vitals.rate_mhz.store(appliance.stream().reporter().rate_mhz(), std::memory_order_relaxed);
-    vitals.health.store(appliance.stream().reporter().summary(), std::memory_order_relaxed);
+    loop_status.rate_mhz.store(appliance.stream().health().rate_mhz(), std::memory_order_relaxed);
+    loop_status.health.store(appliance.stream().health().summary(), std::memory_order_relaxed);
   }
   if (watchdog.end() != Status::kOk) {
-    say("the watchdog cannot be stopped: the board restarts unless stofd is started again soon");
+    print_line(
+        "the watchdog cannot be stopped: the board restarts unless stofd is started again soon");
   }
   if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
-    say(heap_text(heap.own, heap.libraries, events.counters.edges));
+    print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
   }
   static_cast<void>(board::be_urgent(false));
 }
@@ -187,11 +190,11 @@ void run_loop(board::Board& board, const Options& options, const RigInFront& rig
 // Threads that help to compute are as urgent as the loop.
 void say_refusal(const std::optional<std::string>& refusal) {
   if (refusal) {
-    say(*refusal);
+    print_line(*refusal);
   }
 }
 
-int run(board::Board& board, const Options& options, StartSettings start) {
+int run(board::Board& board, const Options& options, InitialSettings start) {
   auto rig = make_rig(board, board::kConfig, options.calibration);
   if (!rig) {
     return refuse(rig.error());
@@ -203,28 +206,29 @@ int run(board::Board& board, const Options& options, StartSettings start) {
   say_refusal(board::be_urgent(true));
   posix::WorkerThreads workers({.threads = threads_of(start.active), .name = "stof-depth"});
   if (workers.error() != 0) {
-    say("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
-        std::to_string(threads_of(start.active)) + " compute: check its limits");
+    print_line("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
+               std::to_string(threads_of(start.active)) + " compute: check its limits");
   }
   static_cast<void>(board::be_urgent(false));
   rig->threads = workers.threads();
-  auto plan = make_plan(*rig, board::kConfig, start.active);
-  if (!plan) {
-    return refuse(plan.error());
+  auto run_config = make_run_config(*rig, board::kConfig, start.active);
+  if (!run_config) {
+    return refuse(run_config.error());
   }
-  plan->stream.revision = 1;
-  const auto calibration = wire::make_calibration_packet(
-      plan->setup.calibration, plan->setup.depth.fusion.max_range, plan->timing.period.count());
+  run_config->stream.revision = 1;
+  const auto calibration = wire::make_calibration_packet(run_config->setup.calibration,
+                                                         run_config->setup.depth.fusion.max_range,
+                                                         run_config->timing.period.count());
   if (!calibration) {
     return refuse("the rig's calibration holds numbers that no rig has: calibrate it anew");
   }
   if (!options.port_file.empty() && !write_port(options.port_file, board.port.port())) {
     return refuse(options.port_file + ": cannot be written: check the folder and its permissions");
   }
-  greet(board, *rig, *plan);
-  run_loop(board, options, *rig, *plan, start, *calibration, workers);
-  say(summary(events.counters));
-  say(stage_times(events.counters));
+  print_start(board, *rig, *run_config);
+  run_loop(board, options, *rig, *run_config, start, *calibration, workers);
+  print_line(summary(events.counters));
+  print_line(stage_times(events.counters));
   return kExitOk;
 }
 

@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "dsp/stereo/match_options.h"
-#include "firmware/settings/document.h"
-#include "firmware/settings/presets.h"
-#include "firmware/settings/window.h"
+#include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/presets.h"
+#include "firmware/settings/text/paged_writer.h"
 
 namespace stof::firmware {
 namespace {

@@ -7,10 +7,9 @@
 #include <utility>
 
 #include "dsp/stereo/matcher.h"
-#include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/settings/depth.h"
-#include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 #include "firmware/workspace.h"
 
 namespace stof::firmware {
@@ -42,8 +41,7 @@ std::expected<std::vector<std::byte>, std::string> read_file(const std::string& 
 }
 
 // Replaces the board's calibration by the file's, which must be of the same cameras.
-std::string load_calibration(const std::string& name, const board::Config& config,
-                             RigInFront& start) {
+std::string load_calibration(const std::string& name, const board::Config& config, RigInfo& start) {
   const std::size_t pixels =
       static_cast<std::size_t>(config.pmd.width) * static_cast<std::size_t>(config.pmd.height);
   const auto bytes = read_file(name, pixels * sizeof(std::int16_t) + 65536);
@@ -82,8 +80,7 @@ std::string load_calibration(const std::string& name, const board::Config& confi
 }
 
 // Of the board in front of us, beside those of any.
-std::string period_limits(const RigInFront& rig, const board::Config& config,
-                          hal::Duration period) {
+std::string period_limits(const RigInfo& rig, const board::Config& config, hal::Duration period) {
   const auto text = [](hal::Duration time) {
     return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count()) + " ms";
   };
@@ -143,15 +140,14 @@ std::string limits(const Setup& setup, const board::Config& config) {
 
 }  // namespace
 
-std::expected<RigInFront, std::string> make_rig(const board::Board& board,
-                                                const board::Config& config,
-                                                const std::string& calibration_file) {
-  RigInFront rig{.calibration = board.calibration,
-                 .fixed_pattern = {},
-                 .disparities = board.disparities,
-                 .calibration_file = calibration_file,
-                 .threads = 1,
-                 .least_period = board.least_period};
+std::expected<RigInfo, std::string> make_rig(const board::Board& board, const board::Config& config,
+                                             const std::string& calibration_file) {
+  RigInfo rig{.calibration = board.calibration,
+              .fixed_pattern = {},
+              .disparities = board.disparities,
+              .calibration_file = calibration_file,
+              .threads = 1,
+              .least_period = board.least_period};
   if (board.drawn && !board.drawn_will_do && calibration_file.empty()) {
     return std::unexpected(
         "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
@@ -184,36 +180,39 @@ std::expected<RigInFront, std::string> make_rig(const board::Board& board,
   return rig;
 }
 
-std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::Config& config,
-                                           const settings::Settings& settings) {
+std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
+                                                      const board::Config& config,
+                                                      const settings::Settings& settings) {
   if (const char* const why = settings::problem(settings); *why != '\0') {
     return std::unexpected(std::string(why));
   }
-  Plan plan{.setup = {.calibration = rig.calibration,
-                      .depth = settings::depth_params(settings, rig.disparities),
-                      .threads = 1},
-            .timing = config.timing,
-            .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
-            .serial = serial_params(settings)};
+  RunConfig run_config{
+      .setup = {.calibration = rig.calibration,
+                .depth = settings::depth_params(settings, rig.disparities),
+                .threads = 1},
+      .timing = config.timing,
+      .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
+      .serial = serial_params(settings)};
   if (settings.period_ms > 0) {
-    plan.timing.period = std::chrono::milliseconds(settings.period_ms);
+    run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
   }
-  plan.stream.period = plan.timing.period;
-  plan.stream.max_range = plan.setup.depth.fusion.max_range;
-  if (const char* const why = problem(plan.timing); *why != '\0') {
+  run_config.stream.period = run_config.timing.period;
+  run_config.stream.max_range = run_config.setup.depth.fusion.max_range;
+  if (const char* const why = board::problem(run_config.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
   }
-  if (std::string why = period_limits(rig, config, plan.timing.period); !why.empty()) {
+  if (std::string why = period_limits(rig, config, run_config.timing.period); !why.empty()) {
     return std::unexpected(std::move(why));
   }
-  if (std::string why = limits(plan.setup, config); !why.empty()) {
+  if (std::string why = limits(run_config.setup, config); !why.empty()) {
     return std::unexpected(std::move(why));
   }
-  plan.setup.threads = rig.threads;
-  while (plan.setup.threads > 1 && Pipeline::bytes_needed(plan.setup) > sizeof(Workspace::memory)) {
-    --plan.setup.threads;
+  run_config.setup.threads = rig.threads;
+  while (run_config.setup.threads > 1 &&
+         Pipeline::bytes_needed(run_config.setup) > sizeof(Workspace::memory)) {
+    --run_config.setup.threads;
   }
-  return plan;
+  return run_config;
 }
 
 }  // namespace stof::firmware

@@ -16,7 +16,7 @@
 namespace stof::firmware {
 
 // What stays from start to end.
-struct RigInFront {
+struct RigInfo {
   dsp::Calibration calibration;             // PMD size 0x0: none
   std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
   int disparities = 0;                      // that the rig asks for
@@ -26,12 +26,11 @@ struct RigInFront {
 };
 
 // calibration_file: replaces the board's calibration; empty: that holds.
-std::expected<RigInFront, std::string> make_rig(const board::Board& board,
-                                                const board::Config& config,
-                                                const std::string& calibration_file);
+std::expected<RigInfo, std::string> make_rig(const board::Board& board, const board::Config& config,
+                                             const std::string& calibration_file);
 
 // What settings make of it. Refers to the rig's fixed pattern.
-struct Plan {
+struct RunConfig {
   Setup setup;
   board::TimingConfig timing;
   StreamParams stream;
@@ -40,7 +39,8 @@ struct Plan {
 
 // As many of the rig's threads as the board has memory for: each searches in memory of its own. An
 // error where the board has no room for these settings, or no use.
-std::expected<Plan, std::string> make_plan(const RigInFront& rig, const board::Config& config,
-                                           const settings::Settings& settings);
+std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
+                                                      const board::Config& config,
+                                                      const settings::Settings& settings);
 
 }  // namespace stof::firmware

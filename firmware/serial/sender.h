@@ -15,7 +15,7 @@
 #include "firmware/serial/params.h"
 #include "firmware/serial/profile.h"
 #include "firmware/serial/sectors.h"
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"

@@ -8,8 +8,8 @@ namespace {
 
 using settings::SerialMode;
 
-constexpr hal::Duration kFirstPatience = std::chrono::milliseconds(50);
-constexpr hal::Duration kLongestPatience = std::chrono::seconds(1);
+constexpr hal::Duration kFirstBackoff = std::chrono::milliseconds(50);
+constexpr hal::Duration kLongestBackoff = std::chrono::seconds(1);
 constexpr hal::Duration kLongestTurn = std::chrono::milliseconds(20);
 constexpr hal::Duration kQuiet = std::chrono::milliseconds(100);
 constexpr std::uint32_t kDriverBytes = 4096;   // a page: what serial drivers queue
@@ -26,12 +26,12 @@ bool is_packet(std::span<const std::byte> record) noexcept {
 
 }  // namespace
 
-hal::Duration SerialDesk::turn(std::uint32_t baud) noexcept {
+hal::Duration SerialLink::turn(std::uint32_t baud) noexcept {
   return std::clamp<hal::Duration>(time_of(kDriverBytes / 2, baud), std::chrono::milliseconds(1),
                                    kLongestTurn);
 }
 
-void SerialDesk::set(SerialMode mode, std::uint32_t baud) noexcept {
+void SerialLink::set(SerialMode mode, std::uint32_t baud) noexcept {
   mode_ = mode;
   wanted_baud_ = baud;
   if (baud_ == 0) {
@@ -39,7 +39,7 @@ void SerialDesk::set(SerialMode mode, std::uint32_t baud) noexcept {
   }
 }
 
-void SerialDesk::tick(hal::Time now) noexcept {
+void SerialLink::tick(hal::Time now) noexcept {
   if (lost()) {
     reopen_when_due(now);
   }
@@ -61,23 +61,23 @@ void SerialDesk::tick(hal::Time now) noexcept {
   }
 }
 
-void SerialDesk::reopen_when_due(hal::Time now) noexcept {
+void SerialLink::reopen_when_due(hal::Time now) noexcept {
   if (now < retry_at_) {
     return;
   }
   if (port_.reopen() != Status::kOk) {
-    patience_ = std::min(2 * patience_, kLongestPatience);
-    retry_at_ = now + patience_;
+    retry_backoff_ = std::min(2 * retry_backoff_, kLongestBackoff);
+    retry_at_ = now + retry_backoff_;
     return;
   }
   lost_.store(false, std::memory_order_relaxed);
-  patience_ = {};
+  retry_backoff_ = {};
 }
 
-void SerialDesk::lose(hal::Time now) noexcept {
+void SerialLink::lose(hal::Time now) noexcept {
   lost_.store(true, std::memory_order_relaxed);
-  patience_ = kFirstPatience;
-  retry_at_ = now + patience_;
+  retry_backoff_ = kFirstBackoff;
+  retry_at_ = now + retry_backoff_;
   packets_.reset();
   messages_.reset();
   unread_ = {};
@@ -86,7 +86,7 @@ void SerialDesk::lose(hal::Time now) noexcept {
   discard();
 }
 
-void SerialDesk::discard() noexcept {
+void SerialLink::discard() noexcept {
   std::uint64_t count = (staged_size_ > 0 ? 1U : 0U) + (answer_.empty() ? 0U : 1U);
   staged_at_ = 0;
   staged_size_ = 0;
@@ -95,7 +95,7 @@ void SerialDesk::discard() noexcept {
   add(dropped_, count);
 }
 
-std::uint64_t SerialDesk::discard_ring() noexcept {
+std::uint64_t SerialLink::discard_ring() noexcept {
   std::uint64_t count = 0;
   while (ring_.take(record_) > 0) {
     ++count;
@@ -103,7 +103,7 @@ std::uint64_t SerialDesk::discard_ring() noexcept {
   return count;
 }
 
-void SerialDesk::change_baud(hal::Time now) noexcept {
+void SerialLink::change_baud(hal::Time now) noexcept {
   if (!changing_) {
     changing_ = true;
     change_at_ = now + kLongestTurn + time_of(kDriverBytes + 2 * staged_.size(), baud_);
@@ -123,7 +123,7 @@ void SerialDesk::change_baud(hal::Time now) noexcept {
   quiet_ = true;
 }
 
-void SerialDesk::read(hal::Time now) noexcept {
+void SerialLink::read(hal::Time now) noexcept {
   std::size_t total = 0;
   // An answer has to leave before the next request is looked at.
   while (answer_.empty() && total < kBytesPerTick) {
@@ -143,7 +143,7 @@ void SerialDesk::read(hal::Time now) noexcept {
   }
 }
 
-void SerialDesk::take(hal::Time now) noexcept {
+void SerialLink::take(hal::Time now) noexcept {
   if (mode_ == SerialMode::kMavlink) {
     while (const std::optional<mavlink::Message> message = messages_.take(unread_)) {
       mavlink::heard(*message, now, autopilot_);
@@ -156,7 +156,7 @@ void SerialDesk::take(hal::Time now) noexcept {
                  std::memory_order_relaxed);
 }
 
-void SerialDesk::write(hal::Time now) noexcept {
+void SerialLink::write(hal::Time now) noexcept {
   for (std::size_t total = 0; total < kBytesPerTick;) {
     if (staged_size_ == 0 && !stage(now)) {
       return;
@@ -180,7 +180,7 @@ void SerialDesk::write(hal::Time now) noexcept {
   }
 }
 
-bool SerialDesk::stage(hal::Time now) noexcept {
+bool SerialLink::stage(hal::Time now) noexcept {
   if (!answer_.empty()) {
     stage_packet(answer_, now);
     answer_ = {};
@@ -201,7 +201,7 @@ bool SerialDesk::stage(hal::Time now) noexcept {
   return staged_size_ > 0;
 }
 
-void SerialDesk::stage_packet(std::span<const std::byte> packet, hal::Time now) noexcept {
+void SerialLink::stage_packet(std::span<const std::byte> packet, hal::Time now) noexcept {
   const std::span<std::byte> out(staged_);
   const std::size_t begin = quiet_ || now - last_write_ >= kQuiet ? 1 : 0;
   quiet_ = false;
@@ -211,12 +211,12 @@ void SerialDesk::stage_packet(std::span<const std::byte> packet, hal::Time now) 
   staged_size_ = end + 1;
 }
 
-void SerialDesk::add(std::atomic<std::uint64_t>& counter, std::uint64_t count) noexcept {
+void SerialLink::add(std::atomic<std::uint64_t>& counter, std::uint64_t count) noexcept {
   // One thread writes; the others only have to see whole numbers.
   counter.store(counter.load(std::memory_order_relaxed) + count, std::memory_order_relaxed);
 }
 
-SerialDesk::Counters SerialDesk::counters() const noexcept {
+SerialLink::Counters SerialLink::counters() const noexcept {
   return {.sent = sent_.load(std::memory_order_relaxed),
           .lost = dropped_.load(std::memory_order_relaxed),
           .refused = refused_.load(std::memory_order_relaxed)};

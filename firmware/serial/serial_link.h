@@ -20,7 +20,7 @@ namespace stof::firmware {
 // The control thread's side of the serial line. Records of the ring go out, packets in COBS with a
 // zero behind them and MAVLink as it is; what comes in is answered. A line that is lost is opened
 // again after 50 ms, then after twice as long each time up to a second; what waited is thrown away.
-class SerialDesk final : public Periodic {
+class SerialLink final : public Periodic {
  public:
   // Of any thread.
   struct Counters {
@@ -29,8 +29,8 @@ class SerialDesk final : public Periodic {
     std::uint64_t refused = 0;  // damaged or unknown, of those from the line
   };
 
-  // All of them outlive the desk. The port is open, or opens at the first reopen().
-  SerialDesk(hal::SerialPort& port, ByteRing& ring, LineRequests& requests) noexcept
+  // All of them outlive the link. The port is open, or opens at the first reopen().
+  SerialLink(hal::SerialPort& port, ByteRing& ring, LineRequests& requests) noexcept
       : port_(port), ring_(ring), requests_(requests) {}
 
   // How often tick() has to come so that a driver's queue of 4 KiB never runs dry: 1 to 20 ms.
@@ -86,7 +86,7 @@ class SerialDesk final : public Periodic {
   mavlink::Reader messages_;
   mavlink::Autopilot autopilot_;
 
-  hal::Duration patience_{};
+  hal::Duration retry_backoff_{};
   hal::Time retry_at_{};
   std::atomic<bool> lost_ = false;
   std::atomic<bool> baud_refused_ = false;

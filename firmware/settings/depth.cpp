@@ -5,7 +5,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/stereo/match_options.h"
-#include "firmware/settings/field.h"
+#include "firmware/settings/fields/field.h"
 
 namespace stof::settings {
 namespace {

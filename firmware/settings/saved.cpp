@@ -5,7 +5,7 @@
 #include <span>
 
 #include "firmware/settings/depth.h"
-#include "firmware/settings/document.h"
+#include "firmware/settings/fields/document.h"
 
 namespace stof::settings {
 namespace {

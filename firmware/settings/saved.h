@@ -2,9 +2,9 @@
 
 #include <string_view>
 
-#include "firmware/settings/desk.h"
 #include "firmware/settings/settings.h"
-#include "firmware/settings/window.h"
+#include "firmware/settings/settings_server.h"
+#include "firmware/settings/text/paged_writer.h"
 #include "hal/store.h"
 
 namespace stof::settings {

@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 
 namespace stof::host {
 namespace {

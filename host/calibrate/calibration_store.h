@@ -5,7 +5,7 @@
 
 #include "dataset/dataset.h"
 
-// Calibration files (firmware/wire/calibration_file.h) on the host's disk.
+// Calibration files (firmware/wire/calibration/calibration_file.h) on the host's disk.
 namespace stof::host {
 
 struct StoredCalibration {

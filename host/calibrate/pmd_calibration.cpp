@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/calibrate/pmd_measures.h"
+#include "host/calibrate/fit/pmd_measures.h"
 
 namespace stof::host {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "host/calibrate/pmd_wall.h"
+#include "host/calibrate/walls/pmd_wall.h"
 
 // A calibration against the wall that it should see: through the appliance's own converter.
 namespace stof::host {

@@ -3,14 +3,14 @@
 #include <new>
 
 #include "host/cli/calib.h"
-#include "host/cli/config.h"
+#include "host/cli/config/config.h"
 #include "host/cli/discover.h"
-#include "host/cli/evaluate.h"
-#include "host/cli/evaluate_pmd.h"
+#include "host/cli/evaluate/evaluate.h"
+#include "host/cli/evaluate/evaluate_pmd.h"
 #include "host/cli/exit.h"
 #include "host/cli/proxy.h"
 #include "host/cli/report.h"
-#include "host/cli/view.h"
+#include "host/cli/view/view.h"
 
 namespace stof::host {
 namespace {

@@ -4,7 +4,7 @@
 
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
-#include "host/client/frame.h"
+#include "host/client/frame/frame.h"
 
 // What a sensor says about itself, in words.
 namespace stof::host {

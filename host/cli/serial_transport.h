@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "host/client/control_client.h"
+#include "host/client/control/control_client.h"
 
 namespace stof::host {
 

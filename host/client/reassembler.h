@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "firmware/wire/packet.h"
-#include "host/client/frame.h"
-#include "host/client/frame_slot.h"
+#include "host/client/frame/frame.h"
+#include "host/client/frame/frame_slot.h"
 #include "host/client/reports.h"
 #include "host/client/statistics.h"
 

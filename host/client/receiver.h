@@ -8,12 +8,12 @@
 #include <string>
 
 #include "dsp/base/status.h"
+#include "host/client/control/subscription.h"
 #include "host/client/error.h"
-#include "host/client/frame.h"
+#include "host/client/frame/frame.h"
 #include "host/client/reassembler.h"
 #include "host/client/sensor_socket.h"
 #include "host/client/statistics.h"
-#include "host/client/subscription.h"
 
 namespace stof::client {
 

@@ -1,7 +1,7 @@
 #include "host/client/reports.h"
 
-#include "firmware/wire/calibration_packet.h"
-#include "host/client/frame_slot.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "host/client/frame/frame_slot.h"
 
 namespace stof::client {
 namespace {

@@ -12,7 +12,7 @@
 
 #include "dsp/base/status.h"
 #include "host/client/error.h"
-#include "host/client/frame.h"
+#include "host/client/frame/frame.h"
 #include "posix/datagram_batch.h"
 #include "posix/socket_address.h"
 #include "posix/udp_socket.h"

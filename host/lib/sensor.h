@@ -13,8 +13,8 @@
 #include <thread>
 #include <vector>
 
-#include "host/client/control_client.h"
-#include "host/client/point_cloud.h"
+#include "host/client/control/control_client.h"
+#include "host/client/frame/point_cloud.h"
 #include "host/client/receiver.h"
 #include "host/lib/include/stof/stof.h"
 

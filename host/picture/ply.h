@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "dataset/dataset.h"
-#include "host/client/point_cloud.h"
+#include "host/client/frame/point_cloud.h"
 
 namespace stof::host {
 

@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "host/picture/screen.h"
+#include "host/picture/rasteriser.h"
 
 namespace stof::host {
 namespace {

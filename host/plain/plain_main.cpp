@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/evaluate/match.h"
+#include "host/evaluate/stereo/match.h"
 #include "host/plain/fingerprint.h"
 
 namespace stof::host {

@@ -2,7 +2,7 @@
 
 #include "dsp/stereo/cost/cost_rows.h"
 #include "dsp/stereo/prepared_pair.h"
-#include "host/evaluate/match.h"
+#include "host/evaluate/stereo/match.h"
 #include "host/report/plain_costs.h"
 
 namespace stof::host {

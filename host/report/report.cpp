@@ -3,7 +3,7 @@
 #include <fstream>
 
 #include "host/report/plain_program.h"
-#include "host/report/sections.h"
+#include "host/report/stereo/sections.h"
 
 namespace stof::host {
 namespace {

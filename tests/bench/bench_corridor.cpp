@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "dsp/depth/depth_maker.h"
+#include "firmware/wire/codec/rvl.h"
 #include "firmware/wire/crc32c.h"
-#include "firmware/wire/frame_coder.h"
-#include "firmware/wire/rvl.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "hal/emu/imagery/rendered.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"

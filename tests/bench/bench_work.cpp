@@ -34,11 +34,14 @@ struct MatchState {
 struct RectifyState {
   explicit RectifyState(const Pictures& both)
       : pictures(both),
-        workspace(dsp::Rectifier::bytes_needed(both.left.width, both.left.height)),
+        rig(raw_rig(both.left.width, both.left.height)),
+        workspace(
+            dsp::bytes_taken([&](dsp::Arena& measure) noexcept { dsp::Rectifier(rig, measure); })),
         arena(workspace.arena()),
-        rectifier(raw_rig(both.left.width, both.left.height), arena) {}
+        rectifier(rig, arena) {}
 
   Pictures pictures;
+  dsp::StereoRig rig;
   host::Workspace workspace;
   dsp::Arena arena;
   dsp::Rectifier rectifier;

@@ -10,7 +10,7 @@
 
 #include "firmware/serial/sender.h"
 #include "tests/firmware/serial/line.h"
-#include "tests/firmware/wire/corridor_frame.h"
+#include "tests/firmware/wire/frame/corridor_frame.h"
 
 namespace stof::firmware::test {
 namespace {

@@ -8,11 +8,11 @@
 #include <vector>
 
 #include "dsp/fusion/decimate.h"
+#include "firmware/wire/codec/interval_quantiser.h"
+#include "firmware/wire/codec/rvl.h"
 #include "firmware/wire/crc32c.h"
-#include "firmware/wire/fit.h"
-#include "firmware/wire/frame_coder.h"
-#include "firmware/wire/rvl.h"
-#include "tests/firmware/wire/corridor_frame.h"
+#include "firmware/wire/frame/frame_coder.h"
+#include "tests/firmware/wire/frame/corridor_frame.h"
 
 namespace stof::wire {
 namespace {

@@ -1,7 +1,7 @@
 #include <array>
 #include <vector>
 
-#include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 #include "tests/fuzz/records.h"
 
 // A calibration file. First byte odd: magic, length and CRC of what follows are set right.

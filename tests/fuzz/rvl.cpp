@@ -1,4 +1,4 @@
-#include "firmware/wire/rvl.h"
+#include "firmware/wire/codec/rvl.h"
 
 #include <algorithm>
 #include <vector>

@@ -1,7 +1,7 @@
 #include <array>
 #include <string>
 
-#include "firmware/settings/document.h"
+#include "firmware/settings/fields/document.h"
 #include "tests/fuzz/records.h"
 
 // A document of settings, any bytes: taken whole, or refused with nothing changed.

@@ -11,7 +11,7 @@
 
 #include "board/emu/pair.h"
 #include "board/emu/scenes.h"
-#include "firmware/wire/calibration_file.h"
+#include "firmware/wire/calibration/calibration_file.h"
 
 // stof_system_frames DIR COUNT WxH WxH: what the cameras of the system test see. Exposures 1 to
 // COUNT of a scene in which somebody walks, each a dataset folder DIR/0 on with its PMD recording

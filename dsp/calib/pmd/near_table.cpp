@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/calib/pmd/ray_table.h"
 
 namespace stof::dsp {
@@ -88,8 +89,7 @@ T rounded(double value, double limit) noexcept {
 
 void fill_near_table(const PmdSensor& sensor, double units_per_metre,
                      const NearTable& table) noexcept {
-  const std::size_t count =
-      static_cast<std::size_t>(sensor.lens.width) * static_cast<std::size_t>(sensor.lens.height);
+  const std::size_t count = pixel_count(sensor.lens.width, sensor.lens.height);
   STOF_CHECK(sensor.emitter_count > 0 && sensor.emitter_count <= kMaxEmitters);
   STOF_CHECK(table.half_q2.size() == count && table.twice_area.size() == count &&
              table.pole.size() == count);
@@ -104,6 +104,16 @@ void fill_near_table(const PmdSensor& sensor, double units_per_metre,
       table.pole[i] = rounded<std::int32_t>(model.pole * units_per_metre, (1 << 20) - 1);
     }
   }
+}
+
+NearTable make_near_table(const PmdSensor& sensor, double units_per_metre, Arena& arena) noexcept {
+  const std::size_t count = pixel_count(sensor.lens.width, sensor.lens.height);
+  const NearTable table{arena.take<std::int16_t>(count), arena.take<std::int32_t>(count),
+                        arena.take<std::int32_t>(count)};
+  if (!arena.is_measuring()) {
+    fill_near_table(sensor, units_per_metre, table);
+  }
+  return table;
 }
 
 std::uint32_t shortest_way(const PmdSensor& sensor, double units_per_metre) noexcept {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 
+#include "dsp/base/arena.h"
 #include "dsp/calib/pmd_sensor.h"
 
 namespace stof::dsp {
@@ -28,6 +29,8 @@ struct NearTable {
 //   lobes of cos^1 to cos^5 (60 to 30 degrees): below 6.5 mm from 0.5 m on
 void fill_near_table(const PmdSensor& sensor, double units_per_metre,
                      const NearTable& table) noexcept;
+// The same in memory of an arena.
+NearTable make_near_table(const PmdSensor& sensor, double units_per_metre, Arena& arena) noexcept;
 
 // The shortest way (twice a distance) that the table of this sensor is good for, same units.
 std::uint32_t shortest_way(const PmdSensor& sensor, double units_per_metre) noexcept;

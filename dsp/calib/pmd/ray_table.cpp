@@ -6,6 +6,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/fixed.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 namespace {
@@ -111,8 +112,7 @@ std::array<double, 3> unit_ray(const Pinhole& lens, double u, double v) noexcept
 
 void fill_ray_table(const Pinhole& lens, const std::array<double, 9>& rotation,
                     const RayTable& table) noexcept {
-  const std::size_t count =
-      static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
+  const std::size_t count = pixel_count(lens.width, lens.height);
   STOF_CHECK(table.turned_x.size() == count && table.turned_y.size() == count);
   STOF_CHECK(table.turned_z.size() == count && table.forward.size() == count);
   std::size_t i = 0;
@@ -130,6 +130,17 @@ void fill_ray_table(const Pinhole& lens, const std::array<double, 9>& rotation,
       table.forward[i] = to_q15(ray[2]);
     }
   }
+}
+
+RayTable make_ray_table(const Calibration& calibration, Arena& arena) noexcept {
+  const Pinhole& lens = calibration.pmd.lens;
+  const std::size_t count = pixel_count(lens.width, lens.height);
+  const RayTable table{arena.take<std::int16_t>(count), arena.take<std::int16_t>(count),
+                       arena.take<std::int16_t>(count), arena.take<std::int16_t>(count)};
+  if (!arena.is_measuring()) {
+    fill_ray_table(lens, calibration.pmd_to_stereo.rotation, table);
+  }
+  return table;
 }
 
 }  // namespace stof::dsp

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "dsp/base/arena.h"
 #include "dsp/calib/calibration.h"
 
 namespace stof::dsp {
@@ -23,5 +24,7 @@ struct RayTable {
 };
 void fill_ray_table(const Pinhole& lens, const std::array<double, 9>& rotation,
                     const RayTable& table) noexcept;
+// The same in memory of an arena, from the PMD camera's axes to the left camera's.
+RayTable make_ray_table(const Calibration& calibration, Arena& arena) noexcept;
 
 }  // namespace stof::dsp

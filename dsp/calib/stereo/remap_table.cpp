@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 namespace {
@@ -15,8 +16,7 @@ constexpr std::size_t kExceptionsPerTile = 32;  // on average
 // Places further outside of the raw picture than this are not followed: tiles serve their inside.
 constexpr double kMargin = 64;  // px
 
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
-std::size_t tiles_along(int pixels) noexcept { return (size(pixels) + kTileSide - 1) / kTileSide; }
+std::size_t tiles_along(int pixels) noexcept { return (index(pixels) + kTileSide - 1) / kTileSide; }
 std::size_t tiles_in(int width, int height) noexcept {
   return tiles_along(width) * tiles_along(height);
 }
@@ -158,41 +158,36 @@ PlaceTile tile_at(const SourceMap& map, int column, int row, const Fits& fits) n
 
 }  // namespace
 
-std::size_t RemapTable::bytes_needed(int width, int height) noexcept {
-  const std::size_t tiles = tiles_in(width, height);
-  return Arena::bytes_for<PlaceTile>(tiles) +
-         Arena::bytes_for<Exception>(tiles * kExceptionsPerTile) +
-         Arena::bytes_for<std::uint32_t>(size(height)) + Arena::bytes_for<Seen>(size(height));
-}
-
 RemapTable::RemapTable(const SourceMap& map, Arena& arena) noexcept
     : map_(map),
       columns_(tiles_along(map.rectified().width)),
       tiles_(arena.take<PlaceTile>(tiles_in(map.rectified().width, map.rectified().height))),
       exceptions_(arena.take<Exception>(tiles_.size() * kExceptionsPerTile)),
-      ends_(arena.take<std::uint32_t>(size(map.rectified().height))),
-      seen_(arena.take<Seen>(size(map.rectified().height))) {
+      ends_(arena.take<std::uint32_t>(index(map.rectified().height))),
+      seen_(arena.take<Seen>(index(map.rectified().height))) {
   const Pinhole& raw = map.raw();
   STOF_CHECK(raw.width >= 2 && raw.height >= 2 && raw.width <= 65536 && raw.height <= 65536);
-  fit();
-  choose();
-  list();
+  if (!arena.is_measuring()) {
+    fit();
+    choose();
+    list();
+  }
 }
 
 std::span<PlaceTile> RemapTable::tiles_of(int row) const noexcept {
-  return tiles_.subspan(size(row / kTileSide) * columns_, columns_);
+  return tiles_.subspan(index(row / kTileSide) * columns_, columns_);
 }
 
 std::span<const RemapTable::Exception> RemapTable::exceptions_of(int row) const noexcept {
-  const std::size_t begin = row == 0 ? 0 : ends_[size(row) - 1];
-  return exceptions_.subspan(begin, ends_[size(row)] - begin);
+  const std::size_t begin = row == 0 ? 0 : ends_[index(row) - 1];
+  return exceptions_.subspan(begin, ends_[index(row)] - begin);
 }
 
 void RemapTable::fit() noexcept {
   const Fits fits;
   for (int row = 0; row < map_.rectified().height; row += kTileSide) {
     for (int column = 0; column < map_.rectified().width; column += kTileSide) {
-      tiles_of(row)[size(column / kTileSide)] = tile_at(map_, column, row, fits);
+      tiles_of(row)[index(column / kTileSide)] = tile_at(map_, column, row, fits);
     }
   }
 }
@@ -223,7 +218,7 @@ void RemapTable::list() noexcept {
     int pixels_seen = 0;
     std::array<float, 8> numbers{};
     for (int x = 0; x < width; ++x) {
-      const PlaceTile& tile = tiles_of(y)[size(x / kTileSide)];
+      const PlaceTile& tile = tiles_of(y)[index(x / kTileSide)];
       if (x % kTileSide == 0) {
         numbers = tile_line(tile, y % kTileSide);
       }
@@ -239,15 +234,15 @@ void RemapTable::list() noexcept {
       }
     }
     seen.torn = pixels_seen != seen.end - seen.begin;
-    seen_[size(y)] = seen;
-    ends_[size(y)] = static_cast<std::uint32_t>(count);
+    seen_[index(y)] = seen;
+    ends_[index(y)] = static_cast<std::uint32_t>(count);
   }
 }
 
 void RemapTable::remap(ImageView<const std::uint8_t> source, int row,
                        std::span<std::uint8_t> out) const noexcept {
   STOF_CHECK(source.width() == map_.raw().width && source.height() == map_.raw().height);
-  STOF_CHECK(out.size() == size(map_.rectified().width));
+  STOF_CHECK(out.size() == index(map_.rectified().width));
   const std::span<const PlaceTile> tiles = tiles_of(row);
   best::remap_row(source, tiles, row % kTileSide, out);
   for (const Exception& exception : exceptions_of(row)) {
@@ -265,7 +260,7 @@ void RemapTable::remap(ImageView<const std::uint8_t> source, int row,
 }
 
 Place RemapTable::place(int column, int row) const noexcept {
-  const PlaceTile& tile = tiles_of(row)[size(column / kTileSide)];
+  const PlaceTile& tile = tiles_of(row)[index(column / kTileSide)];
   if (!tile.serves) {
     return place_at(map_, column, row);
   }

@@ -18,9 +18,6 @@ namespace stof::dsp {
 // too, and some ten times slower.
 class RemapTable {
  public:
-  // Bytes of the Arena.
-  static std::size_t bytes_needed(int width, int height) noexcept;
-
   // map.raw() is at least 2x2 and at most 65536 pixels wide and high.
   RemapTable(const SourceMap& map, Arena& arena) noexcept;
 

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <optional>
 #include <span>
 
+#include "dsp/base/index.h"
 #include "dsp/fusion/drift/disparity_shift.h"
 #include "dsp/fusion/drift/plane_reader.h"
 #include "dsp/fusion/drift/solve_drift.h"
@@ -13,9 +13,8 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kTurns = 8;  // frames until every patch was looked at
-constexpr int kSmallestPatch = 4;
-constexpr int kLeastPatches = 8;  // fewer are an accident, not a scene
+constexpr int kTurns = 8;                   // frames until every patch was looked at
+constexpr std::uint32_t kLeastPatches = 8;  // fewer are an accident, not a scene
 // An observation that differs from those of its patch by so much is of something that passes; if it
 // stays, what was before has faded after a few more.
 constexpr double kSurprise = 4;  // standard deviations
@@ -24,11 +23,6 @@ constexpr double kLeastKnown = 3;
 constexpr double kSurprised = 0.7;
 
 constexpr DriftVector kUnits{1e6, 1e6, 1e6, 16'000, 1000};
-
-std::size_t most_patches(int width, int height) noexcept {
-  return static_cast<std::size_t>(width / kSmallestPatch) *
-         static_cast<std::size_t>(height / kSmallestPatch);
-}
 
 bool surprising(const DriftPatch& patch, double error_px) noexcept {
   if (patch.count < kLeastKnown) {
@@ -67,28 +61,22 @@ struct DriftMonitor::State {
   }
 };
 
-std::size_t DriftMonitor::bytes_needed(int pmd_width, int pmd_height) noexcept {
-  const std::size_t patches = most_patches(pmd_width, pmd_height);
-  return Arena::bytes_for<State>(1) + PlaneReader::bytes_needed(pmd_width, pmd_height) +
-         Arena::bytes_for<DriftPatch>(patches) + 2 * Arena::bytes_for<double>(patches);
-}
-
 DriftMonitor::DriftMonitor(const Calibration& calibration, const DriftParams& params,
-                           Arena& arena) noexcept
-    : state_(std::construct_at(arena.take<State>(1).data())) {
-  State& s = *state_;
+                           Arena& arena) noexcept {
+  const Pinhole& lens = calibration.pmd.lens;
+  State s;
   s.params = params;
   s.keep = std::exp(-1 / std::max(params.fade_frames, 1.0));
   s.reader = PlaneReader(calibration, arena);
-  s.width = calibration.pmd.lens.width;
-  s.height = calibration.pmd.lens.height;
+  s.width = lens.width;
+  s.height = lens.height;
   s.columns = s.width / s.reader.side();
   s.rows = s.height / s.reader.side();
-  const std::size_t count = static_cast<std::size_t>(s.columns) * static_cast<std::size_t>(s.rows);
-  s.patches = arena.take<DriftPatch>(count);
+  const std::size_t count = pixel_count(s.columns, s.rows);
+  s.patches = arena.take_filled(count, DriftPatch{});
   s.trust = arena.take<double>(count);
   s.sorted = arena.take<double>(count);
-  forget();
+  state_ = arena.put(s);
 }
 
 void DriftMonitor::forget() noexcept { std::ranges::fill(state_->patches, DriftPatch{}); }
@@ -111,7 +99,7 @@ void DriftMonitor::observe(const MatchedPair& pair, const PmdMaps& maps) noexcep
         continue;
       }
       if (const std::optional<DisparityShift> shift = disparity_shift(*plane, pair)) {
-        tell(s.patches[static_cast<std::size_t>(y * s.columns + x)], *plane, *shift);
+        tell(s.patches[index(y * s.columns + x)], *plane, *shift);
       }
     }
   }
@@ -121,22 +109,22 @@ void DriftMonitor::observe(const MatchedPair& pair, const PmdMaps& maps) noexcep
 DriftEstimate DriftMonitor::estimate() const noexcept {
   const State& s = *state_;
   DriftEstimate out;
-  if (s.patches.empty()) {
+  out.patches = static_cast<std::uint32_t>(std::ranges::count_if(s.patches, &DriftPatch::known));
+  if (out.patches < kLeastPatches) {
     return out;
   }
-  const DriftSolution found = solve_drift(
+  const std::optional<DriftSolution> found = solve_drift(
       {.patches = s.patches, .columns = s.columns, .trust = s.trust, .sorted = s.sorted});
-  out.patches = static_cast<std::uint32_t>(found.patches);
-  if (found.patches < kLeastPatches) {
+  if (!found) {
     return out;
   }
   for (std::size_t k = 0; k < kDriftParameters; ++k) {
     Drift& drift = out.drifts[k];
-    const double size = std::abs(found.value[k]);
-    drift.value = static_cast<std::int32_t>(std::lround(found.value[k] * kUnits[k]));
-    drift.sigma = static_cast<std::int32_t>(std::lround(found.sigma[k] * kUnits[k]));
-    drift.significant = size > s.params.sigmas * found.sigma[k] && size > s.params.floor[k] &&
-                        found.sigma[k] < s.params.floor[k];
+    const double size = std::abs(found->value[k]);
+    drift.value = static_cast<std::int32_t>(std::lround(found->value[k] * kUnits[k]));
+    drift.sigma = static_cast<std::int32_t>(std::lround(found->sigma[k] * kUnits[k]));
+    drift.significant = size > s.params.sigmas * found->sigma[k] && size > s.params.floor[k] &&
+                        found->sigma[k] < s.params.floor[k];
     out.significant = out.significant || drift.significant;
   }
   return out;

@@ -82,8 +82,6 @@ struct MatchedPair {
 
 class DriftMonitor {
  public:
-  static std::size_t bytes_needed(int pmd_width, int pmd_height) noexcept;
-
   // The calibration is complete(); with a PMD size of 0x0 nothing is ever observed.
   DriftMonitor(const Calibration& calibration, const DriftParams& params, Arena& arena) noexcept;
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "dsp/base/fixed.h"
-#include "dsp/calib/pmd/ray_table.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 namespace {
@@ -19,30 +19,21 @@ constexpr double kRangeStep = 1e-3;
 constexpr double kMisfitNoise = 1.3;
 constexpr double kMisfitPx = 0.06;
 
-constexpr std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 }  // namespace
 
 struct PlaneReader::Readings {
-  std::array<Place, pixels(kLargestSide, kLargestSide)> places{};
+  std::array<Place, pixel_count(kLargestSide, kLargestSide)> places{};
   std::size_t count = 0;
   Point middle{};
   double relative_noise = 0;  // mean of sigma / distance
 };
-
-std::size_t PlaneReader::bytes_needed(int pmd_width, int pmd_height) noexcept {
-  return 4 * Arena::bytes_for<std::int16_t>(pixels(pmd_width, pmd_height));
-}
 
 PlaneReader::PlaneReader(const Calibration& calibration, Arena& arena) noexcept
     : rig_(calibration.stereo),
       origin_(calibration.pmd_to_stereo.translation_m),
       width_(calibration.pmd.lens.width) {
   const Pinhole& lens = calibration.pmd.lens;
-  const std::size_t all = pixels(lens.width, lens.height);
-  if (all == 0) {
+  if (lens.width == 0 || lens.height == 0) {
     return;
   }
   if (const auto& axes = rig_.converging) {
@@ -51,11 +42,7 @@ PlaneReader::PlaneReader(const Calibration& calibration, Arena& arena) noexcept
   }
   side_ = static_cast<int>(std::clamp(std::round(kPatchPx * lens.fx / rig_.left.fx),
                                       double{kSmallestSide}, double{kLargestSide}));
-  ray_x_ = arena.take<std::int16_t>(all);
-  ray_y_ = arena.take<std::int16_t>(all);
-  ray_z_ = arena.take<std::int16_t>(all);
-  const std::span<std::int16_t> forward = arena.take<std::int16_t>(all);
-  fill_ray_table(lens, calibration.pmd_to_stereo.rotation, {ray_x_, ray_y_, ray_z_, forward});
+  rays_ = make_ray_table(calibration, arena);
 }
 
 std::optional<PlaneReader::Place> PlaneReader::place(const Point& point) const noexcept {
@@ -95,13 +82,14 @@ std::optional<PlaneReader::Readings> PlaneReader::collect(int x, int y,
     const std::span<const std::uint8_t> flags = maps.flags.row(row);
     for (int column = x; column < x + side_; ++column) {
       const std::size_t i = static_cast<std::size_t>(column);
-      const std::size_t at = pixels(width_, row) + i;
+      const std::size_t at = pixel_count(width_, row) + i;
       if (distances[i] == kNoDepth || (flags[i] & kPmdMissing) != 0) {
         return std::nullopt;
       }
       const double scale = double{1} * distances[i] / kQuarterMmPerMetre / kQ15One;
-      const Point point{origin_[0] + scale * ray_x_[at], origin_[1] + scale * ray_y_[at],
-                        origin_[2] + scale * ray_z_[at]};
+      const Point point{origin_[0] + scale * rays_.turned_x[at],
+                        origin_[1] + scale * rays_.turned_y[at],
+                        origin_[2] + scale * rays_.turned_z[at]};
       const std::optional<Place> there = place(point);
       if (!there) {
         return std::nullopt;

@@ -8,6 +8,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/pmd/converter.h"
 
@@ -31,8 +32,6 @@ struct ExpectedPlane {
 
 class PlaneReader {
  public:
-  static std::size_t bytes_needed(int pmd_width, int pmd_height) noexcept;
-
   PlaneReader() noexcept = default;
   PlaneReader(const Calibration& calibration, Arena& arena) noexcept;
 
@@ -64,9 +63,7 @@ class PlaneReader {
   Point origin_{};  // the PMD camera in the axes of the left one
   int width_ = 0;
   int side_ = 4;
-  std::span<std::int16_t> ray_x_;
-  std::span<std::int16_t> ray_y_;
-  std::span<std::int16_t> ray_z_;
+  RayTable rays_;
 };
 
 }  // namespace stof::dsp

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/fusion/guide/guide_tables.h"
 #include "dsp/fusion/project/paint.h"
@@ -22,10 +23,6 @@ constexpr QuarterMm kSaysNothing = 0;  // as a low end: the smallest, so that it
 constexpr std::uint32_t kStepShare = 8;
 constexpr Candidates kNoCandidate{.first = 1, .last = 0};
 constexpr int kLastCandidate = kBeyondCandidates - 1;
-
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
-
-std::size_t pixels(int width, int height) noexcept { return size(width) * size(height); }
 
 std::uint32_t fixed(double value, std::uint32_t one) noexcept {
   return static_cast<std::uint32_t>(std::lround(value * one));
@@ -72,18 +69,6 @@ bool GuideMaker::serves(const Calibration& calibration) noexcept {
          calibration.pmd.lens.height > 0;
 }
 
-std::size_t GuideMaker::bytes_needed(int width, int height, int pmd_width,
-                                     int pmd_height) noexcept {
-  const std::size_t stereo = pixels(width, height);
-  const std::size_t pmd = pixels(pmd_width, pmd_height);
-  return Reprojector::bytes_needed(pmd_width, pmd_height) + 3 * Arena::bytes_for<QuarterMm>(pmd) +
-         Arena::bytes_for<std::uint8_t>(pmd) + 4 * Arena::bytes_for<QuarterMm>(stereo) +
-         Arena::bytes_for<std::uint8_t>(stereo) + Arena::bytes_for<Candidates>(stereo) +
-         2 * Arena::bytes_for<std::int16_t>(kGuideDepths) +
-         2 * Arena::bytes_for<QuarterMm>(size(width + 2 * kMostReach)) +
-         Arena::bytes_for<QuarterMm>(kMostSteps);
-}
-
 GuideMaker::GuideMaker(const Calibration& calibration, const GuideParams& params, int min_disparity,
                        int disparities, int width, int height, Arena& arena) noexcept
     : reach_(params.reach),
@@ -106,14 +91,15 @@ GuideMaker::GuideMaker(const Calibration& calibration, const GuideParams& params
   view_.flags = arena.take_image<std::uint8_t>(width, height);
   spread_high_ = arena.take_image<QuarterMm>(width, height);
   guide_ = arena.take_image<Candidates>(width, height);
-  row_low_ = arena.take<QuarterMm>(size(width + 2 * reach_));
-  row_high_ = arena.take<QuarterMm>(size(width + 2 * reach_));
-
+  row_low_ = arena.take<QuarterMm>(index(width + 2 * reach_));
+  row_high_ = arena.take<QuarterMm>(index(width + 2 * reach_));
   first_of_ = arena.take<std::int16_t>(kGuideDepths);
   last_of_ = arena.take<std::int16_t>(kGuideDepths);
-  fill_guide_candidates(calibration.stereo, min_disparity, params.margin, first_of_, last_of_);
   steps_ = arena.take<QuarterMm>(kMostSteps);
-  steps_ = steps_.first(fill_guide_distances(calibration, min_disparity, disparities, steps_));
+  if (!arena.is_measuring()) {
+    fill_guide_candidates(calibration.stereo, min_disparity, params.margin, first_of_, last_of_);
+    steps_ = steps_.first(fill_guide_distances(calibration, min_disparity, disparities, steps_));
+  }
 }
 
 void GuideMaker::judge_row(const PmdMaps& maps, int y) const noexcept {
@@ -183,7 +169,7 @@ void GuideMaker::spread_along_row(int y) noexcept {
   const std::span<const QuarterMm> high = view_.high.row(y);
   const std::span<const std::uint8_t> flags = view_.flags.row(y);
   const std::size_t n = low.size();
-  const std::size_t reach = size(reach_);
+  const std::size_t reach = index(reach_);
   std::ranges::fill(row_low_, kMaxQuarterMm);
   std::ranges::fill(row_high_, QuarterMm{0});
   for (std::size_t x = 0; x < n; ++x) {
@@ -231,8 +217,8 @@ void GuideMaker::write_row(int y) noexcept {
     if (low[x] == kSaysNothing || step) {
       continue;
     }
-    const int first = first_of_[size(high[x] / kGuideDepthStep)];
-    const int last = last_of_[size(low[x] / kGuideDepthStep)];
+    const int first = first_of_[index(high[x] / kGuideDepthStep)];
+    const int last = last_of_[index(low[x] / kGuideDepthStep)];
     if (first == kBeyondCandidates || last == kBeforeCandidates) {
       out[x] = kNoCandidate;
     } else {

@@ -52,8 +52,6 @@ class GuideMaker {
   // without a PMD.
   static bool serves(const Calibration& calibration) noexcept;
 
-  static std::size_t bytes_needed(int width, int height, int pmd_width, int pmd_height) noexcept;
-
   // calibration: complete(), serves(). Stereo size width x height, candidates as of MatchParams.
   GuideMaker(const Calibration& calibration, const GuideParams& params, int min_disparity,
              int disparities, int width, int height, Arena& arena) noexcept;

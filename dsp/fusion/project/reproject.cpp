@@ -6,35 +6,23 @@
 #include <limits>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/pmd/ray_table.h"
+#include "dsp/base/index.h"
+#include "dsp/fusion/project/projection.h"
 
 namespace stof::dsp {
 namespace {
 
 constexpr std::size_t kMostPlaces = 3;  // the reading and both ends of its interval
 
-std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 }  // namespace
 
-std::size_t Reprojector::bytes_needed(int pmd_width, int pmd_height) noexcept {
-  const std::size_t all = pixels(pmd_width, pmd_height);
-  const std::size_t row = static_cast<std::size_t>(pmd_width);
-  return 4 * Arena::bytes_for<std::int16_t>(all) + Arena::bytes_for<Footprint>(kMostPlaces * all) +
-         Arena::bytes_for<Band>(static_cast<std::size_t>(pmd_height)) +
-         8 * Arena::bytes_for<std::int32_t>(row) + 3 * Arena::bytes_for<QuarterMm>(row) +
-         4 * Arena::bytes_for<std::int16_t>(row);
-}
-
 Reprojector::Points Reprojector::take_points(Arena& arena, int count) noexcept {
-  const std::size_t n = static_cast<std::size_t>(count);
+  const std::size_t n = index(count);
   return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<QuarterMm>(n)};
 }
 
 Reprojector::Extents Reprojector::take_extents(Arena& arena, int count) noexcept {
-  const std::size_t n = static_cast<std::size_t>(count);
+  const std::size_t n = index(count);
   return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<std::int16_t>(n),
           arena.take<std::int16_t>(n), arena.take<std::int16_t>(n), arena.take<std::int16_t>(n)};
 }
@@ -52,24 +40,12 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   }
   const Pinhole& left = calibration.stereo.left;
   const Pinhole& pmd = calibration.pmd.lens;
-  for (std::size_t k = 0; k < 3; ++k) {
-    projection_.origin[k] = static_cast<std::int32_t>(
-        std::lround(calibration.pmd_to_stereo.translation_m[k] * kQuarterMmPerMetre));
-  }
-  projection_.focal_x = static_cast<float>(left.fx * kPositionOne);
-  projection_.focal_y = static_cast<float>(left.fy * kPositionOne);
-  projection_.centre_x = static_cast<float>(left.cx * kPositionOne);
-  projection_.centre_y = static_cast<float>(left.cy * kPositionOne);
+  projection_ = projection_of(calibration);
   scale_.x = static_cast<float>(left.fx / pmd.fx / 2 * kPositionOne / kQ15One);
   scale_.y = static_cast<float>(left.fy / pmd.fy / 2 * kPositionOne / kQ15One);
-  const std::size_t all = pixels(width_, height_);
-  ray_x_ = arena.take<std::int16_t>(all);
-  ray_y_ = arena.take<std::int16_t>(all);
-  ray_z_ = arena.take<std::int16_t>(all);
-  forward_ = arena.take<std::int16_t>(all);
-  fill_ray_table(pmd, calibration.pmd_to_stereo.rotation, {ray_x_, ray_y_, ray_z_, forward_});
-  footprints_ = arena.take<Footprint>(kMostPlaces * all);
-  bands_ = arena.take<Band>(static_cast<std::size_t>(height_));
+  rays_ = make_ray_table(calibration, arena);
+  footprints_ = arena.take<Footprint>(kMostPlaces * pixel_count(width_, height_));
+  bands_ = arena.take<Band>(index(height_));
   low_ = take_points(arena, width_);
   centre_ = take_points(arena, width_);
   high_ = take_points(arena, width_);
@@ -124,20 +100,18 @@ Reprojector::Band Reprojector::band(std::size_t begin) const noexcept {
 }
 
 void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
-  const std::size_t n = static_cast<std::size_t>(width_);
-  const std::size_t first = pixels(width_, y);
-  const RayRow rays{ray_x_.subspan(first, n), ray_y_.subspan(first, n), ray_z_.subspan(first, n)};
+  const RayRow rays = ray_row(rays_, width_, y);
   const std::span<const QuarterMm> distance = maps.distance.row(y);
   best::project(rays, maps.low.row(y), projection_, low_.u, low_.v, low_.depth);
   best::project(rays, distance, projection_, centre_.u, centre_.v, centre_.depth);
   best::project(rays, maps.high.row(y), projection_, high_.u, high_.v, high_.depth);
-  best::half_sizes(distance, forward_.subspan(first, n), centre_.depth, scale_, extents_.half_x,
-                   extents_.half_y);
+  best::half_sizes(distance, rays_.forward.subspan(pixel_count(width_, y), index(width_)),
+                   centre_.depth, scale_, extents_.half_x, extents_.half_y);
   best::cover(centre_.u, extents_.half_x, left_width_, extents_.x_begin, extents_.x_end);
   best::cover(centre_.v, extents_.half_y, left_height_, extents_.y_begin, extents_.y_end);
   const std::size_t before = count_;
   add_row(maps.flags.row(y));
-  bands_[static_cast<std::size_t>(y)] = band(before);
+  bands_[index(y)] = band(before);
 }
 
 void Reprojector::locate(const PmdMaps& maps) noexcept {

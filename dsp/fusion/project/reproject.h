@@ -9,6 +9,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/project/cover.h"
 #include "dsp/fusion/project/paint.h"
 #include "dsp/fusion/project/project.h"
@@ -23,8 +24,6 @@ namespace stof::dsp {
 // out; an end behind the camera counts as 1/4 mm before it.
 class Reprojector {
  public:
-  static std::size_t bytes_needed(int pmd_width, int pmd_height) noexcept;
-
   Reprojector() noexcept = default;
   // left_width x left_height: stereo size, at most 32767 each. PMD size 0x0: never any footprint.
   Reprojector(const Calibration& calibration, int left_width, int left_height,
@@ -75,10 +74,7 @@ class Reprojector {
   int left_height_ = 0;
   CoverScale scale_;
   Projection projection_;
-  std::span<std::int16_t> ray_x_;
-  std::span<std::int16_t> ray_y_;
-  std::span<std::int16_t> ray_z_;
-  std::span<std::int16_t> forward_;
+  RayTable rays_;
   Points low_;
   Points centre_;
   Points high_;

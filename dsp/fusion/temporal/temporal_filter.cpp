@@ -10,10 +10,6 @@ namespace {
 constexpr int kHeldRows = 3;  // above, here, below
 constexpr int kUnchanged = kHeldRows;
 
-std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 template <typename T>
 void clear(const ImageView<T>& image) noexcept {
   for (int y = 0; y < image.height(); ++y) {
@@ -22,13 +18,6 @@ void clear(const ImageView<T>& image) noexcept {
 }
 
 }  // namespace
-
-std::size_t TemporalFilter::bytes_needed(int width, int height) noexcept {
-  const std::size_t all = pixels(width, height);
-  return Arena::bytes_for<QuarterMm>(all) + Arena::bytes_for<std::uint16_t>(all) +
-         3 * Arena::bytes_for<std::uint8_t>(all) +
-         Arena::bytes_for<std::uint8_t>(pixels(width + 2, kHeldRows + 1));
-}
 
 TemporalFilter::TemporalFilter(int width, int height, const TemporalParams& params,
                                Arena& arena) noexcept
@@ -40,9 +29,11 @@ TemporalFilter::TemporalFilter(int width, int height, const TemporalParams& para
       grey_(arena.take_image<std::uint8_t>(width, height)),
       change_(arena.take_image<std::uint8_t>(width + 2, kHeldRows + 1)) {
   STOF_CHECK(params.frames >= 1 && params.frames <= kMostFrames && params.max_step <= kMostStep);
-  clear(change_);
-  clear(grey_);
-  forget();
+  if (!arena.is_measuring()) {
+    clear(change_);
+    clear(grey_);
+    forget();
+  }
 }
 
 void TemporalFilter::forget() noexcept {

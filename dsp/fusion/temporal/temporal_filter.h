@@ -49,8 +49,6 @@ using TemporalParams = TemporalLimits;
 // Sources and causes stay as they are. 7 bytes a pixel.
 class TemporalFilter {
  public:
-  static std::size_t bytes_needed(int width, int height) noexcept;
-
   // params.frames 1 .. kMostFrames, params.max_step <= kMostStep. Maps of this size.
   TemporalFilter(int width, int height, const TemporalParams& params, Arena& arena) noexcept;
 

@@ -11,14 +11,7 @@ std::size_t elements(int width, int height, std::size_t bins) noexcept {
   return static_cast<std::size_t>(cells(width)) * static_cast<std::size_t>(cells(height)) * bins;
 }
 
-constexpr std::size_t kMostEntries = DistanceVotes::kMostBins + 2;
-
 }  // namespace
-
-std::size_t DistanceVotes::bytes_needed(int width, int height) noexcept {
-  return 2 * Arena::bytes_for<std::uint16_t>(elements(width, height, kMostEntries)) +
-         Arena::bytes_for<std::uint16_t>(elements(width, 1, kMostEntries));
-}
 
 DistanceVotes::DistanceVotes(int width, int height, std::uint32_t range, Arena& arena) noexcept
     : cells_x_(cells(width)), cells_y_(cells(height)) {

@@ -16,8 +16,6 @@ class DistanceVotes {
   static constexpr int kCell = 4;
   static constexpr int kMostBins = 64;
 
-  static std::size_t bytes_needed(int width, int height) noexcept;
-
   // range: after how much readings repeat, quarter mm. A bin is at most a sixth of it, unless
   // there would be more than kMostBins.
   DistanceVotes(int width, int height, std::uint32_t range, Arena& arena) noexcept;

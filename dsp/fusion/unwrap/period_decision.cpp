@@ -45,14 +45,6 @@ void link_row(std::span<const Reading> from, std::span<const Reading> to,
 
 }  // namespace
 
-std::size_t PeriodDecision::bytes_needed(int pmd_width, int pmd_height) noexcept {
-  return Arena::bytes_for<std::int32_t>(static_cast<std::size_t>(pmd_width)) +
-         DistanceVotes::bytes_needed(pmd_width, pmd_height) +
-         SurfaceVotes::bytes_needed(pmd_width, pmd_height) +
-         PeriodRegions::bytes_needed(static_cast<std::size_t>(pmd_width) *
-                                     static_cast<std::size_t>(pmd_height));
-}
-
 PeriodDecision::PeriodDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
                                Arena& arena) noexcept
     : window_(pmd_width, pmd_height, range, arena),

@@ -20,7 +20,6 @@ class PeriodDecision {
   // Readings that must stand behind a decision, itself included.
   static constexpr int kLeastAround = 3;
 
-  static std::size_t bytes_needed(int pmd_width, int pmd_height) noexcept;
   // focal: of the PMD lens, the shorter of both. range: of the first tone.
   PeriodDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
                  Arena& arena) noexcept;

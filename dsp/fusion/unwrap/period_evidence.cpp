@@ -3,28 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dsp/calib/pmd/ray_table.h"
+#include "dsp/base/index.h"
+#include "dsp/fusion/project/projection.h"
 
 namespace stof::dsp {
 namespace {
-
-std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
-Projection projection_of(const Calibration& calibration) noexcept {
-  const Pinhole& left = calibration.stereo.left;
-  Projection out;
-  for (std::size_t k = 0; k < out.origin.size(); ++k) {
-    out.origin[k] = static_cast<std::int32_t>(
-        std::lround(calibration.pmd_to_stereo.translation_m[k] * kQuarterMmPerMetre));
-  }
-  out.focal_x = static_cast<float>(left.fx * kPositionOne);
-  out.focal_y = static_cast<float>(left.fy * kPositionOne);
-  out.centre_x = static_cast<float>(left.cx * kPositionOne);
-  out.centre_y = static_cast<float>(left.cy * kPositionOne);
-  return out;
-}
 
 // Pixels of the left view that a PMD pixel covers, about.
 double footprint_of(const Calibration& calibration) noexcept {
@@ -63,31 +46,15 @@ void PeriodEvidence::mark_periods(const Candidates& c, int k, QuarterMm max_rang
   }
 }
 
-std::size_t PeriodEvidence::bytes_needed(int width, int height, int disparities, int pmd_width,
-                                         int pmd_height) noexcept {
-  const std::size_t row = static_cast<std::size_t>(pmd_width);
-  return StereoSamples::bytes_needed(width, height, disparities) +
-         4 * Arena::bytes_for<std::int16_t>(pixels(pmd_width, pmd_height)) +
-         Arena::bytes_for<Support>(row) +
-         kMostPeriods *
-             (2 * Arena::bytes_for<std::int32_t>(row) + 4 * Arena::bytes_for<std::uint16_t>(row));
-}
-
 PeriodEvidence::PeriodEvidence(const Calibration& calibration, const FusionParams& params,
                                int min_disparity, int disparities, int width, int height,
                                Arena& arena) noexcept
     : max_range_(params.max_range),
       samples_(calibration.stereo, params.stereo_sigma, min_disparity, disparities, width, height,
                footprint_of(calibration), arena),
-      projection_(projection_of(calibration)) {
-  const Pinhole& pmd = calibration.pmd.lens;
-  const std::size_t all = pixels(pmd.width, pmd.height);
-  const std::size_t row = static_cast<std::size_t>(pmd.width);
-  ray_x_ = arena.take<std::int16_t>(all);
-  ray_y_ = arena.take<std::int16_t>(all);
-  ray_z_ = arena.take<std::int16_t>(all);
-  const std::span<std::int16_t> forward = arena.take<std::int16_t>(all);
-  fill_ray_table(pmd, calibration.pmd_to_stereo.rotation, {ray_x_, ray_y_, ray_z_, forward});
+      projection_(projection_of(calibration)),
+      rays_(make_ray_table(calibration, arena)) {
+  const std::size_t row = index(calibration.pmd.lens.width);
   support_ = arena.take<Support>(row);
   for (Candidates& c : candidates_) {
     c = {arena.take<QuarterMm>(row), arena.take<std::int32_t>(row), arena.take<std::int32_t>(row),
@@ -115,7 +82,7 @@ void PeriodEvidence::place_row(int y, QuarterMm far_off, const ReturnedLight& li
                                PeriodMaps& picture) noexcept {
   const std::size_t n = static_cast<std::size_t>(picture.width);
   const std::size_t first = picture.index(0, y);
-  const RayRow rays{ray_x_.subspan(first, n), ray_y_.subspan(first, n), ray_z_.subspan(first, n)};
+  const RayRow rays = ray_row(rays_, picture.width, y);
   for (int k = 0; k < picture.periods; ++k) {
     const Candidates& c = candidates_[static_cast<std::size_t>(k)];
     for (std::size_t x = 0; x < n; ++x) {

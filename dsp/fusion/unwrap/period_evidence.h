@@ -9,6 +9,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/fuser.h"
 #include "dsp/fusion/project/project.h"
 #include "dsp/fusion/unwrap/count_votes.h"
@@ -30,8 +31,6 @@ class PeriodEvidence {
     std::int16_t comparable = 0;
   };
 
-  static std::size_t bytes_needed(int width, int height, int disparities, int pmd_width,
-                                  int pmd_height) noexcept;
   PeriodEvidence(const Calibration& calibration, const FusionParams& params, int min_disparity,
                  int disparities, int width, int height, Arena& arena) noexcept;
 
@@ -63,9 +62,7 @@ class PeriodEvidence {
   QuarterMm max_range_;
   StereoSamples samples_;
   Projection projection_;
-  std::span<std::int16_t> ray_x_;
-  std::span<std::int16_t> ray_y_;
-  std::span<std::int16_t> ray_z_;
+  RayTable rays_;
   std::array<Candidates, kMostPeriods> candidates_;
   std::span<Support> support_;  // of a row
 };

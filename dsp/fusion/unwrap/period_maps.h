@@ -32,10 +32,6 @@ inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) n
 
 // What is found out about the pixels of a frame, row by row.
 struct PeriodMaps {
-  static std::size_t bytes_needed(std::size_t pixels) noexcept {
-    return Arena::bytes_for<Reading>(pixels) + 2 * Arena::bytes_for<std::int8_t>(pixels) +
-           2 * Arena::bytes_for<std::uint16_t>(pixels) + 2 * Arena::bytes_for<bool>(pixels);
-  }
   PeriodMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
     readings = arena.take<Reading>(pixels());
     vote = arena.take<std::int8_t>(pixels());

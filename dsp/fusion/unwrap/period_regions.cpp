@@ -12,10 +12,6 @@ constexpr int kMostGain = 15;  // 16 periods at most
 
 }  // namespace
 
-std::size_t PeriodRegions::bytes_needed(std::size_t pixels) noexcept {
-  return 4 * Arena::bytes_for<std::int32_t>(pixels) + 2 * Arena::bytes_for<std::int16_t>(pixels);
-}
-
 PeriodRegions::PeriodRegions(std::size_t pixels, Arena& arena) noexcept
     : parent_(arena.take<std::int32_t>(pixels)),
       gain_(arena.take<std::int16_t>(pixels)),

@@ -12,7 +12,6 @@ namespace stof::dsp {
 // sets in which every pixel knows by how many periods it differs from its set's root.
 class PeriodRegions {
  public:
-  static std::size_t bytes_needed(std::size_t pixels) noexcept;
   PeriodRegions(std::size_t pixels, Arena& arena) noexcept;
 
   // Every pixel its own set again.

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/stereo/column_tables.h"
-#include "dsp/calib/stereo/disparity_table.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 namespace {
@@ -20,9 +19,6 @@ std::size_t grid_size(int columns, int rows) noexcept {
          static_cast<std::size_t>(rows + 2 * kGridBorder);
 }
 
-// All subpixel disparities of the candidates, half a candidate to either side, and none.
-int steps(int disparities) noexcept { return (disparities + 1) * Disparity::kOne; }
-
 int step_bits_for(double footprint) noexcept {
   int bits = kLeastStepBits;
   while (bits < kMostStepBits && kWindow << bits < footprint) {
@@ -31,54 +27,27 @@ int step_bits_for(double footprint) noexcept {
   return bits;
 }
 
-// Entries of the table of disparities.
-std::size_t table_size(int disparities) noexcept {
-  return static_cast<std::size_t>(steps(disparities) + 1 + 2 * kMostSpread);
-}
-
 }  // namespace
-
-std::size_t StereoSamples::bytes_needed(int width, int height, int disparities) noexcept {
-  const std::size_t row = static_cast<std::size_t>(width);
-  const std::size_t grid =
-      grid_size(samples(width, kLeastStepBits), samples(height, kLeastStepBits));
-  return Arena::bytes_for<DepthInterval>(table_size(disparities)) +
-         Arena::bytes_for<std::int32_t>(row) +
-         Arena::bytes_for<std::int32_t>(right_tangents(row, 0, steps(disparities))) +
-         Arena::bytes_for<std::uint8_t>(row) + 2 * Arena::bytes_for<QuarterMm>(grid) +
-         Arena::bytes_for<Disparity>(row) + 2 * Arena::bytes_for<QuarterMm>(row);
-}
 
 StereoSamples::StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_disparity,
                              int disparities, int width, int height, double footprint,
                              Arena& arena) noexcept
-    : converging_(rig.converging.has_value()) {
-  const std::size_t row = static_cast<std::size_t>(width);
-  const auto first =
-      static_cast<std::int16_t>(std::max((min_disparity - 1) * Disparity::kOne, -32767));
-  if (converging_) {
-    const int last = std::min(first + steps(disparities), 32767);
-    columns_ = make_column_tables(rig, first, static_cast<std::int16_t>(last), kMaxQuarterMm,
-                                  arena.take<std::int32_t>(row),
-                                  arena.take<std::int32_t>(right_tangents(row, first, last)));
+    : tables_(make_interval_tables(rig, min_disparity, disparities, width, kMaxQuarterMm, arena)) {
+  STOF_CHECK(sigma >= 0 && sigma <= kMaxStereoSigma);
+  const std::size_t row = index(width);
+  if (tables_.converging) {
     near_ = arena.take<QuarterMm>(row);
     far_ = arena.take<QuarterMm>(row);
   } else {
-    table_ = make_disparity_table(rig, first, kMaxQuarterMm,
-                                  arena.take<DepthInterval>(table_size(disparities)));
     some_ = arena.take<Disparity>(row);
   }
-  STOF_CHECK(sigma >= 0 && sigma <= kMaxStereoSigma);
-  half_ = arena.take<std::uint8_t>(row);
-  std::ranges::fill(half_, static_cast<std::uint8_t>(2 * sigma));
+  half_ = arena.take_filled(row, static_cast<std::uint8_t>(2 * sigma));
   grid_.step_bits = step_bits_for(footprint);
   grid_.columns = samples(width, grid_.step_bits);
   grid_.rows = samples(height, grid_.step_bits);
   grid_.stride = grid_.columns + 2 * kGridBorder;
-  low_ = arena.take<QuarterMm>(grid_size(grid_.columns, grid_.rows));
-  high_ = arena.take<QuarterMm>(low_.size());
-  std::ranges::fill(low_, kMaxQuarterMm);
-  std::ranges::fill(high_, kNoDepth);
+  low_ = arena.take_filled(grid_size(grid_.columns, grid_.rows), kMaxQuarterMm);
+  high_ = arena.take_filled(low_.size(), kNoDepth);
   const std::ptrdiff_t origin = kGridBorder * grid_.stride + kGridBorder;
   grid_.low = low_.data() + origin;
   grid_.high = high_.data() + origin;
@@ -88,18 +57,18 @@ void StereoSamples::take_row(std::span<const Disparity> disparity, std::span<Qua
                              std::span<QuarterMm> high) noexcept {
   const std::size_t step = std::size_t{1} << grid_.step_bits;
   const std::size_t last = disparity.size() - 1;
-  if (converging_) {
-    best::column_interval(disparity, half_, columns_, near_, far_);
+  if (tables_.converging) {
+    best::column_interval(disparity, half_, tables_.columns, near_, far_);
   } else {
     const std::span<Disparity> some = some_.first(low.size());
     for (std::size_t i = 0; i < some.size(); ++i) {
       some[i] = disparity[std::min(i * step + step / 2, last)];
     }
-    best::stereo_interval(some, half_.first(some.size()), table_, low, high);
+    best::stereo_interval(some, half_.first(some.size()), tables_.disparity, low, high);
   }
   for (std::size_t i = 0; i < low.size(); ++i) {
     const std::size_t x = std::min(i * step + step / 2, last);
-    if (converging_) {
+    if (tables_.converging) {
       low[i] = near_[x];
       high[i] = far_[x];
     }

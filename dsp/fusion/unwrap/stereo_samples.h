@@ -8,9 +8,8 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/calib/stereo/interval_tables.h"
 #include "dsp/fusion/fuser.h"
-#include "dsp/fusion/interval/column_interval.h"
-#include "dsp/fusion/interval/stereo_interval.h"
 #include "dsp/fusion/unwrap/count_votes.h"
 
 namespace stof::dsp {
@@ -19,8 +18,6 @@ namespace stof::dsp {
 // whatever the range of the fusion: what lies beyond is evidence too.
 class StereoSamples {
  public:
-  static std::size_t bytes_needed(int width, int height, int disparities) noexcept;
-
   // A picture of width x height; the step is the smallest power of two, 2 or more, of which kWindow
   // reach across `footprint` pixels.
   StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_disparity, int disparities,
@@ -35,9 +32,7 @@ class StereoSamples {
                 std::span<QuarterMm> high) noexcept;
 
   SampleGrid grid_;
-  bool converging_;  // then columns count, else table does
-  ColumnTables columns_;
-  DisparityTable table_;
+  IntervalTables tables_;
   std::span<QuarterMm> low_;  // with the border
   std::span<QuarterMm> high_;
   std::span<Disparity> some_;     // every step-th of a row

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
@@ -9,38 +11,28 @@ constexpr std::size_t kPerWord = 4;
 constexpr std::size_t kBits = 16;  // of a count: at most (2 kArm + 1) times a height of 4096
 constexpr std::size_t kMostWords = kMostPeriods / kPerWord + 1;
 
-std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 std::uint8_t one_more(std::uint8_t arm) noexcept {
   return static_cast<std::uint8_t>(std::min(arm + 1, SurfaceVotes::kArm));
 }
 
 }  // namespace
 
-std::size_t SurfaceVotes::bytes_needed(int width, int height) noexcept {
-  return 6 * Arena::bytes_for<std::uint8_t>(pixels(width, height)) +
-         Arena::bytes_for<std::uint64_t>(kMostWords * static_cast<std::size_t>(width + 1)) +
-         Arena::bytes_for<std::uint64_t>(kMostWords * pixels(width, height + 1));
-}
-
 SurfaceVotes::SurfaceVotes(int width, int height, Arena& arena) noexcept
     : width_(width),
       height_(height),
-      right_(arena.take<std::int8_t>(pixels(width, height))),
-      below_(arena.take<std::int8_t>(pixels(width, height))),
-      left_arm_(arena.take<std::uint8_t>(pixels(width, height))),
-      right_arm_(arena.take<std::uint8_t>(pixels(width, height))),
-      upper_arm_(arena.take<std::uint8_t>(pixels(width, height))),
-      lower_arm_(arena.take<std::uint8_t>(pixels(width, height))),
+      right_(arena.take<std::int8_t>(pixel_count(width, height))),
+      below_(arena.take<std::int8_t>(pixel_count(width, height))),
+      left_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
+      right_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
+      upper_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
+      lower_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
       line_(arena.take<std::uint64_t>(kMostWords * static_cast<std::size_t>(width + 1))),
-      columns_(arena.take<std::uint64_t>(kMostWords * pixels(width, height + 1))) {}
+      columns_(arena.take<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
 
 // Arms end at the wrap: behind it the same surface has another period.
 void SurfaceVotes::reach() noexcept {
   const std::size_t row = static_cast<std::size_t>(width_);
-  const std::size_t all = pixels(width_, height_);
+  const std::size_t all = pixel_count(width_, height_);
   for (std::size_t i = 0; i < all; ++i) {
     left_arm_[i] =
         i % row != 0 && right_[i - 1] == 0 ? one_more(left_arm_[i - 1]) : std::uint8_t{0};
@@ -55,7 +47,7 @@ void SurfaceVotes::reach() noexcept {
 
 void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
   const std::size_t row = static_cast<std::size_t>(width_);
-  const std::size_t first = pixels(width_, y);
+  const std::size_t first = pixel_count(width_, y);
   for (std::size_t word = 0; word < words_; ++word) {
     const int origin = static_cast<int>(word * kPerWord) - 1;  // period of the lowest count
     const std::uint64_t pixel = word == 0 ? 1 : 0;
@@ -86,7 +78,7 @@ void SurfaceVotes::sum(std::span<const std::int8_t> votes, int periods) noexcept
 
 SurfaceVotes::Counts SurfaceVotes::around(int x, int y) const noexcept {
   const std::size_t row = static_cast<std::size_t>(width_);
-  const std::size_t i = pixels(width_, y) + static_cast<std::size_t>(x);
+  const std::size_t i = pixel_count(width_, y) + static_cast<std::size_t>(x);
   const std::size_t below = (i + (lower_arm_[i] + 1U) * row) * words_;
   const std::size_t above = (i - upper_arm_[i] * row) * words_;
   Counts out{};

@@ -29,7 +29,6 @@ class SurfaceVotes {
   // voters or not.
   using Counts = std::array<std::uint16_t, kMostPeriods + 1>;
 
-  static std::size_t bytes_needed(int width, int height) noexcept;
   SurfaceVotes(int width, int height, Arena& arena) noexcept;
 
   // To be filled for every row: links of its pixels to the right and to the row below; kBroken in

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "dsp/base/check.h"
 #include "dsp/base/units.h"
@@ -70,15 +69,6 @@ struct Unwrapper::Parts {
   PeriodDecision decision;
 };
 
-std::size_t Unwrapper::bytes_needed(int width, int height, int disparities, int pmd_width,
-                                    int pmd_height) noexcept {
-  const std::size_t all =
-      static_cast<std::size_t>(pmd_width) * static_cast<std::size_t>(pmd_height);
-  return Arena::bytes_for<Parts>(1) + PeriodMaps::bytes_needed(all) +
-         PeriodEvidence::bytes_needed(width, height, disparities, pmd_width, pmd_height) +
-         PeriodDecision::bytes_needed(pmd_width, pmd_height);
-}
-
 bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noexcept {
   return sensor.lens.width > 0 && sensor.lens.height > 0 && turn_of(sensor) < params.max_range;
 }
@@ -86,16 +76,14 @@ bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noex
 Unwrapper::Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
                      int disparities, int width, int height, Arena& arena) noexcept {
   const Pinhole& pmd = calibration.pmd.lens;
-  const std::span<Parts> place = arena.take<Parts>(1);
-  parts_ = std::construct_at(
-      place.data(),
-      Parts{.max_range = params.max_range,
-            .picture = PeriodMaps(pmd.width, pmd.height, arena),
-            .light = ReturnedLight(calibration.pmd.white_lsb),
-            .evidence = PeriodEvidence(calibration, params, min_disparity, disparities, width,
-                                       height, arena),
-            .decision = PeriodDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
-                                       turn_of(calibration.pmd), arena)});
+  parts_ =
+      arena.put(Parts{.max_range = params.max_range,
+                      .picture = PeriodMaps(pmd.width, pmd.height, arena),
+                      .light = ReturnedLight(calibration.pmd.white_lsb),
+                      .evidence = PeriodEvidence(calibration, params, min_disparity, disparities,
+                                                 width, height, arena),
+                      .decision = PeriodDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
+                                                 turn_of(calibration.pmd), arena)});
 }
 
 void Unwrapper::resolve(const PmdMaps& maps, ImageView<const Disparity> disparity) noexcept {

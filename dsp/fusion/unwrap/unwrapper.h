@@ -32,13 +32,10 @@ namespace stof::dsp {
 // that far apart, and so lie anywhere.
 class Unwrapper {
  public:
-  // stereo size width x height, as the Fuser's.
-  static std::size_t bytes_needed(int width, int height, int disparities, int pmd_width,
-                                  int pmd_height) noexcept;
-
   // Whether a reading of this sensor has more than one candidate; else there is nothing to do.
   static bool needed(const PmdSensor& sensor, const FusionParams& params) noexcept;
 
+  // Stereo size width x height, as the Fuser's.
   Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
             int disparities, int width, int height, Arena& arena) noexcept;
 

@@ -60,10 +60,6 @@ IntegrationQ8 prepare_tone(std::span<const PmdExposure> exposures,
   return longest;
 }
 
-std::size_t exposure_row_bytes(std::size_t width) noexcept {
-  return 4 * Arena::bytes_for<std::uint16_t>(width) + 2 * Arena::bytes_for<std::uint8_t>(width);
-}
-
 ExposureRow take_exposure_row(Arena& arena, std::size_t width) noexcept {
   return {.phase = arena.take<Phase>(width),
           .amp2 = arena.take<std::uint16_t>(width),

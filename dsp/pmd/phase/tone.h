@@ -39,7 +39,6 @@ void check_exposures(std::span<const PmdExposure> exposures, int width, int heig
 IntegrationQ8 prepare_tone(std::span<const PmdExposure> exposures,
                            std::optional<std::int32_t> temperature_q8, Tone& tone) noexcept;
 
-std::size_t exposure_row_bytes(std::size_t width) noexcept;
 ExposureRow take_exposure_row(Arena& arena, std::size_t width) noexcept;
 
 // Rows that are overwritten while several exposures are merged.

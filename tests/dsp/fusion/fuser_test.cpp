@@ -10,6 +10,7 @@
 #include "dsp/base/thread_team.h"
 #include "posix/worker_threads.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::dsp {
 namespace {
@@ -36,18 +37,11 @@ Calibration simple_rig(int width, int height, int pmd_width, int pmd_height) {
 class Rig {
  public:
   Rig(const Calibration& rig, int w, int h, int disparities = 64, int threads = 1)
-      : bytes_(Fuser::bytes_needed(w, h, disparities, rig.pmd.lens.width, rig.pmd.lens.height,
-                                   threads)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
-        arena_({memory_, bytes_}),
+      : owned_([&](Arena& arena) { return Fuser(rig, {}, 0, disparities, w, h, arena, threads); }),
         depth(w, h, w + 3, 9),
         width(w, h, w + 2, 9),
         source(w, h, w + 1, Source::kConflict),
-        disparity(w, h, w + 1),
-        fuser(rig, {}, 0, disparities, w, h, arena_, threads) {}
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
-  ~Rig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+        disparity(w, h, w + 1) {}
 
   DepthMap out() { return {depth.view(), width.view(), source.view()}; }
   bool padding_untouched() {
@@ -55,16 +49,14 @@ class Rig {
   }
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
+  test::InOwnMemory<Fuser> owned_;
 
  public:
   test::GuardedImage<QuarterMm> depth;
   test::GuardedImage<QuarterMm> width;
   test::GuardedImage<Source> source;
   test::GuardedImage<Disparity> disparity;
-  Fuser fuser;
+  Fuser& fuser = *owned_;
 };
 
 template <typename T>

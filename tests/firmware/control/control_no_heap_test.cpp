@@ -39,10 +39,11 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
     closed = hal::linux::UdpPort::open({}).value()->port();
   }
   firmware::Subscribers subscribers;
-  firmware::Gate gate({.device_id = 1}, firmware::CookieSecret{}, subscribers, nullptr);
+  firmware::RequestHandler handler({.device_id = 1}, firmware::CookieSecret{}, subscribers,
+                                   nullptr);
   firmware::SubscriberRing ring;
   firmware::Control control(
-      {.port = **port, .gate = gate, .subscribers = subscribers, .ring = ring});
+      {.port = **port, .handler = handler, .subscribers = subscribers, .ring = ring});
   const firmware::Cookies cookies(firmware::CookieSecret{});
   const hal::Peer self = loopback((*robot)->port());
   const std::uint64_t cookie = cookies.make(self, firmware::control_now());
@@ -76,7 +77,7 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
     static_cast<void>(ring.pop());
   }
   EXPECT_EQ(allocations, before);
-  EXPECT_GT(gate.counters().accepted, 100U);
+  EXPECT_GT(handler.counters().accepted, 100U);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using firmware::CookieSecret;
-using firmware::Gate;
+using firmware::RequestHandler;
 using firmware::SettingsService;
 using firmware::Subscribers;
 using wire::PacketType;
@@ -40,27 +40,28 @@ class Echo final : public SettingsService {
   wire::SettingsRequest last;
 };
 
-class GateTest : public testing::Test {
+class RequestHandlerTest : public testing::Test {
  protected:
   std::uint64_t cookie_for(const hal::Peer& from) {
-    return subscribed(gate_.take(subscribe({.request_id = 1}), from, kStart)).value().cookie;
+    return subscribed(handler_.take(subscribe({.request_id = 1}), from, kStart)).value().cookie;
   }
   wire::Subscribed join(const hal::Peer& from, std::uint16_t lease_ms = 0) {
     const std::uint64_t cookie = cookie_for(from);
     return subscribed(
-               gate_.take(subscribe({.request_id = 2, .lease_ms = lease_ms, .cookie = cookie}),
-                          from, kStart))
+               handler_.take(subscribe({.request_id = 2, .lease_ms = lease_ms, .cookie = cookie}),
+                             from, kStart))
         .value();
   }
 
   Subscribers subscribers_;
   Echo echo_;
-  Gate gate_{{.device_id = kDevice, .session_id = 77}, CookieSecret{}, subscribers_, &echo_};
+  RequestHandler handler_{
+      {.device_id = kDevice, .session_id = 77}, CookieSecret{}, subscribers_, &echo_};
 };
 
-TEST_F(GateTest, FirstAsksForACookieThenSubscribes) {
+TEST_F(RequestHandlerTest, FirstAsksForACookieThenSubscribes) {
   const std::span<const std::byte> first =
-      gate_.take(subscribe({.request_id = 5}), peer(1), kStart);
+      handler_.take(subscribe({.request_id = 5}), peer(1), kStart);
   const auto header = wire::parse_packet(first);
   ASSERT_TRUE(header);
   EXPECT_EQ(header->header.origin.device_id, kDevice);
@@ -73,29 +74,29 @@ TEST_F(GateTest, FirstAsksForACookieThenSubscribes) {
   EXPECT_EQ(subscribers_.count(), 0U);
 
   const auto second = subscribed(
-      gate_.take(subscribe({.request_id = 6, .cookie = cookie->cookie}), peer(1), kStart));
+      handler_.take(subscribe({.request_id = 6, .cookie = cookie->cookie}), peer(1), kStart));
   ASSERT_TRUE(second);
   EXPECT_EQ(second->result, SubscribeResult::kOk);
   EXPECT_EQ(second->request_id, 6U);
   EXPECT_EQ(second->subscribers, 1U);
   EXPECT_EQ(second->lease_ms, 3000U);
   EXPECT_EQ(subscribers_.count(), 1U);
-  EXPECT_EQ(gate_.counters().cookies, 1U);
-  EXPECT_EQ(gate_.counters().accepted, 1U);
+  EXPECT_EQ(handler_.counters().cookies, 1U);
+  EXPECT_EQ(handler_.counters().accepted, 1U);
 }
 
-TEST_F(GateTest, TheAnswersCookieKeepsASubscriptionAliveForHours) {
+TEST_F(RequestHandlerTest, TheAnswersCookieKeepsASubscriptionAliveForHours) {
   std::uint64_t cookie = join(peer(1)).cookie;
   for (hal::Time now = kStart; now < kStart + 3h; now += 10s) {
     const auto answer =
-        subscribed(gate_.take(subscribe({.lease_ms = 10'000, .cookie = cookie}), peer(1), now));
+        subscribed(handler_.take(subscribe({.lease_ms = 10'000, .cookie = cookie}), peer(1), now));
     ASSERT_TRUE(answer);
     ASSERT_EQ(answer->result, SubscribeResult::kOk);
     cookie = answer->cookie;
   }
 }
 
-TEST_F(GateTest, TheFifthIsToldThatItIsFullAndComesInWhenALeaseHasEnded) {
+TEST_F(RequestHandlerTest, TheFifthIsToldThatItIsFullAndComesInWhenALeaseHasEnded) {
   for (std::uint8_t i = 1; i <= 4; ++i) {
     EXPECT_EQ(join(peer(i), i == 2 ? 1000 : 3000).result, SubscribeResult::kOk);
   }
@@ -104,40 +105,43 @@ TEST_F(GateTest, TheFifthIsToldThatItIsFullAndComesInWhenALeaseHasEnded) {
   EXPECT_EQ(fifth.subscribers, 4U);
   EXPECT_EQ(fifth.lease_ms, 0U);
   const auto again =
-      subscribed(gate_.take(subscribe({.cookie = fifth.cookie}), peer(5), kStart + 1s));
+      subscribed(handler_.take(subscribe({.cookie = fifth.cookie}), peer(5), kStart + 1s));
   EXPECT_EQ(again.value().result, SubscribeResult::kOk);
 }
 
-TEST_F(GateTest, UnsubscribingNeedsACookieToo) {
+TEST_F(RequestHandlerTest, UnsubscribingNeedsACookieToo) {
   const std::uint64_t cookie = join(peer(1)).cookie;
   const auto forged = subscribed(
-      gate_.take(subscribe({.cookie = cookie + 1}, PacketType::kUnsubscribe), peer(1), kStart));
+      handler_.take(subscribe({.cookie = cookie + 1}, PacketType::kUnsubscribe), peer(1), kStart));
   EXPECT_EQ(forged.value().result, SubscribeResult::kCookie);
   EXPECT_EQ(subscribers_.count(), 1U);
   const auto own = subscribed(
-      gate_.take(subscribe({.cookie = cookie}, PacketType::kUnsubscribe), peer(1), kStart));
+      handler_.take(subscribe({.cookie = cookie}, PacketType::kUnsubscribe), peer(1), kStart));
   EXPECT_EQ(own.value().result, SubscribeResult::kEnded);
   EXPECT_EQ(own.value().subscribers, 0U);
   EXPECT_EQ(subscribers_.count(), 0U);
 }
 
-TEST_F(GateTest, CookiesOfOthersOfThePastAndInventedOnesOpenNothing) {
+TEST_F(RequestHandlerTest, CookiesOfOthersOfThePastAndInventedOnesOpenNothing) {
   const std::uint64_t cookie = cookie_for(peer(1));
   for (const hal::Peer& other : {peer(2), peer(1, 5001)}) {
-    EXPECT_EQ(subscribed(gate_.take(subscribe({.cookie = cookie}), other, kStart)).value().result,
-              SubscribeResult::kCookie);
+    EXPECT_EQ(
+        subscribed(handler_.take(subscribe({.cookie = cookie}), other, kStart)).value().result,
+        SubscribeResult::kCookie);
   }
-  EXPECT_EQ(subscribed(gate_.take(subscribe({.cookie = ~cookie}), peer(1), kStart)).value().result,
-            SubscribeResult::kCookie);
   EXPECT_EQ(
-      subscribed(gate_.take(subscribe({.cookie = cookie}), peer(1), kStart + 32s)).value().result,
+      subscribed(handler_.take(subscribe({.cookie = ~cookie}), peer(1), kStart)).value().result,
       SubscribeResult::kCookie);
+  EXPECT_EQ(subscribed(handler_.take(subscribe({.cookie = cookie}), peer(1), kStart + 32s))
+                .value()
+                .result,
+            SubscribeResult::kCookie);
   EXPECT_EQ(subscribers_.count(), 0U);
 }
 
-TEST_F(GateTest, SettingsAreServedWithACookieOnly) {
+TEST_F(RequestHandlerTest, SettingsAreServedWithACookieOnly) {
   const auto first =
-      settings_reply(gate_.take(settings({.request_id = 3}, "abc"), peer(1), kStart));
+      settings_reply(handler_.take(settings({.request_id = 3}, "abc"), peer(1), kStart));
   ASSERT_TRUE(first);
   EXPECT_EQ(first->answer.result, SettingsResult::kCookie);
   EXPECT_EQ(first->answer.request_id, 3U);
@@ -145,12 +149,12 @@ TEST_F(GateTest, SettingsAreServedWithACookieOnly) {
   EXPECT_EQ(echo_.served, 0);
 
   const auto second =
-      settings_reply(gate_.take(settings({.request_id = 4,
-                                          .operation = wire::SettingsOperation::kSet,
-                                          .offset = 5,
-                                          .cookie = first->answer.cookie},
-                                         "abc"),
-                                peer(1), kStart));
+      settings_reply(handler_.take(settings({.request_id = 4,
+                                             .operation = wire::SettingsOperation::kSet,
+                                             .offset = 5,
+                                             .cookie = first->answer.cookie},
+                                            "abc"),
+                                   peer(1), kStart));
   ASSERT_TRUE(second);
   EXPECT_EQ(echo_.served, 1);
   EXPECT_EQ(echo_.last.operation, wire::SettingsOperation::kSet);
@@ -161,26 +165,26 @@ TEST_F(GateTest, SettingsAreServedWithACookieOnly) {
   EXPECT_EQ(second->answer.cookie, first->answer.cookie);
 }
 
-TEST_F(GateTest, AnAnswerOfSettingsFillsADatagramAndNoMore) {
+TEST_F(RequestHandlerTest, AnAnswerOfSettingsFillsADatagramAndNoMore) {
   echo_.fill = true;
   const std::uint64_t cookie = cookie_for(peer(1));
   const std::span<const std::byte> answer =
-      gate_.take(settings({.cookie = cookie}), peer(1), kStart);
+      handler_.take(settings({.cookie = cookie}), peer(1), kStart);
   EXPECT_EQ(answer.size(), wire::kMaxDatagram);
   EXPECT_EQ(settings_reply(answer).value().text.size(), firmware::kSettingsTextBytes);
 }
 
-TEST_F(GateTest, WithoutAServiceSettingsAreUnsupported) {
-  Gate bare({.device_id = kDevice}, CookieSecret{}, subscribers_, nullptr);
+TEST_F(RequestHandlerTest, WithoutAServiceSettingsAreUnsupported) {
+  RequestHandler bare({.device_id = kDevice}, CookieSecret{}, subscribers_, nullptr);
   const std::uint64_t cookie = cookie_for(peer(1));  // the secrets are equal
   const auto answer = settings_reply(bare.take(settings({.cookie = cookie}), peer(1), kStart));
   EXPECT_EQ(answer.value().answer.result, SettingsResult::kUnsupported);
 }
 
-TEST_F(GateTest, DiscoverIsAnsweredWithTheAnnounce) {
+TEST_F(RequestHandlerTest, DiscoverIsAnsweredWithTheAnnounce) {
   EXPECT_EQ(join(peer(1)).result, SubscribeResult::kOk);
-  gate_.set_announce({.port = 7560, .serial = {'S', '1'}}, wire::Health::kDegraded);
-  const auto packet = wire::parse_packet(gate_.take(discover(42), peer(2), kStart));
+  handler_.set_announce({.port = 7560, .serial = {'S', '1'}}, wire::Health::kDegraded);
+  const auto packet = wire::parse_packet(handler_.take(discover(42), peer(2), kStart));
   ASSERT_TRUE(packet);
   EXPECT_EQ(packet->header.type, PacketType::kAnnounce);
   EXPECT_EQ(packet->header.frame.health, wire::Health::kDegraded);
@@ -193,18 +197,19 @@ TEST_F(GateTest, DiscoverIsAnsweredWithTheAnnounce) {
   EXPECT_EQ(announce->most_subscribers, 4U);
 }
 
-TEST_F(GateTest, RequestsForAnotherDeviceAreNotOurs) {
+TEST_F(RequestHandlerTest, RequestsForAnotherDeviceAreNotOurs) {
   EXPECT_TRUE(
-      gate_.take(subscribe({}, PacketType::kSubscribe, kDevice + 1), peer(1), kStart).empty());
-  EXPECT_EQ(gate_.counters().foreign, 1U);
-  EXPECT_FALSE(gate_.take(subscribe({}, PacketType::kSubscribe, kDevice), peer(1), kStart).empty());
+      handler_.take(subscribe({}, PacketType::kSubscribe, kDevice + 1), peer(1), kStart).empty());
+  EXPECT_EQ(handler_.counters().foreign, 1U);
+  EXPECT_FALSE(
+      handler_.take(subscribe({}, PacketType::kSubscribe, kDevice), peer(1), kStart).empty());
 }
 
-TEST_F(GateTest, CountsEveryRefusalByItsReason) {
+TEST_F(RequestHandlerTest, CountsEveryRefusalByItsReason) {
   const Bytes good = subscribe({});
   const auto refused = [&](Bytes bytes) {
-    EXPECT_TRUE(gate_.take(bytes, peer(1), kStart).empty());
-    return gate_.counters();
+    EXPECT_TRUE(handler_.take(bytes, peer(1), kStart).empty());
+    return handler_.counters();
   };
   EXPECT_EQ(refused({}).truncated, 1U);
   EXPECT_EQ(refused({good.begin(), good.end() - 1}).truncated, 2U);
@@ -219,18 +224,18 @@ TEST_F(GateTest, CountsEveryRefusalByItsReason) {
   longer.push_back({});
   EXPECT_EQ(refused(longer).bad_length, 1U);
   EXPECT_EQ(refused(changed(60)).bad_crc, 1U);
-  gate_.take_oversized();
-  EXPECT_EQ(gate_.counters().bad_length, 2U);
+  handler_.take_oversized();
+  EXPECT_EQ(handler_.counters().bad_length, 2U);
   for (const PacketType type :
        {PacketType::kTile, PacketType::kFrameInfo, PacketType::kCalibration, PacketType::kHealth,
         PacketType::kSubscribed, PacketType::kSettingsAnswer, PacketType::kAnnounce,
         static_cast<PacketType>(131), static_cast<PacketType>(255)}) {
-    EXPECT_TRUE(gate_.take(sealed(type, good), peer(1), kStart).empty());
+    EXPECT_TRUE(handler_.take(sealed(type, good), peer(1), kStart).empty());
   }
-  EXPECT_EQ(gate_.counters().not_control, 9U);
+  EXPECT_EQ(handler_.counters().not_control, 9U);
   const Bytes half(wire::kSubscribeBytes - 1);
   EXPECT_EQ(refused(sealed(PacketType::kSubscribe, half)).bad_field, 1U);
-  EXPECT_EQ(gate_.counters().accepted + gate_.counters().cookies, 0U);
+  EXPECT_EQ(handler_.counters().accepted + handler_.counters().cookies, 0U);
 }
 
 }  // namespace

@@ -4,13 +4,13 @@
 #include "tests/firmware/control/requests.h"
 #include "tests/support/random.h"
 
-// What somebody can make of the gate who writes a victim's address on requests.
+// What somebody can make of the handler who writes a victim's address on requests.
 namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
 using firmware::CookieSecret;
-using firmware::Gate;
+using firmware::RequestHandler;
 using firmware::Subscribers;
 using firmware::TokenBucket;
 using wire::PacketType;
@@ -23,14 +23,14 @@ void fill(Bytes& bytes, Random& random) {
   }
 }
 
-class GateLimits : public testing::Test {
+class RequestLimits : public testing::Test {
  protected:
   Subscribers subscribers_;
-  Gate gate_{{.device_id = 1}, CookieSecret{}, subscribers_, nullptr};
+  RequestHandler handler_{{.device_id = 1}, CookieSecret{}, subscribers_, nullptr};
 };
 
 // Every type of packet, known or not, with a payload of every length and any content.
-TEST_F(GateLimits, AnswersNobodyUnprovenWithMoreThanItSent) {
+TEST_F(RequestLimits, AnswersNobodyUnprovenWithMoreThanItSent) {
   constexpr std::uint64_t kSeed = 5;
   Random random(kSeed);
   int answers = 0;
@@ -41,7 +41,7 @@ TEST_F(GateLimits, AnswersNobodyUnprovenWithMoreThanItSent) {
       fill(payload, random);
       const Bytes request = sealed(static_cast<PacketType>(type), payload);
       now += 1ms;
-      const std::span<const std::byte> answer = gate_.take(request, peer(1), now);
+      const std::span<const std::byte> answer = handler_.take(request, peer(1), now);
       ASSERT_LE(answer.size(), request.size()) << "type " << type << ", payload " << size;
       answers += answer.empty() ? 0 : 1;
     }
@@ -50,12 +50,12 @@ TEST_F(GateLimits, AnswersNobodyUnprovenWithMoreThanItSent) {
   EXPECT_EQ(subscribers_.count(), 0U);
 }
 
-TEST_F(GateLimits, SaysNothingWhereTheAnswerWouldBeLongerThanTheRequest) {
+TEST_F(RequestLimits, SaysNothingWhereTheAnswerWouldBeLongerThanTheRequest) {
   const auto answered = [&](PacketType type, std::size_t payload_bytes) {
-    return !gate_.take(sealed(type, Bytes(payload_bytes)), peer(1), kStart).empty();
+    return !handler_.take(sealed(type, Bytes(payload_bytes)), peer(1), kStart).empty();
   };
   EXPECT_FALSE(answered(PacketType::kDiscover, wire::kAnnounceBytes - 1));
-  EXPECT_EQ(gate_.counters().too_short, 1U);
+  EXPECT_EQ(handler_.counters().too_short, 1U);
   EXPECT_TRUE(answered(PacketType::kDiscover, wire::kAnnounceBytes));
   EXPECT_FALSE(answered(PacketType::kSettingsRequest, wire::kSettingsAnswerBytes - 1));
   EXPECT_TRUE(answered(PacketType::kSettingsRequest, wire::kSettingsAnswerBytes));
@@ -63,22 +63,22 @@ TEST_F(GateLimits, SaysNothingWhereTheAnswerWouldBeLongerThanTheRequest) {
   EXPECT_TRUE(answered(PacketType::kSubscribe, wire::kSubscribeBytes));
 }
 
-TEST_F(GateLimits, AnswersAThousandUnprovenSourcesASecondAndEveryProvenOne) {
+TEST_F(RequestLimits, AnswersAThousandUnprovenSourcesASecondAndEveryProvenOne) {
   const std::uint64_t cookie =
-      subscribed(gate_.take(subscribe({}), peer(200), kStart)).value().cookie;
+      subscribed(handler_.take(subscribe({}), peer(200), kStart)).value().cookie;
   int answers = 0;
   constexpr int kRequests = 10'000;  // in a second
   for (int i = 0; i < kRequests; ++i) {
     const hal::Peer source = peer(1, static_cast<std::uint16_t>(1 + i));
     const hal::Time now = kStart + 10s + i * 100us;
-    answers += gate_.take(subscribe({}), source, now).empty() ? 0 : 1;
+    answers += handler_.take(subscribe({}), source, now).empty() ? 0 : 1;
   }
   // A full bucket, and what a second refills.
-  EXPECT_LE(answers, 2 * static_cast<int>(Gate::kUnprovenPerSecond));
-  EXPECT_GE(answers, static_cast<int>(Gate::kUnprovenPerSecond));
-  EXPECT_EQ(gate_.counters().busy, static_cast<std::uint64_t>(kRequests - answers));
+  EXPECT_LE(answers, 2 * static_cast<int>(RequestHandler::kUnprovenPerSecond));
+  EXPECT_GE(answers, static_cast<int>(RequestHandler::kUnprovenPerSecond));
+  EXPECT_EQ(handler_.counters().busy, static_cast<std::uint64_t>(kRequests - answers));
   const auto proven = subscribed(
-      gate_.take(subscribe({.lease_ms = 3000, .cookie = cookie}), peer(200), kStart + 11s));
+      handler_.take(subscribe({.lease_ms = 3000, .cookie = cookie}), peer(200), kStart + 11s));
   ASSERT_TRUE(proven);
   EXPECT_EQ(proven->result, wire::SubscribeResult::kOk);
 }
@@ -99,7 +99,7 @@ TEST(TokenBucket, LetsAFullSecondPassThenItsRate) {
 }
 
 // Any bytes, and real requests with some bytes changed. 1,000,000 with STOF_LONG=1.
-TEST_F(GateLimits, CountsEveryDatagramOnceWhateverItHolds) {
+TEST_F(RequestLimits, CountsEveryDatagramOnceWhateverItHolds) {
   constexpr std::uint64_t kSeed = 7;
   Random random(kSeed);
   const std::vector<Bytes> requests{subscribe({}), settings({}, "{}"), discover(1),
@@ -115,9 +115,9 @@ TEST_F(GateLimits, CountsEveryDatagramOnceWhateverItHolds) {
       bytes[random.next() % bytes.size()] ^= static_cast<std::byte>(random.next());
       bytes.resize(bytes.size() - random.next() % 3);
     }
-    gate_.take(bytes, peer(1), kStart + i * 1ms);
+    handler_.take(bytes, peer(1), kStart + i * 1ms);
   }
-  const wire::ControlCounters counted = gate_.counters();
+  const wire::ControlCounters counted = handler_.counters();
   const std::uint64_t sum = counted.accepted + counted.truncated + counted.bad_magic +
                             counted.bad_version + counted.bad_length + counted.bad_crc +
                             counted.bad_field + counted.not_control + counted.foreign +

@@ -14,17 +14,17 @@
 
 namespace stof::test {
 
-// The network end of a sensor on loopback: port, gate and thread, without a loop.
+// The network end of a sensor on loopback: port, handler and thread, without a loop.
 class Sensor {
  public:
   explicit Sensor(firmware::SettingsService* settings = nullptr, std::uint16_t number = 0,
                   std::uint32_t session = 1)
       : port(open(number)),
-        gate({.device_id = 0x51, .session_id = session}, firmware::make_cookie_secret(),
-             subscribers, settings),
+        handler({.device_id = 0x51, .session_id = session}, firmware::make_cookie_secret(),
+                subscribers, settings),
         thread(std::in_place,
                firmware::ControlParts{
-                   .port = *port, .gate = gate, .subscribers = subscribers, .ring = ring}) {}
+                   .port = *port, .handler = handler, .subscribers = subscribers, .ring = ring}) {}
 
   // As the loop: the newest list.
   const firmware::SubscriberList& list() {
@@ -53,7 +53,7 @@ class Sensor {
 
   std::unique_ptr<hal::linux::UdpPort> port;
   firmware::Subscribers subscribers;
-  firmware::Gate gate;
+  firmware::RequestHandler handler;
   firmware::SubscriberRing ring;
   std::optional<firmware::ControlThread> thread;
 

@@ -45,7 +45,7 @@ struct SlowRig {
   SlowRig() : rig(RigOptions{.port = &port}) { clock = &rig.clock; }
 };
 
-TEST(Schedule, KeepsThePeriodExactly) {
+TEST(LoopSchedule, KeepsThePeriodExactly) {
   Rig rig;
   Receiver receiver;
   run(rig, receiver, 300);
@@ -58,7 +58,7 @@ TEST(Schedule, KeepsThePeriodExactly) {
   EXPECT_EQ(rig.events.counters.unpaired_edges, 0U);
 }
 
-TEST(Schedule, EveryWaitEndsAtTheNextEdge) {
+TEST(LoopSchedule, EveryWaitEndsAtTheNextEdge) {
   Rig rig({.faults = {.stereo = {emu::Fault{.kind = emu::FaultKind::kDrop, .call = 0, .every = 2}},
                       .pmd = {emu::Fault{.kind = emu::FaultKind::kDrop, .call = 0, .every = 3}}}});
   for (int i = 0; i < 30; ++i) {
@@ -70,7 +70,7 @@ TEST(Schedule, EveryWaitEndsAtTheNextEdge) {
   EXPECT_EQ(rig.log.edges.back() - rig.log.edges.front(), 29 * kPeriod);
 }
 
-TEST(Schedule, ALateLoopSkipsWholePeriodsAndCountsThem) {
+TEST(LoopSchedule, ALateLoopSkipsWholePeriodsAndCountsThem) {
   SlowRig slow;
   for (int i = 0; i < 3; ++i) {
     static_cast<void>(slow.rig.loop.step());
@@ -95,7 +95,7 @@ TEST(Schedule, ALateLoopSkipsWholePeriodsAndCountsThem) {
   EXPECT_EQ(late, 1) << "one event for the state, not one an edge";
 }
 
-TEST(Schedule, AFewMillisecondsLateKeepTheGridWithoutASkip) {
+TEST(LoopSchedule, AFewMillisecondsLateKeepTheGridWithoutASkip) {
   Rig rig;
   static_cast<void>(rig.loop.step());
   for (int i = 1; i < 20; ++i) {
@@ -108,7 +108,7 @@ TEST(Schedule, AFewMillisecondsLateKeepTheGridWithoutASkip) {
   EXPECT_EQ(rig.events.counters.published, 20U);
 }
 
-TEST(Schedule, WhatALongStallLeftBehindIsNotPublished) {
+TEST(LoopSchedule, WhatALongStallLeftBehindIsNotPublished) {
   SlowRig slow;
   Rig& rig = slow.rig;
   slow.port.took = 3ms;  // frames wait for the period after theirs
@@ -125,7 +125,7 @@ TEST(Schedule, WhatALongStallLeftBehindIsNotPublished) {
 }
 
 // A frame of many packets leaves in bursts, within its share of the period, before the next edge.
-TEST(Schedule, PacketsAreSpreadOverTheirShareOfThePeriod) {
+TEST(LoopSchedule, PacketsAreSpreadOverTheirShareOfThePeriod) {
   for (const int percent : {0, 20, 60}) {
     SCOPED_TRACE(percent);
     hal::Clock* clock = nullptr;
@@ -156,7 +156,7 @@ TEST(Schedule, PacketsAreSpreadOverTheirShareOfThePeriod) {
 }
 
 // Once it is known that a frame can be out before its next edge, it is.
-TEST(Schedule, AFrameIsOutBeforeItsNextEdge) {
+TEST(LoopSchedule, AFrameIsOutBeforeItsNextEdge) {
   Rig rig;
   Receiver receiver;
   run(rig, receiver, 20);
@@ -167,7 +167,7 @@ TEST(Schedule, AFrameIsOutBeforeItsNextEdge) {
   }
 }
 
-TEST(Schedule, AFullOrUnreachableLinkDropsAndCountsAndNeverDelays) {
+TEST(LoopSchedule, AFullOrUnreachableLinkDropsAndCountsAndNeverDelays) {
   for (const Status status : {Status::kWouldBlock, Status::kDeviceError, Status::kDeviceLost}) {
     SlowRig slow;
     slow.port.status = status;
@@ -183,14 +183,14 @@ TEST(Schedule, AFullOrUnreachableLinkDropsAndCountsAndNeverDelays) {
   }
 }
 
-TEST(Schedule, TheCalibrationGoesOutOnceASecond) {
+TEST(LoopSchedule, TheCalibrationGoesOutOnceASecond) {
   Rig rig;
   Receiver receiver;
   run(rig, receiver, 152);  // 5 s
   EXPECT_EQ(receiver.calibrations, 5U);
 }
 
-TEST(Schedule, FrameInfoTellsWhatTheLoopCounted) {
+TEST(LoopSchedule, FrameInfoTellsWhatTheLoopCounted) {
   Rig rig({.faults = {.stereo = {emu::Fault{.kind = emu::FaultKind::kTear, .call = 3}}}});
   Receiver receiver;
   run(rig, receiver, 10);
@@ -205,38 +205,6 @@ TEST(Schedule, FrameInfoTellsWhatTheLoopCounted) {
     pixels += count;
   }
   EXPECT_EQ(pixels, std::size_t{kWidth} * kHeight);
-}
-
-TEST(TimingProblem, NamesTimingsThatCannotWork) {
-  EXPECT_STREQ(problem(timing()), "");
-  const auto with = [](auto&& change) {
-    board::TimingConfig changed = timing();
-    change(changed);
-    return std::string(problem(changed));
-  };
-  EXPECT_NE(with([](auto& t) { t.period = 1ms; }), "");
-  EXPECT_NE(with([](auto& t) { t.period = 17ms; }), "") << "shorter than the PMD integration";
-  EXPECT_NE(with([](auto& t) { t.pmd_every = 0; }), "");
-  EXPECT_NE(with([](auto& t) { t.pmd_every = 9; }), "");
-  EXPECT_NE(with([](auto& t) { t.edge_tolerance = 0ms; }), "");
-  EXPECT_NE(with([](auto& t) { t.pmd_integration = 80ms; }), "");
-  EXPECT_EQ(with([](auto& t) {
-              t.pmd_integration = 80ms;
-              t.pmd_every = 3;
-            }),
-            "");
-}
-
-TEST(Events, AFullRingKeepsTheOldestAndCountsTheRest) {
-  Events events;
-  for (std::uint32_t i = 0; i < 100; ++i) {
-    events.note({.kind = EventKind::kLate, .value = i});
-  }
-  EXPECT_EQ(events.counters.lost_events, 36U);
-  for (std::uint32_t i = 0; i < 64; ++i) {
-    EXPECT_EQ(events.take().value().value, i);
-  }
-  EXPECT_FALSE(events.take());
 }
 
 }  // namespace

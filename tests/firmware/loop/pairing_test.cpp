@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr hal::Time kEdge{std::chrono::seconds(1000)};
-constexpr Window kWindow{kEdge, 4ms, 200us};
+constexpr ExposureWindow kWindow{kEdge, 4ms, 200us};
 constexpr hal::Time kEarliest = hal::Time::min();
 constexpr hal::Time kLatest = hal::Time::max();
 
@@ -21,34 +21,34 @@ hal::Exposure at(hal::Duration after, hal::Duration length = 4ms) {
   return {kEdge + after, kEdge + after + length};
 }
 
-TEST(Place, TakesExposuresThatBeginWithinTheToleranceAndNoOthers) {
-  EXPECT_EQ(place(kWindow, at(0ns)), Drop::kNone);
-  EXPECT_EQ(place(kWindow, at(200us)), Drop::kNone);
-  EXPECT_EQ(place(kWindow, at(-200us)), Drop::kNone);
-  EXPECT_EQ(place(kWindow, at(200us + 1ns)), Drop::kNewerEdge);
-  EXPECT_EQ(place(kWindow, at(-200us - 1ns)), Drop::kOlderEdge);
+TEST(MatchExposure, TakesExposuresThatBeginWithinTheToleranceAndNoOthers) {
+  EXPECT_EQ(match_exposure(kWindow, at(0ns)), Drop::kNone);
+  EXPECT_EQ(match_exposure(kWindow, at(200us)), Drop::kNone);
+  EXPECT_EQ(match_exposure(kWindow, at(-200us)), Drop::kNone);
+  EXPECT_EQ(match_exposure(kWindow, at(200us + 1ns)), Drop::kNewerEdge);
+  EXPECT_EQ(match_exposure(kWindow, at(-200us - 1ns)), Drop::kOlderEdge);
 }
 
-TEST(Place, TakesExposuresAsLongAsTheSensorExposesAndNoLonger) {
-  EXPECT_EQ(place(kWindow, at(0ns, 1ns)), Drop::kNone);
-  EXPECT_EQ(place(kWindow, at(0ns, 4ms + 200us)), Drop::kNone);
-  EXPECT_EQ(place(kWindow, at(200us, 4ms + 200us)), Drop::kNone);
-  EXPECT_EQ(place(kWindow, at(0ns, 4ms + 200us + 1ns)), Drop::kBadStamp);
-  EXPECT_EQ(place(kWindow, at(0ns, 0ns)), Drop::kBadStamp);
-  EXPECT_EQ(place(kWindow, at(0ns, -1ns)), Drop::kBadStamp);
+TEST(MatchExposure, TakesExposuresAsLongAsTheSensorExposesAndNoLonger) {
+  EXPECT_EQ(match_exposure(kWindow, at(0ns, 1ns)), Drop::kNone);
+  EXPECT_EQ(match_exposure(kWindow, at(0ns, 4ms + 200us)), Drop::kNone);
+  EXPECT_EQ(match_exposure(kWindow, at(200us, 4ms + 200us)), Drop::kNone);
+  EXPECT_EQ(match_exposure(kWindow, at(0ns, 4ms + 200us + 1ns)), Drop::kBadStamp);
+  EXPECT_EQ(match_exposure(kWindow, at(0ns, 0ns)), Drop::kBadStamp);
+  EXPECT_EQ(match_exposure(kWindow, at(0ns, -1ns)), Drop::kBadStamp);
 }
 
 // Under UndefinedBehaviorSanitizer this also says that no stamp overflows.
-TEST(Place, SurvivesEveryExtremeStamp) {
+TEST(MatchExposure, SurvivesEveryExtremeStamp) {
   const std::array extremes{kEarliest, kEarliest + 1ns, hal::Time{}, kEdge, kLatest - 1ns, kLatest};
   for (const hal::Time begin : extremes) {
     for (const hal::Time end : extremes) {
-      EXPECT_NE(place(kWindow, {begin, end}), Drop::kNone);
+      EXPECT_NE(match_exposure(kWindow, {begin, end}), Drop::kNone);
     }
   }
-  EXPECT_EQ(place(kWindow, {kEarliest, kLatest}), Drop::kOlderEdge);
-  EXPECT_EQ(place(kWindow, {kLatest, kEarliest}), Drop::kNewerEdge);
-  EXPECT_EQ(place(kWindow, {kEdge, kLatest}), Drop::kBadStamp);
+  EXPECT_EQ(match_exposure(kWindow, {kEarliest, kLatest}), Drop::kOlderEdge);
+  EXPECT_EQ(match_exposure(kWindow, {kLatest, kEarliest}), Drop::kNewerEdge);
+  EXPECT_EQ(match_exposure(kWindow, {kEdge, kLatest}), Drop::kBadStamp);
 }
 
 TEST(SequenceGuard, BelievesStepsAheadAcrossTheWrap) {
@@ -158,7 +158,9 @@ TEST(StereoPairing, RefusesOtherSizes) {
   EXPECT_EQ(StereoPairing(8, 8).judge(kWindow, stereo.frame), Drop::kWrongSize);
 }
 
-constexpr Window pmd_window(hal::Duration edge_after) { return {kEdge + edge_after, 16ms, 200us}; }
+constexpr ExposureWindow pmd_window(hal::Duration edge_after) {
+  return {kEdge + edge_after, 16ms, 200us};
+}
 
 struct Pmd {
   std::vector<std::uint16_t> pixels = std::vector<std::uint16_t>(64);

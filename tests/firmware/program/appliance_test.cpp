@@ -24,10 +24,10 @@ TEST(Appliance, NewSettingsTakeEffectBetweenTwoFrames) {
   Box box;
   box.subscribe(1);
   box.run(5);
-  Plan plan = small_plan();
-  plan.stream.revision = 2;
-  plan.stream.choice.of(wire::Stream::kSource) = wire::Coding::kOff;
-  ASSERT_TRUE(box.plans.push(plan));
+  RunConfig run_config = small_run_config();
+  run_config.stream.revision = 2;
+  run_config.stream.choice.of(wire::Stream::kSource) = wire::Coding::kOff;
+  ASSERT_TRUE(box.run_configs.push(run_config));
   const Receiver without = box.run(5);
   EXPECT_EQ(without.frames.size(), 5U);
   for (const auto& [number, frame] : without.frames) {
@@ -41,11 +41,11 @@ TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
   Box box;
   box.subscribe(1);
   box.run(5);
-  Plan plan = small_plan();
-  plan.setup.depth.match = dsp::for_depth(*dsp::find_preset("quality"));
-  plan.setup.depth.match.disparities = kDisparities;
-  plan.stream.revision = 3;
-  ASSERT_TRUE(box.plans.push(plan));
+  RunConfig run_config = small_run_config();
+  run_config.setup.depth.match = dsp::for_depth(*dsp::find_preset("quality"));
+  run_config.setup.depth.match.disparities = kDisparities;
+  run_config.stream.revision = 3;
+  ASSERT_TRUE(box.run_configs.push(run_config));
   const Receiver after = box.run(10);
   EXPECT_GE(after.frames.size(), 9U);
   EXPECT_EQ(after.frames.rbegin()->second.info.settings_revision, 3U);
@@ -53,13 +53,13 @@ TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
   EXPECT_EQ(box.rig.events.counters.unpaired_edges, 0U);
 }
 
-// Every datagram of `plans`, each for some frames.
-std::vector<std::byte> sent_with(dsp::Crew threads, std::span<const Plan> plans) {
+// Every datagram of `run_configs`, each for some frames.
+std::vector<std::byte> sent_with(dsp::Crew threads, std::span<const RunConfig> run_configs) {
   Box box(false, threads);
   box.subscribe(1);
   std::vector<std::byte> bytes = box.run(5).bytes;
-  for (const Plan& plan : plans) {
-    EXPECT_TRUE(box.plans.push(plan));
+  for (const RunConfig& run_config : run_configs) {
+    EXPECT_TRUE(box.run_configs.push(run_config));
     const Receiver some = box.run(5);
     EXPECT_GE(some.frames.size(), 4U);
     bytes.insert(bytes.end(), some.bytes.begin(), some.bytes.end());
@@ -69,20 +69,20 @@ std::vector<std::byte> sent_with(dsp::Crew threads, std::span<const Plan> plans)
 
 TEST(Appliance, AnyNumberOfThreadsSendsTheSameBytes) {
   posix::WorkerThreads workers({.threads = 4});
-  std::vector<Plan> plans;
+  std::vector<RunConfig> run_configs;
   for (const char* const preset : {"", "quality", "fast"}) {
     for (const int threads : {3, 1, 4, 2, 7}) {  // more than there are, too
-      Plan& plan = plans.emplace_back(small_plan());
-      plan.setup.threads = threads;
+      RunConfig& run_config = run_configs.emplace_back(small_run_config());
+      run_config.setup.threads = threads;
       if (*preset != '\0') {
-        plan.setup.depth.match = dsp::for_depth(*dsp::find_preset(preset));
-        plan.setup.depth.match.disparities = kDisparities;
+        run_config.setup.depth.match = dsp::for_depth(*dsp::find_preset(preset));
+        run_config.setup.depth.match.disparities = kDisparities;
       }
     }
   }
-  const std::vector<std::byte> alone = sent_with({}, plans);
-  EXPECT_GT(alone.size(), plans.size() * 4 * kWidth * kHeight);
-  EXPECT_TRUE(sent_with({workers, 4}, plans) == alone);
+  const std::vector<std::byte> alone = sent_with({}, run_configs);
+  EXPECT_GT(alone.size(), run_configs.size() * 4 * kWidth * kHeight);
+  EXPECT_TRUE(sent_with({workers, 4}, run_configs) == alone);
 }
 
 TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
@@ -91,12 +91,12 @@ TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
   box.subscribe(1);
   Receiver receiver = box.run(5);
   for (const int threads : {4, 1, 3, 2}) {
-    Plan plan = small_plan();
-    plan.setup.threads = threads;
-    plan.stream.revision = static_cast<std::uint32_t>(threads);
-    ASSERT_TRUE(box.plans.push(plan));
+    RunConfig run_config = small_run_config();
+    run_config.setup.threads = threads;
+    run_config.stream.revision = static_cast<std::uint32_t>(threads);
+    ASSERT_TRUE(box.run_configs.push(run_config));
     receiver.frames.merge(box.run(5).frames);
-    EXPECT_EQ(receiver.frames.rbegin()->second.info.settings_revision, plan.stream.revision);
+    EXPECT_EQ(receiver.frames.rbegin()->second.info.settings_revision, run_config.stream.revision);
   }
   EXPECT_GE(receiver.frames.size(), 21U);  // at most one is lost each time
   EXPECT_EQ(expect_true_frames(box.rig, receiver).size(), receiver.frames.size());
@@ -107,9 +107,9 @@ TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {
   Box box;
   box.subscribe(1);
   box.run(5);
-  Plan plan = small_plan();
-  plan.timing.period = 50ms;
-  ASSERT_TRUE(box.plans.push(plan));
+  RunConfig run_config = small_run_config();
+  run_config.timing.period = 50ms;
+  ASSERT_TRUE(box.run_configs.push(run_config));
   const std::size_t before = box.rig.log.edges.size();
   const Receiver after = box.run(10);
   EXPECT_GE(after.frames.size(), 9U);
@@ -136,10 +136,10 @@ TEST(Appliance, ADestinationThatIsSilentIsToldAndSentToNevertheless) {
 
 TEST(Appliance, TheSerialLineGetsItsShare) {
   Box box(true);
-  Plan plan = small_plan();
-  plan.serial.mode = settings::SerialMode::kStof;
-  plan.serial.profile = settings::SerialProfile::kCoarse;
-  ASSERT_TRUE(box.plans.push(plan));
+  RunConfig run_config = small_run_config();
+  run_config.serial.mode = settings::SerialMode::kStof;
+  run_config.serial.profile = settings::SerialProfile::kCoarse;
+  ASSERT_TRUE(box.run_configs.push(run_config));
   box.run(40);
   EXPECT_GT(box.serial.waiting(), 100U);
   EXPECT_GT(box.appliance.serial().sent, 5U);

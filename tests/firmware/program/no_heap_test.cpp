@@ -188,14 +188,15 @@ TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
     Box box(false, {workers, 4});
     box.rig.log.edges.reserve(2'000);
     box.subscribe(1);
-    Plan plan = small_plan();
+    RunConfig run_config = small_run_config();
     for (int change = 0; change < 200; ++change) {
       const bool quality = change % 3 == 0;
-      plan.setup.depth.match = dsp::for_depth(*dsp::find_preset(quality ? "quality" : "fast"));
-      plan.setup.depth.match.disparities = kDisparities;
-      plan.setup.threads = 1 + change * 3 % 4;
-      plan.timing.period = change % 5 == 0 ? 40ms : 33ms;
-      ASSERT_TRUE(box.plans.push(plan));
+      run_config.setup.depth.match =
+          dsp::for_depth(*dsp::find_preset(quality ? "quality" : "fast"));
+      run_config.setup.depth.match.disparities = kDisparities;
+      run_config.setup.threads = 1 + change * 3 % 4;
+      run_config.timing.period = change % 5 == 0 ? 40ms : 33ms;
+      ASSERT_TRUE(box.run_configs.push(run_config));
       for (int step = 0; step < 4; ++step) {
         static_cast<void>(step_without_heap(box.appliance));
         while (box.rig.port.take_sent()) {

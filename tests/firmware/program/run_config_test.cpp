@@ -15,13 +15,13 @@ namespace {
 constexpr std::size_t kMemory = sizeof(Workspace::memory);
 
 // The largest pictures that the board takes: its workspace is for one search of these.
-RigInFront rig_of(int pmd_width, int pmd_height) {
+RigInfo rig_of(int pmd_width, int pmd_height) {
   const board::StereoConfig& stereo = board::kConfig.stereo;
-  RigInFront rig{.calibration = {},
-                 .fixed_pattern = {},
-                 .disparities = stereo.disparities,
-                 .calibration_file = {},
-                 .threads = dsp::Crew::kMost};
+  RigInfo rig{.calibration = {},
+              .fixed_pattern = {},
+              .disparities = stereo.disparities,
+              .calibration_file = {},
+              .threads = dsp::Crew::kMost};
   rig.calibration.stereo = {.left = {.width = stereo.width,
                                      .height = stereo.height,
                                      .fx = 1000,
@@ -50,19 +50,19 @@ std::size_t bytes_of(firmware::Setup setup, int threads) {
 }
 
 TEST(MakePlan, TakesAsManyThreadsAsThereIsMemoryFor) {
-  const RigInFront all = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
+  const RigInfo all = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
   int fewer = 0;
   for (int there = 1; there <= dsp::Crew::kMost; ++there) {
-    RigInFront rig = all;
+    RigInfo rig = all;
     rig.threads = there;
-    const auto plan = make_plan(rig, board::kConfig, quality());
-    ASSERT_TRUE(plan) << plan.error();
-    const int threads = plan->setup.threads;
+    const auto run_config = make_run_config(rig, board::kConfig, quality());
+    ASSERT_TRUE(run_config) << run_config.error();
+    const int threads = run_config->setup.threads;
     ASSERT_GE(threads, 1);
     ASSERT_LE(threads, there);
-    EXPECT_LE(bytes_of(plan->setup, threads), kMemory);
+    EXPECT_LE(bytes_of(run_config->setup, threads), kMemory);
     if (threads < there) {
-      EXPECT_GT(bytes_of(plan->setup, threads + 1), kMemory) << "one more would have fitted";
+      EXPECT_GT(bytes_of(run_config->setup, threads + 1), kMemory) << "one more would have fitted";
       ++fewer;
     }
   }
@@ -70,21 +70,21 @@ TEST(MakePlan, TakesAsManyThreadsAsThereIsMemoryFor) {
 }
 
 TEST(MakePlan, TakesAllThreadsWhereThereIsMemoryForThem) {
-  RigInFront rig = rig_of(0, 0);
+  RigInfo rig = rig_of(0, 0);
   rig.calibration.stereo.left.width = 320;
   rig.calibration.stereo.left.height = 200;
   rig.disparities = 32;
   for (int there = 1; there <= dsp::Crew::kMost; ++there) {
     rig.threads = there;
-    const auto plan = make_plan(rig, board::kConfig, quality());
-    ASSERT_TRUE(plan) << plan.error();
-    EXPECT_EQ(plan->setup.threads, there);
+    const auto run_config = make_run_config(rig, board::kConfig, quality());
+    ASSERT_TRUE(run_config) << run_config.error();
+    EXPECT_EQ(run_config->setup.threads, there);
   }
 }
 
 // Searches of one kind that take more and more: as many threads as fit, then one, then a refusal.
 TEST(MakePlan, RefusesOnlyWhatOneThreadHasNoMemoryFor) {
-  RigInFront rig = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
+  RigInfo rig = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
   settings::Settings settings = quality();
   settings.depth.guided = true;
   settings.depth.temporal = true;
@@ -97,17 +97,17 @@ TEST(MakePlan, RefusesOnlyWhatOneThreadHasNoMemoryFor) {
       firmware::Setup setup{.calibration = rig.calibration,
                             .depth = settings::depth_params(settings, rig.disparities)};
       const std::size_t one = bytes_of(setup, 1);
-      const auto plan = make_plan(rig, board::kConfig, settings);
-      ASSERT_EQ(plan.has_value(), one <= kMemory) << width << "x" << height;
-      if (plan) {
-        alone += plan->setup.threads == 1 ? 1 : 0;
+      const auto run_config = make_run_config(rig, board::kConfig, settings);
+      ASSERT_EQ(run_config.has_value(), one <= kMemory) << width << "x" << height;
+      if (run_config) {
+        alone += run_config->setup.threads == 1 ? 1 : 0;
         continue;
       }
       ++refused;
       const std::string figure = "takes " + std::to_string(one / kMiB + 1) + " MiB, board " +
                                  board::kConfig.name + " has " + std::to_string(kMemory / kMiB) +
                                  ": use fewer disparities";
-      ASSERT_NE(plan.error().find(figure), std::string::npos) << plan.error();
+      ASSERT_NE(run_config.error().find(figure), std::string::npos) << run_config.error();
     }
   }
   EXPECT_GT(alone, 0);
@@ -123,37 +123,37 @@ TEST(ThreadsText, SaysHowManyComputeAndWhyNotMore) {
 
 // Threads are made once: a setting that comes later waits for the next start.
 TEST(MakePlan, RefusesAPeriodThatTheCamerasOrTheWatchdogCannotFollow) {
-  RigInFront rig = rig_of(0, 0);
+  RigInfo rig = rig_of(0, 0);
   rig.calibration.stereo.left.width = 320;
   rig.calibration.stereo.left.height = 200;
   rig.disparities = 32;
   rig.least_period = std::chrono::milliseconds(40);
   settings::Settings settings;
   settings.period_ms = 39;
-  const auto fast = make_plan(rig, board::kConfig, settings);
+  const auto fast = make_run_config(rig, board::kConfig, settings);
   ASSERT_FALSE(fast);
   EXPECT_NE(fast.error().find("need 40 ms"), std::string::npos) << fast.error();
   settings.period_ms = 40;
-  EXPECT_TRUE(make_plan(rig, board::kConfig, settings));
+  EXPECT_TRUE(make_run_config(rig, board::kConfig, settings));
 
   board::Config watched = board::kConfig;
   watched.devices.watchdog_timeout = std::chrono::seconds(15);
   settings.period_ms = 5001;
-  const auto slow = make_plan(rig, watched, settings);
+  const auto slow = make_run_config(rig, watched, settings);
   ASSERT_FALSE(slow);
   EXPECT_NE(slow.error().find("watchdog"), std::string::npos) << slow.error();
   settings.period_ms = 5000;
-  EXPECT_TRUE(make_plan(rig, watched, settings));
+  EXPECT_TRUE(make_run_config(rig, watched, settings));
 }
 
 TEST(MakePlan, TakesTheThreadsThatThereAre) {
-  RigInFront rig = rig_of(0, 0);
+  RigInfo rig = rig_of(0, 0);
   rig.calibration.stereo.left.width = 320;
   rig.threads = 2;
   settings::Settings settings;
   for (int threads = 0; threads <= settings::kMostThreads; ++threads) {
     settings.compute.threads = threads;
-    EXPECT_EQ(make_plan(rig, board::kConfig, settings)->setup.threads, 2);
+    EXPECT_EQ(make_run_config(rig, board::kConfig, settings)->setup.threads, 2);
   }
 }
 

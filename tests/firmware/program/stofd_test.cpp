@@ -12,8 +12,8 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "firmware/wire/calibration_file.h"
-#include "firmware/wire/calibration_packet.h"
+#include "firmware/wire/calibration/calibration_file.h"
+#include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/packet.h"
 #include "tests/firmware/program/stofd_process.h"
 

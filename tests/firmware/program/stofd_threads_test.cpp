@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/wire/frame_coder.h"
+#include "firmware/wire/frame/frame_coder.h"
 #include "firmware/wire/packet.h"
 #include "tests/firmware/program/stofd_process.h"
 

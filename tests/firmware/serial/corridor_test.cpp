@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/firmware/serial/line.h"
-#include "tests/firmware/wire/corridor_frame.h"
+#include "tests/firmware/wire/frame/corridor_frame.h"
 
 namespace stof::firmware::test {
 namespace {

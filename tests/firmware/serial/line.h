@@ -11,9 +11,9 @@
 #include "dsp/base/arena.h"
 #include "firmware/serial/byte_ring.h"
 #include "firmware/serial/sender.h"
+#include "firmware/wire/codec/rvl.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"
-#include "firmware/wire/rvl.h"
 #include "hal/framing/cobs.h"
 
 // The far end of a serial line, and a sender with its memory.

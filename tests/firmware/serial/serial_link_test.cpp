@@ -78,13 +78,13 @@ struct Line {
       : port(capacity, 921'600, faults),
         ring(memory),
         requests(kSensor, &echo),
-        desk(port, ring, requests) {
-    desk.set(SerialMode::kStof, 921'600);
+        link(port, ring, requests) {
+    link.set(SerialMode::kStof, 921'600);
   }
   void tick(int times = 1) {
     for (int i = 0; i < times; ++i) {
       now += 20ms;
-      desk.tick(now);
+      link.tick(now);
     }
   }
   void drain() {
@@ -103,14 +103,14 @@ struct Line {
   ByteRing ring;
   Echo echo;
   LineRequests requests;
-  SerialDesk desk;
+  SerialLink link;
   LineReceiver receiver;
   hal::Time now{1h};
 };
 
 const Bytes kEvent = packet(PacketType::kEvent, std::array<std::byte, 24>{});
 
-TEST(SerialDesk, SendsRecordsInOrder) {
+TEST(SerialLink, SendsRecordsInOrder) {
   Line line;
   for (int i = 0; i < 20; ++i) {
     line.put(packet(PacketType::kEvent, Bytes(static_cast<std::size_t>(i))));
@@ -121,11 +121,11 @@ TEST(SerialDesk, SendsRecordsInOrder) {
   for (std::size_t i = 0; i < 20; ++i) {
     EXPECT_EQ(line.receiver.packets[i].payload.size(), i);
   }
-  EXPECT_EQ(line.desk.counters().sent, 20U);
+  EXPECT_EQ(line.link.counters().sent, 20U);
   EXPECT_EQ(line.receiver.damaged, 0U);
 }
 
-TEST(SerialDesk, BeginsWithAZeroAfterSilence) {
+TEST(SerialLink, BeginsWithAZeroAfterSilence) {
   Line line;
   line.put(kEvent);
   line.tick();
@@ -141,7 +141,7 @@ TEST(SerialDesk, BeginsWithAZeroAfterSilence) {
   EXPECT_EQ(line.port.take(space), first);
 }
 
-TEST(SerialDesk, WaitsForAFullPort) {
+TEST(SerialLink, WaitsForAFullPort) {
   Line line(16);
   line.put(kEvent);
   for (int i = 0; i < 10; ++i) {
@@ -152,7 +152,7 @@ TEST(SerialDesk, WaitsForAFullPort) {
   EXPECT_EQ(line.receiver.damaged, 0U);
 }
 
-TEST(SerialDesk, AnswersDiscoverAndSettings) {
+TEST(SerialLink, AnswersDiscoverAndSettings) {
   Line line;
   wire::Announce announce{.port = 7560};
   std::memcpy(announce.name.data(), "stof", 4);
@@ -177,10 +177,10 @@ TEST(SerialDesk, AnswersDiscoverAndSettings) {
   EXPECT_EQ(answer->result, wire::SettingsResult::kOk);
   EXPECT_EQ(answer->revision, 1U);
   EXPECT_EQ(second.payload.size(), wire::kSettingsAnswerBytes + 1000);
-  EXPECT_EQ(line.desk.counters().refused, 0U);
+  EXPECT_EQ(line.link.counters().refused, 0U);
 }
 
-TEST(SerialDesk, RefusesAndCountsWhatItDoesNotTake) {
+TEST(SerialLink, RefusesAndCountsWhatItDoesNotTake) {
   Line line;
   Bytes damaged = discover(1);
   damaged[20] = damaged[20] == std::byte{2} ? std::byte{3} : std::byte{2};
@@ -193,10 +193,10 @@ TEST(SerialDesk, RefusesAndCountsWhatItDoesNotTake) {
   line.tick(10);
   line.drain();
   EXPECT_TRUE(line.receiver.packets.empty());
-  EXPECT_EQ(line.desk.counters().refused, 6U);
+  EXPECT_EQ(line.link.counters().refused, 6U);
 }
 
-TEST(SerialDesk, ServesUnderEveryFaultAtEveryCall) {
+TEST(SerialLink, ServesUnderEveryFaultAtEveryCall) {
   for (const FaultKind kind : hal::emu::kAllFaultKinds) {
     for (std::uint32_t call = 0; call < 12; ++call) {
       Line line(600, {{.kind = kind, .call = call, .calls = 2}});
@@ -211,27 +211,27 @@ TEST(SerialDesk, ServesUnderEveryFaultAtEveryCall) {
       // At most those that the fault struck are missing, and each one behind it.
       ASSERT_GE(line.receiver.count(PacketType::kEvent), 34U)
           << static_cast<int>(kind) << " at " << call;
-      ASSERT_FALSE(line.desk.lost());
+      ASSERT_FALSE(line.link.lost());
       ASSERT_LE(line.receiver.damaged, 4U);
       ASSERT_EQ(line.receiver.packets.back().payload.size(), 39U);
     }
   }
 }
 
-TEST(SerialDesk, OpensALostPortAgainWithMoreAndMorePatience) {
+TEST(SerialLink, OpensALostPortAgainWithMoreAndMorePatience) {
   Line line(8192, {{.kind = FaultKind::kVanish, .call = 1, .calls = 12}});
   line.put(kEvent);
   line.tick();
   line.put(kEvent);
   line.tick();
-  EXPECT_TRUE(line.desk.lost());
+  EXPECT_TRUE(line.link.lost());
   std::vector<hal::Duration> waits;
   hal::Time last = line.now;
   std::uint32_t calls = line.port.calls();
-  while (line.desk.lost()) {
+  while (line.link.lost()) {
     line.put(kEvent);  // thrown away: it would be old when the line is back
     line.now += 1ms;
-    line.desk.tick(line.now);
+    line.link.tick(line.now);
     if (line.port.calls() != calls) {
       calls = line.port.calls();
       waits.push_back(line.now - last);
@@ -248,30 +248,30 @@ TEST(SerialDesk, OpensALostPortAgainWithMoreAndMorePatience) {
   line.tick();
   line.drain();
   EXPECT_EQ(line.receiver.packets.size(), before + 1);
-  EXPECT_GT(line.desk.counters().lost, 1000U);
+  EXPECT_GT(line.link.counters().lost, 1000U);
 }
 
 // Half a frame is on the line, and no silence long enough to tell.
-TEST(SerialDesk, BeginsWithAZeroAfterReopening) {
+TEST(SerialLink, BeginsWithAZeroAfterReopening) {
   Line line(8192, {{.kind = FaultKind::kTear, .call = 0}, {.kind = FaultKind::kVanish, .call = 1}});
   line.put(kEvent);
   line.tick(2);
-  ASSERT_TRUE(line.desk.lost());
+  ASSERT_TRUE(line.link.lost());
   line.now += 50ms;
-  line.desk.tick(line.now);
-  ASSERT_FALSE(line.desk.lost());
+  line.link.tick(line.now);
+  ASSERT_FALSE(line.link.lost());
   line.put(kEvent);
-  line.desk.tick(line.now);
+  line.link.tick(line.now);
   line.drain();
   EXPECT_EQ(line.receiver.packets.size(), 1U);
 }
 
-TEST(SerialDesk, AnswersAtTheOldSpeedBeforeItChanges) {
+TEST(SerialLink, AnswersAtTheOldSpeedBeforeItChanges) {
   Line line;
   line.port.feed(settings_request(1, 1000));
   line.now += 20ms;
-  line.desk.tick(line.now);
-  line.desk.set(SerialMode::kStof, 3'000'000);
+  line.link.tick(line.now);
+  line.link.set(SerialMode::kStof, 3'000'000);
   line.tick();
   line.drain();
   EXPECT_EQ(line.receiver.count(PacketType::kSettingsAnswer), 1U);
@@ -279,20 +279,20 @@ TEST(SerialDesk, AnswersAtTheOldSpeedBeforeItChanges) {
   line.put(kEvent);  // not while the speed changes
   line.tick(6);
   EXPECT_EQ(line.port.baud(), 3'000'000U);
-  EXPECT_FALSE(line.desk.baud_refused());
+  EXPECT_FALSE(line.link.baud_refused());
   line.put(kEvent);
   line.tick();
   line.drain();
   EXPECT_EQ(line.receiver.count(PacketType::kEvent), 1U);
-  line.desk.set(SerialMode::kStof, 0);  // what the emulated port refuses
+  line.link.set(SerialMode::kStof, 0);  // what the emulated port refuses
   line.tick(20);
-  EXPECT_TRUE(line.desk.baud_refused());
+  EXPECT_TRUE(line.link.baud_refused());
   EXPECT_EQ(line.port.baud(), 3'000'000U);
 }
 
-TEST(SerialDesk, SendsMavlinkAsItIsAndHearsAnAutopilot) {
+TEST(SerialLink, SendsMavlinkAsItIsAndHearsAnAutopilot) {
   Line line;
-  line.desk.set(SerialMode::kMavlink, 921'600);
+  line.link.set(SerialMode::kMavlink, 921'600);
   mavlink::Writer writer(1, 196);
   mavlink::Buffer buffer{};
   const auto heartbeat = writer.write(mavlink::Heartbeat{}, buffer);
@@ -304,26 +304,26 @@ TEST(SerialDesk, SendsMavlinkAsItIsAndHearsAnAutopilot) {
   // Our own heartbeat is no autopilot's.
   line.port.feed(heartbeat);
   line.tick();
-  EXPECT_EQ(line.desk.autopilot().system, 0);
+  EXPECT_EQ(line.link.autopilot().system, 0);
 }
 
-TEST(SerialDesk, IsSilentWhileItIsOff) {
+TEST(SerialLink, IsSilentWhileItIsOff) {
   Line line;
-  line.desk.set(SerialMode::kOff, 921'600);
+  line.link.set(SerialMode::kOff, 921'600);
   line.put(kEvent);
   line.port.feed(discover(1));
   line.tick(3);
   EXPECT_EQ(line.port.waiting(), 0U);
-  EXPECT_EQ(line.desk.counters().lost, 1U);
+  EXPECT_EQ(line.link.counters().lost, 1U);
 }
 
-TEST(SerialDesk, WantsShorterTurnsOnFasterLines) {
-  EXPECT_EQ(SerialDesk::turn(57'600), 20ms);
-  EXPECT_EQ(SerialDesk::turn(2'048'000), 10ms);
-  EXPECT_GE(SerialDesk::turn(12'000'000), 1ms);
+TEST(SerialLink, WantsShorterTurnsOnFasterLines) {
+  EXPECT_EQ(SerialLink::turn(57'600), 20ms);
+  EXPECT_EQ(SerialLink::turn(2'048'000), 10ms);
+  EXPECT_GE(SerialLink::turn(12'000'000), 1ms);
 }
 
-// The whole way: depth map, sender, ring, desk, a pseudo-terminal, a receiver.
+// The whole way: depth map, sender, ring, link, a pseudo-terminal, a receiver.
 TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
   Pty pty;
   if (!pty.open() && !pty.has_any_speed()) {
@@ -342,8 +342,8 @@ TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
                     .rate_hz = 10,
                     .width = true});
   LineRequests requests(kSensor, nullptr);
-  SerialDesk desk(*tty, bench.ring, requests);
-  desk.set(SerialMode::kStof, 3'000'000);
+  SerialLink link(*tty, bench.ring, requests);
+  link.set(SerialMode::kStof, 3'000'000);
   LineReceiver receiver;
   hal::Time now{1h};
   for (int i = 0; i < 400; ++i, now += 5ms) {
@@ -354,7 +354,7 @@ TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
       const Bytes request = discover(1);
       pty.write({reinterpret_cast<const char*>(request.data()), request.size()});
     }
-    desk.tick(now);
+    link.tick(now);
     receiver.feed(pty.read_some());
   }
   EXPECT_EQ(receiver.damaged, 0U);

@@ -1,4 +1,4 @@
-#include "firmware/settings/field.h"
+#include "firmware/settings/fields/field.h"
 
 #include <array>
 #include <string>
@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/match_options.h"
-#include "firmware/settings/assignment.h"
-#include "firmware/settings/document.h"
+#include "firmware/settings/fields/assignment.h"
+#include "firmware/settings/fields/document.h"
 
 namespace stof::settings {
 namespace {

@@ -1,4 +1,4 @@
-#include "firmware/settings/json.h"
+#include "firmware/settings/text/json.h"
 
 #include <array>
 #include <cstdlib>
@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/settings/document.h"
+#include "firmware/settings/fields/document.h"
 
 namespace stof::settings {
 namespace {

@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/settings/assignment.h"
-#include "firmware/settings/document.h"
+#include "firmware/settings/fields/assignment.h"
+#include "firmware/settings/fields/document.h"
 
 // settings_documents schema|tables|usage|defaults: prints that.
 // settings_documents judge: for each line of its input, a document: "ok", or what is wrong.

@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
+#include "firmware/wire/codec/rvl.h"
 #include "firmware/wire/messages/subscribe.h"
 #include "firmware/wire/packet.h"
-#include "firmware/wire/rvl.h"
 
 namespace stof::wire {
 namespace {

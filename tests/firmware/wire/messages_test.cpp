@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/calibration_packet.h"
-#include "firmware/wire/frame_info.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/frame/frame_info.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 

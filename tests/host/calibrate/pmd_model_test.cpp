@@ -1,4 +1,4 @@
-#include "host/calibrate/pmd_model.h"
+#include "host/calibrate/fit/pmd_model.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "host/calibrate/pmd_noise.h"
+#include "host/calibrate/fit/pmd_noise.h"
 
 #include <gtest/gtest.h>
 

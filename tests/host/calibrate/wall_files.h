@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dataset/dataset.h"
-#include "host/calibrate/pmd_wall.h"
+#include "host/calibrate/walls/pmd_wall.h"
 
 namespace stof::test {
 

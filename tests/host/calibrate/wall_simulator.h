@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "host/calibrate/pmd_model.h"
-#include "host/calibrate/pmd_wall.h"
+#include "host/calibrate/fit/pmd_model.h"
+#include "host/calibrate/walls/pmd_wall.h"
 
 // A PMD camera before a white wall, of which every constant is known: the four samples of each
 // pixel from the way of the light, with noise, rounded to whole LSB. Knows nothing of how a

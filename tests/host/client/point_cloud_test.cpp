@@ -1,4 +1,4 @@
-#include "host/client/point_cloud.h"
+#include "host/client/frame/point_cloud.h"
 
 #include <vector>
 

@@ -7,8 +7,8 @@
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
-#include "firmware/wire/frame_coder.h"
-#include "host/client/frame.h"
+#include "firmware/wire/frame/frame_coder.h"
+#include "host/client/frame/frame.h"
 #include "tests/firmware/wire/wire_support.h"
 
 namespace stof::test {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/client/point_cloud.h"
+#include "host/client/frame/point_cloud.h"
 #include "host/client/reassembler.h"
 #include "tests/host/client/told_frame.h"
 

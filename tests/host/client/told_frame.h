@@ -8,8 +8,8 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/wire/cloud.h"
-#include "host/client/frame.h"
+#include "firmware/wire/frame/cloud.h"
+#include "host/client/frame/frame.h"
 #include "tests/host/client/sent_frame.h"
 
 // Frames whose every pixel tells its frame and its place, in all eight streams: whatever arrives

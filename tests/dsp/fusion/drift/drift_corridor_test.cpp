@@ -12,8 +12,9 @@
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
 #include "hal/emu/imagery/rendered.h"
+#include "tests/support/in_own_memory.h"
 
-// The whole way: rendered exposures with noise, the matcher, the converter, the monitor.
+// The whole way: rendered exposures with noise, the matcher, the converter, the monitor->
 namespace stof::dsp {
 namespace {
 
@@ -41,10 +42,11 @@ DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
   params.disparities = world.disparities();
   Block for_matcher(Matcher::bytes_needed(params, width, height));
   Matcher matcher(params, width, height, for_matcher.arena);
-  Block for_converter(Converter::bytes_needed(pmd_width, pmd_height));
-  Converter converter(world.calibration().pmd, for_converter.arena);
-  Block for_monitor(DriftMonitor::bytes_needed(pmd_width, pmd_height));
-  DriftMonitor monitor(world.calibration(), {}, for_monitor.arena);
+  const Calibration& calibration = world.calibration();
+  test::InOwnMemory<Converter> converter(
+      [&](Arena& arena) { return Converter(calibration.pmd, arena); });
+  test::InOwnMemory<DriftMonitor> monitor(
+      [&](Arena& arena) { return DriftMonitor(calibration, {}, arena); });
 
   dataset::Image<std::uint8_t> left(width, height);
   dataset::Image<std::uint8_t> right(width, height);
@@ -61,10 +63,10 @@ DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
       views[k] = samples[k].view();
     }
     matcher.match(left.view(), right.view(), disparity);
-    monitor.observe({.left = left.view(), .right = right.view(), .disparity = disparity},
-                    converter.convert(views));
+    monitor->observe({.left = left.view(), .right = right.view(), .disparity = disparity},
+                     converter->convert(views));
   }
-  return monitor.estimate();
+  return monitor->estimate();
 }
 
 // 48 frames, a second and a half: a minute's noise is a third of this one's.

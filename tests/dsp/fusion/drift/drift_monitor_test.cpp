@@ -226,14 +226,9 @@ TEST(PlaneReader, ExpectsTheDisparityOfConvergingAxes) {
                            .cx_left = 158,
                            .cx_right = 161};
   Room room({{2, 3.0}}, rig, {});
-  std::vector<std::byte> memory(PlaneReader::bytes_needed(88, 72) + Arena::kAlign);
-  void* at = memory.data();
-  std::size_t left = memory.size();
-  std::align(Arena::kAlign, memory.size() - Arena::kAlign, at, left);
-  Arena arena({static_cast<std::byte*>(at), memory.size() - Arena::kAlign});
-  const PlaneReader reader(rig, arena);
+  test::InOwnMemory<PlaneReader> reader([&](Arena& arena) { return PlaneReader(rig, arena); });
   for (const int x : {0, 30, 80}) {
-    const std::optional<ExpectedPlane> plane = reader.read(x, 12, room.maps());
+    const std::optional<ExpectedPlane> plane = reader->read(x, 12, room.maps());
     ASSERT_TRUE(plane);
     EXPECT_NEAR(depth_of(rig.stereo, plane->u, plane->d), 3.0, 0.003) << x;
   }

@@ -11,6 +11,7 @@
 
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/drift/drift_monitor.h"
+#include "tests/support/in_own_memory.h"
 
 // A room of textured planes as a stereo pair and a PMD camera see it, without noise, and a monitor
 // that looks at it.
@@ -173,25 +174,16 @@ class Room {
   int pmd_height_;
 };
 
-// A monitor with its memory.
 class Watch {
  public:
   explicit Watch(const Calibration& rig, const DriftParams& params = {})
-      : bytes_(DriftMonitor::bytes_needed(rig.pmd.lens.width, rig.pmd.lens.height)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
-        arena_({memory_, bytes_}),
-        monitor(rig, params, arena_) {}
-  Watch(const Watch&) = delete;
-  Watch& operator=(const Watch&) = delete;
-  ~Watch() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+      : owned_([&](Arena& arena) { return DriftMonitor(rig, params, arena); }) {}
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
+  test::InOwnMemory<DriftMonitor> owned_;
 
  public:
-  DriftMonitor monitor;
+  DriftMonitor& monitor = *owned_;
 };
 
 }  // namespace stof::dsp

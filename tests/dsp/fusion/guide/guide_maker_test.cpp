@@ -12,6 +12,7 @@
 
 #include "dataset/dataset.h"
 #include "tests/dsp/fusion/project/reproject_rig.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::dsp {
 namespace {
@@ -73,19 +74,13 @@ class Maker {
  public:
   explicit Maker(const Calibration& rig, const GuideParams& params = {}, int width = kWidth,
                  int height = kHeight, int first = kFirst, int count = kDisparities)
-      : memory_(GuideMaker::bytes_needed(width, height, rig.pmd.lens.width, rig.pmd.lens.height) +
-                Arena::kAlign) {
-    void* at = memory_.data();
-    std::size_t space = memory_.size();
-    std::align(Arena::kAlign, 1, at, space);
-    Arena arena({static_cast<std::byte*>(at), memory_.size() - Arena::kAlign});
-    maker_ = std::make_unique<GuideMaker>(rig, params, first, count, width, height, arena);
-  }
+      : maker_([&](Arena& arena) {
+          return GuideMaker(rig, params, first, count, width, height, arena);
+        }) {}
   Guide operator()(const PmdMaps& maps) { return maker_->make(maps); }
 
  private:
-  std::vector<std::byte> memory_;
-  std::unique_ptr<GuideMaker> maker_;
+  test::InOwnMemory<GuideMaker> maker_;
 };
 
 int silent_pixels(Guide guide) {
@@ -261,16 +256,10 @@ TEST(Guide, HoldsTheTruthOfRecordedScenes) {
       const auto recording = dataset::read_pmd(prefix);
       ASSERT_TRUE(scene && recording) << name << sensor;
       const Calibration& rig = recording->calibration;
-      const Pinhole& lens = rig.pmd.lens;
-      std::vector<std::byte> memory(Converter::bytes_needed(lens.width, lens.height) +
-                                    Arena::kAlign);
-      void* at = memory.data();
-      std::size_t space = memory.size();
-      std::align(Arena::kAlign, 1, at, space);
-      Arena arena({static_cast<std::byte*>(at), memory.size() - Arena::kAlign});
-      Converter converter(rig.pmd, arena);
+      test::InOwnMemory<Converter> converter(
+          [&](Arena& arena) { return Converter(rig.pmd, arena); });
       Maker maker(rig, {}, scene->left.width, scene->left.height, 0, scene->ndisp);
-      const Guide guide = maker(converter.convert(recording->samples(0)));
+      const Guide guide = maker(converter->convert(recording->samples(0)));
       int guided = 0;
       int missed = 0;
       for (int y = 0; y < guide.height(); ++y) {

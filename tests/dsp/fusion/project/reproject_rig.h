@@ -7,6 +7,7 @@
 
 #include "dsp/fusion/project/reproject.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 
 // A rig, a PMD frame and a left view for the tests of the reprojection.
 namespace stof::dsp {
@@ -71,22 +72,14 @@ struct View {
 
 class Rig {
  public:
-  explicit Rig(const Calibration& rig, int left_width, int left_height)
-      : bytes_(Reprojector::bytes_needed(rig.pmd.lens.width, rig.pmd.lens.height)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_ + Arena::kAlign]),
-        arena_({memory_, bytes_}),
-        reprojector(rig, left_width, left_height, arena_) {}
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
-  ~Rig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+  Rig(const Calibration& rig, int left_width, int left_height)
+      : owned_([&](Arena& arena) { return Reprojector(rig, left_width, left_height, arena); }) {}
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
+  test::InOwnMemory<Reprojector> owned_;
 
  public:
-  Reprojector reprojector;
+  Reprojector& reprojector = *owned_;
 };
 
 }  // namespace stof::dsp

@@ -1,15 +1,14 @@
 #include "dsp/fusion/temporal/temporal_filter.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -22,16 +21,13 @@ constexpr double kFramesPerSecond = 30;
 class Stage {
  public:
   Stage(int width, int height, const TemporalParams& params = {})
-      : memory_(TemporalFilter::bytes_needed(width, height) / sizeof(Line) + 1),
+      : filter_([&](Arena& arena) { return TemporalFilter(width, height, params, arena); }),
         grey_(width, height, width + 3, 100),
         depth_(width, height, width + 5),
         width_(width, height, width),
         source_(width, height, width + 1, Source::kBoth),
         measured_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)),
-        widths_(measured_.size()) {
-    Arena arena(std::as_writable_bytes(std::span(memory_)));
-    filter_ = std::make_unique<TemporalFilter>(width, height, params, arena);
-  }
+        widths_(measured_.size()) {}
 
   ImageView<std::uint8_t> grey() { return grey_.view(); }
   ImageView<QuarterMm> depth() { return depth_.view(); }
@@ -73,20 +69,16 @@ class Stage {
   }
 
  private:
-  struct alignas(Arena::kAlign) Line {
-    std::array<std::byte, Arena::kAlign> bytes;
-  };
   std::size_t index(int x, int y) {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(grey().width()) +
            static_cast<std::size_t>(x);
   }
 
-  std::vector<Line> memory_;
+  test::InOwnMemory<TemporalFilter> filter_;
   test::GuardedImage<std::uint8_t> grey_;
   test::GuardedImage<QuarterMm> depth_, width_;
   test::GuardedImage<Source> source_;
   std::vector<int> measured_, widths_;
-  std::unique_ptr<TemporalFilter> filter_;
 };
 
 double normal(test::Random& random) {

@@ -9,6 +9,7 @@
 
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/interval/fill_intervals.h"
+#include "tests/support/in_own_memory.h"
 
 // A PMD camera in the left camera's place, and what both see of surfaces given by a function.
 namespace stof::dsp {
@@ -76,14 +77,10 @@ class UnwrapRig {
         left_height(rig.stereo.left.height),
         pmd(width, height),
         disparities(UnwrapMaps::elements(left_width, left_height)),
-        bytes_(Unwrapper::bytes_needed(left_width, left_height, kCandidates, width, height)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
-        arena_({memory_, bytes_}),
-        unwrapper_(rig, {.max_range = max_range}, 0, kCandidates, left_width, left_height, arena_) {
-  }
-  UnwrapRig(const UnwrapRig&) = delete;
-  UnwrapRig& operator=(const UnwrapRig&) = delete;
-  ~UnwrapRig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+        unwrapper_([&](Arena& arena) {
+          return Unwrapper(rig, {.max_range = max_range}, 0, kCandidates, left_width, left_height,
+                           arena);
+        }) {}
 
   // Metres from the camera's centre of what column x, row y of the PMD camera sees; a place between
   // pixels of the PMD camera is one of the left camera's.
@@ -118,8 +115,8 @@ class UnwrapRig {
       }
     }
   }
-  void resolve() { unwrapper_.resolve(pmd.maps, disparity()); }
-  void resolve_without_stereo() { unwrapper_.resolve(pmd.maps, {}); }
+  void resolve() { unwrapper_->resolve(pmd.maps, disparity()); }
+  void resolve_without_stereo() { unwrapper_->resolve(pmd.maps, {}); }
 
   ImageView<Disparity> disparity() { return {disparities.data(), left_width, left_height}; }
   int at(int x, int y) const { return pmd.maps.distance.at(x, y); }
@@ -161,10 +158,7 @@ class UnwrapRig {
   std::vector<Disparity> disparities;
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
-  Unwrapper unwrapper_;
+  test::InOwnMemory<Unwrapper> unwrapper_;
 };
 
 }  // namespace stof::dsp

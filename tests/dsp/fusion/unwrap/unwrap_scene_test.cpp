@@ -17,6 +17,7 @@
 #include "hal/emu/scenes/eye.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
+#include "tests/support/in_own_memory.h"
 
 // Rendered halls of up to 14 m, seen by a PMD camera that repeats after 7.49 m: the whole way from
 // pictures and samples to periods.
@@ -267,15 +268,14 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
   dsp::MatchParams match = dsp::find_preset(preset)->params;
   match.disparities = rendered.disparities();
   const dsp::FusionParams fusion{.max_range = 64000};
-  Memory memory(dsp::Matcher::bytes_needed(match, size.width, size.height) +
-                dsp::Converter::bytes_needed(calibration.pmd) +
-                dsp::Unwrapper::bytes_needed(size.width, size.height, match.disparities, pmd.width,
-                                             pmd.height));
+  Memory memory(dsp::Matcher::bytes_needed(match, size.width, size.height));
   dsp::Arena arena = memory.arena();
   dsp::Matcher matcher(match, size.width, size.height, arena);
-  dsp::Converter converter(calibration.pmd, arena);
-  dsp::Unwrapper unwrapper(calibration, fusion, 0, match.disparities, size.width, size.height,
-                           arena);
+  test::InOwnMemory<dsp::Converter> converter(
+      [&](dsp::Arena& own) { return dsp::Converter(calibration.pmd, own); });
+  test::InOwnMemory<dsp::Unwrapper> unwrapper([&](dsp::Arena& own) {
+    return dsp::Unwrapper(calibration, fusion, 0, match.disparities, size.width, size.height, own);
+  });
   dataset::Image<std::uint8_t> left{size.width, size.height};
   dataset::Image<std::uint8_t> right{size.width, size.height};
   dataset::Image<dsp::Disparity> disparity{size.width, size.height};
@@ -290,8 +290,8 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
     exposure.samples[static_cast<std::size_t>(k)] = plane.view();
   }
   matcher.match(left.view(), right.view(), disparity.view());
-  const dsp::PmdMaps& maps = converter.measure({.first = {&exposure, 1}});
-  unwrapper.resolve(maps, disparity.view());
+  const dsp::PmdMaps& maps = converter->measure({.first = {&exposure, 1}});
+  unwrapper->resolve(maps, disparity.view());
   Count out;
   count(TruthOfPmd(scene, rig, disparity.view()), maps, out);
   return out;

@@ -1,0 +1,136 @@
+#include "firmware/settings/fields/document.h"
+
+#include <cstddef>
+
+#include "firmware/settings/fields/groups.h"
+#include "firmware/settings/text/json.h"
+
+namespace stof::settings {
+namespace {
+
+bool refuse_unknown(std::string_view path, Window& why) noexcept {
+  if (is_group(path)) {
+    why << path << ": takes an object of settings";
+  } else if (path == "depth.match.fill") {
+    why << path << ": what is made up is not published: leave it out";
+  } else {
+    why << '"';
+    write_clipped(path, why);
+    why << "\": there is no such setting";
+  }
+  return false;
+}
+
+bool take(std::size_t place, std::string_view path, const Value& value, Settings& settings,
+          Window& why) noexcept {
+  const Field known = field(place);
+  if (assign(known, value, settings)) {
+    return true;
+  }
+  why << path << ": takes ";
+  write_takes(known, why);
+  why << ", not ";
+  if (value.written == Written::kObject || value.written == Written::kArray) {
+    why << (value.written == Written::kObject ? "an object" : "an array");
+    return false;
+  }
+  const bool quoted = value.written == Written::kString || value.written == Written::kBare;
+  why << (quoted ? "\"" : "");
+  write_clipped(value.text, why);
+  why << (quoted ? "\"" : "");
+  return false;
+}
+
+class Taker final : public JsonVisitor {
+ public:
+  Taker(Settings& settings, FieldSet& named, Window& why) noexcept
+      : settings_(settings), named_(named), why_(why) {}
+
+  bool is_group(std::string_view path) noexcept override { return settings::is_group(path); }
+  bool member(std::string_view path, const Value& value) noexcept override {
+    const std::size_t place = find_field(path);
+    if (place == field_count()) {
+      return refuse_unknown(path, why_);
+    }
+    named_.set(place);
+    return take(place, path, value, settings_, why_);
+  }
+
+ private:
+  Settings& settings_;
+  FieldSet& named_;
+  Window& why_;
+};
+
+class DocumentWriter {
+ public:
+  DocumentWriter(const Settings& settings, Window& out) noexcept : settings_(settings), out_(out) {}
+
+  void open(std::string_view name) noexcept {
+    begin_member(name);
+    out_ << '{';
+    ++depth_;
+    first_ = true;
+  }
+  void close() noexcept {
+    --depth_;
+    begin_line();
+    out_ << '}';
+    first_ = false;
+  }
+  void field(const Field& field) noexcept {
+    begin_member(field.name);
+    write_value(field, settings_, out_);
+    first_ = false;
+  }
+
+ private:
+  void begin_line() noexcept {
+    out_ << '\n';
+    for (int k = 0; k < depth_; ++k) {
+      out_ << "  ";
+    }
+  }
+  void begin_member(std::string_view name) noexcept {
+    out_ << (first_ ? "" : ",");
+    begin_line();
+    out_ << '"' << name << "\": ";
+  }
+
+  const Settings& settings_;
+  Window& out_;
+  int depth_ = 1;
+  bool first_ = true;
+};
+
+}  // namespace
+
+bool parse(std::span<const char> text, Settings& settings, Window& why, FieldSet* named) noexcept {
+  Settings changed = settings;
+  FieldSet fields;
+  Taker taker(changed, fields, why);
+  if (!walk_json({text.data(), text.size()}, taker, why)) {
+    return false;
+  }
+  settings = changed;
+  if (named != nullptr) {
+    *named |= fields;
+  }
+  return true;
+}
+
+bool parse_field(std::string_view path, std::string_view value, Settings& settings,
+                 Window& why) noexcept {
+  const std::size_t place = find_field(path);
+  return place == field_count() ? refuse_unknown(path, why)
+                                : take(place, path, {.text = value}, settings, why);
+}
+
+void write_document(const Settings& settings, Window& out) noexcept {
+  out << '{';
+  DocumentWriter writer(settings, out);
+  visit_groups(writer);
+  out << "\n}\n";
+}
+
+}  // namespace stof::settings

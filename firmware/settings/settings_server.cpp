@@ -1,0 +1,186 @@
+#include "firmware/settings/settings_server.h"
+
+#include <array>
+
+#include "firmware/settings/depth.h"
+#include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/presets.h"
+
+namespace stof::settings {
+namespace {
+
+// Bytes may be looked at as char.
+std::string_view as_text(std::span<const std::byte> bytes) noexcept {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+std::span<char> as_text(std::span<std::byte> bytes) noexcept {
+  return {reinterpret_cast<char*>(bytes.data()), bytes.size()};
+}
+
+}  // namespace
+
+bool usable(const Settings& settings, Limits* limits, Window& why) noexcept {
+  if (const char* const what = problem(settings); *what != '\0') {
+    why << "depth.match: " << what;
+    return false;
+  }
+  return limits == nullptr || limits->accepts(settings, why);
+}
+
+SettingsDesk::SettingsDesk(const Settings& active, const Settings& saved,
+                           const Parts& parts) noexcept
+    : parts_(parts), started_(active), active_(active), saved_(saved) {}
+
+bool SettingsDesk::restart_needed() const noexcept {
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    const Field known = field(place);
+    if (known.applies == Applies::kRestart && !equal(known, started_, active_)) {
+      return true;
+    }
+  }
+  return false;
+}
+
+Settings SettingsDesk::staged() const noexcept {
+  Settings settings = active_;
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    if (staged_fields_.test(place)) {
+      copy_field(field(place), staged_values_, settings);
+    }
+  }
+  return settings;
+}
+
+wire::SettingsAnswer SettingsDesk::serve(const wire::SettingsRequest& request,
+                                         std::span<const std::byte> text,
+                                         std::span<std::byte> answer_text,
+                                         std::size_t& answer_bytes) noexcept {
+  using Operation = wire::SettingsOperation;
+  const bool reads = request.operation == Operation::kGet;
+  Window out(as_text(answer_text), reads ? request.offset : 0);
+  Result result = Result::kUnsupported;
+  switch (request.operation) {
+    case Operation::kGet:
+      result = get(request.document, out);
+      break;
+    case Operation::kSet:
+      result = change(as_text(text), out);
+      break;
+    case Operation::kStage:
+      result = stage(as_text(text), out);
+      break;
+    case Operation::kCommit:
+      result = commit(out);
+      break;
+    case Operation::kRevert:
+      staged_fields_.reset();
+      result = Result::kOk;
+      break;
+    case Operation::kPreset:
+      result = preset(as_text(text), out);
+      break;
+    case Operation::kSave:
+      result = save(out);
+      break;
+    case Operation::kReset:
+      result = become({}, out);
+      break;
+  }
+  answer_bytes = out.text().size();
+  return {.result = result,
+          .restart = static_cast<std::uint8_t>(restart_needed() ? 1 : 0),
+          .total = static_cast<std::uint16_t>(reads ? out.total() : 0),
+          .revision = revision_};
+}
+
+SettingsDesk::Result SettingsDesk::get(wire::SettingsDocument document,
+                                       Window& out) const noexcept {
+  using Document = wire::SettingsDocument;
+  switch (document) {
+    case Document::kActive:
+      write_document(active_, out);
+      return Result::kOk;
+    case Document::kStaged:
+      write_document(staged(), out);
+      return Result::kOk;
+    case Document::kSaved:
+      write_document(saved_, out);
+      return Result::kOk;
+    case Document::kDefaults:
+      write_document({}, out);
+      return Result::kOk;
+    case Document::kSchema:
+      write_schema(out);
+      return Result::kOk;
+  }
+  return Result::kUnsupported;
+}
+
+SettingsDesk::Result SettingsDesk::stage(std::string_view text, Window& why) noexcept {
+  return parse(text, staged_values_, why, &staged_fields_) ? Result::kOk : Result::kInvalid;
+}
+
+SettingsDesk::Result SettingsDesk::commit(Window& why) noexcept {
+  const Result result = become(staged(), why);
+  if (result != Result::kOk) {
+    return result;  // what is staged stays
+  }
+  staged_fields_.reset();
+  return save(why);
+}
+
+SettingsDesk::Result SettingsDesk::preset(std::string_view name, Window& why) noexcept {
+  if (const SettingsPreset* const found = find_preset(name)) {
+    return change(found->json, why);
+  }
+  why << "preset: takes ";
+  write_preset_names(why);
+  return Result::kInvalid;
+}
+
+SettingsDesk::Result SettingsDesk::save(Window& why) noexcept {
+  if (active_ == saved_ && !unsaved_) {
+    return Result::kOk;  // a repeated request does not wear the medium
+  }
+  std::array<char, kMostDocumentBytes> space;
+  Window document(space);
+  write_document(active_, document);
+  unsaved_ = true;
+  if (parts_.store == nullptr) {
+    why << "active, but not saved: the sensor was started without a file for its settings";
+    return Result::kNotSaved;
+  }
+  if (!document.complete() ||
+      parts_.store->save(std::as_bytes(std::span(document.text()))) != Status::kOk) {
+    why << "active, but not saved: the file cannot be written";
+    return Result::kNotSaved;
+  }
+  saved_ = active_;
+  unsaved_ = false;
+  return Result::kOk;
+}
+
+SettingsDesk::Result SettingsDesk::change(std::string_view json, Window& why) noexcept {
+  Settings next = active_;
+  return parse(json, next, why) ? become(next, why) : Result::kInvalid;
+}
+
+SettingsDesk::Result SettingsDesk::become(const Settings& next, Window& why) noexcept {
+  if (next == active_) {
+    return Result::kOk;
+  }
+  if (!usable(next, &parts_.limits, why)) {
+    return Result::kInvalid;
+  }
+  if (!parts_.sink.apply(next, revision_ + 1)) {
+    return Result::kBusy;
+  }
+  active_ = next;
+  ++revision_;
+  return Result::kOk;
+}
+
+}  // namespace stof::settings

@@ -1,0 +1,86 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/control/settings_service.h"
+#include "firmware/settings/fields/field.h"
+#include "firmware/settings/settings.h"
+#include "firmware/settings/text/paged_writer.h"
+#include "hal/store.h"
+
+namespace stof::settings {
+
+// What this board and rig can do beyond what the table of fields says: workspace, disparities.
+class Limits {
+ public:
+  virtual ~Limits() = default;
+  // Whether the sensor can run with them. false: `why` says in one line what is too much and what
+  // to do.
+  virtual bool accepts(const Settings& settings, Window& why) noexcept = 0;
+};
+
+// Who runs with the settings.
+class SettingsSink {
+ public:
+  virtual ~SettingsSink() = default;
+  // From now on, or soon. false: not taken, it has not got to the last ones yet.
+  virtual bool apply(const Settings& settings, std::uint32_t revision) noexcept = 0;
+};
+
+// Whether the fields suit each other, and the limits accept them (nullptr: are not asked).
+bool usable(const Settings& settings, Limits* limits, Window& why) noexcept;
+
+// Keeps the documents active, staged and saved, and answers requests about them. What is staged is
+// a set of fields and their values: fields that were not staged stay as they are active at the
+// commit. No heap; for the control thread alone.
+class SettingsDesk final : public firmware::SettingsService {
+ public:
+  struct Parts {
+    Limits& limits;
+    SettingsSink& sink;
+    hal::Store* store = nullptr;  // nullptr: nothing can be saved
+  };
+
+  // active: what the sensor was started with, already applied, as revision 1. saved: what is in the
+  // store (load_settings()), which a command line may have changed into active.
+  SettingsDesk(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
+
+  // A text that is longer than `answer_text` is cut off there. request_id and cookie are the
+  // caller's.
+  wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
+                             std::span<std::byte> answer_text,
+                             std::size_t& answer_bytes) noexcept override;
+
+  const Settings& active() const noexcept { return active_; }
+  std::uint32_t revision() const noexcept { return revision_; }
+  // Some of the active settings wait for the next start.
+  bool restart_needed() const noexcept;
+  // The last attempt to save failed.
+  bool unsaved() const noexcept { return unsaved_; }
+
+ private:
+  using Result = wire::SettingsResult;
+
+  Result get(wire::SettingsDocument document, Window& out) const noexcept;
+  Result stage(std::string_view text, Window& why) noexcept;
+  Result commit(Window& why) noexcept;
+  Result preset(std::string_view name, Window& why) noexcept;
+  Result save(Window& why) noexcept;
+  Result change(std::string_view json, Window& why) noexcept;
+  Result become(const Settings& next, Window& why) noexcept;
+  Settings staged() const noexcept;
+
+  Parts parts_;
+  Settings started_;  // with which the fields that take a restart are in force
+  Settings active_;
+  Settings saved_;
+  Settings staged_values_{};
+  FieldSet staged_fields_{};
+  std::uint32_t revision_ = 1;
+  bool unsaved_ = false;
+};
+
+}  // namespace stof::settings

@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cstring>
+#include <limits>
+#include <type_traits>
+
+#include "dsp/base/check.h"
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_numbers.h"
+#include "firmware/wire/codec/wide.h"
+
+namespace stof::wire {
+namespace {
+
+// Differences from -kNear to kNear - 1 have at most four nibbles: those below, the number of bits
+// above.
+constexpr std::uint32_t kNear = 2048;
+constexpr unsigned kBitsAt = 16;
+constexpr std::array<std::uint32_t, std::size_t{2} * kNear> kNearNumbers = [] {
+  std::array<std::uint32_t, std::size_t{2} * kNear> numbers{};
+  for (std::uint32_t i = 0; i < numbers.size(); ++i) {
+    const std::uint32_t number = i < kNear ? 2 * (kNear - i) - 1 : 2 * (i - kNear);
+    const RvlPattern pattern = rvl_spread(number);
+    numbers[i] = pattern.bits | (kRvlNibbleBits * pattern.nibbles << kBitsAt);
+  }
+  return numbers;
+}();
+// Place of a difference in it; outside of it where it is not near.
+template <typename T>
+std::uint32_t near(T value, T before) noexcept {
+  const auto difference = static_cast<std::make_signed_t<T>>(static_cast<T>(value - before));
+  return static_cast<std::uint32_t>(difference + static_cast<std::int32_t>(kNear));
+}
+
+// Whole or part of a word or two: nibbles, the first ones lowest.
+struct Nibbles {
+  std::uint64_t bits = 0;
+  unsigned count = 0;  // bits, not nibbles
+};
+constexpr Nibbles of_near(std::uint32_t entry) noexcept {
+  return {.bits = entry & ((1U << kBitsAt) - 1), .count = entry >> kBitsAt};
+}
+constexpr Nibbles joined(Nibbles first, Nibbles second) noexcept {
+  return {.bits = first.bits | (second.bits << first.count), .count = first.count + second.count};
+}
+
+// Writes nibbles, in the order of rvl_numbers.h; the caller has seen that they fit.
+class Writer {
+ public:
+  // Most that add_many() takes.
+  static constexpr unsigned kMostBits = 56;
+
+  explicit Writer(std::span<std::byte> out) noexcept
+      : out_(out.first(out.size() / kRvlWordBytes * kRvlWordBytes)) {}
+
+  std::uint32_t left() const noexcept {
+    return static_cast<std::uint32_t>(2 * out_.size()) - nibbles();
+  }
+  std::uint32_t nibbles() const noexcept {
+    return static_cast<std::uint32_t>(2 * at_) + bits_ / kRvlNibbleBits;
+  }
+
+  void add(RvlPattern pattern) noexcept {
+    pending_ |= std::uint64_t{pattern.bits} << bits_;
+    for (bits_ += kRvlNibbleBits * pattern.nibbles; bits_ >= kByteBits; bits_ -= kByteBits) {
+      out_[at_++] = static_cast<std::byte>(pending_ & 0xFFU);
+      pending_ >>= kByteBits;
+    }
+  }
+
+  // Whether there is room for kMostBits, with two words of its own.
+  bool takes_many() const noexcept { return at_ + sizeof(pending_) <= out_.size(); }
+  // If so.
+  void add_many(Nibbles nibbles) noexcept {
+    pending_ |= nibbles.bits << bits_;
+    put_u64(out_.subspan(at_).first<sizeof(pending_)>(), pending_);
+    bits_ += nibbles.count;
+    at_ += bits_ / kByteBits;
+    pending_ >>= bits_ / kByteBits * kByteBits;
+    bits_ %= kByteBits;
+  }
+
+  void flush() noexcept {
+    if (bits_ > 0) {
+      out_[at_] = static_cast<std::byte>(pending_);
+    }
+  }
+
+ private:
+  static constexpr unsigned kByteBits = 8;
+
+  std::span<std::byte> out_;
+  std::uint64_t pending_ = 0;  // its lowest bits_ bits belong to the byte at at_; the others are 0
+  unsigned bits_ = 0;          // < kByteBits
+  std::size_t at_ = 0;
+};
+
+// How many values are 0, or are not, from the first on: eight bytes at a time.
+template <bool kZeros, typename T>
+std::size_t run_of(std::span<const T> values) noexcept {
+  constexpr std::size_t kStep = sizeof(std::uint64_t) / sizeof(T);
+  constexpr std::uint64_t kOnes = ~std::uint64_t{0} / std::numeric_limits<T>::max();
+  constexpr std::uint64_t kTops = kOnes << (8 * sizeof(T) - 1);
+  std::size_t at = 0;
+  for (; at + kStep <= values.size(); at += kStep) {
+    std::uint64_t some = 0;
+    std::memcpy(&some, values.data() + at, sizeof some);
+    // The lowest top bit that is set is that of the first 0.
+    const std::uint64_t ends = kZeros ? some : (some - kOnes) & ~some & kTops;
+    if (ends != 0) {
+      return at + static_cast<std::size_t>(std::countr_zero(ends)) / (8 * sizeof(T));
+    }
+  }
+  while (at < values.size() && (values[at] == 0) == kZeros) {
+    ++at;
+  }
+  return at;
+}
+static_assert(std::endian::native == std::endian::little);
+
+// Codes one sequence.
+template <typename T>
+class Encoder {
+ public:
+  Encoder(std::span<const T> values, std::size_t first_row, std::size_t row,
+          std::span<std::byte> out) noexcept
+      : values_(values), row_end_(first_row), row_(row), writer_(out) {}
+
+  RvlFit run() noexcept {
+    while (at_ < values_.size() && add_zeros() && add_others()) {
+    }
+    writer_.flush();
+    return fit_;
+  }
+
+ private:
+  // Each adds one run; false: not all of it fits.
+  bool add_zeros() noexcept {
+    const auto rest = values_.subspan(at_);
+    const auto count = static_cast<std::uint32_t>(run_of<true>(rest));
+    const RvlPattern length = rvl_spread(count);
+    if (length.nibbles + 1 > writer_.left()) {
+      return false;
+    }
+    run_ = {.count_at = writer_.nibbles(), .count_nibbles = length.nibbles, .zeros = true};
+    writer_.add(length);
+    const std::size_t begin = at_;
+    at_ += count;
+    fit_.all = cut(at_, begin);
+    if (at_ >= row_end_) {
+      const std::size_t last = row_end_ + (at_ - row_end_) / row_ * row_;
+      fit_.rows = cut(last, begin);
+      row_end_ = last + row_;
+    }
+    return true;
+  }
+
+  bool add_others() noexcept {
+    const std::size_t most = std::min<std::size_t>(values_.size() - at_, writer_.left());
+    const auto rest = values_.subspan(at_, most);
+    const std::size_t count = run_of<false>(rest);
+    const RvlPattern length = rvl_spread(static_cast<std::uint32_t>(count));
+    if (count == 0) {
+      // The values end, or `out` does: what is already said by the cut after the zeros.
+      return false;
+    }
+    if (length.nibbles >= writer_.left()) {
+      return false;
+    }
+    run_ = {.count_at = writer_.nibbles(), .count_nibbles = length.nibbles};
+    writer_.add(length);
+    const std::size_t begin = at_;
+    const std::size_t end = at_ + count;
+    while (at_ < end) {
+      const std::size_t wanted = std::min(end, row_end_);
+      at_ = add_differences(wanted);
+      if (at_ > begin) {
+        fit_.all = cut(at_, begin);
+      }
+      if (at_ < wanted) {
+        return false;
+      }
+      if (at_ == row_end_) {
+        fit_.rows = fit_.all;
+        row_end_ += row_;
+      }
+    }
+    return true;
+  }
+
+  // The differences of values up to `end`, as many as fit; returns where that is.
+  std::size_t add_differences(std::size_t end) noexcept {
+    Writer writer = writer_;
+    T before = before_;
+    std::size_t at = at_;
+    const T* const values = values_.data();
+    while (at < end) {
+      if (at + 4 <= end && writer.takes_many()) [[likely]] {
+        const std::uint32_t first = near(values[at], before);
+        const std::uint32_t second = near(values[at + 1], values[at]);
+        const std::uint32_t third = near(values[at + 2], values[at + 1]);
+        const std::uint32_t fourth = near(values[at + 3], values[at + 2]);
+        if ((first | second | third | fourth) < kNearNumbers.size()) [[likely]] {
+          const Nibbles all =
+              joined(joined(of_near(kNearNumbers[first]), of_near(kNearNumbers[second])),
+                     joined(of_near(kNearNumbers[third]), of_near(kNearNumbers[fourth])));
+          if (all.count <= Writer::kMostBits) [[likely]] {
+            writer.add_many(all);
+            before = values[at + 3];
+            at += 4;
+            continue;
+          }
+        }
+      }
+      const RvlPattern pattern = rvl_spread(rvl_zigzag(values[at], before));
+      if (writer.takes_many()) {
+        writer.add_many({.bits = pattern.bits, .count = kRvlNibbleBits * pattern.nibbles});
+      } else if (pattern.nibbles > writer.left()) {
+        break;
+      } else {
+        writer.add(pattern);
+      }
+      before = values[at];
+      ++at;
+    }
+    before_ = before;
+    writer_ = writer;
+    return at;
+  }
+
+  RvlCut cut(std::size_t end, std::size_t begin) const noexcept {
+    RvlCut cut = run_;
+    cut.values = end;
+    cut.nibbles = writer_.nibbles() + (run_.zeros ? 1 : 0);
+    cut.count = static_cast<std::uint32_t>(end - begin);
+    return cut;
+  }
+
+  std::span<const T> values_;
+  std::size_t row_end_;
+  std::size_t row_;
+  Writer writer_;
+  std::size_t at_ = 0;
+  T before_ = 0;  // the last value that was not zero
+  RvlCut run_;    // the run that is being written
+  RvlFit fit_;
+};
+
+template <typename T>
+STOF_WIRE_WIDE RvlFit fit_wide(std::span<const T> values, std::size_t first_row, std::size_t row,
+                               std::span<std::byte> out) noexcept {
+  return Encoder<T>(values, first_row, row, out).run();
+}
+
+}  // namespace
+
+template <typename T>
+RvlFit rvl_fit(std::span<const T> values, std::size_t first_row, std::size_t row,
+               std::span<std::byte> out) noexcept {
+  STOF_CHECK(first_row > 0 && row > 0);
+  const std::size_t most = std::min(values.size(), kMostRvlValues);
+  return wide() ? fit_wide(values.first(most), first_row, row, out)
+                : Encoder<T>(values.first(most), first_row, row, out).run();
+}
+
+template <typename T>
+RvlCoded rvl_encode(std::span<const T> values, std::span<std::byte> out) noexcept {
+  const RvlFit fit = rvl_fit(values, kMostRvlValues, 1, out);
+  return {.values = fit.all.values, .bytes = rvl_finish(fit.all, out)};
+}
+
+template RvlFit rvl_fit(std::span<const std::uint8_t>, std::size_t, std::size_t,
+                        std::span<std::byte>) noexcept;
+template RvlFit rvl_fit(std::span<const std::uint16_t>, std::size_t, std::size_t,
+                        std::span<std::byte>) noexcept;
+template RvlCoded rvl_encode(std::span<const std::uint8_t>, std::span<std::byte>) noexcept;
+template RvlCoded rvl_encode(std::span<const std::uint16_t>, std::span<std::byte>) noexcept;
+
+}  // namespace stof::wire

@@ -1,0 +1,123 @@
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "host/calibrate/report/pmd_report.h"
+
+namespace stof::host {
+namespace {
+
+using nlohmann::ordered_json;
+
+constexpr double kMm = 1000;
+
+ordered_json number(double value, double unit = 1) {
+  return std::isfinite(value) ? ordered_json(value * unit) : ordered_json(nullptr);
+}
+
+const char* name_of(Frames frames) {
+  switch (frames) {
+    case Frames::kEven:
+      return "even";
+    case Frames::kOdd:
+      return "odd";
+    default:
+      return "all";
+  }
+}
+
+const char* name_of(StrayVerdict verdict) {
+  switch (verdict) {
+    case StrayVerdict::kNone:
+      return "none";
+    case StrayVerdict::kCorrected:
+      return "subtracted";
+    case StrayVerdict::kSuspected:
+      return "suspected";
+    default:
+      return "unknown";
+  }
+}
+
+ordered_json walls_of(const PmdReport& report, const PmdCalibration& calibration) {
+  ordered_json walls = ordered_json::array();
+  for (const WallRow& row : report.rows) {
+    const double polynomial =
+        calibration.sigma ? sigma_at(*calibration.sigma, row.z_m) : std::nan("");
+    walls.push_back({{"name", row.name},
+                     {"z_m", row.z_m},
+                     {"exposure", row.exposure},
+                     {"line_error_mm", number(row.line_error_m, kMm)},
+                     {"error_mm", number(row.score.error_m, kMm)},
+                     {"valid", row.score.valid},
+                     {"sigma_measured_mm", number(row.score.spread_m, kMm)},
+                     {"sigma_model_mm", number(row.score.predicted_m, kMm)},
+                     {"sigma_eq15_mm", number(polynomial, kMm)}});
+  }
+  return walls;
+}
+
+ordered_json line_of(const PmdCalibration& calibration) {
+  if (!calibration.line) {
+    return nullptr;
+  }
+  const LineFit& line = *calibration.line;
+  return {{"a", line.a},
+          {"b_m", line.b_m},
+          {"worst_relative", line.worst_relative},
+          {"from_m", line.from_m},
+          {"chapter_slope_cm", line.slope_cm},
+          {"chapter_intercept_cm", line.intercept_cm}};
+}
+
+}  // namespace
+
+std::string report_json(const PmdReport& report, const PmdCalibration& calibration) {
+  const dsp::PmdSensor& sensor = calibration.sensor;
+  const StrayReport& stray = calibration.stray;
+  ordered_json lights = ordered_json::array();
+  for (const dsp::Emitter& light : calibration.model.emitters) {
+    lights.push_back(light);
+  }
+  ordered_json polynomial = nullptr;
+  if (calibration.sigma) {
+    polynomial = {calibration.sigma->a, calibration.sigma->b, calibration.sigma->c};
+  }
+  const bool seen =
+      stray.verdict == StrayVerdict::kCorrected || stray.verdict == StrayVerdict::kSuspected;
+  const ordered_json root{{"folder", report.folder},
+                          {"width", sensor.lens.width},
+                          {"height", sensor.lens.height},
+                          {"f_mod_hz", sensor.tone.modulation.value},
+                          {"fitted", name_of(report.fitted)},
+                          {"judged", name_of(report.judged)},
+                          {"walls", walls_of(report, calibration)},
+                          {"worst_relative", report.worst_relative},
+                          {"line", line_of(calibration)},
+                          {"phase_falls", sensor.phase_falls},
+                          {"offset_m", sensor.tone.offset_m},
+                          {"scale", sensor.scale},
+                          {"shift_m", sensor.shift_m},
+                          {"wiggling", sensor.tone.wiggling},
+                          {"widest_gap_turns", calibration.widest_gap},
+                          {"stray_suspected", seen},
+                          {"stray",
+                           {{"verdict", name_of(stray.verdict)},
+                            {"i_lsb", stray.estimate.real()},
+                            {"q_lsb", stray.estimate.imag()},
+                            {"sigma_lsb", stray.sigma},
+                            {"apparent_m", stray.apparent_m}}},
+                          {"stray_i_lsb", sensor.tone.stray_i_lsb},
+                          {"stray_q_lsb", sensor.tone.stray_q_lsb},
+                          {"emitters", lights},
+                          {"electrons_per_lsb", sensor.electrons_per_lsb},
+                          {"noise_lsb", sensor.noise_lsb},
+                          {"suppressed_lsb", sensor.suppressed_lsb},
+                          {"noise_measured", calibration.noise_fitted},
+                          {"sigma_polynomial_cm", polynomial},
+                          {"white_lsb", sensor.white_lsb},
+                          {"misfit", calibration.misfit}};
+  return root.dump(2);
+}
+
+}  // namespace stof::host

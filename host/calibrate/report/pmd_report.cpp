@@ -1,0 +1,234 @@
+#include "host/calibrate/report/pmd_report.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace stof::host {
+namespace {
+
+constexpr double kMm = 1000;
+constexpr double kCm = 100;
+constexpr double kPercent = 100;
+
+[[gnu::format(printf, 2, 3)]] void say(std::string& text, const char* format, ...) {
+  std::array<char, 512> line{};
+  va_list values;  // NOLINT(cppcoreguidelines-init-variables): va_start does
+  va_start(values, format);
+  std::vsnprintf(line.data(), line.size(), format, values);
+  va_end(values);
+  text += line.data();
+}
+
+std::string cell(double value, int width, int decimals) {
+  std::array<char, 64> text{};
+  if (std::isfinite(value)) {
+    std::snprintf(text.data(), text.size(), "%*.*f", width, decimals, value);
+  } else {
+    std::snprintf(text.data(), text.size(), "%*s", width, "-");
+  }
+  return text.data();
+}
+
+const char* name_of(Frames frames) {
+  switch (frames) {
+    case Frames::kEven:
+      return "the even frames";
+    case Frames::kOdd:
+      return "the odd frames";
+    default:
+      return "all frames";
+  }
+}
+
+void add_table(const PmdReport& report, const PmdCalibration& calibration, std::string& text) {
+  say(text, "%7s  %17s  %17s  %6s  %24s\n", "", "straight line", "calibrated", "", "sigma, cm");
+  say(text, "%7s  %8s %8s  %8s %8s  %6s  %8s %7s %7s  %s\n", "z, m", "mm", "%", "mm", "%", "valid",
+      "measured", "model", "eq. 15", "recording");
+  for (const WallRow& row : report.rows) {
+    const WallScore& score = row.score;
+    const double polynomial =
+        calibration.sigma ? sigma_at(*calibration.sigma, row.z_m) * kCm : std::nan("");
+    say(text, "%7.3f  %s %s  %s %s  %s  %s %s %s  %s", row.z_m,
+        cell(row.line_error_m * kMm, 8, 1).c_str(),
+        cell(row.line_error_m / row.z_m * kPercent, 8, 3).c_str(),
+        cell(score.error_m * kMm, 8, 1).c_str(),
+        cell(score.error_m / row.z_m * kPercent, 8, 3).c_str(),
+        cell(score.valid * kPercent, 5, 0).c_str(), cell(score.spread_m * kCm, 9, 2).c_str(),
+        cell(score.predicted_m * kCm, 7, 2).c_str(), cell(polynomial, 7, 2).c_str(),
+        row.name.c_str());
+    if (row.exposure != 1) {
+      say(text, " (%.3g of the integration time)", row.exposure);
+    }
+    text += '\n';
+  }
+}
+
+void add_line(const PmdCalibration& calibration, std::string& text) {
+  if (!calibration.line) {
+    return;
+  }
+  const LineFit& line = *calibration.line;
+  say(text, "straight line   z = %.5f d %+.4f m; at worst %.2f %% of walls from %.2f m on\n",
+      line.a, line.b_m, line.worst_relative * kPercent, line.from_m);
+  say(text,
+      "                z[cm] = %.4f phi + %.1f, phi in counts of 138.7 a turn, falling "
+      "(the chapter: -5.4022 phi + 672.5)\n",
+      line.slope_cm, line.intercept_cm);
+}
+
+void add_wiggling(const PmdCalibration& calibration, std::string& text) {
+  const PmdModel& model = calibration.model;
+  double most = 0;
+  for (int i = 0; i < dsp::kWigglingSteps; ++i) {
+    most =
+        std::max(most, std::abs(model.wiggling.at(static_cast<double>(i) / dsp::kWigglingSteps)));
+  }
+  say(text, "wiggling        up to %.1f mm", most * model.turn_m * kMm);
+  if (!calibration.parts.wiggling) {
+    text += ", kept\n";
+    return;
+  }
+  text += "; harmonics, mm:";
+  for (std::size_t h = 0; h < model.wiggling.sine.size(); ++h) {
+    const double size = std::hypot(model.wiggling.cosine[h], model.wiggling.sine[h]);
+    say(text, " %.1f", size * model.turn_m * kMm);
+  }
+  say(text, "\n                phases are known but for %.0f %% of a turn in one piece%s\n",
+      calibration.widest_gap * kPercent,
+      calibration.widest_gap > 0.2 ? ": record walls between, or do not rely on what lies there"
+                                   : "");
+}
+
+void add_pattern(const PmdCalibration& calibration, std::string& text) {
+  const std::vector<double>& pattern = calibration.model.pattern;
+  if (pattern.empty()) {
+    text += "fixed pattern   none\n";
+    return;
+  }
+  double squares = 0;
+  for (const double value : pattern) {
+    squares += value * value;
+  }
+  const double unit = calibration.model.turn_m * kMm;
+  const auto [least, most] = std::ranges::minmax(pattern);
+  say(text, "fixed pattern   rms %.2f mm, %.1f to %.1f mm%s\n",
+      std::sqrt(squares / static_cast<double>(pattern.size())) * unit, least * unit, most * unit,
+      calibration.parts.pattern ? "" : ", kept");
+}
+
+void add_stray(const PmdCalibration& calibration, std::string& text) {
+  const StrayReport& stray = calibration.stray;
+  const bool seen =
+      stray.verdict == StrayVerdict::kCorrected || stray.verdict == StrayVerdict::kSuspected;
+  if (seen) {
+    say(text,
+        "stray light suspected: I %.1f, Q %.1f LSB (+- %.1f), as of a surface at %.2f m;\n"
+        "                it explains %.1f %% of the misfit; %s\n",
+        stray.estimate.real(), stray.estimate.imag(), stray.sigma, stray.apparent_m,
+        stray.explains * kPercent,
+        stray.verdict == StrayVerdict::kCorrected
+            ? "subtracted from now on"
+            : "NOT subtracted: distances are wrong, fit it too");
+  } else if (calibration.model.stray != 0.0) {
+    say(text, "stray light     I %.1f, Q %.1f LSB, kept\n", calibration.model.stray.real(),
+        calibration.model.stray.imag());
+  } else {
+    text += stray.verdict == StrayVerdict::kNone
+                ? "stray light     none to be seen\n"
+                : "stray light     unknown: takes walls at four distances or more\n";
+  }
+}
+
+void add_lights(const PmdCalibration& calibration, std::string& text) {
+  const std::vector<dsp::Emitter>& lights = calibration.model.emitters;
+  say(text, "lights          %s", lights.empty() ? "at the lens" : "");
+  for (const dsp::Emitter& e : lights) {
+    say(text, "(%.3f, %.3f, %.3f) ", e[0], e[1], e[2]);
+  }
+  if (!lights.empty()) {
+    text += calibration.parts.emitter ? "m, estimated" : "m, as given";
+  }
+  text += '\n';
+}
+
+void add_noise(const PmdCalibration& calibration, std::string& text) {
+  const SampleNoise& noise = calibration.noise;
+  say(text,
+      "noise           %.1f electrons per LSB, %.2f LSB without light, suppressed light %.0f "
+      "LSB%s\n",
+      noise.electrons_per_lsb, noise.noise_lsb, noise.suppressed_lsb,
+      calibration.noise_fitted ? "" : " (not measured: as before)");
+  if (calibration.sigma) {
+    say(text,
+        "                eq. 15: sigma = %.4f %+.6f z %+.3e z^2, cm (the chapter at 1, 2, 3, 4 m: "
+        "0.52, 1.62, 3.28, 5.48)\n",
+        calibration.sigma->a, calibration.sigma->b, calibration.sigma->c);
+  }
+}
+
+}  // namespace
+
+dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
+                                       const PmdCalibration& calibration) {
+  PmdReport report{.folder = {}, .fitted = fitted, .judged = others(fitted), .rows = {}};
+  double worst_near = 0;
+  bool far = false;
+  for (std::size_t n = 0; n < folder.prefixes.size(); ++n) {
+    const dataset::Loaded<WallRecording> wall = read_again(folder, n);
+    if (!wall) {
+      return std::unexpected(wall.error());
+    }
+    WallRow row{.name = wall->name,
+                .z_m = wall->z_m,
+                .exposure = wall->exposure,
+                .line_error_m = std::nan(""),
+                .score = judge(calibration.sensor, *wall, report.judged)};
+    const Wall seen = summarise(*wall, report.judged);
+    if (calibration.line && seen.frames > 0) {
+      row.line_error_m = line_error(*calibration.line, calibration.data, calibration.model, seen);
+    }
+    const double relative = std::abs(row.score.error_m) / row.z_m;
+    if (std::isfinite(relative)) {
+      double& worst = row.z_m >= kLineFromM ? report.worst_relative : worst_near;
+      worst = std::max(worst, relative);
+      far |= row.z_m >= kLineFromM;
+    }
+    report.rows.push_back(std::move(row));
+  }
+  std::ranges::sort(report.rows, {}, &WallRow::z_m);
+  report.worst_relative = far ? report.worst_relative : worst_near;
+  return report;
+}
+
+std::string report_text(const PmdReport& report, const PmdCalibration& calibration) {
+  const dsp::PmdSensor& sensor = calibration.sensor;
+  std::string text;
+  say(text, "%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
+      report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
+      sensor.tone.modulation.value / 1e6, name_of(report.fitted), name_of(report.judged));
+  text += "Z in the middle of the picture, mean over pixels and frames, less the wall's:\n\n";
+  add_table(report, calibration, text);
+  say(text, "\ncalibrated      at worst %.3f %% of walls from %.1f m on\n",
+      report.worst_relative * kPercent, kLineFromM);
+  add_line(calibration, text);
+  say(text, "phase           %s with distance; offset %.1f mm%s; scale %.5f%s\n",
+      calibration.model.phase_falls ? "falls" : "rises",
+      calibration.model.offset * calibration.model.turn_m * kMm,
+      calibration.parts.offset ? "" : ", kept", calibration.model.scale,
+      calibration.parts.scale ? "" : " (the walls ask for no other)");
+  add_wiggling(calibration, text);
+  add_pattern(calibration, text);
+  add_stray(calibration, text);
+  add_lights(calibration, text);
+  add_noise(calibration, text);
+  say(text, "white           a white surface at 1 m has amplitude %.0f LSB\n", sensor.white_lsb);
+  say(text, "misfit          %.2f standard deviations of %zu readings%s\n", calibration.misfit,
+      calibration.readings,
+      calibration.misfit > 2 ? ": the model does not explain these walls" : "");
+  return text;
+}
+
+}  // namespace stof::host

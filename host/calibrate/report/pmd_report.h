@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "host/calibrate/pmd_calibration.h"
+#include "host/calibrate/pmd_judge.h"
+#include "host/calibrate/walls/wall_folder.h"
+
+// What a calibration is worth, for people (text, pictures) and for programs (JSON).
+namespace stof::host {
+
+struct WallRow {
+  std::string name;
+  double z_m = 0;
+  double exposure = 1;
+  double line_error_m = 0;  // mean Z of the middle by the straight line alone; NaN: unusable
+  WallScore score;          // by the appliance's converter with the new constants
+};
+
+struct PmdReport {
+  std::string folder;
+  Frames fitted = Frames::kAll;
+  Frames judged = Frames::kAll;
+  std::vector<WallRow> rows;
+  double worst_relative = 0;  // |error| / z of the rows from 1.5 m on (all, if there are none)
+};
+
+// Reads the recordings once more and judges them with the frames that were not fitted to.
+dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
+                                       const PmdCalibration& calibration);
+
+std::string report_text(const PmdReport& report, const PmdCalibration& calibration);
+std::string report_json(const PmdReport& report, const PmdCalibration& calibration);
+
+// residual.png, wiggling.png, sigma.png and, where there is one, pattern.png into a folder that
+// exists.
+std::expected<void, dataset::Problem> write_plots(const std::filesystem::path& folder,
+                                                  const PmdReport& report,
+                                                  const PmdCalibration& calibration);
+
+}  // namespace stof::host

@@ -1,0 +1,257 @@
+#include "host/cli/config/config.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include "host/cli/config/settings_text.h"
+#include "host/cli/exit.h"
+#include "host/cli/serial_transport.h"
+
+namespace stof::host {
+namespace {
+
+using Operation = wire::SettingsOperation;
+using Document = wire::SettingsDocument;
+using Words = std::span<const std::string>;
+
+constexpr const char* kActions =
+    "get, set, stage, commit, revert, preset, save, reset, diff or schema";
+
+struct NamedDocument {
+  std::string_view name;
+  Document document;
+};
+constexpr std::array<NamedDocument, 4> kDocuments{{{"active", Document::kActive},
+                                                   {"staged", Document::kStaged},
+                                                   {"saved", Document::kSaved},
+                                                   {"defaults", Document::kDefaults}}};
+
+class Session {
+ public:
+  Session(std::unique_ptr<client::ControlTransport> transport, const ConfigOptions& options)
+      : place_(transport->place()),
+        client_(std::move(transport), {.timeout = std::chrono::duration_cast<client::Duration>(
+                                           std::chrono::duration<double>(options.timeout_s))}),
+        json_(options.json) {}
+
+  // An answer that is no refusal, or throws.
+  client::ControlAnswer ask(Operation operation, std::string_view text = {},
+                            Document document = {}) {
+    auto answer = client_.request(operation, document, text);
+    if (!answer) {
+      throw Failure(Exit::kFailure, answer.error().message);
+    }
+    switch (answer->result) {
+      case wire::SettingsResult::kOk:
+        return std::move(*answer);
+      case wire::SettingsResult::kInvalid:
+        throw Failure(Exit::kBadInput, answer->text);
+      case wire::SettingsResult::kNotSaved:
+        throw Failure(Exit::kFailure, place_ + ": " + answer->text);
+      case wire::SettingsResult::kBusy:
+        throw Failure(Exit::kFailure, place_ + ": is busy: try again");
+      default:
+        throw Failure(Exit::kFailure, place_ + ": does not know this request: update the sensor");
+    }
+  }
+
+  Json read(Document document) {
+    Json parsed = Json::parse(ask(Operation::kGet, {}, document).text, nullptr, false);
+    if (!parsed.is_object()) {
+      throw Failure(Exit::kFailure,
+                    place_ + ": answers with what is no document: update the sensor");
+    }
+    return parsed;
+  }
+
+  std::string get(Words words, std::string_view name) {
+    const auto* const found = std::ranges::find(kDocuments, name, &NamedDocument::name);
+    const Json value = settings_at(read(found->document), words.empty() ? "" : words[0]);
+    return (value.is_object() || json_ ? value.dump(2) : settings_value(value)) + "\n";
+  }
+
+  std::string schema() { return ask(Operation::kGet, {}, Document::kSchema).text; }
+
+  std::string diff() {
+    const Json defaults = read(Document::kDefaults);
+    const std::vector<SettingsChange> changes = settings_diff(read(Document::kActive), defaults);
+    if (json_) {
+      Json all = Json::object();
+      for (const SettingsChange& change : changes) {
+        all[change.path] = {{"value", change.value}, {"default", change.before}};
+      }
+      return all.dump(2) + "\n";
+    }
+    std::size_t width = 0;
+    for (const SettingsChange& change : changes) {
+      width = std::max(width, change.path.size());
+    }
+    std::string text;
+    for (const SettingsChange& change : changes) {
+      text += change.path + std::string(width - change.path.size() + 2, ' ') +
+              settings_value(change.value) + "  (default " + settings_value(change.before) + ")\n";
+    }
+    return text.empty() ? "every setting is at its default\n" : text;
+  }
+
+  std::string stage(Words words) {
+    client::ControlAnswer last;
+    for (const std::string& piece : pieces(words)) {
+      last = ask(Operation::kStage, piece);
+    }
+    return done(last, "staged: commit brings it into force");
+  }
+
+  // At once, and whole: what does not fit one request is staged and committed.
+  std::string set(Words words) {
+    const std::vector<std::string> texts = pieces(words);
+    if (texts.size() == 1) {
+      return done(ask(Operation::kSet, texts.front()),
+                  "in force, until the next start: save keeps it");
+    }
+    static_cast<void>(ask(Operation::kRevert));
+    try {
+      for (const std::string& text : texts) {
+        static_cast<void>(ask(Operation::kStage, text));
+      }
+      return done(ask(Operation::kCommit), "in force and saved");
+    } catch (const Failure&) {
+      // Whatever comes of it, the first failure is the one to tell.
+      static_cast<void>(client_.request(Operation::kRevert, {}, {}));
+      throw;
+    }
+  }
+
+  std::string change(Operation operation, std::string_view text, const char* what) {
+    return done(ask(operation, text), what);
+  }
+
+ private:
+  static std::vector<std::string> pieces(Words words) {
+    return settings_pieces(settings_from_words(words), client::ControlClient::kMaxText);
+  }
+
+  std::string done(const client::ControlAnswer& answer, const char* what) const {
+    if (json_) {
+      const Json told{{"revision", answer.revision}, {"restart", answer.restart}};
+      return told.dump() + "\n";
+    }
+    return "revision " + std::to_string(answer.revision) + ", " + what +
+           (answer.restart ? "; some settings wait for the next start" : "") + "\n";
+  }
+
+  std::string place_;
+  client::ControlClient client_;
+  bool json_;
+};
+
+void expect_words(const std::string& action, std::size_t count, std::size_t least,
+                  std::size_t most) {
+  if (count < least) {
+    throw Failure(Exit::kBadInput, action + ": something is missing behind it: try --help");
+  }
+  if (count > most) {
+    throw Failure(Exit::kBadInput, action + ": too much behind it: try --help");
+  }
+}
+
+std::string act(Session& session, const std::string& action, Words words, const std::string& name) {
+  const std::size_t count = words.size();
+  if (action == "get") {
+    expect_words(action, count, 0, 1);
+    return session.get(words, name);
+  }
+  if (action == "set") {
+    return session.set(words);
+  }
+  if (action == "stage") {
+    return session.stage(words);
+  }
+  if (action == "preset") {
+    expect_words(action, count, 1, 1);
+    return session.change(Operation::kPreset, words[0],
+                          "in force, until the next start: save keeps it");
+  }
+  expect_words(action, count, 0, 0);
+  if (action == "commit") {
+    return session.change(Operation::kCommit, {}, "in force and saved");
+  }
+  if (action == "revert") {
+    return session.change(Operation::kRevert, {}, "nothing is staged");
+  }
+  if (action == "save") {
+    return session.change(Operation::kSave, {}, "saved");
+  }
+  if (action == "reset") {
+    return session.change(Operation::kReset, {},
+                          "every setting at its default, until the next start: save keeps it");
+  }
+  return action == "diff" ? session.diff() : session.schema();
+}
+
+// Before anything is sent.
+void judge_words(const std::vector<std::string>& words) {
+  constexpr std::array<std::string_view, 10> kNames{"get",    "set",  "stage", "commit", "revert",
+                                                    "preset", "save", "reset", "diff",   "schema"};
+  if (words.empty()) {
+    throw Failure(Exit::kBadInput, "config: what to do is missing: " + std::string(kActions));
+  }
+  if (std::ranges::find(kNames, words[0]) == kNames.end()) {
+    throw Failure(Exit::kBadInput, "config: \"" + words[0] + "\" is none of " + kActions);
+  }
+}
+
+}  // namespace
+
+std::string config_over(std::unique_ptr<client::ControlTransport> transport,
+                        const std::vector<std::string>& words, const ConfigOptions& options) {
+  judge_words(words);
+  Session session(std::move(transport), options);
+  return act(session, words[0], Words(words).subspan(1), options.document);
+}
+
+void config(const ConfigOptions& options) {
+  std::vector<std::string> words = options.words;
+  std::unique_ptr<client::ControlTransport> transport;
+  if (options.serial.empty()) {
+    if (words.empty()) {
+      throw Failure(Exit::kBadInput, "config: which sensor is missing: HOST[:PORT], or --serial");
+    }
+    const std::string sensor = words.front();
+    words.erase(words.begin());
+    judge_words(words);
+    transport = value_or_fail(client::open_udp_transport(sensor));
+  } else {
+    judge_words(words);
+    transport = value_or_fail(open_serial_transport(options.serial, options.baud));
+  }
+  const std::string text = config_over(std::move(transport), words, options);
+  std::fwrite(text.data(), 1, text.size(), stdout);
+}
+
+void add_config(CLI::App& app, ConfigOptions& options) {
+  CLI::App& command = *app.add_subcommand("config", "Read or change a sensor's settings");
+  command.add_option("WORDS", options.words,
+                     "SENSOR (HOST[:PORT], none with --serial), then get [PATH], set PATH=VALUE... "
+                     "or FILE, stage (the same), commit, revert, preset NAME, save, reset, diff, "
+                     "schema");
+  command.add_option("--serial", options.serial, "Serial line to the sensor, such as /dev/ttyUSB0");
+  command.add_option("--baud", options.baud, "Its speed, bit/s")
+      ->check(CLI::Range(57'600U, 12'000'000U))
+      ->capture_default_str();
+  command.add_option("--document", options.document, "Of get: active, staged, saved or defaults")
+      ->check(CLI::IsMember({"active", "staged", "saved", "defaults"}))
+      ->capture_default_str();
+  command.add_option("--timeout", options.timeout_s, "Seconds to wait for each of three attempts")
+      ->check(CLI::Range(0.01, 60.0))
+      ->capture_default_str();
+  command.add_flag("--json", options.json, "Print JSON");
+  command.callback([&options] { config(options); });
+}
+
+}  // namespace stof::host

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include "host/client/control/control_client.h"
+
+namespace stof::host {
+
+struct ConfigOptions {
+  std::vector<std::string> words{};  // [SENSOR] ACTION [ARGUMENT...]; no SENSOR with a serial line
+  std::string serial{};              // device; empty: over the network
+  unsigned baud = 921'600;
+  std::string document = "active";  // of get: active, staged, saved or defaults
+  double timeout_s = 0.3;           // of each of three attempts
+  bool json = false;
+};
+
+// Adds `stof config` and its flags; it runs when the command line was parsed.
+void add_config(CLI::App& app, ConfigOptions& options);
+
+// `stof config`: reads or changes a sensor's settings, prints to stdout. Throws Failure.
+void config(const ConfigOptions& options);
+
+// The same over a transport that is open. words: ACTION [ARGUMENT...]. Returns what is printed.
+std::string config_over(std::unique_ptr<client::ControlTransport> transport,
+                        const std::vector<std::string>& words, const ConfigOptions& options);
+
+}  // namespace stof::host

@@ -1,0 +1,155 @@
+#include "host/cli/config/settings_text.h"
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+#include "host/cli/exit.h"
+
+namespace stof::host {
+namespace {
+
+using Leaves = std::vector<std::pair<std::string, Json>>;
+
+void collect(const Json& node, const std::string& path, Leaves& leaves) {
+  if (!node.is_object()) {
+    leaves.emplace_back(path, node);
+    return;
+  }
+  for (const auto& [name, member] : node.items()) {
+    std::string longer = path;
+    longer.append(path.empty() ? "" : ".").append(name);
+    collect(member, longer, leaves);
+  }
+}
+
+// Puts a value where the path says; groups on the way appear.
+void put(Json& document, std::string_view path, Json value) {
+  Json* node = &document;
+  while (true) {
+    const std::size_t dot = path.find('.');
+    const std::string name(path.substr(0, dot));
+    if (name.empty()) {
+      throw Failure(Exit::kBadInput, "\"" + std::string(path) + "\": a setting's name is missing");
+    }
+    if (!node->is_object()) {
+      *node = Json::object();
+    }
+    node = &(*node)[name];
+    if (dot == std::string_view::npos) {
+      *node = std::move(value);
+      return;
+    }
+    path.remove_prefix(dot + 1);
+  }
+}
+
+// JSON where it reads as a number, a boolean or a string of JSON, else text.
+Json value_of(const std::string& text) {
+  const Json value = Json::parse(text, nullptr, false);
+  const bool scalar = value.is_number() || value.is_boolean() || value.is_string();
+  return scalar ? value : Json(text);
+}
+
+Json read_document(const std::string& name) {
+  const std::ifstream file(name, std::ios::binary);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    throw Failure(Exit::kBadInput,
+                  name + ": cannot be read: give PATH=VALUE, or the name of a file of settings");
+  }
+  Json document = Json::parse(text.str(), nullptr, false);
+  if (!document.is_object()) {
+    throw Failure(Exit::kBadInput, name + ": not a JSON object: write {\"name\": value, ...}");
+  }
+  return document;
+}
+
+std::string dump(const Json& document) {
+  // What is no UTF-8 is for the sensor to refuse.
+  return document.dump(-1, ' ', false, Json::error_handler_t::ignore);
+}
+
+}  // namespace
+
+Json settings_from_words(std::span<const std::string> words) {
+  if (words.empty()) {
+    throw Failure(Exit::kBadInput, "nothing to change: give PATH=VALUE, or a file of settings");
+  }
+  Json document = Json::object();
+  for (const std::string& word : words) {
+    const std::size_t equals = word.find('=');
+    if (equals == std::string::npos) {
+      Leaves leaves;
+      collect(read_document(word), "", leaves);
+      for (auto& [path, value] : leaves) {
+        put(document, path, std::move(value));
+      }
+    } else {
+      put(document, std::string_view(word).substr(0, equals), value_of(word.substr(equals + 1)));
+    }
+  }
+  return document;
+}
+
+std::vector<std::string> settings_pieces(const Json& document, std::size_t most) {
+  Leaves leaves;
+  collect(document, "", leaves);
+  std::vector<std::string> pieces;
+  Json piece = Json::object();
+  for (const auto& [path, value] : leaves) {
+    Json longer = piece;
+    put(longer, path, value);
+    if (dump(longer).size() > most && !piece.empty()) {
+      pieces.push_back(dump(piece));
+      longer = Json::object();
+      put(longer, path, value);
+    }
+    if (dump(longer).size() > most) {
+      throw Failure(Exit::kBadInput, path + ": too long for any setting");
+    }
+    piece = std::move(longer);
+  }
+  pieces.push_back(dump(piece));
+  return pieces;
+}
+
+Json settings_at(const Json& document, std::string_view path) {
+  const Json* node = &document;
+  std::string_view left = path;
+  while (!left.empty()) {
+    const std::size_t dot = std::min(left.find('.'), left.size());
+    const std::string name(left.substr(0, dot));
+    if (!node->is_object() || !node->contains(name)) {
+      throw Failure(Exit::kBadInput,
+                    std::string(path) + ": this sensor has no such setting: try get alone");
+    }
+    node = &(*node)[name];
+    left.remove_prefix(std::min(dot + 1, left.size()));
+  }
+  return *node;
+}
+
+std::vector<SettingsChange> settings_diff(const Json& document, const Json& other) {
+  Leaves leaves;
+  Leaves others;
+  collect(document, "", leaves);
+  collect(other, "", others);
+  std::vector<SettingsChange> changes;
+  for (auto& [path, value] : leaves) {
+    const auto same_path = [&path](const auto& leaf) { return leaf.first == path; };
+    const auto found = std::ranges::find_if(others, same_path);
+    Json before = found == others.end() ? Json() : found->second;
+    if (value != before) {
+      changes.push_back({.path = path, .value = value, .before = std::move(before)});
+    }
+  }
+  return changes;
+}
+
+std::string settings_value(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+}  // namespace stof::host

@@ -1,0 +1,62 @@
+#include "host/cli/evaluate/evaluate.h"
+
+#include <array>
+#include <cstdio>
+
+#include "dsp/stereo/match_options.h"
+#include "host/cli/exit.h"
+
+namespace stof::host {
+
+void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
+  MatchOptions& match = options.match;
+  command.add_option("--preset", match.preset,
+                     "fast, quality or chapter; what follows changes it (default: a method alone, "
+                     "dense and integer)");
+  for (const dsp::MatchOption& option : dsp::match_options()) {
+    const std::string name(option.name);
+    const std::string help =
+        std::string(option.meaning) + ": " + std::string(option.values) +
+        (option.name == "method" ? ", or sa (simulated annealing, offline)" : "");
+    // Where the name alone has a meaning a value follows "=": what comes next is a scene.
+    CLI::Option* const added =
+        option.alone.empty()
+            ? command.add_option("--" + name, help)->expected(1)
+            : command.add_flag("--" + name + "{" + std::string(option.alone) + "}", help);
+    added->each(
+        [&match, name](const std::string& value) { match.settings.emplace_back(name, value); });
+  }
+  command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
+  command.add_option("--seed", match.seed, "sa: of its random numbers")->capture_default_str();
+  command.add_flag("--energy", match.energy, "Print SPEC's energy of the map; slow");
+  command.add_option("--runs", match.runs, "Runs of which the median time is printed")
+      ->capture_default_str();
+  command
+      .add_option("--threads", match.threads,
+                  "Threads that compute, 1 to 8; times depend on it, results do not (sa has one)")
+      ->capture_default_str();
+  command.add_flag("--json", options.json, "Machine-readable result on stdout");
+  command.add_option("--out", options.out, "Folder for the maps, made where missing");
+}
+
+void make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder, error)) {
+    throw Failure(
+        Exit::kBadInput,
+        folder.string() + ": cannot be made a folder: check the path and its permissions");
+  }
+}
+
+std::string percent_text(std::optional<double> share, int columns) {
+  std::array<char, 64> text{};
+  if (share) {
+    std::snprintf(text.data(), text.size(), "%*.2f", columns, 100 * *share);
+  } else {
+    std::snprintf(text.data(), text.size(), "%*s", columns, "-");
+  }
+  return text.data();
+}
+
+}  // namespace stof::host

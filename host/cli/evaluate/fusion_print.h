@@ -1,0 +1,17 @@
+#pragma once
+
+#include <span>
+
+#include "host/evaluate/fusion/fusion_case.h"
+
+// What `stof evaluate fusion` says on stdout.
+namespace stof::host {
+
+void print_fusion_text(const FusionCase& fused, const MatchOptions& match);
+void print_fusion_json(const FusionCase& fused, const MatchOptions& match);
+
+// Several: a table with a row for each, and means, of each sensor too where there are several.
+void print_fusion_text(std::span<const FusionCase> cases, const MatchOptions& match);
+void print_fusion_json(std::span<const FusionCase> cases, const MatchOptions& match);
+
+}  // namespace stof::host

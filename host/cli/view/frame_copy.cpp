@@ -1,0 +1,152 @@
+#include "host/cli/view/frame_copy.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+#include "host/cli/evaluate/evaluate.h"
+#include "host/cli/exit.h"
+#include "host/client/frame/point_cloud.h"
+#include "host/picture/depth_picture.h"
+#include "host/picture/disparity_picture.h"
+#include "host/picture/ply.h"
+
+namespace stof::host {
+namespace {
+
+template <typename T>
+void copy(dsp::ImageView<const T> from, dataset::Image<T>& to) {
+  if (to.width != from.width() || to.height != from.height()) {
+    to = dataset::Image<T>(from.width(), from.height());
+  }
+  for (int y = 0; y < to.height; ++y) {
+    std::ranges::copy(from.row(y), to.view().row(y).begin());
+  }
+}
+
+// The views of what was not received are empty ones.
+template <typename T>
+dsp::ImageView<const T> view(const dataset::Image<T>& image) {
+  return image.pixels.empty() ? dsp::ImageView<const T>{} : image.view();
+}
+
+// none, stereo, PMD, both, resolved, conflict; a newer sensor's are white.
+dataset::Image<Rgb> source_picture(const dataset::Image<dsp::Source>& source) {
+  constexpr std::array<Rgb, 6> kColours{
+      {{24, 24, 24}, {60, 120, 216}, {230, 140, 40}, {70, 170, 90}, {240, 220, 90}, {200, 40, 50}}};
+  constexpr Rgb kNewer{255, 255, 255};
+  dataset::Image<Rgb> picture(source.width, source.height);
+  std::ranges::transform(source.pixels, picture.pixels.begin(), [&](dsp::Source one) {
+    const auto index = static_cast<std::size_t>(one);
+    return index < kColours.size() ? kColours[index] : kNewer;
+  });
+  return picture;
+}
+
+dataset::Image<float> in_pixels(const dataset::Image<dsp::Disparity>& disparity) {
+  dataset::Image<float> result(disparity.width, disparity.height);
+  std::ranges::transform(disparity.pixels, result.pixels.begin(), [](dsp::Disparity one) {
+    return one.valid() ? one.pixels() : std::numeric_limits<float>::infinity();
+  });
+  return result;
+}
+
+// Of what was sent beside the depth: the names of the pictures written.
+std::string write_others(const std::filesystem::path& folder,
+                         const dataset::Image<dsp::Source>& source,
+                         const dataset::Image<dsp::Disparity>& disparity,
+                         const dataset::Image<std::uint8_t>& left,
+                         const dataset::Image<std::uint8_t>& right) {
+  std::string names;
+  const auto write = [&](const char* name, const dataset::Image<Rgb>& picture, const char* title) {
+    value_or_fail(write_png(folder / name, picture, {{"Title", title}}));
+    names += ", " + (folder / name).string();
+  };
+  if (!source.pixels.empty()) {
+    write("source.png", source_picture(source), "Sources of the depth");
+  }
+  if (!disparity.pixels.empty()) {
+    write("disparity.png", disparity_picture(in_pixels(disparity), {}), "Disparity, 0 to 64 px");
+  }
+  if (!left.pixels.empty()) {
+    write("left.png", as_colour(left, false), "Left picture");
+  }
+  if (!right.pixels.empty()) {
+    write("right.png", as_colour(right, false), "Right picture");
+  }
+  return names.empty() ? names : names.substr(2);
+}
+
+}  // namespace
+
+void KeptFrame::keep(const client::Frame& frame) {
+  copy(frame.depth, depth_);
+  copy(frame.width, width_);
+  copy(frame.source, source_);
+  copy(frame.received, received_);
+  copy(frame.disparity, disparity_);
+  copy(frame.left, left_);
+  copy(frame.right, right_);
+  frame_ = {.origin = frame.origin,
+            .stamp = frame.stamp,
+            .missing = frame.missing,
+            .packets = frame.packets,
+            .missing_packets = frame.missing_packets,
+            .recovered_packets = frame.recovered_packets,
+            .info = frame.info,
+            .calibration = frame.calibration,
+            .first_packet = frame.first_packet,
+            .last_packet = frame.last_packet};
+}
+
+client::Frame KeptFrame::frame() const {
+  client::Frame frame = frame_;
+  frame.depth = view(depth_);
+  frame.width = view(width_);
+  frame.source = view(source_);
+  frame.received = view(received_);
+  frame.disparity = view(disparity_);
+  frame.left = view(left_);
+  frame.right = view(right_);
+  return frame;
+}
+
+DepthPlanes KeptFrame::planes() const {
+  if (width_.pixels.empty()) {
+    const dataset::Image<dsp::QuarterMm> exact(depth_.width, depth_.height);
+    return to_metres(depth_.view(), exact.view());
+  }
+  return to_metres(depth_.view(), width_.view());
+}
+
+std::string KeptFrame::write(const std::filesystem::path& folder, const ColourScale& scale) const {
+  make_folder(folder);
+  const std::string what =
+      " of frame " + std::to_string(frame_.stamp.number) + ", made from received packets only";
+  const std::string others = write_others(folder, source_, disparity_, left_, right_);
+  const std::string after = others.empty() ? "" : ", " + others;
+  if (!has_depth()) {
+    return (others.empty() ? "wrote nothing" : "wrote " + others) + what + "; no depth arrived";
+  }
+  value_or_fail(write_png(
+      folder / "depth.png", depth_,
+      {{"Title", "Depth map"},
+       {"Description",
+        "16-bit grey: Z in the rectified left camera, unit 0.25 mm (value / 4000 = "
+        "metres), 0 = none"},
+       {"Source",
+        "made from received packets only, frame " + std::to_string(frame_.stamp.number)}}));
+  value_or_fail(write_png(folder / "depth_color.png", depth_picture(depth_, scale),
+                          {{"Title", "Depth map in colours, near is warm"}}));
+  const std::string pictures =
+      (folder / "depth.png").string() + ", " + (folder / "depth_color.png").string();
+  std::vector<client::Point> points;
+  if (client::point_cloud(frame(), points) != Status::kOk) {
+    return "wrote " + pictures + after + what +
+           "; no cloud: no calibration packet of this frame's size arrived";
+  }
+  value_or_fail(write_ply(folder / "cloud.ply", points));
+  return "wrote " + pictures + " and " + (folder / "cloud.ply").string() + after + what;
+}
+
+}  // namespace stof::host

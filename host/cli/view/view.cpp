@@ -1,0 +1,198 @@
+#include "host/cli/view/view.h"
+
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+
+#include "host/cli/exit.h"
+#include "host/cli/sensor_text.h"
+#include "host/cli/view/frame_copy.h"
+#include "host/cli/view/view_meter.h"
+
+namespace stof::host {
+namespace {
+
+volatile std::sig_atomic_t g_stop = 0;  // NOLINT: what a signal handler may write
+
+void stop_on_signals() {
+  struct sigaction action{};
+  action.sa_handler = [](int /*signal*/) { g_stop = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+void say(const std::string& line) {
+  std::printf("%s\n", line.c_str());
+  std::fflush(stdout);
+}
+
+client::Receiver open_receiver(const ViewOptions& options) {
+  client::ReceiverOptions where;
+  where.sensor = options.sensor;
+  where.address = options.bind;
+  where.port = options.port;
+  std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
+  if (!receiver) {
+    throw Failure(Exit::kBadInput, receiver.error().message);
+  }
+  return std::move(*receiver);
+}
+
+std::string place(const ViewOptions& options, const client::Receiver& receiver) {
+  return "UDP " + (options.sensor.empty() ? options.bind + ":" + std::to_string(receiver.port())
+                                          : receiver.place());
+}
+
+// Why a subscription brings nothing, and what to do.
+const char* silence(client::Receiver& receiver) {
+  if (receiver.subscription() == client::Subscription::State::kFull) {
+    return ": the sensor has as many subscribers as it takes: end another one";
+  }
+  if (receiver.take_refusal()) {
+    return ": nobody listens there: start stofd, or check its port";
+  }
+  return ": check that the sensor runs, its address and the network";
+}
+
+void write_port(const std::filesystem::path& file, std::uint16_t port) {
+  std::ofstream stream(file);
+  stream << port << '\n';
+  stream.close();
+  if (!stream) {
+    throw Failure(Exit::kBadInput,
+                  file.string() + ": cannot be written: check the folder and its permissions");
+  }
+}
+
+// One reception from the first packet to the last.
+class View {
+ public:
+  View(const ViewOptions& options, client::Receiver& receiver)
+      : options_(options), receiver_(receiver) {}
+
+  // Until enough frames came, a signal, or the timeout.
+  void run() {
+    client::Time heard = client::Time::clock::now();
+    std::uint64_t packets = 0;
+    while (g_stop == 0 && (options_.frames == 0 || frames_ < options_.frames)) {
+      take(receiver_.next(kLook));
+      say_events();
+      const client::Time now = client::Time::clock::now();
+      if (packets != receiver_.statistics().packets()) {
+        packets = receiver_.statistics().packets();
+        heard = now;
+      }
+      if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {
+        silent_ = true;
+        return;
+      }
+      if (meter_.due(now)) {
+        say(line(now));
+      }
+    }
+  }
+
+  // The last lines and the files. Throws Failure when less came than was asked for.
+  void finish() {
+    const std::string where = place(options_, receiver_);
+    if (frames_ == 0) {
+      const bool heard = receiver_.statistics().packets() != 0;
+      throw Failure(Exit::kFailure,
+                    where + ": " + (heard ? "packets came, but no frame" : "no packet came") +
+                        (options_.sensor.empty() ? ": start stofd with --to, or check the network"
+                                                 : silence(receiver_)) +
+                        (heard ? "; " + summary_line(receiver_.statistics()) : ""));
+    }
+    if (meter_.pending()) {
+      say(line(client::Time::clock::now()));
+    }
+    say(streams_);
+    say(summary_line(receiver_.statistics()));
+    if (receiver_.health()) {
+      say(health_line(*receiver_.health()));
+    }
+    if (!options_.out.empty()) {
+      say((whole_.empty() ? newest_ : whole_).write(options_.out, options_.scale));
+    }
+    if (const std::string advice = receiver_.advice(); !advice.empty()) {
+      say(advice);
+    }
+    if (frames_ < options_.frames || silent_) {
+      throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
+                                        " frames: check that stofd still runs");
+    }
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kLook{100};
+
+  void say_events() {
+    while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
+      say(event_line(*event));
+    }
+  }
+
+  std::string line(client::Time now) {
+    return meter_.line(now, receiver_.statistics(), score()) +
+           (receiver_.health() ? active_text(*receiver_.health()) : "");
+  }
+
+  void take(const Result<client::Frame>& frame) {
+    if (!frame) {
+      if (frame.error() == Status::kDeviceLost) {
+        throw Failure(Exit::kFailure, "the socket failed: start again");
+      }
+      return;
+    }
+    if (frames_ == 0 && !options_.truth.empty()) {
+      truth_ = value_or_fail(dataset::read_pfm(options_.truth));
+    }
+    if (truth_ && !frame->depth.empty() &&
+        (truth_->width != frame->depth.width() || truth_->height != frame->depth.height())) {
+      throw Failure(Exit::kBadInput,
+                    options_.truth.string() +
+                        ": is not of the received frames' size: give the truth of this scene");
+    }
+    ++frames_;
+    meter_.count(*frame);
+    streams_ = streams_line(*frame);
+    if (frame->complete()) {
+      whole_.keep(*frame);
+    } else {
+      newest_.keep(*frame);
+    }
+  }
+
+  std::optional<DepthScore> score() const {
+    if (!truth_ || !whole_.has_depth()) {
+      return std::nullopt;
+    }
+    return score_depth(whole_.planes(), *truth_);
+  }
+
+  const ViewOptions& options_;
+  client::Receiver& receiver_;
+  ViewMeter meter_;
+  KeptFrame whole_;   // the newest complete frame
+  KeptFrame newest_;  // the newest incomplete one
+  std::optional<dataset::Image<float>> truth_;
+  std::string streams_;  // of the newest frame
+  std::uint64_t frames_ = 0;
+  bool silent_ = false;
+};
+
+}  // namespace
+
+void view(const ViewOptions& options) {
+  stop_on_signals();
+  client::Receiver receiver = open_receiver(options);
+  say((options.sensor.empty() ? "listening on " : "subscribing at ") + place(options, receiver));
+  if (!options.port_file.empty()) {
+    write_port(options.port_file, receiver.port());
+  }
+  View session(options, receiver);
+  session.run();
+  session.finish();
+}
+
+}  // namespace stof::host

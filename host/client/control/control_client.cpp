@@ -1,0 +1,233 @@
+#include "host/client/control/control_client.h"
+
+#include <algorithm>
+#include <random>
+#include <span>
+#include <thread>
+#include <utility>
+
+#include "firmware/wire/messages/settings_answer.h"
+#include "firmware/wire/messages/settings_request.h"
+#include "host/client/sensor_socket.h"
+
+namespace stof::client {
+namespace {
+
+constexpr Duration kBusyPause = std::chrono::milliseconds(50);
+
+class UdpTransport final : public ControlTransport {
+ public:
+  explicit UdpTransport(std::unique_ptr<SensorSocket> socket) : socket_(std::move(socket)) {}
+
+  Status send(std::span<const std::byte> packet) override { return socket_->send(packet); }
+
+  Result<std::vector<std::byte>> receive(Duration timeout) override {
+    if (next_ == read_) {
+      Result<std::size_t> read = socket_->receive();
+      if (read && *read == 0 && !socket_->take_refusal()) {
+        if (const Status waited = socket_->wait(timeout); waited != Status::kOk) {
+          return fail(waited);
+        }
+        read = socket_->receive();
+      }
+      if (!read) {
+        return fail(read.error());
+      }
+      next_ = 0;
+      read_ = *read;
+      if (read_ == 0) {
+        return fail(Status::kDeviceError);
+      }
+    }
+    const std::span<const std::byte> datagram = socket_->datagram(next_++);
+    return std::vector<std::byte>(datagram.begin(), datagram.end());
+  }
+
+  std::string place() const override { return socket_->place(); }
+
+ private:
+  std::unique_ptr<SensorSocket> socket_;
+  std::size_t read_ = 0;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
+    std::string_view sensor) {
+  constexpr int kBuffer = 1 << 16;
+  auto socket = SensorSocket::connect(sensor, kBuffer);
+  if (!socket) {
+    return std::unexpected(std::move(socket.error()));
+  }
+  return std::make_unique<UdpTransport>(std::move(*socket));
+}
+
+struct ControlClient::Part {
+  wire::SettingsAnswer answer;
+  std::string text;
+};
+
+ControlClient::ControlClient(std::unique_ptr<ControlTransport> transport,
+                             const ControlOptions& options)
+    : transport_(std::move(transport)), options_(options), request_id_(std::random_device()()) {}
+
+std::expected<ControlClient, ControlError> ControlClient::open(std::string_view sensor,
+                                                               const ControlOptions& options) {
+  auto transport = open_udp_transport(sensor);
+  if (!transport) {
+    return std::unexpected(std::move(transport.error()));
+  }
+  return ControlClient(std::move(*transport), options);
+}
+
+std::expected<ControlAnswer, ControlError> ControlClient::request(wire::SettingsOperation operation,
+                                                                  wire::SettingsDocument document,
+                                                                  std::string_view text) {
+  if (operation == wire::SettingsOperation::kGet) {
+    return get(document);
+  }
+  std::expected<Part, ControlError> part = ask(operation, document, 0, text);
+  if (!part) {
+    return std::unexpected(std::move(part.error()));
+  }
+  return ControlAnswer{.result = part->answer.result,
+                       .text = std::move(part->text),
+                       .revision = part->answer.revision,
+                       .restart = part->answer.restart != 0};
+}
+
+std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsDocument document) {
+  constexpr int kTries = 3;
+  for (int i = 0; i < kTries; ++i) {
+    std::string text;
+    std::optional<wire::SettingsAnswer> first;
+    for (;;) {
+      std::expected<Part, ControlError> part =
+          ask(wire::SettingsOperation::kGet, document, static_cast<std::uint16_t>(text.size()), {});
+      if (!part) {
+        return std::unexpected(std::move(part.error()));
+      }
+      const wire::SettingsAnswer answer = part->answer;
+      if (answer.result != wire::SettingsResult::kOk) {
+        return ControlAnswer{.result = answer.result,
+                             .text = std::move(part->text),
+                             .revision = answer.revision,
+                             .restart = answer.restart != 0};
+      }
+      first = first.value_or(answer);
+      if (answer.total != first->total || answer.revision != first->revision) {
+        break;  // it changed: again from the beginning
+      }
+      text += part->text;
+      if (text.size() == answer.total) {
+        return ControlAnswer{.result = answer.result,
+                             .text = std::move(text),
+                             .revision = answer.revision,
+                             .restart = answer.restart != 0};
+      }
+      if (part->text.empty() || text.size() > answer.total) {
+        return std::unexpected(error(Status::kCorrupt,
+                                     "its answer contradicts itself: update "
+                                     "this program or the sensor"));
+      }
+    }
+  }
+  return std::unexpected(
+      error(Status::kTimeout, "its settings changed while they were read: try again"));
+}
+
+// Asks until it is answered, with a cookie where the sensor wants one.
+std::expected<ControlClient::Part, ControlError> ControlClient::ask(
+    wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
+    std::string_view text) {
+  if (text.size() > kMaxText) {
+    return std::unexpected(error(Status::kTooLarge, "a request takes " + std::to_string(kMaxText) +
+                                                        " bytes: send several smaller ones"));
+  }
+  ++request_id_;
+  std::optional<Part> refusal;
+  bool hurried = false;  // asked at once upon a cookie
+  for (int attempt = 0; attempt < options_.attempts;) {
+    wire::DatagramBuffer buffer;
+    const std::span<std::byte, wire::kMaxPayload> payload = wire::payload_space(buffer);
+    wire::encode_settings_request({.request_id = request_id_,
+                                   .operation = operation,
+                                   .document = document,
+                                   .offset = offset,
+                                   .cookie = cookie_},
+                                  payload.first<wire::kSettingsRequestBytes>());
+    std::ranges::copy(std::as_bytes(std::span(text)),
+                      payload.subspan<wire::kSettingsRequestBytes>().begin());
+    const Status sent = transport_->send(
+        wire::seal_packet({.type = wire::PacketType::kSettingsRequest,
+                           .origin = {.device_id = options_.device_id.value_or(0)}},
+                          wire::kSettingsRequestBytes + text.size(), buffer));
+    if (sent == Status::kDeviceLost) {
+      return std::unexpected(error(sent, "the connection failed: open it again"));
+    }
+    std::expected<std::optional<Part>, ControlError> heard = await(request_id_);
+    if (!heard) {
+      return std::unexpected(std::move(heard.error()));
+    }
+    const std::optional<Part>& part = *heard;
+    if (part && part->answer.result == wire::SettingsResult::kCookie) {
+      attempt += hurried ? 1 : 0;
+      hurried = !hurried;
+    } else if (part && part->answer.result == wire::SettingsResult::kBusy) {
+      refusal = part;
+      std::this_thread::sleep_for(kBusyPause);
+      ++attempt;
+    } else if (part) {
+      return *part;
+    } else {
+      ++attempt;
+    }
+  }
+  if (refusal) {
+    return *refusal;
+  }
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
+  return std::unexpected(error(
+      Status::kTimeout, "no answer within " + std::to_string(waited.count() * options_.attempts) +
+                            " ms: check that the sensor runs, and its address"));
+}
+
+// The answer to a request, none when the time is over. Anything else that comes is skipped.
+std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::await(
+    std::uint32_t request_id) {
+  const Time deadline = std::chrono::steady_clock::now() + options_.timeout;
+  for (Time now = deadline - options_.timeout; now < deadline;
+       now = std::chrono::steady_clock::now()) {
+    const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
+    if (!bytes && bytes.error() == Status::kDeviceLost) {
+      return std::unexpected(error(bytes.error(), "the connection failed: open it again"));
+    }
+    if (!bytes) {
+      continue;  // nobody listens yet, or the time is over
+    }
+    const auto packet = wire::parse_packet(*bytes);
+    if (!packet || packet->header.type != wire::PacketType::kSettingsAnswer ||
+        (options_.device_id && packet->header.origin.device_id != *options_.device_id)) {
+      continue;
+    }
+    const Result<wire::SettingsAnswer> answer = wire::decode_settings_answer(packet->payload);
+    if (!answer || answer->request_id != request_id) {
+      continue;
+    }
+    cookie_ = answer->cookie;
+    const std::span<const std::byte> text = packet->payload.subspan(wire::kSettingsAnswerBytes);
+    Part part{.answer = *answer, .text = std::string(text.size(), '\0')};
+    std::ranges::transform(text, part.text.begin(),
+                           [](std::byte byte) { return static_cast<char>(byte); });
+    return part;
+  }
+  return std::nullopt;
+}
+
+ControlError ControlClient::error(Status status, std::string_view what) const {
+  std::string message = "sensor " + transport_->place() + ": ";
+  return {.status = status, .message = message.append(what)};
+}
+
+}  // namespace stof::client

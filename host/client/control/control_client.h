@@ -1,0 +1,90 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "dsp/base/status.h"
+#include "firmware/wire/messages/enums.h"
+#include "firmware/wire/packet.h"
+#include "host/client/error.h"
+#include "host/client/frame/frame.h"
+
+namespace stof::client {
+
+// Carries whole packets to a sensor and back: UDP (open_udp_transport) or a serial line.
+class ControlTransport {
+ public:
+  virtual ~ControlTransport() = default;
+  // One sealed packet, at most wire::kMaxDatagram bytes. kDeviceError: nobody can be reached now;
+  // kDeviceLost: the socket or line failed.
+  virtual Status send(std::span<const std::byte> packet) = 0;
+  // The next packet, any bytes, of any type. kTimeout; kDeviceError: nobody listens there (ask
+  // again); kDeviceLost.
+  virtual Result<std::vector<std::byte>> receive(Duration timeout) = 0;
+  // For messages: "192.168.1.20:7560".
+  virtual std::string place() const = 0;
+};
+
+using ControlError = OpenError;
+
+// sensor: HOST[:PORT], port 7560 without; an IPv6 address with a port in brackets. May block on a
+// name server. kInvalidArgument: not such a thing, kDeviceError: no such host or no network.
+std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
+    std::string_view sensor);
+
+struct ControlOptions {
+  Duration timeout = std::chrono::milliseconds(300);  // of one attempt
+  int attempts = 3;                                   // of each request
+  std::optional<std::uint32_t> device_id{};           // refuse any other sensor
+};
+
+struct ControlAnswer {
+  wire::SettingsResult result = wire::SettingsResult::kOk;  // never kCookie
+  std::string text;  // of get: the whole document; of a refusal: which field, what it takes
+  std::uint32_t revision = 0;  // of the active settings
+  bool restart = false;        // some of the active settings wait for the next start
+};
+
+// Asks one sensor to read or change settings; blocks until it is answered. For one thread.
+class ControlClient {
+ public:
+  static constexpr std::size_t kMaxText = 1024;  // of a request, bytes
+
+  explicit ControlClient(std::unique_ptr<ControlTransport> transport,
+                         const ControlOptions& options = {});
+  static std::expected<ControlClient, ControlError> open(std::string_view sensor,
+                                                         const ControlOptions& options = {});
+
+  // Any result is an answer, also a refusal. `document` and its text count for get, which collects
+  // a document of any length (and starts again where it changed meanwhile); `text` for the others.
+  // A request that was repeated after a lost answer may be served twice: set, stage, commit, save,
+  // revert and reset are the same done twice. kTimeout: no answer; kTooLarge: text above kMaxText;
+  // kCorrupt: the answer contradicts itself; kDeviceLost: open again.
+  std::expected<ControlAnswer, ControlError> request(wire::SettingsOperation operation,
+                                                     wire::SettingsDocument document,
+                                                     std::string_view text);
+
+ private:
+  struct Part;
+  std::expected<Part, ControlError> ask(wire::SettingsOperation operation,
+                                        wire::SettingsDocument document, std::uint16_t offset,
+                                        std::string_view text);
+  std::expected<std::optional<Part>, ControlError> await(std::uint32_t request_id);
+  std::expected<ControlAnswer, ControlError> get(wire::SettingsDocument document);
+  ControlError error(Status status, std::string_view what) const;
+
+  std::unique_ptr<ControlTransport> transport_;
+  ControlOptions options_;
+  std::uint64_t cookie_ = 0;
+  std::uint32_t request_id_;
+};
+
+}  // namespace stof::client

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "firmware/wire/messages/subscribed.h"
+#include "firmware/wire/packet.h"
+#include "host/client/frame/frame.h"
+
+namespace stof::client {
+
+struct SubscriptionOptions {
+  // Asked of the sensor, which takes 500 ms to 10 s and says what it grants.
+  std::chrono::milliseconds lease{3000};
+  // Subscribe at no other device; without it, at whichever answers.
+  std::optional<std::uint32_t> device_id{};
+};
+
+// What to send to one sensor, and when, so that its streams come and go on coming: asks every
+// 200 ms until it is answered, shows the cookie it is given, asks again after a third of the lease,
+// once a second while the sensor is full, and anew when nothing was heard for half a second, as
+// after a restart of the sensor. No clock and no socket: `now` is the caller's, and must not go
+// back.
+class Subscription {
+ public:
+  static constexpr Duration kRepeat = std::chrono::milliseconds(200);
+  static constexpr Duration kSilence = std::chrono::milliseconds(500);
+  static constexpr Duration kFullRepeat = std::chrono::seconds(1);
+
+  enum class State : std::uint8_t {
+    kAsking,  // no answer yet, or no longer
+    kActive,
+    kFull,  // the sensor has as many subscribers as it takes
+  };
+
+  // first_request: of the numbers of requests, best random.
+  Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
+      : options_(options), request_(first_request) {}
+
+  // The datagram to send now, valid until the next call; empty: none. Call it at next_due(), and
+  // again after every take() that returned true.
+  std::span<const std::byte> due(Time now);
+  // The past: at once.
+  Time next_due() const;
+
+  // A datagram from the sensor. True: it was an answer for us, and nobody else's business.
+  bool take(std::span<const std::byte> datagram, Time now);
+  // Anything came from the sensor.
+  void heard(Time now) { heard_ = now; }
+
+  // The datagram that ends the subscription; empty: nothing is known to be subscribed. Best sent
+  // twice: nobody waits for the answer, and without it the lease runs out.
+  std::span<const std::byte> farewell();
+
+  State state() const noexcept { return state_; }
+
+ private:
+  static constexpr std::uint32_t kAnswerable = 8;  // newest requests whose answers count
+
+  std::span<const std::byte> seal(wire::PacketType type);
+  void answered(const wire::Subscribed& answer, Time now);
+
+  SubscriptionOptions options_;
+  std::uint32_t request_;  // of the newest request
+  std::uint64_t cookie_ = 0;
+  State state_ = State::kAsking;
+  Time next_ = Time::min();
+  Time heard_ = Time::min();
+  bool hurried_ = false;  // the newest request was sent at once upon a cookie
+  wire::DatagramBuffer buffer_{};
+};
+
+}  // namespace stof::client

@@ -1,0 +1,130 @@
+#include "host/client/frame/frame_slot.h"
+
+namespace stof::client {
+namespace {
+
+constexpr std::size_t kWordBits = 64;
+
+}  // namespace
+
+void PacketSet::begin(std::size_t count) { words_.assign((count + kWordBits - 1) / kWordBits, 0); }
+
+bool PacketSet::has(std::size_t index) const noexcept {
+  return index / kWordBits < words_.size() &&
+         ((words_[index / kWordBits] >> (index % kWordBits)) & 1) != 0;
+}
+
+void PacketSet::insert(std::size_t index) noexcept {
+  words_[index / kWordBits] |= std::uint64_t{1} << (index % kWordBits);
+}
+
+void FrameSlot::begin(const wire::Header& header, bool parity, Time now) {
+  state = State::kOpen;
+  header_ = header;
+  first_packet_ = now;
+  last_packet_ = now;
+  received_packets_ = 0;
+  recovered_ = 0;
+  packets_.begin(header.count);
+  parity_packets_.begin(wire::parity_groups(header.count));
+  groups_.clear();
+  if (parity) {
+    begin_parity();
+  }
+  pixels_.begin();
+  info_.reset();
+  calibration_.reset();
+}
+
+void FrameSlot::begin_parity() {
+  groups_.assign(wire::parity_groups(header_.count), wire::ParityGroup{});
+}
+
+bool FrameSlot::agrees(const wire::FrameStamp& stamp) const noexcept {
+  return stamp.freshness == header_.frame.freshness &&
+         stamp.exposure_middle_ns == header_.frame.exposure_middle_ns;
+}
+
+Placed FrameSlot::add(const wire::PacketView& part, Time now) {
+  const wire::Header& header = part.header;
+  if (!agrees(header.frame) || header.count != header_.count) {
+    return Placed::kContradicting;
+  }
+  if (packets_.has(header.index)) {
+    return Placed::kDuplicate;
+  }
+  Placed placed = Placed::kIgnored;
+  if (header.type == wire::PacketType::kTile) {
+    placed = pixels_.add(part);
+  } else if (header.type == wire::PacketType::kFrameInfo) {
+    placed = add_info(part);
+  }
+  if (placed == Placed::kContradicting) {
+    return placed;
+  }
+  packets_.insert(header.index);
+  ++received_packets_;
+  last_packet_ = now;
+  if (parity() && !groups_[group_of(header.index)].one_is_missing()) {
+    // A part too long for parity is not of a sender that uses it: its group recovers nothing.
+    static_cast<void>(groups_[group_of(header.index)].add(header, part.payload));
+  }
+  return placed;
+}
+
+Placed FrameSlot::add_info(const wire::PacketView& part) {
+  const Result<wire::FrameInfo> info = wire::decode_frame_info(part.payload);
+  if (!info || info_ || !pixels_.expect(part.header, *info)) {
+    return Placed::kContradicting;
+  }
+  info_ = *info;
+  if (info->parity_groups != 0 && !parity()) {
+    begin_parity();
+  }
+  return Placed::kStored;
+}
+
+Placed FrameSlot::add_parity(const wire::PacketView& packet, Time now) {
+  const Result<wire::ParityFields> fields = wire::decode_parity_fields(packet.payload);
+  if (!fields || fields->count != header_.count || !agrees(packet.header.frame)) {
+    return Placed::kContradicting;
+  }
+  const std::size_t group = packet.header.index;
+  if (parity_packets_.has(group)) {
+    return Placed::kDuplicate;
+  }
+  if (parity()) {
+    if (group >= groups_.size() || groups_[group].add_parity(packet) != Status::kOk) {
+      return Placed::kContradicting;
+    }
+  } else if (group >= wire::parity_groups(header_.count)) {
+    return Placed::kContradicting;
+  }
+  parity_packets_.insert(group);
+  last_packet_ = now;
+  return Placed::kStored;
+}
+
+std::optional<wire::PacketView> FrameSlot::recover(std::size_t group) const {
+  if (!groups_[group].one_is_missing()) {
+    return std::nullopt;
+  }
+  const Result<wire::PacketView> packet = groups_[group].recover();
+  return packet ? std::optional(*packet) : std::nullopt;
+}
+
+Frame FrameSlot::view() const {
+  Frame frame{.origin = header_.origin,
+              .stamp = header_.frame,
+              .packets = header_.count,
+              .missing_packets = missing_packets(),
+              .recovered_packets = recovered_,
+              .info = info_,
+              .calibration = calibration_,
+              .first_packet = first_packet_,
+              .last_packet = last_packet_};
+  pixels_.view(frame);
+  return frame;
+}
+
+}  // namespace stof::client

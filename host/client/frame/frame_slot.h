@@ -1,0 +1,90 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "firmware/wire/frame/parity.h"
+#include "firmware/wire/packet.h"
+#include "host/client/frame/frame.h"
+#include "host/client/frame/frame_pixels.h"
+
+namespace stof::client {
+
+// How the numbers of frames compare when they wrap: negative, 0 or positive as a is before, at or
+// after b.
+constexpr std::int32_t number_distance(std::uint32_t a, std::uint32_t b) noexcept {
+  return static_cast<std::int32_t>(a - b);
+}
+
+// Which packets of a frame arrived.
+class PacketSet {
+ public:
+  void begin(std::size_t count);
+  bool has(std::size_t index) const noexcept;  // false beyond the end
+  void insert(std::size_t index) noexcept;     // below the count
+
+ private:
+  std::vector<std::uint64_t> words_;
+};
+
+// One frame being put together. Keeps its memory from frame to frame.
+class FrameSlot {
+ public:
+  enum class State : std::uint8_t { kFree, kOpen, kFinished, kOut };
+
+  State state = State::kFree;
+  std::uint64_t order = 0;  // of finishing
+
+  // Forgets what was here before. header: of one of the frame's parts. parity: the sender uses it,
+  // so that sums are kept from the first part on.
+  void begin(const wire::Header& header, bool parity, Time now);
+
+  // part: of this frame's number and session; a tile is consistent_tile() or of unknown kind.
+  Placed add(const wire::PacketView& part, Time now);
+  Placed add_parity(const wire::PacketView& packet, Time now);
+
+  // The part that this group's parity makes good, if exactly one is missing; to be checked and
+  // added as one that arrived. Valid until the next begin().
+  std::optional<wire::PacketView> recover(std::size_t group) const;
+  void count_recovered() noexcept { ++recovered_; }
+  // Whether sums are kept, and of what group a part is. Only then.
+  bool parity() const noexcept { return !groups_.empty(); }
+  std::size_t group_of(std::size_t index) const noexcept { return index % groups_.size(); }
+
+  // Makes none of every pixel that did not arrive; before view().
+  void finish() { pixels_.finish(); }
+  Frame view() const;
+
+  bool complete() const noexcept { return received_packets_ == header_.count; }
+  std::uint32_t missing_packets() const noexcept { return header_.count - received_packets_; }
+  std::uint16_t count() const noexcept { return header_.count; }
+  std::uint32_t number() const noexcept { return header_.frame.number; }
+  std::uint32_t freshness() const noexcept { return header_.frame.freshness; }
+  Time last_packet() const noexcept { return last_packet_; }
+  const PacketSet& packets() const noexcept { return packets_; }
+  const PacketSet& parity_packets() const noexcept { return parity_packets_; }
+  void keep_calibration(const std::optional<wire::CalibrationPacket>& calibration) {
+    calibration_ = calibration;
+  }
+
+ private:
+  bool agrees(const wire::FrameStamp& stamp) const noexcept;
+  Placed add_info(const wire::PacketView& part);
+  void begin_parity();
+
+  wire::Header header_;  // of the part that came first
+  Time first_packet_;
+  Time last_packet_;
+  std::uint32_t received_packets_ = 0;
+  std::uint32_t recovered_ = 0;
+  PacketSet packets_;
+  PacketSet parity_packets_;
+  std::vector<wire::ParityGroup> groups_;  // empty: no sums are kept
+  FramePixels pixels_;
+  std::optional<wire::FrameInfo> info_;
+  std::optional<wire::CalibrationPacket> calibration_;
+};
+
+}  // namespace stof::client

@@ -1,0 +1,266 @@
+#include "host/evaluate/fusion/fusion.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "dsp/fusion/interval/stereo_spread.h"
+#include "dsp/stereo/match_options.h"
+#include "host/evaluate/fusion/chapter_geometry.h"
+#include "host/evaluate/stereo/median.h"
+#include "posix/worker_threads.h"
+
+namespace stof::host {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct DepthImages {
+  dataset::Image<dsp::QuarterMm> depth;
+  dataset::Image<dsp::QuarterMm> width;
+  dataset::Image<dsp::Source> source;
+  dataset::Image<dsp::Cause> cause;
+
+  DepthImages(int w, int h) : depth(w, h), width(w, h), source(w, h), cause(w, h) {}
+  dsp::DepthMap map() { return {depth.view(), width.view(), source.view(), cause.view()}; }
+  DepthPlanes planes() const { return to_metres(depth.view(), width.view()); }
+};
+
+struct PaintedImages {
+  dataset::Image<dsp::QuarterMm> nearest;
+  dataset::Image<dsp::QuarterMm> low;
+  dataset::Image<dsp::QuarterMm> high;
+  dataset::Image<std::uint8_t> flags;
+
+  PaintedImages(int w, int h) : nearest(w, h), low(w, h), high(w, h), flags(w, h) {}
+  dsp::PaintedView view() { return {nearest.view(), low.view(), high.view(), flags.view()}; }
+};
+
+std::unexpected<dataset::Problem> refuse(std::string line) {
+  return std::unexpected(dataset::Problem{std::move(line)});
+}
+
+// Holes are never filled silently, and what was not checked is no measurement.
+const char* why_not_fused(const MatchPlan& plan) {
+  if (plan.annealing) {
+    return "--method sa: an offline reference, not for fusion: use another";
+  }
+  if (plan.params.fill) {
+    return "--fill: made-up disparities do not enter the fusion: leave it out";
+  }
+  if (!plan.params.left_right_tolerance) {
+    return "--lr=off: only checked matches enter the fusion: leave it out";
+  }
+  return nullptr;
+}
+
+double ms_since(Clock::time_point begin) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+}
+
+// The recording's first frame as the converter takes it.
+class FirstFrame {
+ public:
+  explicit FirstFrame(const dataset::PmdRecording& recording) : first_{recording.samples(0)} {
+    frame_.first = {&first_, 1};
+    if (!recording.second_frames.empty()) {
+      second_.samples = recording.second_samples(0);
+      frame_.second = {&second_, 1};
+    }
+  }
+  FirstFrame(const FirstFrame&) = delete;
+  FirstFrame& operator=(const FirstFrame&) = delete;
+  const dsp::PmdFrame& frame() const { return frame_; }
+
+ private:
+  dsp::PmdExposure first_;
+  dsp::PmdExposure second_;
+  dsp::PmdFrame frame_;
+};
+
+// One scene on its way through the appliance's objects.
+struct Run {
+  const dataset::StereoScene& scene;
+  const dsp::PmdFrame& frame;
+  dsp::DepthMaker& maker;
+  DepthImages images;
+
+  void match() { maker.match(scene.left.view(), scene.right.view()); }
+  DepthPlanes fuse() {
+    maker.fuse(images.map());
+    return images.planes();
+  }
+};
+
+// What the appliance does for every frame.
+void fuse_both(Run& run, int runs, FusionResult& result) {
+  std::vector<double> convert;
+  std::vector<double> match;
+  std::vector<double> fuse;
+  for (int i = 0; i < std::max(runs, 1); ++i) {
+    Clock::time_point begin = Clock::now();
+    run.maker.convert(run.frame);
+    convert.push_back(ms_since(begin));
+    begin = Clock::now();
+    run.match();
+    match.push_back(ms_since(begin));
+    begin = Clock::now();
+    run.maker.fuse(run.images.map());
+    fuse.push_back(ms_since(begin));
+  }
+  result.convert_ms = median(std::move(convert)).value_or(0);
+  result.match_ms = median(std::move(match)).value_or(0);
+  result.fuse_ms = median(std::move(fuse)).value_or(0);
+  result.fused = run.images.planes();
+  result.source = run.images.source;
+  result.cause = run.images.cause;
+}
+
+// stereo: what the maker published of the pair alone; it holds the pair's and the PMD's maps.
+ChapterPlanes with_less_effort(const dsp::DepthMaker& maker, const dsp::Calibration& calibration,
+                               DepthImages& stereo, dsp::QuarterMm max_range) {
+  const int width = stereo.depth.width;
+  const int height = stereo.depth.height;
+  PaintedImages painted(width, height);
+  DepthImages out(width, height);
+  ChapterPlanes planes;
+  const dsp::ImageView<const std::uint8_t> ratio = maker.stereo().ratio;
+  paint_by_geometry(*maker.pmd(), calibration, painted.view());
+  fuse_by_interval(stereo.map(), ratio, painted.view(), max_range, out.map());
+  planes.reprojected = out.planes();
+  paint_by_scaling(*maker.pmd(), calibration, painted.view());
+  fuse_by_interval(stereo.map(), ratio, painted.view(), max_range, out.map());
+  planes.fused = out.planes();
+  fuse_by_interval(stereo.map(), {}, painted.view(), max_range, out.map());
+  planes.pmd = out.planes();
+  return planes;
+}
+
+template <std::size_t kCount, typename Value>
+std::array<std::size_t, kCount> count(const dataset::Image<Value>& image) {
+  std::array<std::size_t, kCount> counts{};
+  for (const Value value : image.pixels) {
+    ++counts.at(static_cast<std::size_t>(value));
+  }
+  return counts;
+}
+
+}  // namespace
+
+std::expected<dsp::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+                                                                int disparities) {
+  MatchOptions asked = options;
+  if (asked.preset.empty()) {
+    asked.settings.insert(asked.settings.begin(), {"lr", "1"});
+  }
+  const std::expected<MatchPlan, dataset::Problem> plan = match_plan(asked, disparities);
+  if (!plan) {
+    return std::unexpected(plan.error());
+  }
+  if (const char* const why = why_not_fused(*plan)) {
+    return refuse(why);
+  }
+  dsp::MatchParams params = plan->params;
+  if (!asked.preset.empty()) {
+    params = dsp::for_depth(*dsp::find_preset(asked.preset));
+    params.disparities = disparities;
+    for (const auto& [name, value] : asked.settings) {
+      dsp::find_match_option(name)->set(value, params);
+    }
+  }
+  params.confidence = true;
+  if (const char* const why = dsp::problem(params); *why != '\0') {
+    return refuse(why);
+  }
+  return params;
+}
+
+dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
+                                         const dataset::PmdRecording& recording,
+                                         const dsp::MatchParams& match,
+                                         const FusionOptions& options) {
+  const int width = scene.left.width;
+  const int height = scene.left.height;
+  dsp::Calibration calibration = recording.calibration;
+  calibration.stereo.left.width = width;
+  calibration.stereo.left.height = height;
+  if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
+    return refuse(scene.name + ": " + wrong + ": correct the recording's json");
+  }
+  if (dsp::check(match, width, height) != Status::kOk) {
+    return refuse(scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) +
+                  " pixels with " + std::to_string(match.disparities) +
+                  " disparities are more than this version matches: use a smaller picture");
+  }
+  dsp::DepthParams params{.match = match, .fusion = {}, .guided = options.guided};
+  params.fusion.max_range = options.max_range;
+  params.fusion.spread = dsp::spread_of(match);
+  posix::WorkerThreads workers({.threads = options.threads});
+  if (workers.threads() < options.threads) {
+    return refuse(too_few_threads(workers.threads(), options.threads));
+  }
+  Workspace space(dsp::DepthMaker::bytes_needed(calibration, params, options.threads));
+  dsp::Arena arena = space.arena();
+  dsp::DepthMaker maker(calibration, params, arena, dsp::Crew(workers, options.threads));
+  const FirstFrame first(recording);
+  Run run{
+      .scene = scene, .frame = first.frame(), .maker = maker, .images = DepthImages(width, height)};
+  FusionResult result;
+  maker.convert(run.frame);
+  result.pmd = run.fuse();
+  maker.forget_pmd();
+  run.match();
+  result.stereo = run.fuse();
+  DepthImages stereo = run.images;
+  fuse_both(run, options.runs, result);
+  if (options.chapter_geometry) {
+    result.chapter = with_less_effort(maker, calibration, stereo, options.max_range);
+  }
+  return result;
+}
+
+std::array<std::size_t, kSources> count_sources(const dataset::Image<dsp::Source>& source) {
+  return count<kSources>(source);
+}
+
+std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cause>& cause) {
+  return count<dsp::kCauses>(cause);
+}
+
+FusionScores score_fusion(const FusionResult& result, const dataset::Image<float>& truth) {
+  FusionScores scores{.pmd = score_depth(result.pmd, truth),
+                      .stereo = score_depth(result.stereo, truth),
+                      .fused = score_depth(result.fused, truth),
+                      .chapter_pmd = std::nullopt,
+                      .chapter_fused = std::nullopt,
+                      .reprojected = std::nullopt};
+  if (result.chapter) {
+    scores.chapter_pmd = score_depth(result.chapter->pmd, truth);
+    scores.chapter_fused = score_depth(result.chapter->fused, truth);
+    scores.reprojected = score_depth(result.chapter->reprojected, truth);
+  }
+  return scores;
+}
+
+FusionScores mean_scores(std::span<const FusionScores> scores) {
+  const auto mean = [scores](auto part) {
+    std::vector<DepthScore> parts;
+    for (const FusionScores& each : scores) {
+      if (const std::optional<DepthScore> score = each.*part) {
+        parts.push_back(*score);
+      }
+    }
+    return parts;
+  };
+  const auto optional_mean = [&mean](auto part) {
+    const std::vector<DepthScore> parts = mean(part);
+    return parts.empty() ? std::nullopt : std::optional(mean_score(parts));
+  };
+  return {.pmd = mean_score(mean(&FusionScores::pmd)),
+          .stereo = mean_score(mean(&FusionScores::stereo)),
+          .fused = mean_score(mean(&FusionScores::fused)),
+          .chapter_pmd = optional_mean(&FusionScores::chapter_pmd),
+          .chapter_fused = optional_mean(&FusionScores::chapter_fused),
+          .reprojected = optional_mean(&FusionScores::reprojected)};
+}
+
+}  // namespace stof::host

@@ -1,0 +1,80 @@
+#pragma once
+
+#include <array>
+#include <expected>
+#include <optional>
+
+#include "dataset/dataset.h"
+#include "dsp/depth/depth_maker.h"
+#include "dsp/fusion/depth_map.h"
+#include "host/evaluate/fusion/depth_score.h"
+#include "host/evaluate/stereo/match.h"
+
+namespace stof::host {
+
+// How a recorded scene is fused.
+struct FusionOptions {
+  dsp::QuarterMm max_range = dsp::FusionParams{}.max_range;
+  bool guided = false;            // PMD intervals narrow the search
+  bool chapter_geometry = false;  // adds FusionResult::chapter
+  int runs = 1;                   // of which the median time is taken
+  int threads = 1;                // that match and fuse; no result depends on it
+};
+
+// The parameters a scene of `disparities` candidates is matched with. A preset means what the
+// appliance makes of it (for_depth()); a method named alone has whole disparities and the
+// left-right check. What the options say comes on top. Refused in one line: what match_plan()
+// refuses, annealing, filled and unchecked disparities.
+std::expected<dsp::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+                                                                int disparities);
+
+// The same sensors with less effort, to see what the effort gains (chapter_geometry.h).
+struct ChapterPlanes {
+  DepthPlanes pmd;          // PMD map scaled to the left picture
+  DepthPlanes fused;        // the interval rule on it
+  DepthPlanes reprojected;  // the interval rule alone, on readings where they belong
+};
+
+// Depth of one scene from each sensor alone and from both, in the left view.
+struct FusionResult {
+  DepthPlanes pmd;     // nothing of the stereo pair in it
+  DepthPlanes stereo;  // the left-right-checked, unfilled map that enters the fusion; nothing of
+                       // the PMD in it, also where that guides the search afterwards
+  DepthPlanes fused;
+  dataset::Image<dsp::Source> source;  // of fused
+  dataset::Image<dsp::Cause> cause;
+  std::optional<ChapterPlanes> chapter;
+  double match_ms = 0;  // medians
+  double convert_ms = 0;
+  double fuse_ms = 0;
+};
+
+// The scene's pair and the recording's first frame through the appliance's own DepthMaker. The
+// recording needs a rig. One line when they do not fit together.
+dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
+                                         const dataset::PmdRecording& recording,
+                                         const dsp::MatchParams& match,
+                                         const FusionOptions& options);
+
+// How many pixels have each source or cause.
+inline constexpr std::size_t kSources = 6;
+std::array<std::size_t, kSources> count_sources(const dataset::Image<dsp::Source>& source);
+std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cause>& cause);
+
+// What DepthScore says of each part of a result.
+struct FusionScores {
+  DepthScore pmd;
+  DepthScore stereo;
+  DepthScore fused;
+  std::optional<DepthScore> chapter_pmd;
+  std::optional<DepthScore> chapter_fused;
+  std::optional<DepthScore> reprojected;
+
+  // E5 below that of each sensor alone.
+  bool fused_is_best() const { return fused.e5 < pmd.e5 && fused.e5 < stereo.e5; }
+};
+FusionScores score_fusion(const FusionResult& result, const dataset::Image<float>& truth);
+// As mean_score().
+FusionScores mean_scores(std::span<const FusionScores> scores);
+
+}  // namespace stof::host

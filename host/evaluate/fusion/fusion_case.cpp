@@ -1,0 +1,50 @@
+#include "host/evaluate/fusion/fusion_case.h"
+
+namespace stof::host {
+
+std::string FusionCase::sensor() const {
+  return std::to_string(lens.width) + "x" + std::to_string(lens.height);
+}
+
+dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
+                                            const std::filesystem::path& prefix,
+                                            const MatchOptions& match,
+                                            const FusionOptions& options) {
+  dataset::Loaded<dataset::StereoScene> pair = dataset::read_stereo_scene(scene);
+  if (!pair) {
+    return std::unexpected(std::move(pair.error()));
+  }
+  const dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(prefix);
+  if (!recording) {
+    return std::unexpected(recording.error());
+  }
+  if (!recording->has_rig) {
+    return std::unexpected(dataset::Problem{
+        prefix.string() + ".json: has no rig (stereo, R, T): give a recording of a scene"});
+  }
+  if (!pair->truth) {
+    return std::unexpected(
+        dataset::Problem{scene.string() + ": has no gt_left.pgm: give a scene with ground truth"});
+  }
+  const std::expected<dsp::MatchParams, dataset::Problem> params =
+      fusion_params(match, pair->ndisp);
+  if (!params) {
+    return std::unexpected(params.error());
+  }
+  dataset::Loaded<FusionResult> result = fuse_scene(*pair, *recording, *params, options);
+  if (!result) {
+    return std::unexpected(std::move(result.error()));
+  }
+  FusionCase done{.scene = pair->name,
+                  .recording = prefix.filename().string(),
+                  .lens = recording->calibration.pmd.lens,
+                  .rig = recording->calibration.stereo,
+                  .left = std::move(pair->left),
+                  .truth = depth_from_disparity(*pair->truth, recording->calibration.stereo),
+                  .result = std::move(*result),
+                  .scores = {}};
+  done.scores = score_fusion(done.result, done.truth);
+  return done;
+}
+
+}  // namespace stof::host

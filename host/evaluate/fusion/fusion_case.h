@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+
+#include "dataset/dataset.h"
+#include "host/evaluate/fusion/fusion.h"
+#include "host/evaluate/stereo/match.h"
+
+namespace stof::host {
+
+// A stereo pair with truth, its PMD recording, and what became of them.
+struct FusionCase {
+  std::string scene;      // name of the pair's folder
+  std::string recording;  // the prefix without its folder
+  dsp::Pinhole lens;      // of the PMD camera
+  dsp::StereoRig rig;     // of the recording
+  dataset::Image<std::uint8_t> left;
+  dataset::Image<float> truth;  // Z in metres of the left view, +inf = unknown
+  FusionResult result;
+  FusionScores scores;
+
+  std::string sensor() const;  // "64x16"
+};
+
+// Reads, fuses and scores. One line when a file is missing, has no truth or no rig, or when the
+// options mean nothing.
+dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
+                                            const std::filesystem::path& prefix,
+                                            const MatchOptions& match,
+                                            const FusionOptions& options);
+
+}  // namespace stof::host

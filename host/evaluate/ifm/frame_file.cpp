@@ -1,0 +1,177 @@
+#include "host/evaluate/ifm/frame_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <functional>
+#include <sstream>
+
+#include <nlohmann/json.hpp>
+
+namespace stof::host {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+constexpr unsigned kInvalid = 1;  // bit of the confidence
+constexpr unsigned kExposureBit = 4;
+constexpr unsigned kExposureMask = 3;
+constexpr std::size_t kMetadata = 48;  // of a chunk's header: JSON from here on
+
+std::unexpected<dataset::Problem> refuse(const fs::path& file, const std::string& what,
+                                         const char* remedy) {
+  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
+}
+
+std::string bytes_of(const fs::path& file) {
+  const std::ifstream stream(file, std::ios::binary);
+  std::stringstream bytes;
+  bytes << stream.rdbuf();
+  return bytes.str();
+}
+
+dataset::Loaded<FrameInfo> read_info(const fs::path& file) {
+  const json root = json::parse(bytes_of(file), nullptr, false);
+  const json lens = root.is_object() ? root.value("intrinsics", json()) : json();
+  const json k = lens.is_object() ? lens.value("k", json()) : json();
+  const auto number = [](const json& of, const char* key) {
+    const json value = of.value(key, json());
+    return value.is_number() ? value.get<double>() : std::nan("");
+  };
+  if (!k.is_array() || k.size() < 5 ||
+      !std::ranges::all_of(k, [](const json& value) { return value.is_number(); })) {
+    return refuse(file, "has no \"intrinsics\" with fx, fy, cx, cy and k of five numbers",
+                  "correct the file");
+  }
+  FrameInfo info{.lens = {.width = static_cast<int>(number(root, "width")),
+                          .height = static_cast<int>(number(root, "height")),
+                          .fx = number(lens, "fx"),
+                          .fy = number(lens, "fy"),
+                          .cx = number(lens, "cx"),
+                          .cy = number(lens, "cy"),
+                          .k1 = k[0],
+                          .k2 = k[1],
+                          .k3 = k[4],
+                          .p1 = k[2],
+                          .p2 = k[3]},
+                 .unit_m = number(root, "distance_unit_m")};
+  const dsp::Pinhole& l = info.lens;
+  if (!(l.fx > 0 && l.fy > 0 && std::isfinite(l.cx) && std::isfinite(l.cy) && info.unit_m > 0)) {
+    return refuse(file, "has an intrinsic or a distance_unit_m that cannot be computed with",
+                  "correct the file");
+  }
+  return info;
+}
+
+template <typename T>
+std::expected<void, dataset::Problem> read_beside(const fs::path& file, const dsp::Pinhole& lens,
+                                                  std::optional<dataset::Image<T>>& image) {
+  std::error_code error;
+  if (!fs::exists(file, error)) {
+    return {};
+  }
+  dataset::Loaded<dataset::Image<T>> found;
+  if constexpr (sizeof(T) == 1) {
+    found = dataset::read_pgm8(file);
+  } else {
+    found = dataset::read_pgm16(file);
+  }
+  if (!found) {
+    return std::unexpected(std::move(found.error()));
+  }
+  if (found->width != lens.width || found->height != lens.height) {
+    return refuse(file, "is not of the size that info.json says", "give the files of one frame");
+  }
+  image = std::move(*found);
+  return {};
+}
+
+}  // namespace
+
+bool CameraFrame::valid(std::size_t i) const {
+  return radial.pixels[i] != 0 && (!confidence || (confidence->pixels[i] & kInvalid) == 0);
+}
+
+const PcicChunk* CameraFrame::chunk(std::uint32_t type) const {
+  const auto found = std::ranges::find(chunks, type, &PcicChunk::type);
+  return found == chunks.end() ? nullptr : &*found;
+}
+
+std::uint32_t CameraFrame::word(const PcicChunk& chunk, std::size_t n, std::size_t bytes) const {
+  std::uint32_t value = 0;
+  for (std::size_t i = 0; i < bytes; ++i) {
+    const char byte = buffer[chunk.at + chunk.header_size + bytes * n + i];
+    value |= std::uint32_t{static_cast<std::uint8_t>(byte)} << (8 * i);
+  }
+  return value;
+}
+
+std::vector<double> CameraFrame::amplitude_factors() const {
+  const PcicChunk* const amplitudes = chunk(kPcicAmplitude);
+  if (amplitudes == nullptr || !confidence) {
+    return {};
+  }
+  std::string text = buffer.substr(amplitudes->at + kMetadata, amplitudes->header_size - kMetadata);
+  text.resize(std::min(text.find('\0'), text.size()));
+  const json root = json::parse(text, nullptr, false);
+  const json named = root.is_object() ? root.value("AmpNormalizationFactors", json()) : json();
+  if (!named.is_array() || named.empty() ||
+      !std::ranges::all_of(named, [](const json& f) { return f.is_number() && f > 0; })) {
+    return {};
+  }
+  std::vector<double> sorted = named.get<std::vector<double>>();
+  std::ranges::sort(sorted, std::greater());  // the shortest exposure is multiplied by most
+  std::vector<double> factors;
+  for (const std::uint8_t bits : confidence->pixels) {
+    const std::size_t exposure = unsigned{bits} >> kExposureBit & kExposureMask;
+    factors.push_back(sorted[std::clamp<std::size_t>(exposure, 1, sorted.size()) - 1]);
+  }
+  return factors;
+}
+
+dataset::Loaded<CameraFrame> read_camera_frame(const fs::path& folder) {
+  dataset::Loaded<FrameInfo> info = read_info(folder / "info.json");
+  if (!info) {
+    return std::unexpected(std::move(info.error()));
+  }
+  CameraFrame frame{.info = *info,
+                    .radial = {},
+                    .amplitude = std::nullopt,
+                    .noise = std::nullopt,
+                    .confidence = std::nullopt,
+                    .buffer = {},
+                    .chunks = {}};
+  std::optional<dataset::Image<std::uint16_t>> radial;
+  std::expected<void, dataset::Problem> done =
+      read_beside(folder / "radial_distance.pgm", info->lens, radial);
+  if (done) {
+    done = read_beside(folder / "amplitude.pgm", info->lens, frame.amplitude);
+  }
+  if (done) {
+    done = read_beside(folder / "distance_noise.pgm", info->lens, frame.noise);
+  }
+  if (done) {
+    done = read_beside(folder / "confidence.pgm", info->lens, frame.confidence);
+  }
+  if (!done) {
+    return std::unexpected(std::move(done.error()));
+  }
+  if (!radial) {
+    return refuse(folder / "radial_distance.pgm", "is absent", "give a whole frame");
+  }
+  frame.radial = std::move(*radial);
+  const fs::path file = folder / "O3RBuffer.data";
+  std::error_code error;
+  if (fs::exists(file, error)) {
+    frame.buffer = bytes_of(file);
+    dataset::Loaded<std::vector<PcicChunk>> chunks = pcic_chunks(frame.buffer, file);
+    if (!chunks) {
+      return std::unexpected(std::move(chunks.error()));
+    }
+    frame.chunks = std::move(*chunks);
+  }
+  return frame;
+}
+
+}  // namespace stof::host

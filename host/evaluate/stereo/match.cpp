@@ -1,0 +1,167 @@
+#include "host/evaluate/stereo/match.h"
+
+#include <algorithm>
+#include <chrono>
+
+#include "dsp/stereo/match_options.h"
+#include "dsp/stereo/matcher.h"
+#include "host/evaluate/stereo/energy.h"
+#include "host/evaluate/stereo/median.h"
+#include "posix/worker_threads.h"
+
+namespace stof::host {
+namespace {
+
+using dataset::Problem;
+
+std::unexpected<Problem> refuse(std::string message) {
+  return std::unexpected(Problem{std::move(message)});
+}
+
+// The value given for an option, or empty.
+std::string setting(const MatchOptions& options, const std::string& name) {
+  const auto found =
+      std::ranges::find(options.settings, name, &std::pair<std::string, std::string>::first);
+  return found == options.settings.end() ? std::string() : found->second;
+}
+
+bool wants_annealing(const MatchOptions& options) { return setting(options, "method") == "sa"; }
+
+// Where the settings begin: the preset, or what suits the method.
+std::expected<dsp::MatchParams, Problem> starting_params(const MatchOptions& options) {
+  const std::string method = setting(options, "method");
+  if (!options.preset.empty()) {
+    const dsp::Preset* const preset = dsp::find_preset(options.preset);
+    if (preset == nullptr) {
+      return refuse("--preset " + options.preset + ": unknown: use one of " +
+                    std::string(dsp::preset_names()));
+    }
+    return preset->params;
+  }
+  if (wants_annealing(options)) {
+    dsp::MatchParams params = dsp::method_defaults(dsp::Method::kScanline);
+    params.method = dsp::Method::kWinnerTakesAll;
+    return params;
+  }
+  dsp::MatchParams params;
+  if (!method.empty() && dsp::find_match_option("method")->set(method, params)) {
+    return dsp::method_defaults(params.method);
+  }
+  return params;
+}
+
+}  // namespace
+
+std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int disparities) {
+  const std::expected<dsp::MatchParams, Problem> start = starting_params(options);
+  if (!start) {
+    return std::unexpected(start.error());
+  }
+  MatchPlan plan{.params = *start,
+                 .seed = options.seed,
+                 .energy = options.energy,
+                 .runs = options.runs,
+                 .threads = options.threads};
+  plan.params.disparities = disparities;
+  for (const auto& [name, value] : options.settings) {
+    if (name == "method" && value == "sa") {
+      plan.annealing =
+          options.hill_climbing ? dsp::Acceptance::kHillClimbing : dsp::Acceptance::kMetropolis;
+      continue;
+    }
+    const dsp::MatchOption* const option = dsp::find_match_option(name);
+    if (option == nullptr || !option->set(value, plan.params)) {
+      std::string message = "--" + name;
+      message += " " + value + ": not one of its values: use ";
+      message += option == nullptr ? "" : option->values;
+      return refuse(message + (name == "method" ? ", or sa" : ""));
+    }
+  }
+  if (const char* const why = dsp::problem(plan.params); *why != '\0') {
+    return refuse(why);
+  }
+  if (options.runs < 1) {
+    return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
+  }
+  if (options.threads < 1 || options.threads > dsp::Crew::kMost) {
+    return refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
+                  std::to_string(dsp::Crew::kMost));
+  }
+  return plan;
+}
+
+std::string describe(const MatchOptions& options) {
+  std::string text = options.preset.empty() ? "" : "preset " + options.preset;
+  const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
+  for (const auto& [name, value] : options.settings) {
+    if (name == "method" || name == "cost" || name == "block") {
+      add(value);
+    } else {
+      add(value == "on" ? name : std::string(name).append(" ").append(value));
+    }
+  }
+  return text.empty() ? "wta, sad 16x16" : text;
+}
+
+std::string too_few_threads(int there, int asked) {
+  return "--threads " + std::to_string(asked) + ": the system gives " + std::to_string(there) +
+         ": use fewer";
+}
+
+dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
+                                         const dsp::MatchParams& params, int runs, int threads) {
+  const int width = scene.left.width;
+  const int height = scene.left.height;
+  if (dsp::check(params, width, height) != Status::kOk) {
+    return refuse(
+        scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) + " pixels with " +
+        std::to_string(params.disparities) +
+        " disparities are more than this version matches: use a smaller picture or ndisp");
+  }
+  posix::WorkerThreads workers({.threads = threads});
+  if (workers.threads() < threads) {
+    return refuse(too_few_threads(workers.threads(), threads));
+  }
+  Workspace workspace(dsp::Matcher::bytes_needed(params, width, height, threads));
+  dsp::Arena arena = workspace.arena();
+  dsp::Matcher matcher(params, width, height, arena, dsp::Crew(workers, threads));
+  MatchResult result{.disparity = {width, height}, .filled = {width, height}};
+  result.median_ms = median_time_ms(
+      runs, [&] { matcher.match(scene.left.view(), scene.right.view(), result.disparity.view()); });
+  const dsp::ImageView<const std::uint8_t> filled = matcher.filled();
+  for (int y = 0; y < filled.height(); ++y) {
+    std::ranges::copy(filled.row(y), result.filled.view().row(y).begin());
+  }
+  return result;
+}
+
+dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan) {
+  dataset::Loaded<MatchResult> result = match_scene(scene, plan.params, plan.runs, plan.threads);
+  if (!result) {
+    return result;
+  }
+  if (plan.annealing) {
+    // Slow: once is enough.
+    result->median_ms += median_time_ms(1, [&] {
+      result->energy =
+          anneal_map(scene, plan.params, *plan.annealing, plan.seed, result->disparity);
+    });
+  } else if (plan.energy) {
+    result->energy = energy_of(scene, plan.params, result->disparity);
+  }
+  return result;
+}
+
+double median_time_ms(int runs, const std::function<void()>& work) {
+  std::vector<double> times;
+  for (int i = 0; i < std::max(runs, 1); ++i) {
+    const std::chrono::steady_clock::time_point begin = std::chrono::steady_clock::now();
+    work();
+    const std::chrono::duration<double, std::milli> taken =
+        std::chrono::steady_clock::now() - begin;
+    times.push_back(taken.count());
+  }
+  return median(std::move(times)).value_or(0);
+}
+
+}  // namespace stof::host

@@ -1,0 +1,138 @@
+#include "host/report/page/legend.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "host/report/page/page.h"
+
+namespace stof::host {
+namespace {
+
+std::string css_colour(Rgb colour) {
+  std::array<char, 8> text{};
+  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", colour.red, colour.green, colour.blue);
+  return text.data();
+}
+
+struct Tick {
+  double place;  // 0..1 along the bar
+  std::string text;
+};
+
+// A bar of colours with ticks below, the unit at its end, and a box of "none".
+// The drawing has units of its own, about half a millimetre on the screen.
+std::string bar(const std::vector<Rgb>& colours, const std::vector<Tick>& ticks,
+                std::string_view unit) {
+  constexpr double kBarWidth = 216;
+  constexpr double kLeft = 10;
+  std::string svg =
+      R"(<svg class="bar" viewBox="0 0 300 32" role="img" aria-label="colour scale">)";
+  const double step = kBarWidth / static_cast<double>(colours.size());
+  const auto rectangle = [&svg](double x, double y, double width, double height, Rgb colour) {
+    svg += R"(<rect x=")" + number(x, 2) + R"(" y=")" + number(y, 2) + R"(" width=")" +
+           number(width, 2) + R"(" height=")" + number(height, 2) + R"(" fill=")" +
+           css_colour(colour) + R"(" shape-rendering="crispEdges"/>)";
+  };
+  for (std::size_t i = 0; i < colours.size(); ++i) {
+    // A little too wide: no gaps between neighbours.
+    rectangle(kLeft + static_cast<double>(i) * step, 2, step + 0.4, 10, colours[i]);
+  }
+  const auto text = [&svg](double x, std::string_view anchor, std::string_view what) {
+    svg += R"(<text y="28" font-size="12" fill="currentColor" x=")" + number(x, 1) +
+           R"(" text-anchor=")" + std::string(anchor) + R"(">)" + escaped(what) + "</text>";
+  };
+  for (const Tick& tick : ticks) {
+    const double x = kLeft + tick.place * kBarWidth;
+    svg += R"(<path stroke="currentColor" d="M)" + number(x, 1) + R"( 12v4"/>)";
+    text(x, "middle", tick.text);
+  }
+  text(kLeft + kBarWidth + 15, "start", unit);
+  constexpr int kBox = 3;
+  for (int y = 0; y < 4; ++y) {
+    for (int x = 0; x < 6; ++x) {
+      rectangle(kLeft + kBarWidth + 46 + kBox * x, 1 + kBox * y, kBox, kBox,
+                none_colour(kBox * x, kBox * y));
+    }
+  }
+  svg += R"(<path fill="none" stroke="currentColor" stroke-width="0.6" d="M)" +
+         number(kLeft + kBarWidth + 46, 1) + R"( 1h18v12h-18z"/>)";
+  text(kLeft + kBarWidth + 55, "middle", "none");
+  return svg + "</svg>";
+}
+
+constexpr int kBarSteps = 48;
+
+std::string swatch(std::string_view background, std::string_view meaning) {
+  return "<span><i style=\"background:" + std::string(background) + "\"></i>" + escaped(meaning) +
+         "</span>";
+}
+
+}  // namespace
+
+std::string disparity_legend(const DisparityScale& scale) {
+  std::vector<Rgb> colours;
+  colours.reserve(kBarSteps);
+  for (int i = 0; i < kBarSteps; ++i) {
+    colours.push_back(scale.colour(std::lerp(scale.far_px, scale.near_px, (i + 0.5) / kBarSteps)));
+  }
+  std::vector<Tick> ticks;
+  for (const double d : scale.ticks()) {
+    ticks.push_back({(d - scale.far_px) / (scale.near_px - scale.far_px), number(d, 0)});
+  }
+  return bar(colours, ticks, "px");
+}
+
+std::string depth_legend(const ColourScale& scale) {
+  dataset::Image<float> ramp(kBarSteps, 1);
+  for (int i = 0; i < kBarSteps; ++i) {
+    const double place = (i + 0.5) / kBarSteps;
+    ramp.view().at(i, 0) =
+        static_cast<float>(scale.near_m * std::pow(scale.far_m / scale.near_m, place));
+  }
+  std::vector<Tick> ticks;
+  for (const double z : scale.ticks()) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%g", z);
+    ticks.push_back({scale.position(z), text.data()});
+  }
+  return bar(metric_picture(ramp, scale).pixels, ticks, "m");
+}
+
+std::string finding_legend(const std::vector<KeyEntry>& entries) {
+  std::string html = "<div class=\"key\">";
+  for (const KeyEntry& entry : entries) {
+    html += swatch(entry.finding == Finding::kMissing
+                       ? "repeating-conic-gradient(" + css_colour(none_colour(0, 0)) + " 0 25%," +
+                             css_colour(none_colour(3, 0)) + " 0 50%) 0 0/6px 6px"
+                       : css_colour(finding_colour(entry.finding)),
+                   entry.meaning);
+  }
+  return html + "</div>";
+}
+
+std::string difference_legend() {
+  return finding_legend({{Finding::kRight, "right"},
+                         {Finding::kTooNear, "too near"},
+                         {Finding::kTooFar, "too far"},
+                         {Finding::kMissing, "none"},
+                         {Finding::kUnknown, "no truth"}});
+}
+
+std::string removal_legend() {
+  return finding_legend({{Finding::kRight, "kept"},
+                         {Finding::kRightlyRemoved, "removed, was wrong"},
+                         {Finding::kWronglyRemoved, "removed, was right"},
+                         {Finding::kMissing, "none before"},
+                         {Finding::kUnknown, "removed, no truth"}});
+}
+
+std::string colour_legend(const std::vector<std::pair<Rgb, std::string>>& entries) {
+  std::string html = "<div class=\"key\">";
+  for (const auto& [colour, meaning] : entries) {
+    html += swatch(css_colour(colour), meaning);
+  }
+  return html + "</div>";
+}
+
+}  // namespace stof::host

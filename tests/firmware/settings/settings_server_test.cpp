@@ -1,0 +1,336 @@
+#include "firmware/settings/settings_server.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "firmware/settings/depth.h"
+#include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/presets.h"
+#include "firmware/settings/saved.h"
+#include "hal/emu/devices/store.h"
+
+namespace stof::settings {
+namespace {
+
+using Operation = wire::SettingsOperation;
+using Document = wire::SettingsDocument;
+using Result = wire::SettingsResult;
+
+class Board final : public Limits, public SettingsSink {
+ public:
+  bool accepts(const Settings& settings, Window& why) noexcept override {
+    if (settings.depth.disparities > 128) {
+      why << "too many disparities";
+      return false;
+    }
+    return true;
+  }
+  bool apply(const Settings& settings, std::uint32_t revision) noexcept override {
+    if (busy) {
+      return false;
+    }
+    applied = settings;
+    applied_revision = revision;
+    ++applications;
+    return true;
+  }
+
+  bool busy = false;
+  Settings applied{};
+  std::uint32_t applied_revision = 0;
+  int applications = 0;
+};
+
+struct Answer {
+  Result result;
+  std::string text;
+  wire::SettingsAnswer fields;
+};
+
+class SettingsDeskTest : public testing::Test {
+ protected:
+  Answer ask(Operation operation, const std::string& text = "", Document document = {},
+             std::uint16_t offset = 0, std::size_t room = 1024) {
+    std::vector<std::byte> space(room);
+    std::size_t bytes = 0;
+    const wire::SettingsAnswer answer =
+        desk_.serve({.operation = operation, .document = document, .offset = offset},
+                    std::as_bytes(std::span(text)), space, bytes);
+    EXPECT_LE(bytes, room);
+    std::string said(bytes, '\0');
+    std::transform(space.begin(), space.begin() + static_cast<std::ptrdiff_t>(bytes), said.begin(),
+                   [](std::byte byte) { return static_cast<char>(byte); });
+    return {answer.result, said, answer};
+  }
+
+  std::string read(Document document, std::size_t room = 1024) {
+    std::string text;
+    while (true) {
+      const Answer part =
+          ask(Operation::kGet, "", document, static_cast<std::uint16_t>(text.size()), room);
+      EXPECT_EQ(part.result, Result::kOk);
+      text += part.text;
+      if (part.text.empty() || text.size() >= part.fields.total) {
+        EXPECT_EQ(text.size(), part.fields.total);
+        return text;
+      }
+    }
+  }
+
+  Settings settings_of(Document document) {
+    Settings settings;
+    std::array<char, kWhyBytes> space;
+    Window why(space);
+    EXPECT_TRUE(parse(read(document), settings, why)) << why.text();
+    return settings;
+  }
+
+  hal::emu::Store store_;
+  Board board_;
+  SettingsDesk desk_{Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
+};
+
+TEST_F(SettingsDeskTest, GivesDocumentsInPartsOfAnySize) {
+  const std::string whole = read(Document::kSchema, 65'535);
+  EXPECT_GT(whole.size(), 4096U);
+  EXPECT_EQ(read(Document::kSchema, 1024), whole);
+  EXPECT_EQ(read(Document::kSchema, 7), whole);
+  const Answer beyond = ask(Operation::kGet, "", Document::kActive, 60'000);
+  EXPECT_EQ(beyond.result, Result::kOk);
+  EXPECT_EQ(beyond.text, "");
+  EXPECT_EQ(beyond.fields.total, read(Document::kActive).size());
+}
+
+TEST_F(SettingsDeskTest, SetIsInForceAtOnceAndNotSaved) {
+  const Answer answer = ask(Operation::kSet, R"({"depth": {"guided": true}})");
+  EXPECT_EQ(answer.result, Result::kOk);
+  EXPECT_EQ(answer.fields.revision, 2U);
+  EXPECT_EQ(answer.fields.restart, 0);
+  EXPECT_TRUE(board_.applied.depth.guided);
+  EXPECT_EQ(board_.applied_revision, 2U);
+  EXPECT_EQ(settings_of(Document::kActive), board_.applied);
+  EXPECT_EQ(settings_of(Document::kStaged), board_.applied);
+  EXPECT_EQ(settings_of(Document::kSaved), Settings{});
+  EXPECT_EQ(store_.saves(), 0);
+}
+
+TEST_F(SettingsDeskTest, WhatChangesNothingIsNoRevision) {
+  EXPECT_EQ(ask(Operation::kSet, "{}").fields.revision, 1U);
+  EXPECT_EQ(ask(Operation::kSet, R"({"name": "stof"})").fields.revision, 1U);
+  EXPECT_EQ(board_.applications, 0);
+}
+
+TEST_F(SettingsDeskTest, RefusalsChangeNothing) {
+  const Answer field = ask(Operation::kSet, R"({"name": "a", "period_ms": -1})");
+  EXPECT_EQ(field.result, Result::kInvalid);
+  EXPECT_EQ(field.text, "period_ms: takes 0 to 60000, not -1");
+  const Answer limit = ask(Operation::kSet, R"({"depth": {"disparities": 129}})");
+  EXPECT_EQ(limit.result, Result::kInvalid);
+  EXPECT_EQ(limit.text, "too many disparities");
+  const Answer pair = ask(Operation::kSet, R"({"depth": {"match": {"prefilter": "off"}}})");
+  EXPECT_EQ(pair.result, Result::kInvalid);
+  EXPECT_TRUE(pair.text.starts_with("depth.match: ")) << pair.text;
+  EXPECT_EQ(desk_.active(), Settings{});
+  EXPECT_EQ(desk_.revision(), 1U);
+  EXPECT_EQ(board_.applications, 0);
+}
+
+TEST_F(SettingsDeskTest, BusyChangesNothing) {
+  board_.busy = true;
+  EXPECT_EQ(ask(Operation::kSet, R"({"name": "a"})").result, Result::kBusy);
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "b"})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kBusy);
+  EXPECT_EQ(desk_.active(), Settings{});
+  board_.busy = false;
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_EQ(desk_.active().name.view(), "b");
+}
+
+TEST_F(SettingsDeskTest, StagedFieldsBecomeActiveTogetherAndAreSaved) {
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "period_ms": 50})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "b"})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "c", "x": 1})").result, Result::kInvalid);
+  EXPECT_EQ(desk_.active(), Settings{});
+  EXPECT_EQ(settings_of(Document::kStaged).name.view(), "b");
+  // What is set meanwhile and not staged stays.
+  EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"temporal": true}})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).fields.revision, 3U);
+  EXPECT_EQ(desk_.active().name.view(), "b");
+  EXPECT_EQ(desk_.active().period_ms, 50);
+  EXPECT_TRUE(desk_.active().depth.temporal);
+  EXPECT_EQ(settings_of(Document::kSaved), desk_.active());
+  EXPECT_EQ(board_.applications, 2);
+  EXPECT_EQ(store_.saves(), 1);
+  // A repeated commit finds nothing staged, and does not write again.
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_EQ(store_.saves(), 1);
+}
+
+TEST_F(SettingsDeskTest, FieldsThatNeedEachOtherMayBeStagedOneByOne) {
+  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"prefilter": "off"}}})").result,
+            Result::kOk);
+  const Answer refused = ask(Operation::kCommit);
+  EXPECT_EQ(refused.result, Result::kInvalid);
+  EXPECT_EQ(desk_.active(), Settings{});
+  EXPECT_EQ(store_.saves(), 0);
+  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"texture": "off"}}})").result,
+            Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+}
+
+TEST_F(SettingsDeskTest, RevertForgetsWhatIsStaged) {
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a"})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
+  EXPECT_EQ(settings_of(Document::kStaged), Settings{});
+  EXPECT_EQ(ask(Operation::kCommit).fields.revision, 1U);
+}
+
+TEST_F(SettingsDeskTest, PresetsOfOnePlaceUndoEachOther) {
+  for (const SettingsPreset& preset : presets()) {
+    EXPECT_EQ(ask(Operation::kReset).result, Result::kOk);
+    EXPECT_EQ(ask(Operation::kPreset, std::string(preset.name)).result, Result::kOk);
+    EXPECT_EQ(ask(Operation::kPreset, std::string(preset.name)).result, Result::kOk);
+  }
+  EXPECT_EQ(ask(Operation::kReset).result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kPreset, "indoor").result, Result::kOk);
+  const Settings indoor = desk_.active();
+  EXPECT_EQ(ask(Operation::kPreset, "near").result, Result::kOk);
+  EXPECT_EQ(desk_.active().depth.max_range_mm, 2000);
+  EXPECT_EQ(ask(Operation::kPreset, "indoor").result, Result::kOk);
+  EXPECT_EQ(desk_.active(), indoor);
+  const Answer unknown = ask(Operation::kPreset, "Indoor");
+  EXPECT_EQ(unknown.result, Result::kInvalid);
+  EXPECT_EQ(unknown.text, "preset: takes indoor, outdoor, near, fast or quality");
+}
+
+TEST_F(SettingsDeskTest, TellsWhatWaitsForARestart) {
+  EXPECT_EQ(ask(Operation::kSet, R"({"udp": {"port": 7000}})").fields.restart, 1);
+  EXPECT_TRUE(desk_.restart_needed());
+  EXPECT_EQ(ask(Operation::kSave).fields.restart, 1);
+  EXPECT_EQ(settings_of(Document::kSaved).udp_port, 7000);
+  EXPECT_EQ(ask(Operation::kReset).fields.restart, 0);
+}
+
+TEST_F(SettingsDeskTest, ThreadsWaitForARestart) {
+  EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 3}})").fields.restart, 1);
+  EXPECT_EQ(board_.applied.compute.threads, 3);
+  EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 0}})").fields.restart, 0);
+  EXPECT_EQ(ask(Operation::kStage, R"({"compute": {"threads": 8}})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).fields.restart, 1);
+  EXPECT_EQ(settings_of(Document::kSaved).compute.threads, 8);
+  const Answer many = ask(Operation::kSet, R"({"compute": {"threads": 9}})");
+  EXPECT_EQ(many.result, Result::kInvalid);
+  EXPECT_EQ(many.text, "compute.threads: takes 0 to 8, not 9");
+  EXPECT_EQ(desk_.active().compute.threads, 8);
+}
+
+TEST_F(SettingsDeskTest, TellsWhatCouldNotBeSaved) {
+  store_.break_down(true);
+  EXPECT_EQ(ask(Operation::kSet, R"({"name": "a"})").result, Result::kOk);
+  EXPECT_FALSE(desk_.unsaved());
+  const Answer answer = ask(Operation::kSave);
+  EXPECT_EQ(answer.result, Result::kNotSaved);
+  EXPECT_NE(answer.text, "");
+  EXPECT_TRUE(desk_.unsaved());
+  EXPECT_EQ(desk_.active().name.view(), "a");
+  EXPECT_EQ(settings_of(Document::kSaved), Settings{});
+  store_.break_down(false);
+  EXPECT_EQ(ask(Operation::kSave).result, Result::kOk);
+  EXPECT_FALSE(desk_.unsaved());
+  SettingsDesk without(Settings{}, Settings{}, {.limits = board_, .sink = board_});
+  std::array<std::byte, 256> space{};
+  std::size_t bytes = 0;
+  const std::string text = R"({"name": "b"})";
+  static_cast<void>(without.serve({.operation = Operation::kStage}, std::as_bytes(std::span(text)),
+                                  space, bytes));
+  EXPECT_EQ(without.serve({.operation = Operation::kCommit}, {}, space, bytes).result,
+            Result::kNotSaved);
+  EXPECT_EQ(without.active().name.view(), "b");
+}
+
+TEST_F(SettingsDeskTest, AnswersWhatItDoesNotKnow) {
+  EXPECT_EQ(ask(Operation{8}).result, Result::kUnsupported);
+  EXPECT_EQ(ask(Operation{255}, "x").result, Result::kUnsupported);
+  EXPECT_EQ(ask(Operation::kGet, "", Document{5}).result, Result::kUnsupported);
+  EXPECT_EQ(ask(Operation::kSet, "").result, Result::kInvalid);
+  EXPECT_EQ(ask(Operation::kSet, "{", {}, 0, 0).result, Result::kInvalid);
+}
+
+TEST_F(SettingsDeskTest, NextStartBeginsWithWhatWasSaved) {
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "depth": {"match": {"lr": 2}}})").result,
+            Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  std::array<char, 256> space;
+  Window line(space);
+  EXPECT_EQ(load_settings(store_, "x.json", &board_, line), desk_.active());
+  EXPECT_EQ(line.text(), "");
+}
+
+TEST(SavedSettings, ThatCannotBeUsedAreSetAsideAndTold) {
+  const std::vector<std::pair<std::string, std::string>> damaged{
+      {"{\"name\": \"a\"", "x.json: not JSON: it ends too early"},
+      {"{\"name\": \"a\", \"new_field\": 1}", "x.json: \"new_field\": there is no such setting"},
+      {"{\"depth\": {\"disparities\": 200}}", "x.json: too many disparities"},
+      {std::string(40'000, ' '), "x.json: longer than"}};
+  Board board;
+  for (const auto& [text, told] : damaged) {
+    hal::emu::Store store;
+    const auto bytes = std::as_bytes(std::span(text));
+    store.bytes().assign(bytes.begin(), bytes.end());
+    std::array<char, 320> space;
+    Window line(space);
+    EXPECT_EQ(load_settings(store, "x.json", &board, line), Settings{});
+    EXPECT_TRUE(line.text().starts_with(told)) << line.text();
+    EXPECT_TRUE(line.text().ends_with(": the defaults hold, the file is kept as .bad"))
+        << line.text();
+    EXPECT_EQ(store.aside().size(), text.size());
+    Window again(space);
+    EXPECT_EQ(load_settings(store, "x.json", &board, again), Settings{});
+    EXPECT_EQ(again.text(), "");
+  }
+}
+
+TEST(SavedSettings, MayNameSomeFieldsOnly) {
+  hal::emu::Store store;
+  const std::string text = "{\"name\": \"a\"}\n";
+  const auto bytes = std::as_bytes(std::span(text));
+  store.bytes().assign(bytes.begin(), bytes.end());
+  std::array<char, 320> space;
+  Window line(space);
+  Settings expected;
+  expected.name = Text<kNameBytes + 1>("a");
+  EXPECT_EQ(load_settings(store, "x.json", nullptr, line), expected);
+  store.break_down(true);
+  EXPECT_EQ(load_settings(store, "x.json", nullptr, line), Settings{});
+  EXPECT_EQ(line.text(), "x.json: cannot be read: the defaults hold");
+}
+
+TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {
+  Settings settings;
+  const dsp::DepthParams fast = depth_params(settings, 64);
+  EXPECT_EQ(fast.match.disparities, 64);
+  EXPECT_EQ(fast.match.method, dsp::Method::kWinnerTakesAll);
+  EXPECT_EQ(fast.fusion.max_range, 40'000);
+  EXPECT_FALSE(fast.guided || fast.temporal);
+  std::array<char, kWhyBytes> space;
+  Window why(space);
+  ASSERT_TRUE(parse(std::string_view(R"({"depth": {"match": {"lr": "off", "penalties": "1,9"},
+      "preset": "quality", "max_range_mm": 16380, "disparities": 96, "guided": true}})"),
+                    settings, why))
+      << why.text();
+  const dsp::DepthParams quality = depth_params(settings, 64);
+  EXPECT_EQ(quality.match.method, dsp::Method::kSemiGlobal);
+  EXPECT_EQ(quality.match.disparities, 96);
+  EXPECT_EQ(quality.match.left_right_tolerance, std::nullopt);
+  EXPECT_EQ(quality.match.smoothness->large_step, 9);
+  EXPECT_EQ(quality.fusion.max_range, 65'520);
+  EXPECT_TRUE(quality.guided);
+  EXPECT_NE(std::memcmp(&quality.fusion.spread, &fast.fusion.spread, sizeof fast.fusion.spread), 0);
+}
+
+}  // namespace
+}  // namespace stof::settings
