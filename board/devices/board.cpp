@@ -264,7 +264,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<linux::FileStore>(name);
+  return std::make_unique<linux::FileStore>(std::string(name));
 }
 
 Status reopen(Board&) noexcept { return rig->reopen(); }

@@ -189,7 +189,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<hal::linux::FileStore>(name);
+  return std::make_unique<hal::linux::FileStore>(std::string(name));
 }
 
 // An emulated rig shares a laptop with others.
