@@ -107,7 +107,7 @@ void ControlSide::tick(hal::Time now) noexcept {
   }
 }
 
-bool ControlSide::accepts(const settings::Settings& settings, settings::Window& why) noexcept {
+bool ControlSide::accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept {
   const auto plan = make_plan(parts_.rig, board::kConfig, settings);
   if (!plan) {
     why << plan.error();

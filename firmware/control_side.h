@@ -57,7 +57,7 @@ class ControlSide final : public settings::Limits, public settings::SettingsSink
   // Of the loop's thread. `made`: what its end of the serial line counted.
   Surroundings surroundings(const SerialSender::Counters& made) const noexcept;
 
-  bool accepts(const settings::Settings& settings, settings::Window& why) noexcept override;
+  bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
   bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override;
   void tick(hal::Time now) noexcept override;
 
@@ -68,7 +68,7 @@ class ControlSide final : public settings::Limits, public settings::SettingsSink
   void tell_loop() noexcept;
 
   Parts parts_;
-  settings::SettingsDesk desk_;
+  settings::SettingsServer desk_;
   Subscribers subscribers_;
   Gate gate_;
   Beacon beacon_;

@@ -14,7 +14,7 @@ std::expected<StartSettings, std::string> read_settings(const Options& options) 
   if (!options.settings.empty()) {
     start.store = board::make_store(options.settings);
     std::array<char, 512> space{};
-    settings::Window line(space);
+    settings::PagedWriter line(space);
     start.saved = settings::load_settings(*start.store, options.settings, nullptr, line);
     if (!line.text().empty()) {
       say(std::string(line.text()));

@@ -49,10 +49,6 @@ constexpr std::uint32_t life_s(RecordSet kind) noexcept {
   return (kind & (kServicesPtr | kInstancePtr | kTxt)) != 0 ? 4500 : 120;
 }
 
-// The data of the address' record, and which it is.
-std::span<const std::byte> record_data(const hal::InterfaceAddress& address) noexcept;
-RecordSet record_kind(const hal::InterfaceAddress& address) noexcept;
-
 enum class Tone : std::uint8_t {
   kMulticast,
   kLegacy,   // to whoever does not know mDNS: short lives, no claim to be the only one
