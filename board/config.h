@@ -104,6 +104,32 @@ struct Config {
   std::size_t workspace_limit = 0;  // bytes that the memory of the frame path must stay within
 };
 
+// The PMD camera may expose at every k-th edge, k at most this.
+inline constexpr int kMostPmdEvery = 8;
+
+// Empty, or why edges of this timing cannot be told apart or cameras cannot follow.
+constexpr const char* problem(const TimingConfig& timing) noexcept {
+  if (timing.pmd_every < 1 || timing.pmd_every > kMostPmdEvery) {
+    return "the PMD camera must expose at every edge or at every k-th, k at most 8";
+  }
+  if (timing.edge_tolerance <= hal::Duration::zero() ||
+      timing.period <= 16 * timing.edge_tolerance) {
+    return "the period must be longer than 16 edge tolerances";
+  }
+  if (timing.period > std::chrono::minutes(1)) {
+    return "the period must be at most a minute";
+  }
+  // Edges come 7/8 of a period apart at the nearest.
+  const hal::Duration spacing = timing.period - timing.period / 8;
+  if (spacing <= timing.stereo_exposure + timing.edge_tolerance) {
+    return "7/8 of the period must be longer than the exposure of the stereo cameras";
+  }
+  if (timing.pmd_every * spacing <= timing.pmd_integration + timing.edge_tolerance) {
+    return "7/8 of the period must be longer than the integration of the PMD camera";
+  }
+  return "";
+}
+
 // How long the trigger of a pair is active for that exposure.
 constexpr hal::Duration pulse_length(const PairConfig& pair, hal::Duration exposure) noexcept {
   return pair.pulse > hal::Duration::zero() ? pair.pulse : exposure - pair.pulse_lag;
@@ -130,11 +156,8 @@ constexpr bool valid(const Config& config) noexcept {
   return config.stereo.width > 0 && config.stereo.height > 0 && config.stereo.disparities > 0 &&
          config.stereo.block_width >= 1 && config.stereo.block_width <= 64 &&
          config.stereo.block_height >= 1 && config.stereo.block_height <= 64 &&
-         config.pmd.width >= 0 && config.pmd.height >= 0 && timing.pmd_every >= 1 &&
-         timing.stereo_exposure > hal::Duration::zero() &&
-         timing.period > timing.stereo_exposure + timing.edge_tolerance &&
-         timing.period * timing.pmd_every > timing.pmd_integration + timing.edge_tolerance &&
-         timing.edge_tolerance > hal::Duration::zero() && valid(config.devices, timing);
+         config.pmd.width >= 0 && config.pmd.height >= 0 && *problem(timing) == '\0' &&
+         timing.stereo_exposure > hal::Duration::zero() && valid(config.devices, timing);
 }
 
 }  // namespace stof::board

@@ -128,7 +128,7 @@ struct Workspace {
 };
 static_assert(sizeof(Workspace::memory) <= board::kConfig.workspace_limit);
 
-// What else stofd holds at link time: the serial line's ring (128 KiB), rings of plans and
+// What else stofd holds at link time: the serial line's ring (128 KiB), rings of configurations and
 // receivers, counters (main.cpp asserts it), and what the C++ library brings.
 inline constexpr std::size_t kOtherStaticBytes = std::size_t{256} << 10;
 

@@ -25,6 +25,9 @@ cstdint cstdio cstdlib cstring ctime cuchar cwchar cwctype
 """.split())
 
 ANY_LIBRARY = ("*",)
+# What the C library has beyond C.
+C_LIBRARY = ("arpa/*.h", "asm/*.h", "fcntl.h", "net/*.h", "netdb.h", "netinet/*.h", "poll.h", "pthread.h", "sys/*.h",
+             "unistd.h")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -44,11 +47,11 @@ FLOORS = (
     Floor("dsp/base/simd.h", ("dsp/base/*",), ("arm_neon.h", "simde/arm/neon.h")),
     Floor("dsp/base/avx2.h", ("dsp/base/*",), ("immintrin.h",)),
     Floor("dsp/calib/*.cpp", ("dsp/*",), ("Eigen/*",)),
-    Floor("dsp/base/workers.cpp", ("dsp/base/*",), ("pthread.h",)),
     Floor("dsp/*", ("dsp/*",)),
+    Floor("posix/*", ("posix/*",), C_LIBRARY),
     Floor("dataset/*", ("dataset/*", "dsp/base/*", "dsp/calib/*"), ANY_LIBRARY),
     Floor("hal/emu/*", ("hal/emu/*", HAL_INTERFACES, "dsp/*", "dataset/*"), ANY_LIBRARY),
-    Floor("hal/linux/*", ("hal/linux/*", "hal/framing/*", HAL_INTERFACES, "dsp/*"), ANY_LIBRARY),
+    Floor("hal/linux/*", ("hal/linux/*", "hal/framing/*", HAL_INTERFACES, "dsp/*", "posix/*"), ANY_LIBRARY),
     Floor("hal/framing/*", ("hal/framing/*", HAL_INTERFACES, "dsp/base/*")),
     Floor("hal/*", (HAL_INTERFACES, "dsp/base/*")),
     Floor("board/board.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*"), macro=True),
@@ -59,8 +62,9 @@ FLOORS = (
     Floor("firmware/wire/*", ("firmware/wire/*", "dsp/*")),
     Floor("firmware/settings/text/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
+    Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),
     Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
-    Floor("host/*", ("host/*", "dsp/*", "dataset/*", "firmware/wire/*", "hal/framing/*", "board/config.h"),
+    Floor("host/*", ("host/*", "dsp/*", "posix/*", "dataset/*", "firmware/wire/*", "hal/framing/*", "board/config.h"),
           ANY_LIBRARY),
     Floor("tests/*", ("*",), ANY_LIBRARY),
 )
@@ -92,9 +96,7 @@ def fits(name, pattern):
 
 
 def longest(path):
-    if path.startswith("tests/"):
-        return 400
-    return 150 if path.endswith(".h") else 300
+    return 150 if path.endswith(".h") and not path.startswith("tests/") else 500
 
 
 def judge_project_include(root, path, floor, name):

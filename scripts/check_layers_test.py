@@ -27,6 +27,10 @@ GOOD = {
     "hal/emu/camera.h": '#pragma once\n#include "hal/camera.h"\n#include "dataset/scene.h"\n',
     "hal/emu/link.cpp": '#include <sys/socket.h>\n#include "hal/emu/camera.h"\n',
     "hal/linux/usb.h": '#pragma once\n#include <libusb.h>\n#include "hal/framing/cobs.h"\n',
+    "posix/socket.h": "#pragma once\n#include <sys/socket.h>\n#include <span>\n",
+    "hal/linux/port.cpp": '#include "posix/socket.h"\n',
+    "firmware/program/main.cpp": '#include "posix/worker_threads.h"\n',
+    "posix/worker_threads.h": "#pragma once\n",
     "board/config.h": '#pragma once\n#include "hal/time.h"\n',
     "board/board.h": '#pragma once\n#include "board/config.h"\n#include STOF_BOARD_CONFIG\n',
     "board/emu/config.h": '#pragma once\n#include "board/config.h"\n',
@@ -47,6 +51,12 @@ GOOD = {
 BROKEN = {
     "dsp knows a device": ("dsp/stereo/bad.cpp", '#include "hal/camera.h"', "dsp/* must not know"),
     "dsp knows the system": ("dsp/stereo/bad.cpp", "#include <unistd.h>", "must not know <unistd.h>"),
+    "dsp knows threads": ("dsp/stereo/bad.cpp", '#include "posix/worker_threads.h"', "dsp/* must not know"),
+    "posix knows dsp": ("posix/bad.cpp", '#include "dsp/base/image.h"', "posix/* must not know"),
+    "posix knows a device": ("posix/bad.cpp", '#include "hal/time.h"', "posix/* must not know"),
+    "posix knows a library": ("posix/bad.cpp", "#include <libusb.h>", "must not know <libusb.h>"),
+    "emu knows sockets": ("hal/emu/bad.cpp", '#include "posix/socket.h"', "must not know"),
+    "the loop knows sockets": ("firmware/bad.cpp", '#include "posix/socket.h"', "must not know"),
     "dsp knows a dataset": ("dsp/base/bad.cpp", '#include "dataset/scene.h"', "must not know"),
     "Eigen outside of calib": ("dsp/stereo/bad.cpp", "#include <Eigen/Core>", "<Eigen/Core>"),
     "Eigen in a header": ("dsp/calib/bad.h", "#pragma once\n#include <Eigen/Core>", ":2: "),
@@ -92,8 +102,8 @@ BROKEN = {
     "no guard": ("host/bad.h", "int f();", "#pragma once"),
     "another ending": ("host/bad.hpp", "#pragma once", ".hpp"),
     "a long header": ("host/bad.h", "#pragma once" + "\n" * 150 + "int f();", "151 lines"),
-    "a long source": ("host/bad.cpp", "\n" * 300 + "int i;", "301 lines"),
-    "a long test": ("tests/host/bad.cpp", "\n" * 400 + "int i;", "401 lines"),
+    "a long source": ("host/bad.cpp", "\n" * 500 + "int i;", "501 lines"),
+    "a long test": ("tests/host/bad.cpp", "\n" * 500 + "int i;", "501 lines"),
 }
 
 

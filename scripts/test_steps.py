@@ -196,7 +196,8 @@ def arm64(preset, *checks):
 
 BOARDS = ("virt", "rpi4", "rpi5")
 # What only a build for a board has, so that step `tidy` has not read it.
-ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio_*.cpp", "hal/linux/libcamera_*.cpp", "hal/linux/libusb_udev.cpp")
+ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio/*.cpp", "hal/linux/libcamera/*.cpp",
+                  "hal/linux/usb/libusb_udev.cpp")
 
 
 def boards(log):

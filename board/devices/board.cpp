@@ -10,21 +10,21 @@
 #include "board/devices/lines.h"
 #include "board/devices/request.h"
 #include "board/devices/wiring.h"
-#include "hal/linux/clock.h"
-#include "hal/linux/file_store.h"
-#include "hal/linux/gpio_trigger.h"
-#include "hal/linux/heap_watch.h"
-#include "hal/linux/libcamera_stereo.h"
-#include "hal/linux/realtime.h"
-#include "hal/linux/usb_pmd.h"
-#include "hal/linux/v4l2_pmd.h"
-#include "hal/linux/v4l2_stereo.h"
-#include "hal/linux/watchdog.h"
+#include "hal/linux/gpio/gpio_trigger.h"
+#include "hal/linux/libcamera/libcamera_stereo.h"
+#include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_store.h"
+#include "hal/linux/system/heap_watch.h"
+#include "hal/linux/system/realtime.h"
+#include "hal/linux/system/watchdog.h"
+#include "hal/linux/usb/usb_pmd.h"
+#include "hal/linux/v4l2/v4l2_pmd.h"
+#include "hal/linux/v4l2/v4l2_stereo.h"
 
 namespace stof::board {
 namespace {
 
-namespace posix = hal::posix;
+namespace linux = hal::linux;
 
 using Stereo = Late<hal::StereoCamera, hal::StereoFrame>;
 using Pmd = Late<hal::PmdCamera, hal::PmdFrame>;
@@ -49,7 +49,7 @@ PictureSize pmd_size(const Request& request) {
 // Everything that the board is made of, as long as the program lives.
 class Rig {
  public:
-  Rig(Request&& request, LinesOpen&& lines, std::unique_ptr<posix::GpioTrigger> trigger)
+  Rig(Request&& request, LinesOpen&& lines, std::unique_ptr<linux::GpioTrigger> trigger)
       : request_(std::move(request)),
         lines_(std::move(lines)),
         trigger_(std::move(trigger)),
@@ -79,7 +79,7 @@ class Rig {
 
   // The serial line is the control thread's, which reopens it.
   Status reopen() noexcept {
-    const posix::MarkedHeap marked;
+    const linux::MarkedHeap marked;
     // Libraries start threads when they open a device, and may spin for one that is gone.
     static_cast<void>(be_urgent(false));
     // A camera that hangs may take its driver's patience, seconds; each has all of the watchdog's.
@@ -100,36 +100,36 @@ class Rig {
       static_cast<void>(watchdog_->kick());
     }
   }
-  std::expected<Stereo::Opened, posix::OpenError> open_stereo();
-  std::expected<Pmd::Opened, posix::OpenError> open_pmd();
+  std::expected<Stereo::Opened, linux::OpenError> open_stereo();
+  std::expected<Pmd::Opened, linux::OpenError> open_pmd();
   void open_watchdog();
   void assemble();
 
   // What a sensor says itself, where it is wired, else what it was told.
-  std::array<posix::Exposures*, 2> stereo_exposures() {
-    posix::Exposures* const told = &stereo_exposures_;
+  std::array<linux::Exposures*, 2> stereo_exposures() {
+    linux::Exposures* const told = &stereo_exposures_;
     const std::array<std::string, 2> lines = strobe_lines(request_);
     return {lines[0].empty() ? told : &left_strobe_, lines[1].empty() ? told : &right_strobe_};
   }
 
   Request request_;
   LinesOpen lines_;
-  posix::Clock clock_;
-  std::unique_ptr<posix::GpioTrigger> trigger_;
-  posix::EdgeExposures stereo_exposures_;
-  posix::EdgeExposures pmd_exposures_;
-  posix::StrobeExposures left_strobe_;  // used where it is wired
-  posix::StrobeExposures right_strobe_;
+  linux::Clock clock_;
+  std::unique_ptr<linux::GpioTrigger> trigger_;
+  linux::EdgeExposures stereo_exposures_;
+  linux::EdgeExposures pmd_exposures_;
+  linux::StrobeExposures left_strobe_;  // used where it is wired
+  linux::StrobeExposures right_strobe_;
   Stereo stereo_;
   std::optional<Pmd> pmd_;
-  std::unique_ptr<posix::WatchdogDevice> watchdog_;
+  std::unique_ptr<linux::WatchdogDevice> watchdog_;
   std::vector<std::string> notes_;
   std::optional<Board> board_;
 };
 
 // A camera of a kind that is opened by `make`, as one that may be missing.
 template <typename Opened, typename Made>
-std::expected<Opened, posix::OpenError> opened(Made&& made) {
+std::expected<Opened, linux::OpenError> opened(Made&& made) {
   if (!made) {
     return std::unexpected(std::move(made.error()));
   }
@@ -141,7 +141,7 @@ std::string or_table(const std::string& wanted, const char* table) {
   return wanted.empty() ? std::string(table) : wanted;
 }
 
-std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
+std::expected<Stereo::Opened, linux::OpenError> Rig::open_stereo() {
   const PairConfig& pair = pair_of(request_);
   const PictureSize size = stereo_size(request_);
   const std::string left = or_table(request_.left, pair.left);
@@ -150,7 +150,7 @@ std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
     right.clear();
   }
   if (request_.cameras == PairKind::kLibcamera) {
-    posix::LibcameraOptions options;
+    linux::LibcameraOptions options;
     options.left = left;
     options.right = right;
     options.width = size.width;
@@ -160,9 +160,9 @@ std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
     options.exposures = &stereo_exposures_;
     options.most_delay = pair.most_delay;
     options.most_skew = kTiming.edge_tolerance;
-    return opened<Stereo::Opened>(posix::open_libcamera(options));
+    return opened<Stereo::Opened>(linux::open_libcamera(options));
   }
-  return opened<Stereo::Opened>(posix::V4l2Stereo::open(posix::kernel_calls(), clock_,
+  return opened<Stereo::Opened>(linux::V4l2Stereo::open(linux::kernel_calls(), clock_,
                                                         {.nodes = {left, right},
                                                          .width = size.width,
                                                          .height = size.height,
@@ -172,10 +172,10 @@ std::expected<Stereo::Opened, posix::OpenError> Rig::open_stereo() {
                                                          .most_delay = pair.most_delay}));
 }
 
-std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
+std::expected<Pmd::Opened, linux::OpenError> Rig::open_pmd() {
   const PictureSize size = pmd_size(request_);
   if (request_.pmd != "usb") {
-    return opened<Pmd::Opened>(posix::V4l2Pmd::open(posix::kernel_calls(), clock_,
+    return opened<Pmd::Opened>(linux::V4l2Pmd::open(linux::kernel_calls(), clock_,
                                                     {.node = request_.pmd,
                                                      .width = size.width,
                                                      .height = size.height,
@@ -183,7 +183,7 @@ std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
                                                      .integration = kTiming.pmd_integration,
                                                      .most_delay = pair_of(request_).most_delay}));
   }
-  posix::UsbPmdOptions options;
+  linux::UsbPmdOptions options;
   options.id.vendor = kDevices.pmd.usb_vendor;
   options.id.product = kDevices.pmd.usb_product;
   options.config.modulation_khz = kDevices.pmd.modulation_khz;
@@ -191,7 +191,7 @@ std::expected<Pmd::Opened, posix::OpenError> Rig::open_pmd() {
   options.width = size.width;
   options.height = size.height;
   options.edge_tolerance = kDevices.pmd.edge_tolerance;
-  return opened<Pmd::Opened>(posix::UsbPmd::open(options, trigger_->edges()));
+  return opened<Pmd::Opened>(linux::UsbPmd::open(options, trigger_->edges()));
 }
 
 void Rig::open_watchdog() {
@@ -199,7 +199,7 @@ void Rig::open_watchdog() {
   if (device.empty() || device == "none") {
     return;
   }
-  auto opened = posix::WatchdogDevice::open(
+  auto opened = linux::WatchdogDevice::open(
       {.device = device,
        .timeout = std::chrono::duration_cast<std::chrono::seconds>(kDevices.watchdog_timeout)});
   if (opened) {
@@ -254,7 +254,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
   if (!talks) {
     return std::unexpected(talks.error());
   }
-  auto trigger = posix::GpioTrigger::open(trigger_options(*request));
+  auto trigger = linux::GpioTrigger::open(trigger_options(*request));
   if (!trigger) {
     return std::unexpected(Refusal{.message = trigger.error().message, .device = true});
   }
@@ -263,7 +263,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<posix::FileStore>(name);
+  return std::make_unique<linux::FileStore>(name);
 }
 
 Status reopen(Board&) noexcept { return rig->reopen(); }
@@ -272,8 +272,8 @@ std::optional<std::string> lock_memory() {
   if (rig->priority() == 0) {
     return std::nullopt;
   }
-  std::optional<std::string> refused = posix::lock_memory();
-  posix::prefault_stack();
+  std::optional<std::string> refused = linux::lock_memory();
+  linux::prefault_stack();
   return refused;
 }
 
@@ -281,13 +281,13 @@ std::optional<std::string> be_urgent(bool urgent) {
   if (rig->priority() == 0) {
     return std::nullopt;
   }
-  return urgent ? posix::set_fifo_priority(rig->priority()) : posix::set_ordinary_priority();
+  return urgent ? linux::set_fifo_priority(rig->priority()) : linux::set_ordinary_priority();
 }
 
-void count_heap_calls() noexcept { posix::watch_heap_of_this_thread(); }
+void count_heap_calls() noexcept { linux::watch_heap_of_this_thread(); }
 
 HeapCalls heap_calls() noexcept {
-  const posix::HeapCounts counts = posix::heap_counts();
+  const linux::HeapCounts counts = linux::heap_counts();
   return {.counted = counts.counted, .own = counts.calls, .libraries = counts.marked};
 }
 

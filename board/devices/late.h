@@ -24,7 +24,7 @@ class Late final : public Camera {
     std::unique_ptr<Camera> camera;
     std::function<Status()> reopen;  // of this camera, in place
   };
-  using Open = std::function<std::expected<Opened, hal::posix::OpenError>()>;
+  using Open = std::function<std::expected<Opened, hal::linux::OpenError>()>;
 
   explicit Late(Open open) : open_(std::move(open)) { static_cast<void>(reopen()); }
 

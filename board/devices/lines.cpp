@@ -2,26 +2,26 @@
 
 #include <utility>
 
-#include "hal/linux/peer_address.h"
+#include "hal/linux/ports/peer_address.h"
 
 namespace stof::board {
 
 std::expected<LinesOpen, Refusal> open_lines(const Lines& wanted) {
   LinesOpen lines;
-  auto port = hal::posix::UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp});
+  auto port = hal::linux::UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp});
   if (!port) {
     return std::unexpected(Refusal{port.error().message});
   }
   lines.port = std::move(*port);
   if (!wanted.to.empty()) {
-    const auto peer = hal::posix::resolve(wanted.to);
+    const auto peer = hal::linux::resolve(wanted.to);
     if (!peer) {
       return std::unexpected(Refusal{peer.error().message});
     }
     lines.to = *peer;
   }
   if (!wanted.serial.empty()) {
-    auto serial = hal::posix::SerialTty::open(
+    auto serial = hal::linux::SerialTty::open(
         {.device = wanted.serial, .baud = wanted.baud, .flow_control = wanted.flow_control});
     if (!serial) {
       return std::unexpected(Refusal{serial.error()});
@@ -29,7 +29,7 @@ std::expected<LinesOpen, Refusal> open_lines(const Lines& wanted) {
     lines.serial = std::move(*serial);
   }
   if (wanted.mdns) {
-    auto mdns = hal::posix::MdnsPort::open();
+    auto mdns = hal::linux::MdnsPort::open();
     if (mdns) {
       lines.mdns = std::move(*mdns);
     } else {

@@ -7,20 +7,20 @@
 #include <vector>
 
 #include "board/board.h"
-#include "hal/linux/mdns_port.h"
-#include "hal/linux/network.h"
-#include "hal/linux/serial_tty.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/mdns_port.h"
+#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/serial_tty.h"
+#include "hal/linux/ports/udp_port.h"
 
 // How a board that runs Linux talks, whatever its cameras are.
 namespace stof::board {
 
 struct LinesOpen {
-  std::unique_ptr<hal::posix::UdpPort> port;
+  std::unique_ptr<hal::linux::UdpPort> port;
   std::optional<hal::Peer> to;
-  std::optional<hal::posix::SerialTty> serial;
-  std::unique_ptr<hal::posix::Network> network = std::make_unique<hal::posix::Network>();
-  std::unique_ptr<hal::posix::MdnsPort> mdns;
+  std::optional<hal::linux::SerialTty> serial;
+  std::unique_ptr<hal::linux::Network> network = std::make_unique<hal::linux::Network>();
+  std::unique_ptr<hal::linux::MdnsPort> mdns;
   std::vector<std::string> notes;
 };
 

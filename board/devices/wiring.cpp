@@ -15,9 +15,9 @@ const PairConfig& pair_of(const Request& request) {
 int priority_of(const Request& request) { return request.priority.value_or(kDevices.priority); }
 
 // What is not wired is fanned out of the left camera's line.
-hal::posix::GpioTriggerOptions trigger_options(const Request& request) {
+hal::linux::GpioTriggerOptions trigger_options(const Request& request) {
   const PairConfig& pair = pair_of(request);
-  hal::posix::GpioTriggerOptions options;
+  hal::linux::GpioTriggerOptions options;
   options.active_low = pair.active_low;
   options.width = pulse_length(pair, kTiming.stereo_exposure);
   options.width_is_exposure = pair.pulse == hal::Duration::zero();

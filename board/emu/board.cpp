@@ -10,13 +10,13 @@
 #include "board/emu/request.h"
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
-#include "hal/emu/clock.h"
-#include "hal/emu/pmd_camera.h"
-#include "hal/emu/replay.h"
-#include "hal/emu/stereo_camera.h"
-#include "hal/emu/trigger.h"
-#include "hal/linux/clock.h"
-#include "hal/linux/file_store.h"
+#include "hal/emu/cameras/pmd_camera.h"
+#include "hal/emu/cameras/stereo_camera.h"
+#include "hal/emu/cameras/trigger.h"
+#include "hal/emu/devices/clock.h"
+#include "hal/emu/imagery/replay.h"
+#include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_store.h"
 
 namespace stof::board {
 namespace {
@@ -121,7 +121,7 @@ struct Rig {
   World world;
   LinesOpen lines;
   emu::Clock emulated_clock;
-  hal::posix::Clock machine_clock;
+  hal::linux::Clock machine_clock;
   hal::Clock& clock;
   emu::StereoCamera stereo;
   std::optional<emu::PmdCamera> pmd;
@@ -189,7 +189,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<hal::posix::FileStore>(name);
+  return std::make_unique<hal::linux::FileStore>(name);
 }
 
 // An emulated rig shares a laptop with others.

@@ -10,7 +10,7 @@
 
 #include "board/board.h"
 #include "board/emu/scenes.h"
-#include "hal/emu/faults.h"
+#include "hal/emu/devices/faults.h"
 
 // The emulated board's own command line.
 namespace stof::board {

@@ -4,10 +4,10 @@
 #include <cmath>
 #include <utility>
 
-#include "hal/emu/moving.h"
-#include "hal/emu/rendered.h"
-#include "hal/emu/room.h"
-#include "hal/emu/scene.h"
+#include "hal/emu/imagery/moving.h"
+#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/scenes/room.h"
+#include "hal/emu/scenes/scene.h"
 
 namespace stof::board {
 namespace {

@@ -9,8 +9,8 @@
 
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
-#include "hal/emu/imagery.h"
-#include "hal/emu/rig.h"
+#include "hal/emu/imagery/imagery.h"
+#include "hal/emu/scenes/rig.h"
 
 // The rendered scenes by their names, and the flags that say how they are seen: what the emulated
 // board and stof_emu_pair have in common.

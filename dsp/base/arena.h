@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <type_traits>
 
@@ -51,6 +53,23 @@ class Arena {
     STOF_CHECK(reinterpret_cast<std::uintptr_t>(at) % kAlign == 0);  // NOLINT: address arithmetic
     memory_ = memory_.subspan(bytes);
     return {reinterpret_cast<T*>(at), count};  // NOLINT: the one place where bytes become elements
+  }
+
+  // The same, each element `value`.
+  template <typename T>
+  std::span<T> take_filled(std::size_t count, T value) noexcept {
+    const std::span<T> all = take<T>(count);
+    if (!is_measuring()) {
+      std::ranges::fill(all, value);
+    }
+    return all;
+  }
+
+  // A copy of `value`; nullptr in an arena that measures.
+  template <typename T>
+  T* put(const T& value) noexcept {
+    T* const at = take<T>(1).data();
+    return is_measuring() ? nullptr : std::construct_at(at, value);
   }
 
   template <typename T>

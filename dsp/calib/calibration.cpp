@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "dsp/calib/column_tables.h"
-#include "dsp/calib/rectification.h"
-#include "dsp/calib/tone_pair.h"
+#include "dsp/calib/pmd/tone_pair.h"
+#include "dsp/calib/stereo/column_tables.h"
+#include "dsp/calib/stereo/rectification.h"
 
 namespace stof::dsp {
 namespace {

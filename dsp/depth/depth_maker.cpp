@@ -7,10 +7,6 @@ namespace {
 
 constexpr double kMetresPerQuarterMm = 1.0 / kQuarterMmPerMetre;
 
-std::size_t pixels(const Pinhole& lens) noexcept {
-  return static_cast<std::size_t>(lens.width) * static_cast<std::size_t>(lens.height);
-}
-
 bool has_pmd(const Calibration& calibration) noexcept { return calibration.pmd.lens.width > 0; }
 
 bool guides(const Calibration& calibration, const DepthParams& params) noexcept {
@@ -40,23 +36,32 @@ GuideParams guide_params(const Calibration& calibration, const DepthParams& para
 std::size_t DepthMaker::bytes_needed(const Calibration& calibration, const DepthParams& params,
                                      int threads) noexcept {
   const Pinhole& left = calibration.stereo.left;
-  const Pinhole& pmd = calibration.pmd.lens;
   const int w = left.width;
   const int h = left.height;
+  const int first = params.match.min_disparity;
   const int candidates = params.match.disparities;
-  std::size_t bytes = Matcher::bytes_needed(search(calibration, params), w, h, threads) +
-                      Fuser::bytes_needed(w, h, candidates, pmd.width, pmd.height, threads) +
-                      Arena::bytes_for<Disparity>(pixels(left));
-  bytes += calibration.stereo.raw ? Rectifier::bytes_needed(w, h) : 0;
-  bytes += guides(calibration, params) ? GuideMaker::bytes_needed(w, h, pmd.width, pmd.height) : 0;
-  bytes += has_pmd(calibration) ? Converter::bytes_needed(calibration.pmd) +
-                                      DriftMonitor::bytes_needed(pmd.width, pmd.height)
-                                : 0;
-  bytes += unwraps(calibration, params)
-               ? Unwrapper::bytes_needed(w, h, candidates, pmd.width, pmd.height)
-               : 0;
-  bytes += params.temporal ? TemporalFilter::bytes_needed(w, h) : 0;
-  return bytes;
+  return Matcher::bytes_needed(search(calibration, params), w, h, threads) +
+         bytes_taken([&](Arena& arena) noexcept {
+           Fuser(calibration, params.fusion, first, candidates, w, h, arena, threads);
+           arena.take_image<Disparity>(w, h);
+           if (calibration.stereo.raw) {
+             Rectifier(calibration.stereo, arena);
+           }
+           if (guides(calibration, params)) {
+             GuideMaker(calibration, guide_params(calibration, params), first, candidates, w, h,
+                        arena);
+           }
+           if (has_pmd(calibration)) {
+             Converter(calibration.pmd, arena);
+             DriftMonitor(calibration, DriftParams{}, arena);
+           }
+           if (unwraps(calibration, params)) {
+             Unwrapper(calibration, params.fusion, first, candidates, w, h, arena);
+           }
+           if (params.temporal) {
+             TemporalFilter(w, h, TemporalParams{}, arena);
+           }
+         });
 }
 
 DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
@@ -127,6 +132,12 @@ void DepthMaker::clear_border() noexcept {
 
 StereoMaps DepthMaker::stereo() const noexcept {
   return matched_ ? StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()} : StereoMaps{};
+}
+
+void DepthMaker::forget_past() noexcept {
+  if (temporal_) {
+    temporal_->forget();
+  }
 }
 
 void DepthMaker::fuse(const DepthMap& out) noexcept {

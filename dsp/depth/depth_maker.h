@@ -5,13 +5,13 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "dsp/calib/calibration.h"
-#include "dsp/fusion/drift.h"
+#include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/fusion/fuser.h"
-#include "dsp/fusion/guide.h"
-#include "dsp/fusion/temporal.h"
-#include "dsp/fusion/unwrap.h"
+#include "dsp/fusion/guide/guide_maker.h"
+#include "dsp/fusion/temporal/temporal_filter.h"
+#include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/matcher.h"
@@ -23,8 +23,8 @@ namespace stof::dsp {
 struct DepthParams {
   MatchParams match;
   FusionParams fusion;    // fusion.spread suits the search: spread_of(match)
-  bool guided = false;    // PMD intervals narrow the search (guide.h)
-  bool temporal = false;  // depth is averaged over frames where nothing moves (temporal.h)
+  bool guided = false;    // PMD intervals narrow the search (guide_maker.h)
+  bool temporal = false;  // depth is averaged over frames where nothing moves (temporal_filter.h)
 
   friend bool operator==(const DepthParams&, const DepthParams&) = default;
 };
@@ -51,6 +51,10 @@ class DepthMaker {
   // Pictures of the calibration's size, as the cameras give them. A guide uses the PMD's last data.
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
   void forget_stereo() noexcept { matched_ = false; }
+
+  // After a gap in time: the next frame is averaged with none before it. The drift that watch()
+  // has found stays: what has moved in a rig does not move back.
+  void forget_past() noexcept;
 
   // Writes all images of `out`, of the stereo size, from what is there. Once a frame.
   void fuse(const DepthMap& out) noexcept;

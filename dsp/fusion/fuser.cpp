@@ -2,37 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/column_tables.h"
-#include "dsp/calib/disparity_table.h"
-#include "dsp/fusion/column_interval.h"
-#include "dsp/fusion/intersect.h"
-#include "dsp/fusion/reproject.h"
-#include "dsp/fusion/settle.h"
-#include "dsp/fusion/stereo_interval.h"
+#include "dsp/base/index.h"
+#include "dsp/calib/stereo/interval_tables.h"
+#include "dsp/fusion/interval/column_interval.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/interval/stereo_interval.h"
+#include "dsp/fusion/project/reproject.h"
+#include "dsp/fusion/resolve/ambiguity_resolver.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 namespace {
 
 constexpr int kRowsAtOnce = 64;
-
-std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
-// All subpixel disparities of the candidates, and half a candidate to either side.
-std::size_t table_size(int disparities) noexcept {
-  return static_cast<std::size_t>((disparities + 1) * Disparity::kOne + 1 + 2 * kMostSpread);
-}
-
-// The same range of disparities for every column.
-std::size_t column_table_size(int width, int disparities) noexcept {
-  return right_tangents(static_cast<std::size_t>(width), 0, (disparities + 1) * Disparity::kOne);
-}
 
 std::int16_t infinity_of(const StereoRig& rig) noexcept {
   constexpr double kFarthest = 16384;
@@ -61,19 +46,12 @@ struct Fuser::Scratch {
   std::span<QuarterMm> stereo_high;
   std::span<std::uint8_t> half;
   std::span<Cause> cause;  // where nobody asks for it
-
-  static std::size_t bytes_needed(std::size_t row) noexcept {
-    return 2 * Arena::bytes_for<QuarterMm>(row) + Arena::bytes_for<std::uint8_t>(row) +
-           Arena::bytes_for<Cause>(row);
-  }
 };
 
 struct Fuser::Tables {
   FusionParams params;
-  SettleParams settling;
-  bool converging;  // then columns count, else disparity does
-  ColumnTables columns;
-  DisparityTable disparity;
+  AmbiguityParams ambiguity;
+  IntervalTables intervals;
   Reprojector reprojector;
   PaintedView painted;
   std::span<std::uint8_t> ratio;  // of matches without one
@@ -81,68 +59,45 @@ struct Fuser::Tables {
   std::span<Scratch> scratch;     // of each thread
 };
 
-std::size_t Fuser::bytes_needed(int width, int height, int disparities, int pmd_width,
-                                int pmd_height, int threads) noexcept {
-  const std::size_t row = static_cast<std::size_t>(width);
-  return Arena::bytes_for<Tables>(1) + Arena::bytes_for<DepthInterval>(table_size(disparities)) +
-         Arena::bytes_for<std::int32_t>(row) +
-         Arena::bytes_for<std::int32_t>(column_table_size(width, disparities)) +
-         2 * Arena::bytes_for<QuarterMm>(pixels(width, height)) +
-         Arena::bytes_for<std::uint8_t>(pixels(width, height)) +
-         Arena::bytes_for<std::uint8_t>(row) + Arena::bytes_for<Disparity>(row) +
-         Arena::bytes_for<Scratch>(static_cast<std::size_t>(threads)) +
-         static_cast<std::size_t>(threads) * Scratch::bytes_needed(row) +
-         Reprojector::bytes_needed(pmd_width, pmd_height);
-}
-
 Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
              int disparities, int width, int height, Arena& arena, int threads) noexcept {
   STOF_CHECK(threads >= 1);
   STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
-  tables_ = std::construct_at(arena.take<Tables>(1).data());
-  Tables& t = *tables_;
-  const std::size_t row = static_cast<std::size_t>(width);
+  const std::size_t row = index(width);
+  Tables t;
   t.params = params;
-  t.settling = {.infinity_raw = infinity_of(calibration.stereo), .max_range = params.max_range};
+  t.ambiguity = {.infinity_raw = infinity_of(calibration.stereo), .max_range = params.max_range};
   if (calibration.pmd.lens.width > 0) {
-    t.settling.pmd_range = range_of(calibration.pmd);
-    t.settling.reach_px = reach_of(calibration);
+    t.ambiguity.pmd_range = range_of(calibration.pmd);
+    t.ambiguity.reach_px = reach_of(calibration);
   }
-  const auto first =
-      static_cast<std::int16_t>(std::max((min_disparity - 1) * Disparity::kOne, -32767));
-  t.converging = calibration.stereo.converging.has_value();
-  if (t.converging) {
-    const int last = std::min<int>(first + (disparities + 1) * Disparity::kOne, 32767);
-    t.columns = make_column_tables(calibration.stereo, first, static_cast<std::int16_t>(last),
-                                   params.max_range, arena.take<std::int32_t>(row),
-                                   arena.take<std::int32_t>(right_tangents(row, first, last)));
-  } else {
-    t.disparity = make_disparity_table(calibration.stereo, first, params.max_range,
-                                       arena.take<DepthInterval>(table_size(disparities)));
-  }
+  t.intervals = make_interval_tables(calibration.stereo, min_disparity, disparities, width,
+                                     params.max_range, arena);
   t.painted.low = arena.take_image<QuarterMm>(width, height);
   t.painted.high = arena.take_image<QuarterMm>(width, height);
   t.painted.flags = arena.take_image<std::uint8_t>(width, height);
-  t.ratio = arena.take<std::uint8_t>(row);
-  t.nothing = arena.take<Disparity>(row);
-  t.scratch = arena.take<Scratch>(static_cast<std::size_t>(threads));
-  for (Scratch& scratch : t.scratch) {
-    scratch = {arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),
-               arena.take<std::uint8_t>(row), arena.take<Cause>(row)};
+  t.ratio = arena.take_filled(row, std::uint8_t{0});
+  t.nothing = arena.take_filled(row, Disparity::none());
+  t.scratch = arena.take<Scratch>(index(threads));
+  for (std::size_t thread = 0; thread < t.scratch.size(); ++thread) {
+    const Scratch scratch{arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),
+                          arena.take<std::uint8_t>(row), arena.take<Cause>(row)};
+    if (!arena.is_measuring()) {
+      t.scratch[thread] = scratch;
+    }
   }
-  std::ranges::fill(t.ratio, std::uint8_t{0});
-  std::ranges::fill(t.nothing, Disparity::none());
   t.reprojector = Reprojector(calibration, width, height, arena);
+  tables_ = arena.put(t);
 }
 
 void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                      const DepthMap& out) noexcept {
   Tables& t = *tables_;
-  SettleRow row{.disparity = t.nothing,
-                .weak = {},
-                .stereo = {scratch.stereo_low, scratch.stereo_high},
-                .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
-                .support = {t.ratio, t.painted.flags.row(y)}};
+  AmbiguityRow row{.disparity = t.nothing,
+                   .weak = {},
+                   .stereo = {scratch.stereo_low, scratch.stereo_high},
+                   .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
+                   .support = {t.ratio, t.painted.flags.row(y)}};
   if (!stereo.disparity.empty()) {
     row.disparity = stereo.disparity.row(y);
   }
@@ -153,21 +108,21 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
   } else {
     row.support.ratio = stereo.ratio.row(y);
-    best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.settling.infinity_raw,
+    best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.ambiguity.infinity_raw,
                         scratch.half);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
                        out.cause.empty() ? scratch.cause : out.cause.row(y)};
-  if (t.converging) {
-    best::column_interval(row.disparity, scratch.half, t.columns, scratch.stereo_low,
+  if (t.intervals.converging) {
+    best::column_interval(row.disparity, scratch.half, t.intervals.columns, scratch.stereo_low,
                           scratch.stereo_high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
-    settle_row(row, t.settling, t.columns, fused);
+    resolve_ambiguities(row, t.ambiguity, t.intervals.columns, fused);
   } else {
-    best::stereo_interval(row.disparity, scratch.half, t.disparity, scratch.stereo_low,
+    best::stereo_interval(row.disparity, scratch.half, t.intervals.disparity, scratch.stereo_low,
                           scratch.stereo_high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
-    settle_row(row, t.settling, t.disparity, fused);
+    resolve_ambiguities(row, t.ambiguity, t.intervals.disparity, fused);
   }
 }
 
@@ -189,7 +144,7 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
   STOF_CHECK(stereo.ratio.empty() || same_size(stereo.ratio, out.depth));
   STOF_CHECK(stereo.weak.empty() || same_size(stereo.weak, out.depth));
   STOF_CHECK(rows.begin >= 0 && rows.end <= out.depth.height());
-  const Scratch& scratch = t.scratch[static_cast<std::size_t>(thread)];
+  const Scratch& scratch = t.scratch[index(thread)];
   // The z-buffer is of no use once everything is painted: depth is written over it.
   PaintedView painted = t.painted;
   painted.nearest = out.depth;

@@ -8,7 +8,7 @@
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/depth_map.h"
-#include "dsp/fusion/stereo_spread.h"
+#include "dsp/fusion/interval/stereo_spread.h"
 #include "dsp/pmd/converter.h"
 
 namespace stof::dsp {
@@ -33,16 +33,12 @@ struct StereoMaps {
 
 // Carries the PMD intervals into the left camera and intersects them with the stereo intervals,
 // which come from the disparity alone, or from both columns where the rig's axes converge; then
-// settles what only one of both saw (settle.h).
+// resolves what only one of both saw (resolve/ambiguity_resolver.h).
 class Fuser {
  public:
-  // disparities: of the Matcher whose result will be fused. threads: how many fuse_rows() run at
-  // the same time.
-  static std::size_t bytes_needed(int width, int height, int disparities, int pmd_width,
-                                  int pmd_height, int threads = 1) noexcept;
-
-  // stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
-  // only).
+  // Stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
+  // only). disparities: of the Matcher whose result will be fused. threads: how many fuse_rows()
+  // run at the same time.
   Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
         int disparities, int width, int height, Arena& arena, int threads = 1) noexcept;
 

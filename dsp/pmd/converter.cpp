@@ -2,49 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <numbers>
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/near_table.h"
-#include "dsp/calib/pmd_tables.h"
-#include "dsp/calib/tone_pair.h"
-#include "dsp/pmd/combine_tones.h"
-#include "dsp/pmd/fill_intervals.h"
-#include "dsp/pmd/near_lights.h"
-#include "dsp/pmd/to_quarter_mm.h"
-#include "dsp/pmd/tone.h"
+#include "dsp/base/index.h"
+#include "dsp/calib/pmd/near_table.h"
+#include "dsp/calib/pmd/pmd_tables.h"
+#include "dsp/calib/pmd/tone_pair.h"
+#include "dsp/pmd/interval/fill_intervals.h"
+#include "dsp/pmd/phase/tone.h"
+#include "dsp/pmd/range/combine_tones.h"
+#include "dsp/pmd/range/near_lights.h"
+#include "dsp/pmd/range/to_quarter_mm.h"
 
 namespace stof::dsp {
 namespace {
 
-std::size_t pixels(int width, int height) noexcept {
-  return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-}
-
 ImageView<QuarterMm> take_padded(Arena& arena, int width, int height) noexcept {
-  const std::span<QuarterMm> all = arena.take<QuarterMm>(pixels(width + 2, height));
-  std::ranges::fill(all, kNoDepth);
+  const std::span<QuarterMm> all = arena.take_filled(pixel_count(width + 2, height), kNoDepth);
   return {all.data() + 1, width, height, width + 2};
 }
-
-// What lights beside the lens, distances beyond 16.38 m and a second tone add.
-std::size_t near_bytes(int width, int height) noexcept {
-  const std::size_t all = pixels(width, height);
-  return Arena::bytes_for<std::int16_t>(all) + 2 * Arena::bytes_for<std::int32_t>(all);
-}
-std::size_t long_bytes(int width, int height) noexcept {
-  return Arena::bytes_for<std::uint32_t>(pixels(width, height));
-}
-std::size_t second_bytes(int width) noexcept {
-  const std::size_t row = static_cast<std::size_t>(width);
-  return exposure_row_bytes(row) + Arena::bytes_for<Phase>(row);
-}
-
-}  // namespace
-
-namespace {
 
 // Surfaces tilted by up to 60 degrees are no edges.
 std::uint16_t slope_of(const Pinhole& lens) noexcept {
@@ -73,43 +51,19 @@ struct Converter::Tables {
   std::span<Phase> other_corrected;
 
   std::span<const std::int16_t> fixed_pattern_row(int y, std::size_t n) const noexcept {
-    return fixed_pattern.empty() ? fixed_pattern
-                                 : fixed_pattern.subspan(static_cast<std::size_t>(y) * n, n);
+    return fixed_pattern.empty() ? fixed_pattern : fixed_pattern.subspan(index(y) * n, n);
   }
   NearRow near_row(int y, std::size_t n) const noexcept {
-    const std::size_t at = static_cast<std::size_t>(y) * n;
+    const std::size_t at = index(y) * n;
     return {near.half_q2.subspan(at, n), near.twice_area.subspan(at, n), near.pole.subspan(at, n)};
   }
 };
 
-std::size_t Converter::bytes_needed(int width, int height) noexcept {
-  return plain_bytes(width, height) + near_bytes(width, height) + long_bytes(width, height) +
-         second_bytes(width);
-}
-
-std::size_t Converter::bytes_needed(const PmdSensor& sensor) noexcept {
-  const int w = sensor.lens.width;
-  const int h = sensor.lens.height;
-  return plain_bytes(w, h) + (sensor.emitter_count > 0 ? near_bytes(w, h) : 0) +
-         (has_long_range(sensor) ? long_bytes(w, h) : 0) + (sensor.second ? second_bytes(w) : 0);
-}
-
-std::size_t Converter::plain_bytes(int width, int height) noexcept {
-  const std::size_t all = pixels(width, height);
-  const std::size_t row = static_cast<std::size_t>(width);
-  return Arena::bytes_for<Tables>(1) + 5 * Arena::bytes_for<std::uint16_t>(all) +
-         2 * Arena::bytes_for<std::uint8_t>(all) +
-         2 * Arena::bytes_for<QuarterMm>(pixels(width + 2, height)) + exposure_row_bytes(row) +
-         Arena::bytes_for<std::uint8_t>(row) + Arena::bytes_for<Phase>(row) +
-         Arena::bytes_for<std::uint32_t>(row);
-}
-
 Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   const int w = sensor.lens.width;
   const int h = sensor.lens.height;
-  const std::size_t row = static_cast<std::size_t>(w);
-  tables_ = std::construct_at(arena.take<Tables>(1).data());
-  Tables& t = *tables_;
+  const std::size_t row = index(w);
+  Tables t;
   t.first = make_tone(sensor, sensor.tone);
   t.one_tone = range_tables(sensor, turn_m(sensor.tone));
   t.fixed_pattern = sensor.fixed_pattern;
@@ -130,10 +84,7 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
     t.other_corrected = arena.take<Phase>(row);
   }
   if (sensor.emitter_count > 0) {
-    const std::size_t all = pixels(w, h);
-    t.near = {arena.take<std::int16_t>(all), arena.take<std::int32_t>(all),
-              arena.take<std::int32_t>(all)};
-    fill_near_table(sensor, units_per_metre(sensor), t.near);
+    t.near = make_near_table(sensor, units_per_metre(sensor), arena);
     t.shortest_way = shortest_way(sensor, units_per_metre(sensor));
   }
   maps_.phase = arena.take_image<Phase>(w, h);
@@ -148,12 +99,13 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   if (has_long_range(sensor)) {
     maps_.long_distance = arena.take_image<std::uint32_t>(w, h);
   }
+  tables_ = arena.put(t);
 }
 
 void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
   const Tables& t = *tables_;
   const PmdMaps& m = maps_;
-  const std::size_t n = static_cast<std::size_t>(m.phase.width());
+  const std::size_t n = index(m.phase.width());
   const ExposureRow row{.phase = m.phase.row(y),
                         .amp2 = m.amp2.row(y),
                         .offset = m.offset.row(y),

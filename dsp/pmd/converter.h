@@ -40,12 +40,8 @@ struct PmdFrame {
 // kernel of this folder.
 class Converter {
  public:
-  // Enough for every sensor of this size, and exactly for one: about 16 bytes a pixel, 10 more
-  // with lights beside the lens, 4 more where there is a long_distance.
-  static std::size_t bytes_needed(int width, int height) noexcept;
-  static std::size_t bytes_needed(const PmdSensor& sensor) noexcept;
-
-  // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty.
+  // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
+  // 16 bytes a pixel, 10 more with lights beside the lens, 4 more where there is a long_distance.
   Converter(const PmdSensor& sensor, Arena& arena) noexcept;
 
   // Samples of the sensor's size. The result is valid until the next call; integration times scale
@@ -60,7 +56,6 @@ class Converter {
 
  private:
   struct Tables;
-  static std::size_t plain_bytes(int width, int height) noexcept;
   void measure_row(const PmdFrame& frame, int y) noexcept;
   Tables* tables_;
   PmdMaps maps_;

@@ -7,7 +7,7 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/calib/rectification.h"
+#include "dsp/calib/stereo/rectification.h"
 
 namespace stof::dsp {
 namespace {
@@ -24,11 +24,6 @@ const RawPair& raw_of(const StereoRig& rig) noexcept {
 }
 
 }  // namespace
-
-std::size_t Rectifier::bytes_needed(int width, int height) noexcept {
-  const std::size_t pixels = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  return 2 * Arena::bytes_for<std::uint8_t>(pixels) + 2 * RemapTable::bytes_needed(width, height);
-}
 
 Rectifier::Rectifier(const StereoRig& rig, Arena& arena) noexcept
     : Rectifier(raw_of(rig), dsp::rectify(raw_of(rig)), arena) {}

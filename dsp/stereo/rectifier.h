@@ -7,7 +7,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
-#include "dsp/calib/remap_table.h"
+#include "dsp/calib/stereo/remap_table.h"
 
 namespace stof::dsp {
 
@@ -15,9 +15,6 @@ namespace stof::dsp {
 // from the calibration. Holds tables (0.4 bytes a pixel) and both results, allocates nothing.
 class Rectifier {
  public:
-  // Bytes of the Arena that a Rectifier for pictures of this size takes.
-  static std::size_t bytes_needed(int width, int height) noexcept;
-
   // rig: complete(), with rig.raw.
   Rectifier(const StereoRig& rig, Arena& arena) noexcept;
 

@@ -4,17 +4,17 @@ namespace stof::firmware {
 
 Status Control::receive(hal::Duration wait, hal::Time (*now)() noexcept) noexcept {
   for (int i = 0; i < kDatagramsPerTurn; ++i) {
-    const hal::Duration patience = i == 0 ? wait : hal::Duration::zero();
-    const Result<hal::Received> received = parts_.port.receive(space_, patience);
+    const hal::Duration timeout = i == 0 ? wait : hal::Duration::zero();
+    const Result<hal::Received> received = parts_.port.receive(space_, timeout);
     if (!received) {
       return received.error() == Status::kDeviceLost ? Status::kDeviceLost : Status::kOk;
     }
     if (received->bytes > space_.size()) {
-      parts_.gate.take_oversized();
+      parts_.handler.take_oversized();
       continue;
     }
     const std::span<const std::byte> answer =
-        parts_.gate.take(std::span(space_).first(received->bytes), received->from, now());
+        parts_.handler.take(std::span(space_).first(received->bytes), received->from, now());
     if (!answer.empty()) {
       std::size_t sent = 0;
       static_cast<void>(parts_.port.send(received->from, std::span(&answer, 1), sent));
@@ -38,8 +38,9 @@ void Control::tick(hal::Time now) noexcept {
   }
 }
 
-wire::ControlCounters control_counters(const Gate& gate, const hal::DatagramPort& port) noexcept {
-  wire::ControlCounters counters = gate.counters();
+wire::ControlCounters control_counters(const RequestHandler& handler,
+                                       const hal::DatagramPort& port) noexcept {
+  wire::ControlCounters counters = handler.counters();
   counters.overrun = port.overruns();
   return counters;
 }

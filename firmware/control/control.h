@@ -3,9 +3,9 @@
 #include <chrono>
 #include <span>
 
-#include "firmware/control/gate.h"
-#include "firmware/control/orders.h"
 #include "firmware/control/periodic.h"
+#include "firmware/control/request_handler.h"
+#include "firmware/control/subscriber_list.h"
 #include "firmware/control/subscribers.h"
 #include "firmware/wire/messages/structs.h"
 #include "hal/datagram_port.h"
@@ -14,11 +14,11 @@
 namespace stof::firmware {
 
 // What the control thread works with; all of it outlives Control. Until the thread has ended,
-// `gate`, `subscribers`, receive() of the port and the hooks are its own; the loop sends through
-// the port and reads `ring` and Gate::counters().
+// `handler`, `subscribers`, receive() of the port and the hooks are its own; the loop sends through
+// the port and reads `ring` and RequestHandler::counters().
 struct ControlParts {
   hal::DatagramPort& port;
-  Gate& gate;
+  RequestHandler& handler;
   Subscribers& subscribers;
   SubscriberRing& ring;
   std::span<Periodic* const> hooks{};
@@ -50,6 +50,7 @@ class Control {
 };
 
 // With the datagrams that the port lost before they were read. Of any thread.
-wire::ControlCounters control_counters(const Gate& gate, const hal::DatagramPort& port) noexcept;
+wire::ControlCounters control_counters(const RequestHandler& handler,
+                                       const hal::DatagramPort& port) noexcept;
 
 }  // namespace stof::firmware

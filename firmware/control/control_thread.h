@@ -12,7 +12,7 @@ namespace stof::firmware {
 // Of this computer, also where the rig's time is emulated: leases are of real seconds.
 hal::Time control_now() noexcept;
 
-// Random, for Gate. Start-up only.
+// Random, for RequestHandler. Start-up only.
 CookieSecret make_cookie_secret();
 
 // The one thread beside the loop. Started before it; the destructor ends it, after a turn or two.

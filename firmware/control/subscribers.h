@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/control/orders.h"
+#include "firmware/control/subscriber_list.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
 

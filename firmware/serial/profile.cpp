@@ -17,15 +17,15 @@ void coarsen(int unit, dsp::ImageView<dsp::QuarterMm> depth,
   for (int y = 0; y < depth.height(); ++y) {
     for (int x = 0; x < depth.width(); ++x) {
       dsp::QuarterMm& middle = depth.at(x, y);
-      dsp::QuarterMm& around = width.at(x, y);
+      dsp::QuarterMm& control = width.at(x, y);
       if (middle == dsp::kNoDepth) {
         continue;
       }
       const int units = std::max(middle / unit, 1);
       const int moved = std::abs(middle - units * unit);
-      const int widths = (around + 2 * moved + unit - 1) / unit;
+      const int widths = (control + 2 * moved + unit - 1) / unit;
       middle = static_cast<dsp::QuarterMm>(units);
-      around = static_cast<dsp::QuarterMm>(std::min<int>(widths, dsp::kMaxQuarterMm));
+      control = static_cast<dsp::QuarterMm>(std::min<int>(widths, dsp::kMaxQuarterMm));
     }
   }
 }

@@ -71,7 +71,8 @@ WallScore score_of(const std::vector<Series>& pixels,
 WallScore judge(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames) {
   const dsp::Pinhole& lens = sensor.lens;
   const dsp::PmdSensor used = exposed(sensor, wall.exposure);
-  Workspace space(dsp::Converter::bytes_needed(used));
+  Workspace space(
+      dsp::bytes_taken([&](dsp::Arena& arena) noexcept { dsp::Converter(used, arena); }));
   dsp::Arena arena = space.arena();
   dsp::Converter converter(used, arena);
   const std::vector<std::array<double, 3>> rays = rays_of(lens);

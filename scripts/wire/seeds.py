@@ -17,7 +17,7 @@ def records(packets, flags=SEAL):
     return b"".join(record(packet, flags) for packet in packets)
 
 
-def gate():
+def requests():
     one = samples.messages()
     asked = {name: one[name] for name in ("subscribe", "unsubscribe", "settings_request", "discover")}
     seeds = {name: record(packet) + record(packet, SEAL | COOKIE) for name, packet in asked.items()}
@@ -166,7 +166,7 @@ def discovery():
             "loop": record(header + b"\xc0\x0c" * 8, 0)}
 
 
-TARGETS = {"calibration": calibration, "discovery": discovery, "gate": gate, "reassembler": reassembler, "serial": serial, "settings": settings, "rvl": rvl,
+TARGETS = {"calibration": calibration, "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns}
 
 

@@ -9,9 +9,9 @@
 #include "firmware/wire/codec/rvl.h"
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/frame/frame_coder.h"
-#include "hal/emu/rendered.h"
-#include "hal/emu/rig.h"
-#include "hal/emu/scene.h"
+#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/scene.h"
 #include "host/evaluate/workspace.h"
 #include "tests/bench/bench_work.h"
 

@@ -8,7 +8,7 @@
 #include <opencv2/core.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "dsp/calib/rectification.h"
+#include "dsp/calib/stereo/rectification.h"
 
 namespace stof::bench {
 namespace {

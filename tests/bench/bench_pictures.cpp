@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/emu/rendered.h"
-#include "hal/emu/rig.h"
-#include "hal/emu/scene.h"
+#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/scene.h"
 #include "tests/bench/bench_work.h"
 
 namespace stof::bench {

@@ -2,11 +2,11 @@
 
 #include <utility>
 
-#include "dsp/base/workers.h"
-#include "dsp/pmd/phase.h"
+#include "dsp/pmd/phase/phase.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectifier.h"
 #include "host/evaluate/workspace.h"
+#include "posix/worker_threads.h"
 #include "tests/dsp/stereo/raw_world.h"
 
 namespace stof::bench {
@@ -24,7 +24,7 @@ struct MatchState {
         out(both.left.width, both.left.height) {}
 
   Pictures pictures;
-  dsp::Workers workers;
+  posix::WorkerThreads workers;
   host::Workspace workspace;
   dsp::Arena arena;
   dsp::Matcher matcher;
@@ -34,11 +34,14 @@ struct MatchState {
 struct RectifyState {
   explicit RectifyState(const Pictures& both)
       : pictures(both),
-        workspace(dsp::Rectifier::bytes_needed(both.left.width, both.left.height)),
+        rig(raw_rig(both.left.width, both.left.height)),
+        workspace(
+            dsp::bytes_taken([&](dsp::Arena& measure) noexcept { dsp::Rectifier(rig, measure); })),
         arena(workspace.arena()),
-        rectifier(raw_rig(both.left.width, both.left.height), arena) {}
+        rectifier(rig, arena) {}
 
   Pictures pictures;
+  dsp::StereoRig rig;
   host::Workspace workspace;
   dsp::Arena arena;
   dsp::Rectifier rectifier;

@@ -29,9 +29,9 @@ class ScriptedCamera final : public hal::StereoCamera {
 using LateStereo = Late<hal::StereoCamera, hal::StereoFrame>;
 
 LateStereo::Open opener(Script& script) {
-  return [&script]() -> std::expected<LateStereo::Opened, hal::posix::OpenError> {
+  return [&script]() -> std::expected<LateStereo::Opened, hal::linux::OpenError> {
     if (!script.there) {
-      return std::unexpected(hal::posix::OpenError{"no camera: plug it in"});
+      return std::unexpected(hal::linux::OpenError{"no camera: plug it in"});
     }
     ++script.opened;
     return LateStereo::Opened{.camera = std::make_unique<ScriptedCamera>(script),

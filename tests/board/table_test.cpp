@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "board/board.h"
-#include "hal/linux/libcamera_find.h"
+#include "hal/linux/libcamera/libcamera_find.h"
 
 // The table of a board with a Raspberry Pi's connectors.
 namespace stof::board {
@@ -10,11 +10,11 @@ namespace {
 constexpr const DeviceConfig& kDevices = kConfig.devices;
 
 TEST(Table, PairIsFoundByWhatLibcameraCallsIt) {
-  const std::vector<hal::posix::LibcameraName> cameras{
+  const std::vector<hal::linux::LibcameraName> cameras{
       {.id = "/base/soc/i2c0mux/i2c@0/imx296@1a", .model = "imx296"},
       {.id = "/base/soc/i2c0mux/i2c@1/imx296@1a", .model = "imx296"}};
-  const auto left = hal::posix::find_libcamera(cameras, kDevices.libcamera.left);
-  const auto right = hal::posix::find_libcamera(cameras, kDevices.libcamera.right);
+  const auto left = hal::linux::find_libcamera(cameras, kDevices.libcamera.left);
+  const auto right = hal::linux::find_libcamera(cameras, kDevices.libcamera.right);
   ASSERT_TRUE(left) << left.error().message;
   ASSERT_TRUE(right) << right.error().message;
   EXPECT_EQ(*left, 0U);

@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/appliance.h"
+#include "firmware/program/appliance.h"
 #include "tests/firmware/rig.h"
 
 namespace stof::firmware::test {
@@ -27,7 +27,7 @@ struct Block {
   std::size_t bytes;
 };
 
-inline Plan small_plan() {
+inline RunConfig small_run_config() {
   return {
       .setup = small_setup(true),
       .timing = timing(),
@@ -41,7 +41,7 @@ inline Plan small_plan() {
 // The appliance in the place of the rig's own loop.
 struct Box {
   Rig rig;
-  PlanRing plans;
+  RunConfigRing run_configs;
   SubscriberRing receivers;
   Block images{std::size_t{4} << 20};
   Block coded{coded_bytes_needed(small_setup(true))};
@@ -49,19 +49,19 @@ struct Box {
   ByteRing serial{line};
   Appliance appliance;
 
-  explicit Box(bool with_serial = false, dsp::Workers* workers = nullptr)
+  explicit Box(bool with_serial = false, dsp::Crew threads = {})
       : appliance({.board = rig.board,
                    .events = rig.events,
-                   .plans = plans,
+                   .run_configs = run_configs,
                    .receivers = receivers,
                    .serial = with_serial ? &serial : nullptr,
-                   .workers = workers},
+                   .threads = threads},
                   {.origin = {.device_id = 7, .session_id = 9},
                    .clock = wire::ClockState::kEmulated,
                    .calibration = wire::make_calibration_packet(rig.setup.calibration, 40'000,
                                                                 timing().period.count())
                                       .value()},
-                  small_plan(), {.images = images.span(), .coded = coded.span()}) {}
+                  small_run_config(), {.images = images.span(), .coded = coded.span()}) {}
 
   void subscribe(std::uint16_t port) {
     SubscriberList list;

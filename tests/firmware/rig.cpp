@@ -56,7 +56,7 @@ emu::PmdTiming pmd_timing(const RigOptions& options) {
 
 Setup setup_of(const RigOptions& options) {
   Setup setup = small_setup(options.with_pmd);
-  setup.threads = options.workers == nullptr ? 1 : options.workers->threads();
+  setup.threads = options.threads.threads();
   return setup;
 }
 
@@ -145,9 +145,7 @@ Rig::Rig(const RigOptions& options)
       memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(setup))),
              &std::free),
       arena({memory.get(), bytes(setup)}),
-      pipeline(
-          setup, clock, arena,
-          options.workers == nullptr ? dsp::Crew() : dsp::Crew(*options.workers, setup.threads)),
+      pipeline(setup, clock, arena, options.threads),
       stream({.origin = {.device_id = 7, .session_id = 9},
               .clock = wire::ClockState::kEmulated,
               .calibration =

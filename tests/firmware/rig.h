@@ -14,17 +14,17 @@
 #include <gtest/gtest.h>
 
 #include "board/board.h"
-#include "firmware/events.h"
-#include "firmware/loop.h"
-#include "firmware/pipeline.h"
-#include "firmware/stream.h"
-#include "hal/emu/clock.h"
-#include "hal/emu/datagram_port.h"
-#include "hal/emu/faults.h"
-#include "hal/emu/imagery.h"
-#include "hal/emu/pmd_camera.h"
-#include "hal/emu/stereo_camera.h"
-#include "hal/emu/trigger.h"
+#include "firmware/events/events.h"
+#include "firmware/loop/loop.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/stream.h"
+#include "hal/emu/cameras/pmd_camera.h"
+#include "hal/emu/cameras/stereo_camera.h"
+#include "hal/emu/cameras/trigger.h"
+#include "hal/emu/devices/clock.h"
+#include "hal/emu/devices/datagram_port.h"
+#include "hal/emu/devices/faults.h"
+#include "hal/emu/imagery/imagery.h"
 
 // A small rig of emulated devices around the real loop, and a receiver that looks at its packets.
 namespace stof::firmware::test {
@@ -116,7 +116,7 @@ struct RigOptions {
   bool with_pmd = true;
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
   wire::StreamChoice choice{.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
-  dsp::Workers* workers = nullptr;  // all of them compute; nullptr: the loop's thread alone
+  dsp::Crew threads = {};  // that compute
 };
 
 Setup small_setup(bool with_pmd);

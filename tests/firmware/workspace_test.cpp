@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/arena.h"
+#include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/fusion/fuser.h"
+#include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectifier.h"
-#include "firmware/appliance.h"
-#include "firmware/pipeline.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/program/appliance.h"
 
 namespace stof::firmware {
 namespace {
@@ -47,36 +51,72 @@ dsp::MatchParams large_blocks(const board::StereoConfig& stereo) {
           .subpixel = dsp::Subpixel::kEquiangular};
 }
 
+// The rig that asks most of a board: raw pictures, two tones, lights beside the lens.
+dsp::Calibration largest_rig(const Sizes& board) {
+  const auto lens = [](int width, int height) {
+    const double focal = std::max(width, height);
+    return dsp::Pinhole{.width = width,
+                        .height = height,
+                        .fx = focal,
+                        .fy = focal,
+                        .cx = width / 2.0,
+                        .cy = height / 2.0};
+  };
+  dsp::Calibration rig;
+  rig.stereo.left = lens(board.stereo.width, board.stereo.height);
+  rig.stereo.baseline_m = 0.1;
+  if (board.stereo.width > 1 && board.stereo.height > 1) {  // else nothing can be rectified
+    dsp::RawPair& pair = rig.stereo.raw.emplace();
+    pair.left = pair.right = rig.stereo.left;
+    pair.left_to_right.translation_m = {-0.1, 0, 0};
+    EXPECT_STREQ(dsp::complete(rig.stereo), "");
+  }
+  rig.pmd.lens = lens(board.pmd.width, board.pmd.height);
+  rig.pmd.second = dsp::PmdTone{.modulation = {18'750'000}};
+  rig.pmd.emitter_count = 1;
+  return rig;
+}
+
+dsp::Calibration converging(dsp::Calibration rig) {
+  rig.stereo.raw.reset();
+  rig.stereo.converging = dsp::Converging{
+      .alpha_rad = 0.02, .beta_rad = -0.02, .f1_m = 0.003, .f2_m = 0.003, .pixel_m = 1e-5};
+  return rig;
+}
+
 TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
   for (const Sizes& board : kBoards) {
     SCOPED_TRACE(std::to_string(board.stereo.width));
     const board::StereoConfig& s = board.stereo;
-    EXPECT_LE(dsp::Rectifier::bytes_needed(s.width, s.height), rectifier_bytes(s));
+    const dsp::Calibration rig = largest_rig(board);
+    if (rig.stereo.raw) {
+      EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::Rectifier(rig.stereo, arena); }),
+                rectifier_bytes(s));
+    }
     for (const dsp::MatchParams& params :
          {preset("fast", s), preset("quality", s), preset("chapter", s), large_blocks(s)}) {
       EXPECT_LE(dsp::Matcher::bytes_needed(params, s.width, s.height), matcher_bytes(s));
     }
-    EXPECT_LE(dsp::Converter::bytes_needed(board.pmd.width, board.pmd.height),
+    EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::Converter(rig.pmd, arena); }),
               converter_bytes(board.pmd));
-    EXPECT_LE(dsp::Fuser::bytes_needed(s.width, s.height, s.disparities, board.pmd.width,
-                                       board.pmd.height),
-              fuser_bytes(s, board.pmd));
-    EXPECT_LE(dsp::Unwrapper::bytes_needed(s.width, s.height, s.disparities, board.pmd.width,
-                                           board.pmd.height),
-              unwrapper_bytes(s, board.pmd));
-    EXPECT_LE(dsp::DriftMonitor::bytes_needed(board.pmd.width, board.pmd.height),
+    for (const dsp::Calibration& each : {rig, converging(rig)}) {
+      EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) {
+                  dsp::Fuser(each, {}, 0, s.disparities, s.width, s.height, arena);
+                }),
+                fuser_bytes(s, board.pmd));
+      EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) {
+                  dsp::Unwrapper(each, {}, 0, s.disparities, s.width, s.height, arena);
+                }),
+                unwrapper_bytes(s, board.pmd));
+    }
+    EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::DriftMonitor(rig, {}, arena); }),
               monitor_bytes(board.pmd));
   }
 }
 
-// The rig that asks most of a board: raw pictures, two tones, lights beside the lens.
 firmware::Setup largest_setup(const Sizes& board, const dsp::MatchParams& match) {
   firmware::Setup setup;  // gtest has a Setup too
-  setup.calibration.stereo.left = {.width = board.stereo.width, .height = board.stereo.height};
-  setup.calibration.stereo.raw.emplace();
-  setup.calibration.pmd.lens = {.width = board.pmd.width, .height = board.pmd.height};
-  setup.calibration.pmd.second = dsp::PmdTone{.modulation = {18'750'000}};
-  setup.calibration.pmd.emitter_count = 1;
+  setup.calibration = largest_rig(board);
   setup.depth.match = match;
   return setup;
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "dsp/calib/ray_table.h"
+#include "dsp/calib/pmd/ray_table.h"
 
 namespace stof::host {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "dsp/fusion/intersect.h"
-#include "dsp/fusion/reproject.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/project/reproject.h"
 #include "host/evaluate/workspace.h"
 
 namespace stof::host {
@@ -62,10 +62,12 @@ void paint_by_scaling(const dsp::PmdMaps& maps, const dsp::Calibration& calibrat
 
 void paint_by_geometry(const dsp::PmdMaps& maps, const dsp::Calibration& calibration,
                        const dsp::PaintedView& view) {
-  const dsp::Pinhole& lens = calibration.pmd.lens;
-  Workspace space(dsp::Reprojector::bytes_needed(lens.width, lens.height));
+  const int width = view.low.width();
+  const int height = view.low.height();
+  Workspace space(dsp::bytes_taken(
+      [&](dsp::Arena& arena) noexcept { dsp::Reprojector(calibration, width, height, arena); }));
   dsp::Arena arena = space.arena();
-  dsp::Reprojector reprojector(calibration, view.low.width(), view.low.height(), arena);
+  dsp::Reprojector reprojector(calibration, width, height, arena);
   reprojector.locate(maps);
   reprojector.paint(view.low.rows(), view);
 }

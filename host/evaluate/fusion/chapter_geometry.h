@@ -3,7 +3,7 @@
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/depth_map.h"
-#include "dsp/fusion/paint.h"
+#include "dsp/fusion/project/paint.h"
 #include "dsp/pmd/pmd_maps.h"
 
 // The rule of Kuhnert & Stommel 2006, section 4.1, to see what the rest of the fusion gains. For

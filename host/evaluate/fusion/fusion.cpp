@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <chrono>
 
-#include "dsp/fusion/stereo_spread.h"
+#include "dsp/fusion/interval/stereo_spread.h"
 #include "dsp/stereo/match_options.h"
 #include "host/evaluate/fusion/chapter_geometry.h"
 #include "host/evaluate/stereo/median.h"
+#include "posix/worker_threads.h"
 
 namespace stof::host {
 namespace {
@@ -193,9 +194,9 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   dsp::DepthParams params{.match = match, .fusion = {}, .guided = options.guided};
   params.fusion.max_range = options.max_range;
   params.fusion.spread = dsp::spread_of(match);
-  dsp::Workers workers({.threads = options.threads});
+  posix::WorkerThreads workers({.threads = options.threads});
   if (workers.threads() < options.threads) {
-    return refuse(too_few_threads(workers, options.threads));
+    return refuse(too_few_threads(workers.threads(), options.threads));
   }
   Workspace space(dsp::DepthMaker::bytes_needed(calibration, params, options.threads));
   dsp::Arena arena = space.arena();

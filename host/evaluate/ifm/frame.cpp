@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "dsp/base/fixed.h"
-#include "dsp/calib/ray_table.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "host/evaluate/ifm/frame_file.h"
 #include "host/evaluate/pmd/rank_correlation.h"
 #include "host/evaluate/stereo/median.h"

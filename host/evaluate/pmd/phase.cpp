@@ -7,7 +7,7 @@
 #include <random>
 #include <vector>
 
-#include "dsp/pmd/phase.h"
+#include "dsp/pmd/phase/phase.h"
 
 namespace stof::host {
 namespace {

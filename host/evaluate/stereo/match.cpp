@@ -7,6 +7,7 @@
 #include "dsp/stereo/matcher.h"
 #include "host/evaluate/stereo/energy.h"
 #include "host/evaluate/stereo/median.h"
+#include "posix/worker_threads.h"
 
 namespace stof::host {
 namespace {
@@ -82,9 +83,9 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
   if (options.runs < 1) {
     return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
   }
-  if (options.threads < 1 || options.threads > dsp::Workers::kMost) {
+  if (options.threads < 1 || options.threads > dsp::Crew::kMost) {
     return refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
-                  std::to_string(dsp::Workers::kMost));
+                  std::to_string(dsp::Crew::kMost));
   }
   return plan;
 }
@@ -102,9 +103,9 @@ std::string describe(const MatchOptions& options) {
   return text.empty() ? "wta, sad 16x16" : text;
 }
 
-std::string too_few_threads(const dsp::Workers& workers, int asked) {
-  return "--threads " + std::to_string(asked) + ": the system gives " +
-         std::to_string(workers.threads()) + ": use fewer";
+std::string too_few_threads(int there, int asked) {
+  return "--threads " + std::to_string(asked) + ": the system gives " + std::to_string(there) +
+         ": use fewer";
 }
 
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
@@ -117,9 +118,9 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
         std::to_string(params.disparities) +
         " disparities are more than this version matches: use a smaller picture or ndisp");
   }
-  dsp::Workers workers({.threads = threads});
+  posix::WorkerThreads workers({.threads = threads});
   if (workers.threads() < threads) {
-    return refuse(too_few_threads(workers, threads));
+    return refuse(too_few_threads(workers.threads(), threads));
   }
   Workspace workspace(dsp::Matcher::bytes_needed(params, width, height, threads));
   dsp::Arena arena = workspace.arena();

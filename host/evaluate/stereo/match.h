@@ -9,7 +9,7 @@
 
 #include "dataset/dataset.h"
 #include "dsp/base/fixed.h"
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/search/annealing.h"
 #include "host/evaluate/workspace.h"
@@ -25,7 +25,7 @@ struct MatchOptions {
   std::uint64_t seed = 1;      // of sa
   bool energy = false;         // of the map, on the cost it was matched with
   int runs = 5;                // of which the median time is taken
-  int threads = 1;             // that match, 1 .. dsp::Workers::kMost; not those of sa
+  int threads = 1;             // that match, 1 .. dsp::Crew::kMost; not those of sa
 };
 
 // What the options come to for one scene.
@@ -62,7 +62,7 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan);
 
 // The line of who asked for more threads than the system gives.
-std::string too_few_threads(const dsp::Workers& workers, int asked);
+std::string too_few_threads(int there, int asked);
 
 // Median time in ms of `runs` calls, at least one.
 double median_time_ms(int runs, const std::function<void()>& work);

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/depth/depth_maker.h"
+#include "posix/worker_threads.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -203,7 +204,7 @@ std::vector<Frame> run(const Rig& rig, Size size, const Crew& crew) {
 }
 
 TEST(DepthMakerThreads, DepthIsTheSameForAnyNumberOfThreads) {
-  Workers workers({.threads = 4});
+  posix::WorkerThreads workers({.threads = 4});
   for (const Size size :
        {Size{1, 1}, Size{1, 37}, Size{53, 1}, Size{47, 15}, Size{33, 17}, Size{97, 131}}) {
     for (const Rig& rig : rigs_of(size)) {
@@ -221,7 +222,7 @@ TEST(DepthMakerThreads, DepthIsTheSameForAnyNumberOfThreads) {
 // That there is something to compare.
 TEST(DepthMakerThreads, DepthOfAllSourcesIsThere) {
   const Size size{97, 131};
-  Workers workers({.threads = 3});
+  posix::WorkerThreads workers({.threads = 3});
   for (const Rig& rig : rigs_of(size)) {
     const Frame last = run(rig, size, Crew(workers, 3)).back();
     const auto with = [&](Source source) { return std::ranges::count(last.source, source); };
@@ -238,7 +239,7 @@ TEST(DepthMakerThreads, EachThreadTakesMemoryOfItsOwn) {
   const Rig rig{"", calibration_of({640, 480}, {176, 144}), params_of("quality")};
   std::size_t before = DepthMaker::bytes_needed(rig.calibration, rig.params);
   EXPECT_EQ(DepthMaker::bytes_needed(rig.calibration, rig.params, 1), before);
-  for (int threads = 2; threads <= Workers::kMost; ++threads) {
+  for (int threads = 2; threads <= Crew::kMost; ++threads) {
     const std::size_t bytes = DepthMaker::bytes_needed(rig.calibration, rig.params, threads);
     EXPECT_GT(bytes, before) << threads;
     before = bytes;

@@ -7,8 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/base/workers.h"
+#include "dsp/base/thread_team.h"
+#include "posix/worker_threads.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::dsp {
 namespace {
@@ -35,18 +37,11 @@ Calibration simple_rig(int width, int height, int pmd_width, int pmd_height) {
 class Rig {
  public:
   Rig(const Calibration& rig, int w, int h, int disparities = 64, int threads = 1)
-      : bytes_(Fuser::bytes_needed(w, h, disparities, rig.pmd.lens.width, rig.pmd.lens.height,
-                                   threads)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
-        arena_({memory_, bytes_}),
+      : owned_([&](Arena& arena) { return Fuser(rig, {}, 0, disparities, w, h, arena, threads); }),
         depth(w, h, w + 3, 9),
         width(w, h, w + 2, 9),
         source(w, h, w + 1, Source::kConflict),
-        disparity(w, h, w + 1),
-        fuser(rig, {}, 0, disparities, w, h, arena_, threads) {}
-  Rig(const Rig&) = delete;
-  Rig& operator=(const Rig&) = delete;
-  ~Rig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+        disparity(w, h, w + 1) {}
 
   DepthMap out() { return {depth.view(), width.view(), source.view()}; }
   bool padding_untouched() {
@@ -54,16 +49,14 @@ class Rig {
   }
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
+  test::InOwnMemory<Fuser> owned_;
 
  public:
   test::GuardedImage<QuarterMm> depth;
   test::GuardedImage<QuarterMm> width;
   test::GuardedImage<Source> source;
   test::GuardedImage<Disparity> disparity;
-  Fuser fuser;
+  Fuser& fuser = *owned_;
 };
 
 template <typename T>
@@ -261,7 +254,7 @@ TEST(Fuser, AnySplitOfRowsGivesTheSame) {
 }
 
 TEST(Fuser, ThreadsAtOnceGiveTheSame) {
-  Workers workers({.threads = 4});
+  posix::WorkerThreads workers({.threads = 4});
   for (const auto& [w, h] : {std::pair{1, 1}, {1, 99}, {61, 1}, {33, 17}, {79, 133}}) {
     const Calibration calibration = simple_rig(w, h, 20, 40);
     Rig whole(calibration, w, h);

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/pmd/fill_intervals.h"
+#include "dsp/pmd/interval/fill_intervals.h"
 #include "tests/dsp/pmd/converter_rig.h"
 #include "tests/support/random.h"
 

@@ -4,33 +4,23 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <new>
 #include <numbers>
 #include <vector>
 
 #include "dsp/pmd/converter.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::dsp {
 
-// A Converter in exactly as much memory as it asks for.
 class ConverterRig {
  public:
   explicit ConverterRig(const PmdSensor& sensor)
-      : bytes_(Converter::bytes_needed(sensor)),
-        memory_(new(std::align_val_t{Arena::kAlign}) std::byte[bytes_]),
-        arena_({memory_, bytes_}),
-        converter_(sensor, arena_) {}
-  ConverterRig(const ConverterRig&) = delete;
-  ConverterRig& operator=(const ConverterRig&) = delete;
-  ~ConverterRig() { ::operator delete[](memory_, std::align_val_t{Arena::kAlign}); }
+      : converter_([&](Arena& arena) { return Converter(sensor, arena); }) {}
 
-  Converter& converter() { return converter_; }
+  Converter& converter() { return *converter_; }
 
  private:
-  std::size_t bytes_;
-  std::byte* memory_;
-  Arena arena_;
-  Converter converter_;
+  test::InOwnMemory<Converter> converter_;
 };
 
 // Four planes of samples of a sensor with dark 100, 12 bits unless said otherwise.

@@ -83,13 +83,19 @@ TEST(Converter, KeepsThePaddingOfItsRowsEmpty) {
   }
 }
 
-TEST(Converter, NeedsNoMoreForOneSensorThanForAny) {
+TEST(Converter, TakesMemoryForWhatTheSensorHas) {
+  const auto bytes = [](const PmdSensor& sensor) {
+    return bytes_taken([&](Arena& arena) { Converter(sensor, arena); });
+  };
   PmdSensor sensor = sensor_of(64, 16);
-  const std::size_t plain = Converter::bytes_needed(sensor);
-  EXPECT_LT(plain, Converter::bytes_needed(64, 16));
-  sensor.second = PmdTone{.modulation = {18'750'000}};
+  const std::size_t plain = bytes(sensor);
+  EXPECT_LE(plain, 17U * 64 * 16 + 4096);
   sensor.emitter_count = 2;
-  EXPECT_EQ(Converter::bytes_needed(sensor), Converter::bytes_needed(64, 16));
+  EXPECT_EQ(bytes(sensor), plain + 10U * 64 * 16);
+  const std::size_t with_lights = bytes(sensor);
+  sensor.second = PmdTone{.modulation = {18'750'000}};
+  EXPECT_GT(bytes(sensor), with_lights + 4U * 64 * 16);
+  EXPECT_LT(bytes(sensor), with_lights + 5U * 64 * 16);
 }
 
 TEST(Converter, WorksFromOnePixelUp) {

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/matcher.h"
+#include "posix/worker_threads.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -103,7 +104,7 @@ std::vector<std::uint8_t> picture(Size size, int shift, std::uint64_t seed) {
 }
 
 TEST(MatcherThreads, ResultIsTheSameForAnyNumberOfThreads) {
-  Workers workers({.threads = 4});
+  posix::WorkerThreads workers({.threads = 4});
   for (const Size size : {Size{1, 1}, Size{40, 1}, Size{70, 3}, Size{50, 41}, Size{67, 130}}) {
     const std::vector<std::uint8_t> left = picture(size, 0, 1);
     const std::vector<std::uint8_t> right = picture(size, 6, 2);
@@ -122,7 +123,7 @@ TEST(MatcherThreads, ResultIsTheSameForAnyNumberOfThreads) {
 
 TEST(MatcherThreads, FindsWhatIsThere) {
   const Size size{90, 100};
-  Workers workers({.threads = 3});
+  posix::WorkerThreads workers({.threads = 3});
   const Found found = match(find_preset("quality")->params, size, picture(size, 0, 1),
                             picture(size, 6, 2), Crew(workers, 3));
   const auto near = [](Disparity d) {

@@ -8,8 +8,8 @@
 
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
-#include "dsp/calib/ray_table.h"
-#include "dsp/calib/rectification.h"
+#include "dsp/calib/pmd/ray_table.h"
+#include "dsp/calib/stereo/rectification.h"
 
 // A textured plane before two cameras that are turned against each other and bend their pictures.
 namespace stof::dsp::raw {

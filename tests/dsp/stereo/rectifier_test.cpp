@@ -10,12 +10,13 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/rectification.h"
-#include "dsp/calib/remap_table.h"
+#include "dsp/calib/stereo/rectification.h"
+#include "dsp/calib/stereo/remap_table.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectify.h"
 #include "tests/dsp/stereo/raw_world.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::dsp {
 namespace {
@@ -50,9 +51,7 @@ class Scene {
         height(pair.left.height),
         left(width, height, width + 5),
         right(width, height, width + 2),
-        memory_(Rectifier::bytes_needed(width, height)),
-        arena_(memory_.arena()),
-        rectifier(rig, arena_) {
+        owned_([&](Arena& arena) { return Rectifier(rig, arena); }) {
     raw::render(left.view(), shortest_m,
                 [&](double u, double v) { return raw::seen_by_left(pair, plane, u, v); });
     raw::render(right.view(), shortest_m,
@@ -66,11 +65,10 @@ class Scene {
   test::GuardedImage<std::uint8_t> left, right;
 
  private:
-  Memory memory_;
-  Arena arena_;
+  test::InOwnMemory<Rectifier> owned_;
 
  public:
-  Rectifier rectifier;
+  Rectifier& rectifier = *owned_;
 };
 
 double disparity_of(const Scene& scene, double z) {
@@ -133,9 +131,10 @@ TEST(Rectifier, TablesMapOnePointIntoOneRowWithinATenthOfAPixel) {
   for (const double toe_in : {0.03, 0.3}) {
     const RawPair pair = raw_pair(320, 240, toe_in);
     const Rectification r = rectify(pair);
-    Memory memory(RemapTable::bytes_needed(320, 240));
-    Arena arena = memory.arena();
-    const RemapTable table(SourceMap(pair.right, r.right_turn, r.right), arena);
+    test::InOwnMemory<RemapTable> owned([&](Arena& arena) {
+      return RemapTable(SourceMap(pair.right, r.right_turn, r.right), arena);
+    });
+    const RemapTable& table = *owned;
     const auto place = [&](int x, int y) {
       const Place at = table.place(x, y);
       return std::pair{at.x + at.fraction_x / 128.0, at.y + at.fraction_y / 128.0};

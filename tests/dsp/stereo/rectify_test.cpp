@@ -4,14 +4,16 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <memory>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/remap_table.h"
+#include "dsp/base/index.h"
+#include "dsp/calib/stereo/remap_table.h"
 #include "tests/dsp/stereo/raw_world.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
 #include "tests/support/vectors.h"
 
@@ -131,17 +133,11 @@ TEST(RemapRow, LeavesPixelsOfTilesThatDoNotServe) {
   EXPECT_TRUE(std::ranges::all_of(out, [](std::uint8_t p) { return p == 5; }));
 }
 
-// A table and the memory it lies in.
 struct Table {
   explicit Table(const SourceMap& map)
-      : bytes(RemapTable::bytes_needed(map.rectified().width, map.rectified().height)),
-        memory(static_cast<std::byte*>(std::aligned_alloc(Arena::kAlign, bytes)), &std::free),
-        arena({memory.get(), bytes}),
-        table(map, arena) {}
-  std::size_t bytes;
-  std::unique_ptr<std::byte, decltype(&std::free)> memory;
-  Arena arena;
-  RemapTable table;
+      : owned([&](Arena& arena) { return RemapTable(map, arena); }) {}
+  test::InOwnMemory<RemapTable> owned;
+  RemapTable& table = *owned;
 };
 
 // To the nearest 1/128 px; never on the last column or row.
@@ -244,8 +240,13 @@ TEST(RemapTable, TellsWhatTheCameraSaw) {
 }
 
 TEST(RemapTable, TakesLessThanHalfAByteAPixel) {
-  EXPECT_LE(RemapTable::bytes_needed(640, 480), 640 * 480 * 42 / 100);
-  EXPECT_LE(RemapTable::bytes_needed(1280, 720), 1280 * 720 * 42 / 100);
+  for (const auto& [width, height] : {std::pair{640, 480}, std::pair{1280, 720}}) {
+    const RawPair pair = raw::raw_pair(width, height, 0);
+    const Rectification rectified = rectify(pair);
+    const SourceMap map(pair.left, rectified.left_turn, rectified.left);
+    EXPECT_LE(bytes_taken([&](Arena& arena) { RemapTable(map, arena); }),
+              index(width * height * 42 / 100));
+  }
 }
 
 // A smooth picture through the table of a real rotation and distortion, against the same picture

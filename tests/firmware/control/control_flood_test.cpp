@@ -56,7 +56,7 @@ TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
   auto renewal = std::chrono::steady_clock::now();
   int renewals = 0;
   const auto refused = [&] {
-    const wire::ControlCounters counters = control_counters(sensor.gate, *sensor.port);
+    const wire::ControlCounters counters = control_counters(sensor.handler, *sensor.port);
     return counters.truncated + counters.bad_magic + counters.bad_version + counters.bad_length +
            counters.bad_crc + counters.bad_field + counters.not_control + counters.foreign +
            counters.too_short;
@@ -84,7 +84,7 @@ TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
   for (int k = 0; k < 5000 && refused() < flood; ++k) {
     std::this_thread::sleep_for(1ms);
   }
-  const wire::ControlCounters counters = control_counters(sensor.gate, *sensor.port);
+  const wire::ControlCounters counters = control_counters(sensor.handler, *sensor.port);
   for (std::uint64_t wire::ControlCounters::* const counter :
        {&wire::ControlCounters::truncated, &wire::ControlCounters::bad_magic,
         &wire::ControlCounters::bad_version, &wire::ControlCounters::bad_length,
@@ -112,7 +112,7 @@ TEST(ControlFlood, AtFullSpeedLosesNothingUncounted) {
   Sensor sensor;
   Robot robot(sensor);
   ASSERT_EQ(robot.ask(), SubscribeResult::kOk);
-  const wire::ControlCounters before = control_counters(sensor.gate, *sensor.port);
+  const wire::ControlCounters before = control_counters(sensor.handler, *sensor.port);
   const int each = long_or(1'000'000, 20'000);
   std::atomic<std::uint64_t> sent{0};
   const auto flood = [&] {
@@ -128,7 +128,7 @@ TEST(ControlFlood, AtFullSpeedLosesNothingUncounted) {
   second.join();
   third.join();
   const auto told = [&] {
-    const wire::ControlCounters now = control_counters(sensor.gate, *sensor.port);
+    const wire::ControlCounters now = control_counters(sensor.handler, *sensor.port);
     return now.bad_magic - before.bad_magic + now.overrun;
   };
   for (int i = 0; i < 200 && told() < sent; ++i) {

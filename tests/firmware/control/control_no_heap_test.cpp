@@ -31,18 +31,19 @@ using namespace std::chrono_literals;
 
 // Every kind of request, answer, refusal and list, through a real port.
 TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
-  auto port = hal::posix::UdpPort::open({});
-  auto robot = hal::posix::UdpPort::open({});
+  auto port = hal::linux::UdpPort::open({});
+  auto robot = hal::linux::UdpPort::open({});
   ASSERT_TRUE(port && robot);
   std::uint16_t closed = 0;
   {
-    closed = hal::posix::UdpPort::open({}).value()->port();
+    closed = hal::linux::UdpPort::open({}).value()->port();
   }
   firmware::Subscribers subscribers;
-  firmware::Gate gate({.device_id = 1}, firmware::CookieSecret{}, subscribers, nullptr);
+  firmware::RequestHandler handler({.device_id = 1}, firmware::CookieSecret{}, subscribers,
+                                   nullptr);
   firmware::SubscriberRing ring;
   firmware::Control control(
-      {.port = **port, .gate = gate, .subscribers = subscribers, .ring = ring});
+      {.port = **port, .handler = handler, .subscribers = subscribers, .ring = ring});
   const firmware::Cookies cookies(firmware::CookieSecret{});
   const hal::Peer self = loopback((*robot)->port());
   const std::uint64_t cookie = cookies.make(self, firmware::control_now());
@@ -76,7 +77,7 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
     static_cast<void>(ring.pop());
   }
   EXPECT_EQ(allocations, before);
-  EXPECT_GT(gate.counters().accepted, 100U);
+  EXPECT_GT(handler.counters().accepted, 100U);
 }
 
 }  // namespace

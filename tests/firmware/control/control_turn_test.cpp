@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/control.h"
-#include "hal/emu/datagram_port.h"
+#include "hal/emu/devices/datagram_port.h"
 #include "tests/firmware/control/requests.h"
 
 // The control thread's turns, one at a time and without a thread.
@@ -11,8 +11,8 @@ namespace {
 using namespace std::chrono_literals;
 using firmware::Control;
 using firmware::CookieSecret;
-using firmware::Gate;
 using firmware::Periodic;
+using firmware::RequestHandler;
 using firmware::SubscriberList;
 using firmware::SubscriberRing;
 using firmware::Subscribers;
@@ -54,12 +54,15 @@ class ControlTurn : public testing::Test {
 
   hal::emu::DatagramPort port_{600};
   Subscribers subscribers_;
-  Gate gate_{{.device_id = 1}, CookieSecret{}, subscribers_, nullptr};
+  RequestHandler handler_{{.device_id = 1}, CookieSecret{}, subscribers_, nullptr};
   SubscriberRing ring_;
   Hook hook_;
   std::array<Periodic*, 1> hooks_{&hook_};
-  Control control_{
-      {.port = port_, .gate = gate_, .subscribers = subscribers_, .ring = ring_, .hooks = hooks_}};
+  Control control_{{.port = port_,
+                    .handler = handler_,
+                    .subscribers = subscribers_,
+                    .ring = ring_,
+                    .hooks = hooks_}};
 };
 
 TEST_F(ControlTurn, AnswersWhoeverAsked) {
@@ -120,7 +123,7 @@ TEST_F(ControlTurn, AFloodKeepsTheHooksWaitingForOneTurnOnly) {
     port_.inject(Bytes(10), peer(1));
   }
   receive();
-  EXPECT_EQ(gate_.counters().truncated, static_cast<std::uint64_t>(Control::kDatagramsPerTurn));
+  EXPECT_EQ(handler_.counters().truncated, static_cast<std::uint64_t>(Control::kDatagramsPerTurn));
   control_.tick(kStart + 5ms);
   EXPECT_EQ(hook_.ticks, 1);
   EXPECT_EQ(hook_.last, kStart + 5ms);
@@ -132,7 +135,7 @@ TEST_F(ControlTurn, CountsWhatIsTooLongAndWhatTheSocketLost) {
   for (int i = 0; i < 610; ++i) {
     port_.inject(Bytes(10), peer(1));
   }
-  const wire::ControlCounters counters = control_counters(gate_, port_);
+  const wire::ControlCounters counters = control_counters(handler_, port_);
   EXPECT_EQ(counters.bad_length, 1U);
   EXPECT_EQ(counters.overrun, 10U);
 }

@@ -8,7 +8,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include "hal/linux/peer_address.h"
+#include "hal/linux/ports/peer_address.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/firmware/control/sensor.h"
 
@@ -23,8 +23,8 @@ class RawSocket {
   RawSocket& operator=(const RawSocket&) = delete;
 
   bool send(const hal::Peer& to, std::span<const std::byte> datagram) const {
-    const std::optional<hal::posix::SocketAddress> address =
-        hal::posix::to_socket_address(to, AF_INET);
+    const std::optional<hal::linux::SocketAddress> address =
+        hal::linux::to_socket_address(to, AF_INET);
     return address &&
            sendto(fd_, datagram.data(), datagram.size(), 0,
                   reinterpret_cast<const sockaddr*>(&address->storage), address->length) >= 0;
@@ -38,7 +38,7 @@ class RawSocket {
 class Robot {
  public:
   explicit Robot(const Sensor& sensor) : to_(loopback(sensor.number())) {
-    auto port = hal::posix::UdpPort::open({.ipv4_only = true});
+    auto port = hal::linux::UdpPort::open({.ipv4_only = true});
     if (!port) {
       ADD_FAILURE() << port.error().message;
       std::abort();
@@ -84,7 +84,7 @@ class Robot {
  private:
   RawSocket raw_;
   hal::Peer to_;
-  std::unique_ptr<hal::posix::UdpPort> port_;
+  std::unique_ptr<hal::linux::UdpPort> port_;
   std::uint32_t request_ = 0;
   std::uint64_t cookie_ = 0;
 };

@@ -10,21 +10,21 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/control_thread.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/udp_port.h"
 
 namespace stof::test {
 
-// The network end of a sensor on loopback: port, gate and thread, without a loop.
+// The network end of a sensor on loopback: port, handler and thread, without a loop.
 class Sensor {
  public:
   explicit Sensor(firmware::SettingsService* settings = nullptr, std::uint16_t number = 0,
                   std::uint32_t session = 1)
       : port(open(number)),
-        gate({.device_id = 0x51, .session_id = session}, firmware::make_cookie_secret(),
-             subscribers, settings),
+        handler({.device_id = 0x51, .session_id = session}, firmware::make_cookie_secret(),
+                subscribers, settings),
         thread(std::in_place,
                firmware::ControlParts{
-                   .port = *port, .gate = gate, .subscribers = subscribers, .ring = ring}) {}
+                   .port = *port, .handler = handler, .subscribers = subscribers, .ring = ring}) {}
 
   // As the loop: the newest list.
   const firmware::SubscriberList& list() {
@@ -51,15 +51,15 @@ class Sensor {
   }
   std::uint16_t number() const { return port->port(); }
 
-  std::unique_ptr<hal::posix::UdpPort> port;
+  std::unique_ptr<hal::linux::UdpPort> port;
   firmware::Subscribers subscribers;
-  firmware::Gate gate;
+  firmware::RequestHandler handler;
   firmware::SubscriberRing ring;
   std::optional<firmware::ControlThread> thread;
 
  private:
-  static std::unique_ptr<hal::posix::UdpPort> open(std::uint16_t number) {
-    auto port = hal::posix::UdpPort::open({.port = number});
+  static std::unique_ptr<hal::linux::UdpPort> open(std::uint16_t number) {
+    auto port = hal::linux::UdpPort::open({.port = number});
     if (!port) {
       ADD_FAILURE() << port.error().message;
       std::abort();

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/emu/network.h"
+#include "hal/emu/devices/network.h"
 #include "tests/firmware/discovery/mdns_support.h"
 
 namespace stof::firmware::test {

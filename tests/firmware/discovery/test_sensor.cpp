@@ -8,10 +8,10 @@
 #include "firmware/discovery/beacon.h"
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/wire/messages/discover.h"
-#include "hal/linux/clock.h"
-#include "hal/linux/mdns_port.h"
-#include "hal/linux/network.h"
-#include "hal/linux/udp_port.h"
+#include "hal/linux/ports/mdns_port.h"
+#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/udp_port.h"
+#include "hal/linux/system/clock.h"
 
 namespace {
 
@@ -23,7 +23,7 @@ void put_text(Text& out, const char* text) {
   std::memcpy(out.data(), text, std::min(out.size(), std::strlen(text)));
 }
 
-void answer(stof::hal::posix::UdpPort& port, stof::wire::Announce announce,
+void answer(stof::hal::linux::UdpPort& port, stof::wire::Announce announce,
             const stof::wire::Origin& origin) {
   namespace wire = stof::wire;
   wire::DatagramBuffer buffer{};
@@ -50,11 +50,11 @@ int main(int argc, char** argv) {
     return 2;
   }
   std::signal(SIGTERM, [](int) { stopping = 1; });
-  hal::posix::Clock clock;
-  hal::posix::Network network;
-  auto port = hal::posix::UdpPort::open(
+  hal::linux::Clock clock;
+  hal::linux::Network network;
+  auto port = hal::linux::UdpPort::open(
       {.port = static_cast<std::uint16_t>(std::strtol(argv[3], nullptr, 10))});
-  auto mdns = hal::posix::MdnsPort::open();
+  auto mdns = hal::linux::MdnsPort::open();
   if (!port || !mdns) {
     std::puts((port ? mdns.error() : port.error()).message.c_str());
     return 1;

@@ -1,4 +1,4 @@
-#include "hal/linux/file_store.h"
+#include "hal/linux/system/file_store.h"
 
 #include <cerrno>
 #include <cstdlib>
@@ -73,7 +73,7 @@ int __wrap_rename(const char* from, const char* to) {
 }
 }
 
-namespace stof::hal::posix {
+namespace stof::hal::linux {
 namespace {
 
 class FileStoreTest : public testing::Test {
@@ -170,4 +170,4 @@ TEST_F(FileStoreTest, SaysWhatFails) {
 }
 
 }  // namespace
-}  // namespace stof::hal::posix
+}  // namespace stof::hal::linux

@@ -11,7 +11,7 @@
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/saved.h"
-#include "hal/emu/store.h"
+#include "hal/emu/devices/store.h"
 
 namespace stof::settings {
 namespace {
@@ -59,7 +59,7 @@ class SettingsServerTest : public testing::Test {
     std::size_t bytes = 0;
     const wire::SettingsAnswer answer =
         server_.serve({.operation = operation, .document = document, .offset = offset},
-                    std::as_bytes(std::span(text)), space, bytes);
+                      std::as_bytes(std::span(text)), space, bytes);
     EXPECT_LE(bytes, room);
     std::string said(bytes, '\0');
     std::transform(space.begin(), space.begin() + static_cast<std::ptrdiff_t>(bytes), said.begin(),
@@ -91,7 +91,8 @@ class SettingsServerTest : public testing::Test {
 
   hal::emu::Store store_;
   Board board_;
-  SettingsServer server_{Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
+  SettingsServer server_{
+      Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
 };
 
 TEST_F(SettingsServerTest, GivesDocumentsInPartsOfAnySize) {

@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "dsp/base/units.h"
-#include "dsp/calib/ray_table.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "tests/support/random.h"
 
 namespace stof::test {

@@ -10,7 +10,7 @@
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "firmware/wire/packet.h"
-#include "hal/emu/store.h"
+#include "hal/emu/devices/store.h"
 
 namespace stof::host {
 
@@ -44,7 +44,7 @@ class SensorStub final : public settings::Limits, public settings::SettingsSink 
     std::size_t bytes = 0;
     wire::SettingsAnswer answer =
         server.serve(*request, parsed->payload.subspan<wire::kSettingsRequestBytes>(),
-                   payload.subspan<wire::kSettingsAnswerBytes>(), bytes);
+                     payload.subspan<wire::kSettingsAnswerBytes>(), bytes);
     answer.request_id = request->request_id;
     answer.cookie = 1;
     wire::encode_settings_answer(answer, payload.first<wire::kSettingsAnswerBytes>());

@@ -5,7 +5,7 @@
 #include <fstream>
 #include <string>
 
-#include "dsp/calib/ray_table.h"
+#include "dsp/calib/pmd/ray_table.h"
 #include "tests/host/calibrate/wall_files.h"
 #include "tests/host/calibrate/wall_simulator.h"
 

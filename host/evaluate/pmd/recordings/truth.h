@@ -73,7 +73,8 @@ dsp::PmdSensor sensor_for(const dsp::PmdSensor& own, double exposure, const PmdS
 class OwnConverter {
  public:
   explicit OwnConverter(const dsp::PmdSensor& sensor)
-      : space_(dsp::Converter::bytes_needed(sensor)),
+      : space_(
+            dsp::bytes_taken([&](dsp::Arena& arena) noexcept { dsp::Converter(sensor, arena); })),
         arena_(space_.arena()),
         converter_(sensor, arena_) {}
   dsp::Converter& operator*() { return converter_; }

@@ -3,9 +3,9 @@
 #include <algorithm>
 
 #include "dsp/depth/depth_maker.h"
-#include "hal/emu/rendered.h"
-#include "hal/emu/rig.h"
-#include "hal/emu/scene.h"
+#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/scene.h"
 
 namespace stof::test {
 namespace {

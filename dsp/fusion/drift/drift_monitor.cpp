@@ -1,0 +1,133 @@
+#include "dsp/fusion/drift/drift_monitor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+
+#include "dsp/base/index.h"
+#include "dsp/fusion/drift/disparity_shift.h"
+#include "dsp/fusion/drift/plane_reader.h"
+#include "dsp/fusion/drift/solve_drift.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr int kTurns = 8;         // frames until every patch was looked at
+constexpr int kLeastPatches = 8;  // fewer are an accident, not a scene
+// An observation that differs from those of its patch by so much is of something that passes; if it
+// stays, what was before has faded after a few more.
+constexpr double kSurprise = 4;  // standard deviations
+constexpr double kSurprisePx = 0.1;
+constexpr double kLeastKnown = 3;
+constexpr double kSurprised = 0.7;
+
+constexpr DriftVector kUnits{1e6, 1e6, 1e6, 16'000, 1000};
+
+bool surprising(const DriftPatch& patch, double error_px) noexcept {
+  if (patch.count < kLeastKnown) {
+    return false;
+  }
+  const double sigma = std::sqrt(patch.count / patch.weight());
+  return std::abs(error_px - patch.error / patch.weight()) > kSurprise * sigma + kSurprisePx;
+}
+
+void tell(DriftPatch& patch, const ExpectedPlane& plane, const DisparityShift& shift) noexcept {
+  if (surprising(patch, shift.px)) {
+    patch.fade(kSurprised);
+    return;
+  }
+  patch.add(shift.px, plane.slope, shift.variance + plane.variance);
+}
+
+}  // namespace
+
+struct DriftMonitor::State {
+  DriftParams params;
+  double keep = 1;
+  PlaneReader reader;
+  int width = 0;
+  int height = 0;
+  int columns = 0;
+  int rows = 0;
+  int turn = 0;
+  std::span<DriftPatch> patches;  // row by row
+  std::span<double> trust;        // scratch
+  std::span<double> sorted;
+
+  bool fits(const PmdMaps& maps) const noexcept {
+    return maps.distance.width() == width && maps.distance.height() == height &&
+           same_size(maps.sigma, maps.distance) && same_size(maps.flags, maps.distance);
+  }
+};
+
+DriftMonitor::DriftMonitor(const Calibration& calibration, const DriftParams& params,
+                           Arena& arena) noexcept {
+  const Pinhole& lens = calibration.pmd.lens;
+  State s;
+  s.params = params;
+  s.keep = std::exp(-1 / std::max(params.fade_frames, 1.0));
+  s.reader = PlaneReader(calibration, arena);
+  s.width = lens.width;
+  s.height = lens.height;
+  s.columns = s.width / s.reader.side();
+  s.rows = s.height / s.reader.side();
+  const std::size_t count = pixel_count(s.columns, s.rows);
+  s.patches = arena.take_filled(count, DriftPatch{});
+  s.trust = arena.take<double>(count);
+  s.sorted = arena.take<double>(count);
+  state_ = arena.put(s);
+}
+
+void DriftMonitor::forget() noexcept { std::ranges::fill(state_->patches, DriftPatch{}); }
+
+void DriftMonitor::observe(const MatchedPair& pair, const PmdMaps& maps) noexcept {
+  State& s = *state_;
+  if (s.patches.empty() || !s.fits(maps) || !same_size(pair.left, pair.right) ||
+      !same_size(pair.left, pair.disparity)) {
+    return;
+  }
+  for (DriftPatch& patch : s.patches) {
+    patch.fade(s.keep);
+  }
+  const int side = s.reader.side();
+  for (int y = 0; y < s.rows; ++y) {
+    // Neighbours of both directions in different frames.
+    for (int x = (s.turn + 3 * y) % kTurns; x < s.columns; x += kTurns) {
+      const std::optional<ExpectedPlane> plane = s.reader.read(x * side, y * side, maps);
+      if (!plane) {
+        continue;
+      }
+      if (const std::optional<DisparityShift> shift = disparity_shift(*plane, pair)) {
+        tell(s.patches[index(y * s.columns + x)], *plane, *shift);
+      }
+    }
+  }
+  s.turn = (s.turn + 1) % kTurns;
+}
+
+DriftEstimate DriftMonitor::estimate() const noexcept {
+  const State& s = *state_;
+  DriftEstimate out;
+  if (s.patches.empty()) {
+    return out;
+  }
+  const DriftSolution found = solve_drift(
+      {.patches = s.patches, .columns = s.columns, .trust = s.trust, .sorted = s.sorted});
+  out.patches = static_cast<std::uint32_t>(found.patches);
+  if (found.patches < kLeastPatches) {
+    return out;
+  }
+  for (std::size_t k = 0; k < kDriftParameters; ++k) {
+    Drift& drift = out.drifts[k];
+    const double size = std::abs(found.value[k]);
+    drift.value = static_cast<std::int32_t>(std::lround(found.value[k] * kUnits[k]));
+    drift.sigma = static_cast<std::int32_t>(std::lround(found.sigma[k] * kUnits[k]));
+    drift.significant = size > s.params.sigmas * found.sigma[k] && size > s.params.floor[k] &&
+                        found.sigma[k] < s.params.floor[k];
+    out.significant = out.significant || drift.significant;
+  }
+  return out;
+}
+
+}  // namespace stof::dsp

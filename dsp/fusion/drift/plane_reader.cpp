@@ -1,0 +1,195 @@
+#include "dsp/fusion/drift/plane_reader.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/index.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr double kPatchPx = 24;
+constexpr int kSmallestSide = 4;
+constexpr int kLargestSide = 16;
+constexpr double kNearestM = 0.01;
+constexpr double kTurnStep = 1e-4;  // of the numeric derivatives: rad, m
+constexpr double kRangeStep = 1e-3;
+// Readings may lie so far about their plane, rms: times their noise, and pixels of disparity.
+constexpr double kMisfitNoise = 1.3;
+constexpr double kMisfitPx = 0.06;
+
+}  // namespace
+
+struct PlaneReader::Readings {
+  std::array<Place, pixel_count(kLargestSide, kLargestSide)> places{};
+  std::size_t count = 0;
+  Point middle{};
+  double relative_noise = 0;  // mean of sigma / distance
+};
+
+PlaneReader::PlaneReader(const Calibration& calibration, Arena& arena) noexcept
+    : rig_(calibration.stereo),
+      origin_(calibration.pmd_to_stereo.translation_m),
+      width_(calibration.pmd.lens.width) {
+  const Pinhole& lens = calibration.pmd.lens;
+  if (lens.width == 0 || lens.height == 0) {
+    return;
+  }
+  if (const auto& axes = rig_.converging) {
+    tan_left_ = std::tan(axes->beta_rad);
+    tan_right_ = std::tan(axes->alpha_rad);
+  }
+  side_ = static_cast<int>(std::clamp(std::round(kPatchPx * lens.fx / rig_.left.fx),
+                                      double{kSmallestSide}, double{kLargestSide}));
+  rays_ = make_ray_table(calibration, arena);
+}
+
+std::optional<PlaneReader::Place> PlaneReader::place(const Point& point) const noexcept {
+  const auto& [x, y, z] = point;
+  if (!(z >= kNearestM)) {
+    return std::nullopt;
+  }
+  const Pinhole& left = rig_.left;
+  const auto& axes = rig_.converging;
+  if (!axes) {
+    return Place{.u = left.fx * x / z + left.cx,
+                 .v = left.fy * y / z + left.cy,
+                 .d = left.fx * rig_.baseline_m / z - rig_.doff_px};
+  }
+  // Tangents to the left of the perpendicular, seen from both cameras, each turned by its yaw.
+  const double from_left = -x / z;
+  const double from_right = from_left + rig_.baseline_m / z;
+  const double ahead = 1 + from_left * tan_left_;
+  const double ahead_right = 1 + from_right * tan_right_;
+  if (!(ahead > 0) || !(ahead_right > 0)) {
+    return std::nullopt;
+  }
+  const double focal = axes->f2_m / axes->pixel_m;
+  const double u = axes->cx_left - focal * (from_left - tan_left_) / ahead;
+  const double right =
+      axes->cx_right - axes->f1_m / axes->pixel_m * (from_right - tan_right_) / ahead_right;
+  const double stretch = std::sqrt(1 + tan_left_ * tan_left_) / ahead;
+  return Place{.u = u, .v = focal * y / z * stretch + left.cy, .d = u - right};
+}
+
+std::optional<PlaneReader::Readings> PlaneReader::collect(int x, int y,
+                                                          const PmdMaps& maps) const noexcept {
+  Readings out;
+  for (int row = y; row < y + side_; ++row) {
+    const std::span<const QuarterMm> distances = maps.distance.row(row);
+    const std::span<const QuarterMm> sigmas = maps.sigma.row(row);
+    const std::span<const std::uint8_t> flags = maps.flags.row(row);
+    for (int column = x; column < x + side_; ++column) {
+      const std::size_t i = static_cast<std::size_t>(column);
+      const std::size_t at = pixel_count(width_, row) + i;
+      if (distances[i] == kNoDepth || (flags[i] & kPmdMissing) != 0) {
+        return std::nullopt;
+      }
+      const double scale = double{1} * distances[i] / kQuarterMmPerMetre / kQ15One;
+      const Point point{origin_[0] + scale * rays_.turned_x[at],
+                        origin_[1] + scale * rays_.turned_y[at],
+                        origin_[2] + scale * rays_.turned_z[at]};
+      const std::optional<Place> there = place(point);
+      if (!there) {
+        return std::nullopt;
+      }
+      out.places[out.count] = *there;
+      ++out.count;
+      for (std::size_t k = 0; k < 3; ++k) {
+        out.middle[k] += point[k];
+      }
+      out.relative_noise += double{1} * sigmas[i] / distances[i];
+    }
+  }
+  const double n = static_cast<double>(out.count);
+  for (double& m : out.middle) {
+    m /= n;
+  }
+  out.relative_noise /= n;
+  return out;
+}
+
+bool PlaneReader::fit(const Readings& readings, ExpectedPlane& plane) const noexcept {
+  const std::span<const Place> places = std::span(readings.places).first(readings.count);
+  const double n = static_cast<double>(readings.count);
+  plane.u_low = plane.u_high = places[0].u;
+  plane.v_low = plane.v_high = places[0].v;
+  for (const Place& p : places) {
+    plane.u += p.u / n;
+    plane.v += p.v / n;
+    plane.d += p.d / n;
+    plane.u_low = std::min(plane.u_low, p.u);
+    plane.u_high = std::max(plane.u_high, p.u);
+    plane.v_low = std::min(plane.v_low, p.v);
+    plane.v_high = std::max(plane.v_high, p.v);
+  }
+  double uu = 0;
+  double uv = 0;
+  double vv = 0;
+  double ud = 0;
+  double vd = 0;
+  double dd = 0;
+  for (const Place& p : places) {
+    const double u = p.u - plane.u;
+    const double v = p.v - plane.v;
+    const double d = p.d - plane.d;
+    uu += u * u;
+    uv += u * v;
+    vv += v * v;
+    ud += u * d;
+    vd += v * d;
+    dd += d * d;
+  }
+  const double determinant = uu * vv - uv * uv;
+  if (!(determinant > 1e-6 * uu * vv) || !(uu > 0) || !(vv > 0)) {
+    return false;
+  }
+  plane.gx = (vv * ud - uv * vd) / determinant;
+  plane.gy = (uu * vd - uv * ud) / determinant;
+  const double parallax = plane.d + rig_.doff_px;  // proportional to 1 / Z
+  const double noise = readings.relative_noise * parallax;
+  plane.variance = noise * noise / n;
+  // The mean of 1 / (Z + noise) is more than 1 / Z.
+  plane.d -= readings.relative_noise * readings.relative_noise * parallax;
+  const double misfit = (dd - plane.gx * ud - plane.gy * vd) / (n - 3);
+  return misfit <= kMisfitNoise * kMisfitNoise * noise * noise + kMisfitPx * kMisfitPx;
+}
+
+bool PlaneReader::add_slope(const Point& middle, ExpectedPlane& plane) const noexcept {
+  const Point q{middle[0] - origin_[0], middle[1] - origin_[1], middle[2] - origin_[2]};
+  const double length = std::sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2]);
+  const std::optional<Place> here = place(middle);
+  if (!here || !(length > 0)) {
+    return false;
+  }
+  // The truth less the reading's point: axis x q; towards the camera.
+  const std::array<Point, 4> moves{Point{0, -q[2], q[1]}, Point{q[2], 0, -q[0]},
+                                   Point{-q[1], q[0], 0},
+                                   Point{-q[0] / length, -q[1] / length, -q[2] / length}};
+  for (std::size_t k = 0; k < moves.size(); ++k) {
+    const double step = k < 3 ? kTurnStep : kRangeStep;
+    const std::optional<Place> there =
+        place({middle[0] + step * moves[k][0], middle[1] + step * moves[k][1],
+               middle[2] + step * moves[k][2]});
+    if (!there) {
+      return false;
+    }
+    plane.slope[k] =
+        (there->d - here->d - plane.gx * (there->u - here->u) - plane.gy * (there->v - here->v)) /
+        step;
+  }
+  plane.slope[4] = 1;
+  return true;
+}
+
+std::optional<ExpectedPlane> PlaneReader::read(int x, int y, const PmdMaps& maps) const noexcept {
+  const std::optional<Readings> readings = collect(x, y, maps);
+  ExpectedPlane plane;
+  if (!readings || !fit(*readings, plane) || !add_slope(readings->middle, plane)) {
+    return std::nullopt;
+  }
+  return plane;
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,265 @@
+#include "dsp/fusion/drift/solve_drift.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace stof::dsp {
+namespace {
+
+constexpr std::size_t kN = kDriftParameters;
+using Matrix = std::array<double, kN * kN>;
+
+// What is known before, as standard deviations: a degree, 10 cm, and that a pair which was
+// calibrated keeps its disparities.
+constexpr DriftVector kPrior{0.02, 0.02, 0.02, 0.1, 0.05};
+
+constexpr double kLeastCount = 2;
+constexpr double kPatchNoisePx = 0.02;  // what no number of frames improves, and
+constexpr double kLasting = 0.15;       // the share of a frame's variance that lasts
+constexpr double kRegionNoisePx = 0.017;
+constexpr int kRounds = 17;  // all alike, Huber's weights, Tukey's from the middle on
+constexpr double kHuber = 1.5;
+constexpr double kTukey = 3;
+constexpr double kLeastScale = 1;  // or a large smooth wall's little noise throws out all else
+constexpr int kRegions = 4;        // along the width
+
+// Inverse of a symmetric positive definite matrix in place.
+bool invert(Matrix& m) noexcept {
+  for (std::size_t k = 0; k < kN; ++k) {
+    const double pivot = m[k * kN + k];
+    if (!(pivot > 0)) {
+      return false;
+    }
+    m[k * kN + k] = 1;
+    for (std::size_t j = 0; j < kN; ++j) {
+      m[k * kN + j] /= pivot;
+    }
+    for (std::size_t i = 0; i < kN; ++i) {
+      if (i == k) {
+        continue;
+      }
+      const double factor = m[i * kN + k];
+      m[i * kN + k] = 0;
+      for (std::size_t j = 0; j < kN; ++j) {
+        m[i * kN + j] -= factor * m[k * kN + j];
+      }
+    }
+  }
+  return true;
+}
+
+DriftVector times(const Matrix& m, const DriftVector& v) noexcept {
+  DriftVector out{};
+  for (std::size_t i = 0; i < kN; ++i) {
+    for (std::size_t j = 0; j < kN; ++j) {
+      out[i] += m[i * kN + j] * v[j];
+    }
+  }
+  return out;
+}
+
+// Mean slope and error of a patch.
+struct Equation {
+  explicit Equation(const DriftPatch& patch) noexcept : error(patch.error / patch.weight()) {
+    for (std::size_t k = 0; k < kN; ++k) {
+      slope[k] = patch.slope[k] / patch.weight();
+    }
+    const double of_frame = patch.count / patch.weight();
+    variance = kPatchNoisePx * kPatchNoisePx + of_frame * (kLasting + 1 / patch.count);
+  }
+  double left(const DriftVector& value) const noexcept {
+    double sum = error;
+    for (std::size_t k = 0; k < kN; ++k) {
+      sum -= slope[k] * value[k];
+    }
+    return sum;
+  }
+
+  DriftVector slope{};
+  double error;
+  double variance = 0;
+};
+
+struct Normal {
+  Matrix matrix{};
+  DriftVector vector{};
+
+  void add(const Equation& e, double target, double weight) noexcept {
+    for (std::size_t i = 0; i < kN; ++i) {
+      vector[i] += weight * e.slope[i] * target;
+      for (std::size_t j = 0; j < kN; ++j) {
+        matrix[i * kN + j] += weight * e.slope[i] * e.slope[j];
+      }
+    }
+  }
+};
+
+// Of a misfit in units of the typical one.
+double robust_weight(double misfit, int round) noexcept {
+  if (round == 0) {
+    return 1;
+  }
+  if (2 * round < kRounds) {
+    return misfit < kHuber ? 1 : kHuber / misfit;
+  }
+  const double part = misfit / kTukey;
+  return part < 1 ? (1 - part * part) * (1 - part * part) : 0;
+}
+
+// Fills trust, the weight of each patch, with what `value` leaves; returns the typical misfit of
+// this round, for the next.
+double judge(const DriftPatches& seen, const DriftVector& value, double scale, int round,
+             int& count) noexcept {
+  std::size_t n = 0;
+  for (std::size_t p = 0; p < seen.patches.size(); ++p) {
+    seen.trust[p] = 0;
+    if (seen.patches[p].count < kLeastCount) {
+      continue;
+    }
+    const Equation e(seen.patches[p]);
+    const double misfit = std::abs(e.left(value)) / std::sqrt(e.variance);
+    seen.sorted[n] = misfit;
+    ++n;
+    seen.trust[p] = robust_weight(misfit / scale, round) / (e.variance * scale * scale);
+  }
+  count = static_cast<int>(n);
+  if (n == 0) {
+    return scale;
+  }
+  const std::span<double> sorted = seen.sorted.first(n);
+  std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(n / 2));
+  return std::max(1.48 * sorted[n / 2], kLeastScale);
+}
+
+struct Region {
+  int x = 0;
+  int y = 0;
+  int side = 0;
+};
+
+// What the patches of a region add to the matrix, and to the vector when it is measured from
+// `value` (left) or when all of them are off by 1 px (shared).
+struct Share {
+  Normal left;
+  DriftVector shared{};
+  bool any = false;
+};
+Share share_of(const DriftPatches& seen, const Region& region, const DriftVector& value) noexcept {
+  Share out;
+  const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
+  for (int y = std::max(region.y, 0); y < std::min(region.y + region.side, rows); ++y) {
+    for (int x = std::max(region.x, 0); x < std::min(region.x + region.side, seen.columns); ++x) {
+      const std::size_t p = static_cast<std::size_t>(y * seen.columns + x);
+      if (!(seen.trust[p] > 0)) {
+        continue;
+      }
+      out.any = true;
+      const Equation e(seen.patches[p]);
+      out.left.add(e, e.left(value), seen.trust[p]);
+      for (std::size_t k = 0; k < kN; ++k) {
+        out.shared[k] += seen.trust[p] * e.slope[k];
+      }
+    }
+  }
+  return out;
+}
+
+// Variances by leaving out one region after the other, the first of which begins at -offset.
+DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const Matrix& matrix,
+                      int side, int offset) noexcept {
+  Matrix inverse = matrix;
+  invert(inverse);
+  const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
+  DriftVector squares{};
+  DriftVector shared{};
+  int regions = 0;
+  for (int y = -offset; y < rows; y += side) {
+    for (int x = -offset; x < seen.columns; x += side) {
+      const Share share = share_of(seen, {.x = x, .y = y, .side = side}, value);
+      if (!share.any) {
+        continue;
+      }
+      ++regions;
+      Matrix rest = matrix;
+      for (std::size_t k = 0; k < rest.size(); ++k) {
+        rest[k] -= share.left.matrix[k];
+      }
+      invert(rest);
+      const DriftVector change = times(rest, share.left.vector);
+      const DriftVector common = times(inverse, share.shared);
+      for (std::size_t k = 0; k < kN; ++k) {
+        squares[k] += change[k] * change[k];
+        shared[k] += common[k] * common[k];
+      }
+    }
+  }
+  DriftVector out{};
+  for (std::size_t k = 0; k < kN; ++k) {
+    if (regions < 2) {
+      out[k] = kPrior[k] * kPrior[k];
+      continue;
+    }
+    out[k] = squares[k] * (regions - 1) / regions + shared[k] * kRegionNoisePx * kRegionNoisePx;
+    // The draw to 0: all of the prior where the patches say nothing.
+    for (std::size_t j = 0; j < kN; ++j) {
+      const double drawn = inverse[k * kN + j] / kPrior[j];
+      out[k] += drawn * drawn;
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+void DriftPatch::add(double error_px, const DriftVector& at, double variance) noexcept {
+  for (std::size_t k = 0; k < kN; ++k) {
+    slope[k] += at[k] / variance;
+  }
+  error += error_px / variance;
+  count += 1;
+}
+
+void DriftPatch::fade(double factor) noexcept {
+  if (count < 1e-3) {
+    *this = {};
+    return;
+  }
+  for (double& s : slope) {
+    s *= factor;
+  }
+  error *= factor;
+  count *= factor;
+}
+
+DriftSolution solve_drift(const DriftPatches& seen) noexcept {
+  DriftSolution out;
+  Matrix matrix{};
+  double scale = 1;
+  for (int round = 0; round < kRounds; ++round) {
+    scale = judge(seen, out.value, scale, round, out.patches);
+    Normal normal;
+    for (std::size_t k = 0; k < kN; ++k) {
+      normal.matrix[k * kN + k] = 1 / (kPrior[k] * kPrior[k]);
+    }
+    for (std::size_t p = 0; p < seen.patches.size(); ++p) {
+      if (seen.trust[p] > 0) {
+        const Equation e(seen.patches[p]);
+        normal.add(e, e.error, seen.trust[p]);
+      }
+    }
+    matrix = normal.matrix;
+    Matrix inverse = matrix;
+    invert(inverse);
+    out.value = times(inverse, normal.vector);
+  }
+  const int side = std::max((seen.columns + kRegions - 1) / kRegions, 2);
+  const DriftVector one = jackknife(seen, out.value, matrix, side, 0);
+  const DriftVector other = jackknife(seen, out.value, matrix, side, side / 2);
+  for (std::size_t k = 0; k < kN; ++k) {
+    out.sigma[k] = std::sqrt(std::max(one[k], other[k]));
+  }
+  return out;
+}
+
+}  // namespace stof::dsp

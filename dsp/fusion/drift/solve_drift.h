@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "dsp/fusion/drift/drift_monitor.h"
+
+// Drift from what all patches have said.
+namespace stof::dsp {
+
+// Weighted sums over the frames of one patch: of the slopes J (the last of which is 1, so slope[4]
+// is the sum of weights 1 / variance) and of the errors e.
+struct DriftPatch {
+  DriftVector slope{};
+  double error = 0;
+  double count = 0;
+
+  double weight() const noexcept { return slope[kDriftParameters - 1]; }
+  void add(double error_px, const DriftVector& at, double variance) noexcept;
+  void fade(double factor) noexcept;
+};
+
+// columns patches a row; trust and sorted are scratch, as long as patches.
+struct DriftPatches {
+  std::span<const DriftPatch> patches;
+  int columns = 1;
+  std::span<double> trust;
+  std::span<double> sorted;
+};
+
+struct DriftSolution {
+  DriftVector value{};
+  DriftVector sigma{};
+  int patches = 0;  // that count; sigma means nothing where this is 0
+};
+
+// Of each patch the means of J and e count once, however many frames they come from: the least
+// squares solution with weights that fall with the misfit (Huber's, then Tukey's), drawn to 0 by
+// what is known before. sigma: jackknife over regions of a quarter of the picture's width, laid in
+// two ways, of which the larger counts; and an error that all patches of a region share.
+DriftSolution solve_drift(const DriftPatches& seen) noexcept;
+
+}  // namespace stof::dsp

@@ -1,0 +1,17 @@
+#include "dsp/fusion/interval/stereo_spread.h"
+
+namespace stof::dsp {
+
+SpreadTable spread_of(const MatchParams& params) noexcept {
+  constexpr std::uint8_t kHalfStep = 6;  // with what the match itself errs by: 95 percent
+  const bool paths = params.method == Method::kSemiGlobal || params.method == Method::kScanline;
+  SpreadTable table = paths ? kPathSpread : kBlockSpread;
+  if (params.subpixel == Subpixel::kWhole) {
+    for (std::uint8_t& half : table) {
+      half = static_cast<std::uint8_t>(half + kHalfStep);
+    }
+  }
+  return table;
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,15 @@
+#pragma once
+
+#include "dsp/calib/calibration.h"
+#include "dsp/calib/pmd/ray_table.h"
+#include "dsp/fusion/project/project.h"
+
+// What the kernel project() takes, from a calibration.
+namespace stof::dsp {
+
+Projection projection_of(const Calibration& calibration) noexcept;
+
+// Row y of a table for pictures of `width`.
+RayRow ray_row(const RayTable& rays, int width, int y) noexcept;
+
+}  // namespace stof::dsp

@@ -1,0 +1,153 @@
+#include "dsp/fusion/project/reproject.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+
+#include "dsp/base/check.h"
+#include "dsp/base/index.h"
+#include "dsp/fusion/project/projection.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr std::size_t kMostPlaces = 3;  // the reading and both ends of its interval
+
+}  // namespace
+
+Reprojector::Points Reprojector::take_points(Arena& arena, int count) noexcept {
+  const std::size_t n = index(count);
+  return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<QuarterMm>(n)};
+}
+
+Reprojector::Extents Reprojector::take_extents(Arena& arena, int count) noexcept {
+  const std::size_t n = index(count);
+  return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<std::int16_t>(n),
+          arena.take<std::int16_t>(n), arena.take<std::int16_t>(n), arena.take<std::int16_t>(n)};
+}
+
+Reprojector::Reprojector(const Calibration& calibration, int left_width, int left_height,
+                         Arena& arena) noexcept
+    : width_(calibration.pmd.lens.width),
+      height_(calibration.pmd.lens.height),
+      left_width_(left_width),
+      left_height_(left_height) {
+  constexpr int kLargest = std::numeric_limits<std::int16_t>::max();
+  STOF_CHECK(left_width <= kLargest && left_height <= kLargest);
+  if (width_ == 0 || height_ == 0) {
+    return;
+  }
+  const Pinhole& left = calibration.stereo.left;
+  const Pinhole& pmd = calibration.pmd.lens;
+  projection_ = projection_of(calibration);
+  scale_.x = static_cast<float>(left.fx / pmd.fx / 2 * kPositionOne / kQ15One);
+  scale_.y = static_cast<float>(left.fy / pmd.fy / 2 * kPositionOne / kQ15One);
+  rays_ = make_ray_table(calibration, arena);
+  footprints_ = arena.take<Footprint>(kMostPlaces * pixel_count(width_, height_));
+  bands_ = arena.take<Band>(index(height_));
+  low_ = take_points(arena, width_);
+  centre_ = take_points(arena, width_);
+  high_ = take_points(arena, width_);
+  extents_ = take_extents(arena, width_);
+}
+
+// Whether a reading is painted at the ends of its interval too.
+bool Reprojector::ends_apart(std::size_t i) const noexcept {
+  return low_.depth[i] == kNoDepth || high_.depth[i] == kNoDepth ||
+         std::abs(low_.u[i] - high_.u[i]) > extents_.half_x[i] ||
+         std::abs(low_.v[i] - high_.v[i]) > extents_.half_y[i];
+}
+
+void Reprojector::add_row(std::span<const std::uint8_t> flags) noexcept {
+  const std::span<Footprint> all = footprints_;
+  std::size_t count = count_;
+  const auto add = [&](PixelRange x, PixelRange y, QuarterMm depth, const Paint& paint) noexcept {
+    all[count] = {x.begin, x.end, y.begin, y.end, depth, paint};
+    count += x.begin < x.end && y.begin < y.end ? 1U : 0U;
+  };
+  for (std::size_t i = 0; i < flags.size(); ++i) {
+    if (extents_.half_x[i] == kCoversNothing) {
+      continue;
+    }
+    const QuarterMm depth = centre_.depth[i];
+    // A ray that runs towards the left camera meets the far end of its interval first.
+    const auto [nearer, farther] = std::minmax(low_.depth[i], high_.depth[i]);
+    const Paint paint{visible_behind(depth), std::max<QuarterMm>(nearer, 1), farther, flags[i]};
+    add({extents_.x_begin[i], extents_.x_end[i]}, {extents_.y_begin[i], extents_.y_end[i]}, depth,
+        paint);
+    if (!ends_apart(i)) {
+      continue;
+    }
+    for (const Points* end : {&low_, &high_}) {
+      if (end->depth[i] != kNoDepth) {
+        add(covered(end->u[i], extents_.half_x[i], left_width_),
+            covered(end->v[i], extents_.half_y[i], left_height_), depth, paint);
+      }
+    }
+  }
+  count_ = count;
+}
+
+Reprojector::Band Reprojector::band(std::size_t begin) const noexcept {
+  Band band{static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(count_ - begin), 0, 0};
+  for (const Footprint& f : footprints().subspan(begin)) {
+    const bool first = band.y_begin == band.y_end;
+    band.y_begin = first ? f.y_begin : std::min(band.y_begin, f.y_begin);
+    band.y_end = std::max(band.y_end, f.y_end);
+  }
+  return band;
+}
+
+void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
+  const RayRow rays = ray_row(rays_, width_, y);
+  const std::span<const QuarterMm> distance = maps.distance.row(y);
+  best::project(rays, maps.low.row(y), projection_, low_.u, low_.v, low_.depth);
+  best::project(rays, distance, projection_, centre_.u, centre_.v, centre_.depth);
+  best::project(rays, maps.high.row(y), projection_, high_.u, high_.v, high_.depth);
+  best::half_sizes(distance, rays_.forward.subspan(pixel_count(width_, y), index(width_)),
+                   centre_.depth, scale_, extents_.half_x, extents_.half_y);
+  best::cover(centre_.u, extents_.half_x, left_width_, extents_.x_begin, extents_.x_end);
+  best::cover(centre_.v, extents_.half_y, left_height_, extents_.y_begin, extents_.y_end);
+  const std::size_t before = count_;
+  add_row(maps.flags.row(y));
+  bands_[index(y)] = band(before);
+}
+
+void Reprojector::locate(const PmdMaps& maps) noexcept {
+  STOF_CHECK(maps.distance.width() == width_ && maps.distance.height() == height_);
+  STOF_CHECK(same_size(maps.low, maps.distance) && same_size(maps.high, maps.distance) &&
+             same_size(maps.flags, maps.distance));
+  count_ = 0;
+  for (int y = 0; y < height_; ++y) {
+    locate_row(maps, y);
+  }
+}
+
+void Reprojector::paint(Rows rows, const PaintedView& view) const noexcept {
+  STOF_CHECK(rows.begin >= 0 && rows.end <= left_height_);
+  STOF_CHECK(view.low.width() == left_width_ && view.low.height() == left_height_);
+  STOF_CHECK(same_size(view.nearest, view.low) && same_size(view.high, view.low) &&
+             same_size(view.flags, view.low));
+  for (int y = rows.begin; y < rows.end; ++y) {
+    std::ranges::fill(view.nearest.row(y), kNothingPainted);
+    std::ranges::fill(view.low.row(y), kNothingPainted);
+    std::ranges::fill(view.high.row(y), QuarterMm{0});
+    std::ranges::fill(view.flags.row(y), std::uint8_t{0});
+  }
+  if (count_ == 0) {
+    return;
+  }
+  for (const Band& band : bands_) {
+    if (band.y_begin < rows.end && rows.begin < band.y_end) {
+      best::paint_nearest(footprints().subspan(band.begin, band.count), rows, view.nearest);
+    }
+  }
+  for (const Band& band : bands_) {
+    if (band.y_begin < rows.end && rows.begin < band.y_end) {
+      best::paint_intervals(footprints().subspan(band.begin, band.count), rows, view);
+    }
+  }
+}
+
+}  // namespace stof::dsp

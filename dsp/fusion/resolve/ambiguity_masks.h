@@ -1,0 +1,71 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/target.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/resolve/ambiguity_resolver.h"
+
+namespace stof::dsp {
+
+// What decides how a pixel of a fused row is resolved.
+struct MaskRow {
+  std::span<const Disparity> disparity;
+  std::span<const Disparity> weak;  // or empty
+  SupportRow support;
+  IntervalRow pmd;
+  std::span<const Source> source;
+  std::span<const Cause> cause;
+};
+
+// One bit for each pixel, 64 a word, the first lowest; bits behind the last pixel are 0.
+//   open      kPmd with (high - low) kNarrowShare > low, or kConflict by kMixedPixel
+//   matched   kStereo, kBoth or kResolved by kMixedPixel, with a disparity and a peak ratio below
+//             kNeighbourRatio
+//   disputed  kConflict
+//   weak      a weak match, and no disparity
+//   edge      kPmdEdge
+struct PixelMasks {
+  std::span<std::uint64_t> open;
+  std::span<std::uint64_t> matched;
+  std::span<std::uint64_t> disputed;
+  std::span<std::uint64_t> weak;
+  std::span<std::uint64_t> edge;
+};
+
+// Equal lengths n of the row, (n + 63) / 64 words each; any alignment; no overlap.
+using AmbiguityMasks = void(const MaskRow& row, const PixelMasks& masks) noexcept;
+
+namespace ref {
+AmbiguityMasks ambiguity_masks;
+}
+namespace neon {
+AmbiguityMasks ambiguity_masks;
+}
+namespace avx2 {
+AmbiguityMasks ambiguity_masks;
+}
+namespace best {
+inline constexpr Kernel<AmbiguityMasks> ambiguity_masks{STOF_VARIANTS(ambiguity_masks)};
+}
+
+// Lengths as above.
+void check_ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept;
+
+// The pixels from x on, x a multiple of 64.
+inline MaskRow behind(const MaskRow& row, std::size_t x) noexcept {
+  return {row.disparity.subspan(x),
+          row.weak.empty() ? row.weak : row.weak.subspan(x),
+          {row.support.ratio.subspan(x), row.support.pmd_flags.subspan(x)},
+          {row.pmd.low.subspan(x), row.pmd.high.subspan(x)},
+          row.source.subspan(x),
+          row.cause.subspan(x)};
+}
+inline PixelMasks behind(const PixelMasks& masks, std::size_t x) noexcept {
+  return {masks.open.subspan(x / 64), masks.matched.subspan(x / 64), masks.disputed.subspan(x / 64),
+          masks.weak.subspan(x / 64), masks.edge.subspan(x / 64)};
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,274 @@
+#include "dsp/fusion/resolve/ambiguity_resolver.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdlib>
+
+#include "dsp/base/check.h"
+#include "dsp/fusion/resolve/ambiguity_masks.h"
+#include "dsp/fusion/resolve/pixel_set.h"
+#include "dsp/pmd/pmd_maps.h"
+#include "dsp/stereo/match_params.h"
+
+namespace stof::dsp {
+namespace {
+
+// Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
+constexpr int kPartBits = 20;
+
+struct Range {
+  int low = 1;
+  int high = 0;
+  bool empty() const noexcept { return low > high; }
+};
+
+Range common(const Range& a, const Range& b) noexcept {
+  return {std::max(a.low, b.low), std::min(a.high, b.high)};
+}
+
+// Pixels begin .. end - 1 that have yet to be resolved, and the nearest matches before and behind.
+struct Run {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+  Disparity left;
+  Disparity right;
+  std::size_t left_at = 0;
+  std::size_t right_at = 0;
+
+  int to_left(std::size_t x) const noexcept { return static_cast<int>(x - left_at); }
+  int to_right(std::size_t x) const noexcept { return static_cast<int>(right_at - x); }
+};
+
+// Where one disparity lies, for every column.
+template <typename Table>
+class Surface;
+
+template <>
+class Surface<DisparityTable> {
+ public:
+  Surface(const DisparityTable& table, int raw, int half) noexcept
+      : interval_(table.at(raw, half)) {}
+  DepthInterval at(std::size_t /*x*/) const noexcept { return interval_; }
+
+ private:
+  DepthInterval interval_;
+};
+
+template <>
+class Surface<ColumnTables> {
+ public:
+  Surface(const ColumnTables& tables, int raw, int half) noexcept
+      : tables_(tables), raw_(raw), half_(half) {}
+  DepthInterval at(std::size_t x) const noexcept {
+    return ref::column_interval_at(x, raw_, half_, tables_);
+  }
+
+ private:
+  const ColumnTables& tables_;
+  int raw_;
+  int half_;
+};
+
+template <typename Table>
+class AmbiguityResolver {
+ public:
+  AmbiguityResolver(const AmbiguityRow& row, const AmbiguityParams& params, const Table& table,
+                    const FusedRow& out) noexcept
+      : row_(row), params_(params), table_(table), out_(out) {}
+
+  void run() noexcept {
+    const std::size_t n = row_.disparity.size();
+    best::ambiguity_masks(
+        {row_.disparity, row_.weak, row_.support, row_.pmd, out_.source, out_.cause},
+        {open_.words(n), matched_.words(n), disputed_.words(n), weak_.words(n), edge_.words(n)});
+    std::ranges::fill(confirmed_.words(n), 0U);
+    each_run([this](const Run& run) noexcept {
+      resolve_shadow(run);
+      confirm_weak(run);
+    });
+    matched_.unite(confirmed_, n);
+    each_run([this](const Run& run) noexcept {
+      resolve_gap(run);
+      resolve_edges(run);
+    });
+    for (std::size_t x = disputed_.next(0, n); params_.pmd_range != 0 && x < n;
+         x = disputed_.next(x + 1, n)) {
+      if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
+        out_.cause[x] = Cause::kRangeAmbiguous;
+      }
+    }
+  }
+
+ private:
+  Disparity match_at(std::size_t x) const noexcept {
+    return row_.disparity[x].valid() ? row_.disparity[x] : row_.weak[x];
+  }
+
+  // Calls resolve(run) for the runs of open pixels, from left to right.
+  template <typename Resolve>
+  void each_run(Resolve resolve) noexcept {
+    const std::size_t n = row_.disparity.size();
+    std::size_t behind = 0;
+    for (std::size_t x = open_.next(0, n); x < n; x = open_.next(behind, n)) {
+      behind = open_.next_without(x, n);
+      Run run;
+      run.begin = x;
+      run.end = behind;
+      run.left_at = matched_.before(x);
+      run.right_at = matched_.next(behind, n);
+      run.left = run.left_at < x ? match_at(run.left_at) : Disparity::none();
+      run.right = run.right_at < n ? match_at(run.right_at) : Disparity::none();
+      resolve(run);
+    }
+  }
+
+  Range pmd(std::size_t x) const noexcept {
+    return {std::max<int>(row_.pmd.low[x], 1), std::min<int>(row_.pmd.high[x], params_.max_range)};
+  }
+
+  Surface<Table> surface(int raw, int share = kResolvedShare) const noexcept {
+    const int half =
+        std::clamp((raw - params_.infinity_raw) / share, int{Disparity::kOne}, kMostSpread);
+    return {table_, raw, half};
+  }
+
+  bool publish(std::size_t x, const Surface<Table>& where, Source source, Cause cause) noexcept {
+    const DepthInterval interval = where.at(x);
+    const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
+    if (both.empty()) {
+      return false;
+    }
+    out_.depth[x] = middle_of(both.low, both.high);
+    out_.width[x] = width_of(both.low, both.high);
+    out_.source[x] = source;
+    out_.cause[x] = cause;
+    open_.remove(x);
+    return true;
+  }
+
+  // The pixels of a run that only the left camera sees.
+  void resolve_shadow(const Run& run) noexcept {
+    if (!run.right.valid()) {
+      return;
+    }
+    const int step = run.left.valid() ? run.right.raw - run.left.raw : run.right.raw;
+    if (run.left.valid() && step < kSurfaceStep) {
+      return;
+    }
+    // Whole pixels from the right neighbour, or from the left border where nothing is to the left.
+    const int reach = (step + kShadowMargin * Disparity::kOne) / Disparity::kOne;
+    if (reach < 0) {
+      return;
+    }
+    const std::size_t pixels = static_cast<std::size_t>(reach);
+    std::size_t from = run.begin;
+    std::size_t to = run.end;
+    if (run.left.valid()) {
+      from = std::max(from, run.right_at - std::min(run.right_at, pixels));
+    } else {
+      to = std::min(to, pixels + 1);
+    }
+    const Surface<Table> behind = surface(run.left.valid() ? run.left.raw : run.right.raw);
+    for (std::size_t x = from; x < to; ++x) {
+      publish(x, behind, Source::kResolved, Cause::kOccluded);
+    }
+  }
+
+  // The pixels' own matches, which become neighbours of others.
+  void confirm_weak(const Run& run) noexcept {
+    for (std::size_t x = weak_.next(run.begin, run.end); x < run.end;
+         x = weak_.next(x + 1, run.end)) {
+      if (open_.has(x) && publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
+        confirmed_.add(x);
+      }
+    }
+  }
+
+  // Between two matches of one surface.
+  void resolve_gap(const Run& run) noexcept {
+    const int step = run.right.raw - run.left.raw;
+    if (!run.left.valid() || !run.right.valid() || std::abs(step) >= kSurfaceStep) {
+      return;
+    }
+    const int part = (1 << kPartBits) / static_cast<int>(run.right_at - run.left_at);
+    for (std::size_t x = run.begin; x < run.end; ++x) {
+      const int raw = run.left.raw + round_shift(step * (part * run.to_left(x)), kPartBits);
+      publish(x, surface(raw), Source::kResolved, Cause::kStereoAmbiguous);
+    }
+  }
+
+  // Where the PMD says that there is an edge: the surface that is nearest in the picture, or the
+  // other one.
+  void resolve_edges(const Run& run) noexcept {
+    std::size_t x = edge_.next(run.begin, run.end);
+    if (x == run.end) {
+      return;
+    }
+    const Surface<Table> left = surface(run.left.raw, kMixedShare);
+    const Surface<Table> right = surface(run.right.raw, kMixedShare);
+    for (; x < run.end; x = edge_.next(x + 1, run.end)) {
+      if (!open_.has(x)) {
+        continue;
+      }
+      const bool has_left = run.left.valid() && run.to_left(x) <= params_.reach_px;
+      const bool has_right = run.right.valid() && run.to_right(x) <= params_.reach_px;
+      const bool left_first = has_left && (!has_right || run.to_left(x) <= run.to_right(x));
+      const Surface<Table>& nearest = left_first ? left : right;
+      const Surface<Table>& farthest = left_first ? right : left;
+      const bool both = has_left && has_right;
+      if ((has_left || has_right) && !publish(x, nearest, Source::kResolved, Cause::kMixedPixel) &&
+          both) {
+        publish(x, farthest, Source::kResolved, Cause::kMixedPixel);
+      }
+    }
+  }
+
+  bool differs_by_a_range(std::size_t x) const noexcept {
+    const int range = params_.pmd_range;
+    const Range stereo{std::max<int>(row_.stereo.low[x], 1),
+                       std::min<int>(row_.stereo.high[x], params_.max_range)};
+    const Range here = pmd(x);
+    const int less = range - range / 16;
+    return !common(stereo, {here.low + less, here.high + range}).empty() ||
+           !common(stereo, {here.low - range, here.high - less}).empty();
+  }
+
+  const AmbiguityRow& row_;
+  const AmbiguityParams& params_;
+  const Table& table_;
+  const FusedRow& out_;
+  PixelSet open_;       // that have yet to be resolved
+  PixelSet matched_;    // whose match was published and stands for a surface
+  PixelSet confirmed_;  // by their weak match
+  PixelSet disputed_;   // kConflict at first
+  PixelSet weak_;       // with a weak match alone
+  PixelSet edge_;       // where the PMD says that there is an edge
+};
+
+template <typename Table>
+void resolve(const AmbiguityRow& row, const AmbiguityParams& params, const Table& table,
+             const FusedRow& out) noexcept {
+  const std::size_t n = row.disparity.size();
+  STOF_CHECK(n <= std::size_t{kMaxImageWidth} && (row.weak.empty() || row.weak.size() == n));
+  STOF_CHECK(row.stereo.low.size() == n && row.stereo.high.size() == n);
+  STOF_CHECK(row.pmd.low.size() == n && row.pmd.high.size() == n);
+  STOF_CHECK(row.support.ratio.size() == n && row.support.pmd_flags.size() == n);
+  STOF_CHECK(out.depth.size() == n && out.width.size() == n && out.source.size() == n &&
+             out.cause.size() == n);
+  AmbiguityResolver(row, params, table, out).run();
+}
+
+}  // namespace
+
+void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
+                         const DisparityTable& table, const FusedRow& out) noexcept {
+  resolve(row, params, table, out);
+}
+
+void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
+                         const ColumnTables& tables, const FusedRow& out) noexcept {
+  resolve(row, params, tables, out);
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/fixed.h"
+#include "dsp/fusion/interval/column_interval.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/interval/stereo_interval.h"
+
+// Pixels where the PMD measured something and stereo did not, or contradicted it at an edge: the
+// PMD pixel is many stereo pixels wide, and where it sees two surfaces its interval holds both. The
+// matches around the pixel say where these surfaces are. Nothing is made up: a surface counts only
+// where the PMD interval of the pixel allows it, and without a PMD interval there is no depth.
+namespace stof::dsp {
+
+struct AmbiguityRow {
+  std::span<const Disparity> disparity;
+  // Matches that were consistent, but did not stand out from their rivals; empty: there are none.
+  std::span<const Disparity> weak;
+  IntervalRow stereo;
+  IntervalRow pmd;
+  SupportRow support;
+};
+
+struct AmbiguityParams {
+  std::int16_t infinity_raw = 0;  // the disparity of infinity, 1/16 px
+  QuarterMm max_range = 0;
+  QuarterMm pmd_range = 0;  // unambiguous range of the PMD; 0 = not to be considered
+  int reach_px = 0;         // a surface further away than this is not in the PMD's interval
+};
+
+// How far a surface may lie from where its neighbour was matched: a fourteenth of the parallax
+// (and so of the depth), at least 1 px.
+inline constexpr int kResolvedShare = 14;
+// At an edge, where the nearest surface is the better guess of two: a sixth.
+inline constexpr int kMixedShare = 6;
+// A PMD interval narrower than a twelfth of its depth needs nobody's help.
+inline constexpr int kNarrowShare = 12;
+// A match stands for a surface that its neighbours belong to below this peak ratio: eight in ten of
+// those that are less distinct than kSureRatio are right too.
+inline constexpr std::uint8_t kNeighbourRatio = 184;
+// Neighbours this far apart, 1/16 px, are two surfaces.
+inline constexpr int kSurfaceStep = 24;
+// A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
+inline constexpr int kShadowMargin = 3;
+
+// For each pixel whose source is kPmd with (high - low) kNarrowShare > low, or kConflict by
+// kMixedPixel. L and R: disparities of the nearest matches below kNeighbourRatio to the left and
+// right in the row that were published. The first of these whose interval meets the PMD's; what
+// both allow is published:
+//   L          where R is nearer by kSurfaceStep and within that step (+ kShadowMargin px) to the
+//              right: what only the left camera sees belongs to the background; kResolved,
+//              kOccluded
+//   R          where there is no L and the match lies left of the right picture: likewise
+//   weak       the pixel's own match without distinction: kBoth
+// then, with pixels that were resolved by their weak match as neighbours too:
+//   between    L and R less than kSurfaceStep apart, on the line between them; kResolved,
+//              kStereoAmbiguous
+//   nearest, then farthest of L and R (in the picture), within reach_px: where the PMD says
+//              kPmdEdge; kResolved, kMixedPixel
+// Other pixels, and those for which nothing fits, stay as they are, but for this: a kConflict whose
+// intervals meet once the PMD's is moved by one pmd_range (or up to a sixteenth less: Z of a
+// slanted ray) gets kRangeAmbiguous. All of one length.
+void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
+                         const DisparityTable& table, const FusedRow& out) noexcept;
+void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
+                         const ColumnTables& tables, const FusedRow& out) noexcept;
+
+}  // namespace stof::dsp

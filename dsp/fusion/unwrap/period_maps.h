@@ -1,0 +1,70 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/fixed.h"
+
+namespace stof::dsp {
+
+// A PMD pixel that has a distance.
+struct Reading {
+  QuarterMm distance = kNoDepth;  // of period 0
+  QuarterMm sigma = 0;
+  std::uint32_t amp2 = 0;  // at the reference integration time
+};
+
+inline constexpr int kMostPeriods = 7;
+
+// In place of a period.
+inline constexpr std::int8_t kUnknownPeriod = -1;   // nobody speaks for one
+inline constexpr std::int8_t kDisputedPeriod = -2;  // stereo does, readings around it do not
+inline constexpr std::int8_t kRefutedPeriod = -3;   // cannot be told, or lies beyond max_range
+inline constexpr std::int8_t kNoReading = -4;
+
+// Whether bit k of pixel i is set.
+inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) noexcept {
+  return (bits[i] >> k) % 2 != 0;
+}
+
+// What is found out about the pixels of a frame, row by row.
+struct PeriodMaps {
+  PeriodMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
+    readings = arena.take<Reading>(pixels());
+    vote = arena.take<std::int8_t>(pixels());
+    period = arena.take<std::int8_t>(pixels());
+    possible = arena.take<std::uint16_t>(pixels());
+    mixed = arena.take<std::uint16_t>(pixels());
+    bright = arena.take<bool>(pixels());
+    seen = arena.take<bool>(pixels());
+  }
+
+  std::size_t pixels() const noexcept {
+    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+  }
+  std::size_t index(int x, int y) const noexcept {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
+           static_cast<std::size_t>(x);
+  }
+  // Where reading i lies in period k, or beyond kMaxQuarterMm.
+  std::uint32_t distance(std::size_t i, int k) const noexcept {
+    return readings[i].distance + static_cast<std::uint32_t>(k) * range;
+  }
+
+  int width;
+  int height;
+  std::uint32_t range = 1;  // after how much readings repeat, quarter mm
+  int periods = 1;          // 0 .. periods - 1 fit into u16, kMostPeriods at most
+  std::span<Reading> readings;
+  std::span<std::int8_t> vote;        // what amplitude or stereo says about this pixel alone
+  std::span<std::int8_t> period;      // what is decided
+  std::span<std::uint16_t> possible;  // bit k: period k is within max_range, amplitude allows it
+  std::span<std::uint16_t> mixed;     // bit k: much of what stereo sees there lies far off it
+  std::span<bool> bright;             // amplitude alone proves period 0
+  std::span<bool> seen;               // stereo itself supports what is decided, a wrapped period
+};
+
+}  // namespace stof::dsp

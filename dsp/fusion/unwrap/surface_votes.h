@@ -1,0 +1,67 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/fusion/unwrap/period_maps.h"
+
+namespace stof::dsp {
+
+// How a reading goes on in the one to its right or below, in one number: -1, 0, 1, the gain, where
+// both lie within their noise in distance and in amplitude: period(other) = period(this) + gain,
+// not 0 where distance wraps. Else:
+inline constexpr std::int8_t kDimmed = 2;   // within some slope, and amplitude at most doubles
+inline constexpr std::int8_t kBlurred = 3;  // their noise hides any edge
+inline constexpr std::int8_t kBroken = 4;
+using Link = std::int8_t;
+constexpr bool goes_on(Link link) noexcept { return link < kDimmed; }
+
+// Pixels around a pixel that see the same surface: those in the rows which its column reaches
+// without a break, as far as these reach without one, up to kArm pixels each way. Counted by what
+// they voted for.
+class SurfaceVotes {
+ public:
+  static constexpr int kArm = 6;
+  // Pixels counted around a pixel: how many voted for each period, and in the last element all,
+  // voters or not.
+  using Counts = std::array<std::uint16_t, kMostPeriods + 1>;
+
+  SurfaceVotes(int width, int height, Arena& arena) noexcept;
+
+  // To be filled for every row: links of its pixels to the right and to the row below; kBroken in
+  // the last column, the last row.
+  std::span<Link> right_row(int y) const noexcept { return row_of(right_, y); }
+  std::span<Link> below_row(int y) const noexcept { return row_of(below_, y); }
+  Link right(std::size_t pixel) const noexcept { return right_[pixel]; }
+  Link below(std::size_t pixel) const noexcept { return below_[pixel]; }
+
+  // After all rows: sums up votes for periods 0 .. periods - 1, below 0 = none.
+  void sum(std::span<const std::int8_t> votes, int periods) noexcept;
+  Counts around(int x, int y) const noexcept;
+
+ private:
+  std::span<Link> row_of(std::span<Link> links, int y) const noexcept {
+    const std::size_t row = static_cast<std::size_t>(width_);
+    return links.subspan(static_cast<std::size_t>(y) * row, row);
+  }
+  void reach() noexcept;
+  void sum_row(int y, std::span<const std::int8_t> votes) noexcept;
+
+  int width_;
+  int height_;
+  std::span<Link> right_;
+  std::span<Link> below_;
+  std::span<std::uint8_t> left_arm_;
+  std::span<std::uint8_t> right_arm_;
+  std::span<std::uint8_t> upper_arm_;
+  std::span<std::uint8_t> lower_arm_;
+  // Sums hold four counts of 16 bits in a word: the first all pixels, then period after period.
+  std::size_t words_ = 1;             // of a pixel
+  std::span<std::uint64_t> line_;     // of a row from its left
+  std::span<std::uint64_t> columns_;  // of what lies along the arms of rows, from the top
+};
+
+}  // namespace stof::dsp

@@ -1,0 +1,203 @@
+#include "firmware/control/request_handler.h"
+
+#include <algorithm>
+
+namespace stof::firmware {
+
+using wire::PacketFault;
+using wire::PacketType;
+
+RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& secret,
+                               Subscribers& subscribers, SettingsService* settings) noexcept
+    : origin_(origin), cookies_(secret), subscribers_(subscribers), settings_(settings) {}
+
+void RequestHandler::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
+  announce_ = announce;
+  health_ = health;
+}
+
+std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datagram,
+                                                const hal::Peer& from, hal::Time now) noexcept {
+  const std::expected<wire::PacketView, PacketFault> packet = wire::parse_packet(datagram);
+  if (!packet) {
+    return refuse(reason(packet.error()));
+  }
+  const wire::Header& header = packet->header;
+  const bool control =
+      header.type == PacketType::kSubscribe || header.type == PacketType::kUnsubscribe ||
+      header.type == PacketType::kSettingsRequest || header.type == PacketType::kDiscover;
+  if (!control) {
+    return refuse(Count::kNotControl);
+  }
+  if (header.origin.device_id != 0 && header.origin.device_id != origin_.device_id) {
+    return refuse(Count::kForeign);
+  }
+  const Request request{.packet = *packet, .from = from, .now = now, .bytes = datagram.size()};
+  if (header.type == PacketType::kDiscover) {
+    return discover(request);
+  }
+  return header.type == PacketType::kSettingsRequest ? serve_settings(request) : subscribe(request);
+}
+
+RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcept {
+  const Result<wire::Subscribe> asked = wire::decode_subscribe(request.packet.payload);
+  if (!asked) {
+    return refuse(Count::kBadField);
+  }
+  wire::Subscribed out{.request_id = asked->request_id};
+  if (!cookies_.valid(asked->cookie, request.from, request.now)) {
+    if (!may_answer_unproven(request, wire::kSubscribedBytes)) {
+      return {};
+    }
+    count(Count::kCookies);
+    out.result = wire::SubscribeResult::kCookie;
+    return answer(request, out);
+  }
+  count(Count::kAccepted);
+  if (request.packet.header.type == PacketType::kUnsubscribe) {
+    subscribers_.unsubscribe(request.from);
+    out.result = wire::SubscribeResult::kEnded;
+    return answer(request, out);
+  }
+  // A lease that has ended must not keep anybody out until the next turn of the thread.
+  subscribers_.expire(request.now);
+  const hal::Duration lease = Subscribers::granted(asked->lease_ms);
+  if (subscribers_.subscribe(request.from, lease, request.now)) {
+    out.result = wire::SubscribeResult::kOk;
+    out.lease_ms = static_cast<std::uint16_t>(lease / std::chrono::milliseconds(1));
+  } else {
+    out.result = wire::SubscribeResult::kFull;
+  }
+  return answer(request, out);
+}
+
+RequestHandler::Answer RequestHandler::serve_settings(const Request& request) noexcept {
+  const Result<wire::SettingsRequest> asked = wire::decode_settings_request(request.packet.payload);
+  if (!asked) {
+    return refuse(Count::kBadField);
+  }
+  wire::SettingsAnswer out;
+  std::size_t text_bytes = 0;
+  if (!cookies_.valid(asked->cookie, request.from, request.now)) {
+    if (!may_answer_unproven(request, wire::kSettingsAnswerBytes)) {
+      return {};
+    }
+    count(Count::kCookies);
+    out.result = wire::SettingsResult::kCookie;
+  } else {
+    count(Count::kAccepted);
+    if (settings_ == nullptr) {
+      out.result = wire::SettingsResult::kUnsupported;
+    } else {
+      const std::span<std::byte> text =
+          wire::payload_space(buffer_).subspan<wire::kSettingsAnswerBytes>();
+      out = settings_->serve(*asked, request.packet.payload.subspan(wire::kSettingsRequestBytes),
+                             text, text_bytes);
+      text_bytes = std::min(text_bytes, text.size());
+    }
+  }
+  out.request_id = asked->request_id;
+  out.cookie = cookies_.make(request.from, request.now);
+  return answer(out, text_bytes);
+}
+
+RequestHandler::Answer RequestHandler::discover(const Request& request) noexcept {
+  const Result<wire::Discover> asked = wire::decode_discover(request.packet.payload);
+  // The length first: a discover without its padding is an attempt to get more than was sent.
+  if (!may_answer_unproven(request, wire::kAnnounceBytes)) {
+    return {};
+  }
+  if (!asked) {
+    return refuse(Count::kBadField);
+  }
+  count(Count::kAccepted);
+  announce_.request_id = asked->request_id;
+  announce_.subscribers = static_cast<std::uint8_t>(subscribers_.count());
+  announce_.most_subscribers = kMostSubscribers;
+  wire::encode_announce(announce_, wire::payload_space(buffer_).first<wire::kAnnounceBytes>());
+  return seal(PacketType::kAnnounce, wire::kAnnounceBytes);
+}
+
+bool RequestHandler::may_answer_unproven(const Request& request,
+                                         std::size_t payload_bytes) noexcept {
+  if (wire::kHeaderBytes + payload_bytes + wire::kCrcBytes > request.bytes) {
+    count(Count::kTooShort);
+    return false;
+  }
+  if (!unproven_.take(request.now)) {
+    count(Count::kBusy);
+    return false;
+  }
+  return true;
+}
+
+RequestHandler::Answer RequestHandler::answer(const Request& request,
+                                              const wire::Subscribed& subscribed) noexcept {
+  wire::Subscribed out = subscribed;
+  out.subscribers = static_cast<std::uint8_t>(subscribers_.count());
+  out.cookie = cookies_.make(request.from, request.now);
+  wire::encode_subscribed(out, wire::payload_space(buffer_).first<wire::kSubscribedBytes>());
+  return seal(PacketType::kSubscribed, wire::kSubscribedBytes);
+}
+
+// The text lies behind the answer already.
+RequestHandler::Answer RequestHandler::answer(const wire::SettingsAnswer& settings,
+                                              std::size_t text_bytes) noexcept {
+  wire::encode_settings_answer(settings,
+                               wire::payload_space(buffer_).first<wire::kSettingsAnswerBytes>());
+  return seal(PacketType::kSettingsAnswer, wire::kSettingsAnswerBytes + text_bytes);
+}
+
+RequestHandler::Answer RequestHandler::seal(PacketType type, std::size_t payload_bytes) noexcept {
+  return wire::seal_packet({.type = type, .origin = origin_, .frame = {.health = health_}},
+                           payload_bytes, buffer_);
+}
+
+RequestHandler::Answer RequestHandler::refuse(Count why) noexcept {
+  count(why);
+  return {};
+}
+
+void RequestHandler::count(Count what) noexcept {
+  // One thread writes; the others only have to see whole numbers.
+  std::atomic<std::uint64_t>& counter = counts_[static_cast<std::size_t>(what)];
+  counter.store(counter.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+}
+
+RequestHandler::Count RequestHandler::reason(PacketFault fault) noexcept {
+  switch (fault) {
+    case PacketFault::kTruncated:
+      return Count::kTruncated;
+    case PacketFault::kMagic:
+      return Count::kBadMagic;
+    case PacketFault::kVersion:
+      return Count::kBadVersion;
+    case PacketFault::kLength:
+      return Count::kBadLength;
+    case PacketFault::kCrc:
+      return Count::kBadCrc;
+    case PacketFault::kField:
+      break;
+  }
+  return Count::kBadField;
+}
+
+wire::ControlCounters RequestHandler::counters() const noexcept {
+  const auto of = [this](Count what) {
+    return counts_[static_cast<std::size_t>(what)].load(std::memory_order_relaxed);
+  };
+  return {.accepted = of(Count::kAccepted),
+          .truncated = of(Count::kTruncated),
+          .bad_magic = of(Count::kBadMagic),
+          .bad_version = of(Count::kBadVersion),
+          .bad_length = of(Count::kBadLength),
+          .bad_crc = of(Count::kBadCrc),
+          .bad_field = of(Count::kBadField),
+          .not_control = of(Count::kNotControl),
+          .foreign = of(Count::kForeign),
+          .too_short = of(Count::kTooShort),
+          .cookies = of(Count::kCookies),
+          .busy = of(Count::kBusy)};
+}
+
+}  // namespace stof::firmware

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "firmware/control/cookie.h"
+#include "firmware/control/settings_service.h"
+#include "firmware/control/subscribers.h"
+#include "firmware/control/token_bucket.h"
+#include "firmware/wire/messages/announce.h"
+#include "firmware/wire/messages/discover.h"
+#include "firmware/wire/messages/subscribe.h"
+#include "firmware/wire/messages/subscribed.h"
+#include "firmware/wire/packet.h"
+#include "hal/datagram_port.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// Judges every datagram that comes to the sensor's port: any bytes in, at most one answer out.
+//
+// Without a valid cookie a source gets one answer a request, never longer than that request, and no
+// more than kUnprovenPerSecond of them leave in a second to all sources together: whoever writes
+// somebody else's address on its requests cannot make us send more than it sends itself.
+// No clock, no socket, no heap; for one thread, except counters().
+class RequestHandler {
+ public:
+  static constexpr std::uint32_t kUnprovenPerSecond = 1000;
+
+  // `subscribers` and `settings` outlive the handler; settings nullptr: every request for them is
+  // answered with kUnsupported.
+  RequestHandler(const wire::Origin& origin, const CookieSecret& secret, Subscribers& subscribers,
+                 SettingsService* settings) noexcept;
+
+  // What a discover is answered with; request_id and subscribers are filled in here.
+  void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
+
+  // One datagram. The answer for `from`, valid until the next call; empty: none.
+  std::span<const std::byte> take(std::span<const std::byte> datagram, const hal::Peer& from,
+                                  hal::Time now) noexcept;
+  // A datagram of which only the first bytes were kept.
+  void take_oversized() noexcept { count(Count::kBadLength); }
+
+  // Of any thread. `overrun` is the port's and 0 here.
+  wire::ControlCounters counters() const noexcept;
+
+ private:
+  enum class Count : std::uint8_t {
+    kAccepted,
+    kTruncated,
+    kBadMagic,
+    kBadVersion,
+    kBadLength,
+    kBadCrc,
+    kBadField,
+    kNotControl,
+    kForeign,
+    kTooShort,
+    kCookies,
+    kBusy
+  };
+  static constexpr std::size_t kCounts = 12;
+
+  // One request, verified, for us.
+  struct Request {
+    const wire::PacketView& packet;
+    const hal::Peer& from;
+    hal::Time now;
+    std::size_t bytes;  // of the whole datagram
+  };
+  using Answer = std::span<const std::byte>;
+
+  Answer subscribe(const Request& request) noexcept;
+  Answer serve_settings(const Request& request) noexcept;
+  Answer discover(const Request& request) noexcept;
+  // Whether an answer of `payload_bytes` may go to a source that has proven nothing.
+  bool may_answer_unproven(const Request& request, std::size_t payload_bytes) noexcept;
+  Answer answer(const Request& request, const wire::Subscribed& subscribed) noexcept;
+  Answer answer(const wire::SettingsAnswer& settings, std::size_t text_bytes) noexcept;
+  Answer seal(wire::PacketType type, std::size_t payload_bytes) noexcept;
+  Answer refuse(Count why) noexcept;
+  void count(Count what) noexcept;
+  static Count reason(wire::PacketFault fault) noexcept;
+
+  wire::Origin origin_;
+  Cookies cookies_;
+  Subscribers& subscribers_;
+  SettingsService* settings_;
+  TokenBucket unproven_{kUnprovenPerSecond};
+  wire::Announce announce_{};
+  wire::Health health_ = wire::Health::kOk;
+  wire::DatagramBuffer buffer_{};
+  std::array<std::atomic<std::uint64_t>, kCounts> counts_{};
+};
+
+}  // namespace stof::firmware

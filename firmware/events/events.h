@@ -1,0 +1,108 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "dsp/base/status.h"
+#include "firmware/spsc_ring.h"
+#include "hal/time.h"
+
+// What the loop has to tell: typed events in a fixed ring and plain counters. Text is made
+// elsewhere.
+namespace stof::firmware {
+
+enum class Part : std::uint8_t { kTrigger, kStereo, kPmd, kLink, kLoop };
+inline constexpr std::size_t kParts = 5;
+
+// State changes only: one event when a state begins, none while it lasts.
+enum class EventKind : std::uint8_t {
+  kPublishing,  // value: edges without a frame since the last one that had a frame
+  kUnpaired,    // several edges in a row without a frame; part, status: what the last one missed
+  kLost,        // part: its device is gone
+  kBack,        // part: its device answers again
+  kSendFailed,  // datagrams do not leave: nobody can be reached
+  kSending,     // datagrams leave again
+  kLate,        // value: whole periods that were skipped because the loop came too late
+  kInTime,      // the loop has been in time for a while again
+};
+
+struct Event {
+  hal::Time at{};
+  EventKind kind = EventKind::kPublishing;
+  Part part = Part::kLoop;
+  Status status = Status::kOk;
+  std::uint32_t value = 0;
+};
+
+// Why a frame was not used. kNone: it was.
+enum class Drop : std::uint8_t {
+  kNone,
+  kOlderEdge,    // left over from an edge that has passed
+  kNewerEdge,    // begins after the window of this edge
+  kTorn,         // its parts belong to different exposures
+  kBadStamp,     // ends before it begins, or later than this exposure can
+  kStale,        // its sequence number does not advance: repeated or frozen
+  kWrongSize,    // not the size of the calibration
+  kUnpartnered,  // it was good, its partner never came
+};
+inline constexpr std::size_t kDrops = 8;
+
+enum class Stage : std::uint8_t { kMatch, kConvert, kFuse, kPublish };
+inline constexpr std::size_t kStages = 4;
+
+struct StageTime {
+  hal::Duration total{};
+  hal::Duration longest{};
+
+  constexpr void add(hal::Duration took) noexcept {
+    total += took;
+    longest = longest > took ? longest : took;
+  }
+};
+
+// Written by the loop's thread alone; others may read when the loop has ended.
+struct Counters {
+  std::uint64_t edges = 0;            // pulses that went out
+  std::uint64_t published = 0;        // frames handed to the stream
+  std::uint64_t expired = 0;          // frames that were too old when their turn came
+  std::uint64_t unpaired_edges = 0;   // edges without a frame
+  std::uint64_t skipped_periods = 0;  // no pulse: the loop came too late
+  std::uint64_t late_edges = 0;       // pulses later than the tolerance, but in their period
+  std::uint64_t lost_events = 0;      // did not fit the ring
+  std::uint64_t packets_sent = 0;
+  std::uint64_t packets_dropped = 0;  // full queue, unreachable receiver
+  std::array<std::uint64_t, kParts> timeouts{};
+  std::array<std::uint64_t, kParts> errors{};  // kDeviceError, kCorrupt and the like
+  std::array<std::uint64_t, kParts> losses{};  // kDeviceLost, each time it was returned
+  std::array<std::uint64_t, kDrops> stereo_dropped{};
+  std::array<std::uint64_t, kDrops> pmd_dropped{};
+  std::array<StageTime, kStages> stages{};  // of the frames published
+
+  constexpr StageTime& stage(Stage which) noexcept {
+    return stages[static_cast<std::size_t>(which)];
+  }
+};
+
+// The count of one part, or of one cause.
+template <typename Counts, typename Which>
+constexpr auto& of(Counts& counts, Which which) noexcept {
+  return counts[static_cast<std::size_t>(which)];
+}
+
+// The loop's thread notes, one other thread takes. Neither blocks or allocates.
+class Events {
+ public:
+  Counters counters;
+
+  // A full ring keeps what it has: the event is counted as lost.
+  void note(const Event& event) noexcept { counters.lost_events += ring_.push(event) ? 0U : 1U; }
+  // The oldest event that was not taken yet.
+  std::optional<Event> take() noexcept { return ring_.pop(); }
+
+ private:
+  SpscRing<Event, 64> ring_;
+};
+
+}  // namespace stof::firmware

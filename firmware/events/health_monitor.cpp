@@ -1,0 +1,220 @@
+#include "firmware/events/health_monitor.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+namespace stof::firmware {
+namespace {
+
+constexpr hal::Duration kSecond = std::chrono::seconds(1);
+constexpr std::uint64_t kFlood = 1000;  // refused requests in a second
+
+constexpr std::size_t index_of(wire::Condition condition) noexcept {
+  return static_cast<std::size_t>(condition);
+}
+
+std::uint64_t refused(const wire::ControlCounters& requests) noexcept {
+  return requests.truncated + requests.bad_magic + requests.bad_version + requests.bad_length +
+         requests.bad_crc + requests.bad_field + requests.not_control + requests.foreign +
+         requests.too_short + requests.busy + requests.overrun;
+}
+
+std::uint32_t less(std::uint64_t now, std::uint64_t before) noexcept {
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(now - before, 0xFFFF'FFFF));
+}
+
+std::optional<wire::Condition> lost(Part part) noexcept {
+  switch (part) {
+    case Part::kTrigger:
+      return wire::Condition::kTriggerLost;
+    case Part::kStereo:
+      return wire::Condition::kStereoLost;
+    case Part::kPmd:
+      return wire::Condition::kPmdLost;
+    case Part::kLink:
+      return wire::Condition::kLinkLost;
+    case Part::kLoop:
+      break;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::uint32_t microseconds(hal::Duration time) noexcept {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
+  return static_cast<std::uint32_t>(std::clamp<std::int64_t>(us, 0, 0xFFFF'FFFF));
+}
+
+void HealthMonitor::observe(const Event& event) noexcept {
+  switch (event.kind) {
+    case EventKind::kPublishing:
+    case EventKind::kUnpaired:
+      set(wire::Condition::kNoFrames, event.kind == EventKind::kUnpaired, event.value, event.at);
+      break;
+    case EventKind::kLost:
+    case EventKind::kBack:
+      if (const std::optional<wire::Condition> which = lost(event.part)) {
+        set(*which, event.kind == EventKind::kLost, 0, event.at);
+      }
+      break;
+    case EventKind::kSendFailed:
+    case EventKind::kSending:
+      set(wire::Condition::kUnreachable, event.kind == EventKind::kSendFailed, 0, event.at);
+      break;
+    case EventKind::kLate:
+    case EventKind::kInTime:
+      set(wire::Condition::kLate, event.kind == EventKind::kLate, event.value, event.at);
+      break;
+  }
+}
+
+void HealthMonitor::set(wire::Condition condition, bool active, std::uint32_t value,
+                        hal::Time now) noexcept {
+  Entry& entry = entries_[index_of(condition)];
+  if (entry.active == active) {
+    return;
+  }
+  entry.active = active;
+  entry.value = value;
+  entry.at = now;
+  entry.count += active ? 1U : 0U;
+  entry.sequence = ++sequence_;
+  entry.changed = true;
+  entry.again = false;
+  changed_ = true;
+}
+
+void HealthMonitor::frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
+                               hal::Time now) noexcept {
+  ++frames_;
+  latency_ += latency;
+  longest_ = std::max(longest_, latency);
+  set(wire::Condition::kDrift, drifted, drifts, now);
+}
+
+wire::Health HealthMonitor::summary() const noexcept {
+  wire::Health health = wire::Health::kOk;
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (!entries_[i].active) {
+      continue;
+    }
+    const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(i));
+    if (info->severity == wire::Severity::kCritical) {
+      return wire::Health::kFault;
+    }
+    if (info->severity != wire::Severity::kInfo) {
+      health = wire::Health::kDegraded;
+    }
+  }
+  return health;
+}
+
+wire::EventReport HealthMonitor::report(std::size_t condition) const noexcept {
+  const Entry& entry = entries_[condition];
+  const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(condition));
+  return {.sequence = entry.sequence,
+          .condition = static_cast<std::uint8_t>(condition),
+          .severity = info->severity,
+          .reaction = info->reaction,
+          .active = static_cast<std::uint8_t>(entry.active ? 1 : 0),
+          .count = entry.count,
+          .value = entry.value,
+          .at_ns = entry.at.time_since_epoch().count()};
+}
+
+std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexcept {
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    Entry& entry = entries_[i];
+    if (std::exchange(entry.changed, false)) {
+      entry.again = true;
+      return report(i);
+    }
+    if (entry.again && now - entry.at >= kSecond) {
+      entry.again = false;
+      return report(i);
+    }
+  }
+  return std::nullopt;
+}
+
+// What only a whole second can tell.
+void HealthMonitor::judge_second(const Counters& counters, const ControlStatus& control,
+                                 hal::Time now) noexcept {
+  const std::int64_t passed = (now - second_).count();
+  rate_mhz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
+  latency_us_ = frames_ == 0 ? 0 : microseconds(latency_ / frames_);
+  longest_us_ = microseconds(longest_);
+  const std::uint32_t dropped = less(counters.packets_dropped, dropped_);
+  const std::uint32_t serial = less(control.serial_dropped, serial_dropped_);
+  const std::uint32_t flood = less(refused(control.requests), refused_);
+  // Whoever cannot be reached at all is another matter.
+  const bool full = dropped > 0 && !entries_[index_of(wire::Condition::kUnreachable)].active &&
+                    !entries_[index_of(wire::Condition::kLinkLost)].active;
+  set(wire::Condition::kLinkFull, full, dropped, now);
+  set(wire::Condition::kSerialFull, serial > 0, serial, now);
+  set(wire::Condition::kFlooded, flood > kFlood, flood, now);
+  second_ = now;
+  frames_ = 0;
+  latency_ = {};
+  longest_ = {};
+  dropped_ = counters.packets_dropped;
+  serial_dropped_ = control.serial_dropped;
+  refused_ = refused(control.requests);
+}
+
+std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& counters,
+                                                             const ControlStatus& control,
+                                                             bool wanted, hal::Time now) noexcept {
+  set(wire::Condition::kSerialLost, control.serial_lost, 0, now);
+  set(wire::Condition::kSettingsUnsaved, control.settings_unsaved, 0, now);
+  set(wire::Condition::kRestartNeeded, control.restart_needed, 0, now);
+  const bool second = now - second_ >= kSecond;
+  if (second) {
+    judge_second(counters, control, now);
+  }
+  if (!second && !changed_ && !wanted) {
+    return std::nullopt;
+  }
+  changed_ = false;
+  wire::HealthReport health{
+      .uptime_ms = static_cast<std::uint64_t>((now - start_) / std::chrono::milliseconds(1)),
+      .subscribers = control.subscribers,
+      .rate_mhz = rate_mhz_,
+      .latency_us = latency_us_,
+      .longest_latency_us = longest_us_,
+      .settings_revision = control.settings_revision,
+      .counters = loop_counters(counters),
+      .packets_sent = counters.packets_sent,
+      .control = control.requests,
+      .serial_sent = control.serial_sent,
+      .serial_dropped = control.serial_dropped,
+      .serial_refused = control.serial_refused};
+  for (std::size_t i = 0; i < entries_.size(); ++i) {
+    if (entries_[i].active) {
+      const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(i));
+      health.active |= 1U << i;
+      health.severity = std::max(health.severity, info->severity);
+      health.reaction = std::max(health.reaction, info->reaction);
+    }
+  }
+  return health;
+}
+
+wire::LoopCounters loop_counters(const Counters& counters) noexcept {
+  std::uint64_t mispaired = 0;
+  for (std::size_t cause = 0; cause < kDrops; ++cause) {
+    if (cause != static_cast<std::size_t>(Drop::kUnpartnered)) {
+      mispaired += counters.stereo_dropped[cause] + counters.pmd_dropped[cause];
+    }
+  }
+  return {.edges = counters.edges,
+          .frames_published = counters.published,
+          .mispaired = mispaired,
+          .timeouts = of(counters.timeouts, Part::kStereo) + of(counters.timeouts, Part::kPmd),
+          .deadline_misses = counters.skipped_periods + counters.expired,
+          .link_drops = counters.packets_dropped};
+}
+
+}  // namespace stof::firmware

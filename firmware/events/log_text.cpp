@@ -1,0 +1,127 @@
+#include "firmware/events/log_text.h"
+
+#include <chrono>
+#include <utility>
+
+namespace stof::firmware {
+namespace {
+
+const char* name(Part part) noexcept {
+  switch (part) {
+    case Part::kTrigger:
+      return "trigger";
+    case Part::kStereo:
+      return "stereo camera";
+    case Part::kPmd:
+      return "PMD camera";
+    case Part::kLink:
+      return "link";
+    case Part::kLoop:
+      return "loop";
+  }
+  return "unknown part";
+}
+
+constexpr std::array<const char*, kDrops> kDropNames{"used",       "left over",      "too early",
+                                                     "torn",       "bad stamp",      "repeated",
+                                                     "wrong size", "without partner"};
+
+// " (3 repeated, 1 torn)", or nothing.
+std::string causes(const std::array<std::uint64_t, kDrops>& dropped) {
+  std::string text;
+  for (std::size_t cause = 1; cause < kDrops; ++cause) {
+    if (dropped[cause] != 0) {
+      text += (text.empty() ? "" : ", ") + std::to_string(dropped[cause]) + " " + kDropNames[cause];
+    }
+  }
+  return text;
+}
+
+// ", 3 what" when there are any.
+std::string also(std::uint64_t count, const char* what) {
+  return count == 0 ? std::string() : ", " + std::to_string(count) + " " + what;
+}
+
+}  // namespace
+
+std::string describe(const Event& event) {
+  switch (event.kind) {
+    case EventKind::kPublishing:
+      return "publishing" + (event.value == 0 ? std::string()
+                                              : ", after " + std::to_string(event.value) +
+                                                    " edges without a frame");
+    case EventKind::kUnpaired:
+      return std::string("no frame since ") + std::to_string(event.value) +
+             " edges: " + name(event.part) + ", " + to_string(event.status);
+    case EventKind::kLost:
+      return std::string(name(event.part)) + " lost, trying to get it back";
+    case EventKind::kBack:
+      return std::string(name(event.part)) + " is back";
+    case EventKind::kSendFailed:
+      return "nobody can be reached at the destination, packets are dropped; sending goes on";
+    case EventKind::kSending:
+      return "packets leave again";
+    case EventKind::kLate:
+      return "late: " + std::to_string(event.value) +
+             " period(s) skipped, this machine is too slow or too busy for the period";
+    case EventKind::kInTime:
+      return "in time again";
+  }
+  return "unknown event";
+}
+
+std::string threads_text(int threads, int there) {
+  return std::to_string(threads) + (threads == 1 ? " thread" : " threads") +
+         (threads == there
+              ? std::string()
+              : " (of " + std::to_string(there) + ": there is no memory for more searches)");
+}
+
+std::string heap_text(std::uint64_t own, std::uint64_t libraries, std::uint64_t edges) {
+  return "heap calls in the loop: " + std::to_string(own) + " of our own, " +
+         std::to_string(libraries) + " of device libraries in " + std::to_string(edges) + " edges";
+}
+
+std::string summary(const Counters& counters) {
+  std::string text = std::to_string(counters.published) + " frames published of " +
+                     std::to_string(counters.edges) + " edges, " +
+                     std::to_string(counters.packets_sent) + " packets sent, " +
+                     std::to_string(counters.packets_dropped) + " dropped";
+  text += also(counters.unpaired_edges, "edges without a frame");
+  text += also(counters.skipped_periods, "periods skipped");
+  text += also(counters.expired, "frames expired");
+  text += also(counters.lost_events, "events not told");
+  const std::pair<const char*, const std::array<std::uint64_t, kDrops>&> cameras[] = {
+      {"stereo", counters.stereo_dropped}, {"PMD", counters.pmd_dropped}};
+  for (const auto& [camera, dropped] : cameras) {
+    const std::string why = causes(dropped);
+    text += why.empty() ? "" : std::string("; ") + camera + " frames dropped: " + why;
+  }
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const char* const what = name(static_cast<Part>(part));
+    text += also(counters.timeouts[part], "timeouts of the ") +
+            (counters.timeouts[part] == 0 ? "" : what);
+    text +=
+        also(counters.errors[part], "errors of the ") + (counters.errors[part] == 0 ? "" : what);
+    text +=
+        also(counters.losses[part], "losses of the ") + (counters.losses[part] == 0 ? "" : what);
+  }
+  return text;
+}
+
+std::string stage_times(const Counters& counters) {
+  constexpr std::array<const char*, kStages> kNames{"match", "convert", "fuse", "publish"};
+  const auto microseconds = [](hal::Duration time) {
+    return std::to_string(std::chrono::duration_cast<std::chrono::microseconds>(time).count());
+  };
+  std::string text = "time of a frame, mean (longest) in us:";
+  for (std::size_t i = 0; i < kStages; ++i) {
+    const auto frames = static_cast<std::int64_t>(counters.published == 0 ? 1 : counters.published);
+    text += std::string(i == 0 ? " " : ", ") + kNames[i] + " " +
+            microseconds(counters.stages[i].total / frames) + " (" +
+            microseconds(counters.stages[i].longest) + ")";
+  }
+  return text;
+}
+
+}  // namespace stof::firmware

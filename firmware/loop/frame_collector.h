@@ -1,0 +1,64 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "board/board.h"
+#include "board/config.h"
+#include "dsp/base/status.h"
+#include "firmware/loop/loop_conditions.h"
+#include "firmware/loop/pairing.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/shot.h"
+#include "hal/lease.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// What came of an edge.
+struct Collected {
+  std::optional<Shot> shot;
+  bool lost = false;  // a camera has to be reopened
+};
+
+// Takes from the cameras the frames that belong to an edge. Frames of other edges are dropped and
+// counted. With a PMD camera at every k-th edge, k > 1, edges between get a shot without new PMD
+// samples: the last ones hold, at most 2 k - 2 periods old: an integration may take k periods.
+class FrameCollector {
+ public:
+  // Frames have the sizes of the setup's calibration.
+  FrameCollector(board::Board& board, const Setup& setup, LoopConditions& conditions) noexcept;
+
+  // Blocks until `deadline` at most. search_first: searches the pair while the PMD camera still
+  // integrates, and forgets it where there is no shot; nullptr: nothing is searched.
+  Collected collect(hal::Time edge, hal::Time deadline, const board::TimingConfig& timing,
+                    Pipeline* search_first) noexcept;
+
+ private:
+  using StereoLease = hal::Lease<hal::StereoFrame>;
+  using PmdLease = hal::Lease<hal::PmdFrame>;
+
+  Status collect_stereo(const ExposureWindow& window, hal::Time deadline,
+                        std::optional<StereoLease>& found) noexcept;
+  Status collect_pmd(hal::Time edge, hal::Time deadline,
+                     const board::TimingConfig& timing) noexcept;
+  bool pmd_usable(hal::Time edge, const board::TimingConfig& timing) const noexcept;
+  Shot make_shot(hal::Time edge, StereoLease&& stereo) noexcept;
+  void remember_edge(hal::Time edge, const board::TimingConfig& timing) noexcept;
+
+  board::Board& board_;
+  LoopConditions& conditions_;
+  StereoPairing stereo_pairing_;
+  PmdPairing pmd_pairing_;
+  // Of the last edges, newest first.
+  std::array<ExposureWindow, 2 * board::kMostPmdEvery - 1> pmd_windows_{};
+  std::size_t pmd_window_count_ = 0;
+  std::optional<PmdLease> pmd_;        // accepted, and not in a shot yet
+  std::optional<hal::Time> pmd_edge_;  // of the last accepted PMD frame
+  std::optional<hal::Time> pmd_exposed_;
+  std::uint32_t freshness_ = 0;
+};
+
+}  // namespace stof::firmware

@@ -1,0 +1,124 @@
+#include "firmware/loop/loop.h"
+
+#include <utility>
+
+namespace stof::firmware {
+namespace {
+
+// kDeviceLost where it is one of them, else kOk.
+Status lost_or_ok(Status a, Status b) noexcept {
+  return a == Status::kDeviceLost || b == Status::kDeviceLost ? Status::kDeviceLost : Status::kOk;
+}
+
+void count_stages(const Stats& stats, hal::Duration publish, Counters& counters) noexcept {
+  counters.stage(Stage::kMatch).add(stats.match);
+  counters.stage(Stage::kConvert).add(stats.convert);
+  counters.stage(Stage::kFuse).add(stats.fuse);
+  counters.stage(Stage::kPublish).add(publish);
+}
+
+}  // namespace
+
+Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
+           Pipeline& pipeline, Stream& stream, Events& events) noexcept
+    : board_(board),
+      pipeline_(pipeline),
+      stream_(stream),
+      conditions_(board.clock, events, stream.health()),
+      schedule_(timing, board.pmd != nullptr, board.clock.now()),
+      collector_(board, setup, conditions_) {}
+
+Status Loop::step() noexcept {
+  wait_for_edge();
+  const Result<hal::Time> edge = pulse();  // shot n begins to expose
+  Status status = publish_held();          // shot n - 1, if it had to wait for its turn
+  if (!edge) {
+    return lost_or_ok(edge.error(), status);
+  }
+  status = lost_or_ok(status, collect(*edge));  // pairs stereo and PMD with this edge
+  if (schedule_.same_period()) {
+    status = lost_or_ok(status, publish_held());
+  }
+  return status;
+}
+
+void Loop::restart(const board::TimingConfig& timing) noexcept {
+  schedule_.restart(timing, board_.clock.now());
+  pipeline_.forget_match();
+}
+
+void Loop::wait_for_edge() noexcept {
+  const hal::Time now = board_.clock.now();
+  conditions_.note_lateness(schedule_.arrive(now), now);
+  board_.clock.wait_until(schedule_.next());
+}
+
+// The edge that went out, later than any before it; errors as Trigger::pulse.
+Result<hal::Time> Loop::pulse() noexcept {
+  const hal::Time planned = schedule_.advance();
+  Result<hal::Time> edge = board_.trigger.pulse();
+  conditions_.note_device_status(Part::kTrigger, edge ? Status::kOk : edge.error());
+  if (edge) {
+    Counters& counters = conditions_.counters();
+    ++counters.edges;
+    const hal::Duration tolerance = schedule_.timing().edge_tolerance;
+    if (*edge >= planned - tolerance && *edge <= board_.clock.now()) {
+      counters.skipped_periods += schedule_.keep_distance(*edge);
+      return edge;
+    }
+    // A time that cannot be: nobody knows what was exposed when.
+    edge = fail(Status::kDeviceError);
+    conditions_.note_device_status(Part::kTrigger, edge.error());
+  }
+  conditions_.note_no_frame(Part::kTrigger, edge.error());
+  return edge;
+}
+
+Status Loop::publish_held() noexcept {
+  if (!held_) {
+    return Status::kOk;
+  }
+  Status sent = Status::kOk;
+  Counters& counters = conditions_.counters();
+  if (schedule_.expired(held_->edge, board_.clock.now())) {
+    ++counters.expired;
+  } else {
+    const Output& output = pipeline_.compute(*held_);
+    const hal::Time computed = board_.clock.now();
+    ++counters.published;
+    sent = stream_.publish(*held_, output, schedule_.send_deadline());
+    conditions_.note_link_status(sent);
+    const hal::Duration published = board_.clock.now() - computed;
+    pipeline_.watch();
+    count_stages(output.stats, published, counters);
+    update_schedule(output.stats, held_->edge);
+  }
+  pipeline_.forget_match();
+  held_.reset();  // its slots go home
+  return sent;
+}
+
+void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {
+  const StreamTimes& stream = stream_.times();
+  schedule_.note_sent(
+      edge,
+      {.search = stats.match,
+       .other = stats.convert + stats.fuse + stats.watch + stream.code + stream.send,
+       .paced = stream.waited,
+       .search_first = pipeline_.may_match_first()},
+      board_.clock.now());
+}
+
+Status Loop::collect(hal::Time edge) noexcept {
+  const hal::Time begin = board_.clock.now();
+  const bool search_first = schedule_.same_period() && pipeline_.may_match_first();
+  Collected collected = collector_.collect(edge, schedule_.next(), schedule_.timing(),
+                                           search_first ? &pipeline_ : nullptr);
+  schedule_.note_fetch(edge, begin, board_.clock.now());
+  if (collected.shot) {
+    held_.emplace(std::move(*collected.shot));
+  }
+  return collected.lost ? Status::kDeviceLost : Status::kOk;
+}
+
+}  // namespace stof::firmware

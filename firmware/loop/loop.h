@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+
+#include "board/board.h"
+#include "board/config.h"
+#include "dsp/base/status.h"
+#include "firmware/events/events.h"
+#include "firmware/loop/frame_collector.h"
+#include "firmware/loop/loop_conditions.h"
+#include "firmware/loop/schedule.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/shot.h"
+#include "firmware/pipeline/stream.h"
+
+namespace stof::firmware {
+
+// The one loop. Where a frame can be computed before the next edge, it pulses the trigger for n,
+// searches while the PMD camera still integrates, collects, fuses and publishes n: the last packet
+// leaves before the next edge. Where the computer is too slow for that, it pulses for n + 1,
+// computes and publishes n, and collects n + 1: a period later, at the same rate. Allocates
+// nothing.
+class Loop {
+ public:
+  // board::problem(timing) must be empty; pipeline was built for frames of the setup's sizes.
+  Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
+       Pipeline& pipeline, Stream& stream, Events& events) noexcept;
+
+  // One period. Blocks until the next point of the grid, and there computes and publishes.
+  // kOk: whether or not there was a frame. kDeviceLost: a device has to be reopened; calling on is
+  // allowed, and needed by devices that come back by themselves.
+  Status step() noexcept;
+
+  // After a pause, with another timing perhaps; board::problem(timing) must be empty.
+  void restart(const board::TimingConfig& timing) noexcept;
+
+ private:
+  void wait_for_edge() noexcept;
+  Result<hal::Time> pulse() noexcept;
+  Status publish_held() noexcept;
+  // By what this frame has cost.
+  void update_schedule(const Stats& stats, hal::Time edge) noexcept;
+  Status collect(hal::Time edge) noexcept;
+
+  board::Board& board_;
+  Pipeline& pipeline_;
+  Stream& stream_;
+  LoopConditions conditions_;
+  Schedule schedule_;
+  FrameCollector collector_;
+  std::optional<Shot> held_;
+};
+
+}  // namespace stof::firmware

@@ -1,0 +1,65 @@
+#include "firmware/loop/loop_conditions.h"
+
+#include <utility>
+
+namespace stof::firmware {
+
+void LoopConditions::note(const Event& event) noexcept {
+  events_.note(event);
+  monitor_.observe(event);
+}
+
+void LoopConditions::note_device_status(Part part, Status status) noexcept {
+  Counters& counters = events_.counters;
+  const bool lost = status == Status::kDeviceLost;
+  if (lost != std::exchange(lost_[static_cast<std::size_t>(part)], lost)) {
+    note({clock_.now(), lost ? EventKind::kLost : EventKind::kBack, part, status, 0});
+  }
+  if (lost) {
+    ++of(counters.losses, part);
+  } else if (status == Status::kTimeout) {
+    ++of(counters.timeouts, part);
+  } else if (status != Status::kOk) {
+    ++of(counters.errors, part);
+  }
+}
+
+void LoopConditions::note_link_status(Status status) noexcept {
+  note_device_status(Part::kLink, status == Status::kWouldBlock ? Status::kOk : status);
+  const bool unreachable = status == Status::kDeviceError;
+  if (unreachable != std::exchange(unreachable_, unreachable)) {
+    note({clock_.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending, Part::kLink,
+          status, 0});
+  }
+}
+
+void LoopConditions::note_lateness(const Schedule::Lateness& lateness, hal::Time now) noexcept {
+  Counters& counters = events_.counters;
+  counters.skipped_periods += lateness.skipped;
+  counters.late_edges += lateness.noticeable ? 1U : 0U;
+  if (lateness.skipped > 0) {
+    if (std::exchange(edges_in_time_, 0) >= kInTimeEdges) {
+      note({now, EventKind::kLate, Part::kLoop, Status::kTimeout,
+            static_cast<std::uint32_t>(lateness.skipped)});
+    }
+  } else if (edges_in_time_ < kInTimeEdges && ++edges_in_time_ == kInTimeEdges) {
+    note({now, EventKind::kInTime, Part::kLoop, Status::kOk, 0});
+  }
+}
+
+void LoopConditions::note_frame() noexcept {
+  if (!std::exchange(publishing_, true)) {
+    note({clock_.now(), EventKind::kPublishing, Part::kLoop, Status::kOk, edges_without_frame_});
+  }
+  edges_without_frame_ = 0;
+}
+
+void LoopConditions::note_no_frame(Part missing, Status why) noexcept {
+  ++events_.counters.unpaired_edges;
+  if (++edges_without_frame_ == kSilentEdges) {
+    publishing_ = false;
+    note({clock_.now(), EventKind::kUnpaired, missing, why, edges_without_frame_});
+  }
+}
+
+}  // namespace stof::firmware

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "dsp/base/status.h"
+#include "firmware/events/events.h"
+#include "firmware/events/health_monitor.h"
+#include "firmware/loop/schedule.h"
+#include "hal/clock.h"
+
+namespace stof::firmware {
+
+// What is wrong with the devices and the loop itself. Each answer of a device is counted; where a
+// condition begins or ends, one event is noted and the health monitor learns of it.
+class LoopConditions {
+ public:
+  LoopConditions(hal::Clock& clock, Events& events, HealthMonitor& monitor) noexcept
+      : clock_(clock), events_(events), monitor_(monitor) {}
+
+  // What a device answered: kOk, or an error, of which kDeviceLost lasts until another answer.
+  void note_device_status(Part part, Status status) noexcept;
+  // What the link answered to a frame. A full link (kWouldBlock) is no error here: the stream
+  // counts its drops.
+  void note_link_status(Status status) noexcept;
+  // How late the loop was for an edge, at `now`.
+  void note_lateness(const Schedule::Lateness& lateness, hal::Time now) noexcept;
+  // An edge that has a frame.
+  void note_frame() noexcept;
+  // One that has none: which part was missing, and what it said last.
+  void note_no_frame(Part missing, Status why) noexcept;
+
+  bool lost(Part part) const noexcept { return lost_[static_cast<std::size_t>(part)]; }
+  // Since the last edge that had a frame.
+  std::uint32_t edges_without_frame() const noexcept { return edges_without_frame_; }
+
+  Counters& counters() noexcept { return events_.counters; }
+
+ private:
+  // So many edges in a row without a frame are a condition, fewer are only counted.
+  static constexpr std::uint32_t kSilentEdges = 3;
+  // The loop is in time again after so many edges in time.
+  static constexpr std::uint32_t kInTimeEdges = 32;
+
+  void note(const Event& event) noexcept;
+
+  hal::Clock& clock_;
+  Events& events_;
+  HealthMonitor& monitor_;
+  std::array<bool, kParts> lost_{};
+  bool unreachable_ = false;  // no receiver
+  bool publishing_ = false;
+  std::uint32_t edges_without_frame_ = 0;
+  std::uint32_t edges_in_time_ = kInTimeEdges;  // since the loop was late, up to kInTimeEdges
+};
+
+}  // namespace stof::firmware

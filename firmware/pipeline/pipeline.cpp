@@ -1,0 +1,99 @@
+#include "firmware/pipeline/pipeline.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace stof::firmware {
+namespace {
+
+constexpr int kFramesBetweenDrifts = 30;
+
+// How many pixels have each value of an enum of bytes, 0 .. counts.size() - 1.
+template <typename Value, std::size_t N>
+void count_values(dsp::ImageView<const Value> image,
+                  std::array<std::uint32_t, N>& counts) noexcept {
+  counts.fill(0);
+  for (int y = 0; y < image.height(); ++y) {
+    const auto row = image.row(y);
+    for (std::size_t value = 0; value < N; ++value) {
+      counts[value] +=
+          static_cast<std::uint32_t>(std::ranges::count(row, static_cast<Value>(value)));
+    }
+  }
+}
+
+std::size_t map_bytes(const dsp::Pinhole& left) noexcept {
+  const std::size_t pixels =
+      static_cast<std::size_t>(left.width) * static_cast<std::size_t>(left.height);
+  return 2 * dsp::Arena::bytes_for<dsp::QuarterMm>(pixels) +
+         dsp::Arena::bytes_for<dsp::Source>(pixels) + dsp::Arena::bytes_for<dsp::Cause>(pixels);
+}
+
+}  // namespace
+
+wire::FrameSizes sizes_of(const Setup& setup) noexcept {
+  const dsp::Pinhole& left = setup.calibration.stereo.left;
+  const dsp::Pinhole& pmd = setup.calibration.pmd.lens;
+  return {
+      .width = left.width, .height = left.height, .pmd_width = pmd.width, .pmd_height = pmd.height};
+}
+
+std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
+  return dsp::DepthMaker::bytes_needed(setup.calibration, setup.depth, setup.threads) +
+         map_bytes(setup.calibration.stereo.left);
+}
+
+Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
+                   const dsp::Crew& crew) noexcept
+    : clock_(clock),
+      maker_(setup.calibration, setup.depth, arena, crew),
+      guided_(setup.depth.guided && setup.has_pmd()) {
+  const int width = setup.calibration.stereo.left.width;
+  const int height = setup.calibration.stereo.left.height;
+  output_.map.depth = arena.take_image<dsp::QuarterMm>(width, height);
+  output_.map.width = arena.take_image<dsp::QuarterMm>(width, height);
+  output_.map.source = arena.take_image<dsp::Source>(width, height);
+  output_.map.cause = arena.take_image<dsp::Cause>(width, height);
+}
+
+void Pipeline::match(const hal::StereoFrame& stereo) noexcept {
+  const hal::Time start = clock_.now();
+  maker_.match(stereo.left, stereo.right);
+  output_.stats.match = clock_.now() - start;
+  matched_ = true;
+}
+
+const Output& Pipeline::compute(const Shot& shot) noexcept {
+  Stats& stats = output_.stats;
+  const hal::Time start = clock_.now();
+  if (shot.pmd) {
+    const dsp::PmdExposure exposure{.samples = (*shot.pmd)->samples};
+    maker_.convert({.first = {&exposure, 1}});
+  }
+  stats.convert = clock_.now() - start;
+  if (!std::exchange(matched_, false)) {
+    match(*shot.stereo);
+    matched_ = false;
+  }
+  const hal::Time matched = clock_.now();
+  maker_.fuse(output_.map);
+  stats.fuse = clock_.now() - matched;
+  output_.stereo = maker_.stereo();
+  output_.left = maker_.left();
+  output_.right = maker_.right();
+  count_values<dsp::Source>(output_.map.source, stats.sources);
+  count_values<dsp::Cause>(output_.map.cause, stats.causes);
+  return output_;
+}
+
+void Pipeline::watch() noexcept {
+  const hal::Time start = clock_.now();
+  maker_.watch();
+  if (until_drift_-- == 0) {
+    until_drift_ = kFramesBetweenDrifts;
+    output_.drift = maker_.drift();
+  }
+  output_.stats.watch = clock_.now() - start;
+}
+
+}  // namespace stof::firmware

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/thread_team.h"
+#include "dsp/calib/calibration.h"
+#include "dsp/depth/depth_maker.h"
+#include "firmware/pipeline/shot.h"
+#include "firmware/wire/frame/frame_coder.h"
+#include "hal/clock.h"
+
+namespace stof::firmware {
+
+// What is decided at start and never again. A PMD lens of 0x0 means stereo alone.
+struct Setup {
+  dsp::Calibration calibration;
+  dsp::DepthParams depth;
+  int threads = 1;  // that compute it
+
+  bool has_pmd() const noexcept { return calibration.pmd.lens.width > 0; }
+};
+
+// What frames of this rig are made of.
+wire::FrameSizes sizes_of(const Setup& setup) noexcept;
+
+inline constexpr std::size_t kSources = 6;  // values of dsp::Source
+inline constexpr std::size_t kCauses = 6;   // values of dsp::Cause
+
+struct Stats {
+  hal::Duration match{};  // rectification and the search
+  hal::Duration convert{};
+  hal::Duration fuse{};                           // and the periods of readings
+  hal::Duration watch{};                          // comparing the sensors, of the frame before
+  std::array<std::uint32_t, kSources> sources{};  // pixels of each
+  std::array<std::uint32_t, kCauses> causes{};
+
+  hal::Duration total() const noexcept { return match + convert + fuse + watch; }
+};
+
+struct Output {
+  dsp::DepthMap map;
+  dsp::StereoMaps stereo;  // of the pair alone
+  dsp::ImageView<const std::uint8_t>
+      left;  // as it was matched: rectified where the rig asks for it
+  dsp::ImageView<const std::uint8_t> right;
+  dsp::DriftEstimate drift;  // of the last second
+  Stats stats;
+};
+
+// One shot to one depth map, by the dsp::DepthMaker that evaluation on the host uses too.
+class Pipeline {
+ public:
+  // Bytes of the Arena; setup.depth.match must pass dsp::check.
+  static std::size_t bytes_needed(const Setup& setup) noexcept;
+
+  // Builds all tables. setup.calibration is complete(), problem() of it empty. crew: of at most
+  // setup.threads; no result depends on it.
+  Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
+           const dsp::Crew& crew = {}) noexcept;
+
+  // Whether match() may come before the PMD's samples: not where they guide the search.
+  bool may_match_first() const noexcept { return !guided_; }
+  // Rectification and the search, for compute() of the shot that this frame becomes a part of.
+  void match(const hal::StereoFrame& stereo) noexcept;
+  // That frame does not become a part of any shot.
+  void forget_match() noexcept { matched_ = false; }
+
+  // Frames of the calibration's sizes; matches them where match() has not. The result is valid
+  // until the next call of compute() or match().
+  const Output& compute(const Shot& shot) noexcept;
+  // Compares the sensors for drift of the rig, after compute(); the next output tells what came of
+  // it.
+  void watch() noexcept;
+
+ private:
+  hal::Clock& clock_;
+  dsp::DepthMaker maker_;
+  bool guided_;
+  bool matched_ = false;
+  int until_drift_ = 0;  // frames
+  Output output_;
+};
+
+}  // namespace stof::firmware

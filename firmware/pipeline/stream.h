@@ -1,0 +1,117 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "firmware/events/events.h"
+#include "firmware/events/health_monitor.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/shot.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/frame/frame_coder.h"
+#include "hal/clock.h"
+#include "hal/datagram_port.h"
+
+namespace stof::firmware {
+
+inline constexpr std::size_t kMostReceivers = 4;
+
+// Who sends, and what every receiver has to know about it.
+struct StreamSetup {
+  wire::Origin origin;
+  wire::ClockState clock = wire::ClockState::kMonotonic;
+  wire::CalibrationPacket calibration{};
+};
+
+// May change between frames.
+struct StreamParams {
+  wire::StreamChoice choice{};
+  int pace_percent = 60;         // of the period: frames are spread over at most that; 0: at once
+  hal::Duration period{};        // of the trigger
+  std::uint32_t revision = 0;    // of the settings
+  dsp::QuarterMm max_range = 0;  // told with the calibration, as the period; 0: as at start
+};
+
+// What a frame's way out took.
+struct StreamTimes {
+  hal::Duration code{};
+  hal::Duration send{};    // without the waits of pacing
+  hal::Duration waited{};  // these
+};
+
+// Gets every frame and message as well, on the loop's thread: the serial line.
+class FrameListener {
+ public:
+  virtual ~FrameListener() = default;
+  virtual void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
+                     const dsp::DepthMap& map) noexcept = 0;
+  // A sealed packet that is no part of a frame: health, events.
+  virtual void packet(std::span<const std::byte> datagram) noexcept = 0;
+};
+
+// Depth maps to datagrams, to all receivers alike; health and events beside them.
+class Stream {
+ public:
+  // listener may be nullptr.
+  Stream(const StreamSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
+         hal::DatagramPort& port, FrameListener* listener, Events& events,
+         dsp::Arena& arena) noexcept;
+  Stream(const Stream&) = delete;
+  Stream& operator=(const Stream&) = delete;
+
+  void set_params(const StreamParams& params) noexcept;
+  // At most kMostReceivers; a new one gets calibration and health at once.
+  // refused: one of them, which has not subscribed, says that nobody listens there.
+  void set_receivers(std::span<const hal::Peer> receivers, bool refused = false) noexcept;
+  std::span<const hal::Peer> receivers() const noexcept {
+    return std::span(receivers_).first(receiver_count_);
+  }
+
+  // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
+  // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
+  // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
+  Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
+  // Health and events that are due. Each period, also where there is no frame.
+  void report(const ControlStatus& control) noexcept;
+
+  // Of the last frame.
+  const StreamTimes& times() const noexcept { return times_; }
+  HealthMonitor& health() noexcept { return health_; }
+  const HealthMonitor& health() const noexcept { return health_; }
+
+ private:
+  using Datagrams = wire::Datagrams;
+  class Paced;  // a frame's datagrams on their way, spread over time
+
+  wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
+  wire::Header header(wire::PacketType type) const noexcept;
+  Status send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
+                    hal::Time latest) noexcept;
+  // To everybody, now.
+  Status send(Datagrams datagrams) noexcept;
+  Status send_one(std::span<const std::byte> datagram) noexcept;
+
+  StreamSetup setup_;
+  hal::Clock& clock_;
+  hal::DatagramPort& port_;
+  FrameListener* listener_;
+  Events& events_;
+  wire::FrameCoder coder_;
+  StreamParams params_;
+  HealthMonitor health_;
+  std::array<hal::Peer, kMostReceivers> receivers_{};
+  std::size_t receiver_count_ = 0;
+  bool refused_ = false;
+  wire::FrameStamp stamp_;  // of the last frame
+  bool begun_ = false;      // a frame was sent
+  std::optional<hal::Time> calibration_due_;
+  bool health_wanted_ = true;  // health for a new receiver
+  StreamTimes times_;
+  wire::DatagramBuffer buffer_{};
+};
+
+}  // namespace stof::firmware

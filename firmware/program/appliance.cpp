@@ -1,0 +1,97 @@
+#include "firmware/program/appliance.h"
+
+#include <algorithm>
+
+#include "dsp/base/check.h"
+
+namespace stof::firmware {
+
+namespace {
+
+// Every page that the loop will use is written once, so that it meets none for the first time.
+std::span<std::byte> written(std::span<std::byte> memory, std::size_t bytes) noexcept {
+  STOF_CHECK(bytes <= memory.size());
+  std::ranges::fill(memory.first(bytes), std::byte{0});
+  return memory;
+}
+
+SerialSetup serial_setup(const StreamSetup& stream) noexcept {
+  return {.origin = stream.origin, .calibration = stream.calibration, .clock = stream.clock};
+}
+
+}  // namespace
+
+std::size_t coded_bytes_needed(const Setup& setup) noexcept {
+  const dsp::Pinhole& left = setup.calibration.stereo.left;
+  SerialSetup serial;
+  serial.calibration.image_width = static_cast<std::uint16_t>(left.width);
+  serial.calibration.image_height = static_cast<std::uint16_t>(left.height);
+  const wire::FrameSizes sizes = sizes_of(setup);
+  return wire::FrameCoder::bytes_needed(sizes, wire::FrameCoder::usual_packets(sizes)) +
+         SerialSender::bytes_needed(serial);
+}
+
+Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
+                     const Memory& memory) noexcept
+    : parts_(parts),
+      run_config_(run_config),
+      arena_(written(memory.coded, coded_bytes_needed(run_config.setup))),
+      serial_(),
+      stream_(stream, sizes_of(run_config.setup), parts.board.clock, parts.board.port,
+              parts.serial == nullptr ? nullptr
+                                      : &serial_.emplace(serial_setup(stream), *parts.serial,
+                                                         parts.board.clock, arena_),
+              parts.events, arena_),
+      images_(memory.images) {
+  build(run_config);
+  stream_.set_params(run_config.stream);
+  if (serial_) {
+    serial_->sender.set(run_config.serial);
+  }
+  loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, stream_,
+                parts_.events);
+}
+
+void Appliance::build(const RunConfig& run_config) noexcept {
+  pipeline_.reset();
+  dsp::Arena arena(written(images_, Pipeline::bytes_needed(run_config.setup)));
+  pipeline_.emplace(run_config.setup, parts_.board.clock, arena,
+                    parts_.threads.first(run_config.setup.threads));
+}
+
+void Appliance::apply(const RunConfig& run_config) noexcept {
+  stream_.set_params(run_config.stream);
+  if (serial_) {
+    serial_->sender.set(run_config.serial);
+  }
+  const bool rebuilt = !(run_config.setup.depth == run_config_.setup.depth) ||
+                       run_config.setup.threads != run_config_.setup.threads;
+  if (rebuilt) {
+    build(run_config);
+  }
+  if (rebuilt || run_config.timing != run_config_.timing) {
+    loop_->restart(run_config.timing);
+  }
+  run_config_ = run_config;
+}
+
+Status Appliance::step(const ControlStatus& control) noexcept {
+  while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
+    stream_.set_receivers(receivers->all(), receivers->refused);
+  }
+  std::optional<RunConfig> newest;
+  while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {
+    newest = run_config;
+  }
+  if (newest) {
+    apply(*newest);
+  }
+  const Status status = loop_->step();
+  stream_.report(control);
+  if (serial_) {
+    serial_->sender.tick(parts_.board.clock.now(), stream_.health().summary());
+  }
+  return status;
+}
+
+}  // namespace stof::firmware

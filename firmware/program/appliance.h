@@ -1,0 +1,98 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <span>
+
+#include "board/board.h"
+#include "dsp/base/arena.h"
+#include "dsp/base/thread_team.h"
+#include "firmware/control/subscriber_list.h"
+#include "firmware/events/events.h"
+#include "firmware/loop/loop.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/stream.h"
+#include "firmware/program/run_config.h"
+#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/sender.h"
+#include "firmware/spsc_ring.h"
+
+namespace stof::firmware {
+
+// New settings, from the control thread to the loop's.
+using RunConfigRing = SpscRing<RunConfig, 4>;
+
+// What coded frames and the serial line's pictures of a rig take.
+std::size_t coded_bytes_needed(const Setup& setup) noexcept;
+
+// Memory that begins aligned for Arena.
+struct Memory {
+  std::span<std::byte>
+      images;  // at least Pipeline::bytes_needed() of every RunConfig that will come
+  std::span<std::byte> coded;  // at least coded_bytes_needed()
+};
+
+// What runs on the loop's thread: pipeline, stream and loop, in the workspace; others help with the
+// pipeline alone. New settings take
+// effect between two frames: what only the stream does from the next one on, a new way to compute
+// depth builds the pipeline anew in the same memory. Allocates nothing after construction.
+class Appliance {
+ public:
+  struct Parts {
+    board::Board& board;
+    Events& events;
+    RunConfigRing& run_configs;
+    SubscriberRing& receivers;
+    ByteRing* serial;   // to the serial line; nullptr: there is none
+    dsp::Crew threads;  // that may compute, the loop's among them
+  };
+
+  Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
+            const Memory& memory) noexcept;
+  Appliance(const Appliance&) = delete;
+  Appliance& operator=(const Appliance&) = delete;
+
+  // One period: new receivers and settings, Loop::step(), health and events.
+  Status step(const ControlStatus& control) noexcept;
+
+  const Stream& stream() const noexcept { return stream_; }
+  SerialSender::Counters serial() const noexcept {
+    return serial_ ? serial_->sender.counters() : SerialSender::Counters{};
+  }
+
+ private:
+  // The serial line as the stream sees it.
+  class SerialListener final : public FrameListener {
+   public:
+    SerialListener(const SerialSetup& setup, ByteRing& ring, hal::Clock& clock,
+                   dsp::Arena& arena) noexcept
+        : clock_(clock), sender(setup, ring, arena) {}
+    void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
+               const dsp::DepthMap& map) noexcept override {
+      sender.frame(stamp, info, map, clock_.now());
+    }
+    void packet(std::span<const std::byte> datagram) noexcept override {
+      sender.put(datagram, clock_.now());
+    }
+
+   private:
+    hal::Clock& clock_;
+
+   public:
+    SerialSender sender;
+  };
+
+  void apply(const RunConfig& run_config) noexcept;
+  void build(const RunConfig& run_config) noexcept;
+
+  Parts parts_;
+  RunConfig run_config_;
+  dsp::Arena arena_;
+  std::optional<SerialListener> serial_;
+  Stream stream_;
+  std::span<std::byte> images_;
+  std::optional<Pipeline> pipeline_;
+  std::optional<Loop> loop_;
+};
+
+}  // namespace stof::firmware

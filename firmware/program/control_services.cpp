@@ -1,0 +1,150 @@
+#include "firmware/program/control_services.h"
+
+#include <algorithm>
+
+namespace stof::firmware {
+
+void put_text(std::string_view text, std::span<char> to) noexcept {
+  std::ranges::fill(to, '\0');
+  std::ranges::copy(text.substr(0, to.size()), to.begin());
+}
+
+ControlServices::ControlServices(const Parts& parts, const settings::Settings& active,
+                                 const settings::Settings& saved)
+    : parts_(parts),
+      settings_server_(active, saved, {.limits = *this, .sink = *this, .store = parts.store}),
+      handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
+      beacon_(parts.board.port, parts.board.network),
+      mdns_name_(active.name),
+      mdns_on_(active.discovery.mdns) {
+  if (parts_.board.to) {
+    // The first of them, and before the first frame: there is room for both.
+    static_cast<void>(subscribers_.fix(*parts_.board.to));
+    static_cast<void>(parts_.receivers.push(subscribers_.list()));
+  }
+  if (parts_.board.mdns != nullptr) {
+    mdns_.emplace(*parts_.board.mdns, parts_.board.network,
+                  Service{.announce = make_announce(), .device_id = parts_.origin.device_id},
+                  parts_.origin.session_id);
+  }
+  if (parts_.serial != nullptr) {
+    line_requests_.emplace(parts_.origin, &settings_server_);
+    serial_.emplace(*parts_.board.serial, *parts_.serial, *line_requests_);
+    serial_->set(active.serial.mode, static_cast<std::uint32_t>(active.serial.baud));
+  }
+  update_announce(started_);  // nobody is answered before
+  thread_.emplace(
+      ControlParts{.port = parts_.board.port,
+                   .handler = handler_,
+                   .subscribers = subscribers_,
+                   .ring = parts_.receivers,
+                   .hooks = hooks_,
+                   .turn = parts_.serial == nullptr
+                               ? hal::Duration(std::chrono::milliseconds(20))
+                               : SerialLink::turn(static_cast<std::uint32_t>(active.serial.baud))});
+}
+
+ControlServices::~ControlServices() {
+  thread_.reset();
+  if (mdns_ && mdns_on_) {
+    mdns_->stop(control_now());
+  }
+}
+
+wire::Announce ControlServices::make_announce() const noexcept {
+  wire::Announce announce = parts_.announce;
+  put_text(settings_server_.active().name.view(), announce.name);
+  announce.subscribers = static_cast<std::uint8_t>(subscribers_.count());
+  announce.most_subscribers = kMostSubscribers;
+  announce.rate_mhz = parts_.loop_status.rate_mhz.load(std::memory_order_relaxed);
+  return announce;
+}
+
+void ControlServices::publish_status() noexcept {
+  revision_.store(settings_server_.revision(), std::memory_order_relaxed);
+  unsaved_.store(settings_server_.unsaved(), std::memory_order_relaxed);
+  restart_needed_.store(settings_server_.restart_needed(), std::memory_order_relaxed);
+  subscriber_count_.store(static_cast<std::uint8_t>(subscribers_.count()),
+                          std::memory_order_relaxed);
+}
+
+wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
+  const wire::Health health = parts_.loop_status.health.load(std::memory_order_relaxed);
+  wire::Announce announce = make_announce();
+  announce.uptime_ms = static_cast<std::uint64_t>((now - started_) / std::chrono::milliseconds(1));
+  handler_.set_announce(announce, health);
+  beacon_.set(announce, parts_.origin, {.health = health});
+  if (line_requests_) {
+    line_requests_->set_announce(announce, health);
+  }
+  return announce;
+}
+
+void ControlServices::tick(hal::Time now) noexcept {
+  publish_status();
+  const settings::Settings& active = settings_server_.active();
+  const wire::Announce announce = update_announce(now);
+  if (active.discovery.beacon) {
+    beacon_.tick(now);
+  }
+  if (mdns_ && active.discovery.mdns) {
+    if (!mdns_on_) {  // an agent that has said goodbye does not come back
+      mdns_name_ = active.name;
+      mdns_.emplace(*parts_.board.mdns, parts_.board.network,
+                    Service{.announce = announce, .device_id = parts_.origin.device_id},
+                    parts_.origin.session_id);
+    } else if (active.name != mdns_name_) {
+      mdns_name_ = active.name;
+      mdns_->set_service({.announce = announce, .device_id = parts_.origin.device_id}, now);
+    }
+    mdns_->tick(now);
+  } else if (mdns_ && mdns_on_) {
+    mdns_->stop(now);
+  }
+  mdns_on_ = active.discovery.mdns;
+  if (serial_) {
+    serial_->tick(now);
+  }
+}
+
+bool ControlServices::accepts(const settings::Settings& settings,
+                              settings::PagedWriter& why) noexcept {
+  const auto run_config = make_run_config(parts_.rig, board::kConfig, settings);
+  if (!run_config) {
+    why << run_config.error();
+  }
+  return run_config.has_value();
+}
+
+bool ControlServices::apply(const settings::Settings& settings, std::uint32_t revision) noexcept {
+  auto run_config = make_run_config(parts_.rig, board::kConfig, settings);
+  if (!run_config) {
+    return false;
+  }
+  run_config->stream.revision = revision;
+  if (!parts_.run_configs.push(*run_config)) {
+    return false;
+  }
+  if (serial_) {
+    serial_->set(settings.serial.mode, static_cast<std::uint32_t>(settings.serial.baud));
+  }
+  return true;
+}
+
+ControlStatus ControlServices::status(const SerialSender::Counters& made) const noexcept {
+  ControlStatus status{.requests = control_counters(handler_, parts_.board.port),
+                       .settings_revision = revision_.load(std::memory_order_relaxed),
+                       .subscribers = subscriber_count_.load(std::memory_order_relaxed),
+                       .settings_unsaved = unsaved_.load(std::memory_order_relaxed),
+                       .restart_needed = restart_needed_.load(std::memory_order_relaxed)};
+  if (serial_) {
+    const SerialLink::Counters line = serial_->counters();
+    status.serial_sent = line.sent;
+    status.serial_dropped = made.dropped + line.lost;
+    status.serial_refused = line.refused;
+    status.serial_lost = serial_->lost();
+  }
+  return status;
+}
+
+}  // namespace stof::firmware

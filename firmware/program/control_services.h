@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "board/board.h"
+#include "firmware/control/control_thread.h"
+#include "firmware/control/periodic.h"
+#include "firmware/control/request_handler.h"
+#include "firmware/control/subscriber_list.h"
+#include "firmware/control/subscribers.h"
+#include "firmware/discovery/beacon.h"
+#include "firmware/discovery/mdns_agent.h"
+#include "firmware/program/appliance.h"
+#include "firmware/program/run_config.h"
+#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/requests.h"
+#include "firmware/serial/serial_link.h"
+#include "firmware/settings/settings_server.h"
+
+namespace stof::firmware {
+
+// What the loop tells the control thread.
+struct LoopStatus {
+  std::atomic<std::uint32_t> rate_mhz = 0;
+  std::atomic<wire::Health> health = wire::Health::kOk;
+  static_assert(std::atomic<wire::Health>::is_always_lock_free);
+};
+
+// Everything that the control thread does, put together: requests, subscriptions, settings,
+// discovery, the serial line. What the loop needs to know of it is told through rings and atomics.
+class ControlServices final : public settings::Limits,
+                              public settings::SettingsSink,
+                              public Periodic {
+ public:
+  struct Parts {
+    board::Board& board;
+    const RigInfo& rig;
+    hal::Store* store;  // of settings; nullptr: nothing is kept
+    wire::Origin origin;
+    wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
+    RunConfigRing& run_configs;
+    SubscriberRing& receivers;
+    ByteRing* serial;  // nullptr: there is no line
+    const LoopStatus& loop_status;
+  };
+
+  // active: what the loop begins with, as revision 1. The thread starts at once.
+  ControlServices(const Parts& parts, const settings::Settings& active,
+                  const settings::Settings& saved);
+  // Ends the thread; says goodbye where it was announced.
+  ~ControlServices() override;
+  ControlServices(const ControlServices&) = delete;
+  ControlServices& operator=(const ControlServices&) = delete;
+
+  // Of the loop's thread. `made`: what its end of the serial line counted.
+  ControlStatus status(const SerialSender::Counters& made) const noexcept;
+
+  bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
+  bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override;
+  void tick(hal::Time now) noexcept override;
+
+ private:
+  wire::Announce make_announce() const noexcept;
+  // Renews what everybody is told who asks.
+  wire::Announce update_announce(hal::Time now) noexcept;
+  void publish_status() noexcept;
+
+  Parts parts_;
+  settings::SettingsServer settings_server_;
+  Subscribers subscribers_;
+  RequestHandler handler_;
+  Beacon beacon_;
+  std::optional<MdnsAgent> mdns_;
+  std::optional<LineRequests> line_requests_;
+  std::optional<SerialLink> serial_;
+  settings::Text<settings::kNameBytes + 1> mdns_name_;
+  bool mdns_on_ = true;
+  hal::Time started_ = control_now();
+  std::array<Periodic*, 1> hooks_{this};
+
+  std::atomic<std::uint32_t> revision_ = 1;
+  std::atomic<std::uint8_t> subscriber_count_ = 0;
+  std::atomic<bool> unsaved_ = false;
+  std::atomic<bool> restart_needed_ = false;
+
+  std::optional<ControlThread> thread_;
+};
+
+// Fills `to` up with 0; cuts off what does not fit.
+void put_text(std::string_view text, std::span<char> to) noexcept;
+
+}  // namespace stof::firmware

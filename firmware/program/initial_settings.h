@@ -1,0 +1,28 @@
+#pragma once
+
+#include <expected>
+#include <memory>
+#include <string>
+
+#include "firmware/program/options.h"
+#include "firmware/program/run_config.h"
+#include "firmware/settings/settings.h"
+#include "hal/store.h"
+
+namespace stof::firmware {
+
+// What the settings are at start: what was saved, and on top of it what the command line says.
+struct InitialSettings {
+  std::unique_ptr<hal::Store> store;  // may be empty
+  settings::Settings saved;
+  settings::Settings active;
+};
+
+// Opens the store where one is named. Error: one line, which flag takes what.
+std::expected<InitialSettings, std::string> read_settings(const Options& options);
+
+// Settings that were saved for another rig must not keep a sensor out of reach: they are set aside
+// and the defaults hold. Empty, or what is wrong with the command line.
+std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial);
+
+}  // namespace stof::firmware

@@ -1,0 +1,281 @@
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <random>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "board/board.h"
+#include "firmware/events/event_printer.h"
+#include "firmware/events/events.h"
+#include "firmware/events/log_text.h"
+#include "firmware/loop/reopener.h"
+#include "firmware/loop/watchdog_feeder.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/program/appliance.h"
+#include "firmware/program/control_services.h"
+#include "firmware/program/initial_settings.h"
+#include "firmware/program/options.h"
+#include "firmware/program/run_config.h"
+#include "firmware/settings/fields/assignment.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/workspace.h"
+#include "posix/worker_threads.h"
+
+namespace stof::firmware {
+namespace {
+
+constexpr int kExitOk = 0;
+constexpr int kExitFailure = 1;
+constexpr int kExitBadInput = 2;
+
+constinit Workspace workspace{};
+constinit Events events{};
+constinit RunConfigRing run_configs{};
+constinit SubscriberRing receivers{};
+constinit LoopStatus loop_status{};
+alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
+static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(loop_status) +
+                  sizeof(serial_memory) <=
+              kOtherStaticBytes / 4 * 3);
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler writes it
+
+void request_stop(int) { stop_requested.store(true, std::memory_order_relaxed); }
+
+void watch_signals() {
+  struct sigaction action{};
+  action.sa_handler = &request_stop;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  sigaction(SIGHUP, &action, nullptr);  // whoever started it by hand has gone
+  struct sigaction none{};
+  none.sa_handler = SIG_IGN;  // a reader of our lines that has gone ends nothing
+  sigaction(SIGPIPE, &none, nullptr);
+}
+
+int refuse(const std::string& line, int code = kExitBadInput) {
+  std::fprintf(stderr, "stofd: %s\n", line.c_str());
+  return code;
+}
+
+int help() {
+  const std::string flags = options_usage();
+  std::printf(
+      "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
+      "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
+      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input.\n",
+      board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
+      static_cast<int>(board::usage().size()), board::usage().data());
+  return kExitOk;
+}
+
+// Random, so that a receiver notices a sender that started anew.
+std::uint32_t make_session_id() { return std::random_device()(); }
+
+void print_start(const board::Board& board, const RigInfo& rig, const RunConfig& run_config) {
+  const dsp::Pinhole& left = rig.calibration.stereo.left;
+  const dsp::Pinhole& pmd = rig.calibration.pmd.lens;
+  for (const std::string& note : board.notes) {
+    print_line(note);
+  }
+  const std::size_t bytes = Pipeline::bytes_needed(run_config.setup);
+  print_line(
+      "board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
+      std::to_string(left.height) + " with " +
+      std::to_string(run_config.setup.depth.match.disparities) + " disparities, " +
+      (board.pmd == nullptr
+           ? std::string("no PMD camera: depth from stereo alone")
+           : "PMD " + std::to_string(pmd.width) + "x" + std::to_string(pmd.height)) +
+      ", period " +
+      std::to_string(
+          std::chrono::duration_cast<std::chrono::microseconds>(run_config.timing.period).count()) +
+      " us, workspace " + std::to_string(bytes / 1024) + " of " +
+      std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " +
+      threads_text(run_config.setup.threads, rig.threads));
+  print_line("listening at UDP port " + std::to_string(board.port.port()));
+}
+
+wire::Announce make_announce(const board::Board& board, const RigInfo& rig,
+                             const Options& options) {
+  wire::Announce announce{
+      .port = board.port.port(),
+      .image_width = static_cast<std::uint16_t>(rig.calibration.stereo.left.width),
+      .image_height = static_cast<std::uint16_t>(rig.calibration.stereo.left.height)};
+  std::array<char, 16> serial{};
+  std::snprintf(serial.data(), serial.size(), "%08x", options.device_id);
+  put_text(serial.data(), announce.serial);
+  put_text(STOF_VERSION, announce.version);
+  put_text(board::kConfig.name, announce.board);
+  return announce;
+}
+
+bool write_port(const std::string& file, std::uint16_t port) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> out(std::fopen(file.c_str(), "w"),
+                                                            &std::fclose);
+  return out && std::fprintf(out.get(), "%u\n", unsigned{port}) > 0 && std::fflush(out.get()) == 0;
+}
+
+// Threads that compute depth, the loop's own among them.
+int threads_of(const settings::Settings& settings) {
+  if (settings.compute.threads > 0) {
+    return settings.compute.threads;
+  }
+  return std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1,
+                    settings::kUsualThreads);
+}
+
+// Ends with the loop; the control thread before it.
+void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
+              const RunConfig& run_config, const InitialSettings& start,
+              const wire::CalibrationPacket& calibration, posix::WorkerThreads& workers) {
+  const wire::Origin origin{.device_id = options.device_id,
+                            .session_id = options.session_id.value_or(make_session_id())};
+  ByteRing serial(serial_memory);
+  ByteRing* const line = board.serial == nullptr ? nullptr : &serial;
+  Appliance appliance(
+      {.board = board,
+       .events = events,
+       .run_configs = run_configs,
+       .receivers = receivers,
+       .serial = line,
+       .threads = {workers, workers.threads()}},
+      {.origin = origin,
+       .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
+       .calibration = calibration},
+      run_config, {.images = workspace.memory, .coded = workspace.coded});
+  const ControlServices control({.board = board,
+                                 .rig = rig,
+                                 .store = start.store.get(),
+                                 .origin = origin,
+                                 .announce = make_announce(board, rig, options),
+                                 .run_configs = run_configs,
+                                 .receivers = receivers,
+                                 .serial = line,
+                                 .loop_status = loop_status},
+                                start.active, start.saved);
+  const EventPrinter printer(events);
+  Reopener reopener(board);
+  WatchdogFeeder watchdog(board.watchdog, board.clock);
+  // Only now: what the other threads do can wait.
+  static_cast<void>(board::be_urgent(true));
+  board::count_heap_calls();
+  while (!stop_requested.load(std::memory_order_relaxed) &&
+         (options.frames == 0 || events.counters.published < options.frames)) {
+    reopener.after(appliance.step(control.status(appliance.serial())));
+    watchdog.after_round();
+    loop_status.rate_mhz.store(appliance.stream().health().rate_mhz(), std::memory_order_relaxed);
+    loop_status.health.store(appliance.stream().health().summary(), std::memory_order_relaxed);
+  }
+  if (watchdog.end() != Status::kOk) {
+    print_line(
+        "the watchdog cannot be stopped: the board restarts unless stofd is started again soon");
+  }
+  if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
+    print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
+  }
+  static_cast<void>(board::be_urgent(false));
+}
+
+// Threads that help to compute are as urgent as the loop.
+void say_refusal(const std::optional<std::string>& refusal) {
+  if (refusal) {
+    print_line(*refusal);
+  }
+}
+
+int run(board::Board& board, const Options& options, InitialSettings start) {
+  auto rig = make_rig(board, board::kConfig, options.calibration);
+  if (!rig) {
+    return refuse(rig.error());
+  }
+  if (const std::string why = drop_unusable(*rig, options, start); !why.empty()) {
+    return refuse(why);
+  }
+  say_refusal(board::lock_memory());
+  say_refusal(board::be_urgent(true));
+  posix::WorkerThreads workers({.threads = threads_of(start.active), .name = "stof-depth"});
+  if (workers.error() != 0) {
+    print_line("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
+               std::to_string(threads_of(start.active)) + " compute: check its limits");
+  }
+  static_cast<void>(board::be_urgent(false));
+  rig->threads = workers.threads();
+  auto run_config = make_run_config(*rig, board::kConfig, start.active);
+  if (!run_config) {
+    return refuse(run_config.error());
+  }
+  run_config->stream.revision = 1;
+  const auto calibration = wire::make_calibration_packet(run_config->setup.calibration,
+                                                         run_config->setup.depth.fusion.max_range,
+                                                         run_config->timing.period.count());
+  if (!calibration) {
+    return refuse("the rig's calibration holds numbers that no rig has: calibrate it anew");
+  }
+  if (!options.port_file.empty() && !write_port(options.port_file, board.port.port())) {
+    return refuse(options.port_file + ": cannot be written: check the folder and its permissions");
+  }
+  print_start(board, *rig, *run_config);
+  run_loop(board, options, *rig, *run_config, start, *calibration, workers);
+  print_line(summary(events.counters));
+  print_line(stage_times(events.counters));
+  return kExitOk;
+}
+
+int print(const std::string& text) {
+  std::printf("%s", text.c_str());
+  return kExitOk;
+}
+
+int start_and_run(std::span<const std::string_view> arguments) {
+  const auto options = parse_options(arguments);
+  if (!options) {
+    return refuse(options.error());
+  }
+  if (options->help) {
+    return help();
+  }
+  if (options->schema) {
+    return print(settings::settings_schema());
+  }
+  if (options->settings_table) {
+    return print(settings::settings_tables());
+  }
+  watch_signals();
+  auto start = read_settings(*options);
+  if (!start) {
+    return refuse(start.error());
+  }
+  const settings::Settings& active = start->active;
+  const auto board =
+      board::open({.udp_port = options->port.value_or(static_cast<std::uint16_t>(active.udp_port)),
+                   .to = options->to,
+                   .serial = std::string(active.serial.device.view()),
+                   .baud = static_cast<std::uint32_t>(active.serial.baud),
+                   .flow_control = active.serial.flow_control,
+                   .dscp = active.dscp,
+                   .mdns = true},
+                  options->board);
+  if (!board) {
+    return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);
+  }
+  return run(**board, *options, std::move(*start));
+}
+
+}  // namespace
+}  // namespace stof::firmware
+
+int main(int argc, char** argv) {
+  const std::vector<std::string_view> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
+  return stof::firmware::start_and_run(arguments);
+}

@@ -1,0 +1,218 @@
+#include "firmware/program/run_config.h"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+#include <utility>
+
+#include "dsp/stereo/matcher.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/settings/depth.h"
+#include "firmware/wire/calibration/calibration_file.h"
+#include "firmware/workspace.h"
+
+namespace stof::firmware {
+namespace {
+
+std::string size_text(int width, int height) {
+  return std::to_string(width) + "x" + std::to_string(height);
+}
+
+std::expected<std::vector<std::byte>, std::string> read_file(const std::string& name,
+                                                             std::size_t limit) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(name.c_str(), "rb"),
+                                                             &std::fclose);
+  if (!file) {
+    return std::unexpected(name + ": cannot be opened: check the name and its permissions");
+  }
+  std::vector<std::byte> bytes;
+  std::array<std::byte, 4096> part;
+  while (const std::size_t count = std::fread(part.data(), 1, part.size(), file.get())) {
+    bytes.insert(bytes.end(), part.begin(), part.begin() + static_cast<std::ptrdiff_t>(count));
+    if (bytes.size() > limit) {
+      return std::unexpected(name + ": longer than any calibration of this board: check the name");
+    }
+  }
+  if (std::ferror(file.get()) != 0) {
+    return std::unexpected(name + ": cannot be read: check that it is a file");
+  }
+  return bytes;
+}
+
+// Replaces the board's calibration by the file's, which must be of the same cameras.
+std::string load_calibration(const std::string& name, const board::Config& config, RigInfo& start) {
+  const std::size_t pixels =
+      static_cast<std::size_t>(config.pmd.width) * static_cast<std::size_t>(config.pmd.height);
+  const auto bytes = read_file(name, pixels * sizeof(std::int16_t) + 65536);
+  if (!bytes) {
+    return bytes.error();
+  }
+  start.fixed_pattern.resize(pixels);
+  Result<dsp::Calibration> loaded = wire::decode_calibration_file(*bytes, start.fixed_pattern);
+  if (!loaded) {
+    switch (loaded.error()) {
+      case Status::kUnsupported:
+        return name + ": a calibration of a later version: export it again for version " +
+               std::to_string(wire::kCalibrationFileVersion);
+      case Status::kTooLarge:
+        return name + ": its PMD camera is larger than this board's " +
+               size_text(config.pmd.width, config.pmd.height) + ": use the calibration of this rig";
+      default:
+        return name + ": not a calibration file, or damaged: export it again";
+    }
+  }
+  if (const char* const why = dsp::complete(loaded->stereo); *why != '\0') {
+    return name + ": " + why + ": calibrate the rig anew";
+  }
+  const dsp::Pinhole& left = loaded->stereo.left;
+  const dsp::Pinhole& pmd = loaded->pmd.lens;
+  const dsp::Calibration& rig = start.calibration;
+  if (left.width != rig.stereo.left.width || left.height != rig.stereo.left.height ||
+      pmd.width != rig.pmd.lens.width || pmd.height != rig.pmd.lens.height) {
+    return name + ": made for cameras of " + size_text(left.width, left.height) + " and " +
+           size_text(pmd.width, pmd.height) + ", these have " +
+           size_text(rig.stereo.left.width, rig.stereo.left.height) + " and " +
+           size_text(rig.pmd.lens.width, rig.pmd.lens.height) + ": use the calibration of this rig";
+  }
+  start.calibration = *loaded;
+  return {};
+}
+
+// Of the board in front of us, beside those of any.
+std::string period_limits(const RigInfo& rig, const board::Config& config, hal::Duration period) {
+  const auto text = [](hal::Duration time) {
+    return std::to_string(std::chrono::ceil<std::chrono::milliseconds>(time).count()) + " ms";
+  };
+  if (period < rig.least_period) {
+    return "period_ms: the cameras of board " + std::string(config.name) + " need " +
+           text(rig.least_period) +
+           " from edge to edge, or frames cannot be told apart: choose a "
+           "longer period";
+  }
+  const hal::Duration patience = config.devices.watchdog_timeout;
+  if (patience > hal::Duration::zero() && 3 * period > patience) {
+    return "period_ms: the watchdog of board " + std::string(config.name) + " waits for " +
+           text(patience) + ", three periods must fit: choose a shorter period";
+  }
+  return {};
+}
+
+std::string limits(const Setup& setup, const board::Config& config) {
+  const dsp::Pinhole& left = setup.calibration.stereo.left;
+  if (left.width > config.stereo.width || left.height > config.stereo.height) {
+    return "the stereo pictures are " + size_text(left.width, left.height) + ", board " +
+           config.name + " takes up to " + size_text(config.stereo.width, config.stereo.height) +
+           ": use smaller ones";
+  }
+  const dsp::Pinhole& pmd = setup.calibration.pmd.lens;
+  if (pmd.width > config.pmd.width || pmd.height > config.pmd.height) {
+    return "the PMD pictures are " + size_text(pmd.width, pmd.height) + ", board " + config.name +
+           " takes up to " + size_text(config.pmd.width, config.pmd.height) + ": use smaller ones";
+  }
+  if (setup.depth.match.disparities > config.stereo.disparities) {
+    return std::to_string(setup.depth.match.disparities) + " disparities are more than the " +
+           std::to_string(config.stereo.disparities) + " of board " + config.name +
+           ": choose fewer with --disparities";
+  }
+  if (setup.depth.match.block_width > config.stereo.block_width ||
+      setup.depth.match.block_height > config.stereo.block_height) {
+    return "a block of " +
+           size_text(setup.depth.match.block_width, setup.depth.match.block_height) +
+           " is larger than the " +
+           size_text(config.stereo.block_width, config.stereo.block_height) + " of board " +
+           config.name + ": choose a smaller one with --block";
+  }
+  if (dsp::check(setup.depth.match, left.width, left.height) != Status::kOk) {
+    return "pictures of " + size_text(left.width, left.height) +
+           " cannot be matched with these parameters: check --disparities, --min-disparity and "
+           "--block";
+  }
+  if (const std::size_t bytes = Pipeline::bytes_needed(setup); bytes > sizeof(Workspace::memory)) {
+    return "matching " + size_text(left.width, left.height) + " with " +
+           std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
+           std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +
+           std::to_string(sizeof(Workspace::memory) / kMiB) +
+           ": use fewer disparities, fewer --directions or a preset";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::expected<RigInfo, std::string> make_rig(const board::Board& board, const board::Config& config,
+                                             const std::string& calibration_file) {
+  RigInfo rig{.calibration = board.calibration,
+              .fixed_pattern = {},
+              .disparities = board.disparities,
+              .calibration_file = calibration_file,
+              .threads = 1,
+              .least_period = board.least_period};
+  if (board.drawn && !board.drawn_will_do && calibration_file.empty()) {
+    return std::unexpected(
+        "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
+        "--uncalibrated to see pictures");
+  }
+  const dsp::Hertz modulation = rig.calibration.pmd.tone.modulation;
+  if (const char* const why = dsp::complete(rig.calibration.stereo); *why != '\0') {
+    return std::unexpected(std::string("the rig's calibration: ") + why +
+                           ": calibrate the rig anew");
+  }
+  if (board.pmd == nullptr) {
+    rig.calibration.pmd.lens = {};
+  }
+  if (!calibration_file.empty()) {
+    if (std::string why = load_calibration(calibration_file, config, rig); !why.empty()) {
+      return std::unexpected(std::move(why));
+    }
+    const dsp::Hertz calibrated = rig.calibration.pmd.tone.modulation;
+    if (board.drawn && board.pmd != nullptr && calibrated.value != modulation.value) {
+      return std::unexpected(calibration_file + ": of a PMD camera that modulates with " +
+                             std::to_string(calibrated.value) + " Hz, this board's does with " +
+                             std::to_string(modulation.value) +
+                             " Hz: use the calibration of this rig");
+    }
+  }
+  if (const char* const why = dsp::problem(rig.calibration); *why != '\0') {
+    return std::unexpected((calibration_file.empty() ? "the rig's calibration" : calibration_file) +
+                           ": " + why + ": calibrate the rig anew");
+  }
+  return rig;
+}
+
+std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
+                                                      const board::Config& config,
+                                                      const settings::Settings& settings) {
+  if (const char* const why = settings::problem(settings); *why != '\0') {
+    return std::unexpected(std::string(why));
+  }
+  RunConfig run_config{
+      .setup = {.calibration = rig.calibration,
+                .depth = settings::depth_params(settings, rig.disparities),
+                .threads = 1},
+      .timing = config.timing,
+      .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
+      .serial = serial_params(settings)};
+  if (settings.period_ms > 0) {
+    run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
+  }
+  run_config.stream.period = run_config.timing.period;
+  run_config.stream.max_range = run_config.setup.depth.fusion.max_range;
+  if (const char* const why = board::problem(run_config.timing); *why != '\0') {
+    return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
+  }
+  if (std::string why = period_limits(rig, config, run_config.timing.period); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
+  if (std::string why = limits(run_config.setup, config); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
+  run_config.setup.threads = rig.threads;
+  while (run_config.setup.threads > 1 &&
+         Pipeline::bytes_needed(run_config.setup) > sizeof(Workspace::memory)) {
+    --run_config.setup.threads;
+  }
+  return run_config;
+}
+
+}  // namespace stof::firmware

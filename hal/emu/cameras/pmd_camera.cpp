@@ -1,0 +1,61 @@
+#include "hal/emu/cameras/pmd_camera.h"
+
+#include "dsp/base/check.h"
+
+namespace stof::hal::emu {
+
+PmdCamera::PmdCamera(hal::Clock& clock, Imagery& imagery, const PmdTiming& timing,
+                     const FaultPlan& faults)
+    : clock_(clock), imagery_(imagery), timing_(timing), sets_(timing.readout, faults) {
+  const Size size = imagery.pmd_size();
+  STOF_CHECK(size.width > 0 && size.height > 0);
+  STOF_CHECK(timing.integration > Duration::zero() && timing.readout >= Duration::zero() &&
+             timing.every >= 1);
+  samples_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 4 *
+                  kCameraSlots);
+}
+
+void PmdCamera::on_edge(Time edge) noexcept {
+  if (edges_++ % static_cast<std::uint32_t>(timing_.every) != 0) {
+    return;
+  }
+  sets_.on_edge(edge, [&](std::uint32_t number) noexcept {
+    Set set{.number = number, .exposures = {}};
+    for (int k = 0; k < 4; ++k) {
+      set.exposures[static_cast<std::size_t>(k)] = {edge + timing_.integration * k / 4,
+                                                    edge + timing_.integration * (k + 1) / 4};
+    }
+    return set;
+  });
+}
+
+Result<Lease<PmdFrame>> PmdCamera::wait_frame(Time deadline) noexcept {
+  const Result<Sets::Taken> taken = sets_.take(clock_, deadline);
+  if (!taken) {
+    return fail(taken.error());
+  }
+  const PmdFrame frame = fill(taken->shot, taken->slot);
+  clock_.wait_until(taken->shot.ready);
+  return Lease<PmdFrame>(frame, *this, taken->slot);
+}
+
+void PmdCamera::give_back(int slot) noexcept { sets_.release(slot); }
+
+PmdFrame PmdCamera::fill(const Sets::Shot& shot, int slot) noexcept {
+  const Size size = imagery_.pmd_size();
+  const std::ptrdiff_t plane = std::ptrdiff_t{size.width} * size.height;
+  PmdFrame frame;
+  frame.sequence = shot.first.number;
+  for (int k = 0; k < 4; ++k) {
+    const std::size_t index = static_cast<std::size_t>(k);
+    const Set& set = k < 2 ? shot.first : shot.second;
+    const dsp::ImageView<std::uint16_t> out(samples_.data() + plane * (4 * slot + k), size.width,
+                                            size.height);
+    imagery_.pmd(set.number, k, out);
+    frame.samples[index] = out;
+    frame.exposures[index] = set.exposures[index];
+  }
+  return frame;
+}
+
+}  // namespace stof::hal::emu

@@ -1,0 +1,294 @@
+#include "hal/emu/imagery/pmd_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "dsp/base/fixed.h"
+#include "hal/emu/imagery/phasor.h"
+#include "hal/emu/imagery/random.h"
+
+namespace stof::hal::emu {
+namespace {
+
+// What one pixel collects before the samples differ: electrons.
+struct Collected {
+  double signal = 0;
+  double ambient = 0;
+  // Sum of s e^(h j phase), h = 1, 3, 5.
+  Phasor first;
+  Phasor third;
+  Phasor fifth;
+};
+
+double half_power(double base, int half_powers) noexcept {
+  double out = half_powers % 2 == 0 ? 1 : std::sqrt(base);
+  for (int i = 0; i < half_powers / 2; ++i) {
+    out *= base;
+  }
+  return out;
+}
+
+class PmdRenderer {
+ public:
+  PmdRenderer(const Scene& scene, const Eye& eye, const PmdCameraModel& camera)
+      : scene_(scene),
+        eye_(eye),
+        model_(camera.model),
+        rays_(camera.rays),
+        turns_per_metre_(camera.modulation.value / dsp::kLightMetresPerSecond) {}
+
+  Collected pixel(std::size_t index) const {
+    const std::size_t count = static_cast<std::size_t>(model_.rays_per_side) *
+                              static_cast<std::size_t>(model_.rays_per_side);
+    Collected sum;
+    for (const Vec3& ray : rays_.subspan(index * count, count)) {
+      add(ray, sum);
+    }
+    return sum;
+  }
+
+ private:
+  void add(const Vec3& ray, Collected& sum) const {
+    const Hit hit = eye_.look(ray.x, ray.y);
+    if (hit.thing < 0) {
+      return;
+    }
+    const Material& material = scene_.things[static_cast<std::size_t>(hit.thing)].material;
+    const double share =
+        infrared_albedo(material, hit.local) / (model_.rays_per_side * model_.rays_per_side);
+    sum.ambient += model_.ambient_e * share;
+    const Vec3 point = hit.t * ray;
+    const double back = length(point);
+    const double field = 1 / length(ray);  // cosine
+    const Vec3 normal = eye_.pose().turn_back(hit.normal);
+    for (const Vec3& emitter : model_.emitters) {
+      const Vec3 path = point - emitter;
+      const double out = length(path);
+      const double emission = path.z / out;
+      const double incidence = -dot(normal, path) / out;
+      if (emission <= 0 || incidence <= 0) {
+        continue;
+      }
+      const double signal = model_.signal_e * share / static_cast<double>(model_.emitters.size()) *
+                            half_power(emission, model_.beam_half_powers) * incidence * field *
+                            field * field * field / (out * out);
+      const Phasor phase = phasor(turns_per_metre_ * (out + back));
+      const Phasor twice = phase * phase;
+      const Phasor third = twice * phase;
+      sum.signal += signal;
+      sum.first = sum.first + signal * phase;
+      sum.third = sum.third + signal * third;
+      sum.fifth = sum.fifth + signal * (third * twice);
+    }
+  }
+
+  const Scene& scene_;
+  const Eye& eye_;
+  const PmdModel& model_;
+  std::span<const Vec3> rays_;
+  double turns_per_metre_;
+};
+
+// D_k: the real part of every harmonic, turned by h k quarter turns. The pixel's offset turns the
+// phase that will be measured, I + jQ ~ e^j + kappa3 e^-3j + kappa5 e^5j, as a whole.
+double correlation(const Collected& c, int k, const PmdModel& model,
+                   const Phasor& offset) noexcept {
+  const Phasor first = c.first * offset * phasor(k / 4.0);
+  const Phasor third = c.third * offset.conjugate() * phasor(3 * k / 4.0);
+  const Phasor fifth = c.fifth * offset * phasor(5 * k / 4.0);
+  return model.contrast * (first.re + model.kappa3 * third.re + model.kappa5 * fifth.re);
+}
+
+// What light inside of the camera adds to a sample, electrons.
+struct Stray {
+  double light = 0;
+  Phasor phase;  // times its amplitude
+};
+
+Stray stray_of(const PmdModel& model, dsp::Hertz modulation) noexcept {
+  if (model.stray_e == 0) {
+    return {};
+  }
+  const double turns = 2 * model.stray_m * modulation.value / dsp::kLightMetresPerSecond;
+  return {.light = model.stray_e / model.contrast, .phase = model.stray_e * phasor(turns)};
+}
+
+}  // namespace
+
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side) {
+  std::vector<Vec3> out;
+  out.reserve(static_cast<std::size_t>(lens.width * rays_per_side) *
+              static_cast<std::size_t>(lens.height * rays_per_side));
+  for (int y = 0; y < lens.height; ++y) {
+    for (int x = 0; x < lens.width; ++x) {
+      for (int j = 0; j < rays_per_side; ++j) {
+        for (int i = 0; i < rays_per_side; ++i) {
+          const double u = x - 0.5 + (i + 0.5) / rays_per_side;
+          const double v = y - 0.5 + (j + 0.5) / rays_per_side;
+          out.push_back(undistorted_ray(lens, u, v));
+        }
+      }
+    }
+  }
+  return out;
+}
+
+void render_pmd(const Scene& scene, const Eye& eye, const PmdCameraModel& camera,
+                std::span<const Run> runs, CleanSamples& out) {
+  const PmdRenderer renderer(scene, eye, camera);
+  const PmdModel& model = camera.model;
+  const int width = camera.lens.width;
+  const int height = camera.lens.height;
+  const double one = 1 << kPmdBits;
+  const double turns = 2 * camera.offset_m * camera.modulation.value / dsp::kLightMetresPerSecond;
+  const Stray stray = stray_of(model, camera.modulation);
+  for (int y = 0; y < height; ++y) {
+    const Run& run = runs[static_cast<std::size_t>(y)];
+    for (int x = run.begin; x < run.end; ++x) {
+      const std::size_t at = static_cast<std::size_t>(y * width + x);
+      const Collected c = renderer.pixel(at);
+      const double pattern = camera.pattern.empty() ? 0.0 : camera.pattern[at] / 65536.0;
+      const Phasor offset = phasor(pattern + turns);
+      for (int k = 0; k < 4; ++k) {
+        const double light = c.signal + correlation(c, k, model, offset) +
+                             (stray.light + (stray.phase * phasor(k / 4.0)).re);
+        const double kept = light + (1 - model.suppression) * c.ambient + model.residual_e;
+        const double variance = light + c.ambient + model.read_noise_e * model.read_noise_e;
+        const double mean = kept / model.electrons_per_lsb + model.dark_lsb;
+        const double sigma = std::sqrt(variance) / model.electrons_per_lsb;
+        out.mean.view().at(x, k * height + y) =
+            static_cast<std::int32_t>(std::floor(std::min(mean, 1e6) * one + 0.5));
+        out.sigma.view().at(x, k * height + y) =
+            static_cast<std::uint16_t>(std::min(std::floor(sigma * one + 0.5), 65535.0));
+      }
+    }
+  }
+}
+
+CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+                        dsp::Hertz modulation, const PmdModel& model,
+                        std::span<const std::int16_t> pattern) {
+  CleanSamples out{.mean = {lens.width, 4 * lens.height}, .sigma = {lens.width, 4 * lens.height}};
+  const std::vector<Vec3> rays = pmd_rays(lens, model.rays_per_side);
+  render_pmd(
+      scene, eye,
+      {.lens = lens, .modulation = modulation, .model = model, .rays = rays, .pattern = pattern},
+      whole_picture(lens), out);
+  return out;
+}
+
+std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modulation,
+                                       const PmdModel& model, std::uint64_t seed) {
+  const double turn_m = dsp::kLightMetresPerSecond / (2.0 * modulation.value);
+  const double rms = model.pattern_rms_m / turn_m * 65536 / (1 << kGaussianBits);
+  std::vector<std::int16_t> out(static_cast<std::size_t>(lens.width) *
+                                static_cast<std::size_t>(lens.height));
+  Gaussian gaussian(seed);
+  for (std::int16_t& offset : out) {
+    offset = static_cast<std::int16_t>(std::floor(rms * gaussian.next() + 0.5));
+  }
+  return out;
+}
+
+namespace {
+
+// Electrons that one emitter brings back from a white surface, facing the lens at `point` on its
+// axis.
+Phasor white_echo(const Vec3& emitter, const PmdModel& model, double turns_per_metre) noexcept {
+  const Vec3 point{0, 0, 1};
+  const Vec3 path = point - emitter;
+  const double out = length(path);
+  const double cosine = path.z / out;  // of emission and of incidence
+  return model.signal_e * half_power(cosine, model.beam_half_powers) * cosine / (out * out) *
+         phasor(turns_per_metre * (out + length(point)));
+}
+
+double white_lsb(dsp::Hertz modulation, const PmdModel& model) noexcept {
+  Phasor sum;
+  for (const Vec3& emitter : model.emitters) {
+    sum = sum + white_echo(emitter, model, modulation.value / dsp::kLightMetresPerSecond);
+  }
+  return model.contrast / model.electrons_per_lsb * std::sqrt(sum.re * sum.re + sum.im * sum.im) /
+         static_cast<double>(model.emitters.size());
+}
+
+// A way out that is longer than the way back by e^2 / 2 z - e r moves the distance by half of it.
+bool emitters_matter(const PmdModel& model) noexcept {
+  constexpr double kNearest = 0.5;
+  constexpr double kMatters = 0.001;
+  Vec3 sum;
+  double squares = 0;
+  for (const Vec3& emitter : model.emitters) {
+    sum = sum + emitter;
+    squares += dot(emitter, emitter);
+  }
+  const double count = static_cast<double>(model.emitters.size());
+  return squares / count / (4 * kNearest) + length(sum) / count / 2 >= kMatters;
+}
+
+}  // namespace
+
+dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
+                                const PmdModel& model) {
+  const Stray stray = stray_of(model, modulation);
+  dsp::PmdSensor out{
+      .lens = lens,
+      .tone = {.modulation = modulation,
+               .wiggling = dsp::fourth_harmonic_table(model.kappa5 - model.kappa3),
+               .stray_i_lsb = 2 * stray.phase.re / model.electrons_per_lsb,
+               .stray_q_lsb = 2 * stray.phase.im / model.electrons_per_lsb},
+      .dark_lsb = model.dark_lsb,
+      .saturation_lsb = (1 << model.bits) - 1,
+      .electrons_per_lsb = model.electrons_per_lsb,
+      .noise_lsb = model.read_noise_e / model.electrons_per_lsb,
+      .suppressed_lsb = model.suppression * model.ambient_e / model.electrons_per_lsb,
+      .white_lsb = white_lsb(modulation, model),
+      .fixed_pattern = {}};
+  if (emitters_matter(model) && model.emitters.size() <= out.emitters.size()) {
+    for (const Vec3& emitter : model.emitters) {
+      out.emitters[static_cast<std::size_t>(out.emitter_count++)] = {emitter.x, emitter.y,
+                                                                     emitter.z};
+    }
+  }
+  return out;
+}
+
+Vec3 undistorted_ray(const dsp::Pinhole& lens, double u, double v) noexcept {
+  const double xd = (u - lens.cx) / lens.fx;
+  const double yd = (v - lens.cy) / lens.fy;
+  if (lens.k1 == 0 && lens.k2 == 0 && lens.k3 == 0 && lens.p1 == 0 && lens.p2 == 0) {
+    return {xd, yd, 1};
+  }
+  constexpr int kSteps = 20;  // each gains a digit or more for |k1 r^2| < 0.1
+  double x = xd;
+  double y = yd;
+  for (int i = 0; i < kSteps; ++i) {
+    const double square = x * x + y * y;
+    const double stretch = 1 + square * (lens.k1 + square * (lens.k2 + square * lens.k3));
+    const double dx = 2 * lens.p1 * x * y + lens.p2 * (square + 2 * x * x);
+    const double dy = lens.p1 * (square + 2 * y * y) + 2 * lens.p2 * x * y;
+    x = (xd - dx) / stretch;
+    y = (yd - dy) / stretch;
+  }
+  return {x, y, 1};
+}
+
+void expose_pmd(const CleanSamples& clean, int index, int max, std::uint64_t seed,
+                dsp::ImageView<std::uint16_t> out) noexcept {
+  STOF_CHECK(index >= 0 && index < 4 && out.width() == clean.mean.width &&
+             4 * out.height() == clean.mean.height);
+  Gaussian gaussian(seed);
+  for (int y = 0; y < out.height(); ++y) {
+    const std::span<const std::int32_t> mean = clean.mean.view().row(index * out.height() + y);
+    const std::span<const std::uint16_t> sigma = clean.sigma.view().row(index * out.height() + y);
+    const std::span<std::uint16_t> to = out.row(y);
+    for (std::size_t x = 0; x < to.size(); ++x) {
+      const std::int32_t noise = dsp::round_shift(sigma[x] * gaussian.next(), kGaussianBits);
+      to[x] = static_cast<std::uint16_t>(
+          std::clamp(dsp::round_shift(mean[x] + noise, kPmdBits), 0, max));
+    }
+  }
+}
+
+}  // namespace stof::hal::emu

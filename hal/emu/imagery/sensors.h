@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "dataset/dataset.h"
+#include "dsp/calib/calibration.h"
+#include "hal/emu/imagery/imagery.h"
+#include "hal/emu/imagery/pmd_samples.h"
+#include "hal/emu/scenes/eye.h"
+#include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/scene.h"
+
+namespace stof::hal::emu {
+
+// What the cameras of a rig show of a scene without noise.
+struct CleanViews {
+  dataset::Image<std::uint16_t> left;
+  dataset::Image<std::uint16_t> right;
+  CleanSamples pmd;  // 0x0: no PMD camera
+};
+
+// A part of each picture: runs[y] of every row.
+struct Parts {
+  std::vector<Run> left;
+  std::vector<Run> right;
+  std::vector<Run> pmd;  // of each of the four samples
+};
+
+// The cameras of a rig: pictures of any scene, the noise of each exposure, the calibration.
+class Sensors {
+ public:
+  explicit Sensors(const Rig& rig);
+  Sensors(const Sensors&) = delete;
+  Sensors& operator=(const Sensors&) = delete;
+
+  // What a calibration of the rig found: the truth of its world but for Rig::misplacement. Its
+  // fixed pattern lives here.
+  const dsp::Calibration& calibration() const noexcept { return calibration_; }
+  // Search range in px that holds the scene the rig was made for.
+  int disparities() const noexcept { return rig_.disparities; }
+  Size stereo_size() const noexcept;
+  Size pmd_size() const noexcept;
+
+  CleanViews render(const Scene& scene) const;
+  // Where pictures of the scene differ from those of the same scene without thing `first` and all
+  // after it. Renders these parts over `views` of the latter.
+  Parts render_over(const Scene& scene, int first, CleanViews& views) const;
+
+  // Z in metres of the left view at pixel centres, +inf = nothing there.
+  dataset::Image<float> depth(const Scene& scene) const;
+  // 255 = the right camera sees the same point, 0 = not.
+  dataset::Image<std::uint8_t> visible(const Scene& scene) const;
+
+  // Exposure `number` of what the views show.
+  void left(const CleanViews& views, std::uint32_t number,
+            dsp::ImageView<std::uint8_t> out) const noexcept;
+  void right(const CleanViews& views, std::uint32_t number,
+             dsp::ImageView<std::uint8_t> out) const noexcept;
+  void pmd(const CleanViews& views, std::uint32_t number, int index,
+           dsp::ImageView<std::uint16_t> out) const noexcept;
+
+ private:
+  Eye left_eye(const Scene& scene) const;
+  Eye right_eye(const Scene& scene) const;
+  Eye pmd_eye(const Scene& scene) const;
+  PmdCameraModel pmd_camera() const noexcept;
+
+  Rig rig_;
+  dsp::Pinhole right_lens_;
+  std::vector<std::int16_t> fixed_pattern_;
+  std::vector<Vec3> pmd_rays_;
+  std::vector<Vec3> pmd_centres_;
+  std::vector<std::uint16_t> grey_sigma_;
+  dsp::Calibration calibration_;
+};
+
+}  // namespace stof::hal::emu

@@ -1,0 +1,105 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "hal/emu/scenes/vec3.h"
+
+// A world made of a few solid things. Metres; x right, y down, z forward, floor at y = 0.
+// Everything is computed with +, -, *, / and sqrt alone, so that every machine gets the same bits.
+namespace stof::hal::emu {
+
+enum class Texture : std::uint8_t {
+  kPlain,
+  kNoise,    // value noise in five octaves, the coarsest with cells of `period_m`
+  kStripes,  // along the thing's x axis, so vertical stripes: repetitive for stereo
+  kChecks,   // along its x and y axis
+};
+
+struct Material {
+  double albedo = 0.8;  // diffuse, 0..1, of the bright parts of a texture
+  double contrast = 0;  // the darkest parts have albedo (1 - contrast); 0..1
+  Texture texture = Texture::kPlain;
+  double period_m = 0.1;
+  std::uint32_t seed = 0;       // of kNoise
+  std::optional<double> nir{};  // albedo in the PMD camera's infrared, untextured; none: as visible
+  // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2). What
+  // it shows depends on where the eye is: the two cameras see it at different places.
+  double gloss = 0;  // 0..1
+  int gloss_log2 = 6;
+};
+
+enum class Form : std::uint8_t {
+  kRectangle,  // half.x by half.y in the thing's plane z = 0, visible from both sides
+  kBox,        // half sizes
+  kCylinder,   // axis along y: radii half.x and half.z, half height half.y, closed
+  kEllipsoid,  // radii
+};
+
+struct Thing {
+  Form form = Form::kBox;
+  Pose pose{};  // of the thing in the world; its origin is the form's centre
+  Vec3 half{0.5, 0.5, 0.5};
+  Material material{};
+};
+
+struct Light {
+  Vec3 position;
+  double power = 1;  // irradiance at 1 m, head-on
+};
+
+struct Scene {
+  std::vector<Thing> things;
+  std::vector<Light> lights;
+  double ambient = 0.4;  // irradiance from everywhere
+};
+
+// The book chapter's Figure 21: white walls, floor and ceiling, an end wall at 6.6 m, a column, a
+// person in a checked shirt, a low carton; skirting boards, doors, a picture, a speckled and
+// slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a head at (0, -1, 0).
+Scene corridor();
+Scene empty_corridor();  // without the person
+
+// A hall of 7 by 4.8 m that ends at 13.6 m, beyond the range of a PMD camera at 20 MHz: textured
+// walls, floor and boxes from 2.4 to 13.6 m; a ceiling, a column, panels and banners of one colour,
+// on which stereo sees nothing. Made for hall_rig().
+Scene hall();
+
+// One white wall of the given albedo, facing the eye at z = distance_m, 40 m wide and high.
+Scene wall(double distance_m, const Material& material = {});
+
+// Where a ray meets the scene.
+struct Hit {
+  double t = 0;    // origin + t * direction
+  int thing = -1;  // index in Scene::things; -1: nothing
+  int face = 0;    // of that thing: points with the same one lie on one smooth surface
+  Vec3 point;      // world
+  Vec3 normal;     // world, unit, towards the eye
+  Vec3 local;      // the point in the thing's frame
+};
+
+// Where the ray meets one form at t > 1e-6, in the thing's frame; t < 0: it does not.
+struct LocalHit {
+  double t = -1;
+  Vec3 normal;  // unit, against the ray
+  int face = 0;
+};
+LocalHit intersect(Form form, const Vec3& half, const Vec3& origin, const Vec3& direction) noexcept;
+
+// Reflectance 0..1 at a point of the thing's frame.
+double visible_albedo(const Material& material, const Vec3& local) noexcept;
+double infrared_albedo(const Material& material, const Vec3& local) noexcept;
+
+// What reaches a hit and leaves it towards the eye; no shadows.
+struct Lighting {
+  double diffuse = 0;   // irradiance, Lambert's law and ambient: times the albedo
+  double mirrored = 0;  // by the coat
+};
+Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept;
+
+// Light that leaves the hit towards the eye: albedo * diffuse + mirrored.
+double radiance(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept;
+
+}  // namespace stof::hal::emu

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "dsp/base/status.h"
+#include "hal/linux/camera/exposures.h"
+#include "hal/linux/camera/placer.h"
+#include "hal/linux/libcamera/libcamera_mailbox.h"
+
+namespace stof::hal::linux {
+
+inline constexpr std::size_t kLeft = 0;
+inline constexpr std::size_t kRight = 1;
+
+// Sends a slot of one side to its camera again.
+class LibcameraRequeuer {
+ public:
+  virtual ~LibcameraRequeuer() = default;
+  virtual void requeue(std::size_t side, int slot) noexcept = 0;
+};
+
+// As LibcameraOptions.
+struct LibcameraMatching {
+  Duration exposure{0};
+  Exposures* exposures = nullptr;
+  Duration most_delay{0};
+  Duration most_skew{0};
+};
+
+// Frames of two cameras, matched by exposure, and the pairs that are lent. For the loop's thread,
+// except the mailboxes; allocates nothing of its own.
+class LibcameraPairs {
+ public:
+  struct Frame {
+    int slot = 0;
+    Exposure exposure{};
+    std::uint32_t sequence = 0;
+  };
+  struct Pair {
+    int lease = 0;
+    std::array<Frame, 2> frames;  // kLeft, kRight
+  };
+
+  // Both must outlive this.
+  LibcameraPairs(const LibcameraMatching& matching, LibcameraRequeuer& requeuer) noexcept
+      : matching_(matching), requeuer_(requeuer) {
+    if (matching.exposures != nullptr) {
+      for (std::optional<Placer>& placer : placers_) {
+        placer.emplace(*matching.exposures, matching.most_delay);
+      }
+    }
+  }
+
+  LibcameraMailbox& mailbox(std::size_t side) noexcept { return mailboxes_[side]; }
+
+  // The oldest pair that is here. Of two frames that do not belong together the older goes back; a
+  // frame without an exposure goes back. kWouldBlock: none yet. kCorrupt: a damaged frame went
+  // back. kDeviceLost: too many in a row that nobody can place: open the cameras anew.
+  Result<Pair> next() noexcept;
+  // The slots go to their cameras, unless those were opened again since.
+  void give_back(int lease) noexcept;
+
+  // Slots are about to be others: what waits is forgotten, what is lent stays so.
+  void start_over() noexcept;
+  // Something is lent from before start_over().
+  bool old_ones_out() const noexcept;
+
+ private:
+  struct Lent {
+    bool out = false;
+    bool old = false;
+    std::array<int, 2> slots{};
+  };
+
+  Status fill(std::size_t side) noexcept;
+  void send_home(std::size_t side, int slot) noexcept;
+  std::optional<Exposure> exposure_of(std::size_t side, const LibcameraArrival& arrival) noexcept;
+
+  LibcameraMatching matching_;
+  LibcameraRequeuer& requeuer_;
+  std::array<std::optional<Placer>, 2> placers_;  // none: the cameras run freely
+  std::array<LibcameraMailbox, 2> mailboxes_;
+  std::array<std::optional<Frame>, 2> heads_;  // without a partner yet
+  // Twice the slots: old ones may still be out.
+  std::array<Lent, 2 * std::size_t{LibcameraMailbox::kMostSlots}> lent_{};
+};
+
+}  // namespace stof::hal::linux

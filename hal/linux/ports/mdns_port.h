@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <expected>
+#include <memory>
+
+#include "hal/linux/open_error.h"
+#include "hal/network.h"
+
+namespace stof::hal::linux {
+
+// Port 5353 and the groups 224.0.0.251 and ff02::fb of multicast DNS, shared with the other
+// responders of this machine. For one thread.
+class MdnsPort final : public hal::MulticastPort {
+ public:
+  static constexpr std::uint16_t kPort = 5353;
+
+  // IPv4, and IPv6 where the system has it.
+  static std::expected<std::unique_ptr<MdnsPort>, OpenError> open();
+  ~MdnsPort() override;
+  MdnsPort(const MdnsPort&) = delete;
+  MdnsPort& operator=(const MdnsPort&) = delete;
+
+  Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
+              std::size_t& sent) noexcept override;
+  Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept override;
+  std::uint64_t overruns() const noexcept override { return 0; }         // not counted
+  bool take_refusal(Peer& /*peer*/) noexcept override { return false; }  // not looked for
+  std::uint16_t port() const noexcept override { return kPort; }
+  void join(std::span<const InterfaceAddress> addresses) noexcept override;
+
+ private:
+  MdnsPort(int ipv4, int ipv6) noexcept : ipv4_(ipv4), ipv6_(ipv6) {}
+
+  int ipv4_;
+  int ipv6_;  // -1: none
+  bool ipv6_first_ = false;
+};
+
+}  // namespace stof::hal::linux

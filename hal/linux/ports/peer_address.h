@@ -1,0 +1,30 @@
+#pragma once
+
+#include <expected>
+#include <optional>
+#include <string_view>
+
+#include <sys/socket.h>
+
+#include "hal/datagram_port.h"
+#include "hal/linux/open_error.h"
+
+namespace stof::hal::linux {
+
+// "HOST:PORT", HOST numeric or a name, an IPv6 address in brackets: "[::1]:5600",
+// "[fe80::1%eth0]:5600". The first address of a name counts. Start-up only: may block on a name
+// server, and allocates.
+std::expected<Peer, OpenError> resolve(std::string_view destination);
+
+struct SocketAddress {
+  sockaddr_storage storage{};
+  socklen_t length = 0;
+};
+
+// The system's form of a peer for a socket of `family`: AF_INET6 takes every peer, AF_INET only
+// IPv4 ones (none otherwise).
+std::optional<SocketAddress> to_socket_address(const Peer& peer, int family) noexcept;
+// None: neither IPv4 nor IPv6.
+std::optional<Peer> to_peer(const sockaddr_storage& address) noexcept;
+
+}  // namespace stof::hal::linux

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <string>
+#include <utility>
+
+#include "hal/serial_port.h"
+
+namespace stof::hal::linux {
+
+struct SerialOptions {
+  std::string device;  // such as /dev/ttyAMA0
+  std::uint32_t baud = 921'600;
+  bool flow_control = false;  // RTS and CTS
+};
+
+// A tty as a raw 8N1 line: any baud the driver makes within 3 percent, exclusive, no controlling
+// terminal, no waiting for a carrier. A pseudo-terminal is one as well.
+class SerialTty final : public SerialPort {
+ public:
+  static constexpr std::uint32_t kLeastBaud = 57'600;
+  static constexpr std::uint32_t kMostBaud = 12'000'000;
+
+  // Does not wait for anything. An error is one line: what, why and what to do.
+  static std::expected<SerialTty, std::string> open(const SerialOptions& options);
+
+  SerialTty(SerialTty&& other) noexcept;
+  SerialTty& operator=(SerialTty&& other) noexcept;
+  SerialTty(const SerialTty&) = delete;
+  SerialTty& operator=(const SerialTty&) = delete;
+  ~SerialTty() override;
+
+  Result<std::size_t> write(std::span<const std::byte> bytes) noexcept override;
+  Result<std::size_t> read(std::span<std::byte> space) noexcept override;
+  // kUnsupported also outside of kLeastBaud to kMostBaud.
+  Status set_baud(std::uint32_t baud) noexcept override;
+  Status reopen() noexcept override;
+
+ private:
+  explicit SerialTty(SerialOptions options) : options_(std::move(options)) {}
+  void shut() noexcept;
+
+  SerialOptions options_;
+  int fd_ = -1;
+};
+
+}  // namespace stof::hal::linux

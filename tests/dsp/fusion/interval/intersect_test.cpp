@@ -1,0 +1,167 @@
+#include "dsp/fusion/interval/intersect.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dsp/fusion/project/paint.h"
+#include "dsp/pmd/converter.h"
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+#include "tests/support/vectors.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr QuarterMm kMaxRange = 40000;
+
+struct Bounds {
+  QuarterMm low;
+  QuarterMm high;
+};
+constexpr Bounds kNone{0, 0};
+constexpr Bounds kUnpainted{kNothingPainted, 0};
+
+struct Fused {
+  int depth;
+  int width;
+  Source source;
+  Cause cause = Cause::kNone;
+  friend bool operator==(const Fused&, const Fused&) = default;
+};
+constexpr std::uint8_t kSure = kSureRatio - 1;
+constexpr std::uint8_t kRivals = kSureRatio;
+Fused run(Bounds stereo, Bounds pmd, std::uint8_t flags = 0, QuarterMm max_range = kMaxRange,
+          std::uint8_t ratio = kRivals) {
+  QuarterMm depth = 7;
+  QuarterMm width = 7;
+  Source source{};
+  Cause cause{};
+  ref::intersect({{&stereo.low, 1}, {&stereo.high, 1}}, {{&pmd.low, 1}, {&pmd.high, 1}},
+                 {{&ratio, 1}, {&flags, 1}}, max_range,
+                 {{&depth, 1}, {&width, 1}, {&source, 1}, {&cause, 1}});
+  return {depth, width, source, cause};
+}
+
+TEST(Intersect, OverlapIsTheMiddleOfWhatBothAllow) {
+  EXPECT_EQ(run({8000, 8400}, {8200, 9000}), (Fused{8300, 200, Source::kBoth}));
+  EXPECT_EQ(run({8200, 9000}, {8000, 8400}), (Fused{8300, 200, Source::kBoth}));
+}
+
+TEST(Intersect, OneInsideTheOtherIsTheInnerOne) {
+  EXPECT_EQ(run({8000, 9000}, {8200, 8400}), (Fused{8300, 200, Source::kBoth}));
+  EXPECT_EQ(run({8200, 8400}, {8000, 9000}), (Fused{8300, 200, Source::kBoth}));
+}
+
+TEST(Intersect, TouchingIntervalsAgreeOnOneDepth) {
+  EXPECT_EQ(run({8000, 8400}, {8400, 9000}), (Fused{8400, 0, Source::kBoth}));
+}
+
+TEST(Intersect, OneSensorAloneKeepsItsInterval) {
+  EXPECT_EQ(run({8000, 8400}, kUnpainted), (Fused{8200, 400, Source::kStereo}));
+  EXPECT_EQ(run({8000, 8400}, kNone), (Fused{8200, 400, Source::kStereo}));
+  EXPECT_EQ(run(kNone, {8000, 8400}), (Fused{8200, 400, Source::kPmd}));
+}
+
+TEST(Intersect, BothMissingIsNoneAndNotTheMiddleOfTheRange) {
+  EXPECT_EQ(run(kNone, kUnpainted), (Fused{0, 0, Source::kNone}));
+}
+
+TEST(Intersect, AMatchWithRivalsAtAnEdgeHasNoDepth) {
+  const Fused conflict{0, 0, Source::kConflict, Cause::kMixedPixel};
+  EXPECT_EQ(run({8000, 8400}, {8401, 9000}, kPmdEdge), conflict);
+  EXPECT_EQ(run({8401, 9000}, {8000, 8400}, 0xFF), conflict);
+}
+
+TEST(Intersect, OneFlatSurfaceIsBelievedBeforeAMatchWithRivals) {
+  EXPECT_EQ(run({8000, 8400}, {8401, 9001}),
+            (Fused{8701, 600, Source::kResolved, Cause::kStereoAmbiguous}));
+  EXPECT_EQ(run({8402, 9000}, {8000, 8400}, kPmdOutOfRange),
+            (Fused{8200, 400, Source::kResolved, Cause::kStereoAmbiguous}));
+}
+
+TEST(Intersect, ASureMatchIsBelievedBeforeAMixedPixel) {
+  EXPECT_EQ(run({8000, 8400}, {8401, 9001}, kPmdEdge, kMaxRange, kSure),
+            (Fused{8200, 400, Source::kResolved, Cause::kMixedPixel}));
+}
+
+TEST(Intersect, TwoSoundMeasurementsThatExcludeEachOtherAreNoDepth) {
+  EXPECT_EQ(run({8000, 8400}, {8401, 9001}, 0, kMaxRange, kSure),
+            (Fused{0, 0, Source::kConflict, Cause::kContradiction}));
+}
+
+TEST(Intersect, EndsAtTheLargestRange) {
+  EXPECT_EQ(run({39000, 50000}, kNone), (Fused{39500, 1000, Source::kStereo}));
+  EXPECT_EQ(run(kNone, {40001, 50000}), (Fused{0, 0, Source::kNone}));
+  EXPECT_EQ(run({39000, 50000}, {40001, 50000}), (Fused{39500, 1000, Source::kStereo}));
+  EXPECT_EQ(run({39000, 50000}, {39000, 50000}, 0, 0), (Fused{0, 0, Source::kNone}));
+}
+
+TEST(Intersect, PublishesAnIntervalThatHoldsTheRealOneAndFits) {
+  for (const Bounds bounds : {Bounds{1, 2},
+                              {1, 1},
+                              {1, 65535},
+                              {2, 65535},
+                              {65534, 65535},
+                              {65535, 65535},
+                              {7, 12},
+                              {7, 13},
+                              {0, 5}}) {
+    const Fused fused = run(bounds, kNone, 0, 65535);
+    const int lo = fused.depth - fused.width / 2;
+    const int hi = fused.depth + fused.width / 2;
+    EXPECT_EQ(fused.width % 2, 0);
+    EXPECT_GE(lo, 0);
+    EXPECT_LE(hi, 65535);
+    EXPECT_LE(lo, std::max<int>(bounds.low, 1));
+    EXPECT_GE(hi, bounds.high);
+    EXPECT_LE(hi - lo, bounds.high - std::max<int>(bounds.low, 1) + 1);
+    EXPECT_GT(fused.depth, 0);
+  }
+}
+
+TEST(Intersect, AllVectorsEqualTheReferenceForEveryLengthAndExtreme) {
+  for (std::size_t n = 0; n <= 70; ++n) {
+    for (const int spread : {6, 3000, 65535}) {
+      test::Random random(n * 3 + static_cast<std::size_t>(spread));
+      test::GuardedBuffer<QuarterMm> sl(n), sh(n), pl(n), ph(n), da(n), db(n), wa(n), wb(n);
+      test::GuardedBuffer<std::uint8_t> flags(n), ratio(n);
+      test::GuardedBuffer<Source> source_a(n), source_b(n);
+      test::GuardedBuffer<Cause> cause_a(n), cause_b(n);
+      random.fill(flags.span());
+      random.fill(ratio.span());
+      for (std::size_t x = 0; x < n; ++x) {
+        const auto put = [&](QuarterMm& low, QuarterMm& high) {
+          const int a = random.between(0, spread);
+          const int b = random.between(0, spread);
+          const int kind = random.between(0, 9);
+          low = kind == 0 ? kNothingPainted : static_cast<QuarterMm>(std::min(a, b));
+          high = kind <= 1 ? QuarterMm{0} : static_cast<QuarterMm>(std::max(a, b));
+          if (kind == 2) {
+            std::swap(low, high);
+          }
+        };
+        put(sl[x], sh[x]);
+        put(pl[x], ph[x]);
+      }
+      for (const QuarterMm range : {QuarterMm{0}, QuarterMm{1}, QuarterMm{2000}, kMaxQuarterMm}) {
+        const SupportRow support{ratio.span(), flags.span()};
+        ref::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
+                       {da.span(), wa.span(), source_a.span(), cause_a.span()});
+        for (const Vectors vectors : test::all_vectors()) {
+          const test::UseVectors use(vectors);
+          best::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
+                          {db.span(), wb.span(), source_b.span(), cause_b.span()});
+          ASSERT_TRUE(std::ranges::equal(da.span(), db.span())) << n << " spread " << spread;
+          ASSERT_TRUE(std::ranges::equal(wa.span(), wb.span())) << n << " spread " << spread;
+          ASSERT_TRUE(std::ranges::equal(source_a.span(), source_b.span())) << n;
+          ASSERT_TRUE(std::ranges::equal(cause_a.span(), cause_b.span())) << n;
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stof::dsp

@@ -1,0 +1,258 @@
+#include "dsp/fusion/resolve/ambiguity_resolver.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "dsp/calib/stereo/column_tables.h"
+#include "dsp/calib/stereo/disparity_table.h"
+#include "dsp/pmd/converter.h"
+#include "tests/support/random.h"
+
+namespace stof::dsp {
+namespace {
+
+// f b = 100 px m: 50 px are 2 m (8000), 25 px are 4 m (16000).
+constexpr StereoRig kRig{.left = {.width = 640, .height = 1, .fx = 1000, .fy = 1000},
+                         .baseline_m = 0.1};
+constexpr std::uint8_t kSure = 20;
+
+// A row of pixels before it is resolved. Everything starts as "nothing seen".
+struct Row {
+  explicit Row(std::size_t n)
+      : disparity(n),
+        weak(n),
+        stereo_low(n),
+        stereo_high(n),
+        pmd_low(n),
+        pmd_high(n),
+        ratio(n, 255),
+        flags(n),
+        depth(n),
+        width(n),
+        source(n),
+        cause(n),
+        bounds(129 * 16 + 1 + 2 * kMostSpread),
+        table(make_disparity_table(kRig, -16, 40000, bounds)) {}
+
+  void match(std::size_t from, std::size_t to, int px, std::uint8_t with_ratio = kSure) {
+    for (std::size_t x = from; x < to; ++x) {
+      disparity[x] = Disparity::from_pixels(px);
+      ratio[x] = with_ratio;
+      const DepthInterval interval = table.at(disparity[x].raw, 8);
+      stereo_low[x] = interval.low;
+      stereo_high[x] = interval.high;
+    }
+  }
+  void see(std::size_t from, std::size_t to, QuarterMm low, QuarterMm high,
+           std::uint8_t with_flags = 0) {
+    for (std::size_t x = from; x < to; ++x) {
+      pmd_low[x] = low;
+      pmd_high[x] = high;
+      flags[x] = with_flags;
+    }
+  }
+  FusedRow out() { return {depth, width, source, cause}; }
+  void resolve(int reach_px = 1000, QuarterMm pmd_range = 0) {
+    ref::intersect({stereo_low, stereo_high}, {pmd_low, pmd_high}, {ratio, flags}, 40000, out());
+    resolve_ambiguities(
+        {.disparity = disparity,
+         .weak = weak,
+         .stereo = {stereo_low, stereo_high},
+         .pmd = {pmd_low, pmd_high},
+         .support = {ratio, flags}},
+        {.infinity_raw = 0, .max_range = 40000, .pmd_range = pmd_range, .reach_px = reach_px},
+        table, out());
+  }
+  void expect(std::size_t x, Source want, Cause why, int near_depth) {
+    EXPECT_EQ(source[x], want) << x;
+    EXPECT_EQ(cause[x], why) << x;
+    EXPECT_NEAR(depth[x], near_depth, 0.05 * near_depth) << x;
+  }
+
+  std::vector<Disparity> disparity, weak;
+  std::vector<QuarterMm> stereo_low, stereo_high, pmd_low, pmd_high;
+  std::vector<std::uint8_t> ratio, flags;
+  std::vector<QuarterMm> depth, width;
+  std::vector<Source> source;
+  std::vector<Cause> cause;
+  std::vector<DepthInterval> bounds;
+  DisparityTable table;
+};
+
+TEST(AmbiguityResolver, WhatOnlyTheLeftCameraSeesBelongsToTheBackground) {
+  Row row(200);
+  row.match(0, 100, 25);    // 4 m
+  row.match(125, 200, 50);  // 2 m; 25 px of shadow to its left
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.resolve();
+  for (std::size_t x = 100; x < 125; ++x) {
+    row.expect(x, Source::kResolved, Cause::kOccluded, 16000);
+    EXPECT_LT(row.width[x], 3000);  // the PMD alone: 11000
+  }
+}
+
+TEST(AmbiguityResolver, NothingIsMadeUpWithoutThePmd) {
+  Row row(200);
+  row.match(0, 100, 25);
+  row.match(125, 200, 50);
+  std::ranges::fill(row.weak, Disparity::from_pixels(25));
+  row.resolve();
+  for (std::size_t x = 100; x < 125; ++x) {
+    row.expect(x, Source::kNone, Cause::kNone, 0);
+  }
+}
+
+TEST(AmbiguityResolver, ASurfaceThatThePmdExcludesDoesNotCount) {
+  Row row(200);
+  row.match(0, 100, 25);
+  row.match(125, 200, 50);
+  row.see(100, 125, 10000, 11000, kPmdEdge);  // something between the two
+  row.resolve();
+  row.expect(110, Source::kPmd, Cause::kNone, 10500);
+  EXPECT_EQ(row.width[110], 1000);
+}
+
+TEST(AmbiguityResolver, ShadowsAreOnlyAsWideAsTheStep) {
+  Row row(300);
+  row.match(0, 100, 25);
+  row.match(200, 300, 50);
+  row.see(0, 300, 7000, 18000);  // no edge, 100 px without a match
+  row.resolve();
+  row.expect(199, Source::kResolved, Cause::kOccluded, 16000);
+  row.expect(200 - 28, Source::kResolved, Cause::kOccluded, 16000);
+  row.expect(200 - 29, Source::kPmd, Cause::kNone, 12500);
+}
+
+TEST(AmbiguityResolver, LeftOfTheRightPictureTheNextSurfaceGoesOn) {
+  Row row(200);
+  row.match(60, 200, 50);
+  row.see(0, 200, 7000, 18000);
+  row.resolve();
+  row.expect(0, Source::kResolved, Cause::kOccluded, 8000);
+  row.expect(53, Source::kResolved, Cause::kOccluded, 8000);
+  row.expect(54, Source::kPmd, Cause::kNone, 12500);  // its match would lie inside
+}
+
+TEST(AmbiguityResolver, AWeakMatchIsConfirmedAndThenANeighbour) {
+  Row row(200);
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.weak[90] = Disparity::from_pixels(25);
+  row.weak[120] = Disparity::from_pixels(90);  // 1.1 m: not where the PMD sees anything
+  row.resolve();
+  row.expect(90, Source::kBoth, Cause::kNone, 16000);
+  row.expect(95, Source::kResolved, Cause::kMixedPixel, 16000);
+  row.expect(120, Source::kResolved, Cause::kMixedPixel, 16000);
+}
+
+TEST(AmbiguityResolver, AGapInOneSurfaceIsThatSurface) {
+  Row row(200);
+  row.match(0, 90, 40);
+  row.match(110, 200, 41);
+  row.see(0, 200, 9000, 18000);
+  row.resolve();
+  row.expect(100, Source::kResolved, Cause::kStereoAmbiguous, 9877);
+  EXPECT_GT(row.depth[92], row.depth[108]);  // between the two, not one of them
+}
+
+TEST(AmbiguityResolver, AtAnEdgeTheNearestSurfaceWithinReachCounts) {
+  Row row(300);
+  row.match(0, 100, 50);
+  row.match(200, 300, 25);  // behind, to the right: no shadow
+  row.see(100, 200, 7000, 18000, kPmdEdge);
+  row.resolve(30);
+  row.expect(110, Source::kResolved, Cause::kMixedPixel, 8000);
+  row.expect(190, Source::kResolved, Cause::kMixedPixel, 16000);
+  row.expect(150, Source::kPmd, Cause::kNone, 12500);  // too far from both
+}
+
+TEST(AmbiguityResolver, MatchesWithRivalsAreNoSurfaces) {
+  Row row(200);
+  row.match(0, 100, 50, kNeighbourRatio);
+  row.see(100, 200, 7000, 18000, kPmdEdge);
+  row.resolve();
+  row.expect(110, Source::kPmd, Cause::kNone, 12500);
+}
+
+TEST(AmbiguityResolver, AConflictAtAnEdgeIsResolvedAndOneOfSoundSensorsIsNot) {
+  Row row(200);
+  row.match(0, 200, 25);
+  row.match(100, 110, 80, 250);  // 1.25 m, with rivals
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.match(150, 160, 80);  // sure
+  row.see(150, 160, 7000, 18000);
+  row.resolve();
+  row.expect(105, Source::kResolved, Cause::kStereoAmbiguous, 16000);
+  row.expect(155, Source::kConflict, Cause::kContradiction, 0);
+}
+
+TEST(AmbiguityResolver, ADifferenceOfOneRangeIsSaid) {
+  Row row(64);
+  row.match(0, 64, 10);         // 10 m = 40000
+  row.see(0, 64, 9900, 10200);  // 2.5 m: 7.5 m less
+  row.resolve(1000, 29979);
+  EXPECT_EQ(row.source[30], Source::kConflict);
+  EXPECT_EQ(row.cause[30], Cause::kRangeAmbiguous);
+  row.resolve(1000, 20000);
+  EXPECT_EQ(row.cause[30], Cause::kContradiction);
+}
+
+// Whatever comes in: a depth only where a sensor gave an interval, and inside the PMD's where one
+// was resolved.
+TEST(AmbiguityResolver, StaysWithinWhatThePmdAllows) {
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    test::Random random(seed);
+    Row row(static_cast<std::size_t>(random.between(1, 90)));
+    const std::size_t n = row.disparity.size();
+    for (std::size_t x = 0; x < n; ++x) {
+      if (random.between(0, 2) == 0) {
+        row.match(x, x + 1, random.between(-1, 127), static_cast<std::uint8_t>(random.next()));
+      }
+      if (random.between(0, 1) == 0) {
+        row.weak[x] = Disparity::from_pixels(random.between(-1, 127));
+      }
+      if (random.between(0, 3) != 0) {
+        const int low = random.between(1, 39999);
+        row.see(x, x + 1, static_cast<QuarterMm>(low),
+                static_cast<QuarterMm>(random.between(low, 60000)),
+                static_cast<std::uint8_t>(random.next()));
+      }
+    }
+    row.resolve(random.between(0, 100), 29979);
+    for (std::size_t x = 0; x < n; ++x) {
+      const bool none = row.source[x] == Source::kNone || row.source[x] == Source::kConflict;
+      ASSERT_EQ(none, row.depth[x] == 0) << seed << " at " << x;
+      if (row.source[x] == Source::kResolved && row.cause[x] == Cause::kOccluded) {
+        ASSERT_GE(row.depth[x], row.pmd_low[x]) << seed << " at " << x;
+        ASSERT_LE(row.depth[x], row.pmd_high[x]) << seed << " at " << x;
+      }
+      if (row.pmd_high[x] == 0 && row.stereo_high[x] == 0) {
+        ASSERT_EQ(row.source[x], Source::kNone) << seed << " at " << x;
+      }
+    }
+  }
+}
+
+TEST(AmbiguityResolver, WorksWithColumnsToo) {
+  const std::size_t n = 200;
+  Row row(n);
+  std::vector<std::int32_t> left(n), right(right_tangents(n, -16, 128 * 16));
+  const ColumnTables columns = make_column_tables(kRig, -16, 128 * 16, 40000, left, right);
+  row.match(0, 100, 25);
+  row.match(125, 200, 50);
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  ref::intersect({row.stereo_low, row.stereo_high}, {row.pmd_low, row.pmd_high},
+                 {row.ratio, row.flags}, 40000, row.out());
+  resolve_ambiguities({.disparity = row.disparity,
+                       .weak = {},
+                       .stereo = {row.stereo_low, row.stereo_high},
+                       .pmd = {row.pmd_low, row.pmd_high},
+                       .support = {row.ratio, row.flags}},
+                      {.infinity_raw = 0, .max_range = 40000, .pmd_range = 0, .reach_px = 1000},
+                      columns, row.out());
+  row.expect(110, Source::kResolved, Cause::kOccluded, 16000);
+}
+
+}  // namespace
+}  // namespace stof::dsp

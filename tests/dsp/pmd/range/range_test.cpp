@@ -1,0 +1,132 @@
+#include "dsp/pmd/range/range.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dsp/calib/pmd/pmd_tables.h"
+#include "tests/support/guarded.h"
+#include "tests/support/random.h"
+
+namespace stof::dsp {
+namespace {
+
+std::uint32_t turned(std::uint32_t turn, Phase phase) {
+  std::uint32_t out = 0;
+  ref::range({&phase, 1}, turn, {&out, 1});
+  return out;
+}
+
+std::uint32_t on_line(const StraightLine& line, std::uint32_t distance) {
+  ref::straight_line(line, {&distance, 1});
+  return distance;
+}
+
+TEST(Range, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
+  const std::uint32_t turn = tone_tables({}, {}).turn;
+  EXPECT_EQ(turn, 29979U);
+  EXPECT_EQ(turned(turn, 32768), 14990U);  // half of it, rounded up
+  EXPECT_EQ(turned(turn, 17488), 8000U);   // a plane at 2 m
+  EXPECT_EQ(turned(turn, 65535), 29979U);
+  EXPECT_EQ(turned(turn, 0), 0U);
+}
+
+// Above 16.38 m a turn is counted in 0.1 mm: 4 MHz, 37.474 m.
+TEST(Range, CountsLongTurnsInTenthsOfAMillimetre) {
+  PmdSensor sensor;
+  sensor.tone.modulation = {9'160'000};
+  EXPECT_FALSE(has_long_range(sensor));
+  EXPECT_EQ(tone_tables(sensor, sensor.tone).turn, 65457U);
+  sensor.tone.modulation = {9'140'000};
+  EXPECT_TRUE(has_long_range(sensor));
+  sensor.tone.modulation = {4'000'000};
+  const std::uint32_t turn = tone_tables(sensor, sensor.tone).turn;
+  EXPECT_EQ(turn, 374741U);
+  EXPECT_EQ(turned(turn, 32768), 187371U);
+  EXPECT_EQ(turned(turn, 65535), 374735U);
+  sensor.tone.modulation = {1'000'000};
+  EXPECT_EQ(turned(tone_tables(sensor, sensor.tone).turn, 65535), 1498939U);
+}
+
+TEST(StraightLine, ChangesNothingWhereScaleIsOneAndShiftZero) {
+  EXPECT_TRUE(changes_nothing({}));
+  EXPECT_TRUE(changes_nothing(range_tables({}, 7.49481145).line));
+  for (const std::uint32_t d : {1U, 2U, 29979U, kMostUnits}) {
+    EXPECT_EQ(on_line({}, d), d);
+  }
+}
+
+// The chapter's eq. 14, z = -5.4022 phi + 672.5 cm for a count of 138.7 a turn: a falling phase,
+// (5.4022 * 138.7) / 749.48 of the scale, and an offset of 672.5 cm less a whole turn of it.
+TEST(StraightLine, IsTheChaptersFit) {
+  PmdSensor sensor;
+  sensor.phase_falls = true;
+  sensor.scale = 5.4022 * 138.7 / 749.48;
+  sensor.shift_m = 6.725 - 5.4022 * 1.387;
+  const RangeTables tables = range_tables(sensor, turn_m(sensor.tone));
+  const ToneTables tone = tone_tables(sensor, sensor.tone);
+  for (const double count : {20.0, 60.0, 100.0, 120.0}) {
+    const Phase phase = static_cast<Phase>(std::lround(count / 138.7 * 65536));
+    Phase corrected = 0;
+    ref::correct_phase({&phase, 1}, {}, tone.correction, {&corrected, 1});
+    const double z_cm = on_line(tables.line, turned(tone.turn, corrected)) / 40.0;
+    EXPECT_NEAR(z_cm, -5.4022 * count + 672.5, 0.05) << count;
+  }
+  // 130 counts would lie 29.8 cm behind the camera: they are one turn further away.
+  const std::uint32_t d = turned(tone.turn, static_cast<Phase>(-std::lround(130 / 138.7 * 65536)));
+  EXPECT_NEAR(on_line(tables.line, d) / 40.0, -5.4022 * 130 + 672.5 + 5.4022 * 138.7, 0.05);
+}
+
+TEST(StraightLine, NeverEndsAtNothing) {
+  EXPECT_EQ(on_line({.shift = -500, .period = 0}, 499), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .period = 100}, 300), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .period = 29979}, 500), 29979U);
+  EXPECT_EQ(on_line({.shift = -500, .period = 29979}, 501), 1U);
+  EXPECT_EQ(on_line({.scale_q15 = 0}, 12345), 1U);
+  EXPECT_EQ(on_line({.scale_q15 = StraightLine::kMostScale}, 0xFFFFFFFF), kMostUnits);
+}
+
+TEST(Range, NeonEqualsReferenceForEveryLengthAndExtreme) {
+  for (std::size_t n = 0; n <= 40; ++n) {
+    for (const std::uint32_t turn : {0U, 1U, 29979U, 65535U, 65536U, 1498962U, kMostUnits}) {
+      test::Random random(n + turn);
+      test::GuardedBuffer<Phase> phase(n);
+      test::GuardedBuffer<std::uint32_t> a(n), b(n);
+      random.fill(phase.span());
+      if (n > 0) {
+        phase[0] = 65535;
+      }
+      ref::range(phase.span(), turn, a.span());
+      neon::range(phase.span(), turn, b.span());
+      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << " turn " << turn;
+    }
+  }
+}
+
+TEST(StraightLine, NeonEqualsReferenceForEveryLengthAndExtreme) {
+  constexpr int kMost = kMostUnits;
+  for (std::size_t n = 0; n <= 40; ++n) {
+    for (int variant = 0; variant < 6; ++variant) {
+      test::Random random(n * 6 + static_cast<std::size_t>(variant));
+      test::GuardedBuffer<std::uint32_t> a(n), b(n);
+      for (std::size_t x = 0; x < n; ++x) {
+        a[x] = static_cast<std::uint32_t>(random.next()) >> static_cast<unsigned>(variant * 6);
+        b[x] = a[x];
+      }
+      StraightLine line{
+          .scale_q15 = static_cast<std::uint32_t>(random.between(0, 1 << 17)),
+          .shift = random.between(-kMost, kMost) / (1 << (variant * 3)),
+          .period = static_cast<std::uint32_t>(random.between(0, variant < 3 ? kMost : 40000))};
+      if (n % 5 == 0) {
+        line = {.scale_q15 = StraightLine::kMostScale, .shift = kMost, .period = kMostUnits};
+      }
+      ref::straight_line(line, a.span());
+      neon::straight_line(line, b.span());
+      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace stof::dsp

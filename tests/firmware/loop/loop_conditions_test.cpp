@@ -1,0 +1,118 @@
+#include "firmware/loop/loop_conditions.h"
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "hal/emu/devices/clock.h"
+
+namespace stof::firmware {
+namespace {
+
+class LoopConditionsTest : public testing::Test {
+ protected:
+  std::vector<EventKind> noted() {
+    std::vector<EventKind> kinds;
+    while (const auto event = events_.take()) {
+      kinds.push_back(event->kind);
+      last_ = *event;
+    }
+    return kinds;
+  }
+  using Kinds = std::vector<EventKind>;
+
+  hal::emu::Clock clock_;
+  Events events_;
+  HealthMonitor monitor_{clock_.now()};
+  LoopConditions conditions_{clock_, events_, monitor_};
+  const Counters& counters_ = events_.counters;
+  Event last_;
+};
+
+TEST_F(LoopConditionsTest, ALossIsOneEventAndEachAnswerIsCounted) {
+  for (int i = 0; i < 3; ++i) {
+    conditions_.note_device_status(Part::kPmd, Status::kDeviceLost);
+  }
+  EXPECT_EQ(noted(), Kinds{EventKind::kLost});
+  EXPECT_EQ(last_.part, Part::kPmd);
+  EXPECT_TRUE(conditions_.lost(Part::kPmd));
+  EXPECT_FALSE(conditions_.lost(Part::kStereo));
+  EXPECT_EQ(of(counters_.losses, Part::kPmd), 3U);
+  EXPECT_EQ(monitor_.summary(), wire::Health::kFault);
+  conditions_.note_device_status(Part::kPmd, Status::kTimeout);
+  EXPECT_EQ(noted(), Kinds{EventKind::kBack}) << "it answers, if only that it has nothing";
+  EXPECT_FALSE(conditions_.lost(Part::kPmd));
+  EXPECT_EQ(monitor_.summary(), wire::Health::kOk);
+}
+
+TEST_F(LoopConditionsTest, ErrorsAndTimeoutsAreCountedAndNoNews) {
+  conditions_.note_device_status(Part::kStereo, Status::kTimeout);
+  conditions_.note_device_status(Part::kStereo, Status::kCorrupt);
+  conditions_.note_device_status(Part::kStereo, Status::kDeviceError);
+  conditions_.note_device_status(Part::kStereo, Status::kOk);
+  EXPECT_TRUE(noted().empty());
+  EXPECT_EQ(of(counters_.timeouts, Part::kStereo), 1U);
+  EXPECT_EQ(of(counters_.errors, Part::kStereo), 2U);
+  EXPECT_EQ(of(counters_.losses, Part::kStereo), 0U);
+}
+
+TEST_F(LoopConditionsTest, AFullLinkIsNoErrorAndAnUnreachableReceiverOneEvent) {
+  conditions_.note_link_status(Status::kWouldBlock);
+  EXPECT_TRUE(noted().empty());
+  EXPECT_EQ(of(counters_.errors, Part::kLink), 0U);
+  conditions_.note_link_status(Status::kDeviceError);
+  conditions_.note_link_status(Status::kDeviceError);
+  EXPECT_EQ(noted(), Kinds{EventKind::kSendFailed});
+  EXPECT_EQ(of(counters_.errors, Part::kLink), 2U);
+  conditions_.note_link_status(Status::kOk);
+  EXPECT_EQ(noted(), Kinds{EventKind::kSending});
+}
+
+TEST_F(LoopConditionsTest, ThreeEdgesWithoutAFrameAreAConditionFewerAreCounted) {
+  conditions_.note_frame();
+  EXPECT_EQ(noted(), Kinds{EventKind::kPublishing});
+  conditions_.note_no_frame(Part::kStereo, Status::kTimeout);
+  conditions_.note_no_frame(Part::kStereo, Status::kTimeout);
+  conditions_.note_frame();
+  EXPECT_TRUE(noted().empty());
+  EXPECT_EQ(conditions_.edges_without_frame(), 0U);
+  for (int i = 0; i < 5; ++i) {
+    conditions_.note_no_frame(Part::kPmd, Status::kCorrupt);
+  }
+  EXPECT_EQ(noted(), Kinds{EventKind::kUnpaired});
+  EXPECT_EQ(last_.part, Part::kPmd);
+  EXPECT_EQ(last_.status, Status::kCorrupt);
+  EXPECT_EQ(last_.value, 3U);
+  EXPECT_EQ(conditions_.edges_without_frame(), 5U);
+  conditions_.note_frame();
+  EXPECT_EQ(noted(), Kinds{EventKind::kPublishing});
+  EXPECT_EQ(last_.value, 5U);
+  EXPECT_EQ(counters_.unpaired_edges, 7U);
+}
+
+TEST_F(LoopConditionsTest, ALateLoopIsOneEventUntil32EdgesWereInTime) {
+  const auto note = [&](std::uint64_t skipped, bool noticeable) {
+    conditions_.note_lateness({.skipped = skipped, .noticeable = noticeable}, clock_.now());
+  };
+  note(0, true);
+  EXPECT_TRUE(noted().empty());
+  EXPECT_EQ(counters_.late_edges, 1U);
+  note(2, false);
+  EXPECT_EQ(noted(), Kinds{EventKind::kLate});
+  EXPECT_EQ(last_.value, 2U);
+  for (int i = 0; i < 31; ++i) {
+    note(0, false);
+  }
+  note(1, false);
+  EXPECT_TRUE(noted().empty()) << "it still lasts";
+  EXPECT_EQ(counters_.skipped_periods, 3U);
+  for (int i = 0; i < 32; ++i) {
+    note(0, false);
+  }
+  EXPECT_EQ(noted(), Kinds{EventKind::kInTime});
+  note(1, false);
+  EXPECT_EQ(noted(), Kinds{EventKind::kLate});
+}
+
+}  // namespace
+}  // namespace stof::firmware

@@ -1,0 +1,105 @@
+#include "firmware/pipeline/pipeline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "dsp/calib/stereo/rectification.h"
+#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify.h"
+#include "hal/emu/devices/clock.h"
+#include "tests/dsp/stereo/raw_world.h"
+#include "tests/support/guarded.h"
+
+namespace stof::firmware {
+namespace {
+
+namespace raw = dsp::raw;
+
+constexpr int kWidth = 240;
+constexpr int kHeight = 160;
+
+class NoOwner final : public hal::SlotOwner {
+ public:
+  void give_back(int) noexcept override {}
+};
+
+class Memory {
+ public:
+  explicit Memory(std::size_t bytes)
+      : bytes_(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes)), &std::free),
+        size_(bytes) {}
+  dsp::Arena arena() { return dsp::Arena({bytes_.get(), size_}); }
+
+ private:
+  std::unique_ptr<std::byte, decltype(&std::free)> bytes_;
+  std::size_t size_;
+};
+
+// A plane before two cameras as they are; the appliance gets their pictures and calibration.
+TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
+  const dsp::RawPair pair = raw::raw_pair(kWidth, kHeight, 0.3);
+  const raw::Plane plane;
+  stof::test::GuardedImage<std::uint8_t> left(kWidth, kHeight, kWidth);
+  stof::test::GuardedImage<std::uint8_t> right(kWidth, kHeight, kWidth);
+  constexpr double kShortestWave = 0.035;  // m, about 5 px
+  raw::render(left.view(), kShortestWave,
+              [&](double u, double v) { return raw::seen_by_left(pair, plane, u, v); });
+  raw::render(right.view(), kShortestWave,
+              [&](double u, double v) { return raw::seen_by_right(pair, plane, u, v); });
+
+  firmware::Setup setup;  // gtest has a Setup too
+  setup.calibration.stereo.raw = pair;
+  ASSERT_STREQ(dsp::complete(setup.calibration.stereo), "");
+  ASSERT_STREQ(dsp::problem(setup.calibration), "");
+  setup.depth.match = {
+      .min_disparity = static_cast<int>(std::floor(-setup.calibration.stereo.doff_px)),
+      .disparities = 48,
+      .block_width = 13,
+      .block_height = 13,
+      .left_right_tolerance = 1,
+      .subpixel = dsp::Subpixel::kEquiangular};
+  hal::emu::Clock clock;
+  Memory memory(Pipeline::bytes_needed(setup));
+  dsp::Arena arena = memory.arena();
+  Pipeline pipeline(setup, clock, arena);
+  NoOwner owner;
+  hal::StereoFrame frame;
+  frame.left = left.view();
+  frame.right = right.view();
+  const Shot shot{.edge = {},
+                  .exposed = {},
+                  .stereo = {frame, owner, 0},
+                  .pmd = std::nullopt,
+                  .pmd_exposed = std::nullopt};
+  const Output& output = pipeline.compute(shot);
+
+  const dsp::Rectification rectified = dsp::rectify(pair);
+  const dsp::SourceMap map(pair.left, rectified.left_turn, rectified.left);
+  int measured = 0;
+  int held = 0;
+  int outside = 0;
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const int depth = output.map.depth.at(x, y);
+      if (!map.at(x, y).inside) {
+        EXPECT_EQ(depth, 0) << x << ", " << y;
+        ++outside;
+      } else if (depth != 0) {
+        const double z = raw::behind_rectified(rectified, plane, x, y).z * dsp::kQuarterMmPerMetre;
+        ++measured;
+        held += std::abs(z - depth) <= output.map.width.at(x, y) / 2.0 + 1 ? 1 : 0;
+      }
+    }
+  }
+  EXPECT_GT(outside, kWidth * kHeight / 50);
+  EXPECT_GT(measured, kWidth * kHeight * 7 / 10);
+  EXPECT_GT(held, measured * 97 / 100);
+  EXPECT_EQ(output.stats.sources[0], static_cast<std::uint32_t>(kWidth * kHeight - measured));
+}
+
+}  // namespace
+}  // namespace stof::firmware

@@ -1,0 +1,292 @@
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <iterator>
+#include <memory>
+#include <new>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "posix/worker_threads.h"
+#include "tests/firmware/box.h"
+
+// The linker sends every call of the allocator in this program through these (--wrap), also those
+// of the library under test. Operator new of the C++ library calls malloc inside that library,
+// where the linker does not reach: so it is replaced too.
+namespace {
+
+// volatile: compilers know malloc, and that it reads no variable of ours.
+thread_local volatile bool forbidden = false;
+
+void allocated(const char* how) {
+  if (forbidden) {
+    forbidden = false;
+    std::fprintf(stderr, "a thread of the loop allocates: %s\n", how);
+    std::abort();
+  }
+}
+
+}  // namespace
+
+// NOLINTBEGIN(readability-identifier-naming): names that the linker makes
+extern "C" {
+void* __real_malloc(std::size_t size);
+void* __real_calloc(std::size_t count, std::size_t size);
+void* __real_realloc(void* at, std::size_t size);
+void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
+int __real_posix_memalign(void** at, std::size_t alignment, std::size_t size);
+
+void* __wrap_malloc(std::size_t size) {
+  allocated("malloc");
+  return __real_malloc(size);
+}
+void* __wrap_calloc(std::size_t count, std::size_t size) {
+  allocated("calloc");
+  return __real_calloc(count, size);
+}
+void* __wrap_realloc(void* at, std::size_t size) {
+  allocated("realloc");
+  return __real_realloc(at, size);
+}
+void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
+  allocated("aligned_alloc");
+  return __real_aligned_alloc(alignment, size);
+}
+int __wrap_posix_memalign(void** at, std::size_t alignment, std::size_t size) {
+  allocated("posix_memalign");
+  return __real_posix_memalign(at, alignment, size);
+}
+}
+// NOLINTEND(readability-identifier-naming)
+
+namespace {
+
+void* take(std::size_t size, std::size_t alignment) noexcept {
+  allocated("operator new");
+  void* at = nullptr;
+  return __real_posix_memalign(&at, alignment, size == 0 ? 1 : size) == 0 ? at : nullptr;
+}
+void* take_or_abort(std::size_t size, std::size_t alignment) noexcept {
+  void* const at = take(size, alignment);
+  if (at == nullptr) {
+    std::abort();
+  }
+  return at;
+}
+constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
+using Align = std::align_val_t;
+
+// Not inlined: g++ 12 takes free() of what `new` returned for a mistake where it sees one half
+// only.
+[[gnu::noinline]] void give_back(void* at) noexcept { std::free(at); }
+
+}  // namespace
+
+// All forms: a sanitizer brings its own of those that are left out.
+void* operator new(std::size_t n) { return take_or_abort(n, kUsual); }
+void* operator new[](std::size_t n) { return take_or_abort(n, kUsual); }
+void* operator new(std::size_t n, const std::nothrow_t&) noexcept { return take(n, kUsual); }
+void* operator new[](std::size_t n, const std::nothrow_t&) noexcept { return take(n, kUsual); }
+void* operator new(std::size_t n, Align a) { return take_or_abort(n, static_cast<std::size_t>(a)); }
+void* operator new[](std::size_t n, Align a) {
+  return take_or_abort(n, static_cast<std::size_t>(a));
+}
+void operator delete(void* at) noexcept { give_back(at); }
+void operator delete[](void* at) noexcept { give_back(at); }
+void operator delete(void* at, std::size_t) noexcept { give_back(at); }
+void operator delete[](void* at, std::size_t) noexcept { give_back(at); }
+void operator delete(void* at, const std::nothrow_t&) noexcept { give_back(at); }
+void operator delete[](void* at, const std::nothrow_t&) noexcept { give_back(at); }
+void operator delete(void* at, Align) noexcept { give_back(at); }
+void operator delete[](void* at, Align) noexcept { give_back(at); }
+void operator delete(void* at, std::size_t, Align) noexcept { give_back(at); }
+void operator delete[](void* at, std::size_t, Align) noexcept { give_back(at); }
+
+namespace stof::firmware::test {
+namespace {
+
+// The test's own parts allocate as they like; what is forbidden is forbidden inside step().
+Status step_without_heap(Loop& loop) {
+  forbidden = true;
+  const Status status = loop.step();
+  forbidden = false;
+  return status;
+}
+
+Status step_without_heap(Appliance& appliance) {
+  forbidden = true;
+  const Status status = appliance.step({});
+  forbidden = false;
+  return status;
+}
+
+// Threads that may never allocate once they are there.
+posix::WorkerThreads::Params heapless(int threads) {
+  return {.threads = threads, .prepare = [](int) { forbidden = true; }};
+}
+
+// Faults of every kind, again and again.
+Faults all_faults() {
+  const auto some = [](std::uint32_t first) {
+    std::array<emu::Fault, 6> faults{};
+    for (std::uint32_t i = 0; i < faults.size(); ++i) {
+      faults[i] = {
+          .kind = emu::kAllFaultKinds[i], .call = first + 40 * i, .every = 240, .duration = 40ms};
+    }
+    return emu::FaultPlan{faults[0], faults[1], faults[2], faults[3], faults[4], faults[5]};
+  };
+  return {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)};
+}
+
+void run_without_heap(dsp::Crew threads, std::uint64_t frames) {
+  Rig rig({.faults = all_faults(), .threads = threads});
+  rig.log.edges.reserve(2 * frames);
+  std::uint64_t steps = 0;
+  std::uint64_t lost = 0;
+  while (rig.events.counters.published < frames && steps < frames + frames / 2) {
+    lost += step_without_heap(rig.loop) == Status::kDeviceLost ? 1U : 0U;
+    while (rig.port.take_sent()) {
+    }
+    while (rig.events.take()) {
+    }
+    ++steps;
+  }
+  EXPECT_EQ(rig.events.counters.published, frames);
+  // The faults were there.
+  EXPECT_GT(lost, frames / 200);
+  EXPECT_GT(of(rig.events.counters.stereo_dropped, Drop::kTorn), frames / 500);
+  EXPECT_GT(of(rig.events.counters.pmd_dropped, Drop::kStale), frames / 500);
+}
+
+TEST(NoHeap, TenThousandFramesWithFaultsOfEveryKindAllocateNothing) {
+  run_without_heap({}, 10'000);
+}
+
+TEST(NoHeap, NoThreadAllocatesWhereSeveralCompute) {
+  for (const int threads : {2, 4}) {
+    posix::WorkerThreads workers(heapless(threads));
+    ASSERT_EQ(workers.threads(), threads);
+    run_without_heap({workers, threads}, 2'000);
+  }
+}
+
+std::ptrdiff_t threads_there() {
+  const std::filesystem::directory_iterator tasks("/proc/self/task");
+  return std::distance(begin(tasks), end(tasks));
+}
+
+TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
+  const std::ptrdiff_t before = threads_there();
+  {
+    posix::WorkerThreads workers(heapless(4));
+    Box box(false, {workers, 4});
+    box.rig.log.edges.reserve(2'000);
+    box.subscribe(1);
+    RunConfig run_config = small_run_config();
+    for (int change = 0; change < 200; ++change) {
+      const bool quality = change % 3 == 0;
+      run_config.setup.depth.match =
+          dsp::for_depth(*dsp::find_preset(quality ? "quality" : "fast"));
+      run_config.setup.depth.match.disparities = kDisparities;
+      run_config.setup.threads = 1 + change * 3 % 4;
+      run_config.timing.period = change % 5 == 0 ? 40ms : 33ms;
+      ASSERT_TRUE(box.run_configs.push(run_config));
+      for (int step = 0; step < 4; ++step) {
+        static_cast<void>(step_without_heap(box.appliance));
+        while (box.rig.port.take_sent()) {
+        }
+      }
+    }
+    EXPECT_GE(box.rig.events.counters.published, 500U);
+    EXPECT_EQ(threads_there(), before + 3);
+  }
+  for (int wait = 0; wait < 1000 && threads_there() != before;
+       ++wait) {  // the system takes a while
+    std::this_thread::sleep_for(1ms);
+  }
+  EXPECT_EQ(threads_there(), before);
+}
+
+// That the trap springs: through every door of the allocator.
+template <typename Allocate>
+void expect_death(const char* how, Allocate allocate) {
+  EXPECT_DEATH(
+      {
+        forbidden = true;
+        allocate();
+        forbidden = false;
+      },
+      how);
+}
+
+void* volatile kept = nullptr;  // so that no allocation is left out
+
+TEST(NoHeapDeathTest, EveryWayToAllocateIsCaught) {
+  expect_death("malloc", [] { kept = std::malloc(10); });
+  expect_death("calloc", [] { kept = std::calloc(2, 5); });
+  void* const block = std::malloc(10);
+  expect_death("realloc", [block] { kept = std::realloc(block, 1000); });
+  std::free(block);
+  expect_death("aligned_alloc", [] { kept = std::aligned_alloc(64, 64); });
+  expect_death("operator new", [] { kept = new int; });
+  expect_death("operator new", [] { kept = new int[20]; });
+  expect_death("operator new", [] { kept = new (std::nothrow) int; });
+  expect_death("operator new", [] { kept = new dsp::Arena({}); });
+  expect_death("operator new", [] { kept = new std::string(100, 'x'); });
+}
+
+TEST(NoHeapDeathTest, AnAllocationOfAHelperIsCaught) {
+  EXPECT_DEATH(
+      {
+        posix::WorkerThreads workers(heapless(2));
+        std::atomic<bool> helped{false};
+        dsp::Crew(workers, 2).run(2, [&](int part, int thread) noexcept {
+          if (thread != 0) {
+            kept = std::malloc(10);
+            helped = true;
+          }
+          while (part == 0 && thread == 0 && !helped) {  // the other part is the helper's
+          }
+        });
+      },
+      "a thread of the loop allocates: malloc");
+}
+
+// A device whose adapter allocates in the loop.
+class AllocatingPort final : public hal::DatagramPort {
+ public:
+  Status send(const hal::Peer&, std::span<const std::span<const std::byte>> datagrams,
+              std::size_t& sent) noexcept override {
+    const std::vector<std::byte> copy(datagrams[0].begin(), datagrams[0].end());
+    kept = const_cast<std::byte*>(copy.data());
+    sent = datagrams.size();
+    return Status::kOk;
+  }
+  Result<hal::Received> receive(std::span<std::byte>, hal::Duration) noexcept override {
+    return fail(Status::kTimeout);
+  }
+  std::uint64_t overruns() const noexcept override { return 0; }
+  bool take_refusal(hal::Peer&) noexcept override { return false; }
+  std::uint16_t port() const noexcept override { return 1; }
+};
+
+TEST(NoHeapDeathTest, AnAllocationDeepInsideAStepIsCaught) {
+  EXPECT_DEATH(
+      {
+        AllocatingPort port;
+        Rig rig({.port = &port});
+        for (int i = 0; i < 3; ++i) {
+          static_cast<void>(step_without_heap(rig.loop));
+        }
+      },
+      "a thread of the loop allocates: operator new");
+}
+
+}  // namespace
+}  // namespace stof::firmware::test

@@ -1,0 +1,161 @@
+#include "firmware/program/run_config.h"
+
+#include <chrono>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "firmware/events/log_text.h"
+#include "firmware/settings/depth.h"
+#include "firmware/workspace.h"
+
+namespace stof::firmware {
+namespace {
+
+constexpr std::size_t kMemory = sizeof(Workspace::memory);
+
+// The largest pictures that the board takes: its workspace is for one search of these.
+RigInfo rig_of(int pmd_width, int pmd_height) {
+  const board::StereoConfig& stereo = board::kConfig.stereo;
+  RigInfo rig{.calibration = {},
+              .fixed_pattern = {},
+              .disparities = stereo.disparities,
+              .calibration_file = {},
+              .threads = dsp::Crew::kMost};
+  rig.calibration.stereo = {.left = {.width = stereo.width,
+                                     .height = stereo.height,
+                                     .fx = 1000,
+                                     .fy = 1000,
+                                     .cx = stereo.width / 2.0,
+                                     .cy = stereo.height / 2.0},
+                            .baseline_m = 0.1};
+  rig.calibration.pmd.lens = {.width = pmd_width,
+                              .height = pmd_height,
+                              .fx = 500,
+                              .fy = 500,
+                              .cx = pmd_width / 2.0,
+                              .cy = pmd_height / 2.0};
+  return rig;
+}
+
+settings::Settings quality() {
+  settings::Settings settings;
+  settings.depth.preset = settings::Search::kQuality;
+  return settings;
+}
+
+std::size_t bytes_of(firmware::Setup setup, int threads) {
+  setup.threads = threads;
+  return Pipeline::bytes_needed(setup);
+}
+
+TEST(MakePlan, TakesAsManyThreadsAsThereIsMemoryFor) {
+  const RigInfo all = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
+  int fewer = 0;
+  for (int there = 1; there <= dsp::Crew::kMost; ++there) {
+    RigInfo rig = all;
+    rig.threads = there;
+    const auto run_config = make_run_config(rig, board::kConfig, quality());
+    ASSERT_TRUE(run_config) << run_config.error();
+    const int threads = run_config->setup.threads;
+    ASSERT_GE(threads, 1);
+    ASSERT_LE(threads, there);
+    EXPECT_LE(bytes_of(run_config->setup, threads), kMemory);
+    if (threads < there) {
+      EXPECT_GT(bytes_of(run_config->setup, threads + 1), kMemory) << "one more would have fitted";
+      ++fewer;
+    }
+  }
+  EXPECT_GT(fewer, 0) << "a board with memory for all of them shows nothing";
+}
+
+TEST(MakePlan, TakesAllThreadsWhereThereIsMemoryForThem) {
+  RigInfo rig = rig_of(0, 0);
+  rig.calibration.stereo.left.width = 320;
+  rig.calibration.stereo.left.height = 200;
+  rig.disparities = 32;
+  for (int there = 1; there <= dsp::Crew::kMost; ++there) {
+    rig.threads = there;
+    const auto run_config = make_run_config(rig, board::kConfig, quality());
+    ASSERT_TRUE(run_config) << run_config.error();
+    EXPECT_EQ(run_config->setup.threads, there);
+  }
+}
+
+// Searches of one kind that take more and more: as many threads as fit, then one, then a refusal.
+TEST(MakePlan, RefusesOnlyWhatOneThreadHasNoMemoryFor) {
+  RigInfo rig = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
+  settings::Settings settings = quality();
+  settings.depth.guided = true;
+  settings.depth.temporal = true;
+  int alone = 0;
+  int refused = 0;
+  for (int width = 16; width <= board::kConfig.pmd.width; width += 16) {
+    for (int height = 16; height <= board::kConfig.pmd.height; height += 16) {
+      rig.calibration.pmd.lens.width = width;
+      rig.calibration.pmd.lens.height = height;
+      firmware::Setup setup{.calibration = rig.calibration,
+                            .depth = settings::depth_params(settings, rig.disparities)};
+      const std::size_t one = bytes_of(setup, 1);
+      const auto run_config = make_run_config(rig, board::kConfig, settings);
+      ASSERT_EQ(run_config.has_value(), one <= kMemory) << width << "x" << height;
+      if (run_config) {
+        alone += run_config->setup.threads == 1 ? 1 : 0;
+        continue;
+      }
+      ++refused;
+      const std::string figure = "takes " + std::to_string(one / kMiB + 1) + " MiB, board " +
+                                 board::kConfig.name + " has " + std::to_string(kMemory / kMiB) +
+                                 ": use fewer disparities";
+      ASSERT_NE(run_config.error().find(figure), std::string::npos) << run_config.error();
+    }
+  }
+  EXPECT_GT(alone, 0);
+  EXPECT_GT(refused, 0);
+}
+
+TEST(ThreadsText, SaysHowManyComputeAndWhyNotMore) {
+  EXPECT_EQ(threads_text(1, 1), "1 thread");
+  EXPECT_EQ(threads_text(4, 4), "4 threads");
+  EXPECT_EQ(threads_text(1, 8), "1 thread (of 8: there is no memory for more searches)");
+  EXPECT_EQ(threads_text(3, 4), "3 threads (of 4: there is no memory for more searches)");
+}
+
+// Threads are made once: a setting that comes later waits for the next start.
+TEST(MakePlan, RefusesAPeriodThatTheCamerasOrTheWatchdogCannotFollow) {
+  RigInfo rig = rig_of(0, 0);
+  rig.calibration.stereo.left.width = 320;
+  rig.calibration.stereo.left.height = 200;
+  rig.disparities = 32;
+  rig.least_period = std::chrono::milliseconds(40);
+  settings::Settings settings;
+  settings.period_ms = 39;
+  const auto fast = make_run_config(rig, board::kConfig, settings);
+  ASSERT_FALSE(fast);
+  EXPECT_NE(fast.error().find("need 40 ms"), std::string::npos) << fast.error();
+  settings.period_ms = 40;
+  EXPECT_TRUE(make_run_config(rig, board::kConfig, settings));
+
+  board::Config watched = board::kConfig;
+  watched.devices.watchdog_timeout = std::chrono::seconds(15);
+  settings.period_ms = 5001;
+  const auto slow = make_run_config(rig, watched, settings);
+  ASSERT_FALSE(slow);
+  EXPECT_NE(slow.error().find("watchdog"), std::string::npos) << slow.error();
+  settings.period_ms = 5000;
+  EXPECT_TRUE(make_run_config(rig, watched, settings));
+}
+
+TEST(MakePlan, TakesTheThreadsThatThereAre) {
+  RigInfo rig = rig_of(0, 0);
+  rig.calibration.stereo.left.width = 320;
+  rig.threads = 2;
+  settings::Settings settings;
+  for (int threads = 0; threads <= settings::kMostThreads; ++threads) {
+    settings.compute.threads = threads;
+    EXPECT_EQ(make_run_config(rig, board::kConfig, settings)->setup.threads, 2);
+  }
+}
+
+}  // namespace
+}  // namespace stof::firmware
