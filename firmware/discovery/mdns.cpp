@@ -95,7 +95,7 @@ void Responder::stop(hal::Time now) noexcept {
 }
 
 // Whoever has the name already keeps it; where both have it, the probes decide.
-void Responder::lose(hal::Time now) noexcept {
+void Responder::resolve_conflict(hal::Time now) noexcept {
   if (now - conflicts_since_ > kConflictWindow) {
     conflicts_since_ = now;
     conflicts_ = 0;
@@ -165,8 +165,8 @@ void Responder::take_response(dns::Reader& reader, const dns::Header& header,
     if (!record) {
       return;
     }
-    if (records_.rival(reader, *record) != Records::Rival::kNone) {
-      lose(now);
+    if (records_.conflict(reader, *record) != Records::Conflict::kNone) {
+      resolve_conflict(now);
       return;
     }
   }
@@ -174,8 +174,7 @@ void Responder::take_response(dns::Reader& reader, const dns::Header& header,
 
 // Two probe at the same time: the one whose data are greater goes on, the other waits a second and
 // then finds the name taken.
-void Responder::yield_probe(dns::Reader& reader, const dns::Header& header,
-                            hal::Time now) noexcept {
+void Responder::break_tie(dns::Reader& reader, const dns::Header& header, hal::Time now) noexcept {
   bool below = false;
   bool above = false;
   for (unsigned i = 0; i < std::min<unsigned>(header.authorities, kMostRecords); ++i) {
@@ -183,9 +182,9 @@ void Responder::yield_probe(dns::Reader& reader, const dns::Header& header,
     if (!record) {
       return;
     }
-    const Records::Rival rival = records_.rival(reader, *record);
-    below = below || rival == Records::Rival::kBelow;
-    above = above || rival == Records::Rival::kAbove;
+    const Records::Conflict conflict = records_.conflict(reader, *record);
+    below = below || conflict == Records::Conflict::kBelow;
+    above = above || conflict == Records::Conflict::kAbove;
   }
   if (above && !below) {
     enter(Phase::kProbe, now + 1s);
@@ -226,7 +225,7 @@ std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
   }
   if (phase_ == Phase::kProbe) {
     if (probe) {
-      yield_probe(reader, header, now);
+      break_tie(reader, header, now);
     }
     return std::nullopt;  // the names are not ours yet
   }
@@ -265,14 +264,15 @@ void Responder::schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexc
 std::optional<Responder::Datagram> Responder::answer_alone(std::span<const dns::Question> questions,
                                                            RecordSet answers, std::uint16_t id,
                                                            const hal::Peer& to) noexcept {
-  const Tone tone = questions.empty() ? Tone::kMulticast : Tone::kLegacy;
+  const ResponseKind response =
+      questions.empty() ? ResponseKind::kMulticast : ResponseKind::kLegacy;
   dns::Writer writer(buffer_, id, dns::kResponse | dns::kAuthoritative);
   for (const dns::Question& question : questions) {
     static_cast<void>(writer.question(question.name, question.type, dns::kInternet));
   }
-  records_.write(writer, answers, Section::kAnswer, to.scope, tone);
+  records_.write(writer, answers, Section::kAnswer, to.scope, response);
   records_.write(writer, records_.additionals(answers, to.scope), Section::kAdditional, to.scope,
-                 tone);
+                 response);
   return Datagram{.to = to, .bytes = writer.message()};
 }
 
@@ -287,9 +287,9 @@ std::optional<Responder::Datagram> Responder::step(const MdnsLink& link) noexcep
     const RecordSet negative =
         records_.additionals(kSrv, link.interface) & kHostNsec;  // only where a kind is missing
     records_.write(writer, static_cast<RecordSet>((kAll & ~kHostNsec) | negative), Section::kAnswer,
-                   link.interface, Tone::kMulticast);
+                   link.interface, ResponseKind::kMulticast);
   } else {
-    records_.write(writer, kLeaving, Section::kAnswer, link.interface, Tone::kGoodbye);
+    records_.write(writer, kLeaving, Section::kAnswer, link.interface, ResponseKind::kGoodbye);
   }
   return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
@@ -310,9 +310,9 @@ std::optional<Responder::Datagram> Responder::flush(MdnsLink& link, hal::Time no
     return std::nullopt;
   }
   dns::Writer writer(buffer_, 0, dns::kResponse | dns::kAuthoritative);
-  records_.write(writer, answers, Section::kAnswer, link.interface, Tone::kMulticast);
+  records_.write(writer, answers, Section::kAnswer, link.interface, ResponseKind::kMulticast);
   records_.write(writer, records_.additionals(answers, link.interface), Section::kAdditional,
-                 link.interface, Tone::kMulticast);
+                 link.interface, ResponseKind::kMulticast);
   return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
 

@@ -64,9 +64,9 @@ class Responder {
                                        RecordSet answers, std::uint16_t id,
                                        const hal::Peer& to) noexcept;
   static void schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexcept;
-  void yield_probe(wire::dns::Reader& reader, const wire::dns::Header& header,
-                   hal::Time now) noexcept;
-  void lose(hal::Time now) noexcept;
+  void break_tie(wire::dns::Reader& reader, const wire::dns::Header& header,
+                 hal::Time now) noexcept;
+  void resolve_conflict(hal::Time now) noexcept;
   std::optional<Datagram> step(const MdnsLink& link) noexcept;
   std::optional<Datagram> flush(MdnsLink& link, hal::Time now) noexcept;
   std::uint32_t random(std::uint32_t below) noexcept;

@@ -38,7 +38,7 @@ ImageCoder::ImageCoder(const FrameSizes& sizes, dsp::Arena& arena) noexcept
     : values16_(arena.take<std::uint16_t>(pixels16(sizes))),
       values8_(reinterpret_cast<std::uint8_t*>(values16_.data()),  // NOLINT: one at a time
                values16_.size_bytes()),
-      scales_(arena.take<std::uint8_t>(fit_bands(sizes.height))) {}
+      scales_(arena.take<std::uint8_t>(quantiser_bands(sizes.height))) {}
 
 void ImageCoder::begin_frame() noexcept {
   is_raw_ = {};
@@ -126,15 +126,15 @@ void ImageCoder::add_scaled_tiles(std::span<std::uint16_t> values, const Raster&
   bool& raw = is_raw(raster.stream);
   const std::size_t begin = store.size();
   const std::size_t most = raw_tiles(raster.width, raster.height, sizeof(std::uint16_t));
-  const std::size_t bands = fit_bands(static_cast<int>(raster.height));
+  const std::size_t bands = quantiser_bands(static_cast<int>(raster.height));
   for (std::size_t band = 0; band < bands;) {
     const std::uint8_t scale = scales_[band];
     std::size_t next = band + 1;
     while (next < bands && scales_[next] == scale) {
       ++next;
     }
-    const std::size_t first = band * kFitRows;
-    const std::size_t rows = std::min(next * kFitRows, raster.height) - first;
+    const std::size_t first = band * kQuantiserRows;
+    const std::size_t rows = std::min(next * kQuantiserRows, raster.height) - first;
     const Raster part{.stream = raster.stream,
                       .width = raster.width,
                       .height = rows,
@@ -148,7 +148,7 @@ void ImageCoder::add_scaled_tiles(std::span<std::uint16_t> values, const Raster&
       store.cut_back(begin);
       for (std::size_t i = 0; i < values.size(); ++i) {
         const std::size_t row = i / raster.width;
-        values[i] = static_cast<std::uint16_t>(values[i] << scales_[row / kFitRows]);
+        values[i] = static_cast<std::uint16_t>(values[i] << scales_[row / kQuantiserRows]);
       }
       add_raw_tiles<std::uint16_t>(values, raster, store);
       return;
@@ -163,16 +163,16 @@ std::span<std::uint16_t> ImageCoder::rounded(const dsp::DepthMap& map,
   const std::span<std::uint16_t> values =
       values16_.first(columns * static_cast<std::size_t>(map.depth.height()));
   for (int y = 0; y < map.depth.height(); ++y) {
-    const unsigned scale = scales_[static_cast<std::size_t>(y / kFitRows)];
+    const unsigned scale = scales_[static_cast<std::size_t>(y / kQuantiserRows)];
     const std::span<std::uint16_t> out =
         values.subspan(static_cast<std::size_t>(y) * columns, columns);
     if (rounding.stream == Stream::kDepth) {
-      fit_depth(map.depth.row(y), scale, out);
+      quantise_depth(map.depth.row(y), scale, out);
       continue;
     }
     grow_width(map.depth.row(y), map.width.row(y), rounding.depth ? scale : 0, out);
     if (rounding.scaled) {
-      fit_width(out, scale);
+      quantise_width(out, scale);
     }
   }
   return values;
@@ -252,8 +252,8 @@ void ImageCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoic
   }
   STOF_CHECK(same_size(map.depth, map.width));
   const Raster raster = raster_of(Stream::kDepth, map.depth.width(), map.depth.height());
-  for (std::size_t band = 0; band < fit_bands(map.depth.height()); ++band) {
-    scales_[band] = fit_scale(map, static_cast<int>(band) * kFitRows);
+  for (std::size_t band = 0; band < quantiser_bands(map.depth.height()); ++band) {
+    scales_[band] = quantiser_scale(map, static_cast<int>(band) * kQuantiserRows);
   }
   if (depth == Coding::kFit) {
     add_scaled_tiles(rounded(map, {.stream = Stream::kDepth}), raster, store);
