@@ -77,7 +77,7 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
 
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
-    stream_.set_receivers(receivers->all(), receivers->refused);
+    stream_.set_receivers(*receivers);
   }
   std::optional<RunConfig> newest;
   while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {

@@ -163,7 +163,7 @@ Rig::Rig(const RigOptions& options)
       loop(board, options.timing, setup, pipeline, stream, events) {
   stream.set_params({.choice = options.choice, .period = options.timing.period});
   const hal::Peer receiver{.address = {}, .port = 1};
-  stream.set_receivers({&receiver, 1});
+  stream.set_receivers({.peers = {receiver}, .count = 1});
 }
 
 std::size_t Received::count(dsp::Source which) const {
