@@ -49,7 +49,7 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunCon
     serial_->sender.set(run_config.serial);
   }
   loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, stream_,
-                parts_.events);
+                parts_.events, parts_.lending);
 }
 
 void Appliance::build(const RunConfig& run_config) noexcept {
