@@ -13,8 +13,8 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kTurns = 8;         // frames until every patch was looked at
-constexpr int kLeastPatches = 8;  // fewer are an accident, not a scene
+constexpr int kTurns = 8;                   // frames until every patch was looked at
+constexpr std::uint32_t kLeastPatches = 8;  // fewer are an accident, not a scene
 // An observation that differs from those of its patch by so much is of something that passes; if it
 // stays, what was before has faded after a few more.
 constexpr double kSurprise = 4;  // standard deviations
@@ -109,22 +109,22 @@ void DriftMonitor::observe(const MatchedPair& pair, const PmdMaps& maps) noexcep
 DriftEstimate DriftMonitor::estimate() const noexcept {
   const State& s = *state_;
   DriftEstimate out;
-  if (s.patches.empty()) {
+  out.patches = static_cast<std::uint32_t>(std::ranges::count_if(s.patches, &DriftPatch::known));
+  if (out.patches < kLeastPatches) {
     return out;
   }
-  const DriftSolution found = solve_drift(
+  const std::optional<DriftSolution> found = solve_drift(
       {.patches = s.patches, .columns = s.columns, .trust = s.trust, .sorted = s.sorted});
-  out.patches = static_cast<std::uint32_t>(found.patches);
-  if (found.patches < kLeastPatches) {
+  if (!found) {
     return out;
   }
   for (std::size_t k = 0; k < kDriftParameters; ++k) {
     Drift& drift = out.drifts[k];
-    const double size = std::abs(found.value[k]);
-    drift.value = static_cast<std::int32_t>(std::lround(found.value[k] * kUnits[k]));
-    drift.sigma = static_cast<std::int32_t>(std::lround(found.sigma[k] * kUnits[k]));
-    drift.significant = size > s.params.sigmas * found.sigma[k] && size > s.params.floor[k] &&
-                        found.sigma[k] < s.params.floor[k];
+    const double size = std::abs(found->value[k]);
+    drift.value = static_cast<std::int32_t>(std::lround(found->value[k] * kUnits[k]));
+    drift.sigma = static_cast<std::int32_t>(std::lround(found->sigma[k] * kUnits[k]));
+    drift.significant = size > s.params.sigmas * found->sigma[k] && size > s.params.floor[k] &&
+                        found->sigma[k] < s.params.floor[k];
     out.significant = out.significant || drift.significant;
   }
   return out;

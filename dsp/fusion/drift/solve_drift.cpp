@@ -14,7 +14,6 @@ using Matrix = std::array<double, kN * kN>;
 // calibrated keeps its disparities.
 constexpr DriftVector kPrior{0.02, 0.02, 0.02, 0.1, 0.05};
 
-constexpr double kLeastCount = 2;
 constexpr double kPatchNoisePx = 0.02;  // what no number of frames improves, and
 constexpr double kLasting = 0.15;       // the share of a frame's variance that lasts
 constexpr double kRegionNoisePx = 0.017;
@@ -24,12 +23,18 @@ constexpr double kTukey = 3;
 constexpr double kLeastScale = 1;  // or a large smooth wall's little noise throws out all else
 constexpr int kRegions = 4;        // along the width
 
-// Inverse of a symmetric positive definite matrix in place.
-bool invert(Matrix& m) noexcept {
+// What must be left of a diagonal element once the parameters before it explain theirs. A double
+// holds it to 2e-16 of the sum it is the rest of, so three digits of it are true.
+constexpr double kLeastPivot = 1e-13;
+
+// Inverse of a symmetric positive definite matrix. `sum`: what it was computed from by subtraction,
+// or the matrix itself. Nothing where a pivot is lost in the rounding of the sum: half an inverse
+// is none.
+std::optional<Matrix> inverse_of(Matrix m, const Matrix& sum) noexcept {
   for (std::size_t k = 0; k < kN; ++k) {
     const double pivot = m[k * kN + k];
-    if (!(pivot > 0)) {
-      return false;
+    if (!(pivot > kLeastPivot * sum[k * kN + k])) {
+      return std::nullopt;
     }
     m[k * kN + k] = 1;
     for (std::size_t j = 0; j < kN; ++j) {
@@ -46,7 +51,7 @@ bool invert(Matrix& m) noexcept {
       }
     }
   }
-  return true;
+  return m;
 }
 
 DriftVector times(const Matrix& m, const DriftVector& v) noexcept {
@@ -109,27 +114,43 @@ double robust_weight(double misfit, int round) noexcept {
 
 // Fills trust, the weight of each patch, with what `value` leaves; returns the typical misfit of
 // this round, for the next.
-double judge(const DriftPatches& seen, const DriftVector& value, double scale, int round,
-             int& count) noexcept {
+double judge(const DriftPatches& seen, const DriftVector& value, double scale, int round) noexcept {
   std::size_t n = 0;
   for (std::size_t p = 0; p < seen.patches.size(); ++p) {
     seen.trust[p] = 0;
-    if (seen.patches[p].count < kLeastCount) {
+    if (!seen.patches[p].known()) {
       continue;
     }
     const Equation e(seen.patches[p]);
     const double misfit = std::abs(e.left(value)) / std::sqrt(e.variance);
+    if (!std::isfinite(misfit)) {
+      continue;
+    }
     seen.sorted[n] = misfit;
     ++n;
     seen.trust[p] = robust_weight(misfit / scale, round) / (e.variance * scale * scale);
   }
-  count = static_cast<int>(n);
   if (n == 0) {
     return scale;
   }
   const std::span<double> sorted = seen.sorted.first(n);
   std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(n / 2));
   return std::max(1.48 * sorted[n / 2], kLeastScale);
+}
+
+// What is known before, and what the trusted patches say.
+Normal normal_of(const DriftPatches& seen) noexcept {
+  Normal out;
+  for (std::size_t k = 0; k < kN; ++k) {
+    out.matrix[k * kN + k] = 1 / (kPrior[k] * kPrior[k]);
+  }
+  for (std::size_t p = 0; p < seen.patches.size(); ++p) {
+    if (seen.trust[p] > 0) {
+      const Equation e(seen.patches[p]);
+      out.add(e, e.error, seen.trust[p]);
+    }
+  }
+  return out;
 }
 
 struct Region {
@@ -166,10 +187,10 @@ Share share_of(const DriftPatches& seen, const Region& region, const DriftVector
 }
 
 // Variances by leaving out one region after the other, the first of which begins at -offset.
-DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const Matrix& matrix,
-                      int side, int offset) noexcept {
-  Matrix inverse = matrix;
-  invert(inverse);
+// Nothing where the rest cannot be solved without one of them.
+std::optional<DriftVector> jackknife(const DriftPatches& seen, const DriftVector& value,
+                                     const Matrix& matrix, const Matrix& inverse, int side,
+                                     int offset) noexcept {
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
   DriftVector squares{};
   DriftVector shared{};
@@ -185,8 +206,11 @@ DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const 
       for (std::size_t k = 0; k < rest.size(); ++k) {
         rest[k] -= share.left.matrix[k];
       }
-      invert(rest);
-      const DriftVector change = times(rest, share.left.vector);
+      const std::optional<Matrix> without = inverse_of(rest, matrix);
+      if (!without) {
+        return std::nullopt;
+      }
+      const DriftVector change = times(*without, share.left.vector);
       const DriftVector common = times(inverse, share.shared);
       for (std::size_t k = 0; k < kN; ++k) {
         squares[k] += change[k] * change[k];
@@ -212,6 +236,11 @@ DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const 
 
 }  // namespace
 
+bool DriftPatch::known() const noexcept {
+  constexpr double kLeastCount = 2;
+  return count >= kLeastCount;
+}
+
 void DriftPatch::add(double error_px, const DriftVector& at, double variance) noexcept {
   for (std::size_t k = 0; k < kN; ++k) {
     slope[k] += at[k] / variance;
@@ -232,32 +261,30 @@ void DriftPatch::fade(double factor) noexcept {
   count *= factor;
 }
 
-DriftSolution solve_drift(const DriftPatches& seen) noexcept {
+std::optional<DriftSolution> solve_drift(const DriftPatches& seen) noexcept {
   DriftSolution out;
-  Matrix matrix{};
+  Normal normal;
+  std::optional<Matrix> inverse;
   double scale = 1;
   for (int round = 0; round < kRounds; ++round) {
-    scale = judge(seen, out.value, scale, round, out.patches);
-    Normal normal;
-    for (std::size_t k = 0; k < kN; ++k) {
-      normal.matrix[k * kN + k] = 1 / (kPrior[k] * kPrior[k]);
+    scale = judge(seen, out.value, scale, round);
+    normal = normal_of(seen);
+    inverse = inverse_of(normal.matrix, normal.matrix);
+    if (!inverse) {
+      return std::nullopt;
     }
-    for (std::size_t p = 0; p < seen.patches.size(); ++p) {
-      if (seen.trust[p] > 0) {
-        const Equation e(seen.patches[p]);
-        normal.add(e, e.error, seen.trust[p]);
-      }
-    }
-    matrix = normal.matrix;
-    Matrix inverse = matrix;
-    invert(inverse);
-    out.value = times(inverse, normal.vector);
+    out.value = times(*inverse, normal.vector);
   }
   const int side = std::max((seen.columns + kRegions - 1) / kRegions, 2);
-  const DriftVector one = jackknife(seen, out.value, matrix, side, 0);
-  const DriftVector other = jackknife(seen, out.value, matrix, side, side / 2);
-  for (std::size_t k = 0; k < kN; ++k) {
-    out.sigma[k] = std::sqrt(std::max(one[k], other[k]));
+  for (const int offset : {0, side / 2}) {
+    const std::optional<DriftVector> variance =
+        jackknife(seen, out.value, normal.matrix, *inverse, side, offset);
+    if (!variance) {
+      return std::nullopt;
+    }
+    for (std::size_t k = 0; k < kN; ++k) {
+      out.sigma[k] = std::max(out.sigma[k], std::sqrt((*variance)[k]));
+    }
   }
   return out;
 }

@@ -116,7 +116,7 @@ class Message {
   }
 
  private:
-  std::array<std::byte, wire::kMaxDatagram> space_{};
+  std::array<std::byte, hal::kMaxDatagram> space_{};
   dns::Writer writer_;
 };
 
