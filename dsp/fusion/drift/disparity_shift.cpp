@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <span>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
@@ -68,7 +70,7 @@ std::optional<double> rough_shift(const ExpectedPlane& plane, const Box& box,
   for (int y = box.y_begin; y < box.y_end; ++y) {
     const std::span<const Disparity> row = disparity.row(y);
     for (int x = box.x_begin; x < box.x_end; ++x) {
-      const Disparity d = row[static_cast<std::size_t>(x)];
+      const Disparity d = row[index(x)];
       if (!d.valid()) {
         continue;
       }
@@ -84,7 +86,7 @@ std::optional<double> rough_shift(const ExpectedPlane& plane, const Box& box,
   }
   int median = 0;
   for (int below = 0; median < kBins - 1; ++median) {
-    below += bins[static_cast<std::size_t>(median)];
+    below += bins[index(median)];
     if (2 * below >= seen) {
       break;
     }
@@ -92,8 +94,8 @@ std::optional<double> rough_shift(const ExpectedPlane& plane, const Box& box,
   int kept = 0;
   double sum = 0;
   for (int i = std::max(median - kKept, 0); i <= std::min(median + kKept, kBins - 1); ++i) {
-    kept += bins[static_cast<std::size_t>(i)];
-    sum += 1.0 * bins[static_cast<std::size_t>(i)] * (i - kMiddle);
+    kept += bins[index(i)];
+    sum += 1.0 * bins[index(i)] * (i - kMiddle);
   }
   if (kept < kLeastAgree * seen || kept == 0) {
     return std::nullopt;
@@ -174,7 +176,7 @@ Moments gather(const ExpectedPlane& plane, const MatchedPair& pair, const Box& b
       const double value = here + part * (next - here) +
                            part * (1 - part) * (bend * (1 + part) - (before + next) / 2.0 + here);
       const double slope = ((1 - part) * (next - before) + part * (after - here)) / 2;
-      out.add(value / 4 - 128, slope / 4, soft(left, static_cast<std::size_t>(x)) / 4.0 - 128);
+      out.add(value / 4 - 128, slope / 4, soft(left, index(x)) / 4.0 - 128);
     }
   }
   return out;

@@ -81,7 +81,7 @@ std::optional<PlaneReader::Readings> PlaneReader::collect(int x, int y,
     const std::span<const QuarterMm> sigmas = maps.sigma.row(row);
     const std::span<const std::uint8_t> flags = maps.flags.row(row);
     for (int column = x; column < x + side_; ++column) {
-      const std::size_t i = static_cast<std::size_t>(column);
+      const std::size_t i = index(column);
       const std::size_t at = pixel_count(width_, row) + i;
       if (distances[i] == kNoDepth || (flags[i] & kPmdMissing) != 0) {
         return std::nullopt;

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
@@ -171,7 +173,7 @@ Share share_of(const DriftPatches& seen, const Region& region, const DriftVector
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
   for (int y = std::max(region.y, 0); y < std::min(region.y + region.side, rows); ++y) {
     for (int x = std::max(region.x, 0); x < std::min(region.x + region.side, seen.columns); ++x) {
-      const std::size_t p = static_cast<std::size_t>(y * seen.columns + x);
+      const std::size_t p = index(y * seen.columns + x);
       if (!(seen.trust[p] > 0)) {
         continue;
       }
