@@ -136,7 +136,8 @@ Shot FrameCollector::make_shot(hal::Time edge, StereoLease&& stereo) noexcept {
             std::move(pmd_),
             pmd_exposed_,
             freshness_,
-            conditions_.edges_without_frame()};
+            conditions_.edges_without_frame(),
+            of(conditions_.counters().losses, Part::kStereo)};
   pmd_.reset();
   return shot;
 }

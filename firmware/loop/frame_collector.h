@@ -6,7 +6,7 @@
 #include <optional>
 
 #include "board/board.h"
-#include "board/config.h"
+#include "board/timing.h"
 #include "dsp/base/status.h"
 #include "firmware/loop/loop_conditions.h"
 #include "firmware/loop/pairing.h"

@@ -45,6 +45,7 @@ Status Loop::step() noexcept {
 void Loop::restart(const board::TimingConfig& timing) noexcept {
   schedule_.restart(timing, board_.clock.now());
   pipeline_.forget_match();
+  last_edge_.reset();
 }
 
 void Loop::wait_for_edge() noexcept {
@@ -83,6 +84,7 @@ Status Loop::publish_held() noexcept {
   if (schedule_.expired(held_->edge, board_.clock.now())) {
     ++counters.expired;
   } else {
+    note_gap(*held_);
     const Output& output = pipeline_.compute(*held_);
     const hal::Time computed = board_.clock.now();
     ++counters.published;
@@ -96,6 +98,16 @@ Status Loop::publish_held() noexcept {
   pipeline_.forget_match();
   held_.reset();  // its slots go home
   return sent;
+}
+
+void Loop::note_gap(const Shot& shot) noexcept {
+  // A camera that was lost may expose otherwise than before, however soon it is back.
+  if (!last_edge_ || schedule_.gap(*last_edge_, shot.edge) ||
+      shot.stereo_losses != stereo_losses_) {
+    pipeline_.forget_past();
+  }
+  last_edge_ = shot.edge;
+  stereo_losses_ = shot.stereo_losses;
 }
 
 void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {

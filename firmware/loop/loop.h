@@ -1,9 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "board/board.h"
-#include "board/config.h"
+#include "board/timing.h"
 #include "dsp/base/status.h"
 #include "firmware/events/events.h"
 #include "firmware/loop/frame_collector.h"
@@ -38,6 +39,8 @@ class Loop {
   void wait_for_edge() noexcept;
   Result<hal::Time> pulse() noexcept;
   Status publish_held() noexcept;
+  // Tells the pipeline where this shot does not follow the one that was computed before it.
+  void note_gap(const Shot& shot) noexcept;
   // By what this frame has cost.
   void update_schedule(const Stats& stats, hal::Time edge) noexcept;
   Status collect(hal::Time edge) noexcept;
@@ -49,6 +52,8 @@ class Loop {
   Schedule schedule_;
   FrameCollector collector_;
   std::optional<Shot> held_;
+  std::optional<hal::Time> last_edge_;  // of the shot that was computed last; none: a gap follows
+  std::uint64_t stereo_losses_ = 0;     // as that shot told them
 };
 
 }  // namespace stof::firmware
