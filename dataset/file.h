@@ -10,7 +10,7 @@
 
 #include "dataset/dataset.h"
 
-// What the readers of this folder share. Not for others.
+// What readers and writers of files share.
 namespace stof::dataset {
 
 inline constexpr std::size_t kMaxPixels = std::size_t{1} << 26;

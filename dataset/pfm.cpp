@@ -2,7 +2,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 
 #include "dataset/file.h"
 
@@ -90,14 +89,7 @@ std::expected<void, Problem> write_pfm(const std::filesystem::path& file,
       at += 4;
     }
   }
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) {
-    return refuse(file, "cannot be written",
-                  "check the folder, its permissions and the free space");
-  }
-  return {};
+  return write_whole(file, bytes);
 }
 
 }  // namespace stof::dataset

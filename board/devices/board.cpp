@@ -78,28 +78,19 @@ class Rig {
   int priority() const { return priority_of(request_); }
 
   // The serial line is the control thread's, which reopens it.
-  Status reopen() noexcept {
-    const linux::MarkedHeap marked;
-    // Libraries start threads when they open a device, and may spin for one that is gone.
-    static_cast<void>(be_urgent(false));
-    // A camera that hangs may take its driver's patience, seconds; each has all of the watchdog's.
-    kick();
-    const Status trigger = trigger_->reopen();
-    const Status stereo = stereo_.reopen();
-    kick();
-    const Status pmd = pmd_ ? pmd_->reopen() : Status::kOk;
-    kick();
-    static_cast<void>(be_urgent(true));
-    const bool back = trigger == Status::kOk && stereo == Status::kOk && pmd == Status::kOk;
-    return back ? Status::kOk : Status::kDeviceLost;
+  Status reopen(Device device) noexcept {
+    switch (device) {
+      case Device::kTrigger:
+        return trigger_->reopen();
+      case Device::kStereo:
+        return stereo_.reopen();
+      case Device::kPmd:
+        return pmd_ ? pmd_->reopen() : Status::kOk;
+    }
+    return Status::kOk;
   }
 
  private:
-  void kick() noexcept {
-    if (watchdog_) {
-      static_cast<void>(watchdog_->kick());
-    }
-  }
   std::expected<Stereo::Opened, linux::OpenError> open_stereo();
   std::expected<Pmd::Opened, linux::OpenError> open_pmd();
   void open_watchdog();
@@ -267,7 +258,7 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
   return std::make_unique<linux::FileStore>(std::string(name));
 }
 
-Status reopen(Board&) noexcept { return rig->reopen(); }
+Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }
 
 std::optional<std::string> lock_memory() {
   if (rig->priority() == 0) {

@@ -119,18 +119,18 @@ struct Rig {
       : world(std::move(seen)),
         lines(std::move(opened)),
         clock(request.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
-        stereo(clock, *world.imagery, stereo_timing(), request.faults[kStereo]) {
+        stereo(clock, *world.imagery, stereo_timing(), request.faults_of(Device::kStereo)) {
     constexpr hal::Duration kPulse = std::chrono::microseconds(50);
     if (world.imagery->pmd_size() != emu::Size{}) {
       pmd.emplace(clock, *world.imagery,
                   emu::PmdTiming{.integration = kConfig.timing.pmd_integration,
                                  .every = kConfig.timing.pmd_every},
-                  request.faults[kPmd]);
+                  request.faults_of(Device::kPmd));
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo, &*pmd},
-                      request.faults[kTrigger]);
+                      request.faults_of(Device::kTrigger));
     } else {
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo},
-                      request.faults[kTrigger]);
+                      request.faults_of(Device::kTrigger));
     }
     board.emplace(Board{.clock = clock,
                         .trigger = *trigger,
@@ -186,6 +186,6 @@ void count_heap_calls() noexcept {}
 HeapCalls heap_calls() noexcept { return {}; }
 
 // Emulated devices come back by themselves when their fault ends.
-Status reopen(Board&) noexcept { return Status::kOk; }
+Status reopen(Board& /*board*/, Device /*device*/) noexcept { return Status::kOk; }
 
 }  // namespace stof::board

@@ -9,7 +9,7 @@ namespace {
 
 namespace emu = hal::emu;
 
-constexpr std::array<std::string_view, kDevices> kDeviceNames{"trigger", "stereo", "pmd"};
+constexpr std::array<std::string_view, kDeviceCount> kDeviceNames{"trigger", "stereo", "pmd"};
 constexpr std::array<std::string_view, 7> kFaultNames{"none", "drop",    "delay", "repeat",
                                                       "tear", "corrupt", "vanish"};
 
@@ -29,7 +29,7 @@ std::optional<std::size_t> find(const std::array<std::string_view, N>& names,
 }
 
 // DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30 or pmd:repeat:10:10.
-bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDevices>& plans) {
+bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>& plans) {
   std::array<std::string_view, 4> parts{};
   std::size_t count = 0;
   for (std::size_t begin = 0; begin <= text.size(); ++count) {

@@ -20,15 +20,22 @@ void count_stages(const Stats& stats, hal::Duration publish, Counters& counters)
 }  // namespace
 
 Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
-           Pipeline& pipeline, Stream& stream, Events& events) noexcept
+           Pipeline& pipeline, Stream& stream, Events& events, DeviceLending* lending) noexcept
     : board_(board),
       pipeline_(pipeline),
       stream_(stream),
+      lending_(lending),
       conditions_(board.clock, events, stream.health()),
       schedule_(timing, board.pmd != nullptr, board.clock.now()),
-      collector_(board, setup, conditions_) {}
+      collector_(board, setup, conditions_, lending) {}
 
 Status Loop::step() noexcept {
+  const Status status = run_period();
+  lend_lost_devices();
+  return status;
+}
+
+Status Loop::run_period() noexcept {
   wait_for_edge();
   const Result<hal::Time> edge = pulse();  // shot n begins to expose
   Status status = publish_held();          // shot n - 1, if it had to wait for its turn
@@ -40,6 +47,19 @@ Status Loop::step() noexcept {
     status = lost_or_ok(status, publish_held());
   }
   return status;
+}
+
+void Loop::lend_lost_devices() noexcept {
+  if (lending_ == nullptr) {
+    return;
+  }
+  const hal::Time now = board_.clock.now();
+  const auto lend = [&](board::Device device, Part part, bool leased) {
+    lending_->after_round(device, conditions_.lost(part), leased, now);
+  };
+  lend(board::Device::kTrigger, Part::kTrigger, false);
+  lend(board::Device::kStereo, Part::kStereo, held_.has_value());
+  lend(board::Device::kPmd, Part::kPmd, collector_.holds_pmd() || (held_ && held_->pmd));
 }
 
 void Loop::restart(const board::TimingConfig& timing) noexcept {
@@ -57,7 +77,8 @@ void Loop::wait_for_edge() noexcept {
 // The edge that went out, later than any before it; errors as Trigger::pulse.
 Result<hal::Time> Loop::pulse() noexcept {
   const hal::Time planned = schedule_.advance();
-  Result<hal::Time> edge = board_.trigger.pulse();
+  const bool usable = lending_ == nullptr || lending_->usable(board::Device::kTrigger);
+  Result<hal::Time> edge = usable ? board_.trigger.pulse() : fail(Status::kDeviceLost);
   conditions_.note_device_status(Part::kTrigger, edge ? Status::kOk : edge.error());
   if (edge) {
     Counters& counters = conditions_.counters();

@@ -49,7 +49,7 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunCon
     serial_->sender.set(run_config.serial);
   }
   loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, stream_,
-                parts_.events);
+                parts_.events, parts_.lending);
 }
 
 void Appliance::build(const RunConfig& run_config) noexcept {
@@ -77,7 +77,7 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
 
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
-    stream_.set_receivers(receivers->all(), receivers->refused);
+    stream_.set_receivers(*receivers);
   }
   std::optional<RunConfig> newest;
   while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {

@@ -59,7 +59,7 @@ class ControlServices final : public settings::Limits,
   // Of the loop's thread. `made`: what its end of the serial line counted.
   ControlStatus status(const SerialSender::Counters& made) const noexcept;
 
-  bool accepts(const settings::Settings& settings, settings::Window& why) noexcept override;
+  bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
   bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override;
   void tick(hal::Time now) noexcept override;
 
@@ -70,7 +70,7 @@ class ControlServices final : public settings::Limits,
   void publish_status() noexcept;
 
   Parts parts_;
-  settings::SettingsDesk desk_;
+  settings::SettingsServer settings_server_;
   Subscribers subscribers_;
   RequestHandler handler_;
   Beacon beacon_;

@@ -49,6 +49,7 @@ class SerialLink final : public Periodic {
   const mavlink::Autopilot& autopilot() const noexcept { return autopilot_; }
 
  private:
+  static_assert(hal::CobsReader::kMaxFrame == wire::kMaxDatagram);
   using Frame = std::array<std::byte, hal::cobs_bound(wire::kMaxDatagram) + 2>;
 
   void reopen_when_due(hal::Time now) noexcept;

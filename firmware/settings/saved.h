@@ -14,6 +14,6 @@ namespace stof::settings {
 // for this sensor) is set aside, the defaults hold, and `line` says so in one line that begins with
 // `place`, such as the file's name. limits: nullptr: are not asked.
 Settings load_settings(hal::Store& store, std::string_view place, Limits* limits,
-                       Window& line) noexcept;
+                       PagedWriter& line) noexcept;
 
 }  // namespace stof::settings

@@ -160,10 +160,10 @@ Rig::Rig(const RigOptions& options)
                                                 options.timing.period.count())
                       .value()},
              sizes_of(setup), clock, board.port, nullptr, events, arena),
-      loop(board, options.timing, setup, pipeline, stream, events) {
+      loop(board, options.timing, setup, pipeline, stream, events, options.lending) {
   stream.set_params({.choice = options.choice, .period = options.timing.period});
   const hal::Peer receiver{.address = {}, .port = 1};
-  stream.set_receivers({&receiver, 1});
+  stream.set_receivers({.peers = {receiver}, .count = 1});
 }
 
 std::size_t Received::count(dsp::Source which) const {

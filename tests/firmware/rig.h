@@ -127,6 +127,7 @@ struct RigOptions {
   dsp::Crew threads = {};  // that compute
   bool still = false;  // every edge shows the first one's wall, the PMD camera's noise is its own
   bool temporal = false;  // depth is averaged over frames
+  DeviceLending* lending = nullptr;
 };
 
 Setup small_setup(bool with_pmd);

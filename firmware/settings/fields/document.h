@@ -18,20 +18,14 @@ inline constexpr std::size_t kMostDocumentBytes = 4096;
 // Any bytes: a JSON object of some or all fields. All of its fields are changed in `settings`, or,
 // where one is refused, nothing is and `why` says in one line which and what it takes.
 // `named`: where not nullptr, the fields that the text names are added.
-bool parse(std::span<const char> text, Settings& settings, Window& why,
+bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
            FieldSet* named = nullptr) noexcept;
 
 // One field by its path, as command lines have it: "streams.depth", "raw".
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
-                 Window& why) noexcept;
+                 PagedWriter& why) noexcept;
 
 // All fields, one a line.
-void write_document(const Settings& settings, Window& out) noexcept;
-// The JSON Schema (draft 2020-12) of such documents: every field may be left out.
-void write_schema(Window& out) noexcept;
-// The table of docs/SETTINGS.md (Markdown).
-void write_table(Window& out) noexcept;
-// One field per line, for a command line's help.
-void write_usage(Window& out) noexcept;
+void write_document(const Settings& settings, PagedWriter& out) noexcept;
 
 }  // namespace stof::settings

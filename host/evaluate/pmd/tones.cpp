@@ -1,4 +1,4 @@
-#include "host/evaluate/pmd/two_frequencies.h"
+#include "host/evaluate/pmd/tones.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // What datagrams say of sensors, also those that lie.
-#include "host/discovery/found.h"
+#include "host/discovery/found_sensors.h"
 
 #include <gtest/gtest.h>
 

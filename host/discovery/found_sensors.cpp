@@ -1,4 +1,4 @@
-#include "host/discovery/found.h"
+#include "host/discovery/found_sensors.h"
 
 #include <algorithm>
 #include <charconv>

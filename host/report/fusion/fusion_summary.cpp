@@ -1,8 +1,8 @@
 // Tables and claims over all fused scenes.
+#include "host/report/fusion/fusion_summary.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "host/report/fusion/fusion_page.h"
 
 namespace stof::host {
 namespace {
@@ -48,8 +48,7 @@ void add_scores(std::span<const FusionCase> cases, Page& page) {
               .header = {"Scene", "PMD camera", "E5, PMD alone", "E5, stereo alone", "E5, fused",
                          "better than each", "covered by stereo", "covered, fused",
                          "median error, mm", "of the depth"},
-              .text_columns = 2,
-              .rows = {}};
+              .text_columns = 2};
   for (const FusionCase& fused : cases) {
     table.rows.push_back(score_row(fused.scene, fused.sensor(), fused.scores,
                                    fused.scores.fused_is_best() ? "yes" : "no"));
@@ -119,8 +118,7 @@ void add_gaps(std::span<const FusionCase> cases, Page& page) {
   Table table{.caption = "Pixels with truth that stereo alone leaves empty; shares in percent",
               .header = {"Scene", "PMD camera", "empty, of all", "then covered by the fusion",
                          "then right within 5 percent"},
-              .text_columns = 2,
-              .rows = {}};
+              .text_columns = 2};
   int dense = 0;
   int judged = 0;
   std::string list;
@@ -151,14 +149,12 @@ void add_sources(std::span<const FusionCase> cases, Page& page) {
   Table table{.caption = "Where depths come from; percent of all pixels",
               .header = {"Scene", "PMD camera", "both agree", "stereo alone", "PMD alone",
                          "resolved", "conflict", "none"},
-              .text_columns = 2,
-              .rows = {}};
+              .text_columns = 2};
   Table causes{
       .caption = "Why depths were resolved or left out; percent of all pixels",
       .header = {"Scene", "PMD camera", "PMD pixel sees two surfaces", "the match has rivals",
                  "one PMD range apart", "only the left camera sees it", "both well supported"},
-      .text_columns = 2,
-      .rows = {}};
+      .text_columns = 2};
   int rare = 0;
   double most = 0;
   for (const FusionCase& fused : cases) {
