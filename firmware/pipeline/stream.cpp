@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dsp/base/check.h"
-#include "firmware/wire/frame/frame_info.h"
+#include "firmware/wire/frame_info.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 
