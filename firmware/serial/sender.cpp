@@ -51,10 +51,11 @@ std::uint8_t variance_cm2(std::uint32_t sigma_mm) noexcept {
 }  // namespace
 
 std::size_t SerialSender::bytes_needed(const SerialSetup& setup) noexcept {
-  const std::size_t pixels = std::size_t{kMedium.width} * kMedium.height;
-  return SectorFinder::bytes_needed(setup.calibration.image_width, setup.calibration.image_height) +
-         wire::FrameCoder::bytes_needed(kLargest, kMostPackets) +
-         2 * dsp::Arena::bytes_for<dsp::QuarterMm>(pixels);
+  return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
+    std::array<std::byte, 1> no_line{};
+    ByteRing ring(no_line);
+    const SerialSender unused(setup, ring, arena);
+  });
 }
 
 SerialSender::SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena& arena) noexcept
