@@ -26,7 +26,7 @@ cstdint cstdio cstdlib cstring ctime cuchar cwchar cwctype
 
 ANY_LIBRARY = ("*",)
 # What the C library has beyond C.
-C_LIBRARY = ("arpa/*.h", "asm/*.h", "fcntl.h", "net/*.h", "netdb.h", "netinet/*.h", "poll.h", "pthread.h", "sys/*.h",
+C_LIBRARY = ("arpa/*.h", "asm/*.h", "fcntl.h", "ifaddrs.h", "net/*.h", "netdb.h", "netinet/*.h", "poll.h", "pthread.h", "sys/*.h",
              "unistd.h")
 
 

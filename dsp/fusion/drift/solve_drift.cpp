@@ -4,24 +4,45 @@
 #include <array>
 #include <cmath>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
 constexpr std::size_t kN = kDriftParameters;
 using Matrix = std::array<double, kN * kN>;
 
-// What is known before, as standard deviations: a degree, 10 cm, and that a pair which was
-// calibrated keeps its disparities.
+// Where a number was chosen, the range over which it was varied stands beside it: see
+// disparity_shift.cpp.
+
+// What is known before, as standard deviations: a mount turns by a degree and moves by 10 cm at
+// most, and a pair that was calibrated keeps its disparities. Radians, metres, pixels.
 constexpr DriftVector kPrior{0.02, 0.02, 0.02, 0.1, 0.05};
 
-constexpr double kPatchNoisePx = 0.02;  // what no number of frames improves, and
-constexpr double kLasting = 0.15;       // the share of a frame's variance that lasts
+// What no number of frames improves: an error of each patch, px (its plane is not quite one), and
+// the share of a frame's variance that the next frame repeats, as its texture does (chosen: 0.005
+// to 0.06; 0 to 0.5).
+constexpr double kPatchNoisePx = 0.02;
+constexpr double kLasting = 0.15;
+// An error that all patches of a region share, px: distortion that the calibration left (chosen: 0
+// to 0.05; it adds to sigma alone).
 constexpr double kRegionNoisePx = 0.017;
-constexpr int kRounds = 17;  // all alike, Huber's weights, Tukey's from the middle on
+// Rounds: one with all weights alike, eight with Huber's weights, eight with Tukey's. Of 40 the
+// result is the same to 0.001 degrees.
+constexpr int kRounds = 17;
+// In standard deviations. Huber's usual bound is 1.345, Tukey's 4.685 (95 percent efficient where
+// errors are normal; Holland & Welsch 1977). Here whole surfaces contradict, so Tukey's drops them
+// from three on (chosen: 1 to 3; 2 to 6).
 constexpr double kHuber = 1.5;
 constexpr double kTukey = 3;
-constexpr double kLeastScale = 1;  // or a large smooth wall's little noise throws out all else
-constexpr int kRegions = 4;        // along the width
+// Standard deviation over median of the absolute values, of normal errors: 1 / 0.6745.
+constexpr double kSigmaPerMedian = 1.48;
+// The typical misfit counts as this much at least, or the little noise of a large smooth wall
+// throws out all else (chosen: 0.3 to 2).
+constexpr double kLeastScale = 1;
+// Along the width, for the jackknife: large enough that what one thing does stays in one region
+// (chosen: 2 to 8).
+constexpr int kRegions = 4;
 
 // What must be left of a diagonal element once the parameters before it explain theirs. A double
 // holds it to 2e-16 of the sum it is the rest of, so three digits of it are true.
@@ -114,7 +135,8 @@ double robust_weight(double misfit, int round) noexcept {
 
 // Fills trust, the weight of each patch, with what `value` leaves; returns the typical misfit of
 // this round, for the next.
-double judge(const DriftPatches& seen, const DriftVector& value, double scale, int round) noexcept {
+double weigh_patches(const DriftPatches& seen, const DriftVector& value, double scale,
+                     int round) noexcept {
   std::size_t n = 0;
   for (std::size_t p = 0; p < seen.patches.size(); ++p) {
     seen.trust[p] = 0;
@@ -135,7 +157,7 @@ double judge(const DriftPatches& seen, const DriftVector& value, double scale, i
   }
   const std::span<double> sorted = seen.sorted.first(n);
   std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(n / 2));
-  return std::max(1.48 * sorted[n / 2], kLeastScale);
+  return std::max(kSigmaPerMedian * sorted[n / 2], kLeastScale);
 }
 
 // What is known before, and what the trusted patches say.
@@ -171,7 +193,7 @@ Share share_of(const DriftPatches& seen, const Region& region, const DriftVector
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
   for (int y = std::max(region.y, 0); y < std::min(region.y + region.side, rows); ++y) {
     for (int x = std::max(region.x, 0); x < std::min(region.x + region.side, seen.columns); ++x) {
-      const std::size_t p = static_cast<std::size_t>(y * seen.columns + x);
+      const std::size_t p = index(y * seen.columns + x);
       if (!(seen.trust[p] > 0)) {
         continue;
       }
@@ -237,7 +259,7 @@ std::optional<DriftVector> jackknife(const DriftPatches& seen, const DriftVector
 }  // namespace
 
 bool DriftPatch::known() const noexcept {
-  constexpr double kLeastCount = 2;
+  constexpr double kLeastCount = 2;  // frames: of one alone nothing tells an outlier
   return count >= kLeastCount;
 }
 
@@ -250,7 +272,8 @@ void DriftPatch::add(double error_px, const DriftVector& at, double variance) no
 }
 
 void DriftPatch::fade(double factor) noexcept {
-  if (count < 1e-3) {
+  constexpr double kForgotten = 1e-3;  // frames
+  if (count < kForgotten) {
     *this = {};
     return;
   }
@@ -267,7 +290,7 @@ std::optional<DriftSolution> solve_drift(const DriftPatches& seen) noexcept {
   std::optional<Matrix> inverse;
   double scale = 1;
   for (int round = 0; round < kRounds; ++round) {
-    scale = judge(seen, out.value, scale, round);
+    scale = weigh_patches(seen, out.value, scale, round);
     normal = normal_of(seen);
     inverse = inverse_of(normal.matrix, normal.matrix);
     if (!inverse) {
