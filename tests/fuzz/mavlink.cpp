@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 #include "tests/fuzz/records.h"
 
 // Bytes of a MAVLink line. However they are cut into pieces, the same messages come out.

@@ -1,4 +1,4 @@
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 
 #include <algorithm>
 

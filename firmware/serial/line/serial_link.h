@@ -4,11 +4,11 @@
 #include <cstdint>
 
 #include "firmware/control/periodic.h"
-#include "firmware/serial/byte_ring.h"
-#include "firmware/serial/line_reader.h"
-#include "firmware/serial/line_speed.h"
-#include "firmware/serial/line_writer.h"
-#include "firmware/serial/requests.h"
+#include "firmware/serial/line/byte_ring.h"
+#include "firmware/serial/line/line_reader.h"
+#include "firmware/serial/line/line_speed.h"
+#include "firmware/serial/line/line_writer.h"
+#include "firmware/serial/line/requests.h"
 #include "firmware/settings/settings.h"
 #include "hal/serial_port.h"
 #include "hal/time.h"

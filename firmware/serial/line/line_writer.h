@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/line/byte_ring.h"
 #include "firmware/wire/packet.h"
 #include "hal/framing/cobs.h"
 #include "hal/serial_port.h"

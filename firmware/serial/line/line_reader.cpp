@@ -1,4 +1,4 @@
-#include "firmware/serial/line_reader.h"
+#include "firmware/serial/line/line_reader.h"
 
 #include <optional>
 

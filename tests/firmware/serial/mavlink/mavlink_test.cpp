@@ -1,4 +1,4 @@
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/mavlink/mavlink.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 #include "firmware/wire/bytes.h"
 #include "tests/support/random.h"
 

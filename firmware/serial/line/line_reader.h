@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/serial/mavlink_reader.h"
-#include "firmware/serial/requests.h"
+#include "firmware/serial/line/requests.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 #include "firmware/settings/settings.h"
 #include "hal/framing/cobs.h"
 #include "hal/serial_port.h"

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/mavlink/mavlink.h"
 #include "hal/time.h"
 
 namespace stof::firmware::mavlink {

@@ -1,4 +1,4 @@
-#include "firmware/serial/line_writer.h"
+#include "firmware/serial/line/line_writer.h"
 
 #include <algorithm>
 #include <chrono>

@@ -1,6 +1,6 @@
-#include "firmware/serial/line_speed.h"
+#include "firmware/serial/line/line_speed.h"
 
-#include "firmware/serial/line_writer.h"
+#include "firmware/serial/line/line_writer.h"
 
 namespace stof::firmware {
 void LineSpeed::want(std::uint32_t baud) noexcept {
