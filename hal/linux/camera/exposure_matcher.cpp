@@ -1,4 +1,4 @@
-#include "hal/linux/camera/placer.h"
+#include "hal/linux/camera/exposure_matcher.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -7,7 +7,7 @@ constexpr std::uint32_t kMostSteps = 32;
 
 }  // namespace
 
-void Placer::forget() noexcept {
+void ExposureMatcher::forget() noexcept {
   last_.reset();
   usual_delay_ = {};
   believed_ = false;
@@ -15,7 +15,7 @@ void Placer::forget() noexcept {
 }
 
 // How many exposures later than the last claim; none: too many, or that is not remembered.
-std::optional<std::uint32_t> Placer::steps_since_last(const Exposure& exposure) noexcept {
+std::optional<std::uint32_t> ExposureMatcher::steps_since_last(const Exposure& exposure) noexcept {
   Time at = exposure.begin;
   for (std::uint32_t steps = 0; steps <= kMostSteps; ++steps) {
     if (at <= last_->exposure.begin) {
@@ -30,8 +30,8 @@ std::optional<std::uint32_t> Placer::steps_since_last(const Exposure& exposure) 
   return std::nullopt;
 }
 
-Placed Placer::place(Time stamp, std::uint32_t number) noexcept {
-  const Placed nowhere{.exposure = {stamp, stamp}};
+MatchedExposure ExposureMatcher::match(Time stamp, std::uint32_t number) noexcept {
+  const MatchedExposure nowhere{.exposure = {stamp, stamp}};
   const std::optional<Exposure> found = exposures_.ended_at(stamp);
   if (!found || stamp - found->end > most_delay_) {
     return nowhere;  // the next one's step tells whether it was counted

@@ -1,4 +1,4 @@
-#include "board/devices/late.h"
+#include "board/devices/hotplug_camera.h"
 
 #include <gtest/gtest.h>
 
@@ -26,27 +26,27 @@ class ScriptedCamera final : public hal::StereoCamera {
   Script& script_;
 };
 
-using LateStereo = Late<hal::StereoCamera, hal::StereoFrame>;
+using HotplugStereo = HotplugCamera<hal::StereoCamera, hal::StereoFrame>;
 
-LateStereo::Open opener(Script& script) {
-  return [&script]() -> std::expected<LateStereo::Opened, hal::linux::OpenError> {
+HotplugStereo::Open opener(Script& script) {
+  return [&script]() -> std::expected<HotplugStereo::Opened, hal::linux::OpenError> {
     if (!script.there) {
       return std::unexpected(hal::linux::OpenError{"no camera: plug it in"});
     }
     ++script.opened;
-    return LateStereo::Opened{.camera = std::make_unique<ScriptedCamera>(script),
-                              .reopen = [&script] {
-                                ++script.reopened;
-                                return script.there ? Status::kOk : Status::kDeviceLost;
-                              }};
+    return HotplugStereo::Opened{.camera = std::make_unique<ScriptedCamera>(script),
+                                 .reopen = [&script] {
+                                   ++script.reopened;
+                                   return script.there ? Status::kOk : Status::kDeviceLost;
+                                 }};
   };
 }
 
-Status answer(LateStereo& camera) { return camera.wait_frame(hal::Time{}).error(); }
+Status answer(HotplugStereo& camera) { return camera.wait_frame(hal::Time{}).error(); }
 
-TEST(Late, IsLostUntilItsCameraComes) {
+TEST(HotplugCamera, IsLostUntilItsCameraComes) {
   Script script;
-  LateStereo camera(opener(script));
+  HotplugStereo camera(opener(script));
   EXPECT_EQ(camera.why(), "no camera: plug it in");
   EXPECT_EQ(answer(camera), Status::kDeviceLost);
   EXPECT_EQ(camera.reopen(), Status::kDeviceLost);
@@ -57,9 +57,9 @@ TEST(Late, IsLostUntilItsCameraComes) {
   EXPECT_EQ(script.reopened, 0);
 }
 
-TEST(Late, ReopensInPlaceWhatIsLostAndNothingElse) {
+TEST(HotplugCamera, ReopensInPlaceWhatIsLostAndNothingElse) {
   Script script{.there = true};
-  LateStereo camera(opener(script));
+  HotplugStereo camera(opener(script));
   EXPECT_EQ(camera.why(), "");
   EXPECT_EQ(camera.reopen(), Status::kOk);
   EXPECT_EQ(script.reopened, 0);
@@ -76,9 +76,9 @@ TEST(Late, ReopensInPlaceWhatIsLostAndNothingElse) {
   EXPECT_EQ(script.reopened, 2);
 }
 
-TEST(Late, SilentCameraIsOpenedAnewAtLongerAndLongerIntervals) {
+TEST(HotplugCamera, SilentCameraIsOpenedAnewAtLongerAndLongerIntervals) {
   Script script{.there = true};
-  LateStereo camera(opener(script));
+  HotplugStereo camera(opener(script));
   std::vector<hal::Duration> when;
   for (hal::Duration at{}; at < std::chrono::minutes(5); at += std::chrono::milliseconds(33)) {
     if (camera.wait_frame(hal::Time(at)).error() == Status::kDeviceLost) {

@@ -18,7 +18,7 @@ namespace stof::board {
 // and sends nothing for seconds is lost as well: its driver may have given up without a word.
 // `Camera` is the interface, `Frame` what it gives.
 template <typename Camera, typename Frame>
-class Late final : public Camera {
+class HotplugCamera final : public Camera {
  public:
   struct Opened {
     std::unique_ptr<Camera> camera;
@@ -26,7 +26,7 @@ class Late final : public Camera {
   };
   using Open = std::function<std::expected<Opened, hal::linux::OpenError>()>;
 
-  explicit Late(Open open) : open_(std::move(open)) { static_cast<void>(reopen()); }
+  explicit HotplugCamera(Open open) : open_(std::move(open)) { static_cast<void>(reopen()); }
 
   Result<hal::Lease<Frame>> wait_frame(hal::Time deadline) noexcept override {
     if (lost_) {
@@ -39,7 +39,7 @@ class Late final : public Camera {
     lost_ = !frame && frame.error() == Status::kDeviceLost;
     if (frame) {
       timeouts_ = 0;
-      patience_ = kLeastPatience;
+      most_silence_ = kFirstSilence;
     }
     return frame;
   }
@@ -69,19 +69,19 @@ class Late final : public Camera {
 
  private:
   static constexpr int kLeastTimeouts = 8;
-  static constexpr hal::Duration kLeastPatience = std::chrono::seconds(3);
-  static constexpr hal::Duration kMostPatience = std::chrono::minutes(1);
+  static constexpr hal::Duration kFirstSilence = std::chrono::seconds(3);
+  static constexpr hal::Duration kLongestSilence = std::chrono::minutes(1);
 
-  // One more wait without a frame: whether those are too many. Each time it is more patient.
+  // One more wait without a frame: whether those are too many. Each time more are needed.
   bool silent(hal::Time deadline) noexcept {
     if (timeouts_++ == 0) {
       silent_since_ = deadline;
     }
-    if (timeouts_ < kLeastTimeouts || deadline - silent_since_ < patience_) {
+    if (timeouts_ < kLeastTimeouts || deadline - silent_since_ < most_silence_) {
       return false;
     }
     timeouts_ = 0;
-    patience_ = std::min(2 * patience_, kMostPatience);
+    most_silence_ = std::min(2 * most_silence_, kLongestSilence);
     return true;
   }
 
@@ -91,7 +91,7 @@ class Late final : public Camera {
   bool lost_ = true;
   int timeouts_ = 0;  // in a row
   hal::Time silent_since_{};
-  hal::Duration patience_ = kLeastPatience;
+  hal::Duration most_silence_ = kFirstSilence;
 };
 
 }  // namespace stof::board

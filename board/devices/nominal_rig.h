@@ -7,6 +7,6 @@ namespace stof::board {
 
 // What the drawing says of a rig whose pictures have these sizes (0x0: no PMD camera): lenses that
 // scale with their pictures' width, without distortion, all axes parallel.
-dsp::Calibration drawn_rig(const Config& config, PictureSize stereo, PictureSize pmd) noexcept;
+dsp::Calibration nominal_rig(const Config& config, PictureSize stereo, PictureSize pmd) noexcept;
 
 }  // namespace stof::board

@@ -17,11 +17,11 @@ struct Run {
   friend constexpr bool operator==(const Run&, const Run&) noexcept = default;
 };
 
-// One viewpoint of a scene. Rays are given as (x, y) for the direction (x, y, 1) of the eye's
+// One viewpoint of a scene. Rays are given as (x, y) for the direction (x, y, 1) of the viewpoint's
 // frame, so that Hit::t is the depth Z. The scene must outlive it.
-class Eye {
+class Viewpoint {
  public:
-  Eye(const Scene& scene, const Pose& pose);
+  Viewpoint(const Scene& scene, const Pose& pose);
 
   const Pose& pose() const noexcept { return pose_; }
   int things() const noexcept { return static_cast<int>(seen_.size()); }
@@ -49,8 +49,8 @@ class Eye {
  private:
   // A thing as seen from here.
   struct Seen {
-    Vec3 origin;  // of the eye, in the thing's frame
-    Pose turn;    // from the eye's frame into the thing's; rotation only
+    Vec3 origin;  // of the viewpoint, in the thing's frame
+    Pose turn;    // from the viewpoint's frame into the thing's; rotation only
     Window window;
   };
   Hit complete(int thing, const LocalHit& local, const Vec3& direction) const noexcept;
@@ -68,9 +68,9 @@ class Eye {
 
 // Of each row the pixels, from the first to the last, into which thing `first` or a later one may
 // reach: all others look the same without these things. For a lens without distortion.
-std::vector<Run> runs_of_things(const Eye& eye, const dsp::Pinhole& lens, int first);
+std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first);
 // The same for any lens; rays: of the pixel centres, row by row.
-std::vector<Run> runs_of_things(const Eye& eye, const dsp::Pinhole& lens,
+std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                                 std::span<const Vec3> rays, int first);
 // Every pixel.
 std::vector<Run> whole_picture(const dsp::Pinhole& lens);

@@ -1,4 +1,4 @@
-#include "board/devices/drawn_rig.h"
+#include "board/devices/nominal_rig.h"
 
 namespace stof::board {
 namespace {
@@ -15,14 +15,14 @@ dsp::Pinhole lens(PictureSize size, double focal_px, int largest_width) noexcept
 
 }  // namespace
 
-dsp::Calibration drawn_rig(const Config& config, PictureSize stereo, PictureSize pmd) noexcept {
+dsp::Calibration nominal_rig(const Config& config, PictureSize stereo, PictureSize pmd) noexcept {
   dsp::Calibration rig;
-  rig.stereo = {.left = lens(stereo, config.drawn.stereo_focal_px, config.stereo.width),
-                .baseline_m = config.drawn.baseline_m};
+  rig.stereo = {.left = lens(stereo, config.nominal.stereo_focal_px, config.stereo.width),
+                .baseline_m = config.nominal.baseline_m};
   if (pmd.width > 0) {
-    rig.pmd.lens = lens(pmd, config.drawn.pmd_focal_px, config.pmd.width);
+    rig.pmd.lens = lens(pmd, config.nominal.pmd_focal_px, config.pmd.width);
     rig.pmd.tone.modulation = dsp::Hertz{config.devices.pmd.modulation_khz * 1000};
-    rig.pmd_to_stereo.translation_m = {config.drawn.pmd_right_m, config.drawn.pmd_below_m, 0};
+    rig.pmd_to_stereo.translation_m = {config.nominal.pmd_right_m, config.nominal.pmd_below_m, 0};
   }
   return rig;
 }

@@ -1,4 +1,4 @@
-#include "hal/linux/libcamera/libcamera_eye.h"
+#include "hal/linux/libcamera/libcamera_stream.h"
 
 #include <algorithm>
 #include <array>
@@ -73,8 +73,8 @@ OpenError refusal(const libcamera::Camera& camera, const std::string& what) {
 
 }  // namespace
 
-std::optional<OpenError> LibcameraEye::open(std::shared_ptr<libcamera::Camera> camera,
-                                            const LibcameraOptions& options) {
+std::optional<OpenError> LibcameraStream::open(std::shared_ptr<libcamera::Camera> camera,
+                                               const LibcameraOptions& options) {
   close();
   lost_ = false;
   if (camera->acquire() != 0) {
@@ -94,7 +94,7 @@ std::optional<OpenError> LibcameraEye::open(std::shared_ptr<libcamera::Camera> c
   return error;
 }
 
-std::optional<OpenError> LibcameraEye::configure(const LibcameraOptions& options) {
+std::optional<OpenError> LibcameraStream::configure(const LibcameraOptions& options) {
   const libcamera::Size size(static_cast<unsigned>(options.width),
                              static_cast<unsigned>(options.height));
   for (const Format& format : kFormats) {
@@ -128,7 +128,7 @@ std::optional<OpenError> LibcameraEye::configure(const LibcameraOptions& options
                                "; see `cam -I` for what it has");
 }
 
-std::optional<OpenError> LibcameraEye::make_requests(const LibcameraOptions& options) {
+std::optional<OpenError> LibcameraStream::make_requests(const LibcameraOptions& options) {
   libcamera::Stream* const stream = configuration_->at(0).stream();
   allocator_ = std::make_unique<libcamera::FrameBufferAllocator>(camera_);
   const int got = allocator_->allocate(stream);
@@ -152,7 +152,7 @@ std::optional<OpenError> LibcameraEye::make_requests(const LibcameraOptions& opt
   return std::nullopt;
 }
 
-std::optional<OpenError> LibcameraEye::start(const LibcameraOptions& options) {
+std::optional<OpenError> LibcameraStream::start(const LibcameraOptions& options) {
   nodes_.clear();
   const std::optional<libcamera::Span<const std::int64_t>> devices =
       camera_->properties().get(libcamera::properties::SystemDevices);
@@ -165,8 +165,8 @@ std::optional<OpenError> LibcameraEye::start(const LibcameraOptions& options) {
   }
   libcamera::ControlList list(camera_->controls());
   set_controls(camera_->controls(), options, list);
-  camera_->requestCompleted.connect(this, &LibcameraEye::on_completed);
-  camera_->disconnected.connect(this, &LibcameraEye::on_disconnected);
+  camera_->requestCompleted.connect(this, &LibcameraStream::on_completed);
+  camera_->disconnected.connect(this, &LibcameraStream::on_disconnected);
   running_ = true;
   if (camera_->start(&list) != 0) {
     return refusal(*camera_, "it does not start; use a port with more bandwidth or another size");
@@ -179,7 +179,7 @@ std::optional<OpenError> LibcameraEye::start(const LibcameraOptions& options) {
   return std::nullopt;
 }
 
-void LibcameraEye::close() noexcept {
+void LibcameraStream::close() noexcept {
   if (camera_ == nullptr) {
     return;
   }
@@ -200,20 +200,20 @@ void LibcameraEye::close() noexcept {
   camera_.reset();
 }
 
-bool LibcameraEye::node_gone() const noexcept {
+bool LibcameraStream::node_gone() const noexcept {
   return std::ranges::any_of(
       nodes_, [](const std::string& node) { return access(node.c_str(), F_OK) != 0; });
 }
 
-void LibcameraEye::mark_lost() noexcept {
+void LibcameraStream::mark_lost() noexcept {
   lost_.store(true, std::memory_order_release);
-  bell_.ring();
+  wake_.wake();
 }
 
-void LibcameraEye::on_disconnected() noexcept { mark_lost(); }
+void LibcameraStream::on_disconnected() noexcept { mark_lost(); }
 
 // On libcamera's thread.
-void LibcameraEye::on_completed(libcamera::Request* request) noexcept {
+void LibcameraStream::on_completed(libcamera::Request* request) noexcept {
   if (!running_.load(std::memory_order_acquire)) {
     return;
   }
@@ -236,10 +236,10 @@ void LibcameraEye::on_completed(libcamera::Request* request) noexcept {
   if (back) {
     requeue(*back);
   }
-  bell_.ring();
+  wake_.wake();
 }
 
-void LibcameraEye::requeue(int slot) noexcept {
+void LibcameraStream::requeue(int slot) noexcept {
   if (!running_.load(std::memory_order_acquire) || lost()) {
     return;
   }

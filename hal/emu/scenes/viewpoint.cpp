@@ -1,4 +1,4 @@
-#include "hal/emu/scenes/eye.h"
+#include "hal/emu/scenes/viewpoint.h"
 
 #include <algorithm>
 #include <bit>
@@ -17,7 +17,7 @@ double cell(double ray) noexcept { return std::floor((ray + 1) * (kCells * 0.5))
 
 }  // namespace
 
-Eye::Eye(const Scene& scene, const Pose& pose)
+Viewpoint::Viewpoint(const Scene& scene, const Pose& pose)
     : scene_(scene), pose_(pose), words_((scene.things.size() + kBits - 1) / kBits) {
   cells_.resize(words_ * (kCells * kCells + 1));
   for (const Thing& thing : scene.things) {
@@ -56,7 +56,7 @@ Eye::Eye(const Scene& scene, const Pose& pose)
   }
 }
 
-void Eye::note_cells(std::size_t thing) {
+void Viewpoint::note_cells(std::size_t thing) {
   const std::size_t word = thing / kBits;
   const std::uint64_t bit = std::uint64_t{1} << (thing % kBits);
   const Window& window = seen_[thing].window;
@@ -72,7 +72,7 @@ void Eye::note_cells(std::size_t thing) {
   cells_[static_cast<std::size_t>(kCells * kCells) * words_ + word] |= bit;
 }
 
-std::span<const std::uint64_t> Eye::candidates(double x, double y) const noexcept {
+std::span<const std::uint64_t> Viewpoint::candidates(double x, double y) const noexcept {
   const double column = cell(x);
   const double row = cell(y);
   const bool inside = column >= 0 && column < kCells && row >= 0 && row < kCells;
@@ -81,7 +81,7 @@ std::span<const std::uint64_t> Eye::candidates(double x, double y) const noexcep
   return std::span(cells_).subspan(static_cast<std::size_t>(entry) * words_, words_);
 }
 
-Hit Eye::look(double x, double y) const noexcept {
+Hit Viewpoint::look(double x, double y) const noexcept {
   const Vec3 direction{x, y, 1};
   LocalHit nearest;
   int thing = -1;
@@ -106,7 +106,7 @@ Hit Eye::look(double x, double y) const noexcept {
   return complete(thing, nearest, direction);
 }
 
-bool Eye::may_show(int first, const Window& part) const noexcept {
+bool Viewpoint::may_show(int first, const Window& part) const noexcept {
   for (std::size_t i = static_cast<std::size_t>(std::max(first, 0)); i < seen_.size(); ++i) {
     const Window& window = seen_[i].window;
     if (part.x_min <= window.x_max && part.x_max >= window.x_min && part.y_min <= window.y_max &&
@@ -117,7 +117,7 @@ bool Eye::may_show(int first, const Window& part) const noexcept {
   return false;
 }
 
-Hit Eye::look_at(int thing, double x, double y) const noexcept {
+Hit Viewpoint::look_at(int thing, double x, double y) const noexcept {
   const Vec3 direction{x, y, 1};
   const std::size_t i = static_cast<std::size_t>(thing);
   const LocalHit hit = intersect(scene_.things[i].form, scene_.things[i].half, seen_[i].origin,
@@ -125,7 +125,7 @@ Hit Eye::look_at(int thing, double x, double y) const noexcept {
   return complete(hit.t > 0 ? thing : -1, hit, direction);
 }
 
-Hit Eye::complete(int thing, const LocalHit& local, const Vec3& direction) const noexcept {
+Hit Viewpoint::complete(int thing, const LocalHit& local, const Vec3& direction) const noexcept {
   if (thing < 0) {
     return {};
   }
@@ -155,10 +155,10 @@ void widen(Run& run, int begin, int end) noexcept {
 
 }  // namespace
 
-std::vector<Run> runs_of_things(const Eye& eye, const dsp::Pinhole& lens, int first) {
+std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first) {
   std::vector<Run> runs(static_cast<std::size_t>(lens.height));
-  for (int thing = first; thing < eye.things(); ++thing) {
-    const Eye::Window& window = eye.window(thing);
+  for (int thing = first; thing < viewpoint.things(); ++thing) {
+    const Viewpoint::Window& window = viewpoint.window(thing);
     const int begin = clamped(std::floor(window.x_min * lens.fx + lens.cx - kReach), lens.width);
     const int end = clamped(std::ceil(window.x_max * lens.fx + lens.cx + kReach) + 1, lens.width);
     const int top = clamped(std::floor(window.y_min * lens.fy + lens.cy - kReach), lens.height);
@@ -171,17 +171,17 @@ std::vector<Run> runs_of_things(const Eye& eye, const dsp::Pinhole& lens, int fi
   return runs;
 }
 
-std::vector<Run> runs_of_things(const Eye& eye, const dsp::Pinhole& lens,
+std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                                 std::span<const Vec3> rays, int first) {
   std::vector<Run> runs(static_cast<std::size_t>(lens.height));
   const double dx = kReachDistorted / lens.fx;
   const double dy = kReachDistorted / lens.fy;
-  for (int thing = first; thing < eye.things(); ++thing) {
-    const Eye::Window& seen = eye.window(thing);
-    const Eye::Window window{.x_min = seen.x_min - dx,
-                             .x_max = seen.x_max + dx,
-                             .y_min = seen.y_min - dy,
-                             .y_max = seen.y_max + dy};
+  for (int thing = first; thing < viewpoint.things(); ++thing) {
+    const Viewpoint::Window& seen = viewpoint.window(thing);
+    const Viewpoint::Window window{.x_min = seen.x_min - dx,
+                                   .x_max = seen.x_max + dx,
+                                   .y_min = seen.y_min - dy,
+                                   .y_max = seen.y_max + dy};
     for (int y = 0; y < lens.height; ++y) {
       for (int x = 0; x < lens.width; ++x) {
         const Vec3& ray = rays[static_cast<std::size_t>(y * lens.width + x)];
