@@ -1,4 +1,4 @@
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 
 #include <algorithm>
 
@@ -122,7 +122,7 @@ void Reader::drop(std::size_t count) noexcept {
   size_ -= count;
 }
 
-void heard(const Message& message, hal::Time now, Autopilot& autopilot) noexcept {
+void note_message(const Message& message, hal::Time now, Autopilot& autopilot) noexcept {
   if (message.id == kHeartbeatKind.id &&
       std::to_integer<unsigned>(message.payload[5]) != kNoAutopilot) {
     autopilot = {.system = message.system, .last_heard = now};

@@ -1,4 +1,4 @@
-#include "firmware/serial/serial_link.h"
+#include "firmware/serial/line/serial_link.h"
 
 #include <array>
 #include <chrono>

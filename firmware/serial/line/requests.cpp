@@ -1,4 +1,4 @@
-#include "firmware/serial/requests.h"
+#include "firmware/serial/line/requests.h"
 
 #include <algorithm>
 #include <expected>

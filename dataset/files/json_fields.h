@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "dataset/dataset.h"
+#include "dataset/pmd_recording.h"
 
 // What reader and writer of PMD recordings share. Not for others.
 namespace stof::dataset {

@@ -1,4 +1,4 @@
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/mavlink/mavlink.h"
 
 #include <algorithm>
 #include <array>
@@ -10,7 +10,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 #include "firmware/wire/bytes.h"
 #include "tests/support/random.h"
 
@@ -199,10 +199,10 @@ TEST(MavlinkReader, RemembersAnAutopilotAndNobodyElse) {
   payload[5] = std::byte{3};
   const Bytes pilot = frame(1, kHeartbeatKind, payload);
   std::span<const std::byte> bytes = stranger;
-  heard(*reader.take(bytes), now, autopilot);
+  note_message(*reader.take(bytes), now, autopilot);
   EXPECT_EQ(autopilot.system, 0);
   bytes = pilot;
-  heard(*reader.take(bytes), now, autopilot);
+  note_message(*reader.take(bytes), now, autopilot);
   EXPECT_EQ(autopilot.system, 1);
   EXPECT_EQ(autopilot.last_heard, now);
 }

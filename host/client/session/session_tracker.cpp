@@ -1,4 +1,4 @@
-#include "host/client/session_tracker.h"
+#include "host/client/session/session_tracker.h"
 
 #include <algorithm>
 

@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "dataset/dataset.h"
+#include "dataset/image.h"
 
 // What readers and writers of files share.
 namespace stof::dataset {

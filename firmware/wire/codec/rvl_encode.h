@@ -4,17 +4,12 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/status.h"
+#include "firmware/wire/codec/rvl_numbers.h"
 
 // RVL, lossless coding of depth images (Wilson, "Fast Lossless Depth Image Compression", ISS 2017):
 // runs of zeros and of other values in turn, differences of the latter, all as numbers of 3 bits a
 // nibble. The layout is that of docs/WIRE.md, "RVL". T: std::uint8_t or std::uint16_t.
 namespace stof::wire {
-
-// A number has at most 6 nibbles; one with fewer bits than its nibbles hold is legal.
-inline constexpr unsigned kRvlNumberNibbles = 6;
-// Of one sequence: what a tile counts its pixels with.
-inline constexpr std::size_t kMostRvlValues = 65'535;
 
 struct RvlCoded {
   std::size_t values = 0;  // coded, from the first on
@@ -55,14 +50,5 @@ std::size_t rvl_finish(const RvlCut& cut, std::span<std::byte> out) noexcept;
 // Nibbles that the code of these values has at least, wherever they lie in a sequence.
 template <typename T>
 std::uint32_t rvl_least_nibbles(std::span<const T> values) noexcept;
-
-// Any bytes; reads and writes nothing outside of both spans. kCorrupt: not the code of exactly
-// values.size() values: too short, too long, runs longer than that, an empty run of other values
-// before the last one, a number of more than 6 nibbles, something else than 0 after the end. What
-// `values` holds then is undefined. Differences wrap modulo 2^16 or 2^8. Codes that rvl_encode()
-// would not write are legal: longer numbers than needed, runs of other values in several parts, a
-// difference that leads to 0.
-template <typename T>
-Status rvl_decode(std::span<const std::byte> in, std::span<T> values) noexcept;
 
 }  // namespace stof::wire

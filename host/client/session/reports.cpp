@@ -1,4 +1,4 @@
-#include "host/client/reports.h"
+#include "host/client/session/reports.h"
 
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "host/client/frame/frame_slot.h"

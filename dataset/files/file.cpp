@@ -1,4 +1,4 @@
-#include "dataset/file.h"
+#include "dataset/files/file.h"
 
 #include <charconv>
 #include <fstream>

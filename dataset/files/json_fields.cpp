@@ -1,4 +1,4 @@
-#include "dataset/json_fields.h"
+#include "dataset/files/json_fields.h"
 
 #include <algorithm>
 #include <cmath>

@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/mavlink/mavlink.h"
 #include "tests/support/random.h"
 
 namespace stof::firmware::test {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <span>
 
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/mavlink/mavlink.h"
 #include "hal/time.h"
 
 namespace stof::firmware::mavlink {
@@ -66,6 +66,6 @@ struct Autopilot {
 };
 
 // Takes note of a heartbeat, if it is an autopilot's.
-void heard(const Message& message, hal::Time now, Autopilot& autopilot) noexcept;
+void note_message(const Message& message, hal::Time now, Autopilot& autopilot) noexcept;
 
 }  // namespace stof::firmware::mavlink

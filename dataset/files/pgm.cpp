@@ -1,6 +1,8 @@
+#include "dataset/files/pgm.h"
+
 #include <cstring>
 
-#include "dataset/file.h"
+#include "dataset/files/file.h"
 
 namespace stof::dataset {
 namespace {
@@ -72,6 +74,12 @@ std::unexpected<Problem> above_maxval(const std::filesystem::path& file, int sam
       "make it again");
 }
 
+template <typename T>
+std::string pgm_header(const Image<T>& image, int maxval) {
+  return "P5\n" + std::to_string(image.width) + " " + std::to_string(image.height) + "\n" +
+         std::to_string(maxval) + "\n";
+}
+
 }  // namespace
 
 Loaded<Image<std::uint8_t>> read_pgm8(const std::filesystem::path& file) {
@@ -109,6 +117,34 @@ Loaded<Image<std::uint16_t>> read_pgm16(const std::filesystem::path& file) {
     image.pixels[i] = static_cast<std::uint16_t>(sample);
   }
   return image;
+}
+
+std::string pgm_bytes(const Image<std::uint8_t>& image) {
+  std::string bytes = pgm_header(image, 255);
+  for (const std::uint8_t value : image.pixels) {
+    bytes.push_back(static_cast<char>(value));
+  }
+  return bytes;
+}
+
+// Big-endian, as PGM requires.
+std::string pgm_bytes(const Image<std::uint16_t>& image) {
+  std::string bytes = pgm_header(image, 65535);
+  for (const std::uint16_t value : image.pixels) {
+    bytes.push_back(static_cast<char>(value >> 8U));
+    bytes.push_back(static_cast<char>(value & 0xFFU));
+  }
+  return bytes;
+}
+
+std::expected<void, Problem> write_pgm8(const std::filesystem::path& file,
+                                        const Image<std::uint8_t>& image) {
+  return write_whole(file, pgm_bytes(image));
+}
+
+std::expected<void, Problem> write_pgm16(const std::filesystem::path& file,
+                                         const Image<std::uint16_t>& image) {
+  return write_whole(file, pgm_bytes(image));
 }
 
 }  // namespace stof::dataset

@@ -1,4 +1,4 @@
-#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/line/byte_ring.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "firmware/serial/line_budget.h"
+#include "firmware/serial/line/line_budget.h"
 
 #include <algorithm>
 

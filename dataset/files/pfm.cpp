@@ -1,9 +1,11 @@
+#include "dataset/files/pfm.h"
+
 #include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstring>
 
-#include "dataset/file.h"
+#include "dataset/files/file.h"
 
 namespace stof::dataset {
 namespace {

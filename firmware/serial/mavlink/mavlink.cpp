@@ -1,4 +1,4 @@
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/mavlink/mavlink.h"
 
 #include <algorithm>
 #include <bit>
