@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/period_decision.h"
+#include "dsp/fusion/unwrap/decision/period_decision.h"
 
 #include <algorithm>
 #include <cstdlib>
