@@ -41,11 +41,11 @@ struct Board {
   hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
   hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
   dsp::Calibration calibration;
-  bool drawn = false;            // the calibration is the drawing's: nothing was measured
-  bool drawn_will_do = false;    // and whoever started it knows
-  int disparities;               // search range that the rig asks for
-  hal::Duration least_period{};  // with a shorter one frames cannot be told apart
-  bool emulated_time;            // the clock is not this machine's
+  bool nominal_calibration = false;        // of the drawing: nothing was measured
+  bool allow_nominal_calibration = false;  // and whoever started it knows
+  int disparities;                         // search range that the rig asks for
+  hal::Duration least_period{};            // with a shorter one frames cannot be told apart
+  bool emulated_time;                      // the clock is not this machine's
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing
 };

@@ -76,8 +76,9 @@ struct DeviceConfig {
   int priority = 0;
 };
 
-// What is drawn, before anything was measured: lenses in pixels of the largest pictures, metres.
-struct DrawnRig {
+// The rig as it is drawn, before anything was measured: lenses in pixels of the largest pictures,
+// metres.
+struct NominalRig {
   double stereo_focal_px = 0;
   double baseline_m = 0;
   double pmd_focal_px = 0;
@@ -91,7 +92,7 @@ struct Config {
   PmdConfig pmd;
   TimingConfig timing;
   DeviceConfig devices{};
-  DrawnRig drawn{};
+  NominalRig nominal{};
   std::size_t workspace_limit = 0;  // bytes that the memory of the frame path must stay within
 };
 

@@ -86,6 +86,21 @@ bool take_value(std::string_view flag, std::string_view value, Request& request)
 
 }  // namespace
 
+std::optional<std::filesystem::path> recording_beside(const std::filesystem::path& dataset) {
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(dataset / "", error);
+  const std::filesystem::path folder = absolute.lexically_normal().parent_path();
+  const std::filesystem::path data = folder.parent_path().parent_path();
+  const std::string name = folder.filename().string() + "_64x16";
+  for (const std::filesystem::path& beside : {data / "tof", data}) {
+    std::filesystem::path prefix = beside / "sim" / "scene" / name;
+    if (std::filesystem::exists(prefix.string() + ".json", error)) {
+      return prefix;
+    }
+  }
+  return std::nullopt;
+}
+
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
   Request request;
   std::string scene_flag;  // one of those that only a rendered scene has
@@ -137,8 +152,8 @@ std::string_view usage() noexcept {
       "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
       "right.pgm, meta.txt\n"
       "  --tof PREFIX         its PMD recording, PREFIX.json and PREFIX_raw.pgm\n"
-      "                       (default $STOF_DATA/tof/sim/scene/<name>_64x16, where that "
-      "exists)\n"
+      "                       (default: what lies beside DIR as "
+      "DIR/../../tof/sim/scene/<name>_64x16)\n"
       "  --no-tof             a rig without PMD camera\n"
       "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
       "unknown\n"

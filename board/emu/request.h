@@ -29,6 +29,11 @@ struct Request {
   }
 };
 
+// The PMD recording that lies beside a dataset DIR (PREFIX of PREFIX.json):
+// ../../tof/sim/scene/NAME_64x16 or ../../sim/scene/NAME_64x16 from there, NAME being the folder's.
+// None: neither is there.
+std::optional<std::filesystem::path> recording_beside(const std::filesystem::path& dataset);
+
 // Unknown flags and values without meaning are refused.
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);
 

@@ -191,30 +191,42 @@ void Responder::break_tie(dns::Reader& reader, const dns::Header& header, hal::T
   }
 }
 
+// What the questions of a message ask for; none where they cannot be read.
+std::optional<Responder::Asked> Responder::read_questions(dns::Reader& reader, unsigned count,
+                                                          std::uint32_t interface,
+                                                          bool legacy) const noexcept {
+  Asked asked;
+  for (unsigned i = 0; i < count; ++i) {
+    const Result<dns::Question> question = reader.question();
+    if (!question) {
+      return std::nullopt;
+    }
+    const RecordSet answers = records_.answers(*question, interface);
+    const bool unicast = legacy || (question->klass & dns::kTopBit) != 0;
+    (unicast ? asked.alone : asked.all) |= answers;
+    if (answers != 0 && !asked.first) {
+      asked.first = *question;
+    }
+  }
+  return asked;
+}
+
 std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
                                                          const dns::Header& header,
                                                          const hal::Peer& from, MdnsLink& link,
                                                          hal::Time now) noexcept {
   const bool legacy = from.port != kPort;
   const bool probe = header.authorities > 0;
-  RecordSet alone = 0;
-  RecordSet all = 0;
-  std::optional<dns::Question> first;
   if (header.questions > kMostQuestions || header.answers > kMostRecords) {
     return std::nullopt;
   }
-  for (unsigned i = 0; i < header.questions; ++i) {
-    const Result<dns::Question> question = reader.question();
-    if (!question) {
-      return std::nullopt;
-    }
-    const RecordSet answers = records_.answers(*question, link.interface);
-    const bool unicast = legacy || (question->klass & dns::kTopBit) != 0;
-    (unicast ? alone : all) |= answers;
-    if (answers != 0 && !first) {
-      first = *question;
-    }
+  const std::optional<Asked> asked =
+      read_questions(reader, header.questions, link.interface, legacy);
+  if (!asked) {
+    return std::nullopt;
   }
+  RecordSet alone = asked->alone;
+  RecordSet all = asked->all;
   RecordSet known = 0;
   for (unsigned i = 0; i < header.answers; ++i) {
     const Result<dns::Record> record = reader.record();
@@ -252,8 +264,9 @@ std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
     link.more_from = more ? std::optional(from) : std::nullopt;
   }
   return alone == 0 ? std::nullopt
-                    : answer_alone(legacy ? std::span(&*first, 1) : std::span<dns::Question>{},
-                                   alone, legacy ? header.id : std::uint16_t{0}, from);
+                    : answer_alone(
+                          legacy ? std::span(&*asked->first, 1) : std::span<const dns::Question>{},
+                          alone, legacy ? header.id : std::uint16_t{0}, from);
 }
 
 void Responder::schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexcept {

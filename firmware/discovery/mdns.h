@@ -54,10 +54,18 @@ class Responder {
 
  private:
   enum class Phase : std::uint8_t { kProbe, kAnnounce, kSteady, kGoodbye, kStopped };
+  struct Asked {
+    RecordSet alone = 0;  // to the one who asks
+    RecordSet all = 0;
+    std::optional<wire::dns::Question> first{};  // that has an answer
+  };
+
   void enter(Phase phase, hal::Time due) noexcept;
   void next_step(hal::Time now) noexcept;
   void take_response(wire::dns::Reader& reader, const wire::dns::Header& header,
                      hal::Time now) noexcept;
+  std::optional<Asked> read_questions(wire::dns::Reader& reader, unsigned count,
+                                      std::uint32_t interface, bool legacy) const noexcept;
   std::optional<Datagram> take_query(wire::dns::Reader& reader, const wire::dns::Header& header,
                                      const hal::Peer& from, MdnsLink& link, hal::Time now) noexcept;
   std::optional<Datagram> answer_alone(std::span<const wire::dns::Question> questions,

@@ -4,7 +4,8 @@
 #include <chrono>
 #include <utility>
 
-#include "firmware/wire/frame/frame_info.h"
+#include "dsp/base/check.h"
+#include "firmware/wire/frame_info.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 

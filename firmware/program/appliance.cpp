@@ -26,6 +26,7 @@ std::size_t coded_bytes_needed(const Setup& setup) noexcept {
   SerialSetup serial;
   serial.calibration.image_width = static_cast<std::uint16_t>(left.width);
   serial.calibration.image_height = static_cast<std::uint16_t>(left.height);
+  serial.calibration.fx = serial.calibration.fy = 1 << 16;  // any lens takes the same
   const wire::FrameSizes sizes = sizes_of(setup);
   return wire::FrameCoder::bytes_needed(sizes, wire::FrameCoder::usual_packets(sizes)) +
          SerialSender::bytes_needed(serial);

@@ -13,7 +13,7 @@
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/stream.h"
 #include "firmware/program/run_config.h"
-#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/line/byte_ring.h"
 #include "firmware/serial/sender.h"
 #include "firmware/spsc_ring.h"
 

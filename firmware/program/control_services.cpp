@@ -61,11 +61,11 @@ wire::Announce ControlServices::make_announce() const noexcept {
 }
 
 void ControlServices::publish_status() noexcept {
-  revision_.store(settings_server_.revision(), std::memory_order_relaxed);
-  unsaved_.store(settings_server_.unsaved(), std::memory_order_relaxed);
-  restart_needed_.store(settings_server_.restart_needed(), std::memory_order_relaxed);
-  subscriber_count_.store(static_cast<std::uint8_t>(subscribers_.count()),
-                          std::memory_order_relaxed);
+  published_.revision.store(settings_server_.revision(), std::memory_order_relaxed);
+  published_.unsaved.store(settings_server_.unsaved(), std::memory_order_relaxed);
+  published_.restart_needed.store(settings_server_.restart_needed(), std::memory_order_relaxed);
+  published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
+                               std::memory_order_relaxed);
 }
 
 wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
@@ -133,10 +133,10 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
 
 ControlStatus ControlServices::status(const SerialSender::Counters& made) const noexcept {
   ControlStatus status{.requests = control_counters(handler_, parts_.board.port),
-                       .settings_revision = revision_.load(std::memory_order_relaxed),
-                       .subscribers = subscriber_count_.load(std::memory_order_relaxed),
-                       .settings_unsaved = unsaved_.load(std::memory_order_relaxed),
-                       .restart_needed = restart_needed_.load(std::memory_order_relaxed)};
+                       .settings_revision = published_.revision.load(std::memory_order_relaxed),
+                       .subscribers = published_.subscribers.load(std::memory_order_relaxed),
+                       .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
+                       .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();
     status.serial_sent = line.sent;

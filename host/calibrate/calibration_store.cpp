@@ -3,7 +3,7 @@
 #include <fstream>
 #include <iterator>
 
-#include "dataset/file.h"
+#include "dataset/files/file.h"
 #include "firmware/wire/calibration/calibration_file.h"
 
 namespace stof::host {

@@ -10,8 +10,8 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_slot.h"
-#include "host/client/reports.h"
-#include "host/client/session_tracker.h"
+#include "host/client/session/reports.h"
+#include "host/client/session/session_tracker.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {

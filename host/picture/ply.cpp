@@ -2,7 +2,7 @@
 
 #include <bit>
 
-#include "dataset/file.h"
+#include "dataset/files/file.h"
 
 namespace stof::host {
 namespace {

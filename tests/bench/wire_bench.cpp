@@ -9,7 +9,8 @@
 
 #include "dsp/fusion/decimate.h"
 #include "firmware/wire/codec/interval_quantiser.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/frame/frame_coder.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
 
 namespace stof::client {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "dataset/file.h"
+#include "dataset/files/file.h"
 #include "host/report/page/style.h"
 #include "host/text/printed.h"
 

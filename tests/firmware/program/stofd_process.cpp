@@ -52,7 +52,6 @@ Stofd::Stofd(const std::vector<std::string>& arguments) {
   EXPECT_EQ(pipe(error_), 0);
   child_ = fork();
   if (child_ == 0) {
-    unsetenv("STOF_DATA");
     dup2(out_[1], STDOUT_FILENO);
     dup2(error_[1], STDERR_FILENO);
     for (const int fd : {out_[0], out_[1], error_[0], error_[1]}) {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/wide.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 #include "tests/firmware/wire/wire_support.h"
