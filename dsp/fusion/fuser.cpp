@@ -45,7 +45,7 @@ struct Fuser::Scratch {
   std::span<QuarterMm> stereo_low;
   std::span<QuarterMm> stereo_high;
   std::span<std::uint8_t> half;
-  std::span<Cause> cause;  // where nobody asks for it
+  std::span<Cause> cause;  // where the caller wants none
 };
 
 struct Fuser::Tables {

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/distance_votes.h"
+#include "dsp/fusion/unwrap/decision/distance_votes.h"
 
 #include <algorithm>
 

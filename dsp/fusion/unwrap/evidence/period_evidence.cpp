@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/period_evidence.h"
+#include "dsp/fusion/unwrap/evidence/period_evidence.h"
 
 #include <algorithm>
 #include <cmath>

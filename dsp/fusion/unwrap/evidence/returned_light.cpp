@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/returned_light.h"
+#include "dsp/fusion/unwrap/evidence/returned_light.h"
 
 #include <algorithm>
 #include <bit>

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/period_decision.h"
+#include "dsp/fusion/unwrap/decision/period_decision.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -168,7 +168,7 @@ void PeriodDecision::join_regions(const PeriodMaps& maps) noexcept {
   }
 }
 
-// The period of an open reading when everybody has spoken.
+// The period of an open reading from its region, what is possible and its brightness.
 std::int8_t PeriodDecision::decide_last(const ReturnedLight& light, const PeriodMaps& maps,
                                         std::size_t i) noexcept {
   const std::int8_t so_far = maps.period[i];

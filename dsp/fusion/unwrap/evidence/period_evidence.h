@@ -13,9 +13,9 @@
 #include "dsp/fusion/fuser.h"
 #include "dsp/fusion/project/project.h"
 #include "dsp/fusion/unwrap/count_votes.h"
+#include "dsp/fusion/unwrap/evidence/returned_light.h"
+#include "dsp/fusion/unwrap/evidence/stereo_samples.h"
 #include "dsp/fusion/unwrap/period_maps.h"
-#include "dsp/fusion/unwrap/returned_light.h"
-#include "dsp/fusion/unwrap/stereo_samples.h"
 #include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp {

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/stereo_samples.h"
+#include "dsp/fusion/unwrap/evidence/stereo_samples.h"
 
 #include <algorithm>
 

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/period_regions.h"
+#include "dsp/fusion/unwrap/decision/period_regions.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/surface_votes.h"
+#include "dsp/fusion/unwrap/decision/surface_votes.h"
 
 #include <algorithm>
 

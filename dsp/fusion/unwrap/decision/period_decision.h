@@ -5,11 +5,11 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/fusion/unwrap/distance_votes.h"
+#include "dsp/fusion/unwrap/decision/distance_votes.h"
+#include "dsp/fusion/unwrap/decision/period_regions.h"
+#include "dsp/fusion/unwrap/decision/surface_votes.h"
+#include "dsp/fusion/unwrap/evidence/returned_light.h"
 #include "dsp/fusion/unwrap/period_maps.h"
-#include "dsp/fusion/unwrap/period_regions.h"
-#include "dsp/fusion/unwrap/returned_light.h"
-#include "dsp/fusion/unwrap/surface_votes.h"
 
 namespace stof::dsp {
 
