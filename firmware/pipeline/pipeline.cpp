@@ -39,7 +39,10 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
 }
 
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
-  return dsp::DepthMaker::bytes_needed(setup.calibration, setup.depth, setup.threads) +
+  return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
+           dsp::DepthMaker(setup.calibration, setup.depth, arena,
+                           dsp::Crew::standing_for(setup.threads));
+         }) +
          map_bytes(setup.calibration.stereo.left);
 }
 

@@ -12,7 +12,8 @@ void put_text(std::string_view text, std::span<char> to) noexcept {
 ControlServices::ControlServices(const Parts& parts, const settings::Settings& active,
                                  const settings::Settings& saved)
     : parts_(parts),
-      desk_(active, saved, {.limits = *this, .sink = *this, .store = parts.store}),
+      desk_(active, saved,
+            {.limits = *this, .sink = *this, .store = parts.store, .fell_back = parts.fell_back}),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &desk_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
@@ -63,6 +64,7 @@ wire::Announce ControlServices::make_announce() const noexcept {
 void ControlServices::publish_status() noexcept {
   revision_.store(desk_.revision(), std::memory_order_relaxed);
   unsaved_.store(desk_.unsaved(), std::memory_order_relaxed);
+  fell_back_.store(desk_.fell_back(), std::memory_order_relaxed);
   restart_needed_.store(desk_.restart_needed(), std::memory_order_relaxed);
   subscriber_count_.store(static_cast<std::uint8_t>(subscribers_.count()),
                           std::memory_order_relaxed);
@@ -135,6 +137,7 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
                        .settings_revision = revision_.load(std::memory_order_relaxed),
                        .subscribers = subscriber_count_.load(std::memory_order_relaxed),
                        .settings_unsaved = unsaved_.load(std::memory_order_relaxed),
+                       .settings_fell_back = fell_back_.load(std::memory_order_relaxed),
                        .restart_needed = restart_needed_.load(std::memory_order_relaxed)};
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();

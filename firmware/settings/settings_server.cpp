@@ -30,7 +30,11 @@ bool usable(const Settings& settings, Limits* limits, Window& why) noexcept {
 
 SettingsDesk::SettingsDesk(const Settings& active, const Settings& saved,
                            const Parts& parts) noexcept
-    : parts_(parts), started_(active), active_(active), saved_(saved) {}
+    : parts_(parts),
+      started_(active),
+      active_(active),
+      saved_(saved),
+      fell_back_(parts.fell_back) {}
 
 bool SettingsDesk::restart_needed() const noexcept {
   const std::size_t count = field_count();
@@ -120,7 +124,11 @@ SettingsDesk::Result SettingsDesk::get(wire::SettingsDocument document,
 }
 
 SettingsDesk::Result SettingsDesk::stage(std::string_view text, Window& why) noexcept {
-  return parse(text, staged_values_, why, &staged_fields_) ? Result::kOk : Result::kInvalid;
+  if (!parse(text, staged_values_, why, &staged_fields_)) {
+    return Result::kInvalid;
+  }
+  fell_back_ = fell_back_ || !why.text().empty();
+  return Result::kOk;
 }
 
 SettingsDesk::Result SettingsDesk::commit(Window& why) noexcept {
@@ -142,7 +150,7 @@ SettingsDesk::Result SettingsDesk::preset(std::string_view name, Window& why) no
 }
 
 SettingsDesk::Result SettingsDesk::save(Window& why) noexcept {
-  if (active_ == saved_ && !unsaved_) {
+  if (active_ == saved_ && !unsaved_ && !fell_back_) {
     return Result::kOk;  // a repeated request does not wear the medium
   }
   std::array<char, kMostDocumentBytes> space;
@@ -160,6 +168,7 @@ SettingsDesk::Result SettingsDesk::save(Window& why) noexcept {
   }
   saved_ = active_;
   unsaved_ = false;
+  fell_back_ = false;
   return Result::kOk;
 }
 
@@ -168,17 +177,25 @@ SettingsDesk::Result SettingsDesk::change(std::string_view json, Window& why) no
   return parse(json, next, why) ? become(next, why) : Result::kInvalid;
 }
 
-SettingsDesk::Result SettingsDesk::become(const Settings& next, Window& why) noexcept {
+// why: of a result of kOk, what fell back.
+SettingsDesk::Result SettingsDesk::become(Settings next, Window& why) noexcept {
+  settle(next, why);
+  const bool falls_back = !why.text().empty();
   if (next == active_) {
+    fell_back_ = fell_back_ || falls_back;
     return Result::kOk;
   }
-  if (!usable(next, &parts_.limits, why)) {
+  std::array<char, kWhyBytes> space;
+  Window refusal(space);
+  if (!usable(next, &parts_.limits, refusal)) {
+    why << (falls_back ? "; " : "") << refusal.text();
     return Result::kInvalid;
   }
   if (!parts_.sink.apply(next, revision_ + 1)) {
     return Result::kBusy;
   }
   active_ = next;
+  fell_back_ = fell_back_ || falls_back;
   ++revision_;
   return Result::kOk;
 }

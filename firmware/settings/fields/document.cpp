@@ -1,5 +1,7 @@
 #include "firmware/settings/fields/document.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "firmware/settings/fields/groups.h"
@@ -7,6 +9,25 @@
 
 namespace stof::settings {
 namespace {
+
+// Options of the matcher that this version has not, or not with all values they once had: a
+// document that names them is still read.
+constexpr std::array<std::string_view, 7> kLeft{"method", "cost",    "shape",   "directions",
+                                                "band",   "pyramid", "interest"};
+constexpr std::string_view kMatch = "depth.match.";
+
+bool has_left(std::string_view path) noexcept {
+  return path.starts_with(kMatch) &&
+         std::ranges::find(kLeft, path.substr(kMatch.size())) != kLeft.end();
+}
+
+// P1,P2 or P1,P2,OCCLUSION of any size.
+bool once_took(std::string_view path, const Value& value) noexcept {
+  return path == "depth.match.penalties" &&
+         (value.written == Written::kString || value.written == Written::kBare) &&
+         !value.text.empty() && value.text.size() <= kMatchBytes && value.text.contains(',') &&
+         value.text.find_first_not_of("0123456789,") == std::string_view::npos;
+}
 
 bool refuse_unknown(std::string_view path, Window& why) noexcept {
   if (is_group(path)) {
@@ -25,6 +46,11 @@ bool take(std::size_t place, std::string_view path, const Value& value, Settings
           Window& why) noexcept {
   const Field known = field(place);
   if (assign(known, value, settings)) {
+    return true;
+  }
+  if (once_took(path, value)) {
+    settings.depth.match[known.slot] = {};
+    note_fallback(path, why);
     return true;
   }
   why << path << ": takes ";
@@ -49,6 +75,10 @@ class Taker final : public JsonVisitor {
   bool is_group(std::string_view path) noexcept override { return settings::is_group(path); }
   bool member(std::string_view path, const Value& value) noexcept override {
     const std::size_t place = find_field(path);
+    if (place == field_count() && has_left(path)) {
+      note_fallback(path, why_);
+      return true;
+    }
     if (place == field_count()) {
       return refuse_unknown(path, why_);
     }
@@ -105,6 +135,11 @@ class DocumentWriter {
 
 }  // namespace
 
+void note_fallback(std::string_view path, Window& note) noexcept {
+  note << (note.text().empty() ? "" : "; ") << path
+       << ": not in this version: as the preset has it";
+}
+
 bool parse(std::span<const char> text, Settings& settings, Window& why, FieldSet* named) noexcept {
   Settings changed = settings;
   FieldSet fields;
@@ -122,6 +157,10 @@ bool parse(std::span<const char> text, Settings& settings, Window& why, FieldSet
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
                  Window& why) noexcept {
   const std::size_t place = find_field(path);
+  if (place == field_count() && has_left(path)) {
+    note_fallback(path, why);
+    return true;
+  }
   return place == field_count() ? refuse_unknown(path, why)
                                 : take(place, path, {.text = value}, settings, why);
 }
