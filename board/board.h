@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <memory>
@@ -40,11 +41,11 @@ struct Board {
   hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
   hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
   dsp::Calibration calibration;
-  bool drawn = false;            // the calibration is the drawing's: nothing was measured
-  bool drawn_will_do = false;    // and whoever started it knows
-  int disparities;               // search range that the rig asks for
-  hal::Duration least_period{};  // with a shorter one frames cannot be told apart
-  bool emulated_time;            // the clock is not this machine's
+  bool nominal_calibration = false;        // of the drawing: nothing was measured
+  bool allow_nominal_calibration = false;  // and whoever started it knows
+  int disparities;                         // search range that the rig asks for
+  hal::Duration least_period{};            // with a shorter one frames cannot be told apart
+  bool emulated_time;                      // the clock is not this machine's
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing
 };
@@ -72,9 +73,16 @@ struct Refusal {
 std::expected<Board*, Refusal> open(const Lines& lines,
                                     std::span<const std::string_view> arguments);
 
-// Opens again, in place, what returned kDeviceLost; may allocate, and block for up to a second.
-// kOk: go on. kDeviceLost: not back yet, try again later. What is open stays as it is.
-Status reopen(Board& board) noexcept;
+// What can be lost, and opened again by reopen().
+enum class Device : std::uint8_t { kTrigger, kStereo, kPmd };
+inline constexpr std::size_t kDeviceCount = 3;
+
+// Opens a device again, in place, that has returned kDeviceLost. Of any thread, one at a time:
+// nobody else uses the device meanwhile or holds a lease of it, while the others may be in use (but
+// the cameras not while the trigger is opened, whose strobe lines they read). May allocate, and
+// block for seconds where a driver hangs. kOk: go on; also where it was not lost. kDeviceLost: not
+// back yet, try again later.
+Status reopen(Board& board, Device device) noexcept;
 
 // Keeps the program's memory in RAM from now on, and readies the stack of the calling thread, where
 // the board's table asks for priority. A line: what the system refuses and what to do; it goes on.

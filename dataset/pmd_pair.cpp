@@ -1,8 +1,10 @@
+#include "dataset/pmd_pair.h"
+
 #include <array>
 #include <utility>
 
-#include "dataset/file.h"
-#include "dataset/json_fields.h"
+#include "dataset/files/file.h"
+#include "dataset/files/json_fields.h"
 
 namespace stof::dataset {
 namespace {

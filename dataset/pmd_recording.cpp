@@ -1,10 +1,13 @@
+#include "dataset/pmd_recording.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "dataset/file.h"
-#include "dataset/json_fields.h"
+#include "dataset/files/file.h"
+#include "dataset/files/json_fields.h"
+#include "dataset/files/pgm.h"
 #include "dsp/base/units.h"
 
 namespace stof::dataset {

@@ -1,9 +1,14 @@
+#include "dataset/stereo_scene.h"
+
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
-#include "dataset/file.h"
+#include "dataset/files/file.h"
+#include "dataset/files/pgm.h"
 
 namespace stof::dataset {
 namespace {
@@ -127,6 +132,33 @@ std::expected<void, Problem> read_pair(const std::filesystem::path& dir, StereoS
   return same_size_as_left(dir / "right.pgm", scene.right, scene);
 }
 
+constexpr int kTruthScale = 256;
+constexpr float kMaxTruthPx = 255;
+
+// 0 = unknown.
+std::string truth_pgm(const Image<float>& truth) {
+  Image<std::uint16_t> steps(truth.width, truth.height);
+  std::ranges::transform(truth.pixels, steps.pixels.begin(), [](float d) {
+    const long value = std::isfinite(d) && d > 0
+                           ? std::max(std::lround(std::min(d, kMaxTruthPx) * kTruthScale), 1L)
+                           : 0;
+    return static_cast<std::uint16_t>(value);
+  });
+  return pgm_bytes(steps);
+}
+
+std::string meta(const StereoScene& scene) {
+  std::string text = "scene " + scene.name + "\nndisp " + std::to_string(scene.ndisp) +
+                     "\ngt_scale " + std::to_string(kTruthScale) + "\n";
+  if (scene.rig) {
+    std::array<char, 160> rig{};
+    std::snprintf(rig.data(), rig.size(), "f_px %.17g\nbaseline_m %.17g\ndoff_px %.17g\n",
+                  scene.rig->left.fx, scene.rig->baseline_m, scene.rig->doff_px);
+    text += rig.data();
+  }
+  return text;
+}
+
 }  // namespace
 
 Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
@@ -157,6 +189,25 @@ Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
     return std::unexpected(std::move(visible.error()));
   }
   return scene;
+}
+
+std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir,
+                                                const StereoScene& scene) {
+  std::vector<std::pair<const char*, std::string>> files{{"left.pgm", pgm_bytes(scene.left)},
+                                                         {"right.pgm", pgm_bytes(scene.right)},
+                                                         {"meta.txt", meta(scene)}};
+  if (scene.truth) {
+    files.emplace_back("gt_left.pgm", truth_pgm(*scene.truth));
+  }
+  if (scene.visible) {
+    files.emplace_back("nonocc.pgm", pgm_bytes(*scene.visible));
+  }
+  for (const auto& [name, bytes] : files) {
+    if (std::expected<void, Problem> written = write_whole(dir / name, bytes); !written) {
+      return written;
+    }
+  }
+  return {};
 }
 
 }  // namespace stof::dataset

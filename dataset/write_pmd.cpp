@@ -1,7 +1,10 @@
+#include "dataset/write_pmd.h"
+
 #include <algorithm>
 
-#include "dataset/file.h"
-#include "dataset/json_fields.h"
+#include "dataset/files/file.h"
+#include "dataset/files/json_fields.h"
+#include "dataset/files/pgm.h"
 
 namespace stof::dataset {
 namespace {

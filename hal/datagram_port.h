@@ -6,12 +6,10 @@
 #include <span>
 
 #include "dsp/base/status.h"
+#include "hal/datagram_size.h"
 #include "hal/time.h"
 
 namespace stof::hal {
-
-// Fits an IPv6 packet of the smallest MTU, 1,280 bytes: never a fragment.
-inline constexpr std::size_t kMaxDatagram = 1232;
 
 // Where a datagram comes from or goes to: an IPv6 address, or an IPv4 address mapped into one
 // (::ffff:a.b.c.d), as the network writes them.

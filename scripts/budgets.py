@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """scripts/budgets.py BUILD [BUILD...]: whether a board's program stays within its budgets.
 
-Judges BUILD/bin/stofd, a 64-bit ARM file, by scripts/budgets.json, which has for each board what
-text (code and constants), bss and data may take, and the largest frame of any of our functions on
+Judges BUILD/bin/stofd, a 64-bit ARM file, by scripts/budgets.json, which has for every board ("*"), or for one by
+its name, what text (code and constants), bss and data may take, and the largest frame of any of our functions on
 the stack; that is read from the .su files that -fstack-usage leaves. A program for a board is one
 static file: it names no loader and needs no library. Prints a line for each figure, and ends with
 code 1 when one of them is over, or when there is nothing to judge.
@@ -69,7 +69,7 @@ def largest_frame(build):
 def judge(build, budgets):
     """[(line, within)] of one build."""
     board = re.search(r"^STOF_BOARD:STRING=(.*)$", (build / "CMakeCache.txt").read_text(), re.MULTILINE)[1]
-    budget = budgets[board]
+    budget = budgets.get("*", {}) | budgets.get(board, {})
     taken = sizes(build / "bin" / "stofd")
     lines = []
     for part in ("text", "data", "bss"):

@@ -26,7 +26,7 @@ cstdint cstdio cstdlib cstring ctime cuchar cwchar cwctype
 
 ANY_LIBRARY = ("*",)
 # What the C library has beyond C.
-C_LIBRARY = ("arpa/*.h", "asm/*.h", "fcntl.h", "net/*.h", "netdb.h", "netinet/*.h", "poll.h", "pthread.h", "sys/*.h",
+C_LIBRARY = ("arpa/*.h", "asm/*.h", "fcntl.h", "ifaddrs.h", "net/*.h", "netdb.h", "netinet/*.h", "poll.h", "pthread.h", "sys/*.h",
              "unistd.h")
 
 
@@ -60,7 +60,7 @@ FLOORS = (
     Floor("board/*/config.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
     Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
     Floor("firmware/wire/crc32c_hardware.cpp", ("firmware/wire/*",), ("sys/auxv.h",)),
-    Floor("firmware/wire/*", ("firmware/wire/*", "dsp/*")),
+    Floor("firmware/wire/*", ("firmware/wire/*", "hal/datagram_size.h", "dsp/*")),
     Floor("firmware/settings/text/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
     Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),

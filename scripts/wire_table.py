@@ -18,7 +18,7 @@ from wire import cpp, docs, lua, python, table  # noqa: E402
 
 def outputs(wire, root):
     """{path relative to the root: text} of everything that is generated."""
-    return cpp.files(wire, root) | python.files(wire) | lua.files(wire) | docs.files(wire, root)
+    return cpp.files(wire, root) | python.files(wire, root) | lua.files(wire, root) | docs.files(wire, root)
 
 
 def stale(wire, root):

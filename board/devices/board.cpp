@@ -5,9 +5,9 @@
 #include <optional>
 #include <utility>
 
-#include "board/devices/drawn_rig.h"
-#include "board/devices/late.h"
+#include "board/devices/hotplug_camera.h"
 #include "board/devices/lines.h"
+#include "board/devices/nominal_rig.h"
 #include "board/devices/request.h"
 #include "board/devices/wiring.h"
 #include "hal/linux/gpio/gpio_trigger.h"
@@ -26,8 +26,8 @@ namespace {
 
 namespace linux = hal::linux;
 
-using Stereo = Late<hal::StereoCamera, hal::StereoFrame>;
-using Pmd = Late<hal::PmdCamera, hal::PmdFrame>;
+using Stereo = HotplugCamera<hal::StereoCamera, hal::StereoFrame>;
+using Pmd = HotplugCamera<hal::PmdCamera, hal::PmdFrame>;
 
 constexpr const DeviceConfig& kDevices = kConfig.devices;
 constexpr const TimingConfig& kTiming = kConfig.timing;
@@ -78,28 +78,19 @@ class Rig {
   int priority() const { return priority_of(request_); }
 
   // The serial line is the control thread's, which reopens it.
-  Status reopen() noexcept {
-    const linux::MarkedHeap marked;
-    // Libraries start threads when they open a device, and may spin for one that is gone.
-    static_cast<void>(be_urgent(false));
-    // A camera that hangs may take its driver's patience, seconds; each has all of the watchdog's.
-    kick();
-    const Status trigger = trigger_->reopen();
-    const Status stereo = stereo_.reopen();
-    kick();
-    const Status pmd = pmd_ ? pmd_->reopen() : Status::kOk;
-    kick();
-    static_cast<void>(be_urgent(true));
-    const bool back = trigger == Status::kOk && stereo == Status::kOk && pmd == Status::kOk;
-    return back ? Status::kOk : Status::kDeviceLost;
+  Status reopen(Device device) noexcept {
+    switch (device) {
+      case Device::kTrigger:
+        return trigger_->reopen();
+      case Device::kStereo:
+        return stereo_.reopen();
+      case Device::kPmd:
+        return pmd_ ? pmd_->reopen() : Status::kOk;
+    }
+    return Status::kOk;
   }
 
  private:
-  void kick() noexcept {
-    if (watchdog_) {
-      static_cast<void>(watchdog_->kick());
-    }
-  }
   std::expected<Stereo::Opened, linux::OpenError> open_stereo();
   std::expected<Pmd::Opened, linux::OpenError> open_pmd();
   void open_watchdog();
@@ -221,23 +212,24 @@ void Rig::assemble() {
   if (!pmd_) {
     notes_.emplace_back("no PMD camera (--pmd none): depth from stereo alone");
   }
-  board_.emplace(Board{.clock = clock_,
-                       .trigger = *trigger_,
-                       .stereo = stereo_,
-                       .pmd = pmd_ ? &*pmd_ : nullptr,
-                       .port = *lines_.port,
-                       .serial = lines_.serial ? &*lines_.serial : nullptr,
-                       .to = lines_.to,
-                       .network = *lines_.network,
-                       .mdns = lines_.mdns.get(),
-                       .watchdog = watchdog_.get(),
-                       .calibration = drawn_rig(kConfig, stereo_size(request_), pmd_size(request_)),
-                       .drawn = true,
-                       .drawn_will_do = request_.uncalibrated,
-                       .disparities = kConfig.stereo.disparities,
-                       .least_period = kTiming.stereo_exposure + pair.most_delay,
-                       .emulated_time = false,
-                       .notes = notes_});
+  board_.emplace(
+      Board{.clock = clock_,
+            .trigger = *trigger_,
+            .stereo = stereo_,
+            .pmd = pmd_ ? &*pmd_ : nullptr,
+            .port = *lines_.port,
+            .serial = lines_.serial ? &*lines_.serial : nullptr,
+            .to = lines_.to,
+            .network = *lines_.network,
+            .mdns = lines_.mdns.get(),
+            .watchdog = watchdog_.get(),
+            .calibration = nominal_rig(kConfig, stereo_size(request_), pmd_size(request_)),
+            .nominal_calibration = true,
+            .allow_nominal_calibration = request_.uncalibrated,
+            .disparities = kConfig.stereo.disparities,
+            .least_period = kTiming.stereo_exposure + pair.most_delay,
+            .emulated_time = false,
+            .notes = notes_});
 }
 
 std::optional<Rig> rig;
@@ -263,10 +255,10 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<linux::FileStore>(name);
+  return std::make_unique<linux::FileStore>(std::string(name));
 }
 
-Status reopen(Board&) noexcept { return rig->reopen(); }
+Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }
 
 std::optional<std::string> lock_memory() {
   if (rig->priority() == 0) {

@@ -1,6 +1,5 @@
 #include "board/board.h"
 
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -54,32 +53,20 @@ World rendered(const Request& request) {
   return world;
 }
 
-// The recording that belongs to a dataset by its name, if there is one.
+// The recording that was asked for, else the one beside the dataset, if there is one.
 std::optional<std::filesystem::path> find_tof(const Request& request,
                                               std::vector<std::string>& notes) {
-  if (request.tof || request.no_tof) {
-    if (request.no_tof) {
-      notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
-    }
-    return request.tof;
-  }
-  const char* const data = std::getenv("STOF_DATA");
-  if (data == nullptr || *data == '\0') {
-    notes.emplace_back("no PMD data: neither --tof nor STOF_DATA is set; depth from stereo alone");
+  if (request.no_tof) {
+    notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
     return std::nullopt;
   }
-  const std::filesystem::path dir = (*request.dataset / "").lexically_normal().parent_path();
-  std::filesystem::path prefix =
-      std::filesystem::path(data) / "tof" / "sim" / "scene" / dir.filename();
-  prefix += "_64x16";
-  std::filesystem::path json = prefix;
-  json += ".json";
-  std::error_code error;
-  if (!std::filesystem::exists(json, error)) {
-    notes.push_back("no PMD data: " + json.string() + " is not there; depth from stereo alone");
-    return std::nullopt;
+  std::optional<std::filesystem::path> found =
+      request.tof ? request.tof : recording_beside(*request.dataset);
+  if (!found) {
+    notes.emplace_back(
+        "no PMD recording beside the dataset, and no --tof: depth from stereo alone");
   }
-  return prefix;
+  return found;
 }
 
 std::expected<World, Refusal> replay(const Request& request) {
@@ -132,18 +119,18 @@ struct Rig {
       : world(std::move(seen)),
         lines(std::move(opened)),
         clock(request.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
-        stereo(clock, *world.imagery, stereo_timing(), request.faults[kStereo]) {
+        stereo(clock, *world.imagery, stereo_timing(), request.faults_of(Device::kStereo)) {
     constexpr hal::Duration kPulse = std::chrono::microseconds(50);
     if (world.imagery->pmd_size() != emu::Size{}) {
       pmd.emplace(clock, *world.imagery,
                   emu::PmdTiming{.integration = kConfig.timing.pmd_integration,
                                  .every = kConfig.timing.pmd_every},
-                  request.faults[kPmd]);
+                  request.faults_of(Device::kPmd));
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo, &*pmd},
-                      request.faults[kTrigger]);
+                      request.faults_of(Device::kTrigger));
     } else {
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo},
-                      request.faults[kTrigger]);
+                      request.faults_of(Device::kTrigger));
     }
     board.emplace(Board{.clock = clock,
                         .trigger = *trigger,
@@ -189,7 +176,7 @@ std::expected<Board*, Refusal> open(const Lines& lines,
 }
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
-  return std::make_unique<hal::linux::FileStore>(name);
+  return std::make_unique<hal::linux::FileStore>(std::string(name));
 }
 
 // An emulated rig shares a laptop with others.
@@ -199,6 +186,6 @@ void count_heap_calls() noexcept {}
 HeapCalls heap_calls() noexcept { return {}; }
 
 // Emulated devices come back by themselves when their fault ends.
-Status reopen(Board&) noexcept { return Status::kOk; }
+Status reopen(Board& /*board*/, Device /*device*/) noexcept { return Status::kOk; }
 
 }  // namespace stof::board

@@ -9,7 +9,7 @@ namespace {
 
 namespace emu = hal::emu;
 
-constexpr std::array<std::string_view, kDevices> kDeviceNames{"trigger", "stereo", "pmd"};
+constexpr std::array<std::string_view, kDeviceCount> kDeviceNames{"trigger", "stereo", "pmd"};
 constexpr std::array<std::string_view, 7> kFaultNames{"none", "drop",    "delay", "repeat",
                                                       "tear", "corrupt", "vanish"};
 
@@ -29,7 +29,7 @@ std::optional<std::size_t> find(const std::array<std::string_view, N>& names,
 }
 
 // DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30 or pmd:repeat:10:10.
-bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDevices>& plans) {
+bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>& plans) {
   std::array<std::string_view, 4> parts{};
   std::size_t count = 0;
   for (std::size_t begin = 0; begin <= text.size(); ++count) {
@@ -86,6 +86,21 @@ bool take_value(std::string_view flag, std::string_view value, Request& request)
 
 }  // namespace
 
+std::optional<std::filesystem::path> recording_beside(const std::filesystem::path& dataset) {
+  std::error_code error;
+  const std::filesystem::path absolute = std::filesystem::absolute(dataset / "", error);
+  const std::filesystem::path folder = absolute.lexically_normal().parent_path();
+  const std::filesystem::path data = folder.parent_path().parent_path();
+  const std::string name = folder.filename().string() + "_64x16";
+  for (const std::filesystem::path& beside : {data / "tof", data}) {
+    std::filesystem::path prefix = beside / "sim" / "scene" / name;
+    if (std::filesystem::exists(prefix.string() + ".json", error)) {
+      return prefix;
+    }
+  }
+  return std::nullopt;
+}
+
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
   Request request;
   std::string scene_flag;  // one of those that only a rendered scene has
@@ -137,8 +152,8 @@ std::string_view usage() noexcept {
       "  --dataset DIR        a recorded stereo pair in place of the scene: left.pgm, "
       "right.pgm, meta.txt\n"
       "  --tof PREFIX         its PMD recording, PREFIX.json and PREFIX_raw.pgm\n"
-      "                       (default $STOF_DATA/tof/sim/scene/<name>_64x16, where that "
-      "exists)\n"
+      "                       (default: what lies beside DIR as "
+      "DIR/../../tof/sim/scene/<name>_64x16)\n"
       "  --no-tof             a rig without PMD camera\n"
       "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
       "unknown\n"

@@ -15,8 +15,6 @@
 // The emulated board's own command line.
 namespace stof::board {
 
-// What a fault may strike.
-enum Device : std::size_t { kTrigger, kStereo, kPmd, kDevices };
 struct Request {
   SceneRequest scene;  // where there is no dataset
   std::optional<std::filesystem::path> dataset;
@@ -24,8 +22,17 @@ struct Request {
   bool no_tof = false;
   std::optional<std::filesystem::path> truth;
   bool free_run = false;
-  std::array<hal::emu::FaultPlan, kDevices> faults;
+  std::array<hal::emu::FaultPlan, kDeviceCount> faults;
+
+  const hal::emu::FaultPlan& faults_of(Device device) const {
+    return faults[static_cast<std::size_t>(device)];
+  }
 };
+
+// The PMD recording that lies beside a dataset DIR (PREFIX of PREFIX.json):
+// ../../tof/sim/scene/NAME_64x16 or ../../sim/scene/NAME_64x16 from there, NAME being the folder's.
+// None: neither is there.
+std::optional<std::filesystem::path> recording_beside(const std::filesystem::path& dataset);
 
 // Unknown flags and values without meaning are refused.
 std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);

@@ -13,11 +13,11 @@ inline constexpr Config kConfig{
     .pmd = {.width = 176, .height = 144},
     .timing = kPiTiming,
     .devices = kPiDevices,
-    .drawn = {.stereo_focal_px = 615,
-              .baseline_m = 0.12,
-              .pmd_focal_px = 158.8,
-              .pmd_right_m = 0.06,
-              .pmd_below_m = -0.04},
+    .nominal = {.stereo_focal_px = 615,
+                .baseline_m = 0.12,
+                .pmd_focal_px = 158.8,
+                .pmd_right_m = 0.06,
+                .pmd_below_m = -0.04},
     .workspace_limit = 24U << 20,
 };
 static_assert(valid(kConfig));

@@ -13,11 +13,11 @@ inline constexpr Config kConfig{
     .pmd = {.width = 224, .height = 172},
     .timing = kPiTiming,
     .devices = kPiDevices,
-    .drawn = {.stereo_focal_px = 1230,
-              .baseline_m = 0.12,
-              .pmd_focal_px = 202,
-              .pmd_right_m = 0.06,
-              .pmd_below_m = -0.04},
+    .nominal = {.stereo_focal_px = 1230,
+                .baseline_m = 0.12,
+                .pmd_focal_px = 202,
+                .pmd_right_m = 0.06,
+                .pmd_below_m = -0.04},
     .workspace_limit = 64U << 20,
 };
 static_assert(valid(kConfig));

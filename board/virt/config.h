@@ -36,11 +36,11 @@ inline constexpr Config kConfig{
                 .watchdog = "/dev/watchdog0",
                 .watchdog_timeout = std::chrono::seconds(15),
                 .priority = 45},
-    .drawn = {.stereo_focal_px = 615,
-              .baseline_m = 0.12,
-              .pmd_focal_px = 158.8,
-              .pmd_right_m = 0.06,
-              .pmd_below_m = -0.04},
+    .nominal = {.stereo_focal_px = 615,
+                .baseline_m = 0.12,
+                .pmd_focal_px = 158.8,
+                .pmd_right_m = 0.06,
+                .pmd_below_m = -0.04},
     .workspace_limit = 24U << 20,
 };
 static_assert(valid(kConfig));

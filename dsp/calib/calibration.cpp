@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "dsp/base/index.h"
 #include "dsp/calib/pmd/tone_pair.h"
 #include "dsp/calib/stereo/column_tables.h"
 #include "dsp/calib/stereo/rectification.h"
@@ -152,7 +153,7 @@ const char* distance_problem(const PmdSensor& pmd) noexcept {
   if (pmd.emitter_count < 0 || pmd.emitter_count > kMaxEmitters) {
     return "the PMD camera has less than 0 or more than 4 lights";
   }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(pmd.emitter_count); ++i) {
+  for (std::size_t i = 0; i < index(pmd.emitter_count); ++i) {
     const Emitter& e = pmd.emitters[i];
     if (!within(std::hypot(e[0], e[1], e[2]), 2)) {
       return "a light of the PMD camera is more than 2 m from its lens";
@@ -184,8 +185,7 @@ const char* pmd_problem(const PmdSensor& pmd) noexcept {
       return why;
     }
   }
-  const std::size_t pixels =
-      static_cast<std::size_t>(pmd.lens.width) * static_cast<std::size_t>(pmd.lens.height);
+  const std::size_t pixels = pixel_count(pmd.lens.width, pmd.lens.height);
   if (!pmd.fixed_pattern.empty() && pmd.fixed_pattern.size() != pixels) {
     return "the PMD fixed pattern does not have the sensor's size";
   }
@@ -199,8 +199,7 @@ WigglingTable fourth_harmonic_table(double amplitude_rad) noexcept {
   WigglingTable table{};
   for (int i = 0; i < kWigglingSteps; ++i) {
     const double wiggle = amplitude_rad * std::sin(4 * kTurn * i / kWigglingSteps);
-    table[static_cast<std::size_t>(i)] =
-        static_cast<std::int16_t>(std::lround(wiggle / kTurn * 65536));
+    table[index(i)] = static_cast<std::int16_t>(std::lround(wiggle / kTurn * 65536));
   }
   return table;
 }

@@ -44,6 +44,7 @@ struct SigmaPolynomial {
 using Emitter = std::array<double, 3>;
 inline constexpr int kMaxEmitters = 4;
 
+// One field for each constant of a calibration file.
 struct PmdSensor {
   Pinhole lens;
   PmdTone tone;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 namespace {
@@ -38,8 +39,8 @@ NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) n
   const int columns = std::min(step, map.depth.width() - left);
   const int bottom = std::min(top + step, map.depth.height());
   STOF_CHECK(columns > 0 && bottom > top);
-  const auto at = static_cast<std::size_t>(left);
-  const auto count = static_cast<std::size_t>(columns);
+  const auto at = index(left);
+  const auto count = index(columns);
   std::uint32_t nearest = kNobody;
   for (int y = top; y < bottom; ++y) {
     const std::uint32_t key =

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <span>
 
 #include "dsp/base/check.h"
@@ -32,23 +33,26 @@ std::uint16_t slope_of(const Pinhole& lens) noexcept {
 
 }  // namespace
 
+// What a second tone adds.
+struct SecondTone {
+  Tone tone;
+  TonePair pair;
+  RangeTables both;  // of distances that both tones tell
+  ExposureRow row;
+  std::span<Phase> corrected;
+};
+
 struct Converter::Tables {
   Tone first;
-  Tone second;  // where there is one
-  TonePair pair;
   RangeTables one_tone;
-  RangeTables both_tones;
-  bool has_second = false;
-  bool sigma_by_distance = false;
-  SigmaCurve curve{};
-  NearTable near;  // empty without lights beside the lens
+  std::optional<SecondTone> second;
+  std::optional<SigmaCurve> curve;  // sigma by distance
+  NearTable near;                   // empty without lights beside the lens
   std::uint32_t shortest_way = 0;
   std::span<const std::int16_t> fixed_pattern;
   MergeRows spare;
   std::span<Phase> corrected;
   std::span<std::uint32_t> reading;  // where no long_distance holds it
-  ExposureRow other;                 // the second tone
-  std::span<Phase> other_corrected;
 
   std::span<const std::int16_t> fixed_pattern_row(int y, std::size_t n) const noexcept {
     return fixed_pattern.empty() ? fixed_pattern : fixed_pattern.subspan(index(y) * n, n);
@@ -72,16 +76,16 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   t.corrected = arena.take<Phase>(row);
   t.reading = arena.take<std::uint32_t>(row);
   if (sensor.sigma_polynomial) {
-    t.sigma_by_distance = true;
     t.curve = sigma_curve(*sensor.sigma_polynomial);
   }
   if (sensor.second) {
-    t.has_second = true;
-    t.second = make_tone(sensor, *sensor.second);
-    t.pair = make_tone_pair(sensor.tone.modulation, sensor.second->modulation);
-    t.both_tones = range_tables(sensor, common_period(t.pair) / units_per_metre(sensor));
-    t.other = take_exposure_row(arena, row);
-    t.other_corrected = arena.take<Phase>(row);
+    const TonePair pair = make_tone_pair(sensor.tone.modulation, sensor.second->modulation);
+    t.second =
+        SecondTone{.tone = make_tone(sensor, *sensor.second),
+                   .pair = pair,
+                   .both = range_tables(sensor, common_period(pair) / units_per_metre(sensor)),
+                   .row = take_exposure_row(arena, row),
+                   .corrected = arena.take<Phase>(row)};
   }
   if (sensor.emitter_count > 0) {
     t.near = make_near_table(sensor, units_per_metre(sensor), arena);
@@ -117,26 +121,28 @@ void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
       m.long_distance.empty() ? t.reading : m.long_distance.row(y);
   measure_tone(frame.first, y, t.first, t.spare, row);
   best::correct_phase(row.phase, pattern, t.first.correction, t.corrected);
+  const RangeTables* range = &t.one_tone;
   if (frame.second.empty()) {
     best::range(t.corrected, t.first.tables.turn, reading);
   } else {
-    measure_tone(frame.second, y, t.second, t.spare, t.other);
-    best::correct_phase(t.other.phase, pattern, t.second.correction, t.other_corrected);
+    const SecondTone& second = *t.second;
+    range = &second.both;
+    measure_tone(frame.second, y, second.tone, t.spare, second.row);
+    best::correct_phase(second.row.phase, pattern, second.tone.correction, second.corrected);
     best::combine_tones({t.corrected, row.amp2, row.sigma},
-                        {t.other_corrected, t.other.amp2, t.other.sigma}, t.pair, t.other.flags,
-                        row.flags, reading);
-    best::combine_sigma(t.other.sigma, row.sigma);
+                        {second.corrected, second.row.amp2, second.row.sigma}, second.pair,
+                        second.row.flags, row.flags, reading);
+    best::combine_sigma(second.row.sigma, row.sigma);
   }
-  const RangeTables& range = frame.second.empty() ? t.one_tone : t.both_tones;
-  if (!changes_nothing(range.line)) {
-    best::straight_line(range.line, reading);
+  if (!changes_nothing(range->line)) {
+    best::straight_line(range->line, reading);
   }
   if (!t.near.half_q2.empty()) {
     best::near_lights(t.near_row(y, n), t.shortest_way, reading);
   }
-  best::to_quarter_mm(reading, range.unit_q30, row.flags, m.distance.row(y), row.sigma);
-  if (t.sigma_by_distance) {
-    best::curve_sigma(m.distance.row(y), t.curve, row.sigma);
+  best::to_quarter_mm(reading, range->unit_q30, row.flags, m.distance.row(y), row.sigma);
+  if (t.curve) {
+    best::curve_sigma(m.distance.row(y), *t.curve, row.sigma);
   }
 }
 
@@ -146,14 +152,15 @@ const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
   const int height = maps_.phase.height();
   check_exposures(frame.first, width, height);
   maps_.integration = prepare_tone(frame.first, frame.temperature_q8, t.first);
+  const RangeTables* range = &t.one_tone;
   if (!frame.second.empty()) {
-    STOF_CHECK(t.has_second);
+    STOF_CHECK(t.second.has_value());
     check_exposures(frame.second, width, height);
-    prepare_tone(frame.second, frame.temperature_q8, t.second);
+    prepare_tone(frame.second, frame.temperature_q8, t.second->tone);
+    range = &t.second->both;
   }
-  const RangeTables& range = frame.second.empty() ? t.one_tone : t.both_tones;
-  maps_.range = range.range;
-  maps_.widest = range.widest;
+  maps_.range = range->range;
+  maps_.widest = range->widest;
   for (int y = 0; y < height; ++y) {
     measure_row(frame, y);
   }

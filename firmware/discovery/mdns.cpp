@@ -17,6 +17,14 @@ constexpr unsigned kManyConflicts = 15;
 constexpr hal::Duration kConflictWindow = 10s;
 constexpr hal::Duration kConflictPause = 5s;
 constexpr unsigned kMostSuffix = 9999;
+// More than anybody asks or tells at once.
+constexpr unsigned kMostQuestions = 32;
+constexpr unsigned kMostRecords = 256;
+
+// RFC 6762 section 6: answers that others may give as well come spread in time.
+constexpr hal::Duration kLeastDelay = 20ms;
+constexpr std::uint32_t kSpreadMs = 100;
+constexpr hal::Duration kMoreDelay = 400ms;
 
 constexpr RecordSet kAll = kServicesPtr | kInstancePtr | kSrv | kTxt | kA | kAaaa | kHostNsec;
 // Not the list of services: others offer this one, too.
@@ -36,18 +44,6 @@ bool same_names(const Service& a, const Service& b) noexcept {
          a.announce.port == b.announce.port && a.device_id == b.device_id;
 }
 
-// Whether the first `bits` are alike.
-bool same_prefix(const std::array<std::uint8_t, 16>& a, const std::array<std::uint8_t, 16>& b,
-                 unsigned bits) noexcept {
-  for (unsigned i = 0; i < 16 && 8 * i < bits; ++i) {
-    const unsigned rest = std::min(8U, bits - 8 * i);
-    if (((a[i] ^ b[i]) >> (8 - rest)) != 0) {
-      return false;
-    }
-  }
-  return true;
-}
-
 }  // namespace
 
 Responder::Responder(const Service& service, std::uint32_t seed) noexcept
@@ -65,36 +61,18 @@ void Responder::enter(Phase phase, hal::Time due) noexcept {
   steps_ = 0;
   step_due_ = due;
   step_link_ = 0;
-  for (Link& link : links_) {
+  for (MdnsLink& link : links_.all()) {
     link.pending = 0;
-  }
-}
-
-void Responder::find_links() noexcept {
-  link_count_ = 0;
-  for (const hal::InterfaceAddress& address : std::span(addresses_).first(address_count_)) {
-    const bool ipv6 = !hal::is_ipv4(address.address);
-    const auto known = std::span(links_).first(link_count_);
-    const bool is_known = std::ranges::any_of(known, [&](const Link& link) {
-      return link.interface == address.interface && link.ipv6 == ipv6;
-    });
-    if (address.multicast && !is_known && link_count_ < kMostLinks) {
-      links_[link_count_++] = Link{.interface = address.interface, .ipv6 = ipv6};
-    }
   }
 }
 
 void Responder::set_addresses(std::span<const hal::InterfaceAddress> addresses,
                               hal::Time now) noexcept {
-  addresses = addresses.first(std::min(addresses.size(), kMostAddresses));
-  const auto current = std::span(addresses_).first(address_count_);
-  if (std::ranges::equal(addresses, current) && phase_ != Phase::kStopped) {
+  if (links_.knows(addresses) && phase_ != Phase::kStopped) {
     return;
   }
-  std::ranges::copy(addresses, addresses_.begin());
-  address_count_ = addresses.size();
-  records_.set_addresses(std::span(addresses_).first(address_count_));
-  find_links();
+  links_.set_addresses(addresses);
+  records_.set_addresses(links_.addresses());
   if (phase_ != Phase::kGoodbye) {
     enter(Phase::kProbe, now + std::chrono::milliseconds(random(250)));
   }
@@ -116,24 +94,8 @@ void Responder::stop(hal::Time now) noexcept {
         now);
 }
 
-Responder::Link* Responder::link_of(const hal::Peer& peer) noexcept {
-  const auto links = std::span(links_).first(link_count_);
-  const bool ipv6 = !hal::is_ipv4(peer.address);
-  const auto found = std::ranges::find_if(
-      links, [&](const Link& link) { return link.interface == peer.scope && link.ipv6 == ipv6; });
-  return found == links.end() ? nullptr : &*found;
-}
-
-// RFC 6762 section 11. It also keeps this from being an amplifier of the wide network.
-bool Responder::on_link(const hal::Peer& peer) const noexcept {
-  const auto addresses = std::span(addresses_).first(address_count_);
-  return std::ranges::any_of(addresses, [&](const hal::InterfaceAddress& own) {
-    return own.interface == peer.scope && same_prefix(own.address, peer.address, own.prefix_bits);
-  });
-}
-
 // Whoever has the name already keeps it; where both have it, the probes decide.
-void Responder::lose(hal::Time now) noexcept {
+void Responder::resolve_conflict(hal::Time now) noexcept {
   if (now - conflicts_since_ > kConflictWindow) {
     conflicts_since_ = now;
     conflicts_ = 0;
@@ -142,7 +104,7 @@ void Responder::lose(hal::Time now) noexcept {
   if (phase_ == Phase::kProbe) {
     suffix_ = suffix_ < kMostSuffix ? suffix_ + 1 : 2;
     records_ = Records(service_, suffix_);
-    records_.set_addresses(std::span(addresses_).first(address_count_));
+    records_.set_addresses(links_.addresses());
   }
   enter(Phase::kProbe, conflicts_ > kManyConflicts ? now + kConflictPause : now);
 }
@@ -165,14 +127,169 @@ void Responder::next_step(hal::Time now) noexcept {
     replacement_.reset();
     suffix_ = 1;
     records_ = Records(service_, suffix_);
-    records_.set_addresses(std::span(addresses_).first(address_count_));
+    records_.set_addresses(links_.addresses());
     enter(Phase::kProbe, now);
   } else {
     enter(Phase::kStopped, now);
   }
 }
 
-std::optional<Responder::Datagram> Responder::step(const Link& link) noexcept {
+std::optional<Responder::Datagram> Responder::take(std::span<const std::byte> message,
+                                                   const hal::Peer& from, hal::Time now) noexcept {
+  dns::Reader reader(message);
+  const Result<dns::Header> header = reader.header();
+  MdnsLink* const link = links_.link_of(from);
+  if (!header || (header->flags & dns::kOpcode) != 0 || link == nullptr || !links_.reaches(from) ||
+      from.port == 0 || phase_ == Phase::kStopped || phase_ == Phase::kGoodbye) {
+    return std::nullopt;
+  }
+  if ((header->flags & dns::kResponse) == 0) {
+    return take_query(reader, *header, from, *link, now);
+  }
+  if (from.port == kPort) {
+    take_response(reader, *header, now);
+  }
+  return std::nullopt;
+}
+
+void Responder::take_response(dns::Reader& reader, const dns::Header& header,
+                              hal::Time now) noexcept {
+  for (unsigned i = 0; i < std::min<unsigned>(header.questions, kMostQuestions); ++i) {
+    if (!reader.question()) {
+      return;
+    }
+  }
+  const unsigned records = unsigned{header.answers} + header.authorities + header.additionals;
+  for (unsigned i = 0; i < std::min(records, kMostRecords); ++i) {
+    const Result<dns::Record> record = reader.record();
+    if (!record) {
+      return;
+    }
+    if (records_.conflict(reader, *record) != Records::Conflict::kNone) {
+      resolve_conflict(now);
+      return;
+    }
+  }
+}
+
+// Two probe at the same time: the one whose data are greater goes on, the other waits a second and
+// then finds the name taken.
+void Responder::break_tie(dns::Reader& reader, const dns::Header& header, hal::Time now) noexcept {
+  bool below = false;
+  bool above = false;
+  for (unsigned i = 0; i < std::min<unsigned>(header.authorities, kMostRecords); ++i) {
+    const Result<dns::Record> record = reader.record();
+    if (!record) {
+      return;
+    }
+    const Records::Conflict conflict = records_.conflict(reader, *record);
+    below = below || conflict == Records::Conflict::kBelow;
+    above = above || conflict == Records::Conflict::kAbove;
+  }
+  if (above && !below) {
+    enter(Phase::kProbe, now + 1s);
+  }
+}
+
+// What the questions of a message ask for; none where they cannot be read.
+std::optional<Responder::Asked> Responder::read_questions(dns::Reader& reader, unsigned count,
+                                                          std::uint32_t interface,
+                                                          bool legacy) const noexcept {
+  Asked asked;
+  for (unsigned i = 0; i < count; ++i) {
+    const Result<dns::Question> question = reader.question();
+    if (!question) {
+      return std::nullopt;
+    }
+    const RecordSet answers = records_.answers(*question, interface);
+    const bool unicast = legacy || (question->klass & dns::kTopBit) != 0;
+    (unicast ? asked.alone : asked.all) |= answers;
+    if (answers != 0 && !asked.first) {
+      asked.first = *question;
+    }
+  }
+  return asked;
+}
+
+std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
+                                                         const dns::Header& header,
+                                                         const hal::Peer& from, MdnsLink& link,
+                                                         hal::Time now) noexcept {
+  const bool legacy = from.port != kPort;
+  const bool probe = header.authorities > 0;
+  if (header.questions > kMostQuestions || header.answers > kMostRecords) {
+    return std::nullopt;
+  }
+  const std::optional<Asked> asked =
+      read_questions(reader, header.questions, link.interface, legacy);
+  if (!asked) {
+    return std::nullopt;
+  }
+  RecordSet alone = asked->alone;
+  RecordSet all = asked->all;
+  RecordSet known = 0;
+  for (unsigned i = 0; i < header.answers; ++i) {
+    const Result<dns::Record> record = reader.record();
+    if (!record) {
+      return std::nullopt;
+    }
+    known |= records_.known(reader, *record, link.interface);
+  }
+  if (phase_ == Phase::kProbe) {
+    if (probe) {
+      break_tie(reader, header, now);
+    }
+    return std::nullopt;  // the names are not ours yet
+  }
+  if (header.questions == 0 && link.more_from == from) {
+    link.pending = static_cast<RecordSet>(link.pending & ~known);
+  }
+  if (probe) {
+    // To all: on a machine with several responders an answer to one may reach another. And it may
+    // follow the announcement sooner than usual (section 6).
+    all |= alone;
+    for (std::optional<hal::Time>& sent : link.sent) {
+      sent = sent && now - *sent < kProbeGap ? sent : std::nullopt;
+    }
+  }
+  all = static_cast<RecordSet>(all & ~known);
+  alone = static_cast<RecordSet>(alone & ~known);
+  if (all != 0) {
+    const bool more = (header.flags & dns::kTruncated) != 0;
+    hal::Duration delay{};
+    if (!probe && (more || (all & kShared) != 0)) {
+      delay = (more ? kMoreDelay : kLeastDelay) + std::chrono::milliseconds(random(kSpreadMs));
+    }
+    schedule(link, all, now + delay);
+    link.more_from = more ? std::optional(from) : std::nullopt;
+  }
+  return alone == 0 ? std::nullopt
+                    : answer_alone(
+                          legacy ? std::span(&*asked->first, 1) : std::span<const dns::Question>{},
+                          alone, legacy ? header.id : std::uint16_t{0}, from);
+}
+
+void Responder::schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexcept {
+  link.due = link.pending == 0 ? due : std::min(link.due, due);
+  link.pending |= answers;
+}
+
+std::optional<Responder::Datagram> Responder::answer_alone(std::span<const dns::Question> questions,
+                                                           RecordSet answers, std::uint16_t id,
+                                                           const hal::Peer& to) noexcept {
+  const ResponseKind response =
+      questions.empty() ? ResponseKind::kMulticast : ResponseKind::kLegacy;
+  dns::Writer writer(buffer_, id, dns::kResponse | dns::kAuthoritative);
+  for (const dns::Question& question : questions) {
+    static_cast<void>(writer.question(question.name, question.type, dns::kInternet));
+  }
+  records_.write(writer, answers, Section::kAnswer, to.scope, response);
+  records_.write(writer, records_.additionals(answers, to.scope), Section::kAdditional, to.scope,
+                 response);
+  return Datagram{.to = to, .bytes = writer.message()};
+}
+
+std::optional<Responder::Datagram> Responder::step(const MdnsLink& link) noexcept {
   const bool probe = phase_ == Phase::kProbe;
   dns::Writer writer(
       buffer_, 0,
@@ -183,14 +300,14 @@ std::optional<Responder::Datagram> Responder::step(const Link& link) noexcept {
     const RecordSet negative =
         records_.additionals(kSrv, link.interface) & kHostNsec;  // only where a kind is missing
     records_.write(writer, static_cast<RecordSet>((kAll & ~kHostNsec) | negative), Section::kAnswer,
-                   link.interface, Tone::kMulticast);
+                   link.interface, ResponseKind::kMulticast);
   } else {
-    records_.write(writer, kLeaving, Section::kAnswer, link.interface, Tone::kGoodbye);
+    records_.write(writer, kLeaving, Section::kAnswer, link.interface, ResponseKind::kGoodbye);
   }
   return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
 
-std::optional<Responder::Datagram> Responder::flush(Link& link, hal::Time now) noexcept {
+std::optional<Responder::Datagram> Responder::flush(MdnsLink& link, hal::Time now) noexcept {
   RecordSet answers = link.pending;
   link.pending = 0;
   link.more_from.reset();
@@ -206,20 +323,20 @@ std::optional<Responder::Datagram> Responder::flush(Link& link, hal::Time now) n
     return std::nullopt;
   }
   dns::Writer writer(buffer_, 0, dns::kResponse | dns::kAuthoritative);
-  records_.write(writer, answers, Section::kAnswer, link.interface, Tone::kMulticast);
+  records_.write(writer, answers, Section::kAnswer, link.interface, ResponseKind::kMulticast);
   records_.write(writer, records_.additionals(answers, link.interface), Section::kAdditional,
-                 link.interface, Tone::kMulticast);
+                 link.interface, ResponseKind::kMulticast);
   return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
 
 std::optional<Responder::Datagram> Responder::next(hal::Time now) noexcept {
   while (phase_ != Phase::kSteady && phase_ != Phase::kStopped && now >= step_due_) {
-    if (step_link_ < link_count_) {
-      return step(links_[step_link_++]);
+    if (step_link_ < links_.all().size()) {
+      return step(links_.all()[step_link_++]);
     }
     next_step(now);
   }
-  for (Link& link : std::span(links_).first(link_count_)) {
+  for (MdnsLink& link : links_.all()) {
     if (link.pending != 0 && now >= link.due) {
       if (const std::optional<Datagram> datagram = flush(link, now)) {
         return datagram;

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <span>
 
+#include "firmware/discovery/mdns_links.h"
 #include "firmware/discovery/mdns_records.h"
 #include "firmware/wire/dns.h"
 #include "firmware/wire/packet.h"
@@ -24,8 +23,6 @@ namespace stof::firmware {
 class Responder {
  public:
   static constexpr std::uint16_t kPort = 5353;
-  static constexpr std::size_t kMostAddresses = 32;
-  static constexpr std::size_t kMostLinks = 16;  // interface and kind of address
 
   struct Datagram {
     hal::Peer to;
@@ -35,8 +32,8 @@ class Responder {
   // seed: differs from sensor to sensor.
   Responder(const Service& service, std::uint32_t seed) noexcept;
 
-  // The addresses now. Where they changed, it begins anew. Those beyond kMostAddresses are left
-  // out.
+  // The addresses now. Where they changed, it begins anew. Those beyond
+  // MdnsLinks::kMostAddresses are left out.
   void set_addresses(std::span<const hal::InterfaceAddress> addresses, hal::Time now) noexcept;
   // Says goodbye for the old names where they change.
   void set_service(const Service& service, hal::Time now) noexcept;
@@ -57,43 +54,36 @@ class Responder {
 
  private:
   enum class Phase : std::uint8_t { kProbe, kAnnounce, kSteady, kGoodbye, kStopped };
-  struct Link {
-    std::uint32_t interface = 0;
-    bool ipv6 = false;
-    RecordSet pending = 0;
-    hal::Time due{};
-    std::optional<hal::Peer> more_from{};  // who will tell what it knows of the pending answers
-    std::array<std::optional<hal::Time>, kRecordKinds> sent{};
+  struct Asked {
+    RecordSet alone = 0;  // to the one who asks
+    RecordSet all = 0;
+    std::optional<wire::dns::Question> first{};  // that has an answer
   };
 
   void enter(Phase phase, hal::Time due) noexcept;
   void next_step(hal::Time now) noexcept;
-  void find_links() noexcept;
-  Link* link_of(const hal::Peer& peer) noexcept;
-  bool on_link(const hal::Peer& peer) const noexcept;
   void take_response(wire::dns::Reader& reader, const wire::dns::Header& header,
                      hal::Time now) noexcept;
+  std::optional<Asked> read_questions(wire::dns::Reader& reader, unsigned count,
+                                      std::uint32_t interface, bool legacy) const noexcept;
   std::optional<Datagram> take_query(wire::dns::Reader& reader, const wire::dns::Header& header,
-                                     const hal::Peer& from, Link& link, hal::Time now) noexcept;
+                                     const hal::Peer& from, MdnsLink& link, hal::Time now) noexcept;
   std::optional<Datagram> answer_alone(std::span<const wire::dns::Question> questions,
                                        RecordSet answers, std::uint16_t id,
                                        const hal::Peer& to) noexcept;
-  static void schedule(Link& link, RecordSet answers, hal::Time due) noexcept;
-  void yield_probe(wire::dns::Reader& reader, const wire::dns::Header& header,
-                   hal::Time now) noexcept;
-  void lose(hal::Time now) noexcept;
-  std::optional<Datagram> step(const Link& link) noexcept;
-  std::optional<Datagram> flush(Link& link, hal::Time now) noexcept;
+  static void schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexcept;
+  void break_tie(wire::dns::Reader& reader, const wire::dns::Header& header,
+                 hal::Time now) noexcept;
+  void resolve_conflict(hal::Time now) noexcept;
+  std::optional<Datagram> step(const MdnsLink& link) noexcept;
+  std::optional<Datagram> flush(MdnsLink& link, hal::Time now) noexcept;
   std::uint32_t random(std::uint32_t below) noexcept;
 
   Service service_;
   std::optional<Service> replacement_{};  // after the goodbye
   unsigned suffix_ = 1;
   Records records_;
-  std::array<hal::InterfaceAddress, kMostAddresses> addresses_{};
-  std::size_t address_count_ = 0;
-  std::array<Link, kMostLinks> links_{};
-  std::size_t link_count_ = 0;
+  MdnsLinks links_;
 
   Phase phase_ = Phase::kStopped;
   unsigned steps_ = 0;         // of this phase that are done

@@ -35,7 +35,7 @@ class MdnsAgent final : public Periodic {
   hal::Network& network_;
   Responder responder_;
   hal::Time look_due_{};
-  std::array<hal::InterfaceAddress, Responder::kMostAddresses> addresses_{};
+  std::array<hal::InterfaceAddress, MdnsLinks::kMostAddresses> addresses_{};
   // RFC 6762 section 17 allows 9,000 bytes; what is longer is read up to here, which holds its
   // questions.
   std::array<std::byte, 4096> buffer_{};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <optional>
 
 namespace stof::firmware {
 namespace {
@@ -65,9 +66,19 @@ Label instance_label(const wire::Announce& announce, unsigned suffix) noexcept {
   return label;
 }
 
-std::uint16_t klass_of(RecordSet kind, Tone tone) noexcept {
-  const bool ours_alone = (kind & kShared) == 0 && tone != Tone::kLegacy;
+std::uint16_t klass_of(RecordSet kind, ResponseKind response) noexcept {
+  const bool ours_alone = (kind & kShared) == 0 && response != ResponseKind::kLegacy;
   return static_cast<std::uint16_t>(dns::kInternet | (ours_alone ? dns::kTopBit : 0));
+}
+
+// The data of the address' record, and which it is.
+std::span<const std::byte> record_data(const hal::InterfaceAddress& address) noexcept {
+  const auto all = std::as_bytes(std::span(address.address));
+  return hal::is_ipv4(address.address) ? all.last(4) : all;
+}
+
+RecordSet record_kind(const hal::InterfaceAddress& address) noexcept {
+  return hal::is_ipv4(address.address) ? kA : kAaaa;
 }
 
 }  // namespace
@@ -210,15 +221,15 @@ void Records::write_addresses(dns::Writer& writer, RecordSet kind, dns::Writer::
 }
 
 void Records::write(dns::Writer& writer, RecordSet set, dns::Writer::Section section,
-                    std::uint32_t interface, Tone tone) const noexcept {
+                    std::uint32_t interface, ResponseKind response) const noexcept {
   for (unsigned bit = 0; bit < kRecordKinds; ++bit) {
     const RecordSet kind = static_cast<RecordSet>(set & (1U << bit));
     if (kind == 0) {
       continue;
     }
-    std::uint32_t ttl_s = tone == Tone::kGoodbye ? 0 : life_s(kind);
-    ttl_s = tone == Tone::kLegacy ? std::min(ttl_s, kLegacyLifeSeconds) : ttl_s;
-    const std::uint16_t klass = klass_of(kind, tone);
+    std::uint32_t ttl_s = response == ResponseKind::kGoodbye ? 0 : life_s(kind);
+    ttl_s = response == ResponseKind::kLegacy ? std::min(ttl_s, kLegacyLifeSeconds) : ttl_s;
+    const std::uint16_t klass = klass_of(kind, response);
     if ((kind & (kA | kAaaa)) != 0) {
       write_addresses(writer, kind, section, interface, klass, ttl_s);
       continue;
@@ -243,7 +254,85 @@ void Records::write_probe(dns::Writer& writer, std::uint32_t interface) const no
   // Answered to all: the port may be shared, and an answer to one reach another program.
   static_cast<void>(writer.question(instance_, Type::kAny, dns::kInternet));
   static_cast<void>(writer.question(host_, Type::kAny, dns::kInternet));
-  write(writer, kSrv | kA | kAaaa, dns::Writer::Section::kAuthority, interface, Tone::kLegacy);
+  write(writer, kSrv | kA | kAaaa, dns::Writer::Section::kAuthority, interface,
+        ResponseKind::kLegacy);
+}
+
+RecordSet Records::known(const dns::Reader& message, const dns::Record& record,
+                         std::uint32_t interface) const noexcept {
+  if ((record.klass & ~dns::kTopBit) != dns::kInternet) {
+    return 0;
+  }
+  RecordSet kind = 0;
+  if (record.type == Type::kPtr) {
+    const Result<dns::Name> target = message.name_at(record.data_offset);
+    if (target && record.name == services_ && *target == type_) {
+      kind = kServicesPtr;
+    } else if (target && record.name == type_ && *target == instance_) {
+      kind = kInstancePtr;
+    }
+  } else if (record.type == Type::kSrv && record.name == instance_) {
+    kind = compare_srv(message, record) == Conflict::kNone ? kSrv : RecordSet{0};
+  } else if (record.name == host_ && compare_address(record) == Conflict::kNone) {
+    kind = record.type == Type::kA ? kA : kAaaa;
+    kind = count(kind, interface) == 1 ? kind : RecordSet{0};
+  }
+  return record.ttl_s >= life_s(kind) / 2 ? kind : RecordSet{0};
+}
+
+Records::Conflict Records::compare_srv(const dns::Reader& message,
+                                       const dns::Record& record) const noexcept {
+  constexpr std::size_t kFixed = 6;  // priority and weight, ours 0; port
+  const Result<dns::Name> target = message.name_at(record.data_offset + kFixed);
+  if (record.data.size() <= kFixed || !target) {
+    return Conflict::kNone;  // no sender of SRV records
+  }
+  const std::uint16_t port = service_.announce.port;
+  const std::array<std::byte, kFixed> ours{std::byte{0},
+                                           std::byte{0},
+                                           std::byte{0},
+                                           std::byte{0},
+                                           static_cast<std::byte>(port >> 8),
+                                           static_cast<std::byte>(port & 0xff)};
+  const auto fixed = record.data.first(kFixed);
+  if (std::ranges::equal(fixed, ours) && *target == host_) {
+    return Conflict::kNone;
+  }
+  const bool below = std::ranges::equal(fixed, ours)
+                         ? std::ranges::lexicographical_compare(target->bytes(), host_.bytes())
+                         : std::ranges::lexicographical_compare(fixed, ours);
+  return below ? Conflict::kBelow : Conflict::kAbove;
+}
+
+// An address that any of our interfaces has is ours: two of them may be on one link.
+Records::Conflict Records::compare_address(const dns::Record& record) const noexcept {
+  const RecordSet kind = record.type == Type::kA ? kA : kAaaa;
+  std::optional<std::span<const std::byte>> least;
+  for (const hal::InterfaceAddress& address : addresses_) {
+    const auto bytes = record_data(address);
+    if (std::ranges::equal(bytes, record.data)) {
+      return Conflict::kNone;
+    }
+    if (record_kind(address) == kind &&
+        (!least || std::ranges::lexicographical_compare(bytes, *least))) {
+      least = bytes;
+    }
+  }
+  const bool below = least && std::ranges::lexicographical_compare(record.data, *least);
+  return below ? Conflict::kBelow : Conflict::kAbove;
+}
+
+Records::Conflict Records::conflict(const dns::Reader& message,
+                                    const dns::Record& record) const noexcept {
+  if ((record.klass & ~dns::kTopBit) != dns::kInternet || record.ttl_s == 0) {
+    return Conflict::kNone;
+  }
+  if (record.type == Type::kSrv && record.name == instance_) {
+    return compare_srv(message, record);
+  }
+  const bool address = (record.type == Type::kA && record.data.size() == 4) ||
+                       (record.type == Type::kAaaa && record.data.size() == 16);
+  return address && record.name == host_ ? compare_address(record) : Conflict::kNone;
 }
 
 }  // namespace stof::firmware

@@ -49,11 +49,7 @@ constexpr std::uint32_t life_s(RecordSet kind) noexcept {
   return (kind & (kServicesPtr | kInstancePtr | kTxt)) != 0 ? 4500 : 120;
 }
 
-// The data of the address' record, and which it is.
-std::span<const std::byte> record_data(const hal::InterfaceAddress& address) noexcept;
-RecordSet record_kind(const hal::InterfaceAddress& address) noexcept;
-
-enum class Tone : std::uint8_t {
+enum class ResponseKind : std::uint8_t {
   kMulticast,
   kLegacy,   // to whoever does not know mDNS: short lives, no claim to be the only one
   kGoodbye,  // lives of 0
@@ -78,13 +74,14 @@ class Records {
   RecordSet known(const wire::dns::Reader& message, const wire::dns::Record& record,
                   std::uint32_t interface) const noexcept;
 
-  enum class Rival : std::uint8_t { kNone, kBelow, kAbove };
+  enum class Conflict : std::uint8_t { kNone, kBelow, kAbove };
   // Whether a record claims one of our names for something else, and how its data compare with ours
   // (RFC 6762 section 8.2).
-  Rival rival(const wire::dns::Reader& message, const wire::dns::Record& record) const noexcept;
+  Conflict conflict(const wire::dns::Reader& message,
+                    const wire::dns::Record& record) const noexcept;
 
   void write(wire::dns::Writer& writer, RecordSet set, wire::dns::Writer::Section section,
-             std::uint32_t interface, Tone tone) const noexcept;
+             std::uint32_t interface, ResponseKind response) const noexcept;
   // Questions for our names, with what we are going to claim.
   void write_probe(wire::dns::Writer& writer, std::uint32_t interface) const noexcept;
 
@@ -100,9 +97,9 @@ class Records {
   void write_txt(wire::dns::Writer& writer) const noexcept;
   RecordSet address_kinds(std::uint32_t interface) const noexcept;
   std::size_t count(RecordSet kind, std::uint32_t interface) const noexcept;
-  Rival compare_srv(const wire::dns::Reader& message,
-                    const wire::dns::Record& record) const noexcept;
-  Rival compare_address(const wire::dns::Record& record) const noexcept;
+  Conflict compare_srv(const wire::dns::Reader& message,
+                       const wire::dns::Record& record) const noexcept;
+  Conflict compare_address(const wire::dns::Record& record) const noexcept;
 
   Service service_;
   wire::dns::Name services_;

@@ -17,10 +17,11 @@ Status status_of(const Result<T>& result) noexcept {
 
 }  // namespace
 
-FrameCollector::FrameCollector(board::Board& board, const Setup& setup,
-                               LoopConditions& conditions) noexcept
+FrameCollector::FrameCollector(board::Board& board, const Setup& setup, LoopConditions& conditions,
+                               const DeviceLending* lending) noexcept
     : board_(board),
       conditions_(conditions),
+      lending_(lending),
       stereo_pairing_(setup.calibration.stereo.left.width, setup.calibration.stereo.left.height),
       pmd_pairing_(setup.calibration.pmd.lens.width, setup.calibration.pmd.lens.height) {}
 
@@ -62,7 +63,8 @@ Status FrameCollector::collect_stereo(const ExposureWindow& window, hal::Time de
                                       std::optional<StereoLease>& found) noexcept {
   Status last = Status::kTimeout;
   for (int i = 0; i < kMaxFramesPerEdge; ++i) {
-    Result<StereoLease> frame = board_.stereo.wait_frame(deadline);
+    Result<StereoLease> frame = usable(board::Device::kStereo) ? board_.stereo.wait_frame(deadline)
+                                                               : fail(Status::kDeviceLost);
     conditions_.note_device_status(Part::kStereo, status_of(frame));
     if (!frame) {
       last = frame.error();
@@ -93,7 +95,9 @@ Status FrameCollector::collect_pmd(hal::Time edge, hal::Time deadline,
     if (enough && timing.pmd_every == 1) {
       return Status::kOk;
     }
-    Result<PmdLease> frame = board_.pmd->wait_frame(enough ? board_.clock.now() : deadline);
+    Result<PmdLease> frame = usable(board::Device::kPmd)
+                                 ? board_.pmd->wait_frame(enough ? board_.clock.now() : deadline)
+                                 : fail(Status::kDeviceLost);
     if (enough && !frame && frame.error() == Status::kTimeout) {
       return Status::kOk;
     }
@@ -136,7 +140,8 @@ Shot FrameCollector::make_shot(hal::Time edge, StereoLease&& stereo) noexcept {
             std::move(pmd_),
             pmd_exposed_,
             freshness_,
-            conditions_.edges_without_frame()};
+            conditions_.edges_without_frame(),
+            of(conditions_.counters().losses, Part::kStereo)};
   pmd_.reset();
   return shot;
 }

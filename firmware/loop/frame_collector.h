@@ -6,8 +6,9 @@
 #include <optional>
 
 #include "board/board.h"
-#include "board/config.h"
+#include "board/timing.h"
 #include "dsp/base/status.h"
+#include "firmware/loop/device_lending.h"
 #include "firmware/loop/loop_conditions.h"
 #include "firmware/loop/pairing.h"
 #include "firmware/pipeline/pipeline.h"
@@ -28,18 +29,25 @@ struct Collected {
 // samples: the last ones hold, at most 2 k - 2 periods old: an integration may take k periods.
 class FrameCollector {
  public:
-  // Frames have the sizes of the setup's calibration.
-  FrameCollector(board::Board& board, const Setup& setup, LoopConditions& conditions) noexcept;
+  // Frames have the sizes of the setup's calibration. lending: cameras that are lent are not asked;
+  // nullptr: none ever is.
+  FrameCollector(board::Board& board, const Setup& setup, LoopConditions& conditions,
+                 const DeviceLending* lending = nullptr) noexcept;
 
   // Blocks until `deadline` at most. search_first: searches the pair while the PMD camera still
   // integrates, and forgets it where there is no shot; nullptr: nothing is searched.
   Collected collect(hal::Time edge, hal::Time deadline, const board::TimingConfig& timing,
                     Pipeline* search_first) noexcept;
+  // A frame of the PMD camera waits for its shot.
+  bool holds_pmd() const noexcept { return pmd_.has_value(); }
 
  private:
   using StereoLease = hal::Lease<hal::StereoFrame>;
   using PmdLease = hal::Lease<hal::PmdFrame>;
 
+  bool usable(board::Device device) const noexcept {
+    return lending_ == nullptr || lending_->usable(device);
+  }
   Status collect_stereo(const ExposureWindow& window, hal::Time deadline,
                         std::optional<StereoLease>& found) noexcept;
   Status collect_pmd(hal::Time edge, hal::Time deadline,
@@ -50,6 +58,7 @@ class FrameCollector {
 
   board::Board& board_;
   LoopConditions& conditions_;
+  const DeviceLending* lending_;
   StereoPairing stereo_pairing_;
   PmdPairing pmd_pairing_;
   // Of the last edges, newest first.

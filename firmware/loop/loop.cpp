@@ -20,15 +20,22 @@ void count_stages(const Stats& stats, hal::Duration publish, Counters& counters)
 }  // namespace
 
 Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
-           Pipeline& pipeline, Stream& stream, Events& events) noexcept
+           Pipeline& pipeline, Stream& stream, Events& events, DeviceLending* lending) noexcept
     : board_(board),
       pipeline_(pipeline),
       stream_(stream),
+      lending_(lending),
       conditions_(board.clock, events, stream.health()),
       schedule_(timing, board.pmd != nullptr, board.clock.now()),
-      collector_(board, setup, conditions_) {}
+      collector_(board, setup, conditions_, lending) {}
 
 Status Loop::step() noexcept {
+  const Status status = run_period();
+  lend_lost_devices();
+  return status;
+}
+
+Status Loop::run_period() noexcept {
   wait_for_edge();
   const Result<hal::Time> edge = pulse();  // shot n begins to expose
   Status status = publish_held();          // shot n - 1, if it had to wait for its turn
@@ -42,9 +49,23 @@ Status Loop::step() noexcept {
   return status;
 }
 
+void Loop::lend_lost_devices() noexcept {
+  if (lending_ == nullptr) {
+    return;
+  }
+  const hal::Time now = board_.clock.now();
+  const auto lend = [&](board::Device device, Part part, bool leased) {
+    lending_->after_round(device, conditions_.lost(part), leased, now);
+  };
+  lend(board::Device::kTrigger, Part::kTrigger, false);
+  lend(board::Device::kStereo, Part::kStereo, held_.has_value());
+  lend(board::Device::kPmd, Part::kPmd, collector_.holds_pmd() || (held_ && held_->pmd));
+}
+
 void Loop::restart(const board::TimingConfig& timing) noexcept {
   schedule_.restart(timing, board_.clock.now());
   pipeline_.forget_match();
+  last_edge_.reset();
 }
 
 void Loop::wait_for_edge() noexcept {
@@ -56,7 +77,8 @@ void Loop::wait_for_edge() noexcept {
 // The edge that went out, later than any before it; errors as Trigger::pulse.
 Result<hal::Time> Loop::pulse() noexcept {
   const hal::Time planned = schedule_.advance();
-  Result<hal::Time> edge = board_.trigger.pulse();
+  const bool usable = lending_ == nullptr || lending_->usable(board::Device::kTrigger);
+  Result<hal::Time> edge = usable ? board_.trigger.pulse() : fail(Status::kDeviceLost);
   conditions_.note_device_status(Part::kTrigger, edge ? Status::kOk : edge.error());
   if (edge) {
     Counters& counters = conditions_.counters();
@@ -83,6 +105,7 @@ Status Loop::publish_held() noexcept {
   if (schedule_.expired(held_->edge, board_.clock.now())) {
     ++counters.expired;
   } else {
+    note_gap(*held_);
     const Output& output = pipeline_.compute(*held_);
     const hal::Time computed = board_.clock.now();
     ++counters.published;
@@ -96,6 +119,16 @@ Status Loop::publish_held() noexcept {
   pipeline_.forget_match();
   held_.reset();  // its slots go home
   return sent;
+}
+
+void Loop::note_gap(const Shot& shot) noexcept {
+  // A camera that was lost may expose otherwise than before, however soon it is back.
+  if (!last_edge_ || schedule_.gap(*last_edge_, shot.edge) ||
+      shot.stereo_losses != stereo_losses_) {
+    pipeline_.forget_past();
+  }
+  last_edge_ = shot.edge;
+  stereo_losses_ = shot.stereo_losses;
 }
 
 void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {

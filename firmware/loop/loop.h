@@ -1,11 +1,13 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 
 #include "board/board.h"
-#include "board/config.h"
+#include "board/timing.h"
 #include "dsp/base/status.h"
 #include "firmware/events/events.h"
+#include "firmware/loop/device_lending.h"
 #include "firmware/loop/frame_collector.h"
 #include "firmware/loop/loop_conditions.h"
 #include "firmware/loop/schedule.h"
@@ -23,21 +25,26 @@ namespace stof::firmware {
 class Loop {
  public:
   // board::problem(timing) must be empty; pipeline was built for frames of the setup's sizes.
+  // lending: lost devices are lent, to be opened again; nullptr: they come back by themselves.
   Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
-       Pipeline& pipeline, Stream& stream, Events& events) noexcept;
+       Pipeline& pipeline, Stream& stream, Events& events,
+       DeviceLending* lending = nullptr) noexcept;
 
   // One period. Blocks until the next point of the grid, and there computes and publishes.
-  // kOk: whether or not there was a frame. kDeviceLost: a device has to be reopened; calling on is
-  // allowed, and needed by devices that come back by themselves.
+  // kOk: whether or not there was a frame. kDeviceLost: a device is lost.
   Status step() noexcept;
 
   // After a pause, with another timing perhaps; board::problem(timing) must be empty.
   void restart(const board::TimingConfig& timing) noexcept;
 
  private:
+  Status run_period() noexcept;
+  void lend_lost_devices() noexcept;
   void wait_for_edge() noexcept;
   Result<hal::Time> pulse() noexcept;
   Status publish_held() noexcept;
+  // Tells the pipeline where this shot does not follow the one that was computed before it.
+  void note_gap(const Shot& shot) noexcept;
   // By what this frame has cost.
   void update_schedule(const Stats& stats, hal::Time edge) noexcept;
   Status collect(hal::Time edge) noexcept;
@@ -45,10 +52,13 @@ class Loop {
   board::Board& board_;
   Pipeline& pipeline_;
   Stream& stream_;
+  DeviceLending* lending_;
   LoopConditions conditions_;
   Schedule schedule_;
   FrameCollector collector_;
   std::optional<Shot> held_;
+  std::optional<hal::Time> last_edge_;  // of the shot that was computed last; none: a gap follows
+  std::uint64_t stereo_losses_ = 0;     // as that shot told them
 };
 
 }  // namespace stof::firmware

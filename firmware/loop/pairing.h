@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include "board/config.h"
+#include "board/timing.h"
 #include "firmware/events/events.h"
 #include "hal/pmd_camera.h"
 #include "hal/stereo_camera.h"

@@ -15,6 +15,7 @@ constexpr int kMostOverruns = 3 * kOverrunWeight;
 constexpr hal::Duration kLeastBackoff = std::chrono::seconds(2);
 constexpr hal::Duration kMostBackoff = std::chrono::minutes(1);
 constexpr int kExpiredPeriods = 3;
+constexpr int kMostPeriodsApart = 3;
 
 }  // namespace
 
@@ -29,6 +30,11 @@ void Schedule::restart(const board::TimingConfig& timing, hal::Time now) noexcep
 
 bool Schedule::expired(hal::Time edge, hal::Time now) const noexcept {
   return now - edge > kExpiredPeriods * timing_.period;
+}
+
+bool Schedule::gap(hal::Time before, hal::Time edge) const noexcept {
+  // Edges leave the grid by less than half a period.
+  return edge - before > kMostPeriodsApart * timing_.period + timing_.period / 2;
 }
 
 Schedule::Lateness Schedule::arrive(hal::Time now) noexcept {

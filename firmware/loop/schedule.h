@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "board/config.h"
+#include "board/timing.h"
 #include "hal/time.h"
 
 namespace stof::firmware {
@@ -37,6 +37,10 @@ class Schedule {
   bool same_period() const noexcept { return same_period_; }
   // A frame of that edge is too old to be sent.
   bool expired(hal::Time edge, hal::Time now) const noexcept;
+
+  // Frames of these two edges, with none between them, do not follow each other: at least three
+  // edges in a row had no frame, which is what LoopConditions takes for more than an incident.
+  bool gap(hal::Time before, hal::Time edge) const noexcept;
 
   // How late the loop was for an edge.
   struct Lateness {

@@ -22,11 +22,11 @@ void count_values(dsp::ImageView<const Value> image,
   }
 }
 
-std::size_t map_bytes(const dsp::Pinhole& left) noexcept {
-  const std::size_t pixels =
-      static_cast<std::size_t>(left.width) * static_cast<std::size_t>(left.height);
-  return 2 * dsp::Arena::bytes_for<dsp::QuarterMm>(pixels) +
-         dsp::Arena::bytes_for<dsp::Source>(pixels) + dsp::Arena::bytes_for<dsp::Cause>(pixels);
+dsp::DepthMap take_map(const dsp::Pinhole& left, dsp::Arena& arena) noexcept {
+  return {.depth = arena.take_image<dsp::QuarterMm>(left.width, left.height),
+          .width = arena.take_image<dsp::QuarterMm>(left.width, left.height),
+          .source = arena.take_image<dsp::Source>(left.width, left.height),
+          .cause = arena.take_image<dsp::Cause>(left.width, left.height)};
 }
 
 }  // namespace
@@ -40,10 +40,10 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
 
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
   return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
-           dsp::DepthMaker(setup.calibration, setup.depth, arena,
-                           dsp::Crew::standing_for(setup.threads));
-         }) +
-         map_bytes(setup.calibration.stereo.left);
+    dsp::DepthMaker(setup.calibration, setup.depth, arena,
+                    dsp::Crew::standing_for(setup.threads));
+    take_map(setup.calibration.stereo.left, arena);
+  });
 }
 
 Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
@@ -51,12 +51,7 @@ Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
     : clock_(clock),
       maker_(setup.calibration, setup.depth, arena, crew),
       guided_(setup.depth.guided && setup.has_pmd()) {
-  const int width = setup.calibration.stereo.left.width;
-  const int height = setup.calibration.stereo.left.height;
-  output_.map.depth = arena.take_image<dsp::QuarterMm>(width, height);
-  output_.map.width = arena.take_image<dsp::QuarterMm>(width, height);
-  output_.map.source = arena.take_image<dsp::Source>(width, height);
-  output_.map.cause = arena.take_image<dsp::Cause>(width, height);
+  output_.map = take_map(setup.calibration.stereo.left, arena);
 }
 
 void Pipeline::match(const hal::StereoFrame& stereo) noexcept {

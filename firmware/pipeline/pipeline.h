@@ -68,6 +68,9 @@ class Pipeline {
   // That frame does not become a part of any shot.
   void forget_match() noexcept { matched_ = false; }
 
+  // After a gap in the frames: depth is averaged with none before it.
+  void forget_past() noexcept { maker_.forget_past(); }
+
   // Frames of the calibration's sizes; matches them where match() has not. The result is valid
   // until the next call of compute() or match().
   const Output& compute(const Shot& shot) noexcept;

@@ -17,9 +17,10 @@ struct Shot {
   hal::Lease<hal::StereoFrame> stereo;
   std::optional<hal::Lease<hal::PmdFrame>> pmd;  // new samples; without them those of before hold
   std::optional<hal::Time>
-      pmd_exposed;                 // middle of the PMD data in use; none: there is no PMD camera
-  std::uint32_t freshness = 0;     // advances with each verified new exposure of the pair
-  std::uint32_t missed_edges = 0;  // without a frame, since the last with one
+      pmd_exposed;                  // middle of the PMD data in use; none: there is no PMD camera
+  std::uint32_t freshness = 0;      // advances with each verified new exposure of the pair
+  std::uint32_t missed_edges = 0;   // without a frame, since the last with one
+  std::uint64_t stereo_losses = 0;  // of the camera, so far
 };
 
 }  // namespace stof::firmware

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "dsp/base/check.h"
-#include "firmware/wire/frame/frame_info.h"
+#include "firmware/wire/frame_info.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 
@@ -50,17 +50,14 @@ void Stream::set_params(const StreamParams& params) noexcept {
   calibration_due_.reset();  // receivers go by it
 }
 
-void Stream::set_receivers(std::span<const hal::Peer> receivers, bool refused) noexcept {
-  STOF_CHECK(receivers.size() <= receivers_.size());
-  for (const hal::Peer& peer : receivers) {
-    if (std::ranges::find(this->receivers(), peer) == this->receivers().end()) {
+void Stream::set_receivers(const SubscriberList& receivers) noexcept {
+  for (const hal::Peer& peer : receivers.all()) {
+    if (std::ranges::find(receivers_.all(), peer) == receivers_.all().end()) {
       calibration_due_.reset();
       health_wanted_ = true;
     }
   }
-  std::ranges::copy(receivers, receivers_.begin());
-  receiver_count_ = receivers.size();
-  refused_ = refused;
+  receivers_ = receivers;
 }
 
 Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
@@ -77,7 +74,7 @@ Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest)
   }
   Status status = Status::kOk;
   times_ = {};
-  if (receiver_count_ > 0) {
+  if (receivers_.count > 0) {
     if (!calibration_due_ || clock_.now() >= *calibration_due_) {
       calibration_due_ = clock_.now() + kCalibrationInterval;
       encode_calibration_packet(
@@ -88,7 +85,7 @@ Status Stream::publish(const Shot& shot, const Output& output, hal::Time latest)
     const Status sent = send_frame(shot, output, info, latest);
     status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;
   }
-  if (refused_ && status == Status::kOk && receiver_count_ == 1) {
+  if (receivers_.refused && status == Status::kOk && receivers_.count == 1) {
     status = Status::kDeviceError;  // sent nevertheless: whoever begins to listen misses nothing
   }
   const hal::Time now = clock_.now();
@@ -151,8 +148,8 @@ Status Stream::send(Datagrams datagrams) noexcept {
   Counters& counters = events_.counters;
   Status status = Status::kOk;
   std::size_t unreachable = 0;
-  std::size_t others = receiver_count_;  // whose turn has not come
-  for (const hal::Peer& peer : receivers()) {
+  std::size_t others = receivers_.count;  // whose turn has not come
+  for (const hal::Peer& peer : receivers_.all()) {
     bool reached = false;
     --others;
     for (std::size_t at = 0; at < datagrams.size();) {
@@ -173,7 +170,7 @@ Status Stream::send(Datagrams datagrams) noexcept {
     }
     unreachable += reached ? 0 : 1;
   }
-  return unreachable > 0 && unreachable == receiver_count_ ? Status::kDeviceError : status;
+  return unreachable > 0 && unreachable == receivers_.count ? Status::kDeviceError : status;
 }
 
 Status Stream::send_one(std::span<const std::byte> datagram) noexcept {

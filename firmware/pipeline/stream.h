@@ -7,6 +7,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
+#include "firmware/control/subscriber_list.h"
 #include "firmware/events/events.h"
 #include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
@@ -17,8 +18,6 @@
 #include "hal/datagram_port.h"
 
 namespace stof::firmware {
-
-inline constexpr std::size_t kMostReceivers = 4;
 
 // Who sends, and what every receiver has to know about it.
 struct StreamSetup {
@@ -64,12 +63,8 @@ class Stream {
   Stream& operator=(const Stream&) = delete;
 
   void set_params(const StreamParams& params) noexcept;
-  // At most kMostReceivers; a new one gets calibration and health at once.
-  // refused: one of them, which has not subscribed, says that nobody listens there.
-  void set_receivers(std::span<const hal::Peer> receivers, bool refused = false) noexcept;
-  std::span<const hal::Peer> receivers() const noexcept {
-    return std::span(receivers_).first(receiver_count_);
-  }
+  // Whom everything is sent to from now on; a new one gets calibration and health at once.
+  void set_receivers(const SubscriberList& receivers) noexcept;
 
   // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
   // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
@@ -103,9 +98,7 @@ class Stream {
   wire::FrameCoder coder_;
   StreamParams params_;
   HealthMonitor health_;
-  std::array<hal::Peer, kMostReceivers> receivers_{};
-  std::size_t receiver_count_ = 0;
-  bool refused_ = false;
+  SubscriberList receivers_;
   wire::FrameStamp stamp_;  // of the last frame
   bool begun_ = false;      // a frame was sent
   std::optional<hal::Time> calibration_due_;

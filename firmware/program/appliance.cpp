@@ -26,6 +26,7 @@ std::size_t coded_bytes_needed(const Setup& setup) noexcept {
   SerialSetup serial;
   serial.calibration.image_width = static_cast<std::uint16_t>(left.width);
   serial.calibration.image_height = static_cast<std::uint16_t>(left.height);
+  serial.calibration.fx = serial.calibration.fy = 1 << 16;  // any lens takes the same
   const wire::FrameSizes sizes = sizes_of(setup);
   return wire::FrameCoder::bytes_needed(sizes, wire::FrameCoder::usual_packets(sizes)) +
          SerialSender::bytes_needed(serial);
@@ -49,7 +50,7 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunCon
     serial_->sender.set(run_config.serial);
   }
   loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, stream_,
-                parts_.events);
+                parts_.events, parts_.lending);
 }
 
 void Appliance::build(const RunConfig& run_config) noexcept {
@@ -77,7 +78,7 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
 
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
-    stream_.set_receivers(receivers->all(), receivers->refused);
+    stream_.set_receivers(*receivers);
   }
   std::optional<RunConfig> newest;
   while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {

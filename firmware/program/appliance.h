@@ -13,7 +13,7 @@
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/stream.h"
 #include "firmware/program/run_config.h"
-#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/line/byte_ring.h"
 #include "firmware/serial/sender.h"
 #include "firmware/spsc_ring.h"
 
@@ -43,8 +43,9 @@ class Appliance {
     Events& events;
     RunConfigRing& run_configs;
     SubscriberRing& receivers;
-    ByteRing* serial;   // to the serial line; nullptr: there is none
-    dsp::Crew threads;  // that may compute, the loop's among them
+    ByteRing* serial;                  // to the serial line; nullptr: there is none
+    dsp::Crew threads;                 // that may compute, the loop's among them
+    DeviceLending* lending = nullptr;  // of lost devices; nullptr: they come back by themselves
   };
 
   Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,

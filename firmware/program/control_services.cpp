@@ -12,9 +12,11 @@ void put_text(std::string_view text, std::span<char> to) noexcept {
 ControlServices::ControlServices(const Parts& parts, const settings::Settings& active,
                                  const settings::Settings& saved)
     : parts_(parts),
-      desk_(active, saved,
-            {.limits = *this, .sink = *this, .store = parts.store, .fell_back = parts.fell_back}),
-      handler_(parts.origin, make_cookie_secret(), subscribers_, &desk_),
+      settings_server_(active, saved, {.limits = *this,
+                        .sink = *this,
+                        .store = parts.store,
+                        .fell_back = parts.fell_back}),
+      handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
@@ -29,7 +31,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                   parts_.origin.session_id);
   }
   if (parts_.serial != nullptr) {
-    line_requests_.emplace(parts_.origin, &desk_);
+    line_requests_.emplace(parts_.origin, &settings_server_);
     serial_.emplace(*parts_.board.serial, *parts_.serial, *line_requests_);
     serial_->set(active.serial.mode, static_cast<std::uint32_t>(active.serial.baud));
   }
@@ -54,7 +56,7 @@ ControlServices::~ControlServices() {
 
 wire::Announce ControlServices::make_announce() const noexcept {
   wire::Announce announce = parts_.announce;
-  put_text(desk_.active().name.view(), announce.name);
+  put_text(settings_server_.active().name.view(), announce.name);
   announce.subscribers = static_cast<std::uint8_t>(subscribers_.count());
   announce.most_subscribers = kMostSubscribers;
   announce.rate_mhz = parts_.loop_status.rate_mhz.load(std::memory_order_relaxed);
@@ -62,12 +64,12 @@ wire::Announce ControlServices::make_announce() const noexcept {
 }
 
 void ControlServices::publish_status() noexcept {
-  revision_.store(desk_.revision(), std::memory_order_relaxed);
-  unsaved_.store(desk_.unsaved(), std::memory_order_relaxed);
-  fell_back_.store(desk_.fell_back(), std::memory_order_relaxed);
-  restart_needed_.store(desk_.restart_needed(), std::memory_order_relaxed);
-  subscriber_count_.store(static_cast<std::uint8_t>(subscribers_.count()),
-                          std::memory_order_relaxed);
+  published_.revision.store(settings_server_.revision(), std::memory_order_relaxed);
+  published_.unsaved.store(settings_server_.unsaved(), std::memory_order_relaxed);
+  published_.fell_back.store(settings_server_.fell_back(), std::memory_order_relaxed);
+  published_.restart_needed.store(settings_server_.restart_needed(), std::memory_order_relaxed);
+  published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
+                               std::memory_order_relaxed);
 }
 
 wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
@@ -84,7 +86,7 @@ wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
 
 void ControlServices::tick(hal::Time now) noexcept {
   publish_status();
-  const settings::Settings& active = desk_.active();
+  const settings::Settings& active = settings_server_.active();
   const wire::Announce announce = update_announce(now);
   if (active.discovery.beacon) {
     beacon_.tick(now);
@@ -109,7 +111,8 @@ void ControlServices::tick(hal::Time now) noexcept {
   }
 }
 
-bool ControlServices::accepts(const settings::Settings& settings, settings::Window& why) noexcept {
+bool ControlServices::accepts(const settings::Settings& settings,
+                              settings::PagedWriter& why) noexcept {
   const auto run_config = make_run_config(parts_.rig, board::kConfig, settings);
   if (!run_config) {
     why << run_config.error();
@@ -134,11 +137,11 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
 
 ControlStatus ControlServices::status(const SerialSender::Counters& made) const noexcept {
   ControlStatus status{.requests = control_counters(handler_, parts_.board.port),
-                       .settings_revision = revision_.load(std::memory_order_relaxed),
-                       .subscribers = subscriber_count_.load(std::memory_order_relaxed),
-                       .settings_unsaved = unsaved_.load(std::memory_order_relaxed),
-                       .settings_fell_back = fell_back_.load(std::memory_order_relaxed),
-                       .restart_needed = restart_needed_.load(std::memory_order_relaxed)};
+                       .settings_revision = published_.revision.load(std::memory_order_relaxed),
+                       .subscribers = published_.subscribers.load(std::memory_order_relaxed),
+                       .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
+                       .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),
+                       .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();
     status.serial_sent = line.sent;

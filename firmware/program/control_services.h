@@ -16,9 +16,9 @@
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/program/appliance.h"
 #include "firmware/program/run_config.h"
-#include "firmware/serial/byte_ring.h"
-#include "firmware/serial/requests.h"
-#include "firmware/serial/serial_link.h"
+#include "firmware/serial/line/byte_ring.h"
+#include "firmware/serial/line/requests.h"
+#include "firmware/serial/line/serial_link.h"
 #include "firmware/settings/settings_server.h"
 
 namespace stof::firmware {
@@ -60,7 +60,7 @@ class ControlServices final : public settings::Limits,
   // Of the loop's thread. `made`: what its end of the serial line counted.
   ControlStatus status(const SerialSender::Counters& made) const noexcept;
 
-  bool accepts(const settings::Settings& settings, settings::Window& why) noexcept override;
+  bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
   bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override;
   void tick(hal::Time now) noexcept override;
 
@@ -71,7 +71,7 @@ class ControlServices final : public settings::Limits,
   void publish_status() noexcept;
 
   Parts parts_;
-  settings::SettingsDesk desk_;
+  settings::SettingsServer settings_server_;
   Subscribers subscribers_;
   RequestHandler handler_;
   Beacon beacon_;
@@ -83,11 +83,14 @@ class ControlServices final : public settings::Limits,
   hal::Time started_ = control_now();
   std::array<Periodic*, 1> hooks_{this};
 
-  std::atomic<std::uint32_t> revision_ = 1;
-  std::atomic<std::uint8_t> subscriber_count_ = 0;
-  std::atomic<bool> unsaved_ = false;
-  std::atomic<bool> fell_back_ = false;
-  std::atomic<bool> restart_needed_ = false;
+  // What status() tells the loop's thread.
+  struct {
+    std::atomic<std::uint32_t> revision = 1;
+    std::atomic<std::uint8_t> subscribers = 0;
+    std::atomic<bool> unsaved = false;
+    std::atomic<bool> fell_back = false;
+    std::atomic<bool> restart_needed = false;
+  } published_;
 
   std::optional<ControlThread> thread_;
 };

@@ -14,7 +14,7 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
   if (!options.settings.empty()) {
     initial.store = board::make_store(options.settings);
     std::array<char, 512> space{};
-    settings::Window line(space);
+    settings::PagedWriter line(space);
     initial.saved = settings::load_settings(*initial.store, options.settings, nullptr, line,
                                             &initial.fell_back);
     if (!line.text().empty()) {

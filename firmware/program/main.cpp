@@ -19,13 +19,13 @@
 #include "firmware/events/event_printer.h"
 #include "firmware/events/events.h"
 #include "firmware/events/log_text.h"
-#include "firmware/loop/reopener.h"
 #include "firmware/loop/watchdog_feeder.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/program/appliance.h"
 #include "firmware/program/control_services.h"
 #include "firmware/program/initial_settings.h"
 #include "firmware/program/options.h"
+#include "firmware/program/reopener.h"
 #include "firmware/program/run_config.h"
 #include "firmware/settings/fields/assignment.h"
 #include "firmware/wire/calibration/calibration_packet.h"
@@ -141,6 +141,8 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
               const wire::CalibrationPacket& calibration, posix::WorkerThreads& workers) {
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};
+  DeviceLending lending(board.emulated_time);
+  const Reopener reopener(board, lending);
   ByteRing serial(serial_memory);
   ByteRing* const line = board.serial == nullptr ? nullptr : &serial;
   Appliance appliance(
@@ -149,7 +151,8 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .run_configs = run_configs,
        .receivers = receivers,
        .serial = line,
-       .threads = {workers, workers.threads()}},
+       .threads = {workers, workers.threads()},
+       .lending = &lending},
       {.origin = origin,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
@@ -166,14 +169,13 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
                                  .loop_status = loop_status},
                                 start.active, start.saved);
   const EventPrinter printer(events);
-  Reopener reopener(board);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
   // Only now: what the other threads do can wait.
   static_cast<void>(board::be_urgent(true));
   board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
-    reopener.after(appliance.step(control.status(appliance.serial())));
+    static_cast<void>(appliance.step(control.status(appliance.serial())));
     watchdog.after_round();
     loop_status.rate_mhz.store(appliance.stream().health().rate_mhz(), std::memory_order_relaxed);
     loop_status.health.store(appliance.stream().health().summary(), std::memory_order_relaxed);

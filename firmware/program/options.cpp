@@ -164,7 +164,8 @@ std::optional<Setting> find_setting(std::string_view flag) {
 }
 
 // A preset of the settings, or of the search alone.
-bool assign(const Assignment& assignment, settings::Settings& settings, settings::Window& why) {
+bool assign(const Assignment& assignment, settings::Settings& settings,
+            settings::PagedWriter& why) {
   if (assignment.path != "preset") {
     return settings::parse_field(assignment.path, assignment.value, settings, why);
   }
@@ -218,7 +219,7 @@ std::string apply(const std::vector<Assignment>& assignments, settings::Settings
   settings::Settings changed = settings;
   for (const Assignment& assignment : assignments) {
     std::array<char, settings::kWhyBytes> space{};
-    settings::Window why(space);
+    settings::PagedWriter why(space);
     if (!assign(assignment, changed, why)) {
       return assignment.flag + ": " + std::string(why.text());
     }

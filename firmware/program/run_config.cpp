@@ -148,7 +148,7 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
               .calibration_file = calibration_file,
               .threads = 1,
               .least_period = board.least_period};
-  if (board.drawn && !board.drawn_will_do && calibration_file.empty()) {
+  if (board.nominal_calibration && !board.allow_nominal_calibration && calibration_file.empty()) {
     return std::unexpected(
         "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
         "--uncalibrated to see pictures");
@@ -166,7 +166,7 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
       return std::unexpected(std::move(why));
     }
     const dsp::Hertz calibrated = rig.calibration.pmd.tone.modulation;
-    if (board.drawn && board.pmd != nullptr && calibrated.value != modulation.value) {
+    if (board.nominal_calibration && board.pmd != nullptr && calibrated.value != modulation.value) {
       return std::unexpected(calibration_file + ": of a PMD camera that modulates with " +
                              std::to_string(calibrated.value) + " Hz, this board's does with " +
                              std::to_string(modulation.value) +

@@ -35,14 +35,6 @@ constexpr std::uint16_t bin_of(std::uint32_t depth, std::uint32_t width, std::ui
 
 }  // namespace
 
-std::size_t SectorFinder::bytes_needed(int width, int height) noexcept {
-  const std::size_t columns = static_cast<std::size_t>(width);
-  const std::size_t rows = static_cast<std::size_t>(height);
-  return 2 * dsp::Arena::bytes_for<std::uint16_t>(columns) +
-         dsp::Arena::bytes_for<dsp::QuarterMm>(rows) +
-         dsp::Arena::bytes_for<std::uint16_t>(std::size_t{kBins} * kSectors);
-}
-
 SectorFinder::SectorFinder(const dsp::Pinhole& lens, const SectorParams& params,
                            dsp::Arena& arena) noexcept
     : lens_(lens),
@@ -51,6 +43,9 @@ SectorFinder::SectorFinder(const dsp::Pinhole& lens, const SectorParams& params,
       centimetres_(arena.take<std::uint16_t>(static_cast<std::size_t>(lens.width))),
       bins_(arena.take<std::uint16_t>(std::size_t{kBins} * kSectors)) {
   STOF_CHECK(lens.width > 0 && lens.height > 0 && lens.fx > 0 && lens.fy > 0);
+  if (arena.is_measuring()) {
+    return;
+  }
   for (std::size_t x = 0; x < stretch_.size(); ++x) {
     const double side = (static_cast<double>(x) - lens.cx) / lens.fx;
     const double stretch = std::floor(std::sqrt(1 + side * side) * (1 << kStretchBits));

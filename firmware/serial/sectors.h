@@ -45,9 +45,6 @@ struct Sectors {
 // vertical.
 class SectorFinder {
  public:
-  // Bounds of a lens's pictures.
-  static std::size_t bytes_needed(int width, int height) noexcept;
-
   // lens: of the depth maps, without distortion, 1 pixel or more. At start-up.
   SectorFinder(const dsp::Pinhole& lens, const SectorParams& params, dsp::Arena& arena) noexcept;
 

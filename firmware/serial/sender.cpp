@@ -51,10 +51,11 @@ std::uint8_t variance_cm2(std::uint32_t sigma_mm) noexcept {
 }  // namespace
 
 std::size_t SerialSender::bytes_needed(const SerialSetup& setup) noexcept {
-  const std::size_t pixels = std::size_t{kMedium.width} * kMedium.height;
-  return SectorFinder::bytes_needed(setup.calibration.image_width, setup.calibration.image_height) +
-         wire::FrameCoder::bytes_needed(kLargest, kMostPackets) +
-         2 * dsp::Arena::bytes_for<dsp::QuarterMm>(pixels);
+  return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
+    std::array<std::byte, 1> no_line{};
+    ByteRing ring(no_line);
+    const SerialSender unused(setup, ring, arena);
+  });
 }
 
 SerialSender::SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena& arena) noexcept
@@ -62,8 +63,9 @@ SerialSender::SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena&
       ring_(ring),
       finder_(lens_of(setup.calibration), SectorParams{}, arena),
       coder_(setup.origin, kLargest, setup.calibration, arena, kMostPackets),
-      depth_(arena.take_image<dsp::QuarterMm>(kMedium.width, kMedium.height)),
-      width_(arena.take_image<dsp::QuarterMm>(kMedium.width, kMedium.height)),
+      picture_{.depth = arena.take_image<dsp::QuarterMm>(kMedium.width, kMedium.height),
+               .width = arena.take_image<dsp::QuarterMm>(kMedium.width, kMedium.height),
+               .source = {}},
       mavlink_(params_.system_id, params_.component_id) {}
 
 void SerialSender::set(const SerialParams& params) noexcept {
@@ -113,9 +115,9 @@ void SerialSender::frame(const wire::FrameStamp& stamp, const wire::FrameInfo& i
   if (picture) {
     blocked_ = !send_picture(own, info, map, now);
   } else {
-    sectors_ = &finder_.find(map);
-    blocked_ =
-        !(params_.mode == SerialMode::kMavlink ? send_mavlink(own, now) : send_sectors(own, now));
+    const Sectors& sectors = finder_.find(map);
+    blocked_ = !(params_.mode == SerialMode::kMavlink ? send_mavlink(sectors, own, now)
+                                                      : send_sectors(sectors, own, now));
   }
   if (!blocked_) {
     ++number_;
@@ -132,8 +134,8 @@ bool SerialSender::send_picture(const wire::FrameStamp& stamp, const wire::Frame
   }
   const int columns = dsp::decimated(map.depth.width(), step);
   const int rows = dsp::decimated(map.depth.height(), step);
-  const dsp::DepthMap small{.depth = dsp::cut(depth_, columns, rows),
-                            .width = dsp::cut(width_, columns, rows),
+  const dsp::DepthMap small{.depth = dsp::cut(picture_.depth, columns, rows),
+                            .width = dsp::cut(picture_.width, columns, rows),
                             .source = {}};
   dsp::decimate(map, step, small.depth, small.width);
   coarsen(profile.unit, small.depth, small.width);
@@ -165,8 +167,9 @@ bool SerialSender::send_calibration(const wire::FrameStamp& stamp, const Profile
   return push(records, now);
 }
 
-bool SerialSender::send_sectors(const wire::FrameStamp& stamp, hal::Time now) noexcept {
-  wire::encode_sector_report(sectors_->report,
+bool SerialSender::send_sectors(const Sectors& sectors, const wire::FrameStamp& stamp,
+                                hal::Time now) noexcept {
+  wire::encode_sector_report(sectors.report,
                              wire::payload_space(packet_).first<wire::kSectorReportBytes>());
   const std::array records{wire::seal_packet({.type = wire::PacketType::kSectors,
                                               .origin = setup_.origin,
@@ -177,14 +180,15 @@ bool SerialSender::send_sectors(const wire::FrameStamp& stamp, hal::Time now) no
   return push(records, now);
 }
 
-bool SerialSender::send_mavlink(const wire::FrameStamp& stamp, hal::Time now) noexcept {
+bool SerialSender::send_mavlink(const Sectors& sectors, const wire::FrameStamp& stamp,
+                                hal::Time now) noexcept {
   constexpr float kDegreesPerMicro = 1e-6F;
   constexpr std::int64_t kNsPerUs = 1000;
   constexpr std::int64_t kNsPerMs = 1'000'000;
   constexpr std::uint8_t kGood = 100;  // percent
   constexpr std::uint8_t kInvalid = 1;
-  const wire::SectorReport& report = sectors_->report;
-  const bool known = sectors_->ahead_cm != kUnknownSector;
+  const wire::SectorReport& report = sectors.report;
+  const bool known = sectors.ahead_cm != kUnknownSector;
   mavlink::Buffer first{};
   mavlink::Buffer second{};
   const std::array records{
@@ -204,9 +208,9 @@ bool SerialSender::send_mavlink(const wire::FrameStamp& stamp, hal::Time now) no
               .time_boot_ms = static_cast<std::uint32_t>(stamp.exposure_middle_ns / kNsPerMs),
               .least_cm = report.least_cm,
               .most_cm = report.most_cm,
-              .distance_cm = known ? sectors_->ahead_cm : std::uint16_t{0},
+              .distance_cm = known ? sectors.ahead_cm : std::uint16_t{0},
               .variance_cm2 =
-                  known ? variance_cm2(sectors_->ahead_sigma_mm) : mavlink::kUnknownVariance,
+                  known ? variance_cm2(sectors.ahead_sigma_mm) : mavlink::kUnknownVariance,
               .horizontal_fov_rad = finder_.ahead_field_rad(),
               .vertical_fov_rad = finder_.vertical_field_rad(),
               .quality = known ? kGood : kInvalid},

@@ -9,9 +9,9 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
-#include "firmware/serial/byte_ring.h"
-#include "firmware/serial/line_budget.h"
-#include "firmware/serial/mavlink.h"
+#include "firmware/serial/line/byte_ring.h"
+#include "firmware/serial/line/line_budget.h"
+#include "firmware/serial/mavlink/mavlink.h"
 #include "firmware/serial/params.h"
 #include "firmware/serial/profile.h"
 #include "firmware/serial/sectors.h"
@@ -45,6 +45,7 @@ class SerialSender {
     std::uint64_t dropped = 0;
   };
 
+  // Of the arena.
   static std::size_t bytes_needed(const SerialSetup& setup) noexcept;
 
   SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena& arena) noexcept;
@@ -73,8 +74,8 @@ class SerialSender {
                     const dsp::DepthMap& map, hal::Time now) noexcept;
   bool send_calibration(const wire::FrameStamp& stamp, const Profile& profile,
                         hal::Time now) noexcept;
-  bool send_sectors(const wire::FrameStamp& stamp, hal::Time now) noexcept;
-  bool send_mavlink(const wire::FrameStamp& stamp, hal::Time now) noexcept;
+  bool send_sectors(const Sectors& sectors, const wire::FrameStamp& stamp, hal::Time now) noexcept;
+  bool send_mavlink(const Sectors& sectors, const wire::FrameStamp& stamp, hal::Time now) noexcept;
 
   SerialSetup setup_;
   ByteRing& ring_;
@@ -82,9 +83,7 @@ class SerialSender {
   LineBudget budget_;
   SectorFinder finder_;
   wire::FrameCoder coder_;
-  dsp::ImageView<dsp::QuarterMm> depth_;  // decimated
-  dsp::ImageView<dsp::QuarterMm> width_;
-  const Sectors* sectors_ = nullptr;
+  dsp::DepthMap picture_;  // decimated: depth and width
   mavlink::Writer mavlink_;
   wire::DatagramBuffer packet_{};
   std::uint32_t number_ = 0;

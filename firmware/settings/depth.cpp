@@ -53,7 +53,7 @@ dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noe
   return params;
 }
 
-void settle(Settings& settings, Window& note) noexcept {
+void settle(Settings& settings, PagedWriter& note) noexcept {
   // Blocks of grey values, and sums that do not fit 16 bits.
   for (const std::string_view name : {"prefilter", "block"}) {
     const dsp::MatchParams match = match_params(settings.depth);

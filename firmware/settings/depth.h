@@ -12,7 +12,7 @@ dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noe
 
 // Fields of depth.match that an earlier version matched together, but this one cannot, become as
 // the preset has them; `note` says so (note_fallback()).
-void settle(Settings& settings, Window& note) noexcept;
+void settle(Settings& settings, PagedWriter& note) noexcept;
 
 // Empty ("") when the matcher's options can be used together, else what cannot and what to do.
 const char* problem(const Settings& settings) noexcept;

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostFile = 4 * kMostDocumentBytes;
 
 bool understand(std::span<const std::byte> bytes, Limits* limits, Settings& settings,
-                Window& why) noexcept {
+                PagedWriter& why) noexcept {
   // Bytes may be looked at as char.
   const auto* const text = reinterpret_cast<const char*>(bytes.data());
   if (!parse({text, bytes.size()}, settings, why)) {
@@ -26,7 +26,7 @@ bool understand(std::span<const std::byte> bytes, Limits* limits, Settings& sett
 
 }  // namespace
 
-Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, Window& line,
+Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, PagedWriter& line,
                        bool* fell_back) noexcept {
   std::array<std::byte, kMostFile> bytes;
   const Result<std::size_t> loaded = store.load(bytes);
@@ -34,7 +34,7 @@ Settings load_settings(hal::Store& store, std::string_view place, Limits* limits
     return {};
   }
   std::array<char, kWhyBytes> space;
-  Window why(space);
+  PagedWriter why(space);
   if (!loaded && loaded.error() == Status::kTooLarge) {
     why << "longer than " << kMostFile << " bytes";
   } else if (!loaded) {

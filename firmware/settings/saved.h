@@ -15,7 +15,7 @@ namespace stof::settings {
 // `place`, such as the file's name. limits: nullptr: are not asked.
 // Fields that this version does not take any more are as the preset has them: `line` names them,
 // and *fell_back becomes true.
-Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, Window& line,
+Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, PagedWriter& line,
                        bool* fell_back = nullptr) noexcept;
 
 }  // namespace stof::settings

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "firmware/wire/frame/frame_coder.h"
+#include "firmware/wire/frame/frame_images.h"
 
 // What a sensor can be told to do differently. The table in field.cpp says of each field which
 // values it takes, its unit and what it means; the values below are the defaults.

@@ -3,7 +3,9 @@
 #include <array>
 
 #include "firmware/settings/depth.h"
+#include "firmware/settings/fields/describe.h"
 #include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/presets.h"
 
 namespace stof::settings {
@@ -20,7 +22,7 @@ std::span<char> as_text(std::span<std::byte> bytes) noexcept {
 
 }  // namespace
 
-bool usable(const Settings& settings, Limits* limits, Window& why) noexcept {
+bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept {
   if (const char* const what = problem(settings); *what != '\0') {
     why << "depth.match: " << what;
     return false;
@@ -28,7 +30,7 @@ bool usable(const Settings& settings, Limits* limits, Window& why) noexcept {
   return limits == nullptr || limits->accepts(settings, why);
 }
 
-SettingsDesk::SettingsDesk(const Settings& active, const Settings& saved,
+SettingsServer::SettingsServer(const Settings& active, const Settings& saved,
                            const Parts& parts) noexcept
     : parts_(parts),
       started_(active),
@@ -36,7 +38,7 @@ SettingsDesk::SettingsDesk(const Settings& active, const Settings& saved,
       saved_(saved),
       fell_back_(parts.fell_back) {}
 
-bool SettingsDesk::restart_needed() const noexcept {
+bool SettingsServer::restart_needed() const noexcept {
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
     const Field known = field(place);
@@ -47,7 +49,7 @@ bool SettingsDesk::restart_needed() const noexcept {
   return false;
 }
 
-Settings SettingsDesk::staged() const noexcept {
+Settings SettingsServer::staged() const noexcept {
   Settings settings = active_;
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
@@ -58,13 +60,13 @@ Settings SettingsDesk::staged() const noexcept {
   return settings;
 }
 
-wire::SettingsAnswer SettingsDesk::serve(const wire::SettingsRequest& request,
-                                         std::span<const std::byte> text,
-                                         std::span<std::byte> answer_text,
-                                         std::size_t& answer_bytes) noexcept {
+wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
+                                           std::span<const std::byte> text,
+                                           std::span<std::byte> answer_text,
+                                           std::size_t& answer_bytes) noexcept {
   using Operation = wire::SettingsOperation;
   const bool reads = request.operation == Operation::kGet;
-  Window out(as_text(answer_text), reads ? request.offset : 0);
+  PagedWriter out(as_text(answer_text), reads ? request.offset : 0);
   Result result = Result::kUnsupported;
   switch (request.operation) {
     case Operation::kGet:
@@ -100,8 +102,8 @@ wire::SettingsAnswer SettingsDesk::serve(const wire::SettingsRequest& request,
           .revision = revision_};
 }
 
-SettingsDesk::Result SettingsDesk::get(wire::SettingsDocument document,
-                                       Window& out) const noexcept {
+SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
+                                           PagedWriter& out) const noexcept {
   using Document = wire::SettingsDocument;
   switch (document) {
     case Document::kActive:
@@ -123,7 +125,7 @@ SettingsDesk::Result SettingsDesk::get(wire::SettingsDocument document,
   return Result::kUnsupported;
 }
 
-SettingsDesk::Result SettingsDesk::stage(std::string_view text, Window& why) noexcept {
+SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter& why) noexcept {
   if (!parse(text, staged_values_, why, &staged_fields_)) {
     return Result::kInvalid;
   }
@@ -131,7 +133,7 @@ SettingsDesk::Result SettingsDesk::stage(std::string_view text, Window& why) noe
   return Result::kOk;
 }
 
-SettingsDesk::Result SettingsDesk::commit(Window& why) noexcept {
+SettingsServer::Result SettingsServer::commit(PagedWriter& why) noexcept {
   const Result result = become(staged(), why);
   if (result != Result::kOk) {
     return result;  // what is staged stays
@@ -140,7 +142,7 @@ SettingsDesk::Result SettingsDesk::commit(Window& why) noexcept {
   return save(why);
 }
 
-SettingsDesk::Result SettingsDesk::preset(std::string_view name, Window& why) noexcept {
+SettingsServer::Result SettingsServer::preset(std::string_view name, PagedWriter& why) noexcept {
   if (const SettingsPreset* const found = find_preset(name)) {
     return change(found->json, why);
   }
@@ -149,12 +151,12 @@ SettingsDesk::Result SettingsDesk::preset(std::string_view name, Window& why) no
   return Result::kInvalid;
 }
 
-SettingsDesk::Result SettingsDesk::save(Window& why) noexcept {
+SettingsServer::Result SettingsServer::save(PagedWriter& why) noexcept {
   if (active_ == saved_ && !unsaved_ && !fell_back_) {
     return Result::kOk;  // a repeated request does not wear the medium
   }
   std::array<char, kMostDocumentBytes> space;
-  Window document(space);
+  PagedWriter document(space);
   write_document(active_, document);
   unsaved_ = true;
   if (parts_.store == nullptr) {
@@ -172,13 +174,13 @@ SettingsDesk::Result SettingsDesk::save(Window& why) noexcept {
   return Result::kOk;
 }
 
-SettingsDesk::Result SettingsDesk::change(std::string_view json, Window& why) noexcept {
+SettingsServer::Result SettingsServer::change(std::string_view json, PagedWriter& why) noexcept {
   Settings next = active_;
   return parse(json, next, why) ? become(next, why) : Result::kInvalid;
 }
 
 // why: of a result of kOk, what fell back.
-SettingsDesk::Result SettingsDesk::become(Settings next, Window& why) noexcept {
+SettingsServer::Result SettingsServer::become(Settings next, PagedWriter& why) noexcept {
   settle(next, why);
   const bool falls_back = !why.text().empty();
   if (next == active_) {
@@ -186,7 +188,7 @@ SettingsDesk::Result SettingsDesk::become(Settings next, Window& why) noexcept {
     return Result::kOk;
   }
   std::array<char, kWhyBytes> space;
-  Window refusal(space);
+  PagedWriter refusal(space);
   if (!usable(next, &parts_.limits, refusal)) {
     why << (falls_back ? "; " : "") << refusal.text();
     return Result::kInvalid;

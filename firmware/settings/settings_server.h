@@ -19,7 +19,7 @@ class Limits {
   virtual ~Limits() = default;
   // Whether the sensor can run with them. false: `why` says in one line what is too much and what
   // to do.
-  virtual bool accepts(const Settings& settings, Window& why) noexcept = 0;
+  virtual bool accepts(const Settings& settings, PagedWriter& why) noexcept = 0;
 };
 
 // Who runs with the settings.
@@ -31,12 +31,12 @@ class SettingsSink {
 };
 
 // Whether the fields suit each other, and the limits accept them (nullptr: are not asked).
-bool usable(const Settings& settings, Limits* limits, Window& why) noexcept;
+bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept;
 
 // Keeps the documents active, staged and saved, and answers requests about them. What is staged is
 // a set of fields and their values: fields that were not staged stay as they are active at the
 // commit. No heap; for the control thread alone.
-class SettingsDesk final : public firmware::SettingsService {
+class SettingsServer final : public firmware::SettingsService {
  public:
   struct Parts {
     Limits& limits;
@@ -47,7 +47,7 @@ class SettingsDesk final : public firmware::SettingsService {
 
   // active: what the sensor was started with, already applied, as revision 1. saved: what is in the
   // store (load_settings()), which a command line may have changed into active.
-  SettingsDesk(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
+  SettingsServer(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
 
   // A text that is longer than `answer_text` is cut off there. request_id and cookie are the
   // caller's.
@@ -68,13 +68,13 @@ class SettingsDesk final : public firmware::SettingsService {
  private:
   using Result = wire::SettingsResult;
 
-  Result get(wire::SettingsDocument document, Window& out) const noexcept;
-  Result stage(std::string_view text, Window& why) noexcept;
-  Result commit(Window& why) noexcept;
-  Result preset(std::string_view name, Window& why) noexcept;
-  Result save(Window& why) noexcept;
-  Result change(std::string_view json, Window& why) noexcept;
-  Result become(Settings next, Window& why) noexcept;
+  Result get(wire::SettingsDocument document, PagedWriter& out) const noexcept;
+  Result stage(std::string_view text, PagedWriter& why) noexcept;
+  Result commit(PagedWriter& why) noexcept;
+  Result preset(std::string_view name, PagedWriter& why) noexcept;
+  Result save(PagedWriter& why) noexcept;
+  Result change(std::string_view json, PagedWriter& why) noexcept;
+  Result become(Settings next, PagedWriter& why) noexcept;
   Settings staged() const noexcept;
 
   Parts parts_;

@@ -8,12 +8,13 @@
 
 #include "firmware/wire/messages/enums.h"
 #include "firmware/wire/messages/structs.h"
+#include "hal/datagram_size.h"
 
 // One datagram: header, payload, CRC-32C. The bytes are described in docs/WIRE.md.
 namespace stof::wire {
 
-inline constexpr std::size_t kMaxDatagram = 1232;  // of UDP payload: never an IP fragment
-inline constexpr std::size_t kHeaderBytes = 52;    // of version 1, without the CRC
+using hal::kMaxDatagram;
+inline constexpr std::size_t kHeaderBytes = 52;  // of version 1, without the CRC
 inline constexpr std::size_t kCrcBytes = 4;
 inline constexpr std::size_t kMaxPayload = kMaxDatagram - kHeaderBytes - kCrcBytes;
 inline constexpr std::uint8_t kWireVersion = 1;

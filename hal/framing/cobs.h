@@ -6,6 +6,8 @@
 #include <optional>
 #include <span>
 
+#include "hal/datagram_size.h"
+
 // Consistent overhead byte stuffing (Cheshire and Baker, IEEE/ACM Trans. Networking 7(2), 1999): a
 // frame without any zero byte, so that a zero ends it and nothing else.
 namespace stof::hal {
@@ -21,7 +23,7 @@ std::size_t cobs_encode(std::span<const std::byte> frame, std::span<std::byte> o
 // zero is where the next frame begins. What lies between is handed out as it decodes, or counted.
 class CobsReader {
  public:
-  static constexpr std::size_t kMaxFrame = 1232;
+  static constexpr std::size_t kMaxFrame = kMaxDatagram;
 
   struct Counters {
     std::uint64_t frames = 0;    // handed out

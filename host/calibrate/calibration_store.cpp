@@ -3,17 +3,12 @@
 #include <fstream>
 #include <iterator>
 
+#include "dataset/files/file.h"
 #include "firmware/wire/calibration/calibration_file.h"
 
 namespace stof::host {
-namespace {
 
-std::unexpected<dataset::Problem> refuse(const std::filesystem::path& file, const char* what,
-                                         const char* remedy) {
-  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
-}
-
-}  // namespace
+using dataset::refuse;
 
 dataset::Loaded<StoredCalibration> read_calibration(const std::filesystem::path& file) {
   std::ifstream stream(file, std::ios::binary);
@@ -41,15 +36,8 @@ std::expected<void, dataset::Problem> write_calibration(const std::filesystem::p
   if (!wire::encode_calibration_file(calibration, bytes)) {
     return refuse(file, "too large for a calibration file", "use a smaller sensor");
   }
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  for (const std::byte byte : bytes) {
-    stream.put(static_cast<char>(byte));
-  }
-  stream.close();
-  if (!stream) {
-    return refuse(file, "cannot be written", "check the folder, its permissions and free space");
-  }
-  return {};
+  // Bytes may be looked at as char.
+  return dataset::write_whole(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 }  // namespace stof::host

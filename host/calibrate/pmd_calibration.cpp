@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "host/calibrate/fit/pmd_guess.h"
 #include "host/calibrate/fit/pmd_measures.h"
 
 namespace stof::host {

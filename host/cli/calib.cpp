@@ -4,6 +4,8 @@
 #include <cstdio>
 
 #include "host/calibrate/calibration_store.h"
+#include "host/calibrate/report/pmd_json.h"
+#include "host/calibrate/report/pmd_plots.h"
 #include "host/calibrate/report/pmd_report.h"
 #include "host/cli/evaluate/evaluate.h"
 #include "host/cli/exit.h"

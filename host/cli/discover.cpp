@@ -2,12 +2,12 @@
 
 #include <array>
 #include <chrono>
-#include <cstdio>
 
 #include <nlohmann/json.hpp>
 
 #include "host/cli/exit.h"
 #include "host/discovery/discover.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -46,11 +46,8 @@ std::string discover_line(const client::FoundSensor& sensor) {
                      sensor.board + ", version " + sensor.version + ", health " +
                      health_name(sensor.health);
   if (sensor.rate_mhz) {
-    std::array<char, 64> figures{};
-    std::snprintf(figures.data(), figures.size(), ", %.1f Hz, %u of %u subscribers",
-                  static_cast<double>(*sensor.rate_mhz) / 1000, sensor.subscribers,
-                  sensor.most_subscribers);
-    line += figures.data();
+    line += printed(", %.1f Hz, %u of %u subscribers", static_cast<double>(*sensor.rate_mhz) / 1000,
+                    sensor.subscribers, sensor.most_subscribers);
   }
   line += "; by";
   for (const std::string& way : ways_of(sensor)) {

@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/discovery/found.h"
+#include "host/discovery/found_sensors.h"
 
 namespace stof::host {
 

@@ -1,9 +1,7 @@
 #include "host/cli/sensor_text.h"
 
-#include <array>
-#include <cstdio>
-
 #include "firmware/wire/messages/conditions.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -39,12 +37,6 @@ const char* advice(wire::Reaction reaction) {
 std::string name_of(std::uint8_t condition) {
   const wire::ConditionInfo* const info = wire::info_of(static_cast<wire::Condition>(condition));
   return info != nullptr ? info->name : "condition " + std::to_string(condition);
-}
-
-std::string fixed(double value) {
-  std::array<char, 32> buffer{};
-  std::snprintf(buffer.data(), buffer.size(), "%.1f", value);
-  return buffer.data();
 }
 
 template <typename T>
@@ -85,9 +77,9 @@ std::string active_text(const wire::HealthReport& health) {
 std::string health_line(const wire::HealthReport& health) {
   std::string line = std::string("health: ") + word(health.severity) + ", up " +
                      std::to_string(health.uptime_ms / 1000) + " s, " +
-                     fixed(health.rate_mhz / 1e3) + " frames/s, latency " +
-                     fixed(health.latency_us / 1e3) + " ms mean " +
-                     fixed(health.longest_latency_us / 1e3) + " ms longest, " +
+                     printed("%.1f", health.rate_mhz / 1e3) + " frames/s, latency " +
+                     printed("%.1f", health.latency_us / 1e3) + " ms mean " +
+                     printed("%.1f", health.longest_latency_us / 1e3) + " ms longest, " +
                      std::to_string(health.subscribers) + " subscribers" + active_text(health);
   if (health.active != 0) {
     line += std::string("; ") + advice(health.reaction);

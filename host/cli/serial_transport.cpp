@@ -8,14 +8,12 @@
 #include <span>
 #include <vector>
 
-#include <asm/termbits.h>
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
 
 #include "firmware/wire/packet.h"
 #include "hal/framing/cobs.h"
+#include "posix/poll.h"
+#include "posix/terminal.h"
 
 namespace stof::host {
 namespace {
@@ -27,10 +25,8 @@ constexpr Duration kSendTime = std::chrono::seconds(1);
 
 class SerialTransport final : public client::ControlTransport {
  public:
-  SerialTransport(int fd, std::string device) : fd_(fd), device_(std::move(device)) {}
-  ~SerialTransport() override { ::close(fd_); }
-  SerialTransport(const SerialTransport&) = delete;
-  SerialTransport& operator=(const SerialTransport&) = delete;
+  SerialTransport(posix::Fd line, std::string device)
+      : line_(std::move(line)), device_(std::move(device)) {}
 
   Status send(std::span<const std::byte> packet) override {
     // A zero before it ends whatever noise stands before.
@@ -51,7 +47,7 @@ class SerialTransport final : public client::ControlTransport {
       if (const Status status = wait(POLLIN, deadline); status != Status::kOk) {
         return fail(status);
       }
-      const ssize_t got = ::read(fd_, space_.data(), space_.size());
+      const ssize_t got = ::read(line_.get(), space_.data(), space_.size());
       if (got == 0 || (got < 0 && errno != EAGAIN && errno != EINTR)) {
         return fail(Status::kDeviceLost);
       }
@@ -63,25 +59,20 @@ class SerialTransport final : public client::ControlTransport {
 
  private:
   Status wait(short events, Steady::time_point deadline) const {
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Steady::now());
-    if (left.count() <= 0) {
-      return Status::kTimeout;
+    std::array entries{pollfd{.fd = line_.get(), .events = events, .revents = 0}};
+    while (Steady::now() < deadline) {
+      const auto ready = posix::wait_for(entries, deadline - Steady::now());
+      if (!ready || *ready > 0) {
+        return ready && (entries[0].revents & events) != 0 ? Status::kOk : Status::kDeviceLost;
+      }
     }
-    pollfd asked{.fd = fd_, .events = events, .revents = 0};
-    const int ready = ::poll(&asked, 1, static_cast<int>(left.count()));
-    if (ready < 0) {
-      return errno == EINTR ? Status::kOk : Status::kDeviceLost;
-    }
-    if (ready == 0) {
-      return Status::kTimeout;
-    }
-    return (asked.revents & events) != 0 ? Status::kOk : Status::kDeviceLost;
+    return Status::kTimeout;
   }
 
   Status write_all(std::span<const std::byte> bytes) {
     const Steady::time_point deadline = Steady::now() + kSendTime;
     while (!bytes.empty()) {
-      const ssize_t taken = ::write(fd_, bytes.data(), bytes.size());
+      const ssize_t taken = ::write(line_.get(), bytes.data(), bytes.size());
       if (taken > 0) {
         bytes = bytes.subspan(static_cast<std::size_t>(taken));
       } else if (taken < 0 && errno != EAGAIN && errno != EINTR) {
@@ -93,46 +84,27 @@ class SerialTransport final : public client::ControlTransport {
     return Status::kOk;
   }
 
-  int fd_;
+  posix::Fd line_;
   std::string device_;
   hal::CobsReader reader_;
   std::array<std::byte, 4096> space_{};
   std::span<const std::byte> unread_;  // of space_
 };
 
-// false: errno says why.
-bool make_raw(int fd, unsigned baud) {
-  termios2 line{};
-  if (::ioctl(fd, TCGETS2, &line) != 0) {
-    return false;
-  }
-  line.c_iflag = 0;
-  line.c_oflag = 0;
-  line.c_lflag = 0;
-  line.c_cflag = CS8 | CREAD | CLOCAL | BOTHER;
-  line.c_ispeed = baud;
-  line.c_ospeed = baud;
-  line.c_cc[VMIN] = 1;
-  line.c_cc[VTIME] = 0;
-  return ::ioctl(fd, TCSETS2, &line) == 0 && ::ioctl(fd, TCFLSH, TCIOFLUSH) == 0;
-}
-
 }  // namespace
 
 std::expected<std::unique_ptr<client::ControlTransport>, client::ControlError>
 open_serial_transport(const std::string& device, unsigned baud) {
-  const int fd = ::open(device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (fd < 0 || !make_raw(fd, baud)) {
-    const std::string why = std::strerror(errno);
-    if (fd >= 0) {
-      ::close(fd);
-    }
+  auto line = posix::open_line(device.c_str());
+  const int error = line ? posix::make_raw(line->get(), {.baud = baud}) : line.error();
+  if (error != 0) {
     return std::unexpected(client::ControlError{
         Status::kDeviceError,
-        device + ": " + why +
+        device + ": " + std::strerror(error) +
             ": give a serial line that exists and may be opened, such as /dev/ttyUSB0"});
   }
-  return std::make_unique<SerialTransport>(fd, device);
+  posix::discard_buffers(line->get());
+  return std::make_unique<SerialTransport>(*std::move(line), device);
 }
 
 }  // namespace stof::host

@@ -10,7 +10,8 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_slot.h"
-#include "host/client/reports.h"
+#include "host/client/session/reports.h"
+#include "host/client/session/session_tracker.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {
@@ -39,7 +40,8 @@ struct ReassemblerOptions {
 // No clock and no socket: `now` is the caller's, and must not go back.
 class Reassembler {
  public:
-  explicit Reassembler(const ReassemblerOptions& options = {}) : options_(options) {}
+  explicit Reassembler(const ReassemblerOptions& options = {})
+      : options_(options), session_(options.device_id) {}
 
   // Any bytes. take() until it returns nothing before the next push(): there is room for what one
   // datagram can finish; older frames are dropped, and counted, when more is needed.
@@ -64,9 +66,8 @@ class Reassembler {
   std::optional<wire::EventReport> take_event() { return reports_.take_event(); }
 
  private:
-  static constexpr std::size_t kSlots = 4;    // two open, two finished or one finished and one out
-  static constexpr std::size_t kRetired = 8;  // sessions
-  static constexpr std::size_t kClosed = 2;   // frames whose packets are still told apart
+  static constexpr std::size_t kSlots = 4;   // two open, two finished or one finished and one out
+  static constexpr std::size_t kClosed = 2;  // frames whose packets are still told apart
 
   struct Closed {
     std::uint32_t number = 0;
@@ -76,8 +77,7 @@ class Reassembler {
     bool whole = false;
   };
 
-  bool accept_origin(const wire::Origin& origin, Time now);
-  void start_session(const wire::Origin& origin);
+  void start_session();
   void push_report(const wire::PacketView& packet);
   void push_part(const wire::PacketView& packet, Time now);
   void push_parity(const wire::PacketView& packet, Time now);
@@ -100,10 +100,7 @@ class Reassembler {
   std::array<FrameSlot, kSlots> slots_;
   std::uint64_t finished_ = 0;  // frames, over all sessions
 
-  std::optional<wire::Origin> origin_;
-  Time last_heard_;
-  std::array<std::uint32_t, kRetired> retired_{};
-  std::size_t retired_count_ = 0;  // ever; the newest kRetired are kept
+  SessionTracker session_;
 
   // Of the session.
   std::optional<std::uint32_t> newest_;       // frame number that a packet carried

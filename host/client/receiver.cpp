@@ -5,7 +5,7 @@
 #include <random>
 #include <utility>
 
-#include "host/client/udp_socket.h"
+#include "host/client/sensor_socket.h"
 
 namespace stof::client {
 namespace {
@@ -15,7 +15,7 @@ constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of ti
 }  // namespace
 
 struct Receiver::Parts {
-  Parts(std::unique_ptr<UdpSocket> bound, const ReceiverOptions& options)
+  Parts(std::unique_ptr<SensorSocket> bound, const ReceiverOptions& options)
       : socket(std::move(bound)),
         reassembler(options.reassembler),
         asked_buffer(options.socket_buffer) {
@@ -63,7 +63,7 @@ struct Receiver::Parts {
     return frame;
   }
 
-  std::unique_ptr<UdpSocket> socket;
+  std::unique_ptr<SensorSocket> socket;
   Reassembler reassembler;
   std::optional<Subscription> subscription;
   int asked_buffer;
@@ -74,8 +74,8 @@ struct Receiver::Parts {
 
 std::expected<Receiver, OpenError> Receiver::open(const ReceiverOptions& options) {
   auto socket = options.sensor.empty()
-                    ? UdpSocket::open(options.address, options.port, options.socket_buffer)
-                    : UdpSocket::connect(options.sensor, options.socket_buffer);
+                    ? SensorSocket::open(options.address, options.port, options.socket_buffer)
+                    : SensorSocket::connect(options.sensor, options.socket_buffer);
   if (!socket) {
     return std::unexpected(std::move(socket.error()));
   }

@@ -12,7 +12,7 @@
 #include "host/client/error.h"
 #include "host/client/frame/frame.h"
 #include "host/client/reassembler.h"
-#include "host/client/sensor_address.h"
+#include "host/client/sensor_socket.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {

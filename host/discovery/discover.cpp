@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <random>
-
-#include <poll.h>
 
 #include "firmware/wire/dns.h"
 #include "firmware/wire/messages/discover.h"
-#include "host/discovery/sockets.h"
+#include "host/discovery/discovery_socket.h"
+#include "posix/interfaces.h"
+#include "posix/poll.h"
 
 namespace stof::client {
 namespace {
@@ -48,22 +49,30 @@ std::vector<std::byte> mdns_question() {
   return {message.begin(), message.end()};
 }
 
+// HOST[:PORT]; nothing: not an address, not a known name.
+std::optional<posix::SocketAddress> look_up(const std::string& text) {
+  const auto target = posix::split_host_port(text, kSensorPort);
+  const auto found =
+      target ? posix::resolve(*target, posix::Names::kLookUp) : std::unexpected(std::string());
+  return found ? std::optional(found->front()) : std::nullopt;
+}
+
 class Search {
  public:
-  explicit Search(std::vector<sockaddr_storage> asked)
+  explicit Search(std::vector<posix::SocketAddress> asked)
       : asked_(std::move(asked)), question_(seal_question(std::random_device{}() | 1U)) {}
 
   bool any_open() const { return ask4_.is_open() || ask6_.is_open() || beacons_.is_open(); }
 
   void ask() {
-    const Interfaces interfaces = list_interfaces();
+    const posix::Interfaces interfaces = posix::list_interfaces();
     std::vector<in_addr> near = interfaces.broadcasts;
     near.push_back(address4(255, 255, 255, 255));
     near.push_back(address4(127, 0, 0, 1));
     for (const in_addr& address : near) {
-      ask4_.send(make_address(address, kSensorPort), question_);
+      ask4_.send(posix::make_address(address, kSensorPort), question_);
     }
-    for (const sockaddr_storage& address : asked_) {
+    for (const posix::SocketAddress& address : asked_) {
       ask4_.send(address, question_);
       ask6_.send(address, question_);
     }
@@ -74,27 +83,25 @@ class Search {
     group6.s6_addr[1] = 0x02;
     group6.s6_addr[15] = 0xfb;
     for (const unsigned interface : interfaces.multicast) {
-      mdns4_.send_by(interface, make_address(group4, kMdnsPort), mdns_question_);
-      mdns6_.send_by(interface, make_address(group6, kMdnsPort, interface), mdns_question_);
+      mdns4_.send_by(interface, posix::make_address(group4, kMdnsPort), mdns_question_);
+      mdns6_.send_by(interface, posix::make_address(group6, kMdnsPort, interface), mdns_question_);
     }
   }
 
   // Blocks until something has come or the time is there.
   void wait(Clock::time_point until) const {
     std::array<pollfd, 5> fds{};
-    std::ranges::transform(sockets_, fds.begin(), [](const AskingSocket* socket) {
+    std::ranges::transform(sockets_, fds.begin(), [](const DiscoverySocket* socket) {
       return pollfd{.fd = socket->fd(), .events = POLLIN, .revents = 0};
     });
-    const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
-    static_cast<void>(
-        poll(fds.data(), fds.size(), static_cast<int>(std::clamp<std::int64_t>(left, 0, 1000))));
+    static_cast<void>(posix::wait_for(fds, std::min<Clock::duration>(until - Clock::now(), 1s)));
   }
 
   void take() {
     // Somebody who floods us does not keep us: then it is looked at the clock.
     constexpr int kMost = 100;
     std::array<std::byte, 9000> space{};  // the longest of multicast DNS
-    for (const AskingSocket* socket : sockets_) {
+    for (const DiscoverySocket* socket : sockets_) {
       for (int i = 0; i < kMost; ++i) {
         const auto read = socket->receive(space);
         if (!read) {
@@ -108,7 +115,7 @@ class Search {
   std::vector<FoundSensor> result() const { return found_.sorted(); }
 
  private:
-  void take(const AskingSocket& socket, const AskingSocket::Read& read) {
+  void take(const DiscoverySocket& socket, const DiscoverySocket::Read& read) {
     if (&socket == &mdns4_ || &socket == &mdns6_) {
       found_.take_mdns(read.datagram, read.from);
     } else {
@@ -118,31 +125,31 @@ class Search {
     // Who is only told of is asked: multicast DNS says nothing of health, and packets should go
     // both ways.
     for (const std::string& endpoint : found_.take_silent()) {
-      if (const auto address = look_up(endpoint, kSensorPort)) {
+      if (const auto address = look_up(endpoint)) {
         ask4_.send(*address, question_);
         ask6_.send(*address, question_);
       }
     }
   }
 
-  std::vector<sockaddr_storage> asked_;
+  std::vector<posix::SocketAddress> asked_;
   std::vector<std::byte> question_;
   std::vector<std::byte> mdns_question_ = mdns_question();
-  AskingSocket ask4_{AF_INET, 0};
-  AskingSocket ask6_{AF_INET6, 0};
-  AskingSocket mdns4_{AF_INET, 0};
-  AskingSocket mdns6_{AF_INET6, 0};
-  AskingSocket beacons_{AF_INET, kBeaconPort};
-  std::array<const AskingSocket*, 5> sockets_{&ask4_, &ask6_, &mdns4_, &mdns6_, &beacons_};
+  DiscoverySocket ask4_{AF_INET, 0};
+  DiscoverySocket ask6_{AF_INET6, 0};
+  DiscoverySocket mdns4_{AF_INET, 0};
+  DiscoverySocket mdns6_{AF_INET6, 0};
+  DiscoverySocket beacons_{AF_INET, kBeaconPort};
+  std::array<const DiscoverySocket*, 5> sockets_{&ask4_, &ask6_, &mdns4_, &mdns6_, &beacons_};
   FoundSensors found_;
 };
 
 }  // namespace
 
 std::expected<std::vector<FoundSensor>, DiscoverError> discover(const DiscoverOptions& options) {
-  std::vector<sockaddr_storage> asked;
+  std::vector<posix::SocketAddress> asked;
   for (const std::string& text : options.addresses) {
-    const auto address = look_up(text, kSensorPort);
+    const auto address = look_up(text);
     if (!address) {
       return std::unexpected(DiscoverError{
           "'" + text + "': no such host: give HOST or HOST:PORT, such as 192.168.1.20"});

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "host/discovery/found.h"
+#include "host/discovery/found_sensors.h"
 
 namespace stof::client {
 

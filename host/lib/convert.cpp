@@ -1,9 +1,10 @@
+#include "host/lib/convert.h"
+
 #include <algorithm>
 #include <array>
 #include <chrono>
 
 #include "firmware/wire/messages/conditions.h"
-#include "host/lib/sensor.h"
 
 namespace stof::lib {
 namespace {

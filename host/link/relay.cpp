@@ -3,20 +3,20 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
-#include <poll.h>
-#include <sys/socket.h>
-
-#include "host/link/udp.h"
+#include "posix/poll.h"
+#include "posix/udp_socket.h"
 
 namespace stof::link {
 namespace {
 
 constexpr std::size_t kMostClients = 64;
 constexpr Duration kIdle = std::chrono::minutes(1);
+constexpr int kBufferBytes = 4 << 20;
 constexpr int kBatch = 256;  // datagrams of one socket before the next one's turn
 
 void add(Impairment::Counts& sum, const Impairment::Counts& counts) {
@@ -29,16 +29,25 @@ void add(Impairment::Counts& sum, const Impairment::Counts& counts) {
 }
 
 struct Client {
-  Address address;
-  Socket socket;  // connected to upstream
+  posix::SocketAddress address;
+  posix::UdpSocket socket;  // connected to upstream
   Impairment up;
   Impairment down;
   Time heard;
 };
 
+posix::UdpSocket open_socket(int family) {
+  posix::UdpSocket socket(family);
+  if (socket.is_open()) {
+    static_cast<void>(socket.set_buffer(posix::UdpSocket::Buffer::kReceive, kBufferBytes));
+    static_cast<void>(socket.set_buffer(posix::UdpSocket::Buffer::kSend, kBufferBytes));
+  }
+  return socket;
+}
+
 class UdpRelay final : public Relay {
  public:
-  UdpRelay(RelayOptions options, const Address& upstream, Socket socket)
+  UdpRelay(RelayOptions options, const posix::SocketAddress& upstream, posix::UdpSocket socket)
       : options_(std::move(options)), upstream_(upstream), socket_(std::move(socket)) {}
 
   bool run(Duration timeout) override {
@@ -58,7 +67,7 @@ class UdpRelay final : public Relay {
     }
   }
 
-  std::uint16_t port() const override { return bound_port(socket_.fd()); }
+  std::uint16_t port() const override { return socket_.port(); }
 
   RelayCounts counts() const override {
     RelayCounts counts = gone_;
@@ -74,27 +83,26 @@ class UdpRelay final : public Relay {
   // From the clients and from upstream into the impairments.
   bool receive(Time now) {
     for (int i = 0; i < kBatch; ++i) {
-      Address from;
-      const ssize_t size =
-          recvfrom(socket_.fd(), buffer_.data(), buffer_.size(), 0, from.generic(), &from.length);
-      if (size < 0) {
-        if (errno != EAGAIN && errno != EINTR && errno != ECONNREFUSED) {
+      posix::SocketAddress from;
+      const auto size = socket_.receive(buffer_, &from);
+      if (!size) {
+        if (size.error() != EAGAIN && size.error() != EINTR && size.error() != ECONNREFUSED) {
           return false;
         }
         break;
       }
       if (Client* const client = client_at(from, now)) {
         client->heard = now;
-        client->up.push(std::span(buffer_).first(static_cast<std::size_t>(size)), now);
+        client->up.push(std::span(buffer_).first(*size), now);
       }
     }
     for (Client& client : clients_) {
       for (int i = 0; i < kBatch; ++i) {
-        const ssize_t size = recv(client.socket.fd(), buffer_.data(), buffer_.size(), 0);
-        if (size < 0) {  // also where upstream refuses: it may come back
+        const auto size = client.socket.receive(buffer_);
+        if (!size) {  // also where upstream refuses: it may come back
           break;
         }
-        client.down.push(std::span(buffer_).first(static_cast<std::size_t>(size)), now);
+        client.down.push(std::span(buffer_).first(*size), now);
       }
     }
     return true;
@@ -104,23 +112,21 @@ class UdpRelay final : public Relay {
   void forward(Time now) {
     for (Client& client : clients_) {
       while (const auto datagram = client.up.pop(now)) {
-        static_cast<void>(send(client.socket.fd(), datagram->data(), datagram->size(), 0));
+        static_cast<void>(client.socket.send(*datagram));
       }
       while (const auto datagram = client.down.pop(now)) {
-        static_cast<void>(sendto(socket_.fd(), datagram->data(), datagram->size(), 0,
-                                 client.address.generic(), client.address.length));
+        static_cast<void>(socket_.send_to(client.address, *datagram));
       }
     }
   }
 
-  Client* client_at(const Address& from, Time now) {
+  Client* client_at(const posix::SocketAddress& from, Time now) {
     const auto known = std::ranges::find(clients_, from, &Client::address);
     if (known != clients_.end()) {
       return &*known;
     }
-    Socket socket = udp_socket(upstream_.storage.ss_family);
-    if (clients_.size() == kMostClients || socket.fd() < 0 ||
-        connect(socket.fd(), upstream_.generic(), upstream_.length) != 0) {
+    posix::UdpSocket socket = open_socket(upstream_.family());
+    if (clients_.size() == kMostClients || socket.connect(upstream_) != 0) {
       return nullptr;
     }
     const ImpairmentOptions good;
@@ -165,14 +171,13 @@ class UdpRelay final : public Relay {
     for (const Client& client : clients_) {
       entries_.push_back({.fd = client.socket.fd(), .events = POLLIN, .revents = 0});
     }
-    const auto ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-    static_cast<void>(poll(entries_.data(), entries_.size(),
-                           static_cast<int>(std::clamp<std::int64_t>(ms, 0, 1000))));
+    static_cast<void>(
+        posix::wait_for(entries_, std::min<Duration>(timeout, std::chrono::seconds(1))));
   }
 
   RelayOptions options_;
-  Address upstream_;
-  Socket socket_;
+  posix::SocketAddress upstream_;
+  posix::UdpSocket socket_;
   std::vector<Client> clients_;
   std::vector<pollfd> entries_;
   std::uint64_t opened_ = 0;
@@ -183,22 +188,29 @@ class UdpRelay final : public Relay {
 }  // namespace
 
 std::expected<std::unique_ptr<Relay>, std::string> Relay::open(const RelayOptions& options) {
-  const auto upstream = resolve_place(options.upstream);
-  if (!upstream) {
-    return std::unexpected(upstream.error());
+  const std::string quoted = "'" + options.upstream + "': ";
+  const auto place = posix::split_host_port(options.upstream);
+  if (!place) {
+    return std::unexpected(quoted + "is not HOST:PORT");
   }
-  const auto at = resolve_literal(options.listen_address, options.listen_port);
+  const auto upstream = posix::resolve(*place, posix::Names::kLookUp);
+  if (!upstream) {
+    return std::unexpected(quoted + upstream.error() + "; give HOST:PORT of the sensor");
+  }
+  const auto at = posix::resolve({.host = options.listen_address, .port = options.listen_port},
+                                 posix::Names::kAddressesOnly);
   if (!at) {
     return std::unexpected("listening address '" + options.listen_address +
                            "': not an IPv4 or IPv6 address");
   }
-  Socket socket = udp_socket(at->storage.ss_family);
-  if (socket.fd() < 0 || bind(socket.fd(), at->generic(), at->length) != 0) {
+  posix::UdpSocket socket = open_socket(at->front().family());
+  const int error = socket.is_open() ? socket.bind(at->front()) : errno;
+  if (error != 0) {
     return std::unexpected("UDP port " + std::to_string(options.listen_port) + " at " +
-                           options.listen_address + ": " + std::strerror(errno) +
+                           options.listen_address + ": " + std::strerror(error) +
                            "; close the program that uses it or take another port");
   }
-  return std::make_unique<UdpRelay>(options, *upstream, std::move(socket));
+  return std::make_unique<UdpRelay>(options, upstream->front(), std::move(socket));
 }
 
 }  // namespace stof::link

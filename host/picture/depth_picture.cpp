@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
+
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -56,12 +57,6 @@ Rgb checker(int x, int y) {
   return kChecker[static_cast<std::size_t>((x / kCheckerPx + y / kCheckerPx) % 2)];
 }
 
-std::string distance_text(double metres) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%g m", metres);
-  return text.data();
-}
-
 void draw_legend(dataset::Image<Rgb>& picture, int left, const ColourScale& scale) {
   const int bar_left = left + kMargin;
   const int bar_right = bar_left + kBarWidth;
@@ -83,7 +78,7 @@ void draw_legend(dataset::Image<Rgb>& picture, int left, const ColourScale& scal
     for (int x = bar_right; x < bar_right + kTick; ++x) {
       put(picture, x, y, kInk);
     }
-    draw_text(picture, bar_right + kTick + 3, y, distance_text(distance), kInk);
+    draw_text(picture, bar_right + kTick + 3, y, printed("%g m", distance), kInk);
   }
   const int box_top = picture.height - kMargin - kNoneBox;
   for (int y = 0; y < kNoneBox; ++y) {

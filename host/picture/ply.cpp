@@ -1,7 +1,8 @@
 #include "host/picture/ply.h"
 
 #include <bit>
-#include <fstream>
+
+#include "dataset/files/file.h"
 
 namespace stof::host {
 namespace {
@@ -37,15 +38,7 @@ std::expected<void, dataset::Problem> write_ply(const std::filesystem::path& fil
     }
     bytes.push_back(static_cast<char>(point.source));
   }
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) {
-    return std::unexpected(dataset::Problem{
-        file.string() +
-        ": cannot be written: check the folder, its permissions and the free space"});
-  }
-  return {};
+  return dataset::write_whole(file, bytes);
 }
 
 }  // namespace stof::host

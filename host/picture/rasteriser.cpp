@@ -5,7 +5,7 @@
 
 namespace stof::host {
 
-void Screen::draw(const std::array<Corner, 3>& c) {
+void Rasteriser::draw(const std::array<Corner, 3>& c) {
   const double area = (c[1].u - c[0].u) * (c[2].v - c[0].v) - (c[2].u - c[0].u) * (c[1].v - c[0].v);
   if (std::abs(area) < 1e-9) {
     return;
@@ -25,8 +25,8 @@ void Screen::draw(const std::array<Corner, 3>& c) {
   }
 }
 
-void Screen::put(int x, int y, const std::array<Corner, 3>& corners,
-                 const std::array<double, 3>& shares) {
+void Rasteriser::put(int x, int y, const std::array<Corner, 3>& corners,
+                     const std::array<double, 3>& shares) {
   double closeness = 0;
   Light light{};
   for (std::size_t i = 0; i < 3; ++i) {
@@ -42,7 +42,7 @@ void Screen::put(int x, int y, const std::array<Corner, 3>& corners,
   }
 }
 
-dataset::Image<Rgb> Screen::picture() const {
+dataset::Image<Rgb> Rasteriser::picture() const {
   constexpr Light kTop{0.165, 0.18, 0.21};
   constexpr Light kBottom{0.09, 0.1, 0.12};
   dataset::Image<Rgb> picture(colour_.width / kSamples, colour_.height / kSamples);

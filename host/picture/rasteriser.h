@@ -18,12 +18,12 @@ struct Corner {
 };
 
 // A picture made of triangles with a z-buffer; each pixel is the mean of kSamples^2 samples.
-class Screen {
+class Rasteriser {
  public:
   static constexpr int kSamples = 2;
 
   // In samples, multiples of kSamples.
-  Screen(int width, int height) : colour_(width, height), closeness_(width, height, 0.0F) {}
+  Rasteriser(int width, int height) : colour_(width, height), closeness_(width, height, 0.0F) {}
 
   // Both sides are visible; what lies outside the screen is cut.
   void draw(const std::array<Corner, 3>& corners);

@@ -175,15 +175,15 @@ Fit fit(const Field& field, const Eye& eye, int width) {
     }
   }
   const double margin = kMargin * (right - left);
-  const double samples = static_cast<double>(width) * Screen::kSamples;
+  const double samples = static_cast<double>(width) * Rasteriser::kSamples;
   const double scale = samples / (right - left + 2 * margin);
   const int rows =
-      static_cast<int>(std::lround((bottom - top + 2 * margin) * scale / Screen::kSamples));
+      static_cast<int>(std::lround((bottom - top + 2 * margin) * scale / Rasteriser::kSamples));
   return {.scale = scale,
           .left = left - margin,
           .top = top - margin,
-          .width = width * Screen::kSamples,
-          .height = std::max(rows, 1) * Screen::kSamples};
+          .width = width * Rasteriser::kSamples,
+          .height = std::max(rows, 1) * Rasteriser::kSamples};
 }
 
 }  // namespace
@@ -225,7 +225,7 @@ dataset::Image<Rgb> relief_picture(const dataset::Image<float>& disparity,
   const Field field(disparity, far_px, near_px, height);
   const Eye eye(view);
   const Fit place = fit(Field(frame, far_px, near_px, height), eye, view.width);
-  Screen screen(place.width, place.height);
+  Rasteriser screen(place.width, place.height);
 
   const Light plate_light = lit({0, 0, -1}, kPlateGrey);
   std::array<Corner, 4> base{};

@@ -5,8 +5,6 @@ message = MESSAGES[header.type].unpack(payload)  # types that have a message; ra
 datagram = seal(Header(type=PacketType.DISCOVER), Discover(request_id=1).pack())
 
 The bytes are those of docs/WIRE.md. Numbers of the enumerations may be unknown: of a newer sensor.
-
-Made by scripts/wire_table.py of firmware/wire/messages.json: change that.
 """
 
 import dataclasses
@@ -22,6 +20,7 @@ class Refused(Exception):
     """Bytes that are not what they should be; the text is the cause."""
 
 
+# made: enumerations (by scripts/wire_table.py, of firmware/wire/messages.json: change that)
 class PacketType(enum.IntEnum):
     TILE = 1  # part of a frame: a run of pixels of one stream
     FRAME_INFO = 2  # part of a frame: its index 0
@@ -217,6 +216,7 @@ CONDITIONS = {
         "settings named what this version has not: these fields are as the preset has them, until the settings are saved",
         Severity.MINOR, Reaction.WATCH),
 }
+# made: end
 
 
 class Layout:
@@ -274,6 +274,7 @@ class Layout:
         return bytes(out)
 
 
+# made: messages (by scripts/wire_table.py, of firmware/wire/messages.json: change that)
 @dataclasses.dataclass
 class Origin(Layout):
     device_id: int = 0  # of the sensor; in requests the one that is meant, 0: any
@@ -761,6 +762,8 @@ MESSAGES = {
     PacketType.SETTINGS_ANSWER: SettingsAnswer,
     PacketType.DISCOVER: Discover,
 }
+# made: end
+
 
 def _crc_table():
     table = []

@@ -38,23 +38,6 @@ std::vector<std::string> lead(const Study& study) {
           ". Other programs may have run beside it: compare times of one table only."};
 }
 
-std::expected<void, dataset::Problem> write(const std::filesystem::path& file,
-                                            const std::string& text) {
-  std::error_code error;
-  if (file.has_parent_path()) {
-    std::filesystem::create_directories(file.parent_path(), error);
-  }
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) {
-    return std::unexpected(dataset::Problem{
-        file.string() +
-        ": cannot be written: check the folder, its permissions and the free space"});
-  }
-  return {};
-}
-
 dataset::Loaded<Study> load(const ReportOptions& options) {
   if (!options.plain.empty() && !can_run(options.plain)) {
     return std::unexpected(dataset::Problem{
@@ -107,7 +90,7 @@ dataset::Loaded<ReportResult> write_report(const ReportOptions& options) {
   add_brightness(*study, page);
   add_corridor(*study, page);
   const std::string html = page.html("The chapter's stereo, measured", lead(*study));
-  if (std::expected<void, dataset::Problem> written = write(options.out, html); !written) {
+  if (std::expected<void, dataset::Problem> written = write_page(options.out, html); !written) {
     return std::unexpected(std::move(written.error()));
   }
   return ReportResult{.summary = study->notes() + "\n" + page.verdicts(),

@@ -1,6 +1,5 @@
 -- The packets of a stof sensor in Wireshark and tshark: docs/WIRE.md.
 -- Use: tshark -X lua_script:stof.lua, or copy it into Wireshark's folder of personal Lua plugins.
--- Made by scripts/wire_table.py of firmware/wire/messages.json: change that.
 
 local MAGIC = 0x464f5453
 local HEADER_BYTES = 52
@@ -12,6 +11,7 @@ local stof = Proto("stof", "stof sensor")
 local names = {}
 local layouts = {}
 
+-- made: table (by scripts/wire_table.py, of firmware/wire/messages.json: change that)
 names.PacketType = {
   [1] = "tile",
   [2] = "frame info",
@@ -382,6 +382,7 @@ local payload_of = {
   [133] = "settings_answer",
   [134] = "discover",
 }
+-- made: end
 
 -- The header stands before the payload and ends with it: its layout is the packet's.
 local fields = {}

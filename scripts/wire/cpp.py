@@ -177,4 +177,7 @@ def files(wire, root):
         own = f"{FOLDER}/{message.name}.h"
         found[own] = header_text([dsp, enums, structs], [*struct_text(message), *declarations(message, False)])
         found[f"{FOLDER}/{message.name}.cpp"] = source_text(own, definitions(message, False))
-    return {path: formatted(root, path, text) for path, text in found.items()}
+    sources = sorted(path.removeprefix("firmware/wire/") for path in found if path.endswith(".cpp"))
+    found = {path: formatted(root, path, text) for path, text in found.items()}
+    lines = [BANNER.replace("//", "#"), "set(message_sources", *(f"  {path}" for path in sources)]
+    return found | {f"{FOLDER}/sources.cmake": "\n".join(lines) + ")\n"}

@@ -7,7 +7,7 @@ import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "host/python"))
 import stof_wire  # noqa: E402
-from wire.table import SIZES  # noqa: E402
+from wire.table import SIZES, snake  # noqa: E402
 
 
 def value_of(layout, wire, numbers):
@@ -58,7 +58,7 @@ def fields_of(value, layout, wire):
 
 
 def text(wire):
-    """The header's text: golden_NAME() of each message, its value and its bytes."""
+    """The header's text: of each message its value and its bytes, and a visit of them all."""
     numbers = itertools.count(1)
     lines = ["#pragma once", "", "#include <array>", ""]
     lines += [f'#include "firmware/wire/messages/{name}.h"' for name in wire.messages]
@@ -69,4 +69,8 @@ def text(wire):
         packed = ", ".join(str(byte) for byte in value.pack())
         lines += [f"inline const Golden<{layout.struct}, k{layout.struct}Bytes> {name}{{",
                   f"    .value = {fields_of(value, layout, wire)},", f"    .bytes = {{{packed}}}}};", ""]
-    return "\n".join([*lines, "}  // namespace stof::wire::golden", ""])
+    lines += ["template <typename Visit>", "void visit_messages(const Visit& visit) {"]
+    for name, layout in wire.messages.items():
+        codec = snake(layout.struct)
+        lines.append(f'  visit("{name}", {name}, encode_{codec}, decode_{codec});')
+    return "\n".join([*lines, "}", "", "}  // namespace stof::wire::golden", ""])

@@ -6,7 +6,8 @@
 #include <vector>
 
 #include "dsp/depth/depth_maker.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/frame/frame_coder.h"
 #include "hal/emu/imagery/rendered.h"

@@ -9,7 +9,8 @@
 
 #include "dsp/fusion/decimate.h"
 #include "firmware/wire/codec/interval_quantiser.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/frame/frame_coder.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
@@ -94,9 +95,9 @@ void print_growth(const dsp::DepthMap& map) {
   int pixels = 0;
   int quarter = 0;
   for (int y = 0; y < map.depth.height(); ++y) {
-    const unsigned scale = fit_scale(map, y / kFitRows * kFitRows);
+    const unsigned scale = quantiser_scale(map, y / kQuantiserRows * kQuantiserRows);
     grow_width(map.depth.row(y), map.width.row(y), scale, grown);
-    fit_width(grown, scale);
+    quantise_width(grown, scale);
     for (std::size_t x = 0; x < grown.size(); ++x) {
       const int width = map.width.row(y)[x];
       const int rounded = grown[x] << scale;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "board/devices/drawn_rig.h"
+#include "board/devices/nominal_rig.h"
 
 namespace stof::board {
 namespace {
@@ -71,15 +71,15 @@ TEST(DeviceRequest, SaysWhatAFlagTakes) {
             std::string::npos);
 }
 
-TEST(DrawnRig, ScalesWithThePictures) {
-  const dsp::Calibration full = drawn_rig(kConfig, {640, 480}, {176, 144});
-  EXPECT_DOUBLE_EQ(full.stereo.left.fx, kConfig.drawn.stereo_focal_px);
+TEST(NominalRig, ScalesWithThePictures) {
+  const dsp::Calibration full = nominal_rig(kConfig, {640, 480}, {176, 144});
+  EXPECT_DOUBLE_EQ(full.stereo.left.fx, kConfig.nominal.stereo_focal_px);
   EXPECT_STREQ(dsp::problem(full), "");
-  const dsp::Calibration half = drawn_rig(kConfig, {320, 240}, {88, 72});
+  const dsp::Calibration half = nominal_rig(kConfig, {320, 240}, {88, 72});
   EXPECT_DOUBLE_EQ(half.stereo.left.fx * 2, full.stereo.left.fx);
   EXPECT_DOUBLE_EQ(half.stereo.left.cx, 159.5);
   EXPECT_STREQ(dsp::problem(half), "");
-  EXPECT_EQ(drawn_rig(kConfig, {320, 240}, {}).pmd.lens.width, 0);
+  EXPECT_EQ(nominal_rig(kConfig, {320, 240}, {}).pmd.lens.width, 0);
 }
 
 }  // namespace

@@ -34,13 +34,13 @@ void paint_view(dsp::ImageView<std::uint8_t> out, std::size_t edge, int shift) {
   }
 }
 
-void paint_sample(dsp::ImageView<std::uint16_t> out, std::size_t edge, int k,
+void paint_sample(dsp::ImageView<std::uint16_t> out, double depth_m, int k,
                   const dsp::Pinhole& lens) {
   for (int y = 0; y < out.height(); ++y) {
     for (int x = 0; x < out.width(); ++x) {
       const double u = (x - lens.cx) / lens.fx;
       const double v = (y - lens.cy) / lens.fy;
-      const double radial = depth_of(edge) * std::sqrt(u * u + v * v + 1);
+      const double radial = depth_m * std::sqrt(u * u + v * v + 1);
       const double phase = radial * 4 * std::numbers::pi * 20e6 / dsp::kLightMetresPerSecond;
       out.at(x, y) = static_cast<std::uint16_t>(
           std::lround(1500 + 1000 * std::cos(phase + k * std::numbers::pi / 2)));
@@ -57,6 +57,7 @@ emu::PmdTiming pmd_timing(const RigOptions& options) {
 Setup setup_of(const RigOptions& options) {
   Setup setup = small_setup(options.with_pmd);
   setup.threads = options.threads.threads();
+  setup.depth.temporal = options.temporal;
   return setup;
 }
 
@@ -74,12 +75,17 @@ std::optional<std::size_t> EdgeLog::find(hal::Time edge) const noexcept {
   return found == edges.end() ? std::nullopt : std::optional<std::size_t>(found - edges.begin());
 }
 
+double EdgeLog::pmd_depth(hal::Time edge) const noexcept {
+  const double noise = still_ ? 0.002 * static_cast<double>(find(edge).value_or(0) * 3 % 5) : 0;
+  return depth_of(scene(edge)) * (1 + noise);
+}
+
 Result<hal::Lease<hal::StereoFrame>> PaintedStereo::wait_frame(hal::Time deadline) noexcept {
   latest_deadline = std::max(latest_deadline, deadline);
   Result<hal::Lease<hal::StereoFrame>> frame = camera_.wait_frame(deadline);
   if (frame) {
-    const std::size_t left = log_.find((*frame)->left_exposure.begin).value_or(0);
-    const std::size_t right = log_.find((*frame)->right_exposure.begin).value_or(0);
+    const std::size_t left = log_.scene((*frame)->left_exposure.begin);
+    const std::size_t right = log_.scene((*frame)->right_exposure.begin);
     paint_view(writable((*frame)->left), left, 0);
     paint_view(writable((*frame)->right), right, disparity_of(right));
   }
@@ -94,7 +100,7 @@ Result<hal::Lease<hal::PmdFrame>> PaintedPmd::wait_frame(hal::Time deadline) noe
     for (int k = 0; k < 4; ++k) {
       const auto i = static_cast<std::size_t>(k);
       const hal::Time edge = (*frame)->exposures[i].begin - integration_ * k / 4;
-      paint_sample(writable((*frame)->samples[i]), log_.find(edge).value_or(0), k, lens);
+      paint_sample(writable((*frame)->samples[i]), log_.pmd_depth(edge), k, lens);
     }
   }
   return frame;
@@ -122,7 +128,8 @@ Setup small_setup(bool with_pmd) {
 }
 
 Rig::Rig(const RigOptions& options)
-    : stereo(clock, imagery, {.exposure = options.timing.stereo_exposure}, options.faults.stereo),
+    : log(options.still),
+      stereo(clock, imagery, {.exposure = options.timing.stereo_exposure}, options.faults.stereo),
       pmd(clock, imagery, pmd_timing(options), options.faults.pmd),
       painted_stereo(stereo, log),
       painted_pmd(pmd, log, options.timing.pmd_integration),
@@ -153,10 +160,10 @@ Rig::Rig(const RigOptions& options)
                                                 options.timing.period.count())
                       .value()},
              sizes_of(setup), clock, board.port, nullptr, events, arena),
-      loop(board, options.timing, setup, pipeline, stream, events) {
+      loop(board, options.timing, setup, pipeline, stream, events, options.lending) {
   stream.set_params({.choice = options.choice, .period = options.timing.period});
   const hal::Peer receiver{.address = {}, .port = 1};
-  stream.set_receivers({&receiver, 1});
+  stream.set_receivers({.peers = {receiver}, .count = 1});
 }
 
 std::size_t Received::count(dsp::Source which) const {

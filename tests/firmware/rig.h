@@ -55,10 +55,18 @@ double depth_of(std::size_t edge);
 // Writes down the edges that the cameras saw.
 class EdgeLog final : public emu::EdgeListener {
  public:
+  explicit EdgeLog(bool still = false) : still_(still) {}
   void on_edge(hal::Time edge) noexcept override { edges.push_back(edge); }
   std::optional<std::size_t> find(hal::Time edge) const noexcept;
+  // What stands before the cameras at that edge; an unknown one shows the first edge's.
+  std::size_t scene(hal::Time edge) const noexcept { return still_ ? 0 : find(edge).value_or(0); }
+  // How far away the PMD camera measures it, m.
+  double pmd_depth(hal::Time edge) const noexcept;
 
   std::vector<hal::Time> edges;
+
+ private:
+  bool still_;
 };
 
 class NoImagery final : public emu::Imagery {
@@ -117,6 +125,9 @@ struct RigOptions {
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
   wire::StreamChoice choice{.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
   dsp::Crew threads = {};  // that compute
+  bool still = false;  // every edge shows the first one's wall, the PMD camera's noise is its own
+  bool temporal = false;  // depth is averaged over frames
+  DeviceLending* lending = nullptr;
 };
 
 Setup small_setup(bool with_pmd);

@@ -1,6 +1,6 @@
 #include <string>
 
-#include "host/discovery/found.h"
+#include "host/discovery/found_sensors.h"
 #include "tests/fuzz/records.h"
 
 // What answers whoever looks for sensors: announcements, and messages of multicast DNS.

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <optional>
 
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 #include "tests/fuzz/records.h"
 
 // Bytes of a MAVLink line. However they are cut into pieces, the same messages come out.
@@ -25,7 +25,7 @@ Seen read(std::span<const std::byte> line, std::size_t piece) {
     while (const std::optional<firmware::mavlink::Message> message = reader.take(now)) {
       fuzz::require(message->version == 1 || message->version == 2);
       sum = 31 * sum + fuzz::touch(message->payload) + message->id;
-      firmware::mavlink::heard(*message, {}, autopilot);
+      firmware::mavlink::note_message(*message, {}, autopilot);
     }
     fuzz::require(now.empty());
   }

@@ -15,7 +15,7 @@ namespace {
 class AnyLimits final : public settings::Limits {
  public:
   bool accepts(const settings::Settings& /*settings*/,
-               settings::Window& /*why*/) noexcept override {
+               settings::PagedWriter& /*why*/) noexcept override {
     return true;
   }
 };
@@ -24,7 +24,7 @@ class CheckingSink final : public settings::SettingsSink {
  public:
   bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override {
     std::array<char, settings::kWhyBytes> space;
-    settings::Window why(space);
+    settings::PagedWriter why(space);
     fuzz::require(settings::usable(settings, nullptr, why));
     fuzz::require(revision > newest_);
     newest_ = revision;
@@ -63,10 +63,10 @@ void learn(const wire::PacketView& answer, std::uint64_t& cookie) {
 void stof::fuzz::run(std::span<const std::byte> input) {
   AnyLimits limits;
   CheckingSink sink;
-  settings::SettingsDesk desk({}, {}, {.limits = limits, .sink = sink});
+  settings::SettingsServer server({}, {}, {.limits = limits, .sink = sink});
   firmware::Subscribers subscribers;
   firmware::RequestHandler handler({.device_id = 0x0A0B0C0D, .session_id = 1}, kSecret, subscribers,
-                                   &desk);
+                                   &server);
   hal::Time now{std::chrono::seconds(1000)};
   std::array<std::uint64_t, 4> cookies{};
   std::uint64_t taken = 0;

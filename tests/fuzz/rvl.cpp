@@ -1,8 +1,8 @@
-#include "firmware/wire/codec/rvl.h"
-
 #include <algorithm>
 #include <vector>
 
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "tests/fuzz/records.h"
 
 // Input: kind, a number, bytes. Kind 0 and 1: code of that many values of 16 or 8 bits. Kind 2 and

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/serial/requests.h"
+#include "firmware/serial/line/requests.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/event.h"

@@ -9,7 +9,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   const auto* const begin = reinterpret_cast<const char*>(input.data());
   const std::string text(begin, begin + input.size());
   std::array<char, settings::kWhyBytes> space;
-  settings::Window why(space);
+  settings::PagedWriter why(space);
   settings::Settings parsed;
   if (!settings::parse(text, parsed, why)) {
     fuzz::require(parsed == settings::Settings{});
@@ -17,7 +17,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
     return;
   }
   std::array<char, settings::kMostDocumentBytes> document;
-  settings::Window out(document);
+  settings::PagedWriter out(document);
   settings::write_document(parsed, out);
   fuzz::require(out.complete());
   settings::Settings again;

@@ -1,57 +1,38 @@
 #pragma once
 
 #include <chrono>
-#include <cstdlib>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <utility>
 
-#include <asm/termbits.h>
-#include <fcntl.h>
-#include <sys/ioctl.h>
 #include <unistd.h>
+
+#include "posix/fd.h"
+#include "posix/terminal.h"
 
 namespace stof::test {
 
 // The far end of a serial line: a program opens name() as its tty.
 class Pty {
  public:
-  Pty() = default;
-  Pty(const Pty&) = delete;
-  Pty& operator=(const Pty&) = delete;
-  ~Pty() { close(); }
-
   // Raw from the start, so that nothing is echoed before the tty has been configured.
   bool open() {
-    fd_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (fd_ < 0 || grantpt(fd_) != 0 || unlockpt(fd_) != 0) {
-      return false;
-    }
-    const char* const name = ptsname(fd_);
-    name_ = name == nullptr ? "" : name;
-    return !name_.empty();
+    auto opened = posix::open_pseudo_terminal(name_);
+    fd_ = opened ? *std::move(opened) : posix::Fd();
+    return fd_.is_open();
   }
-  void close() {
-    if (fd_ >= 0) {
-      ::close(std::exchange(fd_, -1));
-    }
-  }
+  void close() { fd_.reset(); }
   const std::string& name() const { return name_; }
   // qemu-user knows the named speeds only.
-  bool has_any_speed() const {
-    termios2 line{};
-    return ioctl(fd_, TCGETS2, &line) == 0;
-  }
+  bool has_any_speed() const { return posix::has_any_speed(fd_.get()); }
   // Whether the program's end is held up by RTS and CTS.
-  bool has_flow_control() const {
-    termios line{};
-    return ioctl(fd_, TCGETS, &line) == 0 && (line.c_cflag & CRTSCTS) != 0;
-  }
+  bool has_flow_control() const { return posix::has_flow_control(fd_.get()); }
+  int fd() const { return fd_.get(); }
 
   void write(std::string_view text) const {
     while (!text.empty()) {
-      const ssize_t count = ::write(fd_, text.data(), text.size());
+      const ssize_t count = ::write(fd_.get(), text.data(), text.size());
       if (count <= 0) {
         return;
       }
@@ -61,7 +42,7 @@ class Pty {
   // What is there now.
   std::string read_some() const {
     std::string text(65'536, '\0');
-    const ssize_t count = ::read(fd_, text.data(), text.size());
+    const ssize_t count = ::read(fd_.get(), text.data(), text.size());
     text.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
     return text;
   }
@@ -78,7 +59,7 @@ class Pty {
   }
 
  private:
-  int fd_ = -1;
+  posix::Fd fd_;
   std::string name_;
 };
 

@@ -31,7 +31,7 @@ struct Model {
 };
 
 std::span<const Emitter> lights(const PmdSensor& sensor) noexcept {
-  return std::span(sensor.emitters).first(static_cast<std::size_t>(sensor.emitter_count));
+  return std::span(sensor.emitters).first(index(sensor.emitter_count));
 }
 
 // The way of the light to the surface at distance d along the ray and back.

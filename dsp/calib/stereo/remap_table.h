@@ -6,6 +6,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "dsp/base/index.h"
 #include "dsp/calib/stereo/rectification.h"
 #include "dsp/stereo/rectify.h"
 
@@ -36,7 +37,7 @@ class RemapTable {
     std::int32_t end = 0;
     bool torn = false;
   };
-  Seen seen(int row) const noexcept { return seen_[static_cast<std::size_t>(row)]; }
+  Seen seen(int row) const noexcept { return seen_[index(row)]; }
   bool inside(int column, int row) const noexcept;
 
   // Tiles that are computed anew each time.

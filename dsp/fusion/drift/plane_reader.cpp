@@ -9,15 +9,27 @@
 namespace stof::dsp {
 namespace {
 
+// Where a number was chosen, the range over which it was varied stands beside it: see
+// disparity_shift.cpp.
+
+// Side of a patch in the left picture, px: wide enough for 4x4 blocks of texture, small enough for
+// one plane (chosen: 16 to 36). In PMD pixels it lies within these sides: a plane needs a few
+// readings, and Readings holds no more.
 constexpr double kPatchPx = 24;
 constexpr int kSmallestSide = 4;
 constexpr int kLargestSide = 16;
-constexpr double kNearestM = 0.01;
-constexpr double kTurnStep = 1e-4;  // of the numeric derivatives: rad, m
-constexpr double kRangeStep = 1e-3;
-// Readings may lie so far about their plane, rms: times their noise, and pixels of disparity.
+constexpr double kNearestM = 0.01;  // before the camera; what is nearer has no place
+// Steps of the numeric derivatives: large against the rounding of a place (1e-13 px), small against
+// the distances of things.
+constexpr double kTurnStep = 1e-4;   // rad
+constexpr double kRangeStep = 1e-3;  // m
+// Readings may lie so far about their plane, rms: times their noise (the rms of 16 readings
+// scatters by a fifth), and pixels of disparity (chosen: 1 to 2; 0.02 to 0.2).
 constexpr double kMisfitNoise = 1.3;
 constexpr double kMisfitPx = 0.06;
+// Of the determinant of places over what they would have without correlation: below it they lie on
+// one line.
+constexpr double kLeastSpread = 1e-6;
 
 }  // namespace
 
@@ -81,7 +93,7 @@ std::optional<PlaneReader::Readings> PlaneReader::collect(int x, int y,
     const std::span<const QuarterMm> sigmas = maps.sigma.row(row);
     const std::span<const std::uint8_t> flags = maps.flags.row(row);
     for (int column = x; column < x + side_; ++column) {
-      const std::size_t i = static_cast<std::size_t>(column);
+      const std::size_t i = index(column);
       const std::size_t at = pixel_count(width_, row) + i;
       if (distances[i] == kNoDepth || (flags[i] & kPmdMissing) != 0) {
         return std::nullopt;
@@ -142,7 +154,7 @@ bool PlaneReader::fit(const Readings& readings, ExpectedPlane& plane) const noex
     dd += d * d;
   }
   const double determinant = uu * vv - uv * uv;
-  if (!(determinant > 1e-6 * uu * vv) || !(uu > 0) || !(vv > 0)) {
+  if (!(determinant > kLeastSpread * uu * vv) || !(uu > 0) || !(vv > 0)) {
     return false;
   }
   plane.gx = (vv * ud - uv * vd) / determinant;

@@ -4,32 +4,58 @@
 #include <array>
 #include <cmath>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
 constexpr std::size_t kN = kDriftParameters;
 using Matrix = std::array<double, kN * kN>;
 
-// What is known before, as standard deviations: a degree, 10 cm, and that a pair which was
-// calibrated keeps its disparities.
+// Where a number was chosen, the range over which it was varied stands beside it: see
+// disparity_shift.cpp.
+
+// What is known before, as standard deviations: a mount turns by a degree and moves by 10 cm at
+// most, and a pair that was calibrated keeps its disparities. Radians, metres, pixels.
 constexpr DriftVector kPrior{0.02, 0.02, 0.02, 0.1, 0.05};
 
-constexpr double kLeastCount = 2;
-constexpr double kPatchNoisePx = 0.02;  // what no number of frames improves, and
-constexpr double kLasting = 0.15;       // the share of a frame's variance that lasts
+// What no number of frames improves: an error of each patch, px (its plane is not quite one), and
+// the share of a frame's variance that the next frame repeats, as its texture does (chosen: 0.005
+// to 0.06; 0 to 0.5).
+constexpr double kPatchNoisePx = 0.02;
+constexpr double kLasting = 0.15;
+// An error that all patches of a region share, px: distortion that the calibration left (chosen: 0
+// to 0.05; it adds to sigma alone).
 constexpr double kRegionNoisePx = 0.017;
-constexpr int kRounds = 17;  // all alike, Huber's weights, Tukey's from the middle on
+// Rounds: one with all weights alike, eight with Huber's weights, eight with Tukey's. Of 40 the
+// result is the same to 0.001 degrees.
+constexpr int kRounds = 17;
+// In standard deviations. Huber's usual bound is 1.345, Tukey's 4.685 (95 percent efficient where
+// errors are normal; Holland & Welsch 1977). Here whole surfaces contradict, so Tukey's drops them
+// from three on (chosen: 1 to 3; 2 to 6).
 constexpr double kHuber = 1.5;
 constexpr double kTukey = 3;
-constexpr double kLeastScale = 1;  // or a large smooth wall's little noise throws out all else
-constexpr int kRegions = 4;        // along the width
+// Standard deviation over median of the absolute values, of normal errors: 1 / 0.6745.
+constexpr double kSigmaPerMedian = 1.48;
+// The typical misfit counts as this much at least, or the little noise of a large smooth wall
+// throws out all else (chosen: 0.3 to 2).
+constexpr double kLeastScale = 1;
+// Along the width, for the jackknife: large enough that what one thing does stays in one region
+// (chosen: 2 to 8).
+constexpr int kRegions = 4;
 
-// Inverse of a symmetric positive definite matrix in place.
-bool invert(Matrix& m) noexcept {
+// What must be left of a diagonal element once the parameters before it explain theirs. A double
+// holds it to 2e-16 of the sum it is the rest of, so three digits of it are true.
+constexpr double kLeastPivot = 1e-13;
+
+// Inverse of a symmetric positive definite matrix. `sum`: what it was computed from by subtraction,
+// or the matrix itself. Nothing where a pivot is lost in the rounding of the sum: half an inverse
+// is none.
+std::optional<Matrix> inverse_of(Matrix m, const Matrix& sum) noexcept {
   for (std::size_t k = 0; k < kN; ++k) {
     const double pivot = m[k * kN + k];
-    if (!(pivot > 0)) {
-      return false;
+    if (!(pivot > kLeastPivot * sum[k * kN + k])) {
+      return std::nullopt;
     }
     m[k * kN + k] = 1;
     for (std::size_t j = 0; j < kN; ++j) {
@@ -46,7 +72,7 @@ bool invert(Matrix& m) noexcept {
       }
     }
   }
-  return true;
+  return m;
 }
 
 DriftVector times(const Matrix& m, const DriftVector& v) noexcept {
@@ -109,27 +135,44 @@ double robust_weight(double misfit, int round) noexcept {
 
 // Fills trust, the weight of each patch, with what `value` leaves; returns the typical misfit of
 // this round, for the next.
-double judge(const DriftPatches& seen, const DriftVector& value, double scale, int round,
-             int& count) noexcept {
+double weigh_patches(const DriftPatches& seen, const DriftVector& value, double scale,
+                     int round) noexcept {
   std::size_t n = 0;
   for (std::size_t p = 0; p < seen.patches.size(); ++p) {
     seen.trust[p] = 0;
-    if (seen.patches[p].count < kLeastCount) {
+    if (!seen.patches[p].known()) {
       continue;
     }
     const Equation e(seen.patches[p]);
     const double misfit = std::abs(e.left(value)) / std::sqrt(e.variance);
+    if (!std::isfinite(misfit)) {
+      continue;
+    }
     seen.sorted[n] = misfit;
     ++n;
     seen.trust[p] = robust_weight(misfit / scale, round) / (e.variance * scale * scale);
   }
-  count = static_cast<int>(n);
   if (n == 0) {
     return scale;
   }
   const std::span<double> sorted = seen.sorted.first(n);
   std::ranges::nth_element(sorted, sorted.begin() + static_cast<std::ptrdiff_t>(n / 2));
-  return std::max(1.48 * sorted[n / 2], kLeastScale);
+  return std::max(kSigmaPerMedian * sorted[n / 2], kLeastScale);
+}
+
+// What is known before, and what the trusted patches say.
+Normal normal_of(const DriftPatches& seen) noexcept {
+  Normal out;
+  for (std::size_t k = 0; k < kN; ++k) {
+    out.matrix[k * kN + k] = 1 / (kPrior[k] * kPrior[k]);
+  }
+  for (std::size_t p = 0; p < seen.patches.size(); ++p) {
+    if (seen.trust[p] > 0) {
+      const Equation e(seen.patches[p]);
+      out.add(e, e.error, seen.trust[p]);
+    }
+  }
+  return out;
 }
 
 struct Region {
@@ -150,7 +193,7 @@ Share share_of(const DriftPatches& seen, const Region& region, const DriftVector
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
   for (int y = std::max(region.y, 0); y < std::min(region.y + region.side, rows); ++y) {
     for (int x = std::max(region.x, 0); x < std::min(region.x + region.side, seen.columns); ++x) {
-      const std::size_t p = static_cast<std::size_t>(y * seen.columns + x);
+      const std::size_t p = index(y * seen.columns + x);
       if (!(seen.trust[p] > 0)) {
         continue;
       }
@@ -166,10 +209,10 @@ Share share_of(const DriftPatches& seen, const Region& region, const DriftVector
 }
 
 // Variances by leaving out one region after the other, the first of which begins at -offset.
-DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const Matrix& matrix,
-                      int side, int offset) noexcept {
-  Matrix inverse = matrix;
-  invert(inverse);
+// Nothing where the rest cannot be solved without one of them.
+std::optional<DriftVector> jackknife(const DriftPatches& seen, const DriftVector& value,
+                                     const Matrix& matrix, const Matrix& inverse, int side,
+                                     int offset) noexcept {
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
   DriftVector squares{};
   DriftVector shared{};
@@ -185,8 +228,11 @@ DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const 
       for (std::size_t k = 0; k < rest.size(); ++k) {
         rest[k] -= share.left.matrix[k];
       }
-      invert(rest);
-      const DriftVector change = times(rest, share.left.vector);
+      const std::optional<Matrix> without = inverse_of(rest, matrix);
+      if (!without) {
+        return std::nullopt;
+      }
+      const DriftVector change = times(*without, share.left.vector);
       const DriftVector common = times(inverse, share.shared);
       for (std::size_t k = 0; k < kN; ++k) {
         squares[k] += change[k] * change[k];
@@ -212,6 +258,11 @@ DriftVector jackknife(const DriftPatches& seen, const DriftVector& value, const 
 
 }  // namespace
 
+bool DriftPatch::known() const noexcept {
+  constexpr double kLeastCount = 2;  // frames: of one alone nothing tells an outlier
+  return count >= kLeastCount;
+}
+
 void DriftPatch::add(double error_px, const DriftVector& at, double variance) noexcept {
   for (std::size_t k = 0; k < kN; ++k) {
     slope[k] += at[k] / variance;
@@ -221,7 +272,8 @@ void DriftPatch::add(double error_px, const DriftVector& at, double variance) no
 }
 
 void DriftPatch::fade(double factor) noexcept {
-  if (count < 1e-3) {
+  constexpr double kForgotten = 1e-3;  // frames
+  if (count < kForgotten) {
     *this = {};
     return;
   }
@@ -232,32 +284,30 @@ void DriftPatch::fade(double factor) noexcept {
   count *= factor;
 }
 
-DriftSolution solve_drift(const DriftPatches& seen) noexcept {
+std::optional<DriftSolution> solve_drift(const DriftPatches& seen) noexcept {
   DriftSolution out;
-  Matrix matrix{};
+  Normal normal;
+  std::optional<Matrix> inverse;
   double scale = 1;
   for (int round = 0; round < kRounds; ++round) {
-    scale = judge(seen, out.value, scale, round, out.patches);
-    Normal normal;
-    for (std::size_t k = 0; k < kN; ++k) {
-      normal.matrix[k * kN + k] = 1 / (kPrior[k] * kPrior[k]);
+    scale = weigh_patches(seen, out.value, scale, round);
+    normal = normal_of(seen);
+    inverse = inverse_of(normal.matrix, normal.matrix);
+    if (!inverse) {
+      return std::nullopt;
     }
-    for (std::size_t p = 0; p < seen.patches.size(); ++p) {
-      if (seen.trust[p] > 0) {
-        const Equation e(seen.patches[p]);
-        normal.add(e, e.error, seen.trust[p]);
-      }
-    }
-    matrix = normal.matrix;
-    Matrix inverse = matrix;
-    invert(inverse);
-    out.value = times(inverse, normal.vector);
+    out.value = times(*inverse, normal.vector);
   }
   const int side = std::max((seen.columns + kRegions - 1) / kRegions, 2);
-  const DriftVector one = jackknife(seen, out.value, matrix, side, 0);
-  const DriftVector other = jackknife(seen, out.value, matrix, side, side / 2);
-  for (std::size_t k = 0; k < kN; ++k) {
-    out.sigma[k] = std::sqrt(std::max(one[k], other[k]));
+  for (const int offset : {0, side / 2}) {
+    const std::optional<DriftVector> variance =
+        jackknife(seen, out.value, normal.matrix, *inverse, side, offset);
+    if (!variance) {
+      return std::nullopt;
+    }
+    for (std::size_t k = 0; k < kN; ++k) {
+      out.sigma[k] = std::max(out.sigma[k], std::sqrt((*variance)[k]));
+    }
   }
   return out;
 }

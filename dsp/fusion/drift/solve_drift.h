@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "dsp/fusion/drift/drift_monitor.h"
@@ -15,6 +16,7 @@ struct DriftPatch {
   double error = 0;
   double count = 0;
 
+  bool known() const noexcept;  // says something; others are left out
   double weight() const noexcept { return slope[kDriftParameters - 1]; }
   void add(double error_px, const DriftVector& at, double variance) noexcept;
   void fade(double factor) noexcept;
@@ -31,13 +33,15 @@ struct DriftPatches {
 struct DriftSolution {
   DriftVector value{};
   DriftVector sigma{};
-  int patches = 0;  // that count; sigma means nothing where this is 0
 };
 
 // Of each patch the means of J and e count once, however many frames they come from: the least
 // squares solution with weights that fall with the misfit (Huber's, then Tukey's), drawn to 0 by
 // what is known before. sigma: jackknife over regions of a quarter of the picture's width, laid in
 // two ways, of which the larger counts; and an error that all patches of a region share.
-DriftSolution solve_drift(const DriftPatches& seen) noexcept;
+// Nothing where the equations cannot be solved to a few digits, be it that parameters look alike
+// to all patches or that a region outweighs the others beyond what doubles hold. A patch whose
+// numbers are not finite is left out.
+std::optional<DriftSolution> solve_drift(const DriftPatches& seen) noexcept;
 
 }  // namespace stof::dsp

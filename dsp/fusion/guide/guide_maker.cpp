@@ -151,8 +151,8 @@ void GuideMaker::open_before_missing() noexcept {
     reprojector_.locate(readings_.maps());
     for (const Footprint& f : reprojector_.footprints()) {
       const Paint silence{f.paint.visible, kNothingPainted, 0, kSilent};
-      const std::size_t first = static_cast<std::size_t>(f.x_begin);
-      const std::size_t count = static_cast<std::size_t>(f.x_end - f.x_begin);
+      const std::size_t first = index(f.x_begin);
+      const std::size_t count = index(f.x_end - f.x_begin);
       for (int y = f.y_begin; y < f.y_end; ++y) {
         best::paint_interval(silence, view_.nearest.row(y).subspan(first, count),
                              view_.low.row(y).subspan(first, count),

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/fusion/resolve/ambiguity_masks.h"
 #include "dsp/fusion/resolve/pixel_set.h"
 #include "dsp/pmd/pmd_maps.h"
@@ -161,7 +162,7 @@ class AmbiguityResolver {
     if (reach < 0) {
       return;
     }
-    const std::size_t pixels = static_cast<std::size_t>(reach);
+    const std::size_t pixels = index(reach);
     std::size_t from = run.begin;
     std::size_t to = run.end;
     if (run.left.valid()) {

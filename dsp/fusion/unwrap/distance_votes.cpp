@@ -2,13 +2,15 @@
 
 #include <algorithm>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
 int cells(int size) noexcept { return (size + DistanceVotes::kCell - 1) / DistanceVotes::kCell; }
 
 std::size_t elements(int width, int height, std::size_t bins) noexcept {
-  return static_cast<std::size_t>(cells(width)) * static_cast<std::size_t>(cells(height)) * bins;
+  return index(cells(width)) * index(cells(height)) * bins;
 }
 
 }  // namespace
@@ -20,26 +22,24 @@ DistanceVotes::DistanceVotes(int width, int height, std::uint32_t range, Arena& 
     --bits;
   }
   bin_bits_ = bits;
-  bins_ = static_cast<std::size_t>(kMaxQuarterMm >> bits) + 3;
+  bins_ = index(kMaxQuarterMm >> bits) + 3;
   votes_ = arena.take<std::uint16_t>(elements(width, height, bins_));
   sums_ = arena.take<std::uint16_t>(votes_.size());
   line_ = arena.take<std::uint16_t>(elements(width, 1, bins_));
 }
 
 std::size_t DistanceVotes::at(int cell_x, int cell_y) const noexcept {
-  return (static_cast<std::size_t>(cell_y) * static_cast<std::size_t>(cells_x_) +
-          static_cast<std::size_t>(cell_x)) *
-         bins_;
+  return (pixel_count(cell_y, cells_x_) + index(cell_x)) * bins_;
 }
 
 void DistanceVotes::clear() noexcept { std::ranges::fill(votes_, std::uint16_t{0}); }
 
 void DistanceVotes::add(int x, int y, QuarterMm distance) noexcept {
-  ++votes_[at(x / kCell, y / kCell) + static_cast<std::size_t>(distance >> bin_bits_) + 1];
+  ++votes_[at(x / kCell, y / kCell) + index(distance >> bin_bits_) + 1];
 }
 
 void DistanceVotes::sum() noexcept {
-  const std::size_t row = static_cast<std::size_t>(cells_x_) * bins_;
+  const std::size_t row = index(cells_x_) * bins_;
   for (int y = 0; y < cells_y_; ++y) {
     const std::span<const std::uint16_t> here = votes_.subspan(at(0, y), row);
     std::ranges::copy(here, line_.begin());
@@ -63,7 +63,7 @@ void DistanceVotes::sum() noexcept {
 int DistanceVotes::around(int x, int y, QuarterMm distance) const noexcept {
   // Of a bin's lower half the bin below is the nearer neighbour, of its upper half the one above.
   const int half = 1 << (bin_bits_ - 1);
-  const std::size_t bin = static_cast<std::size_t>((distance + half) >> bin_bits_);
+  const std::size_t bin = index((distance + half) >> bin_bits_);
   const std::span<const std::uint16_t> sums = sums_.subspan(at(x / kCell, y / kCell), bins_);
   return sums[bin] + sums[bin + 1];
 }

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <span>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
@@ -49,27 +51,27 @@ PeriodDecision::PeriodDecision(int pmd_width, int pmd_height, double focal, std:
                                Arena& arena) noexcept
     : window_(pmd_width, pmd_height, range, arena),
       surfaces_(pmd_width, pmd_height, arena),
-      regions_(static_cast<std::size_t>(pmd_width) * static_cast<std::size_t>(pmd_height), arena),
+      regions_(pixel_count(pmd_width, pmd_height), arena),
       slant_divisor_(static_cast<std::uint32_t>(std::max(focal / 2, 1.0))),
-      slants_(arena.take<std::int32_t>(static_cast<std::size_t>(pmd_width))) {}
+      slants_(arena.take<std::int32_t>(index(pmd_width))) {}
 
-void PeriodDecision::link_all(const PeriodMaps& picture) noexcept {
-  const std::size_t row = static_cast<std::size_t>(picture.width);
-  const std::span<const Reading> readings = picture.readings;
-  for (int y = 0; y < picture.height; ++y) {
-    const std::size_t first = picture.index(0, y);
+void PeriodDecision::link_all(const PeriodMaps& maps) noexcept {
+  const std::size_t row = index(maps.width);
+  const std::span<const Reading> readings = maps.readings;
+  for (int y = 0; y < maps.height; ++y) {
+    const std::size_t first = maps.place(0, y);
     for (std::size_t x = 0; x < row; ++x) {
-      const int period = std::max<int>(picture.vote[first + x], 0);
-      slants_[x] = static_cast<std::int32_t>(picture.distance(first + x, period) / slant_divisor_);
+      const int period = std::max<int>(maps.vote[first + x], 0);
+      slants_[x] = static_cast<std::int32_t>(maps.distance(first + x, period) / slant_divisor_);
     }
     const std::span<Link> right = surfaces_.right_row(y);
     const std::span<Link> below = surfaces_.below_row(y);
     link_row(readings.subspan(first, row - 1), readings.subspan(first + 1, row - 1), slants_,
-             static_cast<int>(picture.range), right);
+             static_cast<int>(maps.range), right);
     right.back() = kBroken;
-    if (y + 1 < picture.height) {
+    if (y + 1 < maps.height) {
       link_row(readings.subspan(first, row), readings.subspan(first + row, row), slants_,
-               static_cast<int>(picture.range), below);
+               static_cast<int>(maps.range), below);
     } else {
       std::ranges::fill(below, kBroken);
     }
@@ -77,12 +79,12 @@ void PeriodDecision::link_all(const PeriodMaps& picture) noexcept {
 }
 
 // Whether readings around that were voted for leave little doubt about a period.
-bool PeriodDecision::prevails(const PeriodMaps& picture, int x, int y, int wanted) const noexcept {
+bool PeriodDecision::prevails(const PeriodMaps& maps, int x, int y, int wanted) const noexcept {
   int mine = 0;
   int rival = 0;
-  const std::size_t i = picture.index(x, y);
-  for (int k = 0; k < picture.periods && picture.distance(i, k) <= kMaxQuarterMm; ++k) {
-    const int votes = window_.around(x, y, static_cast<QuarterMm>(picture.distance(i, k)));
+  const std::size_t i = maps.place(x, y);
+  for (int k = 0; k < maps.periods && maps.distance(i, k) <= kMaxQuarterMm; ++k) {
+    const int votes = window_.around(x, y, static_cast<QuarterMm>(maps.distance(i, k)));
     mine = k == wanted ? votes : mine;
     rival = k == wanted ? rival : std::max(rival, votes);
   }
@@ -90,15 +92,15 @@ bool PeriodDecision::prevails(const PeriodMaps& picture, int x, int y, int wante
 }
 
 // What most of its surface says, and the reading itself if it says anything.
-std::int8_t PeriodDecision::by_surface(const PeriodMaps& picture, int x, int y) const noexcept {
-  const std::size_t i = picture.index(x, y);
-  const std::int8_t own = picture.vote[i];
+std::int8_t PeriodDecision::by_surface(const PeriodMaps& maps, int x, int y) const noexcept {
+  const std::size_t i = maps.place(x, y);
+  const std::int8_t own = maps.vote[i];
   const SurfaceVotes::Counts counts = surfaces_.around(x, y);
   int winner = 0;
   int most = 0;
   int voters = 0;
-  for (int k = 0; k < picture.periods; ++k) {
-    const int count = counts[static_cast<std::size_t>(k)];
+  for (int k = 0; k < maps.periods; ++k) {
+    const int count = counts[index(k)];
     winner = count > most ? k : winner;
     most = std::max(most, count);
     voters += count;
@@ -109,40 +111,40 @@ std::int8_t PeriodDecision::by_surface(const PeriodMaps& picture, int x, int y) 
   const int all = counts.back();
   const bool agrees = own == kUnknownPeriod || own == winner;
   if (!agrees || most < std::min(kLeastAround, all) || 2 * most < all ||
-      8 * (voters - most) > most || !prevails(picture, x, y, winner)) {
+      8 * (voters - most) > most || !prevails(maps, x, y, winner)) {
     return own == kUnknownPeriod ? kUnknownPeriod : kDisputedPeriod;
   }
-  return has_bit(picture.possible, i, winner) ? static_cast<std::int8_t>(winner) : kRefutedPeriod;
+  return has_bit(maps.possible, i, winner) ? static_cast<std::int8_t>(winner) : kRefutedPeriod;
 }
 
-void PeriodDecision::ask_surfaces(PeriodMaps& picture) noexcept {
+void PeriodDecision::decide_by_surfaces(PeriodMaps& maps) noexcept {
   window_.clear();
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const std::size_t i = picture.index(x, y);
-      if (picture.vote[i] >= 0) {
-        window_.add(x, y, static_cast<QuarterMm>(picture.distance(i, picture.vote[i])));
+  for (int y = 0; y < maps.height; ++y) {
+    for (int x = 0; x < maps.width; ++x) {
+      const std::size_t i = maps.place(x, y);
+      if (maps.vote[i] >= 0) {
+        window_.add(x, y, static_cast<QuarterMm>(maps.distance(i, maps.vote[i])));
       }
     }
   }
   window_.sum();
-  surfaces_.sum(picture.vote, picture.periods);
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const std::size_t i = picture.index(x, y);
-      const bool open = picture.vote[i] != kNoReading && !picture.bright[i];
-      picture.period[i] = open ? by_surface(picture, x, y) : picture.vote[i];
+  surfaces_.sum(maps.vote, maps.periods);
+  for (int y = 0; y < maps.height; ++y) {
+    for (int x = 0; x < maps.width; ++x) {
+      const std::size_t i = maps.place(x, y);
+      const bool open = maps.vote[i] != kNoReading && !maps.bright[i];
+      maps.period[i] = open ? by_surface(maps, x, y) : maps.vote[i];
     }
   }
 }
 
 // Only what is open joins: with itself and with the decided readings at its border.
-void PeriodDecision::join_regions(const PeriodMaps& picture) noexcept {
+void PeriodDecision::join_regions(const PeriodMaps& maps) noexcept {
   regions_.clear();
-  const std::size_t all = picture.pixels();
-  const std::size_t row = static_cast<std::size_t>(picture.width);
+  const std::size_t all = maps.pixels();
+  const std::size_t row = index(maps.width);
   const auto join = [&](std::size_t a, std::size_t b, Link link) {
-    if (picture.period[a] == kUnknownPeriod || picture.period[b] == kUnknownPeriod) {
+    if (maps.period[a] == kUnknownPeriod || maps.period[b] == kUnknownPeriod) {
       regions_.unite(a, b, link);
     }
   };
@@ -155,54 +157,54 @@ void PeriodDecision::join_regions(const PeriodMaps& picture) noexcept {
     }
   }
   for (std::size_t i = 0; i < all; ++i) {
-    if (picture.bright[i]) {
+    if (maps.bright[i]) {
       regions_.prove(i);
     }
   }
   for (std::size_t i = 0; i < all; ++i) {
-    if (picture.period[i] >= 0 && !picture.bright[i]) {
-      regions_.hold_against(i, picture.period[i]);
+    if (maps.period[i] >= 0 && !maps.bright[i]) {
+      regions_.contradict(i, maps.period[i]);
     }
   }
 }
 
 // The period of an open reading when everybody has spoken.
-std::int8_t PeriodDecision::last_word(const ReturnedLight& light, const PeriodMaps& picture,
-                                      std::size_t i) noexcept {
-  const std::int8_t so_far = picture.period[i];
+std::int8_t PeriodDecision::decide_last(const ReturnedLight& light, const PeriodMaps& maps,
+                                        std::size_t i) noexcept {
+  const std::int8_t so_far = maps.period[i];
   if (so_far >= 0 || so_far == kNoReading || so_far == kRefutedPeriod) {
     return so_far;
   }
   const int region = so_far == kUnknownPeriod ? regions_.period(i) : PeriodRegions::kUndecided;
   if (region != PeriodRegions::kUndecided) {
-    const bool fits = region >= 0 && region < picture.periods;
-    return fits && has_bit(picture.possible, i, region) ? static_cast<std::int8_t>(region)
-                                                        : kRefutedPeriod;
+    const bool fits = region >= 0 && region < maps.periods;
+    return fits && has_bit(maps.possible, i, region) ? static_cast<std::int8_t>(region)
+                                                     : kRefutedPeriod;
   }
-  if (picture.possible[i] == 1) {
+  if (maps.possible[i] == 1) {
     return 0;
   }
   const bool near = so_far == kUnknownPeriod && !light.known() &&
-                    light.outshines(picture.readings[i], picture.distance(i, 1));
+                    light.outshines(maps.readings[i], maps.distance(i, 1));
   return near ? std::int8_t{0} : kRefutedPeriod;
 }
 
 // Whether a reading may be mixed with one of unknown period beside it: where it does not go on to
 // the other side. What stereo sees may change in amplitude there, and be slanted.
-bool PeriodDecision::frays(const PeriodMaps& picture, int x, int y) const noexcept {
-  const std::size_t row = static_cast<std::size_t>(picture.width);
-  const std::size_t i = picture.index(x, y);
+bool PeriodDecision::may_be_mixed(const PeriodMaps& maps, int x, int y) const noexcept {
+  const std::size_t row = index(maps.width);
+  const std::size_t i = maps.place(x, y);
   const auto open = [&](std::size_t other) {
-    return picture.period[other] < 0 && picture.period[other] != kNoReading;
+    return maps.period[other] < 0 && maps.period[other] != kNoReading;
   };
   const bool open_left = x > 0 && open(i - 1);
-  const bool open_right = x + 1 < picture.width && open(i + 1);
+  const bool open_right = x + 1 < maps.width && open(i + 1);
   const bool open_above = y > 0 && open(i - row);
-  const bool open_below = y + 1 < picture.height && open(i + row);
+  const bool open_below = y + 1 < maps.height && open(i + row);
   if (!open_left && !open_right && !open_above && !open_below) {
     return false;
   }
-  const Link worst = picture.seen[i] ? kDimmed : Link{1};
+  const Link worst = maps.seen[i] ? kDimmed : Link{1};
   const auto torn = [&](bool open_here, Link here, bool open_there, Link there) {
     return open_here && here != kBlurred && (there > worst || open_there);
   };
@@ -214,33 +216,33 @@ bool PeriodDecision::frays(const PeriodMaps& picture, int x, int y) const noexce
          torn(open_above, above, open_below, below) || torn(open_below, below, open_above, above);
 }
 
-void PeriodDecision::decide(ReturnedLight& light, PeriodMaps& picture) noexcept {
-  link_all(picture);
-  ask_surfaces(picture);
-  join_regions(picture);
-  const std::size_t all = picture.pixels();
+void PeriodDecision::decide(ReturnedLight& light, PeriodMaps& maps) noexcept {
+  link_all(maps);
+  decide_by_surfaces(maps);
+  join_regions(maps);
+  const std::size_t all = maps.pixels();
   if (!light.known()) {
     for (std::size_t i = 0; i < all; ++i) {
-      if (picture.period[i] >= 0) {
-        light.learn(picture.readings[i], picture.distance(i, picture.period[i]));
+      if (maps.period[i] >= 0) {
+        light.learn(maps.readings[i], maps.distance(i, maps.period[i]));
       }
     }
     light.end_learning();
   }
   for (std::size_t i = 0; i < all; ++i) {
-    const std::int8_t period = last_word(light, picture, i);
-    picture.seen[i] = period > 0 && picture.vote[i] == period;
-    picture.period[i] = period >= 0 && has_bit(picture.mixed, i, period) ? kRefutedPeriod : period;
+    const std::int8_t period = decide_last(light, maps, i);
+    maps.seen[i] = period > 0 && maps.vote[i] == period;
+    maps.period[i] = period >= 0 && has_bit(maps.mixed, i, period) ? kRefutedPeriod : period;
   }
-  // In place of vote: frays() looks at the periods around.
-  for (int y = 0; y < picture.height; ++y) {
-    for (int x = 0; x < picture.width; ++x) {
-      const std::size_t i = picture.index(x, y);
-      const bool drop = picture.period[i] >= 0 && frays(picture, x, y);
-      picture.vote[i] = drop ? kRefutedPeriod : picture.period[i];
+  // In place of vote: may_be_mixed() looks at the periods around.
+  for (int y = 0; y < maps.height; ++y) {
+    for (int x = 0; x < maps.width; ++x) {
+      const std::size_t i = maps.place(x, y);
+      const bool drop = maps.period[i] >= 0 && may_be_mixed(maps, x, y);
+      maps.vote[i] = drop ? kRefutedPeriod : maps.period[i];
     }
   }
-  std::ranges::copy(picture.vote, picture.period.begin());
+  std::ranges::copy(maps.vote, maps.period.begin());
 }
 
 }  // namespace stof::dsp

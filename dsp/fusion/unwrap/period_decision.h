@@ -24,18 +24,18 @@ class PeriodDecision {
   PeriodDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
                  Arena& arena) noexcept;
 
-  // Fills period and seen of the picture; below 0: no period.
-  void decide(ReturnedLight& light, PeriodMaps& picture) noexcept;
+  // Fills period and seen of the maps; below 0: no period.
+  void decide(ReturnedLight& light, PeriodMaps& maps) noexcept;
 
  private:
-  void link_all(const PeriodMaps& picture) noexcept;
-  bool prevails(const PeriodMaps& picture, int x, int y, int wanted) const noexcept;
-  std::int8_t by_surface(const PeriodMaps& picture, int x, int y) const noexcept;
-  void ask_surfaces(PeriodMaps& picture) noexcept;
-  void join_regions(const PeriodMaps& picture) noexcept;
-  std::int8_t last_word(const ReturnedLight& light, const PeriodMaps& picture,
-                        std::size_t i) noexcept;
-  bool frays(const PeriodMaps& picture, int x, int y) const noexcept;
+  void link_all(const PeriodMaps& maps) noexcept;
+  bool prevails(const PeriodMaps& maps, int x, int y, int wanted) const noexcept;
+  std::int8_t by_surface(const PeriodMaps& maps, int x, int y) const noexcept;
+  void decide_by_surfaces(PeriodMaps& maps) noexcept;
+  void join_regions(const PeriodMaps& maps) noexcept;
+  std::int8_t decide_last(const ReturnedLight& light, const PeriodMaps& maps,
+                          std::size_t i) noexcept;
+  bool may_be_mixed(const PeriodMaps& maps, int x, int y) const noexcept;
 
   DistanceVotes window_;
   SurfaceVotes surfaces_;

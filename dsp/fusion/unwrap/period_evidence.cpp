@@ -62,77 +62,77 @@ PeriodEvidence::PeriodEvidence(const Calibration& calibration, const FusionParam
   }
 }
 
-void PeriodEvidence::read_row(const PmdMaps& maps, int y, const ReturnedLight& light,
-                              PeriodMaps& picture) noexcept {
-  const std::span<const QuarterMm> distance = maps.distance.row(y);
-  const std::span<const QuarterMm> sigma = maps.sigma.row(y);
-  const std::span<const std::uint16_t> amp2 = maps.amp2.row(y);
-  const std::size_t first = picture.index(0, y);
+void PeriodEvidence::read_row(const PmdMaps& pmd, int y, const ReturnedLight& light,
+                              PeriodMaps& maps) noexcept {
+  const std::span<const QuarterMm> distance = pmd.distance.row(y);
+  const std::span<const QuarterMm> sigma = pmd.sigma.row(y);
+  const std::span<const std::uint16_t> amp2 = pmd.amp2.row(y);
+  const std::size_t first = maps.place(0, y);
   for (std::size_t x = 0; x < distance.size(); ++x) {
     const std::size_t i = first + x;
-    picture.readings[i] = {distance[x], sigma[x], light.amp2(amp2[x])};
-    picture.bright[i] =
-        distance[x] != kNoDepth && light.excludes(picture.readings[i], picture.distance(i, 1));
+    maps.readings[i] = {distance[x], sigma[x], light.amp2(amp2[x])};
+    maps.bright[i] =
+        distance[x] != kNoDepth && light.excludes(maps.readings[i], maps.distance(i, 1));
   }
 }
 
 // Where the readings of a row would lie in each period that their amplitude allows, and what stereo
 // says there.
 void PeriodEvidence::place_row(int y, QuarterMm far_off, const ReturnedLight& light,
-                               PeriodMaps& picture) noexcept {
-  const std::size_t n = static_cast<std::size_t>(picture.width);
-  const std::size_t first = picture.index(0, y);
-  const RayRow rays = ray_row(rays_, picture.width, y);
-  for (int k = 0; k < picture.periods; ++k) {
-    const Candidates& c = candidates_[static_cast<std::size_t>(k)];
+                               PeriodMaps& maps) noexcept {
+  const std::size_t n = index(maps.width);
+  const std::size_t first = maps.place(0, y);
+  const RayRow rays = ray_row(rays_, maps.width, y);
+  for (int k = 0; k < maps.periods; ++k) {
+    const Candidates& c = candidates_[index(k)];
     for (std::size_t x = 0; x < n; ++x) {
       const std::size_t i = first + x;
-      const Reading& reading = picture.readings[i];
-      const std::uint32_t distance = picture.distance(i, k);
+      const Reading& reading = maps.readings[i];
+      const std::uint32_t distance = maps.distance(i, k);
       const bool allowed =
           reading.distance != kNoDepth && distance <= kMaxQuarterMm &&
-          (k == 0 || (!picture.bright[i] && (k == 1 || !light.excludes(reading, distance))));
+          (k == 0 || (!maps.bright[i] && (k == 1 || !light.excludes(reading, distance))));
       c.distance[x] = allowed ? static_cast<QuarterMm>(distance) : kNoDepth;
     }
     best::project(rays, c.distance, projection_, c.u, c.v, c.depth);
     for (std::size_t x = 0; x < n; ++x) {
       // Two sigma, and what the calibration of both cameras may be off by.
-      const int tolerance = 2 * picture.readings[first + x].sigma + c.depth[x] / 64;
+      const int tolerance = 2 * maps.readings[first + x].sigma + c.depth[x] / 64;
       c.tolerance[x] = static_cast<QuarterMm>(std::min<int>(tolerance, kMaxQuarterMm));
     }
     best::count_votes({c.u, c.v, c.depth, c.tolerance}, samples_.grid(), far_off, c.votes);
   }
 }
 
-void PeriodEvidence::judge_row(int y, PeriodMaps& picture) noexcept {
-  const std::size_t n = static_cast<std::size_t>(picture.width);
-  const std::size_t first = picture.index(0, y);
-  const std::span<std::uint16_t> possible = picture.possible.subspan(first, n);
-  const std::span<std::uint16_t> mixed = picture.mixed.subspan(first, n);
+void PeriodEvidence::judge_row(int y, PeriodMaps& maps) noexcept {
+  const std::size_t n = index(maps.width);
+  const std::size_t first = maps.place(0, y);
+  const std::span<std::uint16_t> possible = maps.possible.subspan(first, n);
+  const std::span<std::uint16_t> mixed = maps.mixed.subspan(first, n);
   std::ranges::fill(possible, std::uint16_t{1});
   std::ranges::fill(mixed, std::uint16_t{0});
   std::ranges::fill(support_, Support{});
-  for (int k = 0; k < picture.periods; ++k) {
-    const Candidates& c = candidates_[static_cast<std::size_t>(k)];
+  for (int k = 0; k < maps.periods; ++k) {
+    const Candidates& c = candidates_[index(k)];
     add_support(c.votes, k, support_);
     mark_periods(c, k, max_range_, possible, mixed);
   }
   for (std::size_t x = 0; x < n; ++x) {
     // What is supported is comparable too.
     int vote = support_[x].comparable == 1 ? int{support_[x].period} : int{kUnknownPeriod};
-    vote = picture.bright[first + x] ? 0 : vote;
-    vote = picture.readings[first + x].distance == kNoDepth ? int{kNoReading} : vote;
-    picture.vote[first + x] = static_cast<std::int8_t>(vote);
+    vote = maps.bright[first + x] ? 0 : vote;
+    vote = maps.readings[first + x].distance == kNoDepth ? int{kNoReading} : vote;
+    maps.vote[first + x] = static_cast<std::int8_t>(vote);
   }
 }
 
-void PeriodEvidence::collect(const PmdMaps& maps, ImageView<const Disparity> disparity,
-                             const ReturnedLight& light, PeriodMaps& picture) noexcept {
+void PeriodEvidence::collect(const PmdMaps& pmd, ImageView<const Disparity> disparity,
+                             const ReturnedLight& light, PeriodMaps& maps) noexcept {
   samples_.take(disparity);
-  for (int y = 0; y < picture.height; ++y) {
-    read_row(maps, y, light, picture);
-    place_row(y, maps.widest, light, picture);
-    judge_row(y, picture);
+  for (int y = 0; y < maps.height; ++y) {
+    read_row(pmd, y, light, maps);
+    place_row(y, pmd.widest, light, maps);
+    judge_row(y, maps);
   }
 }
 

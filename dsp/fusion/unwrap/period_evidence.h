@@ -34,11 +34,11 @@ class PeriodEvidence {
   PeriodEvidence(const Calibration& calibration, const FusionParams& params, int min_disparity,
                  int disparities, int width, int height, Arena& arena) noexcept;
 
-  // Fills readings, vote, possible, mixed and bright of the picture, whose range and periods are
+  // Fills readings, vote, possible, mixed and bright of the maps, whose range and periods are
   // set. disparity may be empty. A vote is the period of which five eighths of the samples around
   // its place agree with the reading, while of no other more than a quarter do.
-  void collect(const PmdMaps& maps, ImageView<const Disparity> disparity,
-               const ReturnedLight& light, PeriodMaps& picture) noexcept;
+  void collect(const PmdMaps& pmd, ImageView<const Disparity> disparity, const ReturnedLight& light,
+               PeriodMaps& maps) noexcept;
 
  private:
   // A row of readings, as if all had one period.
@@ -50,11 +50,10 @@ class PeriodEvidence {
     std::span<QuarterMm> tolerance;
     std::span<Votes> votes;
   };
-  static void read_row(const PmdMaps& maps, int y, const ReturnedLight& light,
-                       PeriodMaps& picture) noexcept;
-  void place_row(int y, QuarterMm far_off, const ReturnedLight& light,
-                 PeriodMaps& picture) noexcept;
-  void judge_row(int y, PeriodMaps& picture) noexcept;
+  static void read_row(const PmdMaps& pmd, int y, const ReturnedLight& light,
+                       PeriodMaps& maps) noexcept;
+  void place_row(int y, QuarterMm far_off, const ReturnedLight& light, PeriodMaps& maps) noexcept;
+  void judge_row(int y, PeriodMaps& maps) noexcept;
   static void mark_periods(const Candidates& c, int k, QuarterMm max_range,
                            std::span<std::uint16_t> possible,
                            std::span<std::uint16_t> mixed) noexcept;

@@ -1,12 +1,12 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 
@@ -42,13 +42,8 @@ struct PeriodMaps {
     seen = arena.take<bool>(pixels());
   }
 
-  std::size_t pixels() const noexcept {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
-  }
-  std::size_t index(int x, int y) const noexcept {
-    return static_cast<std::size_t>(y) * static_cast<std::size_t>(width) +
-           static_cast<std::size_t>(x);
-  }
+  std::size_t pixels() const noexcept { return pixel_count(width, height); }
+  std::size_t place(int x, int y) const noexcept { return pixel_count(width, y) + index(x); }
   // Where reading i lies in period k, or beyond kMaxQuarterMm.
   std::uint32_t distance(std::size_t i, int k) const noexcept {
     return readings[i].distance + static_cast<std::uint32_t>(k) * range;

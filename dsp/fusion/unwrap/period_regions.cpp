@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <utility>
 
+#include "dsp/base/index.h"
+
 namespace stof::dsp {
 namespace {
 
@@ -34,13 +36,13 @@ void PeriodRegions::clear() noexcept {
 PeriodRegions::Place PeriodRegions::find(std::size_t pixel) noexcept {
   std::size_t root = pixel;
   int gain = 0;
-  while (static_cast<std::size_t>(parent_[root]) != root) {
+  while (index(parent_[root]) != root) {
     gain += gain_[root];
-    root = static_cast<std::size_t>(parent_[root]);
+    root = index(parent_[root]);
   }
   int left = gain;
   while (pixel != root) {
-    const std::size_t next = static_cast<std::size_t>(parent_[pixel]);
+    const std::size_t next = index(parent_[pixel]);
     const int step = gain_[pixel];
     parent_[pixel] = static_cast<std::int32_t>(root);
     gain_[pixel] = static_cast<std::int16_t>(left);
@@ -82,7 +84,7 @@ void PeriodRegions::prove(std::size_t pixel) noexcept {
   ++(base_[root] == -place.gain ? proofs_ : against_)[root];
 }
 
-void PeriodRegions::hold_against(std::size_t pixel, int period) noexcept {
+void PeriodRegions::contradict(std::size_t pixel, int period) noexcept {
   const Place place = find(pixel);
   against_[place.root] += base_[place.root] == period - place.gain ? 0 : 1;
 }

@@ -23,7 +23,7 @@ class PeriodRegions {
   // After all unite(): a pixel of which amplitude proves that it has period 0.
   void prove(std::size_t pixel) noexcept;
   // After all prove(): what else is known about a pixel's period.
-  void hold_against(std::size_t pixel, int period) noexcept;
+  void contradict(std::size_t pixel, int period) noexcept;
   // The period of a pixel by its region: where kLeast pixels or more prove it, and kRobust times as
   // many as there are that speak against it. Else kUndecided.
   static constexpr int kUndecided = -1;

@@ -15,8 +15,7 @@ int samples(int size, int step_bits) noexcept { return (size + (1 << step_bits) 
 
 // With the border.
 std::size_t grid_size(int columns, int rows) noexcept {
-  return static_cast<std::size_t>(columns + 2 * kGridBorder) *
-         static_cast<std::size_t>(rows + 2 * kGridBorder);
+  return index(columns + 2 * kGridBorder) * index(rows + 2 * kGridBorder);
 }
 
 int step_bits_for(double footprint) noexcept {
@@ -88,7 +87,7 @@ void StereoSamples::take(ImageView<const Disparity> disparity) noexcept {
   }
   STOF_CHECK(samples(disparity.width(), grid_.step_bits) == grid_.columns &&
              samples(disparity.height(), grid_.step_bits) == grid_.rows);
-  const std::size_t columns = static_cast<std::size_t>(grid_.columns);
+  const std::size_t columns = index(grid_.columns);
   const int step = 1 << grid_.step_bits;
   for (int j = 0; j < grid_.rows; ++j) {
     const int y = std::min(j * step + step / 2, disparity.height() - 1);

@@ -26,12 +26,12 @@ SurfaceVotes::SurfaceVotes(int width, int height, Arena& arena) noexcept
       right_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
       upper_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
       lower_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
-      line_(arena.take<std::uint64_t>(kMostWords * static_cast<std::size_t>(width + 1))),
+      line_(arena.take<std::uint64_t>(kMostWords * index(width + 1))),
       columns_(arena.take<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
 
 // Arms end at the wrap: behind it the same surface has another period.
 void SurfaceVotes::reach() noexcept {
-  const std::size_t row = static_cast<std::size_t>(width_);
+  const std::size_t row = index(width_);
   const std::size_t all = pixel_count(width_, height_);
   for (std::size_t i = 0; i < all; ++i) {
     left_arm_[i] =
@@ -46,7 +46,7 @@ void SurfaceVotes::reach() noexcept {
 }
 
 void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
-  const std::size_t row = static_cast<std::size_t>(width_);
+  const std::size_t row = index(width_);
   const std::size_t first = pixel_count(width_, y);
   for (std::size_t word = 0; word < words_; ++word) {
     const int origin = static_cast<int>(word * kPerWord) - 1;  // period of the lowest count
@@ -56,7 +56,7 @@ void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
     for (std::size_t x = 0; x < row; ++x) {
       const int vote = votes[first + x] - origin;
       const bool here = votes[first + x] >= 0 && vote >= 0 && vote < static_cast<int>(kPerWord);
-      sum += pixel + (here ? std::uint64_t{1} << (kBits * static_cast<std::size_t>(vote)) : 0);
+      sum += pixel + (here ? std::uint64_t{1} << (kBits * index(vote)) : 0);
       line_[x + 1] = sum;
     }
     for (std::size_t x = 0; x < row; ++x) {
@@ -68,17 +68,17 @@ void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
 }
 
 void SurfaceVotes::sum(std::span<const std::int8_t> votes, int periods) noexcept {
-  words_ = static_cast<std::size_t>(periods) / kPerWord + 1;
+  words_ = index(periods) / kPerWord + 1;
   reach();
-  std::ranges::fill(columns_.first(words_ * static_cast<std::size_t>(width_)), std::uint64_t{0});
+  std::ranges::fill(columns_.first(words_ * index(width_)), std::uint64_t{0});
   for (int y = 0; y < height_; ++y) {
     sum_row(y, votes);
   }
 }
 
 SurfaceVotes::Counts SurfaceVotes::around(int x, int y) const noexcept {
-  const std::size_t row = static_cast<std::size_t>(width_);
-  const std::size_t i = pixel_count(width_, y) + static_cast<std::size_t>(x);
+  const std::size_t row = index(width_);
+  const std::size_t i = pixel_count(width_, y) + index(x);
   const std::size_t below = (i + (lower_arm_[i] + 1U) * row) * words_;
   const std::size_t above = (i - upper_arm_[i] * row) * words_;
   Counts out{};

@@ -6,6 +6,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
+#include "dsp/base/index.h"
 #include "dsp/fusion/unwrap/period_maps.h"
 
 namespace stof::dsp {
@@ -44,8 +45,8 @@ class SurfaceVotes {
 
  private:
   std::span<Link> row_of(std::span<Link> links, int y) const noexcept {
-    const std::size_t row = static_cast<std::size_t>(width_);
-    return links.subspan(static_cast<std::size_t>(y) * row, row);
+    const std::size_t row = index(width_);
+    return links.subspan(index(y) * row, row);
   }
   void reach() noexcept;
   void sum_row(int y, std::span<const std::int8_t> votes) noexcept;

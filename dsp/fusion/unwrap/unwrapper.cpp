@@ -21,19 +21,19 @@ std::uint32_t turn_of(const PmdSensor& sensor) noexcept {
                   (2.0 * sensor.tone.modulation.value)));
 }
 
-void apply(const PeriodMaps& picture, const PmdMaps& maps) noexcept {
-  for (int y = 0; y < picture.height; ++y) {
-    const std::span<QuarterMm> distance = maps.distance.row(y);
-    const std::span<QuarterMm> sigma = maps.sigma.row(y);
-    const std::span<std::uint8_t> flags = maps.flags.row(y);
-    const std::size_t first = picture.index(0, y);
+void apply(const PeriodMaps& maps, const PmdMaps& pmd) noexcept {
+  for (int y = 0; y < maps.height; ++y) {
+    const std::span<QuarterMm> distance = pmd.distance.row(y);
+    const std::span<QuarterMm> sigma = pmd.sigma.row(y);
+    const std::span<std::uint8_t> flags = pmd.flags.row(y);
+    const std::size_t first = maps.place(0, y);
     for (std::size_t x = 0; x < distance.size(); ++x) {
-      const std::int8_t period = picture.period[first + x];
+      const std::int8_t period = maps.period[first + x];
       if (period == kNoReading) {
         continue;
       }
       const bool told = period >= 0;
-      distance[x] = told ? static_cast<QuarterMm>(picture.distance(first + x, period)) : kNoDepth;
+      distance[x] = told ? static_cast<QuarterMm>(maps.distance(first + x, period)) : kNoDepth;
       sigma[x] = told ? sigma[x] : QuarterMm{0};
       flags[x] = static_cast<std::uint8_t>(flags[x] | (told ? 0U : unsigned{kPmdWrapped}));
     }
@@ -41,12 +41,12 @@ void apply(const PeriodMaps& picture, const PmdMaps& maps) noexcept {
 }
 
 // Beside a reading that tells nothing there may be an edge.
-void mark_edges(const PmdMaps& maps) noexcept {
-  for (int y = 0; y < maps.flags.height(); ++y) {
-    const std::span<std::uint8_t> flags = maps.flags.row(y);
-    const std::span<const std::uint8_t> above = maps.flags.row_clamped(y - 1);
-    const std::span<const std::uint8_t> below = maps.flags.row_clamped(y + 1);
-    const std::span<const QuarterMm> distance = maps.distance.row(y);
+void mark_edges(const PmdMaps& pmd) noexcept {
+  for (int y = 0; y < pmd.flags.height(); ++y) {
+    const std::span<std::uint8_t> flags = pmd.flags.row(y);
+    const std::span<const std::uint8_t> above = pmd.flags.row_clamped(y - 1);
+    const std::span<const std::uint8_t> below = pmd.flags.row_clamped(y + 1);
+    const std::span<const QuarterMm> distance = pmd.distance.row(y);
     int before = 0;
     int here = above[0] | flags[0] | below[0];
     for (std::size_t x = 0; x < flags.size(); ++x) {
@@ -63,7 +63,7 @@ void mark_edges(const PmdMaps& maps) noexcept {
 
 struct Unwrapper::Parts {
   QuarterMm max_range;
-  PeriodMaps picture;
+  PeriodMaps maps;
   ReturnedLight light;
   PeriodEvidence evidence;
   PeriodDecision decision;
@@ -78,7 +78,7 @@ Unwrapper::Unwrapper(const Calibration& calibration, const FusionParams& params,
   const Pinhole& pmd = calibration.pmd.lens;
   parts_ =
       arena.put(Parts{.max_range = params.max_range,
-                      .picture = PeriodMaps(pmd.width, pmd.height, arena),
+                      .maps = PeriodMaps(pmd.width, pmd.height, arena),
                       .light = ReturnedLight(calibration.pmd.white_lsb),
                       .evidence = PeriodEvidence(calibration, params, min_disparity, disparities,
                                                  width, height, arena),
@@ -86,24 +86,24 @@ Unwrapper::Unwrapper(const Calibration& calibration, const FusionParams& params,
                                                  turn_of(calibration.pmd), arena)});
 }
 
-void Unwrapper::resolve(const PmdMaps& maps, ImageView<const Disparity> disparity) noexcept {
-  PeriodMaps& picture = parts_->picture;
-  STOF_CHECK(maps.distance.width() == picture.width && maps.distance.height() == picture.height);
-  STOF_CHECK(same_size(maps.sigma, maps.distance) && same_size(maps.amp2, maps.distance) &&
-             same_size(maps.flags, maps.distance) && maps.range > 0);
-  if (maps.range >= parts_->max_range) {
-    refresh_intervals(maps);
+void Unwrapper::resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity) noexcept {
+  PeriodMaps& maps = parts_->maps;
+  STOF_CHECK(pmd.distance.width() == maps.width && pmd.distance.height() == maps.height);
+  STOF_CHECK(same_size(pmd.sigma, pmd.distance) && same_size(pmd.amp2, pmd.distance) &&
+             same_size(pmd.flags, pmd.distance) && pmd.range > 0);
+  if (pmd.range >= parts_->max_range) {
+    refresh_intervals(pmd);
     return;
   }
-  picture.range = maps.range;
-  picture.periods =
-      static_cast<int>(std::min<std::uint32_t>(kMaxQuarterMm / maps.range + 1, kMostPeriods));
-  parts_->light.start(maps);
-  parts_->evidence.collect(maps, disparity, parts_->light, picture);
-  parts_->decision.decide(parts_->light, picture);
-  apply(picture, maps);
-  refresh_intervals(maps);
-  mark_edges(maps);
+  maps.range = pmd.range;
+  maps.periods =
+      static_cast<int>(std::min<std::uint32_t>(kMaxQuarterMm / pmd.range + 1, kMostPeriods));
+  parts_->light.start(pmd);
+  parts_->evidence.collect(pmd, disparity, parts_->light, maps);
+  parts_->decision.decide(parts_->light, maps);
+  apply(maps, pmd);
+  refresh_intervals(pmd);
+  mark_edges(pmd);
 }
 
 }  // namespace stof::dsp

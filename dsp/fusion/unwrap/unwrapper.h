@@ -11,7 +11,7 @@
 
 namespace stof::dsp {
 
-// Tells how often a PMD reading wrapped. A sensor of one tone repeats after maps.range (R, 7.49 m
+// Tells how often a PMD reading wrapped. A sensor of one tone repeats after pmd.range (R, 7.49 m
 // at 20 MHz): a reading d is a surface at d, d + R, d + 2 R, ... The candidates are those whose Z
 // from the left camera is at most max_range and that u16 holds; what lies beyond is a rival that
 // can refute them, never a result. A reading has a period where
@@ -28,7 +28,7 @@ namespace stof::dsp {
 //   white_lsb is unknown, and at period 1 it would be four times as bright as all but the brightest
 //     of what was decided in this picture. Where nothing was, period 0 is assumed.
 // Any other is kPmdWrapped. So is one at whose place a quarter of the disparities lie further than
-// maps.widest (R / 2) from it, or that ends beside an unknown one: it may be mixed from surfaces
+// pmd.widest (R / 2) from it, or that ends beside an unknown one: it may be mixed from surfaces
 // that far apart, and so lie anywhere.
 class Unwrapper {
  public:
@@ -39,10 +39,10 @@ class Unwrapper {
   Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
             int disparities, int width, int height, Arena& arena) noexcept;
 
-  // maps: of Converter::measure(). Adds periods to distance, or sets kPmdWrapped and distance =
+  // pmd: of Converter::measure(). Adds periods to distance, or sets kPmdWrapped and distance =
   // sigma = 0; then low, high and the flags that come from neighbours (refresh_intervals()).
   // disparity: of the same moment, left size, or empty: then amplitude alone decides.
-  void resolve(const PmdMaps& maps, ImageView<const Disparity> disparity) noexcept;
+  void resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity) noexcept;
 
  private:
   struct Parts;

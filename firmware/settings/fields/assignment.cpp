@@ -2,17 +2,18 @@
 
 #include <array>
 
+#include "firmware/settings/fields/describe.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
 
 namespace stof::settings {
 namespace {
 
-std::string whole(void (*write)(Window&)) {
-  Window count({});
+std::string whole(void (*write)(PagedWriter&)) {
+  PagedWriter count({});
   write(count);
   std::string text(count.total(), '\0');
-  Window out(text);
+  PagedWriter out(text);
   write(out);
   return text;
 }
@@ -25,7 +26,7 @@ std::string apply_assignment(Settings& settings, std::string_view assignment) {
     return "\"" + std::string(assignment) + "\": write SETTING=VALUE, such as streams.depth=raw";
   }
   std::array<char, kWhyBytes> space;
-  Window why(space);
+  PagedWriter why(space);
   const bool done =
       parse_field(assignment.substr(0, equals), assignment.substr(equals + 1), settings, why);
   return done ? std::string() : std::string(why.text());
@@ -36,7 +37,7 @@ std::string settings_usage() { return whole(&write_usage); }
 std::string settings_schema() { return whole(&write_schema); }
 
 std::string settings_tables() {
-  return whole([](Window& out) {
+  return whole([](PagedWriter& out) {
     write_table(out);
     out << '\n';
     write_preset_table(out);

@@ -1,7 +1,9 @@
+#include "firmware/settings/fields/describe.h"
+
 #include <cstddef>
 #include <string_view>
 
-#include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/groups.h"
 
 namespace stof::settings {
@@ -9,7 +11,7 @@ namespace {
 
 constexpr Settings kDefaults{};
 
-void write_path(const Field& field, Window& out) noexcept {
+void write_path(const Field& field, PagedWriter& out) noexcept {
   out << field.group << (field.group.empty() ? "" : ".") << field.name;
 }
 
@@ -28,7 +30,7 @@ std::string_view json_type(Kind kind) noexcept {
 
 class SchemaWriter {
  public:
-  explicit SchemaWriter(Window& out) noexcept : out_(out) {}
+  explicit SchemaWriter(PagedWriter& out) noexcept : out_(out) {}
 
   void open(std::string_view name) noexcept {
     begin_member();
@@ -99,19 +101,19 @@ class SchemaWriter {
     }
   }
 
-  Window& out_;
+  PagedWriter& out_;
   int depth_ = 2;
   bool first_ = true;
 };
 
 // A cell of a table of Markdown may not hold a bare bar.
-void write_cell(std::string_view text, Window& out) noexcept {
+void write_cell(std::string_view text, PagedWriter& out) noexcept {
   for (const char c : text) {
     out << (c == '|' ? "\\" : "") << c;
   }
 }
 
-void write_row(const Field& field, Window& out) noexcept {
+void write_row(const Field& field, PagedWriter& out) noexcept {
   out << "| `";
   write_path(field, out);
   out << "` | ";
@@ -129,7 +131,7 @@ void write_row(const Field& field, Window& out) noexcept {
 
 }  // namespace
 
-void write_schema(Window& out) noexcept {
+void write_schema(PagedWriter& out) noexcept {
   out << "{\n"
          "  \"$schema\": \"https://json-schema.org/draft/2020-12/schema\",\n"
          "  \"title\": \"Settings of a stof sensor\",\n"
@@ -141,7 +143,7 @@ void write_schema(Window& out) noexcept {
   out << "\n  }\n}\n";
 }
 
-void write_table(Window& out) noexcept {
+void write_table(PagedWriter& out) noexcept {
   out << "| setting | takes | default | applies | is |\n| --- | --- | --- | --- | --- |\n";
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
@@ -149,7 +151,7 @@ void write_table(Window& out) noexcept {
   }
 }
 
-void write_usage(Window& out) noexcept {
+void write_usage(PagedWriter& out) noexcept {
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
     const Field known = field(place);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/groups.h"
 #include "firmware/settings/text/json.h"
 
@@ -29,7 +30,7 @@ bool once_took(std::string_view path, const Value& value) noexcept {
          value.text.find_first_not_of("0123456789,") == std::string_view::npos;
 }
 
-bool refuse_unknown(std::string_view path, Window& why) noexcept {
+bool refuse_unknown(std::string_view path, PagedWriter& why) noexcept {
   if (is_group(path)) {
     why << path << ": takes an object of settings";
   } else if (path == "depth.match.fill") {
@@ -43,7 +44,7 @@ bool refuse_unknown(std::string_view path, Window& why) noexcept {
 }
 
 bool take(std::size_t place, std::string_view path, const Value& value, Settings& settings,
-          Window& why) noexcept {
+          PagedWriter& why) noexcept {
   const Field known = field(place);
   if (assign(known, value, settings)) {
     return true;
@@ -67,9 +68,9 @@ bool take(std::size_t place, std::string_view path, const Value& value, Settings
   return false;
 }
 
-class Taker final : public JsonVisitor {
+class DocumentReader final : public JsonVisitor {
  public:
-  Taker(Settings& settings, FieldSet& named, Window& why) noexcept
+  DocumentReader(Settings& settings, FieldSet& named, PagedWriter& why) noexcept
       : settings_(settings), named_(named), why_(why) {}
 
   bool is_group(std::string_view path) noexcept override { return settings::is_group(path); }
@@ -89,12 +90,13 @@ class Taker final : public JsonVisitor {
  private:
   Settings& settings_;
   FieldSet& named_;
-  Window& why_;
+  PagedWriter& why_;
 };
 
 class DocumentWriter {
  public:
-  DocumentWriter(const Settings& settings, Window& out) noexcept : settings_(settings), out_(out) {}
+  DocumentWriter(const Settings& settings, PagedWriter& out) noexcept
+      : settings_(settings), out_(out) {}
 
   void open(std::string_view name) noexcept {
     begin_member(name);
@@ -128,23 +130,23 @@ class DocumentWriter {
   }
 
   const Settings& settings_;
-  Window& out_;
+  PagedWriter& out_;
   int depth_ = 1;
   bool first_ = true;
 };
 
 }  // namespace
 
-void note_fallback(std::string_view path, Window& note) noexcept {
+void note_fallback(std::string_view path, PagedWriter& note) noexcept {
   note << (note.text().empty() ? "" : "; ") << path
        << ": not in this version: as the preset has it";
 }
 
-bool parse(std::span<const char> text, Settings& settings, Window& why, FieldSet* named) noexcept {
+bool parse(std::span<const char> text, Settings& settings, PagedWriter& why, FieldSet* named) noexcept {
   Settings changed = settings;
   FieldSet fields;
-  Taker taker(changed, fields, why);
-  if (!walk_json({text.data(), text.size()}, taker, why)) {
+  DocumentReader reader(changed, fields, why);
+  if (!walk_json({text.data(), text.size()}, reader, why)) {
     return false;
   }
   settings = changed;
@@ -155,7 +157,7 @@ bool parse(std::span<const char> text, Settings& settings, Window& why, FieldSet
 }
 
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
-                 Window& why) noexcept {
+                 PagedWriter& why) noexcept {
   const std::size_t place = find_field(path);
   if (place == field_count() && has_left(path)) {
     note_fallback(path, why);
@@ -165,7 +167,7 @@ bool parse_field(std::string_view path, std::string_view value, Settings& settin
                                 : take(place, path, {.text = value}, settings, why);
 }
 
-void write_document(const Settings& settings, Window& out) noexcept {
+void write_document(const Settings& settings, PagedWriter& out) noexcept {
   out << '{';
   DocumentWriter writer(settings, out);
   visit_groups(writer);

@@ -20,23 +20,17 @@ inline constexpr std::size_t kMostDocumentBytes = 4096;
 // `named`: where not nullptr, the fields that the text names are added.
 // A field of depth.match that an earlier version took, but this one does not, is no refusal: it is
 // as the preset has it, and `why` says so although all was well.
-bool parse(std::span<const char> text, Settings& settings, Window& why,
+bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
            FieldSet* named = nullptr) noexcept;
 
 // One field by its path, as command lines have it: "streams.depth", "raw".
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
-                 Window& why) noexcept;
+                 PagedWriter& why) noexcept;
 
 // Adds to such a line.
-void note_fallback(std::string_view path, Window& note) noexcept;
+void note_fallback(std::string_view path, PagedWriter& note) noexcept;
 
 // All fields, one a line.
-void write_document(const Settings& settings, Window& out) noexcept;
-// The JSON Schema (draft 2020-12) of such documents: every field may be left out.
-void write_schema(Window& out) noexcept;
-// The table of docs/SETTINGS.md (Markdown).
-void write_table(Window& out) noexcept;
-// One field per line, for a command line's help.
-void write_usage(Window& out) noexcept;
+void write_document(const Settings& settings, PagedWriter& out) noexcept;
 
 }  // namespace stof::settings

@@ -8,7 +8,6 @@
 
 #include "dsp/stereo/match_options.h"
 #include "firmware/settings/settings.h"
-#include "firmware/settings/text/paged_writer.h"
 
 // The one table of all settings. Parser, writer, schema, help text and docs/SETTINGS.md are made of
 // it.
@@ -56,30 +55,5 @@ Field field(std::size_t place) noexcept;
 // field_count(): there is none. "depth.match.lr".
 std::size_t find_field(std::string_view path) noexcept;
 bool is_group(std::string_view path) noexcept;
-
-// What somebody wrote.
-enum class Written : std::uint8_t {
-  kString,
-  kNumber,  // as JSON has it, perhaps with fraction and exponent
-  kBoolean,
-  kNull,
-  kObject,
-  kArray,
-  kBare,  // on a command line: whatever suits the field
-};
-struct Value {
-  Written written = Written::kBare;
-  std::string_view text;  // of a string without its quotes
-};
-
-// false: not one of the field's values, nothing changed.
-bool assign(const Field& field, const Value& value, Settings& settings) noexcept;
-// "off, raw or rvl".
-void write_takes(const Field& field, Window& out) noexcept;
-// As JSON: "rvl" with its quotes, 12, true.
-void write_value(const Field& field, const Settings& settings, Window& out) noexcept;
-bool equal(const Field& field, const Settings& a, const Settings& b) noexcept;
-// The field's value in `from`.
-void copy_field(const Field& field, const Settings& from, Settings& to) noexcept;
 
 }  // namespace stof::settings

@@ -1,10 +1,11 @@
+#include "firmware/settings/fields/field_value.h"
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <optional>
 #include <type_traits>
 
-#include "firmware/settings/fields/field.h"
 #include "firmware/settings/text/utf8.h"
 
 namespace stof::settings {
@@ -104,7 +105,7 @@ bool assign(const Field& field, const Value& value, Settings& settings) noexcept
   return false;
 }
 
-void write_takes(const Field& field, Window& out) noexcept {
+void write_takes(const Field& field, PagedWriter& out) noexcept {
   switch (field.kind) {
     case Kind::kInteger:
       out << field.low << " to " << field.high;
@@ -132,7 +133,7 @@ void write_takes(const Field& field, Window& out) noexcept {
   }
 }
 
-void write_value(const Field& field, const Settings& settings, Window& out) noexcept {
+void write_value(const Field& field, const Settings& settings, PagedWriter& out) noexcept {
   switch (field.kind) {
     case Kind::kInteger:
       out << field.number(settings);

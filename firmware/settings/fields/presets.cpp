@@ -32,7 +32,7 @@ const SettingsPreset* find_preset(std::string_view name) noexcept {
   return found == kPresets.end() ? nullptr : found;
 }
 
-void write_preset_names(Window& out) noexcept {
+void write_preset_names(PagedWriter& out) noexcept {
   for (std::size_t k = 0; k < kPresets.size(); ++k) {
     if (k > 0) {
       out << (k + 1 == kPresets.size() ? " or " : ", ");
@@ -41,7 +41,7 @@ void write_preset_names(Window& out) noexcept {
   }
 }
 
-void write_preset_table(Window& out) noexcept {
+void write_preset_table(PagedWriter& out) noexcept {
   out << "| preset | sets | for |\n| --- | --- | --- |\n";
   for (const SettingsPreset& preset : kPresets) {
     out << "| `" << preset.name << "` | `" << preset.json << "` | " << preset.meaning << " |\n";

@@ -21,8 +21,8 @@ std::span<const SettingsPreset> presets() noexcept;
 // nullptr: no preset of that name.
 const SettingsPreset* find_preset(std::string_view name) noexcept;
 // "indoor, outdoor, near, fast or quality".
-void write_preset_names(Window& out) noexcept;
+void write_preset_names(PagedWriter& out) noexcept;
 // The second table of docs/SETTINGS.md (Markdown).
-void write_preset_table(Window& out) noexcept;
+void write_preset_table(PagedWriter& out) noexcept;
 
 }  // namespace stof::settings

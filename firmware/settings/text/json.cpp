@@ -56,7 +56,7 @@ bool is_name(std::string_view text) noexcept {
 class Walk {
  public:
   Walk(std::string_view text, std::span<const jsmntok_t> tokens, JsonVisitor& visitor,
-       Window& why) noexcept
+       PagedWriter& why) noexcept
       : text_(text), tokens_(tokens), visitor_(visitor), why_(why) {}
 
   bool document() noexcept {
@@ -218,7 +218,7 @@ class Walk {
   std::string_view text_;
   std::span<const jsmntok_t> tokens_;
   JsonVisitor& visitor_;
-  Window& why_;
+  PagedWriter& why_;
   std::array<char, kMostPath> path_{};
   std::size_t path_bytes_ = 0;
   std::size_t here_ = 0;  // all before this byte has been looked at
@@ -227,7 +227,7 @@ class Walk {
 
 }  // namespace
 
-bool walk_json(std::string_view text, JsonVisitor& visitor, Window& why) noexcept {
+bool walk_json(std::string_view text, JsonVisitor& visitor, PagedWriter& why) noexcept {
   if (text.size() > kMostJsonBytes) {
     why << text.size() << " bytes are more than the " << kMostJsonBytes
         << " that settings may have";
@@ -255,7 +255,7 @@ bool walk_json(std::string_view text, JsonVisitor& visitor, Window& why) noexcep
       .document();
 }
 
-void write_clipped(std::string_view text, Window& out) noexcept {
+void write_clipped(std::string_view text, PagedWriter& out) noexcept {
   constexpr std::size_t kMost = 40;
   for (const char c : text.substr(0, kMost)) {
     out << (c < 0x20 || c == 0x7F || c == '"' ? '?' : c);

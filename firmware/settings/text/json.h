@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string_view>
 
-#include "firmware/settings/fields/field.h"
+#include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/text/paged_writer.h"
 
 namespace stof::settings {
@@ -25,9 +25,9 @@ inline constexpr int kMostJsonDepth = 4;  // objects within each other
 // Any bytes: one JSON object (RFC 8259) and white space. Stricter than that: no name twice in an
 // object, names of a-z, 0-9, _ and - alone, no escapes in strings. Members are visited before the
 // end of the text has been seen. false: `why` says in one line what is wrong and where.
-bool walk_json(std::string_view text, JsonVisitor& visitor, Window& why) noexcept;
+bool walk_json(std::string_view text, JsonVisitor& visitor, PagedWriter& why) noexcept;
 
 // As it may stand in a message of one line: short, quotes and what is not ASCII replaced.
-void write_clipped(std::string_view text, Window& out) noexcept;
+void write_clipped(std::string_view text, PagedWriter& out) noexcept;
 
 }  // namespace stof::settings

@@ -12,12 +12,12 @@ namespace stof::settings {
 
 // Takes a text of any length, counts it, and keeps what falls into `space` from byte `offset` on: a
 // document is written anew for each part of it that is asked for, and needs no memory of its own.
-class Window {
+class PagedWriter {
  public:
-  constexpr explicit Window(std::span<char> space, std::size_t offset = 0) noexcept
+  constexpr explicit PagedWriter(std::span<char> space, std::size_t offset = 0) noexcept
       : space_(space), offset_(offset) {}
 
-  constexpr Window& operator<<(std::string_view text) noexcept {
+  constexpr PagedWriter& operator<<(std::string_view text) noexcept {
     const std::size_t skipped = std::min(text.size(), offset_ - std::min(offset_, total_));
     const std::string_view kept = text.substr(skipped).substr(0, space_.size() - kept_);
     std::ranges::copy(kept, space_.begin() + static_cast<std::ptrdiff_t>(kept_));
@@ -25,15 +25,15 @@ class Window {
     total_ += text.size();
     return *this;
   }
-  constexpr Window& operator<<(const char* text) noexcept {
+  constexpr PagedWriter& operator<<(const char* text) noexcept {
     return *this << std::string_view(text);
   }
-  constexpr Window& operator<<(char letter) noexcept {
+  constexpr PagedWriter& operator<<(char letter) noexcept {
     return *this << std::string_view(&letter, 1);
   }
   template <std::integral T>
     requires(!std::same_as<T, bool>)
-  Window& operator<<(T number) noexcept {
+  PagedWriter& operator<<(T number) noexcept {
     std::array<char, 24> digits;
     const char* const end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
     return *this << std::string_view(digits.data(), static_cast<std::size_t>(end - digits.data()));

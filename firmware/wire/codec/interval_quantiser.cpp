@@ -13,7 +13,7 @@ constexpr unsigned kMaxU16 = std::numeric_limits<std::uint16_t>::max();
 struct Counts {
   std::size_t pixels = 0;  // with depth
   std::size_t narrow = 0;  // of them: narrower than asked
-  std::size_t wide = 0;    // of all: wider than kMostFitWidth
+  std::size_t wide = 0;    // of all: wider than kMostQuantisedWidth
 };
 
 // Counters of 16 bits: a row has no more pixels, and they lie side by side in a vector.
@@ -28,7 +28,7 @@ void count_row(std::span<const dsp::QuarterMm> depth, std::span<const dsp::Quart
     const bool below = width[x] < bound;
     pixels = static_cast<std::uint16_t>(pixels + (valid ? 1 : 0));
     narrow = static_cast<std::uint16_t>(narrow + (valid && below ? 1 : 0));
-    wide = static_cast<std::uint16_t>(wide + (width[x] > kMostFitWidth ? 1 : 0));
+    wide = static_cast<std::uint16_t>(wide + (width[x] > kMostQuantisedWidth ? 1 : 0));
   }
   counts.pixels += pixels;
   counts.narrow += narrow;
@@ -74,26 +74,26 @@ STOF_WIRE_WIDE void width_row_wide(std::span<const dsp::QuarterMm> depth,
 
 }  // namespace
 
-std::uint8_t fit_scale(const dsp::DepthMap& map, int first) noexcept {
-  const int end = std::min(first + kFitRows, map.depth.height());
+std::uint8_t quantiser_scale(const dsp::DepthMap& map, int first) noexcept {
+  const int end = std::min(first + kQuantiserRows, map.depth.height());
   const auto count = wide() ? count_row_wide : count_row;
-  for (int scale = kMostFitScale; scale > 0; --scale) {
+  for (int scale = kMostQuantiserScale; scale > 0; --scale) {
     Counts counts;
     for (int y = first; y < end; ++y) {
-      count(map.depth.row(y), map.width.row(y), kFitPart << scale, counts);
+      count(map.depth.row(y), map.width.row(y), kQuantiserPart << scale, counts);
     }
     if (counts.pixels == 0 || counts.wide > 0) {
       return 0;
     }
-    if (counts.narrow * kFitNarrow <= counts.pixels) {
+    if (counts.narrow * kQuantiserNarrow <= counts.pixels) {
       return static_cast<std::uint8_t>(scale);
     }
   }
   return 0;
 }
 
-void fit_depth(std::span<const dsp::QuarterMm> depth, unsigned scale,
-               std::span<std::uint16_t> out) noexcept {
+void quantise_depth(std::span<const dsp::QuarterMm> depth, unsigned scale,
+                    std::span<std::uint16_t> out) noexcept {
   (wide() ? depth_row_wide : depth_row)(depth, scale, out);
 }
 
@@ -102,7 +102,7 @@ void grow_width(std::span<const dsp::QuarterMm> depth, std::span<const dsp::Quar
   (wide() ? width_row_wide : width_row)(depth, width, scale, out);
 }
 
-void fit_width(std::span<std::uint16_t> width, unsigned scale) noexcept {
+void quantise_width(std::span<std::uint16_t> width, unsigned scale) noexcept {
   const unsigned most = (1U << scale) - 1;
   std::ranges::transform(width, width.begin(), [scale, most](std::uint16_t w) {
     return static_cast<std::uint16_t>((w + most) >> scale);

@@ -1,9 +1,10 @@
+#include "firmware/wire/codec/rvl_decode.h"
+
 #include <algorithm>
 #include <array>
 #include <bit>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
 #include "firmware/wire/codec/rvl_numbers.h"
 #include "firmware/wire/codec/wide.h"
 

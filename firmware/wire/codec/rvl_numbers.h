@@ -4,8 +4,13 @@
 #include <cstddef>
 #include <cstdint>
 
-// How RVL writes one number; for rvl_*.cpp alone.
+// How RVL writes one number.
 namespace stof::wire {
+
+// A number has at most 6 nibbles; one with fewer bits than its nibbles hold is legal.
+inline constexpr unsigned kRvlNumberNibbles = 6;
+// Of one sequence: what a tile counts its pixels with.
+inline constexpr std::size_t kMostRvlValues = 65'535;
 
 inline constexpr unsigned kRvlNibbleBits = 4;
 inline constexpr unsigned kRvlWordNibbles = 8;

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <limits>
-#include <type_traits>
 
 #include "dsp/base/check.h"
-#include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/interval_quantiser.h"
+#include "dsp/fusion/decimate.h"
 #include "firmware/wire/frame/cloud.h"
+#include "firmware/wire/frame/streaming_encoder.h"
+#include "firmware/wire/frame/tiles.h"
 
 namespace stof::wire {
 namespace {
 
 constexpr std::size_t kMaxU16 = std::numeric_limits<std::uint16_t>::max();
-constexpr std::size_t kSamples = 4;  // of a PMD pixel
-constexpr int kDisparityOffset = 32'768;
 static_assert(kFrameInfoBytes <= kMaxTilePayload);
 
 constexpr std::size_t tiles_of(int width, int height, std::size_t pixel_bytes) noexcept {
@@ -27,31 +25,28 @@ constexpr std::size_t parts_of(const FrameSizes& sizes) noexcept {
   const int cloud_height = dsp::decimated(sizes.height, kLeastCloudStep);
   return 1 + 3 * tiles_of(sizes.width, sizes.height, 2) +
          3 * tiles_of(sizes.width, sizes.height, 1) +
-         tiles_of(sizes.pmd_width, static_cast<int>(kSamples) * sizes.pmd_height, 2) +
+         tiles_of(sizes.pmd_width, static_cast<int>(kPmdSamples) * sizes.pmd_height, 2) +
          tiles_of(cloud_width, cloud_height, kPointBytes);
 }
 
-constexpr std::size_t pixels16(const FrameSizes& sizes) noexcept {
-  return std::max(static_cast<std::size_t>(sizes.width) * static_cast<std::size_t>(sizes.height),
-                  kSamples * static_cast<std::size_t>(sizes.pmd_width) *
-                      static_cast<std::size_t>(sizes.pmd_height));
-}
 // RVL is tried in the space of one part more.
 constexpr std::size_t kSpare = 1;
 constexpr std::size_t kLeastPackets = 8;
 constexpr std::uint16_t kMostTold = 255;  // parity groups, of the frame info's byte
 
-template <typename T>
-bool within(const dsp::ImageView<T>& image, int width, int height) noexcept {
-  return image.empty() || (image.width() <= width && image.height() <= height);
+std::size_t buffers_of(const FrameSizes& sizes, std::size_t packets) noexcept {
+  const std::size_t most = FrameCoder::most_packets(sizes);
+  return std::min(std::max(packets, kLeastPackets), most) + kSpare;
+}
+
+std::size_t groups_of(const FrameSizes& sizes, std::size_t packets) noexcept {
+  const std::size_t most = FrameCoder::most_packets(sizes);
+  return packets < most ? most - parts_of(sizes) : 1;
 }
 
 template <typename T>
-void copy_image(dsp::ImageView<const T> image, std::span<T> out) noexcept {
-  for (int y = 0; y < image.height(); ++y) {
-    std::ranges::copy(image.row(y), out.begin());
-    out = out.subspan(image.row(y).size());
-  }
+bool within(const dsp::ImageView<T>& image, int width, int height) noexcept {
+  return image.empty() || (image.width() <= width && image.height() <= height);
 }
 
 }  // namespace
@@ -66,37 +61,19 @@ std::size_t FrameCoder::usual_packets(const FrameSizes& sizes) noexcept {
   return std::min(depth + depth / 4, most_packets(sizes));
 }
 
-std::size_t FrameCoder::buffers_of(const FrameSizes& sizes, std::size_t packets) noexcept {
-  return std::min(std::max(packets, kLeastPackets), most_packets(sizes)) + kSpare;
-}
-
-std::size_t FrameCoder::groups_of(const FrameSizes& sizes, std::size_t packets) noexcept {
-  const std::size_t all = most_packets(sizes);
-  return packets < all ? all - parts_of(sizes) : 1;
-}
-
-std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes, std::size_t packets) noexcept {
-  const std::size_t buffers = buffers_of(sizes, packets);
-  return dsp::Arena::bytes_for<DatagramBuffer>(buffers) +
-         dsp::Arena::bytes_for<Part>(parts_of(sizes) + kSpare) +
-         dsp::Arena::bytes_for<std::span<const std::byte>>(buffers) +
-         dsp::Arena::bytes_for<std::uint16_t>(pixels16(sizes)) +
-         dsp::Arena::bytes_for<std::uint8_t>(fit_bands(sizes.height)) +
-         dsp::Arena::bytes_for<ParityGroup>(groups_of(sizes, packets));
-}
-
 FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,
                        const CalibrationPacket& calibration, dsp::Arena& arena,
                        std::size_t packets) noexcept
-    : origin_(origin), sizes_(sizes), calibration_(calibration) {
+    : origin_(origin), sizes_(sizes), calibration_(calibration), images_(sizes, arena) {
   const std::span<DatagramBuffer> buffers = arena.take<DatagramBuffer>(buffers_of(sizes, packets));
   store_ = PartStore(buffers, arena.take<Part>(parts_of(sizes) + kSpare));
-  datagrams_ = arena.take<std::span<const std::byte>>(buffers.size());
-  values16_ = arena.take<std::uint16_t>(pixels16(sizes));
-  values8_ = {reinterpret_cast<std::uint8_t*>(values16_.data()),  // NOLINT: one at a time
-              values16_.size_bytes()};
-  scales_ = arena.take<std::uint8_t>(fit_bands(sizes.height));
-  groups_ = arena.take<ParityGroup>(groups_of(sizes, packets));
+  memory_ = {.datagrams = arena.take<std::span<const std::byte>>(buffers.size()),
+             .groups = arena.take<ParityGroup>(groups_of(sizes, packets))};
+}
+
+std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes, std::size_t packets) noexcept {
+  return dsp::bytes_taken(
+      [&](dsp::Arena& arena) noexcept { const FrameCoder unused({}, sizes, {}, arena, packets); });
 }
 
 bool FrameCoder::fits(const FrameImages& images) const noexcept {
@@ -109,107 +86,19 @@ bool FrameCoder::fits(const FrameImages& images) const noexcept {
   return parts_of(sizes_) <= kMaxU16 &&
          static_cast<std::size_t>(std::max(sizes_.width, sizes_.height)) <= kMaxU16 &&
          static_cast<std::size_t>(sizes_.pmd_width) <= kMaxU16 &&
-         kSamples * static_cast<std::size_t>(sizes_.pmd_height) <= kMaxU16 &&
+         kPmdSamples * static_cast<std::size_t>(sizes_.pmd_height) <= kMaxU16 &&
          holds(images.map.depth) && holds(images.map.width) && holds(images.map.source) &&
          holds(images.disparity) && holds(images.left) && holds(images.right) &&
          std::ranges::all_of(images.pmd, holds_pmd);
 }
 
-template <typename T>
-void FrameCoder::add_tiles(std::span<const T> values, Stream stream, int width, int height,
-                           Coding coding) noexcept {
-  add_values(values,
-             {.stream = stream,
-              .width = static_cast<std::size_t>(width),
-              .height = static_cast<std::size_t>(height)},
-             coding);
-}
-
-template <typename T>
-void FrameCoder::add_values(std::span<const T> values, const Raster& raster,
-                            Coding coding) noexcept {
-  bool& is_raw = is_raw_[static_cast<std::size_t>(raster.stream) - 1];
-  if (coding == Coding::kRaw || is_raw) {
-    add_raw_tiles(values, raster, store_);
-  } else {
-    is_raw = !add_rvl_tiles(values, raster, store_);
-  }
-}
-
-template <typename T>
-std::span<T> FrameCoder::room(std::size_t count) noexcept {
-  if constexpr (std::is_same_v<T, std::uint8_t>) {
-    return values8_.first(count);
-  } else {
-    return values16_.first(count);
-  }
-}
-
-template <typename T>
-void FrameCoder::add_image(dsp::ImageView<const T> image, Stream stream, Coding coding) noexcept {
-  if (coding == Coding::kOff || image.empty()) {
-    return;
-  }
-  const std::size_t count =
-      static_cast<std::size_t>(image.width()) * static_cast<std::size_t>(image.height());
-  if (image.stride() == image.width()) {
-    add_tiles(std::span<const T>(image.data(), count), stream, image.width(), image.height(),
-              coding);
-    return;
-  }
-  const std::span<T> values = room<T>(count);
-  copy_image(image, values);
-  add_tiles<T>(values, stream, image.width(), image.height(), coding);
-}
-
-// Those that add_map() uses.
-template void FrameCoder::add_image(dsp::ImageView<const dsp::QuarterMm>, Stream, Coding) noexcept;
-template void FrameCoder::add_values(std::span<const std::uint8_t>, const Raster&, Coding) noexcept;
-template void FrameCoder::add_tiles(std::span<const std::uint8_t>, Stream, int, int,
-                                    Coding) noexcept;
-template void FrameCoder::add_tiles(std::span<const std::uint16_t>, Stream, int, int,
-                                    Coding) noexcept;
-
-void FrameCoder::add_disparity(dsp::ImageView<const dsp::Disparity> image, Coding coding) noexcept {
-  if (coding == Coding::kOff || image.empty()) {
-    return;
-  }
-  const auto columns = static_cast<std::size_t>(image.width());
-  const std::span<std::uint16_t> values =
-      values16_.first(columns * static_cast<std::size_t>(image.height()));
-  for (int y = 0; y < image.height(); ++y) {
-    const std::span<std::uint16_t> out =
-        values.subspan(static_cast<std::size_t>(y) * columns, columns);
-    std::ranges::transform(image.row(y), out.begin(), [](dsp::Disparity disparity) {
-      return static_cast<std::uint16_t>(disparity.raw + kDisparityOffset);  // none becomes 0
-    });
-  }
-  add_tiles<std::uint16_t>(values, Stream::kDisparity, image.width(), image.height(), coding);
-}
-
-void FrameCoder::add_pmd(const FrameImages& images, Coding coding) noexcept {
-  const dsp::ImageView<const std::uint16_t>& first = images.pmd.front();
-  if (coding == Coding::kOff || first.empty()) {
-    return;
-  }
-  const std::size_t count =
-      static_cast<std::size_t>(first.width()) * static_cast<std::size_t>(first.height());
-  const std::span<std::uint16_t> values = values16_.first(kSamples * count);
-  for (std::size_t k = 0; k < kSamples; ++k) {
-    STOF_CHECK(same_size(images.pmd[k], first));
-    copy_image(images.pmd[k], values.subspan(k * count, count));
-  }
-  add_tiles<std::uint16_t>(values, Stream::kPmdRaw, first.width(),
-                           static_cast<int>(kSamples) * first.height(), coding);
-}
-
 void FrameCoder::add_streams(const FrameImages& images, const StreamChoice& choice) noexcept {
   const dsp::DepthMap& map = images.map;
-  add_map(map, choice);
-  add_disparity(images.disparity, choice.of(Stream::kDisparity));
-  add_pmd(images, choice.of(Stream::kPmdRaw));
-  add_image(images.left, Stream::kGreyLeft, choice.of(Stream::kGreyLeft));
-  add_image(images.right, Stream::kGreyRight, choice.of(Stream::kGreyRight));
+  images_.add_map(map, choice, store_);
+  images_.add_disparity(images.disparity, choice.of(Stream::kDisparity), store_);
+  images_.add_pmd(images, choice.of(Stream::kPmdRaw), store_);
+  images_.add_grey(images.left, Stream::kGreyLeft, choice.of(Stream::kGreyLeft), store_);
+  images_.add_grey(images.right, Stream::kGreyRight, choice.of(Stream::kGreyRight), store_);
   if (choice.of(Stream::kCloud) != Coding::kOff && !map.depth.empty()) {
     add_cloud_tiles(map, choice.cloud_step, calibration_, store_);
   }
@@ -242,8 +131,7 @@ void FrameCoder::add_info(const FrameImages& images) noexcept {
 
 bool FrameCoder::count(const FrameInfo& info, const FrameImages& images,
                        const StreamChoice& choice) noexcept {
-  is_raw_ = {};
-  no_steps_ = false;
+  images_.begin_frame();
   store_.clear();
   add_info(images);
   add_streams(images, choice);
@@ -251,6 +139,45 @@ bool FrameCoder::count(const FrameInfo& info, const FrameImages& images,
   const auto parts = static_cast<std::uint16_t>(store_.size());
   return store_.whole() &&
          parts + (choice.parity ? parity_groups(parts) : std::size_t{0}) <= store_.buffers();
+}
+
+FrameSealer FrameCoder::sealer(const FrameStamp& stamp, const StreamChoice& choice) noexcept {
+  return {origin_, stamp, store_, choice.parity, memory_};
+}
+
+Datagrams FrameCoder::seal_all(const FrameStamp& stamp, const StreamChoice& choice) noexcept {
+  encode_frame_info(info_, store_.payload(0).first<kFrameInfoBytes>());
+  return sealer(stamp, choice).seal_all();
+}
+
+Result<Datagrams> FrameCoder::code(const FrameStamp& stamp, const FrameInfo& info,
+                                   const FrameImages& images, const StreamChoice& choice) noexcept {
+  if (!fits(images) || !count(info, images, choice)) {
+    return fail(Status::kTooLarge);
+  }
+  return seal_all(stamp, choice);
+}
+
+Status FrameCoder::code(const FrameStamp& stamp, const FrameInfo& info, const FrameImages& images,
+                        const StreamChoice& choice, DatagramSink& sink) noexcept {
+  if (!fits(images)) {
+    return Status::kTooLarge;
+  }
+  if (count(info, images, choice)) {
+    const Datagrams datagrams = seal_all(stamp, choice);
+    sink.take(datagrams, datagrams.size());
+    return Status::kOk;
+  }
+  StreamingEncoder encoder(sealer(stamp, choice), sink);
+  const std::size_t counted = store_.size();
+  store_.clear(&encoder);
+  add_info(images);
+  add_streams(images, choice);
+  STOF_CHECK(store_.size() == counted);
+  store_.finish();
+  store_.clear();
+  encoder.send_parity();
+  return Status::kOk;
 }
 
 }  // namespace stof::wire

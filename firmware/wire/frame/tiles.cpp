@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_encode.h"
 
 namespace stof::wire {
 namespace {

@@ -25,8 +25,8 @@ struct Patch {
 
 class GreyRenderer {
  public:
-  GreyRenderer(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens)
-      : scene_(scene), eye_(eye), lens_(lens) {}
+  GreyRenderer(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens)
+      : scene_(scene), viewpoint_(viewpoint), lens_(lens) {}
 
   // The patches at the corners along the top of row y from pixel run.begin to run.end, one more
   // than pixels.
@@ -41,10 +41,10 @@ class GreyRenderer {
 
   // Whether thing `first` or a later one may be seen within the pixel.
   bool may_show(int x, int y, int first) const {
-    return eye_.may_show(first, {.x_min = (x - 0.5 - lens_.cx) / lens_.fx,
-                                 .x_max = (x + 0.5 - lens_.cx) / lens_.fx,
-                                 .y_min = (y - 0.5 - lens_.cy) / lens_.fy,
-                                 .y_max = (y + 0.5 - lens_.cy) / lens_.fy});
+    return viewpoint_.may_show(first, {.x_min = (x - 0.5 - lens_.cx) / lens_.fx,
+                                       .x_max = (x + 0.5 - lens_.cx) / lens_.fx,
+                                       .y_min = (y - 0.5 - lens_.cy) / lens_.fy,
+                                       .y_max = (y + 0.5 - lens_.cy) / lens_.fy});
   }
 
   // Mean radiance over the pixel whose four corners lie on `around`; nothing where all of it shows
@@ -52,10 +52,10 @@ class GreyRenderer {
   std::optional<double> pixel(int x, int y, const std::array<Patch, 4>& around, int first) const {
     const Hit centre = look(x, y);
     const Patch patch{centre.thing, centre.face};
-    const Vec3& from = eye_.pose().position;
+    const Vec3& from = viewpoint_.pose().position;
     if (!std::ranges::all_of(around, [&](const Patch& corner) { return corner == patch; })) {
       return mean(x, y, kEdgeRays, [&](double rx, double ry) {
-        const Hit hit = eye_.look(rx, ry);
+        const Hit hit = viewpoint_.look(rx, ry);
         return hit.thing < 0 ? 0 : radiance(scene_, hit, from);
       });
     }
@@ -69,7 +69,7 @@ class GreyRenderer {
     // Light changes little within a pixel of one surface; its texture may change a lot.
     const Lighting light = lighting(scene_, centre, from);
     const double albedo = mean(x, y, kTextureRays, [&](double rx, double ry) {
-      const Hit hit = eye_.look_at(centre.thing, rx, ry);
+      const Hit hit = viewpoint_.look_at(centre.thing, rx, ry);
       return visible_albedo(material, hit.thing < 0 ? centre.local : hit.local);
     });
     return albedo * light.diffuse + light.mirrored;
@@ -77,7 +77,7 @@ class GreyRenderer {
 
  private:
   Hit look(double u, double v) const {
-    return eye_.look((u - lens_.cx) / lens_.fx, (v - lens_.cy) / lens_.fy);
+    return viewpoint_.look((u - lens_.cx) / lens_.fx, (v - lens_.cy) / lens_.fy);
   }
 
   // Of value(ray x, ray y) over side x side rays spread evenly over the pixel.
@@ -95,7 +95,7 @@ class GreyRenderer {
   }
 
   const Scene& scene_;
-  const Eye& eye_;
+  const Viewpoint& viewpoint_;
   const dsp::Pinhole& lens_;
 };
 
@@ -106,10 +106,10 @@ std::uint16_t level_of(double radiance, const GreyModel& model) noexcept {
 
 }  // namespace
 
-void render_grey_over(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                       const GreyModel& model, std::span<const Run> runs, int first,
                       dataset::Image<std::uint16_t>& out) {
-  const GreyRenderer renderer(scene, eye, lens);
+  const GreyRenderer renderer(scene, viewpoint, lens);
   Run last;  // what `below` belongs to
   std::vector<Patch> below;
   for (int y = 0; y < lens.height; ++y) {
@@ -136,18 +136,18 @@ void render_grey_over(const Scene& scene, const Eye& eye, const dsp::Pinhole& le
   }
 }
 
-dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Eye& eye,
+dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Viewpoint& viewpoint,
                                           const dsp::Pinhole& lens, const GreyModel& model) {
   dataset::Image<std::uint16_t> out(lens.width, lens.height, level_of(0, model));
-  render_grey_over(scene, eye, lens, model, whole_picture(lens), 0, out);
+  render_grey_over(scene, viewpoint, lens, model, whole_picture(lens), 0, out);
   return out;
 }
 
-dataset::Image<float> render_depth(const Eye& eye, const dsp::Pinhole& lens) {
+dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
   dataset::Image<float> out(lens.width, lens.height, std::numeric_limits<float>::infinity());
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
-      const Hit hit = eye.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
+      const Hit hit = viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
       if (hit.thing >= 0) {
         out.view().at(x, y) = static_cast<float>(hit.t);
       }
@@ -156,13 +156,15 @@ dataset::Image<float> render_depth(const Eye& eye, const dsp::Pinhole& lens) {
   return out;
 }
 
-dataset::Image<std::uint8_t> render_visible(const Eye& eye, const dsp::Pinhole& lens,
-                                            const Eye& other, const dsp::Pinhole& other_lens) {
-  constexpr double kSame = 1.001;  // the other eye's ray ends at most 0.1 percent before the point
+dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+                                            const Viewpoint& other,
+                                            const dsp::Pinhole& other_lens) {
+  constexpr double kSame =
+      1.001;  // the other viewpoint's ray ends at most 0.1 percent before the point
   dataset::Image<std::uint8_t> out(lens.width, lens.height);
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
-      const Hit hit = eye.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
+      const Hit hit = viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
       const Vec3 point = other.pose().undo(hit.point);
       if (hit.thing < 0 || point.z <= 0) {
         continue;

@@ -5,8 +5,8 @@
 
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
-#include "hal/emu/scenes/eye.h"
 #include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/viewpoint.h"
 
 // A grey camera: what it would show without noise, and the noise.
 namespace stof::hal::emu {
@@ -15,20 +15,20 @@ inline constexpr int kGreyBits = 7;  // fraction bits of a noise-free level, 0 .
 
 // Renders without noise. Where more than one surface meets a pixel it is the mean of 36 rays, on
 // textured ones of 9. The lens must be free of distortion.
-dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Eye& eye,
+dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Viewpoint& viewpoint,
                                           const dsp::Pinhole& lens, const GreyModel& model);
 // A part of it: replaces the pixels of runs[y] in each row of `out`, which shows the same scene
 // without thing `first` and all after it.
-void render_grey_over(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                       const GreyModel& model, std::span<const Run> runs, int first,
                       dataset::Image<std::uint16_t>& out);
 
 // Depth Z in metres at pixel centres, +inf = nothing there.
-dataset::Image<float> render_depth(const Eye& eye, const dsp::Pinhole& lens);
+dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens);
 
-// 255 where `other` sees the point that `eye` sees at the pixel's centre, inside its picture.
-dataset::Image<std::uint8_t> render_visible(const Eye& eye, const dsp::Pinhole& lens,
-                                            const Eye& other, const dsp::Pinhole& other_lens);
+// 255 where `other` sees the point that `viewpoint` sees at the pixel's centre, inside its picture.
+dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+                                            const Viewpoint& other, const dsp::Pinhole& other_lens);
 
 // Standard deviation of the noise for each level 0..255, kGreyBits fraction bits.
 std::vector<std::uint16_t> grey_noise(const GreyModel& model);

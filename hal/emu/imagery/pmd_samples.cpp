@@ -31,9 +31,9 @@ double half_power(double base, int half_powers) noexcept {
 
 class PmdRenderer {
  public:
-  PmdRenderer(const Scene& scene, const Eye& eye, const PmdCameraModel& camera)
+  PmdRenderer(const Scene& scene, const Viewpoint& viewpoint, const PmdCameraModel& camera)
       : scene_(scene),
-        eye_(eye),
+        viewpoint_(viewpoint),
         model_(camera.model),
         rays_(camera.rays),
         turns_per_metre_(camera.modulation.value / dsp::kLightMetresPerSecond) {}
@@ -50,7 +50,7 @@ class PmdRenderer {
 
  private:
   void add(const Vec3& ray, Collected& sum) const {
-    const Hit hit = eye_.look(ray.x, ray.y);
+    const Hit hit = viewpoint_.look(ray.x, ray.y);
     if (hit.thing < 0) {
       return;
     }
@@ -61,7 +61,7 @@ class PmdRenderer {
     const Vec3 point = hit.t * ray;
     const double back = length(point);
     const double field = 1 / length(ray);  // cosine
-    const Vec3 normal = eye_.pose().turn_back(hit.normal);
+    const Vec3 normal = viewpoint_.pose().turn_back(hit.normal);
     for (const Vec3& emitter : model_.emitters) {
       const Vec3 path = point - emitter;
       const double out = length(path);
@@ -84,7 +84,7 @@ class PmdRenderer {
   }
 
   const Scene& scene_;
-  const Eye& eye_;
+  const Viewpoint& viewpoint_;
   const PmdModel& model_;
   std::span<const Vec3> rays_;
   double turns_per_metre_;
@@ -134,9 +134,9 @@ std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side) {
   return out;
 }
 
-void render_pmd(const Scene& scene, const Eye& eye, const PmdCameraModel& camera,
+void render_pmd(const Scene& scene, const Viewpoint& viewpoint, const PmdCameraModel& camera,
                 std::span<const Run> runs, CleanSamples& out) {
-  const PmdRenderer renderer(scene, eye, camera);
+  const PmdRenderer renderer(scene, viewpoint, camera);
   const PmdModel& model = camera.model;
   const int width = camera.lens.width;
   const int height = camera.lens.height;
@@ -166,13 +166,13 @@ void render_pmd(const Scene& scene, const Eye& eye, const PmdCameraModel& camera
   }
 }
 
-CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+CleanSamples render_pmd(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                         dsp::Hertz modulation, const PmdModel& model,
                         std::span<const std::int16_t> pattern) {
   CleanSamples out{.mean = {lens.width, 4 * lens.height}, .sigma = {lens.width, 4 * lens.height}};
   const std::vector<Vec3> rays = pmd_rays(lens, model.rays_per_side);
   render_pmd(
-      scene, eye,
+      scene, viewpoint,
       {.lens = lens, .modulation = modulation, .model = model, .rays = rays, .pattern = pattern},
       whole_picture(lens), out);
   return out;

@@ -6,8 +6,8 @@
 
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
-#include "hal/emu/scenes/eye.h"
 #include "hal/emu/scenes/rig.h"
+#include "hal/emu/scenes/viewpoint.h"
 
 // A PMD camera: what its four samples would be without noise, and the noise. The model is
 // PmdModel's.
@@ -38,11 +38,11 @@ struct PmdCameraModel {
 };
 
 // Replaces the pixels of runs[y] in each row of all four samples.
-void render_pmd(const Scene& scene, const Eye& eye, const PmdCameraModel& camera,
+void render_pmd(const Scene& scene, const Viewpoint& viewpoint, const PmdCameraModel& camera,
                 std::span<const Run> runs, CleanSamples& out);
 
 // A whole picture.
-CleanSamples render_pmd(const Scene& scene, const Eye& eye, const dsp::Pinhole& lens,
+CleanSamples render_pmd(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                         dsp::Hertz modulation, const PmdModel& model,
                         std::span<const std::int16_t> pattern);
 

@@ -45,13 +45,15 @@ Size Sensors::stereo_size() const noexcept {
 
 Size Sensors::pmd_size() const noexcept { return {rig_.pmd_lens.width, rig_.pmd_lens.height}; }
 
-Eye Sensors::left_eye(const Scene& scene) const { return {scene, rig_.head}; }
+Viewpoint Sensors::left_viewpoint(const Scene& scene) const { return {scene, rig_.head}; }
 
-Eye Sensors::right_eye(const Scene& scene) const {
+Viewpoint Sensors::right_viewpoint(const Scene& scene) const {
   return {scene, rig_.head * Pose{.position = {rig_.stereo.baseline_m, 0, 0}}};
 }
 
-Eye Sensors::pmd_eye(const Scene& scene) const { return {scene, rig_.head * true_pmd_pose(rig_)}; }
+Viewpoint Sensors::pmd_viewpoint(const Scene& scene) const {
+  return {scene, rig_.head * true_pmd_pose(rig_)};
+}
 
 PmdCameraModel Sensors::pmd_camera() const noexcept {
   return {.lens = rig_.pmd_lens,
@@ -64,40 +66,41 @@ PmdCameraModel Sensors::pmd_camera() const noexcept {
 
 CleanViews Sensors::render(const Scene& scene) const {
   const dsp::Pinhole& lens = rig_.stereo.left;
-  CleanViews views{.left = render_grey(scene, left_eye(scene), lens, rig_.grey),
-                   .right = render_grey(scene, right_eye(scene), right_lens_, rig_.grey),
+  CleanViews views{.left = render_grey(scene, left_viewpoint(scene), lens, rig_.grey),
+                   .right = render_grey(scene, right_viewpoint(scene), right_lens_, rig_.grey),
                    .pmd = {}};
   const Size size = pmd_size();
   if (size.width > 0) {
     views.pmd = {.mean = {size.width, 4 * size.height}, .sigma = {size.width, 4 * size.height}};
-    render_pmd(scene, pmd_eye(scene), pmd_camera(), whole_picture(rig_.pmd_lens), views.pmd);
+    render_pmd(scene, pmd_viewpoint(scene), pmd_camera(), whole_picture(rig_.pmd_lens), views.pmd);
   }
   return views;
 }
 
 Parts Sensors::render_over(const Scene& scene, int first, CleanViews& views) const {
   const dsp::Pinhole& lens = rig_.stereo.left;
-  const Eye left = left_eye(scene);
-  const Eye right = right_eye(scene);
+  const Viewpoint left = left_viewpoint(scene);
+  const Viewpoint right = right_viewpoint(scene);
   Parts parts{.left = runs_of_things(left, lens, first),
               .right = runs_of_things(right, right_lens_, first),
               .pmd = {}};
   render_grey_over(scene, left, lens, rig_.grey, parts.left, first, views.left);
   render_grey_over(scene, right, right_lens_, rig_.grey, parts.right, first, views.right);
   if (pmd_size().width > 0) {
-    const Eye eye = pmd_eye(scene);
-    parts.pmd = runs_of_things(eye, rig_.pmd_lens, pmd_centres_, first);
-    render_pmd(scene, eye, pmd_camera(), parts.pmd, views.pmd);
+    const Viewpoint viewpoint = pmd_viewpoint(scene);
+    parts.pmd = runs_of_things(viewpoint, rig_.pmd_lens, pmd_centres_, first);
+    render_pmd(scene, viewpoint, pmd_camera(), parts.pmd, views.pmd);
   }
   return parts;
 }
 
 dataset::Image<float> Sensors::depth(const Scene& scene) const {
-  return render_depth(left_eye(scene), rig_.stereo.left);
+  return render_depth(left_viewpoint(scene), rig_.stereo.left);
 }
 
 dataset::Image<std::uint8_t> Sensors::visible(const Scene& scene) const {
-  return render_visible(left_eye(scene), rig_.stereo.left, right_eye(scene), right_lens_);
+  return render_visible(left_viewpoint(scene), rig_.stereo.left, right_viewpoint(scene),
+                        right_lens_);
 }
 
 void Sensors::left(const CleanViews& views, std::uint32_t number,

@@ -8,9 +8,9 @@
 #include "dsp/calib/calibration.h"
 #include "hal/emu/imagery/imagery.h"
 #include "hal/emu/imagery/pmd_samples.h"
-#include "hal/emu/scenes/eye.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
+#include "hal/emu/scenes/viewpoint.h"
 
 namespace stof::hal::emu {
 
@@ -62,9 +62,9 @@ class Sensors {
            dsp::ImageView<std::uint16_t> out) const noexcept;
 
  private:
-  Eye left_eye(const Scene& scene) const;
-  Eye right_eye(const Scene& scene) const;
-  Eye pmd_eye(const Scene& scene) const;
+  Viewpoint left_viewpoint(const Scene& scene) const;
+  Viewpoint right_viewpoint(const Scene& scene) const;
+  Viewpoint pmd_viewpoint(const Scene& scene) const;
   PmdCameraModel pmd_camera() const noexcept;
 
   Rig rig_;

@@ -86,9 +86,9 @@ double infrared_albedo(const Material& material, const Vec3& local) noexcept {
   return material.nir ? *material.nir : visible_albedo(material, local);
 }
 
-Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept {
+Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexcept {
   const Material& material = scene.things[static_cast<std::size_t>(hit.thing)].material;
-  const Vec3 to_eye = unit(eye - hit.point);
+  const Vec3 to_eye = unit(viewpoint - hit.point);
   Lighting out{.diffuse = scene.ambient, .mirrored = 0};
   for (const Light& light : scene.lights) {
     const Vec3 path = light.position - hit.point;
@@ -114,9 +114,9 @@ Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept 
   return out;
 }
 
-double radiance(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept {
+double radiance(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexcept {
   const Material& material = scene.things[static_cast<std::size_t>(hit.thing)].material;
-  const Lighting light = lighting(scene, hit, eye);
+  const Lighting light = lighting(scene, hit, viewpoint);
   return visible_albedo(material, hit.local) * light.diffuse + light.mirrored;
 }
 

@@ -26,7 +26,7 @@ struct Material {
   std::uint32_t seed = 0;       // of kNoise
   std::optional<double> nir{};  // albedo in the PMD camera's infrared, untextured; none: as visible
   // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2). What
-  // it shows depends on where the eye is: the two cameras see it at different places.
+  // it shows depends on where the viewpoint is: the two cameras see it at different places.
   double gloss = 0;  // 0..1
   int gloss_log2 = 6;
 };
@@ -67,7 +67,7 @@ Scene empty_corridor();  // without the person
 // on which stereo sees nothing. Made for hall_rig().
 Scene hall();
 
-// One white wall of the given albedo, facing the eye at z = distance_m, 40 m wide and high.
+// One white wall of the given albedo, facing the viewpoint at z = distance_m, 40 m wide and high.
 Scene wall(double distance_m, const Material& material = {});
 
 // Where a ray meets the scene.
@@ -76,7 +76,7 @@ struct Hit {
   int thing = -1;  // index in Scene::things; -1: nothing
   int face = 0;    // of that thing: points with the same one lie on one smooth surface
   Vec3 point;      // world
-  Vec3 normal;     // world, unit, towards the eye
+  Vec3 normal;     // world, unit, towards the viewpoint
   Vec3 local;      // the point in the thing's frame
 };
 
@@ -92,14 +92,14 @@ LocalHit intersect(Form form, const Vec3& half, const Vec3& origin, const Vec3& 
 double visible_albedo(const Material& material, const Vec3& local) noexcept;
 double infrared_albedo(const Material& material, const Vec3& local) noexcept;
 
-// What reaches a hit and leaves it towards the eye; no shadows.
+// What reaches a hit and leaves it towards the viewpoint; no shadows.
 struct Lighting {
   double diffuse = 0;   // irradiance, Lambert's law and ambient: times the albedo
   double mirrored = 0;  // by the coat
 };
-Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept;
+Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexcept;
 
-// Light that leaves the hit towards the eye: albedo * diffuse + mirrored.
-double radiance(const Scene& scene, const Hit& hit, const Vec3& eye) noexcept;
+// Light that leaves the hit towards the viewpoint: albedo * diffuse + mirrored.
+double radiance(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexcept;
 
 }  // namespace stof::hal::emu

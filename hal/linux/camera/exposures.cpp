@@ -5,11 +5,12 @@
 namespace stof::hal::linux {
 
 std::optional<Time> EdgeLog::at_or_before(Time time) const noexcept {
-  const std::size_t known = std::min(count_, kDepth);
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  const std::size_t known = std::min(count, kDepth);
   for (std::size_t back = 1; back <= known; ++back) {
-    const Time edge = edges_[(count_ - back) % kDepth];
-    if (edge <= time) {
-      return edge;
+    const Time noted = edge(count - back);
+    if (noted <= time) {
+      return noted;
     }
   }
   return std::nullopt;
@@ -18,13 +19,14 @@ std::optional<Time> EdgeLog::at_or_before(Time time) const noexcept {
 std::optional<Time> EdgeLog::nearest(Time time) const noexcept {
   const std::optional<Time> before = at_or_before(time);
   std::optional<Time> after;
-  const std::size_t known = std::min(count_, kDepth);
+  const std::size_t count = count_.load(std::memory_order_acquire);
+  const std::size_t known = std::min(count, kDepth);
   for (std::size_t back = 1; back <= known; ++back) {
-    const Time edge = edges_[(count_ - back) % kDepth];
-    if (edge <= time) {
+    const Time noted = edge(count - back);
+    if (noted <= time) {
       break;
     }
-    after = edge;
+    after = noted;
   }
   if (!before || !after) {
     return before ? before : after;

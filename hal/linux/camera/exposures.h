@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <optional>
 
@@ -18,21 +19,31 @@ class Exposures {
   virtual std::optional<Exposure> ended_at(Time stamp) noexcept = 0;
 };
 
-// The last edges, each of which began an exposure of one length.
+// The last edges, each of which began an exposure of one length. One thread notes them; a thread
+// that opens a camera again may look meanwhile.
 class EdgeLog {
  public:
   static constexpr std::size_t kDepth = 64;
 
   // Later than every edge before it.
-  void note(Time edge) noexcept { edges_[count_++ % kDepth] = edge; }
+  void note(Time edge) noexcept {
+    const std::size_t count = count_.load(std::memory_order_relaxed);
+    edges_[count % kDepth].store(edge.time_since_epoch().count(), std::memory_order_relaxed);
+    count_.store(count + 1, std::memory_order_release);
+  }
   // The newest edge at or before `time`, if it is remembered.
   std::optional<Time> at_or_before(Time time) const noexcept;
   // The remembered edge that is nearest to `time`; none: nothing is remembered.
   std::optional<Time> nearest(Time time) const noexcept;
 
  private:
-  std::array<Time, kDepth> edges_{};
-  std::size_t count_ = 0;
+  Time edge(std::size_t number) const noexcept {
+    return Time(Duration(edges_[number % kDepth].load(std::memory_order_relaxed)));
+  }
+
+  // Who looks while an edge is noted finds the newest in place of the oldest, or not: both are so.
+  std::array<std::atomic<Duration::rep>, kDepth> edges_{};
+  std::atomic<std::size_t> count_{0};
 };
 
 // Sensors that expose at each edge for a fixed time.

@@ -9,11 +9,11 @@ namespace stof::hal::linux {
 
 std::optional<Exposure> LibcameraPairs::exposure_of(std::size_t side,
                                                     const LibcameraArrival& arrival) noexcept {
-  if (!placers_[side]) {
+  if (!matchers_[side]) {
     return Exposure{arrival.stamp - matching_.exposure, arrival.stamp};
   }
-  const Placed placed = placers_[side]->place(arrival.stamp, arrival.sequence);
-  return placed.sure ? std::optional(placed.exposure) : std::nullopt;
+  const MatchedExposure matched = matchers_[side]->match(arrival.stamp, arrival.sequence);
+  return matched.sure ? std::optional(matched.exposure) : std::nullopt;
 }
 
 void LibcameraPairs::send_home(std::size_t side, int slot) noexcept {
@@ -33,7 +33,7 @@ Status LibcameraPairs::fill(std::size_t side) noexcept {
       send_home(side, *slot);
       return Status::kCorrupt;
     }
-    if (placers_[side] && placers_[side]->hopeless()) {
+    if (matchers_[side] && matchers_[side]->hopeless()) {
       send_home(side, *slot);
       return Status::kDeviceLost;
     }
@@ -83,9 +83,9 @@ void LibcameraPairs::give_back(int lease) noexcept {
 
 void LibcameraPairs::start_over() noexcept {
   heads_ = {};
-  for (std::optional<Placer>& placer : placers_) {
-    if (placer) {
-      placer->forget();
+  for (std::optional<ExposureMatcher>& matcher : matchers_) {
+    if (matcher) {
+      matcher->forget();
     }
   }
   for (Lent& lent : lent_) {

@@ -6,8 +6,8 @@
 #include <optional>
 
 #include "dsp/base/status.h"
+#include "hal/linux/camera/exposure_matcher.h"
 #include "hal/linux/camera/exposures.h"
-#include "hal/linux/camera/placer.h"
 #include "hal/linux/libcamera/libcamera_mailbox.h"
 
 namespace stof::hal::linux {
@@ -48,8 +48,8 @@ class LibcameraPairs {
   LibcameraPairs(const LibcameraMatching& matching, LibcameraRequeuer& requeuer) noexcept
       : matching_(matching), requeuer_(requeuer) {
     if (matching.exposures != nullptr) {
-      for (std::optional<Placer>& placer : placers_) {
-        placer.emplace(*matching.exposures, matching.most_delay);
+      for (std::optional<ExposureMatcher>& matcher : matchers_) {
+        matcher.emplace(*matching.exposures, matching.most_delay);
       }
     }
   }
@@ -81,7 +81,7 @@ class LibcameraPairs {
 
   LibcameraMatching matching_;
   LibcameraRequeuer& requeuer_;
-  std::array<std::optional<Placer>, 2> placers_;  // none: the cameras run freely
+  std::array<std::optional<ExposureMatcher>, 2> matchers_;  // none: the cameras run freely
   std::array<LibcameraMailbox, 2> mailboxes_;
   std::array<std::optional<Frame>, 2> heads_;  // without a partner yet
   // Twice the slots: old ones may still be out.

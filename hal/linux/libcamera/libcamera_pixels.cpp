@@ -1,51 +1,17 @@
+#include "hal/linux/libcamera/libcamera_pixels.h"
+
 #include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 
 #include <fcntl.h>
 #include <linux/dma-buf.h>
-#include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
 #include <unistd.h>
 
-#include "hal/linux/libcamera/libcamera_eye.h"
-#include "hal/linux/system/clock.h"
-
 namespace stof::hal::linux {
-
-LibcameraBell::LibcameraBell() noexcept : fd_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
-
-LibcameraBell::~LibcameraBell() {
-  if (fd_ >= 0) {
-    ::close(fd_);
-  }
-}
-
-void LibcameraBell::ring() const noexcept {
-  // Fails only where it has rung 2^64 - 2 times and nobody came.
-  static_cast<void>(eventfd_write(fd_, 1));
-}
-
-bool LibcameraBell::wait(Time deadline) const noexcept {
-  for (;;) {
-    eventfd_t rung = 0;
-    if (eventfd_read(fd_, &rung) == 0) {
-      return true;
-    }
-    const Duration left = deadline - Clock().now();
-    if (left <= Duration{0}) {
-      return false;
-    }
-    const timespec patience{.tv_sec = left.count() / 1'000'000'000,
-                            .tv_nsec = left.count() % 1'000'000'000};
-    pollfd item{.fd = fd_, .events = POLLIN, .revents = 0};
-    static_cast<void>(ppoll(&item, 1, &patience, nullptr));
-  }
-}
 
 LibcameraPixels::~LibcameraPixels() {
   for (const Buffer& buffer : buffers_) {

@@ -11,9 +11,10 @@
 #include <libcamera/libcamera.h>
 #include <libcamera/logging.h>
 
-#include "hal/linux/libcamera/libcamera_eye.h"
 #include "hal/linux/libcamera/libcamera_find.h"
 #include "hal/linux/libcamera/libcamera_pairs.h"
+#include "hal/linux/libcamera/libcamera_stream.h"
+#include "hal/linux/system/clock.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -32,8 +33,8 @@ class LibcameraStereo final : public ReopenableStereo,
                 .most_delay = options.most_delay,
                 .most_skew = options.most_skew},
                *this),
-        eyes_{LibcameraEye(bell_, pairs_.mailbox(kLeft)),
-              LibcameraEye(bell_, pairs_.mailbox(kRight))} {}
+        streams_{LibcameraStream(wake_, pairs_.mailbox(kLeft)),
+                 LibcameraStream(wake_, pairs_.mailbox(kRight))} {}
   ~LibcameraStereo() override {
     shut();
     in_use = false;
@@ -52,16 +53,16 @@ class LibcameraStereo final : public ReopenableStereo,
   Lease<StereoFrame> lend(const LibcameraPairs::Pair& pair) noexcept;
 
   LibcameraOptions options_;
-  LibcameraBell bell_;
+  posix::WakeEvent wake_;
   LibcameraPairs pairs_;
   std::unique_ptr<libcamera::CameraManager> manager_;
-  std::array<LibcameraEye, 2> eyes_;
+  std::array<LibcameraStream, 2> streams_;
   // Of cameras that were opened again while leases were out.
   std::vector<std::shared_ptr<LibcameraPixels>> old_pixels_;
 };
 
 std::optional<OpenError> LibcameraStereo::open() {
-  if (!bell_.works()) {
+  if (!wake_.works()) {
     return OpenError{"cannot open cameras of libcamera: too many open files; raise the limit"};
   }
   manager_ = std::make_unique<libcamera::CameraManager>();
@@ -86,16 +87,16 @@ std::optional<OpenError> LibcameraStereo::open() {
   if (*left == *right) {
     return OpenError{"camera '" + names[*left].id + "' cannot be left and right: name two"};
   }
-  std::optional<OpenError> error = eyes_[kLeft].open(cameras[*left], options_);
+  std::optional<OpenError> error = streams_[kLeft].open(cameras[*left], options_);
   if (!error) {
-    error = eyes_[kRight].open(cameras[*right], options_);
+    error = streams_[kRight].open(cameras[*right], options_);
   }
   return error;
 }
 
 void LibcameraStereo::shut() noexcept {
-  for (LibcameraEye& eye : eyes_) {
-    eye.close();
+  for (LibcameraStream& stream : streams_) {
+    stream.close();
   }
   if (manager_ != nullptr) {
     manager_->stop();
@@ -109,22 +110,22 @@ Status LibcameraStereo::reopen() noexcept {
   if (!pairs_.old_ones_out()) {
     old_pixels_.clear();
   } else {
-    for (const LibcameraEye& eye : eyes_) {
-      if (std::ranges::find(old_pixels_, eye.pixels()) == old_pixels_.end()) {
-        old_pixels_.push_back(eye.pixels());
+    for (const LibcameraStream& stream : streams_) {
+      if (std::ranges::find(old_pixels_, stream.pixels()) == old_pixels_.end()) {
+        old_pixels_.push_back(stream.pixels());
       }
     }
   }
   return open() ? Status::kDeviceLost : Status::kOk;
 }
 
-void LibcameraStereo::requeue(std::size_t side, int slot) noexcept { eyes_[side].requeue(slot); }
+void LibcameraStereo::requeue(std::size_t side, int slot) noexcept { streams_[side].requeue(slot); }
 
 Lease<StereoFrame> LibcameraStereo::lend(const LibcameraPairs::Pair& pair) noexcept {
   const LibcameraPairs::Frame& left = pair.frames[kLeft];
   const LibcameraPairs::Frame& right = pair.frames[kRight];
-  const StereoFrame frame{.left = eyes_[kLeft].pixels()->read(left.slot),
-                          .right = eyes_[kRight].pixels()->read(right.slot),
+  const StereoFrame frame{.left = streams_[kLeft].pixels()->read(left.slot),
+                          .right = streams_[kRight].pixels()->read(right.slot),
                           .left_exposure = left.exposure,
                           .right_exposure = right.exposure,
                           .left_sequence = left.sequence,
@@ -141,12 +142,12 @@ Result<Lease<StereoFrame>> LibcameraStereo::wait_frame(Time deadline) noexcept {
     if (pair.error() != Status::kWouldBlock) {
       return fail(pair.error());
     }
-    if (eyes_[kLeft].lost() || eyes_[kRight].lost()) {
+    if (streams_[kLeft].lost() || streams_[kRight].lost()) {
       return fail(Status::kDeviceLost);
     }
-    if (!bell_.wait(deadline)) {
+    if (!wake_.wait(deadline - Clock().now())) {
       // Libcamera hears of a lost device from udevd alone.
-      const bool gone = eyes_[kLeft].node_gone() || eyes_[kRight].node_gone();
+      const bool gone = streams_[kLeft].node_gone() || streams_[kRight].node_gone();
       return fail(gone ? Status::kDeviceLost : Status::kTimeout);
     }
   }

@@ -42,7 +42,7 @@ class ReopenableStereo : public StereoCamera {
 
 // Two cameras of libcamera. One at a time in a process: libcamera has one camera manager. Its
 // thread runs beside the loop's; the calls that allocate on the loop's thread are those that give a
-// buffer back (libcamera_eye.h). It writes no messages, unless the environment has
+// buffer back (libcamera_stream.h). It writes no messages, unless the environment has
 // LIBCAMERA_LOG_LEVELS. In a build without libcamera always an error.
 std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
     const LibcameraOptions& options);

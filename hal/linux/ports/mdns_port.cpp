@@ -1,6 +1,5 @@
 #include "hal/linux/ports/mdns_port.h"
 
-#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstring>
@@ -8,11 +7,10 @@
 #include <string>
 
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "hal/linux/ports/peer_address.h"
+#include "posix/poll.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -22,37 +20,30 @@ constexpr std::array<std::uint8_t, 16> kGroup6{0xff, 0x02, 0, 0, 0, 0, 0, 0,
                                                0,    0,    0, 0, 0, 0, 0, 0xfb};
 constexpr int kTtl = 255;  // RFC 6762 section 11
 
-bool set_option(int fd, int level, int name, int value) noexcept {
-  return setsockopt(fd, level, name, &value, sizeof value) == 0;
-}
+constexpr std::array kIpv4Options{
+    posix::SocketOption{SOL_SOCKET, SO_REUSEADDR, 1},
+    posix::SocketOption{SOL_SOCKET, SO_REUSEPORT, 1},
+    posix::SocketOption{IPPROTO_IP, IP_PKTINFO, 1},
+    posix::SocketOption{IPPROTO_IP, IP_MULTICAST_TTL, kTtl},
+    posix::SocketOption{IPPROTO_IP, IP_TTL, kTtl},
+    posix::SocketOption{IPPROTO_IP, IP_MULTICAST_LOOP, 1},
+    posix::SocketOption{IPPROTO_IP, IP_MULTICAST_ALL, 0},
+};
+constexpr std::array kIpv6Options{
+    posix::SocketOption{SOL_SOCKET, SO_REUSEADDR, 1},
+    posix::SocketOption{SOL_SOCKET, SO_REUSEPORT, 1},
+    posix::SocketOption{IPPROTO_IPV6, IPV6_V6ONLY, 1},
+    posix::SocketOption{IPPROTO_IPV6, IPV6_RECVPKTINFO, 1},
+    posix::SocketOption{IPPROTO_IPV6, IPV6_MULTICAST_HOPS, kTtl},
+    posix::SocketOption{IPPROTO_IPV6, IPV6_UNICAST_HOPS, kTtl},
+    posix::SocketOption{IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1},
+};
 
-bool share_port(int fd) noexcept {
-  return set_option(fd, SOL_SOCKET, SO_REUSEADDR, 1) && set_option(fd, SOL_SOCKET, SO_REUSEPORT, 1);
-}
-
-bool configure4(int fd) noexcept {
-  sockaddr_in any{};
-  any.sin_family = AF_INET;
-  any.sin_port = htons(MdnsPort::kPort);
-  return share_port(fd) && set_option(fd, IPPROTO_IP, IP_PKTINFO, 1) &&
-         set_option(fd, IPPROTO_IP, IP_MULTICAST_TTL, kTtl) &&
-         set_option(fd, IPPROTO_IP, IP_TTL, kTtl) &&
-         set_option(fd, IPPROTO_IP, IP_MULTICAST_LOOP, 1) &&
-         set_option(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0) &&
-         // The socket functions take every kind of address behind its common head.
-         bind(fd, reinterpret_cast<const sockaddr*>(&any), sizeof any) == 0;
-}
-
-bool configure6(int fd) noexcept {
-  sockaddr_in6 any{};
-  any.sin6_family = AF_INET6;
-  any.sin6_port = htons(MdnsPort::kPort);
-  return share_port(fd) && set_option(fd, IPPROTO_IPV6, IPV6_V6ONLY, 1) &&
-         set_option(fd, IPPROTO_IPV6, IPV6_RECVPKTINFO, 1) &&
-         set_option(fd, IPPROTO_IPV6, IPV6_MULTICAST_HOPS, kTtl) &&
-         set_option(fd, IPPROTO_IPV6, IPV6_UNICAST_HOPS, kTtl) &&
-         set_option(fd, IPPROTO_IPV6, IPV6_MULTICAST_LOOP, 1) &&
-         bind(fd, reinterpret_cast<const sockaddr*>(&any), sizeof any) == 0;
+// 0 or an errno.
+int configure(const posix::UdpSocket& socket, std::span<const posix::SocketOption> options,
+              const posix::SocketAddress& any) noexcept {
+  const int error = socket.is_open() ? socket.set(options) : errno;
+  return error == 0 ? socket.bind(any) : error;
 }
 
 // Room for the interface beside a datagram.
@@ -88,7 +79,7 @@ std::uint32_t interface_of(msghdr& message) noexcept {
   return 0;
 }
 
-Status send_one(int fd, const SocketAddress& to, bool ipv6, std::uint32_t interface,
+Status send_one(int fd, const posix::SocketAddress& to, bool ipv6, std::uint32_t interface,
                 std::span<const std::byte> datagram) noexcept {
   sockaddr_storage address = to.storage;
   // sendmsg() only reads what these point to.
@@ -121,12 +112,12 @@ std::optional<Received> read_one(int fd, std::span<std::byte> space) noexcept {
   if (fd < 0) {
     return std::nullopt;
   }
-  sockaddr_storage from{};
+  posix::SocketAddress from;
   iovec vector{.iov_base = space.data(), .iov_len = space.size()};
   Control control{};
   msghdr message{};
-  message.msg_name = &from;
-  message.msg_namelen = sizeof from;
+  message.msg_name = &from.storage;
+  message.msg_namelen = from.length;
   message.msg_iov = &vector;
   message.msg_iovlen = 1;
   message.msg_control = &control;
@@ -143,27 +134,18 @@ std::optional<Received> read_one(int fd, std::span<std::byte> space) noexcept {
 }  // namespace
 
 std::expected<std::unique_ptr<MdnsPort>, OpenError> MdnsPort::open() {
-  const int ipv4 = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  const int ipv6 = socket(AF_INET6, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
-  std::unique_ptr<MdnsPort> port(new MdnsPort(ipv4, ipv6));
-  if (ipv4 < 0 || !configure4(ipv4)) {
+  posix::UdpSocket ipv4(AF_INET);
+  const int error = configure(ipv4, kIpv4Options, posix::make_address(in_addr{}, kPort));
+  if (error != 0) {
     return std::unexpected(OpenError{
-        std::string("UDP port 5353: ") + std::strerror(errno) +
+        std::string("UDP port 5353: ") + std::strerror(error) +
         ": another program has it for itself: end that one, or do without being found by mDNS"});
   }
-  if (ipv6 >= 0 && !configure6(ipv6)) {
-    close(ipv6);
-    port->ipv6_ = -1;
+  posix::UdpSocket ipv6(AF_INET6);
+  if (configure(ipv6, kIpv6Options, posix::make_address(in6_addr{}, kPort)) != 0) {
+    ipv6 = posix::UdpSocket();
   }
-  return port;
-}
-
-MdnsPort::~MdnsPort() {
-  for (const int fd : {ipv4_, ipv6_}) {
-    if (fd >= 0) {
-      close(fd);
-    }
-  }
+  return std::unique_ptr<MdnsPort>(new MdnsPort(std::move(ipv4), std::move(ipv6)));
 }
 
 void MdnsPort::join(std::span<const InterfaceAddress> addresses) noexcept {
@@ -176,12 +158,14 @@ void MdnsPort::join(std::span<const InterfaceAddress> addresses) noexcept {
       ip_mreqn group{};
       std::memcpy(&group.imr_multiaddr, kGroup4.data(), kGroup4.size());
       group.imr_ifindex = static_cast<int>(address.interface);
-      static_cast<void>(setsockopt(ipv4_, IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group));
-    } else if (ipv6_ >= 0) {
+      static_cast<void>(
+          setsockopt(ipv4_.fd(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &group, sizeof group));
+    } else if (ipv6_.is_open()) {
       ipv6_mreq group{};
       std::memcpy(&group.ipv6mr_multiaddr, kGroup6.data(), kGroup6.size());
       group.ipv6mr_interface = address.interface;
-      static_cast<void>(setsockopt(ipv6_, IPPROTO_IPV6, IPV6_JOIN_GROUP, &group, sizeof group));
+      static_cast<void>(
+          setsockopt(ipv6_.fd(), IPPROTO_IPV6, IPV6_JOIN_GROUP, &group, sizeof group));
     }
   }
 }
@@ -189,7 +173,7 @@ void MdnsPort::join(std::span<const InterfaceAddress> addresses) noexcept {
 Status MdnsPort::send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
                       std::size_t& sent) noexcept {
   const bool ipv6 = !is_ipv4(to.address);
-  const int fd = ipv6 ? ipv6_ : ipv4_;
+  const int fd = ipv6 ? ipv6_.fd() : ipv4_.fd();
   const auto address = to_socket_address(to, ipv6 ? AF_INET6 : AF_INET);
   sent = 0;
   if (fd < 0 || !address) {
@@ -211,19 +195,18 @@ Result<Received> MdnsPort::receive(std::span<std::byte> space, Duration timeout)
   for (bool waited = false;; waited = true) {
     // In turn, so that neither keeps the other waiting.
     ipv6_first_ = !ipv6_first_;
-    for (const int fd : {ipv6_first_ ? ipv6_ : ipv4_, ipv6_first_ ? ipv4_ : ipv6_}) {
-      if (const std::optional<Received> received = read_one(fd, space)) {
+    for (const posix::UdpSocket* const socket :
+         {ipv6_first_ ? &ipv6_ : &ipv4_, ipv6_first_ ? &ipv4_ : &ipv6_}) {
+      if (const std::optional<Received> received = read_one(socket->fd(), space)) {
         return *received;
       }
     }
     if (waited || timeout <= Duration::zero()) {
       return fail(Status::kTimeout);
     }
-    std::array<pollfd, 2> fds{{{.fd = ipv4_, .events = POLLIN, .revents = 0},
-                               {.fd = ipv6_, .events = POLLIN, .revents = 0}}};
-    const auto wait_ms = std::chrono::ceil<std::chrono::milliseconds>(timeout).count();
-    static_cast<void>(
-        poll(fds.data(), fds.size(), static_cast<int>(std::min<std::int64_t>(wait_ms, 60'000))));
+    std::array entries{pollfd{.fd = ipv4_.fd(), .events = POLLIN, .revents = 0},
+                       pollfd{.fd = ipv6_.fd(), .events = POLLIN, .revents = 0}};
+    static_cast<void>(posix::wait_for(entries, timeout));
   }
 }
 

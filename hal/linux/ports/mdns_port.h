@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <expected>
 #include <memory>
+#include <utility>
 
 #include "hal/linux/open_error.h"
 #include "hal/network.h"
+#include "posix/udp_socket.h"
 
 namespace stof::hal::linux {
 
@@ -18,9 +20,6 @@ class MdnsPort final : public hal::MulticastPort {
 
   // IPv4, and IPv6 where the system has it.
   static std::expected<std::unique_ptr<MdnsPort>, OpenError> open();
-  ~MdnsPort() override;
-  MdnsPort(const MdnsPort&) = delete;
-  MdnsPort& operator=(const MdnsPort&) = delete;
 
   Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
               std::size_t& sent) noexcept override;
@@ -31,10 +30,11 @@ class MdnsPort final : public hal::MulticastPort {
   void join(std::span<const InterfaceAddress> addresses) noexcept override;
 
  private:
-  MdnsPort(int ipv4, int ipv6) noexcept : ipv4_(ipv4), ipv6_(ipv6) {}
+  MdnsPort(posix::UdpSocket ipv4, posix::UdpSocket ipv6) noexcept
+      : ipv4_(std::move(ipv4)), ipv6_(std::move(ipv6)) {}
 
-  int ipv4_;
-  int ipv6_;  // -1: none
+  posix::UdpSocket ipv4_;
+  posix::UdpSocket ipv6_;  // not open: none
   bool ipv6_first_ = false;
 };
 

@@ -4,10 +4,9 @@
 #include <optional>
 #include <string_view>
 
-#include <sys/socket.h>
-
 #include "hal/datagram_port.h"
 #include "hal/linux/open_error.h"
+#include "posix/socket_address.h"
 
 namespace stof::hal::linux {
 
@@ -16,15 +15,10 @@ namespace stof::hal::linux {
 // server, and allocates.
 std::expected<Peer, OpenError> resolve(std::string_view destination);
 
-struct SocketAddress {
-  sockaddr_storage storage{};
-  socklen_t length = 0;
-};
-
 // The system's form of a peer for a socket of `family`: AF_INET6 takes every peer, AF_INET only
 // IPv4 ones (none otherwise).
-std::optional<SocketAddress> to_socket_address(const Peer& peer, int family) noexcept;
+std::optional<posix::SocketAddress> to_socket_address(const Peer& peer, int family) noexcept;
 // None: neither IPv4 nor IPv6.
-std::optional<Peer> to_peer(const sockaddr_storage& address) noexcept;
+std::optional<Peer> to_peer(const posix::SocketAddress& address) noexcept;
 
 }  // namespace stof::hal::linux

@@ -25,10 +25,10 @@ struct Told {
 std::optional<Told> read_one(int fd) noexcept {
   constexpr std::size_t kSpace = 512;
   alignas(cmsghdr) std::array<std::byte, kSpace> control;
-  sockaddr_storage to{};
+  posix::SocketAddress to;
   msghdr message{};
-  message.msg_name = &to;
-  message.msg_namelen = sizeof to;
+  message.msg_name = &to.storage;
+  message.msg_namelen = to.length;
   message.msg_control = control.data();
   message.msg_controllen = control.size();
   if (recvmsg(fd, &message, MSG_ERRQUEUE | MSG_DONTWAIT) < 0) {

@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "hal/serial_port.h"
+#include "posix/fd.h"
 
 namespace stof::hal::linux {
 
@@ -25,8 +26,12 @@ class SerialTty final : public SerialPort {
   // Does not wait for anything. An error is one line: what, why and what to do.
   static std::expected<SerialTty, std::string> open(const SerialOptions& options);
 
-  SerialTty(SerialTty&& other) noexcept;
-  SerialTty& operator=(SerialTty&& other) noexcept;
+  SerialTty(SerialTty&&) noexcept = default;
+  SerialTty& operator=(SerialTty&& other) noexcept {
+    std::swap(options_, other.options_);
+    std::swap(line_, other.line_);  // the old line closes with `other`
+    return *this;
+  }
   SerialTty(const SerialTty&) = delete;
   SerialTty& operator=(const SerialTty&) = delete;
   ~SerialTty() override;
@@ -39,10 +44,11 @@ class SerialTty final : public SerialPort {
 
  private:
   explicit SerialTty(SerialOptions options) : options_(std::move(options)) {}
+  int open_line() noexcept;  // 0 or an errno
   void shut() noexcept;
 
   SerialOptions options_;
-  int fd_ = -1;
+  posix::Fd line_;
 };
 
 }  // namespace stof::hal::linux

@@ -1,18 +1,19 @@
 #pragma once
 
-#include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <memory>
+#include <span>
+#include <utility>
 
 #include <sys/socket.h>
-#include <sys/uio.h>
 
 #include "hal/datagram_port.h"
 #include "hal/linux/open_error.h"
 #include "hal/linux/ports/refusals.h"
+#include "posix/datagram_batch.h"
+#include "posix/udp_socket.h"
 
 namespace stof::hal::linux {
 
@@ -29,16 +30,11 @@ struct UdpPortOptions {
 class UdpPort final : public hal::DatagramPort {
  public:
   static std::expected<std::unique_ptr<UdpPort>, OpenError> open(const UdpPortOptions& options);
-  ~UdpPort() override;
-  UdpPort(const UdpPort&) = delete;
-  UdpPort& operator=(const UdpPort&) = delete;
 
   Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
               std::size_t& sent) noexcept override;
   Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept override;
-  std::uint64_t overruns() const noexcept override {
-    return overruns_.load(std::memory_order_relaxed);
-  }
+  std::uint64_t overruns() const noexcept override { return batch_.dropped(); }
   bool take_refusal(Peer& peer) noexcept override { return refusals_.take(peer); }
   std::uint16_t port() const noexcept override { return port_; }
 
@@ -47,34 +43,25 @@ class UdpPort final : public hal::DatagramPort {
   int receive_buffer() const noexcept { return receive_buffer_; }
 
  private:
-  static constexpr std::size_t kBatch = 64;
-  static constexpr std::size_t kControlSpace = 64;
-  static_assert(kControlSpace % alignof(cmsghdr) == 0);
-
-  UdpPort(int fd, int family) noexcept;
-  bool configure(const UdpPortOptions& options) noexcept;
+  UdpPort(posix::UdpSocket socket, int family) noexcept
+      : socket_(std::move(socket)), family_(family) {}
+  // 0 or an errno.
+  int configure(const UdpPortOptions& options) noexcept;
   Status send_batch(std::span<mmsghdr> messages, std::size_t& sent) const noexcept;
   Status fill() noexcept;
   Status wait(Duration timeout) noexcept;
-  void note_overruns(const msghdr& message) noexcept;
 
-  int fd_;
+  posix::UdpSocket socket_;
   int family_;  // AF_INET6 or AF_INET
   std::uint16_t port_ = 0;
   int send_buffer_ = 0;
   int receive_buffer_ = 0;
 
   // Of the receiving thread.
-  std::array<std::array<std::byte, kMaxDatagram>, kBatch> space_;
-  alignas(cmsghdr) std::array<std::array<std::byte, kControlSpace>, kBatch> control_;
-  std::array<sockaddr_storage, kBatch> from_;
-  std::array<iovec, kBatch> vectors_;
-  std::array<mmsghdr, kBatch> messages_;
-  std::size_t read_ = 0;               // datagrams in space_
-  std::size_t next_ = 0;               // of these, to hand out
-  std::uint32_t kernel_overruns_ = 0;  // wraps
+  posix::DatagramBatch batch_;
+  std::size_t read_ = 0;  // datagrams in batch_
+  std::size_t next_ = 0;  // of these, to hand out
   Refusals refusals_;
-  std::atomic<std::uint64_t> overruns_{0};
 };
 
 }  // namespace stof::hal::linux

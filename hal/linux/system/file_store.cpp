@@ -3,34 +3,21 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstdio>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "posix/fd.h"
+
 namespace stof::hal::linux {
 namespace {
 
-class Fd {
- public:
-  explicit Fd(int fd) noexcept : fd_(fd) {}
-  ~Fd() {
-    if (fd_ >= 0) {
-      ::close(fd_);
-    }
-  }
-  Fd(const Fd&) = delete;
-  Fd& operator=(const Fd&) = delete;
-  int get() const noexcept { return fd_; }
-  explicit operator bool() const noexcept { return fd_ >= 0; }
-
- private:
-  int fd_;
-};
-
-template <typename Name>
-void join(std::string_view name, std::string_view ending, Name& to) noexcept {
-  std::ranges::copy(ending, std::ranges::copy(name, to.begin()).out);
+// The folder of a file's name.
+std::string folder_of(const std::string& name) {
+  const std::size_t slash = name.rfind('/');
+  return slash == std::string::npos ? "." : name.substr(0, std::max<std::size_t>(slash, 1));
 }
 
 bool write_all(int fd, std::span<const std::byte> bytes) noexcept {
@@ -46,31 +33,24 @@ bool write_all(int fd, std::span<const std::byte> bytes) noexcept {
 }
 
 bool flush_folder(const char* name) noexcept {
-  const Fd folder(::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
+  const posix::Fd folder(::open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   // Some file systems do not flush folders and say so; there is nothing else to do then.
-  return folder && (::fsync(folder.get()) == 0 || errno == EINVAL);
+  return folder.is_open() && (::fsync(folder.get()) == 0 || errno == EINVAL);
 }
 
 Status judge(bool good) noexcept { return good ? Status::kOk : Status::kDeviceError; }
 
 }  // namespace
 
-FileStore::FileStore(std::string_view name) noexcept {
-  name = name.substr(0, kMostName);
-  join(name, "", name_);
-  join(name, ".new", new_);
-  join(name, ".bad", bad_);
-  const std::size_t slash = name.rfind('/');
-  if (slash == std::string_view::npos) {
-    join(".", "", folder_);
-  } else {
-    join(name.substr(0, std::max<std::size_t>(slash, 1)), "", folder_);
-  }
-}
+FileStore::FileStore(std::string name)
+    : name_(std::move(name)),
+      new_(name_ + ".new"),
+      bad_(name_ + ".bad"),
+      folder_(folder_of(name_)) {}
 
 Result<std::size_t> FileStore::load(std::span<std::byte> space) noexcept {
-  const Fd file(::open(name_.data(), O_RDONLY | O_CLOEXEC));
-  if (!file) {
+  const posix::Fd file(::open(name_.c_str(), O_RDONLY | O_CLOEXEC));
+  if (!file.is_open()) {
     return errno == ENOENT ? Result<std::size_t>(0) : fail(Status::kDeviceError);
   }
   std::size_t bytes = 0;
@@ -95,20 +75,20 @@ Result<std::size_t> FileStore::load(std::span<std::byte> space) noexcept {
 
 Status FileStore::write_new(std::span<const std::byte> bytes) const noexcept {
   constexpr mode_t kReadable = 0644;
-  const Fd file(::open(new_.data(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadable));
-  return judge(file && write_all(file.get(), bytes) && ::fsync(file.get()) == 0);
+  const posix::Fd file(::open(new_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadable));
+  return judge(file.is_open() && write_all(file.get(), bytes) && ::fsync(file.get()) == 0);
 }
 
 Status FileStore::save(std::span<const std::byte> bytes) noexcept {
-  if (write_new(bytes) != Status::kOk || std::rename(new_.data(), name_.data()) != 0) {
-    ::unlink(new_.data());
+  if (write_new(bytes) != Status::kOk || std::rename(new_.c_str(), name_.c_str()) != 0) {
+    ::unlink(new_.c_str());
     return Status::kDeviceError;
   }
-  return judge(flush_folder(folder_.data()));
+  return judge(flush_folder(folder_.c_str()));
 }
 
 Status FileStore::set_aside() noexcept {
-  return judge(std::rename(name_.data(), bad_.data()) == 0 && flush_folder(folder_.data()));
+  return judge(std::rename(name_.c_str(), bad_.c_str()) == 0 && flush_folder(folder_.c_str()));
 }
 
 }  // namespace stof::hal::linux

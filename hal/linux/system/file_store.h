@@ -1,8 +1,7 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <string_view>
+#include <string>
 
 #include "hal/store.h"
 
@@ -10,27 +9,23 @@ namespace stof::hal::linux {
 
 // A file. New contents are written beside it (NAME.new), flushed to the medium and renamed, and the
 // folder is flushed: after a power cut the file is the old or the new one. What is set aside
-// becomes NAME.bad.
+// becomes NAME.bad. A name that the system finds too long, with those endings, is a kDeviceError.
 class FileStore final : public Store {
  public:
-  static constexpr std::size_t kMostName = 250;
-
-  // Only the first kMostName bytes of the name are used. Opens nothing.
-  explicit FileStore(std::string_view name) noexcept;
+  // Opens nothing; alone of all allocates.
+  explicit FileStore(std::string name);
 
   Result<std::size_t> load(std::span<std::byte> space) noexcept override;
   Status save(std::span<const std::byte> bytes) noexcept override;
   Status set_aside() noexcept override;
 
  private:
-  using Name = std::array<char, kMostName + 5>;  // with an ending and 0
-
   Status write_new(std::span<const std::byte> bytes) const noexcept;
 
-  Name name_{};
-  Name new_{};
-  Name bad_{};
-  Name folder_{};
+  std::string name_;
+  std::string new_;
+  std::string bad_;
+  std::string folder_;
 };
 
 }  // namespace stof::hal::linux

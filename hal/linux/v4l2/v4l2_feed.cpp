@@ -30,16 +30,16 @@ Status V4l2Feed::drain(int room) noexcept {
       break;
     }
     if (status == Status::kCorrupt) {
-      damaged_ = place(buffer).exposure;
+      damaged_ = match(buffer).exposure;
       result = status;
     } else if (room == 0) {
       device_.release(buffer);
     } else {
       keep_newest(room - 1);
-      waiting_[static_cast<std::size_t>(count_++)] = place(buffer);
+      waiting_[static_cast<std::size_t>(count_++)] = match(buffer);
     }
   }
-  if (placer_.hopeless()) {
+  if (matcher_.hopeless()) {
     device_.lose();
     return Status::kDeviceLost;
   }
@@ -58,7 +58,7 @@ void V4l2Feed::drop_all() noexcept { keep_newest(0); }
 
 void V4l2Feed::forget() noexcept {
   drop_all();
-  placer_.forget();
+  matcher_.forget();
 }
 
 void V4l2Feed::keep_newest(int room) noexcept {
@@ -67,12 +67,12 @@ void V4l2Feed::keep_newest(int room) noexcept {
   }
 }
 
-V4l2Arrival V4l2Feed::place(V4l2Buffer buffer) noexcept {
+V4l2Arrival V4l2Feed::match(V4l2Buffer buffer) noexcept {
   if (buffer.stamp - clock_.now() > kAges) {
     buffer.stamp = ClockOffset(CLOCK_REALTIME).to_monotonic(buffer.stamp.time_since_epoch());
   }
-  const Placed placed = placer_.place(buffer.stamp, buffer.sequence);
-  return {.buffer = buffer, .exposure = placed.exposure, .placed = placed.sure};
+  const MatchedExposure matched = matcher_.match(buffer.stamp, buffer.sequence);
+  return {.buffer = buffer, .exposure = matched.exposure, .matched = matched.sure};
 }
 
 void wait_for_any(V4l2Calls& calls, std::span<V4l2Feed* const> feeds, Duration timeout) noexcept {

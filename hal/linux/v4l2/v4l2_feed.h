@@ -5,8 +5,8 @@
 #include <span>
 
 #include "hal/clock.h"
+#include "hal/linux/camera/exposure_matcher.h"
 #include "hal/linux/camera/exposures.h"
-#include "hal/linux/camera/placer.h"
 #include "hal/linux/v4l2/v4l2_device.h"
 
 namespace stof::hal::linux {
@@ -14,8 +14,8 @@ namespace stof::hal::linux {
 // A picture and the exposure behind it.
 struct V4l2Arrival {
   V4l2Buffer buffer;
-  Exposure exposure;    // both ends are the stamp where it is not placed
-  bool placed = false;  // Placer is sure of the exposure
+  Exposure exposure;     // both ends are the stamp where it is not matched
+  bool matched = false;  // ExposureMatcher is sure of the exposure
 };
 
 // The pictures of one device that have come and wait for being handed out, the oldest first, each
@@ -24,12 +24,12 @@ class V4l2Feed {
  public:
   static constexpr int kMostWaiting = 4;
 
-  // `exposures` and `most_delay` as Placer's.
+  // `exposures` and `most_delay` as ExposureMatcher's.
   // Stamps that are ages ahead of `clock` are of CLOCK_REALTIME (uvcvideo's module option `clock`),
   // whatever the driver says, and are converted. `clock` outlives the feed.
   V4l2Feed(V4l2Calls& calls, hal::Clock& clock, V4l2Options options, Exposures& exposures,
            Duration most_delay)
-      : device_(calls, std::move(options)), clock_(clock), placer_(exposures, most_delay) {}
+      : device_(calls, std::move(options)), clock_(clock), matcher_(exposures, most_delay) {}
 
   V4l2Device& device() noexcept { return device_; }
   const V4l2Device& device() const noexcept { return device_; }
@@ -50,12 +50,12 @@ class V4l2Feed {
   const Exposure& damaged() const noexcept { return damaged_; }
 
  private:
-  V4l2Arrival place(V4l2Buffer buffer) noexcept;
+  V4l2Arrival match(V4l2Buffer buffer) noexcept;
   void keep_newest(int room) noexcept;
 
   V4l2Device device_;
   hal::Clock& clock_;
-  Placer placer_;
+  ExposureMatcher matcher_;
   std::array<V4l2Arrival, kMostWaiting> waiting_{};
   int count_ = 0;
   Exposure damaged_{};

@@ -105,7 +105,7 @@ Lease<PmdFrame> V4l2Pmd::hand_out() noexcept {
 std::array<Exposure, 4> V4l2Pmd::quarters(const V4l2Arrival& arrival) const noexcept {
   const Time begin = arrival.exposure.begin;
   Duration whole = arrival.exposure.end - begin;
-  if (arrival.placed && options_.integration > Duration::zero()) {
+  if (arrival.matched && options_.integration > Duration::zero()) {
     whole = options_.integration;
   }
   std::array<Exposure, 4> parts;

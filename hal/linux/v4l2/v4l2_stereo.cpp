@@ -144,8 +144,8 @@ bool V4l2Stereo::match() noexcept {
     if (together(*left, *right)) {
       return true;
     }
-    if (left->placed != right->placed) {
-      drop(left->placed ? 1 : 0);
+    if (left->matched != right->matched) {
+      drop(left->matched ? 1 : 0);
     } else {
       drop(left->exposure.begin < right->exposure.begin ? 0 : 1);
     }
@@ -153,11 +153,11 @@ bool V4l2Stereo::match() noexcept {
 }
 
 bool V4l2Stereo::together(const V4l2Arrival& left, const V4l2Arrival& right) const noexcept {
-  if (left.placed && right.placed) {
+  if (left.matched && right.matched) {
     return left.exposure.begin < right.exposure.end && right.exposure.begin < left.exposure.end;
   }
   const Duration apart = left.exposure.begin - right.exposure.begin;
-  return left.placed == right.placed && apart <= options_.most_delay &&
+  return left.matched == right.matched && apart <= options_.most_delay &&
          apart >= -options_.most_delay;
 }
 
@@ -165,8 +165,8 @@ void V4l2Stereo::drop(std::size_t side) noexcept {
   const V4l2Arrival gone = feeds_[side]->take();
   feeds_[side]->device().release(gone.buffer);
   ++counters_.unpaired;
-  if (!gone.placed) {
-    ++counters_.unplaced;
+  if (!gone.matched) {
+    ++counters_.unmatched;
   }
 }
 

@@ -40,7 +40,7 @@ struct V4l2StereoCounters {
   std::array<V4l2Counters, 2> devices;  // left and right
   std::uint64_t frames = 0;             // handed out
   std::uint64_t unpaired = 0;           // pictures dropped because the other view's never came
-  std::uint64_t unplaced = 0;           // of these, such as no exposure was found for
+  std::uint64_t unmatched = 0;          // of these, such as no exposure was found for
 };
 
 // Two V4L2 cameras on one trigger, or one that gives both views side by side. Pictures are matched

@@ -56,11 +56,6 @@ struct Observation {
 // The usable readings, pixel by pixel.
 std::vector<Observation> observations(const WallData& data, bool phase_falls);
 
-// Sign of the phase, offset and, where asked for, stray light of a camera of which nothing is
-// known: A ~ exposure / D^2 makes I + jQ linear in both. `phase_falls` is decided where
-// `sign_known` is false.
-void guess(const WallData& data, bool sign_known, bool stray, PmdModel& model);
-
 // Levenberg-Marquardt from `begin`, Huber's weights. Each pixel's pattern is eliminated from the
 // normal equations. What the walls do not tell stays small: weak priors on scale and harmonics,
 // and on the pattern one of the size that the pattern turns out to have.

@@ -1,10 +1,10 @@
+#include "host/calibrate/fit/pmd_guess.h"
+
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include <Eigen/Dense>
-
-#include "host/calibrate/fit/pmd_fit.h"
 
 namespace stof::host {
 namespace {

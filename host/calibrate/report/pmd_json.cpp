@@ -1,8 +1,8 @@
+#include "host/calibrate/report/pmd_json.h"
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
-
-#include "host/calibrate/report/pmd_report.h"
 
 namespace stof::host {
 namespace {

@@ -1,10 +1,12 @@
+#include "host/calibrate/report/pmd_plots.h"
+
 #include <cmath>
 #include <complex>
 #include <limits>
 #include <numbers>
 
-#include "host/calibrate/report/pmd_report.h"
 #include "host/picture/plot/plot.h"
+#include "host/picture/plot/plot_map.h"
 
 namespace stof::host {
 namespace {

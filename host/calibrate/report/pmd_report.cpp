@@ -1,10 +1,9 @@
 #include "host/calibrate/report/pmd_report.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
+
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -12,25 +11,6 @@ namespace {
 constexpr double kMm = 1000;
 constexpr double kCm = 100;
 constexpr double kPercent = 100;
-
-[[gnu::format(printf, 2, 3)]] void say(std::string& text, const char* format, ...) {
-  std::array<char, 512> line{};
-  va_list values;  // NOLINT(cppcoreguidelines-init-variables): va_start does
-  va_start(values, format);
-  std::vsnprintf(line.data(), line.size(), format, values);
-  va_end(values);
-  text += line.data();
-}
-
-std::string cell(double value, int width, int decimals) {
-  std::array<char, 64> text{};
-  if (std::isfinite(value)) {
-    std::snprintf(text.data(), text.size(), "%*.*f", width, decimals, value);
-  } else {
-    std::snprintf(text.data(), text.size(), "%*s", width, "-");
-  }
-  return text.data();
-}
 
 const char* name_of(Frames frames) {
   switch (frames) {
@@ -44,23 +24,25 @@ const char* name_of(Frames frames) {
 }
 
 void add_table(const PmdReport& report, const PmdCalibration& calibration, std::string& text) {
-  say(text, "%7s  %17s  %17s  %6s  %24s\n", "", "straight line", "calibrated", "", "sigma, cm");
-  say(text, "%7s  %8s %8s  %8s %8s  %6s  %8s %7s %7s  %s\n", "z, m", "mm", "%", "mm", "%", "valid",
-      "measured", "model", "eq. 15", "recording");
+  text +=
+      printed("%7s  %17s  %17s  %6s  %24s\n", "", "straight line", "calibrated", "", "sigma, cm");
+  text += printed("%7s  %8s %8s  %8s %8s  %6s  %8s %7s %7s  %s\n", "z, m", "mm", "%", "mm", "%",
+                  "valid", "measured", "model", "eq. 15", "recording");
   for (const WallRow& row : report.rows) {
     const WallScore& score = row.score;
     const double polynomial =
         calibration.sigma ? sigma_at(*calibration.sigma, row.z_m) * kCm : std::nan("");
-    say(text, "%7.3f  %s %s  %s %s  %s  %s %s %s  %s", row.z_m,
-        cell(row.line_error_m * kMm, 8, 1).c_str(),
-        cell(row.line_error_m / row.z_m * kPercent, 8, 3).c_str(),
-        cell(score.error_m * kMm, 8, 1).c_str(),
-        cell(score.error_m / row.z_m * kPercent, 8, 3).c_str(),
-        cell(score.valid * kPercent, 5, 0).c_str(), cell(score.spread_m * kCm, 9, 2).c_str(),
-        cell(score.predicted_m * kCm, 7, 2).c_str(), cell(polynomial, 7, 2).c_str(),
-        row.name.c_str());
+    text += printed("%7.3f  %s %s  %s %s  %s  %s %s %s  %s", row.z_m,
+                    cell(row.line_error_m * kMm, 8, 1).c_str(),
+                    cell(row.line_error_m / row.z_m * kPercent, 8, 3).c_str(),
+                    cell(score.error_m * kMm, 8, 1).c_str(),
+                    cell(score.error_m / row.z_m * kPercent, 8, 3).c_str(),
+                    cell(score.valid * kPercent, 5, 0).c_str(),
+                    cell(score.spread_m * kCm, 9, 2).c_str(),
+                    cell(score.predicted_m * kCm, 7, 2).c_str(), cell(polynomial, 7, 2).c_str(),
+                    row.name.c_str());
     if (row.exposure != 1) {
-      say(text, " (%.3g of the integration time)", row.exposure);
+      text += printed(" (%.3g of the integration time)", row.exposure);
     }
     text += '\n';
   }
@@ -71,9 +53,9 @@ void add_line(const PmdCalibration& calibration, std::string& text) {
     return;
   }
   const LineFit& line = *calibration.line;
-  say(text, "straight line   z = %.5f d %+.4f m; at worst %.2f %% of walls from %.2f m on\n",
-      line.a, line.b_m, line.worst_relative * kPercent, line.from_m);
-  say(text,
+  text += printed("straight line   z = %.5f d %+.4f m; at worst %.2f %% of walls from %.2f m on\n",
+                  line.a, line.b_m, line.worst_relative * kPercent, line.from_m);
+  text += printed(
       "                z[cm] = %.4f phi + %.1f, phi in counts of 138.7 a turn, falling "
       "(the chapter: -5.4022 phi + 672.5)\n",
       line.slope_cm, line.intercept_cm);
@@ -86,7 +68,7 @@ void add_wiggling(const PmdCalibration& calibration, std::string& text) {
     most =
         std::max(most, std::abs(model.wiggling.at(static_cast<double>(i) / dsp::kWigglingSteps)));
   }
-  say(text, "wiggling        up to %.1f mm", most * model.turn_m * kMm);
+  text += printed("wiggling        up to %.1f mm", most * model.turn_m * kMm);
   if (!calibration.parts.wiggling) {
     text += ", kept\n";
     return;
@@ -94,12 +76,13 @@ void add_wiggling(const PmdCalibration& calibration, std::string& text) {
   text += "; harmonics, mm:";
   for (std::size_t h = 0; h < model.wiggling.sine.size(); ++h) {
     const double size = std::hypot(model.wiggling.cosine[h], model.wiggling.sine[h]);
-    say(text, " %.1f", size * model.turn_m * kMm);
+    text += printed(" %.1f", size * model.turn_m * kMm);
   }
-  say(text, "\n                phases are known but for %.0f %% of a turn in one piece%s\n",
-      calibration.widest_gap * kPercent,
-      calibration.widest_gap > 0.2 ? ": record walls between, or do not rely on what lies there"
-                                   : "");
+  text += printed("\n                phases are known but for %.0f %% of a turn in one piece%s\n",
+                  calibration.widest_gap * kPercent,
+                  calibration.widest_gap > 0.2
+                      ? ": record walls between, or do not rely on what lies there"
+                      : "");
 }
 
 void add_pattern(const PmdCalibration& calibration, std::string& text) {
@@ -114,9 +97,9 @@ void add_pattern(const PmdCalibration& calibration, std::string& text) {
   }
   const double unit = calibration.model.turn_m * kMm;
   const auto [least, most] = std::ranges::minmax(pattern);
-  say(text, "fixed pattern   rms %.2f mm, %.1f to %.1f mm%s\n",
-      std::sqrt(squares / static_cast<double>(pattern.size())) * unit, least * unit, most * unit,
-      calibration.parts.pattern ? "" : ", kept");
+  text += printed("fixed pattern   rms %.2f mm, %.1f to %.1f mm%s\n",
+                  std::sqrt(squares / static_cast<double>(pattern.size())) * unit, least * unit,
+                  most * unit, calibration.parts.pattern ? "" : ", kept");
 }
 
 void add_stray(const PmdCalibration& calibration, std::string& text) {
@@ -124,7 +107,7 @@ void add_stray(const PmdCalibration& calibration, std::string& text) {
   const bool seen =
       stray.verdict == StrayVerdict::kCorrected || stray.verdict == StrayVerdict::kSuspected;
   if (seen) {
-    say(text,
+    text += printed(
         "stray light suspected: I %.1f, Q %.1f LSB (+- %.1f), as of a surface at %.2f m;\n"
         "                it explains %.1f %% of the misfit; %s\n",
         stray.estimate.real(), stray.estimate.imag(), stray.sigma, stray.apparent_m,
@@ -133,8 +116,8 @@ void add_stray(const PmdCalibration& calibration, std::string& text) {
             ? "subtracted from now on"
             : "NOT subtracted: distances are wrong, fit it too");
   } else if (calibration.model.stray != 0.0) {
-    say(text, "stray light     I %.1f, Q %.1f LSB, kept\n", calibration.model.stray.real(),
-        calibration.model.stray.imag());
+    text += printed("stray light     I %.1f, Q %.1f LSB, kept\n", calibration.model.stray.real(),
+                    calibration.model.stray.imag());
   } else {
     text += stray.verdict == StrayVerdict::kNone
                 ? "stray light     none to be seen\n"
@@ -144,9 +127,9 @@ void add_stray(const PmdCalibration& calibration, std::string& text) {
 
 void add_lights(const PmdCalibration& calibration, std::string& text) {
   const std::vector<dsp::Emitter>& lights = calibration.model.emitters;
-  say(text, "lights          %s", lights.empty() ? "at the lens" : "");
+  text += printed("lights          %s", lights.empty() ? "at the lens" : "");
   for (const dsp::Emitter& e : lights) {
-    say(text, "(%.3f, %.3f, %.3f) ", e[0], e[1], e[2]);
+    text += printed("(%.3f, %.3f, %.3f) ", e[0], e[1], e[2]);
   }
   if (!lights.empty()) {
     text += calibration.parts.emitter ? "m, estimated" : "m, as given";
@@ -156,13 +139,13 @@ void add_lights(const PmdCalibration& calibration, std::string& text) {
 
 void add_noise(const PmdCalibration& calibration, std::string& text) {
   const SampleNoise& noise = calibration.noise;
-  say(text,
+  text += printed(
       "noise           %.1f electrons per LSB, %.2f LSB without light, suppressed light %.0f "
       "LSB%s\n",
       noise.electrons_per_lsb, noise.noise_lsb, noise.suppressed_lsb,
       calibration.noise_fitted ? "" : " (not measured: as before)");
   if (calibration.sigma) {
-    say(text,
+    text += printed(
         "                eq. 15: sigma = %.4f %+.6f z %+.3e z^2, cm (the chapter at 1, 2, 3, 4 m: "
         "0.52, 1.62, 3.28, 5.48)\n",
         calibration.sigma->a, calibration.sigma->b, calibration.sigma->c);
@@ -206,28 +189,30 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
 std::string report_text(const PmdReport& report, const PmdCalibration& calibration) {
   const dsp::PmdSensor& sensor = calibration.sensor;
   std::string text;
-  say(text, "%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
-      report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
-      sensor.tone.modulation.value / 1e6, name_of(report.fitted), name_of(report.judged));
+  text +=
+      printed("%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
+              report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
+              sensor.tone.modulation.value / 1e6, name_of(report.fitted), name_of(report.judged));
   text += "Z in the middle of the picture, mean over pixels and frames, less the wall's:\n\n";
   add_table(report, calibration, text);
-  say(text, "\ncalibrated      at worst %.3f %% of walls from %.1f m on\n",
-      report.worst_relative * kPercent, kLineFromM);
+  text += printed("\ncalibrated      at worst %.3f %% of walls from %.1f m on\n",
+                  report.worst_relative * kPercent, kLineFromM);
   add_line(calibration, text);
-  say(text, "phase           %s with distance; offset %.1f mm%s; scale %.5f%s\n",
-      calibration.model.phase_falls ? "falls" : "rises",
-      calibration.model.offset * calibration.model.turn_m * kMm,
-      calibration.parts.offset ? "" : ", kept", calibration.model.scale,
-      calibration.parts.scale ? "" : " (the walls ask for no other)");
+  text += printed("phase           %s with distance; offset %.1f mm%s; scale %.5f%s\n",
+                  calibration.model.phase_falls ? "falls" : "rises",
+                  calibration.model.offset * calibration.model.turn_m * kMm,
+                  calibration.parts.offset ? "" : ", kept", calibration.model.scale,
+                  calibration.parts.scale ? "" : " (the walls ask for no other)");
   add_wiggling(calibration, text);
   add_pattern(calibration, text);
   add_stray(calibration, text);
   add_lights(calibration, text);
   add_noise(calibration, text);
-  say(text, "white           a white surface at 1 m has amplitude %.0f LSB\n", sensor.white_lsb);
-  say(text, "misfit          %.2f standard deviations of %zu readings%s\n", calibration.misfit,
-      calibration.readings,
-      calibration.misfit > 2 ? ": the model does not explain these walls" : "");
+  text +=
+      printed("white           a white surface at 1 m has amplitude %.0f LSB\n", sensor.white_lsb);
+  text += printed("misfit          %.2f standard deviations of %zu readings%s\n",
+                  calibration.misfit, calibration.readings,
+                  calibration.misfit > 2 ? ": the model does not explain these walls" : "");
   return text;
 }
 

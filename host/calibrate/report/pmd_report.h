@@ -8,7 +8,7 @@
 #include "host/calibrate/pmd_judge.h"
 #include "host/calibrate/walls/wall_folder.h"
 
-// What a calibration is worth, for people (text, pictures) and for programs (JSON).
+// What a calibration is worth.
 namespace stof::host {
 
 struct WallRow {
@@ -32,12 +32,5 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
                                        const PmdCalibration& calibration);
 
 std::string report_text(const PmdReport& report, const PmdCalibration& calibration);
-std::string report_json(const PmdReport& report, const PmdCalibration& calibration);
-
-// residual.png, wiggling.png, sigma.png and, where there is one, pattern.png into a folder that
-// exists.
-std::expected<void, dataset::Problem> write_plots(const std::filesystem::path& folder,
-                                                  const PmdReport& report,
-                                                  const PmdCalibration& calibration);
 
 }  // namespace stof::host

@@ -1,9 +1,7 @@
 #include "host/cli/evaluate/evaluate.h"
 
-#include <array>
-#include <cstdio>
-
 #include "host/cli/exit.h"
+#include "host/text/printed.h"
 #include "lab/match_options.h"
 
 namespace stof::host {
@@ -50,13 +48,7 @@ void make_folder(const std::filesystem::path& folder) {
 }
 
 std::string percent_text(std::optional<double> share, int columns) {
-  std::array<char, 64> text{};
-  if (share) {
-    std::snprintf(text.data(), text.size(), "%*.2f", columns, 100 * *share);
-  } else {
-    std::snprintf(text.data(), text.size(), "%*s", columns, "-");
-  }
-  return text.data();
+  return share ? printed("%*.2f", columns, 100 * *share) : printed("%*s", columns, "-");
 }
 
 }  // namespace stof::host

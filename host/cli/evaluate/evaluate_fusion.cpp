@@ -1,7 +1,8 @@
+#include "host/cli/evaluate/evaluate_fusion.h"
+
 #include <cmath>
 #include <set>
 
-#include "host/cli/evaluate/evaluate.h"
 #include "host/cli/evaluate/fusion_print.h"
 #include "host/cli/exit.h"
 #include "host/evaluate/fusion/fusion_case.h"

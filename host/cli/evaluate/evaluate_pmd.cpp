@@ -4,6 +4,8 @@
 
 #include "host/cli/exit.h"
 #include "host/evaluate/pmd/figures.h"
+#include "host/evaluate/pmd/print/json.h"
+#include "host/evaluate/pmd/print/text.h"
 #include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {

@@ -1,10 +1,11 @@
+#include "host/cli/evaluate/evaluate_stereo.h"
+
 #include <algorithm>
 #include <cstdio>
 #include <set>
 
 #include <nlohmann/json.hpp>
 
-#include "host/cli/evaluate/evaluate.h"
 #include "host/cli/exit.h"
 #include "host/evaluate/stereo/disparity_score.h"
 

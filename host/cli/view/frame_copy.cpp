@@ -79,7 +79,7 @@ std::string write_others(const std::filesystem::path& folder,
 
 }  // namespace
 
-void KeptFrame::keep(const client::Frame& frame) {
+void FrameCopy::keep(const client::Frame& frame) {
   copy(frame.depth, depth_);
   copy(frame.width, width_);
   copy(frame.source, source_);
@@ -99,7 +99,7 @@ void KeptFrame::keep(const client::Frame& frame) {
             .last_packet = frame.last_packet};
 }
 
-client::Frame KeptFrame::frame() const {
+client::Frame FrameCopy::frame() const {
   client::Frame frame = frame_;
   frame.depth = view(depth_);
   frame.width = view(width_);
@@ -111,7 +111,7 @@ client::Frame KeptFrame::frame() const {
   return frame;
 }
 
-DepthPlanes KeptFrame::planes() const {
+DepthPlanes FrameCopy::planes() const {
   if (width_.pixels.empty()) {
     const dataset::Image<dsp::QuarterMm> exact(depth_.width, depth_.height);
     return to_metres(depth_.view(), exact.view());
@@ -119,7 +119,7 @@ DepthPlanes KeptFrame::planes() const {
   return to_metres(depth_.view(), width_.view());
 }
 
-std::string KeptFrame::write(const std::filesystem::path& folder, const ColourScale& scale) const {
+std::string FrameCopy::write(const std::filesystem::path& folder, const ColourScale& scale) const {
   make_folder(folder);
   const std::string what =
       " of frame " + std::to_string(frame_.stamp.number) + ", made from received packets only";

@@ -9,7 +9,7 @@ namespace stof::host {
 
 // A copy of a received frame that outlives the receiver's views; without the raw samples and the
 // cloud.
-class KeptFrame {
+class FrameCopy {
  public:
   void keep(const client::Frame& frame);
   bool empty() const noexcept { return frame_.packets == 0; }

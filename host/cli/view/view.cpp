@@ -173,8 +173,8 @@ class View {
   const ViewOptions& options_;
   client::Receiver& receiver_;
   ViewMeter meter_;
-  KeptFrame whole_;   // the newest complete frame
-  KeptFrame newest_;  // the newest incomplete one
+  FrameCopy whole_;   // the newest complete frame
+  FrameCopy newest_;  // the newest incomplete one
   std::optional<dataset::Image<float>> truth_;
   std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;

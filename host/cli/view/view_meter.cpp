@@ -1,33 +1,21 @@
 #include "host/cli/view/view_meter.h"
 
-#include <array>
-#include <cstdarg>
-#include <cstdio>
 #include <numbers>
 #include <utility>
 
 #include "host/evaluate/stereo/median.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-// clang-format off
-[[gnu::format(printf, 1, 2)]] std::string text(const char* format, ...) {
-  // clang-format on
-  std::array<char, 160> buffer{};
-  std::va_list arguments;
-  va_start(arguments, format);
-  std::vsnprintf(buffer.data(), buffer.size(), format, arguments);
-  va_end(arguments);
-  return buffer.data();
-}
 
 double seconds(client::Duration duration) {
   return std::chrono::duration<double>(duration).count();
 }
 
 std::string error_text(const DepthScore& score) {
-  return text(", error %.1f mm median, E5 %.3f", 1000 * score.median_error_m.value_or(0), score.e5);
+  return printed(", error %.1f mm median, E5 %.3f", 1000 * score.median_error_m.value_or(0),
+                 score.e5);
 }
 
 }  // namespace
@@ -67,8 +55,8 @@ std::string drift_text(const wire::FrameInfo& info) {
   for (std::size_t i = 0; i < kUnits.size(); ++i) {
     const wire::DriftReading& drift = info.drifts[i];
     if (wire::significant(info, i)) {
-      all += text("%s %s %.3f +- %.3f %s", all.empty() ? "" : ",", kUnits[i].name,
-                  drift.value * kUnits[i].scale, drift.sigma * kUnits[i].scale, kUnits[i].unit);
+      all += printed("%s %s %.3f +- %.3f %s", all.empty() ? "" : ",", kUnits[i].name,
+                     drift.value * kUnits[i].scale, drift.sigma * kUnits[i].scale, kUnits[i].unit);
     }
   }
   return all.empty() ? all : ", drift:" + all + ": calibrate the rig anew";
@@ -98,22 +86,23 @@ double ViewMeter::rate() const {
 
 std::string ViewMeter::line(client::Time now, const client::Statistics& statistics,
                             const std::optional<DepthScore>& score) {
-  std::string result = text("%6.1f s  %5.1f frames/s", seconds(now - began_.value_or(now)), rate());
+  std::string result =
+      printed("%6.1f s  %5.1f frames/s", seconds(now - began_.value_or(now)), rate());
   if (!latencies_ms_.empty()) {
-    result += text(", latency %.1f / %.1f ms (p50 / p99)", *percentile(latencies_ms_, 0.50),
-                   *percentile(latencies_ms_, 0.99));
+    result += printed(", latency %.1f / %.1f ms (p50 / p99)", *percentile(latencies_ms_, 0.50),
+                      *percentile(latencies_ms_, 0.99));
   }
   if (frames_ > 0) {
-    result += text(", coverage %.1f %%", 100 * coverage_ / static_cast<double>(frames_));
+    result += printed(", coverage %.1f %%", 100 * coverage_ / static_cast<double>(frames_));
   }
   if (score) {
     result += error_text(*score);
   }
-  result += text(", lost %llu packets %llu frames",
-                 static_cast<unsigned long long>(statistics.packets_missing),
-                 static_cast<unsigned long long>(statistics.frames_lost));
+  result += printed(", lost %llu packets %llu frames",
+                    static_cast<unsigned long long>(statistics.packets_missing),
+                    static_cast<unsigned long long>(statistics.frames_lost));
   if (statistics.recovered != 0) {
-    result += text(", recovered %llu", static_cast<unsigned long long>(statistics.recovered));
+    result += printed(", recovered %llu", static_cast<unsigned long long>(statistics.recovered));
   }
   result += drift_;
   since_ = now;
@@ -128,12 +117,12 @@ std::string ViewMeter::line(client::Time now, const client::Statistics& statisti
 std::string summary_line(const client::Statistics& statistics) {
   const std::uint64_t received = statistics.frames_complete + statistics.frames_incomplete;
   std::string result =
-      text("%llu frames received, %llu verified whole (every packet there, every CRC right), ",
-           static_cast<unsigned long long>(received),
-           static_cast<unsigned long long>(statistics.frames_complete));
+      printed("%llu frames received, %llu verified whole (every packet there, every CRC right), ",
+              static_cast<unsigned long long>(received),
+              static_cast<unsigned long long>(statistics.frames_complete));
   if (statistics.recovered != 0) {
-    result += text("%llu packets made of parity, ",
-                   static_cast<unsigned long long>(statistics.recovered));
+    result += printed("%llu packets made of parity, ",
+                      static_cast<unsigned long long>(statistics.recovered));
   }
   const std::pair<std::uint64_t, const char*> causes[] = {
       {statistics.packets_missing, "packets missing"},

@@ -8,7 +8,7 @@
 
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
-#include "host/client/udp_socket.h"
+#include "host/client/sensor_socket.h"
 
 namespace stof::client {
 namespace {
@@ -17,7 +17,7 @@ constexpr Duration kBusyPause = std::chrono::milliseconds(50);
 
 class UdpTransport final : public ControlTransport {
  public:
-  explicit UdpTransport(std::unique_ptr<UdpSocket> socket) : socket_(std::move(socket)) {}
+  explicit UdpTransport(std::unique_ptr<SensorSocket> socket) : socket_(std::move(socket)) {}
 
   Status send(std::span<const std::byte> packet) override { return socket_->send(packet); }
 
@@ -46,7 +46,7 @@ class UdpTransport final : public ControlTransport {
   std::string place() const override { return socket_->place(); }
 
  private:
-  std::unique_ptr<UdpSocket> socket_;
+  std::unique_ptr<SensorSocket> socket_;
   std::size_t read_ = 0;
   std::size_t next_ = 0;
 };
@@ -56,7 +56,7 @@ class UdpTransport final : public ControlTransport {
 std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
     std::string_view sensor) {
   constexpr int kBuffer = 1 << 16;
-  auto socket = UdpSocket::connect(sensor, kBuffer);
+  auto socket = SensorSocket::connect(sensor, kBuffer);
   if (!socket) {
     return std::unexpected(std::move(socket.error()));
   }

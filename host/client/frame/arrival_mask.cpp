@@ -4,7 +4,7 @@
 
 namespace stof::client {
 
-bool Sheet::fits(const wire::Header& header) {
+bool ArrivalMask::fits(const wire::Header& header) {
   if (!open()) {
     columns_ = header.image_width;
     rows_ = header.image_height;
@@ -13,7 +13,7 @@ bool Sheet::fits(const wire::Header& header) {
   return open() && header.image_width == columns_ && header.image_height == rows_;
 }
 
-bool Sheet::vacant(std::size_t first, std::size_t count, std::uint8_t bit) const noexcept {
+bool ArrivalMask::vacant(std::size_t first, std::size_t count, std::uint8_t bit) const noexcept {
   std::uint8_t seen = 0;
   for (const std::uint8_t mark : std::span(marks_).subspan(first, count)) {
     seen |= mark;
@@ -21,7 +21,7 @@ bool Sheet::vacant(std::size_t first, std::size_t count, std::uint8_t bit) const
   return (seen & bit) == 0;
 }
 
-void Sheet::mark(std::size_t first, std::size_t count, std::uint8_t bit) noexcept {
+void ArrivalMask::mark(std::size_t first, std::size_t count, std::uint8_t bit) noexcept {
   for (std::uint8_t& mark : std::span(marks_).subspan(first, count)) {
     mark |= bit;
   }

@@ -12,7 +12,7 @@ namespace stof::client {
 
 // The size of one or more streams' images, and which pixels of them have arrived: a byte a pixel,
 // a bit a stream. Keeps its memory from frame to frame.
-class Sheet {
+class ArrivalMask {
  public:
   // Forgets size and marks.
   void begin() noexcept {

@@ -9,7 +9,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
-#include "firmware/wire/frame/frame_info.h"
+#include "firmware/wire/frame_info.h"
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/packet.h"
 

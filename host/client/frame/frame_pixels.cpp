@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
 
 namespace stof::client {
 namespace {
@@ -56,7 +56,7 @@ std::span<T> room(std::vector<T>& image, std::size_t pixels, std::size_t first, 
 
 }  // namespace
 
-std::size_t FramePixels::sheet_of(Stream stream) noexcept {
+std::size_t FramePixels::mask_index_of(Stream stream) noexcept {
   const std::size_t index = index_of(stream);
   const std::size_t shared = index_of(Stream::kSource);
   return index <= shared ? 0 : index - shared;
@@ -64,12 +64,12 @@ std::size_t FramePixels::sheet_of(Stream stream) noexcept {
 
 bool FramePixels::present(Stream stream) const noexcept {
   const Layer& layer = layers_[index_of(stream)];
-  return layer.received != 0 || (layer.sent && sheet(stream).open());
+  return layer.received != 0 || (layer.sent && mask(stream).open());
 }
 
 void FramePixels::begin() noexcept {
-  for (Sheet& sheet : sheets_) {
-    sheet.begin();
+  for (ArrivalMask& mask : masks_) {
+    mask.begin();
   }
   layers_ = {};
 }
@@ -78,7 +78,7 @@ bool FramePixels::expect(const wire::Header& header, const wire::FrameInfo& info
   const bool map_sent = info.tiles[index_of(Stream::kDepth)] != 0 ||
                         info.tiles[index_of(Stream::kWidth)] != 0 ||
                         info.tiles[index_of(Stream::kSource)] != 0;
-  if (map_sent && !sheets_[0].fits(header)) {
+  if (map_sent && !masks_[0].fits(header)) {
     return false;
   }
   for (std::size_t i = 0; i < kStreams; ++i) {
@@ -92,21 +92,21 @@ Placed FramePixels::add(const wire::PacketView& tile) {
   if (wire::pixel_bytes(header.stream, header.codec) == 0) {
     return Placed::kIgnored;
   }
-  Sheet& sheet = sheets_[sheet_of(header.stream)];
-  const bool was_open = sheet.open();
-  if (!sheet.fits(header)) {
+  ArrivalMask& mask = masks_[mask_index_of(header.stream)];
+  const bool was_open = mask.open();
+  if (!mask.fits(header)) {
     return Placed::kContradicting;
   }
   const std::size_t first =
       std::size_t{header.first_row} * header.image_width + header.first_column;
   const std::uint8_t bit = mark_of(header.stream);
-  if (!sheet.vacant(first, header.pixel_count, bit) || !decode(tile, first, sheet.pixels())) {
+  if (!mask.vacant(first, header.pixel_count, bit) || !decode(tile, first, mask.pixels())) {
     if (!was_open) {
-      sheet.begin();
+      mask.begin();
     }
     return Placed::kContradicting;
   }
-  sheet.mark(first, header.pixel_count, bit);
+  mask.mark(first, header.pixel_count, bit);
   layers_[index_of(header.stream)].received += header.pixel_count;
   return Placed::kStored;
 }
@@ -177,12 +177,12 @@ bool FramePixels::decode_disparity(const wire::PacketView& tile, std::size_t fir
 
 template <typename T>
 void FramePixels::finish(Stream stream, std::vector<T>& image, const T& none) {
-  const Sheet& sheet = sheets_[sheet_of(stream)];
-  if (!present(stream) || layers_[index_of(stream)].received == sheet.pixels()) {
+  const ArrivalMask& mask = masks_[mask_index_of(stream)];
+  if (!present(stream) || layers_[index_of(stream)].received == mask.pixels()) {
     return;
   }
-  room(image, sheet.pixels(), 0, 0);
-  sheet.blank(image, mark_of(stream), none);
+  room(image, mask.pixels(), 0, 0);
+  mask.blank(image, mark_of(stream), none);
 }
 
 void FramePixels::finish() {
@@ -203,7 +203,7 @@ dsp::ImageView<const T> FramePixels::image(Stream stream,
   if (!present(stream)) {
     return {};
   }
-  return {pixels.data(), sheet(stream).columns(), sheet(stream).rows()};
+  return {pixels.data(), mask(stream).columns(), mask(stream).rows()};
 }
 
 void FramePixels::view(Frame& frame) const {
@@ -211,15 +211,15 @@ void FramePixels::view(Frame& frame) const {
   frame.width = image(Stream::kWidth, width_);
   frame.source = image(Stream::kSource, source_);
   frame.cause = image(Stream::kSource, cause_);
-  frame.received = sheets_[0].marks();
+  frame.received = masks_[0].marks();
   frame.disparity = image(Stream::kDisparity, disparity_);
   frame.left = image(Stream::kGreyLeft, left_);
   frame.right = image(Stream::kGreyRight, right_);
   frame.cloud = image(Stream::kCloud, cloud_);
   if (present(Stream::kPmdRaw)) {
-    const int columns = sheet(Stream::kPmdRaw).columns();
-    const int rows = sheet(Stream::kPmdRaw).rows() / static_cast<int>(kPmdSamples);
-    const std::size_t sample = sheet(Stream::kPmdRaw).pixels() / kPmdSamples;
+    const int columns = mask(Stream::kPmdRaw).columns();
+    const int rows = mask(Stream::kPmdRaw).rows() / static_cast<int>(kPmdSamples);
+    const std::size_t sample = mask(Stream::kPmdRaw).pixels() / kPmdSamples;
     for (std::size_t i = 0; i < kPmdSamples; ++i) {
       frame.pmd[i] = {std::span(pmd_).subspan(i * sample).data(), columns, rows};
     }
@@ -227,8 +227,8 @@ void FramePixels::view(Frame& frame) const {
   for (std::size_t i = 0; i < kStreams; ++i) {
     const auto stream = static_cast<Stream>(i + 1);
     if (present(stream)) {
-      frame.marks[i] = sheet(stream).marks();
-      frame.missing[i] = static_cast<std::uint32_t>(sheet(stream).pixels()) - layers_[i].received;
+      frame.marks[i] = mask(stream).marks();
+      frame.missing[i] = static_cast<std::uint32_t>(mask(stream).pixels()) - layers_[i].received;
     }
   }
 }

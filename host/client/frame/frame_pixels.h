@@ -41,15 +41,17 @@ class FramePixels {
   void view(Frame& frame) const;
 
  private:
-  static constexpr std::size_t kSheets = 6;  // depth, width and source share one
+  static constexpr std::size_t kMasks = 6;  // depth, width and source share one
 
   struct Layer {
     std::uint32_t received = 0;  // pixels
     bool sent = false;           // says frame info
   };
 
-  static std::size_t sheet_of(wire::Stream stream) noexcept;
-  const Sheet& sheet(wire::Stream stream) const noexcept { return sheets_[sheet_of(stream)]; }
+  static std::size_t mask_index_of(wire::Stream stream) noexcept;
+  const ArrivalMask& mask(wire::Stream stream) const noexcept {
+    return masks_[mask_index_of(stream)];
+  }
   bool present(wire::Stream stream) const noexcept;
   bool decode(const wire::PacketView& tile, std::size_t first, std::size_t pixels);
   bool decode_source(const wire::PacketView& tile, std::size_t first, std::size_t pixels);
@@ -59,7 +61,7 @@ class FramePixels {
   template <typename T>
   dsp::ImageView<const T> image(wire::Stream stream, const std::vector<T>& pixels) const noexcept;
 
-  std::array<Sheet, kSheets> sheets_;
+  std::array<ArrivalMask, kMasks> masks_;
   std::array<Layer, kStreams> layers_;
   std::vector<dsp::QuarterMm> depth_;
   std::vector<dsp::QuarterMm> width_;

@@ -47,4 +47,24 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
   return done;
 }
 
+std::vector<std::string> sensors_of(std::span<const FusionCase> cases) {
+  std::vector<std::string> sensors;
+  for (const FusionCase& fused : cases) {
+    if (std::ranges::find(sensors, fused.sensor()) == sensors.end()) {
+      sensors.push_back(fused.sensor());
+    }
+  }
+  return sensors;
+}
+
+FusionScores mean_of_sensor(std::span<const FusionCase> cases, const std::string& sensor) {
+  std::vector<FusionScores> scores;
+  for (const FusionCase& fused : cases) {
+    if (sensor.empty() || fused.sensor() == sensor) {
+      scores.push_back(fused.scores);
+    }
+  }
+  return mean_scores(scores);
+}
+
 }  // namespace stof::host

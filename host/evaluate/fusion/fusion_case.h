@@ -29,4 +29,9 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
                                             const MatchOptions& match,
                                             const FusionOptions& options);
 
+// "64x16", ... in the order they come.
+std::vector<std::string> sensors_of(std::span<const FusionCase> cases);
+// As mean_scores(); of all cases where `sensor` is empty.
+FusionScores mean_of_sensor(std::span<const FusionCase> cases, const std::string& sensor);
+
 }  // namespace stof::host

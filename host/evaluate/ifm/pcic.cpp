@@ -1,4 +1,4 @@
-#include "host/evaluate/ifm/frame_file.h"
+#include "host/evaluate/ifm/pcic.h"
 
 namespace stof::host {
 namespace {

@@ -5,8 +5,9 @@
 
 #include "host/evaluate/ifm/frame.h"
 #include "host/evaluate/pmd/edges.h"
+#include "host/evaluate/pmd/lights.h"
 #include "host/evaluate/pmd/phase.h"
-#include "host/evaluate/pmd/two_frequencies.h"
+#include "host/evaluate/pmd/tones.h"
 #include "host/evaluate/pmd/walls.h"
 
 // All figures of a folder of PMD recordings, by the appliance's own converter.
@@ -34,8 +35,5 @@ struct PmdEvaluation {
 
 // One line for input that is bad.
 dataset::Loaded<PmdEvaluation> evaluate_pmd(const PmdOptions& options);
-
-std::string pmd_text(const PmdEvaluation& evaluation);
-std::string pmd_json(const PmdEvaluation& evaluation);
 
 }  // namespace stof::host

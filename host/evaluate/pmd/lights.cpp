@@ -1,7 +1,10 @@
+#include "host/evaluate/pmd/lights.h"
+
 #include <algorithm>
 #include <cmath>
 
-#include "host/evaluate/pmd/walls.h"
+#include "host/calibrate/fit/pmd_model.h"
+#include "host/evaluate/pmd/recordings/truth.h"
 
 namespace stof::host {
 namespace {

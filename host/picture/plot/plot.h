@@ -6,7 +6,7 @@
 
 #include "host/picture/png.h"
 
-// Small diagrams for reports: lines and points over two axes, and maps of values.
+// Small diagrams for reports: lines and points over two axes.
 namespace stof::host {
 
 // Colours that differ for everybody (Okabe & Ito 2008).
@@ -44,10 +44,5 @@ dataset::Image<Rgb> plot_picture(const Plot& plot);
 // About `count` round numbers (1, 2 or 5 times a power of ten apart) that span low .. high from
 // within; low < high.
 std::vector<double> round_ticks(double low, double high, int count);
-
-// A map of values, blue below 0, red above, white at 0, with the scale beside it. Values that are
-// not finite are grey. Pixels are enlarged to whole squares.
-dataset::Image<Rgb> map_picture(const dataset::Image<float>& values, const std::string& title,
-                                const std::string& unit);
 
 }  // namespace stof::host

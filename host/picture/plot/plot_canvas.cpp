@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -60,9 +61,7 @@ void Canvas::stroke(const Area& area, std::array<double, 2> a, std::array<double
 
 std::string number_text(double value, double step) {
   const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", decimals, std::abs(value) < step / 2 ? 0 : value);
-  return text.data();
+  return printed("%.*f", decimals, std::abs(value) < step / 2 ? 0 : value);
 }
 
 }  // namespace stof::host

@@ -1,8 +1,9 @@
+#include "host/picture/plot/plot_map.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
-#include "host/picture/plot/plot.h"
 #include "host/picture/plot/plot_canvas.h"
 #include "host/picture/plot/plot_text.h"
 

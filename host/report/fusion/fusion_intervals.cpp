@@ -1,9 +1,10 @@
 // What intervals and geometry are worth, over all fused scenes.
+#include "host/report/fusion/fusion_intervals.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "host/picture/plot/plot.h"
-#include "host/report/fusion/fusion_page.h"
 
 namespace stof::host {
 namespace {
@@ -75,8 +76,7 @@ void add_fusion_intervals(std::span<const FusionCase> cases, Page& page) {
       .caption = "Published intervals of the fused depth; shares in percent",
       .header = {"Scene", "PMD camera", "median width, mm", "of the depth", "hold the truth",
                  "narrowest quarter", "second", "third", "widest quarter"},
-      .text_columns = 2,
-      .rows = {}};
+      .text_columns = 2};
   int honest = 0;
   double least = 1;
   for (const FusionCase& fused : cases) {
@@ -112,8 +112,7 @@ void add_fusion_geometry(std::span<const FusionCase> cases, Page& page) {
               .header = {"Scene", "PMD camera", "stereo alone", "PMD alone, scaled",
                          "PMD alone, full geometry", "fused, scaled",
                          "fused, full geometry, interval rule", "fused, the appliance"},
-              .text_columns = 2,
-              .rows = {}};
+              .text_columns = 2};
   const auto row = [&table](const std::string& name, const std::string& sensor,
                             const FusionScores& scores) {
     table.rows.push_back({name, sensor, percent(scores.stereo.e5), percent(scores.chapter_pmd->e5),

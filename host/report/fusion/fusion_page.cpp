@@ -1,29 +1,13 @@
 #include "host/report/fusion/fusion_page.h"
 
 #include <algorithm>
-#include <fstream>
 
 #include "host/report/fusion/fusion_figures.h"
+#include "host/report/fusion/fusion_intervals.h"
+#include "host/report/fusion/fusion_summary.h"
 
 namespace stof::host {
 namespace {
-
-std::expected<void, dataset::Problem> write(const std::filesystem::path& file,
-                                            const std::string& text) {
-  std::error_code error;
-  if (file.has_parent_path()) {
-    std::filesystem::create_directories(file.parent_path(), error);
-  }
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream << text;
-  stream.close();
-  if (!stream) {
-    return std::unexpected(dataset::Problem{
-        file.string() +
-        ": cannot be written: check the folder, its permissions and the free space"});
-  }
-  return {};
-}
 
 // Recordings of one pair by several PMD cameras stand together.
 bool same_pair(const FusionCase& a, const FusionCase& b) {
@@ -56,26 +40,6 @@ std::vector<std::string> lead(std::span<const FusionCase> cases, const std::stri
 
 }  // namespace
 
-std::vector<std::string> sensors_of(std::span<const FusionCase> cases) {
-  std::vector<std::string> sensors;
-  for (const FusionCase& fused : cases) {
-    if (std::ranges::find(sensors, fused.sensor()) == sensors.end()) {
-      sensors.push_back(fused.sensor());
-    }
-  }
-  return sensors;
-}
-
-FusionScores mean_of_sensor(std::span<const FusionCase> cases, const std::string& sensor) {
-  std::vector<FusionScores> scores;
-  for (const FusionCase& fused : cases) {
-    if (sensor.empty() || fused.sensor() == sensor) {
-      scores.push_back(fused.scores);
-    }
-  }
-  return mean_scores(scores);
-}
-
 std::expected<void, dataset::Problem> write_fusion_page(std::span<const FusionCase> cases,
                                                         const std::string& matcher,
                                                         const std::filesystem::path& file) {
@@ -91,7 +55,7 @@ std::expected<void, dataset::Problem> write_fusion_page(std::span<const FusionCa
       add_scene(cases, cases[i], ++number, page);
     }
   }
-  return write(file, page.html("Stereo and PMD, fused", lead(cases, matcher)));
+  return write_page(file, page.html("Stereo and PMD, fused", lead(cases, matcher)));
 }
 
 }  // namespace stof::host

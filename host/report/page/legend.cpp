@@ -1,18 +1,15 @@
 #include "host/report/page/legend.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "host/report/page/page.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
 std::string css_colour(Rgb colour) {
-  std::array<char, 8> text{};
-  std::snprintf(text.data(), text.size(), "#%02x%02x%02x", colour.red, colour.green, colour.blue);
-  return text.data();
+  return printed("#%02x%02x%02x", colour.red, colour.green, colour.blue);
 }
 
 struct Tick {
@@ -92,9 +89,7 @@ std::string depth_legend(const ColourScale& scale) {
   }
   std::vector<Tick> ticks;
   for (const double z : scale.ticks()) {
-    std::array<char, 32> text{};
-    std::snprintf(text.data(), text.size(), "%g", z);
-    ticks.push_back({scale.position(z), text.data()});
+    ticks.push_back({scale.position(z), printed("%g", z)});
   }
   return bar(metric_picture(ramp, scale).pixels, ticks, "m");
 }

@@ -1,10 +1,12 @@
 #include "host/report/page/page.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
+
+#include "dataset/files/file.h"
+#include "host/report/page/style.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -246,15 +248,23 @@ std::string number(std::optional<double> value, int digits) {
   if (!value || !std::isfinite(*value)) {
     return "–";
   }
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), "%.*f", digits, *value);
-  const std::string_view shown(text.data());
+  const std::string text = printed("%.*f", digits, *value);
+  const std::string_view shown(text);
   const bool is_zero = shown.find_first_not_of("-0.") == std::string_view::npos;
   return std::string(shown.substr(is_zero && shown.starts_with('-') ? 1 : 0));
 }
 
 std::string percent(std::optional<double> share, int digits) {
   return number(share ? std::optional(100 * *share) : std::nullopt, digits);
+}
+
+std::expected<void, dataset::Problem> write_page(const std::filesystem::path& file,
+                                                 const std::string& html) {
+  if (file.has_parent_path()) {
+    std::error_code error;  // where there is no folder, writing fails
+    std::filesystem::create_directories(file.parent_path(), error);
+  }
+  return dataset::write_whole(file, html);
 }
 
 }  // namespace stof::host

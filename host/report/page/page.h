@@ -1,5 +1,7 @@
 #pragma once
 
+#include <expected>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -41,7 +43,7 @@ struct Table {
   std::string caption;
   std::vector<std::string> header;
   std::size_t text_columns = 1;  // left-aligned; the others are numbers
-  std::vector<std::vector<std::string>> rows;
+  std::vector<std::vector<std::string>> rows{};
 };
 
 enum class Width : std::uint8_t { kSmall, kMedium, kLarge };  // of the figures of a group
@@ -73,12 +75,14 @@ class Page {
 // With &, <, > and quotes made harmless.
 std::string escaped(std::string_view text);
 std::string base64(std::string_view bytes);
-// The page's style sheet.
-std::string_view style_sheet();
 
 // "12.3"; "–" for what could not be counted.
 std::string number(std::optional<double> value, int digits);
 // 0..1 as "12.3" percent, without the sign.
 std::string percent(std::optional<double> share, int digits = 1);
+
+// Writes a page; folders that are missing are made. One line when that fails.
+std::expected<void, dataset::Problem> write_page(const std::filesystem::path& file,
+                                                 const std::string& html);
 
 }  // namespace stof::host

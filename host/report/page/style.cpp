@@ -1,4 +1,4 @@
-#include "host/report/page/page.h"
+#include "host/report/page/style.h"
 
 namespace stof::host {
 

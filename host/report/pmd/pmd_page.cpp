@@ -1,10 +1,10 @@
 #include "host/report/pmd/pmd_page.h"
 
 #include <cmath>
-#include <fstream>
 
 #include "host/evaluate/stereo/median.h"
-#include "host/report/pmd/pmd_figures.h"
+#include "host/report/pmd/pmd_pictures.h"
+#include "host/report/pmd/pmd_plots.h"
 
 namespace stof::host {
 namespace {
@@ -27,8 +27,7 @@ Table wall_table(const WallStudy& study) {
                   "Mean error of Z over the middle of the picture, and the spread of a "
                   "reading from frame to frame.",
               .header = {"recording", "Z, m", "line alone, mm", "%", "calibrated, mm", "%",
-                         "valid, %", "sigma measured, cm", "sigma said, cm"},
-              .rows = {}};
+                         "valid, %", "sigma measured, cm", "sigma said, cm"}};
   for (const WallRow& row : study.report.rows) {
     const double line = row.line_error_m;
     const double full = row.score.error_m;
@@ -72,8 +71,7 @@ void add_stray(const WallStudy& study, const std::string& id, std::size_t studie
                   "Mean Z of the middle less the wall's, by the recording's constants and "
                   "with the phasor subtracted.",
               .header = {"recording", "Z, m", "before, mm", "valid, %", "low ratio, %", "after, mm",
-                         "valid, %"},
-              .rows = {}};
+                         "valid, %"}};
   bool falls = false;
   bool falls_after = false;
   double last = 0;
@@ -104,8 +102,7 @@ void add_lights(const LightStudy& study, const std::string& id, std::size_t stud
   page.begin_section(id, named("A light beside the lens", study.folder, studies));
   Table table{.caption = "Mean of |mean radial error| over the frames, mm.",
               .header = {"recording", "Z, m", "at the lens: pixels", "blocks", "near model: pixels",
-                         "blocks"},
-              .rows = {}};
+                         "blocks"}};
   for (const LightRow& row : study.rows) {
     table.rows.push_back({row.name, number(row.z_m, 2), number(row.before_m * kMm, 1),
                           number(row.before_blocks_m * kMm, 1), number(row.after_m * kMm, 1),
@@ -135,8 +132,7 @@ void add_edges(const EdgeStudy& study, const std::string& id, const std::string&
                   "Pixels that carry a depth, in all frames. Mixed ones see two surfaces; "
                   "the interval of a mixed one should hold both, of a pure one its middle.",
               .header = {"recording", "mixed", "flagged, %", "interval holds both, %", "pure",
-                         "flagged, %", "median error, mm", "interval holds it, %"},
-              .rows = {}};
+                         "flagged, %", "median error, mm", "interval holds it, %"}};
   for (const EdgeRow& row : study.rows) {
     table.rows.push_back(counts_row(row.name, row.counts));
   }
@@ -161,8 +157,7 @@ void add_tones(const ToneStudy& study, const std::string& id, std::size_t studie
   page.begin_section(id, named("Two modulation frequencies", study.folder, studies));
   Table table{.caption = "Readings beyond one turn. Wrong: off by half a turn or more.",
               .header = {"recording", "MHz", "period, m", "wall, m", "accepted, %", "wrong",
-                         "median error, mm"},
-              .rows = {}};
+                         "median error, mm"}};
   for (const ToneRow& row : study.rows) {
     table.rows.push_back({row.name, number(row.first_mhz, 2) + " + " + number(row.second_mhz, 2),
                           number(row.period_m, 2),
@@ -235,18 +230,7 @@ std::expected<void, dataset::Problem> write_pmd_page(const PmdEvaluation& evalua
           number(evaluation.phase.largest_lsb, 3) +
           " LSB at most (65536 a turn); plain and vector kernels are " +
           (evaluation.phase.kernels_equal ? "equal." : "NOT equal.")};
-  std::error_code error;
-  if (file.has_parent_path()) {
-    std::filesystem::create_directories(file.parent_path(), error);
-  }
-  std::ofstream stream(file, std::ios::binary | std::ios::trunc);
-  stream << page.html("The chapter's PMD, measured", lead);
-  stream.close();
-  if (!stream) {
-    return std::unexpected(dataset::Problem{
-        file.string() + ": cannot be written: check the folder, its permissions and the space"});
-  }
-  return {};
+  return write_page(file, page.html("The chapter's PMD, measured", lead));
 }
 
 }  // namespace stof::host

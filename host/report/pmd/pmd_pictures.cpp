@@ -1,3 +1,5 @@
+#include "host/report/pmd/pmd_pictures.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -5,9 +7,9 @@
 #include "host/evaluate/stereo/median.h"
 #include "host/picture/disparity_picture.h"
 #include "host/picture/plot/plot.h"
+#include "host/picture/plot/plot_map.h"
 #include "host/picture/relief.h"
 #include "host/report/page/legend.h"
-#include "host/report/pmd/pmd_figures.h"
 
 namespace stof::host {
 namespace {

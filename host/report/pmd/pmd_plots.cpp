@@ -1,8 +1,9 @@
+#include "host/report/pmd/pmd_plots.h"
+
 #include <algorithm>
 #include <cmath>
 
 #include "host/picture/plot/plot.h"
-#include "host/report/pmd/pmd_figures.h"
 
 namespace stof::host {
 namespace {

@@ -156,9 +156,7 @@ void add_adaptive(Study& study, Page& page) {
       "and columns in turn. Near edges: not occluded pixels within 9 px of a step of the truth by "
       "more than 2 px. SAD on derivatives, winner takes all, dense.");
   Table table{.caption = "BP in percent",
-              .header = {"Block", "BP near edges", "BP not occluded", "BP all", "ms"},
-              .text_columns = 1,
-              .rows = {}};
+              .header = {"Block", "BP near edges", "BP not occluded", "BP all", "ms"}};
   Tally tally;
   std::vector<SceneFigures> figures;
   for (const Subject& subject : study.subjects()) {

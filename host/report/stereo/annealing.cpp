@@ -111,9 +111,7 @@ void add_annealing(Study& study, Page& page) {
       "for one step; energies of all maps are of this E. It is an offline reference: the appliance "
       "does not run it.");
   Table table{.caption = "BP in percent",
-              .header = {"Method", "energy, thousands", "ms", "BP all", "BP not occluded"},
-              .text_columns = 1,
-              .rows = {}};
+              .header = {"Method", "energy, thousands", "ms", "BP all", "BP not occluded"}};
   Tally tally;
   std::vector<std::vector<Figure>> figures;
   for (const Subject& subject : study.subjects()) {

@@ -100,9 +100,7 @@ void add_block_sizes(Study& study, Page& page) {
       "within 1 px.");
   Table table{.caption = "With the check; shares in percent",
               .header = {"Block, px", "ms", "density", "bad of valid", "BP not occluded",
-                         "wrong before", "of the wrong, removed", "of the right, removed"},
-              .text_columns = 1,
-              .rows = {}};
+                         "wrong before", "of the wrong, removed", "of the right, removed"}};
   Tally tally;
   std::vector<std::vector<Figure>> figures;
   for (const Subject& subject : study.subjects()) {

@@ -183,9 +183,7 @@ void add_corridor(Study& study, Page& page) {
       "out, not guessed.");
   Table table{.caption = "Depth Z against the truth, by true distance; shares in percent",
               .header = {"Distance, m", "of the picture", "measured", "of the measured, within 5 %",
-                         "median error, mm"},
-              .text_columns = 1,
-              .rows = {}};
+                         "median error, mm"}};
   Tally tally;
   const std::vector<Way> all = ways(study, scene);
   std::vector<std::vector<Figure>> figures{pictures(scene)};

@@ -58,9 +58,7 @@ void add_filters(Study& study, Page& page) {
       "|s| near 1/2 by nature, and many of them go too: the stripes.");
   Table table{.caption = "Pixels with truth; shares in percent",
               .header = {"Filter", "removed", "of them wrong", "of the wrong, removed",
-                         "of the right, removed", "wrong before", "wrong after"},
-              .text_columns = 1,
-              .rows = {}};
+                         "of the right, removed", "wrong before", "wrong after"}};
   Tally tally;
   std::vector<Figure> figures;
   for (const Subject& subject : study.subjects()) {

@@ -135,9 +135,7 @@ void add_interest(Study& study, Page& page) {
       "row, in both pictures; (b) a higher threshold on the left and a lower one on the right. SAD "
       "16 × 16 on derivatives (cap 63), left-right check.");
   Table table{.caption = "Shares in percent",
-              .header = {"Positions", "pairs compared", "density", "bad of valid", "ms"},
-              .text_columns = 1,
-              .rows = {}};
+              .header = {"Positions", "pairs compared", "density", "bad of valid", "ms"}};
   Tally tally;
   std::vector<Figure> figures;  // of the first scene
   for (const Subject& subject : study.subjects()) {

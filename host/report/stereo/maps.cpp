@@ -7,9 +7,7 @@ void add_scenes(const Study& study, Page& page) {
   page.begin_section("scenes", "Scenes and measures");
   Table table{.caption = "Disparities in px of the left picture",
               .header = {"Scene", "size, px", "candidates", "truth from", "to", "% with truth",
-                         "% not occluded"},
-              .text_columns = 1,
-              .rows = {}};
+                         "% not occluded"}};
   for (const Subject& subject : study.subjects()) {
     const dataset::StereoScene& scene = subject.scene;
     int known = 0;

@@ -165,8 +165,7 @@ Findings add_tables(Study& study, Page& page) {
                            " candidates: time in ms, bad pixels (BP) in percent",
                 .header = {"Method", "Cost", "plain ms", "optimised ms", "gain", "BP all",
                            "BP not occluded", "signed, all", "signed, not occluded"},
-                .text_columns = 2,
-                .rows = {}};
+                .text_columns = 2};
     add_cost_rows(study, scene, table);
     table.rows.push_back({"Whole methods"});
     note_winner(add_method_rows(study, subject, winner_rows(scene), table, findings), findings);
@@ -251,9 +250,7 @@ void add_block_time(const Study& study, Page& page) {
   };
   const dataset::StereoScene& scene = study.subjects().front().scene;
   Table table{.caption = scene.name + ": all block costs of the pair, SAD on derivatives, ms",
-              .header = {"Block, px", "pixels in the block", "plain ms", "optimised ms"},
-              .text_columns = 1,
-              .rows = {}};
+              .header = {"Block, px", "pixels in the block", "plain ms", "optimised ms"}};
   std::vector<double> plain_ms;
   std::vector<double> optimised_ms;
   for (const Size& size : {Size{3, 3}, Size{9, 9}, Size{16, 16}, Size{30, 10}, Size{60, 20}}) {

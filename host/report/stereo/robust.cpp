@@ -50,9 +50,7 @@ void add_brightness(Study& study, Page& page) {
       "The right picture is replaced by R' = round(255 (0.58 R / 255)^1.2): darker, and not in "
       "proportion. Bad pixels in percent, not occluded (all, where the scene has no mask).");
   Table table{.caption = "",
-              .header = {"Method", "equal pictures", "darker right picture", "rise, points"},
-              .text_columns = 1,
-              .rows = {}};
+              .header = {"Method", "equal pictures", "darker right picture", "rise, points"}};
   int judged = 0;
   int robust = 0;
   std::string list;
@@ -114,9 +112,7 @@ void add_pyramid(Study& study, Page& page) {
       "The pair is matched at half or a quarter of its size first; the next finer size searches "
       "only near what was found. SAD 16 × 16 on derivatives, winner takes all.");
   Table table{.caption = "BP in percent",
-              .header = {"Search", "ms", "gain in time", "BP all", "BP not occluded"},
-              .text_columns = 1,
-              .rows = {}};
+              .header = {"Search", "ms", "gain in time", "BP all", "BP not occluded"}};
   int judged = 0;
   int fast = 0;
   std::string list;
@@ -162,9 +158,7 @@ void add_presets(Study& study, Page& page) {
   page.paragraph("Parameter sets that need no tuning: the same for every scene. BP in percent.");
   Table table{.caption = "",
               .header = {"Preset", "ms", "density", "bad of valid", "BP not occluded", "BP all",
-                         "near edges"},
-              .text_columns = 1,
-              .rows = {}};
+                         "near edges"}};
   std::vector<std::vector<Figure>> figures;  // of each scene
   for (const Subject& subject : study.subjects()) {
     const dataset::StereoScene& scene = subject.scene;

@@ -9,7 +9,7 @@
 #include <poll.h>
 #include <sys/socket.h>
 
-#include "host/link/udp.h"
+#include "posix/udp_socket.h"
 #include "tests/bench/link/link_bench.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/support/random.h"
@@ -142,7 +142,7 @@ Datagram malformed(Random& random) {
 
 // One sender: what it says and what it is told.
 struct Source {
-  link::Socket socket;
+  posix::UdpSocket socket;
   std::uint64_t sent_bytes = 0;
   std::uint64_t answered_bytes = 0;
   std::uint64_t answers = 0;
@@ -150,9 +150,8 @@ struct Source {
 
 void drain(Source& source) {
   std::array<std::byte, 2048> space;
-  for (ssize_t bytes = 0;
-       (bytes = recv(source.socket.fd(), space.data(), space.size(), MSG_DONTWAIT)) > 0;) {
-    source.answered_bytes += static_cast<std::uint64_t>(bytes);
+  while (const auto bytes = source.socket.receive(space)) {
+    source.answered_bytes += *bytes;
     ++source.answers;
   }
 }
@@ -163,12 +162,13 @@ class Flood {
 
   Flood(const std::string& place, std::uint64_t seed) : random_(seed) {
     constexpr int kSources = 8;
-    const auto address = link::resolve_place(place);
-    for (int i = 0; i < kSources && address; ++i) {
-      link::Address to = *address;
+    const auto target = posix::split_host_port(place);
+    const auto found =
+        target ? posix::resolve(*target, posix::Names::kLookUp) : std::unexpected(std::string());
+    for (int i = 0; i < kSources && found; ++i) {
       Source& source = sources_.emplace_back();
-      source.socket = link::udp_socket(to.generic()->sa_family);
-      if (connect(source.socket.fd(), to.generic(), to.length) != 0) {
+      source.socket = posix::UdpSocket(found->front().family());
+      if (source.socket.connect(found->front()) != 0) {
         sources_.clear();
         return;
       }

@@ -31,7 +31,7 @@ std::vector<Kind> rubbish() {
   return {{Bytes{}, &wire::ControlCounters::truncated},
           {Bytes(good.begin(), good.end() - 5), &wire::ControlCounters::truncated},
           {changed(1), &wire::ControlCounters::bad_magic},
-          {Bytes(1232, std::byte{0xFF}), &wire::ControlCounters::bad_magic},
+          {Bytes(wire::kMaxDatagram, std::byte{0xFF}), &wire::ControlCounters::bad_magic},
           {changed(4), &wire::ControlCounters::bad_version},
           {longer, &wire::ControlCounters::bad_length},
           {Bytes(1400, std::byte{'S'}), &wire::ControlCounters::bad_length},

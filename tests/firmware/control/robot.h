@@ -5,10 +5,8 @@
 #include <optional>
 #include <span>
 
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include "hal/linux/ports/peer_address.h"
+#include "posix/udp_socket.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/firmware/control/sensor.h"
 
@@ -17,21 +15,13 @@ namespace stof::test {
 // Sends what UdpPort would refuse to.
 class RawSocket {
  public:
-  RawSocket() : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {}
-  ~RawSocket() { close(fd_); }
-  RawSocket(const RawSocket&) = delete;
-  RawSocket& operator=(const RawSocket&) = delete;
-
   bool send(const hal::Peer& to, std::span<const std::byte> datagram) const {
-    const std::optional<hal::linux::SocketAddress> address =
-        hal::linux::to_socket_address(to, AF_INET);
-    return address &&
-           sendto(fd_, datagram.data(), datagram.size(), 0,
-                  reinterpret_cast<const sockaddr*>(&address->storage), address->length) >= 0;
+    const auto address = hal::linux::to_socket_address(to, AF_INET);
+    return address && socket_.send_to(*address, datagram) == 0;
   }
 
  private:
-  int fd_;
+  posix::UdpSocket socket_{AF_INET};
 };
 
 // The other end, written by hand: one UDP port that asks a sensor on loopback.

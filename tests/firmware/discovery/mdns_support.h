@@ -116,7 +116,7 @@ class Message {
   }
 
  private:
-  std::array<std::byte, 1232> space_{};
+  std::array<std::byte, hal::kMaxDatagram> space_{};
   dns::Writer writer_;
 };
 

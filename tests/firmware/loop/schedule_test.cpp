@@ -82,6 +82,14 @@ TEST(Schedule, AFrameExpiresAfterThreePeriods) {
   EXPECT_TRUE(schedule.expired(kStart, kStart + 3 * kPeriod + 1ns));
 }
 
+TEST(Schedule, ThreeEdgesWithoutAFrameAreAGap) {
+  const Schedule schedule(kTiming, true, kStart);
+  for (const hal::Duration jitter : {-4ms, 0ms, 4ms}) {
+    EXPECT_FALSE(schedule.gap(kStart, kStart + 3 * kPeriod + jitter));
+    EXPECT_TRUE(schedule.gap(kStart, kStart + 4 * kPeriod + jitter));
+  }
+}
+
 TEST(Schedule, SamePeriodFollowsFromWhatTheFirstFrameCost) {
   struct Case {
     Schedule::Costs costs;

@@ -129,6 +129,15 @@ Datagrams frame_of(emu::DatagramPort& port) {
   return frame;
 }
 
+// At ports 1 to `count`.
+SubscriberList receivers_at_ports(std::size_t count) {
+  SubscriberList list{.count = count};
+  for (std::size_t i = 0; i < count; ++i) {
+    list.peers[i].port = static_cast<std::uint16_t>(i + 1);
+  }
+  return list;
+}
+
 // The stream with the memory of the appliance, which holds the usual streams.
 struct Sender {
   explicit Sender(const wire::StreamChoice& choice, int queue = kQueue,
@@ -140,7 +149,7 @@ struct Sender {
                other != nullptr ? *other : port, nullptr, events, arena) {
     stream.set_params({.choice = choice, .period = 33ms});
     const hal::Peer receiver{.address = {}, .port = 1};
-    stream.set_receivers({&receiver, 1});
+    stream.set_receivers({.peers = {receiver}, .count = 1});
   }
   Status publish(Scene& scene) {
     return stream.publish(scene.shot(), scene.output, clock.now() + 20ms);
@@ -208,8 +217,7 @@ TEST(Stream, AFrameLargerThanItsMemoryIsSentWhole) {
 TEST(Stream, EveryReceiverGetsALargeFrameWhole) {
   const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
   Sender sender(choice);
-  const std::array<hal::Peer, 2> receivers{
-      {{.address = {}, .port = 1}, {.address = {}, .port = 2}}};
+  const SubscriberList receivers = receivers_at_ports(2);
   sender.stream.set_receivers(receivers);
   Scene scene(5);
   ASSERT_EQ(sender.publish(scene), Status::kOk);
@@ -283,21 +291,31 @@ class LostPort final : public hal::DatagramPort {
   std::size_t left_;
 };
 
+TEST(Stream, SendsToAsManyAsMaySubscribe) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, false);
+  Scene scene(1);
+  Sender one(choice);
+  ASSERT_EQ(one.publish(scene), Status::kOk);
+  Sender all(choice, kMostSubscribers * kQueue);
+  all.stream.set_receivers(receivers_at_ports(kMostSubscribers));
+  ASSERT_EQ(all.publish(scene), Status::kOk);
+  EXPECT_EQ(all.events.counters.packets_sent, kMostSubscribers * one.events.counters.packets_sent);
+}
+
 TEST(Stream, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
   const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
   Scene scene(1);
   Sender all(choice);
   ASSERT_EQ(all.publish(scene), Status::kOk);
   const std::uint64_t whole = all.events.counters.packets_sent;
-  const std::array<hal::Peer, 3> receivers{
-      {{.address = {}, .port = 1}, {.address = {}, .port = 2}, {.address = {}, .port = 3}}};
+  const SubscriberList receivers = receivers_at_ports(3);
   for (const std::size_t datagrams : {0U, 1U, 9U, 90U}) {
     LostPort port(datagrams);
     Sender sender(choice, 1, {}, &port);
     sender.stream.set_receivers(receivers);
     EXPECT_EQ(sender.publish(scene), Status::kDeviceLost);
     EXPECT_EQ(sender.events.counters.packets_sent, datagrams);
-    EXPECT_EQ(sender.events.counters.packets_dropped, receivers.size() * whole - datagrams);
+    EXPECT_EQ(sender.events.counters.packets_dropped, receivers.count * whole - datagrams);
   }
 }
 

@@ -144,8 +144,8 @@ Faults all_faults() {
   return {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)};
 }
 
-void run_without_heap(dsp::Crew threads, std::uint64_t frames) {
-  Rig rig({.faults = all_faults(), .threads = threads});
+void run_without_heap(dsp::Crew threads, std::uint64_t frames, DeviceLending* lending = nullptr) {
+  Rig rig({.faults = all_faults(), .threads = threads, .lending = lending});
   rig.log.edges.reserve(2 * frames);
   std::uint64_t steps = 0;
   std::uint64_t lost = 0;
@@ -174,6 +174,20 @@ TEST(NoHeap, NoThreadAllocatesWhereSeveralCompute) {
     ASSERT_EQ(workers.threads(), threads);
     run_without_heap({workers, threads}, 2'000);
   }
+}
+
+TEST(NoHeap, LendingLostDevicesAllocatesNothing) {
+  DeviceLending lending(true);
+  std::thread opener([&] {
+    forbidden = true;
+    while (const auto device = lending.wait_for_lent()) {
+      lending.give_back(*device);
+    }
+    forbidden = false;
+  });
+  run_without_heap({}, 2'000, &lending);
+  lending.end();
+  opener.join();
 }
 
 std::ptrdiff_t threads_there() {

@@ -1,17 +1,17 @@
 #include "tests/firmware/program/stofd_process.h"
 
 #include <array>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <sstream>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "posix/poll.h"
+#include "tests/support/loopback.h"
 
 namespace stof::firmware::test {
 namespace {
@@ -52,7 +52,6 @@ Stofd::Stofd(const std::vector<std::string>& arguments) {
   EXPECT_EQ(pipe(error_), 0);
   child_ = fork();
   if (child_ == 0) {
-    unsetenv("STOF_DATA");
     dup2(out_[1], STDOUT_FILENO);
     dup2(error_[1], STDERR_FILENO);
     for (const int fd : {out_[0], out_[1], error_[0], error_[1]}) {
@@ -79,26 +78,18 @@ Ended Stofd::end() const {
 
 Ended run_stofd(const std::vector<std::string>& arguments) { return Stofd(arguments).end(); }
 
-Socket::Socket() : fd_(socket(AF_INET, SOCK_DGRAM, 0)) {
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  EXPECT_EQ(bind(fd_, reinterpret_cast<sockaddr*>(&address), sizeof address), 0);
-  socklen_t size = sizeof address;
-  getsockname(fd_, reinterpret_cast<sockaddr*>(&address), &size);
-  destination = "127.0.0.1:" + std::to_string(ntohs(address.sin_port));
+Socket::Socket() {
+  EXPECT_EQ(socket_.bind(stof::test::loopback_address(0)), 0);
+  destination = "127.0.0.1:" + std::to_string(socket_.port());
 }
 
-Socket::~Socket() { close(fd_); }
-
 std::vector<std::byte> Socket::receive() const {
-  pollfd waiting{.fd = fd_, .events = POLLIN, .revents = 0};
+  std::array waiting{pollfd{.fd = socket_.fd(), .events = POLLIN, .revents = 0}};
   std::vector<std::byte> bytes(2048);
-  if (poll(&waiting, 1, 60'000) != 1) {
+  if (posix::wait_for(waiting, std::chrono::minutes(1)) != 1) {
     return {};
   }
-  const ssize_t count = recv(fd_, bytes.data(), bytes.size(), 0);
-  bytes.resize(count > 0 ? static_cast<std::size_t>(count) : 0);
+  bytes.resize(socket_.receive(bytes).value_or(0));
   return bytes;
 }
 

@@ -6,6 +6,8 @@
 
 #include <sys/types.h>
 
+#include "posix/udp_socket.h"
+
 namespace stof::firmware::test {
 
 struct Ended {
@@ -34,9 +36,6 @@ Ended run_stofd(const std::vector<std::string>& arguments);
 class Socket {
  public:
   Socket();
-  ~Socket();
-  Socket(const Socket&) = delete;
-  Socket& operator=(const Socket&) = delete;
 
   // The next datagram; empty when none comes for a long time.
   std::vector<std::byte> receive() const;
@@ -44,7 +43,7 @@ class Socket {
   std::string destination;  // for --to
 
  private:
-  int fd_;
+  posix::UdpSocket socket_{AF_INET};
 };
 
 }  // namespace stof::firmware::test

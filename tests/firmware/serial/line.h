@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "dsp/base/arena.h"
-#include "firmware/serial/byte_ring.h"
+#include "firmware/serial/line/byte_ring.h"
 #include "firmware/serial/sender.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"
 #include "hal/framing/cobs.h"

@@ -22,14 +22,18 @@ constexpr dsp::Pinhole kLens{
 constexpr SectorParams kAll{
     .above_mm = 10'000, .below_mm = 10'000, .pixels = 1, .least_mm = 100, .most_mm = 16'000};
 
+std::size_t bytes(const dsp::Pinhole& lens) {
+  return dsp::bytes_taken(
+      [&](dsp::Arena& arena) noexcept { const SectorFinder unused(lens, kAll, arena); });
+}
+
 // A finder, its memory and a map for it.
 struct World {
   explicit World(const dsp::Pinhole& seen = kLens, const SectorParams& params = kAll)
       : lens(seen),
-        memory(static_cast<std::byte*>(std::aligned_alloc(
-                   dsp::Arena::kAlign, SectorFinder::bytes_needed(lens.width, lens.height))),
+        memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(lens))),
                &std::free),
-        arena(std::span(memory.get(), SectorFinder::bytes_needed(lens.width, lens.height))),
+        arena(std::span(memory.get(), bytes(lens))),
         finder(lens, params, arena),
         depth(static_cast<std::size_t>(lens.width * lens.height)),
         width(depth.size()) {}

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/fusion/decimate.h"
-#include "firmware/serial/mavlink_reader.h"
+#include "firmware/serial/mavlink/mavlink_reader.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/sectors.h"

@@ -9,6 +9,7 @@
 #include "dsp/stereo/match_options.h"
 #include "firmware/settings/fields/assignment.h"
 #include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/field_value.h"
 
 namespace stof::settings {
 namespace {
@@ -19,14 +20,14 @@ std::string path_of(const Field& field) {
 
 std::string json_of(const Field& field, const Settings& settings) {
   std::array<char, 128> space;
-  Window out(space);
+  PagedWriter out(space);
   write_value(field, settings, out);
   return std::string(out.text());
 }
 
 std::string document_of(const Settings& settings) {
   std::array<char, kMostDocumentBytes> space;
-  Window out(space);
+  PagedWriter out(space);
   write_document(settings, out);
   EXPECT_TRUE(out.complete()) << out.total();
   return std::string(out.text());
@@ -43,7 +44,7 @@ std::string nest(const std::string& path, const std::string& value) {
 std::string refusal(const std::string& json) {
   Settings settings;
   std::array<char, kWhyBytes> space;
-  Window why(space);
+  PagedWriter why(space);
   if (parse(json, settings, why)) {
     return "accepted";
   }
@@ -131,7 +132,7 @@ TEST(Fields, ComeThroughJsonCommandLineAndDocument) {
     for (const std::string& sample : samples(known)) {
       Settings by_json;
       std::array<char, kWhyBytes> space;
-      Window why(space);
+      PagedWriter why(space);
       FieldSet named;
       ASSERT_TRUE(parse(nest(path, sample), by_json, why, &named)) << why.text();
       EXPECT_EQ(named, FieldSet{}.set(place)) << path;
@@ -167,7 +168,7 @@ TEST(Fields, AreAllDifferentMembers) {
       Settings next = before;
       ASSERT_EQ(refusal(nest(path_of(field(place)), sample)), "accepted");
       std::array<char, kWhyBytes> space;
-      Window why(space);
+      PagedWriter why(space);
       ASSERT_TRUE(parse(nest(path_of(field(place)), sample), next, why));
       if (!equal(field(place), before, next)) {
         settings = next;
@@ -276,7 +277,7 @@ TEST(Documents, OfTheLargestValuesFit) {
     for (const std::string& sample : samples(field(place))) {
       Settings next = settings;
       std::array<char, kWhyBytes> space;
-      Window why(space);
+      PagedWriter why(space);
       ASSERT_TRUE(parse(nest(path_of(field(place)), sample), next, why));
       if (json_of(field(place), next).size() > longest) {
         longest = json_of(field(place), next).size();

@@ -169,5 +169,25 @@ TEST_F(FileStoreTest, SaysWhatFails) {
   EXPECT_FALSE(std::filesystem::exists(file_ + ".new"));
 }
 
+TEST_F(FileStoreTest, LongNamesAreUsedWholeOrRefused) {
+  std::filesystem::path deep = folder_;
+  for (int i = 0; i < 6; ++i) {
+    deep /= std::string(60, 'd');
+  }
+  std::filesystem::create_directories(deep);
+  FileStore store((deep / "settings.json").string());
+  EXPECT_EQ(save(store, "deep"), Status::kOk);
+  EXPECT_EQ(read((deep / "settings.json").string()), "deep");
+  FileStore too_long((folder_ / std::string(300, 'n')).string());
+  std::array<std::byte, 5> space{};
+  EXPECT_EQ(too_long.load(space).error(), Status::kDeviceError);
+  EXPECT_EQ(save(too_long, "a"), Status::kDeviceError);
+  std::size_t entries = 0;
+  for ([[maybe_unused]] const auto& entry : std::filesystem::directory_iterator(folder_)) {
+    ++entries;
+  }
+  EXPECT_EQ(entries, 1U);  // the folder, and no file of a name that was cut
+}
+
 }  // namespace
 }  // namespace stof::hal::linux

@@ -23,7 +23,7 @@ Outcome read(const std::string& json) {
   // No byte beyond the text may be looked at: no 0 behind it, and the sanitizers watch.
   const std::vector<char> exact(json.begin(), json.end());
   std::array<char, kWhyBytes> space;
-  Window why(space);
+  PagedWriter why(space);
   Outcome outcome;
   outcome.accepted = parse(exact, outcome.settings, why);
   outcome.why = std::string(why.text());
@@ -178,7 +178,7 @@ TEST(Json, MessagesFitWhateverIsWritten) {
 TEST(Json, MutatedDocumentsAreRefusedOrUnderstood) {
   const int count = std::getenv("STOF_LONG") == nullptr ? 5'000 : 100'000;
   std::array<char, kMostDocumentBytes> space;
-  Window out(space);
+  PagedWriter out(space);
   write_document({}, out);
   const std::string whole(out.text());
   const std::string letters = "{}[]:,\"\\ 0123456789-+.eEtfnu\n\x01\x80\xff";
@@ -213,7 +213,7 @@ TEST(Json, MutatedDocumentsAreRefusedOrUnderstood) {
     if (outcome.accepted) {
       ++accepted;
       std::array<char, kMostDocumentBytes> again_space;
-      Window again(again_space);
+      PagedWriter again(again_space);
       write_document(outcome.settings, again);
       const Outcome repeated = read(std::string(again.text()));
       ASSERT_TRUE(repeated.accepted) << repeated.why;

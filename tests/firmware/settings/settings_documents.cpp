@@ -16,13 +16,13 @@ using namespace stof::settings;
 std::string judge(const std::string& line) {
   Settings settings;
   std::array<char, kWhyBytes> space;
-  Window why(space);
+  PagedWriter why(space);
   return parse(line, settings, why) ? "ok" : std::string(why.text());
 }
 
 std::string defaults() {
   std::array<char, kMostDocumentBytes> space;
-  Window out(space);
+  PagedWriter out(space);
   write_document({}, out);
   return std::string(out.text());
 }

@@ -22,7 +22,7 @@ using Result = wire::SettingsResult;
 
 class Board final : public Limits, public SettingsSink {
  public:
-  bool accepts(const Settings& settings, Window& why) noexcept override {
+  bool accepts(const Settings& settings, PagedWriter& why) noexcept override {
     if (settings.depth.disparities > 128) {
       why << "too many disparities";
       return false;
@@ -51,15 +51,15 @@ struct Answer {
   wire::SettingsAnswer fields;
 };
 
-class SettingsDeskTest : public testing::Test {
+class SettingsServerTest : public testing::Test {
  protected:
   Answer ask(Operation operation, const std::string& text = "", Document document = {},
              std::uint16_t offset = 0, std::size_t room = 1024) {
     std::vector<std::byte> space(room);
     std::size_t bytes = 0;
     const wire::SettingsAnswer answer =
-        desk_.serve({.operation = operation, .document = document, .offset = offset},
-                    std::as_bytes(std::span(text)), space, bytes);
+        server_.serve({.operation = operation, .document = document, .offset = offset},
+                      std::as_bytes(std::span(text)), space, bytes);
     EXPECT_LE(bytes, room);
     std::string said(bytes, '\0');
     std::transform(space.begin(), space.begin() + static_cast<std::ptrdiff_t>(bytes), said.begin(),
@@ -84,17 +84,18 @@ class SettingsDeskTest : public testing::Test {
   Settings settings_of(Document document) {
     Settings settings;
     std::array<char, kWhyBytes> space;
-    Window why(space);
+    PagedWriter why(space);
     EXPECT_TRUE(parse(read(document), settings, why)) << why.text();
     return settings;
   }
 
   hal::emu::Store store_;
   Board board_;
-  SettingsDesk desk_{Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
+  SettingsServer server_{
+      Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
 };
 
-TEST_F(SettingsDeskTest, GivesDocumentsInPartsOfAnySize) {
+TEST_F(SettingsServerTest, GivesDocumentsInPartsOfAnySize) {
   const std::string whole = read(Document::kSchema, 65'535);
   EXPECT_GT(whole.size(), 4096U);
   EXPECT_EQ(read(Document::kSchema, 1024), whole);
@@ -105,7 +106,7 @@ TEST_F(SettingsDeskTest, GivesDocumentsInPartsOfAnySize) {
   EXPECT_EQ(beyond.fields.total, read(Document::kActive).size());
 }
 
-TEST_F(SettingsDeskTest, SetIsInForceAtOnceAndNotSaved) {
+TEST_F(SettingsServerTest, SetIsInForceAtOnceAndNotSaved) {
   const Answer answer = ask(Operation::kSet, R"({"depth": {"guided": true}})");
   EXPECT_EQ(answer.result, Result::kOk);
   EXPECT_EQ(answer.fields.revision, 2U);
@@ -118,13 +119,13 @@ TEST_F(SettingsDeskTest, SetIsInForceAtOnceAndNotSaved) {
   EXPECT_EQ(store_.saves(), 0);
 }
 
-TEST_F(SettingsDeskTest, WhatChangesNothingIsNoRevision) {
+TEST_F(SettingsServerTest, WhatChangesNothingIsNoRevision) {
   EXPECT_EQ(ask(Operation::kSet, "{}").fields.revision, 1U);
   EXPECT_EQ(ask(Operation::kSet, R"({"name": "stof"})").fields.revision, 1U);
   EXPECT_EQ(board_.applications, 0);
 }
 
-TEST_F(SettingsDeskTest, RefusalsChangeNothing) {
+TEST_F(SettingsServerTest, RefusalsChangeNothing) {
   const Answer field = ask(Operation::kSet, R"({"name": "a", "period_ms": -1})");
   EXPECT_EQ(field.result, Result::kInvalid);
   EXPECT_EQ(field.text, "period_ms: takes 0 to 60000, not -1");
@@ -134,35 +135,35 @@ TEST_F(SettingsDeskTest, RefusalsChangeNothing) {
   const Answer pair = ask(Operation::kSet, R"({"depth": {"match": {"prefilter": "off"}}})");
   EXPECT_EQ(pair.result, Result::kInvalid);
   EXPECT_TRUE(pair.text.starts_with("depth.match: ")) << pair.text;
-  EXPECT_EQ(desk_.active(), Settings{});
-  EXPECT_EQ(desk_.revision(), 1U);
+  EXPECT_EQ(server_.active(), Settings{});
+  EXPECT_EQ(server_.revision(), 1U);
   EXPECT_EQ(board_.applications, 0);
 }
 
-TEST_F(SettingsDeskTest, BusyChangesNothing) {
+TEST_F(SettingsServerTest, BusyChangesNothing) {
   board_.busy = true;
   EXPECT_EQ(ask(Operation::kSet, R"({"name": "a"})").result, Result::kBusy);
   EXPECT_EQ(ask(Operation::kStage, R"({"name": "b"})").result, Result::kOk);
   EXPECT_EQ(ask(Operation::kCommit).result, Result::kBusy);
-  EXPECT_EQ(desk_.active(), Settings{});
+  EXPECT_EQ(server_.active(), Settings{});
   board_.busy = false;
   EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
-  EXPECT_EQ(desk_.active().name.view(), "b");
+  EXPECT_EQ(server_.active().name.view(), "b");
 }
 
-TEST_F(SettingsDeskTest, StagedFieldsBecomeActiveTogetherAndAreSaved) {
+TEST_F(SettingsServerTest, StagedFieldsBecomeActiveTogetherAndAreSaved) {
   EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "period_ms": 50})").result, Result::kOk);
   EXPECT_EQ(ask(Operation::kStage, R"({"name": "b"})").result, Result::kOk);
   EXPECT_EQ(ask(Operation::kStage, R"({"name": "c", "x": 1})").result, Result::kInvalid);
-  EXPECT_EQ(desk_.active(), Settings{});
+  EXPECT_EQ(server_.active(), Settings{});
   EXPECT_EQ(settings_of(Document::kStaged).name.view(), "b");
   // What is set meanwhile and not staged stays.
   EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"temporal": true}})").result, Result::kOk);
   EXPECT_EQ(ask(Operation::kCommit).fields.revision, 3U);
-  EXPECT_EQ(desk_.active().name.view(), "b");
-  EXPECT_EQ(desk_.active().period_ms, 50);
-  EXPECT_TRUE(desk_.active().depth.temporal);
-  EXPECT_EQ(settings_of(Document::kSaved), desk_.active());
+  EXPECT_EQ(server_.active().name.view(), "b");
+  EXPECT_EQ(server_.active().period_ms, 50);
+  EXPECT_TRUE(server_.active().depth.temporal);
+  EXPECT_EQ(settings_of(Document::kSaved), server_.active());
   EXPECT_EQ(board_.applications, 2);
   EXPECT_EQ(store_.saves(), 1);
   // A repeated commit finds nothing staged, and does not write again.
@@ -170,26 +171,26 @@ TEST_F(SettingsDeskTest, StagedFieldsBecomeActiveTogetherAndAreSaved) {
   EXPECT_EQ(store_.saves(), 1);
 }
 
-TEST_F(SettingsDeskTest, FieldsThatNeedEachOtherMayBeStagedOneByOne) {
+TEST_F(SettingsServerTest, FieldsThatNeedEachOtherMayBeStagedOneByOne) {
   EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"prefilter": "off"}}})").result,
             Result::kOk);
   const Answer refused = ask(Operation::kCommit);
   EXPECT_EQ(refused.result, Result::kInvalid);
-  EXPECT_EQ(desk_.active(), Settings{});
+  EXPECT_EQ(server_.active(), Settings{});
   EXPECT_EQ(store_.saves(), 0);
   EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"texture": "off"}}})").result,
             Result::kOk);
   EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
 }
 
-TEST_F(SettingsDeskTest, RevertForgetsWhatIsStaged) {
+TEST_F(SettingsServerTest, RevertForgetsWhatIsStaged) {
   EXPECT_EQ(ask(Operation::kStage, R"({"name": "a"})").result, Result::kOk);
   EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
   EXPECT_EQ(settings_of(Document::kStaged), Settings{});
   EXPECT_EQ(ask(Operation::kCommit).fields.revision, 1U);
 }
 
-TEST_F(SettingsDeskTest, PresetsOfOnePlaceUndoEachOther) {
+TEST_F(SettingsServerTest, PresetsOfOnePlaceUndoEachOther) {
   for (const SettingsPreset& preset : presets()) {
     EXPECT_EQ(ask(Operation::kReset).result, Result::kOk);
     EXPECT_EQ(ask(Operation::kPreset, std::string(preset.name)).result, Result::kOk);
@@ -197,25 +198,25 @@ TEST_F(SettingsDeskTest, PresetsOfOnePlaceUndoEachOther) {
   }
   EXPECT_EQ(ask(Operation::kReset).result, Result::kOk);
   EXPECT_EQ(ask(Operation::kPreset, "indoor").result, Result::kOk);
-  const Settings indoor = desk_.active();
+  const Settings indoor = server_.active();
   EXPECT_EQ(ask(Operation::kPreset, "near").result, Result::kOk);
-  EXPECT_EQ(desk_.active().depth.max_range_mm, 2000);
+  EXPECT_EQ(server_.active().depth.max_range_mm, 2000);
   EXPECT_EQ(ask(Operation::kPreset, "indoor").result, Result::kOk);
-  EXPECT_EQ(desk_.active(), indoor);
+  EXPECT_EQ(server_.active(), indoor);
   const Answer unknown = ask(Operation::kPreset, "Indoor");
   EXPECT_EQ(unknown.result, Result::kInvalid);
   EXPECT_EQ(unknown.text, "preset: takes indoor, outdoor, near, fast or quality");
 }
 
-TEST_F(SettingsDeskTest, TellsWhatWaitsForARestart) {
+TEST_F(SettingsServerTest, TellsWhatWaitsForARestart) {
   EXPECT_EQ(ask(Operation::kSet, R"({"udp": {"port": 7000}})").fields.restart, 1);
-  EXPECT_TRUE(desk_.restart_needed());
+  EXPECT_TRUE(server_.restart_needed());
   EXPECT_EQ(ask(Operation::kSave).fields.restart, 1);
   EXPECT_EQ(settings_of(Document::kSaved).udp_port, 7000);
   EXPECT_EQ(ask(Operation::kReset).fields.restart, 0);
 }
 
-TEST_F(SettingsDeskTest, ThreadsWaitForARestart) {
+TEST_F(SettingsServerTest, ThreadsWaitForARestart) {
   EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 3}})").fields.restart, 1);
   EXPECT_EQ(board_.applied.compute.threads, 3);
   EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 0}})").fields.restart, 0);
@@ -225,23 +226,23 @@ TEST_F(SettingsDeskTest, ThreadsWaitForARestart) {
   const Answer many = ask(Operation::kSet, R"({"compute": {"threads": 9}})");
   EXPECT_EQ(many.result, Result::kInvalid);
   EXPECT_EQ(many.text, "compute.threads: takes 0 to 8, not 9");
-  EXPECT_EQ(desk_.active().compute.threads, 8);
+  EXPECT_EQ(server_.active().compute.threads, 8);
 }
 
-TEST_F(SettingsDeskTest, TellsWhatCouldNotBeSaved) {
+TEST_F(SettingsServerTest, TellsWhatCouldNotBeSaved) {
   store_.break_down(true);
   EXPECT_EQ(ask(Operation::kSet, R"({"name": "a"})").result, Result::kOk);
-  EXPECT_FALSE(desk_.unsaved());
+  EXPECT_FALSE(server_.unsaved());
   const Answer answer = ask(Operation::kSave);
   EXPECT_EQ(answer.result, Result::kNotSaved);
   EXPECT_NE(answer.text, "");
-  EXPECT_TRUE(desk_.unsaved());
-  EXPECT_EQ(desk_.active().name.view(), "a");
+  EXPECT_TRUE(server_.unsaved());
+  EXPECT_EQ(server_.active().name.view(), "a");
   EXPECT_EQ(settings_of(Document::kSaved), Settings{});
   store_.break_down(false);
   EXPECT_EQ(ask(Operation::kSave).result, Result::kOk);
-  EXPECT_FALSE(desk_.unsaved());
-  SettingsDesk without(Settings{}, Settings{}, {.limits = board_, .sink = board_});
+  EXPECT_FALSE(server_.unsaved());
+  SettingsServer without(Settings{}, Settings{}, {.limits = board_, .sink = board_});
   std::array<std::byte, 256> space{};
   std::size_t bytes = 0;
   const std::string text = R"({"name": "b"})";
@@ -252,7 +253,7 @@ TEST_F(SettingsDeskTest, TellsWhatCouldNotBeSaved) {
   EXPECT_EQ(without.active().name.view(), "b");
 }
 
-TEST_F(SettingsDeskTest, AnswersWhatItDoesNotKnow) {
+TEST_F(SettingsServerTest, AnswersWhatItDoesNotKnow) {
   EXPECT_EQ(ask(Operation{8}).result, Result::kUnsupported);
   EXPECT_EQ(ask(Operation{255}, "x").result, Result::kUnsupported);
   EXPECT_EQ(ask(Operation::kGet, "", Document{5}).result, Result::kUnsupported);
@@ -260,13 +261,13 @@ TEST_F(SettingsDeskTest, AnswersWhatItDoesNotKnow) {
   EXPECT_EQ(ask(Operation::kSet, "{", {}, 0, 0).result, Result::kInvalid);
 }
 
-TEST_F(SettingsDeskTest, NextStartBeginsWithWhatWasSaved) {
+TEST_F(SettingsServerTest, NextStartBeginsWithWhatWasSaved) {
   EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "depth": {"match": {"lr": 2}}})").result,
             Result::kOk);
   EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
   std::array<char, 256> space;
-  Window line(space);
-  EXPECT_EQ(load_settings(store_, "x.json", &board_, line), desk_.active());
+  PagedWriter line(space);
+  EXPECT_EQ(load_settings(store_, "x.json", &board_, line), server_.active());
   EXPECT_EQ(line.text(), "");
 }
 
@@ -282,13 +283,13 @@ TEST(SavedSettings, ThatCannotBeUsedAreSetAsideAndTold) {
     const auto bytes = std::as_bytes(std::span(text));
     store.bytes().assign(bytes.begin(), bytes.end());
     std::array<char, 320> space;
-    Window line(space);
+    PagedWriter line(space);
     EXPECT_EQ(load_settings(store, "x.json", &board, line), Settings{});
     EXPECT_TRUE(line.text().starts_with(told)) << line.text();
     EXPECT_TRUE(line.text().ends_with(": the defaults hold, the file is kept as .bad"))
         << line.text();
     EXPECT_EQ(store.aside().size(), text.size());
-    Window again(space);
+    PagedWriter again(space);
     EXPECT_EQ(load_settings(store, "x.json", &board, again), Settings{});
     EXPECT_EQ(again.text(), "");
   }
@@ -300,7 +301,7 @@ TEST(SavedSettings, MayNameSomeFieldsOnly) {
   const auto bytes = std::as_bytes(std::span(text));
   store.bytes().assign(bytes.begin(), bytes.end());
   std::array<char, 320> space;
-  Window line(space);
+  PagedWriter line(space);
   Settings expected;
   expected.name = Text<kNameBytes + 1>("a");
   EXPECT_EQ(load_settings(store, "x.json", nullptr, line), expected);
@@ -314,7 +315,7 @@ Settings loaded(const std::string& text, std::string& told, bool& fell_back) {
   const auto bytes = std::as_bytes(std::span(text));
   store.bytes().assign(bytes.begin(), bytes.end());
   std::array<char, 320> space;
-  Window line(space);
+  PagedWriter line(space);
   Board board;
   const Settings settings = load_settings(store, "x.json", &board, line, &fell_back);
   told = line.text();
@@ -366,14 +367,14 @@ TEST(SavedSettings, OfBlocksThatAreNotMatchedAnyMoreFallBack) {
   EXPECT_EQ(depth_params(settings, 64).match.block_width, 21);
 }
 
-TEST_F(SettingsDeskTest, RequestsThatNameWhatLeftAreTakenAndTold) {
+TEST_F(SettingsServerTest, RequestsThatNameWhatLeftAreTakenAndTold) {
   const Answer answer = ask(Operation::kSet, R"({"depth": {"match": {"pyramid": 2, "lr": 3}}})");
   EXPECT_EQ(answer.result, Result::kOk);
   EXPECT_EQ(answer.text, "depth.match.pyramid: not in this version: as the preset has it");
-  EXPECT_EQ(depth_params(desk_.active(), 64).match.left_right_tolerance, 3);
-  EXPECT_TRUE(desk_.fell_back());
+  EXPECT_EQ(depth_params(server_.active(), 64).match.left_right_tolerance, 3);
+  EXPECT_TRUE(server_.fell_back());
   EXPECT_EQ(ask(Operation::kSave).result, Result::kOk);
-  EXPECT_FALSE(desk_.fell_back());
+  EXPECT_FALSE(server_.fell_back());
   EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"match": {"unheard": 1}}})").result,
             Result::kInvalid);
   EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"block": "30x30"}}})").text, "");
@@ -390,7 +391,7 @@ TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {
   EXPECT_EQ(fast.fusion.max_range, 40'000);
   EXPECT_FALSE(fast.guided || fast.temporal);
   std::array<char, kWhyBytes> space;
-  Window why(space);
+  PagedWriter why(space);
   ASSERT_TRUE(parse(std::string_view(R"({"depth": {"match": {"lr": "off", "penalties": "1,9"},
       "preset": "quality", "max_range_mm": 16380, "disparities": 96, "guided": true}})"),
                     settings, why))

@@ -10,7 +10,8 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/messages/subscribe.h"
 #include "firmware/wire/packet.h"
 

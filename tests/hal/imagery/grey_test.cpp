@@ -23,8 +23,8 @@ double level(const dataset::Image<std::uint16_t>& image, int x, int y) {
 
 TEST(RenderGrey, WallAtTwoMetresIsShiftedByItsDisparity) {
   const Scene scene = wall(2, kTextured);
-  const auto left = render_grey(scene, Eye(scene, {}), kLens, {});
-  const auto right = render_grey(scene, Eye(scene, right_of({})), kLens, {});
+  const auto left = render_grey(scene, Viewpoint(scene, {}), kLens, {});
+  const auto right = render_grey(scene, Viewpoint(scene, right_of({})), kLens, {});
   double contrast = 0;
   for (int y = 0; y < kLens.height; ++y) {
     for (int x = 30; x < kLens.width; ++x) {
@@ -40,8 +40,8 @@ TEST(RenderGrey, PrincipalPointsMoveTheDisparity) {
   const Scene scene = wall(2, kTextured);
   dsp::Pinhole shifted = kLens;
   shifted.cx += 5;  // doff 5: disparity 25
-  const auto left = render_grey(scene, Eye(scene, {}), kLens, {});
-  const auto right = render_grey(scene, Eye(scene, right_of({})), shifted, {});
+  const auto left = render_grey(scene, Viewpoint(scene, {}), kLens, {});
+  const auto right = render_grey(scene, Viewpoint(scene, right_of({})), shifted, {});
   for (int x = 25; x < kLens.width; ++x) {
     ASSERT_NEAR(level(left, x, 10), level(right, x - 25, 10), 0.02) << x;
   }
@@ -50,9 +50,10 @@ TEST(RenderGrey, PrincipalPointsMoveTheDisparity) {
 TEST(RenderGrey, LevelIsGainTimesRadiancePlusBlack) {
   Scene scene = wall(2, {.albedo = 0.5});
   scene.ambient = 0.8;
-  const auto image = render_grey(scene, Eye(scene, {}), kLens, {.gain = 200, .black = 7});
+  const auto image = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 7});
   EXPECT_NEAR(level(image, 3, 3), 7 + 200 * 0.4, 1.0 / (1 << kGreyBits));
-  const auto nothing = render_grey(Scene{}, Eye(Scene{}, {}), kLens, {.gain = 200, .black = 7});
+  const auto nothing =
+      render_grey(Scene{}, Viewpoint(Scene{}, {}), kLens, {.gain = 200, .black = 7});
   EXPECT_EQ(level(nothing, 3, 3), 7);
 }
 
@@ -67,7 +68,7 @@ TEST(RenderGrey, EdgesAreSampledByArea) {
                             .pose = {.position = {edge_x - 1, 0, 1}},
                             .half = {1, 1, 0},
                             .material = {.albedo = 0}});
-    const auto image = render_grey(scene, Eye(scene, {}), kLens, {.gain = 200, .black = 0});
+    const auto image = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
     EXPECT_EQ(level(image, 59, 15), 0);
     EXPECT_EQ(level(image, 63, 15), 100);
     // Six rays across: within half a ray's share.
@@ -79,7 +80,7 @@ TEST(RenderGrey, HighlightsDoNotLieOnTheSurface) {
   Scene scene = wall(2, {.albedo = 0.1, .gloss = 0.001, .gloss_log2 = 10});
   scene.lights.push_back({.position = {0, 0, -1}, .power = 2});
   const auto brightest = [&](const Pose& pose) {
-    const auto image = render_grey(scene, Eye(scene, pose), kLens, {});
+    const auto image = render_grey(scene, Viewpoint(scene, pose), kLens, {});
     const auto row = image.view().row(15);
     return std::ranges::max_element(row) - row.begin();
   };
@@ -89,19 +90,19 @@ TEST(RenderGrey, HighlightsDoNotLieOnTheSurface) {
 
 TEST(RenderDepth, IsExactAtPixelCentres) {
   const Scene scene = wall(2);
-  for (const float z : render_depth(Eye(scene, {}), kLens).pixels) {
+  for (const float z : render_depth(Viewpoint(scene, {}), kLens).pixels) {
     ASSERT_EQ(z, 2.0F);
   }
   // Turned to the right by yaw a, n = (-sin a, 0, cos a): Z (cos a - x sin a) = 2 for the wall.
   const double half_tan = 0.1;
   const double sine = 2 * half_tan / (1 + half_tan * half_tan);
   const double cosine = (1 - half_tan * half_tan) / (1 + half_tan * half_tan);
-  const auto turned_depth = render_depth(Eye(scene, turned(half_tan)), kLens);
+  const auto turned_depth = render_depth(Viewpoint(scene, turned(half_tan)), kLens);
   for (int x = 0; x < kLens.width; ++x) {
     const double direction = (x - kLens.cx) / kLens.fx;
     EXPECT_NEAR(turned_depth.view().at(x, 7), 2 / (cosine - direction * sine), 1e-6);
   }
-  for (const float z : render_depth(Eye(Scene{}, {}), kLens).pixels) {
+  for (const float z : render_depth(Viewpoint(Scene{}, {}), kLens).pixels) {
     ASSERT_EQ(z, std::numeric_limits<float>::infinity());
   }
 }
@@ -111,8 +112,8 @@ TEST(RenderVisible, WhatTheNearThingHidesIsAsWideAsTheDisparityStep) {
   scene.things.push_back({.form = Form::kRectangle,
                           .pose = {.position = {0.06, 0, 1}},
                           .half = {0.02, 1, 0}});  // columns 79.5 .. 99.5, seen 60 px to the left
-  const Eye left(scene, {});
-  const Eye right(scene, right_of({}));
+  const Viewpoint left(scene, {});
+  const Viewpoint right(scene, right_of({}));
   const auto visible = render_visible(left, kLens, right, kLens);
   for (int x = 0; x < kLens.width; ++x) {
     const bool outside = x < 30;            // the wall beyond the right picture's border

@@ -73,7 +73,7 @@ TEST(PmdNoise, HasTheModelsVariance) {
       .width = 160, .height = 100, .fx = 1e5, .fy = 1e5, .cx = 79.5, .cy = 49.5};
   const PmdModel model{.emitters = {{0, 0, 0}}, .rays_per_side = 1};
   const Scene scene = wall(2, {.albedo = 0.5});
-  const CleanSamples clean = render_pmd(scene, Eye(scene, {}), kFar, {20'000'000}, model, {});
+  const CleanSamples clean = render_pmd(scene, Viewpoint(scene, {}), kFar, {20'000'000}, model, {});
   for (int k = 0; k < 4; ++k) {
     dataset::Image<std::uint16_t> out(160, 100);
     expose_pmd(clean, k, 4095, /*seed=*/static_cast<std::uint64_t>(100 + k), out.view());

@@ -28,7 +28,7 @@ PmdModel plain_model() {
 
 CleanSamples render(const Scene& scene, const PmdModel& model, const dsp::Pinhole& lens = kLens,
                     std::span<const std::int16_t> pattern = {}) {
-  return render_pmd(scene, Eye(scene, {}), lens, k20MHz, model, pattern);
+  return render_pmd(scene, Viewpoint(scene, {}), lens, k20MHz, model, pattern);
 }
 
 double sample(const CleanSamples& clean, int k, int x = kX, int y = kY) {

@@ -126,7 +126,7 @@ TEST(Corridor, PmdSamplesHoldTheTruthOfItsOwnRays) {
   const Exposed exposed = expose(scene, 1);
   const Scene world = corridor();
   const std::array<double, 3>& t = rig.pmd_to_stereo.translation_m;
-  const Eye eye(world, rig.head * Pose{rig.pmd_to_stereo.rotation, {t[0], t[1], t[2]}});
+  const Viewpoint viewpoint(world, rig.head * Pose{rig.pmd_to_stereo.rotation, {t[0], t[1], t[2]}});
   int usable = 0;
   int near = 0;
   for (std::size_t i = 0; i < sensor.fixed_pattern.size(); ++i) {
@@ -145,7 +145,7 @@ TEST(Corridor, PmdSamplesHoldTheTruthOfItsOwnRays) {
     const std::size_t row = i / width;
     const Vec3 ray =
         undistorted_ray(sensor.lens, static_cast<double>(column), static_cast<double>(row));
-    const double truth = eye.look(ray.x, ray.y).t * length(ray);
+    const double truth = viewpoint.look(ray.x, ray.y).t * length(ray);
     const double turns = std::atan2(y, x) / 6.283185307179586;
     near += std::abs((turns < 0 ? turns + 1 : turns) * 7.4948 - truth) < 0.25 ? 1 : 0;
   }

@@ -1,14 +1,16 @@
 #include <array>
+#include <chrono>
 #include <cstring>
 #include <memory>
 
 #include <gtest/gtest.h>
 #include <netinet/in.h>
-#include <poll.h>
 #include <sys/socket.h>
-#include <unistd.h>
 
 #include "hal/linux/ports/udp_port.h"
+#include "posix/poll.h"
+#include "posix/udp_socket.h"
+#include "tests/support/loopback.h"
 
 namespace stof::test {
 namespace {
@@ -19,40 +21,19 @@ using hal::linux::UdpPort;
 // A plain socket that is told each datagram's class.
 class Listener {
  public:
-  explicit Listener(int family) : fd_(socket(family, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    const int on = 1;
-    setsockopt(fd_, IPPROTO_IP, IP_RECVTOS, &on, sizeof on);
-    sockaddr_storage self{};
-    socklen_t length = sizeof self;
-    self.ss_family = static_cast<sa_family_t>(family);
-    if (family == AF_INET6) {
-      setsockopt(fd_, IPPROTO_IPV6, IPV6_RECVTCLASS, &on, sizeof on);
-      sockaddr_in6 six{};
-      six.sin6_family = AF_INET6;
-      six.sin6_addr = in6addr_loopback;
-      std::memcpy(&self, &six, sizeof six);
-    } else {
-      sockaddr_in four{};
-      four.sin_family = AF_INET;
-      four.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-      std::memcpy(&self, &four, sizeof four);
-    }
-    bound_ = bind(fd_, reinterpret_cast<sockaddr*>(&self), length) == 0 &&  // NOLINT: sockets'
-             getsockname(fd_, reinterpret_cast<sockaddr*>(&self), &length) == 0;  // NOLINT
-    sockaddr_in head{};  // the port is at the same place in both
-    std::memcpy(&head, &self, sizeof head);
-    port_ = ntohs(head.sin_port);
+  explicit Listener(int family) : socket_(family) {
+    static_cast<void>(socket_.set({IPPROTO_IP, IP_RECVTOS, 1}));
+    static_cast<void>(socket_.set({IPPROTO_IPV6, IPV6_RECVTCLASS, 1}));
+    bound_ = socket_.bind(family == AF_INET6 ? posix::make_address(in6addr_loopback, 0)
+                                             : loopback_address(0)) == 0;
   }
-  ~Listener() { close(fd_); }
-  Listener(const Listener&) = delete;
-  Listener& operator=(const Listener&) = delete;
 
   bool bound() const { return bound_; }
-  std::uint16_t port() const { return port_; }
+  std::uint16_t port() const { return socket_.port(); }
   // Of the next datagram; -1: none, or it does not say.
   int next_class() const {
-    pollfd wait{.fd = fd_, .events = POLLIN, .revents = 0};
-    if (poll(&wait, 1, 5000) != 1) {
+    std::array wait{pollfd{.fd = socket_.fd(), .events = POLLIN, .revents = 0}};
+    if (posix::wait_for(wait, std::chrono::seconds(5)) != 1) {
       return -1;
     }
     std::array<std::byte, 64> bytes{};
@@ -63,7 +44,7 @@ class Listener {
     message.msg_iovlen = 1;
     message.msg_control = control.data();
     message.msg_controllen = control.size();
-    if (recvmsg(fd_, &message, 0) < 0) {
+    if (recvmsg(socket_.fd(), &message, 0) < 0) {
       return -1;
     }
     for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr;
@@ -81,9 +62,8 @@ class Listener {
   }
 
  private:
-  int fd_;
+  posix::UdpSocket socket_;
   bool bound_ = false;
-  std::uint16_t port_ = 0;
 };
 
 int class_that_arrives(UdpPort& port, int family, const Listener& listener) {

@@ -1,4 +1,5 @@
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -45,6 +46,25 @@ TEST(BoardRequest, TakesSceneFlags) {
   EXPECT_EQ(parsed({}).scene.name, "corridor");
   EXPECT_EQ(parsed({"--pmd", "none"}).scene.pmd, hal::emu::Size{});
   EXPECT_EQ(parsed({"--no-tof"}).scene.pmd, hal::emu::Size{});
+}
+
+TEST(BoardRequest, FindsThePmdRecordingBesideTheDataset) {
+  namespace fs = std::filesystem;
+  const fs::path data = fs::path(testing::TempDir()) / "recording_beside";
+  for (const char* const folder : {"stereo/cones", "stereo/alone", "tof/scenes/wall"}) {
+    fs::create_directories(data / folder);
+  }
+  fs::create_directories(data / "tof/sim/scene");
+  std::ofstream(data / "tof/sim/scene/cones_64x16.json") << "{}";
+  std::ofstream(data / "tof/sim/scene/wall_64x16.json") << "{}";
+  EXPECT_EQ(board::recording_beside(data / "stereo/cones"), data / "tof/sim/scene/cones_64x16");
+  EXPECT_EQ(board::recording_beside(data / "stereo/cones/"), data / "tof/sim/scene/cones_64x16");
+  EXPECT_EQ(board::recording_beside(data / "stereo/../stereo/./cones"),
+            data / "tof/sim/scene/cones_64x16");
+  EXPECT_EQ(board::recording_beside(data / "tof/scenes/wall"), data / "tof/sim/scene/wall_64x16");
+  EXPECT_EQ(board::recording_beside(data / "stereo/alone"), std::nullopt);
+  EXPECT_EQ(board::recording_beside("/"), std::nullopt);
+  fs::remove_all(data);
 }
 
 TEST(BoardRequest, RefusesWhatMeansNothingInOneLine) {

@@ -5,7 +5,7 @@
 
 #include "hal/emu/imagery/rendered.h"
 #include "hal/emu/imagery/sensors.h"
-#include "hal/emu/scenes/eye.h"
+#include "hal/emu/scenes/viewpoint.h"
 #include "tests/hal/scenes/small_rigs.h"
 
 namespace stof::test {
@@ -25,24 +25,24 @@ struct Surface {
 };
 
 std::vector<Surface> surfaces(const Scene& scene, const Rig& rig) {
-  const Eye eye(scene, rig.head * true_pmd_pose(rig));
+  const Viewpoint viewpoint(scene, rig.head * true_pmd_pose(rig));
   const dsp::Pinhole& lens = rig.pmd_lens;
   std::vector<Surface> out;
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
       const Vec3 ray = undistorted_ray(lens, x, y);
-      const Hit centre = eye.look(ray.x, ray.y);
+      const Hit centre = viewpoint.look(ray.x, ray.y);
       bool alone = centre.thing >= 0;
       for (const double dx : {-0.6, 0.0, 0.6}) {
         for (const double dy : {-0.6, 0.0, 0.6}) {
           const Vec3 beside = undistorted_ray(lens, x + dx, y + dy);
-          const Hit hit = eye.look(beside.x, beside.y);
+          const Hit hit = viewpoint.look(beside.x, beside.y);
           alone = alone && hit.thing == centre.thing && hit.face == centre.face;
         }
       }
       if (alone) {
         const Material& material = scene.things[static_cast<std::size_t>(centre.thing)].material;
-        const Vec3 back = eye.pose().turn(-1.0 / length(ray) * ray);
+        const Vec3 back = viewpoint.pose().turn(-1.0 / length(ray) * ray);
         out.push_back({.x = x,
                        .y = y,
                        .textured = material.contrast > 0,

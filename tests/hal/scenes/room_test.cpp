@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/emu/imagery/rendered.h"
-#include "hal/emu/scenes/eye.h"
+#include "hal/emu/scenes/viewpoint.h"
 #include "tests/hal/scenes/small_rigs.h"
 
 namespace stof::test {
@@ -24,12 +24,12 @@ std::array<Pose, 3> cameras(const Rig& rig) {
 
 // Distance of whatever the camera sees through a field that is a little wider than its own.
 std::pair<double, double> nearest_and_farthest(const Scene& scene, const Pose& camera) {
-  const Eye eye(scene, camera);
+  const Viewpoint viewpoint(scene, camera);
   double nearest = std::numeric_limits<double>::infinity();
   double farthest = 0;
   for (double y = -0.5; y <= 0.5; y += 0.02) {
     for (double x = -0.62; x <= 0.62; x += 0.02) {
-      const Hit hit = eye.look(x, y);
+      const Hit hit = viewpoint.look(x, y);
       const double range =
           hit.thing < 0 ? std::numeric_limits<double>::infinity() : hit.t * length({x, y, 1});
       nearest = std::min(nearest, range);
@@ -125,11 +125,11 @@ TEST(RandomRoom, PmdReadingsAreTheTruthOfTheirRays) {
     const Sensors sensors(rig);
     const CleanViews views = sensors.render(room.scene);
     const dsp::PmdSensor& sensor = sensors.calibration().pmd;
-    const Eye eye(room.scene, rig.head * true_pmd_pose(rig));
+    const Viewpoint viewpoint(room.scene, rig.head * true_pmd_pose(rig));
     for (int y = 0; y < rig.pmd_lens.height; ++y) {
       for (int x = 0; x < rig.pmd_lens.width; ++x) {
         const Vec3 ray = undistorted_ray(rig.pmd_lens, x, y);
-        const double truth = eye.look(ray.x, ray.y).t * length(ray);
+        const double truth = viewpoint.look(ray.x, ray.y).t * length(ray);
         const std::size_t at = static_cast<std::size_t>(y * rig.pmd_lens.width + x);
         const Decoded decoded = decode(sensor, clean_samples(views.pmd, x, y), at);
         if (decoded.ratio > sensor.tone.min_modulation_ratio) {

@@ -7,7 +7,7 @@
 
 #include "hal/emu/imagery/phasor.h"
 #include "hal/emu/imagery/random.h"
-#include "hal/emu/scenes/eye.h"
+#include "hal/emu/scenes/viewpoint.h"
 
 namespace stof::test {
 namespace {
@@ -83,27 +83,27 @@ TEST(Intersect, EllipsoidHasItsRadii) {
   EXPECT_LT(intersect(Form::kEllipsoid, half, {0.6, 0, -3}, {0, 0, 1}).t, 0);
 }
 
-TEST(Eye, SeesTheNearestThingAndItsDepth) {
+TEST(Viewpoint, SeesTheNearestThingAndItsDepth) {
   Scene scene = wall(4);
   scene.things.push_back(
       {.form = Form::kBox, .pose = {.position = {1, 0, 3}}, .half = {0.5, 0.5, 1}});
   Pose pose = turned(0);
   pose.position = {0, 0, 1};
-  const Eye eye(scene, pose);
-  EXPECT_DOUBLE_EQ(eye.look(0, 0).t, 3);
-  EXPECT_EQ(eye.look(0, 0).thing, 0);
-  EXPECT_DOUBLE_EQ(eye.look(0.9, 0).t, 1);
-  EXPECT_EQ(eye.look(0.9, 0).thing, 1);
-  expect_near(eye.look(0.9, 0).point, {0.9, 0, 2});
-  EXPECT_EQ(eye.look_at(0, 0.9, 0).thing, 0);
-  EXPECT_EQ(eye.look_at(1, 0, 0).thing, -1);
+  const Viewpoint viewpoint(scene, pose);
+  EXPECT_DOUBLE_EQ(viewpoint.look(0, 0).t, 3);
+  EXPECT_EQ(viewpoint.look(0, 0).thing, 0);
+  EXPECT_DOUBLE_EQ(viewpoint.look(0.9, 0).t, 1);
+  EXPECT_EQ(viewpoint.look(0.9, 0).thing, 1);
+  expect_near(viewpoint.look(0.9, 0).point, {0.9, 0, 2});
+  EXPECT_EQ(viewpoint.look_at(0, 0.9, 0).thing, 0);
+  EXPECT_EQ(viewpoint.look_at(1, 0, 0).thing, -1);
 }
 
-TEST(Eye, SkipsNothingThatALookWithoutBoundsWouldHit) {
+TEST(Viewpoint, SkipsNothingThatALookWithoutBoundsWouldHit) {
   const Scene scene = corridor();
   Pose pose = turned(-0.05, 0.02, 0.01);
   pose.position = {0.1, -1.1, 0.3};
-  const Eye eye(scene, pose);
+  const Viewpoint viewpoint(scene, pose);
   for (int i = 0; i < 4000; ++i) {
     const int column = i % 80;
     const int row = i / 80;
@@ -111,12 +111,12 @@ TEST(Eye, SkipsNothingThatALookWithoutBoundsWouldHit) {
     const double y = (row - 25) / 40.0;
     double nearest = -1;
     for (int thing = 0; thing < static_cast<int>(scene.things.size()); ++thing) {
-      const Hit hit = eye.look_at(thing, x, y);
+      const Hit hit = viewpoint.look_at(thing, x, y);
       if (hit.thing >= 0 && (nearest < 0 || hit.t < nearest)) {
         nearest = hit.t;
       }
     }
-    const Hit seen = eye.look(x, y);
+    const Hit seen = viewpoint.look(x, y);
     ASSERT_EQ(seen.thing < 0 ? -1 : seen.t, nearest) << x << " " << y;
   }
 }
@@ -153,20 +153,21 @@ TEST(Radiance, IsLambertsLawPlusAmbient) {
   Scene scene = wall(2, {.albedo = 0.5});
   scene.ambient = 0.25;
   scene.lights.push_back({.position = {0, 0, 0}, .power = 8});
-  const Eye eye(scene, {});
-  EXPECT_NEAR(radiance(scene, eye.look(0, 0), {}), 0.5 * (0.25 + 8 / 4.0), kExact);
+  const Viewpoint viewpoint(scene, {});
+  EXPECT_NEAR(radiance(scene, viewpoint.look(0, 0), {}), 0.5 * (0.25 + 8 / 4.0), kExact);
   // 45 degrees aside: twice the square of the distance, cosine 1 / sqrt 2.
-  EXPECT_NEAR(radiance(scene, eye.look(1, 0), {}), 0.5 * (0.25 + 1 / std::sqrt(2.0)), kExact);
+  EXPECT_NEAR(radiance(scene, viewpoint.look(1, 0), {}), 0.5 * (0.25 + 1 / std::sqrt(2.0)), kExact);
 }
 
 TEST(Radiance, GlossMirrorsTheLight) {
   Scene scene = wall(2, {.albedo = 0, .gloss = 1, .gloss_log2 = 8});
   scene.lights.push_back({.position = {1, 0, 0}, .power = 1});
-  const Eye eye(scene, {});
-  const double mirrored = radiance(scene, eye.look(0.25, 0), {});  // x = 0.5: halfway to the light
+  const Viewpoint viewpoint(scene, {});
+  const double mirrored =
+      radiance(scene, viewpoint.look(0.25, 0), {});  // x = 0.5: halfway to the light
   EXPECT_NEAR(mirrored, 129 / 4.25, kExact);
-  EXPECT_LT(radiance(scene, eye.look(0.4, 0), {}), 0.5 * mirrored);
-  EXPECT_LT(radiance(scene, eye.look(0.1, 0), {}), 0.5 * mirrored);
+  EXPECT_LT(radiance(scene, viewpoint.look(0.4, 0), {}), 0.5 * mirrored);
+  EXPECT_LT(radiance(scene, viewpoint.look(0.1, 0), {}), 0.5 * mirrored);
 }
 
 TEST(Phasor, EqualsTheLibrarysSineAndCosine) {

@@ -59,7 +59,7 @@ TEST(V4l2Stereo, LatePictureCostsOneFrame) {
   for (std::uint32_t number = 3; number <= 8; ++number) {
     expect_exposure(rig.shoot(), number);
   }
-  EXPECT_EQ(rig.camera().counters().unplaced, 1U);
+  EXPECT_EQ(rig.camera().counters().unmatched, 1U);
 }
 
 TEST(V4l2Stereo, PicturesWithoutAnExposureCarryTheirRawStamps) {

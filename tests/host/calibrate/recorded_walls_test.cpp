@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
 
 // On the recorded walls, where they are: the folder named by STOF_DATA. The tool's own bars.

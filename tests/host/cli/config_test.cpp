@@ -79,7 +79,7 @@ TEST_F(ConfigTest, SetsValuesOfEveryType) {
   EXPECT_EQ(run({"set", "name=left arm", "period_ms=50", "depth.guided=true", "streams.depth=raw",
                  "depth.match.lr=2", "depth.match.block=9x9", "depth.match.median=false"}),
             "revision 2, in force, until the next start: save keeps it\n");
-  const settings::Settings& active = sensor_.desk.active();
+  const settings::Settings& active = sensor_.server.active();
   EXPECT_EQ(active.name.view(), "left arm");
   EXPECT_EQ(active.period_ms, 50);
   EXPECT_TRUE(active.depth.guided);
@@ -89,7 +89,7 @@ TEST_F(ConfigTest, SetsValuesOfEveryType) {
   EXPECT_EQ(run({"save"}), "revision 2, saved\n");
   EXPECT_EQ(run({"get", "name"}, {.document = "saved"}), "left arm\n");
   EXPECT_EQ(run({"set", "name=\"12\""}).substr(0, 10), "revision 3");
-  EXPECT_EQ(sensor_.desk.active().name.view(), "12");
+  EXPECT_EQ(sensor_.server.active().name.view(), "12");
   EXPECT_EQ(run({"set", "udp.port=7000"}, {.json = true}), "{\"revision\":4,\"restart\":true}\n");
 }
 
@@ -100,7 +100,7 @@ TEST_F(ConfigTest, RefusalsOfTheSensorAreTheLine) {
   EXPECT_EQ(refusal({"set", "depth.disparities=200"}).second, Exit::kBadInput);
   EXPECT_EQ(refusal({"preset", "sea"}).first,
             "preset: takes indoor, outdoor, near, fast or quality");
-  EXPECT_EQ(sensor_.desk.active(), settings::Settings{});
+  EXPECT_EQ(sensor_.server.active(), settings::Settings{});
   sensor_.store.break_down(true);
   EXPECT_EQ(refusal({"stage", "name=a"}).second, Exit::kOk);
   EXPECT_EQ(refusal({"commit"}).second, Exit::kFailure);

@@ -17,7 +17,7 @@ namespace stof::host {
 // A sensor's settings, without the sensor.
 class SensorStub final : public settings::Limits, public settings::SettingsSink {
  public:
-  bool accepts(const settings::Settings& settings, settings::Window& why) noexcept override {
+  bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override {
     if (settings.depth.disparities > 128) {
       why << "300 disparities are more than the 128 of this board";
       return false;
@@ -43,8 +43,8 @@ class SensorStub final : public settings::Limits, public settings::SettingsSink 
     const auto payload = wire::payload_space(buffer);
     std::size_t bytes = 0;
     wire::SettingsAnswer answer =
-        desk.serve(*request, parsed->payload.subspan<wire::kSettingsRequestBytes>(),
-                   payload.subspan<wire::kSettingsAnswerBytes>(), bytes);
+        server.serve(*request, parsed->payload.subspan<wire::kSettingsRequestBytes>(),
+                     payload.subspan<wire::kSettingsAnswerBytes>(), bytes);
     answer.request_id = request->request_id;
     answer.cookie = 1;
     wire::encode_settings_answer(answer, payload.first<wire::kSettingsAnswerBytes>());
@@ -55,7 +55,7 @@ class SensorStub final : public settings::Limits, public settings::SettingsSink 
 
   int requests = 0;
   hal::emu::Store store;
-  settings::SettingsDesk desk{{}, {}, {.limits = *this, .sink = *this, .store = &store}};
+  settings::SettingsServer server{{}, {}, {.limits = *this, .sink = *this, .store = &store}};
 };
 
 }  // namespace stof::host

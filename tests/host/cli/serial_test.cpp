@@ -1,10 +1,8 @@
 #include <array>
 #include <atomic>
-#include <cstdlib>
 #include <string>
 #include <thread>
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <unistd.h>
@@ -14,6 +12,7 @@
 #include "host/cli/exit.h"
 #include "host/cli/serial_transport.h"
 #include "tests/host/cli/sensor_stub.h"
+#include "tests/support/pty.h"
 
 namespace stof::host {
 namespace {
@@ -21,28 +20,25 @@ namespace {
 // The sensor's end of a serial line: answers, with noise and empty frames between.
 class SerialSensor {
  public:
-  SerialSensor() : fd_(::posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK)) {
-    if (fd_ >= 0 && ::grantpt(fd_) == 0 && ::unlockpt(fd_) == 0) {
-      name_ = ::ptsname(fd_);
-    }
+  SerialSensor() {
+    static_cast<void>(pty_.open());
     thread_ = std::thread([this] { run(); });
   }
   ~SerialSensor() {
     done_ = true;
     thread_.join();
-    ::close(fd_);
   }
   SerialSensor(const SerialSensor&) = delete;
   SerialSensor& operator=(const SerialSensor&) = delete;
-  const std::string& name() const { return name_; }
+  const std::string& name() const { return pty_.name(); }
 
  private:
   void run() {
     std::array<std::byte, 1024> space{};
     while (!done_) {
-      pollfd asked{.fd = fd_, .events = POLLIN, .revents = 0};
+      pollfd asked{.fd = pty_.fd(), .events = POLLIN, .revents = 0};
       ::poll(&asked, 1, 10);
-      const ssize_t got = ::read(fd_, space.data(), space.size());
+      const ssize_t got = ::read(pty_.fd(), space.data(), space.size());
       std::span<const std::byte> bytes =
           std::span(space).first(static_cast<std::size_t>(std::max<ssize_t>(got, 0)));
       while (const auto frame = reader_.take(bytes)) {
@@ -60,13 +56,12 @@ class SerialSensor {
     const std::size_t bytes = 4 + hal::cobs_encode(packet, std::span(out).subspan(4)) + 1;
     std::size_t sent = 0;
     while (sent < bytes && !done_) {
-      const ssize_t taken = ::write(fd_, out.data() + sent, bytes - sent);
+      const ssize_t taken = ::write(pty_.fd(), out.data() + sent, bytes - sent);
       sent += static_cast<std::size_t>(std::max<ssize_t>(taken, 0));
     }
   }
 
-  int fd_;
-  std::string name_;
+  test::Pty pty_;
   SensorStub sensor_;
   hal::CobsReader reader_;
   std::atomic<bool> done_{false};

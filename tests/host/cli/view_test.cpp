@@ -6,9 +6,7 @@
 #include <optional>
 #include <thread>
 
-#include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include "dataset/dataset.h"
@@ -17,6 +15,7 @@
 #include "firmware/wire/messages/health.h"
 #include "host/cli/exit.h"
 #include "tests/dataset/scratch.h"
+#include "tests/host/client/loopback_sender.h"
 #include "tests/host/client/sent_frame.h"
 
 // view() against a sender on loopback that speaks through the appliance's own coder.
@@ -30,21 +29,11 @@ constexpr int kHeight = 6;
 
 class LoopbackSink {
  public:
-  explicit LoopbackSink(std::uint16_t port) : socket_(socket(AF_INET, SOCK_DGRAM, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    EXPECT_EQ(connect(socket_, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
-  }
-  LoopbackSink(const LoopbackSink&) = delete;
-  LoopbackSink& operator=(const LoopbackSink&) = delete;
-  ~LoopbackSink() { close(socket_); }
+  explicit LoopbackSink(std::uint16_t port) : sender_(port) { EXPECT_TRUE(sender_.connected()); }
   void send(std::span<const std::byte> datagram) {
     ++sent;
     if (sent != drop) {
-      EXPECT_EQ(::send(socket_, datagram.data(), datagram.size(), 0),
-                static_cast<ssize_t>(datagram.size()));
+      EXPECT_EQ(sender_.send(datagram), Status::kOk);
     }
   }
 
@@ -52,7 +41,7 @@ class LoopbackSink {
   int drop = 0;  // the datagram of this number, from 1, is lost on the way
 
  private:
-  int socket_;
+  test::LoopbackSender sender_;
 };
 
 // Frame n: every pixel n metres away, the first pixel without depth.

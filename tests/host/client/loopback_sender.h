@@ -1,45 +1,30 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <span>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include "dsp/base/status.h"
+#include "posix/udp_socket.h"
+#include "tests/support/loopback.h"
 
 namespace stof::test {
 
 // Sends datagrams to a UDP port of this machine.
 class LoopbackSender {
  public:
-  explicit LoopbackSender(std::uint16_t port) : fd_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
-    sockaddr_in to{};
-    to.sin_family = AF_INET;
-    to.sin_port = htons(port);
-    to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    sockaddr generic{};
-    static_assert(sizeof generic == sizeof to);
-    std::memcpy(&generic, &to, sizeof to);
-    connected_ = fd_ >= 0 && connect(fd_, &generic, sizeof generic) == 0;
-  }
-  ~LoopbackSender() { close(fd_); }
-  LoopbackSender(const LoopbackSender&) = delete;
-  LoopbackSender& operator=(const LoopbackSender&) = delete;
+  explicit LoopbackSender(std::uint16_t port)
+      : connected_(socket_.connect(loopback_address(port)) == 0) {}
 
   bool connected() const { return connected_; }
 
   Status send(std::span<const std::byte> datagram) noexcept {
-    const ssize_t sent = ::send(fd_, datagram.data(), datagram.size(), 0);
-    return sent == static_cast<ssize_t>(datagram.size()) ? Status::kOk : Status::kDeviceError;
+    return socket_.send(datagram) == 0 ? Status::kOk : Status::kDeviceError;
   }
 
  private:
-  int fd_;
-  bool connected_ = false;
+  posix::UdpSocket socket_{AF_INET};
+  bool connected_;
 };
 
 }  // namespace stof::test

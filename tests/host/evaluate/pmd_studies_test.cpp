@@ -2,6 +2,8 @@
 #include <fstream>
 
 #include "host/evaluate/pmd/figures.h"
+#include "host/evaluate/pmd/print/json.h"
+#include "host/evaluate/pmd/print/text.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/evaluate/pmd_recordings.h"
 

@@ -1,17 +1,16 @@
 #include "host/link/relay.h"
 
 #include <array>
-#include <cstring>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <gtest/gtest.h>
-#include <netinet/in.h>
-#include <sys/socket.h>
 
-#include "host/link/udp.h"
+#include "posix/udp_socket.h"
+#include "tests/support/loopback.h"
 
 // Through a relay on loopback. Nothing waits for a time: the relay runs until what was sent is
 // there.
@@ -23,26 +22,19 @@ using std::chrono::milliseconds;
 // A socket at a free port of loopback.
 class Peer {
  public:
-  Peer() : socket_(udp_socket(AF_INET)) {
-    Address here = resolve_literal("127.0.0.1", 0).value();
-    EXPECT_EQ(bind(socket_.fd(), here.generic(), here.length), 0);
-  }
-  std::uint16_t port() const { return bound_port(socket_.fd()); }
-  void send_to(const Address& to, std::string_view text) {
-    EXPECT_EQ(sendto(socket_.fd(), text.data(), text.size(), 0, to.generic(), to.length),
-              static_cast<ssize_t>(text.size()));
+  Peer() { EXPECT_EQ(socket_.bind(test::loopback_address(0)), 0); }
+  std::uint16_t port() const { return socket_.port(); }
+  void send_to(const posix::SocketAddress& to, std::string_view text) {
+    EXPECT_EQ(socket_.send_to(to, std::as_bytes(std::span(text))), 0);
   }
   void send_to(std::uint16_t port, std::string_view text) {
-    send_to(resolve_literal("127.0.0.1", port).value(), text);
+    send_to(test::loopback_address(port), text);
   }
   // What lies there; from: who sent it.
   std::optional<std::string> receive() {
     std::array<char, 2000> buffer{};
-    from = {};
-    const ssize_t size =
-        recvfrom(socket_.fd(), buffer.data(), buffer.size(), 0, from.generic(), &from.length);
-    return size < 0 ? std::nullopt
-                    : std::optional(std::string(buffer.data(), static_cast<std::size_t>(size)));
+    const auto size = socket_.receive(std::as_writable_bytes(std::span(buffer)), &from);
+    return size ? std::optional(std::string(buffer.data(), *size)) : std::nullopt;
   }
   std::string wait_for(Relay& relay) {
     for (int i = 0; i < 2000; ++i) {
@@ -54,10 +46,10 @@ class Peer {
     return "nothing came";
   }
 
-  Address from;
+  posix::SocketAddress from;
 
  private:
-  Socket socket_;
+  posix::UdpSocket socket_{AF_INET};
 };
 
 class RelayTest : public testing::Test {
@@ -80,10 +72,10 @@ TEST_F(RelayTest, AnswersGoToTheClientThatAsked) {
   open();
   first_.send_to(relay_->port(), "one");
   EXPECT_EQ(sensor_.wait_for(*relay_), "one");
-  const Address first = sensor_.from;
+  const posix::SocketAddress first = sensor_.from;
   second_.send_to(relay_->port(), "two");
   EXPECT_EQ(sensor_.wait_for(*relay_), "two");
-  const Address second = sensor_.from;
+  const posix::SocketAddress second = sensor_.from;
   EXPECT_FALSE(first == second);
   sensor_.send_to(second, "for two");
   sensor_.send_to(first, "for one");
@@ -150,9 +142,7 @@ TEST(RelayErrors, SayWhatIsWrongInOneLine) {
 }
 
 TEST(RelayErrors, TakeAnAddressOfTheNewInternet) {
-  const auto place = resolve_place("[::1]:7560");
-  ASSERT_TRUE(place);
-  EXPECT_EQ(place->storage.ss_family, AF_INET6);
+  EXPECT_TRUE(Relay::open({.listen_address = "127.0.0.1", .upstream = "[::1]:7560"}));
 }
 
 }  // namespace

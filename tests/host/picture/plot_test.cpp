@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/picture/plot/plot_map.h"
 #include "host/picture/plot/plot_text.h"
 
 namespace stof::host {

@@ -25,22 +25,22 @@ dataset::Image<Rgb> view_of(const dataset::Image<float>& disparity) {
   return relief_picture(disparity, disparity, 0, 20, white, view);
 }
 
-TEST(Screen, ShowsTheNearerOfTwoTrianglesInAnyOrder) {
+TEST(Rasteriser, ShowsTheNearerOfTwoTrianglesInAnyOrder) {
   const auto triangle = [](double closeness, const Light& light) {
     return std::array<Corner, 3>{Corner{.u = -40, .v = -40, .closeness = closeness, .light = light},
                                  Corner{.u = 80, .v = -40, .closeness = closeness, .light = light},
                                  Corner{.u = -40, .v = 80, .closeness = closeness, .light = light}};
   };
   for (const bool near_first : {true, false}) {
-    Screen screen(8, 8);
+    Rasteriser screen(8, 8);
     screen.draw(near_first ? triangle(2, {1, 0, 0}) : triangle(1, {0, 0, 1}));
     screen.draw(near_first ? triangle(1, {0, 0, 1}) : triangle(2, {1, 0, 0}));
     EXPECT_EQ(screen.picture().view().at(1, 1), (Rgb{255, 0, 0}));
   }
 }
 
-TEST(Screen, CutsWhatLiesOutsideAndIgnoresWhatHasNoArea) {
-  Screen screen(8, 8);
+TEST(Rasteriser, CutsWhatLiesOutsideAndIgnoresWhatHasNoArea) {
+  Rasteriser screen(8, 8);
   const dataset::Image<Rgb> empty = screen.picture();
   screen.draw({Corner{.u = 20, .v = 20, .closeness = 1, .light = {1, 1, 1}},
                Corner{.u = 30, .v = 20, .closeness = 1, .light = {1, 1, 1}},

@@ -1,5 +1,7 @@
 #!/usr/bin/env python3
-"""A receiver in plain Python, written from docs/WIRE.md alone: a second opinion on the wire.
+"""A receiver in plain Python, written from docs/WIRE.md alone: a second opinion on the wire, as a stranger
+would write it. It shares nothing with host/python/stof_wire.py, which is made of the table of messages, though both
+have to say some of the same.
 
 Subscribes to a sensor (--sensor), or listens at a port. Prints one line for each frame, with the CRC-32C of
 its streams' pixels in raster order, and at the end what was refused, by cause.

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/report/fusion/fusion_figures.h"
+#include "host/report/fusion/fusion_summary.h"
 #include "tests/host/evaluate/fusion_scene.h"
 
 namespace stof::host {

@@ -1,8 +1,10 @@
+#include "host/evaluate/pmd/print/json.h"
+
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
-#include "host/evaluate/pmd/figures.h"
+#include "host/calibrate/report/pmd_json.h"
 #include "host/evaluate/stereo/median.h"
 
 namespace stof::host {

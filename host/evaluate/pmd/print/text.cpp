@@ -1,10 +1,9 @@
-#include <array>
-#include <cmath>
-#include <cstdarg>
-#include <cstdio>
+#include "host/evaluate/pmd/print/text.h"
 
-#include "host/evaluate/pmd/figures.h"
+#include <cmath>
+
 #include "host/evaluate/stereo/median.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -12,25 +11,6 @@ namespace {
 constexpr double kMm = 1000;
 constexpr double kPercent = 100;
 constexpr double kShown = 0.005;  // shares below are 0 percent
-
-[[gnu::format(printf, 2, 3)]] void say(std::string& text, const char* format, ...) {
-  std::array<char, 1024> line{};
-  va_list values;  // NOLINT(cppcoreguidelines-init-variables): va_start does
-  va_start(values, format);
-  std::vsnprintf(line.data(), line.size(), format, values);
-  va_end(values);
-  text += line.data();
-}
-
-std::string cell(double value, int width, int decimals) {
-  std::array<char, 64> text{};
-  if (std::isfinite(value)) {
-    std::snprintf(text.data(), text.size(), "%*.*f", width, decimals, value);
-  } else {
-    std::snprintf(text.data(), text.size(), "%*s", width, "-");
-  }
-  return text.data();
-}
 
 std::string percent_cell(long part, long whole, int width) {
   return cell(
@@ -42,22 +22,23 @@ void add_stray(const WallStudy& study, std::string& text) {
   if (study.stray.empty()) {
     return;
   }
-  say(text,
+  text += printed(
       "\nstray light: I %.1f, Q %.1f LSB (+- %.1f), as of a surface at %.2f m; mean Z of the "
       "middle less the wall's\nbefore: the recording's own constants; after: the same with this "
       "phasor\n\n",
       study.stray_i_lsb, study.stray_q_lsb, study.stray_sigma_lsb, study.stray_apparent_m);
-  say(text, "%7s  %10s %7s  %10s %7s  %s\n", "z, m", "before, mm", "valid", "after, mm", "valid",
-      "flagged before, % of the middle");
+  text += printed("%7s  %10s %7s  %10s %7s  %s\n", "z, m", "before, mm", "valid", "after, mm",
+                  "valid", "flagged before, % of the middle");
   for (const StrayRow& row : study.stray) {
     std::string flags;
     for (std::size_t bit = 0; bit < kPmdFlags; ++bit) {
       if (row.before.flagged[bit] >= kShown) {
-        say(flags, "%s%s %.0f", flags.empty() ? "" : ", ", pmd_flag_names()[bit],
-            kPercent * row.before.flagged[bit]);
+        flags += printed("%s%s %.0f", flags.empty() ? "" : ", ", pmd_flag_names()[bit],
+                         kPercent * row.before.flagged[bit]);
       }
     }
-    say(text, "%7.3f  %s %s  %s %s  %s\n", row.z_m, cell(row.before.error_m * kMm, 10, 1).c_str(),
+    text += printed(
+        "%7.3f  %s %s  %s %s  %s\n", row.z_m, cell(row.before.error_m * kMm, 10, 1).c_str(),
         cell(row.before.valid * kPercent, 7, 0).c_str(),
         cell(row.after.error_m * kMm, 10, 1).c_str(),
         cell(row.after.valid * kPercent, 7, 0).c_str(), flags.empty() ? "nothing" : flags.c_str());
@@ -65,23 +46,25 @@ void add_stray(const WallStudy& study, std::string& text) {
 }
 
 void add_lights(const LightStudy& study, std::string& text) {
-  say(text,
+  text += printed(
       "%s: a wall lit from beside the lens; mean over pixels, and over blocks of 8x8, of |mean "
       "radial error|, mm\n\n",
       study.folder.c_str());
-  say(text, "%7s  %17s  %17s\n", "", "lights at the lens", "near model");
-  say(text, "%7s  %8s %8s  %8s %8s  %6s\n", "z, m", "pixels", "blocks", "pixels", "blocks",
-      "pixels");
+  text += printed("%7s  %17s  %17s\n", "", "lights at the lens", "near model");
+  text += printed("%7s  %8s %8s  %8s %8s  %6s\n", "z, m", "pixels", "blocks", "pixels", "blocks",
+                  "pixels");
   for (const LightRow& row : study.rows) {
-    say(text, "%7.3f  %8.2f %8.2f  %8.2f %8.2f  %6d\n", row.z_m, row.before_m * kMm,
-        row.before_blocks_m * kMm, row.after_m * kMm, row.after_blocks_m * kMm, row.pixels);
+    text +=
+        printed("%7.3f  %8.2f %8.2f  %8.2f %8.2f  %6d\n", row.z_m, row.before_m * kMm,
+                row.before_blocks_m * kMm, row.after_m * kMm, row.after_blocks_m * kMm, row.pixels);
   }
 }
 
 void add_counts(const std::string& name, const EdgeCounts& c, std::string& text) {
   const long beyond = c.pure_with_depth - c.pure_beside;
-  say(text, "%-18s %7ld %7ld %s %s  %7ld %s %s %s  %s %s\n", name.c_str(), c.mixed,
-      c.mixed_with_depth, percent_cell(c.mixed_flagged, c.mixed_with_depth, 8).c_str(),
+  text += printed(
+      "%-18s %7ld %7ld %s %s  %7ld %s %s %s  %s %s\n", name.c_str(), c.mixed, c.mixed_with_depth,
+      percent_cell(c.mixed_flagged, c.mixed_with_depth, 8).c_str(),
       percent_cell(c.holding, c.mixed_with_depth, 8).c_str(), c.pure_with_depth,
       percent_cell(c.pure_flagged, c.pure_with_depth, 8).c_str(),
       percent_cell(c.pure_flagged_beside, c.pure_beside, 8).c_str(),
@@ -92,13 +75,13 @@ void add_counts(const std::string& name, const EdgeCounts& c, std::string& text)
 }
 
 void add_edges(const EdgeStudy& study, const char* what, std::string& text) {
-  say(text,
+  text += printed(
       "%s: %s\nmixed pixels see two surfaces (r_max - r_min above the surface's slope). Shares, "
       "%%, of those with a depth;\nholds: [low, high] holds both surfaces, or the middle one of a "
       "pure pixel\n\n",
       study.folder.c_str(), what);
-  say(text, "%-18s %7s %7s %8s %8s  %7s %8s %8s %8s  %8s %8s\n", "", "mixed", "depth", "flagged",
-      "holds", "pure", "flagged", "beside", "beyond", "error,mm", "holds");
+  text += printed("%-18s %7s %7s %8s %8s  %7s %8s %8s %8s  %8s %8s\n", "", "mixed", "depth",
+                  "flagged", "holds", "pure", "flagged", "beside", "beyond", "error,mm", "holds");
   for (const EdgeRow& row : study.rows) {
     add_counts(row.name, row.counts, text);
   }
@@ -106,44 +89,44 @@ void add_edges(const EdgeStudy& study, const char* what, std::string& text) {
 }
 
 void add_tones(const ToneStudy& study, std::string& text) {
-  say(text, "%s: two modulation frequencies\n\n", study.folder.c_str());
-  say(text, "%16s  %9s  %15s  %7s  %8s  %7s  %6s  %10s\n", "MHz", "period, m", "wall, m", "ratio",
-      "accepted", "%", "wrong", "median, mm");
+  text += printed("%s: two modulation frequencies\n\n", study.folder.c_str());
+  text += printed("%16s  %9s  %15s  %7s  %8s  %7s  %6s  %10s\n", "MHz", "period, m", "wall, m",
+                  "ratio", "accepted", "%", "wrong", "median, mm");
   for (const ToneRow& row : study.rows) {
-    say(text, "%7.5g + %6.5g  %9.2f  %6.2f .. %5.2f  %7.2f  %8ld  %s  %6ld  %s\n", row.first_mhz,
-        row.second_mhz, row.period_m, row.nearest_m, row.farthest_m, row.min_ratio, row.accepted,
-        percent_cell(row.accepted, row.pixels, 7).c_str(), row.wrong,
-        cell(row.median_error_m * kMm, 10, 1).c_str());
+    text += printed("%7.5g + %6.5g  %9.2f  %6.2f .. %5.2f  %7.2f  %8ld  %s  %6ld  %s\n",
+                    row.first_mhz, row.second_mhz, row.period_m, row.nearest_m, row.farthest_m,
+                    row.min_ratio, row.accepted, percent_cell(row.accepted, row.pixels, 7).c_str(),
+                    row.wrong, cell(row.median_error_m * kMm, 10, 1).c_str());
   }
 }
 
 void add_frame(const FrameStudy& frame, std::string& text) {
-  say(text, "%s: a frame of an ifm camera, %dx%d, %ld pixels with a distance\n\n",
-      frame.folder.c_str(), frame.width, frame.height, frame.valid);
+  text += printed("%s: a frame of an ifm camera, %dx%d, %ld pixels with a distance\n\n",
+                  frame.folder.c_str(), frame.width, frame.height, frame.valid);
   if (!frame.buffer) {
     text += "absent: O3RBuffer.data\n";
   } else {
-    say(text, "distances       %s those of the camera's buffer\n",
-        frame.same_distances ? "are" : "differ from");
+    text += printed("distances       %s those of the camera's buffer\n",
+                    frame.same_distances ? "are" : "differ from");
   }
   if (frame.camera) {
-    say(text, "cloud           off the camera's own by %.3f mm at most, median %.3f mm\n",
-        frame.camera->largest_m * kMm, frame.camera->median_m * kMm);
+    text += printed("cloud           off the camera's own by %.3f mm at most, median %.3f mm\n",
+                    frame.camera->largest_m * kMm, frame.camera->median_m * kMm);
   } else {
     text += "absent: Cartesian images (chunks 200 to 202) in the camera's buffer\n";
   }
-  say(text,
+  text += printed(
       "cloud           in fixed point, off the same in double precision by %.3f mm at most, median "
       "%.3f mm\n",
       frame.exact.largest_m * kMm, frame.exact.median_m * kMm);
   if (frame.way_back) {
-    say(text,
+    text += printed(
         "rays            off the camera's own polynomial of the way back by %.2f mm at most, "
         "median "
         "%.2f mm\n",
         frame.way_back->largest_m * kMm, frame.way_back->median_m * kMm);
   }
-  say(text,
+  text += printed(
       "noise           rank correlation of 1 / amplitude with the camera's noise %s%s (median "
       "noise "
       "%s mm)\n",
@@ -151,7 +134,7 @@ void add_frame(const FrameStudy& frame, std::string& text) {
       frame.knows_exposures ? ", exposure for exposure" : "",
       cell(frame.median_noise_m * kMm, 1, 2).c_str());
   if (frame.knows_exposures) {
-    say(text,
+    text += printed(
         "                %s with the amplitude image as it is, which is scaled to one exposure\n",
         cell(frame.rank_correlation_as_given, 1, 3).c_str());
   }
@@ -161,7 +144,7 @@ void add_frame(const FrameStudy& frame, std::string& text) {
 
 std::string pmd_text(const PmdEvaluation& evaluation) {
   std::string text;
-  say(text,
+  text += printed(
       "phase           of %ld random samples off by %.4f LSB at most (mean %.4f); kernels ref and "
       "neon equal: %s\n",
       evaluation.phase.pixels, evaluation.phase.largest_lsb, evaluation.phase.mean_lsb,

@@ -14,9 +14,9 @@
 #include "hal/emu/imagery/pmd_samples.h"
 #include "hal/emu/imagery/random.h"
 #include "hal/emu/imagery/rendered.h"
-#include "hal/emu/scenes/eye.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
+#include "hal/emu/scenes/viewpoint.h"
 #include "tests/support/in_own_memory.h"
 
 // Rendered halls of up to 14 m, seen by a PMD camera that repeats after 7.49 m: the whole way from
@@ -204,8 +204,8 @@ class TruthOfPmd {
   const Scene& scene_;
   const Rig& rig_;
   dsp::ImageView<const dsp::Disparity> disparity_;
-  Eye pmd_;
-  Eye left_;
+  Viewpoint pmd_;
+  Viewpoint left_;
 };
 
 struct Count {

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/wide.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 #include "tests/firmware/wire/wire_support.h"
@@ -41,8 +41,8 @@ struct Map {
 
 TEST(FitTest, WhatLayInAnIntervalLiesInTheRoundedOne) {
   Random random(3);
-  for (unsigned scale = 0; scale <= kMostFitScale; ++scale) {
-    const int most = scale == 0 ? 65'535 : static_cast<int>(kMostFitWidth);
+  for (unsigned scale = 0; scale <= kMostQuantiserScale; ++scale) {
+    const int most = scale == 0 ? 65'535 : static_cast<int>(kMostQuantisedWidth);
     Values depth(20'000);
     Values width(depth.size());
     random.fill(std::span(depth).first(10'000), 0, 65'535);
@@ -52,11 +52,11 @@ TEST(FitTest, WhatLayInAnIntervalLiesInTheRoundedOne) {
     random.fill(std::span(width).subspan(8'000, 6'000), 0, 100);
     random.fill(std::span(width).subspan(14'000), most - 100, most);
     Values units(depth.size());
-    fit_depth(depth, scale, units);
+    quantise_depth(depth, scale, units);
     Values grown(depth.size());
     grow_width(depth, width, scale, grown);
     Values widths = grown;
-    fit_width(widths, scale);
+    quantise_width(widths, scale);
     for (std::size_t i = 0; i < depth.size(); ++i) {
       const int rounded = units[i] << scale;
       ASSERT_EQ(rounded == 0, depth[i] == 0);
@@ -77,7 +77,7 @@ TEST(FitTest, TheScaleSuitsAllWidthsButOneOf256) {
   std::ranges::fill(map.depth, std::uint16_t{8000});
   const auto scale_of_all = [&map](std::uint16_t width) {
     std::ranges::fill(map.width, width);
-    return int{fit_scale(map.view(), 0)};
+    return int{quantiser_scale(map.view(), 0)};
   };
   EXPECT_EQ(scale_of_all(15), 0);
   EXPECT_EQ(scale_of_all(16), 1);
@@ -85,26 +85,26 @@ TEST(FitTest, TheScaleSuitsAllWidthsButOneOf256) {
   EXPECT_EQ(scale_of_all(128), 4);
   EXPECT_EQ(scale_of_all(256), 5);
   EXPECT_EQ(scale_of_all(60'000), 5);
-  EXPECT_EQ(scale_of_all(kMostFitWidth), 5);
-  EXPECT_EQ(scale_of_all(kMostFitWidth + 1), 0);
+  EXPECT_EQ(scale_of_all(kMostQuantisedWidth), 5);
+  EXPECT_EQ(scale_of_all(kMostQuantisedWidth + 1), 0);
   scale_of_all(256);
   map.width[0] = 0;
   map.width[511] = 40;
-  EXPECT_EQ(fit_scale(map.view(), 0), 5);  // two of 512
+  EXPECT_EQ(quantiser_scale(map.view(), 0), 5);  // two of 512
   map.width[8] = 40;
-  EXPECT_EQ(fit_scale(map.view(), 0), 2);  // one of them may be narrower yet
+  EXPECT_EQ(quantiser_scale(map.view(), 0), 2);  // one of them may be narrower yet
   map.depth[8] = 0;
   map.width[8] = 0;
-  EXPECT_EQ(fit_scale(map.view(), 0), 2);  // two of 511
-  EXPECT_EQ(fit_scale(map.view(), 8), 5);  // the other band, of four rows
+  EXPECT_EQ(quantiser_scale(map.view(), 0), 2);  // two of 511
+  EXPECT_EQ(quantiser_scale(map.view(), 8), 5);  // the other band, of four rows
   map.width[512] = 40;
-  EXPECT_EQ(fit_scale(map.view(), 8), 5);
+  EXPECT_EQ(quantiser_scale(map.view(), 8), 5);
   map.width[767] = 65'535;  // without room to grow, with depth or without
-  EXPECT_EQ(fit_scale(map.view(), 8), 0);
+  EXPECT_EQ(quantiser_scale(map.view(), 8), 0);
   map.depth[767] = 0;
-  EXPECT_EQ(fit_scale(map.view(), 8), 0);
+  EXPECT_EQ(quantiser_scale(map.view(), 8), 0);
   std::ranges::fill(map.depth, std::uint16_t{0});
-  EXPECT_EQ(fit_scale(map.view(), 0), 0);
+  EXPECT_EQ(quantiser_scale(map.view(), 0), 0);
 }
 
 // One stream of what a coder sent, and the scale of each pixel.
@@ -155,7 +155,7 @@ StreamChoice choice_of(Coding depth, Coding width) {
 void expect_scales(const dsp::DepthMap& map, const Sent& sent) {
   const auto columns = static_cast<std::size_t>(map.depth.width());
   for (int y = 0; y < map.depth.height(); ++y) {
-    const std::uint16_t scale = fit_scale(map, y / kFitRows * kFitRows);
+    const std::uint16_t scale = quantiser_scale(map, y / kQuantiserRows * kQuantiserRows);
     const auto row = std::span(sent.scales).subspan(static_cast<std::size_t>(y) * columns, columns);
     ASSERT_TRUE(std::ranges::all_of(row, [scale](auto one) { return one == scale; })) << y;
   }
@@ -206,7 +206,7 @@ TEST(FitTest, RandomMapsStayHonest) {
   for (const auto& [columns, rows] : {std::pair{37, 29}, {1, 1}, {640, 17}, {64, 8}}) {
     Map map(columns, rows);
     random.fill(std::span(map.depth), 0, 65'535);
-    const auto band = static_cast<std::size_t>(columns * kFitRows);
+    const auto band = static_cast<std::size_t>(columns * kQuantiserRows);
     for (std::size_t i = 0; i < map.width.size(); i += band) {
       const auto part = std::span(map.width).subspan(i, std::min(band, map.width.size() - i));
       const int least = 1 << random.between(2, 12);
@@ -226,17 +226,17 @@ TEST(FitTest, IsTheSameOnAllProcessors) {
     Map map(columns, 9);
     random.fill(std::span(map.depth), 0, columns % 3 == 0 ? 3 : 65'535);
     random.fill(std::span(map.width), random.between(0, 300), columns % 7 == 0 ? 65'535 : 65'000);
-    for (unsigned scale = 0; scale <= kMostFitScale; ++scale) {
+    for (unsigned scale = 0; scale <= kMostQuantiserScale; ++scale) {
       const auto rounded = [&](bool wide) {
         use_wide(wide);
         const dsp::DepthMap view = map.view();
         Values depth(static_cast<std::size_t>(columns));
         Values width(depth.size());
-        fit_depth(view.depth.row(8), scale, depth);
+        quantise_depth(view.depth.row(8), scale, depth);
         grow_width(view.depth.row(8), view.width.row(8), scale, width);
         depth.insert(depth.end(), width.begin(), width.end());
-        depth.push_back(fit_scale(view, 0));
-        depth.push_back(fit_scale(view, kFitRows));
+        depth.push_back(quantiser_scale(view, 0));
+        depth.push_back(quantiser_scale(view, kQuantiserRows));
         return depth;
       };
       const Values narrow = rounded(false);
@@ -252,7 +252,7 @@ TEST(FitTest, NoiseTakesNoMorePacketsThanRaw) {
   Map map(640, 480);
   random.fill(std::span(map.depth), 1, 65'535);
   for (std::size_t i = 0; i < map.width.size(); ++i) {
-    const bool odd = i / (640UL * kFitRows) % 2 != 0;
+    const bool odd = i / (640UL * kQuantiserRows) % 2 != 0;
     map.width[i] = static_cast<std::uint16_t>(random.between(odd ? 16 : 32, odd ? 31 : 20'000));
   }
   expect_honest(map.view(), false);

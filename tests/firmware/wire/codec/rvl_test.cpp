@@ -1,5 +1,3 @@
-#include "firmware/wire/codec/rvl.h"
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -10,6 +8,8 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/codec/wide.h"
 #include "tests/support/guarded.h"
 #include "tests/support/long_run.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/frame/frame_coder.h"
 #include "firmware/wire/frame/tiles.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"

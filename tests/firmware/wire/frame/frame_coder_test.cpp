@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
 #include "tests/firmware/wire/wire_support.h"
 
 namespace stof::wire {

@@ -8,7 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/rvl.h"
+#include "firmware/wire/codec/rvl_decode.h"
+#include "firmware/wire/codec/rvl_encode.h"
 #include "tests/support/random.h"
 
 namespace stof::wire {

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "board/devices/request.h"
+#include "dsp/calib/calibration.h"
+
+namespace stof::board {
+
+// What the drawing says of a rig whose pictures have these sizes (0x0: no PMD camera): lenses that
+// scale with their pictures' width, without distortion, all axes parallel.
+dsp::Calibration nominal_rig(const Config& config, PictureSize stereo, PictureSize pmd) noexcept;
+
+}  // namespace stof::board

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <filesystem>
+#include <span>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "dataset/pmd_recording.h"
+
+// What reader and writer of PMD recordings share. Not for others.
+namespace stof::dataset {
+
+// Takes numbers out of one JSON document and remembers the first that was missing or wrong; from
+// then on every number is 0.
+class Fields {
+ public:
+  explicit Fields(const nlohmann::json& root) : root_(root) {}
+
+  bool has(const char* key) const { return root_.contains(key); }
+  double number(const char* key);
+  double number_or(const char* key, double fallback) { return has(key) ? number(key) : fallback; }
+  int integer(const char* key, int low, int high);
+  int integer_or(const char* key, int low, int high, int fallback) {
+    return has(key) ? integer(key, low, high) : fallback;
+  }
+  // `out.size()` numbers, flat or in rows of arrays.
+  void numbers(const char* key, std::span<double> out);
+  // Rows of three numbers, at most `most`; returns how many.
+  int triples(const char* key, std::span<std::array<double, 3>> out);
+  // One of `words`: its index.
+  std::size_t word(const char* key, std::span<const char* const> words);
+  void require(bool condition, const char* otherwise);
+  const std::string& wrong() const { return wrong_; }
+
+ private:
+  double fail(std::string what);
+  double number_at(const nlohmann::json& value, const char* key);
+  void collect(const nlohmann::json& entry, const char* key, std::span<double> out,
+               std::size_t& used);
+
+  const nlohmann::json& root_;
+  std::string wrong_;
+};
+
+// Whether the numbers can be computed with, whatever picture they are used with: the size of the
+// left one, which a file need not know, and a missing rig are stood in for. Empty, or what is
+// wrong.
+std::string problem_of(dsp::Calibration calibration, bool has_rig);
+
+// "fppn_unit": what the values of a fixed pattern count, from 32768.
+enum class PatternUnit : std::uint8_t { kEighthMm, kTurn, kNone };
+inline constexpr std::array<const char*, 3> kPatternUnits{"1/8 mm", "1/65536 turn", "none"};
+
+// read_pmd(); usual_ratio is PmdTone::min_modulation_ratio of a json that has none.
+Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
+                                    const std::optional<std::filesystem::path>& fixed_pattern,
+                                    double usual_ratio);
+
+// PREFIX + ending.
+std::filesystem::path file_of(const std::filesystem::path& prefix, const char* ending);
+
+}  // namespace stof::dataset

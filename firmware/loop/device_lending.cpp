@@ -1,0 +1,53 @@
+#include "firmware/loop/device_lending.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+namespace stof::firmware {
+
+void DeviceLending::after_round(board::Device device, bool lost, bool leased,
+                                hal::Time now) noexcept {
+  if (is_lent(device)) {
+    return;
+  }
+  Retry& retry = retries_[static_cast<std::size_t>(device)];
+  if (std::exchange(retry.tried, false)) {
+    retry.at = now + retry.backoff;
+    retry.backoff = std::min(2 * retry.backoff, kLongestBackoff);
+  }
+  if (!lost) {
+    retry.backoff = kFirstBackoff;
+    return;
+  }
+  if (leased || now < retry.at) {
+    return;
+  }
+  retry.tried = true;
+  lent_.fetch_or(bit(device), std::memory_order_release);
+  lent_.notify_all();
+  while (waits_ && is_lent(device)) {
+    lent_.wait(lent_.load(std::memory_order_acquire), std::memory_order_acquire);
+  }
+}
+
+std::optional<board::Device> DeviceLending::wait_for_lent() noexcept {
+  lent_.wait(0, std::memory_order_acquire);
+  const unsigned lent = lent_.load(std::memory_order_acquire);
+  if ((lent & kEnd) != 0) {
+    return std::nullopt;
+  }
+  return static_cast<board::Device>(std::countr_zero(lent));
+}
+
+void DeviceLending::give_back(board::Device device) noexcept {
+  lent_.fetch_and(~bit(device), std::memory_order_release);
+  lent_.notify_all();
+}
+
+void DeviceLending::end() noexcept {
+  lent_.fetch_or(kEnd, std::memory_order_release);
+  lent_.notify_all();
+}
+
+}  // namespace stof::firmware

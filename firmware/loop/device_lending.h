@@ -1,0 +1,63 @@
+#pragma once
+
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <optional>
+
+#include "board/board.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// Who may use a device: the loop's thread or, while it is lent, the thread that opens it again.
+//
+// The loop lends a device that is lost and of which it holds no lease. Until the device is given
+// back the loop does not touch it, and takes it for lost. One that is still lost then is lent again
+// 50 ms after the loop has learnt of that, then after twice as long each time, 250 ms at most.
+// Neither end allocates; the loop's end does not block.
+class DeviceLending {
+ public:
+  // emulated_time: no time passes while a device is opened, so that the loop waits for its return.
+  explicit DeviceLending(bool emulated_time) noexcept : waits_(emulated_time) {}
+
+  // Of the loop's thread.
+  bool usable(board::Device device) const noexcept { return !is_lent(device); }
+  // After each round of the loop. leased: frames of the device have not gone home yet.
+  void after_round(board::Device device, bool lost, bool leased, hal::Time now) noexcept;
+
+  // Of the other thread. Blocks until there is a device to open, none at the end.
+  std::optional<board::Device> wait_for_lent() noexcept;
+  // Opened or not: the loop finds out.
+  void give_back(board::Device device) noexcept;
+
+  // Of any thread: wait_for_lent() ends.
+  void end() noexcept;
+
+ private:
+  static constexpr hal::Duration kFirstBackoff = std::chrono::milliseconds(50);
+  static constexpr hal::Duration kLongestBackoff = std::chrono::milliseconds(250);
+  static constexpr unsigned kEnd = 1U << board::kDeviceCount;
+
+  // As the loop knows it.
+  struct Retry {
+    bool tried = false;  // lent, and its return not noted yet
+    hal::Time at{};      // not before
+    hal::Duration backoff = kFirstBackoff;
+  };
+
+  static constexpr unsigned bit(board::Device device) noexcept {
+    return 1U << static_cast<unsigned>(device);
+  }
+  // What the other thread did to a device before it gave it back is seen here, and the other way.
+  bool is_lent(board::Device device) const noexcept {
+    return (lent_.load(std::memory_order_acquire) & bit(device)) != 0;
+  }
+
+  bool waits_;
+  std::array<Retry, board::kDeviceCount> retries_{};
+  std::atomic<unsigned> lent_{0};  // one bit a device, and kEnd
+};
+
+}  // namespace stof::firmware

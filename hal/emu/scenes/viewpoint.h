@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "dsp/calib/pinhole.h"
+#include "hal/emu/scenes/scene.h"
+
+namespace stof::hal::emu {
+
+// Pixels begin .. end - 1 of a row; none where end <= begin.
+struct Run {
+  int begin = 0;
+  int end = 0;
+  friend constexpr bool operator==(const Run&, const Run&) noexcept = default;
+};
+
+// One viewpoint of a scene. Rays are given as (x, y) for the direction (x, y, 1) of the viewpoint's
+// frame, so that Hit::t is the depth Z. The scene must outlive it.
+class Viewpoint {
+ public:
+  Viewpoint(const Scene& scene, const Pose& pose);
+
+  const Pose& pose() const noexcept { return pose_; }
+  int things() const noexcept { return static_cast<int>(seen_.size()); }
+  // The nearest thing.
+  Hit look(double x, double y) const noexcept;
+  // The same if `thing` were alone in the world.
+  Hit look_at(int thing, double x, double y) const noexcept;
+
+  // No ray outside meets the thing. May be infinite.
+  struct Window {
+    double x_min;
+    double x_max;
+    double y_min;
+    double y_max;
+    constexpr bool holds(double x, double y) const noexcept {
+      return x >= x_min && x <= x_max && y >= y_min && y <= y_max;
+    }
+  };
+  const Window& window(int thing) const noexcept {
+    return seen_[static_cast<std::size_t>(thing)].window;
+  }
+  // Whether thing `first` or a later one may be seen within the part of the field.
+  bool may_show(int first, const Window& part) const noexcept;
+
+ private:
+  // A thing as seen from here.
+  struct Seen {
+    Vec3 origin;  // of the viewpoint, in the thing's frame
+    Pose turn;    // from the viewpoint's frame into the thing's; rotation only
+    Window window;
+  };
+  Hit complete(int thing, const LocalHit& local, const Vec3& direction) const noexcept;
+  void note_cells(std::size_t thing);
+  std::span<const std::uint64_t> candidates(double x, double y) const noexcept;
+
+  const Scene& scene_;
+  Pose pose_;
+  std::vector<Seen> seen_;
+  // For cells of rays, row by row: one bit for each thing whose window reaches into the cell. The
+  // last entry is for rays outside of all cells: every thing.
+  std::vector<std::uint64_t> cells_;
+  std::size_t words_;  // of an entry
+};
+
+// Of each row the pixels, from the first to the last, into which thing `first` or a later one may
+// reach: all others look the same without these things. For a lens without distortion.
+std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first);
+// The same for any lens; rays: of the pixel centres, row by row.
+std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+                                std::span<const Vec3> rays, int first);
+// Every pixel.
+std::vector<Run> whole_picture(const dsp::Pinhole& lens);
+
+}  // namespace stof::hal::emu

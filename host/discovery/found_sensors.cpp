@@ -1,0 +1,192 @@
+#include "host/discovery/found_sensors.h"
+
+#include <algorithm>
+#include <charconv>
+#include <string_view>
+#include <utility>
+
+#include "firmware/wire/dns.h"
+#include "firmware/wire/messages/announce.h"
+
+namespace stof::client {
+namespace {
+
+namespace dns = wire::dns;
+
+constexpr std::size_t kMostSensors = 1000;  // bounds what strangers can make us keep
+constexpr unsigned kMostRecords = 256;
+
+// For a terminal: what controls it becomes a question mark.
+std::string printable(std::string_view text) {
+  std::string out(text.substr(0, text.find('\0')));
+  for (char& c : out) {
+    const unsigned char byte = static_cast<unsigned char>(c);
+    c = byte < 0x20 || byte == 0x7f ? '?' : c;
+  }
+  return out;
+}
+
+template <std::size_t kSize>
+std::string printable(const std::array<char, kSize>& text) {
+  return printable(std::string_view(text.data(), text.size()));
+}
+
+// The value of one key of a TXT record.
+std::string text_value(std::span<const std::byte> data, std::string_view key) {
+  while (!data.empty()) {
+    const std::size_t length = std::to_integer<std::size_t>(data[0]);
+    data = data.subspan(1);
+    if (length > data.size()) {
+      break;
+    }
+    const std::string_view entry(reinterpret_cast<const char*>(data.data()), length);
+    if (entry.size() > key.size() && entry.starts_with(key) && entry[key.size()] == '=') {
+      return printable(entry.substr(key.size() + 1));
+    }
+    data = data.subspan(length);
+  }
+  return {};
+}
+
+struct Instance {
+  dns::Name name;
+  std::uint16_t port = 0;
+  std::span<const std::byte> text{};
+};
+
+bool is_ours(const dns::Name& instance) {
+  return instance.parent() == dns::Name{"_stof", "_udp", "local"};
+}
+
+Instance& instance_of(std::vector<Instance>& instances, const dns::Name& name) {
+  const auto known = std::ranges::find(instances, name, &Instance::name);
+  return known != instances.end() ? *known : instances.emplace_back(Instance{.name = name});
+}
+
+std::vector<Instance> read_instances(std::span<const std::byte> message) {
+  std::vector<Instance> instances;
+  dns::Reader reader(message);
+  const auto header = reader.header();
+  if (!header || (header->flags & dns::kResponse) == 0) {
+    return instances;
+  }
+  for (unsigned i = 0; i < header->questions; ++i) {
+    if (!reader.question()) {
+      return instances;
+    }
+  }
+  const unsigned records = unsigned{header->answers} + header->authorities + header->additionals;
+  for (unsigned i = 0; i < std::min(records, kMostRecords); ++i) {
+    const auto record = reader.record();
+    if (!record) {
+      break;
+    }
+    if (record->ttl_s == 0 || !is_ours(record->name)) {
+      continue;  // leaving, or of something else
+    }
+    if (record->type == dns::Type::kSrv && record->data.size() > 6) {
+      instance_of(instances, record->name).port =
+          static_cast<std::uint16_t>((std::to_integer<unsigned>(record->data[4]) << 8) |
+                                     std::to_integer<unsigned>(record->data[5]));
+    } else if (record->type == dns::Type::kTxt) {
+      instance_of(instances, record->name).text = record->data;
+    }
+  }
+  return instances;
+}
+
+}  // namespace
+
+const char* to_string(Way way) noexcept {
+  switch (way) {
+    case Way::kMdns:
+      return "mdns";
+    case Way::kBeacon:
+      return "beacon";
+    case Way::kDirect:
+      return "direct";
+  }
+  return "unknown";
+}
+
+std::string FoundSensor::endpoint() const {
+  const bool ipv6 = address.find(':') != std::string::npos;
+  return (ipv6 ? "[" + address + "]" : address) + ":" + std::to_string(port);
+}
+
+FoundSensor& FoundSensors::entry(std::uint32_t device_id, const std::string& serial,
+                                 std::uint16_t port) {
+  const auto known = std::ranges::find_if(sensors_, [&](const FoundSensor& sensor) {
+    return sensor.device_id == device_id && sensor.serial == serial && sensor.port == port;
+  });
+  if (known != sensors_.end()) {
+    return *known;
+  }
+  if (sensors_.size() == kMostSensors) {
+    sensors_.pop_back();
+  }
+  return sensors_.emplace_back(FoundSensor{.device_id = device_id, .serial = serial, .port = port});
+}
+
+void FoundSensors::found_by(FoundSensor& sensor, const std::string& from, Way way) {
+  const auto better = std::span(sensor.ways).subspan(static_cast<std::size_t>(way));
+  if (std::ranges::none_of(better, [](bool known) { return known; })) {
+    sensor.address = from;
+    if (way != Way::kDirect) {
+      silent_.push_back(sensor.endpoint());
+    }
+  }
+  sensor.ways[static_cast<std::size_t>(way)] = true;
+}
+
+bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::string& from,
+                               Way way) {
+  const auto packet = wire::parse_packet(datagram);
+  if (!packet || packet->header.type != wire::PacketType::kAnnounce) {
+    return false;
+  }
+  const Result<wire::Announce> announce = wire::decode_announce(packet->payload);
+  if (!announce) {
+    return false;
+  }
+  FoundSensor& sensor =
+      entry(packet->header.origin.device_id, printable(announce->serial), announce->port);
+  found_by(sensor, from, way);
+  sensor.name = printable(announce->name);
+  sensor.version = printable(announce->version);
+  sensor.board = printable(announce->board);
+  sensor.health = packet->header.frame.health;
+  sensor.rate_mhz = announce->rate_mhz;
+  sensor.subscribers = announce->subscribers;
+  sensor.most_subscribers = announce->most_subscribers;
+  return true;
+}
+
+void FoundSensors::take_mdns(std::span<const std::byte> message, const std::string& from) {
+  for (const Instance& instance : read_instances(message)) {
+    const std::string id = text_value(instance.text, "id");
+    std::uint32_t device_id = 0;
+    const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), device_id, 16);
+    if (instance.port == 0 || error != std::errc{} || end != id.data() + id.size()) {
+      continue;
+    }
+    FoundSensor& sensor = entry(device_id, text_value(instance.text, "serial"), instance.port);
+    found_by(sensor, from, Way::kMdns);
+    if (!sensor.health) {
+      sensor.name = text_value(instance.text, "name");
+      sensor.version = text_value(instance.text, "version");
+      sensor.board = text_value(instance.text, "board");
+    }
+  }
+}
+
+std::vector<std::string> FoundSensors::take_silent() { return std::exchange(silent_, {}); }
+
+std::vector<FoundSensor> FoundSensors::sorted() const {
+  std::vector<FoundSensor> sensors = sensors_;
+  std::ranges::sort(
+      sensors, {}, [](const FoundSensor& sensor) { return std::pair(sensor.serial, sensor.port); });
+  return sensors;
+}
+
+}  // namespace stof::client

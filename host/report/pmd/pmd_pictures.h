@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "host/evaluate/pmd/figures.h"
+#include "host/report/page/page.h"
+
+// PMD figures as maps and 2.5D views. What a study has no data for is left out.
+namespace stof::host {
+
+std::vector<Figure> mask_figures(const WallStudy& study);  // ratio and valid pixels of a far wall
+std::vector<Figure> flat_wall_figures(const WallStudy& study);
+Figure marks_figure(const EdgeStudy& study);  // mixed and flagged pixels
+Figure relief_figure(const EdgeStudy& study);
+std::vector<Figure> cloud_figures(const FrameStudy& study);
+
+}  // namespace stof::host

@@ -1,0 +1,39 @@
+#include "posix/interfaces.h"
+
+#include <algorithm>
+#include <cstring>
+#include <memory>
+
+#include <ifaddrs.h>
+#include <net/if.h>
+
+namespace stof::posix {
+
+Interfaces list_interfaces() {
+  Interfaces out;
+  ifaddrs* list = nullptr;
+  if (getifaddrs(&list) != 0) {
+    return out;
+  }
+  const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> owned(list, freeifaddrs);
+  for (const ifaddrs* entry = list; entry != nullptr; entry = entry->ifa_next) {
+    if ((entry->ifa_flags & IFF_UP) == 0) {
+      continue;
+    }
+    const unsigned index = if_nametoindex(entry->ifa_name);
+    if ((entry->ifa_flags & IFF_MULTICAST) != 0 &&
+        std::ranges::find(out.multicast, index) == out.multicast.end()) {
+      out.multicast.push_back(index);
+    }
+    const sockaddr* const broadcast = entry->ifa_broadaddr;
+    if ((entry->ifa_flags & IFF_BROADCAST) != 0 && broadcast != nullptr &&
+        broadcast->sa_family == AF_INET) {
+      sockaddr_in address{};
+      std::memcpy(&address, broadcast, sizeof address);
+      out.broadcasts.push_back(address.sin_addr);
+    }
+  }
+  return out;
+}
+
+}  // namespace stof::posix

@@ -1,0 +1,85 @@
+#include "posix/udp_socket.h"
+
+#include <cerrno>
+
+namespace stof::posix {
+namespace {
+
+int error_of(int result) noexcept { return result < 0 ? errno : 0; }
+
+}  // namespace
+
+UdpSocket::UdpSocket(int family) noexcept
+    : fd_(socket(family, SOCK_DGRAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)) {}
+
+int UdpSocket::set(const SocketOption& option) const noexcept {
+  return error_of(setsockopt(fd(), option.level, option.name, &option.value, sizeof option.value));
+}
+
+int UdpSocket::set(std::span<const SocketOption> options) const noexcept {
+  for (const SocketOption& option : options) {
+    if (const int error = set(option); error != 0) {
+      return error;
+    }
+  }
+  return 0;
+}
+
+int UdpSocket::set_buffer(Buffer which, int bytes) const noexcept {
+  const bool sends = which == Buffer::kSend;
+  const int option = sends ? SO_SNDBUF : SO_RCVBUF;
+  static_cast<void>(set({SOL_SOCKET, option, bytes}));
+  // Passes net.core.?mem_max and needs CAP_NET_ADMIN.
+  static_cast<void>(set({SOL_SOCKET, sends ? SO_SNDBUFFORCE : SO_RCVBUFFORCE, bytes}));
+  int granted = 0;
+  socklen_t length = sizeof granted;
+  static_cast<void>(getsockopt(fd(), SOL_SOCKET, option, &granted, &length));
+  return granted / 2;  // the system doubles what is set, for its own bookkeeping
+}
+
+int UdpSocket::count_drops() const noexcept { return set({SOL_SOCKET, SO_RXQ_OVFL, 1}); }
+
+int UdpSocket::bind(const SocketAddress& at) const noexcept {
+  return error_of(::bind(fd(), at.generic(), at.length));
+}
+
+int UdpSocket::connect(const SocketAddress& to) const noexcept {
+  return error_of(::connect(fd(), to.generic(), to.length));
+}
+
+std::uint16_t UdpSocket::port() const noexcept {
+  SocketAddress address;
+  return getsockname(fd(), address.generic(), &address.length) == 0 ? address.port() : 0;
+}
+
+int UdpSocket::send(std::span<const std::byte> datagram) const noexcept {
+  return ::send(fd(), datagram.data(), datagram.size(), MSG_NOSIGNAL) < 0 ? errno : 0;
+}
+
+int UdpSocket::send_to(const SocketAddress& to,
+                       std::span<const std::byte> datagram) const noexcept {
+  const ssize_t sent =
+      sendto(fd(), datagram.data(), datagram.size(), MSG_NOSIGNAL, to.generic(), to.length);
+  return sent < 0 ? errno : 0;
+}
+
+std::expected<std::size_t, int> UdpSocket::receive(std::span<std::byte> space,
+                                                   SocketAddress* from) const noexcept {
+  if (from != nullptr) {
+    *from = {};
+  }
+  const ssize_t got =
+      recvfrom(fd(), space.data(), space.size(), 0, from == nullptr ? nullptr : from->generic(),
+               from == nullptr ? nullptr : &from->length);
+  if (got < 0) {
+    return std::unexpected(errno);
+  }
+  return static_cast<std::size_t>(got);
+}
+
+bool answers_earlier(int error) noexcept {
+  return error == ECONNREFUSED || error == EHOSTUNREACH || error == ENETUNREACH ||
+         error == EPROTO || error == ENOPROTOOPT || error == EACCES || error == EMSGSIZE;
+}
+
+}  // namespace stof::posix

@@ -1,0 +1,101 @@
+// What datagrams say of sensors, also those that lie.
+#include "host/discovery/found_sensors.h"
+
+#include <gtest/gtest.h>
+
+#include "firmware/wire/dns.h"
+#include "firmware/wire/messages/announce.h"
+#include "tests/support/random.h"
+
+namespace stof::client {
+namespace {
+
+namespace dns = wire::dns;
+
+std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 7560) {
+  wire::Announce announce{.port = port, .subscribers = 1, .most_subscribers = 4};
+  std::ranges::copy(std::string_view(serial), announce.serial.begin());
+  announce.rate_mhz = 30'000;
+  wire::DatagramBuffer buffer;
+  wire::encode_announce(announce, wire::payload_space(buffer).first<wire::kAnnounceBytes>());
+  const auto packet = wire::seal_packet({.type = wire::PacketType::kAnnounce,
+                                         .origin = {.device_id = 7},
+                                         .frame = {.health = wire::Health::kFault}},
+                                        wire::kAnnounceBytes, buffer);
+  return {packet.begin(), packet.end()};
+}
+
+std::vector<std::byte> mdns_answer() {
+  std::array<std::byte, 512> space{};
+  dns::Writer writer(space, 0, dns::kResponse);
+  const dns::Name instance{"front (A17)", "_stof", "_udp", "local"};
+  writer.begin_record({"_stof", "_udp", "local"}, dns::Type::kPtr, dns::kInternet, 4500);
+  writer.data_name(instance);
+  EXPECT_TRUE(writer.finish(dns::Writer::Section::kAnswer));
+  writer.begin_record(instance, dns::Type::kSrv, dns::kInternet, 120);
+  for (const int value : {0, 0, 7560}) {
+    writer.data_u16(static_cast<std::uint16_t>(value));
+  }
+  writer.data_name({"stof-a17", "local"});
+  EXPECT_TRUE(writer.finish(dns::Writer::Section::kAdditional));
+  writer.begin_record(instance, dns::Type::kTxt, dns::kInternet, 4500);
+  writer.data_text("serial", "A17");
+  writer.data_text("name", "front");
+  writer.data_text("id", "00000007");
+  EXPECT_TRUE(writer.finish(dns::Writer::Section::kAdditional));
+  const auto message = writer.message();
+  return {message.begin(), message.end()};
+}
+
+TEST(FoundSensors, KnowsASensorByEveryWayAsOne) {
+  FoundSensors found;
+  found.take_mdns(mdns_answer(), "fe80::1%eth0");
+  EXPECT_EQ(found.take_silent(), std::vector<std::string>{"[fe80::1%eth0]:7560"});
+  found.take_mdns(mdns_answer(), "fe80::1%eth0");
+  EXPECT_TRUE(found.take_silent().empty());
+  EXPECT_FALSE(found.sorted()[0].health);
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.2", Way::kBeacon));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.3", Way::kDirect));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.4", Way::kBeacon));
+  const auto sensors = found.sorted();
+  ASSERT_EQ(sensors.size(), 1U);
+  EXPECT_EQ(sensors[0].endpoint(), "192.0.2.3:7560");  // of the surest way
+  EXPECT_EQ(sensors[0].health, wire::Health::kFault);
+  EXPECT_EQ(sensors[0].rate_mhz, 30'000U);
+  EXPECT_EQ(sensors[0].ways, (std::array{true, true, true}));
+}
+
+TEST(FoundSensors, TellsSensorsApart) {
+  FoundSensors found;
+  for (const auto& packet :
+       {announcement("B"), announcement("A"), announcement("A", 7570), announcement("A")}) {
+    EXPECT_TRUE(found.take_packet(packet, "192.0.2.2", Way::kBeacon));
+  }
+  const auto sensors = found.sorted();
+  ASSERT_EQ(sensors.size(), 3U);
+  EXPECT_EQ(sensors[0].serial + sensors[2].serial, "AB");
+}
+
+TEST(FoundSensors, KeepsATerminalSafe) {
+  FoundSensors found;
+  EXPECT_TRUE(found.take_packet(announcement("\x1b[2J\n"), "192.0.2.2", Way::kBeacon));
+  EXPECT_EQ(found.sorted()[0].serial, "?[2J?");
+}
+
+TEST(FoundSensors, BearsAnyBytes) {
+  test::Random random(5);
+  FoundSensors found;
+  for (int round = 0; round < 10'000; ++round) {
+    std::vector<std::byte> bytes = round % 2 == 0 ? mdns_answer() : announcement("A");
+    bytes[static_cast<std::size_t>(random.between(0, static_cast<int>(bytes.size()) - 1))] =
+        static_cast<std::byte>(random.next());
+    bytes.resize(static_cast<std::size_t>(random.between(0, static_cast<int>(bytes.size()))));
+    found.take_mdns(bytes, "192.0.2.2");
+    static_cast<void>(found.take_silent());
+    static_cast<void>(found.take_packet(bytes, "192.0.2.2", Way::kBeacon));
+  }
+  EXPECT_LE(found.sorted().size(), 1000U);
+}
+
+}  // namespace
+}  // namespace stof::client
