@@ -15,7 +15,6 @@
 #include "dsp/stereo/search/winner.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
-#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -279,8 +278,8 @@ TEST(Pyramid, AnySizeStaysInsideItsMemoryAndItsRangeWithAnyVectors) {
                                    .pyramid_levels = levels};
           test::GuardedBuffer<std::byte> memory(pyramid_bytes_needed(params, width, height));
           Map expected(width, height, width);
-          for (const Vectors vectors : test::all_vectors()) {
-            const test::UseVectors use(vectors);
+          for (int level = 0; level <= static_cast<int>(widest_vectors()); ++level) {
+            const UseVectors use(static_cast<Vectors>(level));
             Map left(width, height, width), right(width, height, width);
             for (const bool check : {true, false}) {
               match_coarse_to_fine(params, pair.pictures(), Arena(memory.span()),
@@ -288,7 +287,7 @@ TEST(Pyramid, AnySizeStaysInsideItsMemoryAndItsRangeWithAnyVectors) {
               expect_in_range(params, left.view());
             }
             for (int y = 0; y < height; ++y) {
-              if (vectors == Vectors::kNeon) {
+              if (level == 0) {
                 std::ranges::copy(left.view().row(y), expected.view().row(y).begin());
               }
               ASSERT_TRUE(std::ranges::equal(left.view().row(y), expected.view().row(y)));
