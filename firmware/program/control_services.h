@@ -31,7 +31,7 @@ struct LoopStatus {
 };
 
 // Everything that the control thread does, put together: requests, subscriptions, settings,
-// discovery, the serial line. What the loop needs to know of it is told through rings and atomics.
+// discovery, the serial line. What the loop needs to know of it goes through rings and atomics.
 class ControlServices final : public settings::Limits,
                               public settings::SettingsSink,
                               public Periodic {
@@ -40,6 +40,7 @@ class ControlServices final : public settings::Limits,
     board::Board& board;
     const RigInfo& rig;
     hal::Store* store;  // of settings; nullptr: nothing is kept
+    bool fell_back;     // of load_settings()
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
     RunConfigRing& run_configs;
@@ -65,7 +66,7 @@ class ControlServices final : public settings::Limits,
 
  private:
   wire::Announce make_announce() const noexcept;
-  // Renews what everybody is told who asks.
+  // Renews what requests and discovery are answered with.
   wire::Announce update_announce(hal::Time now) noexcept;
   void publish_status() noexcept;
 
@@ -87,6 +88,7 @@ class ControlServices final : public settings::Limits,
     std::atomic<std::uint32_t> revision = 1;
     std::atomic<std::uint8_t> subscribers = 0;
     std::atomic<bool> unsaved = false;
+    std::atomic<bool> fell_back = false;
     std::atomic<bool> restart_needed = false;
   } published_;
 

@@ -12,31 +12,31 @@
 namespace stof::host {
 namespace {
 
-const char* name_of(dsp::Method method) {
+const char* name_of(lab::Method method) {
   switch (method) {
-    case dsp::Method::kWinnerTakesAll:
+    case lab::Method::kWinnerTakesAll:
       return "wta";
-    case dsp::Method::kOrdered:
+    case lab::Method::kOrdered:
       return "dp";
-    case dsp::Method::kScanline:
+    case lab::Method::kScanline:
       return "so";
-    case dsp::Method::kSemiGlobal:
+    case lab::Method::kSemiGlobal:
       return "sgm";
   }
   return "";
 }
 
-const char* name_of(dsp::Cost cost) {
+const char* name_of(lab::Cost cost) {
   switch (cost) {
-    case dsp::Cost::kSad:
+    case lab::Cost::kSad:
       return "sad";
-    case dsp::Cost::kSsd:
+    case lab::Cost::kSsd:
       return "ssd";
-    case dsp::Cost::kCensus5x5:
+    case lab::Cost::kCensus5x5:
       return "census5x5";
-    case dsp::Cost::kCensus9x7:
+    case lab::Cost::kCensus9x7:
       return "census9x7";
-    case dsp::Cost::kMixed:
+    case lab::Cost::kMixed:
       return "mixed";
   }
   return "";
@@ -89,7 +89,7 @@ bool can_run(const std::filesystem::path& program) {
 
 std::optional<PlainMatch> run_plain(const std::filesystem::path& program,
                                     const std::filesystem::path& folder,
-                                    const dsp::MatchParams& params, int runs) {
+                                    const lab::MatchParams& params, int runs) {
   const std::optional<std::string> line = output_of(
       {program.string(), folder.string(), std::to_string(runs), "method", name_of(params.method),
        "cost", name_of(params.cost), "block",

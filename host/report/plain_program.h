@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "dsp/stereo/match_params.h"
+#include "lab/match_params.h"
 
 // The program stof_plain (host/plain): the whole matcher with reference kernels.
 namespace stof::host {
@@ -21,6 +21,6 @@ bool can_run(const std::filesystem::path& program);
 // being method_defaults(). None: the program failed, and has said why on stderr.
 std::optional<PlainMatch> run_plain(const std::filesystem::path& program,
                                     const std::filesystem::path& folder,
-                                    const dsp::MatchParams& params, int runs);
+                                    const lab::MatchParams& params, int runs);
 
 }  // namespace stof::host

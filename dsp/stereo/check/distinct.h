@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/check/window_sums.h"
 #include "dsp/stereo/search/winner.h"
 
 // A match must stand out from its rivals. Where both pictures hold nothing but noise, the winner
@@ -64,12 +64,9 @@ inline constexpr Kernel<DistinctMargins<std::uint8_t>, DistinctMargins<std::uint
                      STOF_PORTABLE(distinct_margins)};
 }  // namespace best
 
-// What drop_indistinct takes from its Arena.
-std::size_t drop_indistinct_bytes(int width) noexcept;
-
 // Drops the disparities of `rows` where the margins of the surroundings sum to 0 or less.
-// Only `rows` of disparities are written; any split gives the same.
-void drop_indistinct(ImageView<const std::int16_t> margins, Rows rows, Arena arena,
+// Only `rows` of disparities are written; any split gives the same. window: scratch.
+void drop_indistinct(ImageView<const std::int16_t> margins, Rows rows, WindowSums& window,
                      ImageView<Disparity> disparities) noexcept;
 
 }  // namespace stof::dsp
