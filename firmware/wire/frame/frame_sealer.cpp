@@ -60,7 +60,7 @@ Datagrams FrameSealer::seal_all() noexcept {
   return memory_.datagrams.first(all());
 }
 
-void FrameSealer::begin_parity() noexcept {
+void FrameSealer::begin_parity() const noexcept {
   for (ParityGroup& group : memory_.groups.first(groups_)) {
     group.clear();
   }

@@ -38,7 +38,7 @@ class FrameSealer {
 
   // Some of them, valid until the next call: first every part once in their order, then parity. For
   // a frame that is coded again; `begin_parity` comes before the first part.
-  void begin_parity() noexcept;
+  void begin_parity() const noexcept;
   Datagrams seal_parts(std::size_t begin, std::size_t end) noexcept;
   Datagrams seal_parity(std::size_t begin, std::size_t end) noexcept;
   std::size_t groups() const noexcept { return groups_; }
