@@ -15,13 +15,13 @@ bool made_up(const MatchParams& params) noexcept {
 }  // namespace
 
 Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena,
-                 const Crew& crew) noexcept
+                 const ThreadTeam& team) noexcept
     : fill_(params.fill),
       continues_(params.method == Method::kOrdered),
       filled_(made_up(params) ? arena.take_image<std::uint8_t>(width, height)
                               : ImageView<std::uint8_t>()),
       searches_(params, filled_),
-      matcher_(appliance_params(params).value_or(params), width, height, arena, crew,
+      matcher_(appliance_params(params).value_or(params), width, height, arena, team,
                appliance_params(params) ? nullptr : &searches_) {
   STOF_CHECK(check(params, width, height) == Status::kOk);
 }

@@ -16,10 +16,10 @@ namespace stof::lab {
 // where that is asked for.
 class Matcher {
  public:
-  // params, width and height pass check(). The result is the same with any crew. Searches of whole
+  // params, width and height pass check(). The result is the same with any team. Searches of whole
   // maps take pictures of exactly this size, all others smaller ones too.
   Matcher(const MatchParams& params, int width, int height, Arena& arena,
-          const Crew& crew = {}) noexcept;
+          const ThreadTeam& team = {}) noexcept;
 
   void match(const MatchInput& input, ImageView<Disparity> out) noexcept;
 

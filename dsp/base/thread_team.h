@@ -37,15 +37,15 @@ class PartJob {
 };
 
 // The threads that one user may have: by itself, just the caller.
-class Crew {
+class ThreadTeam {
  public:
   static constexpr int kMost = 8;
 
-  Crew() noexcept = default;
+  ThreadTeam() noexcept = default;
   // Up to so many of those that `pool` has. Pool: posix::WorkerThreads or alike, outlives this;
   // threads() says how many there are, run(parts, threads, call, object) has them do the parts.
   template <typename Pool>
-  Crew(Pool& pool, int threads) noexcept
+  ThreadTeam(Pool& pool, int threads) noexcept
       : pool_(&pool),
         run_([](void* at, int parts, int used, PartJob job) noexcept {
           static_cast<Pool*>(at)->run(parts, used, job.call(), job.object());
@@ -55,15 +55,15 @@ class Crew {
   }
 
   // Stands for so many where memory is measured; the caller does all the work.
-  static Crew standing_for(int threads) noexcept {
-    Crew crew;
-    crew.threads_ = threads;
-    return crew;
+  static ThreadTeam standing_for(int threads) noexcept {
+    ThreadTeam team;
+    team.threads_ = threads;
+    return team;
   }
 
   // At most so many of these.
-  Crew first(int threads) const noexcept {
-    Crew fewer = *this;
+  ThreadTeam first(int threads) const noexcept {
+    ThreadTeam fewer = *this;
     fewer.threads_ = std::clamp(threads, 1, threads_);
     return fewer;
   }

@@ -37,12 +37,12 @@ GuideParams guide_params(const Calibration& calibration, const DepthParams& para
 }  // namespace
 
 DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
-                       const Crew& crew, SearchMaker* searches) noexcept
-    : crew_(crew),
+                       const ThreadTeam& team, SearchMaker* searches) noexcept
+    : team_(team),
       matcher_(search(calibration, params), calibration.stereo.left.width,
-               calibration.stereo.left.height, arena, crew, searches),
+               calibration.stereo.left.height, arena, team, searches),
       fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
-             calibration.stereo.left.width, calibration.stereo.left.height, arena, crew.threads()) {
+             calibration.stereo.left.width, calibration.stereo.left.height, arena, team.threads()) {
   const int w = calibration.stereo.left.width;
   const int h = calibration.stereo.left.height;
   const MatchParams& match = params.match;
@@ -81,7 +81,7 @@ void DepthMaker::match(ImageView<const std::uint8_t> left,
   left_ = left;
   right_ = right;
   if (rectifier_) {
-    crew_.run_rows(disparity_.rows(), kRowsAtOnce,
+    team_.run_rows(disparity_.rows(), kRowsAtOnce,
                    [&](Rows rows, int) noexcept { rectifier_->rectify(left, right, rows); });
     left_ = rectifier_->left();
     right_ = rectifier_->right();
@@ -110,7 +110,7 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
     unresolved_ = false;
   }
   fuser_.prepare(pmd_);
-  crew_.run_rows(out.depth.rows(), kRowsAtOnce, [&](Rows rows, int thread) noexcept {
+  team_.run_rows(out.depth.rows(), kRowsAtOnce, [&](Rows rows, int thread) noexcept {
     fuser_.fuse_rows(stereo(), rows, thread, out);
   });
   if (temporal_) {

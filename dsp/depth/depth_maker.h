@@ -35,10 +35,10 @@ struct DepthParams {
 class DepthMaker {
  public:
   // calibration is complete(), problem() of it empty; its PMD size may be 0x0: stereo alone.
-  // check(params.match) of the stereo size is kOk. The result is the same with any crew.
+  // check(params.match) of the stereo size is kOk. The result is the same with any team.
   // searches: as those of a Matcher.
   DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
-             const Crew& crew = {}, SearchMaker* searches = nullptr) noexcept;
+             const ThreadTeam& team = {}, SearchMaker* searches = nullptr) noexcept;
 
   // Samples hold until the next ones; after forget_pmd() there are none.
   void convert(const PmdFrame& frame) noexcept;
@@ -69,7 +69,7 @@ class DepthMaker {
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
  private:
-  Crew crew_;
+  ThreadTeam team_;
   std::optional<Rectifier> rectifier_;
   std::optional<GuideMaker> guide_maker_;
   Matcher matcher_;

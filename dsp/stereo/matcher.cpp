@@ -36,20 +36,20 @@ class OwnSearches final : public SearchMaker {
 
 }  // namespace
 
-Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena, const Crew& crew,
-                 SearchMaker* maker) noexcept
-    : crew_(crew),
+Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena,
+                 const ThreadTeam& team, SearchMaker* maker) noexcept
+    : team_(team),
       pair_(params, width, height, arena),
       margins_(params.distinct ? arena.take_image<std::int16_t>(width, height)
                                : ImageView<std::int16_t>()),
       ratio_(params.confidence ? arena.take_image<std::uint8_t>(width, height)
                                : ImageView<std::uint8_t>()),
-      checks_(params, width, height, margins_, arena, crew) {
+      checks_(params, width, height, margins_, arena, team) {
   STOF_CHECK(width >= 1 && height >= 1 && in_ranges(params) && fits(params, width, height));
   OwnSearches own(params);
   SearchMaker& searches = maker != nullptr ? *maker : own;
   rows_at_once_ = searches.rows_at_once(height);
-  for (int thread = 0; thread < crew.threads(); ++thread) {
+  for (int thread = 0; thread < team.threads(); ++thread) {
     searches_[index(thread)] = searches.make(params, width, height, arena);
   }
 }
@@ -67,7 +67,7 @@ void Matcher::match(const MatchInput& input, ImageView<Disparity> out) noexcept 
   search(out);
   const auto clear_border = [&] {
     if (input.rectifier != nullptr) {
-      crew_.run_rows(out.rows(), kRowsOfPictures,
+      team_.run_rows(out.rows(), kRowsOfPictures,
                      [&](Rows rows, int) noexcept { input.rectifier->clear_border(rows, out); });
     }
   };
@@ -79,20 +79,20 @@ void Matcher::match(const MatchInput& input, ImageView<Disparity> out) noexcept 
 }
 
 void Matcher::prepare(const MatchInput& input) noexcept {
-  for (int thread = 0; thread < crew_.threads(); ++thread) {
+  for (int thread = 0; thread < team_.threads(); ++thread) {
     searches_[index(thread)]->start(pair_, input.guide);
   }
   const Rows rows{0, height_};
   if (pair_.filters()) {
-    crew_.run_rows(rows, kRowsOfPictures, [this](Rows some, int) noexcept { pair_.filter(some); });
+    team_.run_rows(rows, kRowsOfPictures, [this](Rows some, int) noexcept { pair_.filter(some); });
   }
   if (pair_.derives()) {
-    crew_.run_rows(rows, kRowsOfPictures, [this](Rows some, int) noexcept { pair_.derive(some); });
+    team_.run_rows(rows, kRowsOfPictures, [this](Rows some, int) noexcept { pair_.derive(some); });
   }
 }
 
 void Matcher::search(ImageView<Disparity> out) noexcept {
-  crew_.run_rows(out.rows(), rows_at_once_, [&](Rows rows, int thread) noexcept {
+  team_.run_rows(out.rows(), rows_at_once_, [&](Rows rows, int thread) noexcept {
     for (int y = rows.begin; y < rows.end; ++y) {
       searches_[index(thread)]->match(y, row_of(y, out));
     }

@@ -39,10 +39,10 @@ struct MatchInput {
 // check failed. Nothing is filled.
 class Matcher {
  public:
-  // params, width and height pass check(). The result is the same with any crew. maker: who makes
+  // params, width and height pass check(). The result is the same with any team. maker: who makes
   // the searches; nullptr: they are those of params. Asked here alone.
-  Matcher(const MatchParams& params, int width, int height, Arena& arena, const Crew& crew = {},
-          SearchMaker* maker = nullptr) noexcept;
+  Matcher(const MatchParams& params, int width, int height, Arena& arena,
+          const ThreadTeam& team = {}, SearchMaker* maker = nullptr) noexcept;
 
   // out: of the pictures' size.
   void match(const MatchInput& input, ImageView<Disparity> out) noexcept;
@@ -62,9 +62,9 @@ class Matcher {
   void search(ImageView<Disparity> out) noexcept;
   MatchedRow row_of(int y, ImageView<Disparity> out) noexcept;
 
-  Crew crew_;
+  ThreadTeam team_;
   PreparedPair pair_;
-  std::array<RowSearch*, Crew::kMost> searches_{};  // one for each thread
+  std::array<RowSearch*, ThreadTeam::kMost> searches_{};  // one for each thread
   int rows_at_once_ = 1;
   ImageView<std::int16_t> margins_;  // distinct
   ImageView<std::uint8_t> ratio_;

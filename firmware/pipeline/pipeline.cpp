@@ -41,15 +41,15 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
   return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
     dsp::DepthMaker(setup.calibration, setup.depth, arena,
-                    dsp::Crew::standing_for(setup.threads));
+                    dsp::ThreadTeam::standing_for(setup.threads));
     take_map(setup.calibration.stereo.left, arena);
   });
 }
 
 Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
-                   const dsp::Crew& crew) noexcept
+                   const dsp::ThreadTeam& team) noexcept
     : clock_(clock),
-      maker_(setup.calibration, setup.depth, arena, crew),
+      maker_(setup.calibration, setup.depth, arena, team),
       guided_(setup.depth.guided && setup.has_pmd()) {
   output_.map = take_map(setup.calibration.stereo.left, arena);
 }

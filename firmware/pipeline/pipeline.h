@@ -56,10 +56,10 @@ class Pipeline {
   // Bytes of the Arena; setup.depth.match must pass dsp::check.
   static std::size_t bytes_needed(const Setup& setup) noexcept;
 
-  // Builds all tables. setup.calibration is complete(), problem() of it empty. crew: of at most
+  // Builds all tables. setup.calibration is complete(), problem() of it empty. team: of at most
   // setup.threads; no result depends on it.
   Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
-           const dsp::Crew& crew = {}) noexcept;
+           const dsp::ThreadTeam& team = {}) noexcept;
 
   // Whether match() may come before the PMD's samples: not where they guide the search.
   bool may_match_first() const noexcept { return !guided_; }

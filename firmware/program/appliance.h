@@ -44,7 +44,7 @@ class Appliance {
     RunConfigRing& run_configs;
     SubscriberRing& receivers;
     ByteRing* serial;                  // to the serial line; nullptr: there is none
-    dsp::Crew threads;                 // that may compute, the loop's among them
+    dsp::ThreadTeam threads;           // that may compute, the loop's among them
     DeviceLending* lending = nullptr;  // of lost devices; nullptr: they come back by themselves
   };
 

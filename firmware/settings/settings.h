@@ -40,7 +40,7 @@ inline constexpr std::size_t kMatchSlots = 24;
 // dsp::find_preset() of their names.
 enum class Search : std::uint8_t { kFast, kQuality, kChapter };
 
-// dsp::Crew::kMost.
+// dsp::ThreadTeam::kMost.
 inline constexpr int kMostThreads = 8;
 inline constexpr int kUsualThreads = 4;
 

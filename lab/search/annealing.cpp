@@ -5,8 +5,9 @@
 #include <cstdlib>
 
 #include "dsp/base/check.h"
+#include "dsp/base/random.h"
 #include "dsp/stereo/search/winner.h"
-#include "lab/search/dice.h"
+#include "lab/search/odds.h"
 
 namespace stof::lab {
 namespace {
@@ -47,7 +48,7 @@ class Annealer {
   }
 
   // Each pixel once. temperature: as temperature_at(); 0 accepts no rise. Returns the change.
-  std::int64_t sweep(std::uint64_t temperature, Dice& dice) noexcept {
+  std::int64_t sweep(std::uint64_t temperature, dsp::SplitMix64& dice) noexcept {
     std::int64_t change = 0;
     for (int y = 0; y < map_.height(); ++y) {
       for (int x = 0; x < map_.width(); ++x) {
@@ -226,7 +227,7 @@ AnnealingEnergy anneal(std::span<const Sum> costs, int lanes, const AnnealingPar
   energy.start = map_energy(costs, lanes, params.lambda, map);
   energy.end = energy.start;
   std::int64_t now = static_cast<std::int64_t>(energy.start);
-  Dice dice(params.seed);
+  dsp::SplitMix64 dice(params.seed);
   const auto keep_if_best = [&]() noexcept {
     if (static_cast<std::uint64_t>(now) < energy.end) {
       energy.end = static_cast<std::uint64_t>(now);

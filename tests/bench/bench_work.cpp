@@ -18,11 +18,11 @@ struct MatchState {
         workers({.threads = threads}),
         workspace(dsp::bytes_taken([&](dsp::Arena& measure) {
           lab::Matcher(params, both.left.width, both.left.height, measure,
-                       dsp::Crew::standing_for(workers.threads()));
+                       dsp::ThreadTeam::standing_for(workers.threads()));
         })),
         arena(workspace.arena()),
         matcher(params, both.left.width, both.left.height, arena,
-                dsp::Crew(workers, workers.threads())),
+                dsp::ThreadTeam(workers, workers.threads())),
         out(both.left.width, both.left.height) {}
 
   Pictures pictures;

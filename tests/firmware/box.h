@@ -49,7 +49,7 @@ struct Box {
   ByteRing serial{line};
   Appliance appliance;
 
-  explicit Box(bool with_serial = false, dsp::Crew threads = {})
+  explicit Box(bool with_serial = false, dsp::ThreadTeam threads = {})
       : appliance({.board = rig.board,
                    .events = rig.events,
                    .run_configs = run_configs,

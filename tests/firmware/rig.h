@@ -124,7 +124,7 @@ struct RigOptions {
   bool with_pmd = true;
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
   wire::StreamChoice choice{.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw}};
-  dsp::Crew threads = {};  // that compute
+  dsp::ThreadTeam threads = {};  // that compute
   bool still = false;  // every edge shows the first one's wall, the PMD camera's noise is its own
   bool temporal = false;  // depth is averaged over frames
   DeviceLending* lending = nullptr;

@@ -39,9 +39,9 @@ struct Backwards {
 
 class Bench {
  public:
-  explicit Bench(const MatchParams& params, const Pair& pair, const Crew& crew = {})
+  explicit Bench(const MatchParams& params, const Pair& pair, const ThreadTeam& team = {})
       : pair_(pair), matcher_([&](Arena& arena) {
-          return Matcher(params, pair.width, pair.height, arena, crew);
+          return Matcher(params, pair.width, pair.height, arena, team);
         }) {}
 
   Map match(const Ranges& ranges) {
@@ -272,7 +272,7 @@ TEST(GuidedMatcher, NoPixelLeavesItsRangeAndNoSplitMatters) {
     }
     EXPECT_TRUE(params.median || found > 0);
     Backwards pool;
-    EXPECT_EQ(Bench(params, pair, Crew(pool, 3)).match(ranges), whole);
+    EXPECT_EQ(Bench(params, pair, ThreadTeam(pool, 3)).match(ranges), whole);
   }
 }
 

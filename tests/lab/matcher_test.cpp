@@ -15,7 +15,7 @@ namespace {
 
 // Parts one after the other, the last first, as if by several threads.
 struct Backwards {
-  static constexpr int kMost = Crew::kMost;
+  static constexpr int kMost = ThreadTeam::kMost;
   static int threads() { return kMost; }
   static void run(int parts, int threads, PartJob::Call* call, void* object) {
     for (int part = parts - 1; part >= 0; --part) {
@@ -90,9 +90,9 @@ Pixels noise(int width, int height, std::uint64_t seed, int high = 255) {
 }
 
 std::vector<Disparity> match(const Pixels& left, const Pixels& right, int w, int h,
-                             const MatchParams& params, const Crew& crew = {}) {
+                             const MatchParams& params, const ThreadTeam& team = {}) {
   test::InOwnMemory<Matcher> matcher(
-      [&](Arena& arena) { return Matcher(params, w, h, arena, crew); });
+      [&](Arena& arena) { return Matcher(params, w, h, arena, team); });
   std::vector<Disparity> out(left.size());
   matcher->match({.left = {left.data(), w, h}, .right = {right.data(), w, h}}, {out.data(), w, h});
   return out;
@@ -205,9 +205,9 @@ TEST(Matcher, ResultDoesNotDependOnTheSplitOfRows) {
   std::size_t kind = 0;
   for (const MatchParams& params : every_kind()) {
     const std::vector<Disparity> whole = match(left, right, w, h, params);
-    for (const int threads : {1, 2, 3, Crew::kMost}) {
+    for (const int threads : {1, 2, 3, ThreadTeam::kMost}) {
       Backwards pool;
-      ASSERT_EQ(match(left, right, w, h, params, Crew(pool, threads)), whole)
+      ASSERT_EQ(match(left, right, w, h, params, ThreadTeam(pool, threads)), whole)
           << "kind " << kind << ", " << threads << " threads";
     }
     ++kind;

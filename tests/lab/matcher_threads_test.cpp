@@ -44,17 +44,17 @@ struct alignas(Arena::kAlign) Line {
 
 std::size_t bytes_of(const MatchParams& params, Size size, int threads) {
   return bytes_taken([&](Arena& arena) {
-    Matcher(params, size.width, size.height, arena, Crew::standing_for(threads));
+    Matcher(params, size.width, size.height, arena, ThreadTeam::standing_for(threads));
   });
 }
 
 // Of the second of two frames, in exactly the memory that was asked for.
 Found match(const MatchParams& params, Size size, std::span<const std::uint8_t> left,
-            std::span<const std::uint8_t> right, const Crew& crew) {
-  const std::size_t bytes = bytes_of(params, size, crew.threads());
+            std::span<const std::uint8_t> right, const ThreadTeam& team) {
+  const std::size_t bytes = bytes_of(params, size, team.threads());
   std::vector<Line> memory((bytes + Arena::kAlign - 1) / Arena::kAlign);
   Arena arena({memory.data()->bytes, bytes});
-  Matcher matcher(params, size.width, size.height, arena, crew);
+  Matcher matcher(params, size.width, size.height, arena, team);
   Found found{
       .disparity = std::vector<Disparity>(pixels(size)), .weak = {}, .ratio = {}, .filled = {}};
   const ImageView<const std::uint8_t> l(left.data(), size.width, size.height);
@@ -118,7 +118,7 @@ TEST(MatcherThreads, ResultIsTheSameForAnyNumberOfThreads) {
     for (const MatchParams& params : every_kind()) {
       const Found alone = match(params, size, left, right, {});
       for (int threads = 1; threads <= 4; ++threads) {
-        ASSERT_TRUE(match(params, size, left, right, Crew(workers, threads)) == alone)
+        ASSERT_TRUE(match(params, size, left, right, ThreadTeam(workers, threads)) == alone)
             << size.width << "x" << size.height << ", kind " << kind << ", " << threads
             << " threads";
       }
@@ -131,7 +131,7 @@ TEST(MatcherThreads, FindsWhatIsThere) {
   const Size size{90, 100};
   posix::WorkerThreads workers({.threads = 3});
   const Found found = match(as_the_appliance(find_preset("quality")->params), size,
-                            picture(size, 0, 1), picture(size, 6, 2), Crew(workers, 3));
+                            picture(size, 0, 1), picture(size, 6, 2), ThreadTeam(workers, 3));
   const auto near = [](Disparity d) {
     return d.valid() && std::abs(d.raw - 6 * Disparity::kOne) <= Disparity::kOne / 2;
   };

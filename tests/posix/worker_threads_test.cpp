@@ -30,9 +30,9 @@ std::vector<std::string> thread_names() {
   return names;
 }
 
-// As users of threads run them: through a dsp::Crew.
+// As users of threads run them: through a dsp::ThreadTeam.
 void run_parts(WorkerThreads& workers, int parts, int threads, dsp::PartJob job) {
-  dsp::Crew(workers, threads).run(parts, job);
+  dsp::ThreadTeam(workers, threads).run(parts, job);
 }
 
 void spend(std::chrono::microseconds time) {

@@ -12,15 +12,16 @@
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
-// Every program of label `kernel` runs all of its tests once at each level of dsp/base/target.h that
-// the processor has, the reference included (kernel_check.cpp holds its main): a test calls best::
-// and names no level. check_kernel() compares with the reference.
-//   STOF_KERNEL_TIMES=1 build/emu/tests/phase_test     ends with the time of each kernel at each level
+// Every program of label `kernel` runs all of its tests once at each level of dsp/base/target.h
+// that the processor has, the reference included (kernel_check.cpp holds its main): a test calls
+// best:: and names no level. check_kernel() compares with the reference.
+//   STOF_KERNEL_TIMES=1 build/emu/tests/phase_test     ends with the time of each kernel at each
+//   level
 namespace stof::test {
 
 // Around every width of vector, and one that is none of them.
-inline constexpr std::array<std::size_t, 20> kHostileLengths{0,  1,  2,  3,  7,  8,  9,  15, 16, 17,
-                                                             31, 32, 33, 47, 63, 64, 65, 67, 71, 130};
+inline constexpr std::array<std::size_t, 20> kHostileLengths{
+    0, 1, 2, 3, 7, 8, 9, 15, 16, 17, 31, 32, 33, 47, 63, 64, 65, 67, 71, 130};
 
 // What one call reads and writes: arrays that end at an unreadable page, with the same contents
 // at every level.
@@ -86,8 +87,8 @@ class KernelCase {
   double nanoseconds_ = 0;
 };
 
-// Runs `body` with the reference and with the level of this run, on the same contents: every length,
-// every way to draw. Expects the same bytes in every array. The longest length is timed.
+// Runs `body` with the reference and with the level of this run, on the same contents: every
+// length, every way to draw. Expects the same bytes in every array. The longest length is timed.
 using KernelBody = std::function<void(KernelCase&)>;
 void check_kernel(std::span<const std::size_t> lengths, const KernelBody& body);
 inline void check_kernel(const KernelBody& body) { check_kernel(kHostileLengths, body); }

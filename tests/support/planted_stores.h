@@ -1,8 +1,8 @@
 #pragma once
 
 // Included in front of every *_neon.cpp by the build with STOF_PLANT_WRONG_BYTE: each vector store
-// damages its first element (dsp/base/planted.h). scripts/check_layers.py refuses a store that is not
-// in here.
+// damages its first element (dsp/base/planted.h). scripts/check_layers.py refuses a store that is
+// not in here.
 #include "dsp/base/planted.h"
 #include "dsp/base/simd.h"
 

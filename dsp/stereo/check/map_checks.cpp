@@ -35,8 +35,8 @@ void keep_dropped(std::span<const Disparity> before, std::span<const Disparity> 
 }  // namespace
 
 MapChecks::MapChecks(const MatchParams& params, int width, int height,
-                     ImageView<std::int16_t> margins, Arena& arena, const Crew& crew) noexcept
-    : params_(params), crew_(crew), margins_(margins) {
+                     ImageView<std::int16_t> margins, Arena& arena, const ThreadTeam& team) noexcept
+    : params_(params), team_(team), margins_(margins) {
   if (params.median || keeps_weak(params)) {
     spare_ = arena.take_image<Disparity>(width, height);
   }
@@ -48,7 +48,7 @@ MapChecks::MapChecks(const MatchParams& params, int width, int height,
                       width, height)
                 : arena.take_image<Disparity>(width, height);
   }
-  for (int thread = 0; thread < crew.threads() && (params.distinct || params.min_texture);
+  for (int thread = 0; thread < team.threads() && (params.distinct || params.min_texture);
        ++thread) {
     windows_[index(thread)] = WindowSums(width, arena);
   }
@@ -58,15 +58,15 @@ MapChecks::MapChecks(const MatchParams& params, int width, int height,
   if (params.speckle_pixels) {
     speckles_[0] = SpeckleScratch(width, height, arena);
     // Two threads do both maps at the same time, one does one after the other.
-    speckles_[1] = keeps_weak(params) && crew.threads() > 1 ? SpeckleScratch(width, height, arena)
+    speckles_[1] = keeps_weak(params) && team.threads() > 1 ? SpeckleScratch(width, height, arena)
                                                             : speckles_[0];
   }
 }
 
-// job(Rows) for all rows, by the crew.
+// job(Rows) for all rows, by the team.
 template <typename Job>
 void MapChecks::by_rows(Job&& job) const noexcept {
-  crew_.run_rows({0, height_}, kRowsCopied, [&](Rows rows, int) noexcept { job(rows); });
+  team_.run_rows({0, height_}, kRowsCopied, [&](Rows rows, int) noexcept { job(rows); });
 }
 
 void MapChecks::start(int width, int height) noexcept {
@@ -97,9 +97,9 @@ void MapChecks::drop_by_surroundings(const PreparedPair& pair, ImageView<Dispari
   const ImageView<Disparity> before = cut(spare_, width_, height_);
   const ImageView<const std::int16_t> margins = cut(margins_, width_, height_);
   // Few large stripes: each begins its sums over 24 rows anew.
-  const int stripes = crew_.threads() == 1 ? 1 : 2 * crew_.threads();
+  const int stripes = team_.threads() == 1 ? 1 : 2 * team_.threads();
   const int step = (height_ + stripes - 1) / stripes;
-  crew_.run_rows(map.rows(), step, [&](Rows rows, int thread) noexcept {
+  team_.run_rows(map.rows(), step, [&](Rows rows, int thread) noexcept {
     WindowSums& window = windows_[index(thread)];
     if (!weak_.empty()) {
       copy_rows(map, rows, before);
@@ -116,7 +116,7 @@ void MapChecks::drop_by_surroundings(const PreparedPair& pair, ImageView<Dispari
 // Of the map, and of what was there before its checks.
 void MapChecks::drop_specks(ImageView<Disparity> map) noexcept {
   const ImageView<Disparity> before = cut(spare_, width_, height_);
-  crew_.run(weak_.empty() ? 1 : 2, [&](int part, int) noexcept {
+  team_.run(weak_.empty() ? 1 : 2, [&](int part, int) noexcept {
     drop_speckles(part == 0 ? map : before, *params_.speckle_pixels, speckles_[index(part)]);
   });
 }

@@ -16,13 +16,13 @@
 namespace stof::dsp {
 
 // What looks at a whole map of disparities: drops what its surroundings speak against, then takes
-// the median. Holds its buffers, allocates nothing; the result is the same with any crew.
+// the median. Holds its buffers, allocates nothing; the result is the same with any team.
 class MapChecks {
  public:
   // margins: distinct (check/distinct.h), of the search; of width x height, else empty. Of no use
   // to anybody after apply().
   MapChecks(const MatchParams& params, int width, int height, ImageView<std::int16_t> margins,
-            Arena& arena, const Crew& crew) noexcept;
+            Arena& arena, const ThreadTeam& team) noexcept;
 
   // The size of the next map, at most the constructor's.
   void start(int width, int height) noexcept;
@@ -40,13 +40,13 @@ class MapChecks {
   void by_rows(Job&& job) const noexcept;
 
   MatchParams params_;
-  Crew crew_;
+  ThreadTeam team_;
   int width_ = 0;
   int height_ = 0;
   ImageView<std::int16_t> margins_;
   ImageView<Disparity> spare_;  // the map before a check or the median
   ImageView<Disparity> weak_;
-  std::array<WindowSums, Crew::kMost> windows_{};  // one for each thread
+  std::array<WindowSums, ThreadTeam::kMost> windows_{};  // one for each thread
   std::span<std::uint32_t> counts_;
   std::array<SpeckleScratch, 2> speckles_{};  // of the map, and of what it was before
 };

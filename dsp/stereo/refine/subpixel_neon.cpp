@@ -90,8 +90,8 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
     const int16x8_t shift = vcombine_s16(vmovn_s32(low), vmovn_s32(high));
     vst1q_s16(raw(out, x), vaddq_s16(whole(vld1q_s16(winners.data() + x), first), shift));
   }
-  RefineWinners<Sum>* const rest = kFit == Fit::kEquiangular ? ref::refine_winners<Sum>
-                                                             : ref::refine_winners_parabola<Sum>;
+  RefineWinners<Sum>* const rest =
+      kFit == Fit::kEquiangular ? ref::refine_winners<Sum> : ref::refine_winners_parabola<Sum>;
   rest(costs.subspan(x * count), lanes, min_disparity, winners.subspan(x), out.subspan(x));
 }
 

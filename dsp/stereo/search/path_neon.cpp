@@ -67,7 +67,7 @@ void paths_both_ways(std::span<const Cost> costs, int lanes, Cost small,
                      std::span<const Cost> large_from_left, std::span<const Cost> large_from_right,
                      std::span<Cost> from_left, std::span<Cost> from_right) noexcept {
   both_ways<Lanes<Cost>>(costs, lanes, small, large_from_left, large_from_right, from_left,
-                        from_right);
+                         from_right);
 }
 
 template <typename Cost>

@@ -176,7 +176,7 @@ constexpr std::array kAfter{
         "compute", "threads", 0, kMostThreads, "",
         "threads that compute depth; 0: one for each processor, at most 4", Applies::kRestart),
 };
-static_assert(kMostThreads == dsp::Crew::kMost);
+static_assert(kMostThreads == dsp::ThreadTeam::kMost);
 static_assert(kUsualThreads == 4, "said in the table");
 
 constexpr std::string_view kMatchGroup = "depth.match";

@@ -203,10 +203,10 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
     return refuse(too_few_threads(workers.threads(), options.threads));
   }
   dataset::Image<std::uint8_t> continued(width, height);
-  const dsp::Crew crew(workers, options.threads);
+  const dsp::ThreadTeam team(workers, options.threads);
   const auto make = [&](dsp::Arena& arena) {
     lab::Searches searches(match, continued.view());
-    return dsp::DepthMaker(calibration, params, arena, crew,
+    return dsp::DepthMaker(calibration, params, arena, team,
                            of_the_appliance ? nullptr : &searches);
   };
   Workspace space(dsp::bytes_taken(make));

@@ -83,9 +83,9 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
   if (options.runs < 1) {
     return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
   }
-  if (options.threads < 1 || options.threads > dsp::Crew::kMost) {
+  if (options.threads < 1 || options.threads > dsp::ThreadTeam::kMost) {
     return refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
-                  std::to_string(dsp::Crew::kMost));
+                  std::to_string(dsp::ThreadTeam::kMost));
   }
   return plan;
 }
@@ -122,11 +122,11 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
   if (workers.threads() < threads) {
     return refuse(too_few_threads(workers.threads(), threads));
   }
-  const dsp::Crew crew(workers, threads);
+  const dsp::ThreadTeam team(workers, threads);
   Workspace workspace(dsp::bytes_taken(
-      [&](dsp::Arena& arena) { lab::Matcher(params, width, height, arena, crew); }));
+      [&](dsp::Arena& arena) { lab::Matcher(params, width, height, arena, team); }));
   dsp::Arena arena = workspace.arena();
-  lab::Matcher matcher(params, width, height, arena, crew);
+  lab::Matcher matcher(params, width, height, arena, team);
   MatchResult result{.disparity = {width, height}, .filled = {width, height}};
   result.median_ms = median_time_ms(runs, [&] {
     matcher.match({.left = scene.left.view(), .right = scene.right.view()},

@@ -25,7 +25,7 @@ struct MatchOptions {
   std::uint64_t seed = 1;      // of sa
   bool energy = false;         // of the map, on the cost it was matched with
   int runs = 5;                // of which the median time is taken
-  int threads = 1;             // that match, 1 .. dsp::Crew::kMost; not those of sa
+  int threads = 1;             // that match, 1 .. dsp::ThreadTeam::kMost; not those of sa
 };
 
 // What the options come to for one scene.

@@ -165,17 +165,17 @@ struct alignas(Arena::kAlign) Line {
 
 std::size_t bytes_of(const Rig& rig, int threads) {
   return bytes_taken([&](Arena& arena) {
-    DepthMaker(rig.calibration, rig.params, arena, Crew::standing_for(threads));
+    DepthMaker(rig.calibration, rig.params, arena, ThreadTeam::standing_for(threads));
   });
 }
 
 // Some frames, in exactly the memory that was asked for.
-std::vector<Frame> run(const Rig& rig, Size size, const Crew& crew) {
-  const std::size_t bytes = bytes_of(rig, crew.threads());
+std::vector<Frame> run(const Rig& rig, Size size, const ThreadTeam& team) {
+  const std::size_t bytes = bytes_of(rig, team.threads());
   std::vector<Line> memory((bytes + Arena::kAlign - 1) / Arena::kAlign);
   std::memset(static_cast<void*>(memory.data()), 0x5A, memory.size() * sizeof(Line));
   Arena arena({memory.data()->bytes, bytes});
-  DepthMaker maker(rig.calibration, rig.params, arena, crew);
+  DepthMaker maker(rig.calibration, rig.params, arena, team);
   const Pinhole& pmd = rig.calibration.pmd.lens;
   Picture<std::uint8_t> left(size.width, size.height);
   Picture<std::uint8_t> right(size.width, size.height);
@@ -217,7 +217,7 @@ TEST(DepthMakerThreads, DepthIsTheSameForAnyNumberOfThreads) {
       ASSERT_STREQ(problem(rig.calibration), "") << rig.name;
       const std::vector<Frame> alone = run(rig, size, {});
       for (int threads = 1; threads <= 4; ++threads) {
-        ASSERT_TRUE(run(rig, size, Crew(workers, threads)) == alone)
+        ASSERT_TRUE(run(rig, size, ThreadTeam(workers, threads)) == alone)
             << size.width << "x" << size.height << ", " << rig.name << ", " << threads
             << " threads";
       }
@@ -230,7 +230,7 @@ TEST(DepthMakerThreads, DepthOfAllSourcesIsThere) {
   const Size size{97, 131};
   posix::WorkerThreads workers({.threads = 3});
   for (const Rig& rig : rigs_of(size)) {
-    const Frame last = run(rig, size, Crew(workers, 3)).back();
+    const Frame last = run(rig, size, ThreadTeam(workers, 3)).back();
     const auto with = [&](Source source) { return std::ranges::count(last.source, source); };
     EXPECT_GT(with(Source::kStereo) + with(Source::kBoth), 97 * 131 / 4) << rig.name;
     if (rig.calibration.pmd.lens.width > 0) {
@@ -244,7 +244,7 @@ TEST(DepthMakerThreads, DepthOfAllSourcesIsThere) {
 TEST(DepthMakerThreads, EachThreadTakesMemoryOfItsOwn) {
   const Rig rig{"", calibration_of({640, 480}, {176, 144}), params_of("quality")};
   std::size_t before = bytes_of(rig, 1);
-  for (int threads = 2; threads <= Crew::kMost; ++threads) {
+  for (int threads = 2; threads <= ThreadTeam::kMost; ++threads) {
     const std::size_t bytes = bytes_of(rig, threads);
     EXPECT_GT(bytes, before) << threads;
     before = bytes;

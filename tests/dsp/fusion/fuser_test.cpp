@@ -267,7 +267,7 @@ TEST(Fuser, ThreadsAtOnceGiveTheSame) {
       for (int frame = 0; frame < 20; ++frame) {
         fill(crewed.depth.view(), QuarterMm{3});
         crewed.fuser.prepare(&pmd.maps);
-        Crew(workers, threads).run_rows({0, h}, 3, [&](Rows rows, int thread) noexcept {
+        ThreadTeam(workers, threads).run_rows({0, h}, 3, [&](Rows rows, int thread) noexcept {
           crewed.fuser.fuse_rows(stereo, rows, thread, crewed.out());
         });
         ASSERT_TRUE(same(whole, crewed)) << w << "x" << h << ", " << threads << " threads";

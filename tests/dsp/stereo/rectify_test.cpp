@@ -13,8 +13,8 @@
 #include "dsp/calib/stereo/remap_table.h"
 #include "tests/dsp/stereo/raw_world.h"
 #include "tests/support/guarded.h"
-#include "tests/support/kernel_check.h"
 #include "tests/support/in_own_memory.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {

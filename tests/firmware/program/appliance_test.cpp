@@ -54,7 +54,7 @@ TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
 }
 
 // Every datagram of `run_configs`, each for some frames.
-std::vector<std::byte> sent_with(dsp::Crew threads, std::span<const RunConfig> run_configs) {
+std::vector<std::byte> sent_with(dsp::ThreadTeam threads, std::span<const RunConfig> run_configs) {
   Box box(false, threads);
   box.subscribe(1);
   std::vector<std::byte> bytes = box.run(5).bytes;

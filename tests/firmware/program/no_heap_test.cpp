@@ -144,7 +144,8 @@ Faults all_faults() {
   return {.trigger = some(7), .stereo = some(17), .pmd = some(27), .link = some(31)};
 }
 
-void run_without_heap(dsp::Crew threads, std::uint64_t frames, DeviceLending* lending = nullptr) {
+void run_without_heap(dsp::ThreadTeam threads, std::uint64_t frames,
+                      DeviceLending* lending = nullptr) {
   Rig rig({.faults = all_faults(), .threads = threads, .lending = lending});
   rig.log.edges.reserve(2 * frames);
   std::uint64_t steps = 0;
@@ -260,7 +261,7 @@ TEST(NoHeapDeathTest, AnAllocationOfAHelperIsCaught) {
       {
         posix::WorkerThreads workers(heapless(2));
         std::atomic<bool> helped{false};
-        dsp::Crew(workers, 2).run(2, [&](int part, int thread) noexcept {
+        dsp::ThreadTeam(workers, 2).run(2, [&](int part, int thread) noexcept {
           if (thread != 0) {
             kept = std::malloc(10);
             helped = true;

@@ -21,7 +21,7 @@ RigInfo rig_of(int pmd_width, int pmd_height) {
               .fixed_pattern = {},
               .disparities = stereo.disparities,
               .calibration_file = {},
-              .threads = dsp::Crew::kMost};
+              .threads = dsp::ThreadTeam::kMost};
   rig.calibration.stereo = {.left = {.width = stereo.width,
                                      .height = stereo.height,
                                      .fx = 1000,
@@ -52,7 +52,7 @@ std::size_t bytes_of(firmware::Setup setup, int threads) {
 TEST(MakePlan, TakesAsManyThreadsAsThereIsMemoryFor) {
   const RigInfo all = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
   int fewer = 0;
-  for (int there = 1; there <= dsp::Crew::kMost; ++there) {
+  for (int there = 1; there <= dsp::ThreadTeam::kMost; ++there) {
     RigInfo rig = all;
     rig.threads = there;
     const auto run_config = make_run_config(rig, board::kConfig, quality());
@@ -74,7 +74,7 @@ TEST(MakePlan, TakesAllThreadsWhereThereIsMemoryForThem) {
   rig.calibration.stereo.left.width = 320;
   rig.calibration.stereo.left.height = 200;
   rig.disparities = 32;
-  for (int there = 1; there <= dsp::Crew::kMost; ++there) {
+  for (int there = 1; there <= dsp::ThreadTeam::kMost; ++there) {
     rig.threads = there;
     const auto run_config = make_run_config(rig, board::kConfig, quality());
     ASSERT_TRUE(run_config) << run_config.error();

@@ -85,7 +85,7 @@ TEST_F(FuseScene, SaysWhereEachDepthComesFrom) {
 TEST_F(FuseScene, AnyNumberOfThreadsGivesTheSame) {
   const dataset::StereoScene scene = test::shifted_scene();
   const FusionResult alone = fuse(scene, 2.0, {.guided = true, .chapter_geometry = true});
-  for (int threads = 2; threads <= dsp::Crew::kMost; ++threads) {
+  for (int threads = 2; threads <= dsp::ThreadTeam::kMost; ++threads) {
     const FusionResult result =
         fuse(scene, 2.0, {.guided = true, .chapter_geometry = true, .threads = threads});
     EXPECT_EQ(result.stereo.depth.pixels, alone.stereo.depth.pixels) << threads;

@@ -84,7 +84,7 @@ TEST(MatchScene, IsTheSameForAnyNumberOfThreads) {
     MatchOptions options = with({{"fill", "on"}});
     options.preset = name;
     const MatchResult alone = *match_scene(scene, *match_plan(options, scene.ndisp));
-    for (options.threads = 2; options.threads <= dsp::Crew::kMost; ++options.threads) {
+    for (options.threads = 2; options.threads <= dsp::ThreadTeam::kMost; ++options.threads) {
       const MatchResult result = *match_scene(scene, *match_plan(options, scene.ndisp));
       EXPECT_EQ(result.disparity.pixels, alone.disparity.pixels) << name << options.threads;
       EXPECT_EQ(result.filled.pixels, alone.filled.pixels) << name << options.threads;

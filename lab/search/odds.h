@@ -7,25 +7,8 @@
 
 #include "lab/terms.h"
 
-// Random numbers and the odds of simulated annealing in integers, so that every processor plays
-// the same game.
+// The odds of simulated annealing in integers, so that every processor plays the same game.
 namespace stof::lab {
-
-// splitmix64.
-class Dice {
- public:
-  explicit Dice(std::uint64_t seed) noexcept : state_(seed) {}
-  std::uint64_t next() noexcept {
-    state_ += 0x9E3779B97F4A7C15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-    return z ^ (z >> 31U);
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 inline constexpr int kLogBits = 16;  // fraction bits of logarithms
 inline constexpr int kTableBits = 8;
