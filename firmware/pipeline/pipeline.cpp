@@ -40,8 +40,7 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
 
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
   return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
-    dsp::DepthMaker(setup.calibration, setup.depth, arena,
-                    dsp::Crew::standing_for(setup.threads));
+    dsp::DepthMaker(setup.calibration, setup.depth, arena, dsp::Crew::standing_for(setup.threads));
     take_map(setup.calibration.stereo.left, arena);
   });
 }

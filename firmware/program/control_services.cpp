@@ -12,10 +12,9 @@ void put_text(std::string_view text, std::span<char> to) noexcept {
 ControlServices::ControlServices(const Parts& parts, const settings::Settings& active,
                                  const settings::Settings& saved)
     : parts_(parts),
-      settings_server_(active, saved, {.limits = *this,
-                        .sink = *this,
-                        .store = parts.store,
-                        .fell_back = parts.fell_back}),
+      settings_server_(
+          active, saved,
+          {.limits = *this, .sink = *this, .store = parts.store, .fell_back = parts.fell_back}),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),

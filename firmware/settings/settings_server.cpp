@@ -31,7 +31,7 @@ bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept
 }
 
 SettingsServer::SettingsServer(const Settings& active, const Settings& saved,
-                           const Parts& parts) noexcept
+                               const Parts& parts) noexcept
     : parts_(parts),
       started_(active),
       active_(active),

@@ -142,7 +142,8 @@ void note_fallback(std::string_view path, PagedWriter& note) noexcept {
        << ": not in this version: as the preset has it";
 }
 
-bool parse(std::span<const char> text, Settings& settings, PagedWriter& why, FieldSet* named) noexcept {
+bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
+           FieldSet* named) noexcept {
   Settings changed = settings;
   FieldSet fields;
   DocumentReader reader(changed, fields, why);
