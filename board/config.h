@@ -101,20 +101,29 @@ constexpr hal::Duration pulse_length(const PairConfig& pair, hal::Duration expos
   return pair.pulse > hal::Duration::zero() ? pair.pulse : exposure - pair.pulse_lag;
 }
 
+// With a shorter period stamps do not tell one edge's frames from the next one's.
+constexpr hal::Duration least_period(const PairConfig& pair, const TimingConfig& timing) noexcept {
+  return timing.stereo_exposure + pair.most_delay;
+}
+
+// The loop kicks the watchdog once a period: it has to outlast three.
+constexpr hal::Duration least_watchdog_timeout(hal::Duration period) noexcept { return 3 * period; }
+
 // The pair can be driven with this timing: the pulse fits into the exposure, and a stamp tells one
 // edge from the next.
 constexpr bool valid(const PairConfig& pair, const TimingConfig& timing) noexcept {
   const hal::Duration pulse = pulse_length(pair, timing.stereo_exposure);
-  return *pair.left == '\0' || (pulse > hal::Duration::zero() && pulse <= timing.stereo_exposure &&
-                                pair.most_delay > hal::Duration::zero() &&
-                                timing.stereo_exposure + pair.most_delay <= timing.period);
+  return *pair.left == '\0' ||
+         (pulse > hal::Duration::zero() && pulse <= timing.stereo_exposure &&
+          pair.most_delay > hal::Duration::zero() && least_period(pair, timing) <= timing.period);
 }
 
 constexpr bool valid(const DeviceConfig& devices, const TimingConfig& timing) noexcept {
   return 4 * std::chrono::microseconds(devices.pmd.integration_us) <= timing.pmd_integration &&
          2 * devices.pmd.edge_tolerance < timing.period && valid(devices.v4l2, timing) &&
          valid(devices.libcamera, timing) && devices.priority >= 0 && devices.priority < 50 &&
-         (*devices.watchdog == '\0' || devices.watchdog_timeout >= 3 * timing.period);
+         (*devices.watchdog == '\0' ||
+          devices.watchdog_timeout >= least_watchdog_timeout(timing.period));
 }
 
 constexpr bool valid(const Config& config) noexcept {

@@ -13,7 +13,7 @@
 // All memory of the frame path, reserved at link time for the largest frames the board accepts:
 // images, and datagrams on their way out.
 // Rectifier, Matcher, Converter and Fuser say what they take once they know their parameters
-// (bytes_needed); here stands an upper bound of that for the board's table, proven by tests.
+// (dsp::bytes_taken); here stands an upper bound of that for the board's table, proven by tests.
 namespace stof::firmware {
 
 constexpr std::size_t pixels(int width, int height) noexcept {

@@ -137,6 +137,21 @@ def judge_library_include(path, floor, name):
     return f"{floor.files} must not know <{name}>", f"it may include {allowed}; devices and libraries belong behind hal/"
 
 
+NEON_STORE = re.compile(r"\bvst\d\w*")
+WIDE_STORE = re.compile(r"\b_mm\d*_(?:mask_)?(?:\w*store|stream|\w*scatter)\w*")
+PLANTED_STORES = "tests/support/planted_stores.h"
+
+
+def judge_stores(root, path, line, number):
+    """What a line of a kernel stores must be what step `planted` of scripts/test damages."""
+    if path.endswith(("_neon.cpp", "_neon.h")):
+        known = (root / PLANTED_STORES).read_text(encoding="utf-8")
+        return [f"{path}:{number}: {name} is damaged by no build: add it to {PLANTED_STORES}"
+                for name in NEON_STORE.findall(line) if f"#define {name} " not in known]
+    return [f"{path}:{number}: {name} outside of dsp/base/avx2.h: call a store of that header, which step planted damages"
+            for name in WIDE_STORE.findall(line) if path != "dsp/base/avx2.h"]
+
+
 def judge_file(root, path):
     """Findings in one file, `path` relative to `root`."""
     floor = next((floor for floor in FLOORS if fits(path, floor.files)), None)
@@ -144,6 +159,8 @@ def judge_file(root, path):
     lines = text.splitlines()
     found = []
     for number, line in enumerate(lines, 1):
+        if path.startswith(("dsp/", "lab/")):
+            found += judge_stores(root, path, line, number)
         match = INCLUDE.match(line)
         if not match:
             continue

@@ -37,7 +37,7 @@ def read_functions(text):
     current = None
     for line in text.splitlines():
         if match := EXPORTED.match(line):
-            if match[1].startswith(NAMESPACE):
+            if match[1].removeprefix("void ").startswith(NAMESPACE):  # so begin the names of templates
                 exported.append(match[1])
         elif match := FUNCTION.match(line):
             current = match[1]

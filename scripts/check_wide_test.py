@@ -26,6 +26,13 @@ class SharedSymbols(unittest.TestCase):
         listing = LISTING + "0000000000000000 u guard variable for table()::values\n"
         self.assertEqual(check_wide.shared_symbols(listing), ["guard variable for table()::values"])
 
+    def test_a_kernel_template_is_its_object_s_own(self):
+        kernel = "void stof::dsp::avx2::winners<unsigned char>(std::span<unsigned char const>)"
+        self.assertEqual(check_wide.findings_of({"winner_avx2.cpp.o": [kernel], "path_avx2.cpp.o": []}), [])
+        self.assertEqual(len(check_wide.findings_of({"winner_avx2.cpp.o": [kernel], "path_avx2.cpp.o": [kernel]})), 2)
+        self.assertEqual(len(check_wide.findings_of({"tile_sums_avx512.cpp.o": [kernel]})), 1)
+        self.assertEqual(len(check_wide.findings_of({"winner_avx2.cpp.o": ["std::span<int>::size() const"]})), 1)
+
     def test_a_folder_without_objects_is_no_success(self):
         self.assertEqual(check_wide.main(["/nowhere"]), 2)
 

@@ -17,6 +17,57 @@ add_library(stof_appliance_options INTERFACE)
 target_link_libraries(stof_appliance_options INTERFACE stof_options)
 target_compile_options(stof_appliance_options INTERFACE -fno-exceptions -fno-rtti)
 
+# An appliance for ARM alone chooses no variants of kernels at run time (dsp/base/target.h): it has NEON.
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64" AND NOT (STOF_HOST OR STOF_TESTS OR STOF_BENCH))
+  target_compile_definitions(stof_options INTERFACE STOF_NEON_ALONE)
+endif()
+
+# Kernels damage what they store, and their tests must notice.
+if(STOF_PLANT_WRONG_BYTE)
+  target_compile_definitions(stof_options INTERFACE STOF_PLANT_WRONG_BYTE)
+endif()
+
+# stof_add_kernels(TARGET stereo/rectify AVX2 fusion/cover ...): the variants of kernels, x_ref.cpp and
+# x_neon.cpp, on x86 also x_avx2.cpp and x_avx512.cpp of what is named so. A target calls it once.
+function(stof_add_kernels target)
+  set(kernels)
+  set(sources)
+  foreach(word IN LISTS ARGN)
+    if(word MATCHES "^AVX")
+      if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+        string(TOLOWER ${word} variant)
+        list(APPEND sources ${kernel}_${variant}.cpp)
+      endif()
+    else()
+      set(kernel ${word})
+      list(APPEND kernels ${kernel})
+      list(APPEND sources ${kernel}_ref.cpp ${kernel}_neon.cpp)
+    endif()
+  endforeach()
+  target_sources(${target} PRIVATE ${sources})
+  # stof_add_kernel_tests() adds a test of each.
+  set_property(TARGET ${target} PROPERTY STOF_KERNELS ${kernels})
+  # Those alone need wide vectors; they are chosen at start. g++ 12 warns of its own header for AVX-512: of what
+  # an intrinsic leaves undefined on purpose.
+  set(avx2 -mavx2 -mtune=haswell)
+  set(avx512 ${avx2} -mavx512f -mavx512bw -mavx512vl
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized> $<$<CXX_COMPILER_ID:GNU>:-Wno-uninitialized>)
+  foreach(source IN LISTS sources)
+    if(source MATCHES "_(avx2|avx512)\\.cpp$")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${CMAKE_MATCH_1}}")
+    elseif(STOF_PLANT_WRONG_BYTE AND source MATCHES "_neon\\.cpp$")
+      set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
+        "-include;${PROJECT_SOURCE_DIR}/tests/support/planted_stores.h")
+    endif()
+  endforeach()
+  if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+    find_path(SIMDE_INCLUDE_DIR simde/arm/neon.h REQUIRED)
+    target_include_directories(${target} SYSTEM PRIVATE ${SIMDE_INCLUDE_DIR})
+    # Byte shuffles, population count, u16 minimum: every x86 processor since 2009.
+    target_compile_options(${target} PRIVATE -march=x86-64-v2)
+  endif()
+endfunction()
+
 # The programs whose label is `kernel`: all that the builds `planted` and `arm64-ubsan` need.
 add_custom_target(stof_kernel_tests)
 
@@ -25,7 +76,7 @@ set(STOF_TEST_OPTIONS -O1)
 
 # stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
 # cases ctest runs one by one, through the emulator where the build is a cross build.
-# LABELS kernel: compares kernels with their references, and must fail where a wrong byte is planted.
+# LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h).
 # LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu).
 function(stof_add_test)
   cmake_parse_arguments(ARG "" "NAME;LABELS" "SOURCES;LIBRARIES" ${ARGN})
@@ -33,7 +84,11 @@ function(stof_add_test)
     message(FATAL_ERROR "stof_add_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES})
-  target_link_libraries(${ARG_NAME} PRIVATE stof_options ${ARG_LIBRARIES} GTest::gtest GTest::gtest_main)
+  set(main GTest::gtest_main)
+  if(ARG_LABELS STREQUAL "kernel")
+    set(main stof_kernel_check)
+  endif()
+  target_link_libraries(${ARG_NAME} PRIVATE stof_options ${ARG_LIBRARIES} GTest::gtest ${main})
   target_compile_options(${ARG_NAME} PRIVATE ${STOF_TEST_OPTIONS})
   target_precompile_headers(${ARG_NAME} REUSE_FROM stof_test_headers)
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
@@ -45,6 +100,15 @@ function(stof_add_test)
   if(ARG_LABELS STREQUAL "kernel")
     add_dependencies(stof_kernel_tests ${ARG_NAME})
   endif()
+endfunction()
+
+# stof_add_kernel_tests(TARGET): stereo/rectify of stof_add_kernels() has stereo/rectify_test.cpp in this folder.
+function(stof_add_kernel_tests target)
+  get_target_property(kernels ${target} STOF_KERNELS)
+  foreach(kernel IN LISTS kernels)
+    get_filename_component(name ${kernel} NAME)
+    stof_add_test(NAME ${name}_test SOURCES ${kernel}_test.cpp LIBRARIES ${target} LABELS kernel)
+  endforeach()
 endfunction()
 
 # Reads every source of this build with clang-tidy; what has not changed is not read again.

@@ -227,7 +227,7 @@ void Rig::assemble() {
             .nominal_calibration = true,
             .allow_nominal_calibration = request_.uncalibrated,
             .disparities = kConfig.stereo.disparities,
-            .least_period = kTiming.stereo_exposure + pair.most_delay,
+            .least_period = least_period(pair, kTiming),
             .emulated_time = false,
             .notes = notes_});
 }

@@ -2,6 +2,7 @@
 
 #include "dsp/base/check.h"
 
+#if !defined(STOF_NEON_ALONE)
 namespace stof::dsp {
 namespace {
 
@@ -33,3 +34,4 @@ void use_vectors(Vectors vectors) noexcept {
 Vectors vectors() noexcept { return chosen(); }
 
 }  // namespace stof::dsp
+#endif

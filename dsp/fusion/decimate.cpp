@@ -15,17 +15,17 @@ namespace {
 // A key orders pixels by near bound, then by raster order: 2 depth - width + 65535 above the place
 // in the block.
 constexpr int kPlaceBits = 12;
-constexpr std::uint32_t kNobody = std::numeric_limits<std::uint32_t>::max();
+constexpr std::uint32_t kNoPixel = std::numeric_limits<std::uint32_t>::max();
 static_assert(kMostBlock * kMostBlock == 1 << kPlaceBits);
-static_assert((3ULL * kMaxQuarterMm << kPlaceBits) + (1 << kPlaceBits) <= kNobody);
+static_assert((3ULL * kMaxQuarterMm << kPlaceBits) + (1 << kPlaceBits) <= kNoPixel);
 
 std::uint32_t nearest_key(std::span<const QuarterMm> depth, std::span<const QuarterMm> width,
                           std::uint32_t first_place) noexcept {
-  std::uint32_t nearest = kNobody;
+  std::uint32_t nearest = kNoPixel;
   for (std::size_t i = 0; i < depth.size(); ++i) {
     const std::uint32_t bound = 2 * std::uint32_t{depth[i]} + kMaxQuarterMm - width[i];
     const std::uint32_t key = (bound << kPlaceBits) + first_place + static_cast<std::uint32_t>(i);
-    nearest = std::min(nearest, depth[i] == kNoDepth ? kNobody : key);
+    nearest = std::min(nearest, depth[i] == kNoDepth ? kNoPixel : key);
   }
   return nearest;
 }
@@ -41,14 +41,14 @@ NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) n
   STOF_CHECK(columns > 0 && bottom > top);
   const auto at = index(left);
   const auto count = index(columns);
-  std::uint32_t nearest = kNobody;
+  std::uint32_t nearest = kNoPixel;
   for (int y = top; y < bottom; ++y) {
     const std::uint32_t key =
         nearest_key(map.depth.row(y).subspan(at, count), map.width.row(y).subspan(at, count),
                     static_cast<std::uint32_t>((y - top) * step));
     nearest = std::min(nearest, key);
   }
-  if (nearest == kNobody) {
+  if (nearest == kNoPixel) {
     return {.x = left, .y = top};
   }
   const int place = static_cast<int>(nearest % (1U << kPlaceBits));

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/image.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -59,18 +59,7 @@ struct PlaceTile {
 // no overlap.
 using RemapRow = void(ImageView<const std::uint8_t> source, std::span<const PlaceTile> tiles,
                       int line, std::span<std::uint8_t> out) noexcept;
-namespace ref {
-RemapRow remap_row;
-}
-namespace neon {
-RemapRow remap_row;
-}
-namespace avx2 {
-RemapRow remap_row;
-}
-namespace best {
-inline constexpr Kernel<RemapRow> remap_row{STOF_VARIANTS(remap_row)};
-}
+STOF_KERNEL(RemapRow, remap_row, kAvx2)
 
 // One pixel of it. A line's numbers: A B C D of x, then of y, before they are cut.
 std::array<float, 8> tile_line(const PlaceTile& tile, int line) noexcept;

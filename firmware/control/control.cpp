@@ -30,8 +30,8 @@ void Control::tick(hal::Time now) noexcept {
   }
   parts_.subscribers.expire(now);
   const SubscriberList list = parts_.subscribers.list();
-  if (list != told_ && parts_.ring.push(list)) {
-    told_ = list;
+  if (list != pushed_ && parts_.ring.push(list)) {
+    pushed_ = list;
   }
   for (Periodic* const hook : parts_.hooks) {
     hook->tick(now);

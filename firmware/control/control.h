@@ -30,7 +30,7 @@ struct ControlParts {
 };
 
 // What the control thread does, one turn after the other: answers requests, ends leases, tells the
-// loop whom to send to, calls the hooks. No clock, no heap.
+// loop who receives, calls the hooks. No clock, no heap.
 class Control {
  public:
   // Datagrams between two rounds of the hooks: a flood keeps them waiting for some milliseconds at
@@ -49,7 +49,7 @@ class Control {
  private:
   ControlParts parts_;
   wire::DatagramBuffer space_{};
-  SubscriberList told_{};  // what the loop has
+  SubscriberList pushed_{};  // what the loop has
 };
 
 // With the datagrams that the port lost before they were read. Of any thread.

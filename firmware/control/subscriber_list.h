@@ -11,8 +11,8 @@ namespace stof::firmware {
 
 inline constexpr std::size_t kMostSubscribers = 4;
 
-// Whom the streams go to: the order of the control thread to the loop. Each one replaces the one
-// before; nothing in it expires, a lease that ends makes a new list.
+// The receivers of all streams, from the control thread to the loop. Each list replaces the one
+// before; nothing in it expires: a lease that ends makes a new list.
 struct SubscriberList {
   std::array<hal::Peer, kMostSubscribers> peers{};
   std::size_t count = 0;

@@ -27,7 +27,7 @@ struct ControlStatus {
   bool restart_needed = false;
 };
 
-// Which conditions (docs/WIRE.md, "Events") are active, and what has to be told about them: each
+// Which conditions (docs/WIRE.md, "Events") are active, and what has to be sent about them: each
 // change at once and once more a second later, the whole once a second and on change. For the
 // loop's thread; no heap.
 class HealthMonitor {
@@ -55,8 +55,8 @@ class HealthMonitor {
  private:
   struct Entry {
     bool active = false;
-    bool changed = false;  // to be told
-    bool again = false;    // to be told once more
+    bool changed = false;  // to be sent
+    bool again = false;    // to be sent once more
     std::uint32_t count = 0;
     std::uint32_t value = 0;
     std::uint32_t sequence = 0;

@@ -15,7 +15,7 @@ namespace stof::firmware {
 //
 // The loop lends a device that is lost and of which it holds no lease. Until the device is given
 // back the loop does not touch it, and takes it for lost. One that is still lost then is lent again
-// 50 ms after the loop has learnt of that, then after twice as long each time, 250 ms at most.
+// 50 ms after the loop has seen its return, then after twice as long each time, 250 ms at most.
 // Neither end allocates; the loop's end does not block.
 class DeviceLending {
  public:

@@ -58,7 +58,7 @@ class Loop {
   FrameCollector collector_;
   std::optional<Shot> held_;
   std::optional<hal::Time> last_edge_;  // of the shot that was computed last; none: a gap follows
-  std::uint64_t stereo_losses_ = 0;     // as that shot told them
+  std::uint64_t stereo_losses_ = 0;     // of the camera, up to that shot
 };
 
 }  // namespace stof::firmware

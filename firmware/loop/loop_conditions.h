@@ -12,7 +12,7 @@
 namespace stof::firmware {
 
 // What is wrong with the devices and the loop itself. Each answer of a device is counted; where a
-// condition begins or ends, one event is noted and the health monitor learns of it.
+// condition begins or ends, one event is noted, for the log and for the health monitor.
 class LoopConditions {
  public:
   LoopConditions(hal::Clock& clock, Events& events, HealthMonitor& monitor) noexcept

@@ -14,14 +14,14 @@ class WatchdogFeeder {
   WatchdogFeeder(hal::Watchdog* watchdog, hal::Clock& clock) noexcept
       : watchdog_(watchdog), clock_(clock) {}
 
-  // After each round. Rounds may be as long as a third of the watchdog's patience.
+  // After each round. Rounds may be as long as a third of the watchdog's timeout.
   void after_round() noexcept {
     if (watchdog_ == nullptr) {
       return;
     }
     const hal::Time now = clock_.now();
     if (now >= next_) {
-      static_cast<void>(watchdog_->kick());  // one that is not heard is what it is there for
+      static_cast<void>(watchdog_->kick());  // a kick that fails is what the watchdog is there for
       next_ = now + watchdog_->timeout() / 8;
     }
   }

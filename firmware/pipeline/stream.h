@@ -32,7 +32,7 @@ struct StreamParams {
   int pace_percent = 60;         // of the period: frames are spread over at most that; 0: at once
   hal::Duration period{};        // of the trigger
   std::uint32_t revision = 0;    // of the settings
-  dsp::QuarterMm max_range = 0;  // told with the calibration, as the period; 0: as at start
+  dsp::QuarterMm max_range = 0;  // sent with the calibration, as the period; 0: as at start
 };
 
 // What a frame's way out took.
@@ -63,7 +63,7 @@ class Stream {
   Stream& operator=(const Stream&) = delete;
 
   void set_params(const StreamParams& params) noexcept;
-  // Whom everything is sent to from now on; a new one gets calibration and health at once.
+  // Who gets everything from now on; a new one gets calibration and health at once.
   void set_receivers(const SubscriberList& receivers) noexcept;
 
   // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.

@@ -31,7 +31,7 @@ struct LoopStatus {
 };
 
 // Everything that the control thread does, put together: requests, subscriptions, settings,
-// discovery, the serial line. What the loop needs to know of it is told through rings and atomics.
+// discovery, the serial line. What the loop needs to know of it goes through rings and atomics.
 class ControlServices final : public settings::Limits,
                               public settings::SettingsSink,
                               public Periodic {
@@ -66,7 +66,7 @@ class ControlServices final : public settings::Limits,
 
  private:
   wire::Announce make_announce() const noexcept;
-  // Renews what everybody is told who asks.
+  // Renews what requests and discovery are answered with.
   wire::Announce update_announce(hal::Time now) noexcept;
   void publish_status() noexcept;
 

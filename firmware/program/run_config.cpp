@@ -90,10 +90,10 @@ std::string period_limits(const RigInfo& rig, const board::Config& config, hal::
            " from edge to edge, or frames cannot be told apart: choose a "
            "longer period";
   }
-  const hal::Duration patience = config.devices.watchdog_timeout;
-  if (patience > hal::Duration::zero() && 3 * period > patience) {
+  const hal::Duration timeout = config.devices.watchdog_timeout;
+  if (timeout > hal::Duration::zero() && board::least_watchdog_timeout(period) > timeout) {
     return "period_ms: the watchdog of board " + std::string(config.name) + " waits for " +
-           text(patience) + ", three periods must fit: choose a shorter period";
+           text(timeout) + ", three periods must fit: choose a shorter period";
   }
   return {};
 }

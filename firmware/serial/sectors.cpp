@@ -120,7 +120,7 @@ const Sectors& SectorFinder::find(const dsp::DepthMap& map) noexcept {
       }
     }
   }
-  tell(map);
+  report(map);
   return found_;
 }
 
@@ -149,21 +149,21 @@ void SectorFinder::count(Sector& sector, std::span<std::uint16_t> bins, int bin)
   }
 }
 
-void SectorFinder::tell(const dsp::DepthMap& map) noexcept {
+void SectorFinder::report(const dsp::DepthMap& map) noexcept {
   wire::SectorReport& report = found_.report;
   int ahead = bins_used_;
   for (int i = 0; i < kSectors; ++i) {
     const int bound = sectors_[static_cast<std::size_t>(i)].bound;
-    report.distances_cm[static_cast<std::size_t>(i)] = told(bound);
+    report.distances_cm[static_cast<std::size_t>(i)] = reported_cm(bound);
     if (i >= first_ahead_ && i < end_ahead_) {
       ahead = std::min(ahead, bound);
     }
   }
-  found_.ahead_cm = told(ahead);
+  found_.ahead_cm = reported_cm(ahead);
   found_.ahead_sigma_mm = ahead < bins_used_ ? sigma_mm_at(map, ahead) : 0;
 }
 
-std::uint16_t SectorFinder::told(int bound) const noexcept {
+std::uint16_t SectorFinder::reported_cm(int bound) const noexcept {
   return bound == bins_used_ ? kUnknownSector
                              : std::max(static_cast<std::uint16_t>(bound), found_.report.least_cm);
 }

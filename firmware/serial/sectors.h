@@ -74,8 +74,8 @@ class SectorFinder {
   void measure_row(std::span<const dsp::QuarterMm> depth, std::span<const dsp::QuarterMm> width,
                    dsp::QuarterMm limit) noexcept;
   void count(Sector& sector, std::span<std::uint16_t> bins, int bin) const noexcept;
-  void tell(const dsp::DepthMap& map) noexcept;
-  std::uint16_t told(int bound) const noexcept;
+  void report(const dsp::DepthMap& map) noexcept;
+  std::uint16_t reported_cm(int bound) const noexcept;
   std::uint32_t sigma_mm_at(const dsp::DepthMap& map, int bin) const noexcept;
 
   dsp::Pinhole lens_;

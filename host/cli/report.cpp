@@ -15,8 +15,7 @@ void add_report_flags(CLI::App& command, ReportOptions& options) {
   command.add_option("--runs", options.runs, "Runs of which the median time is shown")
       ->check(CLI::Range(1, 1000))
       ->capture_default_str();
-  command.add_option("--plain", options.plain,
-                     "The program stof_plain: adds times of the methods without vector kernels");
+  command.add_flag("--plain", options.plain, "Adds times of the methods without vector kernels");
   command.add_flag("--quick", options.quick, "One run and small views, to see that it works");
 }
 

@@ -79,8 +79,7 @@ std::span<const Sum> PlainCosts<Sum>::row(int y) {
   } else {
     exchange(y + below, y - 1 - above);
   }
-  dsp::ref::block_sums(std::span<const Sum>(sums_), params_.block_width, lanes_,
-                       std::span<Sum>(costs_));
+  dsp::ref::block_sums<Sum>(sums_, params_.block_width, lanes_, costs_);
   mark_outside();
   return costs_;
 }
@@ -149,14 +148,14 @@ template <typename Sum>
 void PlainCosts<Sum>::enter(int y) {
   if (census()) {
     pixel_costs(y, kept(y));
-    dsp::ref::add_costs(kept(y), std::span<Sum>(sums_));
+    dsp::ref::add_costs<Sum>(kept(y), sums_);
     return;
   }
   load(y, new_);
   if (params_.cost == lab::Cost::kSsd) {
-    dsp::ref::add_squares(new_.left, new_.right, lanes_, std::span<Sum>(sums_));
+    dsp::ref::add_squares<Sum>(new_.left, new_.right, lanes_, sums_);
   } else {
-    dsp::ref::add_differences(new_.left, new_.right, lanes_, std::span<Sum>(sums_));
+    dsp::ref::add_differences<Sum>(new_.left, new_.right, lanes_, sums_);
   }
 }
 
@@ -164,17 +163,15 @@ template <typename Sum>
 void PlainCosts<Sum>::exchange(int entering, int leaving) {
   if (census()) {
     pixel_costs(entering, kept(entering));
-    dsp::ref::slide_costs(kept(entering), kept(leaving), std::span<Sum>(sums_));
+    dsp::ref::slide_costs<Sum>(kept(entering), kept(leaving), sums_);
     return;
   }
   load(entering, new_);
   load(leaving, old_);
   if (params_.cost == lab::Cost::kSsd) {
-    dsp::ref::slide_squares(new_.left, new_.right, old_.left, old_.right, lanes_,
-                            std::span<Sum>(sums_));
+    dsp::ref::slide_squares<Sum>(new_.left, new_.right, old_.left, old_.right, lanes_, sums_);
   } else {
-    dsp::ref::slide_differences(new_.left, new_.right, old_.left, old_.right, lanes_,
-                                std::span<Sum>(sums_));
+    dsp::ref::slide_differences<Sum>(new_.left, new_.right, old_.left, old_.right, lanes_, sums_);
   }
 }
 

@@ -2,7 +2,6 @@
 
 #include <fstream>
 
-#include "host/report/plain_program.h"
 #include "host/report/stereo/sections.h"
 
 namespace stof::host {
@@ -39,17 +38,13 @@ std::vector<std::string> lead(const Study& study) {
 }
 
 dataset::Loaded<Study> load(const ReportOptions& options) {
-  if (!options.plain.empty() && !can_run(options.plain)) {
-    return std::unexpected(dataset::Problem{
-        options.plain.string() + ": is no program: build the target stof_plain and give its path"});
-  }
   std::vector<Subject> subjects;
   for (const std::filesystem::path& dir : options.scenes) {
     dataset::Loaded<dataset::StereoScene> scene = dataset::read_stereo_scene(dir);
     if (!scene) {
       return std::unexpected(std::move(scene.error()));
     }
-    subjects.emplace_back(std::move(*scene)).folder = dir;
+    subjects.emplace_back(std::move(*scene));
   }
   std::optional<Subject> corridor;
   if (!options.corridor.empty()) {

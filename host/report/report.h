@@ -15,9 +15,8 @@ struct ReportOptions {
   std::filesystem::path corridor;             // a scene with a rig in meta.txt; empty: none
   std::filesystem::path out;                  // the HTML file
   int runs = 7;                               // of which the median time is shown
-  // stof_plain (host/plain), for the plain times of whole methods; empty: none.
-  std::filesystem::path plain;
-  bool quick = false;  // small 2.5D views
+  bool plain = false;                         // times of whole methods with reference kernels too
+  bool quick = false;                         // small 2.5D views
 };
 
 struct ReportResult {

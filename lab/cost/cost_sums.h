@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // Column sums of rows of u8 costs that are kept rather than computed again: add_differences() and
 // slide_differences() of sad.h for every cost that is dear. Block sums follow with block_sums().
@@ -18,17 +18,7 @@ template <typename Sum>
 using SlideCosts = void(std::span<const std::uint8_t> entering,
                         std::span<const std::uint8_t> leaving, std::span<Sum> columns) noexcept;
 
-namespace ref {
-AddCosts<std::uint16_t> add_costs;
-AddCosts<std::uint32_t> add_costs;
-SlideCosts<std::uint16_t> slide_costs;
-SlideCosts<std::uint32_t> slide_costs;
-}  // namespace ref
-namespace neon {
-AddCosts<std::uint16_t> add_costs;
-AddCosts<std::uint32_t> add_costs;
-SlideCosts<std::uint16_t> slide_costs;
-SlideCosts<std::uint32_t> slide_costs;
-}  // namespace neon
+STOF_KERNELS(AddCosts, add_costs, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(SlideCosts, slide_costs, Neon<std::uint16_t>, Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

@@ -8,10 +8,9 @@
 #include "dsp/stereo/cost/sad.h"
 
 namespace stof::dsp::neon {
-namespace {
 
 template <typename Sum>
-void add(std::span<const std::uint8_t> costs, std::span<Sum> columns) noexcept {
+void add_costs(std::span<const std::uint8_t> costs, std::span<Sum> columns) noexcept {
   STOF_CHECK(costs.size() == columns.size() && costs.size() % kCostLanes == 0);
   for (std::size_t j = 0; j < columns.size(); j += kCostLanes) {
     accumulate(vld1q_u8(costs.data() + j), columns.data() + j);
@@ -19,8 +18,8 @@ void add(std::span<const std::uint8_t> costs, std::span<Sum> columns) noexcept {
 }
 
 template <typename Sum>
-void slide(std::span<const std::uint8_t> entering, std::span<const std::uint8_t> leaving,
-           std::span<Sum> columns) noexcept {
+void slide_costs(std::span<const std::uint8_t> entering, std::span<const std::uint8_t> leaving,
+                 std::span<Sum> columns) noexcept {
   STOF_CHECK(entering.size() == columns.size() && leaving.size() == columns.size() &&
              columns.size() % kCostLanes == 0);
   for (std::size_t j = 0; j < columns.size(); j += kCostLanes) {
@@ -28,22 +27,9 @@ void slide(std::span<const std::uint8_t> entering, std::span<const std::uint8_t>
   }
 }
 
-}  // namespace
-
-void add_costs(std::span<const std::uint8_t> costs, std::span<std::uint16_t> columns) noexcept {
-  add(costs, columns);
-}
-void add_costs(std::span<const std::uint8_t> costs, std::span<std::uint32_t> columns) noexcept {
-  add(costs, columns);
-}
-
-void slide_costs(std::span<const std::uint8_t> entering, std::span<const std::uint8_t> leaving,
-                 std::span<std::uint16_t> columns) noexcept {
-  slide(entering, leaving, columns);
-}
-void slide_costs(std::span<const std::uint8_t> entering, std::span<const std::uint8_t> leaving,
-                 std::span<std::uint32_t> columns) noexcept {
-  slide(entering, leaving, columns);
-}
+template AddCosts<std::uint16_t> add_costs<std::uint16_t>;
+template AddCosts<std::uint32_t> add_costs<std::uint32_t>;
+template SlideCosts<std::uint16_t> slide_costs<std::uint16_t>;
+template SlideCosts<std::uint32_t> slide_costs<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

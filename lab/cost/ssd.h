@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/sad.h"
 
 // Sums of squared differences: sad.h's layout, sums and bounds, with (L - R)^2, at most 65025, in
@@ -13,18 +13,8 @@ namespace stof::dsp {
 
 // columns[k][i] += (left[k] - right[n - 1 - k + i])^2.
 // columns[k][i] += (new_left[k] - new_right[..])^2 - (old_left[k] - old_right[..])^2.
-namespace ref {
-AddDifferences<std::uint16_t> add_squares;
-AddDifferences<std::uint32_t> add_squares;
-SlideDifferences<std::uint16_t> slide_squares;
-SlideDifferences<std::uint32_t> slide_squares;
-}  // namespace ref
-namespace neon {
-AddDifferences<std::uint16_t> add_squares;
-AddDifferences<std::uint32_t> add_squares;
-SlideDifferences<std::uint16_t> slide_squares;
-SlideDifferences<std::uint32_t> slide_squares;
-}  // namespace neon
+STOF_KERNELS(AddDifferences, add_squares, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(SlideDifferences, slide_squares, Neon<std::uint16_t>, Neon<std::uint32_t>)
 
 static_assert(sums_fit_u16(8, 9, 30 * 30) && !sums_fit_u16(9, 9, 30 * 30));
 

@@ -50,24 +50,22 @@ constexpr auto kSquares = [](uint8x16_t a, uint8x16_t b) noexcept { return squar
 
 }  // namespace
 
+template <typename Sum>
 void add_squares(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
-                 std::span<std::uint16_t> columns) noexcept {
-  add_rows(left, right, lanes, columns, kSquares);
-}
-void add_squares(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
-                 std::span<std::uint32_t> columns) noexcept {
+                 std::span<Sum> columns) noexcept {
   add_rows(left, right, lanes, columns, kSquares);
 }
 
+template <typename Sum>
 void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
                    std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
-                   int lanes, std::span<std::uint16_t> columns) noexcept {
+                   int lanes, std::span<Sum> columns) noexcept {
   slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kSquares);
 }
-void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
-                   std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
-                   int lanes, std::span<std::uint32_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kSquares);
-}
+
+template AddDifferences<std::uint16_t> add_squares<std::uint16_t>;
+template AddDifferences<std::uint32_t> add_squares<std::uint32_t>;
+template SlideDifferences<std::uint16_t> slide_squares<std::uint16_t>;
+template SlideDifferences<std::uint32_t> slide_squares<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

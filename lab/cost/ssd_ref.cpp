@@ -25,26 +25,23 @@ void add(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right
 
 }  // namespace
 
+template <typename Sum>
 void add_squares(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
-                 std::span<std::uint16_t> columns) noexcept {
-  add(left, right, lanes, columns, 1);
-}
-void add_squares(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int lanes,
-                 std::span<std::uint32_t> columns) noexcept {
+                 std::span<Sum> columns) noexcept {
   add(left, right, lanes, columns, 1);
 }
 
+template <typename Sum>
 void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
                    std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
-                   int lanes, std::span<std::uint16_t> columns) noexcept {
+                   int lanes, std::span<Sum> columns) noexcept {
   add(new_left, new_right, lanes, columns, 1);
   add(old_left, old_right, lanes, columns, -1);
 }
-void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::uint8_t> new_right,
-                   std::span<const std::uint8_t> old_left, std::span<const std::uint8_t> old_right,
-                   int lanes, std::span<std::uint32_t> columns) noexcept {
-  add(new_left, new_right, lanes, columns, 1);
-  add(old_left, old_right, lanes, columns, -1);
-}
+
+template AddDifferences<std::uint16_t> add_squares<std::uint16_t>;
+template AddDifferences<std::uint32_t> add_squares<std::uint32_t>;
+template SlideDifferences<std::uint16_t> slide_squares<std::uint16_t>;
+template SlideDifferences<std::uint32_t> slide_squares<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

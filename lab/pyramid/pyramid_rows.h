@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // Rows of coarser pictures, and rows of winners (winner.h) of which every second one of every
 // second row was searched.
@@ -23,15 +23,8 @@ using BetweenRows = void(std::span<const std::int16_t> above, std::span<const st
 // out[2 k] = found[k], the others between their neighbours; found: half as long, rounded up.
 using SpreadRow = void(std::span<const std::int16_t> found, std::span<std::int16_t> out) noexcept;
 
-namespace ref {
-HalveRow halve_row;
-BetweenRows between_rows;
-SpreadRow spread_row;
-}  // namespace ref
-namespace neon {
-HalveRow halve_row;
-BetweenRows between_rows;
-SpreadRow spread_row;
-}  // namespace neon
+STOF_KERNEL(HalveRow, halve_row, kNeon)
+STOF_KERNEL(BetweenRows, between_rows, kNeon)
+STOF_KERNEL(SpreadRow, spread_row, kNeon)
 
 }  // namespace stof::dsp

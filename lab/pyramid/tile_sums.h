@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/image.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/search/winner.h"
 
 // Winner takes all in a tile of a picture that searches few candidates: the pixels of a row lie
@@ -77,36 +77,10 @@ inline constexpr int kQuarterRows = 16;
 using FindQuarter = void(const TilePlace& tile, Rows rows, int block_height,
                          const TileLimits& limits, ImageView<std::int16_t> winners) noexcept;
 
-namespace ref {
-StartTile start_tile;
-SlideTile slide_tile;
-FindInTile find_in_tile;
-OfferToRight offer_to_right;
-FindQuarter find_quarter;
-}  // namespace ref
-namespace neon {
-StartTile start_tile;
-SlideTile slide_tile;
-FindInTile find_in_tile;
-OfferToRight offer_to_right;
-FindQuarter find_quarter;
-}  // namespace neon
-namespace avx2 {
-StartTile start_tile;
-SlideTile slide_tile;
-FindInTile find_in_tile;
-OfferToRight offer_to_right;
-FindQuarter find_quarter;
-}  // namespace avx2
-namespace avx512 {
-FindQuarter find_quarter;
-}  // namespace avx512
-namespace best {
-inline constexpr Kernel<StartTile> start_tile{STOF_VARIANTS(start_tile)};
-inline constexpr Kernel<SlideTile> slide_tile{STOF_VARIANTS(slide_tile)};
-inline constexpr Kernel<FindInTile> find_in_tile{STOF_VARIANTS(find_in_tile)};
-inline constexpr Kernel<OfferToRight> offer_to_right{STOF_VARIANTS(offer_to_right)};
-inline constexpr Kernel<FindQuarter> find_quarter{STOF_ALL_VARIANTS(find_quarter)};
-}  // namespace best
+STOF_KERNEL(StartTile, start_tile, kAvx2)
+STOF_KERNEL(SlideTile, slide_tile, kAvx2)
+STOF_KERNEL(FindInTile, find_in_tile, kAvx2)
+STOF_KERNEL(OfferToRight, offer_to_right, kAvx2)
+STOF_KERNEL(FindQuarter, find_quarter, kAvx512)
 
 }  // namespace stof::dsp

@@ -12,7 +12,7 @@ struct Avx512 {
   static constexpr std::size_t kBytes = 64;
 
   static Bytes load_bytes(const std::uint8_t* p) noexcept { return _mm512_loadu_si512(p); }
-  static void store_bytes(std::uint8_t* p, Bytes v) noexcept { _mm512_storeu_si512(p, v); }
+  static void store_bytes(std::uint8_t* p, Bytes v) noexcept { avx2::store_bits(p, v); }
   static Bytes difference(Bytes a, Bytes b) noexcept {
     return _mm512_abs_epi8(_mm512_sub_epi8(a, b));  // below 128: the sign is right
   }
@@ -36,12 +36,7 @@ struct Avx512 {
     return _mm512_set1_epi16(static_cast<std::int16_t>(v));
   }
   static Sums load(const std::uint16_t* p) noexcept { return _mm512_loadu_si512(p); }
-  static void store(std::uint16_t* p, Sums v) noexcept {
-    _mm512_storeu_si512(p, v);
-#if defined(STOF_PLANT_WRONG_BYTE)
-    *p = static_cast<std::uint16_t>(*p ^ 1U);
-#endif
-  }
+  static void store(std::uint16_t* p, Sums v) noexcept { avx2::store_bits(p, v); }
   static Sums add(Sums a, Sums b) noexcept { return _mm512_add_epi16(a, b); }
   static Sums subtract(Sums a, Sums b) noexcept { return _mm512_sub_epi16(a, b); }
   static Sums eighth(Sums v) noexcept { return _mm512_srli_epi16(v, 3); }

@@ -120,9 +120,11 @@ const char* name_of(dsp::Vectors vectors) {
     case dsp::Vectors::kAvx2:
       return "AVX2";
     case dsp::Vectors::kNeon:
+      return "NEON source";
+    case dsp::Vectors::kRef:
       break;
   }
-  return "NEON source";
+  return "reference";
 }
 
 std::string json(const std::vector<Outcome>& outcomes, int rounds, const std::string& peer) {

@@ -4,20 +4,16 @@
 #include <span>
 #include <type_traits>
 
+#include "dsp/base/random.h"
+
 namespace stof::test {
 
 // splitmix64: the same numbers on every machine. Print the seed in failure messages.
 class Random {
  public:
-  explicit Random(std::uint64_t seed) noexcept : state_(seed) {}
+  explicit Random(std::uint64_t seed) noexcept : source_(seed) {}
 
-  std::uint64_t next() noexcept {
-    state_ += 0x9E3779B97F4A7C15U;
-    std::uint64_t z = state_;
-    z = (z ^ (z >> 30U)) * 0xBF58476D1CE4E5B9U;
-    z = (z ^ (z >> 27U)) * 0x94D049BB133111EBU;
-    return z ^ (z >> 31U);
-  }
+  std::uint64_t next() noexcept { return source_.next(); }
   // Uniform in [low, high].
   int between(int low, int high) noexcept {
     const std::uint64_t count = static_cast<std::uint64_t>(std::int64_t{high} - low) + 1;
@@ -38,7 +34,7 @@ class Random {
   }
 
  private:
-  std::uint64_t state_;
+  dsp::SplitMix64 source_;
 };
 
 }  // namespace stof::test

@@ -18,7 +18,7 @@ struct DisparityShift {
 // ignore:
 //   left(x) = a_b + gain right(x - d - e),  linear in what is left of e
 // after a 1 2 1 filter along the rows, with a constant a_b for each of 4x4 blocks: smooth shading
-// and highlights say nothing. No block speaks with more than the median block's texture, so the
+// and highlights say nothing. No block counts with more than the median block's texture, so the
 // outline of something else does not decide. The variance is that of the blocks' disagreement.
 // Nothing where stereo has no disparity for half of the pixels or they disagree, where texture is
 // not well above noise, where blocks disagree by more than noise (not one plane), or where the fit

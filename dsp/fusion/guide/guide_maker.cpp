@@ -16,8 +16,8 @@ constexpr std::size_t kMostSteps = 64;
 constexpr std::uint32_t kOneQ8 = 256;
 constexpr std::uint32_t kOneQ16 = 65536;
 constexpr int kMostReach = 32;
-constexpr std::uint8_t kSilent = 1;    // the only flag that readings have here
-constexpr QuarterMm kSaysNothing = 0;  // as a low end: the smallest, so that it spreads
+constexpr std::uint8_t kUnguided = 1;  // the only flag that readings have here
+constexpr QuarterMm kNoGuide = 0;      // as a low end: the smallest, so that it spreads
 // Ends that differ by more than an eighth within `reach` are a step in depth: whatever is larger
 // than a slope, and no smaller than what neighbouring readings differ by.
 constexpr std::uint32_t kStepShare = 8;
@@ -110,7 +110,7 @@ void GuideMaker::judge_row(const PmdMaps& maps, int y) const noexcept {
   const std::span<QuarterMm> distance = readings_.distance.row(y);
   const std::span<QuarterMm> near = readings_.low.row(y);
   const std::span<QuarterMm> far = readings_.high.row(y);
-  const std::span<std::uint8_t> silent = readings_.flags.row(y);
+  const std::span<std::uint8_t> unguided = readings_.flags.row(y);
   std::ranges::copy(maps.distance.row(y), distance.begin());
   for (std::size_t x = 0; x < distance.size(); ++x) {
     const std::uint32_t reach = (std::uint32_t{sigma[x]} * sigmas_q8_ + kOneQ8 - 1) / kOneQ8;
@@ -121,7 +121,7 @@ void GuideMaker::judge_row(const PmdMaps& maps, int y) const noexcept {
     const bool noisy =
         std::uint64_t{sigma[x]} * kOneQ16 > std::uint64_t{most_sigma_q16_} * distance[x];
     const bool unsure = (flags[x] & (kPmdEdge | kPmdOutOfRange)) != 0;
-    silent[x] = noisy || unsure ? kSilent : std::uint8_t{0};
+    unguided[x] = noisy || unsure ? kUnguided : std::uint8_t{0};
   }
 }
 
@@ -131,7 +131,7 @@ bool GuideMaker::find_hidden(const PmdMaps& maps) const noexcept {
   for (int y = 0; y < maps.distance.height(); ++y) {
     for (int x = 0; x < maps.distance.width(); ++x) {
       const bool hides = maps.distance.at(x, y) == kNoDepth && may_hide(maps, x, y);
-      readings_.flags.at(x, y) = hides ? kSilent : std::uint8_t{0};
+      readings_.flags.at(x, y) = hides ? kUnguided : std::uint8_t{0};
       any = any || hides;
     }
   }
@@ -139,7 +139,7 @@ bool GuideMaker::find_hidden(const PmdMaps& maps) const noexcept {
 }
 
 // A missing reading may be of anything along its ray: pixels of the left view where that would hide
-// what is painted there become silent.
+// what is painted there become unguided.
 void GuideMaker::open_before_missing() noexcept {
   for (const QuarterMm step : steps_) {
     for (int y = 0; y < readings_.flags.height(); ++y) {
@@ -150,11 +150,11 @@ void GuideMaker::open_before_missing() noexcept {
     }
     reprojector_.locate(readings_.maps());
     for (const Footprint& f : reprojector_.footprints()) {
-      const Paint silence{f.paint.visible, kNothingPainted, 0, kSilent};
+      const Paint unguided{f.paint.visible, kNothingPainted, 0, kUnguided};
       const std::size_t first = index(f.x_begin);
       const std::size_t count = index(f.x_end - f.x_begin);
       for (int y = f.y_begin; y < f.y_end; ++y) {
-        best::paint_interval(silence, view_.nearest.row(y).subspan(first, count),
+        best::paint_interval(unguided, view_.nearest.row(y).subspan(first, count),
                              view_.low.row(y).subspan(first, count),
                              view_.high.row(y).subspan(first, count),
                              view_.flags.row(y).subspan(first, count));
@@ -173,8 +173,8 @@ void GuideMaker::spread_along_row(int y) noexcept {
   std::ranges::fill(row_low_, kMaxQuarterMm);
   std::ranges::fill(row_high_, QuarterMm{0});
   for (std::size_t x = 0; x < n; ++x) {
-    const bool silent = flags[x] != 0 || high[x] == 0;  // or nothing painted
-    low[x] = silent ? kSaysNothing : low[x];
+    const bool unguided = flags[x] != 0 || high[x] == 0;  // or nothing painted
+    low[x] = unguided ? kNoGuide : low[x];
     row_low_[x + reach] = low[x];
     row_high_[x + reach] = high[x];
   }
@@ -214,7 +214,7 @@ void GuideMaker::write_row(int y) noexcept {
     const bool step = std::uint32_t{low[x]} * kStepShare < own_low[x] * (kStepShare - 1) ||
                       std::uint32_t{own_high[x]} * (kStepShare + 1) < high[x] * kStepShare;
     out[x] = {};
-    if (low[x] == kSaysNothing || step) {
+    if (low[x] == kNoGuide || step) {
       continue;
     }
     const int first = first_of_[index(high[x] / kGuideDepthStep)];

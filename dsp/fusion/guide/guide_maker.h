@@ -34,7 +34,7 @@ struct GuideParams {
   double farthest_m = 0;
   // All that readings within so many px of a pixel say counts for it, 0 to 32: places in the left
   // view are known to a few px (0.1 degree of a rig's turn is 1.7 px at a focal length of 1000 px),
-  // and where the PMD is silent that near, it is silent here too.
+  // and where the PMD says nothing that near, it says nothing here too.
   int reach = 4;
 };
 

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/fusion/interval/stereo_interval.h"
 
 namespace stof::dsp {
@@ -46,14 +46,11 @@ constexpr std::size_t right_tangents(std::size_t columns, int first_raw, int las
 using ColumnInterval = void(std::span<const Disparity> disparity,
                             std::span<const std::uint8_t> half, const ColumnTables& tables,
                             std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept;
+STOF_KERNEL(ColumnInterval, column_interval, kNeon)
 namespace ref {
-ColumnInterval column_interval;
 // The same for one pixel in column x; half in 0 .. kMostSpread.
 DepthInterval column_interval_at(std::size_t x, int raw, int half,
                                  const ColumnTables& tables) noexcept;
 }  // namespace ref
-namespace neon {
-ColumnInterval column_interval;
-}
 
 }  // namespace stof::dsp

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/fusion/depth_map.h"
 
 namespace stof::dsp {
@@ -54,18 +54,7 @@ struct FusedRow {
 using IntersectKernel = void(const IntervalRow& stereo, const IntervalRow& pmd,
                              const SupportRow& support, QuarterMm max_range,
                              const FusedRow& out) noexcept;
-namespace ref {
-IntersectKernel intersect;
-}
-namespace neon {
-IntersectKernel intersect;
-}
-namespace avx2 {
-IntersectKernel intersect;
-}
-namespace best {
-inline constexpr Kernel<IntersectKernel> intersect{STOF_VARIANTS(intersect)};
-}
+STOF_KERNEL(IntersectKernel, intersect, kAvx2)
 
 // depth and width of an interval that is not empty, as above.
 constexpr QuarterMm middle_of(int low, int high) noexcept {

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -46,17 +46,6 @@ struct DisparityTable {
 using StereoInterval = void(std::span<const Disparity> disparity,
                             std::span<const std::uint8_t> half, const DisparityTable& table,
                             std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept;
-namespace ref {
-StereoInterval stereo_interval;
-}
-namespace neon {
-StereoInterval stereo_interval;
-}
-namespace avx2 {
-StereoInterval stereo_interval;
-}
-namespace best {
-inline constexpr Kernel<StereoInterval> stereo_interval{STOF_VARIANTS(stereo_interval)};
-}
+STOF_KERNEL(StereoInterval, stereo_interval, kAvx2)
 
 }  // namespace stof::dsp

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -38,11 +38,6 @@ using StereoSpread = void(std::span<const Disparity> disparity, std::span<const 
                           std::span<std::uint8_t> half) noexcept;
 inline constexpr std::uint8_t kLeastSpread = 4;
 
-namespace ref {
-StereoSpread stereo_spread;
-}
-namespace neon {
-StereoSpread stereo_spread;
-}
+STOF_KERNEL(StereoSpread, stereo_spread, kNeon)
 
 }  // namespace stof::dsp

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/fusion/project/project.h"
 
 // What the readings of a row of PMD pixels cover in the left view. Equal lengths, any length, any
@@ -50,13 +50,7 @@ static_assert(covered(160, 24, 99).begin == 9 && covered(160, 24, 99).end == 12)
 using Cover = void(std::span<const std::int32_t> place, std::span<const std::int32_t> half,
                    int size, std::span<std::int16_t> begin, std::span<std::int16_t> end) noexcept;
 
-namespace ref {
-HalfSizes half_sizes;
-Cover cover;
-}  // namespace ref
-namespace neon {
-HalfSizes half_sizes;
-Cover cover;
-}  // namespace neon
+STOF_KERNEL(HalfSizes, half_sizes, kNeon)
+STOF_KERNEL(Cover, cover, kNeon)
 
 }  // namespace stof::dsp

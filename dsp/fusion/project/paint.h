@@ -5,7 +5,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // Painting what PMD pixels cover into the left view. All footprints go through paint_nearest first
 // (the z-buffer), then all through paint_intervals: so the order of footprints does not matter.
@@ -67,15 +67,8 @@ constexpr QuarterMm visible_behind(QuarterMm depth) noexcept {
 }
 static_assert(visible_behind(0) == 0 && visible_behind(102) == 100 && visible_behind(103) == 101);
 
-namespace ref {
-PaintNearest paint_nearest;
-PaintIntervals paint_intervals;
-PaintInterval paint_interval;
-}  // namespace ref
-namespace neon {
-PaintNearest paint_nearest;
-PaintIntervals paint_intervals;
-PaintInterval paint_interval;
-}  // namespace neon
+STOF_KERNEL(PaintNearest, paint_nearest, kNeon)
+STOF_KERNEL(PaintIntervals, paint_intervals, kNeon)
+STOF_KERNEL(PaintInterval, paint_interval, kNeon)
 
 }  // namespace stof::dsp

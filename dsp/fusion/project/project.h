@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -43,17 +43,6 @@ struct RayRow {
 using ProjectKernel = void(const RayRow& rays, std::span<const QuarterMm> distance,
                            const Projection& projection, std::span<std::int32_t> u,
                            std::span<std::int32_t> v, std::span<QuarterMm> depth) noexcept;
-namespace ref {
-ProjectKernel project;
-}
-namespace neon {
-ProjectKernel project;
-}
-namespace avx2 {
-ProjectKernel project;
-}
-namespace best {
-inline constexpr Kernel<ProjectKernel> project{STOF_VARIANTS(project)};
-}
+STOF_KERNEL(ProjectKernel, project, kAvx2)
 
 }  // namespace stof::dsp

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/fusion/interval/intersect.h"
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
 
@@ -38,18 +38,7 @@ struct PixelMasks {
 // Equal lengths n of the row, (n + 63) / 64 words each; any alignment; no overlap.
 using AmbiguityMasks = void(const MaskRow& row, const PixelMasks& masks) noexcept;
 
-namespace ref {
-AmbiguityMasks ambiguity_masks;
-}
-namespace neon {
-AmbiguityMasks ambiguity_masks;
-}
-namespace avx2 {
-AmbiguityMasks ambiguity_masks;
-}
-namespace best {
-inline constexpr Kernel<AmbiguityMasks> ambiguity_masks{STOF_VARIANTS(ambiguity_masks)};
-}
+STOF_KERNEL(AmbiguityMasks, ambiguity_masks, kAvx2)
 
 // Lengths as above.
 void check_ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept;

@@ -35,7 +35,7 @@ struct AmbiguityParams {
 inline constexpr int kResolvedShare = 14;
 // At an edge, where the nearest surface is the better guess of two: a sixth.
 inline constexpr int kMixedShare = 6;
-// A PMD interval narrower than a twelfth of its depth needs nobody's help.
+// A PMD interval narrower than a twelfth of its depth is good enough alone.
 inline constexpr int kNarrowShare = 12;
 // A match stands for a surface that its neighbours belong to below this peak ratio: eight in ten of
 // those that are less distinct than kSureRatio are right too.

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/fusion/depth_map.h"
 
 namespace stof::dsp {
@@ -90,14 +90,8 @@ inline constexpr int kMeanOne = 1 << kMeanBits;
 using TemporalRowKernel = void(const TemporalRow& row, const TemporalLimits& limits,
                                const TemporalState& state) noexcept;
 
-namespace ref {
-GreyChange grey_change;
-TemporalRowKernel temporal_row;
-}  // namespace ref
-namespace neon {
-GreyChange grey_change;
-TemporalRowKernel temporal_row;
-}  // namespace neon
+STOF_KERNEL(GreyChange, grey_change, kNeon)
+STOF_KERNEL(TemporalRowKernel, temporal_row, kNeon)
 
 // Lengths and limits as above.
 void check_temporal_row(const TemporalRow& row, const TemporalLimits& limits,

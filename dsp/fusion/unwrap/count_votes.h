@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -52,17 +52,6 @@ struct Places {
 };
 using CountVotes = void(const Places& places, const SampleGrid& grid, QuarterMm far_off,
                         std::span<Votes> votes) noexcept;
-namespace ref {
-CountVotes count_votes;
-}
-namespace neon {
-CountVotes count_votes;
-}
-namespace avx2 {
-CountVotes count_votes;
-}
-namespace best {
-inline constexpr Kernel<CountVotes> count_votes{STOF_VARIANTS(count_votes)};
-}
+STOF_KERNEL(CountVotes, count_votes, kAvx2)
 
 }  // namespace stof::dsp

@@ -61,7 +61,7 @@ __m128i eight(const QuarterMm* p) noexcept {
   return _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));  // NOLINT: any alignment
 }
 void put(std::array<std::uint16_t, kLanes>& lanes, __m128i v) noexcept {
-  _mm_store_si128(reinterpret_cast<__m128i*>(lanes.data()), v);  // NOLINT: aligned
+  store_bits(lanes.data(), v);
 }
 
 Bounds bounds_of(__m128i depth, __m128i tolerance, QuarterMm far_off) noexcept {

@@ -20,8 +20,8 @@ struct Reading {
 inline constexpr int kMostPeriods = 7;
 
 // In place of a period.
-inline constexpr std::int8_t kUnknownPeriod = -1;   // nobody speaks for one
-inline constexpr std::int8_t kDisputedPeriod = -2;  // stereo does, readings around it do not
+inline constexpr std::int8_t kUnknownPeriod = -1;   // nothing tells it
+inline constexpr std::int8_t kDisputedPeriod = -2;  // stereo and the readings around it differ
 inline constexpr std::int8_t kRefutedPeriod = -3;   // cannot be told, or lies beyond max_range
 inline constexpr std::int8_t kNoReading = -4;
 

@@ -5,10 +5,10 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/units.h"
-#include "dsp/fusion/unwrap/period_decision.h"
-#include "dsp/fusion/unwrap/period_evidence.h"
+#include "dsp/fusion/unwrap/decision/period_decision.h"
+#include "dsp/fusion/unwrap/evidence/period_evidence.h"
+#include "dsp/fusion/unwrap/evidence/returned_light.h"
 #include "dsp/fusion/unwrap/period_maps.h"
-#include "dsp/fusion/unwrap/returned_light.h"
 #include "dsp/pmd/interval/fill_intervals.h"
 
 namespace stof::dsp {

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -46,11 +46,6 @@ struct IntervalLimits {
 using IntervalKernel = void(const IntervalRows& rows, const IntervalLimits& limits,
                             std::span<std::uint8_t> flags, std::span<QuarterMm> low,
                             std::span<QuarterMm> high) noexcept;
-namespace ref {
-IntervalKernel interval;
-}
-namespace neon {
-IntervalKernel interval;
-}
+STOF_KERNEL(IntervalKernel, interval, kNeon)
 
 }  // namespace stof::dsp

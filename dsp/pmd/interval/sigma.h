@@ -6,7 +6,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -48,23 +48,8 @@ using CurveSigmaKernel = void(std::span<const QuarterMm> distance, const SigmaCu
 using CombineSigmaKernel = void(std::span<const QuarterMm> other,
                                 std::span<QuarterMm> sigma) noexcept;
 
-namespace ref {
-SigmaAndRatioKernel sigma_and_ratio;
-CurveSigmaKernel curve_sigma;
-CombineSigmaKernel combine_sigma;
-}  // namespace ref
-namespace neon {
-SigmaAndRatioKernel sigma_and_ratio;
-CurveSigmaKernel curve_sigma;
-CombineSigmaKernel combine_sigma;
-}  // namespace neon
-namespace avx2 {
-SigmaAndRatioKernel sigma_and_ratio;
-CombineSigmaKernel combine_sigma;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<SigmaAndRatioKernel> sigma_and_ratio{STOF_VARIANTS(sigma_and_ratio)};
-inline constexpr Kernel<CombineSigmaKernel> combine_sigma{STOF_VARIANTS(combine_sigma)};
-}  // namespace best
+STOF_KERNEL(SigmaAndRatioKernel, sigma_and_ratio, kAvx2)
+STOF_KERNEL(CurveSigmaKernel, curve_sigma, kNeon)
+STOF_KERNEL(CombineSigmaKernel, combine_sigma, kAvx2)
 
 }  // namespace stof::dsp

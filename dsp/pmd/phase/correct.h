@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/calib/pmd_sensor.h"
 
 namespace stof::dsp {
@@ -38,11 +38,6 @@ using CorrectPhaseKernel = void(std::span<const Phase> phase,
                                 std::span<const std::int16_t> fixed_pattern,
                                 const PhaseCorrection& correction,
                                 std::span<Phase> corrected) noexcept;
-namespace ref {
-CorrectPhaseKernel correct_phase;
-}
-namespace neon {
-CorrectPhaseKernel correct_phase;
-}
+STOF_KERNEL(CorrectPhaseKernel, correct_phase, kNeon)
 
 }  // namespace stof::dsp

@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -32,11 +33,10 @@ inline constexpr std::uint16_t kUnchangedQ8 = 256;
 using MergeExposuresKernel = void(const ExposureRow& shorter, std::uint8_t index,
                                   std::uint16_t gain_q8, const ExposureRow& merged,
                                   std::span<std::uint8_t> taken) noexcept;
-namespace ref {
-MergeExposuresKernel merge_exposures;
-}
-namespace neon {
-MergeExposuresKernel merge_exposures;
-}
+STOF_KERNEL(MergeExposuresKernel, merge_exposures, kNeon)
+
+// Lengths as above, n of taken.
+void check_merge_exposures(const ExposureRow& shorter, const ExposureRow& merged,
+                           std::size_t n) noexcept;
 
 }  // namespace stof::dsp

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 
-#include "dsp/base/check.h"
 #include "dsp/base/simd.h"
 #include "dsp/pmd/pmd_maps.h"
 
@@ -40,14 +39,7 @@ ExposureRow from(const ExposureRow& row, std::size_t x) noexcept {
 void merge_exposures(const ExposureRow& shorter, std::uint8_t index, std::uint16_t gain_q8,
                      const ExposureRow& merged, std::span<std::uint8_t> taken) noexcept {
   const std::size_t n = taken.size();
-  for (const ExposureRow* row : {&shorter, &merged}) {
-    STOF_CHECK(row->phase.size() == n && row->amp2.size() == n && row->offset.size() == n);
-    STOF_CHECK(row->flags.size() == n);
-  }
-  STOF_CHECK(shorter.ratio.size() == merged.ratio.size());
-  STOF_CHECK(shorter.ratio.empty() || shorter.ratio.size() == n);
-  STOF_CHECK(shorter.sigma.size() == merged.sigma.size());
-  STOF_CHECK(shorter.sigma.empty() || shorter.sigma.size() == n);
+  check_merge_exposures(shorter, merged, n);
   std::size_t x = 0;
   for (; x + kLanes <= n; x += kLanes) {
     const uint8x8_t saturated = vtst_u8(vld1_u8(merged.flags.data() + x), vdup_n_u8(kPmdSaturated));

@@ -6,7 +6,21 @@
 #include "dsp/base/check.h"
 #include "dsp/pmd/pmd_maps.h"
 
-namespace stof::dsp::ref {
+namespace stof::dsp {
+
+void check_merge_exposures(const ExposureRow& shorter, const ExposureRow& merged,
+                           std::size_t n) noexcept {
+  for (const ExposureRow* row : {&shorter, &merged}) {
+    STOF_CHECK(row->phase.size() == n && row->amp2.size() == n && row->offset.size() == n);
+    STOF_CHECK(row->flags.size() == n);
+  }
+  STOF_CHECK(shorter.ratio.size() == merged.ratio.size());
+  STOF_CHECK(shorter.ratio.empty() || shorter.ratio.size() == n);
+  STOF_CHECK(shorter.sigma.size() == merged.sigma.size());
+  STOF_CHECK(shorter.sigma.empty() || shorter.sigma.size() == n);
+}
+
+namespace ref {
 namespace {
 
 constexpr int kGainBits = 8;
@@ -21,14 +35,7 @@ std::uint16_t brighter(std::uint16_t value, std::uint32_t gain_q8) noexcept {
 void merge_exposures(const ExposureRow& shorter, std::uint8_t index, std::uint16_t gain_q8,
                      const ExposureRow& merged, std::span<std::uint8_t> taken) noexcept {
   const std::size_t n = taken.size();
-  for (const ExposureRow* row : {&shorter, &merged}) {
-    STOF_CHECK(row->phase.size() == n && row->amp2.size() == n && row->offset.size() == n);
-    STOF_CHECK(row->flags.size() == n);
-  }
-  STOF_CHECK(shorter.ratio.size() == merged.ratio.size());
-  STOF_CHECK(shorter.ratio.empty() || shorter.ratio.size() == n);
-  STOF_CHECK(shorter.sigma.size() == merged.sigma.size());
-  STOF_CHECK(shorter.sigma.empty() || shorter.sigma.size() == n);
+  check_merge_exposures(shorter, merged, n);
   for (std::size_t x = 0; x < n; ++x) {
     if ((merged.flags[x] & kPmdSaturated) == 0) {
       continue;
@@ -47,4 +54,5 @@ void merge_exposures(const ExposureRow& shorter, std::uint8_t index, std::uint16
   }
 }
 
-}  // namespace stof::dsp::ref
+}  // namespace ref
+}  // namespace stof::dsp

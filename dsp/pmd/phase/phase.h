@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -56,17 +56,6 @@ using PhaseKernel = void(const SampleRows& samples, const PhaseLimits& limits,
 inline constexpr std::array<std::int16_t, 6> kArcTangentQ16{17907,  -27784, 16297,
                                                             -10050, 4729,   -1100};
 
-namespace ref {
-PhaseKernel phase;
-}
-namespace neon {
-PhaseKernel phase;
-}
-namespace avx2 {
-PhaseKernel phase;
-}
-namespace best {
-inline constexpr Kernel<PhaseKernel> phase{STOF_VARIANTS(phase)};
-}
+STOF_KERNEL(PhaseKernel, phase, kAvx2)
 
 }  // namespace stof::dsp

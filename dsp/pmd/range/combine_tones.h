@@ -1,10 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -46,11 +47,10 @@ using CombineTonesKernel = void(const ToneReadings& first, const ToneReadings& s
                                 const TonePair& pair, std::span<const std::uint8_t> other_flags,
                                 std::span<std::uint8_t> flags,
                                 std::span<std::uint32_t> distance) noexcept;
-namespace ref {
-CombineTonesKernel combine_tones;
-}
-namespace neon {
-CombineTonesKernel combine_tones;
-}
+STOF_KERNEL(CombineTonesKernel, combine_tones, kNeon)
+
+// Readings of equal lengths, `count`, and a pair as above.
+void check_combine_tones(const ToneReadings& first, const ToneReadings& second,
+                         const TonePair& pair, std::size_t count) noexcept;
 
 }  // namespace stof::dsp

@@ -119,12 +119,8 @@ void combine_tones(const ToneReadings& first, const ToneReadings& second, const 
                    std::span<const std::uint8_t> other_flags, std::span<std::uint8_t> flags,
                    std::span<std::uint32_t> distance) noexcept {
   const std::size_t count = distance.size();
-  STOF_CHECK(first.phase.size() == count && second.phase.size() == count);
-  STOF_CHECK(first.amp2.size() == count && second.amp2.size() == count);
-  STOF_CHECK(first.sigma.size() == second.sigma.size());
-  STOF_CHECK(first.sigma.empty() || first.sigma.size() == count);
+  check_combine_tones(first, second, pair, count);
   STOF_CHECK(other_flags.size() == count && flags.size() == count);
-  STOF_CHECK(pair.n >= 1 && pair.n < pair.m && pair.m <= kMostTurns && pair.inverse < pair.m);
   const Lanes lanes = lanes_of(pair);
   const uint16x8_t missing_bits = vdupq_n_u16(kPmdMissing);
   std::size_t x = 0;

@@ -7,7 +7,18 @@
 #include "dsp/base/check.h"
 #include "dsp/pmd/pmd_maps.h"
 
-namespace stof::dsp::ref {
+namespace stof::dsp {
+
+void check_combine_tones(const ToneReadings& first, const ToneReadings& second,
+                         const TonePair& pair, std::size_t count) noexcept {
+  STOF_CHECK(first.phase.size() == count && second.phase.size() == count);
+  STOF_CHECK(first.amp2.size() == count && second.amp2.size() == count);
+  STOF_CHECK(first.sigma.size() == second.sigma.size());
+  STOF_CHECK(first.sigma.empty() || first.sigma.size() == count);
+  STOF_CHECK(pair.n >= 1 && pair.n < pair.m && pair.m <= kMostTurns && pair.inverse < pair.m);
+}
+
+namespace ref {
 namespace {
 
 constexpr int kTurn = 65536;
@@ -56,12 +67,8 @@ void combine_tones(const ToneReadings& first, const ToneReadings& second, const 
                    std::span<const std::uint8_t> other_flags, std::span<std::uint8_t> flags,
                    std::span<std::uint32_t> distance) noexcept {
   const std::size_t count = distance.size();
-  STOF_CHECK(first.phase.size() == count && second.phase.size() == count);
-  STOF_CHECK(first.amp2.size() == count && second.amp2.size() == count);
-  STOF_CHECK(first.sigma.size() == second.sigma.size());
-  STOF_CHECK(first.sigma.empty() || first.sigma.size() == count);
+  check_combine_tones(first, second, pair, count);
   STOF_CHECK(other_flags.size() == count && flags.size() == count);
-  STOF_CHECK(pair.n >= 1 && pair.n < pair.m && pair.m <= kMostTurns && pair.inverse < pair.m);
   const int m = static_cast<int>(pair.m);
   const int n = static_cast<int>(pair.n);
   const int range = m * kTurn * kParts;
@@ -81,4 +88,5 @@ void combine_tones(const ToneReadings& first, const ToneReadings& second, const 
   }
 }
 
-}  // namespace stof::dsp::ref
+}  // namespace ref
+}  // namespace stof::dsp

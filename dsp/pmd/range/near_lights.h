@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -34,11 +34,6 @@ struct NearRow {
 // worth nothing far below what they were made for. Equal lengths, any length, any alignment.
 using NearLightsKernel = void(const NearRow& table, std::uint32_t shortest,
                               std::span<std::uint32_t> distance) noexcept;
-namespace ref {
-NearLightsKernel near_lights;
-}
-namespace neon {
-NearLightsKernel near_lights;
-}
+STOF_KERNEL(NearLightsKernel, near_lights, kNeon)
 
 }  // namespace stof::dsp

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -40,13 +40,7 @@ constexpr bool usable(const StraightLine& line) noexcept {
 using StraightLineKernel = void(const StraightLine& line,
                                 std::span<std::uint32_t> distance) noexcept;
 
-namespace ref {
-RangeKernel range;
-StraightLineKernel straight_line;
-}  // namespace ref
-namespace neon {
-RangeKernel range;
-StraightLineKernel straight_line;
-}  // namespace neon
+STOF_KERNEL(RangeKernel, range, kNeon)
+STOF_KERNEL(StraightLineKernel, straight_line, kNeon)
 
 }  // namespace stof::dsp

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -21,11 +21,6 @@ inline constexpr std::uint32_t kTenthMmQ30 = 429'496'730;  // 0.4
 using ToQuarterMmKernel = void(std::span<std::uint32_t> reading, std::uint32_t unit_q30,
                                std::span<std::uint8_t> flags, std::span<QuarterMm> distance,
                                std::span<QuarterMm> sigma) noexcept;
-namespace ref {
-ToQuarterMmKernel to_quarter_mm;
-}
-namespace neon {
-ToQuarterMmKernel to_quarter_mm;
-}
+STOF_KERNEL(ToQuarterMmKernel, to_quarter_mm, kNeon)
 
 }  // namespace stof::dsp

@@ -6,6 +6,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
+#include "dsp/base/kernel.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/check/window_sums.h"
 #include "dsp/stereo/search/winner.h"
@@ -43,26 +44,8 @@ using DistinctMargins = void(std::span<const Sum> costs, int lanes,
                              std::span<const std::int16_t> winners, int percent, int shift,
                              std::span<std::int16_t> margins) noexcept;
 
-namespace ref {
-DistinctMargins<std::uint8_t> distinct_margins;
-DistinctMargins<std::uint16_t> distinct_margins;
-DistinctMargins<std::uint32_t> distinct_margins;
-}  // namespace ref
-namespace neon {
-DistinctMargins<std::uint8_t> distinct_margins;
-DistinctMargins<std::uint16_t> distinct_margins;
-DistinctMargins<std::uint32_t> distinct_margins;
-}  // namespace neon
-namespace avx2 {
-DistinctMargins<std::uint8_t> distinct_margins;
-DistinctMargins<std::uint16_t> distinct_margins;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<DistinctMargins<std::uint8_t>, DistinctMargins<std::uint16_t>,
-                        DistinctMargins<std::uint32_t>>
-    distinct_margins{STOF_VARIANTS(distinct_margins), STOF_VARIANTS(distinct_margins),
-                     STOF_PORTABLE(distinct_margins)};
-}  // namespace best
+STOF_KERNELS(DistinctMargins, distinct_margins, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
+             Neon<std::uint32_t>)
 
 // Drops the disparities of `rows` where the margins of the surroundings sum to 0 or less.
 // Only `rows` of disparities are written; any split gives the same. window: scratch.

@@ -76,9 +76,15 @@ void find_margins_of(std::span<const Sum> costs, std::size_t lanes,
   }
 }
 
+}  // namespace
+
 template <typename Sum>
-void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-                  int percent, int shift, std::span<std::int16_t> margins) noexcept {
+void distinct_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                      int percent, int shift, std::span<std::int16_t> margins) noexcept {
+  if (lanes % kLanesOf<Sum> != 0) {
+    neon::distinct_margins(costs, lanes, winners, percent, shift, margins);
+    return;
+  }
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = winners.size();
   STOF_CHECK(lanes > 0 && lanes <= 256 && shift >= 0 && shift <= 30 && costs.size() == n * count &&
@@ -91,22 +97,7 @@ void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::in
   damage(margins);
 }
 
-}  // namespace
-
-void distinct_margins(std::span<const std::uint8_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  if (lanes % 32 != 0) {
-    neon::distinct_margins(costs, lanes, winners, percent, shift, margins);
-    return;
-  }
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
-
-void distinct_margins(std::span<const std::uint16_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
+template DistinctMargins<std::uint8_t> distinct_margins<std::uint8_t>;
+template DistinctMargins<std::uint16_t> distinct_margins<std::uint16_t>;
 
 }  // namespace stof::dsp::avx2

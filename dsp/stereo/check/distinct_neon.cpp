@@ -77,9 +77,11 @@ void store_margins(const std::array<std::int64_t, 8>& leads, int shift,
   store_margins(clipped, 0, out);
 }
 
+}  // namespace
+
 template <typename Sum>
-void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-                  int percent, int shift, std::span<std::int16_t> margins) noexcept {
+void distinct_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                      int percent, int shift, std::span<std::int16_t> margins) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = winners.size();
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 && shift >= 0 &&
@@ -100,22 +102,8 @@ void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::in
                         margins.subspan(x));
 }
 
-}  // namespace
-
-void distinct_margins(std::span<const std::uint8_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
-void distinct_margins(std::span<const std::uint16_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
-void distinct_margins(std::span<const std::uint32_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
+template DistinctMargins<std::uint8_t> distinct_margins<std::uint8_t>;
+template DistinctMargins<std::uint16_t> distinct_margins<std::uint16_t>;
+template DistinctMargins<std::uint32_t> distinct_margins<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

@@ -27,9 +27,11 @@ std::int16_t margin(std::span<const Sum> costs, std::int16_t winner, int percent
       std::clamp<std::int64_t>(lead >> shift, -32767, 32767));  // floor, as a vector shift does
 }
 
+}  // namespace
+
 template <typename Sum>
-void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-                  int percent, int shift, std::span<std::int16_t> margins) noexcept {
+void distinct_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                      int percent, int shift, std::span<std::int16_t> margins) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 && shift >= 0 &&
              shift <= 30 && costs.size() == winners.size() * count &&
@@ -39,22 +41,8 @@ void find_margins(std::span<const Sum> costs, int lanes, std::span<const std::in
   }
 }
 
-}  // namespace
-
-void distinct_margins(std::span<const std::uint8_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
-void distinct_margins(std::span<const std::uint16_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
-void distinct_margins(std::span<const std::uint32_t> costs, int lanes,
-                      std::span<const std::int16_t> winners, int percent, int shift,
-                      std::span<std::int16_t> margins) noexcept {
-  find_margins(costs, lanes, winners, percent, shift, margins);
-}
+template DistinctMargins<std::uint8_t> distinct_margins<std::uint8_t>;
+template DistinctMargins<std::uint16_t> distinct_margins<std::uint16_t>;
+template DistinctMargins<std::uint32_t> distinct_margins<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

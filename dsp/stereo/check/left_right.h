@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -13,11 +13,6 @@ namespace stof::dsp {
 // right_winners has at least n - 1 + i + 1 elements for every winner i.
 using LeftRightCheck = void(std::span<const std::int16_t> right_winners, int tolerance,
                             std::span<std::int16_t> winners) noexcept;
-namespace ref {
-LeftRightCheck left_right_check;
-}
-namespace neon {
-LeftRightCheck left_right_check;
-}
+STOF_KERNEL(LeftRightCheck, left_right_check, kNeon)
 
 }  // namespace stof::dsp

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -18,23 +18,6 @@ template <typename Sum>
 using PeakRatio = void(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
                        std::span<std::uint8_t> ratio) noexcept;
 
-namespace ref {
-PeakRatio<std::uint8_t> peak_ratio;
-PeakRatio<std::uint16_t> peak_ratio;
-PeakRatio<std::uint32_t> peak_ratio;
-}  // namespace ref
-namespace neon {
-PeakRatio<std::uint8_t> peak_ratio;
-PeakRatio<std::uint16_t> peak_ratio;
-PeakRatio<std::uint32_t> peak_ratio;
-}  // namespace neon
-namespace avx2 {
-PeakRatio<std::uint8_t> peak_ratio;
-PeakRatio<std::uint16_t> peak_ratio;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<PeakRatio<std::uint8_t>, PeakRatio<std::uint16_t>, PeakRatio<std::uint32_t>>
-    peak_ratio{STOF_VARIANTS(peak_ratio), STOF_VARIANTS(peak_ratio), STOF_PORTABLE(peak_ratio)};
-}  // namespace best
+STOF_KERNELS(PeakRatio, peak_ratio, Avx2<std::uint8_t>, Avx2<std::uint16_t>, Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

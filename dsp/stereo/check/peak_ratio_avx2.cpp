@@ -42,9 +42,16 @@ i32x8 quotient(i32x8 cost, i32x8 rival) noexcept {
   return cost >= rival ? all(std::int32_t{255}) : as<i32x8>(_mm256_cvttps_epi32(ratio));
 }
 
-template <typename V, typename Sum>
-void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-            std::span<std::uint8_t> ratio) noexcept {
+}  // namespace
+
+template <typename Sum>
+void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                std::span<std::uint8_t> ratio) noexcept {
+  if (lanes % kLanesOf<Sum> != 0) {
+    neon::peak_ratio(costs, lanes, winners, ratio);
+    return;
+  }
+  using V = typename VectorOf<Sum>::type;
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes > 0 && lanes <= 256 && costs.size() == winners.size() * count &&
              ratio.size() == winners.size());
@@ -70,20 +77,7 @@ void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t>
   neon::peak_ratio(costs.subspan(x * count), lanes, winners.subspan(x), ratio.subspan(x));
 }
 
-}  // namespace
-
-void peak_ratio(std::span<const std::uint8_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  if (lanes % 32 != 0) {
-    neon::peak_ratio(costs, lanes, winners, ratio);
-    return;
-  }
-  ratios<u8x32>(costs, lanes, winners, ratio);
-}
-
-void peak_ratio(std::span<const std::uint16_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios<u16x16>(costs, lanes, winners, ratio);
-}
+template PeakRatio<std::uint8_t> peak_ratio<std::uint8_t>;
+template PeakRatio<std::uint16_t> peak_ratio<std::uint16_t>;
 
 }  // namespace stof::dsp::avx2

@@ -62,9 +62,11 @@ uint32x4_t quotient(uint32x4_t cost, uint32x4_t rival) noexcept {
   return vbslq_u32(vcgeq_u32(cost, rival), vdupq_n_u32(255), ratio);
 }
 
+}  // namespace
+
 template <typename Sum>
-void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-            std::span<std::uint8_t> ratio) noexcept {
+void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                std::span<std::uint8_t> ratio) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
              costs.size() == winners.size() * count && ratio.size() == winners.size());
@@ -93,19 +95,8 @@ void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t>
   ref::peak_ratio(costs.subspan(x * count), lanes, winners.subspan(x), ratio.subspan(x));
 }
 
-}  // namespace
-
-void peak_ratio(std::span<const std::uint8_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios(costs, lanes, winners, ratio);
-}
-void peak_ratio(std::span<const std::uint16_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios(costs, lanes, winners, ratio);
-}
-void peak_ratio(std::span<const std::uint32_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios(costs, lanes, winners, ratio);
-}
+template PeakRatio<std::uint8_t> peak_ratio<std::uint8_t>;
+template PeakRatio<std::uint16_t> peak_ratio<std::uint16_t>;
+template PeakRatio<std::uint32_t> peak_ratio<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

@@ -26,9 +26,11 @@ std::uint8_t ratio_of(std::span<const Sum> costs, int winner) noexcept {
   return static_cast<std::uint8_t>(255.0F * static_cast<float>(cost) / static_cast<float>(rival));
 }
 
+}  // namespace
+
 template <typename Sum>
-void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
-            std::span<std::uint8_t> ratio) noexcept {
+void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                std::span<std::uint8_t> ratio) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
              costs.size() == winners.size() * count && ratio.size() == winners.size());
@@ -38,19 +40,8 @@ void ratios(std::span<const Sum> costs, int lanes, std::span<const std::int16_t>
   }
 }
 
-}  // namespace
-
-void peak_ratio(std::span<const std::uint8_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios(costs, lanes, winners, ratio);
-}
-void peak_ratio(std::span<const std::uint16_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios(costs, lanes, winners, ratio);
-}
-void peak_ratio(std::span<const std::uint32_t> costs, int lanes,
-                std::span<const std::int16_t> winners, std::span<std::uint8_t> ratio) noexcept {
-  ratios(costs, lanes, winners, ratio);
-}
+template PeakRatio<std::uint8_t> peak_ratio<std::uint8_t>;
+template PeakRatio<std::uint16_t> peak_ratio<std::uint16_t>;
+template PeakRatio<std::uint32_t> peak_ratio<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

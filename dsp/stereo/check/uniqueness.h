@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
@@ -16,14 +16,7 @@ template <typename Sum>
 using UniquenessCheck = void(std::span<const Sum> costs, int lanes, int percent,
                              std::span<std::int16_t> winners) noexcept;
 
-namespace ref {
-UniquenessCheck<std::uint16_t> uniqueness_check;
-UniquenessCheck<std::uint32_t> uniqueness_check;
-}  // namespace ref
-namespace neon {
-UniquenessCheck<std::uint16_t> uniqueness_check;
-UniquenessCheck<std::uint32_t> uniqueness_check;
-}  // namespace neon
+STOF_KERNELS(UniquenessCheck, uniqueness_check, Neon<std::uint16_t>, Neon<std::uint32_t>)
 
 // Every rival must cost at least this: max(c + 1, ceil(c (100 + percent) / 100)), at most kNoCost.
 template <typename Sum>

@@ -19,9 +19,11 @@ bool unique(std::span<const Sum> costs, int winner, int percent) noexcept {
   return true;
 }
 
+}  // namespace
+
 template <typename Sum>
-void check_row(std::span<const Sum> costs, int lanes, int percent,
-               std::span<std::int16_t> winners) noexcept {
+void uniqueness_check(std::span<const Sum> costs, int lanes, int percent,
+                      std::span<std::int16_t> winners) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 && percent >= 0 &&
              percent <= 1000 && costs.size() == winners.size() * count);
@@ -37,15 +39,7 @@ void check_row(std::span<const Sum> costs, int lanes, int percent,
   }
 }
 
-}  // namespace
-
-void uniqueness_check(std::span<const std::uint16_t> costs, int lanes, int percent,
-                      std::span<std::int16_t> winners) noexcept {
-  check_row(costs, lanes, percent, winners);
-}
-void uniqueness_check(std::span<const std::uint32_t> costs, int lanes, int percent,
-                      std::span<std::int16_t> winners) noexcept {
-  check_row(costs, lanes, percent, winners);
-}
+template UniquenessCheck<std::uint16_t> uniqueness_check<std::uint16_t>;
+template UniquenessCheck<std::uint32_t> uniqueness_check<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

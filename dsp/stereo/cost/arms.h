@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // How far the surroundings of a pixel look like the pixel itself: the arms of its cross.
 // Source: Zhang, Lu & Lafruit 2009, with the thresholds of their section III-A as parameters.
@@ -28,22 +28,8 @@ using ArmsAcross = void(std::span<const std::uint8_t> row,
                         std::span<const std::uint8_t* const> others, const ArmParams& params,
                         std::span<std::uint8_t> arms) noexcept;
 
-namespace ref {
-ArmsAlong arms_along;
-ArmsAcross arms_across;
-}  // namespace ref
-namespace neon {
-ArmsAlong arms_along;
-ArmsAcross arms_across;
-}  // namespace neon
-namespace avx2 {
-ArmsAlong arms_along;
-ArmsAcross arms_across;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<ArmsAlong> arms_along{STOF_VARIANTS(arms_along)};
-inline constexpr Kernel<ArmsAcross> arms_across{STOF_VARIANTS(arms_across)};
-}  // namespace best
+STOF_KERNEL(ArmsAlong, arms_along, kAvx2)
+STOF_KERNEL(ArmsAcross, arms_across, kAvx2)
 
 // The columns [begin, end) of arms_along(), for vector variants.
 void arms_along_columns(std::span<const std::uint8_t> row, const ArmParams& params,

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // Census descriptors of one row: a bit for every neighbour in a window, set where the neighbour is
 // darker than the centre. Borders replicate. Source: Zabih & Woodfill 1994.
@@ -31,21 +31,7 @@ template <std::size_t kRows>
 using Census = void(std::span<const std::span<const std::uint8_t>, kRows> rows,
                     std::span<std::uint8_t> planes) noexcept;
 
-namespace ref {
-Census<5> census_5x5;
-Census<7> census_9x7;
-}  // namespace ref
-namespace neon {
-Census<5> census_5x5;
-Census<7> census_9x7;
-}  // namespace neon
-namespace avx2 {
-Census<5> census_5x5;
-Census<7> census_9x7;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<Census<5>> census_5x5{STOF_VARIANTS(census_5x5)};
-inline constexpr Kernel<Census<7>> census_9x7{STOF_VARIANTS(census_9x7)};
-}  // namespace best
+STOF_KERNEL(Census<5>, census_5x5, kAvx2)
+STOF_KERNEL(Census<7>, census_9x7, kAvx2)
 
 }  // namespace stof::dsp

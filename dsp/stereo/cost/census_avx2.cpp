@@ -1,12 +1,11 @@
 #include "dsp/stereo/cost/census.h"
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <utility>
 
 #include "dsp/base/avx2.h"
-#include "dsp/base/check.h"
+#include "dsp/stereo/cost/census_body.h"
 
 namespace stof::dsp::avx2 {
 namespace {
@@ -24,6 +23,7 @@ i8x32 load_signed(const std::uint8_t* p) noexcept {
 template <std::size_t kWidth, std::size_t kHeight>
 class Describer {
  public:
+  static constexpr std::size_t kColumns = avx2::kColumns;
   static constexpr int kBits = kWidth * kHeight - 1;
   static constexpr std::size_t kPlanes = planes_of(kBits);
   using Rows = std::array<const std::uint8_t*, kHeight>;
@@ -59,46 +59,6 @@ class Describer {
   }
 };
 
-// out[k] = row[x + k - before], the nearest column where there is none.
-void copy_clamped(std::span<const std::uint8_t> row, std::size_t x, std::size_t before,
-                  std::span<std::uint8_t> out) noexcept {
-  const std::size_t missing = before - std::min(x, before);
-  const std::size_t from = x + missing - before;
-  const std::size_t count = std::min(out.size() - missing, row.size() - from);
-  std::ranges::fill(out.first(missing), row.front());
-  std::ranges::copy(row.subspan(from, count), out.subspan(missing).begin());
-  std::ranges::fill(out.subspan(missing + count), row.back());
-}
-
-// Rows of at least kColumns.
-template <std::size_t kWidth, std::size_t kHeight>
-void census(std::span<const std::span<const std::uint8_t>, kHeight> rows,
-            std::span<std::uint8_t> planes) noexcept {
-  using Columns = Describer<kWidth, kHeight>;
-  constexpr std::size_t kReach = kWidth / 2;
-  const std::size_t n = rows[0].size();
-  for (const std::span<const std::uint8_t> row : rows) {
-    STOF_CHECK(row.size() == n);
-  }
-  STOF_CHECK(planes.size() == Columns::kPlanes * n);
-  typename Columns::Rows at;
-  std::array<std::array<std::uint8_t, kColumns + 2 * kReach>, kHeight> padded;
-  for (std::size_t next = 0; next < n; next += kColumns) {
-    // The last vector repeats columns of the one before rather than ending outside.
-    const std::size_t x = std::min(next, n - kColumns);
-    const bool inside = x >= kReach && x + kColumns + kReach <= n;
-    for (std::size_t r = 0; r < kHeight; ++r) {
-      if (inside) {
-        at[r] = rows[r].data() + x;
-      } else {
-        copy_clamped(rows[r], x, kReach, padded[r]);
-        at[r] = padded[r].data() + kReach;
-      }
-    }
-    Columns::describe(at, planes.data() + x, n);
-  }
-}
-
 }  // namespace
 
 void census_5x5(std::span<const std::span<const std::uint8_t>, 5> rows,
@@ -107,7 +67,7 @@ void census_5x5(std::span<const std::span<const std::uint8_t>, 5> rows,
     neon::census_5x5(rows, planes);
     return;
   }
-  census<5, 5>(rows, planes);
+  census_body::census<Describer, 5, 5>(rows, planes);
 }
 void census_9x7(std::span<const std::span<const std::uint8_t>, 7> rows,
                 std::span<std::uint8_t> planes) noexcept {
@@ -115,7 +75,7 @@ void census_9x7(std::span<const std::span<const std::uint8_t>, 7> rows,
     neon::census_9x7(rows, planes);
     return;
   }
-  census<9, 7>(rows, planes);
+  census_body::census<Describer, 9, 7>(rows, planes);
 }
 
 }  // namespace stof::dsp::avx2

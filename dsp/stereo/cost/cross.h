@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // Mean cost over a cross-shaped region: for each pixel the rows of its vertical arms, each as far
 // as that row's own horizontal arms reach. Three running sums make the work independent of the
@@ -37,25 +37,8 @@ struct CrossEnds {
 using CrossMeans = void(std::span<const CrossEnds> ends, int lanes,
                         std::span<std::uint8_t> means) noexcept;
 
-namespace ref {
-SumAlong sum_along;
-SumDown sum_down;
-CrossMeans cross_means;
-}  // namespace ref
-namespace neon {
-SumAlong sum_along;
-SumDown sum_down;
-CrossMeans cross_means;
-}  // namespace neon
-namespace avx2 {
-SumAlong sum_along;
-SumDown sum_down;
-CrossMeans cross_means;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<SumAlong> sum_along{STOF_VARIANTS(sum_along)};
-inline constexpr Kernel<SumDown> sum_down{STOF_VARIANTS(sum_down)};
-inline constexpr Kernel<CrossMeans> cross_means{STOF_VARIANTS(cross_means)};
-}  // namespace best
+STOF_KERNEL(SumAlong, sum_along, kAvx2)
+STOF_KERNEL(SumDown, sum_down, kAvx2)
+STOF_KERNEL(CrossMeans, cross_means, kAvx2)
 
 }  // namespace stof::dsp

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/sad.h"
 
@@ -16,17 +16,6 @@ namespace stof::dsp {
 // is planes x (n + lanes - 1). n at least 1, any alignment, costs overlap nothing.
 using HammingCosts = void(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
                           int bits, int lanes, std::span<std::uint8_t> costs) noexcept;
-namespace ref {
-HammingCosts hamming_costs;
-}
-namespace neon {
-HammingCosts hamming_costs;
-}
-namespace avx2 {
-HammingCosts hamming_costs;
-}
-namespace best {
-inline constexpr Kernel<HammingCosts> hamming_costs{STOF_VARIANTS(hamming_costs)};
-}
+STOF_KERNEL(HammingCosts, hamming_costs, kAvx2)
 
 }  // namespace stof::dsp

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/image.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/sad.h"
 
 namespace stof::dsp {
@@ -32,16 +32,7 @@ using Guide = ImageView<const Candidates>;
 template <typename Sum>
 using MaskCosts = void(std::span<const Sum> costs, GuideRow guide, int lanes,
                        std::span<Sum> out) noexcept;
-namespace ref {
-MaskCosts<std::uint8_t> mask_costs;
-MaskCosts<std::uint16_t> mask_costs;
-MaskCosts<std::uint32_t> mask_costs;
-}  // namespace ref
-namespace neon {
-MaskCosts<std::uint8_t> mask_costs;
-MaskCosts<std::uint16_t> mask_costs;
-MaskCosts<std::uint32_t> mask_costs;
-}  // namespace neon
+STOF_KERNELS(MaskCosts, mask_costs, Neon<std::uint8_t>, Neon<std::uint16_t>, Neon<std::uint32_t>)
 
 // Whether the guide leaves out any of so many candidates; an empty one does not.
 bool narrows(GuideRow guide, int candidates) noexcept;

@@ -36,8 +36,11 @@ void mask_pixel(const Sum* costs, int first, int last, std::size_t lanes, Sum* o
   }
 }
 
+}  // namespace
+
 template <typename Sum>
-void mask(std::span<const Sum> costs, GuideRow guide, int lanes, std::span<Sum> out) noexcept {
+void mask_costs(std::span<const Sum> costs, GuideRow guide, int lanes,
+                std::span<Sum> out) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
              costs.size() == guide.size() * count && out.size() == costs.size());
@@ -53,19 +56,8 @@ void mask(std::span<const Sum> costs, GuideRow guide, int lanes, std::span<Sum> 
   }
 }
 
-}  // namespace
-
-void mask_costs(std::span<const std::uint8_t> costs, GuideRow guide, int lanes,
-                std::span<std::uint8_t> out) noexcept {
-  mask(costs, guide, lanes, out);
-}
-void mask_costs(std::span<const std::uint16_t> costs, GuideRow guide, int lanes,
-                std::span<std::uint16_t> out) noexcept {
-  mask(costs, guide, lanes, out);
-}
-void mask_costs(std::span<const std::uint32_t> costs, GuideRow guide, int lanes,
-                std::span<std::uint32_t> out) noexcept {
-  mask(costs, guide, lanes, out);
-}
+template MaskCosts<std::uint8_t> mask_costs<std::uint8_t>;
+template MaskCosts<std::uint16_t> mask_costs<std::uint16_t>;
+template MaskCosts<std::uint32_t> mask_costs<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

@@ -22,10 +22,10 @@ void keep_guided(GuideRow guide, std::span<std::int16_t> winners) noexcept {
 }
 
 namespace ref {
-namespace {
 
 template <typename Sum>
-void mask(std::span<const Sum> costs, GuideRow guide, int lanes, std::span<Sum> out) noexcept {
+void mask_costs(std::span<const Sum> costs, GuideRow guide, int lanes,
+                std::span<Sum> out) noexcept {
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
              costs.size() == guide.size() * static_cast<std::size_t>(lanes) &&
              out.size() == costs.size());
@@ -37,20 +37,9 @@ void mask(std::span<const Sum> costs, GuideRow guide, int lanes, std::span<Sum> 
   }
 }
 
-}  // namespace
-
-void mask_costs(std::span<const std::uint8_t> costs, GuideRow guide, int lanes,
-                std::span<std::uint8_t> out) noexcept {
-  mask(costs, guide, lanes, out);
-}
-void mask_costs(std::span<const std::uint16_t> costs, GuideRow guide, int lanes,
-                std::span<std::uint16_t> out) noexcept {
-  mask(costs, guide, lanes, out);
-}
-void mask_costs(std::span<const std::uint32_t> costs, GuideRow guide, int lanes,
-                std::span<std::uint32_t> out) noexcept {
-  mask(costs, guide, lanes, out);
-}
+template MaskCosts<std::uint8_t> mask_costs<std::uint8_t>;
+template MaskCosts<std::uint16_t> mask_costs<std::uint16_t>;
+template MaskCosts<std::uint32_t> mask_costs<std::uint32_t>;
 
 }  // namespace ref
 }  // namespace stof::dsp

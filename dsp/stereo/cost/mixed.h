@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/sad.h"
 
@@ -27,17 +27,6 @@ struct MixedRow {
 // sad.h. n at least 1, lanes a multiple of 16, any alignment, costs overlap nothing.
 using MixedCosts = void(const MixedRow& left, const MixedRow& right, int lanes,
                         std::span<std::uint8_t> costs) noexcept;
-namespace ref {
-MixedCosts mixed_costs;
-}
-namespace neon {
-MixedCosts mixed_costs;
-}
-namespace avx2 {
-MixedCosts mixed_costs;
-}
-namespace best {
-inline constexpr Kernel<MixedCosts> mixed_costs{STOF_VARIANTS(mixed_costs)};
-}
+STOF_KERNEL(MixedCosts, mixed_costs, kAvx2)
 
 }  // namespace stof::dsp

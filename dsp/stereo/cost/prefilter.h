@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -15,18 +15,7 @@ namespace stof::dsp {
 using ClippedSobel = void(std::span<const std::uint8_t> above, std::span<const std::uint8_t> here,
                           std::span<const std::uint8_t> below, int cap,
                           std::span<std::uint8_t> out) noexcept;
-namespace ref {
-ClippedSobel clipped_sobel;
-}
-namespace neon {
-ClippedSobel clipped_sobel;
-}
-namespace avx2 {
-ClippedSobel clipped_sobel;
-}
-namespace best {
-inline constexpr Kernel<ClippedSobel> clipped_sobel{STOF_VARIANTS(clipped_sobel)};
-}  // namespace best
+STOF_KERNEL(ClippedSobel, clipped_sobel, kAvx2)
 
 // The tail of a row for vector variants: columns [begin, end) as in clipped_sobel().
 void clipped_sobel_columns(std::span<const std::uint8_t> above, std::span<const std::uint8_t> here,

@@ -4,7 +4,7 @@
 #include <limits>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 // Sums of absolute differences over a w x h block, for all columns of a row and all candidates,
 // by running sums: first down the rows (column sums), then along the row (block sums). The work
@@ -50,21 +50,8 @@ template <typename Sum>
 using BlockSums = void(std::span<const Sum> columns, int block_width, int lanes,
                        std::span<Sum> costs) noexcept;
 
-namespace ref {
-AddDifferences<std::uint16_t> add_differences;
-AddDifferences<std::uint32_t> add_differences;
-SlideDifferences<std::uint16_t> slide_differences;
-SlideDifferences<std::uint32_t> slide_differences;
-BlockSums<std::uint16_t> block_sums;
-BlockSums<std::uint32_t> block_sums;
-}  // namespace ref
-namespace neon {
-AddDifferences<std::uint16_t> add_differences;
-AddDifferences<std::uint32_t> add_differences;
-SlideDifferences<std::uint16_t> slide_differences;
-SlideDifferences<std::uint32_t> slide_differences;
-BlockSums<std::uint16_t> block_sums;
-BlockSums<std::uint32_t> block_sums;
-}  // namespace neon
+STOF_KERNELS(AddDifferences, add_differences, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(SlideDifferences, slide_differences, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(BlockSums, block_sums, Neon<std::uint16_t>, Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

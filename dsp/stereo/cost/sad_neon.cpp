@@ -36,8 +36,25 @@ void sum_strip(const Sum* columns, std::size_t block_width, std::size_t lanes, S
   }
 }
 
+}  // namespace
+
 template <typename Sum>
-void sum_blocks(std::span<const Sum> columns, int block_width, int lanes,
+void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
+                     int lanes, std::span<Sum> columns) noexcept {
+  add_rows(left, right, lanes, columns, kAbsolute);
+}
+
+template <typename Sum>
+void slide_differences(std::span<const std::uint8_t> new_left,
+                       std::span<const std::uint8_t> new_right,
+                       std::span<const std::uint8_t> old_left,
+                       std::span<const std::uint8_t> old_right, int lanes,
+                       std::span<Sum> columns) noexcept {
+  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kAbsolute);
+}
+
+template <typename Sum>
+void block_sums(std::span<const Sum> columns, int block_width, int lanes,
                 std::span<Sum> costs) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t block = static_cast<std::size_t>(block_width);
@@ -57,39 +74,11 @@ void sum_blocks(std::span<const Sum> columns, int block_width, int lanes,
   }
 }
 
-}  // namespace
-
-void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
-                     int lanes, std::span<std::uint16_t> columns) noexcept {
-  add_rows(left, right, lanes, columns, kAbsolute);
-}
-void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
-                     int lanes, std::span<std::uint32_t> columns) noexcept {
-  add_rows(left, right, lanes, columns, kAbsolute);
-}
-
-void slide_differences(std::span<const std::uint8_t> new_left,
-                       std::span<const std::uint8_t> new_right,
-                       std::span<const std::uint8_t> old_left,
-                       std::span<const std::uint8_t> old_right, int lanes,
-                       std::span<std::uint16_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kAbsolute);
-}
-void slide_differences(std::span<const std::uint8_t> new_left,
-                       std::span<const std::uint8_t> new_right,
-                       std::span<const std::uint8_t> old_left,
-                       std::span<const std::uint8_t> old_right, int lanes,
-                       std::span<std::uint32_t> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kAbsolute);
-}
-
-void block_sums(std::span<const std::uint16_t> columns, int block_width, int lanes,
-                std::span<std::uint16_t> costs) noexcept {
-  sum_blocks(columns, block_width, lanes, costs);
-}
-void block_sums(std::span<const std::uint32_t> columns, int block_width, int lanes,
-                std::span<std::uint32_t> costs) noexcept {
-  sum_blocks(columns, block_width, lanes, costs);
-}
+template AddDifferences<std::uint16_t> add_differences<std::uint16_t>;
+template AddDifferences<std::uint32_t> add_differences<std::uint32_t>;
+template SlideDifferences<std::uint16_t> slide_differences<std::uint16_t>;
+template SlideDifferences<std::uint32_t> slide_differences<std::uint32_t>;
+template BlockSums<std::uint16_t> block_sums<std::uint16_t>;
+template BlockSums<std::uint32_t> block_sums<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

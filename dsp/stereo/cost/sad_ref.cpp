@@ -32,8 +32,26 @@ void add(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right
   }
 }
 
+}  // namespace
+
 template <typename Sum>
-void sum_blocks(std::span<const Sum> columns, int block_width, int lanes,
+void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
+                     int lanes, std::span<Sum> columns) noexcept {
+  add(left, right, lanes, columns, 1);
+}
+
+template <typename Sum>
+void slide_differences(std::span<const std::uint8_t> new_left,
+                       std::span<const std::uint8_t> new_right,
+                       std::span<const std::uint8_t> old_left,
+                       std::span<const std::uint8_t> old_right, int lanes,
+                       std::span<Sum> columns) noexcept {
+  add(new_left, new_right, lanes, columns, 1);
+  add(old_left, old_right, lanes, columns, -1);
+}
+
+template <typename Sum>
+void block_sums(std::span<const Sum> columns, int block_width, int lanes,
                 std::span<Sum> costs) noexcept {
   const std::size_t outputs = costs.size() / static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && block_width >= 1);
@@ -50,41 +68,11 @@ void sum_blocks(std::span<const Sum> columns, int block_width, int lanes,
   }
 }
 
-}  // namespace
-
-void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
-                     int lanes, std::span<std::uint16_t> columns) noexcept {
-  add(left, right, lanes, columns, 1);
-}
-void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
-                     int lanes, std::span<std::uint32_t> columns) noexcept {
-  add(left, right, lanes, columns, 1);
-}
-
-void slide_differences(std::span<const std::uint8_t> new_left,
-                       std::span<const std::uint8_t> new_right,
-                       std::span<const std::uint8_t> old_left,
-                       std::span<const std::uint8_t> old_right, int lanes,
-                       std::span<std::uint16_t> columns) noexcept {
-  add(new_left, new_right, lanes, columns, 1);
-  add(old_left, old_right, lanes, columns, -1);
-}
-void slide_differences(std::span<const std::uint8_t> new_left,
-                       std::span<const std::uint8_t> new_right,
-                       std::span<const std::uint8_t> old_left,
-                       std::span<const std::uint8_t> old_right, int lanes,
-                       std::span<std::uint32_t> columns) noexcept {
-  add(new_left, new_right, lanes, columns, 1);
-  add(old_left, old_right, lanes, columns, -1);
-}
-
-void block_sums(std::span<const std::uint16_t> columns, int block_width, int lanes,
-                std::span<std::uint16_t> costs) noexcept {
-  sum_blocks(columns, block_width, lanes, costs);
-}
-void block_sums(std::span<const std::uint32_t> columns, int block_width, int lanes,
-                std::span<std::uint32_t> costs) noexcept {
-  sum_blocks(columns, block_width, lanes, costs);
-}
+template AddDifferences<std::uint16_t> add_differences<std::uint16_t>;
+template AddDifferences<std::uint32_t> add_differences<std::uint32_t>;
+template SlideDifferences<std::uint16_t> slide_differences<std::uint16_t>;
+template SlideDifferences<std::uint32_t> slide_differences<std::uint32_t>;
+template BlockSums<std::uint16_t> block_sums<std::uint16_t>;
+template BlockSums<std::uint32_t> block_sums<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -13,18 +13,7 @@ namespace stof::dsp {
 // length, any alignment; out overlaps none.
 using Binomial = void(std::span<const std::uint8_t> above, std::span<const std::uint8_t> here,
                       std::span<const std::uint8_t> below, std::span<std::uint8_t> out) noexcept;
-namespace ref {
-Binomial binomial;
-}
-namespace neon {
-Binomial binomial;
-}
-namespace avx2 {
-Binomial binomial;
-}
-namespace best {
-inline constexpr Kernel<Binomial> binomial{STOF_VARIANTS(binomial)};
-}  // namespace best
+STOF_KERNEL(Binomial, binomial, kAvx2)
 
 // The tail of a row for vector variants: columns [begin, end) as in binomial().
 void binomial_columns(std::span<const std::uint8_t> above, std::span<const std::uint8_t> here,

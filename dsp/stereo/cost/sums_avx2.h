@@ -9,6 +9,10 @@
 // Reductions of costs, for *_avx2.cpp of dsp/stereo only.
 namespace stof::dsp::avx2 {
 
+// How many costs a vector holds; fewer go to NEON.
+template <typename Sum>
+inline constexpr int kLanesOf = static_cast<int>(32 / sizeof(Sum));
+
 // The smallest lane in every lane.
 static inline u8x32 lowest_everywhere(u8x32 v) noexcept {
   const __m256i all_lanes = bits(v);
@@ -27,16 +31,6 @@ static inline u16x16 lowest_everywhere(u16x16 v) noexcept {
 // A bit for each lane.
 static inline std::uint32_t mask_of(u8x32 mask) noexcept {
   return std::bit_cast<std::uint32_t>(_mm256_movemask_epi8(bits(mask)));
-}
-
-// What is written lane by lane does not go through store().
-template <typename T>
-static inline void damage([[maybe_unused]] std::span<T> written) noexcept {
-#if defined(STOF_PLANT_WRONG_BYTE)
-  if (!written.empty()) {
-    written.front() = static_cast<T>(written.front() ^ T{1});
-  }
-#endif
 }
 
 }  // namespace stof::dsp::avx2

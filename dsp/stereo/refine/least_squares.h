@@ -5,7 +5,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -21,12 +21,7 @@ namespace stof::dsp {
 using RefineLeastSquares = void(ImageView<const std::uint8_t> left,
                                 ImageView<const std::uint8_t> right, int y, int block_width,
                                 int block_height, std::span<Disparity> disparities) noexcept;
-namespace ref {
-RefineLeastSquares refine_least_squares;
-}
-namespace neon {
-RefineLeastSquares refine_least_squares;
-}
+STOF_KERNEL(RefineLeastSquares, refine_least_squares, kNeon)
 
 // 16 d + 16 s, or none, from sums over the block of G (f - g) and G^2, G = g(x + 1) - g(x - 1):
 // s = 2 moment / energy. |moment|, energy < 2^29.

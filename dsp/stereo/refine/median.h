@@ -2,7 +2,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 
 namespace stof::dsp {
 
@@ -12,12 +12,7 @@ namespace stof::dsp {
 // strides, no overlap. Any split of rows gives the same.
 using MedianDisparity = void(ImageView<const Disparity> in, Rows rows,
                              ImageView<Disparity> out) noexcept;
-namespace ref {
-MedianDisparity median_disparity;
-}
-namespace neon {
-MedianDisparity median_disparity;
-}
+STOF_KERNEL(MedianDisparity, median_disparity, kNeon)
 
 // Columns [begin, end) of row y, for the ends of vector variants.
 void median_disparity_columns(ImageView<const Disparity> in, int y, int begin, int end,

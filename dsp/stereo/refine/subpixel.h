@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp {
@@ -26,19 +26,9 @@ using RefineWinners = void(std::span<const Sum> costs, int lanes, int min_dispar
 using WholeWinners = void(int min_disparity, std::span<const std::int16_t> winners,
                           std::span<Disparity> out) noexcept;
 
-namespace ref {
-RefineWinners<std::uint16_t> refine_winners;  // equiangular
-RefineWinners<std::uint16_t> refine_winners_parabola;
-RefineWinners<std::uint32_t> refine_winners;  // equiangular
-RefineWinners<std::uint32_t> refine_winners_parabola;
-WholeWinners whole_winners;
-}  // namespace ref
-namespace neon {
-RefineWinners<std::uint16_t> refine_winners;  // equiangular
-RefineWinners<std::uint16_t> refine_winners_parabola;
-RefineWinners<std::uint32_t> refine_winners;  // equiangular
-RefineWinners<std::uint32_t> refine_winners_parabola;
-WholeWinners whole_winners;
-}  // namespace neon
+// Equiangular.
+STOF_KERNELS(RefineWinners, refine_winners, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(RefineWinners, refine_winners_parabola, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNEL(WholeWinners, whole_winners, kNeon)
 
 }  // namespace stof::dsp

@@ -90,32 +90,12 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
     const int16x8_t shift = vcombine_s16(vmovn_s32(low), vmovn_s32(high));
     vst1q_s16(raw(out, x), vaddq_s16(whole(vld1q_s16(winners.data() + x), first), shift));
   }
-  const auto rest = kFit == Fit::kEquiangular
-                        ? static_cast<RefineWinners<Sum>*>(ref::refine_winners)
-                        : static_cast<RefineWinners<Sum>*>(ref::refine_winners_parabola);
+  RefineWinners<Sum>* const rest = kFit == Fit::kEquiangular ? ref::refine_winners<Sum>
+                                                             : ref::refine_winners_parabola<Sum>;
   rest(costs.subspan(x * count), lanes, min_disparity, winners.subspan(x), out.subspan(x));
 }
 
 }  // namespace
-
-void refine_winners(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
-                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
-}
-void refine_winners_parabola(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
-                             std::span<const std::int16_t> winners,
-                             std::span<Disparity> out) noexcept {
-  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
-}
-void refine_winners(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
-                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
-}
-void refine_winners_parabola(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
-                             std::span<const std::int16_t> winners,
-                             std::span<Disparity> out) noexcept {
-  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
-}
 
 void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
                    std::span<Disparity> out) noexcept {
@@ -127,5 +107,23 @@ void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
   }
   ref::whole_winners(min_disparity, winners.subspan(x), out.subspan(x));
 }
+
+template <typename Sum>
+void refine_winners(std::span<const Sum> costs, int lanes, int min_disparity,
+                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
+  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+}
+
+template <typename Sum>
+void refine_winners_parabola(std::span<const Sum> costs, int lanes, int min_disparity,
+                             std::span<const std::int16_t> winners,
+                             std::span<Disparity> out) noexcept {
+  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
+}
+
+template RefineWinners<std::uint16_t> refine_winners<std::uint16_t>;
+template RefineWinners<std::uint32_t> refine_winners<std::uint32_t>;
+template RefineWinners<std::uint16_t> refine_winners_parabola<std::uint16_t>;
+template RefineWinners<std::uint32_t> refine_winners_parabola<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

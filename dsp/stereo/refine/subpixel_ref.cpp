@@ -52,25 +52,6 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
 
 }  // namespace
 
-void refine_winners(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
-                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
-}
-void refine_winners_parabola(std::span<const std::uint16_t> costs, int lanes, int min_disparity,
-                             std::span<const std::int16_t> winners,
-                             std::span<Disparity> out) noexcept {
-  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
-}
-void refine_winners(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
-                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
-}
-void refine_winners_parabola(std::span<const std::uint32_t> costs, int lanes, int min_disparity,
-                             std::span<const std::int16_t> winners,
-                             std::span<Disparity> out) noexcept {
-  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
-}
-
 void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
                    std::span<Disparity> out) noexcept {
   STOF_CHECK(out.size() == winners.size());
@@ -78,5 +59,23 @@ void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
     out[x] = whole(min_disparity, winners[x]);
   }
 }
+
+template <typename Sum>
+void refine_winners(std::span<const Sum> costs, int lanes, int min_disparity,
+                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
+  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+}
+
+template <typename Sum>
+void refine_winners_parabola(std::span<const Sum> costs, int lanes, int min_disparity,
+                             std::span<const std::int16_t> winners,
+                             std::span<Disparity> out) noexcept {
+  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
+}
+
+template RefineWinners<std::uint16_t> refine_winners<std::uint16_t>;
+template RefineWinners<std::uint32_t> refine_winners<std::uint32_t>;
+template RefineWinners<std::uint16_t> refine_winners_parabola<std::uint16_t>;
+template RefineWinners<std::uint32_t> refine_winners_parabola<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

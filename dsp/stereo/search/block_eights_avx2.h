@@ -76,10 +76,7 @@ struct Eights {  // NOLINT(bugprone-crtp-constructor-accessibility): functions a
   }
   template <typename Lane>
   static void put(Lane* p, __m128i v) noexcept {
-    _mm_storeu_si128(reinterpret_cast<__m128i*>(p), v);  // NOLINT: any type
-#if defined(STOF_PLANT_WRONG_BYTE)
-    *p = static_cast<Lane>(*p ^ Lane{1});
-#endif
+    store_bits(p, v);
   }
 
   // Elements 0 and 2 of each.

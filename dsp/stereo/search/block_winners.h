@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/fixed.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/refine/subpixel.h"
 #include "dsp/stereo/search/winner.h"
 
@@ -63,20 +63,6 @@ inline constexpr int kBlockCostMargin = 8;
 // columns: n x lanes, kBlockSumScale times the column sums of the row before; then of this row.
 using BlockWinners = void(const BlockPixels& pixels, const BlockRow& row,
                           std::span<std::uint16_t> columns, const BlockMatches& out) noexcept;
-namespace ref {
-BlockWinners block_winners;
-}
-namespace neon {
-BlockWinners block_winners;
-}
-namespace avx2 {
-BlockWinners block_winners;
-}
-namespace avx512 {
-BlockWinners block_winners;
-}
-namespace best {
-inline constexpr Kernel<BlockWinners> block_winners{STOF_ALL_VARIANTS(block_winners)};
-}
+STOF_KERNEL(BlockWinners, block_winners, kAvx512)
 
 }  // namespace stof::dsp

@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/check.h"
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/sad.h"
 
 // One direction of scanline and semi-global optimisation on rows of costs, laid out
@@ -60,63 +60,16 @@ template <typename Cost>
 using PathsOfAxes = void(const AxesRow<Cost>& row, std::span<Cost> front,
                          std::span<const Cost> others, std::span<Cost> sums) noexcept;
 
-namespace ref {
-PathsAlong<std::uint8_t> paths_from_left;
-PathsAlong<std::uint16_t> paths_from_left;
-PathsAlong<std::uint32_t> paths_from_left;
-PathsAlong<std::uint8_t> paths_from_right;  // before x is x + 1; large[x] still belongs to x
-PathsAlong<std::uint16_t> paths_from_right;
-PathsAlong<std::uint32_t> paths_from_right;
-PathsBothWays<std::uint8_t> paths_both_ways;
-PathsBothWays<std::uint16_t> paths_both_ways;
-PathsBothWays<std::uint32_t> paths_both_ways;
-PathsAcross<std::uint8_t> paths_across;
-PathsAcross<std::uint16_t> paths_across;
-PathsAcross<std::uint32_t> paths_across;
-PathsOfAxes<std::uint8_t> paths_of_axes;
-PathsOfAxes<std::uint16_t> paths_of_axes;
-}  // namespace ref
-namespace neon {
-PathsAlong<std::uint8_t> paths_from_left;
-PathsAlong<std::uint16_t> paths_from_left;
-PathsAlong<std::uint32_t> paths_from_left;
-PathsAlong<std::uint8_t> paths_from_right;
-PathsAlong<std::uint16_t> paths_from_right;
-PathsAlong<std::uint32_t> paths_from_right;
-PathsBothWays<std::uint8_t> paths_both_ways;
-PathsBothWays<std::uint16_t> paths_both_ways;
-PathsBothWays<std::uint32_t> paths_both_ways;
-PathsAcross<std::uint8_t> paths_across;
-PathsAcross<std::uint16_t> paths_across;
-PathsAcross<std::uint32_t> paths_across;
-PathsOfAxes<std::uint8_t> paths_of_axes;
-PathsOfAxes<std::uint16_t> paths_of_axes;
-}  // namespace neon
-namespace avx2 {
-PathsAlong<std::uint16_t> paths_from_left;
-PathsAlong<std::uint16_t> paths_from_right;
-PathsBothWays<std::uint8_t> paths_both_ways;
-PathsBothWays<std::uint16_t> paths_both_ways;
-PathsAcross<std::uint8_t> paths_across;
-PathsAcross<std::uint16_t> paths_across;
-PathsOfAxes<std::uint8_t> paths_of_axes;
-PathsOfAxes<std::uint16_t> paths_of_axes;
-}  // namespace avx2
-namespace best {
-template <template <typename> typename Paths>
-using PathKernel = Kernel<Paths<std::uint8_t>, Paths<std::uint16_t>, Paths<std::uint32_t>>;
-inline constexpr PathKernel<PathsAlong> paths_from_left{
-    STOF_PORTABLE(paths_from_left), STOF_VARIANTS(paths_from_left), STOF_PORTABLE(paths_from_left)};
-inline constexpr PathKernel<PathsAlong> paths_from_right{STOF_PORTABLE(paths_from_right),
-                                                         STOF_VARIANTS(paths_from_right),
-                                                         STOF_PORTABLE(paths_from_right)};
-inline constexpr PathKernel<PathsBothWays> paths_both_ways{
-    STOF_VARIANTS(paths_both_ways), STOF_VARIANTS(paths_both_ways), STOF_PORTABLE(paths_both_ways)};
-inline constexpr PathKernel<PathsAcross> paths_across{
-    STOF_VARIANTS(paths_across), STOF_VARIANTS(paths_across), STOF_PORTABLE(paths_across)};
-inline constexpr Kernel<PathsOfAxes<std::uint8_t>, PathsOfAxes<std::uint16_t>> paths_of_axes{
-    STOF_VARIANTS(paths_of_axes), STOF_VARIANTS(paths_of_axes)};
-}  // namespace best
+STOF_KERNELS(PathsAlong, paths_from_left, Neon<std::uint8_t>, Avx2<std::uint16_t>,
+             Neon<std::uint32_t>)
+// Before x is x + 1; large[x] still belongs to x.
+STOF_KERNELS(PathsAlong, paths_from_right, Neon<std::uint8_t>, Avx2<std::uint16_t>,
+             Neon<std::uint32_t>)
+STOF_KERNELS(PathsBothWays, paths_both_ways, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
+             Neon<std::uint32_t>)
+STOF_KERNELS(PathsAcross, paths_across, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
+             Neon<std::uint32_t>)
+STOF_KERNELS(PathsOfAxes, paths_of_axes, Avx2<std::uint8_t>, Avx2<std::uint16_t>)
 
 // What paths_of_axes expects of its sizes, for its variants.
 template <typename Cost>

@@ -18,10 +18,10 @@ using path_body::both_ways;
 __m256i middle(__m256i a, __m256i b) noexcept { return _mm256_permute2x128_si256(a, b, 0x21); }
 
 template <typename Sum>
-struct Avx2;
+struct Lanes;
 
 template <>
-struct Avx2<std::uint8_t> {
+struct Lanes<std::uint8_t> {
   using Cost = std::uint8_t;
   using V = u8x32;
   static constexpr std::size_t kLanes = 32;
@@ -49,7 +49,7 @@ struct Avx2<std::uint8_t> {
 };
 
 template <>
-struct Avx2<std::uint16_t> {
+struct Lanes<std::uint16_t> {
   using Cost = std::uint16_t;
   using V = u16x16;
   static constexpr std::size_t kLanes = 16;
@@ -77,62 +77,58 @@ struct Avx2<std::uint16_t> {
 
 }  // namespace
 
-void paths_from_left(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                     std::span<const std::uint16_t> large,
-                     std::span<std::uint16_t> paths) noexcept {
-  along<Avx2<std::uint16_t>>(costs, lanes, small, large, paths, true);
+template <typename Cost>
+void paths_from_left(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  along<Lanes<Cost>>(costs, lanes, small, large, paths, true);
 }
-void paths_from_right(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                      std::span<const std::uint16_t> large,
-                      std::span<std::uint16_t> paths) noexcept {
-  along<Avx2<std::uint16_t>>(costs, lanes, small, large, paths, false);
+
+template <typename Cost>
+void paths_from_right(std::span<const Cost> costs, int lanes, Cost small,
+                      std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  along<Lanes<Cost>>(costs, lanes, small, large, paths, false);
 }
-void paths_both_ways(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                     std::span<const std::uint8_t> large_from_left,
-                     std::span<const std::uint8_t> large_from_right,
-                     std::span<std::uint8_t> from_left,
-                     std::span<std::uint8_t> from_right) noexcept {
-  if (lanes % 32 != 0) {
+
+template <typename Cost>
+void paths_both_ways(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large_from_left, std::span<const Cost> large_from_right,
+                     std::span<Cost> from_left, std::span<Cost> from_right) noexcept {
+  if (lanes % static_cast<int>(Lanes<Cost>::kLanes) != 0) {
     neon::paths_both_ways(costs, lanes, small, large_from_left, large_from_right, from_left,
                           from_right);
     return;
   }
-  both_ways<Avx2<std::uint8_t>>(costs, lanes, small, large_from_left, large_from_right, from_left,
-                                from_right);
+  both_ways<Lanes<Cost>>(costs, lanes, small, large_from_left, large_from_right, from_left,
+                         from_right);
 }
-void paths_both_ways(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                     std::span<const std::uint16_t> large_from_left,
-                     std::span<const std::uint16_t> large_from_right,
-                     std::span<std::uint16_t> from_left,
-                     std::span<std::uint16_t> from_right) noexcept {
-  both_ways<Avx2<std::uint16_t>>(costs, lanes, small, large_from_left, large_from_right, from_left,
-                                 from_right);
-}
-void paths_across(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> before,
-                  int shift, int lanes, std::uint8_t small, std::span<const std::uint8_t> large,
-                  std::span<std::uint8_t> paths) noexcept {
-  if (lanes % 32 != 0) {
+
+template <typename Cost>
+void paths_across(std::span<const Cost> costs, std::span<const Cost> before, int shift, int lanes,
+                  Cost small, std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  if (lanes % static_cast<int>(Lanes<Cost>::kLanes) != 0) {
     neon::paths_across(costs, before, shift, lanes, small, large, paths);
     return;
   }
-  across<Avx2<std::uint8_t>>(costs, before, shift, lanes, small, large, paths);
+  across<Lanes<Cost>>(costs, before, shift, lanes, small, large, paths);
 }
-void paths_across(std::span<const std::uint16_t> costs, std::span<const std::uint16_t> before,
-                  int shift, int lanes, std::uint16_t small, std::span<const std::uint16_t> large,
-                  std::span<std::uint16_t> paths) noexcept {
-  across<Avx2<std::uint16_t>>(costs, before, shift, lanes, small, large, paths);
-}
-void paths_of_axes(const AxesRow<std::uint8_t>& row, std::span<std::uint8_t> front,
-                   std::span<const std::uint8_t> others, std::span<std::uint8_t> sums) noexcept {
-  if (row.lanes % 32 != 0) {
+
+template <typename Cost>
+void paths_of_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
+                   std::span<Cost> sums) noexcept {
+  if (row.lanes % static_cast<int>(Lanes<Cost>::kLanes) != 0) {
     neon::paths_of_axes(row, front, others, sums);
     return;
   }
-  axes<Avx2<std::uint8_t>>(row, front, others, sums);
+  axes<Lanes<Cost>>(row, front, others, sums);
 }
-void paths_of_axes(const AxesRow<std::uint16_t>& row, std::span<std::uint16_t> front,
-                   std::span<const std::uint16_t> others, std::span<std::uint16_t> sums) noexcept {
-  axes<Avx2<std::uint16_t>>(row, front, others, sums);
-}
+
+template PathsAlong<std::uint16_t> paths_from_left<std::uint16_t>;
+template PathsAlong<std::uint16_t> paths_from_right<std::uint16_t>;
+template PathsBothWays<std::uint8_t> paths_both_ways<std::uint8_t>;
+template PathsBothWays<std::uint16_t> paths_both_ways<std::uint16_t>;
+template PathsAcross<std::uint8_t> paths_across<std::uint8_t>;
+template PathsAcross<std::uint16_t> paths_across<std::uint16_t>;
+template PathsOfAxes<std::uint8_t> paths_of_axes<std::uint8_t>;
+template PathsOfAxes<std::uint16_t> paths_of_axes<std::uint16_t>;
 
 }  // namespace stof::dsp::avx2

@@ -31,7 +31,7 @@ uint8x16_t total(uint8x16_t a, uint8x16_t b) noexcept { return vqaddq_u8(a, b); 
 uint16x8_t total(uint16x8_t a, uint16x8_t b) noexcept { return vaddq_u16(a, b); }
 
 template <typename Sum>
-struct Neon {
+struct Lanes {
   using Cost = Sum;
   using V = typename Vector<Cost>::type;
   static constexpr std::size_t kLanes = Vector<Cost>::kLanes;
@@ -50,80 +50,51 @@ struct Neon {
 
 }  // namespace
 
-void paths_from_left(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                     std::span<const std::uint8_t> large, std::span<std::uint8_t> paths) noexcept {
-  along<Neon<std::uint8_t>>(costs, lanes, small, large, paths, true);
+template <typename Cost>
+void paths_from_left(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  along<Lanes<Cost>>(costs, lanes, small, large, paths, true);
 }
-void paths_from_left(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                     std::span<const std::uint16_t> large,
-                     std::span<std::uint16_t> paths) noexcept {
-  along<Neon<std::uint16_t>>(costs, lanes, small, large, paths, true);
+
+template <typename Cost>
+void paths_from_right(std::span<const Cost> costs, int lanes, Cost small,
+                      std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  along<Lanes<Cost>>(costs, lanes, small, large, paths, false);
 }
-void paths_from_left(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
-                     std::span<const std::uint32_t> large,
-                     std::span<std::uint32_t> paths) noexcept {
-  along<Neon<std::uint32_t>>(costs, lanes, small, large, paths, true);
+
+template <typename Cost>
+void paths_both_ways(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large_from_left, std::span<const Cost> large_from_right,
+                     std::span<Cost> from_left, std::span<Cost> from_right) noexcept {
+  both_ways<Lanes<Cost>>(costs, lanes, small, large_from_left, large_from_right, from_left,
+                        from_right);
 }
-void paths_from_right(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                      std::span<const std::uint8_t> large, std::span<std::uint8_t> paths) noexcept {
-  along<Neon<std::uint8_t>>(costs, lanes, small, large, paths, false);
+
+template <typename Cost>
+void paths_across(std::span<const Cost> costs, std::span<const Cost> before, int shift, int lanes,
+                  Cost small, std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  across<Lanes<Cost>>(costs, before, shift, lanes, small, large, paths);
 }
-void paths_from_right(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                      std::span<const std::uint16_t> large,
-                      std::span<std::uint16_t> paths) noexcept {
-  along<Neon<std::uint16_t>>(costs, lanes, small, large, paths, false);
+
+template <typename Cost>
+void paths_of_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
+                   std::span<Cost> sums) noexcept {
+  axes<Lanes<Cost>>(row, front, others, sums);
 }
-void paths_from_right(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
-                      std::span<const std::uint32_t> large,
-                      std::span<std::uint32_t> paths) noexcept {
-  along<Neon<std::uint32_t>>(costs, lanes, small, large, paths, false);
-}
-void paths_both_ways(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                     std::span<const std::uint8_t> large_from_left,
-                     std::span<const std::uint8_t> large_from_right,
-                     std::span<std::uint8_t> from_left,
-                     std::span<std::uint8_t> from_right) noexcept {
-  both_ways<Neon<std::uint8_t>>(costs, lanes, small, large_from_left, large_from_right, from_left,
-                                from_right);
-}
-void paths_both_ways(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                     std::span<const std::uint16_t> large_from_left,
-                     std::span<const std::uint16_t> large_from_right,
-                     std::span<std::uint16_t> from_left,
-                     std::span<std::uint16_t> from_right) noexcept {
-  both_ways<Neon<std::uint16_t>>(costs, lanes, small, large_from_left, large_from_right, from_left,
-                                 from_right);
-}
-void paths_both_ways(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
-                     std::span<const std::uint32_t> large_from_left,
-                     std::span<const std::uint32_t> large_from_right,
-                     std::span<std::uint32_t> from_left,
-                     std::span<std::uint32_t> from_right) noexcept {
-  both_ways<Neon<std::uint32_t>>(costs, lanes, small, large_from_left, large_from_right, from_left,
-                                 from_right);
-}
-void paths_across(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> before,
-                  int shift, int lanes, std::uint8_t small, std::span<const std::uint8_t> large,
-                  std::span<std::uint8_t> paths) noexcept {
-  across<Neon<std::uint8_t>>(costs, before, shift, lanes, small, large, paths);
-}
-void paths_across(std::span<const std::uint16_t> costs, std::span<const std::uint16_t> before,
-                  int shift, int lanes, std::uint16_t small, std::span<const std::uint16_t> large,
-                  std::span<std::uint16_t> paths) noexcept {
-  across<Neon<std::uint16_t>>(costs, before, shift, lanes, small, large, paths);
-}
-void paths_across(std::span<const std::uint32_t> costs, std::span<const std::uint32_t> before,
-                  int shift, int lanes, std::uint32_t small, std::span<const std::uint32_t> large,
-                  std::span<std::uint32_t> paths) noexcept {
-  across<Neon<std::uint32_t>>(costs, before, shift, lanes, small, large, paths);
-}
-void paths_of_axes(const AxesRow<std::uint8_t>& row, std::span<std::uint8_t> front,
-                   std::span<const std::uint8_t> others, std::span<std::uint8_t> sums) noexcept {
-  axes<Neon<std::uint8_t>>(row, front, others, sums);
-}
-void paths_of_axes(const AxesRow<std::uint16_t>& row, std::span<std::uint16_t> front,
-                   std::span<const std::uint16_t> others, std::span<std::uint16_t> sums) noexcept {
-  axes<Neon<std::uint16_t>>(row, front, others, sums);
-}
+
+template PathsAlong<std::uint8_t> paths_from_left<std::uint8_t>;
+template PathsAlong<std::uint16_t> paths_from_left<std::uint16_t>;
+template PathsAlong<std::uint32_t> paths_from_left<std::uint32_t>;
+template PathsAlong<std::uint8_t> paths_from_right<std::uint8_t>;
+template PathsAlong<std::uint16_t> paths_from_right<std::uint16_t>;
+template PathsAlong<std::uint32_t> paths_from_right<std::uint32_t>;
+template PathsBothWays<std::uint8_t> paths_both_ways<std::uint8_t>;
+template PathsBothWays<std::uint16_t> paths_both_ways<std::uint16_t>;
+template PathsBothWays<std::uint32_t> paths_both_ways<std::uint32_t>;
+template PathsAcross<std::uint8_t> paths_across<std::uint8_t>;
+template PathsAcross<std::uint16_t> paths_across<std::uint16_t>;
+template PathsAcross<std::uint32_t> paths_across<std::uint32_t>;
+template PathsOfAxes<std::uint8_t> paths_of_axes<std::uint8_t>;
+template PathsOfAxes<std::uint16_t> paths_of_axes<std::uint16_t>;
 
 }  // namespace stof::dsp::neon

@@ -57,8 +57,35 @@ void walk(std::span<const Cost> costs, int lanes, Cost small, std::span<const Co
 }
 
 template <typename Cost>
-void cross(std::span<const Cost> costs, std::span<const Cost> before, int shift, int lanes,
-           Cost small, std::span<const Cost> large, std::span<Cost> paths) noexcept {
+Cost total(Cost a, Cost b) noexcept {
+  return sizeof(Cost) == 1 ? saturated_sum(a, b) : static_cast<Cost>(a + b);
+}
+
+}  // namespace
+
+template <typename Cost>
+void paths_from_left(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  walk(costs, lanes, small, large, paths, 1);
+}
+
+template <typename Cost>
+void paths_from_right(std::span<const Cost> costs, int lanes, Cost small,
+                      std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  walk(costs, lanes, small, large, paths, -1);
+}
+
+template <typename Cost>
+void paths_both_ways(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large_from_left, std::span<const Cost> large_from_right,
+                     std::span<Cost> from_left, std::span<Cost> from_right) noexcept {
+  walk(costs, lanes, small, large_from_left, from_left, 1);
+  walk(costs, lanes, small, large_from_right, from_right, -1);
+}
+
+template <typename Cost>
+void paths_across(std::span<const Cost> costs, std::span<const Cost> before, int shift, int lanes,
+                  Cost small, std::span<const Cost> large, std::span<Cost> paths) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const int n = static_cast<int>(large.size());
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && shift >= -1 && shift <= 1);
@@ -74,13 +101,8 @@ void cross(std::span<const Cost> costs, std::span<const Cost> before, int shift,
 }
 
 template <typename Cost>
-Cost total(Cost a, Cost b) noexcept {
-  return sizeof(Cost) == 1 ? saturated_sum(a, b) : static_cast<Cost>(a + b);
-}
-
-template <typename Cost>
-void both_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
-               std::span<Cost> sums) noexcept {
+void paths_of_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
+                   std::span<Cost> sums) noexcept {
   check_axes(row, front.size(), others.size(), sums.size());
   const std::size_t count = static_cast<std::size_t>(row.lanes);
   const std::size_t n = row.large_along.size();
@@ -102,82 +124,19 @@ void both_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const 
   }
 }
 
-}  // namespace
-
-void paths_from_left(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                     std::span<const std::uint8_t> large, std::span<std::uint8_t> paths) noexcept {
-  walk(costs, lanes, small, large, paths, 1);
-}
-void paths_from_left(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                     std::span<const std::uint16_t> large,
-                     std::span<std::uint16_t> paths) noexcept {
-  walk(costs, lanes, small, large, paths, 1);
-}
-void paths_from_left(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
-                     std::span<const std::uint32_t> large,
-                     std::span<std::uint32_t> paths) noexcept {
-  walk(costs, lanes, small, large, paths, 1);
-}
-void paths_from_right(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                      std::span<const std::uint8_t> large, std::span<std::uint8_t> paths) noexcept {
-  walk(costs, lanes, small, large, paths, -1);
-}
-void paths_from_right(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                      std::span<const std::uint16_t> large,
-                      std::span<std::uint16_t> paths) noexcept {
-  walk(costs, lanes, small, large, paths, -1);
-}
-void paths_from_right(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
-                      std::span<const std::uint32_t> large,
-                      std::span<std::uint32_t> paths) noexcept {
-  walk(costs, lanes, small, large, paths, -1);
-}
-void paths_both_ways(std::span<const std::uint8_t> costs, int lanes, std::uint8_t small,
-                     std::span<const std::uint8_t> large_from_left,
-                     std::span<const std::uint8_t> large_from_right,
-                     std::span<std::uint8_t> from_left,
-                     std::span<std::uint8_t> from_right) noexcept {
-  walk(costs, lanes, small, large_from_left, from_left, 1);
-  walk(costs, lanes, small, large_from_right, from_right, -1);
-}
-void paths_both_ways(std::span<const std::uint16_t> costs, int lanes, std::uint16_t small,
-                     std::span<const std::uint16_t> large_from_left,
-                     std::span<const std::uint16_t> large_from_right,
-                     std::span<std::uint16_t> from_left,
-                     std::span<std::uint16_t> from_right) noexcept {
-  walk(costs, lanes, small, large_from_left, from_left, 1);
-  walk(costs, lanes, small, large_from_right, from_right, -1);
-}
-void paths_both_ways(std::span<const std::uint32_t> costs, int lanes, std::uint32_t small,
-                     std::span<const std::uint32_t> large_from_left,
-                     std::span<const std::uint32_t> large_from_right,
-                     std::span<std::uint32_t> from_left,
-                     std::span<std::uint32_t> from_right) noexcept {
-  walk(costs, lanes, small, large_from_left, from_left, 1);
-  walk(costs, lanes, small, large_from_right, from_right, -1);
-}
-void paths_across(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> before,
-                  int shift, int lanes, std::uint8_t small, std::span<const std::uint8_t> large,
-                  std::span<std::uint8_t> paths) noexcept {
-  cross(costs, before, shift, lanes, small, large, paths);
-}
-void paths_across(std::span<const std::uint16_t> costs, std::span<const std::uint16_t> before,
-                  int shift, int lanes, std::uint16_t small, std::span<const std::uint16_t> large,
-                  std::span<std::uint16_t> paths) noexcept {
-  cross(costs, before, shift, lanes, small, large, paths);
-}
-void paths_across(std::span<const std::uint32_t> costs, std::span<const std::uint32_t> before,
-                  int shift, int lanes, std::uint32_t small, std::span<const std::uint32_t> large,
-                  std::span<std::uint32_t> paths) noexcept {
-  cross(costs, before, shift, lanes, small, large, paths);
-}
-void paths_of_axes(const AxesRow<std::uint8_t>& row, std::span<std::uint8_t> front,
-                   std::span<const std::uint8_t> others, std::span<std::uint8_t> sums) noexcept {
-  both_axes(row, front, others, sums);
-}
-void paths_of_axes(const AxesRow<std::uint16_t>& row, std::span<std::uint16_t> front,
-                   std::span<const std::uint16_t> others, std::span<std::uint16_t> sums) noexcept {
-  both_axes(row, front, others, sums);
-}
+template PathsAlong<std::uint8_t> paths_from_left<std::uint8_t>;
+template PathsAlong<std::uint16_t> paths_from_left<std::uint16_t>;
+template PathsAlong<std::uint32_t> paths_from_left<std::uint32_t>;
+template PathsAlong<std::uint8_t> paths_from_right<std::uint8_t>;
+template PathsAlong<std::uint16_t> paths_from_right<std::uint16_t>;
+template PathsAlong<std::uint32_t> paths_from_right<std::uint32_t>;
+template PathsBothWays<std::uint8_t> paths_both_ways<std::uint8_t>;
+template PathsBothWays<std::uint16_t> paths_both_ways<std::uint16_t>;
+template PathsBothWays<std::uint32_t> paths_both_ways<std::uint32_t>;
+template PathsAcross<std::uint8_t> paths_across<std::uint8_t>;
+template PathsAcross<std::uint16_t> paths_across<std::uint16_t>;
+template PathsAcross<std::uint32_t> paths_across<std::uint32_t>;
+template PathsOfAxes<std::uint8_t> paths_of_axes<std::uint8_t>;
+template PathsOfAxes<std::uint16_t> paths_of_axes<std::uint16_t>;
 
 }  // namespace stof::dsp::ref

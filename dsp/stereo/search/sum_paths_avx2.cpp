@@ -21,19 +21,23 @@ std::size_t next(std::size_t at, std::size_t size) noexcept {
 
 }  // namespace
 
-void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint8_t> sums) noexcept {
+template <typename Types>
+void sum_paths(std::span<const typename Types::Cost* const> paths,
+               std::span<typename Types::Sum> sums) noexcept {
   STOF_CHECK(paths.size() >= 2 && sums.size() % 16 == 0);
   if (sums.size() < kStep) {
-    neon::sum_paths(paths, sums);
+    neon::sum_paths<Types>(paths, sums);
     return;
   }
   for (std::size_t i = 0; i < sums.size(); i = next(i, sums.size())) {
     u8x32 total = add_saturated(load<u8x32>(paths[0] + i), load<u8x32>(paths[1] + i));
-    for (const std::uint8_t* const path : paths.subspan(2)) {
+    for (const typename Types::Cost* const path : paths.subspan(2)) {
       total = add_saturated(total, load<u8x32>(path + i));
     }
     store(sums.data() + i, total);
   }
 }
+
+template SumPaths<BytesToBytes> sum_paths<BytesToBytes>;
 
 }  // namespace stof::dsp::avx2

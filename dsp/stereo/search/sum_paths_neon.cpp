@@ -30,9 +30,7 @@ void sum_four(std::span<const std::uint8_t* const> paths, std::span<std::uint16_
   }
 }
 
-}  // namespace
-
-void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint8_t> sums) noexcept {
+void add_up(std::span<const std::uint8_t* const> paths, std::span<std::uint8_t> sums) noexcept {
   STOF_CHECK(paths.size() >= 2 && sums.size() % 16 == 0);
   if (paths.size() == 4) {
     for (std::size_t i = 0; i < sums.size(); i += 16) {
@@ -51,7 +49,7 @@ void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint8_
   }
 }
 
-void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint16_t> sums) noexcept {
+void add_up(std::span<const std::uint8_t* const> paths, std::span<std::uint16_t> sums) noexcept {
   STOF_CHECK(paths.size() >= 2 && sums.size() % 16 == 0);
   if (paths.size() == 4) {
     sum_four(paths, sums);
@@ -71,8 +69,7 @@ void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint16
   }
 }
 
-void sum_paths(std::span<const std::uint16_t* const> paths,
-               std::span<std::uint16_t> sums) noexcept {
+void add_up(std::span<const std::uint16_t* const> paths, std::span<std::uint16_t> sums) noexcept {
   STOF_CHECK(paths.size() >= 2 && sums.size() % 16 == 0);
   for (std::size_t i = 0; i < sums.size(); i += 8) {
     uint16x8_t total = vaddq_u16(vld1q_u16(paths[0] + i), vld1q_u16(paths[1] + i));
@@ -82,5 +79,17 @@ void sum_paths(std::span<const std::uint16_t* const> paths,
     vst1q_u16(sums.data() + i, total);
   }
 }
+
+}  // namespace
+
+template <typename Types>
+void sum_paths(std::span<const typename Types::Cost* const> paths,
+               std::span<typename Types::Sum> sums) noexcept {
+  add_up(paths, sums);
+}
+
+template SumPaths<BytesToBytes> sum_paths<BytesToBytes>;
+template SumPaths<BytesToWords> sum_paths<BytesToWords>;
+template SumPaths<WordsToWords> sum_paths<WordsToWords>;
 
 }  // namespace stof::dsp::neon

@@ -7,31 +7,23 @@
 #include "dsp/base/check.h"
 
 namespace stof::dsp::ref {
-namespace {
 
-template <typename Cost, typename Sum>
-void sum(std::span<const Cost* const> paths, std::span<Sum> sums) noexcept {
+template <typename Types>
+void sum_paths(std::span<const typename Types::Cost* const> paths,
+               std::span<typename Types::Sum> sums) noexcept {
   STOF_CHECK(paths.size() >= 2 && sums.size() % 16 == 0);
   for (std::size_t i = 0; i < sums.size(); ++i) {
     std::uint32_t total = 0;
-    for (const Cost* const path : paths) {
+    for (const typename Types::Cost* const path : paths) {
       total += path[i];
     }
-    sums[i] = static_cast<Sum>(std::min<std::uint32_t>(total, std::numeric_limits<Sum>::max()));
+    sums[i] = static_cast<typename Types::Sum>(
+        std::min<std::uint32_t>(total, std::numeric_limits<typename Types::Sum>::max()));
   }
 }
 
-}  // namespace
-
-void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint8_t> sums) noexcept {
-  sum(paths, sums);
-}
-void sum_paths(std::span<const std::uint8_t* const> paths, std::span<std::uint16_t> sums) noexcept {
-  sum(paths, sums);
-}
-void sum_paths(std::span<const std::uint16_t* const> paths,
-               std::span<std::uint16_t> sums) noexcept {
-  sum(paths, sums);
-}
+template SumPaths<BytesToBytes> sum_paths<BytesToBytes>;
+template SumPaths<BytesToWords> sum_paths<BytesToWords>;
+template SumPaths<WordsToWords> sum_paths<WordsToWords>;
 
 }  // namespace stof::dsp::ref

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/target.h"
+#include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/sad.h"
 
 // Winner takes all on one row of costs, laid out [column][candidate] as in sad.h.
@@ -29,35 +29,8 @@ template <typename Sum>
 using RightWinners = void(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
                           std::span<std::int16_t> winners) noexcept;
 
-namespace ref {
-Winners<std::uint8_t> winners;
-Winners<std::uint16_t> winners;
-Winners<std::uint32_t> winners;
-RightWinners<std::uint8_t> right_winners;
-RightWinners<std::uint16_t> right_winners;
-RightWinners<std::uint32_t> right_winners;
-}  // namespace ref
-namespace neon {
-Winners<std::uint8_t> winners;
-Winners<std::uint16_t> winners;
-Winners<std::uint32_t> winners;
-RightWinners<std::uint8_t> right_winners;
-RightWinners<std::uint16_t> right_winners;
-RightWinners<std::uint32_t> right_winners;
-}  // namespace neon
-namespace avx2 {
-Winners<std::uint8_t> winners;
-Winners<std::uint16_t> winners;
-RightWinners<std::uint8_t> right_winners;
-RightWinners<std::uint16_t> right_winners;
-}  // namespace avx2
-namespace best {
-inline constexpr Kernel<Winners<std::uint8_t>, Winners<std::uint16_t>, Winners<std::uint32_t>>
-    winners{STOF_VARIANTS(winners), STOF_VARIANTS(winners), STOF_PORTABLE(winners)};
-inline constexpr Kernel<RightWinners<std::uint8_t>, RightWinners<std::uint16_t>,
-                        RightWinners<std::uint32_t>>
-    right_winners{STOF_VARIANTS(right_winners), STOF_VARIANTS(right_winners),
-                  STOF_PORTABLE(right_winners)};
-}  // namespace best
+STOF_KERNELS(Winners, winners, Avx2<std::uint8_t>, Avx2<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(RightWinners, right_winners, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
+             Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

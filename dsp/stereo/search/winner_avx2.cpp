@@ -75,18 +75,6 @@ void find_winners_of(std::span<const Sum> costs, std::size_t lanes,
   }
 }
 
-template <typename V, typename Sum>
-void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
-  const std::size_t count = static_cast<std::size_t>(lanes);
-  STOF_CHECK(lanes > 0 && costs.size() == winners.size() * count);
-  if (lanes == 64) {
-    find_winners_of<V, 64>(costs, count, winners);
-  } else {
-    find_winners_of<V, 0>(costs, count, winners);
-  }
-  damage(winners);
-}
-
 // A right pixel meets its candidates along a diagonal of the costs, its neighbour along the next
 // one: a vector of right pixels reads a vector of each column, and the lowest costs stay in
 // registers. Where only some of them have a candidate in a column, the others' lanes read what
@@ -181,56 +169,51 @@ void store_winners(u16x16 candidates, u16x16 missing, std::int16_t* winners) noe
   store(winners, as<i16x16>(bits(candidates | missing)));
 }
 
-template <typename V, typename Sum>
-void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
-                        std::span<std::int16_t> winners) noexcept {
+}  // namespace
+
+template <typename Sum>
+void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
+  using V = typename VectorOf<Sum>::type;
+  if (lanes % 32 != 0) {
+    neon::winners(costs, lanes, winners);
+    return;
+  }
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes > 0 && costs.size() == winners.size() * count);
+  if (lanes == 64) {
+    find_winners_of<V, 64>(costs, count, winners);
+  } else {
+    find_winners_of<V, 0>(costs, count, winners);
+  }
+  damage(winners);
+}
+
+template <typename Sum>
+void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                   std::span<std::int16_t> winners) noexcept {
+  using V = typename VectorOf<Sum>::type;
+  if (lanes % kLanesOf<Sum> != 0) {
+    neon::right_winners(costs, lanes, lowest, winners);
+    return;
+  }
   const RightPixels<V, Sum> pixels(costs, lanes);
-  constexpr int kLanes = RightPixels<V, Sum>::kLanes;
   const int n = static_cast<int>(costs.size()) / lanes;
   STOF_CHECK(n >= 1 &&
              costs.size() == static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
   const int right = n + lanes - 1;
   STOF_CHECK(lowest.size() == static_cast<std::size_t>(right) && winners.size() == lowest.size());
-  for (int next = 0; next < right; next += kLanes) {
+  for (int next = 0; next < right; next += kLanesOf<Sum>) {
     // The last vector repeats pixels of the one before rather than ending outside.
-    const int j = std::min(next, right - kLanes);
+    const int j = std::min(next, right - kLanesOf<Sum>);
     const auto [least, candidates] = pixels.find(j);
     store(lowest.data() + j, least);
     store_winners(candidates, as<V>(bits(least == all(kNoCost<Sum>))), winners.data() + j);
   }
 }
 
-}  // namespace
-
-void winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::int16_t> out) noexcept {
-  if (lanes % 32 != 0) {
-    neon::winners(costs, lanes, out);
-    return;
-  }
-  find_winners<u8x32>(costs, lanes, out);
-}
-
-void winners(std::span<const std::uint16_t> costs, int lanes,
-             std::span<std::int16_t> out) noexcept {
-  if (lanes % 32 != 0) {
-    neon::winners(costs, lanes, out);
-    return;
-  }
-  find_winners<u16x16>(costs, lanes, out);
-}
-
-void right_winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::uint8_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  if (lanes % 32 != 0) {
-    neon::right_winners(costs, lanes, lowest, out);
-    return;
-  }
-  find_right_winners<u8x32>(costs, lanes, lowest, out);
-}
-
-void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  find_right_winners<u16x16>(costs, lanes, lowest, out);
-}
+template Winners<std::uint8_t> winners<std::uint8_t>;
+template Winners<std::uint16_t> winners<std::uint16_t>;
+template RightWinners<std::uint8_t> right_winners<std::uint8_t>;
+template RightWinners<std::uint16_t> right_winners<std::uint16_t>;
 
 }  // namespace stof::dsp::avx2

@@ -46,16 +46,6 @@ std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
       smallest(select(equal(lowest, all(minimum)), best, all(kNoCost<Sum>))));
 }
 
-template <typename Sum>
-void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
-  const std::size_t count = static_cast<std::size_t>(lanes);
-  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 &&
-             costs.size() == winners.size() * count);
-  for (std::size_t x = 0; x < winners.size(); ++x) {
-    winners[x] = find_winner(costs.data() + x * count, count);
-  }
-}
-
 // Eight candidates at position j: both the sums and the 16-bit winners.
 void improve(const std::uint32_t* costs, std::uint32_t* lowest, std::int16_t* winners,
              uint16x8_t candidate) noexcept {
@@ -171,9 +161,21 @@ void find_right_winners(std::span<const std::uint8_t> costs, std::size_t lanes,
   }
 }
 
+}  // namespace
+
 template <typename Sum>
-void check_and_find(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
-                    std::span<std::int16_t> winners) noexcept {
+void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 &&
+             costs.size() == winners.size() * count);
+  for (std::size_t x = 0; x < winners.size(); ++x) {
+    winners[x] = find_winner(costs.data() + x * count, count);
+  }
+}
+
+template <typename Sum>
+void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                   std::span<std::int16_t> winners) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = costs.size() / count;
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count);
@@ -181,30 +183,11 @@ void check_and_find(std::span<const Sum> costs, int lanes, std::span<Sum> lowest
   find_right_winners(costs, count, lowest, winners);
 }
 
-}  // namespace
-
-void winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::int16_t> out) noexcept {
-  find_winners(costs, lanes, out);
-}
-void winners(std::span<const std::uint16_t> costs, int lanes,
-             std::span<std::int16_t> out) noexcept {
-  find_winners(costs, lanes, out);
-}
-void winners(std::span<const std::uint32_t> costs, int lanes,
-             std::span<std::int16_t> out) noexcept {
-  find_winners(costs, lanes, out);
-}
-void right_winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::uint8_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  check_and_find(costs, lanes, lowest, out);
-}
-void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  check_and_find(costs, lanes, lowest, out);
-}
-void right_winners(std::span<const std::uint32_t> costs, int lanes, std::span<std::uint32_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  check_and_find(costs, lanes, lowest, out);
-}
+template Winners<std::uint8_t> winners<std::uint8_t>;
+template Winners<std::uint16_t> winners<std::uint16_t>;
+template Winners<std::uint32_t> winners<std::uint32_t>;
+template RightWinners<std::uint8_t> right_winners<std::uint8_t>;
+template RightWinners<std::uint16_t> right_winners<std::uint16_t>;
+template RightWinners<std::uint32_t> right_winners<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

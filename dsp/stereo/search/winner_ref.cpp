@@ -6,10 +6,9 @@
 #include "dsp/base/check.h"
 
 namespace stof::dsp::ref {
-namespace {
 
 template <typename Sum>
-void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
+void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winners) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 &&
              costs.size() == winners.size() * count);
@@ -30,8 +29,8 @@ void find_winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t>
 }
 
 template <typename Sum>
-void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
-                        std::span<std::int16_t> winners) noexcept {
+void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
+                   std::span<std::int16_t> winners) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = costs.size() / count;
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count);
@@ -49,30 +48,11 @@ void find_right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lo
   }
 }
 
-}  // namespace
-
-void winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::int16_t> out) noexcept {
-  find_winners(costs, lanes, out);
-}
-void winners(std::span<const std::uint16_t> costs, int lanes,
-             std::span<std::int16_t> out) noexcept {
-  find_winners(costs, lanes, out);
-}
-void winners(std::span<const std::uint32_t> costs, int lanes,
-             std::span<std::int16_t> out) noexcept {
-  find_winners(costs, lanes, out);
-}
-void right_winners(std::span<const std::uint8_t> costs, int lanes, std::span<std::uint8_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  find_right_winners(costs, lanes, lowest, out);
-}
-void right_winners(std::span<const std::uint16_t> costs, int lanes, std::span<std::uint16_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  find_right_winners(costs, lanes, lowest, out);
-}
-void right_winners(std::span<const std::uint32_t> costs, int lanes, std::span<std::uint32_t> lowest,
-                   std::span<std::int16_t> out) noexcept {
-  find_right_winners(costs, lanes, lowest, out);
-}
+template Winners<std::uint8_t> winners<std::uint8_t>;
+template Winners<std::uint16_t> winners<std::uint16_t>;
+template Winners<std::uint32_t> winners<std::uint32_t>;
+template RightWinners<std::uint8_t> right_winners<std::uint8_t>;
+template RightWinners<std::uint16_t> right_winners<std::uint16_t>;
+template RightWinners<std::uint32_t> right_winners<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

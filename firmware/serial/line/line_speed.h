@@ -33,7 +33,7 @@ class LineSpeed {
   void restart() noexcept { change_at_.reset(); }
 
   // Begins a change where one is wanted, and carries it out where nothing is on its way any more
-  // (`idle`) and it is due. True: the port was told. kDeviceLost of the port.
+  // (`idle`) and it is due. True: the port was asked for it. kDeviceLost of the port.
   Result<bool> tick(hal::SerialPort& port, bool idle, hal::Time now) noexcept;
 
   // Of any thread: the port cannot do what was wanted last, and keeps the speed it had.

@@ -40,7 +40,7 @@ class SerialLink final : public Periodic {
 
   Counters counters() const noexcept;
   bool lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
-  // The line stays at the speed it had: it cannot do the one it was told.
+  // The line stays at the speed it had: it cannot do the one that was set.
   bool baud_refused() const noexcept { return speed_.refused(); }
   // Of the control thread.
   const mavlink::Autopilot& autopilot() const noexcept { return reader_.autopilot(); }

@@ -3,22 +3,15 @@
 #include <array>
 #include <cstdint>
 
+#include "dsp/base/random.h"
+
 namespace stof::hal::emu {
-
-// Random numbers that are the same bits everywhere; std's distributions are not.
-
-// A well mixed 64-bit word of another (the finaliser of splitmix64).
-constexpr std::uint64_t mix(std::uint64_t x) noexcept {
-  x = (x ^ (x >> 30U)) * 0xBF58476D1CE4E5B9ULL;
-  x = (x ^ (x >> 27U)) * 0x94D049BB133111EBULL;
-  return x ^ (x >> 31U);
-}
 
 // xorshift64*: fast, good enough for sensor noise.
 class Random {
  public:
   constexpr explicit Random(std::uint64_t seed) noexcept
-      : state_(mix(seed + 0x9E3779B97F4A7C15ULL) | 1U) {}
+      : state_(dsp::SplitMix64(seed).next() | 1U) {}
   constexpr std::uint64_t next() noexcept {
     state_ ^= state_ >> 12U;
     state_ ^= state_ << 25U;

@@ -11,7 +11,7 @@ enum Stream : std::uint32_t { kLeft = 0, kRight = 1, kPmd = 2, kPattern = 6 };
 
 std::uint64_t stream_seed(std::uint32_t rig_seed, std::uint32_t number,
                           std::uint32_t stream) noexcept {
-  return mix(mix(rig_seed) + number) + stream;
+  return dsp::mix(dsp::mix(rig_seed) + number) + stream;
 }
 
 dsp::Pinhole right_lens(const dsp::StereoRig& rig) noexcept {

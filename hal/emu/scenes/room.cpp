@@ -168,7 +168,7 @@ Rig random_rig(Draw& draw) {
 }  // namespace
 
 Room random_room(std::uint32_t seed) {
-  Draw draw(mix(seed) + 0x5EED);
+  Draw draw(dsp::mix(seed) + 0x5EED);
   Room room{.scene = {}, .rig = random_rig(draw)};
   const Shell shell = random_shell(draw);
   build_shell(room.scene, shell, draw);

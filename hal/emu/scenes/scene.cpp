@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/emu/imagery/random.h"
+#include "dsp/base/random.h"
 
 namespace stof::hal::emu {
 namespace {
@@ -14,7 +14,7 @@ double lattice(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t see
   const std::uint64_t word = static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL +
                              static_cast<std::uint64_t>(y) * 0xC2B2AE3D27D4EB4FULL +
                              static_cast<std::uint64_t>(z) * 0x165667B19E3779F9ULL + seed;
-  return static_cast<double>(mix(word) >> 32U) / 4294967296.0;
+  return static_cast<double>(dsp::mix(word) >> 32U) / 4294967296.0;
 }
 
 constexpr double blend(double a, double b, double t) noexcept { return a + t * (b - a); }

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "host/report/plain.h"
-#include "host/report/plain_program.h"
 #include "host/report/stereo/sections.h"
 
 namespace stof::host {
@@ -120,17 +119,17 @@ void add_cost_rows(const Study& study, const dataset::StereoScene& scene, Table&
 // The row's time with reference kernels. None for annealing, which has no kernels of its own.
 std::optional<double> plain_ms(Study& study, const Subject& subject, const MethodRow& row,
                                const Outcome& outcome, Findings& findings) {
-  if (study.plain_program().empty() || row.annealing) {
+  if (!study.plain() || row.annealing) {
     return std::nullopt;
   }
-  const std::optional<PlainMatch> plain =
-      run_plain(study.plain_program(), subject.folder, row.params, study.runs());
+  const dsp::UseVectors reference(dsp::Vectors::kRef);
+  const std::optional<Outcome> plain =
+      study.run(subject.scene, {"plain " + std::string(row.method) + ", " + row.cost, row.params});
   if (!plain) {
-    study.note_refused("plain " + std::string(row.method) + ", " + row.cost);
     return std::nullopt;
   }
   ++findings.plain_maps;
-  findings.plain_equal += plain->map == outcome.map ? 1 : 0;
+  findings.plain_equal += plain->disparity.pixels == outcome.disparity.pixels ? 1 : 0;
   return plain->ms;
 }
 

@@ -6,7 +6,6 @@
 
 #include "host/evaluate/stereo/match.h"
 #include "host/picture/relief.h"
-#include "host/plain/fingerprint.h"
 #include "host/report/page/legend.h"
 
 namespace stof::host {
@@ -62,7 +61,6 @@ std::optional<Outcome> Study::run(const dataset::StereoScene& scene, const Exper
   Outcome outcome;
   outcome.disparity = to_pixels(result->disparity.view());
   outcome.ms = result->median_ms;
-  outcome.map = fingerprint(result->disparity);
   const auto made_up =
       std::ranges::count_if(result->filled.pixels, [](std::uint8_t filled) { return filled != 0; });
   outcome.filled = static_cast<double>(made_up) /

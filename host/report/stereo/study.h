@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,8 +19,7 @@ namespace stof::host {
 // A scene, and how all of its maps are drawn.
 struct Subject {
   dataset::StereoScene scene;
-  std::filesystem::path folder;  // it was read from
-  DisparityScale scale;          // the range of the truth; without truth the search range
+  DisparityScale scale;  // the range of the truth; without truth the search range
 
   explicit Subject(dataset::StereoScene loaded);
   const std::string& name() const { return scene.name; }
@@ -40,34 +38,31 @@ struct Outcome {
   double filled = 0;                // share of its disparities that were made up, not matched
   double ms = 0;                    // median, one thread, this machine
   DisparityScore score;
-  std::uint64_t map = 0;  // fingerprint() of the disparities
 };
 
 class Study {
  public:
   // quick: small runs and no drawings of what takes long, for tests.
   Study(std::vector<Subject> subjects, std::optional<Subject> corridor, int runs, bool quick,
-        std::filesystem::path plain_program = {})
+        bool plain = false)
       : subjects_(std::move(subjects)),
         corridor_(std::move(corridor)),
         runs_(runs),
         quick_(quick),
-        plain_program_(std::move(plain_program)) {}
+        plain_(plain) {}
 
   const std::vector<Subject>& subjects() const { return subjects_; }
   const std::optional<Subject>& corridor() const { return corridor_; }
   int runs() const { return runs_; }
   bool quick() const { return quick_; }
-  // Empty: none.
-  const std::filesystem::path& plain_program() const { return plain_program_; }
+  // Whether whole methods are also timed with the reference kernels.
+  bool plain() const { return plain_; }
 
   // The map and its score. None where the matcher refuses the parameters for this scene: noted.
   std::optional<Outcome> run(const dataset::StereoScene& scene, const Experiment& experiment);
   // The preset as an experiment.
   std::optional<Outcome> run_preset(const dataset::StereoScene& scene, std::string_view name,
                                     bool fill = false);
-  // Of what was to be run elsewhere.
-  void note_refused(const std::string& name) { refused_.insert(name); }
   // A line of the text that goes with the page.
   void note(const std::string& scene, const std::string& method, const Outcome& outcome);
   const std::string& notes() const { return notes_; }
@@ -79,7 +74,7 @@ class Study {
   std::optional<Subject> corridor_;
   int runs_;
   bool quick_;
-  std::filesystem::path plain_program_;
+  bool plain_;
   std::set<std::string> refused_;
   std::string notes_;
 };

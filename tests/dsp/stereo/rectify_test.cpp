@@ -13,9 +13,9 @@
 #include "dsp/calib/stereo/remap_table.h"
 #include "tests/dsp/stereo/raw_world.h"
 #include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
-#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -87,40 +87,24 @@ PlaceTile random_tile(test::Random& random, int width, int height) {
   return tile;
 }
 
-TEST(RemapRow, VectorsEqualReferenceForEveryLengthAndPlace) {
-  for (const auto& [w, h, stride] : {std::array{2, 2, 2},
-                                     {15, 9, 15},
-                                     {16, 2, 16},
-                                     {17, 3, 40},
-                                     {33, 64, 33},
-                                     {200, 150, 203}}) {
-    test::Random random(static_cast<std::size_t>(w));
-    test::GuardedImage<std::uint8_t> source(w, h, stride);
-    for (int y = 0; y < h; ++y) {
-      random.fill(source.view().row(y));
-      if (y % 3 == 0) {  // the largest steps between neighbours
-        random.fill(source.view().row(y), 0, 1);
-        for (std::uint8_t& p : source.view().row(y)) {
-          p = p == 0 ? 0 : 255;
+TEST(RemapRow, EqualsReferenceForEveryLengthAndPlace) {
+  for (const auto& [w, h] : {std::array{2, 2}, {15, 9}, {16, 2}, {17, 3}, {33, 64}, {200, 150}}) {
+    for (const int line : {0, 15, 16, 31}) {
+      test::check_kernel(std::span(test::kHostileLengths).subspan(1), [&](test::KernelCase& c) {
+        const auto source = c.image<std::uint8_t>(w, h);
+        for (int y = 0; y < h; y += 3) {  // the largest steps between neighbours
+          c.fill(source.row(y), 0, 1);
+          for (std::uint8_t& p : source.row(y)) {
+            p = p == 0 ? 0 : 255;
+          }
         }
-      }
-    }
-    for (std::size_t n = 1; n <= 100; ++n) {
-      test::GuardedBuffer<PlaceTile> tiles((n + kTileSide - 1) / kTileSide);
-      for (PlaceTile& tile : tiles.span()) {
-        tile = random_tile(random, w, h);
-      }
-      for (const int line : {0, 15, 16, 31}) {
-        test::GuardedBuffer<std::uint8_t> reference(n, 77), vectors(n, 77);
-        ref::remap_row(source.view(), tiles.span(), line, reference.span());
-        for (const Vectors v : test::all_vectors()) {
-          const test::UseVectors use(v);
-          std::ranges::fill(vectors.span(), std::uint8_t{77});
-          best::remap_row(source.view(), tiles.span(), line, vectors.span());
-          ASSERT_TRUE(std::ranges::equal(reference.span(), vectors.span()))
-              << n << " of " << w << "x" << h;
+        const auto tiles = c.array<PlaceTile>((c.length() + kTileSide - 1) / kTileSide);
+        for (PlaceTile& tile : tiles) {
+          tile = random_tile(c.random(), w, h);
         }
-      }
+        const auto out = c.array<std::uint8_t>(c.length());
+        c.run([&] { best::remap_row(source, tiles, line, out); });
+      });
     }
   }
 }

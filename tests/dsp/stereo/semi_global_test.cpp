@@ -100,8 +100,8 @@ void add_direction(const Scene<Cost>& scene, int step, int shift, Map<Cost>& map
     if (k > 0) {
       edge_penalties_across(grey.row(y), grey.row(y - step), shift, how.penalties,
                             std::span(large));
-      ref::paths_across(scene.at(y), std::span<const Cost>(before), shift, kLanes,
-                        how.penalties.small, std::span<const Cost>(large), std::span(paths));
+      ref::paths_across<Cost>(scene.at(y), std::span<const Cost>(before), shift, kLanes,
+                              how.penalties.small, std::span<const Cost>(large), std::span(paths));
     }
     for (std::size_t i = 0; i < paths.size(); ++i) {
       map[size(y)][i] = static_cast<std::uint16_t>(map[size(y)][i] + paths[i]);
@@ -121,10 +121,10 @@ Map<Cost> whole_columns(const Scene<Cost>& scene, int directions) {
     const std::span<const Cost> all(large);
     std::vector<Cost> left(scene.at(y).size());
     std::vector<Cost> right(left.size());
-    ref::paths_from_left(scene.at(y), kLanes, how.penalties.small, all.first(all.size() - 1),
-                         std::span(left));
-    ref::paths_from_right(scene.at(y), kLanes, how.penalties.small, all.subspan(1),
-                          std::span(right));
+    ref::paths_from_left<Cost>(scene.at(y), kLanes, how.penalties.small, all.first(all.size() - 1),
+                               std::span(left));
+    ref::paths_from_right<Cost>(scene.at(y), kLanes, how.penalties.small, all.subspan(1),
+                                std::span(right));
     for (std::size_t i = 0; i < left.size(); ++i) {
       map[size(y)].push_back(static_cast<std::uint16_t>(left[i] + right[i]));
     }

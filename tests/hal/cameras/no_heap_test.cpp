@@ -1,7 +1,3 @@
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
 #include <gtest/gtest.h>
 
 #include "hal/emu/cameras/pmd_camera.h"
@@ -11,24 +7,7 @@
 #include "hal/emu/devices/datagram_port.h"
 #include "hal/emu/imagery/moving.h"
 #include "hal/emu/imagery/rendered.h"
-
-namespace {
-std::atomic<int> allocations{0};
-
-// Not inlined: g++ 12 takes free() of what `new` returned for a mistake where it sees one half
-// only.
-[[gnu::noinline]] void give_back(void* memory) noexcept { std::free(memory); }
-}  // namespace
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* const memory = std::malloc(size == 0 ? 1 : size)) {
-    return memory;
-  }
-  std::abort();
-}
-void operator delete(void* memory) noexcept { give_back(memory); }
-void operator delete(void* memory, std::size_t /*size*/) noexcept { give_back(memory); }
+#include "tests/support/counted_new.h"
 
 namespace stof::test {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -33,7 +33,7 @@ Interval interval_of(std::int32_t right, std::int32_t left, std::int64_t numerat
   const std::vector<Disparity> disparity{Disparity::from_raw(0)};
   const std::vector<std::uint8_t> half{0};
   std::vector<QuarterMm> low{7}, high{7};
-  ref::column_interval(disparity, half, tables, low, high);
+  best::column_interval(disparity, half, tables, low, high);
   return {low[0], high[0]};
 }
 
@@ -71,90 +71,71 @@ TEST(ColumnInterval, OfAColumnWithoutRayIsNone) {
   EXPECT_EQ(interval_of(kNoRightRay, kNoLeftRay, b), (Interval{}));
 }
 
-// Tables, disparities and results of one row, ending at unreadable pages.
-struct Row {
-  Row(std::size_t n, int first, int last)
-      : left(n),
-        right(right_tangents(n, first, last)),
-        disparity(n),
-        half(n),
-        tables{.first_raw = static_cast<std::int16_t>(first),
-               .last_raw = static_cast<std::int16_t>(last),
-               .left = left.span(),
-               .right = right.span()} {}
-
-  void expect_equal(const char* what) {
-    test::GuardedBuffer<QuarterMm> low_a(left.size()), low_b(left.size()), high_a(left.size()),
-        high_b(left.size());
-    ref::column_interval(disparity.span(), half.span(), tables, low_a.span(), high_a.span());
-    neon::column_interval(disparity.span(), half.span(), tables, low_b.span(), high_b.span());
-    ASSERT_TRUE(std::ranges::equal(low_a.span(), low_b.span())) << what;
-    ASSERT_TRUE(std::ranges::equal(high_a.span(), high_b.span())) << what;
-  }
-
-  test::GuardedBuffer<std::int32_t> left, right;
-  test::GuardedBuffer<Disparity> disparity;
-  test::GuardedBuffer<std::uint8_t> half;
-  ColumnTables tables;
-};
-
-TEST(ColumnInterval, NeonEqualsReferenceForEveryLengthAndAnyDisparity) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (const auto& [first, last] :
-         {std::array{0, 0}, {-16, 65 * 16}, {-32768, -32000}, {-700, 300}}) {
-      Row row(n, first, last);
-      test::Random random(n + static_cast<std::size_t>(last + 40000));
-      row.tables.max_range = static_cast<QuarterMm>(random.between(0, 65535));
-      row.tables.near_numerator =
-          (std::int64_t{1} << random.between(30, 47)) + random.between(0, 1 << 20);
-      row.tables.far_numerator = row.tables.near_numerator + random.between(0, 1);
-      random.fill(row.half.span());
-      random.fill(row.left.span(), -kOne / 8, kOne / 8);
-      random.fill(row.right.span(), -kOne / 8, 3 * kOne);
-      for (Disparity& d : row.disparity.span()) {
-        const int raw =
-            random.between(0, 3) == 0
-                ? random.between(-32768, 32767)
-                : std::clamp(first + random.between(-2, last - first + 2), -32768, 32767);
-        d = Disparity::from_raw(static_cast<std::int16_t>(raw));
+TEST(ColumnInterval, EqualsReferenceForEveryLengthAndAnyDisparity) {
+  for (const auto& [first, last] :
+       {std::array{0, 0}, {-16, 65 * 16}, {-32768, -32000}, {-700, 300}}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const std::int64_t numerator =
+          (std::int64_t{1} << c.random().between(30, 47)) + c.draw(0, 1 << 20);
+      const ColumnTables tables{
+          .first_raw = static_cast<std::int16_t>(first),
+          .last_raw = static_cast<std::int16_t>(last),
+          .max_range = static_cast<QuarterMm>(c.draw(0, 65535)),
+          .near_numerator = numerator,
+          .far_numerator = numerator + c.random().between(0, 1),
+          .left = c.array<std::int32_t>(n, -kOne / 8, kOne / 8),
+          .right = c.array<std::int32_t>(right_tangents(n, first, last), -kOne / 8, 3 * kOne)};
+      const auto half = c.array<std::uint8_t>(n, 0, 255);
+      const auto disparity = c.array<Disparity>(n);
+      for (Disparity& d : disparity) {
+        const int near =
+            std::clamp(first + c.random().between(-2, last - first + 2), -32768, 32767);
+        d = c.random().between(0, 3) == 0 ? d
+                                          : Disparity::from_raw(static_cast<std::int16_t>(near));
       }
-      row.expect_equal("random");
-    }
+      const auto low = c.array<QuarterMm>(n), high = c.array<QuarterMm>(n);
+      c.run([&] { best::column_interval(disparity, half, tables, low, high); });
+    });
   }
 }
 
 // The quotient is exact: around every multiple of the divisor, for divisors of every size.
-TEST(ColumnInterval, NeonEqualsReferenceAtTheEdgesOfEveryQuotient) {
+TEST(ColumnInterval, EqualsReferenceAtTheEdgesOfEveryQuotient) {
   constexpr std::size_t kColumns = 64;
-  for (int bits = 0; bits < 31; ++bits) {
-    for (int seed = 0; seed < 40; ++seed) {
-      test::Random random(static_cast<std::uint64_t>(100 * bits + seed));
-      Row row(kColumns, 0, 0);
-      std::ranges::fill(row.half.span(), std::uint8_t{0});
-      row.tables.max_range =
-          static_cast<QuarterMm>(seed % 2 == 0 ? 65535 : random.between(1, 65535));
-      const std::int64_t low = std::int64_t{1} << bits;
-      const std::int64_t divisor =
-          seed == 0
-              ? low
-              : low + static_cast<std::int64_t>(random.next() % static_cast<std::uint64_t>(low));
-      const int quotient = seed < 4 ? 65535 - seed : random.between(1, 65535);
-      const std::int64_t numerator =
-          std::max(divisor * quotient + random.between(-2, 2), std::int64_t{1} << 30);
-      row.tables.near_numerator = numerator;
-      row.tables.far_numerator = numerator;
-      for (std::size_t x = 0; x < kColumns; ++x) {
-        const std::int64_t difference =
-            std::clamp<std::int64_t>(divisor + static_cast<std::int64_t>(x) - 32, -4,
-                                     std::numeric_limits<std::int32_t>::max() - 1);
-        row.left[x] = static_cast<std::int32_t>(-(difference / 2));
-        row.right[x * Disparity::kOne + kMostSpread] =
-            static_cast<std::int32_t>(difference - difference / 2);
-        row.disparity[x] = Disparity::from_raw(0);
-      }
-      row.expect_equal("edge");
+  constexpr std::size_t kSeeds = 40;
+  test::check_kernel_rounds(31 * kSeeds, [](test::KernelCase& c) {
+    test::Random& random = c.random();
+    const std::size_t seed = c.length() % kSeeds;
+    const std::int64_t low_divisor = std::int64_t{1} << (c.length() / kSeeds);
+    const std::int64_t more =
+        static_cast<std::int64_t>(random.next() % static_cast<std::uint64_t>(low_divisor));
+    const std::int64_t divisor = seed == 0 ? low_divisor : low_divisor + more;
+    const int quotient = seed < 4 ? 65535 - static_cast<int>(seed) : random.between(1, 65535);
+    const std::int64_t numerator =
+        std::max(divisor * quotient + random.between(-2, 2), std::int64_t{1} << 30);
+    const auto left = c.array<std::int32_t>(kColumns);
+    const auto right = c.array<std::int32_t>(right_tangents(kColumns, 0, 0), 0, 0);
+    for (std::size_t x = 0; x < kColumns; ++x) {
+      const std::int64_t difference =
+          std::clamp<std::int64_t>(divisor + static_cast<std::int64_t>(x) - 32, -4,
+                                   std::numeric_limits<std::int32_t>::max() - 1);
+      left[x] = static_cast<std::int32_t>(-(difference / 2));
+      right[x * Disparity::kOne + kMostSpread] =
+          static_cast<std::int32_t>(difference - difference / 2);
     }
-  }
+    const ColumnTables tables{
+        .max_range = static_cast<QuarterMm>(seed % 2 == 0 ? 65535 : random.between(1, 65535)),
+        .near_numerator = numerator,
+        .far_numerator = numerator,
+        .left = left,
+        .right = right};
+    const auto disparity = c.array<Disparity>(kColumns);
+    std::ranges::fill(disparity, Disparity::from_raw(0));
+    const auto half = c.array<std::uint8_t>(kColumns, 0, 0);
+    const auto low = c.array<QuarterMm>(kColumns), high = c.array<QuarterMm>(kColumns);
+    c.run([&] { best::column_interval(disparity, half, tables, low, high); });
+  });
 }
 
 }  // namespace

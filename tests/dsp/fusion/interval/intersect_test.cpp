@@ -1,15 +1,12 @@
 #include "dsp/fusion/interval/intersect.h"
 
 #include <algorithm>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dsp/fusion/project/paint.h"
 #include "dsp/pmd/converter.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
-#include "tests/support/vectors.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -38,9 +35,9 @@ Fused run(Bounds stereo, Bounds pmd, std::uint8_t flags = 0, QuarterMm max_range
   QuarterMm width = 7;
   Source source{};
   Cause cause{};
-  ref::intersect({{&stereo.low, 1}, {&stereo.high, 1}}, {{&pmd.low, 1}, {&pmd.high, 1}},
-                 {{&ratio, 1}, {&flags, 1}}, max_range,
-                 {{&depth, 1}, {&width, 1}, {&source, 1}, {&cause, 1}});
+  best::intersect({{&stereo.low, 1}, {&stereo.high, 1}}, {{&pmd.low, 1}, {&pmd.high, 1}},
+                  {{&ratio, 1}, {&flags, 1}}, max_range,
+                  {{&depth, 1}, {&width, 1}, {&source, 1}, {&cause, 1}});
   return {depth, width, source, cause};
 }
 
@@ -121,44 +118,30 @@ TEST(Intersect, PublishesAnIntervalThatHoldsTheRealOneAndFits) {
   }
 }
 
-TEST(Intersect, AllVectorsEqualTheReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (const int spread : {6, 3000, 65535}) {
-      test::Random random(n * 3 + static_cast<std::size_t>(spread));
-      test::GuardedBuffer<QuarterMm> sl(n), sh(n), pl(n), ph(n), da(n), db(n), wa(n), wb(n);
-      test::GuardedBuffer<std::uint8_t> flags(n), ratio(n);
-      test::GuardedBuffer<Source> source_a(n), source_b(n);
-      test::GuardedBuffer<Cause> cause_a(n), cause_b(n);
-      random.fill(flags.span());
-      random.fill(ratio.span());
-      for (std::size_t x = 0; x < n; ++x) {
-        const auto put = [&](QuarterMm& low, QuarterMm& high) {
-          const int a = random.between(0, spread);
-          const int b = random.between(0, spread);
-          const int kind = random.between(0, 9);
-          low = kind == 0 ? kNothingPainted : static_cast<QuarterMm>(std::min(a, b));
-          high = kind <= 1 ? QuarterMm{0} : static_cast<QuarterMm>(std::max(a, b));
-          if (kind == 2) {
-            std::swap(low, high);
+TEST(Intersect, EqualsReferenceForEveryLengthAndExtreme) {
+  for (const int spread : {6, 3000, 65535}) {
+    for (const QuarterMm range : {QuarterMm{0}, QuarterMm{1}, QuarterMm{2000}, kMaxQuarterMm}) {
+      test::check_kernel([&](test::KernelCase& c) {
+        const std::size_t n = c.length();
+        const auto intervals = [&] {
+          const auto low = c.array<QuarterMm>(n, 0, spread),
+                     high = c.array<QuarterMm>(n, 0, spread);
+          for (std::size_t x = 0; x < n; ++x) {
+            const int kind = c.random().between(0, 9);
+            if ((low[x] > high[x]) != (kind == 2)) {
+              std::swap(low[x], high[x]);
+            }
+            low[x] = kind == 0 ? kNothingPainted : low[x];
+            high[x] = kind <= 1 ? kNoDepth : high[x];
           }
+          return IntervalRow{low, high};
         };
-        put(sl[x], sh[x]);
-        put(pl[x], ph[x]);
-      }
-      for (const QuarterMm range : {QuarterMm{0}, QuarterMm{1}, QuarterMm{2000}, kMaxQuarterMm}) {
-        const SupportRow support{ratio.span(), flags.span()};
-        ref::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
-                       {da.span(), wa.span(), source_a.span(), cause_a.span()});
-        for (const Vectors vectors : test::all_vectors()) {
-          const test::UseVectors use(vectors);
-          best::intersect({sl.span(), sh.span()}, {pl.span(), ph.span()}, support, range,
-                          {db.span(), wb.span(), source_b.span(), cause_b.span()});
-          ASSERT_TRUE(std::ranges::equal(da.span(), db.span())) << n << " spread " << spread;
-          ASSERT_TRUE(std::ranges::equal(wa.span(), wb.span())) << n << " spread " << spread;
-          ASSERT_TRUE(std::ranges::equal(source_a.span(), source_b.span())) << n;
-          ASSERT_TRUE(std::ranges::equal(cause_a.span(), cause_b.span())) << n;
-        }
-      }
+        const IntervalRow stereo = intervals(), pmd = intervals();
+        const SupportRow support{c.array<std::uint8_t>(n, 0, 255), c.array<std::uint8_t>(n)};
+        const FusedRow out{c.array<QuarterMm>(n), c.array<QuarterMm>(n), c.array<Source>(n),
+                           c.array<Cause>(n)};
+        c.run([&] { best::intersect(stereo, pmd, support, range, out); });
+      });
     }
   }
 }

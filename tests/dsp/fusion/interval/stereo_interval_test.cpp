@@ -6,9 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/calib/stereo/disparity_table.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
-#include "tests/support/vectors.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -25,7 +23,7 @@ struct Lookup {
         spread(half) {}
   DepthInterval at(Disparity disparity) const {
     DepthInterval out{7, 7};
-    ref::stereo_interval({&disparity, 1}, {&spread, 1}, table, {&out.low, 1}, {&out.high, 1});
+    best::stereo_interval({&disparity, 1}, {&spread, 1}, table, {&out.low, 1}, {&out.high, 1});
     return out;
   }
   std::vector<DepthInterval> bounds;
@@ -86,36 +84,26 @@ TEST(StereoInterval, WidensWithTheSpread) {
   EXPECT_EQ(widest.at(Disparity::from_pixels(64)).low, 5003);    // the table reaches beyond its end
 }
 
-TEST(StereoInterval, AllVectorsEqualTheReferenceForEveryLengthAndAnyDisparity) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (const int first : {-32767, -300, -16, 0, 5000, 32000}) {
-      test::Random random(n + static_cast<std::size_t>(first + 32768));
-      const std::size_t size = 2 * kMostSpread + static_cast<std::size_t>(random.between(1, 900));
-      test::GuardedBuffer<DepthInterval> bounds(size + size % 2);
-      for (DepthInterval& bound : bounds.span()) {
-        bound = {static_cast<QuarterMm>(random.next()), static_cast<QuarterMm>(random.next())};
+TEST(StereoInterval, EqualsReferenceForEveryLengthAndAnyDisparity) {
+  for (const int first : {-32767, -300, -16, 0, 5000, 32000}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const std::size_t size =
+          2 * kMostSpread + static_cast<std::size_t>(c.random().between(1, 900));
+      const auto bounds = c.array<DepthInterval>(size + size % 2);
+      const auto half = c.array<std::uint8_t>(n, 0, 255);
+      const auto disparity = c.array<Disparity>(n);
+      for (Disparity& d : disparity) {
+        const int near = std::clamp(first + c.random().between(-2, 900), -32768, 32767);
+        d = c.random().between(0, 2) == 0 ? d
+                                          : Disparity::from_raw(static_cast<std::int16_t>(near));
       }
-      test::GuardedBuffer<Disparity> disparity(n);
-      test::GuardedBuffer<std::uint8_t> half(n);
-      random.fill(half.span());
-      for (Disparity& d : disparity.span()) {
-        const int raw = random.between(0, 2) == 0
-                            ? random.between(-32768, 32767)
-                            : std::min(first + random.between(-2, 900), 32767);
-        d = Disparity::from_raw(static_cast<std::int16_t>(std::max(raw, -32768)));
-      }
-      test::GuardedBuffer<QuarterMm> low_a(n), low_b(n), high_a(n), high_b(n);
       const DisparityTable table{.first_raw = static_cast<std::int16_t>(first),
-                                 .max_range = static_cast<QuarterMm>(random.next()),
-                                 .bounds = bounds.span()};
-      ref::stereo_interval(disparity.span(), half.span(), table, low_a.span(), high_a.span());
-      for (const Vectors vectors : test::all_vectors()) {
-        const test::UseVectors use(vectors);
-        best::stereo_interval(disparity.span(), half.span(), table, low_b.span(), high_b.span());
-        ASSERT_TRUE(std::ranges::equal(low_a.span(), low_b.span())) << n << " first " << first;
-        ASSERT_TRUE(std::ranges::equal(high_a.span(), high_b.span())) << n << " first " << first;
-      }
-    }
+                                 .max_range = static_cast<QuarterMm>(c.draw(0, 65535)),
+                                 .bounds = bounds};
+      const auto low = c.array<QuarterMm>(n), high = c.array<QuarterMm>(n);
+      c.run([&] { best::stereo_interval(disparity, half, table, low, high); });
+    });
   }
 }
 

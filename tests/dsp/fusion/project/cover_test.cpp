@@ -1,12 +1,8 @@
 #include "dsp/fusion/project/cover.h"
 
-#include <algorithm>
-#include <array>
-
 #include <gtest/gtest.h>
 
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -18,7 +14,7 @@ struct Halves {
 };
 Halves half_of(QuarterMm distance, std::int16_t forward, QuarterMm depth, const CoverScale& scale) {
   Halves half;
-  ref::half_sizes({&distance, 1}, {&forward, 1}, {&depth, 1}, scale, {&half.x, 1}, {&half.y, 1});
+  best::half_sizes({&distance, 1}, {&forward, 1}, {&depth, 1}, scale, {&half.x, 1}, {&half.y, 1});
   return half;
 }
 
@@ -41,24 +37,19 @@ TEST(HalfSizes, AreNoneWithoutAReading) {
   EXPECT_EQ(half_of(8000, -32767, 8000, {1, 1}), kNone);
 }
 
-TEST(HalfSizes, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (int variant = 0; variant < 4; ++variant) {
-      test::Random random(n * 4 + static_cast<std::size_t>(variant));
-      test::GuardedBuffer<QuarterMm> distance(n), depth(n);
-      test::GuardedBuffer<std::int16_t> forward(n);
-      test::GuardedBuffer<std::int32_t> x_a(n), y_a(n), x_b(n), y_b(n);
-      random.fill(distance.span(), 0, variant == 0 ? 2 : 65535);
-      random.fill(depth.span(), 0, variant == 1 ? 2 : 65535);
-      random.fill(forward.span(), variant == 2 ? -3 : 0, variant == 2 ? 3 : 32767);
-      const CoverScale scale{static_cast<float>(random.between(1, 100000)) / 1e6F,
-                             static_cast<float>(random.between(1, 100000)) / 1e3F};
-      ref::half_sizes(distance.span(), forward.span(), depth.span(), scale, x_a.span(), y_a.span());
-      neon::half_sizes(distance.span(), forward.span(), depth.span(), scale, x_b.span(),
-                       y_b.span());
-      ASSERT_TRUE(std::ranges::equal(x_a.span(), x_b.span())) << n << "/" << variant;
-      ASSERT_TRUE(std::ranges::equal(y_a.span(), y_b.span())) << n << "/" << variant;
-    }
+TEST(HalfSizes, EqualReferenceForEveryLengthAndExtreme) {
+  for (int variant = 0; variant < 4; ++variant) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const auto distance = c.array<QuarterMm>(n, 0, variant == 0 ? 2 : 65535);
+      const auto depth = c.array<QuarterMm>(n, 0, variant == 1 ? 2 : 65535);
+      const auto forward =
+          c.array<std::int16_t>(n, variant == 2 ? -3 : 0, variant == 2 ? 3 : 32767);
+      const CoverScale scale{static_cast<float>(c.draw(1, 100000)) / 1e6F,
+                             static_cast<float>(c.draw(1, 100000)) / 1e3F};
+      const auto x = c.array<std::int32_t>(n), y = c.array<std::int32_t>(n);
+      c.run([&] { best::half_sizes(distance, forward, depth, scale, x, y); });
+    });
   }
 }
 
@@ -81,19 +72,17 @@ TEST(Cover, TakesNothingWhereThereIsNoReading) {
   }
 }
 
-TEST(Cover, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (const int size : {0, 1, 640, 32767}) {
-      test::Random random(n + static_cast<std::size_t>(size));
-      test::GuardedBuffer<std::int32_t> place(n), half(n);
-      test::GuardedBuffer<std::int16_t> begin_a(n), end_a(n), begin_b(n), end_b(n);
-      const int far = random.between(0, 1) == 0 ? kFarthestPosition : 16 * size;
-      random.fill(place.span(), -far, far);
-      random.fill(half.span(), kCoversNothing, random.between(0, 1) == 0 ? kFarthestPosition : 99);
-      ref::cover(place.span(), half.span(), size, begin_a.span(), end_a.span());
-      neon::cover(place.span(), half.span(), size, begin_b.span(), end_b.span());
-      ASSERT_TRUE(std::ranges::equal(begin_a.span(), begin_b.span())) << n << "/" << size;
-      ASSERT_TRUE(std::ranges::equal(end_a.span(), end_b.span())) << n << "/" << size;
+TEST(Cover, EqualsReferenceForEveryLengthAndExtreme) {
+  for (const int size : {0, 1, 640, 32767}) {
+    for (const int widest : {99, int{kFarthestPosition}}) {
+      test::check_kernel([&](test::KernelCase& c) {
+        const std::size_t n = c.length();
+        const int far = widest == 99 ? 16 * size : int{kFarthestPosition};
+        const auto place = c.array<std::int32_t>(n, -far, far);
+        const auto half = c.array<std::int32_t>(n, kCoversNothing, widest);
+        const auto begin = c.array<std::int16_t>(n), end = c.array<std::int16_t>(n);
+        c.run([&] { best::cover(place, half, size, begin, end); });
+      });
     }
   }
 }

@@ -1,13 +1,11 @@
 #include "dsp/fusion/project/project.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <gtest/gtest.h>
 
-#include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
-#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -23,8 +21,8 @@ Point run(std::array<std::int16_t, 3> ray, QuarterMm distance, const Projection&
   std::int32_t u = 7;
   std::int32_t v = 7;
   QuarterMm depth = 7;
-  ref::project({{ray.data(), 1}, {ray.data() + 1, 1}, {ray.data() + 2, 1}}, {&distance, 1},
-               projection, {&u, 1}, {&v, 1}, {&depth, 1});
+  best::project({{ray.data(), 1}, {ray.data() + 1, 1}, {ray.data() + 2, 1}}, {&distance, 1},
+                projection, {&u, 1}, {&v, 1}, {&depth, 1});
   return {u, v, depth};
 }
 
@@ -69,36 +67,27 @@ TEST(Project, StaysWithinAStepOfDoubleInsideTheImage) {
   }
 }
 
-TEST(Project, BestEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (int variant = 0; variant < 4; ++variant) {
-      test::Random random(n * 4 + static_cast<std::size_t>(variant));
-      test::GuardedBuffer<std::int16_t> x(n), y(n), z(n);
-      test::GuardedBuffer<QuarterMm> distance(n), depth_a(n), depth_b(n);
-      test::GuardedBuffer<std::int32_t> u_a(n), u_b(n), v_a(n), v_b(n);
-      random.fill(x.span(), -32767, 32767);
-      random.fill(y.span(), -32767, 32767);
-      random.fill(z.span(), variant == 0 ? 0 : -32767, variant == 1 ? 3 : 32767);
-      random.fill(distance.span(), 0, variant == 2 ? 2 : 65535);
+TEST(Project, EqualsReferenceForEveryLengthAndExtreme) {
+  for (int variant = 0; variant < 4; ++variant) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const RayRow rays{
+          c.array<std::int16_t>(n, -32767, 32767), c.array<std::int16_t>(n, -32767, 32767),
+          c.array<std::int16_t>(n, variant == 0 ? 0 : -32767, variant == 1 ? 3 : 32767)};
+      const auto distance = c.array<QuarterMm>(n, 0, variant == 2 ? 2 : 65535);
       const std::size_t empty = std::min(n, std::size_t{16});  // whole vectors without a reading
-      std::ranges::fill(distance.span().first(n % 3 == 0 ? empty : 0), kNoDepth);
-      Projection camera{.focal_x = static_cast<float>(random.between(1, 60000)),
-                        .focal_y = static_cast<float>(random.between(1, 60000)),
-                        .centre_x = static_cast<float>(random.between(-60000, 60000)),
-                        .centre_y = static_cast<float>(random.between(-60000, 60000))};
+      std::ranges::fill(distance.first(n % 3 == 0 ? empty : 0), kNoDepth);
+      Projection camera{.focal_x = static_cast<float>(c.draw(1, 60000)),
+                        .focal_y = static_cast<float>(c.draw(1, 60000)),
+                        .centre_x = static_cast<float>(c.draw(-60000, 60000)),
+                        .centre_y = static_cast<float>(c.draw(-60000, 60000))};
       for (std::int32_t& origin : camera.origin) {
-        origin = variant == 3 ? random.between(-400000, 400000) : random.between(-2, 2);
+        origin = variant == 3 ? c.draw(-400000, 400000) : c.draw(-2, 2);
       }
-      const RayRow rays{x.span(), y.span(), z.span()};
-      ref::project(rays, distance.span(), camera, u_a.span(), v_a.span(), depth_a.span());
-      for (const Vectors vectors : test::all_vectors()) {
-        const test::UseVectors use(vectors);
-        best::project(rays, distance.span(), camera, u_b.span(), v_b.span(), depth_b.span());
-        ASSERT_TRUE(std::ranges::equal(u_a.span(), u_b.span())) << n << "/" << variant;
-        ASSERT_TRUE(std::ranges::equal(v_a.span(), v_b.span())) << n << "/" << variant;
-        ASSERT_TRUE(std::ranges::equal(depth_a.span(), depth_b.span())) << n << "/" << variant;
-      }
-    }
+      const auto u = c.array<std::int32_t>(n), v = c.array<std::int32_t>(n);
+      const auto depth = c.array<QuarterMm>(n);
+      c.run([&] { best::project(rays, distance, camera, u, v, depth); });
+    });
   }
 }
 

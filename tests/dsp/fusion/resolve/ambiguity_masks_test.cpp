@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dsp/pmd/pmd_maps.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
-#include "tests/support/vectors.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -39,13 +36,13 @@ struct Marked {
 Marked run(const Pixel& p) {
   std::array<std::uint64_t, 5> words{7, 7, 7, 7, 7};
   const auto word = [&](std::size_t k) { return std::span(words).subspan(k, 1); };
-  ref::ambiguity_masks({{&p.disparity, 1},
-                        {&p.weak, 1},
-                        {{&p.ratio, 1}, {&p.flags, 1}},
-                        {{&p.low, 1}, {&p.high, 1}},
-                        {&p.source, 1},
-                        {&p.cause, 1}},
-                       {word(0), word(1), word(2), word(3), word(4)});
+  best::ambiguity_masks({{&p.disparity, 1},
+                         {&p.weak, 1},
+                         {{&p.ratio, 1}, {&p.flags, 1}},
+                         {{&p.low, 1}, {&p.high, 1}},
+                         {&p.source, 1},
+                         {&p.cause, 1}},
+                        {word(0), word(1), word(2), word(3), word(4)});
   for (const std::uint64_t bits : words) {
     EXPECT_LE(bits, 1U);
   }
@@ -80,68 +77,41 @@ TEST(AmbiguityMasks, AWeakMatchCountsWithoutAnother) {
   EXPECT_EQ(run({.weak = kSome}), Marked{});
 }
 
-struct Row {
-  Row(std::size_t n, test::Random& random)
-      : disparity(n), weak(n), ratio(n), flags(n), low(n), high(n), source(n), cause(n) {
-    random.fill(ratio.span());
-    random.fill(flags.span());
-    for (std::size_t x = 0; x < n; ++x) {
-      const auto some = [&] {
-        return random.between(0, 2) == 0
-                   ? Disparity::none()
-                   : Disparity::from_raw(static_cast<std::int16_t>(random.next()));
-      };
-      disparity[x] = some();
-      weak[x] = some();
-      low[x] = static_cast<QuarterMm>(random.next());
-      const int share = low[x] / kNarrowShare + random.between(-2, 2);
-      high[x] = static_cast<QuarterMm>(random.between(0, 3) == 0 ? random.between(0, 65535)
-                                                                 : std::min(low[x] + share, 65535));
-      source[x] = static_cast<Source>(random.between(0, 5));
-      cause[x] = static_cast<Cause>(random.between(0, kCauses - 1));
+MaskRow random_row(test::KernelCase& c, bool with_weak) {
+  const std::size_t n = c.length();
+  const auto some = [&](std::size_t count) {
+    const auto out = c.array<Disparity>(count);
+    for (Disparity& d : out) {
+      d = c.random().between(0, 2) == 0 ? Disparity::none() : d;
     }
+    return out;
+  };
+  const auto low = c.array<QuarterMm>(n, 0, 65535), high = c.array<QuarterMm>(n);
+  for (std::size_t x = 0; x < n; ++x) {
+    const int share = low[x] / kNarrowShare + c.random().between(-2, 2);
+    high[x] = c.random().between(0, 3) == 0
+                  ? high[x]
+                  : static_cast<QuarterMm>(std::clamp(low[x] + share, 0, 65535));
   }
-  MaskRow row(bool with_weak) {
-    return {disparity.span(),
-            with_weak ? weak.span() : std::span<const Disparity>{},
-            {ratio.span(), flags.span()},
-            {low.span(), high.span()},
-            source.span(),
-            cause.span()};
-  }
-  test::GuardedBuffer<Disparity> disparity, weak;
-  test::GuardedBuffer<std::uint8_t> ratio, flags;
-  test::GuardedBuffer<QuarterMm> low, high;
-  test::GuardedBuffer<Source> source;
-  test::GuardedBuffer<Cause> cause;
-};
+  const auto disparity = some(n), weak = some(with_weak ? n : 0);
+  return {disparity,
+          weak,
+          {c.array<std::uint8_t>(n, 0, 255), c.array<std::uint8_t>(n)},
+          {low, high},
+          c.array<Source>(n, 0, 5),
+          c.array<Cause>(n, 0, kCauses - 1)};
+}
 
-struct Words {
-  explicit Words(std::size_t n) : open(n), matched(n), disputed(n), weak(n), edge(n) {}
-  PixelMasks masks() {
-    return {open.span(), matched.span(), disputed.span(), weak.span(), edge.span()};
-  }
-  test::GuardedBuffer<std::uint64_t> open, matched, disputed, weak, edge;
-};
-
-TEST(AmbiguityMasks, AllVectorsEqualTheReferenceForEveryLength) {
-  for (const Vectors vectors : test::all_vectors()) {
-    const test::UseVectors use(vectors);
-    for (std::size_t n = 0; n <= 200; ++n) {
-      test::Random random(n);
-      Row row(n, random);
-      for (const bool with_weak : {false, true}) {
-        Words expected((n + 63) / 64);
-        Words marked((n + 63) / 64);
-        ref::ambiguity_masks(row.row(with_weak), expected.masks());
-        best::ambiguity_masks(row.row(with_weak), marked.masks());
-        ASSERT_TRUE(std::ranges::equal(expected.open.span(), marked.open.span())) << n;
-        ASSERT_TRUE(std::ranges::equal(expected.matched.span(), marked.matched.span())) << n;
-        ASSERT_TRUE(std::ranges::equal(expected.disputed.span(), marked.disputed.span())) << n;
-        ASSERT_TRUE(std::ranges::equal(expected.weak.span(), marked.weak.span())) << n;
-        ASSERT_TRUE(std::ranges::equal(expected.edge.span(), marked.edge.span())) << n;
-      }
-    }
+TEST(AmbiguityMasks, EqualReferenceForEveryLength) {
+  for (const bool with_weak : {false, true}) {
+    test::check_kernel(std::array<std::size_t, 10>{0, 1, 16, 63, 64, 65, 127, 128, 129, 200},
+                       [&](test::KernelCase& c) {
+                         const MaskRow row = random_row(c, with_weak);
+                         const std::size_t words = (c.length() + 63) / 64;
+                         const auto word = [&] { return c.array<std::uint64_t>(words); };
+                         const PixelMasks masks{word(), word(), word(), word(), word()};
+                         c.run([&] { best::ambiguity_masks(row, masks); });
+                       });
   }
 }
 

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/guarded.h"
-#include "tests/support/random.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -44,26 +45,6 @@ struct Row {
             .kind = kind.span(),
             .grey = then.span()};
   }
-  // The frame of another row, with this row's own past.
-  void take_frame(Row& from) {
-    std::ranges::copy(from.grey.span(), grey.span().begin());
-    std::ranges::copy(from.above.span(), above.span().begin());
-    std::ranges::copy(from.here.span(), here.span().begin());
-    std::ranges::copy(from.below.span(), below.span().begin());
-    std::ranges::copy(from.source.span(), source.span().begin());
-    std::ranges::copy(from.depth.span(), depth.span().begin());
-    std::ranges::copy(from.width.span(), width.span().begin());
-  }
-  bool same_results(Row& other) {
-    return std::ranges::equal(depth.span(), other.depth.span()) &&
-           std::ranges::equal(width.span(), other.width.span()) &&
-           std::ranges::equal(mean.span(), other.mean.span()) &&
-           std::ranges::equal(scatter.span(), other.scatter.span()) &&
-           std::ranges::equal(tally.span(), other.tally.span()) &&
-           std::ranges::equal(kind.span(), other.kind.span()) &&
-           std::ranges::equal(then.span(), other.then.span());
-  }
-
   Bytes grey, above, here, below;
   test::GuardedBuffer<Source> source;
   Words depth, width, mean, scatter;
@@ -72,53 +53,52 @@ struct Row {
 
 enum class Scene { kAnything, kStill, kCreeping };
 
-void next_frame(Scene scene, int frame, test::Random& random, Row& row) {
-  random.fill(row.grey.span());
-  for (Bytes* const change : {&row.above, &row.here, &row.below}) {
-    random.fill(change->span(), 0, scene == Scene::kAnything ? 255 : 12);
-    change->span().front() = 0;
-    change->span().back() = 0;
-  }
-  for (std::size_t x = 0; x < row.depth.size(); ++x) {
+TemporalRow next_frame(Scene scene, int frame, test::KernelCase& c) {
+  const std::size_t n = c.length();
+  const auto change = [&] {
+    const auto out = c.array<std::uint8_t>(n + 2, 0, scene == Scene::kAnything ? 255 : 12);
+    out.front() = 0;
+    out.back() = 0;
+    return out;
+  };
+  const TemporalRow row{.grey = c.array<std::uint8_t>(n),
+                        .change = {change(), change(), change()},
+                        .source = c.array<Source>(n, scene == Scene::kAnything ? 0 : 3,
+                                                  scene == Scene::kAnything ? 255 : 3),
+                        .depth = c.array<QuarterMm>(n),
+                        .width = c.array<QuarterMm>(n)};
+  static_assert(static_cast<int>(Source::kBoth) == 3);
+  for (std::size_t x = 0; x < n && scene != Scene::kAnything; ++x) {
     const int at = static_cast<int>(x);
-    row.source[x] = Source::kBoth;
-    if (scene == Scene::kAnything) {
-      row.source[x] = static_cast<Source>(random.between(0, 255));
-      row.depth[x] = static_cast<QuarterMm>(random.next());
-      row.width[x] = static_cast<QuarterMm>(random.next());
-      continue;
-    }
     // Also where a mean or an interval would leave u16.
     const int base = at % 5 == 0 ? 65535 - 60 * at : 60 + 700 * at % 50000;
     const int creep = scene == Scene::kCreeping ? frame * at % 90 : 0;
     const int width = at % 7 == 0 ? 65535 : 40 * at;
     row.width[x] = static_cast<QuarterMm>(width);
-    const int noise = random.between(-width / 4, width / 4);
+    const int noise = c.random().between(-width / 4, width / 4);
     row.depth[x] = static_cast<QuarterMm>(std::clamp(base + creep + noise, 1, 65535));
-    if (random.between(0, 40) == 0) {
+    if (c.random().between(0, 40) == 0) {
       row.depth[x] = kNoDepth;
     }
   }
+  return row;
 }
 
 TEST(GreyChange, IsTheAmountInEitherDirection) {
   const std::array<std::uint8_t, 4> now{0, 255, 10, 7};
   const std::array<std::uint8_t, 4> then{255, 0, 14, 7};
   std::array<std::uint8_t, 4> change{};
-  ref::grey_change(now, then, change);
+  best::grey_change(now, then, change);
   EXPECT_EQ(change, (std::array<std::uint8_t, 4>{255, 255, 4, 0}));
 }
 
-TEST(GreyChange, NeonEqualsReferenceForEveryLength) {
-  for (std::size_t n = 0; n <= 100; ++n) {
-    test::Random random(n);
-    Bytes now(n), then(n), a(n), b(n);
-    random.fill(now.span());
-    random.fill(then.span());
-    ref::grey_change(now.span(), then.span(), a.span());
-    neon::grey_change(now.span(), then.span(), b.span());
-    ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n;
-  }
+TEST(GreyChange, EqualsReferenceForEveryLength) {
+  test::check_kernel([](test::KernelCase& c) {
+    const auto now = c.array<std::uint8_t>(c.length(), 0, 255);
+    const auto then = c.array<std::uint8_t>(c.length(), 0, 255);
+    const auto change = c.array<std::uint8_t>(c.length());
+    c.run([&] { best::grey_change(now, then, change); });
+  });
 }
 
 // Worked by hand: width 800, so half 400; a mean of depths 8000, 8100, 7900, 8060.
@@ -132,7 +112,7 @@ TEST(TemporalRow, FollowsTheFormula) {
     row.depth[0] = seen[i];
     row.width[0] = 800;
     row.source[0] = Source::kPmd;
-    ref::temporal_row(row.row(), {}, row.state());
+    best::temporal_row(row.row(), {}, row.state());
     EXPECT_EQ(row.depth[0], published[i]) << i;
     EXPECT_EQ(row.width[0], 800) << i;
     EXPECT_EQ(row.mean[0], mean[i]) << i;
@@ -147,40 +127,41 @@ TEST(TemporalRow, NoDepthIsNeverFilledWhateverItsWidthSays) {
   for (int frame = 0; frame < 10; ++frame) {
     row.depth[0] = static_cast<QuarterMm>(40 + frame % 2);
     row.width[0] = 800;
-    ref::temporal_row(row.row(), {}, row.state());
+    best::temporal_row(row.row(), {}, row.state());
   }
   row.depth[0] = kNoDepth;
-  ref::temporal_row(row.row(), {}, row.state());
+  best::temporal_row(row.row(), {}, row.state());
   EXPECT_EQ(row.depth[0], kNoDepth);
   EXPECT_EQ(row.tally[0], 0);
   EXPECT_EQ(row.mean[0], 0);
 }
 
-TEST(TemporalRow, NeonEqualsReferenceForEveryLengthOverManyFrames) {
+TEST(TemporalRow, EqualsReferenceForEveryLengthOverManyFrames) {
   int narrowed = 0;
   int moved = 0;
-  for (std::size_t n = 0; n <= 67; ++n) {
-    for (const Scene scene : {Scene::kAnything, Scene::kStill, Scene::kCreeping}) {
-      test::Random random(n * 3 + static_cast<std::size_t>(scene));
+  for (const Scene scene : {Scene::kAnything, Scene::kStill, Scene::kCreeping}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
       const TemporalLimits limits{
-          .frames = static_cast<std::uint8_t>(n % 3 == 0 ? random.between(1, kMostFrames) : 8),
-          .max_step = static_cast<QuarterMm>(n % 4 == 0 ? random.between(0, kMostStep) : kMostStep),
+          .frames = static_cast<std::uint8_t>(n % 3 == 0 ? c.draw(1, kMostFrames) : 8),
+          .max_step = static_cast<QuarterMm>(n % 4 == 0 ? c.draw(0, kMostStep) : kMostStep),
           .max_change = static_cast<std::uint8_t>(scene == Scene::kAnything ? 255 : 12)};
-      Row measured(n), a(n), b(n);
+      const TemporalState state{.mean = c.array<QuarterMm>(n, 0, 0),
+                                .scatter = c.array<std::uint16_t>(n, 0, 0),
+                                .tally = c.array<std::uint8_t>(n, 0, 0),
+                                .kind = c.array<std::uint8_t>(n, 0, 0),
+                                .grey = c.array<std::uint8_t>(n, 0, 0)};
       for (int frame = 0; frame < 16; ++frame) {
-        next_frame(scene, frame, random, measured);
-        a.take_frame(measured);
-        b.take_frame(measured);
-        ref::temporal_row(a.row(), limits, a.state());
-        neon::temporal_row(b.row(), limits, b.state());
-        ASSERT_TRUE(a.same_results(b))
-            << n << " scene " << static_cast<int>(scene) << " frame " << frame;
+        const TemporalRow row = next_frame(scene, frame, c);
+        const std::vector<QuarterMm> depth(row.depth.begin(), row.depth.end());
+        const std::vector<QuarterMm> width(row.width.begin(), row.width.end());
+        c.run([&] { best::temporal_row(row, limits, state); });
         for (std::size_t x = 0; x < n; ++x) {
-          narrowed += a.width[x] < measured.width[x] ? 1 : 0;
-          moved += a.depth[x] != measured.depth[x] ? 1 : 0;
+          narrowed += row.width[x] < width[x] ? 1 : 0;
+          moved += row.depth[x] != depth[x] ? 1 : 0;
         }
       }
-    }
+    });
   }
   EXPECT_GT(narrowed, 1000);
   EXPECT_GT(moved, 10000);

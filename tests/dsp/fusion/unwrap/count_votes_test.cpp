@@ -1,13 +1,10 @@
 #include "dsp/fusion/unwrap/count_votes.h"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
 #include "dsp/fusion/project/project.h"
 #include "tests/support/guarded.h"
-#include "tests/support/random.h"
-#include "tests/support/vectors.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -55,8 +52,8 @@ Votes votes(Grid& grid, At at, int far_off = 4000) {
   const auto depth = static_cast<QuarterMm>(at.depth);
   const auto tolerance = static_cast<QuarterMm>(at.tolerance);
   Votes out{0xFFFF};
-  ref::count_votes({{&u, 1}, {&v, 1}, {&depth, 1}, {&tolerance, 1}}, grid.grid(),
-                   static_cast<QuarterMm>(far_off), {&out, 1});
+  best::count_votes({{&u, 1}, {&v, 1}, {&depth, 1}, {&tolerance, 1}}, grid.grid(),
+                    static_cast<QuarterMm>(far_off), {&out, 1});
   return out;
 }
 
@@ -109,39 +106,31 @@ TEST(CountVotes, SaturatesAtBothEnds) {
   EXPECT_EQ(votes(grid, {.x = 4, .y = 4, .depth = 65000}, 65535).apart(), 0);
 }
 
-TEST(CountVotes, BestEqualsReferenceForEveryLength) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    test::Random random(n);
-    const int columns = random.between(1, 12);
-    const int rows = random.between(1, 9);
-    const int step_bits = random.between(1, 4);
-    Grid grid(columns, rows, step_bits);
-    for (int k = columns * rows; k-- > 0;) {
-      if (random.between(0, 3) != 0) {
-        const int low = random.between(1, kMaxQuarterMm);
-        grid.put(k % columns, k / columns, low, random.between(low, kMaxQuarterMm));
+TEST(CountVotes, EqualReferenceForEveryLength) {
+  for (const int step_bits : {1, 2, 4}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const int columns = c.random().between(1, 12), rows = c.random().between(1, 9);
+      Grid grid(columns, rows, step_bits);
+      for (int k = columns * rows; k-- > 0;) {
+        if (c.random().between(0, 3) != 0) {
+          const int low = c.draw(1, kMaxQuarterMm);
+          grid.put(k % columns, k / columns, low, c.draw(low, kMaxQuarterMm));
+        }
       }
-    }
-    test::GuardedBuffer<std::int32_t> u(n), v(n);
-    test::GuardedBuffer<QuarterMm> depth(n), tolerance(n);
-    test::GuardedBuffer<Votes> a(n), b(n);
-    const int size = kPositionOne << step_bits;
-    random.fill(u.span(), -3 * size, (columns + 3) * size);
-    random.fill(v.span(), -3 * size, (rows + 3) * size);
-    random.fill(depth.span(), 0, kMaxQuarterMm);
-    random.fill(tolerance.span(), 0, random.between(0, 1) == 0 ? 20000 : kMaxQuarterMm);
-    for (std::size_t i = 0; i < n; ++i) {
-      const bool empty = n % 3 == 0 && i < 16;  // whole vectors without a reading
-      depth[i] = empty || random.between(0, 5) == 0 ? kNoDepth : depth[i];
-    }
-    const auto far_off = static_cast<QuarterMm>(random.between(0, 20000));
-    const Places places{u.span(), v.span(), depth.span(), tolerance.span()};
-    ref::count_votes(places, grid.grid(), far_off, a.span());
-    for (const Vectors vectors : test::all_vectors()) {
-      const test::UseVectors use(vectors);
-      best::count_votes(places, grid.grid(), far_off, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << "length and seed " << n;
-    }
+      const int size = kPositionOne << step_bits;
+      const auto u = c.array<std::int32_t>(n, -3 * size, (columns + 3) * size);
+      const auto v = c.array<std::int32_t>(n, -3 * size, (rows + 3) * size);
+      const auto depth = c.array<QuarterMm>(n, 0, kMaxQuarterMm);
+      const auto tolerance = c.array<QuarterMm>(n, 0, n % 2 == 0 ? 20000 : kMaxQuarterMm);
+      for (std::size_t i = 0; i < n; ++i) {
+        const bool empty = n % 3 == 0 && i < 16;  // whole vectors without a reading
+        depth[i] = empty || c.random().between(0, 5) == 0 ? kNoDepth : depth[i];
+      }
+      const auto far_off = static_cast<QuarterMm>(c.draw(0, 20000));
+      const auto votes = c.array<Votes>(n);
+      c.run([&] { best::count_votes({u, v, depth, tolerance}, grid.grid(), far_off, votes); });
+    });
   }
 }
 

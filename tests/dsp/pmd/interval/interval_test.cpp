@@ -7,6 +7,7 @@
 
 #include "dsp/pmd/pmd_maps.h"
 #include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -30,9 +31,9 @@ Interval run(const Block& distance, const Block& sigma, const IntervalLimits& li
   QuarterMm high = 7;
   const std::span<const QuarterMm> d(distance);
   const std::span<const QuarterMm> s(sigma);
-  ref::interval({d.subspan(0, 3), d.subspan(3, 3), d.subspan(6, 3), s.subspan(0, 3),
-                 s.subspan(3, 3), s.subspan(6, 3)},
-                limits, {&flags, 1}, {&low, 1}, {&high, 1});
+  best::interval({d.subspan(0, 3), d.subspan(3, 3), d.subspan(6, 3), s.subspan(0, 3),
+                  s.subspan(3, 3), s.subspan(6, 3)},
+                 limits, {&flags, 1}, {&low, 1}, {&high, 1});
   return {low, high, flags};
 }
 
@@ -118,7 +119,7 @@ TEST(Interval, SaysWhereItIsMoreThanSixteenBitsHold) {
   EXPECT_EQ(run(distance, sigma, far), (Interval{65466, 65534, 0}));
 }
 
-// A frame of width x height with a border column of 0 to either side, and what both variants say.
+// A frame of width x height with a border column of 0 to either side.
 struct Frame {
   Frame(int w, int h, std::uint64_t seed, int spread)
       : width(w),
@@ -163,6 +164,12 @@ TEST(Interval, ASlantedSurfaceIsNoEdgeAndAStepIs) {
   EXPECT_NE(run(step, sigma, slanted).flags & kPmdEdge, 0);
 }
 
+IntervalLimits limits_of(int width) {
+  return width % 3 == 0 ? IntervalLimits{.widest = 14990,
+                                         .slope_q16 = static_cast<std::uint16_t>(width * 5000)}
+                        : kLimits;
+}
+
 // The contract once more, pixel by pixel on the whole frame with a clipped window.
 Interval oracle(Frame& frame, const IntervalLimits& limits, int x, int y) {
   std::vector<std::pair<int, int>> readings;
@@ -193,27 +200,21 @@ Interval oracle(Frame& frame, const IntervalLimits& limits, int x, int y) {
   return wrapped ? Interval{0, 0, flags | kPmdWrapped} : Interval{lo, hi, flags};
 }
 
-TEST(Interval, BothVariantsEqualTheOracleForEveryWidthAndBorder) {
+TEST(Interval, EqualsTheOracleForEveryWidthAndBorder) {
   for (int width = 1; width <= 36; ++width) {
     for (const int height : {1, 2, 5}) {
       for (const int spread : {300, 20000, 65535}) {
         const std::uint64_t seed = static_cast<std::uint64_t>(width * 100 + height);
         Frame frame(width, height, seed, spread);
-        const IntervalLimits limits =
-            width % 3 == 0 ? IntervalLimits{.widest = 14990,
-                                            .slope_q16 = static_cast<std::uint16_t>(width * 5000)}
-                           : kLimits;
+        const IntervalLimits limits = limits_of(width);
         for (int y = 0; y < height; ++y) {
           const std::size_t n = static_cast<std::size_t>(width);
-          test::GuardedBuffer<std::uint8_t> flags_a(n), flags_b(n);
-          test::GuardedBuffer<QuarterMm> low_a(n), low_b(n), high_a(n), high_b(n);
-          ref::interval(frame.rows(y), limits, flags_a.span(), low_a.span(), high_a.span());
-          neon::interval(frame.rows(y), limits, flags_b.span(), low_b.span(), high_b.span());
+          test::GuardedBuffer<std::uint8_t> flags(n);
+          test::GuardedBuffer<QuarterMm> low(n), high(n);
+          best::interval(frame.rows(y), limits, flags.span(), low.span(), high.span());
           for (std::size_t x = 0; x < n; ++x) {
-            const Interval expected = oracle(frame, limits, static_cast<int>(x), y);
-            ASSERT_EQ((Interval{low_a[x], high_a[x], flags_a[x]}), expected)
-                << "seed " << seed << " spread " << spread << " at " << x << "," << y;
-            ASSERT_EQ((Interval{low_b[x], high_b[x], flags_b[x]}), expected)
+            ASSERT_EQ((Interval{low[x], high[x], flags[x]}),
+                      oracle(frame, limits, static_cast<int>(x), y))
                 << "seed " << seed << " spread " << spread << " at " << x << "," << y;
           }
         }
@@ -222,10 +223,23 @@ TEST(Interval, BothVariantsEqualTheOracleForEveryWidthAndBorder) {
   }
 }
 
+TEST(Interval, EqualsReferenceForEveryLength) {
+  for (const int spread : {300, 20000, 65535}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      Frame frame(static_cast<int>(n), 3, n, spread);
+      const IntervalLimits limits = limits_of(static_cast<int>(n));
+      const auto flags = c.array<std::uint8_t>(n);
+      const auto low = c.array<QuarterMm>(n), high = c.array<QuarterMm>(n);
+      c.run([&] { best::interval(frame.rows(1), limits, flags, low, high); });
+    });
+  }
+}
+
 TEST(Interval, OfAnEmptyRowTouchesNothing) {
   const std::array<QuarterMm, 2> border{};
   const std::span<const QuarterMm> b(border);
-  neon::interval({b, b, b, b, b, b}, kLimits, {}, {}, {});
+  best::interval({b, b, b, b, b, b}, kLimits, {}, {}, {});
 }
 
 TEST(Interval, KeepsTheFlagsThatAreThere) {
@@ -234,7 +248,7 @@ TEST(Interval, KeepsTheFlagsThatAreThere) {
   test::GuardedBuffer<std::uint8_t> flags(17, 0x15);
   test::GuardedBuffer<QuarterMm> low(17), high(17);
   const std::span<const QuarterMm> d = row.span();
-  neon::interval({d, d, d, zero.span(), zero.span(), zero.span()}, kLimits, flags.span(),
+  best::interval({d, d, d, zero.span(), zero.span(), zero.span()}, kLimits, flags.span(),
                  low.span(), high.span());
   for (const std::uint8_t flag : flags.span()) {
     EXPECT_EQ(flag, 0x15);

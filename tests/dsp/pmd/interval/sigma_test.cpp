@@ -7,9 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/calib/pmd/pmd_tables.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
-#include "tests/support/vectors.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -22,7 +20,7 @@ struct Quality {
 Quality quality(const NoiseModel& model, std::uint16_t amp2, std::uint16_t offset) {
   QuarterMm sigma = 0;
   std::uint8_t ratio = 0;
-  ref::sigma_and_ratio({&amp2, 1}, {&offset, 1}, model, {&sigma, 1}, {&ratio, 1});
+  best::sigma_and_ratio({&amp2, 1}, {&offset, 1}, model, {&sigma, 1}, {&ratio, 1});
   return {sigma, ratio};
 }
 
@@ -34,12 +32,12 @@ int ratio_of(std::uint16_t amp2, std::uint16_t offset) { return quality({}, amp2
 
 int on_curve(const SigmaCurve& curve, QuarterMm distance) {
   QuarterMm sigma = 7;
-  ref::curve_sigma({&distance, 1}, curve, {&sigma, 1});
+  best::curve_sigma({&distance, 1}, curve, {&sigma, 1});
   return sigma;
 }
 
 int both(QuarterMm sigma, QuarterMm other) {
-  ref::combine_sigma({&other, 1}, {&sigma, 1});
+  best::combine_sigma({&other, 1}, {&sigma, 1});
   return sigma;
 }
 
@@ -137,56 +135,27 @@ TEST(CombineSigma, IsThatOfTheWeightedMean) {
   EXPECT_EQ(both(1, 1), 1);  // never better than the unit
 }
 
-struct Outputs {
-  explicit Outputs(std::size_t n) : sigma(n), combined(n), curve(n), ratio(n) {}
-  bool operator==(Outputs& other) {
-    return std::ranges::equal(sigma.span(), other.sigma.span()) &&
-           std::ranges::equal(combined.span(), other.combined.span()) &&
-           std::ranges::equal(curve.span(), other.curve.span()) &&
-           std::ranges::equal(ratio.span(), other.ratio.span());
-  }
-  test::GuardedBuffer<QuarterMm> sigma;
-  test::GuardedBuffer<QuarterMm> combined;
-  test::GuardedBuffer<QuarterMm> curve;
-  test::GuardedBuffer<std::uint8_t> ratio;
-};
-
 TEST(Sigma, EqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (std::uint64_t variant = 0; variant < 4; ++variant) {
-      test::Random random(n * 4 + variant);
-      const bool small = variant % 2 == 0;
-      test::GuardedBuffer<std::uint16_t> amp2(n);
-      test::GuardedBuffer<std::uint16_t> offset(n);
-      test::GuardedBuffer<QuarterMm> distance(n);
-      test::GuardedBuffer<QuarterMm> other(n);
-      random.fill(amp2.span(), 0, small ? 3 : 65535);
-      random.fill(offset.span(), 0, variant == 2 ? 3 : 65535);
-      random.fill(distance.span(), 0, small ? 2 : 65535);
-      random.fill(other.span(), 1, small ? 2 : 65535);
-      const NoiseModel model{static_cast<float>(random.between(0, 1000000)) / 7,
-                             static_cast<float>(random.between(0, 1000000)) / 7};
+  for (const int most : {3, 65535}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const auto amp2 = c.array<std::uint16_t>(n, 0, most);
+      const auto offset = c.array<std::uint16_t>(n, 0, c.draw(0, 1) == 0 ? 3 : 65535);
+      const NoiseModel model{static_cast<float>(c.draw(0, 1000000)) / 7,
+                             static_cast<float>(c.draw(0, 1000000)) / 7};
+      const auto sigma = c.array<QuarterMm>(n), combined = c.array<QuarterMm>(n, 1, most);
+      const auto ratio = c.array<std::uint8_t>(n);
+      c.run([&] { best::sigma_and_ratio(amp2, offset, model, sigma, ratio); });
+      const auto other = c.array<QuarterMm>(n, 1, most);
+      c.run([&] { best::combine_sigma(other, combined); });
       SigmaCurve curve{};
       for (SigmaStep& step : curve) {
-        const int end = random.between(0, 65535);
-        step.value = random.between(0, 65535);
-        step.gain = end - step.value;
+        step.value = c.draw(0, 65535);
+        step.gain = c.draw(0, 65535) - step.value;
       }
-      Outputs a(n);
-      ref::sigma_and_ratio(amp2.span(), offset.span(), model, a.sigma.span(), a.ratio.span());
-      std::ranges::copy(a.sigma.span(), a.combined.span().begin());
-      ref::combine_sigma(other.span(), a.combined.span());
-      ref::curve_sigma(distance.span(), curve, a.curve.span());
-      for (const Vectors vectors : test::all_vectors()) {
-        const test::UseVectors use(vectors);
-        Outputs b(n);
-        best::sigma_and_ratio(amp2.span(), offset.span(), model, b.sigma.span(), b.ratio.span());
-        std::ranges::copy(b.sigma.span(), b.combined.span().begin());
-        best::combine_sigma(other.span(), b.combined.span());
-        best::curve_sigma(distance.span(), curve, b.curve.span());
-        ASSERT_TRUE(a == b) << n << "/" << variant << " vectors " << static_cast<int>(vectors);
-      }
-    }
+      const auto distance = c.array<QuarterMm>(n, 0, most), on_curve = c.array<QuarterMm>(n);
+      c.run([&] { best::curve_sigma(distance, curve, on_curve); });
+    });
   }
 }
 

@@ -7,8 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/calib/pmd/pmd_tables.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -16,7 +15,7 @@ namespace {
 Phase run(const PhaseCorrection& correction, int phase, std::span<const std::int16_t> fixed = {}) {
   const Phase in = static_cast<Phase>(phase);
   Phase out = 0;
-  ref::correct_phase({&in, 1}, fixed, correction, {&out, 1});
+  best::correct_phase({&in, 1}, fixed, correction, {&out, 1});
   return out;
 }
 
@@ -86,27 +85,23 @@ TEST(CorrectPhase, ReadsTheTableAllTheWayRound) {
   EXPECT_EQ(run(correction, 0), 65536 - 100);
 }
 
-TEST(CorrectPhase, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (std::uint64_t variant = 0; variant < 4; ++variant) {
-      test::Random random(n * 4 + variant);
-      test::GuardedBuffer<Phase> phase(n), a(n), b(n);
-      test::GuardedBuffer<std::int16_t> fixed(variant % 2 == 0 ? n : 0);
-      random.fill(phase.span());
-      random.fill(fixed.span());
-      if (!fixed.span().empty()) {
-        fixed[0] = -32768;
-      }
-      PhaseCorrection correction{
-          .phase_falls = variant >= 2,
-          .global = static_cast<Phase>(random.next()),
-          .pattern_scale_q14 = static_cast<std::uint16_t>(variant == 0 ? 65535 : random.next())};
-      for (WigglingStep& step : correction.wiggling) {
-        step = {static_cast<std::int16_t>(random.next()), static_cast<std::int16_t>(random.next())};
-      }
-      ref::correct_phase(phase.span(), fixed.span(), correction, a.span());
-      neon::correct_phase(phase.span(), fixed.span(), correction, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
+TEST(CorrectPhase, EqualsReferenceForEveryLengthAndExtreme) {
+  for (const bool falls : {false, true}) {
+    for (const bool pattern : {false, true}) {
+      test::check_kernel([&](test::KernelCase& c) {
+        const auto phase = c.array<Phase>(c.length(), 0, 65535);
+        const auto fixed = c.array<std::int16_t>(pattern ? c.length() : 0, -32768, 32767);
+        PhaseCorrection correction{
+            .phase_falls = falls,
+            .global = static_cast<Phase>(c.draw(0, 65535)),
+            .pattern_scale_q14 = static_cast<std::uint16_t>(c.draw(0, 65535))};
+        for (WigglingStep& step : correction.wiggling) {
+          step = {static_cast<std::int16_t>(c.draw(-32768, 32767)),
+                  static_cast<std::int16_t>(c.draw(-32768, 32767))};
+        }
+        const auto corrected = c.array<Phase>(c.length());
+        c.run([&] { best::correct_phase(phase, fixed, correction, corrected); });
+      });
     }
   }
 }

@@ -7,6 +7,7 @@
 
 #include "dsp/pmd/pmd_maps.h"
 #include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -69,8 +70,8 @@ TEST(MergeExposures, TakesTheLongestThatIsNotSaturated) {
   Row merged(8);
   merged.copy(exposures[0]);
   std::vector<std::uint8_t> taken(8, 0);
-  ref::merge_exposures(exposures[1].spans(), 1, kUnchangedQ8, merged.spans(), taken);
-  ref::merge_exposures(exposures[2].spans(), 2, kUnchangedQ8, merged.spans(), taken);
+  best::merge_exposures(exposures[1].spans(), 1, kUnchangedQ8, merged.spans(), taken);
+  best::merge_exposures(exposures[2].spans(), 2, kUnchangedQ8, merged.spans(), taken);
   EXPECT_TRUE(std::ranges::equal(taken, kTaken));
   for (std::size_t x = 0; x < 8; ++x) {
     EXPECT_EQ(merged.at(x), exposures[kTaken[x]].at(x)) << x;
@@ -85,33 +86,35 @@ TEST(MergeExposures, BringsAmplitudesToTheLongestExposureWhereAsked) {
   shorter.sigma[0] = 77;
   merged.flags[0] = kPmdSaturated;
   std::vector<std::uint8_t> taken(1, 0);
-  ref::merge_exposures(shorter.spans(), 1, 2176, merged.spans(), taken);  // 8.5 times
-  EXPECT_EQ(merged.amp2[0], 8509);                                        // 8508.5
+  best::merge_exposures(shorter.spans(), 1, 2176, merged.spans(), taken);  // 8.5 times
+  EXPECT_EQ(merged.amp2[0], 8509);                                         // 8508.5
   EXPECT_EQ(merged.offset[0], 65535);
   EXPECT_EQ(merged.sigma[0], 77);
 }
 
-TEST(MergeExposures, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (std::uint64_t variant = 0; variant < 4; ++variant) {
-      test::Random random(n * 4 + variant);
-      const bool all = variant % 2 == 0;
-      Row shorter(n, all), merged_a(n, all), merged_b(n, all);
-      test::GuardedBuffer<std::uint8_t> taken_a(n, 3), taken_b(n, 3);
-      shorter.fill(random);
-      merged_a.fill(random);
-      merged_b.copy(merged_a);
-      const std::uint16_t gain =
-          variant == 3 ? 65535 : static_cast<std::uint16_t>(random.between(0, 5000));
-      ref::merge_exposures(shorter.spans(), 7, gain, merged_a.spans(), taken_a.span());
-      neon::merge_exposures(shorter.spans(), 7, gain, merged_b.spans(), taken_b.span());
-      ASSERT_TRUE(std::ranges::equal(merged_a.phase.span(), merged_b.phase.span())) << n;
-      ASSERT_TRUE(std::ranges::equal(merged_a.amp2.span(), merged_b.amp2.span())) << n;
-      ASSERT_TRUE(std::ranges::equal(merged_a.offset.span(), merged_b.offset.span())) << n;
-      ASSERT_TRUE(std::ranges::equal(merged_a.ratio.span(), merged_b.ratio.span())) << n;
-      ASSERT_TRUE(std::ranges::equal(merged_a.sigma.span(), merged_b.sigma.span())) << n;
-      ASSERT_TRUE(std::ranges::equal(merged_a.flags.span(), merged_b.flags.span())) << n;
-      ASSERT_TRUE(std::ranges::equal(taken_a.span(), taken_b.span())) << n;
+TEST(MergeExposures, EqualsReferenceForEveryLengthAndExtreme) {
+  for (const bool all : {false, true}) {
+    for (const int gain : {0, 2176, 65535}) {
+      test::check_kernel([&](test::KernelCase& c) {
+        const std::size_t n = c.length();
+        const auto row = [&] {
+          ExposureRow made{.phase = c.array<Phase>(n),
+                           .amp2 = c.array<std::uint16_t>(n, 0, 65535),
+                           .offset = c.array<std::uint16_t>(n, 0, 65535),
+                           .ratio = c.array<std::uint8_t>(all ? n : 0),
+                           .sigma = c.array<QuarterMm>(all ? n : 0),
+                           .flags = c.array<std::uint8_t>(n)};
+          for (std::uint8_t& flag : made.flags) {
+            flag = c.random().between(0, 1) == 0 ? flag : std::uint8_t{0};
+          }
+          return made;
+        };
+        const ExposureRow shorter = row(), merged = row();
+        const auto taken = c.array<std::uint8_t>(n, 3, 3);
+        c.run([&] {
+          best::merge_exposures(shorter, 7, static_cast<std::uint16_t>(gain), merged, taken);
+        });
+      });
     }
   }
 }

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
 #include "dsp/pmd/pmd_maps.h"
 #include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
-#include "tests/support/vectors.h"
 
 namespace stof::dsp {
 namespace {
@@ -29,8 +29,8 @@ Pixel run(std::array<std::uint16_t, 4> a, const PhaseLimits& limits = {}) {
   std::uint16_t offset = 0;
   std::uint8_t flags = 0;
   const auto one = [](const std::uint16_t& sample) { return std::span(&sample, 1); };
-  ref::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits,
-             {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&flags, 1}});
+  best::phase({one(a[0]), one(a[1]), one(a[2]), one(a[3])}, limits,
+              {{&phase, 1}, {&amp2, 1}, {&offset, 1}, {&flags, 1}});
   return {phase, amp2, offset, flags};
 }
 
@@ -197,69 +197,54 @@ TEST(Phase, StaysWithinOneLsbOnEveryRatioOfTheLargestAmplitude) {
 }
 
 // Four planes of random samples up to `top`, a few of them 0 or `top`.
-Samples random_samples(test::Random& random, std::size_t n, int top) {
-  Samples samples(n);
-  for (test::GuardedBuffer<std::uint16_t>& plane : samples.a) {
-    random.fill(plane.span(), 0, top);
-    for (std::uint16_t& sample : plane.span()) {
-      const int what = random.between(0, 15);
-      if (what <= 1) {
-        sample = static_cast<std::uint16_t>(what * top);
-      }
+SampleRows random_samples(test::KernelCase& c, int top) {
+  SampleRows samples;
+  for (std::span<const std::uint16_t>& plane : samples) {
+    const auto drawn = c.array<std::uint16_t>(c.length(), 0, top);
+    for (std::uint16_t& sample : drawn) {
+      const int what = c.random().between(0, 15);
+      sample = what <= 1 ? static_cast<std::uint16_t>(what * top) : sample;
     }
+    plane = drawn;
   }
   return samples;
 }
 
-void expect_equal_to_reference(Samples& samples, const PhaseLimits& limits) {
-  const std::size_t n = samples.a[0].size();
-  Outputs a(n);
-  ref::phase(samples.rows(), limits, a.row());
-  for (const Vectors vectors : test::all_vectors()) {
-    const test::UseVectors use(vectors);
-    Outputs b(n);
-    best::phase(samples.rows(), limits, b.row());
-    ASSERT_TRUE(std::ranges::equal(a.phase.span(), b.phase.span())) << static_cast<int>(vectors);
-    ASSERT_TRUE(std::ranges::equal(a.amp2.span(), b.amp2.span())) << static_cast<int>(vectors);
-    ASSERT_TRUE(std::ranges::equal(a.offset.span(), b.offset.span())) << static_cast<int>(vectors);
-    ASSERT_TRUE(std::ranges::equal(a.flags.span(), b.flags.span())) << static_cast<int>(vectors);
-  }
+void run_kernel(test::KernelCase& c, const SampleRows& samples, const PhaseLimits& limits) {
+  const std::size_t n = samples[0].size();
+  const PhaseRow out{c.array<Phase>(n), c.array<std::uint16_t>(n), c.array<std::uint16_t>(n),
+                     c.array<std::uint8_t>(n)};
+  c.run([&] { best::phase(samples, limits, out); });
 }
 
 TEST(Phase, EqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (const int top : {1, 255, 4095, 8191, 32767, 65535}) {
-      SCOPED_TRACE(testing::Message() << "length " << n << ", samples up to " << top);
-      test::Random random(n * 7 + static_cast<std::size_t>(top));
-      Samples samples = random_samples(random, n, top);
-      PhaseLimits limits{
-          .saturation = static_cast<std::uint16_t>(top),
-          .dark = static_cast<std::uint16_t>(random.between(0, 200)),
-          .min_amp2 = static_cast<std::uint16_t>(random.between(0, 300)),
-          .ratio_q16 = static_cast<std::uint32_t>(random.between(0, 131072)),
-          .asymmetry_base = static_cast<std::uint32_t>(random.next()) >> (n % 32),
-          .asymmetry_slope_q8 = static_cast<std::uint32_t>(random.between(0, 131072))};
-      if (n % 5 == 0) {
-        limits.ratio_q16 = kMaxRatioQ16;
-        limits.asymmetry_slope_q8 = kMaxAsymmetrySlopeQ8;
-        limits.lowest = 0;
-      }
-      if (n % 3 != 0) {
-        limits.stray_i = static_cast<std::int16_t>(random.between(-32767, 32767));
-        limits.stray_q = static_cast<std::int16_t>(random.between(-32767, 32767));
-      }
-      ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits));
+  for (const int top : {1, 255, 4095, 8191, 32767, 65535}) {
+    for (const bool stray : {false, true}) {
+      test::check_kernel([&](test::KernelCase& c) {
+        PhaseLimits limits{
+            .saturation = static_cast<std::uint16_t>(top),
+            .lowest = static_cast<std::uint16_t>(c.draw(0, 1)),
+            .dark = static_cast<std::uint16_t>(c.draw(0, 200)),
+            .min_amp2 = static_cast<std::uint16_t>(c.draw(0, 300)),
+            .ratio_q16 = static_cast<std::uint32_t>(c.draw(0, kMaxRatioQ16)),
+            .asymmetry_base = static_cast<std::uint32_t>(c.random().next()) >> (c.length() % 32),
+            .asymmetry_slope_q8 = static_cast<std::uint32_t>(c.draw(0, kMaxAsymmetrySlopeQ8))};
+        if (stray) {
+          limits.stray_i = static_cast<std::int16_t>(c.draw(-32767, 32767));
+          limits.stray_q = static_cast<std::int16_t>(c.draw(-32767, 32767));
+        }
+        run_kernel(c, random_samples(c, top), limits);
+      });
     }
   }
 }
 
 // Limits of the sizes that the ways of few bits are for, and next to them.
 TEST(Phase, EqualsReferenceWhereFewBitsHoldEverything) {
-  for (std::size_t n = 16; n <= 400; ++n) {
-    SCOPED_TRACE(testing::Message() << "length " << n);
-    test::Random random(n);
+  test::check_kernel_rounds(400, [](test::KernelCase& c) {
+    const std::size_t n = c.length();
+    test::Random& random = c.random();
     const int top = n % 2 == 0 ? 4095 : 8191;
-    Samples samples = random_samples(random, n, top);
     PhaseLimits limits{.saturation = static_cast<std::uint16_t>(top + random.between(-1, 1)),
                        .lowest = static_cast<std::uint16_t>(random.between(0, 9)),
                        .dark = static_cast<std::uint16_t>(random.between(0, 200)),
@@ -275,27 +260,37 @@ TEST(Phase, EqualsReferenceWhereFewBitsHoldEverything) {
       limits.stray_i = static_cast<std::int16_t>(random.between(-most, most));
       limits.stray_q = static_cast<std::int16_t>(random.between(-most, most));
     }
-    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits));
+    SampleRows samples = random_samples(c, top);
+    run_kernel(c, samples, limits);
     // One sample of more bits than the sensor should have.
-    samples.a[n % 4].span()[n / 2] = static_cast<std::uint16_t>(random.between(top + 1, 65535));
-    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits));
-  }
+    const auto wide = c.array<std::uint16_t>(n);
+    std::ranges::copy(samples[n % 4], wide.begin());
+    if (n > 0) {
+      wide[n / 2] = static_cast<std::uint16_t>(random.between(top + 1, 65535));
+    }
+    samples[n % 4] = wide;
+    run_kernel(c, samples, limits);
+  });
 }
 
 // Every amplitude of a 12-bit sensor with the largest stray light, one row each.
 TEST(Phase, EqualsReferenceForEveryPairOfTwelveBitDifferences) {
   constexpr int kTop = 4095;
   constexpr std::size_t kStep = 3;
-  Samples samples(kTop + 1);
-  for (std::size_t k = 0; k <= kTop; ++k) {
-    samples.a[0].span()[k] = static_cast<std::uint16_t>(k);
-  }
   const PhaseLimits limits{.saturation = kTop + 1, .stray_i = -4096, .stray_q = -4096};
-  for (std::size_t q = 0; q <= kTop; q += kStep) {
-    std::ranges::fill(samples.a[3].span(), static_cast<std::uint16_t>(q));
-    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, limits)) << "Q " << q;
-    ASSERT_NO_FATAL_FAILURE(expect_equal_to_reference(samples, {})) << "Q " << q;
-  }
+  test::check_kernel_rounds((kTop + 1) / kStep, [&](test::KernelCase& c) {
+    SampleRows samples;
+    for (std::span<const std::uint16_t>& plane : samples) {
+      plane = c.array<std::uint16_t>(kTop + 1, 0, 0);
+    }
+    const auto in_phase = c.array<std::uint16_t>(kTop + 1);
+    std::iota(in_phase.begin(), in_phase.end(), std::uint16_t{0});
+    samples[0] = in_phase;
+    const int q = static_cast<int>(c.length() * kStep);
+    samples[3] = c.array<std::uint16_t>(kTop + 1, q, q);
+    run_kernel(c, samples, limits);
+    run_kernel(c, samples, {});
+  });
 }
 
 }  // namespace

@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "dsp/calib/pmd/tone_pair.h"
 #include "dsp/pmd/pmd_maps.h"
-#include "tests/support/guarded.h"
+#include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -40,8 +39,8 @@ struct Pixel {
 Reading run(const TonePair& pair, Pixel p, std::span<const QuarterMm> sigma1 = {},
             std::span<const QuarterMm> sigma2 = {}) {
   std::uint32_t distance = 0;
-  ref::combine_tones({{&p.phi1, 1}, {&p.amp1, 1}, sigma1}, {{&p.phi2, 1}, {&p.amp2, 1}, sigma2},
-                     pair, {&p.flags2, 1}, {&p.flags1, 1}, {&distance, 1});
+  best::combine_tones({{&p.phi1, 1}, {&p.amp1, 1}, sigma1}, {{&p.phi2, 1}, {&p.amp2, 1}, sigma2},
+                      pair, {&p.flags2, 1}, {&p.flags1, 1}, {&distance, 1});
   return {distance, p.flags1};
 }
 
@@ -190,29 +189,23 @@ TEST(TonePair, IsUsableInLowestTermsUpTo64) {
   EXPECT_FALSE(usable_pair(Hertz{65'000'000}, Hertz{64'000'000}));
 }
 
-TEST(CombineTones, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (std::uint64_t variant = 0; variant < 10; ++variant) {
-      test::Random random(n * 10 + variant);
-      test::GuardedBuffer<Phase> phi1(n), phi2(n);
-      test::GuardedBuffer<std::uint16_t> amp1(n), amp2(n);
-      const std::size_t with_sigma = variant % 2 == 0 ? n : 0;
-      test::GuardedBuffer<QuarterMm> sigma1(with_sigma), sigma2(with_sigma);
-      test::GuardedBuffer<std::uint8_t> other(n), flags_a(n), flags_b(n);
-      test::GuardedBuffer<std::uint32_t> distance_a(n), distance_b(n);
-      random.fill(phi1.span());
-      random.fill(phi2.span());
+TEST(CombineTones, EqualsReferenceForEveryLengthAndExtreme) {
+  for (int variant = 0; variant < 10; ++variant) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length(), with_sigma = variant % 2 == 0 ? n : 0;
+      const auto phi1 = c.array<Phase>(n), phi2 = c.array<Phase>(n);
+      const auto amp1 = c.array<std::uint16_t>(n, 0, variant < 2 ? 2 : 65535);
+      const auto amp2 = c.array<std::uint16_t>(n, 0, variant < 4 ? 2 : 65535);
+      const auto sigma1 = c.array<QuarterMm>(with_sigma, 1, variant < 6 ? 300 : 65535);
+      const auto sigma2 = c.array<QuarterMm>(with_sigma, 1, variant < 6 ? 300 : 65535);
+      const auto other = c.array<std::uint8_t>(n), flags = c.array<std::uint8_t>(n);
+      test::Random& random = c.random();
       for (std::size_t x = 0; x < n; ++x) {  // the borders of q and of the range
         phi1[x] = random.between(0, 3) == 0 ? static_cast<Phase>(random.between(-3, 3)) : phi1[x];
         phi2[x] = random.between(0, 3) == 0 ? static_cast<Phase>(random.between(-3, 3)) : phi2[x];
-        other[x] = random.between(0, 7) == 0 ? static_cast<std::uint8_t>(random.next()) : 0;
-        flags_a[x] = random.between(0, 7) == 0 ? static_cast<std::uint8_t>(random.next()) : 0;
-        flags_b[x] = flags_a[x];
+        other[x] = random.between(0, 7) == 0 ? other[x] : std::uint8_t{0};
+        flags[x] = random.between(0, 7) == 0 ? flags[x] : std::uint8_t{0};
       }
-      random.fill(amp1.span(), 0, variant < 2 ? 2 : 65535);
-      random.fill(amp2.span(), 0, variant < 4 ? 2 : 65535);
-      random.fill(sigma1.span(), 1, variant < 6 ? 300 : 65535);
-      random.fill(sigma2.span(), 1, variant < 6 ? 300 : 65535);
       TonePair pair;
       pair.m = static_cast<std::uint32_t>(random.between(2, static_cast<int>(kMostTurns)));
       pair.n = static_cast<std::uint32_t>(random.between(1, static_cast<int>(pair.m) - 1));
@@ -220,15 +213,12 @@ TEST(CombineTones, NeonEqualsReferenceForEveryLengthAndExtreme) {
       pair.turn_q11 = variant == 9 ? ~0U : static_cast<std::uint32_t>(random.next());
       pair.tolerance = static_cast<std::uint32_t>(random.between(0, 32768));
       pair.max_variance = variant == 8 ? ~0U : static_cast<std::uint32_t>(random.between(0, 90000));
-      ref::combine_tones({phi1.span(), amp1.span(), sigma1.span()},
-                         {phi2.span(), amp2.span(), sigma2.span()}, pair, other.span(),
-                         flags_a.span(), distance_a.span());
-      neon::combine_tones({phi1.span(), amp1.span(), sigma1.span()},
-                          {phi2.span(), amp2.span(), sigma2.span()}, pair, other.span(),
-                          flags_b.span(), distance_b.span());
-      ASSERT_TRUE(std::ranges::equal(distance_a.span(), distance_b.span())) << n << "/" << variant;
-      ASSERT_TRUE(std::ranges::equal(flags_a.span(), flags_b.span())) << n << "/" << variant;
-    }
+      const auto distance = c.array<std::uint32_t>(n);
+      c.run([&] {
+        best::combine_tones({phi1, amp1, sigma1}, {phi2, amp2, sigma2}, pair, other, flags,
+                            distance);
+      });
+    });
   }
 }
 

@@ -9,8 +9,7 @@
 #include "dsp/calib/pmd/near_table.h"
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/pmd/range/range.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -38,9 +37,9 @@ struct Tables {
            static_cast<std::size_t>(sensor.lens.height);
   }
   std::uint32_t correct(std::size_t pixel, std::uint32_t measured) const {
-    ref::near_lights({std::span(half).subspan(pixel, 1), std::span(area).subspan(pixel, 1),
-                      std::span(pole).subspan(pixel, 1)},
-                     shortest, {&measured, 1});
+    best::near_lights({std::span(half).subspan(pixel, 1), std::span(area).subspan(pixel, 1),
+                       std::span(pole).subspan(pixel, 1)},
+                      shortest, {&measured, 1});
     return measured;
   }
   std::vector<std::int16_t> half;
@@ -154,25 +153,20 @@ TEST(NearTable, IsZeroWhereAPixelHasNoRay) {
   EXPECT_NE(tables.area[10 * 64 + 33], 0);
 }
 
-TEST(NearLights, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (int variant = 0; variant < 5; ++variant) {
-      test::Random random(n * 5 + static_cast<std::size_t>(variant));
-      test::GuardedBuffer<std::int16_t> half(n);
-      test::GuardedBuffer<std::int32_t> area(n), pole(n);
-      test::GuardedBuffer<std::uint32_t> a(n), b(n);
-      random.fill(half.span());
-      random.fill(area.span(), variant == 0 ? -2147483647 : -30000000, 30000000);
-      random.fill(pole.span(), 1 - (1 << 20), (1 << 20) - 1);
-      for (std::size_t x = 0; x < n; ++x) {
-        a[x] = static_cast<std::uint32_t>(random.next()) >> static_cast<unsigned>(variant * 5);
-        b[x] = a[x];
+TEST(NearLights, EqualReferenceForEveryLengthAndExtreme) {
+  for (int variant = 0; variant < 5; ++variant) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const NearRow table{
+          c.array<std::int16_t>(n, -32768, 32767),
+          c.array<std::int32_t>(n, variant == 0 ? -2147483647 : -30000000, 30000000),
+          c.array<std::int32_t>(n, 1 - (1 << 20), (1 << 20) - 1)};
+      const auto distance = c.array<std::uint32_t>(n);
+      for (std::uint32_t& d : distance) {
+        d >>= static_cast<unsigned>(variant * 5);
       }
-      const std::uint32_t shortest = variant == 1 ? 2 * kMostUnits : 1200;
-      ref::near_lights({half.span(), area.span(), pole.span()}, shortest, a.span());
-      neon::near_lights({half.span(), area.span(), pole.span()}, shortest, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
-    }
+      c.run([&] { best::near_lights(table, variant == 1 ? 2 * kMostUnits : 1200, distance); });
+    });
   }
 }
 

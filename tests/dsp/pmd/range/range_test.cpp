@@ -1,25 +1,23 @@
 #include "dsp/pmd/range/range.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "dsp/calib/pmd/pmd_tables.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
 
 std::uint32_t turned(std::uint32_t turn, Phase phase) {
   std::uint32_t out = 0;
-  ref::range({&phase, 1}, turn, {&out, 1});
+  best::range({&phase, 1}, turn, {&out, 1});
   return out;
 }
 
 std::uint32_t on_line(const StraightLine& line, std::uint32_t distance) {
-  ref::straight_line(line, {&distance, 1});
+  best::straight_line(line, {&distance, 1});
   return distance;
 }
 
@@ -69,7 +67,7 @@ TEST(StraightLine, IsTheChaptersFit) {
   for (const double count : {20.0, 60.0, 100.0, 120.0}) {
     const Phase phase = static_cast<Phase>(std::lround(count / 138.7 * 65536));
     Phase corrected = 0;
-    ref::correct_phase({&phase, 1}, {}, tone.correction, {&corrected, 1});
+    best::correct_phase({&phase, 1}, {}, tone.correction, {&corrected, 1});
     const double z_cm = on_line(tables.line, turned(tone.turn, corrected)) / 40.0;
     EXPECT_NEAR(z_cm, -5.4022 * count + 672.5, 0.05) << count;
   }
@@ -87,44 +85,30 @@ TEST(StraightLine, NeverEndsAtNothing) {
   EXPECT_EQ(on_line({.scale_q15 = StraightLine::kMostScale}, 0xFFFFFFFF), kMostUnits);
 }
 
-TEST(Range, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (const std::uint32_t turn : {0U, 1U, 29979U, 65535U, 65536U, 1498962U, kMostUnits}) {
-      test::Random random(n + turn);
-      test::GuardedBuffer<Phase> phase(n);
-      test::GuardedBuffer<std::uint32_t> a(n), b(n);
-      random.fill(phase.span());
-      if (n > 0) {
-        phase[0] = 65535;
-      }
-      ref::range(phase.span(), turn, a.span());
-      neon::range(phase.span(), turn, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << " turn " << turn;
-    }
+TEST(Range, EqualsReferenceForEveryLengthAndExtreme) {
+  for (const std::uint32_t turn : {0U, 1U, 29979U, 65535U, 65536U, 1498962U, kMostUnits}) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const auto phase = c.array<Phase>(c.length(), 0, 65535);
+      const auto distance = c.array<std::uint32_t>(c.length());
+      c.run([&] { best::range(phase, turn, distance); });
+    });
   }
 }
 
-TEST(StraightLine, NeonEqualsReferenceForEveryLengthAndExtreme) {
+TEST(StraightLine, EqualsReferenceForEveryLengthAndExtreme) {
   constexpr int kMost = kMostUnits;
-  for (std::size_t n = 0; n <= 40; ++n) {
-    for (int variant = 0; variant < 6; ++variant) {
-      test::Random random(n * 6 + static_cast<std::size_t>(variant));
-      test::GuardedBuffer<std::uint32_t> a(n), b(n);
-      for (std::size_t x = 0; x < n; ++x) {
-        a[x] = static_cast<std::uint32_t>(random.next()) >> static_cast<unsigned>(variant * 6);
-        b[x] = a[x];
+  for (int variant = 0; variant < 6; ++variant) {
+    test::check_kernel([&](test::KernelCase& c) {
+      const auto distance = c.array<std::uint32_t>(c.length());
+      for (std::uint32_t& d : distance) {
+        d >>= static_cast<unsigned>(variant * 6);
       }
-      StraightLine line{
-          .scale_q15 = static_cast<std::uint32_t>(random.between(0, 1 << 17)),
-          .shift = random.between(-kMost, kMost) / (1 << (variant * 3)),
-          .period = static_cast<std::uint32_t>(random.between(0, variant < 3 ? kMost : 40000))};
-      if (n % 5 == 0) {
-        line = {.scale_q15 = StraightLine::kMostScale, .shift = kMost, .period = kMostUnits};
-      }
-      ref::straight_line(line, a.span());
-      neon::straight_line(line, b.span());
-      ASSERT_TRUE(std::ranges::equal(a.span(), b.span())) << n << "/" << variant;
-    }
+      const StraightLine line{
+          .scale_q15 = static_cast<std::uint32_t>(c.draw(0, StraightLine::kMostScale)),
+          .shift = c.draw(-kMost, kMost) / (1 << (variant * 3)),
+          .period = static_cast<std::uint32_t>(c.draw(0, variant < 3 ? kMost : 40000))};
+      c.run([&] { best::straight_line(line, distance); });
+    });
   }
 }
 

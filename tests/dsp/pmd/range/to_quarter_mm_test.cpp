@@ -1,13 +1,10 @@
 #include "dsp/pmd/range/to_quarter_mm.h"
 
-#include <algorithm>
-
 #include <gtest/gtest.h>
 
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/pmd/range/range.h"
-#include "tests/support/guarded.h"
-#include "tests/support/random.h"
+#include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
@@ -23,7 +20,7 @@ struct Published {
 Published run(std::uint32_t reading, std::uint32_t unit, std::uint8_t flags = 0) {
   QuarterMm distance = 7;
   QuarterMm sigma = 40;
-  ref::to_quarter_mm({&reading, 1}, unit, {&flags, 1}, {&distance, 1}, {&sigma, 1});
+  best::to_quarter_mm({&reading, 1}, unit, {&flags, 1}, {&distance, 1}, {&sigma, 1});
   return {reading, distance, sigma, flags};
 }
 
@@ -61,33 +58,20 @@ TEST(ToQuarterMm, LeavesOutPixelsThatAreNotToBeTrusted) {
   }
 }
 
-TEST(ToQuarterMm, NeonEqualsReferenceForEveryLengthAndExtreme) {
-  for (std::size_t n = 0; n <= 70; ++n) {
-    for (const std::uint32_t unit : {kQuarterMmQ30, kTenthMmQ30, 1U}) {
-      for (const int top : {2, 70000, 400000, 2147483647}) {
-        test::Random random(n + unit + static_cast<std::uint64_t>(top));
-        test::GuardedBuffer<std::uint32_t> reading_a(n), reading_b(n);
-        test::GuardedBuffer<std::uint8_t> flags_a(n), flags_b(n);
-        test::GuardedBuffer<QuarterMm> distance_a(n), distance_b(n), sigma_a(n), sigma_b(n);
+TEST(ToQuarterMm, EqualsReferenceForEveryLengthAndExtreme) {
+  for (const std::uint32_t unit : {kQuarterMmQ30, kTenthMmQ30, 1U}) {
+    for (const int top : {2, 70000, 400000, 2147483647}) {
+      test::check_kernel([&](test::KernelCase& c) {
+        const std::size_t n = c.length();
+        const auto reading = c.array<std::uint32_t>(n, 0, top);
+        const auto flags = c.array<std::uint8_t>(n);
         for (std::size_t x = 0; x < n; ++x) {
-          const bool extreme = random.between(0, 9) == 0;
-          reading_a[x] = extreme ? 0xFFFFFFFF : static_cast<std::uint32_t>(random.between(0, top));
-          reading_b[x] = reading_a[x];
-          flags_a[x] = random.between(0, 3) == 0 ? static_cast<std::uint8_t>(random.next()) : 0;
-          flags_b[x] = flags_a[x];
-          sigma_a[x] = static_cast<QuarterMm>(random.next());
-          sigma_b[x] = sigma_a[x];
+          reading[x] = c.random().between(0, 9) == 0 ? 0xFFFFFFFF : reading[x];
+          flags[x] = c.random().between(0, 3) == 0 ? flags[x] : std::uint8_t{0};
         }
-        ref::to_quarter_mm(reading_a.span(), unit, flags_a.span(), distance_a.span(),
-                           sigma_a.span());
-        neon::to_quarter_mm(reading_b.span(), unit, flags_b.span(), distance_b.span(),
-                            sigma_b.span());
-        ASSERT_TRUE(std::ranges::equal(reading_a.span(), reading_b.span())) << n << " top " << top;
-        ASSERT_TRUE(std::ranges::equal(flags_a.span(), flags_b.span())) << n << " top " << top;
-        ASSERT_TRUE(std::ranges::equal(distance_a.span(), distance_b.span()))
-            << n << " top " << top;
-        ASSERT_TRUE(std::ranges::equal(sigma_a.span(), sigma_b.span())) << n << " top " << top;
-      }
+        const auto distance = c.array<QuarterMm>(n), sigma = c.array<QuarterMm>(n);
+        c.run([&] { best::to_quarter_mm(reading, unit, flags, distance, sigma); });
+      });
     }
   }
 }

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/fusion/unwrap/decision/distance_votes.h"
+#include "dsp/fusion/unwrap/decision/period_regions.h"
+#include "dsp/fusion/unwrap/decision/surface_votes.h"
+#include "dsp/fusion/unwrap/evidence/returned_light.h"
+#include "dsp/fusion/unwrap/period_maps.h"
+
+namespace stof::dsp {
+
+// From what is known about every reading alone to a period, or to none: readings around it that
+// see the same surface, that lie at the same distance, that are bright.
+class PeriodDecision {
+ public:
+  // Readings that must stand behind a decision, itself included.
+  static constexpr int kLeastAround = 3;
+
+  // focal: of the PMD lens, the shorter of both. range: of the first tone.
+  PeriodDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
+                 Arena& arena) noexcept;
+
+  // Fills period and seen of the maps; below 0: no period.
+  void decide(ReturnedLight& light, PeriodMaps& maps) noexcept;
+
+ private:
+  void link_all(const PeriodMaps& maps) noexcept;
+  bool prevails(const PeriodMaps& maps, int x, int y, int wanted) const noexcept;
+  std::int8_t by_surface(const PeriodMaps& maps, int x, int y) const noexcept;
+  void decide_by_surfaces(PeriodMaps& maps) noexcept;
+  void join_regions(const PeriodMaps& maps) noexcept;
+  std::int8_t decide_last(const ReturnedLight& light, const PeriodMaps& maps,
+                          std::size_t i) noexcept;
+  bool may_be_mixed(const PeriodMaps& maps, int x, int y) const noexcept;
+
+  DistanceVotes window_;
+  SurfaceVotes surfaces_;
+  PeriodRegions regions_;
+  // A surface that runs away two units for each across gains distance / this from one pixel to the
+  // next.
+  std::uint32_t slant_divisor_;
+  std::span<std::int32_t> slants_;  // of a row
+};
+
+}  // namespace stof::dsp

@@ -1,0 +1,99 @@
+#include "dsp/fusion/unwrap/evidence/stereo_samples.h"
+
+#include <algorithm>
+
+#include "dsp/base/check.h"
+#include "dsp/base/index.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr int kLeastStepBits = 1;
+constexpr int kMostStepBits = 6;
+
+int samples(int size, int step_bits) noexcept { return (size + (1 << step_bits) - 1) >> step_bits; }
+
+// With the border.
+std::size_t grid_size(int columns, int rows) noexcept {
+  return index(columns + 2 * kGridBorder) * index(rows + 2 * kGridBorder);
+}
+
+int step_bits_for(double footprint) noexcept {
+  int bits = kLeastStepBits;
+  while (bits < kMostStepBits && kWindow << bits < footprint) {
+    ++bits;
+  }
+  return bits;
+}
+
+}  // namespace
+
+StereoSamples::StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_disparity,
+                             int disparities, int width, int height, double footprint,
+                             Arena& arena) noexcept
+    : tables_(make_interval_tables(rig, min_disparity, disparities, width, kMaxQuarterMm, arena)) {
+  STOF_CHECK(sigma >= 0 && sigma <= kMaxStereoSigma);
+  const std::size_t row = index(width);
+  if (tables_.converging) {
+    near_ = arena.take<QuarterMm>(row);
+    far_ = arena.take<QuarterMm>(row);
+  } else {
+    some_ = arena.take<Disparity>(row);
+  }
+  half_ = arena.take_filled(row, static_cast<std::uint8_t>(2 * sigma));
+  grid_.step_bits = step_bits_for(footprint);
+  grid_.columns = samples(width, grid_.step_bits);
+  grid_.rows = samples(height, grid_.step_bits);
+  grid_.stride = grid_.columns + 2 * kGridBorder;
+  low_ = arena.take_filled(grid_size(grid_.columns, grid_.rows), kMaxQuarterMm);
+  high_ = arena.take_filled(low_.size(), kNoDepth);
+  const std::ptrdiff_t origin = kGridBorder * grid_.stride + kGridBorder;
+  grid_.low = low_.data() + origin;
+  grid_.high = high_.data() + origin;
+}
+
+void StereoSamples::take_row(std::span<const Disparity> disparity, std::span<QuarterMm> low,
+                             std::span<QuarterMm> high) noexcept {
+  const std::size_t step = std::size_t{1} << grid_.step_bits;
+  const std::size_t last = disparity.size() - 1;
+  if (tables_.converging) {
+    best::column_interval(disparity, half_, tables_.columns, near_, far_);
+  } else {
+    const std::span<Disparity> some = some_.first(low.size());
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      some[i] = disparity[std::min(i * step + step / 2, last)];
+    }
+    best::stereo_interval(some, half_.first(some.size()), tables_.disparity, low, high);
+  }
+  for (std::size_t i = 0; i < low.size(); ++i) {
+    const std::size_t x = std::min(i * step + step / 2, last);
+    if (tables_.converging) {
+      low[i] = near_[x];
+      high[i] = far_[x];
+    }
+    if (high[i] == kNoDepth) {
+      // A disparity without an interval lies beyond the tables' range.
+      low[i] = kMaxQuarterMm;
+      high[i] = disparity[x].valid() ? kMaxQuarterMm : kNoDepth;
+    }
+  }
+}
+
+void StereoSamples::take(ImageView<const Disparity> disparity) noexcept {
+  if (disparity.empty()) {
+    std::ranges::fill(low_, kMaxQuarterMm);
+    std::ranges::fill(high_, kNoDepth);
+    return;
+  }
+  STOF_CHECK(samples(disparity.width(), grid_.step_bits) == grid_.columns &&
+             samples(disparity.height(), grid_.step_bits) == grid_.rows);
+  const std::size_t columns = index(grid_.columns);
+  const int step = 1 << grid_.step_bits;
+  for (int j = 0; j < grid_.rows; ++j) {
+    const int y = std::min(j * step + step / 2, disparity.height() - 1);
+    const std::size_t at = static_cast<std::size_t>((j + kGridBorder) * grid_.stride + kGridBorder);
+    take_row(disparity.row(y), low_.subspan(at, columns), high_.subspan(at, columns));
+  }
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/cost/census.h"
+
+// The walk over a row of pixels that the vector variants of hamming.h share. Isa (of an unnamed
+// namespace, so that nothing here is shared with files for other processors) brings a vector V of
+// kLanes candidates, distances() and store().
+namespace stof::dsp::hamming_body {
+
+template <typename Isa, std::size_t kPlanes, std::size_t kVectors>
+void strip(typename Isa::Planes left, typename Isa::Planes right, std::uint8_t* costs) noexcept {
+  typename Isa::V distances[kVectors];
+  Isa::template distances<kPlanes>(left, right, distances);
+  for (std::size_t v = 0; v < kVectors; ++v) {
+    Isa::store(costs + Isa::kLanes * v, distances[v]);
+  }
+}
+
+template <typename Isa, std::size_t kPlanes>
+void compare(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
+             std::size_t lanes, std::span<std::uint8_t> costs) noexcept {
+  const std::size_t n = costs.size() / lanes;
+  const std::size_t stride = n + lanes - 1;
+  STOF_CHECK(costs.size() == n * lanes && left.size() == kPlanes * n &&
+             right.size() == kPlanes * stride);
+  for (std::size_t k = 0; k < n; ++k) {
+    const typename Isa::Planes own{left.data() + k, n};
+    const std::uint8_t* const candidates = right.data() + (n - 1 - k);
+    std::uint8_t* const pixel = costs.data() + k * lanes;
+    std::size_t i = 0;
+    for (; i + 64 <= lanes; i += 64) {
+      strip<Isa, kPlanes, 64 / Isa::kLanes>(own, {candidates + i, stride}, pixel + i);
+    }
+    for (; i < lanes; i += Isa::kLanes) {
+      strip<Isa, kPlanes, 1>(own, {candidates + i, stride}, pixel + i);
+    }
+  }
+}
+
+// lanes a multiple of Isa::kLanes.
+template <typename Isa>
+void costs_of(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int bits,
+              int lanes, std::span<std::uint8_t> costs) noexcept {
+  STOF_CHECK(bits == kCensus5x5Bits || bits == kCensus9x7Bits);
+  STOF_CHECK(lanes > 0 && lanes % static_cast<int>(Isa::kLanes) == 0 && !costs.empty());
+  const auto count = static_cast<std::size_t>(lanes);
+  if (bits == kCensus5x5Bits) {
+    compare<Isa, planes_of(kCensus5x5Bits)>(left, right, count, costs);
+  } else {
+    compare<Isa, planes_of(kCensus9x7Bits)>(left, right, count, costs);
+  }
+}
+
+}  // namespace stof::dsp::hamming_body

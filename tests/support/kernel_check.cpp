@@ -1,0 +1,213 @@
+#include "tests/support/kernel_check.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <limits>
+#include <map>
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "dsp/base/target.h"
+
+namespace stof::test {
+namespace {
+
+using dsp::Vectors;
+using Draw = KernelCase::Draw;
+
+constexpr std::array<const char*, dsp::kVectorLevels> kNames{"ref", "neon", "avx2", "avx512"};
+constexpr std::array kDraws{Draw::kAny, Draw::kEnds, Draw::kLowest, Draw::kHighest};
+
+#if defined(STOF_PLANT_WRONG_BYTE)
+constexpr bool kPlanted = true;
+#else
+constexpr bool kPlanted = false;
+#endif
+
+const char* name_of(Vectors level) { return kNames[static_cast<std::size_t>(level)]; }
+
+// ns of each test at each level; 0 where it was not run.
+std::map<std::string, std::array<double, dsp::kVectorLevels>>& times() {
+  static std::map<std::string, std::array<double, dsp::kVectorLevels>> all;
+  return all;
+}
+
+bool timed() {
+  static const bool asked = std::getenv("STOF_KERNEL_TIMES") != nullptr;
+  return asked;
+}
+
+std::string this_test() {
+  const testing::TestInfo* const info = testing::UnitTest::GetInstance()->current_test_info();
+  return std::string(info->test_suite_name()) + "." + info->name();
+}
+
+// Which arrays the reference wrote, and of which another level made something else.
+struct Judgement {
+  std::vector<bool> written;
+  std::vector<bool> different;
+
+  void add(const KernelCase& reference, const KernelCase& level) {
+    written.resize(std::max(written.size(), reference.arrays()));
+    different.resize(written.size());
+    for (std::size_t k = 0; k < reference.arrays(); ++k) {
+      written[k] = written[k] || reference.changed(k);
+      if (!std::ranges::equal(reference.bytes(k), level.bytes(k))) {
+        different[k] = true;
+      }
+    }
+  }
+};
+
+// Where two arrays begin to differ, in words.
+std::string difference(const KernelCase& reference, const KernelCase& level) {
+  if (reference.arrays() != level.arrays()) {
+    return "the number of arrays";
+  }
+  for (std::size_t k = 0; k < reference.arrays(); ++k) {
+    const auto [a, b] = std::ranges::mismatch(reference.bytes(k), level.bytes(k));
+    if (a != reference.bytes(k).end() || b != level.bytes(k).end()) {
+      return "array " + std::to_string(k) + ", byte " +
+             std::to_string(a - reference.bytes(k).begin()) + " of " +
+             std::to_string(reference.bytes(k).size());
+    }
+  }
+  return "";
+}
+
+KernelCase made_by(const KernelBody& body, Vectors level, std::size_t length, std::uint64_t seed,
+                   Draw draw, bool timed) {
+  const dsp::UseVectors use(level);
+  KernelCase made(length, seed, draw, timed);
+  body(made);
+  return made;
+}
+
+// False where the rest need not be looked at.
+bool compare(const KernelBody& body, std::size_t length, std::uint64_t seed, Draw draw,
+             Judgement& judgement) {
+  const Vectors level = dsp::vectors();
+  const KernelCase reference = made_by(body, Vectors::kRef, length, seed, draw, false);
+  const KernelCase other = made_by(body, level, length, seed, draw, false);
+  judgement.add(reference, other);
+  const std::string where = difference(reference, other);
+  if (kPlanted || where.empty()) {
+    return true;
+  }
+  ADD_FAILURE() << name_of(level) << " differs from the reference in " << where << ": length "
+                << length << ", seed " << seed << ", draw " << static_cast<int>(draw);
+  return false;
+}
+
+// A build with STOF_PLANT_WRONG_BYTE damages what each level but the reference stores.
+void expect_noticed(const Judgement& judgement) {
+  if (!kPlanted || dsp::vectors() == Vectors::kRef) {
+    return;
+  }
+  for (std::size_t k = 0; k < judgement.written.size(); ++k) {
+    EXPECT_TRUE(!judgement.written[k] || judgement.different[k])
+        << "blind: " << name_of(dsp::vectors()) << " stores a wrong byte in array " << k
+        << ", and it equals the reference";
+  }
+}
+
+void note_time(const KernelBody& body, std::size_t length) {
+  if (timed()) {
+    const KernelCase made = made_by(body, dsp::vectors(), length, 1, Draw::kAny, true);
+    times()[this_test()][static_cast<std::size_t>(dsp::vectors())] += made.nanoseconds();
+  }
+}
+
+class EveryLevel : public testing::EmptyTestEventListener {
+ public:
+  void OnTestIterationStart(const testing::UnitTest& /*all*/, int iteration) override {
+    dsp::use_vectors(static_cast<Vectors>(iteration));
+    std::printf("[ LEVEL    ] %s\n", name_of(dsp::vectors()));
+  }
+};
+
+void print_times() {
+  for (const auto& [test, at] : times()) {
+    std::printf("[ TIME     ] %-60s", test.c_str());
+    for (std::size_t level = 0; level < at.size(); ++level) {
+      if (at[level] > 0) {
+        std::printf("  %s %.0f ns", kNames[level], at[level]);
+      } else {
+        std::printf("  %s -", kNames[level]);
+      }
+    }
+    std::printf("\n");
+  }
+}
+
+}  // namespace
+
+void KernelCase::run(const std::function<void()>& kernel) {
+  for (std::size_t k = before_.size(); k < buffers_.size(); ++k) {
+    before_.emplace_back(buffers_[k].span().begin(), buffers_[k].span().end());
+  }
+  kernel();
+  if (!timed_) {
+    return;
+  }
+  using Clock = std::chrono::steady_clock;
+  double fastest = std::numeric_limits<double>::max();
+  for (int round = 0; round < 20; ++round) {
+    constexpr int kCalls = 20;
+    const Clock::time_point begin = Clock::now();
+    for (int call = 0; call < kCalls; ++call) {
+      kernel();
+    }
+    const std::chrono::duration<double, std::nano> took = Clock::now() - begin;
+    fastest = std::min(fastest, took.count() / kCalls);
+  }
+  nanoseconds_ += fastest;
+}
+
+bool KernelCase::changed(std::size_t k) const {
+  return k < before_.size() && !std::ranges::equal(before_[k], buffers_[k].span());
+}
+
+void check_kernel(std::span<const std::size_t> lengths, const KernelBody& body) {
+  Judgement judgement;
+  for (const std::size_t length : lengths) {
+    for (const Draw draw : kDraws) {
+      if (!compare(body, length, length + 1, draw, judgement)) {
+        return;
+      }
+    }
+  }
+  expect_noticed(judgement);
+  note_time(body, lengths.back());
+}
+
+void check_kernel_rounds(std::size_t rounds, const KernelBody& body) {
+  Judgement judgement;
+  for (std::size_t round = 0; round < rounds; ++round) {
+    if (!compare(body, round, round + 1, kDraws[round % 8 == 7 ? 1 : 0], judgement)) {
+      return;
+    }
+  }
+  expect_noticed(judgement);
+  note_time(body, rounds - 1);
+}
+
+}  // namespace stof::test
+
+int main(int argc, char** argv) {
+  using stof::dsp::Vectors;
+  testing::InitGoogleTest(&argc, argv);
+  const int levels = static_cast<int>(stof::dsp::widest_vectors()) + 1;
+  GTEST_FLAG_SET(repeat, levels);
+  testing::UnitTest::GetInstance()->listeners().Append(new stof::test::EveryLevel);
+  const int result = RUN_ALL_TESTS();
+  for (int level = levels; level <= static_cast<int>(stof::dsp::kWidestBuilt); ++level) {
+    std::printf("[  SKIPPED ] level %s: this processor lacks it\n",
+                stof::test::name_of(static_cast<Vectors>(level)));
+  }
+  stof::test::print_times();
+  return result;
+}
