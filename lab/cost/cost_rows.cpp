@@ -15,6 +15,22 @@
 namespace stof::lab {
 namespace {
 
+// What PixelCosts computes.
+std::optional<PixelCost> pixel_cost(Cost cost) noexcept {
+  switch (cost) {
+    case Cost::kCensus5x5:
+      return PixelCost::kCensus5x5;
+    case Cost::kCensus9x7:
+      return PixelCost::kCensus9x7;
+    case Cost::kMixed:
+      return PixelCost::kMixed;
+    case Cost::kSad:
+    case Cost::kSsd:
+      break;
+  }
+  return std::nullopt;
+}
+
 // Elements of the left and right row of widest pictures, and sums of a row.
 struct Sizes {
   std::size_t left;
@@ -41,9 +57,9 @@ bool CostRows::wide(const MatchParams& params) noexcept {
 
 CostRows::CostRows(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params), width_(width), lanes_(lanes_of(params)), columns_(block_columns(params)) {
-  STOF_CHECK(width >= 1 && params.disparities >= 1 && params.cost != Cost::kMixed &&
-             params.block_width >= 1 && params.block_width <= kMaxBlock &&
-             params.block_height >= 1 && params.block_height <= kMaxBlock);
+  STOF_CHECK(width >= 1 && params.disparities >= 1 && params.block_width >= 1 &&
+             params.block_width <= kMaxBlock && params.block_height >= 1 &&
+             params.block_height <= kMaxBlock);
   const Sizes sizes(params, width);
   if (wide(params)) {
     wide_sums_.columns = arena.take<std::uint32_t>(sizes.columns);
@@ -52,9 +68,8 @@ CostRows::CostRows(const MatchParams& params, int width, Arena& arena) noexcept
     narrow_sums_.columns = arena.take<std::uint16_t>(sizes.columns);
     narrow_sums_.costs = arena.take<std::uint16_t>(sizes.costs);
   }
-  if (params.cost == Cost::kCensus5x5 || params.cost == Cost::kCensus9x7) {
-    pixels_.emplace(params.cost == Cost::kCensus5x5 ? PixelCost::kCensus5x5 : PixelCost::kCensus9x7,
-                    params, width, columns_, arena);
+  if (const std::optional<PixelCost> cost = pixel_cost(params.cost)) {
+    pixels_.emplace(*cost, params, width, columns_, arena);
     kept_ = arena.take<std::uint8_t>(sizes.kept);
     return;
   }

@@ -13,7 +13,7 @@
 
 namespace stof::lab {
 
-// The costs of fixed blocks, one row of the picture at a time, for every Cost but kMixed: the sum
+// The costs of fixed blocks, one row of the picture at a time, for every Cost: the sum
 // over the block_width x block_height pixels around (x, y) of what left (x, y) and right (x - d, y)
 // differ by; borders of both pictures replicate. Block and cost are all it reads of its params,
 // beside the range of disparities and, for the size of sums, prefilter_cap.
@@ -25,8 +25,8 @@ class CostRows {
   // Whether sums are u32: those that could reach kNoCost of u16.
   static bool wide(const MatchParams& params) noexcept;
 
-  // params pass check(), for pictures up to `width`. Census costs keep block_height + 1 rows of
-  // pixel costs; SAD and SSD compute again what leaves the block.
+  // params pass check(), for pictures up to `width`. Census and mixed costs keep block_height + 1
+  // rows of pixel costs; SAD and SSD compute again what leaves the block.
   CostRows(const MatchParams& params, int width, Arena& arena) noexcept;
 
   // Another pair of pictures, at most the constructor's width, that match prefilter_cap: values of

@@ -181,28 +181,16 @@ static_assert(kUsualThreads == 4, "said in the table");
 
 constexpr std::string_view kMatchGroup = "depth.match";
 
-// The matcher's own options. What is made up is not published: `fill` is none of them.
-std::size_t match_count() noexcept {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(dsp::match_options(), [](const auto& o) { return o.name != "fill"; }));
-}
+// The matcher's own options.
+std::size_t match_count() noexcept { return dsp::match_options().size(); }
 
-Field match_field(std::size_t place) noexcept {
-  const std::span<const dsp::MatchOption> options = dsp::match_options();
-  std::size_t slot = 0;
-  for (std::size_t left = place;; ++slot) {
-    if (options[slot].name == "fill") {
-      continue;
-    }
-    if (left-- == 0) {
-      break;
-    }
-  }
+Field match_field(std::size_t slot) noexcept {
+  const dsp::MatchOption& option = dsp::match_options()[slot];
   return {.group = kMatchGroup,
-          .name = options[slot].name,
+          .name = option.name,
           .kind = Kind::kMatch,
-          .meaning = options[slot].meaning,
-          .option = &options[slot],
+          .meaning = option.meaning,
+          .option = &option,
           .slot = slot};
 }
 

@@ -77,7 +77,7 @@ TEST_F(StofdTest, HelpNamesEveryFlagAndTheExitCodes) {
   EXPECT_EQ(ended.error, "");
   for (const char* const word :
        {"--frames", "--period-ms", "--calibration", "--disparities", "--block", "--lr", "--preset",
-        "--method", "--to", "--scene", "--dataset", "--tof", "--truth", "--free-run", "--fault",
+        "--subpixel", "--to", "--scene", "--dataset", "--tof", "--truth", "--free-run", "--fault",
         "Exit codes"}) {
     EXPECT_NE(ended.out.find(word), std::string::npos) << word;
   }
@@ -99,7 +99,8 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
   expect_refused({"--lr=-1"}, "--lr");
   expect_refused({"--no-block"}, "--no-block");
   expect_refused({"--fill"}, "--fill");
-  expect_refused({"--shape", "region", "--method", "sgm"}, "method wta");
+  expect_refused({"--shape", "region"}, "--shape");  // of stof evaluate alone
+  expect_refused({"--texture", "off", "--prefilter", "off"}, "derivatives");
   expect_refused({"--period-ms", "-1"}, "--period-ms");
   expect_refused({"--set", "streams.depth"}, "PATH=VALUE");
   expect_refused({"--set", "streams.depth=zip"}, "off, raw, rvl or fit");
