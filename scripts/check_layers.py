@@ -48,6 +48,7 @@ FLOORS = (
     Floor("dsp/base/avx2.h", ("dsp/base/*",), ("immintrin.h",)),
     Floor("dsp/calib/*.cpp", ("dsp/*",), ("Eigen/*",)),
     Floor("dsp/*", ("dsp/*",)),
+    Floor("lab/*", ("lab/*", "dsp/*")),
     Floor("posix/*", ("posix/*",), C_LIBRARY),
     Floor("dataset/*", ("dataset/*", "dsp/base/*", "dsp/calib/*"), ANY_LIBRARY),
     Floor("hal/emu/*", ("hal/emu/*", HAL_INTERFACES, "dsp/*", "dataset/*"), ANY_LIBRARY),
@@ -64,7 +65,7 @@ FLOORS = (
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
     Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),
     Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
-    Floor("host/*", ("host/*", "dsp/*", "posix/*", "dataset/*", "firmware/wire/*", "hal/framing/*", "board/config.h"),
+    Floor("host/*", ("host/*", "lab/*", "dsp/*", "posix/*", "dataset/*", "firmware/wire/*", "hal/framing/*", "board/config.h"),
           ANY_LIBRARY),
     Floor("tests/*", ("*",), ANY_LIBRARY),
 )
@@ -96,7 +97,8 @@ def fits(name, pattern):
 
 
 def longest(path):
-    return 150 if path.endswith(".h") and not path.startswith("tests/") else 500
+    header = path.endswith(".h") and not path.endswith("_body.h")  # which are instantiated elsewhere
+    return 150 if header and not path.startswith("tests/") else 500
 
 
 def judge_project_include(root, path, floor, name):

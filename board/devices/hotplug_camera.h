@@ -16,7 +16,8 @@ namespace stof::board {
 
 // A camera that need not be there when the board starts: until it is, it is lost. One that is there
 // and sends nothing for seconds is lost as well: its driver may have given up without a word.
-// `Camera` is the interface, `Frame` what it gives.
+// `Camera` is the interface, `Frame` what it gives. For one thread at a time: whoever reopens it
+// has it alone, without a lease of it.
 template <typename Camera, typename Frame>
 class HotplugCamera final : public Camera {
  public:

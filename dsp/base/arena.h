@@ -6,6 +6,7 @@
 #include <memory>
 #include <span>
 #include <type_traits>
+#include <utility>
 
 #include "dsp/base/check.h"
 #include "dsp/base/image.h"
@@ -70,6 +71,20 @@ class Arena {
   T* put(const T& value) noexcept {
     T* const at = take<T>(1).data();
     return is_measuring() ? nullptr : std::construct_at(at, value);
+  }
+
+  // A part that is made where it lives, with this arena for its last argument, and never destroyed.
+  // nullptr in an arena that measures: then the part has laid itself out and is gone.
+  template <typename T, typename... Arguments>
+  T* make(Arguments&&... arguments) noexcept {
+    static_assert(std::is_trivially_destructible_v<T> && alignof(T) <= kAlign);
+    std::byte* const at = take<std::byte>(sizeof(T)).data();
+    if (is_measuring()) {
+      T(std::forward<Arguments>(arguments)..., *this);
+      return nullptr;
+    }
+    return std::construct_at(reinterpret_cast<T*>(at),  // NOLINT: bytes become the part
+                             std::forward<Arguments>(arguments)..., *this);
   }
 
   template <typename T>

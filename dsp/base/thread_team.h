@@ -54,6 +54,13 @@ class Crew {
     static_assert(Pool::kMost <= kMost);
   }
 
+  // Stands for so many where memory is measured; the caller does all the work.
+  static Crew standing_for(int threads) noexcept {
+    Crew crew;
+    crew.threads_ = threads;
+    return crew;
+  }
+
   // At most so many of these.
   Crew first(int threads) const noexcept {
     Crew fewer = *this;

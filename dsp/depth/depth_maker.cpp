@@ -5,6 +5,9 @@
 namespace stof::dsp {
 namespace {
 
+// Rows that a thread rectifies or fuses at once: a row looks at few others.
+constexpr int kRowsAtOnce = 16;
+
 constexpr double kMetresPerQuarterMm = 1.0 / kQuarterMmPerMetre;
 
 bool has_pmd(const Calibration& calibration) noexcept { return calibration.pmd.lens.width > 0; }
@@ -33,42 +36,11 @@ GuideParams guide_params(const Calibration& calibration, const DepthParams& para
 
 }  // namespace
 
-std::size_t DepthMaker::bytes_needed(const Calibration& calibration, const DepthParams& params,
-                                     int threads) noexcept {
-  const Pinhole& left = calibration.stereo.left;
-  const int w = left.width;
-  const int h = left.height;
-  const int first = params.match.min_disparity;
-  const int candidates = params.match.disparities;
-  return Matcher::bytes_needed(search(calibration, params), w, h, threads) +
-         bytes_taken([&](Arena& arena) noexcept {
-           Fuser(calibration, params.fusion, first, candidates, w, h, arena, threads);
-           arena.take_image<Disparity>(w, h);
-           if (calibration.stereo.raw) {
-             Rectifier(calibration.stereo, arena);
-           }
-           if (guides(calibration, params)) {
-             GuideMaker(calibration, guide_params(calibration, params), first, candidates, w, h,
-                        arena);
-           }
-           if (has_pmd(calibration)) {
-             Converter(calibration.pmd, arena);
-             DriftMonitor(calibration, DriftParams{}, arena);
-           }
-           if (unwraps(calibration, params)) {
-             Unwrapper(calibration, params.fusion, first, candidates, w, h, arena);
-           }
-           if (params.temporal) {
-             TemporalFilter(w, h, TemporalParams{}, arena);
-           }
-         });
-}
-
 DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
-                       const Crew& crew) noexcept
+                       const Crew& crew, SearchMaker* searches) noexcept
     : crew_(crew),
       matcher_(search(calibration, params), calibration.stereo.left.width,
-               calibration.stereo.left.height, arena, crew),
+               calibration.stereo.left.height, arena, crew, searches),
       fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
              calibration.stereo.left.width, calibration.stereo.left.height, arena, crew.threads()) {
   const int w = calibration.stereo.left.width;
@@ -114,20 +86,12 @@ void DepthMaker::match(ImageView<const std::uint8_t> left,
     left_ = rectifier_->left();
     right_ = rectifier_->right();
   }
-  // In steps: what looks at the whole map must not see what lies beyond a border.
-  matcher_.start(left_, right_, guide);
-  matcher_.search(disparity_);
-  clear_border();
-  matcher_.finish(disparity_);
-  clear_border();
+  matcher_.match({.left = left_,
+                  .right = right_,
+                  .guide = guide,
+                  .rectifier = rectifier_ ? &*rectifier_ : nullptr},
+                 disparity_);
   matched_ = true;
-}
-
-void DepthMaker::clear_border() noexcept {
-  if (rectifier_) {
-    crew_.run_rows(disparity_.rows(), kRowsAtOnce,
-                   [&](Rows rows, int) noexcept { rectifier_->clear_border(rows, disparity_); });
-  }
 }
 
 StereoMaps DepthMaker::stereo() const noexcept {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <optional>
 
 #include "dsp/base/arena.h"
@@ -35,14 +34,11 @@ struct DepthParams {
 // construction. Each frame: convert() where there are new PMD samples, match(), fuse().
 class DepthMaker {
  public:
-  // threads: of the crew.
-  static std::size_t bytes_needed(const Calibration& calibration, const DepthParams& params,
-                                  int threads = 1) noexcept;
-
   // calibration is complete(), problem() of it empty; its PMD size may be 0x0: stereo alone.
   // check(params.match) of the stereo size is kOk. The result is the same with any crew.
+  // searches: as those of a Matcher.
   DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
-             const Crew& crew = {}) noexcept;
+             const Crew& crew = {}, SearchMaker* searches = nullptr) noexcept;
 
   // Samples hold until the next ones; after forget_pmd() there are none.
   void convert(const PmdFrame& frame) noexcept;
@@ -73,8 +69,6 @@ class DepthMaker {
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
  private:
-  void clear_border() noexcept;
-
   Crew crew_;
   std::optional<Rectifier> rectifier_;
   std::optional<GuideMaker> guide_maker_;

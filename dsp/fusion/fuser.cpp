@@ -79,11 +79,11 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   t.ratio = arena.take_filled(row, std::uint8_t{0});
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
-  for (std::size_t thread = 0; thread < t.scratch.size(); ++thread) {
-    const Scratch scratch{arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),
-                          arena.take<std::uint8_t>(row), arena.take<Cause>(row)};
+  for (Scratch& scratch : t.scratch) {
+    const Scratch rows{arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),
+                       arena.take<std::uint8_t>(row), arena.take<Cause>(row)};
     if (!arena.is_measuring()) {
-      t.scratch[thread] = scratch;
+      scratch = rows;
     }
   }
   t.reprojector = Reprojector(calibration, width, height, arena);

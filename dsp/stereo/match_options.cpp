@@ -2,81 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
+
+#include "dsp/stereo/option_text.h"
 
 namespace stof::dsp {
 namespace {
 
-// Nothing but one decimal number in [low, high].
-std::optional<int> number(std::string_view text, int low, int high) noexcept {
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc{} && stop == end && value >= low && value <= high ? std::optional(value)
-                                                                              : std::nullopt;
-}
+using namespace option_text;  // NOLINT(google-build-using-namespace): what this file is made of
 
-bool set_number(std::string_view text, int low, int high, int& to) noexcept {
-  const std::optional<int> value = number(text, low, high);
-  to = value.value_or(to);
-  return value.has_value();
-}
-
-bool set_limit(std::string_view text, int low, int high, std::optional<int>& to) noexcept {
-  const std::optional<int> value = number(text, low, high);
-  if (!value && text != "off") {
-    return false;
-  }
-  to = value;
-  return true;
-}
-
-bool set_switch(std::string_view text, bool& to) noexcept {
-  if (text != "on" && text != "off") {
-    return false;
-  }
-  to = text == "on";
-  return true;
-}
-
-template <typename T>
-struct Named {
-  std::string_view name;
-  T value;
-};
-
-template <typename T, std::size_t kCount>
-bool set_named(std::string_view text, const std::array<Named<T>, kCount>& names, T& to) noexcept {
-  const auto* const found = std::ranges::find(names, text, &Named<T>::name);
-  if (found == names.end()) {
-    return false;
-  }
-  to = found->value;
-  return true;
-}
-
-constexpr std::array<Named<Method>, 4> kMethods{{{"wta", Method::kWinnerTakesAll},
-                                                 {"dp", Method::kOrdered},
-                                                 {"so", Method::kScanline},
-                                                 {"sgm", Method::kSemiGlobal}}};
-constexpr std::array<Named<Cost>, 6> kCosts{{{"sad", Cost::kSad},
-                                             {"ssd", Cost::kSsd},
-                                             {"census5x5", Cost::kCensus5x5},
-                                             {"census5", Cost::kCensus5x5},
-                                             {"census9x7", Cost::kCensus9x7},
-                                             {"mixed", Cost::kMixed}}};
-constexpr std::array<Named<BlockShape>, 3> kShapes{{{"fixed", BlockShape::kFixed},
-                                                    {"cross", BlockShape::kCross},
-                                                    {"region", BlockShape::kRegion}}};
 constexpr std::array<Named<Subpixel>, 4> kFits{{{"off", Subpixel::kWhole},
                                                 {"equiangular", Subpixel::kEquiangular},
                                                 {"parabola", Subpixel::kParabola},
                                                 {"least-squares", Subpixel::kLeastSquares}}};
-constexpr std::array<Named<std::optional<Interest>>, 3> kInterests{
-    {{"off", std::nullopt},
-     {"maxima", Interest::kMaxima},
-     {"thresholds", Interest::kTwoThresholds}}};
 
 bool set_block(std::string_view text, MatchParams& params) noexcept {
   const std::size_t by = text.find('x');
@@ -93,50 +31,23 @@ bool set_block(std::string_view text, MatchParams& params) noexcept {
   return true;
 }
 
-// P1,P2 or P1,P2,occlusion.
+// P1,P2.
 bool set_penalties(std::string_view text, MatchParams& params) noexcept {
-  std::array<int, 3> values{};
-  std::size_t count = 0;
-  while (count < values.size()) {
-    const std::size_t comma = std::min(text.find(','), text.size());
-    if (!set_number(text.substr(0, comma), 0, kMaxPenalty, values[count])) {
-      return false;
-    }
-    ++count;
-    if (comma == text.size()) {
-      break;
-    }
-    text.remove_prefix(comma + 1);
-  }
-  if (count < 2 || values[0] > values[1]) {
+  const std::size_t comma = std::min(text.find(','), text.size());
+  const std::optional<int> small = number(text.substr(0, comma), 0, kMaxStep);
+  const std::optional<int> large =
+      comma < text.size() ? number(text.substr(comma + 1), 0, kMaxStep) : std::nullopt;
+  if (!small || !large || *small > *large) {
     return false;
   }
-  params.smoothness = {.small_step = values[0],
-                       .large_step = values[1],
-                       .occlusion = count == 3 ? values[2] : values[1] / 2};
-  return true;
-}
-
-bool set_directions(std::string_view text, MatchParams& params) noexcept {
-  int directions = 0;
-  if (!set_number(text, 2, 8, directions) ||
-      (directions != 2 && directions != 4 && directions != 5 && directions != 8)) {
-    return false;
-  }
-  params.directions = directions;
+  params.smoothness = {.small_step = *small, .large_step = *large};
   return true;
 }
 
 using Text = std::string_view;
 
-constexpr std::array<MatchOption, 22> kOptions{{
-    {"method", "wta, dp, so or sgm", "search: winner takes all, ordered, scanline, semi-global", "",
-     [](Text text, MatchParams& p) { return set_named(text, kMethods, p.method); }},
-    {"cost", "sad, ssd, census5x5, census9x7 or mixed", "what two pixels differ by", "",
-     [](Text text, MatchParams& p) { return set_named(text, kCosts, p.cost); }},
+constexpr std::array<MatchOption, 14> kOptions{{
     {"block", "WxH from 1x1 to 64x64", "block in px", "", set_block},
-    {"shape", "fixed, cross or region", "blocks that grow until they meet an edge, up to --block",
-     "", [](Text text, MatchParams& p) { return set_named(text, kShapes, p.block_shape); }},
     {"min-disparity", "-1024..1024", "first candidate in px", "",
      [](Text text, MatchParams& p) {
        return set_number(text, -kMaxMinDisparity, kMaxMinDisparity, p.min_disparity);
@@ -147,16 +58,8 @@ constexpr std::array<MatchOption, 22> kOptions{{
      [](Text text, MatchParams& p) { return set_switch(text, p.smooth); }},
     {"equalise", "on or off", "bring the right picture to the left one's brightness", "on",
      [](Text text, MatchParams& p) { return set_switch(text, p.equalise); }},
-    {"penalties", "P1,P2 or P1,P2,OCCLUSION",
-     "cost of a change of disparity by one, by more, in units of one pixel's cost", "",
-     set_penalties},
-    {"directions", "2, 4, 5 or 8", "paths of the semi-global search", "", set_directions},
-    {"band", "0..256 or off", "scanline: px around what winner takes all found nearby", "",
-     [](Text text, MatchParams& p) { return set_limit(text, 0, kMaxDisparities, p.band); }},
-    {"pyramid", "1, 2 or off", "coarse to fine, from half or a quarter of the size", "2",
-     [](Text text, MatchParams& p) { return set_limit(text, 1, 2, p.pyramid_levels); }},
-    {"interest", "maxima, thresholds or off", "match only where the derivative stands out",
-     "maxima", [](Text text, MatchParams& p) { return set_named(text, kInterests, p.interest); }},
+    {"penalties", "P1,P2 up to 36,36",
+     "preset quality: cost of a change of disparity by one, by more", "", set_penalties},
     {"lr", "0..256 or off", "left-right check, tolerance in px", "1",
      [](Text text, MatchParams& p) {
        return set_limit(text, 0, kMaxDisparities, p.left_right_tolerance);
@@ -175,8 +78,6 @@ constexpr std::array<MatchOption, 22> kOptions{{
      [](Text text, MatchParams& p) { return set_named(text, kFits, p.subpixel); }},
     {"median", "on or off", "3x3 median of the disparities", "on",
      [](Text text, MatchParams& p) { return set_switch(text, p.median); }},
-    {"fill", "on or off", "give pixels without a disparity that of their background", "on",
-     [](Text text, MatchParams& p) { return set_switch(text, p.fill); }},
 }};
 
 }  // namespace

@@ -10,11 +10,6 @@
 namespace stof::dsp {
 namespace {
 
-std::size_t image_bytes(int width, int height) noexcept {
-  return Arena::bytes_for<std::uint8_t>(static_cast<std::size_t>(width) *
-                                        static_cast<std::size_t>(height));
-}
-
 // The part of `buffer` that has the size of `picture`.
 ImageView<std::uint8_t> cut(ImageView<std::uint8_t> buffer,
                             ImageView<const std::uint8_t> picture) noexcept {
@@ -36,12 +31,6 @@ void derive_rows(ImageView<const std::uint8_t> in, Rows rows, int cap,
 }
 
 }  // namespace
-
-std::size_t PreparedPair::bytes_needed(const MatchParams& params, int width, int height) noexcept {
-  const int images = (changes_left(params) ? 1 : 0) + (changes_right(params) ? 1 : 0) +
-                     (params.prefilter_cap ? 2 : 0);
-  return static_cast<std::size_t>(images) * image_bytes(width, height);
-}
 
 PreparedPair::PreparedPair(const MatchParams& params, int width, int height, Arena& arena) noexcept
     : params_(params) {

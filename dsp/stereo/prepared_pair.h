@@ -13,7 +13,6 @@ namespace stof::dsp {
 // A stereo pair as costs look at it: smoothed, equalised, as a derivative, as MatchParams say.
 class PreparedPair {
  public:
-  static std::size_t bytes_needed(const MatchParams& params, int width, int height) noexcept;
   PreparedPair(const MatchParams& params, int width, int height, Arena& arena) noexcept;
 
   // New pictures of equal size, at most the constructor's. They are looked at until the next call.

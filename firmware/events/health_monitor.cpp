@@ -169,6 +169,7 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
                                                              bool wanted, hal::Time now) noexcept {
   set(wire::Condition::kSerialLost, control.serial_lost, 0, now);
   set(wire::Condition::kSettingsUnsaved, control.settings_unsaved, 0, now);
+  set(wire::Condition::kSettingsFellBack, control.settings_fell_back, 0, now);
   set(wire::Condition::kRestartNeeded, control.restart_needed, 0, now);
   const bool second = now - second_ >= kSecond;
   if (second) {

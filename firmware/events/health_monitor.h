@@ -23,6 +23,7 @@ struct ControlStatus {
   std::uint8_t subscribers = 0;
   bool serial_lost = false;
   bool settings_unsaved = false;
+  bool settings_fell_back = false;
   bool restart_needed = false;
 };
 

@@ -39,9 +39,11 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
 }
 
 std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
-  return dsp::DepthMaker::bytes_needed(setup.calibration, setup.depth, setup.threads) +
-         dsp::bytes_taken(
-             [&](dsp::Arena& arena) noexcept { take_map(setup.calibration.stereo.left, arena); });
+  return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
+    dsp::DepthMaker(setup.calibration, setup.depth, arena,
+                    dsp::Crew::standing_for(setup.threads));
+    take_map(setup.calibration.stereo.left, arena);
+  });
 }
 
 Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,

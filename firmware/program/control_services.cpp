@@ -12,7 +12,10 @@ void put_text(std::string_view text, std::span<char> to) noexcept {
 ControlServices::ControlServices(const Parts& parts, const settings::Settings& active,
                                  const settings::Settings& saved)
     : parts_(parts),
-      settings_server_(active, saved, {.limits = *this, .sink = *this, .store = parts.store}),
+      settings_server_(active, saved, {.limits = *this,
+                        .sink = *this,
+                        .store = parts.store,
+                        .fell_back = parts.fell_back}),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
@@ -63,6 +66,7 @@ wire::Announce ControlServices::make_announce() const noexcept {
 void ControlServices::publish_status() noexcept {
   published_.revision.store(settings_server_.revision(), std::memory_order_relaxed);
   published_.unsaved.store(settings_server_.unsaved(), std::memory_order_relaxed);
+  published_.fell_back.store(settings_server_.fell_back(), std::memory_order_relaxed);
   published_.restart_needed.store(settings_server_.restart_needed(), std::memory_order_relaxed);
   published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
                                std::memory_order_relaxed);
@@ -136,6 +140,7 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
                        .settings_revision = published_.revision.load(std::memory_order_relaxed),
                        .subscribers = published_.subscribers.load(std::memory_order_relaxed),
                        .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
+                       .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),
                        .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();

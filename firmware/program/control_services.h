@@ -40,6 +40,7 @@ class ControlServices final : public settings::Limits,
     board::Board& board;
     const RigInfo& rig;
     hal::Store* store;  // of settings; nullptr: nothing is kept
+    bool fell_back;     // of load_settings()
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
     RunConfigRing& run_configs;
@@ -87,6 +88,7 @@ class ControlServices final : public settings::Limits,
     std::atomic<std::uint32_t> revision = 1;
     std::atomic<std::uint8_t> subscribers = 0;
     std::atomic<bool> unsaved = false;
+    std::atomic<bool> fell_back = false;
     std::atomic<bool> restart_needed = false;
   } published_;
 

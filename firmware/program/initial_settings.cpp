@@ -15,7 +15,8 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     initial.store = board::make_store(options.settings);
     std::array<char, 512> space{};
     settings::PagedWriter line(space);
-    initial.saved = settings::load_settings(*initial.store, options.settings, nullptr, line);
+    initial.saved = settings::load_settings(*initial.store, options.settings, nullptr, line,
+                                            &initial.fell_back);
     if (!line.text().empty()) {
       print_line(std::string(line.text()));
     }
@@ -40,6 +41,7 @@ std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSet
   static_cast<void>(initial.store->set_aside());  // the next save replaces it in any case
   initial.saved = {};
   initial.active = {};
+  initial.fell_back = false;
   return apply(options.assignments, initial.active);
 }
 

@@ -16,6 +16,7 @@ struct InitialSettings {
   std::unique_ptr<hal::Store> store;  // may be empty
   settings::Settings saved;
   settings::Settings active;
+  bool fell_back = false;  // of load_settings()
 };
 
 // Opens the store where one is named. Error: one line, which flag takes what.

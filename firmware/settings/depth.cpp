@@ -5,6 +5,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/stereo/match_options.h"
+#include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/field.h"
 
 namespace stof::settings {
@@ -50,6 +51,23 @@ dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noe
   params.fusion.spread = dsp::spread_of(params.match);
   params.match.disparities = depth.disparities > 0 ? depth.disparities : rig_disparities;
   return params;
+}
+
+void settle(Settings& settings, PagedWriter& note) noexcept {
+  // Blocks of grey values, and sums that do not fit 16 bits.
+  for (const std::string_view name : {"prefilter", "block"}) {
+    const dsp::MatchParams match = match_params(settings.depth);
+    if (match.search != dsp::Search::kBlocks || dsp::blocks_fit(match) ||
+        (match.min_texture && !match.prefilter_cap)) {
+      return;
+    }
+    const auto slot =
+        static_cast<std::size_t>(dsp::find_match_option(name) - dsp::match_options().data());
+    if (!settings.depth.match[slot].view().empty()) {
+      settings.depth.match[slot] = {};
+      note_fallback(name == "block" ? "depth.match.block" : "depth.match.prefilter", note);
+    }
+  }
 }
 
 const char* problem(const Settings& settings) noexcept {

@@ -2,12 +2,17 @@
 
 #include "dsp/depth/depth_maker.h"
 #include "firmware/settings/settings.h"
+#include "firmware/settings/text/paged_writer.h"
 
 namespace stof::settings {
 
 // What the pipeline computes with. rig_disparities: what holds where the settings say 0.
 // What the board has room for is checked elsewhere.
 dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noexcept;
+
+// Fields of depth.match that an earlier version matched together, but this one cannot, become as
+// the preset has them; `note` says so (note_fallback()).
+void settle(Settings& settings, PagedWriter& note) noexcept;
 
 // Empty ("") when the matcher's options can be used together, else what cannot and what to do.
 const char* problem(const Settings& settings) noexcept;

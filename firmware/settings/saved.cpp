@@ -20,13 +20,14 @@ bool understand(std::span<const std::byte> bytes, Limits* limits, Settings& sett
   if (!parse({text, bytes.size()}, settings, why)) {
     return false;
   }
+  settle(settings, why);
   return usable(settings, limits, why);
 }
 
 }  // namespace
 
-Settings load_settings(hal::Store& store, std::string_view place, Limits* limits,
-                       PagedWriter& line) noexcept {
+Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, PagedWriter& line,
+                       bool* fell_back) noexcept {
   std::array<std::byte, kMostFile> bytes;
   const Result<std::size_t> loaded = store.load(bytes);
   if (loaded && *loaded == 0) {
@@ -41,6 +42,12 @@ Settings load_settings(hal::Store& store, std::string_view place, Limits* limits
   } else {
     Settings settings;
     if (understand(std::span(bytes).first(*loaded), limits, settings, why)) {
+      if (!why.text().empty()) {
+        line << place << ": " << why.text();
+      }
+      if (fell_back != nullptr) {
+        *fell_back = !why.text().empty();
+      }
       return settings;
     }
   }

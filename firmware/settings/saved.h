@@ -13,7 +13,9 @@ namespace stof::settings {
 // the defaults where nothing was ever saved. What cannot be used (damaged, of a later version, not
 // for this sensor) is set aside, the defaults hold, and `line` says so in one line that begins with
 // `place`, such as the file's name. limits: nullptr: are not asked.
-Settings load_settings(hal::Store& store, std::string_view place, Limits* limits,
-                       PagedWriter& line) noexcept;
+// Fields that this version does not take any more are as the preset has them: `line` names them,
+// and *fell_back becomes true.
+Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, PagedWriter& line,
+                       bool* fell_back = nullptr) noexcept;
 
 }  // namespace stof::settings

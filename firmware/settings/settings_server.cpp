@@ -31,8 +31,12 @@ bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept
 }
 
 SettingsServer::SettingsServer(const Settings& active, const Settings& saved,
-                               const Parts& parts) noexcept
-    : parts_(parts), started_(active), active_(active), saved_(saved) {}
+                           const Parts& parts) noexcept
+    : parts_(parts),
+      started_(active),
+      active_(active),
+      saved_(saved),
+      fell_back_(parts.fell_back) {}
 
 bool SettingsServer::restart_needed() const noexcept {
   const std::size_t count = field_count();
@@ -122,7 +126,11 @@ SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
 }
 
 SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter& why) noexcept {
-  return parse(text, staged_values_, why, &staged_fields_) ? Result::kOk : Result::kInvalid;
+  if (!parse(text, staged_values_, why, &staged_fields_)) {
+    return Result::kInvalid;
+  }
+  fell_back_ = fell_back_ || !why.text().empty();
+  return Result::kOk;
 }
 
 SettingsServer::Result SettingsServer::commit(PagedWriter& why) noexcept {
@@ -144,7 +152,7 @@ SettingsServer::Result SettingsServer::preset(std::string_view name, PagedWriter
 }
 
 SettingsServer::Result SettingsServer::save(PagedWriter& why) noexcept {
-  if (active_ == saved_ && !unsaved_) {
+  if (active_ == saved_ && !unsaved_ && !fell_back_) {
     return Result::kOk;  // a repeated request does not wear the medium
   }
   std::array<char, kMostDocumentBytes> space;
@@ -162,6 +170,7 @@ SettingsServer::Result SettingsServer::save(PagedWriter& why) noexcept {
   }
   saved_ = active_;
   unsaved_ = false;
+  fell_back_ = false;
   return Result::kOk;
 }
 
@@ -170,17 +179,25 @@ SettingsServer::Result SettingsServer::change(std::string_view json, PagedWriter
   return parse(json, next, why) ? become(next, why) : Result::kInvalid;
 }
 
-SettingsServer::Result SettingsServer::become(const Settings& next, PagedWriter& why) noexcept {
+// why: of a result of kOk, what fell back.
+SettingsServer::Result SettingsServer::become(Settings next, PagedWriter& why) noexcept {
+  settle(next, why);
+  const bool falls_back = !why.text().empty();
   if (next == active_) {
+    fell_back_ = fell_back_ || falls_back;
     return Result::kOk;
   }
-  if (!usable(next, &parts_.limits, why)) {
+  std::array<char, kWhyBytes> space;
+  PagedWriter refusal(space);
+  if (!usable(next, &parts_.limits, refusal)) {
+    why << (falls_back ? "; " : "") << refusal.text();
     return Result::kInvalid;
   }
   if (!parts_.sink.apply(next, revision_ + 1)) {
     return Result::kBusy;
   }
   active_ = next;
+  fell_back_ = fell_back_ || falls_back;
   ++revision_;
   return Result::kOk;
 }

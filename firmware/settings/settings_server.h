@@ -42,6 +42,7 @@ class SettingsServer final : public firmware::SettingsService {
     Limits& limits;
     SettingsSink& sink;
     hal::Store* store = nullptr;  // nullptr: nothing can be saved
+    bool fell_back = false;       // of load_settings()
   };
 
   // active: what the sensor was started with, already applied, as revision 1. saved: what is in the
@@ -60,6 +61,9 @@ class SettingsServer final : public firmware::SettingsService {
   bool restart_needed() const noexcept;
   // The last attempt to save failed.
   bool unsaved() const noexcept { return unsaved_; }
+  // Since the last save, or in what was saved, fields were named that are as the preset has them
+  // now.
+  bool fell_back() const noexcept { return fell_back_; }
 
  private:
   using Result = wire::SettingsResult;
@@ -70,7 +74,7 @@ class SettingsServer final : public firmware::SettingsService {
   Result preset(std::string_view name, PagedWriter& why) noexcept;
   Result save(PagedWriter& why) noexcept;
   Result change(std::string_view json, PagedWriter& why) noexcept;
-  Result become(const Settings& next, PagedWriter& why) noexcept;
+  Result become(Settings next, PagedWriter& why) noexcept;
   Settings staged() const noexcept;
 
   Parts parts_;
@@ -81,6 +85,7 @@ class SettingsServer final : public firmware::SettingsService {
   FieldSet staged_fields_{};
   std::uint32_t revision_ = 1;
   bool unsaved_ = false;
+  bool fell_back_;
 };
 
 }  // namespace stof::settings

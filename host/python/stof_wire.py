@@ -156,6 +156,9 @@ class Condition(enum.IntEnum):
     SETTINGS_UNSAVED = 11  # the settings could not be saved; value: 0
     RESTART_NEEDED = 12  # some settings wait for the next start; value: 0
     FLOODED = 13  # more than 1,000 refused requests in a second; value: refused in this second
+    # settings named what this version has not: these fields are as the preset has them, until the
+    # settings are saved; value: 0
+    SETTINGS_FELL_BACK = 14
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -208,6 +211,9 @@ CONDITIONS = {
         Severity.INFO, Reaction.NONE),
     Condition.FLOODED: ConditionInfo(
         "more than 1,000 refused requests in a second",
+        Severity.MINOR, Reaction.WATCH),
+    Condition.SETTINGS_FELL_BACK: ConditionInfo(
+        "settings named what this version has not: these fields are as the preset has them, until the settings are saved",
         Severity.MINOR, Reaction.WATCH),
 }
 # made: end

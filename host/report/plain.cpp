@@ -1,26 +1,26 @@
 #include "host/report/plain.h"
 
-#include "dsp/stereo/cost/cost_rows.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "host/evaluate/stereo/match.h"
 #include "host/report/plain_costs.h"
+#include "lab/cost/cost_rows.h"
 
 namespace stof::host {
 namespace {
 
-using dsp::Cost;
+using lab::Cost;
 
-bool has_block_costs(const dsp::MatchParams& params) { return params.cost != Cost::kMixed; }
+bool has_block_costs(const lab::MatchParams& params) { return params.cost != Cost::kMixed; }
 
 // Calls use(row) for all rows of block costs, as the appliance makes them.
 template <typename Sum, typename Use>
-void for_appliance_rows(const dataset::StereoScene& scene, const dsp::MatchParams& params,
+void for_appliance_rows(const dataset::StereoScene& scene, const lab::MatchParams& params,
                         Workspace& workspace, const Use& use) {
   dsp::Arena arena = workspace.arena();
   const int width = scene.left.width;
   const int height = scene.left.height;
   dsp::PreparedPair pair(params, width, height, arena);
-  dsp::CostRows rows(params, width, arena);
+  lab::CostRows rows(params, width, arena);
   pair.start(scene.left.view(), scene.right.view());
   pair.filter({0, height});
   pair.derive({0, height});
@@ -33,13 +33,15 @@ void for_appliance_rows(const dataset::StereoScene& scene, const dsp::MatchParam
   }
 }
 
-Workspace appliance_workspace(const dataset::StereoScene& scene, const dsp::MatchParams& params) {
-  return Workspace(dsp::PreparedPair::bytes_needed(params, scene.left.width, scene.left.height) +
-                   dsp::CostRows::bytes_needed(params, scene.left.width));
+Workspace appliance_workspace(const dataset::StereoScene& scene, const lab::MatchParams& params) {
+  return Workspace(dsp::bytes_taken([&](dsp::Arena& arena) {
+    dsp::PreparedPair(params, scene.left.width, scene.left.height, arena);
+    lab::CostRows(params, scene.left.width, arena);
+  }));
 }
 
 template <typename Sum>
-double cost_matrix_with(const dataset::StereoScene& scene, const dsp::MatchParams& params,
+double cost_matrix_with(const dataset::StereoScene& scene, const lab::MatchParams& params,
                         Variant variant, int runs) {
   if (variant == Variant::kOptimised) {
     Workspace workspace = appliance_workspace(scene, params);
@@ -59,11 +61,11 @@ double cost_matrix_with(const dataset::StereoScene& scene, const dsp::MatchParam
 }  // namespace
 
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
-                                     const dsp::MatchParams& params, Variant variant, int runs) {
+                                     const lab::MatchParams& params, Variant variant, int runs) {
   if (!has_block_costs(params)) {
     return std::nullopt;
   }
-  return dsp::CostRows::wide(params)
+  return lab::CostRows::wide(params)
              ? cost_matrix_with<std::uint32_t>(scene, params, variant, runs)
              : cost_matrix_with<std::uint16_t>(scene, params, variant, runs);
 }

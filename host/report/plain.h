@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "dataset/dataset.h"
-#include "dsp/stereo/match_params.h"
+#include "lab/match_params.h"
 
 // Parts of matching alone, once with the reference kernels ("plain": loops as the formulas are
 // printed) and once as the appliance does it ("optimised").
@@ -15,6 +15,6 @@ enum class Variant : std::uint8_t { kPlain, kOptimised };
 // A row of costs is overwritten by the next one, as in the appliance. None for Cost::kMixed, which
 // has no blocks.
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
-                                     const dsp::MatchParams& params, Variant variant, int runs);
+                                     const lab::MatchParams& params, Variant variant, int runs);
 
 }  // namespace stof::host

@@ -4,11 +4,11 @@
 #include <array>
 
 #include "dsp/stereo/cost/census.h"
-#include "dsp/stereo/cost/cost_sums.h"
 #include "dsp/stereo/cost/hamming.h"
 #include "dsp/stereo/cost/prefilter.h"
 #include "dsp/stereo/cost/sad.h"
-#include "dsp/stereo/cost/ssd.h"
+#include "lab/cost/cost_sums.h"
+#include "lab/cost/ssd.h"
 
 namespace stof::host {
 namespace {
@@ -39,7 +39,7 @@ dataset::Image<std::uint8_t> plain_derivative(const dataset::Image<std::uint8_t>
 }
 
 template <typename Sum>
-PlainCosts<Sum>::PlainCosts(const dataset::StereoScene& scene, const dsp::MatchParams& params)
+PlainCosts<Sum>::PlainCosts(const dataset::StereoScene& scene, const lab::MatchParams& params)
     : params_(params),
       lanes_(dsp::lanes_of(params)),
       columns_(dsp::block_columns(params)),
@@ -64,7 +64,7 @@ PlainCosts<Sum>::PlainCosts(const dataset::StereoScene& scene, const dsp::MatchP
 
 template <typename Sum>
 bool PlainCosts<Sum>::census() const {
-  return params_.cost == dsp::Cost::kCensus5x5 || params_.cost == dsp::Cost::kCensus9x7;
+  return params_.cost == lab::Cost::kCensus5x5 || params_.cost == lab::Cost::kCensus9x7;
 }
 
 template <typename Sum>
@@ -111,7 +111,7 @@ std::vector<std::uint8_t>& PlainCosts<Sum>::kept(int y) {
 template <typename Sum>
 void PlainCosts<Sum>::describe(const dataset::Image<std::uint8_t>& picture, int y,
                                std::vector<std::uint8_t>& planes) const {
-  if (params_.cost == dsp::Cost::kCensus5x5) {
+  if (params_.cost == lab::Cost::kCensus5x5) {
     planes.resize(dsp::planes_of(dsp::kCensus5x5Bits) * size(picture.width));
     dsp::ref::census_5x5(window<5>(picture, y), planes);
   } else {
@@ -140,7 +140,7 @@ void PlainCosts<Sum>::pixel_costs(int y, std::vector<std::uint8_t>& costs) const
                      std::span(right_row).subspan(p * right_length, right_length));
   }
   const int bits =
-      params_.cost == dsp::Cost::kCensus5x5 ? dsp::kCensus5x5Bits : dsp::kCensus9x7Bits;
+      params_.cost == lab::Cost::kCensus5x5 ? dsp::kCensus5x5Bits : dsp::kCensus9x7Bits;
   dsp::ref::hamming_costs(left_row, right_row, bits, lanes_, costs);
 }
 
@@ -152,7 +152,7 @@ void PlainCosts<Sum>::enter(int y) {
     return;
   }
   load(y, new_);
-  if (params_.cost == dsp::Cost::kSsd) {
+  if (params_.cost == lab::Cost::kSsd) {
     dsp::ref::add_squares<Sum>(new_.left, new_.right, lanes_, sums_);
   } else {
     dsp::ref::add_differences<Sum>(new_.left, new_.right, lanes_, sums_);
@@ -168,7 +168,7 @@ void PlainCosts<Sum>::exchange(int entering, int leaving) {
   }
   load(entering, new_);
   load(leaving, old_);
-  if (params_.cost == dsp::Cost::kSsd) {
+  if (params_.cost == lab::Cost::kSsd) {
     dsp::ref::slide_squares<Sum>(new_.left, new_.right, old_.left, old_.right, lanes_, sums_);
   } else {
     dsp::ref::slide_differences<Sum>(new_.left, new_.right, old_.left, old_.right, lanes_, sums_);

@@ -5,7 +5,7 @@
 
 #include "dataset/dataset.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/match_params.h"
+#include "lab/match_params.h"
 
 namespace stof::host {
 
@@ -18,7 +18,7 @@ template <typename Sum>
 class PlainCosts {
  public:
   // Prefilters the pictures where the params ask for it.
-  PlainCosts(const dataset::StereoScene& scene, const dsp::MatchParams& params);
+  PlainCosts(const dataset::StereoScene& scene, const lab::MatchParams& params);
 
   int width() const { return left_.width; }
   int height() const { return left_.height; }
@@ -44,7 +44,7 @@ class PlainCosts {
   void enter(int y);
   void exchange(int entering, int leaving);
 
-  dsp::MatchParams params_;
+  lab::MatchParams params_;
   int lanes_;
   dsp::CostColumns columns_;
   int widened_;  // columns with those beyond the borders

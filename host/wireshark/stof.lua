@@ -125,6 +125,7 @@ names.Condition = {
   [11] = "settings unsaved",
   [12] = "restart needed",
   [13] = "flooded",
+  [14] = "settings fell back",
 }
 
 layouts.Origin = {

@@ -56,7 +56,8 @@ struct CorridorWork::State {
         width(depth.width, depth.height),
         source(depth.width, depth.height),
         cause(depth.width, depth.height),
-        memory(dsp::DepthMaker::bytes_needed(calibration, params)),
+        memory(dsp::bytes_taken(
+            [&](dsp::Arena& measure) { dsp::DepthMaker(calibration, params, measure); })),
         arena(memory.arena()),
         maker(calibration, params, arena),
         sizes{.width = depth.width,

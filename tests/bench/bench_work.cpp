@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "dsp/pmd/phase/phase.h"
-#include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectifier.h"
 #include "host/evaluate/workspace.h"
+#include "lab/matcher.h"
 #include "posix/worker_threads.h"
 #include "tests/dsp/stereo/raw_world.h"
 
@@ -13,11 +13,13 @@ namespace stof::bench {
 namespace {
 
 struct MatchState {
-  MatchState(const Pictures& both, const dsp::MatchParams& params, int threads)
+  MatchState(const Pictures& both, const lab::MatchParams& params, int threads)
       : pictures(both),
         workers({.threads = threads}),
-        workspace(dsp::Matcher::bytes_needed(params, both.left.width, both.left.height,
-                                             workers.threads())),
+        workspace(dsp::bytes_taken([&](dsp::Arena& measure) {
+          lab::Matcher(params, both.left.width, both.left.height, measure,
+                       dsp::Crew::standing_for(workers.threads()));
+        })),
         arena(workspace.arena()),
         matcher(params, both.left.width, both.left.height, arena,
                 dsp::Crew(workers, workers.threads())),
@@ -27,7 +29,7 @@ struct MatchState {
   posix::WorkerThreads workers;
   host::Workspace workspace;
   dsp::Arena arena;
-  dsp::Matcher matcher;
+  lab::Matcher matcher;
   dataset::Image<dsp::Disparity> out;
 };
 
@@ -88,8 +90,8 @@ dsp::MatchParams preset_params(const char* preset, int disparities) {
   return params;
 }
 
-dsp::MatchParams pyramid_params(int levels, int disparities) {
-  dsp::MatchParams params = block_params(disparities);
+lab::MatchParams pyramid_params(int levels, int disparities) {
+  lab::MatchParams params = lab::as_the_appliance(block_params(disparities));
   params.subpixel = dsp::Subpixel::kWhole;
   if (levels > 0) {
     params.pyramid_levels = levels;
@@ -98,10 +100,15 @@ dsp::MatchParams pyramid_params(int levels, int disparities) {
 }
 
 Work match_work(const Pictures& pictures, const dsp::MatchParams& params, int threads) {
+  return match_work(pictures, lab::as_the_appliance(params), threads);
+}
+
+Work match_work(const Pictures& pictures, const lab::MatchParams& params, int threads) {
   const auto state = std::make_shared<MatchState>(pictures, params, threads);
   return [state] {
-    state->matcher.match(std::as_const(state->pictures.left).view(),
-                         std::as_const(state->pictures.right).view(), state->out.view());
+    state->matcher.match({.left = std::as_const(state->pictures.left).view(),
+                          .right = std::as_const(state->pictures.right).view()},
+                         state->out.view());
   };
 }
 

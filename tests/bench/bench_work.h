@@ -9,6 +9,7 @@
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/stereo/match_params.h"
+#include "lab/match_params.h"
 
 // What is timed on the host (stof_bench) and counted for ARM (stof_count): the same work on the
 // same inputs. No OpenCV.
@@ -35,10 +36,11 @@ Pictures made_pictures(int width, int height);
 dsp::MatchParams block_params(int disparities);
 dsp::MatchParams preset_params(const char* preset, int disparities);
 // The same search in whole pixels, from coarse to fine; 0: from all candidates.
-dsp::MatchParams pyramid_params(int levels, int disparities);
+lab::MatchParams pyramid_params(int levels, int disparities);
 
 // Matches the pair. The map is made with `threads` threads.
 Work match_work(const Pictures& pictures, const dsp::MatchParams& params, int threads = 1);
+Work match_work(const Pictures& pictures, const lab::MatchParams& params, int threads = 1);
 
 // Four PMD samples of noise, 12 bits.
 struct Samples {

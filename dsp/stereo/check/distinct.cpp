@@ -5,15 +5,13 @@
 
 namespace stof::dsp {
 
-std::size_t drop_indistinct_bytes(int width) noexcept { return WindowSums::bytes_needed(width); }
-
-void drop_indistinct(ImageView<const std::int16_t> margins, Rows rows, Arena arena,
+void drop_indistinct(ImageView<const std::int16_t> margins, Rows rows, WindowSums& window,
                      ImageView<Disparity> disparities) noexcept {
   STOF_CHECK(same_size(margins, disparities) && rows.begin >= 0 && rows.end <= margins.height());
   if (margins.empty()) {
     return;
   }
-  WindowSums window(margins.width(), arena);
+  window.start(margins.width());
   for_each_window_row(
       margins.height(), rows, window, [&](int y) noexcept { return margins.row(y); },
       [&](int y, std::span<const std::int32_t> sums) noexcept {

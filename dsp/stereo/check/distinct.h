@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/base/kernel.h"
+#include "dsp/stereo/check/window_sums.h"
 #include "dsp/stereo/search/winner.h"
 
 // A match must stand out from its rivals. Where both pictures hold nothing but noise, the winner
@@ -46,12 +46,9 @@ using DistinctMargins = void(std::span<const Sum> costs, int lanes,
 STOF_KERNELS(DistinctMargins, distinct_margins, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
              Neon<std::uint32_t>)
 
-// What drop_indistinct takes from its Arena.
-std::size_t drop_indistinct_bytes(int width) noexcept;
-
 // Drops the disparities of `rows` where the margins of the surroundings sum to 0 or less.
-// Only `rows` of disparities are written; any split gives the same.
-void drop_indistinct(ImageView<const std::int16_t> margins, Rows rows, Arena arena,
+// Only `rows` of disparities are written; any split gives the same. window: scratch.
+void drop_indistinct(ImageView<const std::int16_t> margins, Rows rows, WindowSums& window,
                      ImageView<Disparity> disparities) noexcept;
 
 }  // namespace stof::dsp

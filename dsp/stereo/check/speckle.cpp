@@ -49,24 +49,12 @@ bool near(std::int16_t a, std::int16_t b) noexcept {
   return static_cast<std::uint16_t>(std::max(a, b) - std::min(a, b)) <= Disparity::kOne;
 }
 
-// What is known of one row. A run is a row of connected pixels; runs of the image are numbered from
-// the top, from left to right.
-struct Line {
-  std::span<std::int16_t> raw;  // a pixel before the row, the row, and behind it none
-  std::span<Word> valid;
-  std::span<Word> begins;        // the first pixels of runs
-  std::span<std::int32_t> runs;  // how many begin before this word, from the top
-
-  static constexpr std::size_t bytes_needed(int width) noexcept {
-    return Arena::bytes_for<std::int16_t>(line_size(width)) +
-           2 * Arena::bytes_for<Word>(words_of(width)) +
-           Arena::bytes_for<std::int32_t>(words_of(width));
-  }
-  Line(int width, Arena& arena) noexcept
-      : raw(arena.take<std::int16_t>(line_size(width))),
-        valid(arena.take<Word>(words_of(width))),
-        begins(arena.take<Word>(words_of(width))),
-        runs(arena.take<std::int32_t>(words_of(width))) {
+// The line of a scratch, of the width at hand.
+struct Line : SpeckleScratch::Line {
+  Line(const SpeckleScratch::Line& widest, int width) noexcept
+      : SpeckleScratch::Line{
+            widest.raw.first(line_size(width)), widest.valid.first(words_of(width)),
+            widest.begins.first(words_of(width)), widest.runs.first(words_of(width))} {
     std::ranges::fill(raw, Disparity::none().raw);
     std::ranges::fill(valid, Word{0});
   }
@@ -127,12 +115,11 @@ struct Line {
 // else another run of the same patch. Union by size keeps chains short.
 class Patches {
  public:
-  Patches(ImageView<const Disparity> disparities, Arena& arena) noexcept
+  Patches(ImageView<const Disparity> disparities, SpeckleScratch& scratch) noexcept
       : disparities_(disparities),
-        links_(arena.take<std::int32_t>(static_cast<std::size_t>(disparities.width()) *
-                                        static_cast<std::size_t>(disparities.height()))),
-        line_(disparities.width(), arena),
-        above_(disparities.width(), arena) {}
+        links_(scratch.links),
+        line_(scratch.lines[0], disparities.width()),
+        above_(scratch.lines[1], disparities.width()) {}
 
   void find() noexcept {
     std::int32_t count = 0;
@@ -215,18 +202,24 @@ class Patches {
 
 }  // namespace
 
-std::size_t drop_speckles_bytes(int width, int height) noexcept {
-  return Arena::bytes_for<std::int32_t>(static_cast<std::size_t>(width) *
-                                        static_cast<std::size_t>(height)) +
-         2 * Line::bytes_needed(width);
+SpeckleScratch::SpeckleScratch(int width, int height, Arena& arena) noexcept
+    : links(arena.take<std::int32_t>(static_cast<std::size_t>(width) *
+                                     static_cast<std::size_t>(height))) {
+  for (Line& line : lines) {
+    line = {.raw = arena.take<std::int16_t>(line_size(width)),
+            .valid = arena.take<Word>(words_of(width)),
+            .begins = arena.take<Word>(words_of(width)),
+            .runs = arena.take<std::int32_t>(words_of(width))};
+  }
 }
 
-void drop_speckles(ImageView<Disparity> disparities, int min_pixels, Arena arena) noexcept {
+void drop_speckles(ImageView<Disparity> disparities, int min_pixels,
+                   SpeckleScratch& scratch) noexcept {
   STOF_CHECK(min_pixels >= 0);
   if (disparities.empty() || min_pixels <= 1) {
     return;
   }
-  Patches patches(disparities, arena);
+  Patches patches(disparities, scratch);
   patches.find();
   patches.each_small(min_pixels, [&](int y, std::size_t begin, std::size_t end) noexcept {
     std::ranges::fill(disparities.row(y).subspan(begin, end - begin), Disparity::none());

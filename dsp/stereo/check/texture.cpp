@@ -7,21 +7,15 @@
 
 namespace stof::dsp {
 
-std::size_t drop_flat_bytes(int width) noexcept {
-  return WindowSums::bytes_needed(width) +
-         Arena::bytes_for<std::int16_t>(static_cast<std::size_t>(width));
-}
-
 void drop_flat(ImageView<const std::uint8_t> derivative, int cap, int min_texture, Rows rows,
-               Arena arena, ImageView<Disparity> disparities) noexcept {
+               WindowSums& window, ImageView<Disparity> disparities) noexcept {
   STOF_CHECK(same_size(derivative, disparities) && cap >= 1 && cap <= 127 && min_texture >= 0 &&
              rows.begin >= 0 && rows.end <= derivative.height());
   if (derivative.empty()) {
     return;
   }
-  WindowSums window(derivative.width(), arena);
-  const std::span<std::int16_t> sizes =
-      arena.take<std::int16_t>(static_cast<std::size_t>(derivative.width()));
+  window.start(derivative.width());
+  const std::span<std::int16_t> sizes = window.values();
   const std::int64_t least = std::int64_t{min_texture} * WindowSums::kArea;
   for_each_window_row(
       derivative.height(), rows, window,

@@ -23,21 +23,22 @@ std::span<const std::int32_t> WindowSums::sums() noexcept {
   if (n == 0) {
     return {};
   }
-  std::ranges::fill(padded_.first(kBefore), columns_.front());
-  std::ranges::copy(columns_, padded_.subspan(kBefore).begin());
-  std::ranges::fill(padded_.subspan(kBefore + n), columns_.back());
+  const std::span<std::int32_t> padded = padded_.first(n + kWindow - 1);
+  std::ranges::fill(padded.first(kBefore), columns_.front());
+  std::ranges::copy(columns_, padded.subspan(kBefore).begin());
+  std::ranges::fill(padded.subspan(kBefore + n), columns_.back());
   // Sums of 2, 4, 8 in place, then 24 = 8 + 8 + 8: no running sum along the row, so that the
   // compiler may use vectors.
   for (const std::size_t step : {std::size_t{1}, std::size_t{2}, std::size_t{4}}) {
-    for (std::size_t k = 0; k + step < padded_.size(); ++k) {
-      padded_[k] += padded_[k + step];
+    for (std::size_t k = 0; k + step < padded.size(); ++k) {
+      padded[k] += padded[k + step];
     }
   }
   static_assert(kWindow == 24);
   for (std::size_t x = 0; x < n; ++x) {
-    padded_[x] += padded_[x + 8] + padded_[x + 16];
+    padded[x] += padded[x + 8] + padded[x + 16];
   }
-  return padded_.first(n);
+  return padded.first(n);
 }
 
 }  // namespace stof::dsp

@@ -7,6 +7,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp {
 
@@ -19,16 +20,20 @@ class WindowSums {
   static constexpr int kBefore = kWindow / 2;  // columns or rows before the centre
   static constexpr int kArea = kWindow * kWindow;
 
-  static std::size_t bytes_needed(int width) noexcept {
-    return Arena::bytes_for<std::int32_t>(static_cast<std::size_t>(width)) +
-           Arena::bytes_for<std::int32_t>(padded(width));
-  }
-
+  WindowSums() = default;
+  // For rows of up to `width` columns.
   WindowSums(int width, Arena& arena) noexcept
-      : columns_(arena.take<std::int32_t>(static_cast<std::size_t>(width))),
-        padded_(arena.take<std::int32_t>(padded(width))) {
+      : all_columns_(arena.take<std::int32_t>(index(width))),
+        padded_(arena.take<std::int32_t>(index(width) + kWindow - 1)),
+        values_(arena.take<std::int16_t>(index(width))) {}
+
+  // Forgets all rows; the next ones have so many columns.
+  void start(int width) noexcept {
+    columns_ = all_columns_.first(index(width));
     std::ranges::fill(columns_, 0);
   }
+  // A row for whoever has to make what enters and leaves.
+  std::span<std::int16_t> values() const noexcept { return values_.first(columns_.size()); }
 
   // row: one value per column.
   void enter(std::span<const std::int16_t> row) noexcept;
@@ -37,16 +42,14 @@ class WindowSums {
   std::span<const std::int32_t> sums() noexcept;
 
  private:
-  static std::size_t padded(int width) noexcept {
-    return static_cast<std::size_t>(width) + kWindow - 1;
-  }
-
-  std::span<std::int32_t> columns_;
+  std::span<std::int32_t> all_columns_;
+  std::span<std::int32_t> columns_;  // those of the current rows
   std::span<std::int32_t> padded_;
+  std::span<std::int16_t> values_;
 };
 
 // Calls use(y, sums) for each of `rows` of an image of `height` rows; row_of(y) gives the values of
-// a row as std::span<const std::int16_t>, valid until its next call. `window` is new.
+// a row as std::span<const std::int16_t>, valid until its next call. `window` has started.
 template <typename RowOf, typename Use>
 void for_each_window_row(int height, Rows rows, WindowSums& window, RowOf row_of,
                          Use use) noexcept {

@@ -5,16 +5,10 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/image.h"
-#include "dsp/stereo/cost/mixed.h"
+#include "dsp/base/index.h"
 #include "dsp/stereo/cost/sad.h"
 
 namespace stof::dsp {
-namespace {
-
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
-
-}  // namespace
-
 int lanes_of(const MatchParams& params) noexcept {
   return (params.disparities + kCostLanes - 1) / kCostLanes * kCostLanes;
 }
@@ -26,10 +20,10 @@ CostColumns block_columns(const MatchParams& params) noexcept {
 
 void extend_row(std::span<const std::uint8_t> row, CostColumns columns,
                 std::span<std::uint8_t> out) noexcept {
-  STOF_CHECK(!row.empty() && out.size() == row.size() + size(columns.before + columns.after));
-  std::ranges::fill(out.first(size(columns.before)), row.front());
-  std::ranges::copy(row, out.subspan(size(columns.before)).begin());
-  std::ranges::fill(out.last(size(columns.after)), row.back());
+  STOF_CHECK(!row.empty() && out.size() == row.size() + index(columns.before + columns.after));
+  std::ranges::fill(out.first(index(columns.before)), row.front());
+  std::ranges::copy(row, out.subspan(index(columns.before)).begin());
+  std::ranges::fill(out.last(index(columns.after)), row.back());
 }
 
 void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min_disparity,
@@ -41,26 +35,26 @@ void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min
   const int first = width + columns.after - 1 - min_disparity;
   const int begin = std::clamp(first - (width - 1), 0, count);
   const int end = std::clamp(first + 1, begin, count);
-  std::ranges::fill(out.first(size(begin)), row.back());
+  std::ranges::fill(out.first(index(begin)), row.back());
   if (begin < end) {
     std::reverse_copy(row.begin() + (first - (end - 1)), row.begin() + (first - begin + 1),
                       out.begin() + begin);
   }
-  std::ranges::fill(out.subspan(size(end)), row.front());
+  std::ranges::fill(out.subspan(index(end)), row.front());
 }
 
 template <typename Sum>
 void mark_outside(const MatchParams& params, int width, std::span<Sum> costs) noexcept {
   const int lanes = lanes_of(params);
-  STOF_CHECK(costs.size() == size(width) * size(lanes));
+  STOF_CHECK(costs.size() == index(width) * index(lanes));
   const auto mark = [&](Rows columns) noexcept {
     for (int x = columns.begin; x < columns.end; ++x) {
       const int farthest = x - params.min_disparity;  // the candidate that meets right column 0
       const int begin = std::clamp(farthest - width + 1, 0, lanes);
       const int end = std::clamp(std::min(params.disparities, farthest + 1), begin, lanes);
-      const std::span<Sum> pixel = costs.subspan(size(x) * size(lanes), size(lanes));
-      std::ranges::fill(pixel.first(size(begin)), kNoCost<Sum>);
-      std::ranges::fill(pixel.subspan(size(end)), kNoCost<Sum>);
+      const std::span<Sum> pixel = costs.subspan(index(x) * index(lanes), index(lanes));
+      std::ranges::fill(pixel.first(index(begin)), kNoCost<Sum>);
+      std::ranges::fill(pixel.subspan(index(end)), kNoCost<Sum>);
     }
   };
   // Nearly every pixel has all candidates.
@@ -75,22 +69,5 @@ void mark_outside(const MatchParams& params, int width, std::span<Sum> costs) no
 template void mark_outside(const MatchParams&, int, std::span<std::uint8_t>) noexcept;
 template void mark_outside(const MatchParams&, int, std::span<std::uint16_t>) noexcept;
 template void mark_outside(const MatchParams&, int, std::span<std::uint32_t>) noexcept;
-
-int largest_difference(const MatchParams& params) noexcept {
-  const int values = params.prefilter_cap ? 2 * *params.prefilter_cap : 255;
-  switch (params.cost) {
-    case Cost::kSad:
-      return values;
-    case Cost::kSsd:
-      return values * values;
-    case Cost::kCensus5x5:
-      return kCensus5x5Bits;
-    case Cost::kCensus9x7:
-      return kCensus9x7Bits;
-    case Cost::kMixed:
-      break;
-  }
-  return kLargestMixedCost;
-}
 
 }  // namespace stof::dsp

@@ -11,9 +11,6 @@ namespace stof::dsp {
 // Candidates of a column with the unused ones that round them up to whole vectors.
 int lanes_of(const MatchParams& params) noexcept;
 
-// The most that two pixels can differ by.
-int largest_difference(const MatchParams& params) noexcept;
-
 // The columns of a cost row: those of the picture and, for blocks, some beyond either side, where
 // the border replicates. Column k stands for x = k - before.
 struct CostColumns {

@@ -4,13 +4,12 @@
 #include <array>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/cost_layout.h"
 
 namespace stof::dsp {
 namespace {
-
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
 // kReciprocals[area], as cross.h wants it.
 constexpr int kLargestArea = (2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1);
@@ -25,22 +24,13 @@ constexpr auto kReciprocals = [] {
 
 }  // namespace
 
-std::size_t CrossCosts::bytes_needed(const MatchParams& params, int width) noexcept {
-  const std::size_t lanes = size(lanes_of(params));
-  const std::size_t n = size(width);
-  return PixelCosts::bytes_needed(params, width, {}) +
-         Arena::bytes_for<std::uint16_t>(size(kKept) * n * lanes) +
-         Arena::bytes_for<std::uint16_t>(size(kKept) * n) +
-         Arena::bytes_for<std::uint16_t>((n + 1) * lanes) +
-         Arena::bytes_for<std::uint8_t>(n * lanes) + 2 * Arena::bytes_for<std::uint8_t>(n) +
-         Arena::bytes_for<CrossEnds>(n);
-}
-
 CrossCosts::CrossCosts(const MatchParams& params, int width, Arena& arena) noexcept
-    : params_(params), lanes_(size(lanes_of(params))), pixels_(params, width, {}, arena) {
-  const std::size_t n = size(width);
-  summed_ = arena.take<std::uint16_t>(size(kKept) * n * lanes_);
-  areas_ = arena.take<std::uint16_t>(size(kKept) * n);
+    : params_(params),
+      lanes_(index(lanes_of(params))),
+      pixels_(PixelCost::kMixed, params, width, {}, arena) {
+  const std::size_t n = index(width);
+  summed_ = arena.take<std::uint16_t>(index(kKept) * n * lanes_);
+  areas_ = arena.take<std::uint16_t>(index(kKept) * n);
   sums_ = arena.take<std::uint16_t>((n + 1) * lanes_);
   costs_ = arena.take<std::uint8_t>(n * lanes_);
   before_ = arena.take<std::uint8_t>(n);
@@ -50,7 +40,7 @@ CrossCosts::CrossCosts(const MatchParams& params, int width, Arena& arena) noexc
 
 void CrossCosts::start(ImageView<const std::uint8_t> left,
                        ImageView<const std::uint8_t> right) noexcept {
-  STOF_CHECK(same_size(left, right) && size(left.width()) <= ends_.size());
+  STOF_CHECK(same_size(left, right) && index(left.width()) <= ends_.size());
   left_ = left;
   pixels_.start({.left = left, .right = right});
   kept_ = {};
@@ -59,11 +49,11 @@ void CrossCosts::start(ImageView<const std::uint8_t> left,
 // Rows of the ring; row -1 is one like any other.
 std::span<std::uint16_t> CrossCosts::summed(int y) const noexcept {
   const std::size_t n = width() * lanes_;
-  return summed_.subspan(size((y + 2 * kKept) % kKept) * n, n);
+  return summed_.subspan(index((y + 2 * kKept) % kKept) * n, n);
 }
 
 std::span<std::uint16_t> CrossCosts::areas(int y) const noexcept {
-  return areas_.subspan(size((y + 2 * kKept) % kKept) * width(), width());
+  return areas_.subspan(index((y + 2 * kKept) % kKept) * width(), width());
 }
 
 void CrossCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
@@ -89,8 +79,8 @@ void CrossCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
   std::array<const std::uint16_t*, kKept> sums;
   std::array<const std::uint16_t*, kKept> counts;
   for (int k = 0; k < kKept; ++k) {
-    sums[size(k)] = summed(y + k - kCrossArms.longest - 1).data();
-    counts[size(k)] = areas(y + k - kCrossArms.longest - 1).data();
+    sums[index(k)] = summed(y + k - kCrossArms.longest - 1).data();
+    counts[index(k)] = areas(y + k - kCrossArms.longest - 1).data();
   }
   constexpr std::size_t kHere = kCrossArms.longest + 1;
   for (std::size_t x = 0; x < ends.size(); ++x) {
@@ -128,9 +118,9 @@ void CrossCosts::vertical_arms(int y, int direction, std::span<std::uint8_t> arm
   const int room = direction < 0 ? y : left_.height() - 1 - y;
   const int count = std::min(room, kCrossArms.longest);
   for (int k = 0; k < count; ++k) {
-    others[size(k)] = left_.row(y + direction * (k + 1)).data();
+    others[index(k)] = left_.row(y + direction * (k + 1)).data();
   }
-  best::arms_across(left_.row(y), std::span(others).first(size(count)), kCrossArms, arms);
+  best::arms_across(left_.row(y), std::span(others).first(index(count)), kCrossArms, arms);
 }
 
 }  // namespace stof::dsp

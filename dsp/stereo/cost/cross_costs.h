@@ -25,7 +25,6 @@ static_assert((2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1) * kLar
 
 class CrossCosts final : public CostSource<std::uint8_t> {
  public:
-  static std::size_t bytes_needed(const MatchParams& params, int width) noexcept;
   // Of params the range of disparities.
   CrossCosts(const MatchParams& params, int width, Arena& arena) noexcept;
 

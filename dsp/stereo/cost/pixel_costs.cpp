@@ -3,6 +3,7 @@
 #include <array>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/hamming.h"
@@ -11,15 +12,13 @@
 namespace stof::dsp {
 namespace {
 
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
-
-int bits_of(Cost cost) noexcept {
-  return cost == Cost::kCensus9x7 ? kCensus9x7Bits : kCensus5x5Bits;
+int bits_of(PixelCost cost) noexcept {
+  return cost == PixelCost::kCensus9x7 ? kCensus9x7Bits : kCensus5x5Bits;
 }
 
 // Elements of a left row; a right row has lanes - 1 more.
 std::size_t elements(int width, CostColumns columns) noexcept {
-  return size(width + columns.before + columns.after);
+  return index(width + columns.before + columns.after);
 }
 
 template <std::size_t kRows>
@@ -36,31 +35,21 @@ std::array<std::span<const std::uint8_t>, kRows> window(ImageView<const std::uin
 
 }  // namespace
 
-std::size_t PixelCosts::bytes_needed(const MatchParams& params, int width,
-                                     CostColumns columns) noexcept {
-  const std::size_t planes = planes_of(bits_of(params.cost));
-  const std::size_t left = elements(width, columns);
-  const std::size_t right = left + size(lanes_of(params)) - 1;
-  std::size_t bytes = Arena::bytes_for<std::uint8_t>(planes * size(width)) +
-                      Arena::bytes_for<std::uint8_t>(planes * left) +
-                      Arena::bytes_for<std::uint8_t>(planes * right);
-  if (params.cost == Cost::kMixed) {
-    bytes += Arena::bytes_for<std::uint8_t>(left) + Arena::bytes_for<std::uint8_t>(right);
-  }
-  return bytes;
-}
-
-PixelCosts::PixelCosts(const MatchParams& params, int width, CostColumns columns,
+PixelCosts::PixelCosts(PixelCost cost, const MatchParams& params, int width, CostColumns columns,
                        Arena& arena) noexcept
-    : params_(params), columns_(columns), width_(width), lanes_(lanes_of(params)) {
-  STOF_CHECK(serves(params.cost) && width >= 1 && columns.before >= 0 && columns.after >= 0);
-  const std::size_t planes = planes_of(bits_of(params.cost));
+    : cost_(cost),
+      min_disparity_(params.min_disparity),
+      columns_(columns),
+      width_(width),
+      lanes_(lanes_of(params)) {
+  STOF_CHECK(width >= 1 && columns.before >= 0 && columns.after >= 0);
+  const std::size_t planes = planes_of(bits_of(cost));
   const std::size_t left = elements(width, columns);
-  const std::size_t right = left + size(lanes_) - 1;
-  described_ = arena.take<std::uint8_t>(planes * size(width));
+  const std::size_t right = left + index(lanes_) - 1;
+  described_ = arena.take<std::uint8_t>(planes * index(width));
   left_.planes = arena.take<std::uint8_t>(planes * left);
   right_.planes = arena.take<std::uint8_t>(planes * right);
-  if (params.cost == Cost::kMixed) {
+  if (cost == PixelCost::kMixed) {
     left_.grey = arena.take<std::uint8_t>(left);
     right_.grey = arena.take<std::uint8_t>(right);
   }
@@ -73,8 +62,8 @@ void PixelCosts::start(const CostPictures& pictures) noexcept {
 
 void PixelCosts::describe(ImageView<const std::uint8_t> picture, int y) noexcept {
   const std::span<std::uint8_t> planes =
-      described_.first(planes_of(bits_of(params_.cost)) * size(picture.width()));
-  if (params_.cost == Cost::kCensus9x7) {
+      described_.first(planes_of(bits_of(cost_)) * index(picture.width()));
+  if (cost_ == PixelCost::kCensus9x7) {
     best::census_9x7(window<7>(picture, y), planes);
   } else {
     best::census_5x5(window<5>(picture, y), planes);
@@ -82,18 +71,18 @@ void PixelCosts::describe(ImageView<const std::uint8_t> picture, int y) noexcept
 }
 
 void PixelCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
-  const std::size_t width = size(pictures_.left.width());
+  const std::size_t width = index(pictures_.left.width());
   const std::size_t n = elements(pictures_.left.width(), columns_);
-  const std::size_t candidates = n + size(lanes_) - 1;
-  const int bits = bits_of(params_.cost);
+  const std::size_t candidates = n + index(lanes_) - 1;
+  const int bits = bits_of(cost_);
   const std::size_t planes = planes_of(bits);
-  STOF_CHECK(y >= 0 && y < pictures_.left.height() && costs.size() == n * size(lanes_));
+  STOF_CHECK(y >= 0 && y < pictures_.left.height() && costs.size() == n * index(lanes_));
   const auto extend = [&](std::span<const std::uint8_t> from, std::span<std::uint8_t> to) noexcept {
     extend_row(from, columns_, to);
   };
   const auto reverse = [&](std::span<const std::uint8_t> from,
                            std::span<std::uint8_t> to) noexcept {
-    reverse_row(from, columns_, params_.min_disparity, to);
+    reverse_row(from, columns_, min_disparity_, to);
   };
 
   describe(pictures_.left, y);
@@ -107,7 +96,7 @@ void PixelCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
   }
   const std::span<const std::uint8_t> left = left_.planes.first(planes * n);
   const std::span<const std::uint8_t> right = right_.planes.first(planes * candidates);
-  if (params_.cost != Cost::kMixed) {
+  if (cost_ != PixelCost::kMixed) {
     best::hamming_costs(left, right, bits, lanes_, costs);
     return;
   }

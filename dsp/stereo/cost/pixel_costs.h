@@ -17,20 +17,20 @@ struct CostPictures {
   ImageView<const std::uint8_t> right;
 };
 
-// The costs of single pixels, one row at a time, for costs that fit u8 and are dear to compute:
-// kCensus5x5, kCensus9x7 and kMixed. Holds its buffers, allocates nothing; a row depends on the
-// pictures alone.
+enum class PixelCost : std::uint8_t {
+  kCensus5x5,  // Hamming distance of 24 bits, 0..24
+  kCensus9x7,  // Hamming distance of 62 bits, 0..62
+  kMixed,      // census 5x5 and clipped grey differences (mixed.h)
+};
+
+// The costs of single pixels, one row at a time, for costs that fit u8 and are dear to compute.
+// Holds its buffers, allocates nothing; a row depends on the pictures alone.
 class PixelCosts {
  public:
-  static constexpr bool serves(Cost cost) noexcept {
-    return cost != Cost::kSad && cost != Cost::kSsd;
-  }
-
-  // For pictures up to `width`, with these columns beyond either side.
-  static std::size_t bytes_needed(const MatchParams& params, int width,
-                                  CostColumns columns) noexcept;
-  // params pass check() and serves(params.cost).
-  PixelCosts(const MatchParams& params, int width, CostColumns columns, Arena& arena) noexcept;
+  // For pictures up to `width`, with these columns beyond either side. Of params the range of
+  // disparities.
+  PixelCosts(PixelCost cost, const MatchParams& params, int width, CostColumns columns,
+             Arena& arena) noexcept;
 
   // Another pair of pictures, at most the constructor's width.
   void start(const CostPictures& pictures) noexcept;
@@ -49,7 +49,8 @@ class PixelCosts {
 
   void describe(ImageView<const std::uint8_t> picture, int y) noexcept;
 
-  MatchParams params_;
+  PixelCost cost_;
+  int min_disparity_;
   CostColumns columns_;
   int width_;
   int lanes_;

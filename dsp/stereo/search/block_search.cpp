@@ -1,110 +1,87 @@
 #include "dsp/stereo/search/block_search.h"
 
-#include <algorithm>
-
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/search/single_candidate.h"
 
 namespace stof::dsp {
 namespace {
 
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
+// The winners and their fit come without the costs.
+bool looks_at_costs(const MatchParams& params) noexcept {
+  return params.distinct || params.confidence || params.uniqueness_percent ||
+         params.left_right_tolerance || params.guided;
+}
 
-CostFit fit_of(const MatchParams& params) noexcept {
-  switch (params.subpixel) {
-    case Subpixel::kEquiangular:
-      return CostFit::kEquiangular;
-    case Subpixel::kParabola:
-      return CostFit::kParabola;
-    case Subpixel::kWhole:
-    case Subpixel::kLeastSquares:
-      break;
-  }
-  return CostFit::kNone;
+CostScale scale_of(const MatchParams& params) noexcept {
+  STOF_CHECK(params.prefilter_cap.has_value());
+  return {.largest =
+              std::int64_t{params.block_width} * params.block_height * 2 * *params.prefilter_cap};
 }
 
 }  // namespace
 
-bool BlockSearch::serves(const MatchParams& params) noexcept {
-  return params.cost == Cost::kSad && params.method == Method::kWinnerTakesAll &&
-         params.block_shape == BlockShape::kFixed && !params.interest && !params.pyramid_levels &&
-         block_winners_serve(params.block_width, params.block_height, largest_difference(params));
-}
-
-std::size_t BlockSearch::bytes_needed(const MatchParams& params, int width) noexcept {
-  const std::size_t left = size(width + params.block_width - 1);
-  const std::size_t lanes = size(lanes_of(params));
-  return Arena::bytes_for<std::uint16_t>(left * lanes) + 2 * Arena::bytes_for<std::uint8_t>(left) +
-         2 * Arena::bytes_for<std::uint8_t>(left + lanes - 1);
-}
-
 BlockSearch::BlockSearch(const MatchParams& params, int width, Arena& arena) noexcept
-    : params_(params), width_(width), lanes_(lanes_of(params)), around_(block_columns(params)) {
-  STOF_CHECK(serves(params));
-  const std::size_t left = size(width + params.block_width - 1);
-  columns_ = arena.take<std::uint16_t>(left * size(lanes_));
-  for (RowPair* const pair : {&new_, &old_}) {
-    pair->left = arena.take<std::uint8_t>(left);
-    pair->right = arena.take<std::uint8_t>(left + size(lanes_) - 1);
+    : params_(params),
+      blocks_(params, width, arena),
+      judge_(params, scale_of(params), width, arena),
+      winners_(arena.take<std::int16_t>(index(width))) {
+  const std::size_t row = index(width) * index(lanes_of(params));
+  if (looks_at_costs(params)) {
+    costs_ = arena.take<std::uint16_t>(row + 2 * kBlockCostMargin).subspan(kBlockCostMargin, row);
+  }
+  if (params.guided) {
+    masked_ = arena.take<std::uint16_t>(row);
   }
 }
 
-void BlockSearch::start(const CostPictures& pictures) noexcept {
-  STOF_CHECK(same_size(pictures.left, pictures.right) && pictures.left.width() <= width_);
-  pictures_ = pictures;
-  y_.reset();
+void BlockSearch::start(const PreparedPair& pair, Guide guide) noexcept {
+  pair_ = &pair;
+  guide_ = guide;
+  blocks_.start({.left = pair.left(), .right = pair.right()});
 }
 
-std::size_t BlockSearch::widened() const noexcept {
-  return size(pictures_.left.width() + params_.block_width - 1);
-}
-
-BlockSearch::RowPair BlockSearch::load(int y, const RowPair& buffers) const noexcept {
-  const RowPair rows{buffers.left.first(widened()),
-                     buffers.right.first(widened() + size(lanes_) - 1)};
-  extend_row(pictures_.left.row_clamped(y), around_, rows.left);
-  reverse_row(pictures_.right.row_clamped(y), around_, params_.min_disparity, rows.right);
-  return rows;
-}
-
-// The column sums of row y.
-void BlockSearch::begin(int y, std::span<std::uint16_t> columns) noexcept {
-  const int above = params_.block_height / 2;
-  std::ranges::fill(columns, std::uint16_t{0});
-  for (int row = y - above; row < y - above + params_.block_height; ++row) {
-    const RowPair rows = load(row, new_);
-    best::add_differences(rows.left, rows.right, lanes_, columns);
+void BlockSearch::match(int y, const MatchedRow& out) noexcept {
+  const int lanes = lanes_of(params_);
+  const std::size_t n = out.disparity.size();
+  const std::span<std::uint16_t> costs = costs_.empty() ? costs_ : costs_.first(n * index(lanes));
+  const std::span<std::int16_t> winners = winners_.first(n);
+  blocks_.row(y, {.winners = winners, .fitted = out.disparity, .costs = costs});
+  FoundRow<std::uint16_t> found{.costs = costs, .judged = costs, .winners = winners};
+  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const bool narrowed = narrows(guide, lanes);
+  if (narrowed) {
+    best::mask_costs(found.costs, guide, lanes, masked_.first(costs.size()));
+    found.judged = masked_.first(costs.size());
+    best::winners(found.judged, lanes, winners);
   }
-  for (std::uint16_t& sum : columns) {
-    sum = static_cast<std::uint16_t>(sum * kBlockSumScale);
+  settle_winners(params_, guide, winners);
+  judge_.compare_rivals(found, out);
+  judge_.check_left_right(found.judged, winners);
+  if (narrowed) {
+    judge_.fit_costs(found.judged, winners, out.disparity);
+  } else {
+    drop_fits(winners, out.disparity);
   }
+  judge_.fit_grey_values(*pair_, y, out.disparity);
 }
 
-void BlockSearch::row(int y, const BlockMatches& out) noexcept {
-  STOF_CHECK(y >= 0 && y < pictures_.left.height());
-  const std::span<std::uint16_t> columns = columns_.first(widened() * size(lanes_));
-  const int above = params_.block_height / 2;
-  const bool slides = y_ && *y_ + 1 == y;
-  if (!slides && y_ != y) {
-    begin(y, columns);
+// The fits that came with the winners, but for those that were dropped or settled since.
+void BlockSearch::drop_fits(std::span<const std::int16_t> winners,
+                            std::span<Disparity> out) const noexcept {
+  // What had one candidate has no neighbours to be fitted to.
+  const int width = static_cast<int>(winners.size());
+  for (const int x :
+       {params_.min_disparity, width + params_.min_disparity + params_.disparities - 2}) {
+    if (x >= 0 && x < width && winners[index(x)] != kNoWinner) {
+      out[index(x)] = Disparity::from_pixels(params_.min_disparity + winners[index(x)]);
+    }
   }
-  // Where nothing slides the same pixels enter and leave.
-  const RowPair entering = load(slides ? y + params_.block_height - 1 - above : y, new_);
-  const RowPair leaving = slides ? load(y - 1 - above, old_) : entering;
-  y_ = y;
-  best::block_winners({.new_left = entering.left,
-                       .new_right = entering.right,
-                       .old_left = leaving.left,
-                       .old_right = leaving.right},
-                      {.block_width = params_.block_width,
-                       .lanes = lanes_,
-                       .disparities = params_.disparities,
-                       .min_disparity = params_.min_disparity,
-                       .x = 0,
-                       .right_width = pictures_.left.width(),
-                       .fit = fit_of(params_)},
-                      columns, out);
+  for (std::size_t x = 0; x < out.size(); ++x) {
+    out[x].raw = winners[x] == kNoWinner ? Disparity::none().raw : out[x].raw;
+  }
 }
 
 }  // namespace stof::dsp

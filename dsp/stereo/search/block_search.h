@@ -1,56 +1,34 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/pixel_costs.h"
-#include "dsp/stereo/match_params.h"
-#include "dsp/stereo/search/block_winners.h"
+#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_search.h"
+#include "dsp/stereo/search/sliding_blocks.h"
 
 namespace stof::dsp {
 
-// Rows of winner takes all on sums of absolute differences over fixed blocks, by the one pass of
-// block_winners.h: what CostRows, winners() and refine_winners() give one after the other. Holds
-// its buffers, allocates nothing. Sums slide from a row to the next one; any other row starts anew,
-// at the price of block_height rows. The result does not depend on the order.
-class BlockSearch {
+// Search::kBlocks.
+class BlockSearch final : public RowSearch {
  public:
-  // Method, cost and size of the sums.
-  static bool serves(const MatchParams& params) noexcept;
-  static std::size_t bytes_needed(const MatchParams& params, int width) noexcept;
-  // params pass check(), and it serves them.
   BlockSearch(const MatchParams& params, int width, Arena& arena) noexcept;
 
-  // Another pair of pictures, as in CostRows::start().
-  void start(const CostPictures& pictures) noexcept;
-
-  // Row y, inside the picture. out: as block_winners() wants it, for the picture's width.
-  void row(int y, const BlockMatches& out) noexcept;
+  void start(const PreparedPair& pair, Guide guide) noexcept override;
+  void match(int y, const MatchedRow& out) noexcept override;
 
  private:
-  struct RowPair {
-    std::span<std::uint8_t> left;
-    std::span<std::uint8_t> right;
-  };
-
-  RowPair load(int y, const RowPair& buffers) const noexcept;
-  void begin(int y, std::span<std::uint16_t> columns) noexcept;
-  std::size_t widened() const noexcept;
+  void drop_fits(std::span<const std::int16_t> winners, std::span<Disparity> out) const noexcept;
 
   MatchParams params_;
-  int width_;
-  int lanes_;
-  CostColumns around_;
-  std::span<std::uint16_t> columns_;
-  RowPair new_;
-  RowPair old_;
-
-  CostPictures pictures_;
-  std::optional<int> y_;  // the row that the sums stand for
+  SlidingBlocks blocks_;
+  RowJudge<std::uint16_t> judge_;
+  std::span<std::uint16_t> costs_;  // with kBlockCostMargin elements before and behind them
+  std::span<std::uint16_t> masked_;
+  std::span<std::int16_t> winners_;
+  const PreparedPair* pair_ = nullptr;
+  Guide guide_;
 };
 
 }  // namespace stof::dsp

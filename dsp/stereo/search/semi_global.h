@@ -10,7 +10,7 @@
 #include "dsp/base/image.h"
 #include "dsp/stereo/cost/cost_source.h"
 #include "dsp/stereo/cost/mask_costs.h"
-#include "dsp/stereo/search/scanline.h"
+#include "dsp/stereo/search/edge_penalties.h"
 
 namespace stof::dsp {
 
@@ -39,7 +39,6 @@ class SemiGlobal {
   static constexpr bool valid(int directions) noexcept {
     return directions == 2 || directions == 4 || directions == 5 || directions == 8;
   }
-  static std::size_t bytes_needed(const PathParams<Cost>& params, int width) noexcept;
   // Costs plus penalties.large stay below 8192 (u16); costs plus twice that below 255 (u8 costs),
   // and all paths together below 255 (u8 sums).
   SemiGlobal(const PathParams<Cost>& params, int width, Arena& arena) noexcept;
@@ -61,6 +60,7 @@ class SemiGlobal {
   // in belong to the stripe before, which takes these paths along.
   static constexpr int kKept = kStripe + kApproach;
   static constexpr int kMostShifts = 3;
+  static constexpr std::array<int, kMostShifts> kShifts{0, -1, 1};  // the straight one first
   // Along the row and straight across: both at once, summed in place.
   static constexpr bool kInPlace = std::is_same_v<Cost, Sum>;
 
@@ -71,7 +71,22 @@ class SemiGlobal {
   };
   using Fronts = std::array<Front, kMostShifts>;
 
-  static std::size_t front_rows(int shifts) noexcept;
+  static constexpr int shifts_down(int directions) noexcept {
+    return directions == 2 ? 0 : (directions == 4 ? 1 : 3);
+  }
+  static constexpr int shifts_up(int directions) noexcept {
+    return directions == 5 ? 0 : shifts_down(directions);
+  }
+  // What is made of one row at a time.
+  struct RowBuffers {
+    std::span<Cost> from_left;
+    std::span<Cost> from_right;
+    std::span<Cost> large;   // along the row, width + 1
+    std::span<Cost> across;  // across rows
+    std::span<Cost> masked;
+    std::span<Sum> sums;
+  };
+
   static Fronts take_fronts(int shifts, std::size_t row, Arena& arena) noexcept;
   bool in_place() const noexcept { return kInPlace && params_.directions == 4; }
   int row_size() const noexcept { return grey_.width() * params_.lanes; }
@@ -98,12 +113,7 @@ class SemiGlobal {
   std::span<Cost> upwards_;
   Fronts downward_;
   Fronts ahead_;  // downward paths towards the next stripe; before those, upward ones
-  std::span<Cost> from_left_;
-  std::span<Cost> from_right_;
-  std::span<Cost> large_;   // along the row, width + 1
-  std::span<Cost> across_;  // across rows
-  std::span<Sum> sums_;
-  std::span<Cost> masked_;  // one row
+  RowBuffers row_;
 
   ImageView<const std::uint8_t> grey_;
   CostSource<Cost>* source_ = nullptr;
@@ -113,8 +123,7 @@ class SemiGlobal {
   int done_ = 0;  // the row whose downward paths are in downward_, the last that was asked for
 };
 
+// The appliance's. The others are made of semi_global_body.h where they are needed.
 extern template class SemiGlobal<std::uint8_t, std::uint8_t>;
-extern template class SemiGlobal<std::uint8_t, std::uint16_t>;
-extern template class SemiGlobal<std::uint16_t, std::uint16_t>;
 
 }  // namespace stof::dsp

@@ -23,4 +23,11 @@ void settle_single_candidates(int min_disparity, int disparities,
   }
 }
 
+void settle_winners(const MatchParams& params, GuideRow guide,
+                    std::span<std::int16_t> winners) noexcept {
+  keep_guided(guide, winners);
+  settle_single_candidates(params.min_disparity, params.disparities, winners);
+  keep_guided(guide, winners);
+}
+
 }  // namespace stof::dsp

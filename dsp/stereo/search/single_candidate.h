@@ -3,6 +3,9 @@
 #include <cstdint>
 #include <span>
 
+#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/match_params.h"
+
 namespace stof::dsp {
 
 // The columns at either end of the range meet the right picture with one candidate only and have no
@@ -10,5 +13,10 @@ namespace stof::dsp {
 // in winner.h. min_disparity in px; disparities: candidates, at least 1.
 void settle_single_candidates(int min_disparity, int disparities,
                               std::span<std::int16_t> winners) noexcept;
+
+// The same where a guide (cost/mask_costs.h) may leave out candidates: what it leaves out is none,
+// before and after. An empty one leaves out nothing.
+void settle_winners(const MatchParams& params, GuideRow guide,
+                    std::span<std::int16_t> winners) noexcept;
 
 }  // namespace stof::dsp

@@ -1,5 +1,7 @@
 #include "firmware/settings/fields/document.h"
 
+#include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "firmware/settings/fields/field_value.h"
@@ -8,6 +10,25 @@
 
 namespace stof::settings {
 namespace {
+
+// Options of the matcher that this version has not, or not with all values they once had: a
+// document that names them is still read.
+constexpr std::array<std::string_view, 7> kLeft{"method", "cost",    "shape",   "directions",
+                                                "band",   "pyramid", "interest"};
+constexpr std::string_view kMatch = "depth.match.";
+
+bool has_left(std::string_view path) noexcept {
+  return path.starts_with(kMatch) &&
+         std::ranges::find(kLeft, path.substr(kMatch.size())) != kLeft.end();
+}
+
+// P1,P2 or P1,P2,OCCLUSION of any size.
+bool once_took(std::string_view path, const Value& value) noexcept {
+  return path == "depth.match.penalties" &&
+         (value.written == Written::kString || value.written == Written::kBare) &&
+         !value.text.empty() && value.text.size() <= kMatchBytes && value.text.contains(',') &&
+         value.text.find_first_not_of("0123456789,") == std::string_view::npos;
+}
 
 bool refuse_unknown(std::string_view path, PagedWriter& why) noexcept {
   if (is_group(path)) {
@@ -26,6 +47,11 @@ bool take(std::size_t place, std::string_view path, const Value& value, Settings
           PagedWriter& why) noexcept {
   const Field known = field(place);
   if (assign(known, value, settings)) {
+    return true;
+  }
+  if (once_took(path, value)) {
+    settings.depth.match[known.slot] = {};
+    note_fallback(path, why);
     return true;
   }
   why << path << ": takes ";
@@ -50,6 +76,10 @@ class DocumentReader final : public JsonVisitor {
   bool is_group(std::string_view path) noexcept override { return settings::is_group(path); }
   bool member(std::string_view path, const Value& value) noexcept override {
     const std::size_t place = find_field(path);
+    if (place == field_count() && has_left(path)) {
+      note_fallback(path, why_);
+      return true;
+    }
     if (place == field_count()) {
       return refuse_unknown(path, why_);
     }
@@ -107,8 +137,12 @@ class DocumentWriter {
 
 }  // namespace
 
-bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
-           FieldSet* named) noexcept {
+void note_fallback(std::string_view path, PagedWriter& note) noexcept {
+  note << (note.text().empty() ? "" : "; ") << path
+       << ": not in this version: as the preset has it";
+}
+
+bool parse(std::span<const char> text, Settings& settings, PagedWriter& why, FieldSet* named) noexcept {
   Settings changed = settings;
   FieldSet fields;
   DocumentReader reader(changed, fields, why);
@@ -125,6 +159,10 @@ bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
                  PagedWriter& why) noexcept {
   const std::size_t place = find_field(path);
+  if (place == field_count() && has_left(path)) {
+    note_fallback(path, why);
+    return true;
+  }
   return place == field_count() ? refuse_unknown(path, why)
                                 : take(place, path, {.text = value}, settings, why);
 }

@@ -18,12 +18,17 @@ inline constexpr std::size_t kMostDocumentBytes = 4096;
 // Any bytes: a JSON object of some or all fields. All of its fields are changed in `settings`, or,
 // where one is refused, nothing is and `why` says in one line which and what it takes.
 // `named`: where not nullptr, the fields that the text names are added.
+// A field of depth.match that an earlier version took, but this one does not, is no refusal: it is
+// as the preset has it, and `why` says so although all was well.
 bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
            FieldSet* named = nullptr) noexcept;
 
 // One field by its path, as command lines have it: "streams.depth", "raw".
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
                  PagedWriter& why) noexcept;
+
+// Adds to such a line.
+void note_fallback(std::string_view path, PagedWriter& note) noexcept;
 
 // All fields, one a line.
 void write_document(const Settings& settings, PagedWriter& out) noexcept;

@@ -24,6 +24,10 @@ constexpr std::array<ConditionInfo, kConditions> kInfos{{
     {"settings_unsaved", "the settings could not be saved", Severity::kMinor, Reaction::kWatch},
     {"restart_needed", "some settings wait for the next start", Severity::kInfo, Reaction::kNone},
     {"flooded", "more than 1,000 refused requests in a second", Severity::kMinor, Reaction::kWatch},
+    {"settings_fell_back",
+     "settings named what this version has not: these fields are as the preset has them, until the "
+     "settings are saved",
+     Severity::kMinor, Reaction::kWatch},
 }};
 
 }  // namespace

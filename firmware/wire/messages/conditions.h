@@ -10,7 +10,7 @@
 
 namespace stof::wire {
 
-inline constexpr std::size_t kConditions = 14;
+inline constexpr std::size_t kConditions = 15;
 
 // What can be wrong; values travel in events and, as bits, in health.
 enum class Condition : std::uint8_t {
@@ -31,6 +31,8 @@ enum class Condition : std::uint8_t {
   kSettingsUnsaved = 11,  // the settings could not be saved; value: 0
   kRestartNeeded = 12,    // some settings wait for the next start; value: 0
   kFlooded = 13,  // more than 1,000 refused requests in a second; value: refused in this second
+  kSettingsFellBack = 14,  // settings named what this version has not: these fields are as the
+                           // preset has them, until the settings are saved; value: 0
 };
 
 struct ConditionInfo {

@@ -16,10 +16,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "pictures are read as they come");
 
-constexpr Duration kClockEvery = std::chrono::seconds(1);
-constexpr int kClockTries = 8;
 constexpr Duration kPatience = std::chrono::seconds(1);  // for cancelled transfers
-constexpr unsigned kClockMs = 1000;
 // The largest packet of a bulk endpoint (USB 3.2, 9.6.6); the smaller ones divide it.
 constexpr std::size_t kMostPacket = 1024;
 
@@ -98,17 +95,14 @@ std::expected<void, OpenError> UsbPmd::start() {
     shut();
     return greeted;
   }
-  lost_ = false;
-  stalled_ = false;
-  damaged_ = 0;
-  damaged_in_row_ = 0;
-  last_sequence_ = 0;
+  stream_ = {};
+  newest_.sequence = 0;
   if (make_transfers()) {
     submit_idle();
   } else {
-    lost_ = true;
+    stream_.lost = true;
   }
-  if (lost_) {
+  if (stream_.lost) {
     shut();
     return std::unexpected(OpenError{
         "PMD camera: the system gives USB too little memory; raise usbcore.usbfs_memory_mb"});
@@ -149,7 +143,7 @@ std::expected<void, OpenError> UsbPmd::greet() {
     return refused(std::string("does not take frequency and integration: ") + link_.error() +
                    "; choose others");
   }
-  if (!sync_now()) {
+  if (!clock_.read_now(link_)) {
     return refused(std::string("does not tell its clock: ") + link_.error() +
                    "; update its firmware");
   }
@@ -158,21 +152,6 @@ std::expected<void, OpenError> UsbPmd::greet() {
     memory_.resize(buffer_bytes_ / sizeof(std::uint16_t) * Slots::kBuffers);
   }
   return {};
-}
-
-bool UsbPmd::sync_now() noexcept {
-  clock_.reset();
-  for (int i = 0; i < kClockTries; ++i) {
-    std::array<std::byte, kPmdClockBytes> answer{};
-    const Time before = Clock().now();
-    if (!link_.ask(number(PmdRequest::kClock), answer)) {
-      return false;
-    }
-    const Time after = Clock().now();
-    clock_.sync(before, *parse_pmd_clock(answer), after);
-    clock_asked_ = after;
-  }
-  return true;
 }
 
 bool UsbPmd::make_transfers() {
@@ -186,15 +165,7 @@ bool UsbPmd::make_transfers() {
     libusb_fill_bulk_transfer(transfer.libusb, link_.device(), kPmdEndpoint, nullptr,
                               static_cast<int>(buffer_bytes_), on_frame, &transfer, 0);
   }
-  clock_transfer_ = libusb_alloc_transfer(0);
-  if (clock_transfer_ == nullptr) {
-    return false;
-  }
-  libusb_fill_control_setup(clock_space_.data(), kPmdRequestIn, number(PmdRequest::kClock), 0,
-                            link_.interface(), kPmdClockBytes);
-  libusb_fill_control_transfer(clock_transfer_, link_.device(), clock_space_.data(), on_clock, this,
-                               kClockMs);
-  return true;
+  return clock_.begin(link_, progress_);
 }
 
 void UsbPmd::shut() noexcept {
@@ -202,12 +173,12 @@ void UsbPmd::shut() noexcept {
     return;
   }
   const MarkedHeap libusb;
-  if (!lost_) {
+  if (!stream_.lost) {
     static_cast<void>(link_.tell(number(PmdRequest::kStream), 0, {}));
   }
-  closing_ = true;
+  stream_.closing = true;
   const auto under_way = [&] {
-    bool any = clock_pending_;
+    bool any = clock_.pending();
     for (const Transfer& transfer : transfers_) {
       any = any || transfer.buffer >= 0;
     }
@@ -218,9 +189,7 @@ void UsbPmd::shut() noexcept {
       static_cast<void>(libusb_cancel_transfer(transfer.libusb));
     }
   }
-  if (clock_pending_) {
-    static_cast<void>(libusb_cancel_transfer(clock_transfer_));
-  }
+  clock_.cancel();
   Clock clock;
   const Time patience = clock.now() + kPatience;
   while (under_way() && clock.now() < patience) {
@@ -235,14 +204,10 @@ void UsbPmd::shut() noexcept {
     }
     transfer = {};
   }
-  if (!clock_pending_) {
-    libusb_free_transfer(clock_transfer_);
-  }
-  clock_transfer_ = nullptr;
-  clock_pending_ = false;
+  clock_.end();
   link_.close();
   slots_.drop_waiting();
-  closing_ = false;
+  stream_.closing = false;
 }
 
 std::span<std::byte> UsbPmd::space(int buffer) noexcept {
@@ -257,37 +222,16 @@ void UsbPmd::submit(Transfer& transfer) noexcept {
   transfer.libusb->buffer = reinterpret_cast<unsigned char*>(space(transfer.buffer).data());
   if (libusb_submit_transfer(transfer.libusb) != 0) {
     slots_.put_back(std::exchange(transfer.buffer, -1));
-    lost_ = true;  // NO_DEVICE, or a system that has no memory for it: both take a new beginning
+    stream_.lost =
+        true;  // NO_DEVICE, or a system that has no memory for it: both take a new beginning
   }
 }
 
 void UsbPmd::submit_idle() noexcept {
   for (Transfer& transfer : transfers_) {
-    if (transfer.buffer < 0 && !lost_) {
+    if (transfer.buffer < 0 && !stream_.lost) {
       submit(transfer);
     }
-  }
-}
-
-void UsbPmd::ask_clock() noexcept {
-  const Time now = Clock().now();
-  if (clock_pending_ || lost_ || now - clock_asked_ < kClockEvery) {
-    return;
-  }
-  const MarkedHeap libusb;
-  clock_asked_ = now;
-  clock_pending_ = libusb_submit_transfer(clock_transfer_) == 0;
-}
-
-// libusb calls it from within run(), or shut().
-void UsbPmd::on_clock(libusb_transfer* done) {
-  UsbPmd& camera = *static_cast<UsbPmd*>(done->user_data);
-  camera.clock_pending_ = false;
-  camera.progress_ = 1;
-  const auto answer = std::as_bytes(std::span(camera.clock_space_)).last<kPmdClockBytes>();
-  if (done->status == LIBUSB_TRANSFER_COMPLETED &&
-      done->actual_length == static_cast<int>(kPmdClockBytes)) {
-    camera.clock_.sync(camera.clock_asked_, *parse_pmd_clock(answer), Clock().now());
   }
 }
 
@@ -300,25 +244,25 @@ void UsbPmd::take_in(Transfer& transfer) noexcept {
   progress_ = 1;
   const int buffer = std::exchange(transfer.buffer, -1);
   const libusb_transfer_status status = transfer.libusb->status;
-  const bool good = status == LIBUSB_TRANSFER_COMPLETED && !closing_ &&
+  const bool good = status == LIBUSB_TRANSFER_COMPLETED && !stream_.closing &&
                     accept(buffer, static_cast<std::size_t>(transfer.libusb->actual_length));
   if (good) {
-    damaged_in_row_ = 0;
+    stream_.damaged_in_row = 0;
     lost_frames_ += slots_.push(buffer) ? 0U : 1U;
   } else {
     slots_.put_back(buffer);
   }
-  if (closing_ || status == LIBUSB_TRANSFER_CANCELLED) {
+  if (stream_.closing || status == LIBUSB_TRANSFER_CANCELLED) {
     return;
   }
-  lost_ = lost_ || status == LIBUSB_TRANSFER_NO_DEVICE;
-  stalled_ = stalled_ || status == LIBUSB_TRANSFER_STALL;
-  if (!good && !lost_) {
-    ++damaged_in_row_;
-    damaged_ += status == LIBUSB_TRANSFER_STALL ? 0 : 1;
-    lost_ = damaged_in_row_ >= kMostDamaged;
+  stream_.lost = stream_.lost || status == LIBUSB_TRANSFER_NO_DEVICE;
+  stream_.stalled = stream_.stalled || status == LIBUSB_TRANSFER_STALL;
+  if (!good && !stream_.lost) {
+    ++stream_.damaged_in_row;
+    stream_.damaged += status == LIBUSB_TRANSFER_STALL ? 0 : 1;
+    stream_.lost = stream_.damaged_in_row >= kMostDamaged;
   }
-  if (!lost_ && !stalled_) {
+  if (!stream_.lost && !stream_.stalled) {
     submit(transfer);
   }
 }
@@ -329,21 +273,19 @@ bool UsbPmd::accept(int buffer, std::size_t bytes) noexcept {
   const std::optional<PmdHeader> header = parse_pmd_frame(message, info_);
   // Ahead of the last one, modulo 2^32.
   if (!header || header->modulation_khz != options_.config.modulation_khz ||
-      static_cast<std::int32_t>(header->sequence - last_sequence_) <= 0) {
+      static_cast<std::int32_t>(header->sequence - newest_.sequence) <= 0) {
     return false;
   }
-  std::optional<Time> edge = clock_.convert(header->edge);
+  std::optional<Time> edge = clock_.clock().convert(header->edge);
   if (!edge) {
     return false;
   }
   const std::optional<Time> nearest = edges_.nearest(*edge);
   if (nearest && std::chrono::abs(*nearest - *edge) <= options_.edge_tolerance) {
-    static_cast<void>(clock_.follow(*nearest, header->edge));
+    static_cast<void>(clock_.clock().follow(*nearest, header->edge));
     edge = nearest;
   }
-  last_sequence_ = header->sequence;
-  temperature_ = header->temperature;
-  flags_ = header->flags;
+  newest_ = *header;
   const std::size_t at = (static_cast<std::size_t>(buffer) * buffer_bytes_ + header->bytes) / 2;
   const std::size_t picture = pmd_picture_bytes(info_) / 4 / sizeof(std::uint16_t);
   PmdFrame& frame = frames_[static_cast<std::size_t>(buffer)];
@@ -361,33 +303,35 @@ void UsbPmd::run(Duration at_most) noexcept {
   progress_ = 0;
   const auto limit = std::chrono::duration_cast<std::chrono::microseconds>(at_most);
   if (!link_.run(std::max<std::int64_t>(limit.count(), 0), progress_)) {
-    lost_ = true;
+    stream_.lost = true;
   }
 }
 
 // What there is to be told instead of a frame.
 std::optional<Status> UsbPmd::trouble_now() noexcept {
-  if (damaged_ > 0) {
-    --damaged_;
+  if (stream_.damaged > 0) {
+    --stream_.damaged;
     return Status::kCorrupt;
   }
-  if (lost_ || !link_.is_open()) {
+  if (stream_.lost || !link_.is_open()) {
     return Status::kDeviceLost;
   }
-  if (!stalled_) {
+  if (!stream_.stalled) {
     return std::nullopt;
   }
-  stalled_ = false;
+  stream_.stalled = false;
   const MarkedHeap libusb;
-  lost_ = libusb_clear_halt(link_.device(), kPmdEndpoint) != 0;
+  stream_.lost = libusb_clear_halt(link_.device(), kPmdEndpoint) != 0;
   submit_idle();
-  return lost_ ? Status::kDeviceLost : Status::kDeviceError;
+  return stream_.lost ? Status::kDeviceLost : Status::kDeviceError;
 }
 
 Result<Lease<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
   Clock clock;
   if (link_.is_open()) {
-    ask_clock();
+    if (!stream_.lost) {
+      clock_.ask();
+    }
     // All that has come, so that what is kept are the newest frames: each makes room for another.
     for (std::size_t i = 0; i < 2 * Slots::kBuffers; ++i) {
       run({});
@@ -408,7 +352,7 @@ Result<Lease<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
     if (now >= deadline) {
       return fail(Status::kTimeout);
     }
-    run(std::min<Duration>(deadline - now + std::chrono::microseconds(1), kClockEvery));
+    run(std::min<Duration>(deadline - now + std::chrono::microseconds(1), UsbClock::kEvery));
   }
 }
 

@@ -13,8 +13,8 @@
 #include "hal/linux/camera/exposures.h"
 #include "hal/linux/camera/frame_slots.h"
 #include "hal/linux/open_error.h"
-#include "hal/linux/usb/device_clock.h"
 #include "hal/linux/usb/pmd_wire.h"
+#include "hal/linux/usb/usb_clock.h"
 #include "hal/linux/usb/usb_find.h"
 #include "hal/linux/usb/usb_link.h"
 #include "hal/pmd_camera.h"
@@ -66,10 +66,10 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   // Frames that came whole and found no room.
   std::uint64_t lost_frames() const noexcept { return lost_frames_; }
   // Of the newest frame; kNoTemperature: none yet, or it does not know.
-  std::int16_t temperature() const noexcept { return temperature_; }
+  std::int16_t temperature() const noexcept { return newest_.temperature; }
   // Of the newest frame: PmdHeader's.
-  std::uint16_t flags() const noexcept { return flags_; }
-  const DeviceClock& device_clock() const noexcept { return clock_; }
+  std::uint16_t flags() const noexcept { return newest_.flags; }
+  const DeviceClock& device_clock() const noexcept { return clock_.clock(); }
 
  private:
   static constexpr std::size_t kFrameTransfers = 4;
@@ -82,20 +82,26 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
     int buffer = -1;  // that it fills; -1: idle
   };
 
+  // What became of it since it was set going.
+  struct Stream {
+    bool lost = false;
+    bool stalled = false;
+    bool closing = false;
+    int damaged = 0;         // to be told
+    int damaged_in_row = 0;  // since the last good frame
+  };
+
   UsbPmd(UsbPmdOptions options, const EdgeLog& edges);
   void give_back(int slot) noexcept override { slots_.release(slot); }
 
   std::expected<void, OpenError> start();
   std::expected<void, OpenError> greet();  // INFO and CONFIG
-  bool sync_now() noexcept;                // CLOCK, several times
   bool make_transfers();
   void shut() noexcept;
 
   static void on_frame(libusb_transfer* done);
-  static void on_clock(libusb_transfer* done);
   void submit(Transfer& transfer) noexcept;
   void submit_idle() noexcept;
-  void ask_clock() noexcept;
   void take_in(Transfer& transfer) noexcept;
   bool accept(int buffer, std::size_t bytes) noexcept;
   void run(Duration at_most) noexcept;
@@ -106,7 +112,7 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   const EdgeLog& edges_;
   UsbLink link_;
   PmdInfo info_;
-  DeviceClock clock_;
+  UsbClock clock_;
   std::string trouble_;
 
   std::vector<std::uint16_t> memory_;  // of all buffers
@@ -114,21 +120,11 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   Slots slots_;
   std::array<PmdFrame, Slots::kBuffers> frames_{};
   std::array<Transfer, kFrameTransfers> transfers_{};
-  libusb_transfer* clock_transfer_ = nullptr;
-  std::array<unsigned char, 16> clock_space_{};  // a request and its answer
-  Time clock_asked_{};
-  bool clock_pending_ = false;
 
   int progress_ = 0;  // something was done since it was set to 0
-  bool lost_ = false;
-  bool stalled_ = false;
-  bool closing_ = false;
-  int damaged_ = 0;         // to be told
-  int damaged_in_row_ = 0;  // since the last good frame
-  std::uint32_t last_sequence_ = 0;
+  Stream stream_;
+  PmdHeader newest_;
   std::uint64_t lost_frames_ = 0;
-  std::int16_t temperature_ = PmdHeader::kNoTemperature;
-  std::uint16_t flags_ = 0;
 };
 
 }  // namespace stof::hal::linux

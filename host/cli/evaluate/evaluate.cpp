@@ -1,8 +1,8 @@
 #include "host/cli/evaluate/evaluate.h"
 
-#include "dsp/stereo/match_options.h"
 #include "host/cli/exit.h"
 #include "host/text/printed.h"
+#include "lab/match_options.h"
 
 namespace stof::host {
 
@@ -11,7 +11,7 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
   command.add_option("--preset", match.preset,
                      "fast, quality or chapter; what follows changes it (default: a method alone, "
                      "dense and integer)");
-  for (const dsp::MatchOption& option : dsp::match_options()) {
+  for (const lab::MatchOption& option : lab::match_options()) {
     const std::string name(option.name);
     const std::string help =
         std::string(option.meaning) + ": " + std::string(option.values) +

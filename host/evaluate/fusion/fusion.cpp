@@ -4,9 +4,10 @@
 #include <chrono>
 
 #include "dsp/fusion/interval/stereo_spread.h"
-#include "dsp/stereo/match_options.h"
 #include "host/evaluate/fusion/chapter_geometry.h"
 #include "host/evaluate/stereo/median.h"
+#include "lab/match_options.h"
+#include "lab/searches.h"
 #include "posix/worker_threads.h"
 
 namespace stof::host {
@@ -146,7 +147,7 @@ std::array<std::size_t, kCount> count(const dataset::Image<Value>& image) {
 
 }  // namespace
 
-std::expected<dsp::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
                                                                 int disparities) {
   MatchOptions asked = options;
   if (asked.preset.empty()) {
@@ -159,16 +160,16 @@ std::expected<dsp::MatchParams, dataset::Problem> fusion_params(const MatchOptio
   if (const char* const why = why_not_fused(*plan)) {
     return refuse(why);
   }
-  dsp::MatchParams params = plan->params;
+  lab::MatchParams params = plan->params;
   if (!asked.preset.empty()) {
-    params = dsp::for_depth(*dsp::find_preset(asked.preset));
+    params = lab::as_the_appliance(dsp::for_depth(*dsp::find_preset(asked.preset)));
     params.disparities = disparities;
     for (const auto& [name, value] : asked.settings) {
-      dsp::find_match_option(name)->set(value, params);
+      lab::find_match_option(name)->set(value, params);
     }
   }
   params.confidence = true;
-  if (const char* const why = dsp::problem(params); *why != '\0') {
+  if (const char* const why = lab::problem(params); *why != '\0') {
     return refuse(why);
   }
   return params;
@@ -176,7 +177,7 @@ std::expected<dsp::MatchParams, dataset::Problem> fusion_params(const MatchOptio
 
 dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
                                          const dataset::PmdRecording& recording,
-                                         const dsp::MatchParams& match,
+                                         const lab::MatchParams& match,
                                          const FusionOptions& options) {
   const int width = scene.left.width;
   const int height = scene.left.height;
@@ -186,21 +187,31 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
     return refuse(scene.name + ": " + wrong + ": correct the recording's json");
   }
-  if (dsp::check(match, width, height) != Status::kOk) {
+  if (lab::check(match, width, height) != Status::kOk) {
     return refuse(scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) +
                   " pixels with " + std::to_string(match.disparities) +
                   " disparities are more than this version matches: use a smaller picture");
   }
-  dsp::DepthParams params{.match = match, .fusion = {}, .guided = options.guided};
+  const std::optional<dsp::MatchParams> of_the_appliance = lab::appliance_params(match);
+  dsp::DepthParams params{
+      .match = of_the_appliance.value_or(match), .fusion = {}, .guided = options.guided};
+  params.match.search = lab::sums_paths(match) ? dsp::Search::kPaths : dsp::Search::kBlocks;
   params.fusion.max_range = options.max_range;
-  params.fusion.spread = dsp::spread_of(match);
+  params.fusion.spread = dsp::spread_of(params.match);
   posix::WorkerThreads workers({.threads = options.threads});
   if (workers.threads() < options.threads) {
     return refuse(too_few_threads(workers.threads(), options.threads));
   }
-  Workspace space(dsp::DepthMaker::bytes_needed(calibration, params, options.threads));
+  dataset::Image<std::uint8_t> continued(width, height);
+  const dsp::Crew crew(workers, options.threads);
+  const auto make = [&](dsp::Arena& arena) {
+    lab::Searches searches(match, continued.view());
+    return dsp::DepthMaker(calibration, params, arena, crew,
+                           of_the_appliance ? nullptr : &searches);
+  };
+  Workspace space(dsp::bytes_taken(make));
   dsp::Arena arena = space.arena();
-  dsp::DepthMaker maker(calibration, params, arena, dsp::Crew(workers, options.threads));
+  dsp::DepthMaker maker = make(arena);
   const FirstFrame first(recording);
   Run run{
       .scene = scene, .frame = first.frame(), .maker = maker, .images = DepthImages(width, height)};

@@ -25,7 +25,7 @@ struct FusionOptions {
 // appliance makes of it (for_depth()); a method named alone has whole disparities and the
 // left-right check. What the options say comes on top. Refused in one line: what match_plan()
 // refuses, annealing, filled and unchecked disparities.
-std::expected<dsp::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
                                                                 int disparities);
 
 // The same sensors with less effort, to see what the effort gains (chapter_geometry.h).
@@ -53,7 +53,7 @@ struct FusionResult {
 // recording needs a rig. One line when they do not fit together.
 dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
                                          const dataset::PmdRecording& recording,
-                                         const dsp::MatchParams& match,
+                                         const lab::MatchParams& match,
                                          const FusionOptions& options);
 
 // How many pixels have each source or cause.

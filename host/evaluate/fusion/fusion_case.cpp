@@ -26,7 +26,7 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
     return std::unexpected(
         dataset::Problem{scene.string() + ": has no gt_left.pgm: give a scene with ground truth"});
   }
-  const std::expected<dsp::MatchParams, dataset::Problem> params =
+  const std::expected<lab::MatchParams, dataset::Problem> params =
       fusion_params(match, pair->ndisp);
   if (!params) {
     return std::unexpected(params.error());

@@ -11,12 +11,12 @@ namespace stof::host {
 
 // Of a map matched with params; its disparities are rounded to whole pixels. Missing ones count for
 // nothing, so only dense maps can be compared.
-std::uint64_t energy_of(const dataset::StereoScene& scene, const dsp::MatchParams& params,
+std::uint64_t energy_of(const dataset::StereoScene& scene, const lab::MatchParams& params,
                         const dataset::Image<dsp::Disparity>& disparity);
 
 // Replaces the map by what annealing makes of it; the energy of the result.
-std::uint64_t anneal_map(const dataset::StereoScene& scene, const dsp::MatchParams& params,
-                         dsp::Acceptance acceptance, std::uint64_t seed,
+std::uint64_t anneal_map(const dataset::StereoScene& scene, const lab::MatchParams& params,
+                         lab::Acceptance acceptance, std::uint64_t seed,
                          dataset::Image<dsp::Disparity>& disparity);
 
 }  // namespace stof::host

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <chrono>
 
-#include "dsp/stereo/match_options.h"
-#include "dsp/stereo/matcher.h"
 #include "host/evaluate/stereo/energy.h"
 #include "host/evaluate/stereo/median.h"
+#include "lab/match_options.h"
+#include "lab/matcher.h"
 #include "posix/worker_threads.h"
 
 namespace stof::host {
@@ -28,7 +28,7 @@ std::string setting(const MatchOptions& options, const std::string& name) {
 bool wants_annealing(const MatchOptions& options) { return setting(options, "method") == "sa"; }
 
 // Where the settings begin: the preset, or what suits the method.
-std::expected<dsp::MatchParams, Problem> starting_params(const MatchOptions& options) {
+std::expected<lab::MatchParams, Problem> starting_params(const MatchOptions& options) {
   const std::string method = setting(options, "method");
   if (!options.preset.empty()) {
     const dsp::Preset* const preset = dsp::find_preset(options.preset);
@@ -36,16 +36,16 @@ std::expected<dsp::MatchParams, Problem> starting_params(const MatchOptions& opt
       return refuse("--preset " + options.preset + ": unknown: use one of " +
                     std::string(dsp::preset_names()));
     }
-    return preset->params;
+    return lab::as_the_appliance(preset->params);
   }
   if (wants_annealing(options)) {
-    dsp::MatchParams params = dsp::method_defaults(dsp::Method::kScanline);
-    params.method = dsp::Method::kWinnerTakesAll;
+    lab::MatchParams params = lab::method_defaults(lab::Method::kScanline);
+    params.method = lab::Method::kWinnerTakesAll;
     return params;
   }
-  dsp::MatchParams params;
-  if (!method.empty() && dsp::find_match_option("method")->set(method, params)) {
-    return dsp::method_defaults(params.method);
+  lab::MatchParams params;
+  if (!method.empty() && lab::find_match_option("method")->set(method, params)) {
+    return lab::method_defaults(params.method);
   }
   return params;
 }
@@ -53,7 +53,7 @@ std::expected<dsp::MatchParams, Problem> starting_params(const MatchOptions& opt
 }  // namespace
 
 std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int disparities) {
-  const std::expected<dsp::MatchParams, Problem> start = starting_params(options);
+  const std::expected<lab::MatchParams, Problem> start = starting_params(options);
   if (!start) {
     return std::unexpected(start.error());
   }
@@ -66,10 +66,10 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
   for (const auto& [name, value] : options.settings) {
     if (name == "method" && value == "sa") {
       plan.annealing =
-          options.hill_climbing ? dsp::Acceptance::kHillClimbing : dsp::Acceptance::kMetropolis;
+          options.hill_climbing ? lab::Acceptance::kHillClimbing : lab::Acceptance::kMetropolis;
       continue;
     }
-    const dsp::MatchOption* const option = dsp::find_match_option(name);
+    const lab::MatchOption* const option = lab::find_match_option(name);
     if (option == nullptr || !option->set(value, plan.params)) {
       std::string message = "--" + name;
       message += " " + value + ": not one of its values: use ";
@@ -77,7 +77,7 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
       return refuse(message + (name == "method" ? ", or sa" : ""));
     }
   }
-  if (const char* const why = dsp::problem(plan.params); *why != '\0') {
+  if (const char* const why = lab::problem(plan.params); *why != '\0') {
     return refuse(why);
   }
   if (options.runs < 1) {
@@ -109,10 +109,10 @@ std::string too_few_threads(int there, int asked) {
 }
 
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
-                                         const dsp::MatchParams& params, int runs, int threads) {
+                                         const lab::MatchParams& params, int runs, int threads) {
   const int width = scene.left.width;
   const int height = scene.left.height;
-  if (dsp::check(params, width, height) != Status::kOk) {
+  if (lab::check(params, width, height) != Status::kOk) {
     return refuse(
         scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) + " pixels with " +
         std::to_string(params.disparities) +
@@ -122,12 +122,16 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
   if (workers.threads() < threads) {
     return refuse(too_few_threads(workers.threads(), threads));
   }
-  Workspace workspace(dsp::Matcher::bytes_needed(params, width, height, threads));
+  const dsp::Crew crew(workers, threads);
+  Workspace workspace(dsp::bytes_taken(
+      [&](dsp::Arena& arena) { lab::Matcher(params, width, height, arena, crew); }));
   dsp::Arena arena = workspace.arena();
-  dsp::Matcher matcher(params, width, height, arena, dsp::Crew(workers, threads));
+  lab::Matcher matcher(params, width, height, arena, crew);
   MatchResult result{.disparity = {width, height}, .filled = {width, height}};
-  result.median_ms = median_time_ms(
-      runs, [&] { matcher.match(scene.left.view(), scene.right.view(), result.disparity.view()); });
+  result.median_ms = median_time_ms(runs, [&] {
+    matcher.match({.left = scene.left.view(), .right = scene.right.view()},
+                  result.disparity.view());
+  });
   const dsp::ImageView<const std::uint8_t> filled = matcher.filled();
   for (int y = 0; y < filled.height(); ++y) {
     std::ranges::copy(filled.row(y), result.filled.view().row(y).begin());

@@ -10,9 +10,9 @@
 #include "dataset/dataset.h"
 #include "dsp/base/fixed.h"
 #include "dsp/base/thread_team.h"
-#include "dsp/stereo/match_params.h"
-#include "dsp/stereo/search/annealing.h"
 #include "host/evaluate/workspace.h"
+#include "lab/match_params.h"
+#include "lab/search/annealing.h"
 
 namespace stof::host {
 
@@ -30,9 +30,9 @@ struct MatchOptions {
 
 // What the options come to for one scene.
 struct MatchPlan {
-  dsp::MatchParams params;
+  lab::MatchParams params;
   // Simulated annealing, which begins with the map of params.
-  std::optional<dsp::Acceptance> annealing = std::nullopt;
+  std::optional<lab::Acceptance> annealing = std::nullopt;
   std::uint64_t seed = 1;
   bool energy = false;
   int runs = 5;
@@ -54,10 +54,10 @@ struct MatchResult {
   std::optional<std::uint64_t> energy = std::nullopt;
 };
 
-// Runs dsp::Matcher over the scene; the maps are the same for any number of threads. One line when
+// Runs lab::Matcher over the scene; the maps are the same for any number of threads. One line when
 // the scene is too large for it, or the system has no such number of threads.
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
-                                         const dsp::MatchParams& params, int runs, int threads = 1);
+                                         const lab::MatchParams& params, int runs, int threads = 1);
 // The same, and what the plan adds to it.
 dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene, const MatchPlan& plan);
 

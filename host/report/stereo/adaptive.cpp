@@ -1,5 +1,5 @@
 // Adaptive blocks: what they look like, and what they do for edges.
-#include "dsp/stereo/block/adaptive.h"
+#include "lab/block/adaptive.h"
 
 #include <array>
 
@@ -15,33 +15,36 @@ constexpr int kHeight = 20;
 
 struct Shape {
   const char* name;
-  dsp::BlockShape shape;
+  lab::BlockShape shape;
 };
-constexpr std::array<Shape, 3> kShapes{{{"fixed 60 × 20", dsp::BlockShape::kFixed},
-                                        {"cross", dsp::BlockShape::kCross},
-                                        {"region", dsp::BlockShape::kRegion}}};
+constexpr std::array<Shape, 3> kShapes{{{"fixed 60 × 20", lab::BlockShape::kFixed},
+                                        {"cross", lab::BlockShape::kCross},
+                                        {"region", lab::BlockShape::kRegion}}};
 
-dsp::MatchParams params_of(const dataset::StereoScene& scene, dsp::BlockShape shape) {
-  dsp::MatchParams params = block_match(scene, dsp::Cost::kSad, kWidth, kHeight, true);
+lab::MatchParams params_of(const dataset::StereoScene& scene, lab::BlockShape shape) {
+  lab::MatchParams params = block_match(scene, lab::Cost::kSad, kWidth, kHeight, true);
   params.block_shape = shape;
   return params;
 }
 
 // The blocks of every pixel, as the matcher grows them.
-dataset::Image<dsp::Block> adaptive_blocks(const dataset::Image<std::uint8_t>& picture,
-                                           dsp::BlockShape shape) {
-  const dsp::AdaptiveParams params{.shape = shape, .max_width = kWidth, .max_height = kHeight};
+dataset::Image<lab::Block> adaptive_blocks(const dataset::Image<std::uint8_t>& picture,
+                                           lab::BlockShape shape) {
+  const lab::AdaptiveParams params{.shape = shape, .max_width = kWidth, .max_height = kHeight};
   dataset::Image<std::uint8_t> edges(picture.width, picture.height);
-  dsp::mark_edges(picture.view(), params.edge, edges.view());
-  dataset::Image<dsp::Block> blocks(picture.width, picture.height);
-  Workspace workspace(dsp::grow_blocks_bytes(picture.width, picture.height));
-  dsp::grow_blocks(edges.view(), params, workspace.arena(), blocks.view());
+  lab::mark_edges(picture.view(), params.edge, edges.view());
+  dataset::Image<lab::Block> blocks(picture.width, picture.height);
+  Workspace workspace(dsp::bytes_taken(
+      [&](dsp::Arena& arena) { lab::Integral(picture.width, picture.height, arena); }));
+  dsp::Arena arena = workspace.arena();
+  lab::Integral integral(picture.width, picture.height, arena);
+  lab::grow_blocks(edges.view(), params, integral, blocks.view());
   return blocks;
 }
 
 // The blocks about a grid of pixels, each in its own colour, drawn on the left picture twice as
 // large.
-dataset::Image<Rgb> drawn_blocks(const dataset::StereoScene& scene, dsp::BlockShape shape) {
+dataset::Image<Rgb> drawn_blocks(const dataset::StereoScene& scene, lab::BlockShape shape) {
   constexpr std::array<Rgb, 6> kColours{{{255, 99, 72},
                                          {46, 213, 115},
                                          {64, 156, 255},
@@ -56,7 +59,7 @@ dataset::Image<Rgb> drawn_blocks(const dataset::StereoScene& scene, dsp::BlockSh
   constexpr int kZoom = 2;
   const int width = scene.left.width;
   const int height = scene.left.height;
-  const dataset::Image<dsp::Block> blocks = adaptive_blocks(scene.left, shape);
+  const dataset::Image<lab::Block> blocks = adaptive_blocks(scene.left, shape);
   dataset::Image<std::uint8_t> large(kZoom * width, kZoom * height);
   for (int y = 0; y < large.height; ++y) {
     for (int x = 0; x < large.width; ++x) {
@@ -69,7 +72,7 @@ dataset::Image<Rgb> drawn_blocks(const dataset::StereoScene& scene, dsp::BlockSh
     const int row = i / kColumns;
     const int x = (2 * column + 1) * width / (2 * kColumns);
     const int y = (2 * row + 1) * height / (2 * kRows);
-    const dsp::Block block = blocks.view().at(x, y);
+    const lab::Block block = blocks.view().at(x, y);
     const Rgb colour = kColours[static_cast<std::size_t>(column + 2 * row) % kColours.size()];
     const auto frame = [&](int left, int up, int right, int down) {
       draw_frame(picture, kZoom * left, kZoom * up, kZoom * (right + 1) - 1, kZoom * (down + 1) - 1,
@@ -125,14 +128,14 @@ SceneFigures add_scene(Study& study, const Subject& subject, Table& table, Tally
     add_row(name, *outcome, table);
     figures.maps.push_back(map_figure(subject, outcome->disparity, scene.name + ", " + name,
                                       in_words(*outcome) + "."));
-    if (shape.shape == dsp::BlockShape::kFixed) {
+    if (shape.shape == lab::BlockShape::kFixed) {
       fixed = outcome->score.near_edges;
     } else {
       figures.blocks.push_back(
           figure(drawn_blocks(scene, shape.shape), scene.name + ", " + name + " blocks",
                  "Blocks about 20 pixels of a grid; the small square is the pixel."));
     }
-    if (shape.shape == dsp::BlockShape::kRegion) {
+    if (shape.shape == lab::BlockShape::kRegion) {
       region = outcome->score.near_edges;
     }
   }

@@ -17,12 +17,12 @@ struct Annealed {
 
 // One way to a dense map on one cost, with the energy of what it finds.
 std::optional<Annealed> match(const Study& study, const dataset::StereoScene& scene,
-                              dsp::Method method, std::optional<dsp::Acceptance> annealing) {
+                              lab::Method method, std::optional<lab::Acceptance> annealing) {
   MatchPlan plan;
-  plan.params = dsp::method_defaults(dsp::Method::kScanline);
+  plan.params = lab::method_defaults(lab::Method::kScanline);
   plan.params.disparities = scene.ndisp;
   plan.params.method = method;
-  plan.params.smoothness = dsp::default_smoothness(dsp::Cost::kSad);
+  plan.params.smoothness = lab::default_smoothness(lab::Cost::kSad);
   plan.annealing = annealing;
   plan.energy = true;
   plan.runs = annealing ? 1 : study.runs();
@@ -79,9 +79,9 @@ std::vector<Figure> add_scene(const Study& study, const Subject& subject, Table&
         "Energy " + in_thousands(found.energy) + " thousand, " + in_words(found.outcome) + "."));
   };
   const std::optional<Annealed> winner =
-      match(study, scene, dsp::Method::kWinnerTakesAll, std::nullopt);
+      match(study, scene, lab::Method::kWinnerTakesAll, std::nullopt);
   const std::optional<Annealed> scanline =
-      match(study, scene, dsp::Method::kScanline, std::nullopt);
+      match(study, scene, lab::Method::kScanline, std::nullopt);
   if (!winner || !scanline) {
     return figures;
   }
@@ -89,11 +89,11 @@ std::vector<Figure> add_scene(const Study& study, const Subject& subject, Table&
   table.rows.push_back(row_of("winner takes all, where annealing begins", *winner));
   add("scanline optimisation", *scanline);
   if (const std::optional<Annealed> hill =
-          match(study, scene, dsp::Method::kWinnerTakesAll, dsp::Acceptance::kHillClimbing)) {
+          match(study, scene, lab::Method::kWinnerTakesAll, lab::Acceptance::kHillClimbing)) {
     add("annealing, hill climbing", *hill);
   }
   if (const std::optional<Annealed> slow =
-          match(study, scene, dsp::Method::kWinnerTakesAll, dsp::Acceptance::kMetropolis)) {
+          match(study, scene, lab::Method::kWinnerTakesAll, lab::Acceptance::kMetropolis)) {
     add("annealing, Metropolis", *slow);
     tally.note(scene.name, *scanline, *slow);
   }

@@ -16,7 +16,7 @@ struct Checked {
 };
 
 Checked match(Study& study, const dataset::StereoScene& scene, int width, int height) {
-  dsp::MatchParams params = block_match(scene, dsp::Cost::kSad, width, height, true);
+  lab::MatchParams params = block_match(scene, lab::Cost::kSad, width, height, true);
   const std::string name = "SAD " + std::to_string(width) + " × " + std::to_string(height);
   Checked result{.dense = study.run(scene, {name, params}), .checked = {}};
   params.left_right_tolerance = kTolerancePx;

@@ -88,14 +88,14 @@ struct Way {
 };
 
 std::vector<Way> ways(Study& study, const dataset::StereoScene& scene) {
-  dsp::MatchParams chapter = block_match(scene, dsp::Cost::kSad, 16, 16, true);
+  lab::MatchParams chapter = block_match(scene, lab::Cost::kSad, 16, 16, true);
   chapter.left_right_tolerance = 1;
   chapter.subpixel = dsp::Subpixel::kEquiangular;
   std::vector<Way> result;
   const std::string name = "SAD 16 × 16, left-right check, 1/16 px";
   result.push_back({name, study.run(scene, {name, chapter})});
   for (const char* const named : {"fast", "quality"}) {
-    dsp::MatchParams params = preset(scene, named).value_or(chapter);
+    lab::MatchParams params = preset(scene, named).value_or(chapter);
     params.subpixel =
         dsp::Subpixel::kEquiangular;  // as the appliance does: depth has no steps then
     const std::string title = std::string("preset ") + named + ", 1/16 px";

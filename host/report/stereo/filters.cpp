@@ -13,13 +13,13 @@ constexpr int kHistogramPermille = 4;  // "a few tenths of a percent"
 struct Filter {
   const char* title;
   const char* name;
-  void (*switch_on)(dsp::MatchParams& params);
+  void (*switch_on)(lab::MatchParams& params);
 };
 constexpr std::array<Filter, 2> kFilters{
     {{"Histogram", "histogram, below 0.4 % of the picture",
-      [](dsp::MatchParams& params) { params.histogram_permille = kHistogramPermille; }},
+      [](lab::MatchParams& params) { params.histogram_permille = kHistogramPermille; }},
      {"|s| > 1/2", "least-squares subpixel, |s| > 1/2",
-      [](dsp::MatchParams& params) { params.subpixel = dsp::Subpixel::kLeastSquares; }}}};
+      [](lab::MatchParams& params) { params.subpixel = dsp::Subpixel::kLeastSquares; }}}};
 
 // What all scenes say, filter by filter.
 struct Tally {
@@ -66,13 +66,13 @@ void add_filters(Study& study, Page& page) {
     if (!scene.truth) {
       continue;
     }
-    dsp::MatchParams params = block_match(scene, dsp::Cost::kSad, 16, 16, true);
+    lab::MatchParams params = block_match(scene, lab::Cost::kSad, 16, 16, true);
     params.left_right_tolerance = 1;
     const std::optional<Outcome> before = study.run(scene, {"SAD 16 × 16, checked", params});
     table.rows.push_back({scene.name});
     for (std::size_t i = 0; i < kFilters.size(); ++i) {
       const Filter& filter = kFilters[i];
-      dsp::MatchParams with = params;
+      lab::MatchParams with = params;
       filter.switch_on(with);
       const std::optional<Outcome> after = study.run(scene, {filter.name, with});
       if (!before || !after) {

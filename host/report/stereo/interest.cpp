@@ -1,5 +1,5 @@
 // Interest operators: only positions that stand out are matched.
-#include "dsp/stereo/block/interest.h"
+#include "lab/block/interest.h"
 
 #include <algorithm>
 #include <array>
@@ -22,7 +22,7 @@ struct Masks {
 };
 
 // The positions that MatchParams::interest leaves.
-Masks masks_of(const dataset::StereoScene& scene, const dsp::MatchParams& params) {
+Masks masks_of(const dataset::StereoScene& scene, const lab::MatchParams& params) {
   Masks masks{.left = {scene.left.width, scene.left.height, 1},
               .right = {scene.left.width, scene.left.height, 1}};
   if (!params.interest) {
@@ -32,12 +32,12 @@ Masks masks_of(const dataset::StereoScene& scene, const dsp::MatchParams& params
   const dataset::Image<std::uint8_t> left = plain_derivative(scene.left, cap);
   const dataset::Image<std::uint8_t> right = plain_derivative(scene.right, cap);
   for (int y = 0; y < scene.left.height; ++y) {
-    if (*params.interest == dsp::Interest::kMaxima) {
-      dsp::interest_maxima(left.view().row(y), cap, (cap + 1) / 2, masks.left.view().row(y));
-      dsp::interest_maxima(right.view().row(y), cap, (cap + 1) / 2, masks.right.view().row(y));
+    if (*params.interest == lab::Interest::kMaxima) {
+      lab::interest_maxima(left.view().row(y), cap, (cap + 1) / 2, masks.left.view().row(y));
+      lab::interest_maxima(right.view().row(y), cap, (cap + 1) / 2, masks.right.view().row(y));
     } else {
-      dsp::interest_above(left.view().row(y), cap, (2 * cap + 2) / 3, masks.left.view().row(y));
-      dsp::interest_above(right.view().row(y), cap, (cap + 2) / 3, masks.right.view().row(y));
+      lab::interest_above(left.view().row(y), cap, (2 * cap + 2) / 3, masks.left.view().row(y));
+      lab::interest_above(right.view().row(y), cap, (cap + 2) / 3, masks.right.view().row(y));
     }
   }
   return masks;
@@ -70,11 +70,11 @@ dataset::Image<Rgb> positions(const dataset::Image<std::uint8_t>& picture,
 
 struct Choice {
   const char* name;
-  std::optional<dsp::Interest> interest;
+  std::optional<lab::Interest> interest;
 };
 constexpr std::array<Choice, 3> kChoices{{{"all", std::nullopt},
-                                          {"(a) maxima", dsp::Interest::kMaxima},
-                                          {"(b) two thresholds", dsp::Interest::kTwoThresholds}}};
+                                          {"(a) maxima", lab::Interest::kMaxima},
+                                          {"(b) two thresholds", lab::Interest::kTwoThresholds}}};
 
 // What all scenes say.
 struct Tally {
@@ -91,7 +91,7 @@ std::vector<Figure> add_scene(Study& study, const Subject& subject, Table& table
   table.rows.push_back({scene.name});
   std::optional<double> dense_ms;
   for (const Choice& choice : kChoices) {
-    dsp::MatchParams params = block_match(scene, dsp::Cost::kSad, 16, 16, true);
+    lab::MatchParams params = block_match(scene, lab::Cost::kSad, 16, 16, true);
     params.left_right_tolerance = 1;
     params.prefilter_cap = kCap;
     params.interest = choice.interest;

@@ -63,7 +63,7 @@ void add_maps(Study& study, Page& page) {
       }
     };
     const std::optional<Outcome> chapter =
-        study.run(scene, {"WTA SAD 16 × 16", block_match(scene, dsp::Cost::kSad, 16, 16, true)});
+        study.run(scene, {"WTA SAD 16 × 16", block_match(scene, lab::Cost::kSad, 16, 16, true)});
     add("SAD 16 × 16, winner takes all", chapter);
     if (scene.truth) {
       flat.push_back(map_figure(subject, *scene.truth, "Truth", "Disparity in px."));

@@ -8,8 +8,8 @@
 namespace stof::host {
 namespace {
 
-using dsp::Cost;
-using dsp::Method;
+using lab::Cost;
+using lab::Method;
 
 constexpr double kChapterBadPercent = 4.60;  // SAD, winner takes all
 constexpr double kNearPoints = 0.5;
@@ -17,11 +17,11 @@ constexpr double kNearPoints = 0.5;
 struct MethodRow {
   const char* method;
   std::string cost;
-  dsp::MatchParams params;
-  std::optional<dsp::Acceptance> annealing = std::nullopt;
+  lab::MatchParams params;
+  std::optional<lab::Acceptance> annealing = std::nullopt;
 };
 
-std::string size_of_block(const dsp::MatchParams& params) {
+std::string size_of_block(const lab::MatchParams& params) {
   return std::to_string(params.block_width) + " × " + std::to_string(params.block_height);
 }
 
@@ -37,9 +37,9 @@ std::vector<MethodRow> winner_rows(const dataset::StereoScene& scene) {
 
 // One method on three costs, with the block that suits it.
 void add_costs(const dataset::StereoScene& scene, const char* name,
-               const dsp::MatchParams& defaults, std::optional<dsp::Acceptance> annealing,
+               const lab::MatchParams& defaults, std::optional<lab::Acceptance> annealing,
                std::vector<MethodRow>& rows) {
-  dsp::MatchParams params = defaults;
+  lab::MatchParams params = defaults;
   params.disparities = scene.ndisp;
   for (const auto& [cost_name, cost] : {std::pair("SAD ", Cost::kSad), {"SSD ", Cost::kSsd}}) {
     params.cost = cost;
@@ -55,12 +55,12 @@ std::vector<MethodRow> smooth_rows(const dataset::StereoScene& scene, bool with_
   for (const auto& [name, method] :
        {std::pair("DP", Method::kOrdered), std::pair("SO", Method::kScanline),
         std::pair("SGM, 4 directions", Method::kSemiGlobal)}) {
-    add_costs(scene, name, dsp::method_defaults(method), std::nullopt, rows);
+    add_costs(scene, name, lab::method_defaults(method), std::nullopt, rows);
   }
   if (with_annealing) {
-    dsp::MatchParams params = dsp::method_defaults(Method::kScanline);
+    lab::MatchParams params = lab::method_defaults(Method::kScanline);
     params.method = Method::kWinnerTakesAll;
-    add_costs(scene, "SA", params, dsp::Acceptance::kMetropolis, rows);
+    add_costs(scene, "SA", params, lab::Acceptance::kMetropolis, rows);
   }
   return rows;
 }
@@ -223,7 +223,7 @@ void add_methods(Study& study, Page& page) {
       "appliance runs. Winner takes all (WTA) sums costs over 16 × 16 px; dynamic programming with "
       "occlusions (DP), scanline optimisation (SO) and semi-global matching (SGM, beyond the "
       "chapter) over " +
-      size_of_block(dsp::method_defaults(Method::kScanline)) +
+      size_of_block(lab::method_defaults(Method::kScanline)) +
       ", because their smoothness gathers the neighbours. Simulated annealing (SA) begins with "
       "winner takes all on that block and runs once, offline; the annealing itself has no "
       "kernels, so it has no plain time.");
@@ -253,8 +253,8 @@ void add_block_time(const Study& study, Page& page) {
   std::vector<double> plain_ms;
   std::vector<double> optimised_ms;
   for (const Size& size : {Size{3, 3}, Size{9, 9}, Size{16, 16}, Size{30, 10}, Size{60, 20}}) {
-    const dsp::MatchParams params =
-        block_match(scene, dsp::Cost::kSad, size.width, size.height, true);
+    const lab::MatchParams params =
+        block_match(scene, lab::Cost::kSad, size.width, size.height, true);
     plain_ms.push_back(*cost_matrix_ms(scene, params, Variant::kPlain, study.runs()));
     optimised_ms.push_back(*cost_matrix_ms(scene, params, Variant::kOptimised, study.runs()));
     table.rows.push_back({std::to_string(size.width) + " × " + std::to_string(size.height),

@@ -58,20 +58,20 @@ void add_brightness(Study& study, Page& page) {
   for (const Subject& subject : study.subjects()) {
     const dataset::StereoScene& scene = subject.scene;
     const dataset::StereoScene darker = darker_right(scene);
-    const auto both = [&](const std::string& name, const dsp::MatchParams& params) {
+    const auto both = [&](const std::string& name, const lab::MatchParams& params) {
       return Pair{.same = study.run(scene, {name, params}),
                   .darker = study.run(darker, {name, params})};
     };
     table.rows.push_back({scene.name});
     const Pair grey =
-        both("WTA SAD 16 × 16, grey", block_match(scene, dsp::Cost::kSad, 16, 16, false));
+        both("WTA SAD 16 × 16, grey", block_match(scene, lab::Cost::kSad, 16, 16, false));
     const Pair derivative =
-        both("WTA SAD 16 × 16, derivative", block_match(scene, dsp::Cost::kSad, 16, 16, true));
+        both("WTA SAD 16 × 16, derivative", block_match(scene, lab::Cost::kSad, 16, 16, true));
     add_brightness_row("WTA SAD 16 × 16, grey", grey, table);
     add_brightness_row("WTA SAD 16 × 16, derivative", derivative, table);
     add_brightness_row(
         "WTA census 9 × 7",
-        both("WTA census 9 × 7", block_match(scene, dsp::Cost::kCensus9x7, 16, 16, false)), table);
+        both("WTA census 9 × 7", block_match(scene, lab::Cost::kCensus9x7, 16, 16, false)), table);
     for (const char* const name : {"fast", "quality"}) {
       add_brightness_row("preset " + std::string(name) + ", filled",
                          {.same = study.run_preset(scene, name, true),
@@ -122,7 +122,7 @@ void add_pyramid(Study& study, Page& page) {
     std::optional<double> full_ms;
     double best = 0;
     for (const int levels : {0, 1, 2}) {
-      dsp::MatchParams params = block_match(scene, dsp::Cost::kSad, 16, 16, true);
+      lab::MatchParams params = block_match(scene, lab::Cost::kSad, 16, 16, true);
       if (levels > 0) {
         params.pyramid_levels = levels;
       }

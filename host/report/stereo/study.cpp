@@ -72,7 +72,7 @@ std::optional<Outcome> Study::run(const dataset::StereoScene& scene, const Exper
 std::optional<Outcome> Study::run_preset(const dataset::StereoScene& scene, std::string_view name,
                                          bool fill) {
   const std::string title = "preset " + std::string(name);
-  std::optional<dsp::MatchParams> params = preset(scene, name);
+  std::optional<lab::MatchParams> params = preset(scene, name);
   if (!params) {
     refused_.insert(title);
     return std::nullopt;
@@ -92,9 +92,9 @@ void Study::note(const std::string& scene, const std::string& method, const Outc
   notes_ += padded(scene, 14) + padded(method, 32) + in_words(outcome) + "\n";
 }
 
-dsp::MatchParams block_match(const dataset::StereoScene& scene, dsp::Cost cost, int block_width,
+lab::MatchParams block_match(const dataset::StereoScene& scene, lab::Cost cost, int block_width,
                              int block_height, bool derivative) {
-  dsp::MatchParams params;
+  lab::MatchParams params;
   params.disparities = scene.ndisp;
   params.cost = cost;
   params.block_width = block_width;
@@ -105,12 +105,12 @@ dsp::MatchParams block_match(const dataset::StereoScene& scene, dsp::Cost cost, 
   return params;
 }
 
-std::optional<dsp::MatchParams> preset(const dataset::StereoScene& scene, std::string_view name) {
+std::optional<lab::MatchParams> preset(const dataset::StereoScene& scene, std::string_view name) {
   const dsp::Preset* const found = dsp::find_preset(name);
   if (found == nullptr) {
     return std::nullopt;
   }
-  dsp::MatchParams params = found->params;
+  lab::MatchParams params = lab::as_the_appliance(found->params);
   params.disparities = scene.ndisp;
   return params;
 }

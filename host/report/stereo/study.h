@@ -7,10 +7,11 @@
 
 #include "dataset/dataset.h"
 #include "dsp/stereo/match_params.h"
-#include "dsp/stereo/search/annealing.h"
 #include "host/evaluate/stereo/disparity_score.h"
 #include "host/picture/disparity_picture.h"
 #include "host/report/page/page.h"
+#include "lab/match_params.h"
+#include "lab/search/annealing.h"
 
 // What the sections of the report share: scenes, and one way to run a method on them.
 namespace stof::host {
@@ -27,9 +28,9 @@ struct Subject {
 // A way to match, by the parameters of the appliance's own matcher.
 struct Experiment {
   std::string name;
-  dsp::MatchParams params;
+  lab::MatchParams params;
   // Simulated annealing, which begins with the map of params.
-  std::optional<dsp::Acceptance> annealing = std::nullopt;
+  std::optional<lab::Acceptance> annealing = std::nullopt;
 };
 
 struct Outcome {
@@ -79,10 +80,10 @@ class Study {
 };
 
 // The parameters that experiments begin with: all candidates of the scene, dense, whole pixels.
-dsp::MatchParams block_match(const dataset::StereoScene& scene, dsp::Cost cost, int block_width,
+lab::MatchParams block_match(const dataset::StereoScene& scene, lab::Cost cost, int block_width,
                              int block_height, bool derivative);
 // A preset for the scene's candidates; none of that name: none.
-std::optional<dsp::MatchParams> preset(const dataset::StereoScene& scene, std::string_view name);
+std::optional<lab::MatchParams> preset(const dataset::StereoScene& scene, std::string_view name);
 
 // What a filter or a check took away from a map, by what the truth says of it. Pixels with truth.
 struct Removal {

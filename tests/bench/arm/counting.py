@@ -10,7 +10,7 @@ import tempfile
 
 NM = ("llvm-nm-19", "--defined-only", "--numeric-sort", "--demangle")
 CPU = "cortex-a72"
-NAMESPACES = re.compile(r"stof::(?:dsp::|wire::|bench::|hal::emu::|host::)?|\(anonymous namespace\)::")
+NAMESPACES = re.compile(r"stof::(?:dsp::|lab::|wire::|bench::|hal::emu::|host::)?|\(anonymous namespace\)::")
 
 
 class CannotCount(Exception):

@@ -163,9 +163,15 @@ struct alignas(Arena::kAlign) Line {
   std::byte bytes[Arena::kAlign];  // NOLINT(modernize-avoid-c-arrays): a cache line
 };
 
+std::size_t bytes_of(const Rig& rig, int threads) {
+  return bytes_taken([&](Arena& arena) {
+    DepthMaker(rig.calibration, rig.params, arena, Crew::standing_for(threads));
+  });
+}
+
 // Some frames, in exactly the memory that was asked for.
 std::vector<Frame> run(const Rig& rig, Size size, const Crew& crew) {
-  const std::size_t bytes = DepthMaker::bytes_needed(rig.calibration, rig.params, crew.threads());
+  const std::size_t bytes = bytes_of(rig, crew.threads());
   std::vector<Line> memory((bytes + Arena::kAlign - 1) / Arena::kAlign);
   std::memset(static_cast<void*>(memory.data()), 0x5A, memory.size() * sizeof(Line));
   Arena arena({memory.data()->bytes, bytes});
@@ -237,10 +243,9 @@ TEST(DepthMakerThreads, DepthOfAllSourcesIsThere) {
 
 TEST(DepthMakerThreads, EachThreadTakesMemoryOfItsOwn) {
   const Rig rig{"", calibration_of({640, 480}, {176, 144}), params_of("quality")};
-  std::size_t before = DepthMaker::bytes_needed(rig.calibration, rig.params);
-  EXPECT_EQ(DepthMaker::bytes_needed(rig.calibration, rig.params, 1), before);
+  std::size_t before = bytes_of(rig, 1);
   for (int threads = 2; threads <= Crew::kMost; ++threads) {
-    const std::size_t bytes = DepthMaker::bytes_needed(rig.calibration, rig.params, threads);
+    const std::size_t bytes = bytes_of(rig, threads);
     EXPECT_GT(bytes, before) << threads;
     before = bytes;
   }

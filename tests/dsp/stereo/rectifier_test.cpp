@@ -25,15 +25,6 @@ using raw::Behind;
 using raw::Plane;
 using raw::raw_pair;
 
-struct Memory {
-  explicit Memory(std::size_t count)
-      : bytes(static_cast<std::byte*>(std::aligned_alloc(Arena::kAlign, count)), &std::free),
-        size(count) {}
-  Arena arena() { return Arena({bytes.get(), size}); }
-  std::unique_ptr<std::byte, decltype(&std::free)> bytes;
-  std::size_t size;
-};
-
 StereoRig completed(const RawPair& pair) {
   StereoRig rig;
   rig.raw = pair;
@@ -196,12 +187,13 @@ TEST(Rectifier, MatcherFindsTheDepthOfAPlaneInRawPictures) {
                            .block_height = 15,
                            .left_right_tolerance = 1,
                            .subpixel = Subpixel::kEquiangular};
-  Memory memory(Matcher::bytes_needed(params, 320, 240));
-  Arena arena = memory.arena();
-  Matcher matcher(params, 320, 240, arena);
+  test::InOwnMemory<Matcher> owned([&](Arena& arena) { return Matcher(params, 320, 240, arena); });
+  Matcher& matcher = *owned;
   test::GuardedImage<Disparity> disparity(320, 240, 320);
-  matcher.match(scene.rectifier.left(), scene.rectifier.right(), disparity.view());
-  scene.rectifier.clear_border(disparity.view().rows(), disparity.view());
+  matcher.match({.left = scene.rectifier.left(),
+                 .right = scene.rectifier.right(),
+                 .rectifier = &scene.rectifier},
+                disparity.view());
   int found = 0;
   int good = 0;
   double sum = 0;

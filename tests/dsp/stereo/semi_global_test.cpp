@@ -6,7 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/search/path.h"
+#include "dsp/stereo/search/semi_global_body.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -60,12 +62,9 @@ template <typename Sum, typename Cost>
 Map<Cost, Sum> sums_of(Scene<Cost>& scene, const PathParams<Cost>& how,
                        const std::vector<int>& rows) {
   const int width = scene.grey().width();
-  std::vector<std::byte> memory(SemiGlobal<Cost, Sum>::bytes_needed(how, width) + Arena::kAlign);
-  void* aligned = memory.data();
-  std::size_t space = memory.size();
-  std::align(Arena::kAlign, 1, aligned, space);
-  Arena arena(std::span(static_cast<std::byte*>(aligned), space));
-  SemiGlobal<Cost, Sum> semi_global(how, width, arena);
+  test::InOwnMemory<SemiGlobal<Cost, Sum>> owned(
+      [&](Arena& arena) { return SemiGlobal<Cost, Sum>(how, width, arena); });
+  SemiGlobal<Cost, Sum>& semi_global = *owned;
   semi_global.start(scene.grey(), scene);
   Map<Cost, Sum> map(size(scene.grey().height()));
   for (const int y : rows) {

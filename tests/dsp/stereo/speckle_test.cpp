@@ -14,8 +14,11 @@ namespace stof::dsp {
 namespace {
 
 void drop(ImageView<Disparity> image, int min_pixels) {
-  test::GuardedBuffer<std::byte> memory(drop_speckles_bytes(image.width(), image.height()));
-  drop_speckles(image, min_pixels, Arena(memory.span()));
+  test::GuardedBuffer<std::byte> memory(bytes_taken(
+      [&](Arena& measuring) { SpeckleScratch(image.width(), image.height(), measuring); }));
+  Arena arena(memory.span());
+  SpeckleScratch scratch(image.width(), image.height(), arena);
+  drop_speckles(image, min_pixels, scratch);
 }
 
 // '.' is none, a digit a whole disparity.

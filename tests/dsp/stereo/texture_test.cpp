@@ -18,9 +18,12 @@ std::vector<Disparity> drop(ImageView<const std::uint8_t> derivative, int min_te
   const std::size_t pixels =
       static_cast<std::size_t>(derivative.width()) * static_cast<std::size_t>(derivative.height());
   std::vector<Disparity> out(pixels, Disparity::from_pixels(5));
-  test::GuardedBuffer<std::byte> memory(drop_flat_bytes(derivative.width()));
+  test::GuardedBuffer<std::byte> memory(
+      bytes_taken([&](Arena& measuring) { WindowSums(derivative.width(), measuring); }));
+  Arena arena(memory.span());
+  WindowSums window(derivative.width(), arena);
   for (const Rows part : parts) {
-    drop_flat(derivative, kCap, min_texture, part, Arena(memory.span()),
+    drop_flat(derivative, kCap, min_texture, part, window,
               {out.data(), derivative.width(), derivative.height()});
   }
   return out;

@@ -310,11 +310,84 @@ TEST(SavedSettings, MayNameSomeFieldsOnly) {
   EXPECT_EQ(line.text(), "x.json: cannot be read: the defaults hold");
 }
 
+Settings loaded(const std::string& text, std::string& told, bool& fell_back) {
+  hal::emu::Store store;
+  const auto bytes = std::as_bytes(std::span(text));
+  store.bytes().assign(bytes.begin(), bytes.end());
+  std::array<char, 320> space;
+  PagedWriter line(space);
+  Board board;
+  const Settings settings = load_settings(store, "x.json", &board, line, &fell_back);
+  told = line.text();
+  EXPECT_TRUE(store.aside().empty());
+  return settings;
+}
+
+TEST(SavedSettings, ThatNameWhatLeftKeepAllOtherFields) {
+  for (const auto& [name, value] :
+       std::vector<std::pair<std::string, std::string>>{{"method", "\"dp\""},
+                                                        {"cost", "\"ssd\""},
+                                                        {"shape", "\"cross\""},
+                                                        {"directions", "8"},
+                                                        {"band", "3"},
+                                                        {"pyramid", "2"},
+                                                        {"interest", "\"maxima\""},
+                                                        {"penalties", "\"12,40,6\""},
+                                                        {"penalties", "\"10,60\""}}) {
+    std::string told;
+    bool fell_back = false;
+    const Settings settings = loaded(
+        "{\"name\": \"a\", \"depth\": {\"match\": {\"" + name + "\": " + value + ", \"lr\": 2}}}",
+        told, fell_back);
+    EXPECT_TRUE(fell_back) << name;
+    EXPECT_EQ(told, "x.json: depth.match." + name + ": not in this version: as the preset has it");
+    EXPECT_EQ(settings.name.view(), "a");
+    EXPECT_EQ(depth_params(settings, 64).match.left_right_tolerance, 2);
+    EXPECT_EQ(depth_params(settings, 64).match.search, dsp::Search::kBlocks);
+    EXPECT_FALSE(depth_params(settings, 64).match.smoothness);
+  }
+}
+
+TEST(SavedSettings, OfBlocksThatAreNotMatchedAnyMoreFallBack) {
+  std::string told;
+  bool fell_back = false;
+  Settings settings =
+      loaded(R"({"depth": {"match": {"prefilter": "off", "texture": "off", "block": "9x9"}}})",
+             told, fell_back);
+  EXPECT_EQ(told, "x.json: depth.match.prefilter: not in this version: as the preset has it");
+  EXPECT_EQ(depth_params(settings, 64).match.prefilter_cap, 15);
+  EXPECT_EQ(depth_params(settings, 64).match.block_width, 9);
+  settings = loaded(R"({"depth": {"match": {"block": "21x21"}}})", told, fell_back);
+  EXPECT_EQ(told, "x.json: depth.match.block: not in this version: as the preset has it");
+  EXPECT_EQ(depth_params(settings, 64).match.block_width, 16);
+  settings =
+      loaded(R"({"depth": {"preset": "quality", "match": {"block": "21x21"}}})", told, fell_back);
+  EXPECT_EQ(told, "");
+  EXPECT_FALSE(fell_back);
+  EXPECT_EQ(depth_params(settings, 64).match.block_width, 21);
+}
+
+TEST_F(SettingsServerTest, RequestsThatNameWhatLeftAreTakenAndTold) {
+  const Answer answer = ask(Operation::kSet, R"({"depth": {"match": {"pyramid": 2, "lr": 3}}})");
+  EXPECT_EQ(answer.result, Result::kOk);
+  EXPECT_EQ(answer.text, "depth.match.pyramid: not in this version: as the preset has it");
+  EXPECT_EQ(depth_params(server_.active(), 64).match.left_right_tolerance, 3);
+  EXPECT_TRUE(server_.fell_back());
+  EXPECT_EQ(ask(Operation::kSave).result, Result::kOk);
+  EXPECT_FALSE(server_.fell_back());
+  EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"match": {"unheard": 1}}})").result,
+            Result::kInvalid);
+  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"block": "30x30"}}})").text, "");
+  const Answer commit = ask(Operation::kCommit);
+  EXPECT_EQ(commit.result, Result::kOk);
+  EXPECT_EQ(commit.text, "depth.match.block: not in this version: as the preset has it");
+}
+
 TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {
   Settings settings;
   const dsp::DepthParams fast = depth_params(settings, 64);
   EXPECT_EQ(fast.match.disparities, 64);
-  EXPECT_EQ(fast.match.method, dsp::Method::kWinnerTakesAll);
+  EXPECT_EQ(fast.match.search, dsp::Search::kBlocks);
   EXPECT_EQ(fast.fusion.max_range, 40'000);
   EXPECT_FALSE(fast.guided || fast.temporal);
   std::array<char, kWhyBytes> space;
@@ -324,7 +397,7 @@ TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {
                     settings, why))
       << why.text();
   const dsp::DepthParams quality = depth_params(settings, 64);
-  EXPECT_EQ(quality.match.method, dsp::Method::kSemiGlobal);
+  EXPECT_EQ(quality.match.search, dsp::Search::kPaths);
   EXPECT_EQ(quality.match.disparities, 96);
   EXPECT_EQ(quality.match.left_right_tolerance, std::nullopt);
   EXPECT_EQ(quality.match.smoothness->large_step, 9);

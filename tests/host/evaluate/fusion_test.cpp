@@ -22,7 +22,8 @@ TEST(FusionParams, OfAPresetAreThoseOfTheAppliance) {
   EXPECT_EQ(params->disparities, 96);
   EXPECT_EQ(params->subpixel, dsp::Subpixel::kEquiangular);
   EXPECT_TRUE(params->confidence);
-  EXPECT_EQ(params->cost, dsp::find_preset("quality")->params.cost);
+  EXPECT_EQ(params->cost, lab::Cost::kMixed);
+  EXPECT_EQ(params->method, lab::Method::kSemiGlobal);
   EXPECT_EQ(fusion_params(preset("fast", {{"subpixel", "parabola"}}), 64)->subpixel,
             dsp::Subpixel::kParabola);
 }
@@ -30,7 +31,7 @@ TEST(FusionParams, OfAPresetAreThoseOfTheAppliance) {
 TEST(FusionParams, OfAMethodAloneAreWholeAndChecked) {
   const auto params = fusion_params({.preset = "", .settings = {{"method", "so"}}}, 64);
   ASSERT_TRUE(params) << params.error().message;
-  EXPECT_EQ(params->method, dsp::Method::kScanline);
+  EXPECT_EQ(params->method, lab::Method::kScanline);
   EXPECT_EQ(params->subpixel, dsp::Subpixel::kWhole);
   EXPECT_EQ(params->left_right_tolerance, 1);
   EXPECT_TRUE(params->confidence);

@@ -22,7 +22,7 @@ TEST(MatchOptions, BecomeAnIntegerDenseSearchByDefault) {
   EXPECT_EQ(plan->params.disparities, 48);
   EXPECT_EQ(plan->params.block_width, 16);
   EXPECT_EQ(plan->params.block_height, 16);
-  EXPECT_EQ(plan->params.prefilter_cap, dsp::MatchParams{}.prefilter_cap);
+  EXPECT_EQ(plan->params.prefilter_cap, lab::MatchParams{}.prefilter_cap);
   EXPECT_FALSE(plan->params.left_right_tolerance.has_value());
   EXPECT_EQ(plan->params.subpixel, dsp::Subpixel::kWhole);
   EXPECT_FALSE(plan->annealing);
@@ -43,7 +43,7 @@ TEST(MatchOptions, ChangeAPreset) {
   options.preset = "quality";
   const auto plan = match_plan(options, 64);
   ASSERT_TRUE(plan) << plan.error().message;
-  EXPECT_EQ(plan->params.method, dsp::Method::kSemiGlobal);
+  EXPECT_EQ(plan->params.method, lab::Method::kSemiGlobal);
   EXPECT_TRUE(plan->params.fill);
   EXPECT_FALSE(plan->params.speckle_pixels);
 }

@@ -5,10 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/stereo/cost/cost_rows.h"
 #include "dsp/stereo/cost/sad.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "host/evaluate/workspace.h"
+#include "lab/cost/cost_rows.h"
 
 namespace stof::host {
 namespace {
@@ -34,7 +34,7 @@ std::uint8_t clamped(const dataset::Image<std::uint8_t>& picture, int x, int y) 
 }
 
 // The formula of SPEC section 1: sums over the block with replicated borders.
-std::uint32_t block_difference(const dataset::StereoScene& scene, const dsp::MatchParams& params,
+std::uint32_t block_difference(const dataset::StereoScene& scene, const lab::MatchParams& params,
                                int x, int y, int d) {
   std::uint32_t sum = 0;
   for (int dy = -(params.block_height / 2); dy < params.block_height - params.block_height / 2;
@@ -43,15 +43,15 @@ std::uint32_t block_difference(const dataset::StereoScene& scene, const dsp::Mat
          ++dx) {
       const int difference =
           clamped(scene.left, x + dx, y + dy) - clamped(scene.right, x + dx - d, y + dy);
-      sum += static_cast<std::uint32_t>(params.cost == dsp::Cost::kSsd ? difference * difference
+      sum += static_cast<std::uint32_t>(params.cost == lab::Cost::kSsd ? difference * difference
                                                                        : std::abs(difference));
     }
   }
   return sum;
 }
 
-dsp::MatchParams params_of(dsp::Cost cost, int width, int height) {
-  dsp::MatchParams params;
+lab::MatchParams params_of(lab::Cost cost, int width, int height) {
+  lab::MatchParams params;
   params.disparities = 7;
   params.cost = cost;
   params.block_width = width;
@@ -62,9 +62,9 @@ dsp::MatchParams params_of(dsp::Cost cost, int width, int height) {
 
 TEST(PlainCosts, AreTheFormulaOfAbsoluteAndSquaredDifferences) {
   const dataset::StereoScene scene = random_scene(23, 9);
-  for (const dsp::Cost cost : {dsp::Cost::kSad, dsp::Cost::kSsd}) {
+  for (const lab::Cost cost : {lab::Cost::kSad, lab::Cost::kSsd}) {
     for (const auto& [width, height] : {std::pair(1, 1), std::pair(4, 3), std::pair(5, 8)}) {
-      const dsp::MatchParams params = params_of(cost, width, height);
+      const lab::MatchParams params = params_of(cost, width, height);
       PlainCosts<std::uint32_t> rows(scene, params);
       for (int y = 0; y < rows.height(); ++y) {
         const std::span<const std::uint32_t> row = rows.row(y);
@@ -83,14 +83,16 @@ TEST(PlainCosts, AreTheFormulaOfAbsoluteAndSquaredDifferences) {
 }
 
 template <typename Sum>
-void expect_the_appliances_rows(const dataset::StereoScene& scene, const dsp::MatchParams& params) {
+void expect_the_appliances_rows(const dataset::StereoScene& scene, const lab::MatchParams& params) {
   const int width = scene.left.width;
   const int height = scene.left.height;
-  Workspace workspace(dsp::PreparedPair::bytes_needed(params, width, height) +
-                      dsp::CostRows::bytes_needed(params, width));
+  Workspace workspace(dsp::bytes_taken([&](dsp::Arena& measure) {
+    dsp::PreparedPair(params, width, height, measure);
+    lab::CostRows(params, width, measure);
+  }));
   dsp::Arena arena = workspace.arena();
   dsp::PreparedPair pair(params, width, height, arena);
-  dsp::CostRows appliance(params, width, arena);
+  lab::CostRows appliance(params, width, arena);
   pair.start(scene.left.view(), scene.right.view());
   pair.filter({0, height});
   pair.derive({0, height});
@@ -106,13 +108,13 @@ void expect_the_appliances_rows(const dataset::StereoScene& scene, const dsp::Ma
 
 TEST(PlainCosts, AreThoseOfTheApplianceForEveryCost) {
   const dataset::StereoScene scene = random_scene(31, 11);
-  for (const dsp::Cost cost :
-       {dsp::Cost::kSad, dsp::Cost::kSsd, dsp::Cost::kCensus5x5, dsp::Cost::kCensus9x7}) {
+  for (const lab::Cost cost :
+       {lab::Cost::kSad, lab::Cost::kSsd, lab::Cost::kCensus5x5, lab::Cost::kCensus9x7}) {
     for (const bool derivative : {false, true}) {
       SCOPED_TRACE(testing::Message() << "cost " << static_cast<int>(cost) << " " << derivative);
-      dsp::MatchParams params = params_of(cost, 5, 4);
+      lab::MatchParams params = params_of(cost, 5, 4);
       params.prefilter_cap = derivative ? std::optional(15) : std::nullopt;
-      if (dsp::CostRows::wide(params)) {
+      if (lab::CostRows::wide(params)) {
         expect_the_appliances_rows<std::uint32_t>(scene, params);
       } else {
         expect_the_appliances_rows<std::uint16_t>(scene, params);

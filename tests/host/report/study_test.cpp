@@ -56,8 +56,8 @@ TEST(Study, NotesWhatTheMatcherRefuses) {
   scene.right = {8, 4};
   scene.ndisp = 4;
   Study study({}, std::nullopt, 1, true);
-  EXPECT_FALSE(study.run(scene, {"too large", block_match(scene, dsp::Cost::kSad, 65, 1, true)}));
-  EXPECT_TRUE(study.run(scene, {"fine", block_match(scene, dsp::Cost::kSad, 3, 3, true)}));
+  EXPECT_FALSE(study.run(scene, {"too large", block_match(scene, lab::Cost::kSad, 65, 1, true)}));
+  EXPECT_TRUE(study.run(scene, {"fine", block_match(scene, lab::Cost::kSad, 3, 3, true)}));
   EXPECT_EQ(study.refused(), std::set<std::string>{"too large"});
 }
 

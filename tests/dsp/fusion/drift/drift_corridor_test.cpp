@@ -21,17 +21,6 @@ namespace {
 constexpr int kFrames = 48;
 constexpr double kDegrees = 180e-6 / std::numbers::pi;  // of a micro-radian
 
-struct Block {
-  explicit Block(std::size_t bytes) : memory(bytes + Arena::kAlign) {
-    void* at = memory.data();
-    std::size_t left = memory.size();
-    std::align(Arena::kAlign, bytes, at, left);
-    arena = Arena({static_cast<std::byte*>(at), bytes});
-  }
-  std::vector<std::byte> memory;
-  Arena arena{{}};
-};
-
 DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
   hal::emu::Rig rig = hal::emu::corridor_rig();
   rig.misplacement = misplacement;
@@ -40,8 +29,8 @@ DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
   const auto [pmd_width, pmd_height] = world.pmd_size();
   MatchParams params = find_preset("fast")->params;
   params.disparities = world.disparities();
-  Block for_matcher(Matcher::bytes_needed(params, width, height));
-  Matcher matcher(params, width, height, for_matcher.arena);
+  test::InOwnMemory<Matcher> matcher(
+      [&, w = width, h = height](Arena& arena) { return Matcher(params, w, h, arena); });
   const Calibration& calibration = world.calibration();
   test::InOwnMemory<Converter> converter(
       [&](Arena& arena) { return Converter(calibration.pmd, arena); });
@@ -62,7 +51,7 @@ DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
       world.pmd(frame, static_cast<int>(k), samples[k].view());
       views[k] = samples[k].view();
     }
-    matcher.match(left.view(), right.view(), disparity);
+    matcher->match({.left = left.view(), .right = right.view()}, disparity);
     monitor->observe({.left = left.view(), .right = right.view(), .disparity = disparity},
                      converter->convert(views));
   }

@@ -208,20 +208,6 @@ class TruthOfPmd {
   Viewpoint left_;
 };
 
-class Memory {
- public:
-  explicit Memory(std::size_t bytes)
-      : bytes_(bytes), memory_(new(std::align_val_t{dsp::Arena::kAlign}) std::byte[bytes]) {}
-  Memory(const Memory&) = delete;
-  Memory& operator=(const Memory&) = delete;
-  ~Memory() { ::operator delete[](memory_, std::align_val_t{dsp::Arena::kAlign}); }
-  dsp::Arena arena() { return dsp::Arena({memory_, bytes_}); }
-
- private:
-  std::size_t bytes_;
-  std::byte* memory_;
-};
-
 struct Count {
   long valid = 0;
   long wrong = 0;      // valid, half a turn or more off all that the pixel sees
@@ -268,9 +254,8 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
   dsp::MatchParams match = dsp::find_preset(preset)->params;
   match.disparities = rendered.disparities();
   const dsp::FusionParams fusion{.max_range = 64000};
-  Memory memory(dsp::Matcher::bytes_needed(match, size.width, size.height));
-  dsp::Arena arena = memory.arena();
-  dsp::Matcher matcher(match, size.width, size.height, arena);
+  test::InOwnMemory<dsp::Matcher> matcher(
+      [&](dsp::Arena& own) { return dsp::Matcher(match, size.width, size.height, own); });
   test::InOwnMemory<dsp::Converter> converter(
       [&](dsp::Arena& own) { return dsp::Converter(calibration.pmd, own); });
   test::InOwnMemory<dsp::Unwrapper> unwrapper([&](dsp::Arena& own) {
@@ -289,7 +274,7 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
     rendered.pmd(1, k, plane.view());
     exposure.samples[static_cast<std::size_t>(k)] = plane.view();
   }
-  matcher.match(left.view(), right.view(), disparity.view());
+  matcher->match({.left = left.view(), .right = right.view()}, disparity.view());
   const dsp::PmdMaps& maps = converter->measure({.first = {&exposure, 1}});
   unwrapper->resolve(maps, disparity.view());
   Count out;

@@ -87,9 +87,12 @@ TEST(DropIndistinct, SurroundingsDecideForEverySplit) {
   for (const auto& parts :
        {std::vector<Rows>{{0, height}}, std::vector<Rows>{{7, height}, {0, 7}}}) {
     std::vector<Disparity> out(static_cast<std::size_t>(width * height), Disparity::from_pixels(1));
-    test::GuardedBuffer<std::byte> memory(drop_indistinct_bytes(width));
+    test::GuardedBuffer<std::byte> memory(
+        bytes_taken([&](Arena& measuring) { WindowSums(width, measuring); }));
+    Arena arena(memory.span());
+    WindowSums window(width, arena);
     for (const Rows part : parts) {
-      drop_indistinct(margins.view(), part, Arena(memory.span()), {out.data(), width, height});
+      drop_indistinct(margins.view(), part, window, {out.data(), width, height});
     }
     results.push_back(out);
   }

@@ -34,7 +34,9 @@ CorridorFrame::CorridorFrame(std::string_view preset) {
   dsp::DepthParams params{.match = dsp::for_depth(*dsp::find_preset(preset)), .fusion = {}};
   params.match.disparities = kDisparities;
   params.fusion.spread = dsp::spread_of(params.match);
-  std::vector<std::byte> memory(dsp::DepthMaker::bytes_needed(scene.calibration(), params) +
+  std::vector<std::byte> memory(dsp::bytes_taken([&](dsp::Arena& arena) {
+                                  dsp::DepthMaker(scene.calibration(), params, arena);
+                                }) +
                                 dsp::Arena::kAlign);
   void* at = memory.data();
   std::size_t space = memory.size();

@@ -1,0 +1,146 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <type_traits>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/index.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/check/distinct.h"
+#include "dsp/stereo/check/left_right.h"
+#include "dsp/stereo/check/peak_ratio.h"
+#include "dsp/stereo/check/uniqueness.h"
+#include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/match_params.h"
+#include "dsp/stereo/prepared_pair.h"
+#include "dsp/stereo/refine/least_squares.h"
+#include "dsp/stereo/refine/subpixel.h"
+#include "dsp/stereo/row_search.h"
+#include "dsp/stereo/search/winner.h"
+
+namespace stof::dsp {
+
+// What a search found in one row; layouts of cost/sad.h and search/winner.h.
+template <typename Cost, typename Sum = Cost>
+struct FoundRow {
+  std::span<const Cost> costs;  // for all candidates, whatever a guide says
+  // What the winners are the lowest of: the costs, or sums over paths, of the candidates that a
+  // guide leaves.
+  std::span<const Sum> judged;
+  std::span<std::int16_t> winners;
+};
+
+// What distinctness has to know of costs (check/distinct.h).
+struct CostScale {
+  std::int64_t largest = 0;  // cost
+  int distinct_percent = kDistinctPercent;
+};
+
+// Drops winners of a row that the row itself speaks against, and fits the others. Its steps may be
+// called one by one, in the order of judge(). Sum is u8, u16 or u32.
+template <typename Sum>
+class RowJudge {
+ public:
+  RowJudge(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
+      : params_(params),
+        lanes_(lanes_of(params)),
+        percent_(scale.distinct_percent),
+        shift_(margin_shift(scale.largest, lanes_)) {
+    if (params.left_right_tolerance) {
+      const std::size_t right = index(width + lanes_ - 1);
+      lowest_ = arena.take<Sum>(right);
+      right_winners_ = arena.take<std::int16_t>(right);
+    }
+    if (kNarrow && (params.uniqueness_percent || fits_costs())) {
+      widened_ = arena.take<std::uint16_t>(index(width) * index(lanes_));
+    }
+  }
+
+  template <typename Cost>
+  void judge(const FoundRow<Cost, Sum>& found, const PreparedPair& pair, int y,
+             const MatchedRow& out) noexcept {
+    compare_rivals(found, out);
+    check_left_right(found.judged, found.winners);
+    fit_costs(found.judged, found.winners, out.disparity);
+    fit_grey_values(pair, y, out.disparity);
+  }
+
+  // Margins, peak ratio, uniqueness.
+  template <typename Cost>
+  void compare_rivals(const FoundRow<Cost, Sum>& found, const MatchedRow& out) noexcept {
+    if (params_.distinct) {
+      best::distinct_margins(found.costs, lanes_, std::span<const std::int16_t>(found.winners),
+                             percent_, shift_, out.margins);
+    }
+    if (params_.confidence) {
+      best::peak_ratio(found.judged, lanes_, std::span<const std::int16_t>(found.winners),
+                       out.ratio);
+    }
+    if (params_.uniqueness_percent) {
+      best::uniqueness_check(wide(found.judged), lanes_, *params_.uniqueness_percent,
+                             found.winners);
+    }
+  }
+
+  void check_left_right(std::span<const Sum> judged, std::span<std::int16_t> winners) noexcept {
+    if (params_.left_right_tolerance) {
+      const std::size_t n = winners.size() + index(lanes_) - 1;
+      best::right_winners(judged, lanes_, lowest_.first(n), right_winners_.first(n));
+      best::left_right_check(right_winners_.first(n), *params_.left_right_tolerance, winners);
+    }
+  }
+
+  void fit_costs(std::span<const Sum> judged, std::span<const std::int16_t> winners,
+                 std::span<Disparity> out) noexcept {
+    switch (params_.subpixel) {
+      case Subpixel::kEquiangular:
+        best::refine_winners(wide(judged), lanes_, params_.min_disparity, winners, out);
+        break;
+      case Subpixel::kParabola:
+        best::refine_winners_parabola(wide(judged), lanes_, params_.min_disparity, winners, out);
+        break;
+      case Subpixel::kLeastSquares:
+      case Subpixel::kWhole:
+        best::whole_winners(params_.min_disparity, winners, out);
+    }
+  }
+
+  void fit_grey_values(const PreparedPair& pair, int y, std::span<Disparity> out) const noexcept {
+    if (params_.subpixel == Subpixel::kLeastSquares) {
+      best::refine_least_squares(pair.left_grey(), pair.right_grey(), y, params_.block_width,
+                                 params_.block_height, out);
+    }
+  }
+
+ private:
+  static constexpr bool kNarrow = std::is_same_v<Sum, std::uint8_t>;
+
+  bool fits_costs() const noexcept {
+    return params_.subpixel == Subpixel::kEquiangular || params_.subpixel == Subpixel::kParabola;
+  }
+
+  // Fits and uniqueness need room above the sums.
+  auto wide(std::span<const Sum> judged) noexcept {
+    if constexpr (kNarrow) {
+      const std::span<std::uint16_t> widened = widened_.first(judged.size());
+      std::ranges::transform(judged, widened.begin(), [](Sum sum) noexcept {
+        return sum == kNoCost<Sum> ? kNoCost<std::uint16_t> : std::uint16_t{sum};
+      });
+      return std::span<const std::uint16_t>(widened);
+    } else {
+      return judged;
+    }
+  }
+
+  MatchParams params_;
+  int lanes_;
+  int percent_;
+  int shift_;
+  std::span<Sum> lowest_;
+  std::span<std::int16_t> right_winners_;
+  std::span<std::uint16_t> widened_;
+};
+
+}  // namespace stof::dsp

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_search.h"
+#include "dsp/stereo/search/semi_global.h"
+
+namespace stof::dsp {
+
+// Of paths over CrossCosts, and what distinctness has to know of these. Small changes of grey
+// values are edges already: the costs are averaged over pixels that look alike.
+inline constexpr CostScale kRegionScale{.largest = kLargestMixedCost,
+                                        .distinct_percent = kDistinctRegionPercent};
+PathParams<std::uint8_t> region_path_params(const MatchParams& params, int directions) noexcept;
+
+// Search::kPaths.
+class PathSearch final : public RowSearch {
+ public:
+  static constexpr int kDirections = 4;
+  using Paths = SemiGlobal<std::uint8_t, std::uint8_t>;
+
+  PathSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+
+  void start(const PreparedPair& pair, Guide guide) noexcept override;
+  void match(int y, const MatchedRow& out) noexcept override;
+
+ private:
+  MatchParams params_;
+  CrossCosts costs_;
+  Paths paths_;
+  RowJudge<std::uint8_t> judge_;
+  std::span<std::int16_t> winners_;
+  const PreparedPair* pair_ = nullptr;
+  Guide guide_;
+};
+
+}  // namespace stof::dsp

@@ -1,0 +1,164 @@
+#include "lab/cost/cost_rows.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "dsp/base/check.h"
+#include "dsp/base/index.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/cost/census.h"
+#include "dsp/stereo/cost/sad.h"
+#include "lab/cost/cost_sums.h"
+#include "lab/cost/ssd.h"
+#include "lab/search/energy.h"
+
+namespace stof::lab {
+namespace {
+
+// Elements of the left and right row of widest pictures, and sums of a row.
+struct Sizes {
+  std::size_t left;
+  std::size_t right;
+  std::size_t columns;
+  std::size_t costs;
+  std::size_t kept;
+
+  Sizes(const MatchParams& params, int width) noexcept {
+    const std::size_t lanes = index(lanes_of(params));
+    left = index(width + params.block_width - 1);
+    right = left + lanes - 1;
+    columns = left * lanes;
+    costs = index(width) * lanes;
+    kept = index(params.block_height + 1) * columns;
+  }
+};
+
+}  // namespace
+
+bool CostRows::wide(const MatchParams& params) noexcept {
+  return !sums_fit_u16(params.block_width, params.block_height, largest_difference(params));
+}
+
+CostRows::CostRows(const MatchParams& params, int width, Arena& arena) noexcept
+    : params_(params), width_(width), lanes_(lanes_of(params)), columns_(block_columns(params)) {
+  STOF_CHECK(width >= 1 && params.disparities >= 1 && params.cost != Cost::kMixed &&
+             params.block_width >= 1 && params.block_width <= kMaxBlock &&
+             params.block_height >= 1 && params.block_height <= kMaxBlock);
+  const Sizes sizes(params, width);
+  if (wide(params)) {
+    wide_sums_.columns = arena.take<std::uint32_t>(sizes.columns);
+    wide_sums_.costs = arena.take<std::uint32_t>(sizes.costs);
+  } else {
+    narrow_sums_.columns = arena.take<std::uint16_t>(sizes.columns);
+    narrow_sums_.costs = arena.take<std::uint16_t>(sizes.costs);
+  }
+  if (params.cost == Cost::kCensus5x5 || params.cost == Cost::kCensus9x7) {
+    pixels_.emplace(params.cost == Cost::kCensus5x5 ? PixelCost::kCensus5x5 : PixelCost::kCensus9x7,
+                    params, width, columns_, arena);
+    kept_ = arena.take<std::uint8_t>(sizes.kept);
+    return;
+  }
+  for (RowPair* const pair : {&new_, &old_}) {
+    pair->left = arena.take<std::uint8_t>(sizes.left);
+    pair->right = arena.take<std::uint8_t>(sizes.right);
+  }
+}
+
+void CostRows::start(const CostPictures& pictures) noexcept {
+  STOF_CHECK(same_size(pictures.left, pictures.right) && pictures.left.width() <= width_);
+  pictures_ = pictures;
+  y_.reset();
+  if (pixels_) {
+    pixels_->start(pictures);
+  }
+}
+
+std::size_t CostRows::widened() const noexcept {
+  return index(pictures_.left.width() + params_.block_width - 1);
+}
+
+template <typename Sum>
+CostRows::Sums<Sum> CostRows::sums() const noexcept {
+  STOF_CHECK(wide(params_) == (sizeof(Sum) == sizeof(std::uint32_t)));
+  const std::size_t columns = widened() * index(lanes_);
+  const std::size_t costs = index(pictures_.left.width()) * index(lanes_);
+  if constexpr (std::is_same_v<Sum, std::uint32_t>) {
+    return {wide_sums_.columns.first(columns), wide_sums_.costs.first(costs)};
+  } else {
+    return {narrow_sums_.columns.first(columns), narrow_sums_.costs.first(costs)};
+  }
+}
+
+CostRows::RowPair CostRows::load(int y, const RowPair& buffers) const noexcept {
+  const RowPair rows{buffers.left.first(widened()),
+                     buffers.right.first(widened() + index(lanes_) - 1)};
+  extend_row(pictures_.left.row_clamped(y), columns_, rows.left);
+  reverse_row(pictures_.right.row_clamped(y), columns_, params_.min_disparity, rows.right);
+  return rows;
+}
+
+// Rows above and below the picture have places too: y is at least -kMaxBlock.
+std::span<std::uint8_t> CostRows::kept(int y) const noexcept {
+  const std::size_t row = widened() * index(lanes_);
+  const int rows = params_.block_height + 1;
+  return kept_.subspan(index((y + kMaxBlock * rows) % rows) * row, row);
+}
+
+template <typename Sum>
+void CostRows::enter(int y, std::span<Sum> columns) noexcept {
+  if (pixels_) {
+    pixels_->row(std::clamp(y, 0, pictures_.left.height() - 1), kept(y));
+    best::add_costs(kept(y), columns);
+    return;
+  }
+  const RowPair rows = load(y, new_);
+  if (params_.cost == Cost::kSad) {
+    best::add_differences(rows.left, rows.right, lanes_, columns);
+  } else {
+    best::add_squares(rows.left, rows.right, lanes_, columns);
+  }
+}
+
+template <typename Sum>
+void CostRows::exchange(int entering, int leaving, std::span<Sum> columns) noexcept {
+  if (pixels_) {
+    pixels_->row(std::clamp(entering, 0, pictures_.left.height() - 1), kept(entering));
+    best::slide_costs(kept(entering), kept(leaving), columns);
+    return;
+  }
+  const RowPair in = load(entering, new_);
+  const RowPair out = load(leaving, old_);
+  if (params_.cost == Cost::kSad) {
+    best::slide_differences(in.left, in.right, out.left, out.right, lanes_, columns);
+  } else {
+    best::slide_squares(in.left, in.right, out.left, out.right, lanes_, columns);
+  }
+}
+
+template <typename Sum>
+std::span<const Sum> CostRows::row(int y) noexcept {
+  STOF_CHECK(y >= 0 && y < pictures_.left.height() && !pictures_.left.empty());
+  const Sums<Sum> at = sums<Sum>();
+  if (y_ == y) {
+    return at.costs;
+  }
+  const int above = params_.block_height / 2;
+  const int below = params_.block_height - 1 - above;
+  if (y_ && *y_ + 1 == y) {
+    exchange(y + below, y - 1 - above, at.columns);
+  } else {
+    std::ranges::fill(at.columns, Sum{0});
+    for (int row = y - above; row <= y + below; ++row) {
+      enter(row, at.columns);
+    }
+  }
+  y_ = y;
+  best::block_sums(std::span<const Sum>(at.columns), params_.block_width, lanes_, at.costs);
+  mark_outside(params_, pictures_.left.width(), at.costs);
+  return at.costs;
+}
+
+template std::span<const std::uint16_t> CostRows::row(int y) noexcept;
+template std::span<const std::uint32_t> CostRows::row(int y) noexcept;
+
+}  // namespace stof::lab

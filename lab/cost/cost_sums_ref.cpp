@@ -1,0 +1,33 @@
+#include "lab/cost/cost_sums.h"
+
+#include <cstddef>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/cost/sad.h"
+
+namespace stof::dsp::ref {
+
+template <typename Sum>
+void add_costs(std::span<const std::uint8_t> costs, std::span<Sum> columns) noexcept {
+  STOF_CHECK(costs.size() == columns.size() && costs.size() % kCostLanes == 0);
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    columns[j] = static_cast<Sum>(columns[j] + costs[j]);
+  }
+}
+
+template <typename Sum>
+void slide_costs(std::span<const std::uint8_t> entering, std::span<const std::uint8_t> leaving,
+                 std::span<Sum> columns) noexcept {
+  STOF_CHECK(entering.size() == columns.size() && leaving.size() == columns.size() &&
+             columns.size() % kCostLanes == 0);
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    columns[j] = static_cast<Sum>(columns[j] + entering[j] - leaving[j]);
+  }
+}
+
+template AddCosts<std::uint16_t> add_costs<std::uint16_t>;
+template AddCosts<std::uint32_t> add_costs<std::uint32_t>;
+template SlideCosts<std::uint16_t> slide_costs<std::uint16_t>;
+template SlideCosts<std::uint32_t> slide_costs<std::uint32_t>;
+
+}  // namespace stof::dsp::ref

@@ -1,0 +1,88 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "dsp/base/status.h"
+#include "dsp/stereo/match_params.h"
+#include "lab/terms.h"
+
+// How the chapter's experiments match a pair: what the appliance can be told, and more.
+namespace stof::lab {
+
+// What two pixels differ by. Pictures are grey values or, with a prefilter, their derivative.
+enum class Cost : std::uint8_t {
+  kSad,        // |L - R|, 0..255
+  kSsd,        // (L - R)^2, 0..65025
+  kCensus5x5,  // Hamming distance of 24 bits, 0..24
+  kCensus9x7,  // Hamming distance of 62 bits, 0..62
+  // Census 5x5 and clipped grey differences, averaged over a cross-shaped region of pixels that
+  // look alike (dsp/stereo/cost/cross_costs.h), 0..27. Has neither block nor prefilter.
+  kMixed,
+};
+
+enum class Method : std::uint8_t {
+  kWinnerTakesAll,
+  kOrdered,     // dynamic programming with occlusions and the ordering constraint
+  kScanline,    // scanline optimisation
+  kSemiGlobal,  // the same energy over several directions
+};
+
+enum class BlockShape : std::uint8_t {
+  kFixed,
+  kCross,   // block_width x block_height at most, grown along the row and column of the centre
+  kRegion,  // grown by whole rows and columns in turn
+};
+
+// Which positions are matched, by the size of the derivative.
+enum class Interest : std::uint8_t {
+  kMaxima,         // local maxima of at least half the prefilter's cap
+  kTwoThresholds,  // left: two thirds of the cap, right: one third
+};
+
+// Of the appliance's, `search` follows from these; `smoothness` has room for more, in the units of
+// one pixel's cost: a block of n pixels counts n times as much.
+struct MatchParams : dsp::MatchParams {
+  Cost cost = Cost::kSad;
+  Method method = Method::kWinnerTakesAll;
+  BlockShape block_shape = BlockShape::kFixed;
+  // kOrdered: a pixel that only one camera sees; without it default_occlusion(cost).
+  std::optional<int> occlusion = std::nullopt;
+  int directions = 4;  // of kSemiGlobal: 2, 4, 5 or 8
+  // Only interesting positions are matched; needs a prefilter.
+  std::optional<Interest> interest = std::nullopt;
+  // kScanline searches only this many px to either side of what winner takes all found nearby.
+  std::optional<int> band = std::nullopt;
+  // Coarse to fine (pyramid/pyramid.h): 1 begins at half size, 2 at a quarter; finer sizes search
+  // near what was found, large blocks at every second pixel of every second row.
+  std::optional<int> pyramid_levels = std::nullopt;
+  bool fill = false;  // from the background; every filled pixel is marked (Matcher::filled)
+
+  friend bool operator==(const MatchParams&, const MatchParams&) = default;
+};
+
+inline constexpr int kMaxPenalty = 65535;  // of smoothness and occlusion
+
+// Empty ("") when the parameters can be used together, else what cannot and what to do, for a
+// message.
+const char* problem(const MatchParams& params) noexcept;
+
+// kOk, kInvalidArgument (a value outside its range, or a problem()) or kTooLarge.
+Status check(const MatchParams& params, int width, int height) noexcept;
+
+// The same for every scene.
+dsp::Smoothness default_smoothness(Cost cost) noexcept;
+int default_occlusion(Cost cost) noexcept;
+
+// The block, cost and prefilter that suit a method; dense, without any check.
+MatchParams method_defaults(Method method) noexcept;
+
+// What the appliance does with these.
+MatchParams as_the_appliance(const dsp::MatchParams& params) noexcept;
+// Whether the winners are lowest of sums over paths, not of costs.
+bool sums_paths(const MatchParams& params) noexcept;
+
+// What the appliance is told for the same map, but for `fill`; nothing where it has no such search.
+std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept;
+
+}  // namespace stof::lab

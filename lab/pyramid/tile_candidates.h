@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/image.h"
+#include "lab/match_params.h"
+#include "lab/pyramid/tile_search.h"
+#include "lab/terms.h"
+
+namespace stof::lab {
+
+// What was found at half the size of the pictures that are searched now.
+struct CoarseWinners {
+  ImageView<const std::int16_t> winners;  // of every `step`-th pixel of every `step`-th row
+  int step = 1;
+  int min_disparity = 0;
+  int disparities = 1;
+};
+
+struct CandidateList {
+  std::array<std::int16_t, kMaxDisparities> numbers{};
+  std::size_t count = 0;
+
+  std::span<const std::int16_t> view() const noexcept { return std::span(numbers).first(count); }
+  // first .. last, as far as they are above those before.
+  void append(int first, int last) noexcept;
+};
+
+// What a tile, kTileColumns wide from column x on, has to search around what its surroundings found
+// at half the size: those candidates alone, or one range with all of them. Everything where the
+// surroundings tell nothing. fine: the search of the tile.
+CandidateList list_around(const CoarseWinners& coarse, const MatchParams& fine, int x,
+                          Rows rows) noexcept;
+CandidateRange range_around(const CoarseWinners& coarse, const MatchParams& fine, int x,
+                            Rows rows) noexcept;
+
+}  // namespace stof::lab

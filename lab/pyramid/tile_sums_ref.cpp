@@ -1,0 +1,108 @@
+#include "lab/pyramid/tile_sums.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdlib>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/match_params.h"
+
+namespace stof::dsp::ref {
+namespace {
+
+constexpr std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
+
+// What row y of the pictures adds to the block of column x.
+int row_sum(const TilePlace& tile, int y, int x, int candidate) noexcept {
+  const std::span<const std::uint8_t> left = tile.left.row_clamped(y);
+  const std::span<const std::uint8_t> right = tile.right.row_clamped(y);
+  int sum = 0;
+  for (int k = x; k < x + tile.block_width; ++k) {
+    sum += std::abs(left[size(tile.left_x + k)] - right[size(tile.right_x + k - candidate)]);
+  }
+  return sum;
+}
+
+}  // namespace
+
+void start_tile(const TilePlace& tile, Rows rows, std::span<std::uint16_t> sums) noexcept {
+  STOF_CHECK(sums.size() == tile.candidates.size() * kTileColumns);
+  for (std::size_t i = 0; i < tile.candidates.size(); ++i) {
+    for (int x = 0; x < kTileColumns; ++x) {
+      int sum = 0;
+      for (int y = rows.begin; y < rows.end; ++y) {
+        sum += row_sum(tile, y, x, tile.candidates[i]);
+      }
+      sums[i * kTileColumns + size(x)] =
+          static_cast<std::uint16_t>(kTileSumScale * sum + static_cast<int>(i % kTileSumScale));
+    }
+  }
+}
+
+void slide_tile(const TilePlace& tile, int entering, int leaving,
+                std::span<std::uint16_t> sums) noexcept {
+  STOF_CHECK(sums.size() == tile.candidates.size() * kTileColumns);
+  for (std::size_t i = 0; i < tile.candidates.size(); ++i) {
+    for (int x = 0; x < kTileColumns; ++x) {
+      std::uint16_t& sum = sums[i * kTileColumns + size(x)];
+      const int change = row_sum(tile, entering, x, tile.candidates[i]) -
+                         row_sum(tile, leaving, x, tile.candidates[i]);
+      sum = static_cast<std::uint16_t>(sum + kTileSumScale * change);
+    }
+  }
+}
+
+void find_in_tile(std::span<const std::uint16_t> sums, std::span<const std::int16_t> candidates,
+                  const TileLimits& limits, std::span<std::int16_t> winners) noexcept {
+  STOF_CHECK(sums.size() == candidates.size() * kTileColumns && winners.size() <= kTileColumns);
+  for (std::size_t x = 0; x < winners.size(); ++x) {
+    int lowest = 0;
+    bool differ = false;
+    winners[x] = kNoWinner;
+    for (std::size_t i = 0; i < candidates.size(); ++i) {
+      const int column = static_cast<int>(x) - candidates[i];
+      if (column < limits.begin || column >= limits.end) {
+        continue;
+      }
+      const int cost = sums[i * kTileColumns + x] / kTileSumScale;
+      differ = differ || (winners[x] != kNoWinner && cost != lowest);
+      if (winners[x] == kNoWinner || cost < lowest) {
+        winners[x] = candidates[i];
+        lowest = cost;
+      }
+    }
+    winners[x] = differ ? winners[x] : kNoWinner;
+  }
+}
+
+void offer_to_right(std::span<const std::uint16_t> sums, std::int16_t candidate,
+                    std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
+  STOF_CHECK(sums.size() == lowest.size() && sums.size() == winners.size());
+  for (std::size_t x = 0; x < sums.size(); ++x) {
+    const auto cost = static_cast<std::uint16_t>(sums[x] / kTileSumScale);
+    if (cost < lowest[x]) {
+      lowest[x] = cost;
+      winners[x] = candidate;
+    }
+  }
+}
+
+void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+                  ImageView<std::int16_t> winners) noexcept {
+  STOF_CHECK(winners.width() <= kQuarterColumns && winners.height() <= kQuarterRows &&
+             winners.height() == (rows.count() + 1) / 2);
+  std::array<std::uint16_t, size(kMaxDisparities) * kTileColumns> sums{};
+  std::array<std::int16_t, kTileColumns> found{};
+  const std::span<std::uint16_t> used =
+      std::span(sums).first(tile.candidates.size() * kTileColumns);
+  for (int r = 0; r < winners.height(); ++r) {
+    const int first = rows.begin + 2 * r - block_height / 2;
+    start_tile(tile, {first, first + block_height}, used);
+    find_in_tile(used, tile.candidates, limits, found);
+    for (int k = 0; k < winners.width(); ++k) {
+      winners.at(k, r) = found[size(2 * k)];
+    }
+  }
+}
+
+}  // namespace stof::dsp::ref

@@ -1,0 +1,74 @@
+#include "lab/search/path_search.h"
+
+#include "dsp/base/index.h"
+#include "dsp/base/target.h"
+#include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/search/path_search.h"
+#include "dsp/stereo/search/semi_global_body.h"
+#include "dsp/stereo/search/single_candidate.h"
+#include "lab/search/energy.h"
+
+namespace stof::dsp {
+
+template class SemiGlobal<std::uint8_t, std::uint16_t>;
+template class SemiGlobal<std::uint16_t, std::uint16_t>;
+
+}  // namespace stof::dsp
+
+namespace stof::lab {
+
+PathParams<std::uint8_t> RegionSource::path_params(const MatchParams& params) noexcept {
+  return region_path_params(params, params.directions);
+}
+
+CostSource<std::uint8_t>& RegionSource::start(const PreparedPair& pair) noexcept {
+  costs_.start(pair.left_grey(), pair.right_grey());
+  return costs_;
+}
+
+PathParams<std::uint16_t> BlockSource::path_params(const MatchParams& params) noexcept {
+  return block_path_params(params);
+}
+
+CostSource<std::uint16_t>& BlockSource::start(const PreparedPair& pair) noexcept {
+  blocks_.start({.left = pair.left(), .right = pair.right()});
+  scaled_.start(blocks_, params_);
+  return scaled_;
+}
+
+template <typename Source>
+PathSearch<Source>::PathSearch(const MatchParams& params, int width, Arena& arena) noexcept
+    : params_(params),
+      source_(params, width, arena),
+      paths_(Source::path_params(params), width, arena),
+      judge_(params, cost_scale(params), width, arena),
+      winners_(arena.take<std::int16_t>(index(width))) {}
+
+template <typename Source>
+void PathSearch<Source>::start(const PreparedPair& pair, Guide guide) noexcept {
+  pair_ = &pair;
+  guide_ = guide;
+  paths_.start(pair.left_grey(), source_.start(pair), guide);
+}
+
+template <typename Source>
+void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
+  const int lanes = lanes_of(params_);
+  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const std::span<std::uint16_t> sums = paths_.sums(y);
+  mark_outside(params_, pair_->left().width(), sums);
+  if (!guide.empty()) {
+    best::mask_costs(std::span<const std::uint16_t>(sums), guide, lanes, sums);
+  }
+  const FoundRow<typename Source::Cost, std::uint16_t> found{
+      .costs = paths_.costs(y), .judged = sums, .winners = winners_.first(out.disparity.size())};
+  best::winners(found.judged, lanes, found.winners);
+  settle_winners(params_, guide, found.winners);
+  judge_.judge(found, *pair_, y, out);
+}
+
+template class PathSearch<RegionSource>;
+template class PathSearch<BlockSource>;
+
+}  // namespace stof::lab

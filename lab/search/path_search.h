@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_search.h"
+#include "dsp/stereo/search/semi_global.h"
+#include "lab/cost/cost_rows.h"
+#include "lab/cost/scaled_costs.h"
+#include "lab/match_params.h"
+#include "lab/terms.h"
+
+namespace stof::lab {
+
+// The costs that paths go through: the appliance's, or those of blocks on a scale of their own.
+class RegionSource {
+ public:
+  using Cost = std::uint8_t;
+
+  RegionSource(const MatchParams& params, int width, Arena& arena) noexcept
+      : costs_(params, width, arena) {}
+  static PathParams<Cost> path_params(const MatchParams& params) noexcept;
+  CostSource<Cost>& start(const PreparedPair& pair) noexcept;
+
+ private:
+  CrossCosts costs_;
+};
+
+class BlockSource {
+ public:
+  using Cost = std::uint16_t;
+
+  BlockSource(const MatchParams& params, int width, Arena& arena) noexcept
+      : params_(params), blocks_(params, width, arena) {}
+  static PathParams<Cost> path_params(const MatchParams& params) noexcept;
+  CostSource<Cost>& start(const PreparedPair& pair) noexcept;
+
+ private:
+  MatchParams params_;
+  CostRows blocks_;
+  ScaledCosts scaled_;
+};
+
+// Method::kSemiGlobal with sums of u16, which any directions and penalties fit. Source is one of
+// the above.
+template <typename Source>
+class PathSearch final : public RowSearch {
+ public:
+  using Paths = SemiGlobal<typename Source::Cost, std::uint16_t>;
+
+  PathSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+
+  void start(const PreparedPair& pair, Guide guide) noexcept override;
+  void match(int y, const MatchedRow& out) noexcept override;
+
+ private:
+  MatchParams params_;
+  Source source_;
+  Paths paths_;
+  RowJudge<std::uint16_t> judge_;
+  std::span<std::int16_t> winners_;
+  const PreparedPair* pair_ = nullptr;
+  Guide guide_;
+};
+
+extern template class PathSearch<RegionSource>;
+extern template class PathSearch<BlockSource>;
+
+}  // namespace stof::lab
