@@ -8,6 +8,7 @@ failed; it is known by the name STOF_DATA in what it says.
 
 import argparse
 import dataclasses
+import itertools
 import json
 import os
 import pathlib
@@ -267,17 +268,17 @@ def planted(log):
                             capture_output=True, text=True, check=False).stdout
     programs = sorted({test["command"][0] for test in json.loads(listed or "{}").get("tests", []) if "command" in test})
     count = Count()
-    for program in programs:
-        name = pathlib.Path(program).name
+    for program, level in itertools.product(programs, ("neon", "avx2", "avx512")):
+        name = f"{pathlib.Path(program).name}, {level}"
         seen = len(log.lines())
-        succeeded = log.run(program, "--gtest_filter=*Reference*")
+        # A wrong byte that is an index may end the program: that is noticed too.
+        log.run("env", f"STOF_KERNEL_LEVEL={level}", program, "--gtest_filter=*Reference*")
         said = log.lines()[seen:]
-        compared = any(re.match(r"\[ +OK \]", line) for line in said)
-        count.add(one(succeeded and compared))
         blind = sorted({line.strip() for line in said if line.startswith("blind: ")})
-        if not succeeded:
-            count.notes += [f"{name}: {line}" for line in blind] or [f"{name}: fails otherwise than by a wrong byte"]
-        elif not compared:
+        compared = any(line.startswith("[ RUN ") for line in said)
+        count.add(one(compared and not blind))
+        count.notes += blind
+        if not compared:
             count.notes.append(f"{name} compares no kernel: name its comparisons EqualsReference")
     if not programs:
         count.add(Count(failed=1, notes=["no test has the label `kernel`"]))

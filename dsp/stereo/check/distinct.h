@@ -7,7 +7,6 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/base/kernel.h"
-#include "dsp/base/target.h"
 #include "dsp/stereo/check/window_sums.h"
 #include "dsp/stereo/search/winner.h"
 

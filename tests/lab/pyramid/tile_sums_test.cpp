@@ -138,17 +138,20 @@ TEST(TileStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
   test::Random random(10);
   for (const int width : {1, 2, 47, 49, 150}) {
     for (const int min_disparity : {-70, -3, 9}) {
-      const MatchParams params{
-          .min_disparity = min_disparity, .disparities = 21, .block_width = 15, .block_height = 8};
+      const lab::MatchParams params{{.min_disparity = min_disparity,
+                                     .disparities = 21,
+                                     .block_width = 15,
+                                     .block_height = 8}};
       Picture left = noise(width, random), right = noise(width, random);
-      test::GuardedBuffer<std::byte> memory(TileStrips::bytes_needed(params, false, width, kRows));
+      test::GuardedBuffer<std::byte> memory(bytes_taken(
+          [&](Arena& measuring) { lab::TileStrips(params, false, width, kRows, measuring); }));
       Arena arena(memory.span());
-      TileStrips strips(params, false, width, kRows, arena);
+      lab::TileStrips strips(params, false, width, kRows, arena);
       strips.start(left.view(), right.view());
       using Map = test::GuardedImage<std::int16_t>;
       Map all(width, kRows, width), quarter((width + 1) / 2, kRows / 2, (width + 1) / 2);
       const std::vector<std::int16_t> candidates{0, 1, 2, 5, 6, 13, 20};
-      for (int t = 0; t < TileStrips::tiles(width); ++t) {
+      for (int t = 0; t < lab::TileStrips::tiles(width); ++t) {
         strips.search({0, kRows}, t, candidates, {all.view(), {}});
         strips.search_quarter({0, 4}, t, candidates, quarter.view());
         strips.search_quarter({4, kRows}, t, candidates, quarter.view());
@@ -166,11 +169,12 @@ TEST(TileStrips, SearchingEverythingIsWhatTileSearchFinds) {
   test::Random random(9);
   for (const int width : {1, 40, 48, 49, 150}) {
     for (const int min_disparity : {-70, -3, 0, 9, 200}) {
-      const MatchParams params{
-          .min_disparity = min_disparity, .disparities = 37, .block_width = 7, .block_height = 5};
+      const lab::MatchParams params{
+          {.min_disparity = min_disparity, .disparities = 37, .block_width = 7, .block_height = 5}};
       Picture left = noise(width, random), right = noise(width, random);
       const auto run = [&]<typename Search>(auto search_all) {
-        test::GuardedBuffer<std::byte> memory(Search::bytes_needed(params, true, width, kRows));
+        test::GuardedBuffer<std::byte> memory(
+            bytes_taken([&](Arena& measuring) { Search(params, true, width, kRows, measuring); }));
         Arena arena(memory.span());
         Search search(params, true, width, kRows, arena);
         search.start(left.view(), right.view());
@@ -183,15 +187,15 @@ TEST(TileStrips, SearchingEverythingIsWhatTileSearchFinds) {
       for (std::size_t i = 0; i < all.size(); ++i) {
         all[i] = static_cast<std::int16_t>(i);
       }
-      run.template operator()<TileStrips>([&](TileStrips& strips) {
-        for (int t = 0; t < TileStrips::tiles(width); ++t) {
+      run.template operator()<lab::TileStrips>([&](lab::TileStrips& strips) {
+        for (int t = 0; t < lab::TileStrips::tiles(width); ++t) {
           strips.search({0, kRows}, t, all, {found.view(), met.view()});
         }
       });
-      using Plain = TileSearch<std::uint16_t>;
+      using Plain = lab::TileSearch<std::uint16_t>;
       run.template operator()<Plain>([&](Plain& search) {
-        const std::vector<CandidateRange> ranges(static_cast<std::size_t>(Plain::tiles(width)),
-                                                 CandidateRange{0, 48});
+        const std::vector<lab::CandidateRange> ranges(static_cast<std::size_t>(Plain::tiles(width)),
+                                                      lab::CandidateRange{0, 48});
         search.search({0, kRows}, ranges, {expected.view(), expected_met.view()});
       });
       for (int y = 0; y < kRows; ++y) {
