@@ -32,7 +32,7 @@ constexpr double kDegree = 0.00872664626;                    // half tangent, of
 
 class Draw {
  public:
-  explicit Draw(std::uint64_t seed) : random_(mix(seed) + 0xA11) {}
+  explicit Draw(std::uint64_t seed) : random_(dsp::mix(seed) + 0xA11) {}
   double between(double low, double high) {
     return low + (high - low) * (static_cast<double>(random_.next() >> 11U) / 9007199254740992.0);
   }
