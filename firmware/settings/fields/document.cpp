@@ -44,14 +44,14 @@ bool refuse_unknown(std::string_view path, PagedWriter& why) noexcept {
 }
 
 bool take(std::size_t place, std::string_view path, const Value& value, Settings& settings,
-          PagedWriter& why) noexcept {
+          PagedWriter& notes, PagedWriter& why) noexcept {
   const Field known = field(place);
   if (assign(known, value, settings)) {
     return true;
   }
   if (once_took(path, value)) {
     settings.depth.match[known.slot] = {};
-    note_fallback(path, why);
+    note_fallback(path, notes);
     return true;
   }
   why << path << ": takes ";
@@ -70,26 +70,27 @@ bool take(std::size_t place, std::string_view path, const Value& value, Settings
 
 class DocumentReader final : public JsonVisitor {
  public:
-  DocumentReader(Settings& settings, FieldSet& named, PagedWriter& why) noexcept
-      : settings_(settings), named_(named), why_(why) {}
+  DocumentReader(Settings& settings, FieldSet& named, PagedWriter& notes, PagedWriter& why) noexcept
+      : settings_(settings), named_(named), notes_(notes), why_(why) {}
 
   bool is_group(std::string_view path) noexcept override { return settings::is_group(path); }
   bool member(std::string_view path, const Value& value) noexcept override {
     const std::size_t place = find_field(path);
     if (place == field_count() && has_left(path)) {
-      note_fallback(path, why_);
+      note_fallback(path, notes_);
       return true;
     }
     if (place == field_count()) {
       return refuse_unknown(path, why_);
     }
     named_.set(place);
-    return take(place, path, value, settings_, why_);
+    return take(place, path, value, settings_, notes_, why_);
   }
 
  private:
   Settings& settings_;
   FieldSet& named_;
+  PagedWriter& notes_;  // of fields that fell back: told where nothing is refused
   PagedWriter& why_;
 };
 
@@ -146,10 +147,13 @@ bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
            FieldSet* named) noexcept {
   Settings changed = settings;
   FieldSet fields;
-  DocumentReader reader(changed, fields, why);
+  std::array<char, kWhyBytes> space;
+  PagedWriter notes(space);
+  DocumentReader reader(changed, fields, notes, why);
   if (!walk_json({text.data(), text.size()}, reader, why)) {
     return false;
   }
+  why << notes.text();
   settings = changed;
   if (named != nullptr) {
     *named |= fields;
@@ -165,7 +169,7 @@ bool parse_field(std::string_view path, std::string_view value, Settings& settin
     return true;
   }
   return place == field_count() ? refuse_unknown(path, why)
-                                : take(place, path, {.text = value}, settings, why);
+                                : take(place, path, {.text = value}, settings, why, why);
 }
 
 void write_document(const Settings& settings, PagedWriter& out) noexcept {

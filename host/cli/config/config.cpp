@@ -101,9 +101,12 @@ class Session {
 
   std::string stage(Words words) {
     client::ControlAnswer last;
+    std::string notes;
     for (const std::string& piece : pieces(words)) {
       last = ask(Operation::kStage, piece);
+      add_note(last.text, notes);
     }
+    last.text = notes;
     return done(last, "staged: commit brings it into force");
   }
 
@@ -116,10 +119,14 @@ class Session {
     }
     static_cast<void>(ask(Operation::kRevert));
     try {
+      std::string notes;
       for (const std::string& text : texts) {
-        static_cast<void>(ask(Operation::kStage, text));
+        add_note(ask(Operation::kStage, text).text, notes);
       }
-      return done(ask(Operation::kCommit), "in force and saved");
+      client::ControlAnswer answer = ask(Operation::kCommit);
+      add_note(answer.text, notes);
+      answer.text = notes;
+      return done(answer, "in force and saved");
     } catch (const Failure&) {
       // Whatever comes of it, the first failure is the one to tell.
       static_cast<void>(client_.request(Operation::kRevert, {}, {}));
@@ -136,13 +143,22 @@ class Session {
     return settings_pieces(settings_from_words(words), client::ControlClient::kMaxText);
   }
 
+  static void add_note(const std::string& note, std::string& notes) {
+    notes += (notes.empty() || note.empty() ? "" : "; ") + note;
+  }
+
+  // The text of an answer that is no refusal says which fields the sensor has otherwise than asked.
   std::string done(const client::ControlAnswer& answer, const char* what) const {
     if (json_) {
-      const Json told{{"revision", answer.revision}, {"restart", answer.restart}};
+      Json told{{"revision", answer.revision}, {"restart", answer.restart}};
+      if (!answer.text.empty()) {
+        told["note"] = answer.text;
+      }
       return told.dump() + "\n";
     }
     return "revision " + std::to_string(answer.revision) + ", " + what +
-           (answer.restart ? "; some settings wait for the next start" : "") + "\n";
+           (answer.restart ? "; some settings wait for the next start" : "") + "\n" +
+           (answer.text.empty() ? "" : answer.text + "\n");
   }
 
   std::string place_;

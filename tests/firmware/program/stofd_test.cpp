@@ -100,7 +100,7 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
   expect_refused({"--no-block"}, "--no-block");
   expect_refused({"--fill"}, "--fill");
   expect_refused({"--shape", "region"}, "--shape");  // of stof evaluate alone
-  expect_refused({"--texture", "off", "--prefilter", "off"}, "derivatives");
+  expect_refused({"--texture=off", "--prefilter=off"}, "derivatives");
   expect_refused({"--period-ms", "-1"}, "--period-ms");
   expect_refused({"--set", "streams.depth"}, "PATH=VALUE");
   expect_refused({"--set", "streams.depth=zip"}, "off, raw, rvl or fit");

@@ -133,13 +133,19 @@ TEST_F(ConfigTest, SetsWholeDocumentsAtomically) {
   Json document = Json::parse(run({"get"}));
   document["name"] = "whole";
   document["serial"]["device"] = "/dev/" + std::string(58, 'x');
-  document["depth"]["match"]["penalties"] = "10000,20000,30000";
+  document["depth"]["match"]["penalties"] = "10,20";
   document["depth"]["match"]["subpixel"] = "equiangular";
   document["discovery"]["beacon"] = false;
-  std::ofstream(file) << document.dump(2);
+  Json older = document;  // of a sensor that knew more searches
+  older["depth"]["match"]["method"] = "ordered";
+  older["depth"]["match"]["shape"] = "region";
+  std::ofstream(file) << older.dump(2);
   EXPECT_EQ(run({"set", file.string()}),
-            "revision 2, in force and saved; some settings wait for the next start\n");
+            "revision 2, in force and saved; some settings wait for the next start\n"
+            "depth.match.method: not in this version: as the preset has it; "
+            "depth.match.shape: not in this version: as the preset has it\n");
   EXPECT_EQ(Json::parse(run({"get"})), document);
+  document = older;
 
   document["name"] = "refused";
   document["discovery"]["beacon"] = "perhaps";

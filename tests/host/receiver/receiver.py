@@ -44,7 +44,8 @@ STREAMS = {
 SCALED = 1, 2  # streams
 SOURCE = 3
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
-              " serial lost, serial full, settings unsaved, restart needed, flooded").split(", ")
+              " serial lost, serial full, settings unsaved, restart needed, flooded,"
+              " settings fell back").split(", ")
 SEVERITIES = ("info", "minor", "major", "critical")
 REACTIONS = ("none", "watch", "slow", "stop")
 DEFAULT_PORT = 7560
