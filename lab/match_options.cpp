@@ -78,7 +78,7 @@ MatchOption common(std::string_view name) noexcept {
 using Text = std::string_view;
 
 const auto& all_options() noexcept {
-  static const std::array<MatchOption, 22> kOptions{{
+  static const std::array<MatchOption, 22> options{{
       {"method", "wta, dp, so or sgm", "search: winner takes all, ordered, scanline, semi-global",
        "", [](Text text, MatchParams& p) { return set_named(text, kMethods, p.method); }},
       {"cost", "sad, ssd, census5x5, census9x7 or mixed", "what two pixels differ by", "",
@@ -111,7 +111,7 @@ const auto& all_options() noexcept {
       {"fill", "on or off", "give pixels without a disparity that of their background", "on",
        [](Text text, MatchParams& p) { return set_switch(text, p.fill); }},
   }};
-  return kOptions;
+  return options;
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ bool sums_paths(const MatchParams& params) noexcept {
 }
 
 std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept {
-  dsp::MatchParams same = params;
+  dsp::MatchParams same = static_cast<const dsp::MatchParams&>(params);
   if (params.cost == Cost::kMixed && params.method == Method::kSemiGlobal &&
       params.directions == dsp::PathSearch::kDirections) {
     same.search = dsp::Search::kPaths;

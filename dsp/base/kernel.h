@@ -65,6 +65,7 @@ constexpr bool built_with(Vectors widest, Vectors level) noexcept {
 // neon and on, and best::name, which calls the one that the processor has.
 //   STOF_KERNEL(PhaseKernel, phase, kAvx2)
 // NOLINTBEGIN(bugprone-macro-parentheses,cppcoreguidelines-macro-usage): they declare
+// NOLINTBEGIN(readability-identifier-naming): a kernel is called, and named, as a function is
 #define STOF_KERNEL(Signature, name, widest)                                                     \
   STOF_IN_EACH_VARIANT(Signature name)                                                           \
   namespace best {                                                                               \
@@ -102,6 +103,7 @@ constexpr bool built_with(Vectors widest, Vectors level) noexcept {
   } else {                                                            \
     return Variants(ref::name, neon::name, neon::name, neon::name);   \
   }
+// NOLINTEND(readability-identifier-naming)
 // NOLINTEND(bugprone-macro-parentheses,cppcoreguidelines-macro-usage)
 
 }  // namespace stof::dsp

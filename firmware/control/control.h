@@ -13,9 +13,6 @@
 
 namespace stof::firmware {
 
-// A port takes every packet whole.
-static_assert(wire::kMaxDatagram == hal::kMaxDatagram);
-
 // What the control thread works with; all of it outlives Control. Until the thread has ended,
 // `handler`, `subscribers`, receive() of the port and the hooks are its own; the loop sends through
 // the port and reads `ring` and RequestHandler::counters().

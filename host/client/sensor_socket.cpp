@@ -118,7 +118,7 @@ Result<std::size_t> SensorSocket::receive() {
   return nothing ? Result<std::size_t>(0) : fail(Status::kDeviceLost);
 }
 
-Status SensorSocket::wait(Duration timeout) {
+Status SensorSocket::wait(Duration timeout) const {
   std::array entries{pollfd{.fd = fd(), .events = POLLIN, .revents = 0}};
   const auto ready = posix::wait_for(entries, timeout);
   if (!ready || (entries[0].revents & POLLNVAL) != 0) {  // POLLERR: receive() hears which

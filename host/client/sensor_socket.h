@@ -48,7 +48,7 @@ class SensorSocket {
   std::span<const std::byte> datagram(std::size_t index) const { return batch_.datagram(index); }
 
   // Blocks until something can be read (kOk) or the time is over (kTimeout). kDeviceLost.
-  Status wait(Duration timeout);
+  Status wait(Duration timeout) const;
   // Whether the sensor's computer answered that nobody listens there, since the last call.
   bool take_refusal() { return std::exchange(refused_, false); }
 

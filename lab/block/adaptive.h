@@ -56,7 +56,7 @@ struct BlockOffers {
   };
 
   BlockOffers(int width, int height, Arena& arena) noexcept;
-  void clear() noexcept;
+  void clear() const noexcept;
 
   Integral integral;
   ImageView<std::uint32_t> lowest;

@@ -66,7 +66,7 @@ BlockOffers::BlockOffers(int width, int height, Arena& arena) noexcept
       offers(arena.take_image<Offer>(width, height)),
       differences(arena.take<std::uint8_t>(static_cast<std::size_t>(width))) {}
 
-void BlockOffers::clear() noexcept {
+void BlockOffers::clear() const noexcept {
   for (int y = 0; y < lowest.height(); ++y) {
     std::ranges::fill(lowest.row(y), kNone);
     std::ranges::fill(highest.row(y), 0U);

@@ -72,7 +72,10 @@ class SemiGlobal {
   using Fronts = std::array<Front, kMostShifts>;
 
   static constexpr int shifts_down(int directions) noexcept {
-    return directions == 2 ? 0 : (directions == 4 ? 1 : 3);
+    if (directions == 2) {
+      return 0;
+    }
+    return directions == 4 ? 1 : 3;
   }
   static constexpr int shifts_up(int directions) noexcept {
     return directions == 5 ? 0 : shifts_down(directions);
