@@ -27,7 +27,7 @@ if(STOF_PLANT_WRONG_BYTE)
   target_compile_definitions(stof_options INTERFACE STOF_PLANT_WRONG_BYTE)
 endif()
 
-# stof_add_kernels(TARGET stereo/rectify AVX2 fusion/cover ...): the variants of kernels, x_ref.cpp and
+# stof_add_kernels(TARGET stereo/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
 # x_neon.cpp, on x86 also x_avx2.cpp and x_avx512.cpp of what is named so. A target calls it once.
 function(stof_add_kernels target)
   set(kernels)

@@ -35,7 +35,7 @@ __m256i at_most(u16x16 a, u16x16 b) noexcept {
   return _mm256_cmpeq_epi16(bits(smaller(a, b)), bits(a));
 }
 
-// Of eight readings, as in unwrap_votes_neon.cpp.
+// Of eight readings, as in count_votes_neon.cpp.
 struct Bounds {
   alignas(16) std::array<std::uint16_t, kLanes> agree_low;
   alignas(16) std::array<std::uint16_t, kLanes> agree_high;
