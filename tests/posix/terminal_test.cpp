@@ -14,7 +14,9 @@ namespace {
 TEST(Terminal, CarriesEveryByteAsItIs) {
   std::string name;
   const auto far = open_pseudo_terminal(name);
-  ASSERT_TRUE(far);
+  if (!far) {
+    GTEST_SKIP() << "this system makes no pseudo-terminals";
+  }
   const auto line = open_line(name.c_str());
   ASSERT_TRUE(line);
   ASSERT_EQ(make_raw(line->get(), {.baud = 921'600}), 0);
@@ -34,7 +36,9 @@ TEST(Terminal, CarriesEveryByteAsItIs) {
 TEST(Terminal, TakesFlowControlAndSpeedsWithoutAName) {
   std::string name;
   const auto far = open_pseudo_terminal(name);
-  ASSERT_TRUE(far);
+  if (!far) {
+    GTEST_SKIP() << "this system makes no pseudo-terminals";
+  }
   const auto line = open_line(name.c_str());
   ASSERT_TRUE(line);
   ASSERT_EQ(make_raw(line->get(), {.baud = 115'200, .flow_control = true}), 0);
