@@ -22,10 +22,11 @@ OPTIONS = ("--syms", "--disassemble", "--reloc", "--demangle", "--no-show-raw-in
 NAMESPACE = "stof::dsp::neon::"
 LEAST = 2  # the smallest kernels widen and add 16 costs to 16 sums
 
-EXPORTED = re.compile(r"^[0-9a-f]+ [gw]\s+F \S+\s+[0-9a-f]+ (?:\.hidden )?(.+)$")
-FUNCTION = re.compile(r"^(?:[0-9a-f]+ )?<(.+)>:$")
+EXPORTED = re.compile(r"^[0-9a-f]+ (?:g|\s?w)\s+F \S+\s+[0-9a-f]+ (?:\.hidden )?(.+)$")  # templates are weak
+SECTION = re.compile(r"^Disassembly of section (\S+):$")
+FUNCTION = re.compile(r"^(?:([0-9a-f]+) )?<(.+)>:$")
 INSTRUCTION = re.compile(r"^\s*[0-9a-f]+:\s+([a-z][\w.]*)(?:\s+(.*))?$")
-RELOCATION = re.compile(r"^\s*[0-9a-f]+:\s+R_AARCH64_(?:CALL26|JUMP26)\s+(.+?)(?:\+0x[0-9a-f]+)?$")
+RELOCATION = re.compile(r"^\s*[0-9a-f]+:\s+R_AARCH64_(?:CALL26|JUMP26)\s+(.+?)(?:\+0x([0-9a-f]+))?$")
 TARGET = re.compile(r"<(.+?)(?:\+0x[0-9a-f]+)?>$")
 MOVES = re.compile(r"movi|mvni|mov|fmov|dup|ld\d.*|st\d.*")
 VECTOR = re.compile(r"\bv\d+\.\d+[bhsd]\b")
@@ -34,24 +35,29 @@ VECTOR = re.compile(r"\bv\d+\.\d+[bhsd]\b")
 def read_functions(text):
     """{exported function of the namespace: vector instructions within reach} of a disassembly."""
     exported, own, calls = [], {}, {}
-    current = None
+    current, section, at = None, None, {}  # at: functions by section and address
     for line in text.splitlines():
         if match := EXPORTED.match(line):
             if match[1].removeprefix("void ").startswith(NAMESPACE):  # so begin the names of templates
                 exported.append(match[1])
+        elif match := SECTION.match(line):
+            section = match[1]
         elif match := FUNCTION.match(line):
-            current = match[1]
+            current = match[2]
+            at[section, int(match[1] or "0", 16)] = current
             own.setdefault(current, 0)
             calls.setdefault(current, set())
         elif current is None:
             continue
         elif match := RELOCATION.match(line):
-            calls[current].add(match[1])
+            # A function that others cannot call goes by the place in its section.
+            calls[current].add((match[1], int(match[2] or "0", 16)) if match[1].startswith(".") else match[1])
         elif match := INSTRUCTION.match(line):
             name, operands = match[1], match[2] or ""
             own[current] += bool(VECTOR.search(operands)) and not MOVES.fullmatch(name)
             if name in ("b", "bl") and (target := TARGET.search(operands)):
                 calls[current].add(target[1])
+    calls = {name: {at.get(called, called) for called in all_of} for name, all_of in calls.items()}
     return {name: sum(own[reached] for reached in within_reach(name, calls)) for name in exported}
 
 

@@ -26,8 +26,11 @@ void DeviceLending::after_round(board::Device device, bool lost, bool leased,
   retry.tried = true;
   lent_.fetch_or(bit(device), std::memory_order_release);
   lent_.notify_all();
-  while (waits_ && is_lent(device)) {
-    lent_.wait(lent_.load(std::memory_order_acquire), std::memory_order_acquire);
+  // What is waited on is what was looked at: a device that comes back in between is seen.
+  unsigned seen = waits_ ? lent_.load(std::memory_order_acquire) : 0;
+  while ((seen & bit(device)) != 0) {
+    lent_.wait(seen, std::memory_order_acquire);
+    seen = lent_.load(std::memory_order_acquire);
   }
 }
 

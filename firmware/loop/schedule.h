@@ -38,8 +38,9 @@ class Schedule {
   // A frame of that edge is too old to be sent.
   bool expired(hal::Time edge, hal::Time now) const noexcept;
 
-  // Frames of these two edges, with none between them, do not follow each other: at least three
-  // edges in a row had no frame, which is what LoopConditions takes for more than an incident.
+  // Frames of these two edges, with none between them, do not follow each other: three periods in a
+  // row had no frame, which is what LoopConditions takes for more than an incident. Why they had
+  // none does not matter, also not that the computer was too slow: what moved meanwhile is unseen.
   bool gap(hal::Time before, hal::Time edge) const noexcept;
 
   // How late the loop was for an edge.

@@ -22,8 +22,12 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     }
   }
   initial.active = initial.saved;
-  if (std::string why = apply(options.assignments, initial.active); !why.empty()) {
+  std::string notes;
+  if (std::string why = apply(options.assignments, initial.active, notes); !why.empty()) {
     return std::unexpected(std::move(why));
+  }
+  if (!notes.empty()) {
+    print_line(notes);
   }
   return initial;
 }
@@ -42,7 +46,8 @@ std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSet
   initial.saved = {};
   initial.active = {};
   initial.fell_back = false;
-  return apply(options.assignments, initial.active);
+  std::string told_at_first;
+  return apply(options.assignments, initial.active, told_at_first);
 }
 
 }  // namespace stof::firmware

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "dsp/stereo/match_options.h"
+#include "firmware/settings/depth.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/text/paged_writer.h"
@@ -163,6 +164,11 @@ std::optional<Setting> find_setting(std::string_view flag) {
                  .value = alias->alone.empty() ? std::nullopt : std::optional(alias->alone)};
 }
 
+void add_note(const settings::PagedWriter& note, std::string& notes) {
+  notes += notes.empty() || note.text().empty() ? "" : "; ";
+  notes += note.text();
+}
+
 // A preset of the settings, or of the search alone.
 bool assign(const Assignment& assignment, settings::Settings& settings,
             settings::PagedWriter& why) {
@@ -215,7 +221,8 @@ std::expected<Options, std::string> parse_options(std::span<const std::string_vi
   return options;
 }
 
-std::string apply(const std::vector<Assignment>& assignments, settings::Settings& settings) {
+std::string apply(const std::vector<Assignment>& assignments, settings::Settings& settings,
+                  std::string& notes) {
   settings::Settings changed = settings;
   for (const Assignment& assignment : assignments) {
     std::array<char, settings::kWhyBytes> space{};
@@ -223,7 +230,12 @@ std::string apply(const std::vector<Assignment>& assignments, settings::Settings
     if (!assign(assignment, changed, why)) {
       return assignment.flag + ": " + std::string(why.text());
     }
+    add_note(why, notes);
   }
+  std::array<char, settings::kWhyBytes> space{};
+  settings::PagedWriter note(space);
+  settings::fit_blocks(changed, note);
+  add_note(note, notes);
   settings = changed;
   return {};
 }
@@ -260,9 +272,6 @@ std::string options_usage() {
       "What changes the preset; where the name alone has a meaning a value follows \"=\", such as\n"
       "--lr=2, and --no-NAME is NAME=off:\n";
   for (const dsp::MatchOption& option : dsp::match_options()) {
-    if (option.name == "fill") {
-      continue;  // refused
-    }
     std::string name = "  --" + std::string(option.name);
     name.resize(std::max<std::size_t>(name.size() + 1, 23), ' ');
     text += name + std::string(option.meaning) + ": " + std::string(option.values) + "\n";

@@ -40,8 +40,9 @@ struct Options {
 std::expected<Options, std::string> parse_options(std::span<const std::string_view> arguments);
 
 // What the command line says about settings. Empty, or which flag takes what; nothing is changed
-// then.
-std::string apply(const std::vector<Assignment>& assignments, settings::Settings& settings);
+// then. `notes` says in one line which fields are as the preset has them, although they are named.
+std::string apply(const std::vector<Assignment>& assignments, settings::Settings& settings,
+                  std::string& notes);
 
 // One flag per line.
 std::string options_usage();

@@ -133,7 +133,7 @@ std::string limits(const Setup& setup, const board::Config& config) {
            std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
            std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +
            std::to_string(sizeof(Workspace::memory) / kMiB) +
-           ": use fewer disparities, fewer --directions or a preset";
+           ": use fewer disparities, fewer threads or another preset";
   }
   return {};
 }

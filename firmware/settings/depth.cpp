@@ -53,7 +53,7 @@ dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noe
   return params;
 }
 
-void settle(Settings& settings, PagedWriter& note) noexcept {
+void fit_blocks(Settings& settings, PagedWriter& note) noexcept {
   // Blocks of grey values, and sums that do not fit 16 bits.
   for (const std::string_view name : {"prefilter", "block"}) {
     const dsp::MatchParams match = match_params(settings.depth);
@@ -65,7 +65,8 @@ void settle(Settings& settings, PagedWriter& note) noexcept {
         static_cast<std::size_t>(dsp::find_match_option(name) - dsp::match_options().data());
     if (!settings.depth.match[slot].view().empty()) {
       settings.depth.match[slot] = {};
-      note_fallback(name == "block" ? "depth.match.block" : "depth.match.prefilter", note);
+      note_fallback(name == "block" ? "depth.match.block" : "depth.match.prefilter",
+                    "sums of such blocks do not fit 16 bits", note);
     }
   }
 }

@@ -10,9 +10,9 @@ namespace stof::settings {
 // What the board has room for is checked elsewhere.
 dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noexcept;
 
-// Fields of depth.match that an earlier version matched together, but this one cannot, become as
-// the preset has them; `note` says so (note_fallback()).
-void settle(Settings& settings, PagedWriter& note) noexcept;
+// Blocks that an earlier version matched, but this one cannot, because their sums do not fit 16
+// bits: prefilter, then block, become as the preset has them; `note` says so (note_fallback()).
+void fit_blocks(Settings& settings, PagedWriter& note) noexcept;
 
 // Empty ("") when the matcher's options can be used together, else what cannot and what to do.
 const char* problem(const Settings& settings) noexcept;

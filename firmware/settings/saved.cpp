@@ -20,7 +20,7 @@ bool understand(std::span<const std::byte> bytes, Limits* limits, Settings& sett
   if (!parse({text, bytes.size()}, settings, why)) {
     return false;
   }
-  settle(settings, why);
+  fit_blocks(settings, why);
   return usable(settings, limits, why);
 }
 

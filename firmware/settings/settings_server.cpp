@@ -1,6 +1,7 @@
 #include "firmware/settings/settings_server.h"
 
 #include <array>
+#include <utility>
 
 #include "firmware/settings/depth.h"
 #include "firmware/settings/fields/describe.h"
@@ -83,6 +84,7 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
       break;
     case Operation::kRevert:
       staged_fields_.reset();
+      staged_fell_back_ = false;
       result = Result::kOk;
       break;
     case Operation::kPreset:
@@ -129,7 +131,7 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter&
   if (!parse(text, staged_values_, why, &staged_fields_)) {
     return Result::kInvalid;
   }
-  fell_back_ = fell_back_ || !why.text().empty();
+  staged_fell_back_ = staged_fell_back_ || !why.text().empty();
   return Result::kOk;
 }
 
@@ -139,6 +141,7 @@ SettingsServer::Result SettingsServer::commit(PagedWriter& why) noexcept {
     return result;  // what is staged stays
   }
   staged_fields_.reset();
+  fell_back_ = std::exchange(staged_fell_back_, false) || fell_back_;
   return save(why);
 }
 
@@ -159,13 +162,14 @@ SettingsServer::Result SettingsServer::save(PagedWriter& why) noexcept {
   PagedWriter document(space);
   write_document(active_, document);
   unsaved_ = true;
+  const std::string_view joint = why.text().empty() ? "" : "; ";
   if (parts_.store == nullptr) {
-    why << "active, but not saved: the sensor was started without a file for its settings";
+    why << joint << "active, but not saved: the sensor was started without a file for its settings";
     return Result::kNotSaved;
   }
   if (!document.complete() ||
       parts_.store->save(std::as_bytes(std::span(document.text()))) != Status::kOk) {
-    why << "active, but not saved: the file cannot be written";
+    why << joint << "active, but not saved: the file cannot be written";
     return Result::kNotSaved;
   }
   saved_ = active_;
@@ -181,10 +185,12 @@ SettingsServer::Result SettingsServer::change(std::string_view json, PagedWriter
 
 // why: of a result of kOk, what fell back.
 SettingsServer::Result SettingsServer::become(Settings next, PagedWriter& why) noexcept {
-  settle(next, why);
+  fit_blocks(next, why);
   const bool falls_back = !why.text().empty();
+  // Without a file nothing is ever saved: there the last change counts.
+  const bool fell_back = falls_back || (fell_back_ && parts_.store != nullptr);
   if (next == active_) {
-    fell_back_ = fell_back_ || falls_back;
+    fell_back_ = fell_back;
     return Result::kOk;
   }
   std::array<char, kWhyBytes> space;
@@ -197,7 +203,7 @@ SettingsServer::Result SettingsServer::become(Settings next, PagedWriter& why) n
     return Result::kBusy;
   }
   active_ = next;
-  fell_back_ = fell_back_ || falls_back;
+  fell_back_ = fell_back;
   ++revision_;
   return Result::kOk;
 }

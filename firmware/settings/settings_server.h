@@ -62,7 +62,7 @@ class SettingsServer final : public firmware::SettingsService {
   // The last attempt to save failed.
   bool unsaved() const noexcept { return unsaved_; }
   // Since the last save, or in what was saved, fields were named that are as the preset has them
-  // now.
+  // now. Without a file to save to: in the last change.
   bool fell_back() const noexcept { return fell_back_; }
 
  private:
@@ -86,6 +86,7 @@ class SettingsServer final : public firmware::SettingsService {
   std::uint32_t revision_ = 1;
   bool unsaved_ = false;
   bool fell_back_;
+  bool staged_fell_back_ = false;
 };
 
 }  // namespace stof::settings

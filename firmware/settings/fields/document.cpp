@@ -22,6 +22,12 @@ bool has_left(std::string_view path) noexcept {
          std::ranges::find(kLeft, path.substr(kMatch.size())) != kLeft.end();
 }
 
+void note_left(std::string_view path, std::string_view value, PagedWriter& notes) noexcept {
+  if (value != kAsPreset) {
+    note_fallback(path, kNotInThisVersion, notes);
+  }
+}
+
 // P1,P2 or P1,P2,OCCLUSION of any size.
 bool once_took(std::string_view path, const Value& value) noexcept {
   return path == "depth.match.penalties" &&
@@ -51,7 +57,7 @@ bool take(std::size_t place, std::string_view path, const Value& value, Settings
   }
   if (once_took(path, value)) {
     settings.depth.match[known.slot] = {};
-    note_fallback(path, notes);
+    note_fallback(path, kNotInThisVersion, notes);
     return true;
   }
   why << path << ": takes ";
@@ -77,7 +83,7 @@ class DocumentReader final : public JsonVisitor {
   bool member(std::string_view path, const Value& value) noexcept override {
     const std::size_t place = find_field(path);
     if (place == field_count() && has_left(path)) {
-      note_fallback(path, notes_);
+      note_left(path, value.text, notes_);
       return true;
     }
     if (place == field_count()) {
@@ -138,9 +144,14 @@ class DocumentWriter {
 
 }  // namespace
 
-void note_fallback(std::string_view path, PagedWriter& note) noexcept {
-  note << (note.text().empty() ? "" : "; ") << path
-       << ": not in this version: as the preset has it";
+// The names of several share the words behind the first, so that a line takes all of them.
+void note_fallback(std::string_view path, std::string_view cause, PagedWriter& note) noexcept {
+  const std::string_view before{note.text().data(), note.text().size()};
+  if (cause == kNotInThisVersion && before.contains(cause)) {
+    note << "; " << path << " too";
+    return;
+  }
+  note << (before.empty() ? "" : "; ") << path << ": " << cause << ": as the preset has it";
 }
 
 bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
@@ -165,7 +176,7 @@ bool parse_field(std::string_view path, std::string_view value, Settings& settin
                  PagedWriter& why) noexcept {
   const std::size_t place = find_field(path);
   if (place == field_count() && has_left(path)) {
-    note_fallback(path, why);
+    note_left(path, value, why);
     return true;
   }
   return place == field_count() ? refuse_unknown(path, why)

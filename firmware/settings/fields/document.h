@@ -19,7 +19,8 @@ inline constexpr std::size_t kMostDocumentBytes = 4096;
 // where one is refused, nothing is and `why` says in one line which and what it takes.
 // `named`: where not nullptr, the fields that the text names are added.
 // A field of depth.match that an earlier version took, but this one does not, is no refusal: it is
-// as the preset has it, and `why` says so although all was well.
+// as the preset has it, and `why` says so although all was well. Where such a field said "preset",
+// there is nothing to say.
 bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
            FieldSet* named = nullptr) noexcept;
 
@@ -27,8 +28,9 @@ bool parse(std::span<const char> text, Settings& settings, PagedWriter& why,
 bool parse_field(std::string_view path, std::string_view value, Settings& settings,
                  PagedWriter& why) noexcept;
 
-// Adds to such a line.
-void note_fallback(std::string_view path, PagedWriter& note) noexcept;
+// Adds to such a line that a field of depth.match is as the preset has it, and why.
+void note_fallback(std::string_view path, std::string_view cause, PagedWriter& note) noexcept;
+inline constexpr std::string_view kNotInThisVersion = "not in this version";
 
 // All fields, one a line.
 void write_document(const Settings& settings, PagedWriter& out) noexcept;

@@ -11,8 +11,6 @@
 namespace stof::settings {
 namespace {
 
-constexpr std::string_view kAsPreset = "preset";
-
 // Nothing but one decimal number.
 std::optional<int> whole_number(std::string_view text) noexcept {
   int value = 0;

@@ -10,6 +10,9 @@
 // The value of a field: from what somebody wrote, and as text.
 namespace stof::settings {
 
+// The value of a field of depth.match that changes nothing of the preset.
+inline constexpr std::string_view kAsPreset = "preset";
+
 // What somebody wrote.
 enum class Written : std::uint8_t {
   kString,

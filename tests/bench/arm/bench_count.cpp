@@ -27,7 +27,8 @@ dsp::MatchParams frame_params() {
   return match;
 }
 
-Work matching(const dsp::MatchParams& params) {
+template <typename Params>  // of the appliance or of the lab
+Work matching(const Params& params) {
   return match_work(made_pictures(kWidth, kHeight), params);
 }
 

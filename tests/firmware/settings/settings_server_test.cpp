@@ -354,11 +354,15 @@ TEST(SavedSettings, OfBlocksThatAreNotMatchedAnyMoreFallBack) {
   Settings settings =
       loaded(R"({"depth": {"match": {"prefilter": "off", "texture": "off", "block": "9x9"}}})",
              told, fell_back);
-  EXPECT_EQ(told, "x.json: depth.match.prefilter: not in this version: as the preset has it");
+  EXPECT_EQ(told,
+            "x.json: depth.match.prefilter: sums of such blocks do not fit 16 bits: as the preset "
+            "has it");
   EXPECT_EQ(depth_params(settings, 64).match.prefilter_cap, 15);
   EXPECT_EQ(depth_params(settings, 64).match.block_width, 9);
   settings = loaded(R"({"depth": {"match": {"block": "21x21"}}})", told, fell_back);
-  EXPECT_EQ(told, "x.json: depth.match.block: not in this version: as the preset has it");
+  EXPECT_EQ(
+      told,
+      "x.json: depth.match.block: sums of such blocks do not fit 16 bits: as the preset has it");
   EXPECT_EQ(depth_params(settings, 64).match.block_width, 16);
   settings =
       loaded(R"({"depth": {"preset": "quality", "match": {"block": "21x21"}}})", told, fell_back);
@@ -380,7 +384,43 @@ TEST_F(SettingsServerTest, RequestsThatNameWhatLeftAreTakenAndTold) {
   EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"block": "30x30"}}})").text, "");
   const Answer commit = ask(Operation::kCommit);
   EXPECT_EQ(commit.result, Result::kOk);
-  EXPECT_EQ(commit.text, "depth.match.block: not in this version: as the preset has it");
+  EXPECT_EQ(commit.text,
+            "depth.match.block: sums of such blocks do not fit 16 bits: as the preset has it");
+}
+
+// As an earlier version wrote every file: all fields, most of them as the preset has them.
+TEST(SavedSettings, WhoseFieldsThatLeftSayPresetHaveNothingToTell) {
+  std::string told;
+  bool fell_back = true;
+  const Settings settings =
+      loaded(R"({"depth": {"match": {"method": "preset", "cost": "preset", "shape": "preset",
+          "directions": "preset", "band": "preset", "pyramid": "preset", "interest": "preset",
+          "speckle": 30}}})",
+             told, fell_back);
+  EXPECT_EQ(told, "");
+  EXPECT_FALSE(fell_back);
+  EXPECT_EQ(depth_params(settings, 64).match.speckle_pixels, 30);
+}
+
+TEST(SavedSettings, ThatNameAllThatLeftAreToldOfEach) {
+  std::string told;
+  bool fell_back = false;
+  loaded(R"({"depth": {"match": {"method": "dp", "cost": "ssd", "shape": "cross", "directions": 8,
+          "band": 3, "pyramid": 2, "interest": "maxima"}}})",
+         told, fell_back);
+  EXPECT_EQ(told,
+            "x.json: depth.match.method: not in this version: as the preset has it; "
+            "depth.match.cost too; depth.match.shape too; depth.match.directions too; "
+            "depth.match.band too; depth.match.pyramid too; depth.match.interest too");
+}
+
+TEST_F(SettingsServerTest, WhatIsRevertedHasNotFallenBack) {
+  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"method": "dp"}}})").text,
+            "depth.match.method: not in this version: as the preset has it");
+  EXPECT_FALSE(server_.fell_back());
+  EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_FALSE(server_.fell_back());
 }
 
 TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {

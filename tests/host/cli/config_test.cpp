@@ -143,7 +143,7 @@ TEST_F(ConfigTest, SetsWholeDocumentsAtomically) {
   EXPECT_EQ(run({"set", file.string()}),
             "revision 2, in force and saved; some settings wait for the next start\n"
             "depth.match.method: not in this version: as the preset has it; "
-            "depth.match.shape: not in this version: as the preset has it\n");
+            "depth.match.shape too\n");
   EXPECT_EQ(Json::parse(run({"get"})), document);
   document = older;
 
