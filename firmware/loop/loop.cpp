@@ -106,13 +106,13 @@ Status Loop::publish_held() noexcept {
     ++counters.expired;
   } else {
     note_gap(*held_);
-    const Output& output = pipeline_.compute(*held_);
+    const Output& output = pipeline_.compute(*held_, board_.clock);
     const hal::Time computed = board_.clock.now();
     ++counters.published;
     sent = stream_.publish(*held_, output, schedule_.send_deadline());
     conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;
-    pipeline_.watch();
+    pipeline_.watch(board_.clock);
     count_stages(output.stats, published, counters);
     update_schedule(output.stats, held_->edge);
   }

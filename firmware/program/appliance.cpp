@@ -21,22 +21,11 @@ SerialSetup serial_setup(const StreamSetup& stream) noexcept {
 
 }  // namespace
 
-std::size_t coded_bytes_needed(const Setup& setup) noexcept {
-  const dsp::Pinhole& left = setup.calibration.stereo.left;
-  SerialSetup serial;
-  serial.calibration.image_width = static_cast<std::uint16_t>(left.width);
-  serial.calibration.image_height = static_cast<std::uint16_t>(left.height);
-  serial.calibration.fx = serial.calibration.fy = 1 << 16;  // any lens takes the same
-  const wire::FrameSizes sizes = sizes_of(setup);
-  return wire::FrameCoder::bytes_needed(sizes, wire::FrameCoder::usual_packets(sizes)) +
-         SerialSender::bytes_needed(serial);
-}
-
 Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
                      const Memory& memory) noexcept
     : parts_(parts),
       run_config_(run_config),
-      arena_(written(memory.coded, coded_bytes_needed(run_config.setup))),
+      arena_(written(memory.coded, memory.coded.size())),
       serial_(),
       stream_(stream, sizes_of(run_config.setup), parts.board.clock, parts.board.port,
               parts.serial == nullptr ? nullptr
@@ -55,9 +44,8 @@ Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunCon
 
 void Appliance::build(const RunConfig& run_config) noexcept {
   pipeline_.reset();
-  dsp::Arena arena(written(images_, Pipeline::bytes_needed(run_config.setup)));
-  pipeline_.emplace(run_config.setup, parts_.board.clock, arena,
-                    parts_.threads.first(run_config.setup.threads));
+  dsp::Arena arena(written(images_, run_config.image_bytes));
+  pipeline_.emplace(run_config.setup, arena, parts_.threads.first(run_config.setup.threads));
 }
 
 void Appliance::apply(const RunConfig& run_config) noexcept {

@@ -22,14 +22,10 @@ namespace stof::firmware {
 // New settings, from the control thread to the loop's.
 using RunConfigRing = SpscRing<RunConfig, 4>;
 
-// What coded frames and the serial line's pictures of a rig take.
-std::size_t coded_bytes_needed(const Setup& setup) noexcept;
-
 // Memory that begins aligned for Arena.
 struct Memory {
-  std::span<std::byte>
-      images;  // at least Pipeline::bytes_needed() of every RunConfig that will come
-  std::span<std::byte> coded;  // at least coded_bytes_needed()
+  std::span<std::byte> images;  // for the pipeline of every RunConfig that will come
+  std::span<std::byte> coded;   // for coded frames and the serial line's pictures
 };
 
 // What runs on the loop's thread: pipeline, stream and loop, in the workspace; others help with the

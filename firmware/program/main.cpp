@@ -89,7 +89,6 @@ void print_start(const board::Board& board, const RigInfo& rig, const RunConfig&
   for (const std::string& note : board.notes) {
     print_line(note);
   }
-  const std::size_t bytes = Pipeline::bytes_needed(run_config.setup);
   print_line(
       "board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
       std::to_string(left.height) + " with " +
@@ -100,7 +99,7 @@ void print_start(const board::Board& board, const RigInfo& rig, const RunConfig&
       ", period " +
       std::to_string(
           std::chrono::duration_cast<std::chrono::microseconds>(run_config.timing.period).count()) +
-      " us, workspace " + std::to_string(bytes / 1024) + " of " +
+      " us, workspace " + std::to_string(run_config.image_bytes / 1024) + " of " +
       std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " +
       threads_text(run_config.setup.threads, rig.threads));
   print_line("listening at UDP port " + std::to_string(board.port.port()));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <string>
@@ -35,6 +36,7 @@ struct RunConfig {
   board::TimingConfig timing;
   StreamParams stream;
   SerialParams serial;
+  std::size_t image_bytes = 0;  // of memory that the pipeline of this setup takes
 };
 
 // As many of the rig's threads as the board has memory for: each searches in memory of its own. An

@@ -50,14 +50,6 @@ std::uint8_t variance_cm2(std::uint32_t sigma_mm) noexcept {
 
 }  // namespace
 
-std::size_t SerialSender::bytes_needed(const SerialSetup& setup) noexcept {
-  return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
-    std::array<std::byte, 1> no_line{};
-    ByteRing ring(no_line);
-    const SerialSender unused(setup, ring, arena);
-  });
-}
-
 SerialSender::SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena& arena) noexcept
     : setup_(setup),
       ring_(ring),

@@ -45,9 +45,6 @@ class SerialSender {
     std::uint64_t dropped = 0;
   };
 
-  // Of the arena.
-  static std::size_t bytes_needed(const SerialSetup& setup) noexcept;
-
   SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena& arena) noexcept;
 
   // From the next frame on.

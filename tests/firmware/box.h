@@ -2,30 +2,15 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
-#include <memory>
-#include <span>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "firmware/program/appliance.h"
 #include "tests/firmware/rig.h"
+#include "tests/support/guarded.h"
 
 namespace stof::firmware::test {
-
-struct Block {
-  explicit Block(std::size_t size)
-      : memory(static_cast<std::byte*>(std::aligned_alloc(
-                   dsp::Arena::kAlign,
-                   (size + dsp::Arena::kAlign - 1) / dsp::Arena::kAlign * dsp::Arena::kAlign)),
-               &std::free),
-        bytes(size) {}
-  std::span<std::byte> span() const { return {memory.get(), bytes}; }
-
-  std::unique_ptr<std::byte, decltype(&std::free)> memory;
-  std::size_t bytes;
-};
 
 inline RunConfig small_run_config() {
   return {
@@ -43,8 +28,8 @@ struct Box {
   Rig rig;
   RunConfigRing run_configs;
   SubscriberRing receivers;
-  Block images{std::size_t{4} << 20};
-  Block coded{coded_bytes_needed(small_setup(true))};
+  stof::test::GuardedBuffer<std::byte> images{std::size_t{4} << 20};
+  stof::test::GuardedBuffer<std::byte> coded{std::size_t{1} << 20};
   std::vector<std::byte> line = std::vector<std::byte>(SerialSender::kRingBytes);
   ByteRing serial{line};
   Appliance appliance;

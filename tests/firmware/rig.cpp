@@ -62,7 +62,11 @@ Setup setup_of(const RigOptions& options) {
 }
 
 std::size_t bytes(const Setup& setup) {
-  return Pipeline::bytes_needed(setup) + wire::FrameCoder::bytes_needed(sizes_of(setup));
+  return dsp::bytes_taken([&](dsp::Arena& arena) {
+    Pipeline(setup, arena, dsp::ThreadTeam::standing_for(setup.threads));
+    const wire::FrameSizes sizes = sizes_of(setup);
+    wire::FrameCoder({}, sizes, {}, arena, wire::FrameCoder::usual_packets(sizes));
+  });
 }
 
 }  // namespace
@@ -149,10 +153,9 @@ Rig::Rig(const RigOptions& options)
             .emulated_time = true,
             .notes = {}},
       setup(setup_of(options)),
-      memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(setup))),
-             &std::free),
-      arena({memory.get(), bytes(setup)}),
-      pipeline(setup, clock, arena, options.threads),
+      memory(bytes(setup)),
+      arena(memory.span()),
+      pipeline(setup, arena, options.threads),
       stream({.origin = {.device_id = 7, .session_id = 9},
               .clock = wire::ClockState::kEmulated,
               .calibration =

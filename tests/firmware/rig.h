@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -25,6 +24,7 @@
 #include "hal/emu/devices/datagram_port.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/emu/imagery/imagery.h"
+#include "tests/support/guarded.h"
 
 // A small rig of emulated devices around the real loop, and a receiver that looks at its packets.
 namespace stof::firmware::test {
@@ -149,7 +149,7 @@ struct Rig {
   NoNetwork network;
   board::Board board;
   Setup setup;
-  std::unique_ptr<std::byte, decltype(&std::free)> memory;
+  stof::test::GuardedBuffer<std::byte> memory;
   dsp::Arena arena;
   Pipeline pipeline;
   Events events;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdlib>
-#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -12,6 +10,8 @@
 #include "firmware/wire/messages/frame_info.h"
 #include "hal/emu/devices/clock.h"
 #include "hal/emu/devices/datagram_port.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
+#include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::firmware {
@@ -24,14 +24,6 @@ constexpr wire::FrameSizes kSizes{.width = 160, .height = 90, .pmd_width = 40, .
 constexpr wire::CalibrationPacket kLens{
     .fx = 1 << 22, .fy = 1 << 22, .cx = 1 << 21, .cy = 1 << 21, .max_range = 40'000};
 constexpr int kQueue = 1000;  // datagrams, more than a frame has
-
-struct alignas(dsp::Arena::kAlign) Line {
-  std::array<std::byte, dsp::Arena::kAlign> bytes;
-};
-std::vector<Line> memory_of(std::size_t bytes) { return std::vector<Line>(bytes / sizeof(Line)); }
-dsp::Arena arena_of(std::vector<Line>& lines) {
-  return dsp::Arena(std::as_writable_bytes(std::span(lines)));
-}
 
 template <typename T>
 class Noise {
@@ -142,11 +134,10 @@ SubscriberList receivers_at_ports(std::size_t count) {
 struct Sender {
   explicit Sender(const wire::StreamChoice& choice, int queue = kQueue,
                   const emu::FaultPlan& faults = {}, hal::DatagramPort* other = nullptr)
-      : port(queue, faults),
-        lines(memory_of(wire::FrameCoder::bytes_needed(kSizes, kUsual))),
-        arena(arena_of(lines)),
-        stream({.origin = {.device_id = 7, .session_id = 9}, .calibration = kLens}, kSizes, clock,
-               other != nullptr ? *other : port, nullptr, events, arena) {
+      : port(queue, faults), in_memory([&](dsp::Arena& arena) {
+          return Stream({.origin = {.device_id = 7, .session_id = 9}, .calibration = kLens}, kSizes,
+                        clock, other != nullptr ? *other : port, nullptr, events, arena);
+        }) {
     stream.set_params({.choice = choice, .period = 33ms});
     const hal::Peer receiver{.address = {}, .port = 1};
     stream.set_receivers({.peers = {receiver}, .count = 1});
@@ -155,22 +146,18 @@ struct Sender {
     return stream.publish(scene.shot(), scene.output, clock.now() + 20ms);
   }
 
-  static inline const std::size_t kUsual = wire::FrameCoder::usual_packets(kSizes);
   emu::Clock clock;
   emu::DatagramPort port;
-  std::vector<Line> lines;
-  dsp::Arena arena;
   Events events;
-  Stream stream;
+  stof::test::InOwnMemory<Stream> in_memory;
+  Stream& stream = *in_memory;
 };
 
 // That these are the frame's datagrams as a coder with memory for all of them makes them: but for
 // the frame info, which tells times, and parity over it.
 void expect_frame(const Datagrams& sent, Scene& scene, const wire::StreamChoice& choice) {
-  std::vector<Line> lines = memory_of(wire::FrameCoder::bytes_needed(kSizes));
-  dsp::Arena arena = arena_of(lines);
-  wire::FrameCoder coder({.device_id = 7, .session_id = 9}, kSizes, kLens, arena);
-  const wire::Datagrams whole = coder.code({}, {}, scene.images(), choice).value();
+  stof::test::CoderInMemory coder({.device_id = 7, .session_id = 9}, kSizes, kLens);
+  const wire::Datagrams whole = coder->code({}, {}, scene.images(), choice).value();
   ASSERT_EQ(sent.size(), whole.size());
   for (std::size_t i = 0; i < sent.size(); ++i) {
     const wire::PacketView is = wire::parse_packet(sent[i]).value();
@@ -206,7 +193,7 @@ TEST(Stream, AFrameLargerThanItsMemoryIsSentWhole) {
         ASSERT_EQ(sender.publish(scene), Status::kOk);
         EXPECT_LE(sender.clock.now(), begin + 20ms);
         const Datagrams sent = frame_of(sender.port);
-        EXPECT_GT(sent.size(), 2 * Sender::kUsual);
+        EXPECT_GT(sent.size(), 2 * wire::FrameCoder::usual_packets(kSizes));
         expect_frame(sent, scene, choice);
       }
       EXPECT_EQ(sender.events.counters.packets_dropped, 0U);

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 #include <numbers>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::firmware::test {
@@ -22,19 +21,11 @@ constexpr dsp::Pinhole kLens{
 constexpr SectorParams kAll{
     .above_mm = 10'000, .below_mm = 10'000, .pixels = 1, .least_mm = 100, .most_mm = 16'000};
 
-std::size_t bytes(const dsp::Pinhole& lens) {
-  return dsp::bytes_taken(
-      [&](dsp::Arena& arena) noexcept { const SectorFinder unused(lens, kAll, arena); });
-}
-
 // A finder, its memory and a map for it.
 struct World {
   explicit World(const dsp::Pinhole& seen = kLens, const SectorParams& params = kAll)
       : lens(seen),
-        memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(lens))),
-               &std::free),
-        arena(std::span(memory.get(), bytes(lens))),
-        finder(lens, params, arena),
+        in_memory([&](dsp::Arena& arena) { return SectorFinder(lens, params, arena); }),
         depth(static_cast<std::size_t>(lens.width * lens.height)),
         width(depth.size()) {}
 
@@ -65,9 +56,8 @@ struct World {
   }
 
   dsp::Pinhole lens;
-  std::unique_ptr<std::byte, decltype(&std::free)> memory;
-  dsp::Arena arena;
-  SectorFinder finder;
+  stof::test::InOwnMemory<SectorFinder> in_memory;
+  SectorFinder& finder = *in_memory;
   std::vector<dsp::QuarterMm> depth;
   std::vector<dsp::QuarterMm> width;
 };
