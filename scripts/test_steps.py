@@ -121,13 +121,13 @@ def vectors(log, preset):
     return count
 
 
-def wide(log, preset):
+def avx_symbols(log, preset):
     """Whether what is compiled for wider vectors stays apart, and whether the check would notice."""
-    count = unit_tests(log, "scripts/check_wide_test.py")
-    count.add(one(log.run("scripts/check_wide.py", f"build/{preset}")))
+    count = unit_tests(log, "scripts/check_avx_symbols_test.py")
+    count.add(one(log.run("scripts/check_avx_symbols.py", f"build/{preset}")))
     if count.failed:
-        count.notes.append("failed: scripts/check_wide.py or its test")
-        count.details.append(f"    --- wide\n{indented(log.lines()[-CASE_LINES:])}")
+        count.notes.append("failed: scripts/check_avx_symbols.py or its test")
+        count.details.append(f"    --- avx_symbols\n{indented(log.lines()[-CASE_LINES:])}")
     return count
 
 
@@ -308,7 +308,7 @@ def gcc_tests(log):
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
-    "emu": tested("emu", wide),
+    "emu": tested("emu", avx_symbols),
     "tidy": check("scripts/tidy", "--product"),
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),

@@ -26,16 +26,13 @@ struct Setup {
 // What frames of this rig are made of.
 wire::FrameSizes sizes_of(const Setup& setup) noexcept;
 
-inline constexpr std::size_t kSources = 6;  // values of dsp::Source
-inline constexpr std::size_t kCauses = 6;   // values of dsp::Cause
-
 struct Stats {
   hal::Duration match{};  // rectification and the search
   hal::Duration convert{};
-  hal::Duration fuse{};                           // and the periods of readings
-  hal::Duration watch{};                          // comparing the sensors, of the frame before
-  std::array<std::uint32_t, kSources> sources{};  // pixels of each
-  std::array<std::uint32_t, kCauses> causes{};
+  hal::Duration fuse{};                                // and the periods of readings
+  hal::Duration watch{};                               // comparing the sensors, of the frame before
+  std::array<std::uint32_t, dsp::kSources> sources{};  // pixels of each
+  std::array<std::uint32_t, dsp::kCauses> causes{};
 
   hal::Duration total() const noexcept { return match + convert + fuse + watch; }
 };

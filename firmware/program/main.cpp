@@ -176,8 +176,9 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control.status(appliance.serial())));
     watchdog.after_round();
-    loop_status.rate_mhz.store(appliance.stream().health().rate_mhz(), std::memory_order_relaxed);
-    loop_status.health.store(appliance.stream().health().summary(), std::memory_order_relaxed);
+    loop_status.rate_mhz.store(appliance.publisher().health().rate_mhz(),
+                               std::memory_order_relaxed);
+    loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
   if (watchdog.end() != Status::kOk) {
     print_line(
@@ -217,7 +218,7 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   if (!run_config) {
     return refuse(run_config.error());
   }
-  run_config->stream.revision = 1;
+  run_config->publisher.revision = 1;
   const auto calibration = wire::make_calibration_packet(run_config->setup.calibration,
                                                          run_config->setup.depth.fusion.max_range,
                                                          run_config->timing.period.count());

@@ -209,13 +209,13 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
                 .depth = settings::depth_params(settings, rig.disparities),
                 .threads = rig.threads},
       .timing = config.timing,
-      .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
+      .publisher = {.choice = settings.streams, .pace_percent = settings.pace_percent},
       .serial = serial_params(settings)};
   if (settings.period_ms > 0) {
     run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
   }
-  run_config.stream.period = run_config.timing.period;
-  run_config.stream.max_range = run_config.setup.depth.fusion.max_range;
+  run_config.publisher.period = run_config.timing.period;
+  run_config.publisher.max_range = run_config.setup.depth.fusion.max_range;
   if (const char* const why = board::problem(run_config.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
   }

@@ -9,7 +9,7 @@
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/crc32c.h"
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
 #include "host/evaluate/workspace.h"

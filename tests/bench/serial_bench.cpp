@@ -7,7 +7,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "firmware/serial/sender.h"
+#include "firmware/serial/serial_sender.h"
 #include "tests/firmware/serial/line.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 #include "tests/support/in_own_memory.h"

@@ -8,7 +8,7 @@
 #include "board/emu/pair.h"
 #include "board/emu/request.h"
 #include "board/emu/scenes.h"
-#include "hal/emu/imagery/moving.h"
+#include "hal/emu/imagery/moving_scene.h"
 #include "hal/emu/scenes/room.h"
 #include "tests/hal/scenes/small_rigs.h"
 

@@ -156,17 +156,17 @@ Rig::Rig(const RigOptions& options)
       memory(bytes(setup)),
       arena(memory.span()),
       pipeline(setup, arena, options.threads),
-      stream({.origin = {.device_id = 7, .session_id = 9},
-              .clock = wire::ClockState::kEmulated,
-              .calibration =
-                  wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
-                                                options.timing.period.count())
-                      .value()},
-             sizes_of(setup), clock, board.port, nullptr, events, arena),
-      loop(board, options.timing, setup, pipeline, stream, events, options.lending) {
-  stream.set_params({.choice = options.choice, .period = options.timing.period});
+      publisher({.origin = {.device_id = 7, .session_id = 9},
+                 .clock = wire::ClockState::kEmulated,
+                 .calibration =
+                     wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
+                                                   options.timing.period.count())
+                         .value()},
+                sizes_of(setup), clock, board.port, nullptr, events, arena),
+      loop(board, options.timing, setup, pipeline, publisher, events, options.lending) {
+  publisher.set_params({.choice = options.choice, .period = options.timing.period});
   const hal::Peer receiver{.address = {}, .port = 1};
-  stream.set_receivers({.peers = {receiver}, .count = 1});
+  publisher.set_receivers({.peers = {receiver}, .count = 1});
 }
 
 std::size_t Received::count(dsp::Source which) const {

@@ -16,7 +16,7 @@
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
-#include "firmware/pipeline/stream.h"
+#include "firmware/pipeline/publisher.h"
 #include "hal/emu/cameras/pmd_camera.h"
 #include "hal/emu/cameras/stereo_camera.h"
 #include "hal/emu/cameras/trigger.h"
@@ -153,7 +153,7 @@ struct Rig {
   dsp::Arena arena;
   Pipeline pipeline;
   Events events;
-  Stream stream;
+  Publisher publisher;
   Loop loop;
 };
 

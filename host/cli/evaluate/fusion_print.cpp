@@ -14,8 +14,8 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr double kMillimetres = 1000;
-constexpr std::array<const char*, kSources> kSourceNames{"none", "stereo",   "pmd",
-                                                         "both", "resolved", "conflict"};
+constexpr std::array<const char*, dsp::kSources> kSourceNames{"none", "stereo",   "pmd",
+                                                              "both", "resolved", "conflict"};
 constexpr std::array<const char*, dsp::kCauses> kCauseNames{
     "none", "mixed_pixel", "stereo_ambiguous", "range_ambiguous", "occluded", "contradiction"};
 constexpr const char* kE5 =

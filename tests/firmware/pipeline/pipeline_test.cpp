@@ -9,7 +9,7 @@
 #include "dsp/stereo/rectifier.h"
 #include "dsp/stereo/rectify.h"
 #include "hal/emu/devices/clock.h"
-#include "tests/dsp/stereo/raw_world.h"
+#include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded.h"
 #include "tests/support/in_own_memory.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "firmware/serial/line/byte_ring.h"
-#include "firmware/serial/sender.h"
+#include "firmware/serial/serial_sender.h"
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"

@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/target.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/codec/rvl_decode.h"
-#include "firmware/wire/codec/wide.h"
 #include "tests/firmware/wire/frame/coder_in_memory.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 #include "tests/firmware/wire/wire_support.h"
@@ -218,7 +218,7 @@ TEST(FitTest, RandomMapsStayHonest) {
 
 // What is compiled for all processors, and for those with longer vectors.
 TEST(FitTest, IsTheSameOnAllProcessors) {
-  if (!wide_available()) {
+  if (dsp::widest_vectors() < dsp::Vectors::kAvx2) {
     GTEST_SKIP() << "this processor runs one kind of code only";
   }
   Random random(7);
@@ -227,8 +227,8 @@ TEST(FitTest, IsTheSameOnAllProcessors) {
     random.fill(std::span(map.depth), 0, columns % 3 == 0 ? 3 : 65'535);
     random.fill(std::span(map.width), random.between(0, 300), columns % 7 == 0 ? 65'535 : 65'000);
     for (unsigned scale = 0; scale <= kMostQuantiserScale; ++scale) {
-      const auto rounded = [&](bool wide) {
-        use_wide(wide);
+      const auto rounded = [&](dsp::Vectors vectors) {
+        const dsp::UseVectors use(vectors);
         const dsp::DepthMap view = map.view();
         Values depth(static_cast<std::size_t>(columns));
         Values width(depth.size());
@@ -239,8 +239,8 @@ TEST(FitTest, IsTheSameOnAllProcessors) {
         depth.push_back(quantiser_scale(view, kQuantiserRows));
         return depth;
       };
-      const Values narrow = rounded(false);
-      ASSERT_EQ(rounded(true), narrow) << columns << " columns, scale " << scale;
+      const Values narrow = rounded(dsp::Vectors::kNeon);
+      ASSERT_EQ(rounded(dsp::Vectors::kAvx2), narrow) << columns << " columns, scale " << scale;
     }
   }
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "dsp/depth/depth_maker.h"
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
 #include "tests/support/in_own_memory.h"
