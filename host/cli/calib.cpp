@@ -5,10 +5,9 @@
 
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/report/pmd_json.h"
-#include "host/calibrate/report/pmd_plots.h"
 #include "host/calibrate/report/pmd_report.h"
-#include "host/cli/evaluate/evaluate.h"
 #include "host/cli/exit.h"
+#include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {
 namespace {
@@ -144,8 +143,7 @@ void calib_pmd(const CalibPmdOptions& options) {
   rig.pmd = found->sensor;
   value_or_fail(write_calibration(options.out, rig));
   if (!options.plots.empty()) {
-    make_folder(options.plots);
-    value_or_fail(write_plots(options.plots, report, *found));
+    value_or_fail(write_calibration_page(report, *found, options.plots / "calibration.html"));
   }
   if (options.json) {
     std::printf("%s\n", report_json(report, *found).c_str());
@@ -185,7 +183,7 @@ void add_calib(CLI::App& app, CalibPmdOptions& options) {
   pmd.add_option("--albedo", options.albedo, "Of the wall at the light's wavelength")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  pmd.add_option("--plots", options.plots, "Folder for PNGs");
+  pmd.add_option("--plots", options.plots, "Folder for calibration.html, a page with plots");
   pmd.add_flag("--json", options.json, "Print JSON");
   pmd.callback([&options] { calib_pmd(options); });
 }
