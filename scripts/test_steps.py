@@ -113,10 +113,10 @@ def layers(log):
 
 def vectors(log, preset):
     """What the kernels of a build for ARM are made of, and whether the check would notice."""
-    count = unit_tests(log, "scripts/check_vectors_test.py")
-    count.add(one(log.run("scripts/check_vectors.py", f"build/{preset}")))
+    count = unit_tests(log, "scripts/check_vector_code_test.py")
+    count.add(one(log.run("scripts/check_vector_code.py", f"build/{preset}")))
     if count.failed:
-        count.notes.append("failed: scripts/check_vectors.py or its test")
+        count.notes.append("failed: scripts/check_vector_code.py or its test")
         count.details.append(f"    --- vectors\n{indented(log.lines()[-CASE_LINES:])}")
     return count
 

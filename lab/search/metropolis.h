@@ -7,7 +7,7 @@
 
 #include "lab/terms.h"
 
-// The odds of simulated annealing in integers, so that every processor plays the same game.
+// The Metropolis rule of simulated annealing in integers, so that every processor finds the same.
 namespace stof::lab {
 
 inline constexpr int kLogBits = 16;  // fraction bits of logarithms

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""scripts/check_vectors.py BUILD_DIR [--objdump PROGRAM]: does every NEON kernel hold vector code?
+"""scripts/check_vector_code.py BUILD_DIR [--objdump PROGRAM]: does every NEON kernel hold vector code?
 
 Disassembles the object of each dsp/**/*_neon.cpp of an arm64 build. A function of stof::dsp::neon that
 others can call needs at least LEAST instructions that compute with whole vectors (v0.16b, v1.4s), in
@@ -106,12 +106,12 @@ def check_build(root, build, objdump):
 
 
 def fail(what):
-    print(f"check_vectors: {what}", file=sys.stderr)
+    print(f"check_vector_code: {what}", file=sys.stderr)
     return 2
 
 
 def main(arguments=None, root=ROOT):
-    parser = argparse.ArgumentParser(prog="scripts/check_vectors.py")
+    parser = argparse.ArgumentParser(prog="scripts/check_vector_code.py")
     parser.add_argument("build", metavar="BUILD_DIR", type=pathlib.Path, help="of preset arm64")
     parser.add_argument("--objdump", metavar="PROGRAM", help=f"default: {' or '.join(OBJDUMPS)}")
     options = parser.parse_args(arguments)

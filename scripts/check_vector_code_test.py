@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every verdict of check_vectors.py, on disassemblies of made-up objects in a small build."""
+"""Every verdict of check_vector_code.py, on disassemblies of made-up objects in a small build."""
 
 import contextlib
 import io
@@ -7,7 +7,7 @@ import pathlib
 import tempfile
 import unittest
 
-import check_vectors
+import check_vector_code
 
 SPAN = "std::span<short, 18446744073709551615ul>"
 KERNEL = f"stof::dsp::neon::add({SPAN})"
@@ -52,7 +52,7 @@ def kernel(*body, **more):
 
 
 def counted(text):
-    return check_vectors.read_functions(text)
+    return check_vector_code.read_functions(text)
 
 
 class ReadFunctionsTest(unittest.TestCase):
@@ -116,7 +116,7 @@ class CheckBuildTest(unittest.TestCase):
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             try:
-                code = check_vectors.main(
+                code = check_vector_code.main(
                     [str(self.root / "build"), "--objdump", str(self.objdump), *arguments], self.root)
             except SystemExit as exit_:
                 code = exit_.code
