@@ -12,13 +12,6 @@
 namespace stof::host {
 namespace {
 
-Frames frames_of(const std::string& name) {
-  if (name == "even") {
-    return Frames::kEven;
-  }
-  return name == "odd" ? Frames::kOdd : Frames::kAll;
-}
-
 // What --fit names; all of it where it names nothing.
 void choose_parts(const CalibPmdOptions& options, CalibrateOptions& calibrate) {
   const auto named = [&options](const char* name) {
@@ -120,7 +113,7 @@ void calib_pmd(const CalibPmdOptions& options) {
   if (!options.start.empty()) {
     start = value_or_fail(read_calibration(options.start));
   }
-  const Frames frames = frames_of(options.frames);
+  const Frames frames = frames_named(options.frames);
   WallFolder folder = value_or_fail(read_folder(options.folder, frames));
   const dsp::PmdSensor camera = camera_of(options, folder, start);
   CalibrateOptions calibrate{
@@ -164,7 +157,7 @@ void add_calib(CLI::App& app, CalibPmdOptions& options) {
   pmd.add_option("--start", options.start,
                  "Calibration file that everything is kept from that is not fitted");
   pmd.add_option("--frames", options.frames, "Frames that are fitted to; the others judge")
-      ->check(CLI::IsMember({"even", "odd", "all"}))
+      ->check(CLI::IsMember(kFramesNames))
       ->capture_default_str();
   pmd.add_option("--fit", options.fit, "What is fitted, separated by commas; all of it by default")
       ->delimiter(',')

@@ -30,11 +30,11 @@ Table wall_table(const PmdReport& report) {
                          "valid, %", "sigma measured, cm", "sigma said, cm"}};
   for (const WallRow& row : report.rows) {
     const double line = row.line_error_m;
-    const double full = row.score.error_m;
+    const double full = row.view.error_m;
     table.rows.push_back(
         {row.name, number(row.z_m, 2), number(line * kMm, 1), number(line / row.z_m * kPercent, 3),
-         number(full * kMm, 1), number(full / row.z_m * kPercent, 3), percent(row.score.valid, 0),
-         number(row.score.spread_m * kCm, 2), number(row.score.predicted_m * kCm, 2)});
+         number(full * kMm, 1), number(full / row.z_m * kPercent, 3), percent(row.view.valid, 0),
+         number(row.view.spread_m * kCm, 2), number(row.view.predicted_m * kCm, 2)});
   }
   return table;
 }
@@ -142,7 +142,7 @@ void add_edges(const EdgeStudy& study, const std::string& id, const std::string&
     return;
   }
   page.figures({section_figure(study, around_px)}, Width::kLarge);
-  page.figures({marks_figure(study), relief_figure(study)}, Width::kMedium);
+  page.figures({marks_figure(study), height_field_figure(study)}, Width::kMedium);
   page.claim({.chapter = "At an edge the true value lies between the readings of the neighbours",
               .measured = percent(share(study.all.holding, study.all.mixed_with_depth), 2) +
                           " percent of the intervals of mixed pixels hold both surfaces",

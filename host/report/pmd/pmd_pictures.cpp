@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "host/evaluate/stereo/median.h"
 #include "host/picture/disparity_picture.h"
-#include "host/picture/relief.h"
+#include "host/picture/height_field.h"
 #include "host/picture/signed_picture.h"
 #include "host/report/page/legend.h"
 #include "host/report/page/plot.h"
@@ -52,8 +53,8 @@ PlotSeries across(const WallView& view, const char* name, Rgb colour) {
 
 // The 2.5D view of a map of Z, +inf or NaN = none. Closeness in px of a disparity, so that planes
 // stay planes; what is near has near_px. Noise of 2 px would tear the surface.
-dataset::Image<Rgb> relief_of(const dataset::Image<float>& z_m,
-                              const dataset::Image<std::uint8_t>& texture, double near_px) {
+dataset::Image<Rgb> height_field_of(const dataset::Image<float>& z_m,
+                                    const dataset::Image<std::uint8_t>& texture, double near_px) {
   std::vector<double> seen;
   std::ranges::copy_if(z_m.pixels, std::back_inserter(seen),
                        [](float z) { return std::isfinite(z) && z > 0; });
@@ -67,19 +68,19 @@ dataset::Image<Rgb> relief_of(const dataset::Image<float>& z_m,
     }
   }
   const double far_px = std::min(near_px * near_m / far_m, near_px - 1);
-  return relief_picture(closeness, closeness, far_px, near_px, texture);
+  return height_field_picture(closeness, closeness, far_px, near_px, texture);
 }
 
 }  // namespace
 
 std::vector<Figure> mask_figures(const WallStudy& study) {
   // The farthest wall that has a reading at all.
-  for (std::size_t i = study.views.size(); i-- > 0;) {
-    const WallView& view = study.views[i];
-    if (view.valid_share.pixels.empty() || view.valid == 0) {
+  for (const WallRow& row : std::views::reverse(study.report.rows)) {
+    const WallView& view = row.view;
+    if (view.valid == 0) {
       continue;
     }
-    const std::string at = number(study.report.rows[i].z_m, 2) + " m";
+    const std::string at = number(row.z_m, 2) + " m";
     const double most = std::max<double>(std::ranges::max(view.modulation.pixels), 1e-6);
     return {figure(grey_map(view.modulation, most), "Modulation ratio, wall at " + at,
                    "Mean over the frames of each pixel: black is 0, white " + number(most, 2) +
@@ -160,9 +161,9 @@ Figure marks_figure(const EdgeStudy& study) {
                                {kEmpty, "no depth"}}));
 }
 
-Figure relief_figure(const EdgeStudy& study) {
+Figure height_field_figure(const EdgeStudy& study) {
   constexpr double kNoisyPx = 20;
-  return figure(relief_of(study.z_m, study.amplitude, kNoisyPx),
+  return figure(height_field_of(study.z_m, study.amplitude, kNoisyPx),
                 "2.5D view of " + study.section.name,
                 "Z of one frame as a height field, near is high, lit by the amplitude of its own "
                 "light. Holes are pixels without a distance.");
@@ -182,7 +183,7 @@ std::vector<Figure> cloud_figures(const FrameStudy& study) {
   }
   return {
       figure(texture, "Amplitude", "Of the camera's frame, its root."),
-      figure(relief_of(study.cloud.z, texture, kSharpPx), "2.5D view of the cloud",
+      figure(height_field_of(study.cloud.z, texture, kSharpPx), "2.5D view of the cloud",
              "Z of the appliance's cloud as a height field, near is high. Holes are pixels that "
              "the camera calls invalid.")};
 }

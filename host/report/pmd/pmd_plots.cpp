@@ -100,8 +100,8 @@ std::vector<Figure> noise_figures(const PmdReport& report, const PmdCalibration&
   }
   for (const WallRow& row : report.rows) {
     if (row.exposure == 1) {
-      add(measured, row.z_m, row.score.spread_m * kCm);
-      add(model, row.z_m, row.score.predicted_m * kCm);
+      add(measured, row.z_m, row.view.spread_m * kCm);
+      add(model, row.z_m, row.view.predicted_m * kCm);
     }
   }
   if (measured.x.empty()) {
@@ -136,7 +136,7 @@ std::vector<Figure> calibration_figures(const PmdReport& report,
       add(straight, reading, row.z_m + row.line_error_m);
     }
     add(residual, row.z_m, row.line_error_m / row.z_m * kPercent);
-    add(full, row.z_m, row.score.error_m / row.z_m * kPercent);
+    add(full, row.z_m, row.view.error_m / row.z_m * kPercent);
   }
   constexpr double kMost = 5;
   return {
@@ -183,10 +183,9 @@ std::vector<Figure> ratio_figures(const WallStudy& study) {
   PlotSeries valid = series("valid share", kPlotGreen, true, kDotPx);
   PlotSeries amplitude = series("amplitude", kPlotOrange, true, kDotPx);
   const double least = study.calibration.sensor.tone.min_modulation_ratio;
-  for (std::size_t i = 0; i < study.views.size(); ++i) {
-    const WallRow& row = study.report.rows[i];
-    const WallView& view = study.views[i];
-    if (view.valid_share.pixels.empty() || row.exposure != 1 || view.flagged[0] > 0) {
+  for (const WallRow& row : study.report.rows) {
+    const WallView& view = row.view;
+    if (row.exposure != 1 || view.flagged[0] > 0) {
       continue;  // another integration time, or saturated
     }
     add(ratio, row.z_m, view.ratio);

@@ -1,4 +1,4 @@
-#include "host/calibrate/fit/pmd_line.h"
+#include "host/calibrate/fit/line_fit.h"
 
 #include <algorithm>
 #include <cmath>

@@ -23,7 +23,7 @@ double coverage(const client::Frame& frame);
 std::string drift_text(const wire::FrameInfo& info);
 
 // What the line of each second is made of.
-class ViewMeter {
+class StatusLine {
  public:
   void count(const client::Frame& frame);
   // A second has passed since the first frame, or since the last line.

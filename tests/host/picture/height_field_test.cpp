@@ -1,4 +1,4 @@
-#include "host/picture/relief.h"
+#include "host/picture/height_field.h"
 
 #include <cmath>
 #include <limits>
@@ -20,9 +20,9 @@ int bright(const dataset::Image<Rgb>& picture) {
 
 dataset::Image<Rgb> view_of(const dataset::Image<float>& disparity) {
   const dataset::Image<std::uint8_t> white(disparity.width, disparity.height, 255);
-  ReliefView view;
+  HeightFieldView view;
   view.width = 160;
-  return relief_picture(disparity, disparity, 0, 20, white, view);
+  return height_field_picture(disparity, disparity, 0, 20, white, view);
 }
 
 TEST(Rasteriser, ShowsTheNearerOfTwoTrianglesInAnyOrder) {
@@ -51,7 +51,7 @@ TEST(Rasteriser, CutsWhatLiesOutsideAndIgnoresWhatHasNoArea) {
   EXPECT_EQ(screen.picture().pixels, empty.pixels);
 }
 
-TEST(Relief, ShowsThePlateWhereThereIsNoDisparity) {
+TEST(HeightFieldPicture, ShowsThePlateWhereThereIsNoDisparity) {
   dataset::Image<float> disparity(40, 30, 10.0F);
   const int whole = bright(view_of(disparity));
   EXPECT_GT(whole, 4000);
@@ -66,7 +66,7 @@ TEST(Relief, ShowsThePlateWhereThereIsNoDisparity) {
   EXPECT_EQ(bright(view_of(dataset::Image<float>(40, 30, kNone))), 0);
 }
 
-TEST(Relief, IsOfTheAskedWidthForEverySize) {
+TEST(HeightFieldPicture, IsOfTheAskedWidthForEverySize) {
   for (const auto& [width, height] :
        {std::pair(1, 1), std::pair(1, 9), std::pair(9, 1), std::pair(2, 2), std::pair(33, 17)}) {
     const dataset::Image<Rgb> picture = view_of(dataset::Image<float>(width, height, 7.0F));
@@ -75,14 +75,14 @@ TEST(Relief, IsOfTheAskedWidthForEverySize) {
   }
 }
 
-TEST(Relief, IsCutToItsFrame) {
+TEST(HeightFieldPicture, IsCutToItsFrame) {
   const dataset::Image<std::uint8_t> white(40, 30, 255);
   const dataset::Image<float> low(40, 30, 1.0F);
   const dataset::Image<float> high(40, 30, 19.0F);
-  ReliefView view;
+  HeightFieldView view;
   view.width = 160;
-  const dataset::Image<Rgb> of_low = relief_picture(low, high, 0, 20, white, view);
-  const dataset::Image<Rgb> of_high = relief_picture(high, high, 0, 20, white, view);
+  const dataset::Image<Rgb> of_low = height_field_picture(low, high, 0, 20, white, view);
+  const dataset::Image<Rgb> of_high = height_field_picture(high, high, 0, 20, white, view);
   EXPECT_EQ(of_low.height, of_high.height);
   EXPECT_LT(bright(of_low), bright(of_high));  // nearer is larger
 }

@@ -1,4 +1,4 @@
-#include "host/calibrate/fit/pmd_guess.h"
+#include "host/calibrate/fit/initial_estimate.h"
 
 #include <cmath>
 #include <limits>
@@ -51,7 +51,7 @@ Guess solve(std::span<const Observation> seen, const PmdModel& model, const Wall
 
 }  // namespace
 
-void guess(const WallData& data, bool sign_known, bool stray, PmdModel& model) {
+void estimate_initial_model(const WallData& data, bool sign_known, bool stray, PmdModel& model) {
   Guess best;
   bool falls = model.phase_falls;
   for (const bool candidate : {false, true}) {

@@ -16,7 +16,7 @@
 // can be judged alone. Smooth enough for RVL.
 namespace stof::test {
 
-struct ToldSizes {
+struct PatternSizes {
   int width = 64;
   int height = 48;
   int pmd_width = 16;
@@ -26,16 +26,16 @@ struct ToldSizes {
 
 // 97 and 5 are odd: two frames differ everywhere unless their numbers differ by a multiple of
 // 16,384 (256 where pixels have 8 bits).
-constexpr std::uint16_t told16(std::uint32_t number, std::size_t place, unsigned salt) noexcept {
+constexpr std::uint16_t pattern16(std::uint32_t number, std::size_t place, unsigned salt) noexcept {
   return static_cast<std::uint16_t>(1000 * salt + (97 * number) % 16'384 + place % 64);
 }
-constexpr std::uint8_t told8(std::uint32_t number, std::size_t place, unsigned salt) noexcept {
+constexpr std::uint8_t pattern8(std::uint32_t number, std::size_t place, unsigned salt) noexcept {
   return static_cast<std::uint8_t>(5 * number + place / 7 + salt);
 }
-constexpr dsp::Disparity told_disparity(std::uint32_t number, std::size_t place) noexcept {
+constexpr dsp::Disparity pattern_disparity(std::uint32_t number, std::size_t place) noexcept {
   return place % 11 == 0 ? dsp::Disparity::none()
                          : dsp::Disparity::from_raw(
-                               static_cast<std::int16_t>(told16(number, place, 9) - 20'000));
+                               static_cast<std::int16_t>(pattern16(number, place, 9) - 20'000));
 }
 
 inline wire::StreamChoice every_stream(wire::Coding coding, bool parity, int cloud_step) {
@@ -56,9 +56,9 @@ constexpr dsp::QuarterMm fit_width_of(dsp::QuarterMm depth, dsp::QuarterMm width
 }
 
 // The pixels of one frame as they are sent.
-class ToldFrame {
+class PatternFrame {
  public:
-  ToldFrame(std::uint32_t number, const ToldSizes& sizes)
+  PatternFrame(std::uint32_t number, const PatternSizes& sizes)
       : sizes_(sizes),
         depth_(pixels(sizes.width, sizes.height)),
         width_(depth_.size()),
@@ -69,16 +69,16 @@ class ToldFrame {
         right_(depth_.size()),
         pmd_(4 * pixels(sizes.pmd_width, sizes.pmd_height)) {
     for (std::size_t i = 0; i < depth_.size(); ++i) {
-      depth_[i] = told16(number, i, 4);
-      width_[i] = told16(number, i, 1);
-      source_[i] = static_cast<dsp::Source>(told8(number, i, 0) % 16);
-      cause_[i] = static_cast<dsp::Cause>(told8(number, i, 0) / 16);
-      disparity_[i] = told_disparity(number, i);
-      left_[i] = told8(number, i, 50);
-      right_[i] = told8(number, i, 100);
+      depth_[i] = pattern16(number, i, 4);
+      width_[i] = pattern16(number, i, 1);
+      source_[i] = static_cast<dsp::Source>(pattern8(number, i, 0) % 16);
+      cause_[i] = static_cast<dsp::Cause>(pattern8(number, i, 0) / 16);
+      disparity_[i] = pattern_disparity(number, i);
+      left_[i] = pattern8(number, i, 50);
+      right_[i] = pattern8(number, i, 100);
     }
     for (std::size_t i = 0; i < pmd_.size(); ++i) {
-      pmd_[i] = told16(number, i, 20);
+      pmd_[i] = pattern16(number, i, 20);
     }
   }
 
@@ -164,7 +164,7 @@ class ToldFrame {
     return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
   }
 
-  ToldSizes sizes_;
+  PatternSizes sizes_;
   std::vector<dsp::QuarterMm> depth_;
   std::vector<dsp::QuarterMm> width_;
   std::vector<dsp::Source> source_;
@@ -176,10 +176,10 @@ class ToldFrame {
 };
 
 // told: what the pixels tell; without it the frame's number.
-inline std::vector<Datagram> told_datagrams(const FrameSpec& spec, const ToldSizes& sizes,
-                                            const wire::StreamChoice& choice,
-                                            std::optional<std::uint32_t> told = {}) {
-  ToldFrame frame(told.value_or(spec.number), sizes);
+inline std::vector<Datagram> pattern_datagrams(const FrameSpec& spec, const PatternSizes& sizes,
+                                               const wire::StreamChoice& choice,
+                                               std::optional<std::uint32_t> told = {}) {
+  PatternFrame frame(told.value_or(spec.number), sizes);
   Coder coder(spec.origin, {.width = sizes.width,
                             .height = sizes.height,
                             .pmd_width = sizes.pmd_width,
@@ -224,24 +224,24 @@ inline Judgement judge(const client::Frame& frame, std::uint32_t n) {
   using wire::Stream;
   Judgement all =
       judge(frame, Stream::kDepth, frame.depth, dsp::kNoDepth,
-            [n](std::size_t i) { return told16(n, i, 4); }) +
+            [n](std::size_t i) { return pattern16(n, i, 4); }) +
       judge(frame, Stream::kWidth, frame.width, dsp::QuarterMm{0},
-            [n](std::size_t i) { return told16(n, i, 1); }) +
+            [n](std::size_t i) { return pattern16(n, i, 1); }) +
       judge(frame, Stream::kSource, frame.source, dsp::Source::kNone,
-            [n](std::size_t i) { return static_cast<dsp::Source>(told8(n, i, 0) % 16); }) +
+            [n](std::size_t i) { return static_cast<dsp::Source>(pattern8(n, i, 0) % 16); }) +
       judge(frame, Stream::kSource, frame.cause, dsp::Cause::kNone,
-            [n](std::size_t i) { return static_cast<dsp::Cause>(told8(n, i, 0) / 16); }) +
+            [n](std::size_t i) { return static_cast<dsp::Cause>(pattern8(n, i, 0) / 16); }) +
       judge(frame, Stream::kDisparity, frame.disparity, dsp::Disparity::none(),
-            [n](std::size_t i) { return told_disparity(n, i); }) +
+            [n](std::size_t i) { return pattern_disparity(n, i); }) +
       judge(frame, Stream::kGreyLeft, frame.left, std::uint8_t{0},
-            [n](std::size_t i) { return told8(n, i, 50); }) +
+            [n](std::size_t i) { return pattern8(n, i, 50); }) +
       judge(frame, Stream::kGreyRight, frame.right, std::uint8_t{0},
-            [n](std::size_t i) { return told8(n, i, 100); });
+            [n](std::size_t i) { return pattern8(n, i, 100); });
   for (std::size_t k = 0; k < frame.pmd.size(); ++k) {
     const dsp::ImageView<const std::uint16_t> sample = frame.pmd[k];
     all = all + judge(
                     frame, Stream::kPmdRaw, sample, std::uint16_t{0},
-                    [n](std::size_t i) { return told16(n, i, 20); },
+                    [n](std::size_t i) { return pattern16(n, i, 20); },
                     static_cast<int>(k) * sample.height());
   }
   return all;

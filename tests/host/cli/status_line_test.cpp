@@ -1,4 +1,4 @@
-#include "host/cli/view/view_meter.h"
+#include "host/cli/view/status_line.h"
 
 #include <array>
 
@@ -52,8 +52,8 @@ TEST(DriftText, NamesWhatIsSignificantInItsUnit) {
             ", drift: pitch 0.100 +- 0.010 deg, range -20.000 +- 3.000 mm: calibrate the rig anew");
 }
 
-TEST(ViewMeter, TellsTheSecond) {
-  ViewMeter meter;
+TEST(StatusLine, TellsTheSecond) {
+  StatusLine meter;
   EXPECT_FALSE(meter.due(kStart + 100s));  // nothing came yet
   for (int i = 1; i <= 60; ++i) {          // every 20 ms, the first after 40 ms
     SmallFrame small{std::chrono::milliseconds(i)};
@@ -78,8 +78,8 @@ TEST(ViewMeter, TellsTheSecond) {
             "   3.0 s    0.0 frames/s, lost 0 packets 0 frames");
 }
 
-TEST(ViewMeter, CountsTheTimeBetweenTwoLinesFramesToo) {
-  ViewMeter meter;
+TEST(StatusLine, CountsTheTimeBetweenTwoLinesFramesToo) {
+  StatusLine meter;
   SmallFrame small;
   meter.count(small.frame);
   static_cast<void>(meter.line(kStart + 1s, {}, std::nullopt));
@@ -102,7 +102,7 @@ TEST(SummaryLine, TellsWhatParityMadeGood) {
   statistics.recovered = 12;
   EXPECT_NE(summary_line(statistics).find("), 12 packets made of parity, nothing lost"),
             std::string::npos);
-  EXPECT_NE(ViewMeter().line(kStart, statistics, std::nullopt).find("recovered 12"),
+  EXPECT_NE(StatusLine().line(kStart, statistics, std::nullopt).find("recovered 12"),
             std::string::npos);
 }
 

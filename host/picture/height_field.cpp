@@ -1,4 +1,4 @@
-#include "host/picture/relief.h"
+#include "host/picture/height_field.h"
 
 #include <algorithm>
 #include <array>
@@ -36,9 +36,9 @@ Vector unit(const Vector& v) {
 
 // The rotation and the perspective; picture widths, the middle of the plate is the origin, z away
 // from the viewer.
-class Eye {
+class Viewpoint {
  public:
-  explicit Eye(const ReliefView& view)
+  explicit Viewpoint(const HeightFieldView& view)
       : yaw_(view.yaw_deg * std::numbers::pi / 180),
         pitch_(view.pitch_deg * std::numbers::pi / 180) {}
 
@@ -128,7 +128,7 @@ Light lit(const Vector& normal, double grey) {
   return light;
 }
 
-// From the eye's units to samples of a screen that the whole plate and relief fit.
+// From the viewpoint's units to samples of a screen that the whole plate and height field fit.
 struct Fit {
   double scale = 1;
   double left = 0;
@@ -153,14 +153,14 @@ std::array<Vector, 4> plate(const Field& field) {
           field.on_plate(-margin, bottom, kPlateBehind)};
 }
 
-Fit fit(const Field& field, const Eye& eye, int width) {
+Fit fit(const Field& field, const Viewpoint& viewpoint, int width) {
   constexpr double kMargin = 0.02;
   double left = std::numeric_limits<double>::max();
   double top = left;
   double right = -left;
   double bottom = -left;
   const auto include = [&](const Vector& point) {
-    const Corner corner = eye.project(point);
+    const Corner corner = viewpoint.project(point);
     left = std::min(left, corner.u);
     right = std::max(right, corner.u);
     top = std::min(top, corner.v);
@@ -216,21 +216,22 @@ dataset::Image<float> smoothed_within(const dataset::Image<float>& disparity, in
   return result;
 }
 
-dataset::Image<Rgb> relief_picture(const dataset::Image<float>& disparity,
-                                   const dataset::Image<float>& frame, double far_px,
-                                   double near_px, const dataset::Image<std::uint8_t>& texture,
-                                   const ReliefView& view) {
+dataset::Image<Rgb> height_field_picture(const dataset::Image<float>& disparity,
+                                         const dataset::Image<float>& frame, double far_px,
+                                         double near_px,
+                                         const dataset::Image<std::uint8_t>& texture,
+                                         const HeightFieldView& view) {
   constexpr double kPlateGrey = 0.24;
   const double height = std::min(view.height, view.height_a_px * (near_px - far_px));
   const Field field(disparity, far_px, near_px, height);
-  const Eye eye(view);
-  const Fit place = fit(Field(frame, far_px, near_px, height), eye, view.width);
+  const Viewpoint viewpoint(view);
+  const Fit place = fit(Field(frame, far_px, near_px, height), viewpoint, view.width);
   Rasteriser screen(place.width, place.height);
 
   const Light plate_light = lit({0, 0, -1}, kPlateGrey);
   std::array<Corner, 4> base{};
   std::ranges::transform(plate(field), base.begin(), [&](const Vector& point) {
-    return place(eye.project(point), plate_light);
+    return place(viewpoint.project(point), plate_light);
   });
   screen.draw({base[0], base[1], base[2]});
   screen.draw({base[0], base[2], base[3]});
@@ -240,7 +241,7 @@ dataset::Image<Rgb> relief_picture(const dataset::Image<float>& disparity,
     for (int x = 0; x < field.width(); ++x) {
       if (field.there(x, y)) {
         const Light light = lit(field.normal(x, y), texture.view().at(x, y) / 255.0);
-        corners.view().at(x, y) = place(eye.project(field.point(x, y)), light);
+        corners.view().at(x, y) = place(viewpoint.project(field.point(x, y)), light);
       }
     }
   }

@@ -1,4 +1,4 @@
-#include "host/cli/view/view_meter.h"
+#include "host/cli/view/status_line.h"
 
 #include <numbers>
 #include <utility>
@@ -62,7 +62,7 @@ std::string drift_text(const wire::FrameInfo& info) {
   return all.empty() ? all : ", drift:" + all + ": calibrate the rig anew";
 }
 
-void ViewMeter::count(const client::Frame& frame) {
+void StatusLine::count(const client::Frame& frame) {
   if (frame.info) {
     drift_ = drift_text(*frame.info);
   }
@@ -79,13 +79,13 @@ void ViewMeter::count(const client::Frame& frame) {
   }
 }
 
-double ViewMeter::rate() const {
+double StatusLine::rate() const {
   const double span = seconds(newest_ - counted_from_);
   return span > 0 ? static_cast<double>(intervals_) / span : 0;
 }
 
-std::string ViewMeter::line(client::Time now, const client::Statistics& statistics,
-                            const std::optional<DepthScore>& score) {
+std::string StatusLine::line(client::Time now, const client::Statistics& statistics,
+                             const std::optional<DepthScore>& score) {
   std::string result =
       printed("%6.1f s  %5.1f frames/s", seconds(now - began_.value_or(now)), rate());
   if (!latencies_ms_.empty()) {
@@ -145,7 +145,7 @@ std::string summary_line(const client::Statistics& statistics) {
   std::string lost;
   for (const auto& [count, cause] : causes) {
     if (count != 0) {
-      lost += (lost.empty() ? "" : ", ") + std::to_string(count) + " " + cause;
+      add_to(lost, std::to_string(count) + " " + cause);
     }
   }
   return result + (lost.empty() ? "nothing lost" : lost);
