@@ -15,6 +15,7 @@ namespace {
 using test::Datagram;
 using test::frame_spec;
 using test::judge;
+using test::push_all;
 
 constexpr Time kStart{};
 constexpr test::PatternSizes kSizes{};
@@ -43,17 +44,6 @@ std::vector<Datagram> without(const std::vector<Datagram>& packets,
     }
   }
   return rest;
-}
-
-std::optional<Frame> push_all(Reassembler& reassembler, const std::vector<Datagram>& packets) {
-  std::optional<Frame> frame;
-  for (const Datagram& packet : packets) {
-    reassembler.push(packet, kStart);
-    if (const std::optional<Frame> next = reassembler.take()) {
-      frame = next;
-    }
-  }
-  return frame;
 }
 
 TEST(Parity, MakesGoodEverySingleLoss) {

@@ -16,6 +16,7 @@ using test::judge;
 using test::Judgement;
 using test::pattern_datagrams;
 using test::PatternSizes;
+using test::push_all;
 using wire::Coding;
 using wire::Stream;
 
@@ -24,17 +25,6 @@ constexpr std::size_t kMapPixels = 64 * 48;
 constexpr std::size_t kPmdPixels = 4 * 16 * 12;
 // Depth, width, source, cause, disparity, left, right; then the four samples.
 constexpr std::size_t kJudged = 7 * kMapPixels + kPmdPixels;
-
-std::optional<Frame> push_all(Reassembler& reassembler, const std::vector<Datagram>& packets) {
-  std::optional<Frame> frame;
-  for (const Datagram& packet : packets) {
-    reassembler.push(packet, kStart);
-    if (const std::optional<Frame> next = reassembler.take()) {
-      frame = next;
-    }
-  }
-  return frame;
-}
 
 std::optional<wire::PacketView> tile_of(const Datagram& packet) {
   const auto parsed = wire::parse_packet(packet);

@@ -10,6 +10,7 @@
 
 #include "firmware/wire/frame/cloud.h"
 #include "host/client/frame/frame.h"
+#include "host/client/reassembler.h"
 #include "tests/host/client/sent_frame.h"
 
 // Frames whose every pixel tells its frame and its place, in all eight streams: whatever arrives
@@ -252,6 +253,19 @@ inline Judgement judge(const client::Frame& frame) { return judge(frame, frame.s
 inline bool long_run() {
   const char* const asked = std::getenv("STOF_LONG");
   return asked != nullptr && asked[0] == '1';
+}
+
+// The newest frame that the packets make.
+inline std::optional<client::Frame> push_all(client::Reassembler& reassembler,
+                                             const std::vector<Datagram>& packets) {
+  std::optional<client::Frame> frame;
+  for (const Datagram& packet : packets) {
+    reassembler.push(packet, client::Time{});
+    if (const std::optional<client::Frame> next = reassembler.take()) {
+      frame = next;
+    }
+  }
+  return frame;
 }
 
 }  // namespace stof::test

@@ -3,10 +3,12 @@
 
 import pathlib
 import struct
+import sys
 import tempfile
 import unittest
 
-import budgets
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import budgets  # noqa: E402
 
 WITHIN = {"virt": {"text_kib": 8, "data_kib": 8, "bss_kib": 8, "frame_bytes": 1000}}
 

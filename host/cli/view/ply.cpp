@@ -1,4 +1,4 @@
-#include "host/picture/ply.h"
+#include "host/cli/view/ply.h"
 
 #include <bit>
 

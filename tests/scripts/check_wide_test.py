@@ -1,9 +1,12 @@
 #!/usr/bin/env python3
 """Tests of scripts/check_wide.py."""
 
+import pathlib
+import sys
 import unittest
 
-import check_wide
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import check_wide  # noqa: E402
 
 LISTING = """\
 0000000000000000 r .L.str

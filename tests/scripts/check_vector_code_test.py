@@ -4,10 +4,12 @@
 import contextlib
 import io
 import pathlib
+import sys
 import tempfile
 import unittest
 
-import check_vector_code
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import check_vector_code  # noqa: E402
 
 SPAN = "std::span<short, 18446744073709551615ul>"
 KERNEL = f"stof::dsp::neon::add({SPAN})"

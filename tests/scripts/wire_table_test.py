@@ -2,11 +2,14 @@
 """What scripts/wire_table.py makes is up to date, and a table that has changed is noticed in all of it."""
 
 import dataclasses
+import pathlib
 import re
+import sys
 import unittest
 
-import wire_table
-from wire import docs, table
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import wire_table  # noqa: E402
+from wire import docs, table  # noqa: E402
 
 WIRE = table.load(wire_table.ROOT)
 ENUMS, PYTHON = "firmware/wire/messages/enums.h", "host/python/stof_wire.py"
