@@ -105,30 +105,20 @@ def unit_tests(log, script):
 
 def layers(log):
     count = one(log.run("scripts/check_layers.py"))
-    count.add(unit_tests(log, "scripts/check_layers_test.py"))
-    count.add(unit_tests(log, "scripts/test_steps_test.py"))
+    count.add(unit_tests(log, "tests/scripts/check_layers_test.py"))
+    count.add(unit_tests(log, "tests/scripts/test_steps_test.py"))
     count.add(one(log.run("scripts/wire_table.py", "--check")))
-    count.add(unit_tests(log, "scripts/wire_table_test.py"))
+    count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
     return count
 
 
-def vectors(log, preset):
-    """What the kernels of a build for ARM are made of, and whether the check would notice."""
-    count = unit_tests(log, "scripts/check_vectors_test.py")
-    count.add(one(log.run("scripts/check_vectors.py", f"build/{configured(preset)}")))
+def objects(log, preset, script):
+    """What the kernels of a build are made of, by a script, and whether the script would notice."""
+    count = unit_tests(log, f"tests/scripts/{script}_test.py")
+    count.add(one(log.run(f"scripts/{script}.py", f"build/{configured(preset)}")))
     if count.failed:
-        count.notes.append("failed: scripts/check_vectors.py or its test")
-        count.details.append(f"    --- vectors\n{indented(log.lines()[-CASE_LINES:])}")
-    return count
-
-
-def wide(log, preset):
-    """Whether what is compiled for wider vectors stays apart, and whether the check would notice."""
-    count = unit_tests(log, "scripts/check_wide_test.py")
-    count.add(one(log.run("scripts/check_wide.py", f"build/{preset}")))
-    if count.failed:
-        count.notes.append("failed: scripts/check_wide.py or its test")
-        count.details.append(f"    --- wide\n{indented(log.lines()[-CASE_LINES:])}")
+        count.notes.append(f"failed: scripts/{script}.py or its test")
+        count.details.append(f"    --- {script}\n{indented(log.lines()[-CASE_LINES:])}")
     return count
 
 
@@ -161,13 +151,13 @@ def skip_reason(case):
 
 
 def tested(preset, *checks):
-    """A step that builds a preset, looks at what was built and runs its tests."""
+    """A step that builds a preset, looks at what was built (scripts/CHECK.py) and runs its tests."""
     def step(log):
         if not build(log, preset):
             return Count(failed=1, notes=["the build failed"])
         count = Count()
-        for look in checks:
-            count.add(look(log, preset))
+        for script in checks:
+            count.add(objects(log, preset, script))
         verdict, cases = ctest(log, preset)
         for case in cases:
             name, status = case.get("name"), case.get("status")
@@ -245,7 +235,7 @@ def boards(log):
         count.add(one(built and log.run("scripts/budgets.py", f"build/{board}")))
         if not built:
             count.notes.append(f"failed: the build of board {board}")
-    count.add(unit_tests(log, "scripts/budgets_test.py"))
+    count.add(unit_tests(log, "tests/scripts/budgets_test.py"))
     return count
 
 
@@ -318,13 +308,13 @@ def gcc_tests(log):
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
-    "emu": tested("emu", wide),
-    "arm64-kernels": arm64("arm64-kernels", vectors),
+    "emu": tested("emu", "check_wide"),
+    "arm64-kernels": arm64("arm64-kernels", "check_vector_code"),
     "boards": boards,
     "tidy": tidy,
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
-    "arm64": arm64("arm64", vectors),
+    "arm64": arm64("arm64", "check_vector_code"),
     "system": system("short"),
     "planted": planted,
     "arm64-ubsan": arm64("arm64-ubsan"),
