@@ -9,7 +9,7 @@
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/depth_picture.h"
 #include "host/picture/disparity_picture.h"
-#include "host/picture/ply.h"
+#include "host/cli/view/ply.h"
 
 namespace stof::host {
 namespace {
