@@ -84,15 +84,16 @@ void SectorFinder::divide() noexcept {
 
 void SectorFinder::set(const SectorParams& params) noexcept {
   params_ = params;
-  params_.pixels = std::clamp(params.pixels, 1, kMostPixels);
+  settings::SectorSettings& obstacle = params_.obstacle;
+  obstacle.pixels = std::clamp(obstacle.pixels, 1, kMostPixels);
   params_.most_mm = std::clamp(params.most_mm, 10, (kBins - 1) * 10);
-  params_.least_mm = std::clamp(params.least_mm, 0, params_.most_mm);
+  obstacle.least_mm = std::clamp(obstacle.least_mm, 0, params_.most_mm);
   bins_used_ = params_.most_mm / 10 + 1;
-  found_.report.least_cm = static_cast<std::uint16_t>(params_.least_mm / 10);
+  found_.report.least_cm = static_cast<std::uint16_t>(obstacle.least_mm / 10);
   found_.report.most_cm = static_cast<std::uint16_t>(params_.most_mm / 10);
   for (std::size_t y = 0; y < limits_.size(); ++y) {
     const double down = (static_cast<double>(y) - lens_.cy) / lens_.fy;
-    const double band = down < 0 ? params_.above_mm : params_.below_mm;
+    const double band = down < 0 ? params_.obstacle.above_mm : params_.obstacle.below_mm;
     const double most = dsp::kMaxQuarterMm;
     const double limit = kQuarterMmPerMm * std::max(band, 0.0) / std::abs(down);
     limits_[y] = static_cast<dsp::QuarterMm>(down == 0 ? most : std::min(limit, most));
@@ -143,7 +144,7 @@ void SectorFinder::measure_row(std::span<const dsp::QuarterMm> depth,
 void SectorFinder::count(Sector& sector, std::span<std::uint16_t> bins, int bin) const noexcept {
   ++bins[static_cast<std::size_t>(bin)];
   ++sector.nearer;
-  while (sector.nearer >= params_.pixels) {
+  while (sector.nearer >= params_.obstacle.pixels) {
     --sector.bound;
     sector.nearer -= bins[static_cast<std::size_t>(sector.bound)];
   }

@@ -9,6 +9,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/calib/pinhole.h"
 #include "dsp/fusion/depth_map.h"
+#include "firmware/settings/settings.h"
 #include "firmware/wire/messages/sectors.h"
 
 // The nearest obstacle by direction, from a depth map with its intervals.
@@ -18,10 +19,7 @@ inline constexpr int kSectors = 72;
 inline constexpr std::uint16_t kUnknownSector = 65'535;
 
 struct SectorParams {
-  int above_mm = 300;    // of the camera's height, at least 0: what is higher is passed below
-  int below_mm = 300;    // at least 0
-  int pixels = 8;        // that make an obstacle, at least 1
-  int least_mm = 100;    // obstacles nearer than that are told at that distance
+  settings::SectorSettings obstacle{};
   int most_mm = 10'000;  // pixels beyond are not looked at; at most 16,380
 
   friend bool operator==(const SectorParams&, const SectorParams&) = default;

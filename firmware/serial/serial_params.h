@@ -28,11 +28,7 @@ constexpr SerialParams serial_params(const settings::Settings& settings) noexcep
           .baud = static_cast<std::uint32_t>(settings.serial.baud),
           .rate_hz = static_cast<std::uint32_t>(settings.serial.rate_hz),
           .width = settings.serial.width,
-          .sectors = {.above_mm = settings.sectors.above_mm,
-                      .below_mm = settings.sectors.below_mm,
-                      .pixels = settings.sectors.pixels,
-                      .least_mm = settings.sectors.least_mm,
-                      .most_mm = settings.depth.max_range_mm},
+          .sectors = {.obstacle = settings.sectors, .most_mm = settings.depth.max_range_mm},
           .system_id = static_cast<std::uint8_t>(settings.mavlink.system_id),
           .component_id = static_cast<std::uint8_t>(settings.mavlink.component_id)};
 }

@@ -73,10 +73,10 @@ struct SerialSettings {
 
 // Which pixels make an obstacle.
 struct SectorSettings {
-  int above_mm = 300;  // of the camera's height
+  int above_mm = 300;  // of the camera's height: what is higher is passed below
   int below_mm = 300;
-  int pixels = 8;
-  int least_mm = 100;
+  int pixels = 8;      // that make an obstacle, at least 1
+  int least_mm = 100;  // obstacles nearer than that are told at that distance
 
   friend bool operator==(const SectorSettings&, const SectorSettings&) = default;
 };

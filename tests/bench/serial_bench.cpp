@@ -41,7 +41,7 @@ void show(SenderBench& bench) {
   stof::test::InOwnMemory<SectorFinder> finder(
       [&](dsp::Arena& arena) { return SectorFinder(lens, {}, arena); });
   std::printf("sectors %.3f ms, band of 0.3 m", median_ms([&] { finder->find(map); }));
-  finder->set({.above_mm = 10'000, .below_mm = 10'000, .pixels = 8});
+  finder->set({.obstacle = {.above_mm = 10'000, .below_mm = 10'000, .pixels = 8}});
   std::printf("; %.3f ms, all heights\n", median_ms([&] { finder->find(map); }));
 }
 

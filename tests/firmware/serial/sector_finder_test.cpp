@@ -19,7 +19,8 @@ constexpr double kRadian = 180 / std::numbers::pi;
 constexpr dsp::Pinhole kLens{
     .width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 320, .cy = 240};
 constexpr SectorParams kAll{
-    .above_mm = 10'000, .below_mm = 10'000, .pixels = 1, .least_mm = 100, .most_mm = 16'000};
+    .obstacle = {.above_mm = 10'000, .below_mm = 10'000, .pixels = 1, .least_mm = 100},
+    .most_mm = 16'000};
 
 // A finder, its memory and a map for it.
 struct World {
@@ -113,8 +114,7 @@ TEST(Sectors, GoByTheNearBound) {
 }
 
 TEST(Sectors, AskForSoManyPixels) {
-  World world(kLens,
-              {.above_mm = 300, .below_mm = 300, .pixels = 8, .least_mm = 100, .most_mm = 16'000});
+  World world(kLens, {.obstacle = {}, .most_mm = 16'000});
   world.paint(322, 240, 1, 7, 4000, 0);
   EXPECT_EQ(world.find().ahead_cm, kUnknownSector);  // never free
   world.paint(322, 247, 1, 1, 12'000, 0);
@@ -124,8 +124,8 @@ TEST(Sectors, AskForSoManyPixels) {
 }
 
 TEST(Sectors, LookOnlyAtTheBandOfHeights) {
-  World world(kLens,
-              {.above_mm = 400, .below_mm = 200, .pixels = 1, .least_mm = 100, .most_mm = 16'000});
+  World world(kLens, {.obstacle = {.above_mm = 400, .below_mm = 200, .pixels = 1, .least_mm = 100},
+                      .most_mm = 16'000});
   // At 2 m a row is 4 mm high: 400 mm above are 100 rows, 200 mm below are 50.
   world.paint(320, 240 - 101, 1, 1, 8000, 0);
   world.paint(320, 240 + 51, 1, 1, 8000, 0);
@@ -135,7 +135,8 @@ TEST(Sectors, LookOnlyAtTheBandOfHeights) {
   world.paint(320, 240 + 50, 1, 1, 0, 0);
   world.paint(320, 240 - 100, 1, 1, 8000, 0);
   EXPECT_EQ(world.find().ahead_cm, 200);
-  world.finder.set({.above_mm = 0, .below_mm = 0, .pixels = 1, .least_mm = 100, .most_mm = 16'000});
+  world.finder.set({.obstacle = {.above_mm = 0, .below_mm = 0, .pixels = 1, .least_mm = 100},
+                    .most_mm = 16'000});
   EXPECT_EQ(world.find().ahead_cm, kUnknownSector);
   world.paint(320, 240, 1, 1, 8000, 0);  // the row of the horizon itself
   EXPECT_EQ(world.find().ahead_cm, 200);
@@ -173,15 +174,15 @@ double reference(World& world, const SectorParams& params, std::size_t sector) {
       const int depth = world.map().depth.at(x, y);
       const int near = std::max(0, depth - (world.map().width.at(x, y) + 1) / 2);
       const double down = near * ((y - world.lens.cy) / world.lens.fy) / 4;
-      if (depth > 0 && world.sector_of(x) == sector && down <= params.below_mm &&
-          -down <= params.above_mm) {
+      if (depth > 0 && world.sector_of(x) == sector && down <= params.obstacle.below_mm &&
+          -down <= params.obstacle.above_mm) {
         const double side = (x - world.lens.cx) / world.lens.fx;
         distances.push_back(near * std::sqrt(1 + side * side) / 40);
       }
     }
   }
   std::ranges::sort(distances);
-  const std::size_t wanted = static_cast<std::size_t>(params.pixels);
+  const std::size_t wanted = static_cast<std::size_t>(params.obstacle.pixels);
   return distances.size() < wanted ? -1 : distances[wanted - 1];
 }
 
@@ -194,10 +195,10 @@ TEST(Sectors, AgreeWithASortOfAllPixels) {
                             .fy = random.between(60, 150) + 0.75,
                             .cx = random.between(30, 80) + 0.3,
                             .cy = random.between(-5, 40) + 0.7};
-    const SectorParams params{.above_mm = random.between(0, 1000),
-                              .below_mm = random.between(0, 1000),
-                              .pixels = random.between(1, 12),
-                              .least_mm = 0,
+    const SectorParams params{.obstacle = {.above_mm = random.between(0, 1000),
+                                           .below_mm = random.between(0, 1000),
+                                           .pixels = random.between(1, 12),
+                                           .least_mm = 0},
                               .most_mm = 16'380};
     World world(lens, params);
     for (int round = 0; round < 2; ++round) {  // nothing of the map before stays
