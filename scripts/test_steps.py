@@ -25,7 +25,8 @@ STEP_LIMIT_S = 20 * 60
 TAIL_LINES = 60
 CASE_LINES = 20
 CASES_SHOWN = 10
-CONFIGURED_AS = {"gcc-tests": "gcc"}
+# Build presets that share the folder of another one.
+CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
@@ -114,21 +115,25 @@ def layers(log):
 def objects(log, preset, script):
     """What the kernels of a build are made of, by a script, and whether the script would notice."""
     count = unit_tests(log, f"tests/scripts/{script}_test.py")
-    count.add(one(log.run(f"scripts/{script}.py", f"build/{preset}")))
+    count.add(one(log.run(f"scripts/{script}.py", f"build/{configured(preset)}")))
     if count.failed:
         count.notes.append(f"failed: scripts/{script}.py or its test")
         count.details.append(f"    --- {script}\n{indented(log.lines()[-CASE_LINES:])}")
     return count
 
 
+def configured(preset):
+    return CONFIGURED_AS.get(preset, preset)
+
+
 def build(log, preset):
-    return (log.run("cmake", "--preset", CONFIGURED_AS.get(preset, preset), "-Wno-dev")
+    return (log.run("cmake", "--preset", configured(preset), "-Wno-dev")
             and log.run("cmake", "--build", "--preset", preset, "--", "-k", "0"))
 
 
 def ctest(log, preset):
     """(ctest's verdict, its cases) of a build; the cases are junit's."""
-    report = ROOT / "build" / preset / "junit.xml"
+    report = ROOT / "build" / configured(preset) / "junit.xml"
     report.unlink(missing_ok=True)
     verdict = log.run("ctest", "--preset", preset, "--output-junit", report)
     if not report.is_file():
@@ -186,6 +191,17 @@ def arm64(preset, *checks):
     return step
 
 
+def tidy(log):
+    """clang-tidy of the product, also of what only boards have; those sources are compiled for `virt`."""
+    count = one(log.run("scripts/tidy", "--product"))
+    if not (log.run("toolchains/sysroot.sh") and log.run("cmake", "--preset", "virt", "-Wno-dev")):
+        count.add(Count(failed=1, notes=["board virt cannot be configured"]))
+        return count
+    sources = sorted(str(path.relative_to(ROOT)) for pattern in ON_BOARDS_ONLY for path in ROOT.glob(pattern))
+    count.add(one(log.run("scripts/tidy", "--build-dir", "build/virt", *sources)))
+    return count
+
+
 EMULATED = "emu"  # the board that every build for the host has
 
 
@@ -207,21 +223,23 @@ ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio/*.cpp", "hal/linux/libc
                   "hal/linux/usb/libusb_udev.cpp")
 
 
+def build_board(log, board):
+    return (log.run("cmake", "--preset", board, "-Wno-dev")
+            and log.run("cmake", "--build", f"build/{board}", "--target", "stof_product", "--", "-k", "0"))
+
+
 def boards(log):
-    """The appliance of every board, within its budgets; what only they are made of, read by clang-tidy."""
+    """The appliance of every board, within its budgets."""
     if not log.run("toolchains/sysroot.sh"):
         return Count(failed=1, notes=["no sysroot"])
     boards_there, wrong = boards_to_build(ROOT)
     count = Count(failed=len(wrong), notes=wrong)
     for board in boards_there:
-        built = (log.run("cmake", "--preset", board, "-Wno-dev")
-                 and log.run("cmake", "--build", f"build/{board}", "--target", "stof_product", "--", "-k", "0"))
+        built = build_board(log, board)
         count.add(one(built and log.run("scripts/budgets.py", f"build/{board}")))
         if not built:
             count.notes.append(f"failed: the build of board {board}")
     count.add(unit_tests(log, "tests/scripts/budgets_test.py"))
-    sources = sorted(str(path.relative_to(ROOT)) for pattern in ON_BOARDS_ONLY for path in ROOT.glob(pattern))
-    count.add(one(log.run("scripts/tidy", "--build-dir", "build/virt", *sources)))
     return count
 
 
@@ -231,7 +249,7 @@ def system(length):
         count = unit_tests(log, "tests/system/parts_test.py")
         needed = ("virt", "rpi4") if length == "long" else ("virt",)
         if not (log.run("toolchains/sysroot.sh") and log.run("toolchains/kernel.sh")
-                and all(build(log, board) for board in needed)
+                and all(build_board(log, board) for board in needed)
                 and log.run("cmake", "--preset", "emu", "-Wno-dev")
                 and log.run("cmake", "--build", "--preset", "emu", "--target", "stof_system_tools", "stofd")):
             count.add(Count(failed=1, notes=["the build failed"]))
@@ -294,12 +312,13 @@ def gcc_tests(log):
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
-    "emu": tested("emu", "check_wide"),
-    "tidy": check("scripts/tidy", "--product"),
+    "emu": tested("emu", "check_avx_symbols"),
+    "arm64-kernels": arm64("arm64-kernels", "check_vector_code"),
+    "boards": boards,
+    "tidy": tidy,
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", "check_vector_code"),
-    "boards": boards,
     "system": system("short"),
     "planted": planted,
     "arm64-ubsan": arm64("arm64-ubsan"),
@@ -308,23 +327,21 @@ STEPS = {
     "gcc-tests": gcc_tests,
     "system-long": system("long"),
 }
-QUICK = ("format", "layers", "emu")
-# What takes the run beyond half an hour on two cores, and seldom finds what the others do not.
-LONG = ("planted", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
+# A newcomer's run. scripts/test installs no more than these need.
+SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
+# Of every change: step arm64 has the kernels, too.
+CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
+ALL = CI + ("planted", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
 
 
 def main():
     parser = argparse.ArgumentParser(
-        prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: all but {', '.join(LONG)}, in this order.")
-    parser.add_argument("--quick", action="store_true", help=f"only {', '.join(QUICK)}")
-    parser.add_argument("--all", action="store_true", help=f"also {', '.join(LONG)}")
-    parser.add_argument("--system-long", action="store_true", help="only system-long: all figures of the system test")
+        prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: {', '.join(SHORT)}.")
+    parser.add_argument("--ci", dest="run", action="store_const", const=CI, help="what every change is held against")
+    parser.add_argument("--all", dest="run", action="store_const", const=ALL, help="everything, hours")
     parser.add_argument("steps", metavar="STEP", nargs="*", help="only these steps")
     arguments = parser.parse_args()
-    usual = list(STEPS) if arguments.all else [step for step in STEPS if step not in LONG]
-    chosen = arguments.steps or (QUICK if arguments.quick else usual)
-    if arguments.system_long:
-        chosen = ["system-long"]
+    chosen = arguments.steps or arguments.run or SHORT
     unknown = [step for step in chosen if step not in STEPS]
     if unknown:
         parser.error(f"unknown step {', '.join(unknown)}: choose from {', '.join(STEPS)}")
@@ -337,7 +354,7 @@ def main():
         begin = time.monotonic()
         count = STEPS[name](log)
         total.add(count)
-        print(f"{name:<11} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
+        print(f"{name:<13} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
         for note in count.notes:
             print(f"    {note}")
         if count.failed:

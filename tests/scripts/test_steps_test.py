@@ -40,5 +40,16 @@ class BoardsTest(unittest.TestCase):
         self.assertIn("virt", boards)
 
 
+class RunsTest(unittest.TestCase):
+    def test_every_step_is_in_a_run(self):
+        self.assertEqual(set(test_steps.STEPS), {*test_steps.SHORT, *test_steps.CI, *test_steps.ALL})
+
+    def test_a_longer_run_has_what_a_shorter_one_has(self):
+        # arm64 builds and runs all tests, so those of arm64-kernels, too.
+        self.assertLessEqual(set(test_steps.SHORT) - {"arm64-kernels"}, set(test_steps.CI))
+        self.assertIn("arm64", test_steps.CI)
+        self.assertLessEqual(set(test_steps.CI), set(test_steps.ALL))
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -20,7 +20,7 @@ struct Swatch {
   const char* meaning;
 };
 constexpr Rgb kNoColour{14, 15, 18};
-constexpr std::array<Swatch, kSources> kSourceSwatches{
+constexpr std::array<Swatch, dsp::kSources> kSourceSwatches{
     {{kNoColour, "none"},
      {{66, 133, 200}, "stereo alone"},
      {{238, 155, 40}, "PMD alone"},

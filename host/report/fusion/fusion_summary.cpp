@@ -150,7 +150,7 @@ void add_sources(std::span<const FusionCase> cases, Page& page) {
   int rare = 0;
   double most = 0;
   for (const FusionCase& fused : cases) {
-    const std::array<std::size_t, kSources> sources = count_sources(fused.result.source);
+    const std::array<std::size_t, dsp::kSources> sources = count_sources(fused.result.source);
     const std::size_t pixels = fused.result.source.pixels.size();
     std::vector<std::string> row{fused.scene, fused.sensor()};
     for (const dsp::Source source :
