@@ -54,17 +54,18 @@ dsp::WigglingTable wiggling_from(Fields& fields) {
   return dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
 }
 
-dsp::PmdTone tone_from(Fields& fields, double usual_ratio) {
-  dsp::PmdTone tone;
-  tone.modulation.value = static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
-  tone.min_modulation_ratio = fields.number_or("min_modulation_ratio", usual_ratio);
-  tone.offset_m = fields.number_or("offset_m", 0);
-  tone.offset_m_per_k = fields.number_or("offset_m_per_k", 0);
-  tone.wiggling = wiggling_from(fields);
+dsp::PmdFrequency frequency_from(Fields& fields, double usual_ratio) {
+  dsp::PmdFrequency frequency;
+  frequency.modulation.value =
+      static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
+  frequency.min_modulation_ratio = fields.number_or("min_modulation_ratio", usual_ratio);
+  frequency.offset_m = fields.number_or("offset_m", 0);
+  frequency.offset_m_per_k = fields.number_or("offset_m_per_k", 0);
+  frequency.wiggling = wiggling_from(fields);
   // Not "stray", which says what a simulated camera really has.
-  tone.stray_i_lsb = fields.number_or("stray_i_lsb", 0);
-  tone.stray_q_lsb = fields.number_or("stray_q_lsb", 0);
-  return tone;
+  frequency.stray_i_lsb = fields.number_or("stray_i_lsb", 0);
+  frequency.stray_q_lsb = fields.number_or("stray_q_lsb", 0);
+  return frequency;
 }
 
 // Electrons become LSB. A key in LSB counts more than what follows from electrons.
@@ -87,7 +88,7 @@ void light_from(Fields& fields, dsp::PmdSensor& sensor) {
 dsp::PmdSensor sensor_from(Fields& fields, double usual_ratio) {
   dsp::PmdSensor sensor;
   sensor.lens = lens_from(fields);
-  sensor.tone = tone_from(fields, usual_ratio);
+  sensor.frequency = frequency_from(fields, usual_ratio);
   sensor.phase_falls = fields.integer_or("phase_falls", 0, 1, 0) == 1;
   sensor.dark_lsb = fields.number("dark_lsb");
   sensor.saturation_lsb = fields.integer("sat_lsb", 1, 65535);
@@ -205,7 +206,8 @@ Done read_fixed_pattern(const std::filesystem::path& file, PatternUnit unit,
                       size_text(values->width, values->height),
                   "give the fixed pattern of this sensor");
   }
-  const double turn_mm = dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.tone.modulation.value);
+  const double turn_mm =
+      dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.frequency.modulation.value);
   const double steps = unit == PatternUnit::kTurn ? 1 : 65536 / (8 * turn_mm);
   for (const std::uint16_t value : values->pixels) {
     const long units = std::lround((value - 32768) * steps);
@@ -272,7 +274,7 @@ Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
 
 Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix,
                               const std::optional<std::filesystem::path>& fixed_pattern) {
-  return read_recording(prefix, fixed_pattern, dsp::PmdTone{}.min_modulation_ratio);
+  return read_recording(prefix, fixed_pattern, dsp::PmdFrequency{}.min_modulation_ratio);
 }
 
 }  // namespace stof::dataset

@@ -26,14 +26,14 @@ void put_lens(const dsp::Pinhole& lens, ordered_json& root) {
   root["p2"] = lens.p2;
 }
 
-void put_tone(const dsp::PmdTone& tone, ordered_json& root) {
-  root["f_mod_hz"] = tone.modulation.value;
-  root["min_modulation_ratio"] = tone.min_modulation_ratio;
-  root["offset_m"] = tone.offset_m;
-  root["offset_m_per_k"] = tone.offset_m_per_k;
-  root["stray_i_lsb"] = tone.stray_i_lsb;
-  root["stray_q_lsb"] = tone.stray_q_lsb;
-  root["wiggling"] = tone.wiggling;
+void put_frequency(const dsp::PmdFrequency& frequency, ordered_json& root) {
+  root["f_mod_hz"] = frequency.modulation.value;
+  root["min_modulation_ratio"] = frequency.min_modulation_ratio;
+  root["offset_m"] = frequency.offset_m;
+  root["offset_m_per_k"] = frequency.offset_m_per_k;
+  root["stray_i_lsb"] = frequency.stray_i_lsb;
+  root["stray_q_lsb"] = frequency.stray_q_lsb;
+  root["wiggling"] = frequency.wiggling;
 }
 
 void put_sensor(const dsp::PmdSensor& sensor, ordered_json& root) {
@@ -100,16 +100,17 @@ Image<std::uint16_t> stacked(const std::vector<Image<std::uint16_t>>& frames) {
   return all;
 }
 
-Done write_tone(const std::filesystem::path& prefix, const PmdRecording& recording,
-                const dsp::PmdTone& tone, const std::vector<Image<std::uint16_t>>& frames,
-                std::span<const std::int16_t> pattern) {
+Done write_frequency(const std::filesystem::path& prefix, const PmdRecording& recording,
+                     const dsp::PmdFrequency& frequency,
+                     const std::vector<Image<std::uint16_t>>& frames,
+                     std::span<const std::int16_t> pattern) {
   const std::filesystem::path file = file_of(prefix, ".json");
   if (Done fine = judge(file, recording, frames); !fine) {
     return fine;
   }
   ordered_json root;
   root["frames"] = frames.size();
-  put_tone(tone, root);
+  put_frequency(frequency, root);
   put_sensor(recording.calibration.pmd, root);
   const PatternUnit unit = pattern.empty() ? PatternUnit::kNone : PatternUnit::kTurn;
   root["fppn_unit"] = kPatternUnits[static_cast<std::size_t>(unit)];
@@ -133,8 +134,10 @@ Done write_tone(const std::filesystem::path& prefix, const PmdRecording& recordi
 }
 
 // The same distances as turns of another frequency.
-std::vector<std::int16_t> in_turns_of(const dsp::PmdTone& other, const dsp::PmdSensor& sensor) {
-  const double ratio = static_cast<double>(other.modulation.value) / sensor.tone.modulation.value;
+std::vector<std::int16_t> in_turns_of(const dsp::PmdFrequency& other,
+                                      const dsp::PmdSensor& sensor) {
+  const double ratio =
+      static_cast<double>(other.modulation.value) / sensor.frequency.modulation.value;
   std::vector<std::int16_t> pattern(sensor.fixed_pattern.size());
   std::ranges::transform(sensor.fixed_pattern, pattern.begin(), [ratio](std::int16_t value) {
     return static_cast<std::int16_t>(std::lround(value * ratio));
@@ -146,7 +149,8 @@ std::vector<std::int16_t> in_turns_of(const dsp::PmdTone& other, const dsp::PmdS
 
 Done write_pmd(const std::filesystem::path& prefix, const PmdRecording& recording) {
   const dsp::PmdSensor& sensor = recording.calibration.pmd;
-  return write_tone(prefix, recording, sensor.tone, recording.frames, sensor.fixed_pattern);
+  return write_frequency(prefix, recording, sensor.frequency, recording.frames,
+                         sensor.fixed_pattern);
 }
 
 Done write_pmd_pair(const std::filesystem::path& prefix, const std::filesystem::path& other,
@@ -159,8 +163,8 @@ Done write_pmd_pair(const std::filesystem::path& prefix, const std::filesystem::
   if (Done written = write_pmd(prefix, recording); !written) {
     return written;
   }
-  return write_tone(other, recording, *sensor.second, recording.second_frames,
-                    in_turns_of(*sensor.second, sensor));
+  return write_frequency(other, recording, *sensor.second, recording.second_frames,
+                         in_turns_of(*sensor.second, sensor));
 }
 
 }  // namespace stof::dataset

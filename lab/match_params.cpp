@@ -75,7 +75,7 @@ dsp::Smoothness default_smoothness(Cost cost) noexcept {
       return {.small_step = 6, .large_step = 24};
     case Cost::kCensus9x7:
       return {.small_step = 16, .large_step = 80};
-    case Cost::kMixed:
+    case Cost::kAdCensus:
       break;
   }
   return dsp::kDefaultSmoothness;
@@ -91,7 +91,7 @@ int default_occlusion(Cost cost) noexcept {
       return 9;
     case Cost::kCensus9x7:
       return 25;
-    case Cost::kMixed:
+    case Cost::kAdCensus:
       break;
   }
   return 16;
@@ -111,7 +111,7 @@ MatchParams as_the_appliance(const dsp::MatchParams& params) noexcept {
   MatchParams same;
   static_cast<dsp::MatchParams&>(same) = params;
   if (params.search == dsp::Search::kPaths) {
-    same.cost = Cost::kMixed;
+    same.cost = Cost::kAdCensus;
     same.method = Method::kSemiGlobal;
   }
   return same;
@@ -123,7 +123,7 @@ bool sums_paths(const MatchParams& params) noexcept {
 
 std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept {
   dsp::MatchParams same = static_cast<const dsp::MatchParams&>(params);
-  if (params.cost == Cost::kMixed && params.method == Method::kSemiGlobal &&
+  if (params.cost == Cost::kAdCensus && params.method == Method::kSemiGlobal &&
       params.directions == dsp::PathSearch::kDirections) {
     same.search = dsp::Search::kPaths;
   } else if (params.cost == Cost::kSad && params.method == Method::kWinnerTakesAll &&

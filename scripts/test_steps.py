@@ -260,11 +260,11 @@ def system(length):
     return step
 
 
-def planted(log):
-    """Kernels with a wrong byte: every comparison with a reference must notice each array at each level."""
-    if not build(log, "planted"):
+def mutation(log):
+    """Mutation testing of kernels: each store has a wrong byte. Every comparison with a reference must notice each array at each level."""
+    if not build(log, "mutation"):
         return Count(failed=1, notes=["the build failed"])
-    listed = subprocess.run(["ctest", "--preset", "planted", "--show-only=json-v1"], cwd=ROOT,
+    listed = subprocess.run(["ctest", "--preset", "mutation", "--show-only=json-v1"], cwd=ROOT,
                             capture_output=True, text=True, check=False).stdout
     programs = sorted({test["command"][0] for test in json.loads(listed or "{}").get("tests", []) if "command" in test})
     count = Count()
@@ -274,10 +274,10 @@ def planted(log):
         # A wrong byte that is an index may end the program: that is noticed too.
         log.run("env", f"STOF_KERNEL_LEVEL={level}", program, "--gtest_filter=*Reference*")
         said = log.lines()[seen:]
-        blind = sorted({line.strip() for line in said if line.startswith("blind: ")})
+        survived = sorted({line.strip() for line in said if line.startswith("survived: ")})
         compared = any(line.startswith("[ RUN ") for line in said)
-        count.add(one(compared and not blind))
-        count.notes += blind
+        count.add(one(compared and not survived))
+        count.notes += survived
         if not compared:
             count.notes.append(f"{name} compares no kernel: name its comparisons EqualsReference")
     if not programs:
@@ -311,7 +311,7 @@ STEPS = {
     "arm64": arm64("arm64", vectors),
     "boards": boards,
     "system": system("short"),
-    "planted": planted,
+    "mutation": mutation,
     "arm64-ubsan": arm64("arm64-ubsan"),
     "fuzz": fuzz,
     "tidy-tests": check("scripts/tidy"),  # what `tidy` has read is not read again
@@ -320,7 +320,7 @@ STEPS = {
 }
 QUICK = ("format", "layers", "emu")
 # What takes the run beyond half an hour on two cores, and seldom finds what the others do not.
-LONG = ("planted", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
+LONG = ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
 
 
 def main():

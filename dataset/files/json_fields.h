@@ -52,7 +52,7 @@ std::string problem_of(dsp::Calibration calibration, bool has_rig);
 enum class PatternUnit : std::uint8_t { kEighthMm, kTurn, kNone };
 inline constexpr std::array<const char*, 3> kPatternUnits{"1/8 mm", "1/65536 turn", "none"};
 
-// read_pmd(); usual_ratio is PmdTone::min_modulation_ratio of a json that has none.
+// read_pmd(); usual_ratio is PmdFrequency::min_modulation_ratio of a json that has none.
 Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
                                     const std::optional<std::filesystem::path>& fixed_pattern,
                                     double usual_ratio);

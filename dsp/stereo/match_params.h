@@ -47,14 +47,15 @@ struct MatchParams {
 
   // Of kPaths; without it kDefaultSmoothness.
   std::optional<Smoothness> smoothness = std::nullopt;
-  // Each match may be given a guide (cost/mask_costs.h): which candidates each pixel may take.
+  // Each match may be given a guide (cost/candidate_mask.h): which candidates each pixel may take.
   bool guided = false;
 
   // Largest difference in px between a match and the match of the match; without it no check.
   std::optional<int> left_right_tolerance = std::nullopt;
   // A rival candidate (not a neighbour) must cost at least this many percent more, 1..99.
   std::optional<int> uniqueness_percent = std::nullopt;
-  // Winners must cost less than their rivals, which those on a flat surface do not (distinct.h).
+  // Winners must cost less than their rivals, which those on a flat surface do not
+  // (winner_margin.h).
   bool distinct = false;
   // Mean |Sobel derivative| of the surroundings, in grey levels, 1..127: where it is less the
   // picture is flat; needs a prefilter.

@@ -32,8 +32,8 @@ struct Series {
 
 // Light that is always there grows with the integration time of the recording.
 dsp::PmdSensor exposed(dsp::PmdSensor sensor, double exposure) {
-  sensor.tone.stray_i_lsb *= exposure;
-  sensor.tone.stray_q_lsb *= exposure;
+  sensor.frequency.stray_i_lsb *= exposure;
+  sensor.frequency.stray_q_lsb *= exposure;
   sensor.suppressed_lsb *= exposure;
   return sensor;
 }

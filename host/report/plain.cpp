@@ -10,7 +10,7 @@ namespace {
 
 using lab::Cost;
 
-bool has_block_costs(const lab::MatchParams& params) { return params.cost != Cost::kMixed; }
+bool has_block_costs(const lab::MatchParams& params) { return params.cost != Cost::kAdCensus; }
 
 // Calls use(row) for all rows of block costs, as the appliance makes them.
 template <typename Sum, typename Use>

@@ -12,8 +12,8 @@ namespace stof::host {
 enum class Variant : std::uint8_t { kPlain, kOptimised };
 
 // Median time in ms of all block costs of a pair: every pixel, every candidate, prefilter included.
-// A row of costs is overwritten by the next one, as in the appliance. None for Cost::kMixed, which
-// has no blocks.
+// A row of costs is overwritten by the next one, as in the appliance. None for Cost::kAdCensus,
+// which has no blocks.
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
                                      const lab::MatchParams& params, Variant variant, int runs);
 

@@ -22,8 +22,8 @@ std::optional<PixelCost> pixel_cost(Cost cost) noexcept {
       return PixelCost::kCensus5x5;
     case Cost::kCensus9x7:
       return PixelCost::kCensus9x7;
-    case Cost::kMixed:
-      return PixelCost::kMixed;
+    case Cost::kAdCensus:
+      return PixelCost::kAdCensus;
     case Cost::kSad:
     case Cost::kSsd:
       break;

@@ -7,7 +7,7 @@
 #include "dsp/base/check.h"
 #include "dsp/base/random.h"
 #include "dsp/stereo/search/winner.h"
-#include "lab/search/odds.h"
+#include "lab/search/acceptance.h"
 
 namespace stof::lab {
 namespace {

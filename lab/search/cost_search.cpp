@@ -4,8 +4,8 @@
 
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/search/single_candidate.h"
 #include "dsp/stereo/search/winner.h"
 #include "lab/block/interest.h"
@@ -38,7 +38,7 @@ void CostSearch<Sum>::match(int y, const MatchedRow& out) noexcept {
   found.judged = found.costs;
   found.winners = winners_.first(out.disparity.size());
   if (narrows(guide, lanes_)) {
-    best::mask_costs(found.costs, guide, lanes_, masked_.first(found.costs.size()));
+    best::mask_candidates(found.costs, guide, lanes_, masked_.first(found.costs.size()));
     found.judged = masked_.first(found.costs.size());
   }
   find(y, found);

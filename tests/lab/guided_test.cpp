@@ -116,7 +116,7 @@ std::vector<MatchParams> every_kind() {
     all.push_back(method_defaults(method));
     all.back().cost = Cost::kSsd;  // u32 sums but for semi-global
     all.push_back(method_defaults(method));
-    all.back().cost = Cost::kMixed;
+    all.back().cost = Cost::kAdCensus;
     all.back().left_right_tolerance = 1;
     all.push_back(method_defaults(method));
     all.back().cost = Cost::kCensus5x5;
@@ -124,7 +124,7 @@ std::vector<MatchParams> every_kind() {
     all.back().subpixel = Subpixel::kParabola;
   }
   all.push_back(method_defaults(Method::kSemiGlobal));
-  all.back().cost = Cost::kMixed;
+  all.back().cost = Cost::kAdCensus;
   all.back().directions = 8;
   all.push_back(method_defaults(Method::kScanline));
   all.back().band = 2;

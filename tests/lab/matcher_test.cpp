@@ -174,7 +174,7 @@ std::vector<MatchParams> every_kind() {
   }
   for (const Method method : {Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
     for (const Cost cost :
-         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
       kinds.push_back(with([&](MatchParams& p) { p.method = method, p.cost = cost; }));
     }
   }
@@ -225,7 +225,7 @@ TEST(Matcher, WhatMatchesWellIsDistinctByEveryMethodAndCost) {
   for (const Method method :
        {Method::kWinnerTakesAll, Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
     for (const Cost cost :
-         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
       for (const std::optional<int> cap : {std::optional<int>(), std::optional<int>(15)}) {
         MatchParams params{{.disparities = 32,
                             .block_width = 9,

@@ -73,7 +73,7 @@ void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int1
       ratio[x + k] = static_cast<std::uint8_t>(result[k]);
     }
   }
-  damage(ratio.first(x));
+  mutate(ratio.first(x));
   neon::peak_ratio(costs.subspan(x * count), lanes, winners.subspan(x), ratio.subspan(x));
 }
 

@@ -20,7 +20,7 @@ struct CostPictures {
 enum class PixelCost : std::uint8_t {
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
-  kMixed,      // census 5x5 and clipped grey differences (mixed.h)
+  kAdCensus,   // census 5x5 and clipped grey differences (ad_census.h)
 };
 
 // The costs of single pixels, one row at a time, for costs that fit u8 and are dear to compute.

@@ -53,7 +53,7 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
   const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
   const bool narrowed = narrows(guide, lanes);
   if (narrowed) {
-    best::mask_costs(found.costs, guide, lanes, masked_.first(costs.size()));
+    best::mask_candidates(found.costs, guide, lanes, masked_.first(costs.size()));
     found.judged = masked_.first(costs.size());
     best::winners(found.judged, lanes, winners);
   }

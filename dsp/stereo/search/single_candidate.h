@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -14,8 +14,8 @@ namespace stof::dsp {
 void settle_single_candidates(int min_disparity, int disparities,
                               std::span<std::int16_t> winners) noexcept;
 
-// The same where a guide (cost/mask_costs.h) may leave out candidates: what it leaves out is none,
-// before and after. An empty one leaves out nothing.
+// The same where a guide (cost/candidate_mask.h) may leave out candidates: what it leaves out is
+// none, before and after. An empty one leaves out nothing.
 void settle_winners(const MatchParams& params, GuideRow guide,
                     std::span<std::int16_t> winners) noexcept;
 

@@ -185,7 +185,7 @@ void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winn
   } else {
     find_winners_of<V, 0>(costs, count, winners);
   }
-  damage(winners);
+  mutate(winners);
 }
 
 template <typename Sum>

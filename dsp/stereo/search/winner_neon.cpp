@@ -5,7 +5,7 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/base/planted.h"
+#include "dsp/base/mutation.h"
 #include "dsp/base/simd.h"
 #include "dsp/stereo/cost/sums_neon.h"
 
@@ -160,7 +160,7 @@ void find_right_winners(std::span<const std::uint8_t> costs, std::size_t lanes,
     const std::int16_t candidate = best[j];
     winners[j] = lowest[j] == kNoCost<std::uint8_t> ? kNoWinner : candidate;
   }
-  damage(winners);
+  mutate(winners);
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winn
   for (std::size_t x = 0; x < winners.size(); ++x) {
     winners[x] = find_winner(costs.data() + x * count, count);
   }
-  damage(winners);
+  mutate(winners);
 }
 
 template <typename Sum>

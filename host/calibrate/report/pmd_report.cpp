@@ -189,10 +189,10 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
 std::string report_text(const PmdReport& report, const PmdCalibration& calibration) {
   const dsp::PmdSensor& sensor = calibration.sensor;
   std::string text;
-  text +=
-      printed("%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
-              report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
-              sensor.tone.modulation.value / 1e6, name_of(report.fitted), name_of(report.judged));
+  text += printed(
+      "%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
+      report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
+      sensor.frequency.modulation.value / 1e6, name_of(report.fitted), name_of(report.judged));
   text += "Z in the middle of the picture, mean over pixels and frames, less the wall's:\n\n";
   add_table(report, calibration, text);
   text += printed("\ncalibrated      at worst %.3f %% of walls from %.1f m on\n",
