@@ -22,8 +22,7 @@ bool all_in_ranges(const MatchParams& params) noexcept {
 
 const char* problem(const MatchParams& params) noexcept {
   const bool whole_search = params.block_shape != BlockShape::kFixed || params.pyramid_levels;
-  const bool by_costs =
-      params.subpixel == dsp::Subpixel::kEquiangular || params.subpixel == dsp::Subpixel::kParabola;
+  const bool by_costs = cost_fit(params.subpixel) != dsp::CostFit::kNone;
   const bool other_search = params.cost != Cost::kSad || params.method != Method::kWinnerTakesAll;
   if (!all_in_ranges(params)) {
     return "a value is out of its range: see the help text";

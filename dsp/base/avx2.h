@@ -24,7 +24,6 @@ using u32x8 = VectorOf<std::uint32_t>::type;
 using i8x32 = VectorOf<std::int8_t>::type;
 using i16x16 = VectorOf<std::int16_t>::type;
 using i32x8 = VectorOf<std::int32_t>::type;
-using f32x8 = VectorOf<float>::type;
 
 // Between them and the processor's own type.
 template <typename V>

@@ -21,4 +21,11 @@ static inline void mutate(std::span<T> written) noexcept {
   }
 }
 
+// Takes back what a vector store did, where an index is made of what was stored and a wrong one
+// would end the program. The kernel mutates its result instead.
+template <typename T>
+static inline void unmutate(T* written) noexcept {
+  mutate(written);
+}
+
 }  // namespace stof::dsp

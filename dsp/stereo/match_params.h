@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "dsp/base/status.h"
+#include "dsp/stereo/refine/subpixel.h"
 
 // How a stereo pair is matched. Every field has one meaning; "off" is never a number.
 namespace stof::dsp {
@@ -25,6 +26,12 @@ enum class Subpixel : std::uint8_t {
   kLeastSquares,  // shift of the grey values; what moves by more than half a pixel is dropped
 };
 
+constexpr CostFit cost_fit(Subpixel subpixel) noexcept {
+  return subpixel == Subpixel::kEquiangular ? CostFit::kEquiangular
+         : subpixel == Subpixel::kParabola  ? CostFit::kParabola
+                                            : CostFit::kNone;
+}
+
 // What a change of disparity between neighbours costs, in the units of one pixel's cost.
 struct Smoothness {
   int small_step = 0;  // P1: by one
@@ -33,6 +40,7 @@ struct Smoothness {
   friend bool operator==(const Smoothness&, const Smoothness&) = default;
 };
 
+// One field for each setting of depth.match.
 struct MatchParams {
   int min_disparity = 0;  // px, may be negative (toed-in rigs)
   int disparities = 64;   // candidates min .. min + disparities - 1, at least 1

@@ -53,7 +53,7 @@ class RowJudge {
       lowest_ = arena.take<Sum>(right);
       right_winners_ = arena.take<std::int16_t>(right);
     }
-    if (kNarrow && (params.uniqueness_percent || fits_costs())) {
+    if (kNarrow && (params.uniqueness_percent || cost_fit(params.subpixel) != CostFit::kNone)) {
       widened_ = arena.take<std::uint16_t>(index(width) * index(lanes_));
     }
   }
@@ -94,17 +94,9 @@ class RowJudge {
 
   void fit_costs(std::span<const Sum> judged, std::span<const std::int16_t> winners,
                  std::span<Disparity> out) noexcept {
-    switch (params_.subpixel) {
-      case Subpixel::kEquiangular:
-        best::refine_winners(wide(judged), lanes_, params_.min_disparity, winners, out);
-        break;
-      case Subpixel::kParabola:
-        best::refine_winners_parabola(wide(judged), lanes_, params_.min_disparity, winners, out);
-        break;
-      case Subpixel::kLeastSquares:
-      case Subpixel::kWhole:
-        best::whole_winners(params_.min_disparity, winners, out);
-    }
+    const CostFit fit = cost_fit(params_.subpixel);
+    best::refine_winners(wide(judged.first(fit == CostFit::kNone ? 0 : judged.size())), lanes_, fit,
+                         params_.min_disparity, winners, out);
   }
 
   void fit_grey_values(const PreparedPair& pair, int y, std::span<Disparity> out) const noexcept {
@@ -116,10 +108,6 @@ class RowJudge {
 
  private:
   static constexpr bool kNarrow = std::is_same_v<Sum, std::uint8_t>;
-
-  bool fits_costs() const noexcept {
-    return params_.subpixel == Subpixel::kEquiangular || params_.subpixel == Subpixel::kParabola;
-  }
 
   // Fits and uniqueness need room above the sums.
   auto wide(std::span<const Sum> judged) noexcept {

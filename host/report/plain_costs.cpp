@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "dsp/base/index.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/hamming.h"
 #include "dsp/stereo/cost/prefilter.h"
@@ -12,8 +13,6 @@
 
 namespace stof::host {
 namespace {
-
-std::size_t size(int value) { return static_cast<std::size_t>(value); }
 
 template <std::size_t kRows>
 std::array<std::span<const std::uint8_t>, kRows> window(const dataset::Image<std::uint8_t>& picture,
@@ -51,15 +50,15 @@ PlainCosts<Sum>::PlainCosts(const dataset::StereoScene& scene, const lab::MatchP
     right_ = plain_derivative(right_, *params.prefilter_cap);
   }
   for (RowPair* pair : {&new_, &old_}) {
-    pair->left.resize(size(widened_));
-    pair->right.resize(size(widened_ + lanes_ - 1));
+    pair->left.resize(dsp::index(widened_));
+    pair->right.resize(dsp::index(widened_ + lanes_ - 1));
   }
   if (census()) {
-    kept_.resize(size(params.block_height) + 1,
-                 std::vector<std::uint8_t>(size(widened_) * size(lanes_)));
+    kept_.resize(dsp::index(params.block_height) + 1,
+                 std::vector<std::uint8_t>(dsp::index(widened_) * dsp::index(lanes_)));
   }
-  sums_.resize(size(widened_) * size(lanes_));
-  costs_.resize(size(left_.width) * size(lanes_));
+  sums_.resize(dsp::index(widened_) * dsp::index(lanes_));
+  costs_.resize(dsp::index(left_.width) * dsp::index(lanes_));
 }
 
 template <typename Sum>
@@ -90,7 +89,7 @@ void PlainCosts<Sum>::mark_outside() {
     for (int i = 0; i < lanes_; ++i) {
       const int right_x = x - params_.min_disparity - i;
       if (i >= params_.disparities || right_x < 0 || right_x >= left_.width) {
-        costs_[size(x * lanes_ + i)] = dsp::kNoCost<Sum>;
+        costs_[dsp::index(x * lanes_ + i)] = dsp::kNoCost<Sum>;
       }
     }
   }
@@ -105,17 +104,17 @@ void PlainCosts<Sum>::load(int y, RowPair& pair) const {
 template <typename Sum>
 std::vector<std::uint8_t>& PlainCosts<Sum>::kept(int y) {
   // One more than the block's rows: what leaves is still there when the next one enters.
-  return kept_[size(y + params_.block_height) % kept_.size()];
+  return kept_[dsp::index(y + params_.block_height) % kept_.size()];
 }
 
 template <typename Sum>
 void PlainCosts<Sum>::describe(const dataset::Image<std::uint8_t>& picture, int y,
                                std::vector<std::uint8_t>& planes) const {
   if (params_.cost == lab::Cost::kCensus5x5) {
-    planes.resize(dsp::planes_of(dsp::kCensus5x5Bits) * size(picture.width));
+    planes.resize(dsp::planes_of(dsp::kCensus5x5Bits) * dsp::index(picture.width));
     dsp::ref::census_5x5(window<5>(picture, y), planes);
   } else {
-    planes.resize(dsp::planes_of(dsp::kCensus9x7Bits) * size(picture.width));
+    planes.resize(dsp::planes_of(dsp::kCensus9x7Bits) * dsp::index(picture.width));
     dsp::ref::census_9x7(window<7>(picture, y), planes);
   }
 }
@@ -123,9 +122,9 @@ void PlainCosts<Sum>::describe(const dataset::Image<std::uint8_t>& picture, int 
 template <typename Sum>
 void PlainCosts<Sum>::pixel_costs(int y, std::vector<std::uint8_t>& costs) const {
   const int inside = std::clamp(y, 0, left_.height - 1);
-  const std::size_t width = size(left_.width);
-  const std::size_t left_length = size(widened_);
-  const std::size_t right_length = size(widened_ + lanes_ - 1);
+  const std::size_t width = dsp::index(left_.width);
+  const std::size_t left_length = dsp::index(widened_);
+  const std::size_t right_length = dsp::index(widened_ + lanes_ - 1);
   std::vector<std::uint8_t> left;
   std::vector<std::uint8_t> right;
   describe(left_, inside, left);

@@ -32,7 +32,7 @@ void CostSearch<Sum>::start(const PreparedPair& pair, Guide guide) noexcept {
 
 template <typename Sum>
 void CostSearch<Sum>::match(int y, const MatchedRow& out) noexcept {
-  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const GuideRow guide = row_of(guide_, y);
   FoundRow<Sum> found;
   found.costs = rows_.row(y);
   found.judged = found.costs;
@@ -42,7 +42,7 @@ void CostSearch<Sum>::match(int y, const MatchedRow& out) noexcept {
     found.judged = masked_.first(found.costs.size());
   }
   find(y, found);
-  settle_winners(params_, guide, found.winners);
+  finish_winners(params_, guide, found.winners);
   judge_.compare_rivals(found, out);
   check_left_right(y, found);
   judge_.fit_costs(found.judged, found.winners, out.disparity);

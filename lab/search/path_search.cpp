@@ -55,7 +55,7 @@ void PathSearch<Source>::start(const PreparedPair& pair, Guide guide) noexcept {
 template <typename Source>
 void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
   const int lanes = lanes_of(params_);
-  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const GuideRow guide = row_of(guide_, y);
   const std::span<std::uint16_t> sums = paths_.sums(y);
   mark_outside(params_, pair_->left().width(), sums);
   if (!guide.empty()) {
@@ -64,7 +64,7 @@ void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
   const FoundRow<typename Source::Cost, std::uint16_t> found{
       .costs = paths_.costs(y), .judged = sums, .winners = winners_.first(out.disparity.size())};
   best::winners(found.judged, lanes, found.winners);
-  settle_winners(params_, guide, found.winners);
+  finish_winners(params_, guide, found.winners);
   judge_.judge(found, *pair_, y, out);
 }
 

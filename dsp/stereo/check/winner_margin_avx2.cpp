@@ -5,7 +5,7 @@
 
 #include "dsp/base/avx2.h"
 #include "dsp/base/check.h"
-#include "dsp/stereo/cost/sums_avx2.h"
+#include "dsp/base/mutation.h"
 
 namespace stof::dsp::avx2 {
 namespace {
@@ -81,7 +81,7 @@ void find_margins_of(std::span<const Sum> costs, std::size_t lanes,
 template <typename Sum>
 void winner_margins(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
                     int percent, int shift, std::span<std::int16_t> margins) noexcept {
-  if (lanes % kLanesOf<Sum> != 0) {
+  if (lanes % static_cast<int>(32 / sizeof(Sum)) != 0) {
     neon::winner_margins(costs, lanes, winners, percent, shift, margins);
     return;
   }

@@ -6,7 +6,6 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/stereo/cost/sums_neon.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -14,14 +13,14 @@ namespace {
 // percent sum - 100 count c of one pixel.
 std::int32_t lead_of(const std::uint8_t* costs, std::size_t lanes, std::uint8_t best,
                      int percent) noexcept {
-  const uint8x16_t no_cost = all(kNoCost<std::uint8_t>);
+  const uint8x16_t no_cost = vdupq_n_u8(kNoCost<std::uint8_t>);
   uint16x8_t sum = vdupq_n_u16(0);     // at most 256 / 8 * 254
   uint8x16_t offered = vdupq_n_u8(0);  // at most 256 / 16
   for (std::size_t i = 0; i < lanes; i += 16) {
-    const uint8x16_t cost = load(costs + i);
-    const uint8x16_t none = equal(cost, no_cost);
+    const uint8x16_t cost = vld1q_u8(costs + i);
+    const uint8x16_t none = vceqq_u8(cost, no_cost);
     sum = vpadalq_u8(sum, vbicq_u8(cost, none));
-    offered = add(offered, vaddq_u8(none, vdupq_n_u8(1)));  // a true mask is -1
+    offered = vaddq_u8(offered, vaddq_u8(none, vdupq_n_u8(1)));  // a true mask is -1
   }
   return percent * static_cast<std::int32_t>(vaddlvq_u16(sum)) -
          100 * static_cast<std::int32_t>(vaddlvq_u8(offered)) * best;
@@ -30,14 +29,14 @@ std::int32_t lead_of(const std::uint8_t* costs, std::size_t lanes, std::uint8_t 
 // Below 100 * 256 * 2^16 < 2^31.
 std::int32_t lead_of(const std::uint16_t* costs, std::size_t lanes, std::uint16_t best,
                      int percent) noexcept {
-  const uint16x8_t no_cost = all(kNoCost<std::uint16_t>);
+  const uint16x8_t no_cost = vdupq_n_u16(kNoCost<std::uint16_t>);
   uint32x4_t sum = vdupq_n_u32(0);
   uint16x8_t missing = vdupq_n_u16(0);  // counts down from 0
   for (std::size_t i = 0; i < lanes; i += 8) {
-    const uint16x8_t cost = load(costs + i);
-    const uint16x8_t none = equal(cost, no_cost);
+    const uint16x8_t cost = vld1q_u16(costs + i);
+    const uint16x8_t none = vceqq_u16(cost, no_cost);
     sum = vpadalq_u16(sum, vbicq_u16(cost, none));
-    missing = add(missing, none);
+    missing = vaddq_u16(missing, none);
   }
   const std::int32_t count =
       static_cast<std::int32_t>(lanes) - static_cast<std::uint16_t>(-vaddvq_u16(missing));
@@ -46,14 +45,14 @@ std::int32_t lead_of(const std::uint16_t* costs, std::size_t lanes, std::uint16_
 
 std::int64_t lead_of(const std::uint32_t* costs, std::size_t lanes, std::uint32_t best,
                      int percent) noexcept {
-  const uint32x4_t no_cost = all(kNoCost<std::uint32_t>);
+  const uint32x4_t no_cost = vdupq_n_u32(kNoCost<std::uint32_t>);
   uint64x2_t sum = vdupq_n_u64(0);
   uint32x4_t missing = vdupq_n_u32(0);
   for (std::size_t i = 0; i < lanes; i += 4) {
-    const uint32x4_t cost = load(costs + i);
-    const uint32x4_t none = equal(cost, no_cost);
+    const uint32x4_t cost = vld1q_u32(costs + i);
+    const uint32x4_t none = vceqq_u32(cost, no_cost);
     sum = vpadalq_u32(sum, vbicq_u32(cost, none));
-    missing = add(missing, none);
+    missing = vaddq_u32(missing, none);
   }
   const std::int64_t count = static_cast<std::int64_t>(lanes) - (0U - vaddvq_u32(missing));
   return percent * static_cast<std::int64_t>(vaddvq_u64(sum)) - 100 * count * best;

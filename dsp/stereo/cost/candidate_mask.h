@@ -23,6 +23,9 @@ static_assert(sizeof(Candidates) == 2);
 // nothing.
 using GuideRow = std::span<const Candidates>;
 using Guide = ImageView<const Candidates>;
+inline GuideRow row_of(Guide guide, int y) noexcept {
+  return guide.empty() ? GuideRow{} : GuideRow{guide.row(y)};
+}
 
 // out[x][i] = costs[x][i] for the candidates of guide[x] and one more to either side, kNoCost for
 // all others. The one more is there to be compared with: a fit of costs needs both neighbours of

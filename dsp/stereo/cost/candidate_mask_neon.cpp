@@ -1,38 +1,26 @@
 #include "dsp/stereo/cost/candidate_mask.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/base/simd.h"
-#include "dsp/stereo/cost/sums_neon.h"
+#include "dsp/base/lanes_neon.h"
 
 namespace stof::dsp::neon {
 namespace {
 
-template <typename Sum>
-constexpr std::array<Sum, Vector<Sum>::kLanes> kCount = [] {
-  std::array<Sum, Vector<Sum>::kLanes> count{};
-  for (std::size_t i = 0; i < count.size(); ++i) {
-    count[i] = static_cast<Sum>(i);
-  }
-  return count;
-}();
-
 // One pixel: lane numbers are compared, and a lane outside becomes all ones, which is kNoCost.
 template <typename Sum>
 void mask_pixel(const Sum* costs, int first, int last, std::size_t lanes, Sum* out) noexcept {
-  using V = typename Vector<Sum>::type;
-  constexpr std::size_t kStep = Vector<Sum>::kLanes;
-  const V low = all(static_cast<Sum>(first));
-  const V high = all(static_cast<Sum>(last));
-  const V step = all(static_cast<Sum>(kStep));
-  V lane = load(kCount<Sum>.data());
-  for (std::size_t i = 0; i < lanes; i += kStep) {
-    const V outside = larger(less(lane, low), less(high, lane));
-    store(out + i, larger(load(costs + i), outside));
-    lane = add(lane, step);
+  using L = Lanes<Sum>;
+  const auto low = L::all(static_cast<Sum>(first));
+  const auto high = L::all(static_cast<Sum>(last));
+  const auto step = L::all(static_cast<Sum>(L::kLanes));
+  auto lane = L::numbers();
+  for (std::size_t i = 0; i < lanes; i += L::kLanes) {
+    const auto outside = L::larger(L::less(lane, low), L::less(high, lane));
+    L::store(out + i, L::larger(L::load(costs + i), outside));
+    lane = lane + step;
   }
 }
 

@@ -11,12 +11,6 @@
 
 namespace stof::dsp {
 
-// What is compared: grey values, smoothed or not, or their derivatives. Of one size.
-struct CostPictures {
-  ImageView<const std::uint8_t> left;
-  ImageView<const std::uint8_t> right;
-};
-
 enum class PixelCost : std::uint8_t {
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62

@@ -51,7 +51,7 @@ void PathSearch::match(int y, const MatchedRow& out) noexcept {
   const std::span<const std::uint8_t> sums = paths_.sums(y);
   const std::span<std::int16_t> winners = winners_.first(out.disparity.size());
   best::winners(sums, lanes_of(params_), winners);
-  settle_winners(params_, guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)}, winners);
+  finish_winners(params_, row_of(guide_, y), winners);
   judge_.judge(FoundRow<std::uint8_t>{.costs = paths_.costs(y), .judged = sums, .winners = winners},
                *pair_, y, out);
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 
 namespace stof::hal::emu {
 
@@ -27,15 +28,15 @@ class ShotQueue {
       }
       slot = take();
     }
-    shots_[index(slot)] = shot;
-    busy_[index(slot)] = true;
-    order_[index(waiting_++)] = slot;
+    shots_[dsp::index(slot)] = shot;
+    busy_[dsp::index(slot)] = true;
+    order_[dsp::index(waiting_++)] = slot;
     return kept;
   }
 
   // The oldest waiting shot, or nullptr.
   const Shot* oldest() const noexcept {
-    return waiting_ == 0 ? nullptr : &shots_[index(order_[0])];
+    return waiting_ == 0 ? nullptr : &shots_[dsp::index(order_[0])];
   }
   // Takes the oldest waiting shot out of the queue; its slot stays busy until release().
   int take() noexcept {
@@ -43,13 +44,13 @@ class ShotQueue {
     const int slot = order_[0];
     --waiting_;
     for (int i = 0; i < waiting_; ++i) {
-      order_[index(i)] = order_[index(i + 1)];
+      order_[dsp::index(i)] = order_[dsp::index(i + 1)];
     }
     return slot;
   }
   void release(int slot) noexcept {
-    STOF_CHECK(slot >= 0 && slot < kCameraSlots && busy_[index(slot)]);
-    busy_[index(slot)] = false;
+    STOF_CHECK(slot >= 0 && slot < kCameraSlots && busy_[dsp::index(slot)]);
+    busy_[dsp::index(slot)] = false;
   }
   void drop_waiting() noexcept {
     while (waiting_ > 0) {
@@ -58,10 +59,9 @@ class ShotQueue {
   }
 
  private:
-  static constexpr std::size_t index(int i) noexcept { return static_cast<std::size_t>(i); }
   int find_free() const noexcept {
     for (int slot = 0; slot < kCameraSlots; ++slot) {
-      if (!busy_[index(slot)]) {
+      if (!busy_[dsp::index(slot)]) {
         return slot;
       }
     }

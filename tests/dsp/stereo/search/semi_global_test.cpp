@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/index.h"
 #include "dsp/stereo/search/path.h"
 #include "dsp/stereo/search/semi_global_body.h"
 #include "tests/support/guarded.h"
@@ -16,26 +17,24 @@ namespace {
 
 constexpr int kLanes = 16;
 
-std::size_t size(int value) { return static_cast<std::size_t>(value); }
-
 // A picture and costs of noise around a surface, and how often each row was asked for.
 template <typename Cost>
 class Scene final : public CostSource<Cost> {
  public:
   Scene(int width, int height, std::uint64_t seed, int largest = 90)
-      : width_(width), grey_(size(width * height)), costs_(size(width * height * kLanes)) {
+      : width_(width), grey_(index(width * height)), costs_(index(width * height * kLanes)) {
     test::Random random(seed);
     random.fill(std::span(grey_));
     random.fill(std::span(costs_), 0, largest);
-    asked_.resize(size(height));
+    asked_.resize(index(height));
   }
   void row(int y, std::span<Cost> costs) noexcept override {
-    ++asked_[size(y)];
+    ++asked_[index(y)];
     std::ranges::copy(at(y), costs.begin());
   }
   std::span<const Cost> at(int y) const {
-    const std::size_t n = size(width_ * kLanes);
-    return std::span<const Cost>(costs_).subspan(size(y) * n, n);
+    const std::size_t n = index(width_ * kLanes);
+    return std::span<const Cost>(costs_).subspan(index(y) * n, n);
   }
   ImageView<const std::uint8_t> grey() const {
     return {grey_.data(), width_, static_cast<int>(asked_.size())};
@@ -66,10 +65,10 @@ Map<Cost, Sum> sums_of(Scene<Cost>& scene, const PathParams<Cost>& how,
       [&](Arena& arena) { return SemiGlobal<Cost, Sum>(how, width, arena); });
   SemiGlobal<Cost, Sum>& semi_global = *owned;
   semi_global.start(scene.grey(), scene);
-  Map<Cost, Sum> map(size(scene.grey().height()));
+  Map<Cost, Sum> map(index(scene.grey().height()));
   for (const int y : rows) {
     const auto sums = semi_global.sums(y);
-    map[size(y)].assign(sums.begin(), sums.end());
+    map[index(y)].assign(sums.begin(), sums.end());
   }
   return map;
 }
@@ -93,7 +92,7 @@ void add_direction(const Scene<Cost>& scene, int step, int shift, Map<Cost>& map
   const ImageView<const std::uint8_t> grey = scene.grey();
   const auto how = params<Cost>(4);
   std::vector<Cost> before;
-  std::vector<Cost> large(size(grey.width()));
+  std::vector<Cost> large(index(grey.width()));
   for (int k = 0; k < grey.height(); ++k) {
     const int y = step > 0 ? k : grey.height() - 1 - k;
     std::vector<Cost> paths(scene.at(y).begin(), scene.at(y).end());
@@ -104,7 +103,7 @@ void add_direction(const Scene<Cost>& scene, int step, int shift, Map<Cost>& map
                               how.penalties.small, std::span<const Cost>(large), std::span(paths));
     }
     for (std::size_t i = 0; i < paths.size(); ++i) {
-      map[size(y)][i] = static_cast<std::uint16_t>(map[size(y)][i] + paths[i]);
+      map[index(y)][i] = static_cast<std::uint16_t>(map[index(y)][i] + paths[i]);
     }
     before = paths;
   }
@@ -114,19 +113,19 @@ template <typename Cost>
 Map<Cost> whole_columns(const Scene<Cost>& scene, int directions) {
   const ImageView<const std::uint8_t> grey = scene.grey();
   const auto how = params<Cost>(directions);
-  Map<Cost> map(size(grey.height()));
-  std::vector<Cost> large(size(grey.width()) + 1);
+  Map<Cost> map(index(grey.height()));
+  std::vector<Cost> large(index(grey.width()) + 1);
   for (int y = 0; y < grey.height(); ++y) {
     edge_penalties_along(grey.row(y), how.penalties, std::span(large));
     const std::span<const Cost> all(large);
     std::vector<Cost> left(scene.at(y).size());
     std::vector<Cost> right(left.size());
-    ref::paths_from_left<Cost>(scene.at(y), kLanes, how.penalties.small, all.first(all.size() - 1),
-                               std::span(left));
-    ref::paths_from_right<Cost>(scene.at(y), kLanes, how.penalties.small, all.subspan(1),
-                                std::span(right));
+    ref::paths_along<Cost>(scene.at(y), kLanes, how.penalties.small, all.first(all.size() - 1),
+                           true, std::span(left));
+    ref::paths_along<Cost>(scene.at(y), kLanes, how.penalties.small, all.subspan(1), false,
+                           std::span(right));
     for (std::size_t i = 0; i < left.size(); ++i) {
-      map[size(y)].push_back(static_cast<std::uint16_t>(left[i] + right[i]));
+      map[index(y)].push_back(static_cast<std::uint16_t>(left[i] + right[i]));
     }
   }
   for (const int shift : {0, -1, 1}) {
@@ -148,7 +147,7 @@ void expect_the_definition_where_columns_are_short() {
   // No stripe is cut where the picture is as high as one approach.
   for (const int directions : {2, 4, 5, 8}) {
     for (const int height : {1, 2, SemiGlobal<Cost, std::uint16_t>::kStripe}) {
-      Scene<Cost> scene(23, height, size(directions + height));
+      Scene<Cost> scene(23, height, index(directions + height));
       EXPECT_EQ(sums_of(scene, directions, in_order(height)), whole_columns(scene, directions))
           << directions << " directions, " << height << " rows";
     }
@@ -166,7 +165,7 @@ TEST(SemiGlobal, AgreesWithWholeColumnsOnNearlyEveryWinner) {
   const Map<std::uint8_t> stripes = sums_of(scene, 4, in_order(height));
   const Map<std::uint8_t> whole = whole_columns(scene, 4);
   int differing = 0;
-  for (std::size_t y = 0; y < size(height); ++y) {
+  for (std::size_t y = 0; y < index(height); ++y) {
     for (std::size_t x = 0; x < 40; ++x) {
       const auto winner = [&](const std::vector<std::uint16_t>& row) {
         const auto pixel = row.begin() + static_cast<std::ptrdiff_t>(x * kLanes);
@@ -226,7 +225,7 @@ TEST(SemiGlobal, InOrderEachRowOfCostsIsComputedOnce) {
   const int height = 4 * SemiGlobal<std::uint8_t, std::uint16_t>::kStripe;
   Scene<std::uint8_t> scene(17, height, 10);
   sums_of(scene, 8, in_order(height));
-  EXPECT_EQ(scene.asked(), std::vector<int>(size(height), 1));
+  EXPECT_EQ(scene.asked(), std::vector<int>(index(height), 1));
 }
 
 }  // namespace
