@@ -28,7 +28,8 @@
 
 namespace stof::board {
 
-// The devices of a board that is open, and what is known about the rig in front of it.
+// The devices of a board that is open, and what is known about the rig in front of it. A list, as
+// long as there are kinds of devices.
 struct Board {
   hal::Clock& clock;
   hal::Trigger& trigger;
@@ -51,7 +52,7 @@ struct Board {
 };
 
 // How a board talks; decided by settings and command line.
-struct Lines {
+struct Connections {
   std::uint16_t udp_port = 7560;  // 0: any free one
   std::string to;                 // HOST:PORT; empty: nobody gets packets who has not subscribed
   std::string serial;             // device file of the serial line; empty: none
@@ -70,7 +71,7 @@ struct Refusal {
 // Opens the devices; may allocate and take a second or two. `arguments` are the board's own command
 // line flags (after the common ones were taken out); unknown ones are refused. The board lives
 // until the program ends; call once.
-std::expected<Board*, Refusal> open(const Lines& lines,
+std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments);
 
 // What can be lost, and opened again by reopen().

@@ -1,6 +1,6 @@
 #include "dataset/pmd_pair.h"
 
-#include <array>
+#include <algorithm>
 #include <utility>
 
 #include "dataset/files/file.h"
@@ -14,24 +14,12 @@ constexpr double kRatioOfTwoFrequencies = 0.25;
 
 // Whether both were taken by one camera.
 bool same_camera(const dsp::PmdSensor& a, const dsp::PmdSensor& b) {
-  const auto numbers = [](const dsp::PmdSensor& of) {
-    const dsp::Pinhole& lens = of.lens;
-    return std::array{lens.fx,
-                      lens.fy,
-                      lens.cx,
-                      lens.cy,
-                      lens.k1,
-                      lens.k2,
-                      lens.k3,
-                      lens.p1,
-                      lens.p2,
-                      of.dark_lsb,
-                      of.electrons_per_lsb,
-                      of.noise_lsb};
-  };
   return a.lens.width == b.lens.width && a.lens.height == b.lens.height &&
+         std::ranges::all_of(
+             kLensKeys, [&](const auto& of) { return a.lens.*of.value == b.lens.*of.value; }) &&
          a.saturation_lsb == b.saturation_lsb && a.phase_falls == b.phase_falls &&
-         numbers(a) == numbers(b);
+         a.dark_lsb == b.dark_lsb && a.electrons_per_lsb == b.electrons_per_lsb &&
+         a.noise_lsb == b.noise_lsb;
 }
 
 }  // namespace

@@ -21,18 +21,23 @@ constexpr int kMaxSide = 4096;
 constexpr int kMaxFrames = 65536;
 constexpr double kMaxWiggleRad = 1;
 
+// Those that the file has; `to` keeps the others.
+template <typename T>
+void take_numbers(std::span<const NumberKey<T>> keys, Fields& fields, T& to) {
+  for (const NumberKey<T>& number : keys) {
+    to.*number.value = fields.number_or(number.key, to.*number.value);
+  }
+}
+
 dsp::Pinhole lens_from(Fields& fields) {
-  return {.width = fields.integer("width", 1, kMaxSide),
-          .height = fields.integer("height", 1, kMaxSide),
-          .fx = fields.number("fx"),
-          .fy = fields.number("fy"),
-          .cx = fields.number("cx"),
-          .cy = fields.number("cy"),
-          .k1 = fields.number_or("k1", 0),
-          .k2 = fields.number_or("k2", 0),
-          .k3 = fields.number_or("k3", 0),
-          .p1 = fields.number_or("p1", 0),
-          .p2 = fields.number_or("p2", 0)};
+  const std::span<const NumberKey<dsp::Pinhole>> keys(kLensKeys);
+  dsp::Pinhole lens{.width = fields.integer("width", 1, kMaxSide),
+                    .height = fields.integer("height", 1, kMaxSide)};
+  for (const NumberKey<dsp::Pinhole>& number : keys.first(kNeededLensKeys)) {
+    lens.*number.value = fields.number(number.key);
+  }
+  take_numbers(keys.subspan(kNeededLensKeys), fields, lens);
+  return lens;
 }
 
 dsp::WigglingTable wiggling_from(Fields& fields) {
@@ -59,12 +64,8 @@ dsp::PmdFrequency frequency_from(Fields& fields, double usual_ratio) {
   frequency.modulation.value =
       static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
   frequency.min_modulation_ratio = fields.number_or("min_modulation_ratio", usual_ratio);
-  frequency.offset_m = fields.number_or("offset_m", 0);
-  frequency.offset_m_per_k = fields.number_or("offset_m_per_k", 0);
+  take_numbers<dsp::PmdFrequency>(kFrequencyKeys, fields, frequency);
   frequency.wiggling = wiggling_from(fields);
-  // Not "stray", which says what a simulated camera really has.
-  frequency.stray_i_lsb = fields.number_or("stray_i_lsb", 0);
-  frequency.stray_q_lsb = fields.number_or("stray_q_lsb", 0);
   return frequency;
 }
 
@@ -102,10 +103,7 @@ dsp::PmdSensor sensor_from(Fields& fields, double usual_ratio) {
     fields.numbers("sigma_polynomial", abc);
     sensor.sigma_polynomial = {.a = abc[0], .b = abc[1], .c = abc[2]};
   }
-  sensor.integration_us = fields.number_or("integration_us", sensor.integration_us);
-  sensor.reference_c = fields.number_or("reference_c", sensor.reference_c);
-  sensor.scale = fields.number_or("scale", sensor.scale);
-  sensor.shift_m = fields.number_or("shift_m", sensor.shift_m);
+  take_numbers<dsp::PmdSensor>(kSensorKeys, fields, sensor);
   return sensor;
 }
 

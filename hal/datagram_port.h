@@ -46,7 +46,7 @@ class DatagramPort {
   // Datagrams that found the receive queue full, since it was opened.
   virtual std::uint64_t overruns() const noexcept = 0;
   // A peer that answered "nobody listens here" (ICMP) since the last call, if any: one a call.
-  virtual bool take_refusal(Peer& peer) noexcept = 0;
+  virtual bool take_unreachable(Peer& peer) noexcept = 0;
   // Its own number.
   virtual std::uint16_t port() const noexcept = 0;
 };

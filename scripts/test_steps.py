@@ -25,7 +25,8 @@ STEP_LIMIT_S = 20 * 60
 TAIL_LINES = 60
 CASE_LINES = 20
 CASES_SHOWN = 10
-CONFIGURED_AS = {"gcc-tests": "gcc"}
+# Build presets that share the folder of another one.
+CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
@@ -104,41 +105,35 @@ def unit_tests(log, script):
 
 def layers(log):
     count = one(log.run("scripts/check_layers.py"))
-    count.add(unit_tests(log, "scripts/check_layers_test.py"))
-    count.add(unit_tests(log, "scripts/test_steps_test.py"))
+    count.add(unit_tests(log, "tests/scripts/check_layers_test.py"))
+    count.add(unit_tests(log, "tests/scripts/test_steps_test.py"))
     count.add(one(log.run("scripts/wire_table.py", "--check")))
-    count.add(unit_tests(log, "scripts/wire_table_test.py"))
+    count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
     return count
 
 
-def vectors(log, preset):
-    """What the kernels of a build for ARM are made of, and whether the check would notice."""
-    count = unit_tests(log, "scripts/check_vectors_test.py")
-    count.add(one(log.run("scripts/check_vectors.py", f"build/{preset}")))
+def objects(log, preset, script):
+    """What the kernels of a build are made of, by a script, and whether the script would notice."""
+    count = unit_tests(log, f"tests/scripts/{script}_test.py")
+    count.add(one(log.run(f"scripts/{script}.py", f"build/{configured(preset)}")))
     if count.failed:
-        count.notes.append("failed: scripts/check_vectors.py or its test")
-        count.details.append(f"    --- vectors\n{indented(log.lines()[-CASE_LINES:])}")
+        count.notes.append(f"failed: scripts/{script}.py or its test")
+        count.details.append(f"    --- {script}\n{indented(log.lines()[-CASE_LINES:])}")
     return count
 
 
-def wide(log, preset):
-    """Whether what is compiled for wider vectors stays apart, and whether the check would notice."""
-    count = unit_tests(log, "scripts/check_wide_test.py")
-    count.add(one(log.run("scripts/check_wide.py", f"build/{preset}")))
-    if count.failed:
-        count.notes.append("failed: scripts/check_wide.py or its test")
-        count.details.append(f"    --- wide\n{indented(log.lines()[-CASE_LINES:])}")
-    return count
+def configured(preset):
+    return CONFIGURED_AS.get(preset, preset)
 
 
 def build(log, preset):
-    return (log.run("cmake", "--preset", CONFIGURED_AS.get(preset, preset), "-Wno-dev")
+    return (log.run("cmake", "--preset", configured(preset), "-Wno-dev")
             and log.run("cmake", "--build", "--preset", preset, "--", "-k", "0"))
 
 
 def ctest(log, preset):
     """(ctest's verdict, its cases) of a build; the cases are junit's."""
-    report = ROOT / "build" / preset / "junit.xml"
+    report = ROOT / "build" / configured(preset) / "junit.xml"
     report.unlink(missing_ok=True)
     verdict = log.run("ctest", "--preset", preset, "--output-junit", report)
     if not report.is_file():
@@ -156,13 +151,13 @@ def skip_reason(case):
 
 
 def tested(preset, *checks):
-    """A step that builds a preset, looks at what was built and runs its tests."""
+    """A step that builds a preset, looks at what was built (scripts/CHECK.py) and runs its tests."""
     def step(log):
         if not build(log, preset):
             return Count(failed=1, notes=["the build failed"])
         count = Count()
-        for look in checks:
-            count.add(look(log, preset))
+        for script in checks:
+            count.add(objects(log, preset, script))
         verdict, cases = ctest(log, preset)
         for case in cases:
             name, status = case.get("name"), case.get("status")
@@ -196,6 +191,17 @@ def arm64(preset, *checks):
     return step
 
 
+def tidy(log):
+    """clang-tidy of the product, also of what only boards have; those sources are compiled for `virt`."""
+    count = one(log.run("scripts/tidy", "--product"))
+    if not (log.run("toolchains/sysroot.sh") and log.run("cmake", "--preset", "virt", "-Wno-dev")):
+        count.add(Count(failed=1, notes=["board virt cannot be configured"]))
+        return count
+    sources = sorted(str(path.relative_to(ROOT)) for pattern in ON_BOARDS_ONLY for path in ROOT.glob(pattern))
+    count.add(one(log.run("scripts/tidy", "--build-dir", "build/virt", *sources)))
+    return count
+
+
 EMULATED = "emu"  # the board that every build for the host has
 
 
@@ -217,21 +223,23 @@ ON_BOARDS_ONLY = ("board/devices/*.cpp", "hal/linux/gpio/*.cpp", "hal/linux/libc
                   "hal/linux/usb/libusb_udev.cpp")
 
 
+def build_board(log, board):
+    return (log.run("cmake", "--preset", board, "-Wno-dev")
+            and log.run("cmake", "--build", f"build/{board}", "--target", "stof_product", "--", "-k", "0"))
+
+
 def boards(log):
-    """The appliance of every board, within its budgets; what only they are made of, read by clang-tidy."""
+    """The appliance of every board, within its budgets."""
     if not log.run("toolchains/sysroot.sh"):
         return Count(failed=1, notes=["no sysroot"])
     boards_there, wrong = boards_to_build(ROOT)
     count = Count(failed=len(wrong), notes=wrong)
     for board in boards_there:
-        built = (log.run("cmake", "--preset", board, "-Wno-dev")
-                 and log.run("cmake", "--build", f"build/{board}", "--target", "stof_product", "--", "-k", "0"))
+        built = build_board(log, board)
         count.add(one(built and log.run("scripts/budgets.py", f"build/{board}")))
         if not built:
             count.notes.append(f"failed: the build of board {board}")
-    count.add(unit_tests(log, "scripts/budgets_test.py"))
-    sources = sorted(str(path.relative_to(ROOT)) for pattern in ON_BOARDS_ONLY for path in ROOT.glob(pattern))
-    count.add(one(log.run("scripts/tidy", "--build-dir", "build/virt", *sources)))
+    count.add(unit_tests(log, "tests/scripts/budgets_test.py"))
     return count
 
 
@@ -241,7 +249,7 @@ def system(length):
         count = unit_tests(log, "tests/system/parts_test.py")
         needed = ("virt", "rpi4") if length == "long" else ("virt",)
         if not (log.run("toolchains/sysroot.sh") and log.run("toolchains/kernel.sh")
-                and all(build(log, board) for board in needed)
+                and all(build_board(log, board) for board in needed)
                 and log.run("cmake", "--preset", "emu", "-Wno-dev")
                 and log.run("cmake", "--build", "--preset", "emu", "--target", "stof_system_tools", "stofd")):
             count.add(Count(failed=1, notes=["the build failed"]))
@@ -306,12 +314,13 @@ def gcc_tests(log):
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
-    "emu": tested("emu", wide),
-    "tidy": check("scripts/tidy", "--product"),
+    "emu": tested("emu", "check_avx_symbols"),
+    "arm64-kernels": arm64("arm64-kernels", "check_vector_code"),
+    "boards": boards,
+    "tidy": tidy,
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
-    "arm64": arm64("arm64", vectors),
-    "boards": boards,
+    "arm64": arm64("arm64", "check_vector_code"),
     "system": system("short"),
     "mutation": mutation,
     "arm64-ubsan": arm64("arm64-ubsan"),
@@ -320,23 +329,21 @@ STEPS = {
     "gcc-tests": gcc_tests,
     "system-long": system("long"),
 }
-QUICK = ("format", "layers", "emu")
-# What takes the run beyond half an hour on two cores, and seldom finds what the others do not.
-LONG = ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
+# A newcomer's run. scripts/test installs no more than these need.
+SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
+# Of every change: step arm64 has the kernels, too.
+CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
+ALL = CI + ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
 
 
 def main():
     parser = argparse.ArgumentParser(
-        prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: all but {', '.join(LONG)}, in this order.")
-    parser.add_argument("--quick", action="store_true", help=f"only {', '.join(QUICK)}")
-    parser.add_argument("--all", action="store_true", help=f"also {', '.join(LONG)}")
-    parser.add_argument("--system-long", action="store_true", help="only system-long: all figures of the system test")
+        prog="scripts/test", epilog=f"STEP: {', '.join(STEPS)}; without any: {', '.join(SHORT)}.")
+    parser.add_argument("--ci", dest="run", action="store_const", const=CI, help="what every change is held against")
+    parser.add_argument("--all", dest="run", action="store_const", const=ALL, help="everything, hours")
     parser.add_argument("steps", metavar="STEP", nargs="*", help="only these steps")
     arguments = parser.parse_args()
-    usual = list(STEPS) if arguments.all else [step for step in STEPS if step not in LONG]
-    chosen = arguments.steps or (QUICK if arguments.quick else usual)
-    if arguments.system_long:
-        chosen = ["system-long"]
+    chosen = arguments.steps or arguments.run or SHORT
     unknown = [step for step in chosen if step not in STEPS]
     if unknown:
         parser.error(f"unknown step {', '.join(unknown)}: choose from {', '.join(STEPS)}")
@@ -349,7 +356,7 @@ def main():
         begin = time.monotonic()
         count = STEPS[name](log)
         total.add(count)
-        print(f"{name:<11} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
+        print(f"{name:<13} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
         for note in count.notes:
             print(f"    {note}")
         if count.failed:

@@ -5,8 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "board/devices/connections.h"
 #include "board/devices/hotplug_camera.h"
-#include "board/devices/lines.h"
 #include "board/devices/nominal_rig.h"
 #include "board/devices/request.h"
 #include "board/devices/wiring.h"
@@ -49,9 +49,9 @@ PictureSize pmd_size(const Request& request) {
 // Everything that the board is made of, as long as the program lives.
 class Rig {
  public:
-  Rig(Request&& request, LinesOpen&& lines, std::unique_ptr<linux::GpioTrigger> trigger)
+  Rig(Request&& request, OpenConnections&& connections, std::unique_ptr<linux::GpioTrigger> trigger)
       : request_(std::move(request)),
-        lines_(std::move(lines)),
+        connections_(std::move(connections)),
         trigger_(std::move(trigger)),
         stereo_exposures_(trigger_->edges(), kTiming.stereo_exposure),
         pmd_exposures_(trigger_->edges(), kTiming.pmd_integration),
@@ -104,7 +104,7 @@ class Rig {
   }
 
   Request request_;
-  LinesOpen lines_;
+  OpenConnections connections_;
   linux::Clock clock_;
   std::unique_ptr<linux::GpioTrigger> trigger_;
   linux::EdgeExposures stereo_exposures_;
@@ -202,7 +202,7 @@ void Rig::open_watchdog() {
 
 void Rig::assemble() {
   const PairConfig& pair = pair_of(request_);
-  notes_.insert(notes_.end(), lines_.notes.begin(), lines_.notes.end());
+  notes_.insert(notes_.end(), connections_.notes.begin(), connections_.notes.end());
   if (!stereo_.why().empty()) {
     notes_.push_back("waiting for the stereo cameras: " + stereo_.why());
   }
@@ -217,11 +217,11 @@ void Rig::assemble() {
             .trigger = *trigger_,
             .stereo = stereo_,
             .pmd = pmd_ ? &*pmd_ : nullptr,
-            .port = *lines_.port,
-            .serial = lines_.serial ? &*lines_.serial : nullptr,
-            .to = lines_.to,
-            .network = *lines_.network,
-            .mdns = lines_.mdns.get(),
+            .port = *connections_.port,
+            .serial = connections_.serial ? &*connections_.serial : nullptr,
+            .to = connections_.to,
+            .network = *connections_.network,
+            .mdns = connections_.mdns.get(),
             .watchdog = watchdog_.get(),
             .calibration = nominal_rig(kConfig, stereo_size(request_), pmd_size(request_)),
             .nominal_calibration = true,
@@ -236,13 +236,13 @@ std::optional<Rig> rig;
 
 }  // namespace
 
-std::expected<Board*, Refusal> open(const Lines& lines,
+std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments) {
   std::expected<Request, Refusal> request = parse(arguments);
   if (!request) {
     return std::unexpected(request.error());
   }
-  std::expected<LinesOpen, Refusal> talks = open_lines(lines);
+  std::expected<OpenConnections, Refusal> talks = open_connections(connections);
   if (!talks) {
     return std::unexpected(talks.error());
   }

@@ -1,7 +1,8 @@
 #include "board/devices/request.h"
 
-#include <charconv>
 #include <utility>
+
+#include "dsp/base/parse_number.h"
 
 namespace stof::board {
 namespace {
@@ -10,21 +11,14 @@ std::unexpected<Refusal> refuse(std::string message) {
   return std::unexpected(Refusal{std::move(message)});
 }
 
-std::optional<int> number(std::string_view text, int low, int high) {
-  int value = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  const bool whole = error == std::errc{} && end == text.data() + text.size();
-  return whole && value >= low && value <= high ? std::optional(value) : std::nullopt;
-}
-
 std::optional<PictureSize> size(std::string_view text) {
   constexpr int kMost = 8192;
   const std::size_t x = text.find('x');
   if (x == std::string_view::npos) {
     return std::nullopt;
   }
-  const std::optional<int> width = number(text.substr(0, x), 1, kMost);
-  const std::optional<int> height = number(text.substr(x + 1), 1, kMost);
+  const std::optional<int> width = dsp::parse_number_in<int>(text.substr(0, x), 1, kMost);
+  const std::optional<int> height = dsp::parse_number_in<int>(text.substr(x + 1), 1, kMost);
   return width && height ? std::optional(PictureSize{*width, *height}) : std::nullopt;
 }
 
@@ -61,10 +55,10 @@ std::expected<bool, std::string> take_value(std::string_view flag, std::string_v
     request.pmd_size = size(value);
     takes = request.pmd_size ? nullptr : "WIDTHxHEIGHT, such as 176x144";
   } else if (flag == "--gain") {
-    request.gain = number(value, 0, 65'535);
+    request.gain = dsp::parse_number_in<int>(value, 0, 65'535);
     takes = request.gain ? nullptr : "a whole number from 0 to 65535";
   } else if (flag == "--priority") {
-    request.priority = number(value, 0, 98);
+    request.priority = dsp::parse_number_in<int>(value, 0, 98);
     takes = request.priority ? nullptr : "a whole number from 0 (none) to 98";
   } else {
     return take_text(flag, value, request);

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "board/devices/lines.h"
+#include "board/devices/connections.h"
 #include "board/emu/request.h"
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
@@ -106,7 +106,7 @@ emu::StereoTiming stereo_timing() { return {.exposure = kConfig.timing.stereo_ex
 // something.
 struct Rig {
   World world;
-  LinesOpen lines;
+  OpenConnections connections;
   emu::Clock emulated_clock;
   hal::linux::Clock machine_clock;
   hal::Clock& clock;
@@ -115,9 +115,9 @@ struct Rig {
   std::optional<emu::Trigger> trigger;
   std::optional<Board> board;
 
-  Rig(World&& seen, LinesOpen&& opened, const Request& request)
+  Rig(World&& seen, OpenConnections&& opened, const Request& request)
       : world(std::move(seen)),
-        lines(std::move(opened)),
+        connections(std::move(opened)),
         clock(request.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
         stereo(clock, *world.imagery, stereo_timing(), request.faults_of(Device::kStereo)) {
     constexpr hal::Duration kPulse = std::chrono::microseconds(50);
@@ -136,28 +136,28 @@ struct Rig {
                         .trigger = *trigger,
                         .stereo = stereo,
                         .pmd = pmd ? &*pmd : nullptr,
-                        .port = *lines.port,
-                        .serial = lines.serial ? &*lines.serial : nullptr,
-                        .to = lines.to,
-                        .network = *lines.network,
-                        .mdns = lines.mdns.get(),
+                        .port = *connections.port,
+                        .serial = connections.serial ? &*connections.serial : nullptr,
+                        .to = connections.to,
+                        .network = *connections.network,
+                        .mdns = connections.mdns.get(),
                         .calibration = world.calibration,
                         .disparities = world.disparities,
                         .emulated_time = request.free_run,
                         .notes = world.notes});
-    board->notes.insert(board->notes.end(), lines.notes.begin(), lines.notes.end());
+    board->notes.insert(board->notes.end(), connections.notes.begin(), connections.notes.end());
   }
 };
 
 }  // namespace
 
-std::expected<Board*, Refusal> open(const Lines& lines,
+std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments) {
   const std::expected<Request, Refusal> request = parse(arguments);
   if (!request) {
     return std::unexpected(request.error());
   }
-  std::expected<LinesOpen, Refusal> talks = open_lines(lines);
+  std::expected<OpenConnections, Refusal> talks = open_connections(connections);
   if (!talks) {
     return std::unexpected(talks.error());
   }

@@ -1,6 +1,5 @@
 #include "board/emu/pair.h"
 
-#include <charconv>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -9,6 +8,7 @@
 
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
+#include "dsp/base/parse_number.h"
 
 namespace stof::board {
 namespace {
@@ -68,10 +68,8 @@ dataset::PmdRecording recording(const SceneWorld& world, const PairRequest& requ
 
 std::expected<std::uint32_t, std::string> count(std::string_view flag, std::string_view value,
                                                 std::uint32_t low, std::uint32_t high) {
-  std::uint32_t out = 0;
-  const char* const end = value.data() + value.size();
-  const auto parsed = std::from_chars(value.data(), end, out);
-  if (parsed.ec != std::errc{} || parsed.ptr != end || out < low || out > high) {
+  const auto out = dsp::parse_number_in<std::uint32_t>(value, low, high);
+  if (!out) {
     std::string line(flag);
     line += " takes a whole number from ";
     line += std::to_string(low);
@@ -80,7 +78,7 @@ std::expected<std::uint32_t, std::string> count(std::string_view flag, std::stri
     line += "; try --help";
     return std::unexpected(std::move(line));
   }
-  return out;
+  return *out;
 }
 
 // One flag and its value.

@@ -1,8 +1,9 @@
 #include "board/emu/request.h"
 
 #include <algorithm>
-#include <charconv>
 #include <utility>
+
+#include "dsp/base/parse_number.h"
 
 namespace stof::board {
 namespace {
@@ -44,11 +45,11 @@ bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>
   const auto kind = find(kFaultNames, parts[1]);
   std::array<std::uint32_t, 2> numbers{};
   for (std::size_t i = 2; i < count; ++i) {
-    const char* const end = parts[i].data() + parts[i].size();
-    const auto parsed = std::from_chars(parts[i].data(), end, numbers[i - 2]);
-    if (parsed.ec != std::errc{} || parsed.ptr != end) {
+    const auto number = dsp::parse_number<std::uint32_t>(parts[i]);
+    if (!number) {
       return false;
     }
+    numbers[i - 2] = *number;
   }
   if (count < 3 || !device || !kind) {
     return false;

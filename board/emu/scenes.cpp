@@ -1,11 +1,10 @@
 #include "board/emu/scenes.h"
 
-#include <charconv>
-#include <cmath>
 #include <utility>
 
-#include "hal/emu/imagery/moving.h"
-#include "hal/emu/imagery/rendered.h"
+#include "dsp/base/parse_number.h"
+#include "hal/emu/imagery/moving_scene.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/room.h"
 #include "hal/emu/scenes/scene.h"
 
@@ -20,38 +19,19 @@ constexpr int kLargest = 2048;
 constexpr double kMaxTurn = 10;      // degrees
 constexpr double kMaxOffset = 1000;  // mm
 
-template <typename T>
-std::optional<T> number(std::string_view text) {
-  T value{};
-  const char* const end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, value);
-  if (parsed.ec != std::errc{} || parsed.ptr != end) {
-    return std::nullopt;
-  }
-  return value;
-}
-
-std::optional<double> number_within(std::string_view text, double limit) {
-  const std::optional<double> value = number<double>(text);
-  return value && std::abs(*value) <= limit ? value : std::nullopt;
-}
-
 std::optional<emu::Size> parse_size(std::string_view text) {
   const std::size_t times = text.find('x');
   if (times == std::string_view::npos) {
     return std::nullopt;
   }
-  const std::optional<int> width = number<int>(text.substr(0, times));
-  const std::optional<int> height = number<int>(text.substr(times + 1));
-  if (!width || !height || *width < kSmallest || *width > kLargest || *height < kSmallest ||
-      *height > kLargest) {
-    return std::nullopt;
-  }
-  return emu::Size{*width, *height};
+  const auto width = dsp::parse_number_in<int>(text.substr(0, times), kSmallest, kLargest);
+  const auto height = dsp::parse_number_in<int>(text.substr(times + 1), kSmallest, kLargest);
+  return width && height ? std::optional(emu::Size{*width, *height}) : std::nullopt;
 }
 
 std::optional<std::uint32_t> room_seed(std::string_view name) {
-  return name.starts_with(kRoom) ? number<std::uint32_t>(name.substr(kRoom.size())) : std::nullopt;
+  return name.starts_with(kRoom) ? dsp::parse_number<std::uint32_t>(name.substr(kRoom.size()))
+                                 : std::nullopt;
 }
 
 bool is_scene(std::string_view name) {
@@ -65,7 +45,7 @@ bool parse_turn(std::string_view text, emu::Misplacement& out) {
     return false;
   }
   const std::string_view axis = text.substr(0, colon);
-  const std::optional<double> degrees = number_within(text.substr(colon + 1), kMaxTurn);
+  const auto degrees = dsp::parse_number_in<double>(text.substr(colon + 1), -kMaxTurn, kMaxTurn);
   if (!degrees) {
     return false;
   }
@@ -155,7 +135,7 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
       return refuse(flag, "WxH, such as 176x144, 16 to 2048 a side, or none", value);
     }
   } else if (flag == "--seed") {
-    request.seed = number<std::uint32_t>(value);
+    request.seed = dsp::parse_number<std::uint32_t>(value);
     if (!request.seed) {
       return refuse(flag, "a whole number from 0 to 4294967295", value);
     }
@@ -164,7 +144,7 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
       return refuse(flag, "pitch:, yaw: or roll:DEGREES, up to 10, such as pitch:0.1", value);
     }
   } else if (flag == "--range-offset") {
-    const std::optional<double> offset = number_within(value, kMaxOffset);
+    const auto offset = dsp::parse_number_in<double>(value, -kMaxOffset, kMaxOffset);
     if (!offset) {
       return refuse(flag, "millimetres, up to 1000", value);
     }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <span>
 #include <string>
@@ -47,6 +48,34 @@ class Fields {
 // left one, which a file need not know, and a missing rig are stood in for. Empty, or what is
 // wrong.
 std::string problem_of(dsp::Calibration calibration, bool has_rig);
+
+// Numbers by their keys, in the order of the file.
+template <typename T>
+struct NumberKey {
+  const char* key;
+  double T::* value;
+};
+inline constexpr std::size_t kNeededLensKeys = 4;  // the others are 0 where a file has them not
+inline constexpr std::array<NumberKey<dsp::Pinhole>, 9> kLensKeys{{{"fx", &dsp::Pinhole::fx},
+                                                                   {"fy", &dsp::Pinhole::fy},
+                                                                   {"cx", &dsp::Pinhole::cx},
+                                                                   {"cy", &dsp::Pinhole::cy},
+                                                                   {"k1", &dsp::Pinhole::k1},
+                                                                   {"k2", &dsp::Pinhole::k2},
+                                                                   {"k3", &dsp::Pinhole::k3},
+                                                                   {"p1", &dsp::Pinhole::p1},
+                                                                   {"p2", &dsp::Pinhole::p2}}};
+inline constexpr std::array<NumberKey<dsp::PmdFrequency>, 4> kFrequencyKeys{
+    {{"offset_m", &dsp::PmdFrequency::offset_m},
+     {"offset_m_per_k", &dsp::PmdFrequency::offset_m_per_k},
+     // Not "stray", which says what a simulated camera really has.
+     {"stray_i_lsb", &dsp::PmdFrequency::stray_i_lsb},
+     {"stray_q_lsb", &dsp::PmdFrequency::stray_q_lsb}}};
+inline constexpr std::array<NumberKey<dsp::PmdSensor>, 4> kSensorKeys{
+    {{"integration_us", &dsp::PmdSensor::integration_us},
+     {"reference_c", &dsp::PmdSensor::reference_c},
+     {"scale", &dsp::PmdSensor::scale},
+     {"shift_m", &dsp::PmdSensor::shift_m}}};
 
 // "fppn_unit": what the values of a fixed pattern count, from 32768.
 enum class PatternUnit : std::uint8_t { kEighthMm, kTurn, kNone };

@@ -16,11 +16,13 @@ Vectors& chosen() noexcept {
 
 Vectors widest_vectors() noexcept {
 #if defined(__x86_64__)
-  if (__builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512vl") != 0 &&
-      __builtin_cpu_supports("avx2") != 0) {
-    return Vectors::kAvx512;
+  if (__builtin_cpu_supports("avx2") == 0 || __builtin_cpu_supports("bmi") == 0 ||
+      __builtin_cpu_supports("bmi2") == 0) {
+    return Vectors::kNeon;
   }
-  return __builtin_cpu_supports("avx2") != 0 ? Vectors::kAvx2 : Vectors::kNeon;
+  return __builtin_cpu_supports("avx512bw") != 0 && __builtin_cpu_supports("avx512vl") != 0
+             ? Vectors::kAvx512
+             : Vectors::kAvx2;
 #else
   return Vectors::kNeon;
 #endif

@@ -9,7 +9,8 @@
 // kernel.h declares them; callers write best::kernel(...).
 namespace stof::dsp {
 
-// In order: what has no variant for one runs with the one before. kAvx512 has bytes and words too.
+// In order: what has no variant for one runs with the one before. kAvx2 has BMI2 too, kAvx512 bytes
+// and words.
 enum class Vectors : std::uint8_t { kRef, kNeon, kAvx2, kAvx512 };
 inline constexpr std::size_t kVectorLevels = 4;
 // What this build holds.

@@ -94,8 +94,7 @@ void DepthMaker::match(ImageView<const std::uint8_t> left,
 }
 
 StereoMaps DepthMaker::stereo() const noexcept {
-  return left_.empty() ? StereoMaps{}
-                       : StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()};
+  return left_.empty() ? StereoMaps{} : StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()};
 }
 
 void DepthMaker::forget_past() noexcept {

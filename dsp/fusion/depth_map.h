@@ -17,6 +17,7 @@ enum class Source : std::uint8_t {
       4,  // one sensor could not tell or was wrong, and the other is clearly better supported
   kConflict = 5,  // the sensors disagreed: no depth
 };
+inline constexpr int kSources = 6;
 
 // Why a depth was resolved, or why there is none although a sensor saw something.
 enum class Cause : std::uint8_t {

@@ -21,8 +21,8 @@ bool set_block(std::string_view text, MatchParams& params) noexcept {
   if (by == std::string_view::npos) {
     return false;
   }
-  const std::optional<int> width = number(text.substr(0, by), 1, kMaxBlock);
-  const std::optional<int> height = number(text.substr(by + 1), 1, kMaxBlock);
+  const std::optional<int> width = parse_number_in<int>(text.substr(0, by), 1, kMaxBlock);
+  const std::optional<int> height = parse_number_in<int>(text.substr(by + 1), 1, kMaxBlock);
   if (!width || !height) {
     return false;
   }
@@ -34,9 +34,10 @@ bool set_block(std::string_view text, MatchParams& params) noexcept {
 // P1,P2.
 bool set_penalties(std::string_view text, MatchParams& params) noexcept {
   const std::size_t comma = std::min(text.find(','), text.size());
-  const std::optional<int> small = number(text.substr(0, comma), 0, kMaxStep);
-  const std::optional<int> large =
-      comma < text.size() ? number(text.substr(comma + 1), 0, kMaxStep) : std::nullopt;
+  const std::optional<int> small = parse_number_in<int>(text.substr(0, comma), 0, kMaxStep);
+  const std::optional<int> large = comma < text.size()
+                                       ? parse_number_in<int>(text.substr(comma + 1), 0, kMaxStep)
+                                       : std::nullopt;
   if (!small || !large || *small > *large) {
     return false;
   }

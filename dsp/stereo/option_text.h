@@ -2,30 +2,22 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <string_view>
+
+#include "dsp/base/parse_number.h"
 
 // How the values of options are written. false, or nothing: not one of them, and `to` stays.
 namespace stof::dsp::option_text {
 
-// Nothing but one decimal number in [low, high].
-inline std::optional<int> number(std::string_view text, int low, int high) noexcept {
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc{} && stop == end && value >= low && value <= high ? std::optional(value)
-                                                                              : std::nullopt;
-}
-
 inline bool set_number(std::string_view text, int low, int high, int& to) noexcept {
-  const std::optional<int> value = number(text, low, high);
+  const std::optional<int> value = parse_number_in<int>(text, low, high);
   to = value.value_or(to);
   return value.has_value();
 }
 
 inline bool set_limit(std::string_view text, int low, int high, std::optional<int>& to) noexcept {
-  const std::optional<int> value = number(text, low, high);
+  const std::optional<int> value = parse_number_in<int>(text, low, high);
   if (!value && text != "off") {
     return false;
   }

@@ -29,7 +29,7 @@ ControlThread::~ControlThread() {
 void ControlThread::run() noexcept {
   while (!done_.load(std::memory_order_relaxed)) {
     if (control_.receive(turn_, &control_now) == Status::kDeviceLost) {
-      std::this_thread::sleep_for(turn_);  // the hooks go on without the network
+      std::this_thread::sleep_for(turn_);  // the tasks go on without the network
     }
     control_.tick(control_now());
   }

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <thread>
 
-#include "firmware/control/control.h"
+#include "firmware/control/control_server.h"
 #include "firmware/control/cookie.h"
 #include "hal/time.h"
 
@@ -28,7 +28,7 @@ class ControlThread {
   void run() noexcept;
 
   hal::Duration turn_;
-  Control control_;
+  ControlServer control_;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/control/periodic.h"
+#include "firmware/control/periodic_task.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/packet.h"
 #include "hal/datagram_port.h"
@@ -23,7 +23,7 @@ std::span<const std::byte> seal_announce(const wire::Announce& announce, const w
 // Tells everybody near who and where the sensor is, once a second, by IPv4 broadcast to port 7561:
 // 255.255.255.255 and the broadcast address of each interface, which of the loopback one is
 // 127.255.255.255. For the control thread; the port takes sends beside those of the loop.
-class Beacon final : public Periodic {
+class Beacon final : public PeriodicTask {
  public:
   static constexpr hal::Duration kPeriod = std::chrono::seconds(1);
   static constexpr std::size_t kMostTargets = 32;

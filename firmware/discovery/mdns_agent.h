@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-#include "firmware/control/periodic.h"
+#include "firmware/control/periodic_task.h"
 #include "firmware/discovery/mdns.h"
 #include "hal/network.h"
 
@@ -11,7 +11,7 @@ namespace stof::firmware {
 
 // The responder at its port. For the control thread. A machine without network is no error: it
 // looks again every two seconds.
-class MdnsAgent final : public Periodic {
+class MdnsAgent final : public PeriodicTask {
  public:
   MdnsAgent(hal::MulticastPort& port, hal::Network& network, const Service& service,
             std::uint32_t seed) noexcept

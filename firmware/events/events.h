@@ -65,7 +65,7 @@ struct StageTime {
 // Written by the loop's thread alone; others may read when the loop has ended.
 struct Counters {
   std::uint64_t edges = 0;            // pulses that went out
-  std::uint64_t published = 0;        // frames handed to the stream
+  std::uint64_t published = 0;        // frames handed to the publisher
   std::uint64_t expired = 0;          // frames that were too old when their turn came
   std::uint64_t unpaired_edges = 0;   // edges without a frame
   std::uint64_t skipped_periods = 0;  // no pulse: the loop came too late

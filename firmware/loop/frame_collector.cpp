@@ -33,7 +33,7 @@ Collected FrameCollector::collect(hal::Time edge, hal::Time deadline,
   const Status stereo_status =
       collect_stereo({edge, timing.stereo_exposure, timing.edge_tolerance}, deadline, stereo);
   if (stereo && search_first != nullptr) {
-    search_first->match(**stereo);
+    search_first->match(**stereo, board_.clock);
   }
   // Also without a stereo frame: what the PMD camera has must not wait for the next edge.
   const Status pmd_status =

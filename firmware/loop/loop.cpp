@@ -20,12 +20,13 @@ void count_stages(const Stats& stats, hal::Duration publish, Counters& counters)
 }  // namespace
 
 Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
-           Pipeline& pipeline, Stream& stream, Events& events, DeviceLending* lending) noexcept
+           Pipeline& pipeline, Publisher& publisher, Events& events,
+           DeviceLending* lending) noexcept
     : board_(board),
       pipeline_(pipeline),
-      stream_(stream),
+      publisher_(publisher),
       lending_(lending),
-      conditions_(board.clock, events, stream.health()),
+      conditions_(board.clock, events, publisher.health()),
       schedule_(timing, board.pmd != nullptr, board.clock.now()),
       collector_(board, setup, conditions_, lending) {}
 
@@ -106,13 +107,13 @@ Status Loop::publish_held() noexcept {
     ++counters.expired;
   } else {
     note_gap(*held_);
-    const Output& output = pipeline_.compute(*held_);
+    const Output& output = pipeline_.compute(*held_, board_.clock);
     const hal::Time computed = board_.clock.now();
     ++counters.published;
-    sent = stream_.publish(*held_, output, schedule_.send_deadline());
+    sent = publisher_.publish(*held_, output, schedule_.send_deadline());
     conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;
-    pipeline_.watch();
+    pipeline_.watch(board_.clock);
     count_stages(output.stats, published, counters);
     update_schedule(output.stats, held_->edge);
   }
@@ -132,14 +133,13 @@ void Loop::note_gap(const Shot& shot) noexcept {
 }
 
 void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {
-  const StreamTimes& stream = stream_.times();
-  schedule_.note_sent(
-      edge,
-      {.search = stats.match,
-       .other = stats.convert + stats.fuse + stats.watch + stream.code + stream.send,
-       .paced = stream.waited,
-       .search_first = pipeline_.may_match_first()},
-      board_.clock.now());
+  const PublisherTimes& times = publisher_.times();
+  schedule_.note_sent(edge,
+                      {.search = stats.match,
+                       .other = stats.convert + stats.fuse + stats.watch + times.code + times.send,
+                       .paced = times.waited,
+                       .search_first = pipeline_.may_match_first()},
+                      board_.clock.now());
 }
 
 Status Loop::collect(hal::Time edge) noexcept {

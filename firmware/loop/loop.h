@@ -12,8 +12,8 @@
 #include "firmware/loop/loop_conditions.h"
 #include "firmware/loop/schedule.h"
 #include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/publisher.h"
 #include "firmware/pipeline/shot.h"
-#include "firmware/pipeline/stream.h"
 
 namespace stof::firmware {
 
@@ -27,7 +27,7 @@ class Loop {
   // board::problem(timing) must be empty; pipeline was built for frames of the setup's sizes.
   // lending: lost devices are lent, to be opened again; nullptr: they come back by themselves.
   Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
-       Pipeline& pipeline, Stream& stream, Events& events,
+       Pipeline& pipeline, Publisher& publisher, Events& events,
        DeviceLending* lending = nullptr) noexcept;
 
   // One period. Blocks until the next point of the grid, and there computes and publishes.
@@ -51,7 +51,7 @@ class Loop {
 
   board::Board& board_;
   Pipeline& pipeline_;
-  Stream& stream_;
+  Publisher& publisher_;
   DeviceLending* lending_;
   LoopConditions conditions_;
   Schedule schedule_;

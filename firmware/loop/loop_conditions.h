@@ -20,7 +20,7 @@ class LoopConditions {
 
   // What a device answered: kOk, or an error, of which kDeviceLost lasts until another answer.
   void note_device_status(Part part, Status status) noexcept;
-  // What the link answered to a frame. A full link (kWouldBlock) is no error here: the stream
+  // What the link answered to a frame. A full link (kWouldBlock) is no error here: the publisher
   // counts its drops.
   void note_link_status(Status status) noexcept;
   // How late the loop was for an edge, at `now`.

@@ -38,44 +38,34 @@ wire::FrameSizes sizes_of(const Setup& setup) noexcept {
       .width = left.width, .height = left.height, .pmd_width = pmd.width, .pmd_height = pmd.height};
 }
 
-std::size_t Pipeline::bytes_needed(const Setup& setup) noexcept {
-  return dsp::bytes_taken([&](dsp::Arena& arena) noexcept {
-    dsp::DepthMaker(setup.calibration, setup.depth, arena,
-                    dsp::ThreadTeam::standing_for(setup.threads));
-    take_map(setup.calibration.stereo.left, arena);
-  });
-}
-
-Pipeline::Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
-                   const dsp::ThreadTeam& team) noexcept
-    : clock_(clock),
-      maker_(setup.calibration, setup.depth, arena, team),
+Pipeline::Pipeline(const Setup& setup, dsp::Arena& arena, const dsp::ThreadTeam& team) noexcept
+    : maker_(setup.calibration, setup.depth, arena, team),
       guided_(setup.depth.guided && setup.has_pmd()) {
   output_.map = take_map(setup.calibration.stereo.left, arena);
 }
 
-void Pipeline::match(const hal::StereoFrame& stereo) noexcept {
-  const hal::Time start = clock_.now();
+void Pipeline::match(const hal::StereoFrame& stereo, hal::Clock& clock) noexcept {
+  const hal::Time start = clock.now();
   maker_.match(stereo.left, stereo.right);
-  output_.stats.match = clock_.now() - start;
+  output_.stats.match = clock.now() - start;
   matched_ = true;
 }
 
-const Output& Pipeline::compute(const Shot& shot) noexcept {
+const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
   Stats& stats = output_.stats;
-  const hal::Time start = clock_.now();
+  const hal::Time start = clock.now();
   if (shot.pmd) {
     const dsp::PmdExposure exposure{.samples = (*shot.pmd)->samples};
     maker_.convert({.first = {&exposure, 1}});
   }
-  stats.convert = clock_.now() - start;
+  stats.convert = clock.now() - start;
   if (!std::exchange(matched_, false)) {
-    match(*shot.stereo);
+    match(*shot.stereo, clock);
     matched_ = false;
   }
-  const hal::Time matched = clock_.now();
+  const hal::Time matched = clock.now();
   maker_.fuse(output_.map);
-  stats.fuse = clock_.now() - matched;
+  stats.fuse = clock.now() - matched;
   output_.stereo = maker_.stereo();
   output_.left = maker_.left();
   output_.right = maker_.right();
@@ -84,14 +74,14 @@ const Output& Pipeline::compute(const Shot& shot) noexcept {
   return output_;
 }
 
-void Pipeline::watch() noexcept {
-  const hal::Time start = clock_.now();
+void Pipeline::watch(hal::Clock& clock) noexcept {
+  const hal::Time start = clock.now();
   maker_.watch();
   if (until_drift_-- == 0) {
     until_drift_ = kFramesBetweenDrifts;
     output_.drift = maker_.drift();
   }
-  output_.stats.watch = clock_.now() - start;
+  output_.stats.watch = clock.now() - start;
 }
 
 }  // namespace stof::firmware

@@ -26,16 +26,13 @@ struct Setup {
 // What frames of this rig are made of.
 wire::FrameSizes sizes_of(const Setup& setup) noexcept;
 
-inline constexpr std::size_t kSources = 6;  // values of dsp::Source
-inline constexpr std::size_t kCauses = 6;   // values of dsp::Cause
-
 struct Stats {
   hal::Duration match{};  // rectification and the search
   hal::Duration convert{};
-  hal::Duration fuse{};                           // and the periods of readings
-  hal::Duration watch{};                          // comparing the sensors, of the frame before
-  std::array<std::uint32_t, kSources> sources{};  // pixels of each
-  std::array<std::uint32_t, kCauses> causes{};
+  hal::Duration fuse{};                                // and the periods of readings
+  hal::Duration watch{};                               // comparing the sensors, of the frame before
+  std::array<std::uint32_t, dsp::kSources> sources{};  // pixels of each
+  std::array<std::uint32_t, dsp::kCauses> causes{};
 
   hal::Duration total() const noexcept { return match + convert + fuse + watch; }
 };
@@ -53,18 +50,15 @@ struct Output {
 // One shot to one depth map, by the dsp::DepthMaker that evaluation on the host uses too.
 class Pipeline {
  public:
-  // Bytes of the Arena; setup.depth.match must pass dsp::check.
-  static std::size_t bytes_needed(const Setup& setup) noexcept;
-
-  // Builds all tables. setup.calibration is complete(), problem() of it empty. team: of at most
-  // setup.threads; no result depends on it.
-  Pipeline(const Setup& setup, hal::Clock& clock, dsp::Arena& arena,
-           const dsp::ThreadTeam& team = {}) noexcept;
+  // Builds all tables. setup.calibration is complete(), problem() of it empty; setup.depth.match
+  // passes dsp::check. team: of at most setup.threads; no result depends on it.
+  Pipeline(const Setup& setup, dsp::Arena& arena, const dsp::ThreadTeam& team = {}) noexcept;
 
   // Whether match() may come before the PMD's samples: not where they guide the search.
   bool may_match_first() const noexcept { return !guided_; }
   // Rectification and the search, for compute() of the shot that this frame becomes a part of.
-  void match(const hal::StereoFrame& stereo) noexcept;
+  // clock: as for all stages, measures what they take.
+  void match(const hal::StereoFrame& stereo, hal::Clock& clock) noexcept;
   // That frame does not become a part of any shot.
   void forget_match() noexcept { matched_ = false; }
 
@@ -73,13 +67,12 @@ class Pipeline {
 
   // Frames of the calibration's sizes; matches them where match() has not. The result is valid
   // until the next call of compute() or match().
-  const Output& compute(const Shot& shot) noexcept;
+  const Output& compute(const Shot& shot, hal::Clock& clock) noexcept;
   // Compares the sensors for drift of the rig, after compute(); the next output tells what came of
   // it.
-  void watch() noexcept;
+  void watch(hal::Clock& clock) noexcept;
 
  private:
-  hal::Clock& clock_;
   dsp::DepthMaker maker_;
   bool guided_;
   bool matched_ = false;

@@ -15,53 +15,42 @@ std::span<std::byte> written(std::span<std::byte> memory, std::size_t bytes) noe
   return memory;
 }
 
-SerialSetup serial_setup(const StreamSetup& stream) noexcept {
-  return {.origin = stream.origin, .calibration = stream.calibration, .clock = stream.clock};
+SerialSetup serial_setup(const PublisherSetup& publisher) noexcept {
+  return {
+      .origin = publisher.origin, .calibration = publisher.calibration, .clock = publisher.clock};
 }
 
 }  // namespace
 
-std::size_t coded_bytes_needed(const Setup& setup) noexcept {
-  const dsp::Pinhole& left = setup.calibration.stereo.left;
-  SerialSetup serial;
-  serial.calibration.image_width = static_cast<std::uint16_t>(left.width);
-  serial.calibration.image_height = static_cast<std::uint16_t>(left.height);
-  serial.calibration.fx = serial.calibration.fy = 1 << 16;  // any lens takes the same
-  const wire::FrameSizes sizes = sizes_of(setup);
-  return wire::FrameCoder::bytes_needed(sizes, wire::FrameCoder::usual_packets(sizes)) +
-         SerialSender::bytes_needed(serial);
-}
-
-Appliance::Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
-                     const Memory& memory) noexcept
+Appliance::Appliance(const Parts& parts, const PublisherSetup& publisher,
+                     const RunConfig& run_config, const Memory& memory) noexcept
     : parts_(parts),
       run_config_(run_config),
-      arena_(written(memory.coded, coded_bytes_needed(run_config.setup))),
+      arena_(written(memory.coded, memory.coded.size())),
       serial_(),
-      stream_(stream, sizes_of(run_config.setup), parts.board.clock, parts.board.port,
-              parts.serial == nullptr ? nullptr
-                                      : &serial_.emplace(serial_setup(stream), *parts.serial,
-                                                         parts.board.clock, arena_),
-              parts.events, arena_),
+      publisher_(publisher, sizes_of(run_config.setup), parts.board.clock, parts.board.port,
+                 parts.serial == nullptr ? nullptr
+                                         : &serial_.emplace(serial_setup(publisher), *parts.serial,
+                                                            parts.board.clock, arena_),
+                 parts.events, arena_),
       images_(memory.images) {
   build(run_config);
-  stream_.set_params(run_config.stream);
+  publisher_.set_params(run_config.publisher);
   if (serial_) {
     serial_->sender.set(run_config.serial);
   }
-  loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, stream_,
+  loop_.emplace(parts_.board, run_config.timing, run_config.setup, *pipeline_, publisher_,
                 parts_.events, parts_.lending);
 }
 
 void Appliance::build(const RunConfig& run_config) noexcept {
   pipeline_.reset();
-  dsp::Arena arena(written(images_, Pipeline::bytes_needed(run_config.setup)));
-  pipeline_.emplace(run_config.setup, parts_.board.clock, arena,
-                    parts_.threads.first(run_config.setup.threads));
+  dsp::Arena arena(written(images_, run_config.image_bytes));
+  pipeline_.emplace(run_config.setup, arena, parts_.threads.first(run_config.setup.threads));
 }
 
 void Appliance::apply(const RunConfig& run_config) noexcept {
-  stream_.set_params(run_config.stream);
+  publisher_.set_params(run_config.publisher);
   if (serial_) {
     serial_->sender.set(run_config.serial);
   }
@@ -78,7 +67,7 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
 
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
-    stream_.set_receivers(*receivers);
+    publisher_.set_receivers(*receivers);
   }
   std::optional<RunConfig> newest;
   while (const std::optional<RunConfig> run_config = parts_.run_configs.pop()) {
@@ -88,9 +77,9 @@ Status Appliance::step(const ControlStatus& control) noexcept {
     apply(*newest);
   }
   const Status status = loop_->step();
-  stream_.report(control);
+  publisher_.report(control);
   if (serial_) {
-    serial_->sender.tick(parts_.board.clock.now(), stream_.health().summary());
+    serial_->sender.tick(parts_.board.clock.now(), publisher_.health().summary());
   }
   return status;
 }

@@ -11,10 +11,10 @@
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
-#include "firmware/pipeline/stream.h"
+#include "firmware/pipeline/publisher.h"
 #include "firmware/program/run_config.h"
 #include "firmware/serial/line/byte_ring.h"
-#include "firmware/serial/sender.h"
+#include "firmware/serial/serial_sender.h"
 #include "firmware/spsc_ring.h"
 
 namespace stof::firmware {
@@ -22,20 +22,16 @@ namespace stof::firmware {
 // New settings, from the control thread to the loop's.
 using RunConfigRing = SpscRing<RunConfig, 4>;
 
-// What coded frames and the serial line's pictures of a rig take.
-std::size_t coded_bytes_needed(const Setup& setup) noexcept;
-
 // Memory that begins aligned for Arena.
 struct Memory {
-  std::span<std::byte>
-      images;  // at least Pipeline::bytes_needed() of every RunConfig that will come
-  std::span<std::byte> coded;  // at least coded_bytes_needed()
+  std::span<std::byte> images;  // for the pipeline of every RunConfig that will come
+  std::span<std::byte> coded;   // for coded frames and the serial line's pictures
 };
 
-// What runs on the loop's thread: pipeline, stream and loop, in the workspace; others help with the
-// pipeline alone. New settings take
-// effect between two frames: what only the stream does from the next one on, a new way to compute
-// depth builds the pipeline anew in the same memory. Allocates nothing after construction.
+// What runs on the loop's thread: pipeline, publisher and loop, in the workspace; others help with
+// the pipeline alone. New settings take effect between two frames: what only the publisher does
+// from the next one on, a new way to compute depth builds the pipeline anew in the same memory.
+// Allocates nothing after construction.
 class Appliance {
  public:
   struct Parts {
@@ -48,7 +44,7 @@ class Appliance {
     DeviceLending* lending = nullptr;  // of lost devices; nullptr: they come back by themselves
   };
 
-  Appliance(const Parts& parts, const StreamSetup& stream, const RunConfig& run_config,
+  Appliance(const Parts& parts, const PublisherSetup& publisher, const RunConfig& run_config,
             const Memory& memory) noexcept;
   Appliance(const Appliance&) = delete;
   Appliance& operator=(const Appliance&) = delete;
@@ -56,13 +52,13 @@ class Appliance {
   // One period: new receivers and settings, Loop::step(), health and events.
   Status step(const ControlStatus& control) noexcept;
 
-  const Stream& stream() const noexcept { return stream_; }
+  const Publisher& publisher() const noexcept { return publisher_; }
   SerialSender::Counters serial() const noexcept {
     return serial_ ? serial_->sender.counters() : SerialSender::Counters{};
   }
 
  private:
-  // The serial line as the stream sees it.
+  // The serial line as the publisher sees it.
   class SerialListener final : public FrameListener {
    public:
     SerialListener(const SerialSetup& setup, ByteRing& ring, hal::Clock& clock,
@@ -90,7 +86,7 @@ class Appliance {
   RunConfig run_config_;
   dsp::Arena arena_;
   std::optional<SerialListener> serial_;
-  Stream stream_;
+  Publisher publisher_;
   std::span<std::byte> images_;
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;

@@ -40,7 +40,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                    .handler = handler_,
                    .subscribers = subscribers_,
                    .ring = parts_.receivers,
-                   .hooks = hooks_,
+                   .tasks = tasks_,
                    .turn = parts_.serial == nullptr
                                ? hal::Duration(std::chrono::milliseconds(20))
                                : SerialLink::turn(static_cast<std::uint32_t>(active.serial.baud))});
@@ -124,7 +124,7 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
   if (!run_config) {
     return false;
   }
-  run_config->stream.revision = revision;
+  run_config->publisher.revision = revision;
   if (!parts_.run_configs.push(*run_config)) {
     return false;
   }

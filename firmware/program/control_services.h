@@ -8,7 +8,7 @@
 
 #include "board/board.h"
 #include "firmware/control/control_thread.h"
-#include "firmware/control/periodic.h"
+#include "firmware/control/periodic_task.h"
 #include "firmware/control/request_handler.h"
 #include "firmware/control/subscriber_list.h"
 #include "firmware/control/subscribers.h"
@@ -17,8 +17,8 @@
 #include "firmware/program/appliance.h"
 #include "firmware/program/run_config.h"
 #include "firmware/serial/line/byte_ring.h"
-#include "firmware/serial/line/requests.h"
 #include "firmware/serial/line/serial_link.h"
+#include "firmware/serial/line/serial_request_handler.h"
 #include "firmware/settings/settings_server.h"
 
 namespace stof::firmware {
@@ -34,7 +34,7 @@ struct LoopStatus {
 // discovery, the serial line. What the loop needs to know of it goes through rings and atomics.
 class ControlServices final : public settings::Limits,
                               public settings::SettingsSink,
-                              public Periodic {
+                              public PeriodicTask {
  public:
   struct Parts {
     board::Board& board;
@@ -76,12 +76,12 @@ class ControlServices final : public settings::Limits,
   RequestHandler handler_;
   Beacon beacon_;
   std::optional<MdnsAgent> mdns_;
-  std::optional<LineRequests> line_requests_;
+  std::optional<SerialRequestHandler> line_requests_;
   std::optional<SerialLink> serial_;
   settings::Text<settings::kNameBytes + 1> mdns_name_;
   bool mdns_on_ = true;
   hal::Time started_ = control_now();
-  std::array<Periodic*, 1> hooks_{this};
+  std::array<PeriodicTask*, 1> tasks_{this};
 
   // What status() tells the loop's thread.
   struct {

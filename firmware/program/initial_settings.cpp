@@ -5,7 +5,7 @@
 
 #include "firmware/events/event_printer.h"
 #include "firmware/settings/fields/assignment.h"
-#include "firmware/settings/saved.h"
+#include "firmware/settings/saved_settings.h"
 
 namespace stof::firmware {
 

@@ -89,7 +89,6 @@ void print_start(const board::Board& board, const RigInfo& rig, const RunConfig&
   for (const std::string& note : board.notes) {
     print_line(note);
   }
-  const std::size_t bytes = Pipeline::bytes_needed(run_config.setup);
   print_line(
       "board " + std::string(board::kConfig.name) + ", stereo " + std::to_string(left.width) + "x" +
       std::to_string(left.height) + " with " +
@@ -100,7 +99,7 @@ void print_start(const board::Board& board, const RigInfo& rig, const RunConfig&
       ", period " +
       std::to_string(
           std::chrono::duration_cast<std::chrono::microseconds>(run_config.timing.period).count()) +
-      " us, workspace " + std::to_string(bytes / 1024) + " of " +
+      " us, workspace " + std::to_string(run_config.image_bytes / 1024) + " of " +
       std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " +
       threads_text(run_config.setup.threads, rig.threads));
   print_line("listening at UDP port " + std::to_string(board.port.port()));
@@ -177,8 +176,9 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control.status(appliance.serial())));
     watchdog.after_round();
-    loop_status.rate_mhz.store(appliance.stream().health().rate_mhz(), std::memory_order_relaxed);
-    loop_status.health.store(appliance.stream().health().summary(), std::memory_order_relaxed);
+    loop_status.rate_mhz.store(appliance.publisher().health().rate_mhz(),
+                               std::memory_order_relaxed);
+    loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
   if (watchdog.end() != Status::kOk) {
     print_line(
@@ -218,7 +218,7 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   if (!run_config) {
     return refuse(run_config.error());
   }
-  run_config->stream.revision = 1;
+  run_config->publisher.revision = 1;
   const auto calibration = wire::make_calibration_packet(run_config->setup.calibration,
                                                          run_config->setup.depth.fusion.max_range,
                                                          run_config->timing.period.count());

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 
+#include "dsp/base/parse_number.h"
 #include "dsp/stereo/match_options.h"
 #include "firmware/settings/depth.h"
 #include "firmware/settings/fields/document.h"
@@ -34,13 +34,12 @@ constexpr std::array<Alias, 9> kAliases{{{"--preset", "preset", ""},
 // Stores the number, or says what the flag takes.
 template <typename To, typename T>
 std::string take_number(std::string_view flag, std::string_view text, T low, T high, To& to) {
-  T value{};
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc{} || end != text.data() + text.size() || value < low || value > high) {
+  const std::optional<T> value = dsp::parse_number_in<T>(text, low, high);
+  if (!value) {
     return std::string(flag) + " takes a whole number from " + std::to_string(low) + " to " +
            std::to_string(high) + ", not \"" + std::string(text) + "\"";
   }
-  to = value;
+  to = *value;
   return {};
 }
 
@@ -76,14 +75,12 @@ MatchFlag find_match_flag(std::string_view flag) noexcept {
 
 // Metres, into millimetres.
 std::string take_max_range(std::string_view text, Options& options) {
-  double metres = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), metres);
-  if (error != std::errc{} || end != text.data() + text.size() || !(metres >= 0.5) ||
-      !(metres <= 16.38)) {
+  const std::optional<double> metres = dsp::parse_number_in<double>(text, 0.5, 16.38);
+  if (!metres) {
     return "--max-range takes metres from 0.5 to 16.38, not \"" + std::string(text) + "\"";
   }
   options.assignments.push_back({.path = "depth.max_range_mm",
-                                 .value = std::to_string(std::lround(metres * 1000)),
+                                 .value = std::to_string(std::lround(*metres * 1000)),
                                  .flag = "--max-range"});
   return {};
 }

@@ -128,11 +128,29 @@ std::string limits(const Setup& setup, const board::Config& config) {
            " cannot be matched with these parameters: check --disparities, --min-disparity and "
            "--block";
   }
-  if (const std::size_t bytes = Pipeline::bytes_needed(setup); bytes > sizeof(Workspace::memory)) {
+  return {};
+}
+
+// As many threads as there is memory for; each searches in memory of its own.
+std::string share_memory(RunConfig& run_config, const board::Config& config) {
+  Setup& setup = run_config.setup;
+  const auto measure = [&setup] {
+    return dsp::bytes_taken([&setup](dsp::Arena& arena) noexcept {
+      Pipeline(setup, arena, dsp::ThreadTeam::standing_for(setup.threads));
+    });
+  };
+  constexpr std::size_t kRoom = sizeof(Workspace::memory);
+  run_config.image_bytes = measure();
+  while (run_config.image_bytes > kRoom && setup.threads > 1) {
+    --setup.threads;
+    run_config.image_bytes = measure();
+  }
+  if (run_config.image_bytes > kRoom) {
+    const dsp::Pinhole& left = setup.calibration.stereo.left;
     return "matching " + size_text(left.width, left.height) + " with " +
            std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
-           std::to_string(bytes / kMiB + 1) + " MiB, board " + config.name + " has " +
-           std::to_string(sizeof(Workspace::memory) / kMiB) +
+           std::to_string(run_config.image_bytes / kMiB + 1) + " MiB, board " + config.name +
+           " has " + std::to_string(kRoom / kMiB) +
            ": use fewer disparities, fewer threads or another preset";
   }
   return {};
@@ -189,15 +207,15 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   RunConfig run_config{
       .setup = {.calibration = rig.calibration,
                 .depth = settings::depth_params(settings, rig.disparities),
-                .threads = 1},
+                .threads = rig.threads},
       .timing = config.timing,
-      .stream = {.choice = settings.streams, .pace_percent = settings.pace_percent},
+      .publisher = {.choice = settings.streams, .pace_percent = settings.pace_percent},
       .serial = serial_params(settings)};
   if (settings.period_ms > 0) {
     run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
   }
-  run_config.stream.period = run_config.timing.period;
-  run_config.stream.max_range = run_config.setup.depth.fusion.max_range;
+  run_config.publisher.period = run_config.timing.period;
+  run_config.publisher.max_range = run_config.setup.depth.fusion.max_range;
   if (const char* const why = board::problem(run_config.timing); *why != '\0') {
     return std::unexpected(std::string("period_ms: ") + why + ": choose another period");
   }
@@ -207,10 +225,8 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   if (std::string why = limits(run_config.setup, config); !why.empty()) {
     return std::unexpected(std::move(why));
   }
-  run_config.setup.threads = rig.threads;
-  while (run_config.setup.threads > 1 &&
-         Pipeline::bytes_needed(run_config.setup) > sizeof(Workspace::memory)) {
-    --run_config.setup.threads;
+  if (std::string why = share_memory(run_config, config); !why.empty()) {
+    return std::unexpected(std::move(why));
   }
   return run_config;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <expected>
 #include <string>
@@ -7,8 +8,8 @@
 
 #include "board/board.h"
 #include "firmware/pipeline/pipeline.h"
-#include "firmware/pipeline/stream.h"
-#include "firmware/serial/params.h"
+#include "firmware/pipeline/publisher.h"
+#include "firmware/serial/serial_params.h"
 #include "firmware/settings/settings.h"
 
 // From the board's table, the rig and the settings to what the loop runs with. Not for the loop's
@@ -33,8 +34,9 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
 struct RunConfig {
   Setup setup;
   board::TimingConfig timing;
-  StreamParams stream;
+  PublisherParams publisher;
   SerialParams serial;
+  std::size_t image_bytes = 0;  // of memory that the pipeline of this setup takes
 };
 
 // As many of the rig's threads as the board has memory for: each searches in memory of its own. An

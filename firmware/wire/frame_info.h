@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -8,9 +9,7 @@
 
 namespace stof::wire {
 
-inline constexpr std::size_t kSources = 6;  // values of dsp::Source
-inline constexpr std::size_t kCauses = 6;   // values of dsp::Cause
-inline constexpr std::size_t kDrifts = 5;   // values of dsp::DriftParameter
+inline constexpr std::size_t kDrifts = std::tuple_size_v<decltype(FrameInfo::drifts)>;
 
 constexpr std::uint32_t pixels(const FrameInfo& info, dsp::Source source) noexcept {
   return info.pixels_by_source[static_cast<std::size_t>(source)];

@@ -19,6 +19,8 @@ inline constexpr std::size_t kCrcBytes = 4;
 inline constexpr std::size_t kMaxPayload = kMaxDatagram - kHeaderBytes - kCrcBytes;
 inline constexpr std::uint8_t kWireVersion = 1;
 
+inline constexpr std::size_t kStreams = 8;  // streams 1 to 8; index: number less 1
+
 // Types below 64 are parts of a frame and share its packet counting; the others count for
 // themselves.
 constexpr bool part_of_frame(PacketType type) noexcept {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "host/calibrate/fit/pmd_guess.h"
+#include "host/calibrate/fit/initial_estimate.h"
 #include "host/calibrate/fit/pmd_measures.h"
 
 namespace stof::host {
@@ -108,7 +108,7 @@ class Steps {
   void begin() {
     const bool known = options_.phase_falls.has_value() || options_.start.has_value();
     PmdModel guessed = begin_;
-    guess(out_.data, known, stray_can_be_seen() && begin_.stray == 0.0, guessed);
+    estimate_initial_model(out_.data, known, stray_can_be_seen() && begin_.stray == 0.0, guessed);
     begin_.phase_falls = guessed.phase_falls;
     if (parts_.offset) {
       begin_.offset = guessed.offset;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "host/calibrate/fit/line_fit.h"
 #include "host/calibrate/fit/pmd_fit.h"
-#include "host/calibrate/fit/pmd_line.h"
 
 // From walls at known distances to the constants of a PMD sensor: what is estimated, what is kept,
 // and what the data do not support.

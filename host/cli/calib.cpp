@@ -5,20 +5,12 @@
 
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/report/pmd_json.h"
-#include "host/calibrate/report/pmd_plots.h"
 #include "host/calibrate/report/pmd_report.h"
-#include "host/cli/evaluate/evaluate.h"
 #include "host/cli/exit.h"
+#include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {
 namespace {
-
-Frames frames_of(const std::string& name) {
-  if (name == "even") {
-    return Frames::kEven;
-  }
-  return name == "odd" ? Frames::kOdd : Frames::kAll;
-}
 
 // What --fit names; all of it where it names nothing.
 void choose_parts(const CalibPmdOptions& options, CalibrateOptions& calibrate) {
@@ -121,7 +113,7 @@ void calib_pmd(const CalibPmdOptions& options) {
   if (!options.start.empty()) {
     start = value_or_fail(read_calibration(options.start));
   }
-  const Frames frames = frames_of(options.frames);
+  const Frames frames = frames_named(options.frames);
   WallFolder folder = value_or_fail(read_folder(options.folder, frames));
   const dsp::PmdSensor camera = camera_of(options, folder, start);
   CalibrateOptions calibrate{
@@ -144,8 +136,7 @@ void calib_pmd(const CalibPmdOptions& options) {
   rig.pmd = found->sensor;
   value_or_fail(write_calibration(options.out, rig));
   if (!options.plots.empty()) {
-    make_folder(options.plots);
-    value_or_fail(write_plots(options.plots, report, *found));
+    value_or_fail(write_calibration_page(report, *found, options.plots / "calibration.html"));
   }
   if (options.json) {
     std::printf("%s\n", report_json(report, *found).c_str());
@@ -166,7 +157,7 @@ void add_calib(CLI::App& app, CalibPmdOptions& options) {
   pmd.add_option("--start", options.start,
                  "Calibration file that everything is kept from that is not fitted");
   pmd.add_option("--frames", options.frames, "Frames that are fitted to; the others judge")
-      ->check(CLI::IsMember({"even", "odd", "all"}))
+      ->check(CLI::IsMember(kFramesNames))
       ->capture_default_str();
   pmd.add_option("--fit", options.fit, "What is fitted, separated by commas; all of it by default")
       ->delimiter(',')
@@ -185,7 +176,7 @@ void add_calib(CLI::App& app, CalibPmdOptions& options) {
   pmd.add_option("--albedo", options.albedo, "Of the wall at the light's wavelength")
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
-  pmd.add_option("--plots", options.plots, "Folder for PNGs");
+  pmd.add_option("--plots", options.plots, "Folder for calibration.html, a page with plots");
   pmd.add_flag("--json", options.json, "Print JSON");
   pmd.callback([&options] { calib_pmd(options); });
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/exit.h"
+#include "host/client/value_names.h"
 #include "host/discovery/discover.h"
 #include "host/text/printed.h"
 
@@ -15,18 +16,8 @@ namespace {
 constexpr std::array kWayNames{client::Way::kDirect, client::Way::kBeacon, client::Way::kMdns};
 
 const char* health_name(const std::optional<wire::Health>& health) {
-  if (!health) {
-    return "unknown";
-  }
-  switch (*health) {
-    case wire::Health::kOk:
-      return "ok";
-    case wire::Health::kDegraded:
-      return "degraded";
-    case wire::Health::kFault:
-      return "fault";
-  }
-  return "unknown";
+  return health ? client::name_in(client::kHealthNames, static_cast<std::size_t>(*health))
+                : "unknown";
 }
 
 std::vector<std::string> ways_of(const client::FoundSensor& sensor) {

@@ -1,16 +1,14 @@
 #include <array>
-#include <span>
 
 #include "firmware/wire/messages/conditions.h"
+#include "host/client/value_names.h"
 #include "host/lib/include/stof/stof.h"
 
 namespace {
 
-constexpr const char* kUnknown = "unknown";
+using stof::client::name_in;
 
-const char* name_in(std::span<const char* const> names, unsigned value) noexcept {
-  return value < names.size() ? names[value] : kUnknown;
-}
+constexpr const char* kUnknown = "unknown";
 
 const stof::wire::ConditionInfo* info_of(unsigned condition) noexcept {
   return condition < stof::wire::kConditions
@@ -60,17 +58,13 @@ const char* stof_reaction_name(unsigned reaction) {
 }
 
 const char* stof_source_name(unsigned source) {
-  return name_in(std::array{"none", "stereo", "pmd", "both", "resolved", "conflict"}, source);
+  return name_in(stof::client::kSourceNames, source);
 }
 
-const char* stof_cause_name(unsigned cause) {
-  return name_in(std::array{"none", "mixed_pixel", "stereo_ambiguous", "range_ambiguous",
-                            "occluded", "contradiction"},
-                 cause);
-}
+const char* stof_cause_name(unsigned cause) { return name_in(stof::client::kCauseNames, cause); }
 
 const char* stof_health_name(unsigned health) {
-  return name_in(std::array{"ok", "degraded", "fault"}, health);
+  return name_in(stof::client::kHealthNames, health);
 }
 
 }  // extern "C"

@@ -80,4 +80,25 @@ std::vector<double> ColourScale::ticks() const {
   return result;
 }
 
+Rgb mixed(Rgb a, Rgb b, double share_of_b) {
+  const auto mix = [share_of_b](std::uint8_t from, std::uint8_t to) {
+    return static_cast<std::uint8_t>(std::lround(std::lerp(from, to, share_of_b)));
+  };
+  return {mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)};
+}
+
+std::vector<double> round_ticks(double low, double high, int count) {
+  const double raw = (high - low) / std::max(count, 1);
+  const double power = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = 10 * power;
+  for (const double factor : {5.0, 2.0, 1.0}) {
+    step = factor * power >= raw * (1 - 1e-9) ? factor * power : step;
+  }
+  std::vector<double> ticks;
+  for (double n = std::ceil(low / step - 1e-9); n * step <= high + 1e-9 * step; n += 1) {
+    ticks.push_back(n == 0 ? 0 : n * step);
+  }
+  return ticks;
+}
+
 }  // namespace stof::host

@@ -24,4 +24,11 @@ struct ColourScale {
 // both ends from yellow, in OKLCH, so that neighbouring distances differ about equally to the eye.
 Rgb scale_colour(double position);
 
+// From a (share 0) to b (share 1), channel by channel.
+Rgb mixed(Rgb a, Rgb b, double share_of_b);
+
+// About `count` round numbers (1, 2 or 5 times a power of ten apart) that span low .. high from
+// within; low < high.
+std::vector<double> round_ticks(double low, double high, int count);
+
 }  // namespace stof::host

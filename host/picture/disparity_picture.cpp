@@ -15,13 +15,6 @@ constexpr std::array<Rgb, 2> kNone{{{14, 15, 18}, {44, 46, 52}}};
 constexpr int kCheckerPx = 3;
 constexpr float kWrongAbovePx = 1;  // as in disparity_score.h
 
-Rgb mixed(Rgb a, Rgb b, double share_of_b) {
-  const auto mix = [share_of_b](std::uint8_t from, std::uint8_t to) {
-    return static_cast<std::uint8_t>(std::lround(std::lerp(from, to, share_of_b)));
-  };
-  return {mix(a.red, b.red), mix(a.green, b.green), mix(a.blue, b.blue)};
-}
-
 }  // namespace
 
 Rgb DisparityScale::colour(double disparity_px) const {
@@ -29,22 +22,7 @@ Rgb DisparityScale::colour(double disparity_px) const {
   return scale_colour(std::lerp(kWarmest, kColdest, place));
 }
 
-std::vector<double> DisparityScale::ticks() const {
-  constexpr double kWanted = 5;
-  constexpr double kRounding = 1e-9;
-  const double rough = (near_px - far_px) / kWanted;
-  const double decade = std::pow(10, std::floor(std::log10(rough)));
-  double step = 10 * decade;
-  for (const double digit : {5.0, 2.0, 1.0}) {
-    step = digit * decade >= rough * (1 - kRounding) ? digit * decade : step;
-  }
-  std::vector<double> result;
-  for (double at = std::ceil(far_px / step - kRounding) * step; at <= near_px + kRounding * step;
-       at += step) {
-    result.push_back(at + 0.0);  // no -0
-  }
-  return result;
-}
+std::vector<double> DisparityScale::ticks() const { return round_ticks(far_px, near_px, 5); }
 
 Rgb none_colour(int x, int y) {
   return kNone[static_cast<std::size_t>((x / kCheckerPx + y / kCheckerPx) % 2)];

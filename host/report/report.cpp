@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "host/report/stereo/sections.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -26,7 +27,7 @@ std::string processor() {
 std::vector<std::string> lead(const Study& study) {
   std::string names;
   for (const Subject& subject : study.subjects()) {
-    names += (names.empty() ? "" : ", ") + subject.name();
+    add_to(names, subject.name());
   }
   return {
       "The stereo methods of the 2007 book chapter on fusing stereo and PMD depth for mobile "

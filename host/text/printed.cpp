@@ -21,6 +21,10 @@ std::string printed(const char* format, ...) {
   return text;
 }
 
+void add_to(std::string& list, std::string_view entry, std::string_view separator) {
+  list.append(list.empty() ? "" : separator).append(entry);
+}
+
 std::string cell(std::optional<double> value, int width, int decimals) {
   return value && std::isfinite(*value) ? printed("%*.*f", width, decimals, *value)
                                         : printed("%*s", width, "-");

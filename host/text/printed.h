@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace stof::host {
 
@@ -9,6 +10,9 @@ namespace stof::host {
 // clang-format off
 [[gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
 // clang-format on
+
+// Appends to a list in one line, with the separator between two entries.
+void add_to(std::string& list, std::string_view entry, std::string_view separator = ", ");
 
 // Right-aligned in `width` columns; "-" for what is no number or is not finite.
 std::string cell(std::optional<double> value, int width, int decimals);

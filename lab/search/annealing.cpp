@@ -7,7 +7,7 @@
 #include "dsp/base/check.h"
 #include "dsp/base/random.h"
 #include "dsp/stereo/search/winner.h"
-#include "lab/search/acceptance.h"
+#include "lab/search/metropolis.h"
 
 namespace stof::lab {
 namespace {

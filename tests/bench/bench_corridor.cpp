@@ -9,12 +9,12 @@
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/crc32c.h"
-#include "firmware/wire/frame/frame_coder.h"
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
 #include "host/evaluate/workspace.h"
 #include "tests/bench/bench_work.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
 
 namespace stof::bench {
 namespace {
@@ -64,9 +64,7 @@ struct CorridorWork::State {
               .height = depth.height,
               .pmd_width = scene.pmd_size().width,
               .pmd_height = scene.pmd_size().height},
-        coder_memory(wire::FrameCoder::bytes_needed(sizes)),
-        coder_arena(coder_memory.arena()),
-        coder({}, sizes, kLens, coder_arena),
+        coder({}, sizes, kLens),
         coded(depth.pixels.size() * 4) {
     scene.left(1, pictures.left.view());
     scene.right(1, pictures.right.view());
@@ -76,7 +74,7 @@ struct CorridorWork::State {
   }
 
   void code(const wire::StreamChoice& choice) {
-    const auto sent = coder.code(
+    const auto sent = coder->code(
         {}, {}, {.map = {depth.view(), width.view(), source.view(), cause.view()}}, choice);
     STOF_CHECK(sent.has_value());
   }
@@ -93,9 +91,7 @@ struct CorridorWork::State {
   dsp::Arena arena;
   dsp::DepthMaker maker;
   wire::FrameSizes sizes;
-  host::Workspace coder_memory;
-  dsp::Arena coder_arena;
-  wire::FrameCoder coder;
+  test::CoderInMemory coder;
   std::vector<std::byte> coded;
   std::vector<std::pair<std::size_t, wire::RvlCoded>> parts;  // of `coded`, and where they begin
   std::uint32_t sum = 0;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
 #include "tests/bench/bench_work.h"

@@ -7,7 +7,7 @@
 #include "host/evaluate/workspace.h"
 #include "lab/matcher.h"
 #include "posix/worker_threads.h"
-#include "tests/dsp/stereo/raw_world.h"
+#include "tests/dsp/stereo/raw_pair_scene.h"
 
 namespace stof::bench {
 namespace {

@@ -5,12 +5,12 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <memory>
 #include <vector>
 
-#include "firmware/serial/sender.h"
+#include "firmware/serial/serial_sender.h"
 #include "tests/firmware/serial/line.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::firmware::test {
 namespace {
@@ -38,15 +38,11 @@ void show(SenderBench& bench) {
   const dsp::DepthMap map = bench.map();
   const dsp::Pinhole lens{
       .width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 319.5, .cy = 239.5};
-  std::vector<std::byte> memory(SectorFinder::bytes_needed(640, 480) + dsp::Arena::kAlign);
-  void* at = memory.data();
-  std::size_t space = memory.size();
-  std::align(dsp::Arena::kAlign, 1, at, space);
-  dsp::Arena own({static_cast<std::byte*>(at), space});
-  SectorFinder finder(lens, {}, own);
-  std::printf("sectors %.3f ms, band of 0.3 m", median_ms([&] { finder.find(map); }));
-  finder.set({.above_mm = 10'000, .below_mm = 10'000, .pixels = 8});
-  std::printf("; %.3f ms, all heights\n", median_ms([&] { finder.find(map); }));
+  stof::test::InOwnMemory<SectorFinder> finder(
+      [&](dsp::Arena& arena) { return SectorFinder(lens, {}, arena); });
+  std::printf("sectors %.3f ms, band of 0.3 m", median_ms([&] { finder->find(map); }));
+  finder->set({.above_mm = 10'000, .below_mm = 10'000, .pixels = 8});
+  std::printf("; %.3f ms, all heights\n", median_ms([&] { finder->find(map); }));
 }
 
 void measure(SenderBench& bench, const char* name, SerialParams params, std::uint32_t baud) {

@@ -13,6 +13,7 @@
 #include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/crc32c.h"
 #include "firmware/wire/frame/frame_coder.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 
 namespace stof::wire {
@@ -127,8 +128,8 @@ StreamChoice usual(Coding coding, bool parity) {
 
 void run(const char* preset) {
   test::CorridorFrame frame(preset);
-  test::CoderInMemory memory({}, frame.sizes(), kLens);
-  FrameCoder& coder = memory.coder();
+  test::CoderInMemory in_memory({}, frame.sizes(), kLens);
+  FrameCoder& coder = *in_memory;
   struct Row {
     const char* name;
     Stream stream;

@@ -143,7 +143,6 @@ void expect_equal(const std::vector<Image<std::uint16_t>>& a,
 class WrittenPmd : public test::Scratch {
  protected:
   std::filesystem::path prefix() const { return folder() / "one"; }
-  std::filesystem::path other() const { return folder() / "two"; }
 
   void expect_refused(const PmdRecording& recording, std::string_view fact) const {
     const std::expected<void, Problem> written = write_pmd(prefix(), recording);
@@ -188,35 +187,6 @@ TEST_F(WrittenPmd, WithoutFixedPatternDoesNotTakeThatOfItsFolder) {
   expect_equal(again->calibration.pmd, recording.calibration.pmd);
 }
 
-TEST_F(WrittenPmd, OfTwoFrequenciesReadsBackEqual) {
-  PmdRecording recording = some_recording();
-  recording.second_frames = some_frames(3, 4);
-  dsp::PmdFrequency& second = recording.calibration.pmd.second.emplace();
-  second = recording.calibration.pmd.frequency;
-  recording.calibration.pmd.frequency.modulation.value = 20'000'000;
-  second.modulation.value = 18'750'000;
-  second.offset_m = 0.7;
-  second.stray_q_lsb = 1.1;
-  second.wiggling[5] = 77;
-  const std::expected<void, Problem> written = write_pmd_pair(prefix(), other(), recording);
-  ASSERT_TRUE(written) << written.error().message;
-  for (const bool turned : {false, true}) {
-    const Loaded<PmdRecording> again =
-        turned ? read_pmd_pair(other(), prefix()) : read_pmd_pair(prefix(), other());
-    ASSERT_TRUE(again) << again.error().message;
-    expect_equal(again->frames, recording.frames);
-    expect_equal(again->second_frames, recording.second_frames);
-    expect_equal(again->calibration.pmd, recording.calibration.pmd);
-    ASSERT_TRUE(again->calibration.pmd.second);
-    expect_equal(*again->calibration.pmd.second, second);
-    EXPECT_EQ(again->second_samples(1)[2].at(4, 1), recording.second_samples(1)[2].at(4, 1));
-  }
-  // The second one alone: the same distances in turns of its own.
-  const Loaded<PmdRecording> alone = read_pmd(other());
-  ASSERT_TRUE(alone) << alone.error().message;
-  EXPECT_EQ(alone->fixed_pattern[0], std::lround(-32768 * 0.9375));
-}
-
 TEST_F(WrittenPmd, IsRefusedWithFramesOfAnotherSize) {
   PmdRecording recording = some_recording();
   recording.frames[1] = Image<std::uint16_t>(kWidth, 4 * kHeight - 1);
@@ -232,12 +202,6 @@ TEST_F(WrittenPmd, IsRefusedWithNumbersThatCannotBeReadBack) {
   recording = some_recording();
   recording.calibration.pmd.fixed_pattern = std::span(recording.fixed_pattern).first(3);
   expect_refused(recording, "fixed pattern");
-}
-
-TEST_F(WrittenPmd, IsRefusedAsAPairWithoutASecondFrequency) {
-  const std::expected<void, Problem> written = write_pmd_pair(prefix(), other(), some_recording());
-  ASSERT_FALSE(written);
-  expect_one_line_about(written.error().message, other().string() + ".json", "no second frequency");
 }
 
 TEST_F(WrittenPmd, SaysWhereItCannotBeWritten) {

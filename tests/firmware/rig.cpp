@@ -62,7 +62,11 @@ Setup setup_of(const RigOptions& options) {
 }
 
 std::size_t bytes(const Setup& setup) {
-  return Pipeline::bytes_needed(setup) + wire::FrameCoder::bytes_needed(sizes_of(setup));
+  return dsp::bytes_taken([&](dsp::Arena& arena) {
+    Pipeline(setup, arena, dsp::ThreadTeam::standing_for(setup.threads));
+    const wire::FrameSizes sizes = sizes_of(setup);
+    wire::FrameCoder({}, sizes, {}, arena, wire::FrameCoder::usual_packets(sizes));
+  });
 }
 
 }  // namespace
@@ -149,21 +153,20 @@ Rig::Rig(const RigOptions& options)
             .emulated_time = true,
             .notes = {}},
       setup(setup_of(options)),
-      memory(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes(setup))),
-             &std::free),
-      arena({memory.get(), bytes(setup)}),
-      pipeline(setup, clock, arena, options.threads),
-      stream({.origin = {.device_id = 7, .session_id = 9},
-              .clock = wire::ClockState::kEmulated,
-              .calibration =
-                  wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
-                                                options.timing.period.count())
-                      .value()},
-             sizes_of(setup), clock, board.port, nullptr, events, arena),
-      loop(board, options.timing, setup, pipeline, stream, events, options.lending) {
-  stream.set_params({.choice = options.choice, .period = options.timing.period});
+      memory(bytes(setup)),
+      arena(memory.span()),
+      pipeline(setup, arena, options.threads),
+      publisher({.origin = {.device_id = 7, .session_id = 9},
+                 .clock = wire::ClockState::kEmulated,
+                 .calibration =
+                     wire::make_calibration_packet(setup.calibration, setup.depth.fusion.max_range,
+                                                   options.timing.period.count())
+                         .value()},
+                sizes_of(setup), clock, board.port, nullptr, events, arena),
+      loop(board, options.timing, setup, pipeline, publisher, events, options.lending) {
+  publisher.set_params({.choice = options.choice, .period = options.timing.period});
   const hal::Peer receiver{.address = {}, .port = 1};
-  stream.set_receivers({.peers = {receiver}, .count = 1});
+  publisher.set_receivers({.peers = {receiver}, .count = 1});
 }
 
 std::size_t Received::count(dsp::Source which) const {

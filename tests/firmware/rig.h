@@ -4,7 +4,6 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
-#include <cstdlib>
 #include <map>
 #include <memory>
 #include <numbers>
@@ -17,7 +16,7 @@
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
-#include "firmware/pipeline/stream.h"
+#include "firmware/pipeline/publisher.h"
 #include "hal/emu/cameras/pmd_camera.h"
 #include "hal/emu/cameras/stereo_camera.h"
 #include "hal/emu/cameras/trigger.h"
@@ -25,6 +24,7 @@
 #include "hal/emu/devices/datagram_port.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/emu/imagery/imagery.h"
+#include "tests/support/guarded.h"
 
 // A small rig of emulated devices around the real loop, and a receiver that looks at its packets.
 namespace stof::firmware::test {
@@ -149,11 +149,11 @@ struct Rig {
   NoNetwork network;
   board::Board board;
   Setup setup;
-  std::unique_ptr<std::byte, decltype(&std::free)> memory;
+  stof::test::GuardedBuffer<std::byte> memory;
   dsp::Arena arena;
   Pipeline pipeline;
   Events events;
-  Stream stream;
+  Publisher publisher;
   Loop loop;
 };
 

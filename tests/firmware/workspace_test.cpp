@@ -127,6 +127,26 @@ firmware::Setup largest_setup(const Sizes& board, const dsp::MatchParams& match)
   return setup;
 }
 
+std::size_t image_bytes_of(const firmware::Setup& setup) {
+  return dsp::bytes_taken([&](dsp::Arena& arena) { Pipeline(setup, arena); });
+}
+
+// Of what the appliance lays out beside the images.
+std::size_t coded_bytes_of(const firmware::Setup& setup) {
+  const dsp::Pinhole& left = setup.calibration.stereo.left;
+  const wire::CalibrationPacket calibration{.image_width = static_cast<std::uint16_t>(left.width),
+                                            .image_height = static_cast<std::uint16_t>(left.height),
+                                            .fx = 1 << 16,  // any lens takes the same
+                                            .fy = 1 << 16};
+  return dsp::bytes_taken([&](dsp::Arena& arena) {
+    std::array<std::byte, 1> no_line{};
+    ByteRing ring(no_line);
+    SerialSender({.origin = {}, .calibration = calibration}, ring, arena);
+    const wire::FrameSizes sizes = sizes_of(setup);
+    wire::FrameCoder({}, sizes, calibration, arena, wire::FrameCoder::usual_packets(sizes));
+  });
+}
+
 // Whatever preset and streams: all static memory of a VGA board, as it is taken and as it is
 // reserved.
 TEST(Workspace, OfAVgaBoardStaysWithin24MiBWithEveryPreset) {
@@ -138,9 +158,9 @@ TEST(Workspace, OfAVgaBoardStaysWithin24MiBWithEveryPreset) {
   for (const char* const name : {"fast", "quality", "chapter"}) {
     SCOPED_TRACE(name);
     const firmware::Setup setup = largest_setup(vga, preset(name, vga.stereo));
-    const std::size_t images = Pipeline::bytes_needed(setup);
+    const std::size_t images = image_bytes_of(setup);
     EXPECT_LE(images, workspace_bytes(vga.stereo, vga.pmd));
-    EXPECT_LE(coded_bytes_needed(setup), coded_bytes(vga.stereo, vga.pmd));
+    EXPECT_LE(coded_bytes_of(setup), coded_bytes(vga.stereo, vga.pmd));
     most = std::max(most, images);
   }
   EXPECT_GE(most, workspace_bytes(vga.stereo, vga.pmd) / 10 * 8);  // the bound is a near one
@@ -150,11 +170,11 @@ TEST(Workspace, OfAVgaBoardStaysWithin24MiBWithEveryPreset) {
 TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
   const firmware::Setup setup = largest_setup({board::kConfig.stereo, board::kConfig.pmd},
                                               preset("quality", board::kConfig.stereo));
-  const std::size_t bytes = Pipeline::bytes_needed(setup);
+  const std::size_t bytes = image_bytes_of(setup);
   EXPECT_LE(bytes, sizeof(Workspace::memory));
   EXPECT_GE(bytes, sizeof(Workspace::memory) / 10 * 8);
-  EXPECT_LE(coded_bytes_needed(setup), sizeof(Workspace::coded));
-  EXPECT_GE(coded_bytes_needed(setup), sizeof(Workspace::coded) / 10 * 8);
+  EXPECT_LE(coded_bytes_of(setup), sizeof(Workspace::coded));
+  EXPECT_GE(coded_bytes_of(setup), sizeof(Workspace::coded) / 10 * 8);
 }
 
 TEST(Workspace, GrowsWithEveryDimension) {

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "firmware/serial/line/requests.h"
+#include "firmware/serial/line/serial_request_handler.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/calibration.h"
 #include "firmware/wire/messages/event.h"
@@ -41,7 +41,7 @@ void decode(Frame payload, Result<T> (*read)(Frame) noexcept,
 
 // Whatever it is, the answer to it is a packet.
 void ask(Frame frame) {
-  firmware::LineRequests requests({.device_id = 0x0A0B0C0D, .session_id = 1}, nullptr);
+  firmware::SerialRequestHandler requests({.device_id = 0x0A0B0C0D, .session_id = 1}, nullptr);
   const Frame answer = requests.take(frame);
   fuzz::require(answer.empty() || wire::parse_packet(answer).has_value());
   fuzz::require(requests.counters().answered + requests.counters().refused == 1);

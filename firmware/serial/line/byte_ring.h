@@ -9,6 +9,8 @@
 namespace stof::firmware {
 
 // One thread puts, one other takes; nobody waits. A group of records becomes visible as a whole.
+// Records have lengths of their own, and memory of the caller's; what has one size goes through an
+// SpscRing.
 class ByteRing {
  public:
   static constexpr std::size_t kMaxRecord = 65'535;

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include "firmware/serial/line/requests.h"
+#include "firmware/serial/line/serial_request_handler.h"
 #include "firmware/serial/mavlink/mavlink_reader.h"
 #include "firmware/settings/settings.h"
 #include "hal/framing/cobs.h"
@@ -18,7 +18,7 @@ namespace stof::firmware {
 // What comes in on a serial line: requests in COBS, which are answered, or MAVLink.
 class LineReader {
  public:
-  explicit LineReader(LineRequests& requests) noexcept : requests_(requests) {}
+  explicit LineReader(SerialRequestHandler& requests) noexcept : requests_(requests) {}
 
   // Reads up to the first request that has an answer, a millisecond's work at most: the answer has
   // to leave before the next request is looked at. Empty: there is none. kDeviceLost of the port.
@@ -34,7 +34,7 @@ class LineReader {
  private:
   std::span<const std::byte> take(settings::SerialMode mode, hal::Time now) noexcept;
 
-  LineRequests& requests_;
+  SerialRequestHandler& requests_;
   std::array<std::byte, 512> input_{};
   std::span<const std::byte> unread_;  // of it
   hal::CobsReader packets_;

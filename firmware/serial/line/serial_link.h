@@ -3,12 +3,12 @@
 #include <atomic>
 #include <cstdint>
 
-#include "firmware/control/periodic.h"
+#include "firmware/control/periodic_task.h"
 #include "firmware/serial/line/byte_ring.h"
 #include "firmware/serial/line/line_reader.h"
 #include "firmware/serial/line/line_speed.h"
 #include "firmware/serial/line/line_writer.h"
-#include "firmware/serial/line/requests.h"
+#include "firmware/serial/line/serial_request_handler.h"
 #include "firmware/settings/settings.h"
 #include "hal/serial_port.h"
 #include "hal/time.h"
@@ -18,7 +18,7 @@ namespace stof::firmware {
 // The control thread's end of the serial line. Records of the ring go out, what comes in is
 // answered. A line that is lost is opened again after 50 ms, then after twice as long each time up
 // to a second; what waited is thrown away.
-class SerialLink final : public Periodic {
+class SerialLink final : public PeriodicTask {
  public:
   // Of any thread.
   struct Counters {
@@ -28,7 +28,7 @@ class SerialLink final : public Periodic {
   };
 
   // All of them outlive the link. The port is open, or opens at the first reopen().
-  SerialLink(hal::SerialPort& port, ByteRing& ring, LineRequests& requests) noexcept
+  SerialLink(hal::SerialPort& port, ByteRing& ring, SerialRequestHandler& requests) noexcept
       : port_(port), reader_(requests), writer_(ring) {}
 
   // How often tick() has to come so that a driver's queue never runs dry: 1 to 20 ms.

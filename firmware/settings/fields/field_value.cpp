@@ -2,22 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <type_traits>
 
+#include "dsp/base/parse_number.h"
 #include "firmware/settings/text/utf8.h"
 
 namespace stof::settings {
 namespace {
-
-// Nothing but one decimal number.
-std::optional<int> whole_number(std::string_view text) noexcept {
-  int value = 0;
-  const char* const end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  return error == std::errc{} && stop == end && !text.empty() ? std::optional(value) : std::nullopt;
-}
 
 bool set_in_range(const Field& field, std::optional<int> value, Settings& settings) noexcept {
   if (!value || *value < field.low || *value > field.high) {
@@ -63,7 +55,7 @@ bool set_match(const Field& field, const Value& value, Settings& settings) noexc
     text = text == "true" ? "on" : "off";
   }
   std::array<char, 12> digits{};
-  if (const std::optional<int> number = whole_number(text)) {
+  if (const std::optional<int> number = dsp::parse_number<int>(text)) {
     const char* const end =
         std::to_chars(digits.data(), digits.data() + digits.size(), *number).ptr;
     text = {digits.data(), static_cast<std::size_t>(end - digits.data())};
@@ -84,7 +76,7 @@ bool assign(const Field& field, const Value& value, Settings& settings) noexcept
   switch (field.kind) {
     case Kind::kInteger:
       return (bare || written == Written::kNumber) &&
-             set_in_range(field, whole_number(value.text), settings);
+             set_in_range(field, dsp::parse_number<int>(value.text), settings);
     case Kind::kBoolean: {
       const bool yes = value.text == "true";
       return (bare || written == Written::kBoolean) && (yes || value.text == "false") &&
@@ -148,7 +140,7 @@ void write_value(const Field& field, const Settings& settings, PagedWriter& out)
       break;
     case Kind::kMatch: {
       const std::string_view text = settings.depth.match[field.slot].view();
-      if (whole_number(text)) {
+      if (dsp::parse_number<int>(text)) {
         out << text;
       } else {
         out << '"' << (text.empty() ? kAsPreset : text) << '"';

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "firmware/wire/codec/wide.h"
+#include "firmware/wire/codec/avx2.h"
 
 namespace stof::wire {
 namespace {
@@ -57,16 +57,16 @@ void width_row(std::span<const dsp::QuarterMm> depth, std::span<const dsp::Quart
   });
 }
 
-STOF_WIRE_WIDE void count_row_wide(std::span<const dsp::QuarterMm> depth,
+STOF_WIRE_AVX2 void count_row_avx2(std::span<const dsp::QuarterMm> depth,
                                    std::span<const dsp::QuarterMm> width, unsigned least,
                                    Counts& counts) noexcept {
   count_row(depth, width, least, counts);
 }
-STOF_WIRE_WIDE void depth_row_wide(std::span<const dsp::QuarterMm> depth, unsigned scale,
+STOF_WIRE_AVX2 void depth_row_avx2(std::span<const dsp::QuarterMm> depth, unsigned scale,
                                    std::span<std::uint16_t> out) noexcept {
   depth_row(depth, scale, out);
 }
-STOF_WIRE_WIDE void width_row_wide(std::span<const dsp::QuarterMm> depth,
+STOF_WIRE_AVX2 void width_row_avx2(std::span<const dsp::QuarterMm> depth,
                                    std::span<const dsp::QuarterMm> width, unsigned scale,
                                    std::span<std::uint16_t> out) noexcept {
   width_row(depth, width, scale, out);
@@ -76,7 +76,7 @@ STOF_WIRE_WIDE void width_row_wide(std::span<const dsp::QuarterMm> depth,
 
 std::uint8_t quantiser_scale(const dsp::DepthMap& map, int first) noexcept {
   const int end = std::min(first + kQuantiserRows, map.depth.height());
-  const auto count = wide() ? count_row_wide : count_row;
+  const auto count = uses_avx2() ? count_row_avx2 : count_row;
   for (int scale = kMostQuantiserScale; scale > 0; --scale) {
     Counts counts;
     for (int y = first; y < end; ++y) {
@@ -94,12 +94,12 @@ std::uint8_t quantiser_scale(const dsp::DepthMap& map, int first) noexcept {
 
 void quantise_depth(std::span<const dsp::QuarterMm> depth, unsigned scale,
                     std::span<std::uint16_t> out) noexcept {
-  (wide() ? depth_row_wide : depth_row)(depth, scale, out);
+  (uses_avx2() ? depth_row_avx2 : depth_row)(depth, scale, out);
 }
 
 void grow_width(std::span<const dsp::QuarterMm> depth, std::span<const dsp::QuarterMm> width,
                 unsigned scale, std::span<std::uint16_t> out) noexcept {
-  (wide() ? width_row_wide : width_row)(depth, width, scale, out);
+  (uses_avx2() ? width_row_avx2 : width_row)(depth, width, scale, out);
 }
 
 void quantise_width(std::span<std::uint16_t> width, unsigned scale) noexcept {

@@ -5,8 +5,8 @@
 #include <bit>
 
 #include "firmware/wire/bytes.h"
+#include "firmware/wire/codec/avx2.h"
 #include "firmware/wire/codec/rvl_numbers.h"
-#include "firmware/wire/codec/wide.h"
 
 namespace stof::wire {
 namespace {
@@ -202,7 +202,7 @@ Status decode(std::span<const std::byte> in, std::span<T> values) noexcept {
 }
 
 template <typename T>
-STOF_WIRE_WIDE Status decode_wide(std::span<const std::byte> in, std::span<T> values) noexcept {
+STOF_WIRE_AVX2 Status decode_avx2(std::span<const std::byte> in, std::span<T> values) noexcept {
   return decode(in, values);
 }
 
@@ -210,7 +210,7 @@ STOF_WIRE_WIDE Status decode_wide(std::span<const std::byte> in, std::span<T> va
 
 template <typename T>
 Status rvl_decode(std::span<const std::byte> in, std::span<T> values) noexcept {
-  return wide() ? decode_wide(in, values) : decode(in, values);
+  return uses_avx2() ? decode_avx2(in, values) : decode(in, values);
 }
 
 template Status rvl_decode(std::span<const std::byte>, std::span<std::uint8_t>) noexcept;

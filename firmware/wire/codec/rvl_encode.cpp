@@ -9,7 +9,7 @@
 
 #include "dsp/base/check.h"
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/wide.h"
+#include "firmware/wire/codec/avx2.h"
 
 namespace stof::wire {
 namespace {
@@ -249,7 +249,7 @@ class Encoder {
 };
 
 template <typename T>
-STOF_WIRE_WIDE RvlFit fit_wide(std::span<const T> values, std::size_t first_row, std::size_t row,
+STOF_WIRE_AVX2 RvlFit fit_avx2(std::span<const T> values, std::size_t first_row, std::size_t row,
                                std::span<std::byte> out) noexcept {
   return Encoder<T>(values, first_row, row, out).run();
 }
@@ -283,7 +283,7 @@ std::uint32_t sum_of_least(std::span<const T> values) noexcept {
 }
 
 template <typename T>
-STOF_WIRE_WIDE std::uint32_t sum_wide(std::span<const T> values) noexcept {
+STOF_WIRE_AVX2 std::uint32_t sum_avx2(std::span<const T> values) noexcept {
   return sum_of_least(values);
 }
 
@@ -294,8 +294,8 @@ RvlFit rvl_fit(std::span<const T> values, std::size_t first_row, std::size_t row
                std::span<std::byte> out) noexcept {
   STOF_CHECK(first_row > 0 && row > 0);
   const std::size_t most = std::min(values.size(), kMostRvlValues);
-  return wide() ? fit_wide(values.first(most), first_row, row, out)
-                : Encoder<T>(values.first(most), first_row, row, out).run();
+  return uses_avx2() ? fit_avx2(values.first(most), first_row, row, out)
+                     : Encoder<T>(values.first(most), first_row, row, out).run();
 }
 
 template <typename T>
@@ -310,7 +310,7 @@ std::uint32_t rvl_least_nibbles(std::span<const T> values) noexcept {
   std::uint32_t nibbles = 0;
   for (std::size_t begin = 0; begin < values.size(); begin += kPiece) {
     const auto piece = values.subspan(begin, std::min(kPiece, values.size() - begin));
-    nibbles += wide() ? sum_wide(piece) : sum_of_least(piece);
+    nibbles += uses_avx2() ? sum_avx2(piece) : sum_of_least(piece);
   }
   return nibbles;
 }

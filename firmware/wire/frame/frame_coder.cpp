@@ -71,11 +71,6 @@ FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,
              .groups = arena.take<ParityGroup>(groups_of(sizes, packets))};
 }
 
-std::size_t FrameCoder::bytes_needed(const FrameSizes& sizes, std::size_t packets) noexcept {
-  return dsp::bytes_taken(
-      [&](dsp::Arena& arena) noexcept { const FrameCoder unused({}, sizes, {}, arena, packets); });
-}
-
 bool FrameCoder::fits(const FrameImages& images) const noexcept {
   const auto holds = [this](const auto& image) {
     return within(image, sizes_.width, sizes_.height);

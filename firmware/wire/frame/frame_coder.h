@@ -24,18 +24,10 @@ class FrameCoder {
   // Enough for depth, width and source as they are sent by default, with parity.
   static std::size_t usual_packets(const FrameSizes& sizes) noexcept;
 
-  // Of an arena, with memory for so many datagrams at a time.
-  static std::size_t bytes_needed(const FrameSizes& sizes, std::size_t packets) noexcept;
-  static std::size_t bytes_needed(const FrameSizes& sizes) noexcept {
-    return bytes_needed(sizes, most_packets(sizes));
-  }
-
-  // The cloud's points are those of the lens of `calibration`; its fx and fy are positive.
+  // packets: datagrams that there is memory for at a time. The cloud's points are those of the lens
+  // of `calibration`; its fx and fy are positive.
   FrameCoder(const Origin& origin, const FrameSizes& sizes, const CalibrationPacket& calibration,
              dsp::Arena& arena, std::size_t packets) noexcept;
-  FrameCoder(const Origin& origin, const FrameSizes& sizes, const CalibrationPacket& calibration,
-             dsp::Arena& arena) noexcept
-      : FrameCoder(origin, sizes, calibration, arena, most_packets(sizes)) {}
 
   // The frame's datagrams in the order of sending, valid until the next call: frame info (which
   // gets tiles, parity_groups and cloud_step written into it), the streams in the order of their

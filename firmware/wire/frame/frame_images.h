@@ -12,8 +12,6 @@
 // What a frame is made of, and what of it is sent.
 namespace stof::wire {
 
-inline constexpr std::size_t kStreams = 8;  // streams 1 to 8; index: number less 1
-
 // kFit: RVL of depth and width rounded as far as the intervals do not care (interval_quantiser.h),
 // and nothing else than kRvl of the other streams.
 enum class Coding : std::uint8_t { kOff, kRaw, kRvl, kFit };

@@ -12,7 +12,7 @@ PmdCamera::PmdCamera(hal::Clock& clock, Imagery& imagery, const PmdTiming& timin
   STOF_CHECK(timing.integration > Duration::zero() && timing.readout >= Duration::zero() &&
              timing.every >= 1);
   samples_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 4 *
-                  kCameraSlots);
+                  Sets::kBuffers);
 }
 
 void PmdCamera::on_edge(Time edge) noexcept {
@@ -30,18 +30,12 @@ void PmdCamera::on_edge(Time edge) noexcept {
 }
 
 Result<Lease<PmdFrame>> PmdCamera::wait_frame(Time deadline) noexcept {
-  const Result<Sets::Taken> taken = sets_.take(clock_, deadline);
-  if (!taken) {
-    return fail(taken.error());
-  }
-  const PmdFrame frame = fill(taken->shot, taken->slot);
-  clock_.wait_until(taken->shot.ready);
-  return Lease<PmdFrame>(frame, *this, taken->slot);
+  return sets_.wait_frame<PmdFrame>(
+      clock_, deadline,
+      [this](const Sets::Shot& shot, int buffer) noexcept { return fill(shot, buffer); });
 }
 
-void PmdCamera::give_back(int slot) noexcept { sets_.release(slot); }
-
-PmdFrame PmdCamera::fill(const Sets::Shot& shot, int slot) noexcept {
+PmdFrame PmdCamera::fill(const Sets::Shot& shot, int buffer) noexcept {
   const Size size = imagery_.pmd_size();
   const std::ptrdiff_t plane = std::ptrdiff_t{size.width} * size.height;
   PmdFrame frame;
@@ -49,7 +43,7 @@ PmdFrame PmdCamera::fill(const Sets::Shot& shot, int slot) noexcept {
   for (int k = 0; k < 4; ++k) {
     const std::size_t index = static_cast<std::size_t>(k);
     const Set& set = k < 2 ? shot.first : shot.second;
-    const dsp::ImageView<std::uint16_t> out(samples_.data() + plane * (4 * slot + k), size.width,
+    const dsp::ImageView<std::uint16_t> out(samples_.data() + plane * (4 * buffer + k), size.width,
                                             size.height);
     imagery_.pmd(set.number, k, out);
     frame.samples[index] = out;

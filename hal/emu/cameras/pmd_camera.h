@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "hal/clock.h"
-#include "hal/emu/cameras/exposer.h"
+#include "hal/emu/cameras/exposure_simulator.h"
 #include "hal/emu/cameras/trigger.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/emu/imagery/imagery.h"
@@ -23,7 +23,7 @@ struct PmdTiming {
 // an integration is counted, but ignored. Sets count from 1. Slots, heap, lifetime and rendering
 // time as emu::StereoCamera. Faults: faults.h; their calls count the edges at which it would
 // expose.
-class PmdCamera final : public hal::PmdCamera, public EdgeListener, private SlotOwner {
+class PmdCamera final : public hal::PmdCamera, public EdgeListener {
  public:
   // imagery.pmd_size() must not be empty.
   PmdCamera(hal::Clock& clock, Imagery& imagery, const PmdTiming& timing,
@@ -38,9 +38,8 @@ class PmdCamera final : public hal::PmdCamera, public EdgeListener, private Slot
     std::array<Exposure, 4> exposures{};
     Time end() const noexcept { return exposures.back().end; }
   };
-  using Sets = Exposer<Set>;  // first: A0 and A1, second: A2 and A3
-  void give_back(int slot) noexcept override;
-  PmdFrame fill(const Sets::Shot& shot, int slot) noexcept;
+  using Sets = ExposureSimulator<Set>;  // first: A0 and A1, second: A2 and A3
+  PmdFrame fill(const Sets::Shot& shot, int buffer) noexcept;
 
   hal::Clock& clock_;
   Imagery& imagery_;

@@ -11,7 +11,7 @@ StereoCamera::StereoCamera(hal::Clock& clock, Imagery& imagery, const StereoTimi
   STOF_CHECK(size.width > 0 && size.height > 0);
   STOF_CHECK(timing.exposure > Duration::zero() && timing.readout >= Duration::zero());
   pixels_.resize(static_cast<std::size_t>(size.width) * static_cast<std::size_t>(size.height) * 2 *
-                 kCameraSlots);
+                 Views::kBuffers);
 }
 
 void StereoCamera::on_edge(Time edge) noexcept {
@@ -21,21 +21,15 @@ void StereoCamera::on_edge(Time edge) noexcept {
 }
 
 Result<Lease<StereoFrame>> StereoCamera::wait_frame(Time deadline) noexcept {
-  const Result<Views::Taken> taken = views_.take(clock_, deadline);
-  if (!taken) {
-    return fail(taken.error());
-  }
-  const StereoFrame frame = fill(taken->shot, taken->slot);
-  clock_.wait_until(taken->shot.ready);
-  return Lease<StereoFrame>(frame, *this, taken->slot);
+  return views_.wait_frame<StereoFrame>(
+      clock_, deadline,
+      [this](const Views::Shot& shot, int buffer) noexcept { return fill(shot, buffer); });
 }
 
-void StereoCamera::give_back(int slot) noexcept { views_.release(slot); }
-
-StereoFrame StereoCamera::fill(const Views::Shot& shot, int slot) noexcept {
+StereoFrame StereoCamera::fill(const Views::Shot& shot, int buffer) noexcept {
   const Size size = imagery_.stereo_size();
   const std::ptrdiff_t view = std::ptrdiff_t{size.width} * size.height;
-  std::uint8_t* const at = pixels_.data() + 2 * view * slot;
+  std::uint8_t* const at = pixels_.data() + 2 * view * buffer;
   const dsp::ImageView<std::uint8_t> left(at, size.width, size.height);
   const dsp::ImageView<std::uint8_t> right(at + view, size.width, size.height);
   imagery_.left(shot.first.number, left);

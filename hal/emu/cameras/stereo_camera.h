@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "hal/clock.h"
-#include "hal/emu/cameras/exposer.h"
+#include "hal/emu/cameras/exposure_simulator.h"
 #include "hal/emu/cameras/trigger.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/emu/imagery/imagery.h"
@@ -22,7 +22,7 @@ struct StereoTiming {
 // 1. Four slots; when none is free the oldest unread frame is lost. Pixels are made inside
 // wait_frame: on a real clock it takes that long on top of the wait. No heap after construction.
 // Clock and imagery must outlive it, and it its leases. Faults: faults.h.
-class StereoCamera final : public hal::StereoCamera, public EdgeListener, private SlotOwner {
+class StereoCamera final : public hal::StereoCamera, public EdgeListener {
  public:
   StereoCamera(hal::Clock& clock, Imagery& imagery, const StereoTiming& timing,
                const FaultPlan& faults = {});
@@ -36,9 +36,8 @@ class StereoCamera final : public hal::StereoCamera, public EdgeListener, privat
     Exposure exposure{};
     Time end() const noexcept { return exposure.end; }
   };
-  using Views = Exposer<View>;  // first: left, second: right
-  void give_back(int slot) noexcept override;
-  StereoFrame fill(const Views::Shot& shot, int slot) noexcept;
+  using Views = ExposureSimulator<View>;  // first: left, second: right
+  StereoFrame fill(const Views::Shot& shot, int buffer) noexcept;
 
   hal::Clock& clock_;
   Imagery& imagery_;

@@ -78,7 +78,7 @@ Result<Received> DatagramPort::receive(std::span<std::byte> space, Duration /*ti
   return Received{.bytes = scratch_.size, .from = scratch_.peer};
 }
 
-bool DatagramPort::take_refusal(Peer& peer) noexcept {
+bool DatagramPort::take_unreachable(Peer& peer) noexcept {
   if (!refusal_) {
     return false;
   }

@@ -29,7 +29,7 @@ class DatagramPort final : public hal::DatagramPort {
               std::size_t& sent) noexcept override;
   Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept override;
   std::uint64_t overruns() const noexcept override { return overruns_; }
-  bool take_refusal(Peer& peer) noexcept override;
+  bool take_unreachable(Peer& peer) noexcept override;
   std::uint16_t port() const noexcept override { return port_; }
 
   // The oldest datagram that was sent, valid until the next call of any function here; none when
@@ -39,7 +39,7 @@ class DatagramPort final : public hal::DatagramPort {
 
   // For receive(): bytes beyond kMaxDatagram are kept as a length only. A full queue is an overrun.
   void inject(std::span<const std::byte> datagram, const Peer& from) noexcept;
-  // For take_refusal(); the last one counts.
+  // For take_unreachable(); the last one counts.
   void refuse(const Peer& peer) noexcept { refusal_ = peer; }
 
  private:

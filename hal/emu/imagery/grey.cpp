@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "dsp/base/fixed.h"
-#include "hal/emu/imagery/random.h"
+#include "hal/emu/imagery/noise.h"
 
 namespace stof::hal::emu {
 namespace {
@@ -195,7 +195,7 @@ std::vector<std::uint16_t> grey_noise(const GreyModel& model) {
 void expose_grey(dsp::ImageView<const std::uint16_t> clean, std::span<const std::uint16_t> sigma,
                  std::uint64_t seed, dsp::ImageView<std::uint8_t> out) noexcept {
   STOF_CHECK(dsp::same_size(clean, out) && sigma.size() == 256);
-  Gaussian gaussian(seed);
+  GaussianNoise gaussian(seed);
   for (int y = 0; y < out.height(); ++y) {
     const std::span<const std::uint16_t> from = clean.row(y);
     const std::span<std::uint8_t> to = out.row(y);

@@ -5,8 +5,8 @@
 #include <limits>
 
 #include "dsp/base/fixed.h"
+#include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/phasor.h"
-#include "hal/emu/imagery/random.h"
 
 namespace stof::hal::emu {
 namespace {
@@ -184,7 +184,7 @@ std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modu
   const double rms = model.pattern_rms_m / turn_m * 65536 / (1 << kGaussianBits);
   std::vector<std::int16_t> out(static_cast<std::size_t>(lens.width) *
                                 static_cast<std::size_t>(lens.height));
-  Gaussian gaussian(seed);
+  GaussianNoise gaussian(seed);
   for (std::int16_t& offset : out) {
     offset = static_cast<std::int16_t>(std::floor(rms * gaussian.next() + 0.5));
   }
@@ -278,7 +278,7 @@ void expose_pmd(const CleanSamples& clean, int index, int max, std::uint64_t see
                 dsp::ImageView<std::uint16_t> out) noexcept {
   STOF_CHECK(index >= 0 && index < 4 && out.width() == clean.mean.width &&
              4 * out.height() == clean.mean.height);
-  Gaussian gaussian(seed);
+  GaussianNoise gaussian(seed);
   for (int y = 0; y < out.height(); ++y) {
     const std::span<const std::int32_t> mean = clean.mean.view().row(index * out.height() + y);
     const std::span<const std::uint16_t> sigma = clean.sigma.view().row(index * out.height() + y);

@@ -1,7 +1,7 @@
 #include "hal/emu/imagery/sensors.h"
 
 #include "hal/emu/imagery/grey.h"
-#include "hal/emu/imagery/random.h"
+#include "hal/emu/imagery/noise.h"
 
 namespace stof::hal::emu {
 namespace {

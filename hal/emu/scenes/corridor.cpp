@@ -13,13 +13,6 @@ constexpr double kEnd = 6.6;
 constexpr double kBegin = -1.0;
 constexpr double kMiddle = (kBegin + kEnd) / 2;
 constexpr double kHalfLength = (kEnd - kBegin) / 2;
-constexpr double kQuarterTurn = 1.0;  // tangent of 45 degrees, half of a quarter turn
-
-void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
-         Pose turn = {}) {
-  turn.position = at;
-  scene.things.push_back({.form = form, .pose = turn, .half = half, .material = material});
-}
 
 void build_shell(Scene& scene) {
   const Pose sideways = turned(kQuarterTurn);

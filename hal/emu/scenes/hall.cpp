@@ -10,7 +10,6 @@ constexpr double kEnd = 13.6;
 constexpr double kBegin = -1.0;
 constexpr double kMiddle = (kBegin + kEnd) / 2;
 constexpr double kHalfLength = (kEnd - kBegin) / 2;
-constexpr double kQuarterTurn = 1.0;  // tangent of 45 degrees, half of a quarter turn
 
 // Coarse enough that its finest octaves are a pixel or more where it is seen.
 constexpr Material noise(double albedo, double contrast, double period_m, std::uint32_t seed) {
@@ -23,12 +22,6 @@ constexpr Material noise(double albedo, double contrast, double period_m, std::u
 
 constexpr Material kPlain{.albedo = 0.75};
 constexpr Material kGrey{.albedo = 0.5};
-
-void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
-         Pose turn = {}) {
-  turn.position = at;
-  scene.things.push_back({.form = form, .pose = turn, .half = half, .material = material});
-}
 
 void build_shell(Scene& scene) {
   const Pose sideways = turned(kQuarterTurn);

@@ -24,6 +24,7 @@ struct GreyModel {
 //   sum over h = 1, 3, 5 of kappa_h cos(h (phase + k 90 degrees)), kappa_1 = 1 s   = signal albedo
 //   cos^m(emission angle) cos(incidence) cos^4(field angle) / r_emitter^2
 // summed over rays_per_side^2 rays a pixel, which is what mixes surfaces at edges.
+// One number for each of them: nothing here belongs to a part of its own.
 struct PmdModel {
   double signal_e = 400'000;  // a white surface at 1 m, a sample
   double contrast = 0.45;

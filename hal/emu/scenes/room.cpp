@@ -4,13 +4,12 @@
 #include <cmath>
 #include <optional>
 
-#include "hal/emu/imagery/random.h"
+#include "hal/emu/imagery/noise.h"
 
 namespace stof::hal::emu {
 namespace {
 
 constexpr double kNearest = 0.85;          // of any thing to a camera, metres
-constexpr double kQuarterTurn = 1.0;       // tangent of 45 degrees, half of a quarter turn
 constexpr double kDegree = 0.00872664626;  // half tangent of a degree, as long as it is small
 
 // Draws stand in statements and braces of their own: arguments of a call come in any order.
@@ -25,7 +24,7 @@ class Draw {
   std::uint32_t word() noexcept { return static_cast<std::uint32_t>(random_.next() >> 32U); }
 
  private:
-  Random random_;
+  Xorshift64 random_;
 };
 
 Material random_material(Draw& draw, double plain_share) {

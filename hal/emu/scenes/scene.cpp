@@ -75,6 +75,12 @@ double brightness(const Material& material, const Vec3& local) noexcept {
 
 }  // namespace
 
+void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
+         Pose turn) {
+  turn.position = at;
+  scene.things.push_back({.form = form, .pose = turn, .half = half, .material = material});
+}
+
 double visible_albedo(const Material& material, const Vec3& local) noexcept {
   if (material.texture == Texture::kPlain || material.contrast == 0) {
     return material.albedo;
@@ -123,10 +129,7 @@ double radiance(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexc
 Scene wall(double distance_m, const Material& material) {
   Scene scene;
   scene.ambient = 0.7;
-  scene.things.push_back({.form = Form::kRectangle,
-                          .pose = {.position = {0, 0, distance_m}},
-                          .half = {20, 20, 0},
-                          .material = material});
+  add(scene, Form::kRectangle, {0, 0, distance_m}, {20, 20, 0}, material);
   return scene;
 }
 

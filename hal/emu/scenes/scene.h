@@ -56,6 +56,10 @@ struct Scene {
   double ambient = 0.4;  // irradiance from everywhere
 };
 
+// One thing more, its centre at `at`, turned as `turn`.
+void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
+         Pose turn = {});
+
 // The book chapter's Figure 21: white walls, floor and ceiling, an end wall at 6.6 m, a column, a
 // person in a checked shirt, a low carton; skirting boards, doors, a picture, a speckled and
 // slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a head at (0, -1, 0).

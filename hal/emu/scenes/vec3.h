@@ -64,5 +64,6 @@ constexpr Pose operator*(const Pose& a, const Pose& b) noexcept {
 // that no transcendental function decides about bits: about y (yaw, to the right), then x (pitch,
 // upwards), then z (roll, clockwise).
 Pose turned(double yaw_half_tan, double pitch_half_tan = 0, double roll_half_tan = 0) noexcept;
+inline constexpr double kQuarterTurn = 1;
 
 }  // namespace stof::hal::emu

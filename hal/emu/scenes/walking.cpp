@@ -1,6 +1,6 @@
 #include <utility>
 
-#include "hal/emu/imagery/moving.h"
+#include "hal/emu/imagery/moving_scene.h"
 #include "hal/emu/imagery/phasor.h"
 #include "hal/emu/scenes/materials.h"
 

@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
 #include <cstring>
 #include <optional>
 #include <string_view>
 
 #include <dirent.h>
 #include <gpiod.h>
+
+#include "dsp/base/parse_number.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -27,19 +28,17 @@ std::optional<unsigned> by_offset(gpiod_chip* chip, std::string_view line) {
   if (colon == std::string_view::npos) {
     return std::nullopt;
   }
-  unsigned offset = 0;
-  const char* const last = line.data() + line.size();
-  const auto [end, error] = std::from_chars(line.data() + colon + 1, last, offset);
+  const std::optional<unsigned> offset = dsp::parse_number<unsigned>(line.substr(colon + 1));
   gpiod_chip_info* const info = gpiod_chip_get_info(chip);
   if (info == nullptr) {
     return std::nullopt;
   }
   const std::string_view label = line.substr(0, colon);
   const bool here =
-      error == std::errc() && end == last && offset < gpiod_chip_info_get_num_lines(info) &&
+      offset && *offset < gpiod_chip_info_get_num_lines(info) &&
       (label == gpiod_chip_info_get_label(info) || label == gpiod_chip_info_get_name(info));
   gpiod_chip_info_free(info);
-  return here ? std::optional(offset) : std::nullopt;
+  return here ? offset : std::nullopt;
 }
 
 std::optional<unsigned> offset_of(gpiod_chip* chip, const std::string& line) {

@@ -1,12 +1,13 @@
 #include "hal/linux/libcamera/libcamera_find.h"
 
-#include <charconv>
 #include <optional>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <regex.h>
+
+#include "dsp/base/parse_number.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -59,15 +60,12 @@ std::vector<std::size_t> with_model(std::span<const LibcameraName> cameras,
   if (colon == std::string_view::npos) {
     return {};
   }
-  std::size_t number = 0;
-  const std::string_view digits = wanted.substr(colon + 1);
-  const std::from_chars_result parsed =
-      std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (parsed.ec != std::errc{} || parsed.ptr != digits.data() + digits.size()) {
+  std::optional<std::size_t> number = dsp::parse_number<std::size_t>(wanted.substr(colon + 1));
+  if (!number) {
     return {};
   }
   for (std::size_t i = 0; i < cameras.size(); ++i) {
-    if (cameras[i].model == wanted.substr(0, colon) && number-- == 0) {
+    if (cameras[i].model == wanted.substr(0, colon) && (*number)-- == 0) {
       return {i};
     }
   }

@@ -17,17 +17,17 @@ std::optional<Exposure> LibcameraPairs::exposure_of(std::size_t side,
 }
 
 void LibcameraPairs::send_home(std::size_t side, int slot) noexcept {
-  mailboxes_[side].give_back(slot);
+  queues_[side].give_back(slot);
   requeuer_.requeue(side, slot);
 }
 
 Status LibcameraPairs::fill(std::size_t side) noexcept {
   while (!heads_[side]) {
-    const std::optional<int> slot = mailboxes_[side].take();
+    const std::optional<int> slot = queues_[side].take();
     if (!slot) {
       return Status::kWouldBlock;
     }
-    const LibcameraArrival arrival = mailboxes_[side].arrival(*slot);
+    const LibcameraArrival arrival = queues_[side].arrival(*slot);
     const std::optional<Exposure> exposure = exposure_of(side, arrival);
     if (arrival.damaged) {
       send_home(side, *slot);

@@ -8,7 +8,7 @@
 #include "dsp/base/status.h"
 #include "hal/linux/camera/exposure_matcher.h"
 #include "hal/linux/camera/exposures.h"
-#include "hal/linux/libcamera/libcamera_mailbox.h"
+#include "hal/linux/libcamera/libcamera_buffer_queue.h"
 
 namespace stof::hal::linux {
 
@@ -31,7 +31,7 @@ struct LibcameraMatching {
 };
 
 // Frames of two cameras, matched by exposure, and the pairs that are lent. For the loop's thread,
-// except the mailboxes; allocates nothing of its own.
+// except the queues; allocates nothing of its own.
 class LibcameraPairs {
  public:
   struct Frame {
@@ -54,7 +54,7 @@ class LibcameraPairs {
     }
   }
 
-  LibcameraMailbox& mailbox(std::size_t side) noexcept { return mailboxes_[side]; }
+  LibcameraBufferQueue& queue(std::size_t side) noexcept { return queues_[side]; }
 
   // The oldest pair that is here. Of two frames that do not belong together the older goes back; a
   // frame without an exposure goes back. kWouldBlock: none yet. kCorrupt: a damaged frame went
@@ -82,10 +82,10 @@ class LibcameraPairs {
   LibcameraMatching matching_;
   LibcameraRequeuer& requeuer_;
   std::array<std::optional<ExposureMatcher>, 2> matchers_;  // none: the cameras run freely
-  std::array<LibcameraMailbox, 2> mailboxes_;
+  std::array<LibcameraBufferQueue, 2> queues_;
   std::array<std::optional<Frame>, 2> heads_;  // without a partner yet
   // Twice the slots: old ones may still be out.
-  std::array<Lent, 2 * std::size_t{LibcameraMailbox::kMostSlots}> lent_{};
+  std::array<Lent, 2 * std::size_t{LibcameraBufferQueue::kMostSlots}> lent_{};
 };
 
 }  // namespace stof::hal::linux

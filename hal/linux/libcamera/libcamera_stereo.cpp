@@ -33,8 +33,8 @@ class LibcameraStereo final : public ReopenableStereo,
                 .most_delay = options.most_delay,
                 .most_skew = options.most_skew},
                *this),
-        streams_{LibcameraStream(wake_, pairs_.mailbox(kLeft)),
-                 LibcameraStream(wake_, pairs_.mailbox(kRight))} {}
+        streams_{LibcameraStream(wake_, pairs_.queue(kLeft)),
+                 LibcameraStream(wake_, pairs_.queue(kRight))} {}
   ~LibcameraStereo() override {
     shut();
     in_use = false;
@@ -158,7 +158,7 @@ Result<Lease<StereoFrame>> LibcameraStereo::wait_frame(Time deadline) noexcept {
 std::expected<std::unique_ptr<ReopenableStereo>, OpenError> open_libcamera(
     const LibcameraOptions& options) {
   if (options.width <= 0 || options.height <= 0 || options.buffers < 4 ||
-      options.buffers > LibcameraMailbox::kMostSlots) {
+      options.buffers > LibcameraBufferQueue::kMostSlots) {
     return std::unexpected(
         OpenError{"cannot open cameras of libcamera: give a size and 4 to 16 buffers"});
   }

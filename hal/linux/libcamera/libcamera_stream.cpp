@@ -136,7 +136,7 @@ std::optional<OpenError> LibcameraStream::make_requests(const LibcameraOptions& 
     return refusal(*camera_, "it gives fewer than 4 buffers; give more memory to cma=");
   }
   pixels_ = std::make_shared<LibcameraPixels>(layout_);
-  const int count = std::min(got, LibcameraMailbox::kMostSlots);
+  const int count = std::min(got, LibcameraBufferQueue::kMostSlots);
   for (int slot = 0; slot < count; ++slot) {
     libcamera::FrameBuffer& buffer = *allocator_->buffers(stream)[static_cast<std::size_t>(slot)];
     std::unique_ptr<libcamera::Request> request =
@@ -148,7 +148,7 @@ std::optional<OpenError> LibcameraStream::make_requests(const LibcameraOptions& 
     requests_.push_back(std::move(request));
   }
   // Two buffers keep any pipeline busy; of only four one has to do, or two leases would starve it.
-  mailbox_.reset(count, count > kLeastBuffers ? 2 : 1);
+  queue_.reset(count, count > kLeastBuffers ? 2 : 1);
   return std::nullopt;
 }
 
@@ -232,7 +232,7 @@ void LibcameraStream::on_completed(libcamera::Request* request) noexcept {
       .stamp = from_libcamera(stamp, clock_now(CLOCK_MONOTONIC), clock_now(CLOCK_BOOTTIME)),
       .sequence = frame.sequence,
       .damaged = frame.status != libcamera::FrameMetadata::FrameSuccess || !whole};
-  const std::optional<int> back = mailbox_.deliver(static_cast<int>(request->cookie()), arrival);
+  const std::optional<int> back = queue_.deliver(static_cast<int>(request->cookie()), arrival);
   if (back) {
     requeue(*back);
   }

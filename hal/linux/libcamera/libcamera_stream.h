@@ -10,18 +10,18 @@
 
 #include <libcamera/libcamera.h>
 
-#include "hal/linux/libcamera/libcamera_mailbox.h"
+#include "hal/linux/libcamera/libcamera_buffer_queue.h"
 #include "hal/linux/libcamera/libcamera_pixels.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
 #include "posix/wake_event.h"
 
 namespace stof::hal::linux {
 
-// One camera of libcamera that streams into a mailbox.
+// One camera of libcamera that streams into a queue.
 class LibcameraStream {
  public:
-  LibcameraStream(const posix::WakeEvent& wake, LibcameraMailbox& mailbox) noexcept
-      : wake_(wake), mailbox_(mailbox) {}
+  LibcameraStream(const posix::WakeEvent& wake, LibcameraBufferQueue& queue) noexcept
+      : wake_(wake), queue_(queue) {}
   ~LibcameraStream() { close(); }
   LibcameraStream(const LibcameraStream&) = delete;
   LibcameraStream& operator=(const LibcameraStream&) = delete;
@@ -50,7 +50,7 @@ class LibcameraStream {
   void mark_lost() noexcept;
 
   const posix::WakeEvent& wake_;
-  LibcameraMailbox& mailbox_;
+  LibcameraBufferQueue& queue_;
   std::shared_ptr<libcamera::Camera> camera_;
   std::unique_ptr<libcamera::CameraConfiguration> configuration_;
   std::unique_ptr<libcamera::FrameBufferAllocator> allocator_;

@@ -24,8 +24,8 @@ class MdnsPort final : public hal::MulticastPort {
   Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
               std::size_t& sent) noexcept override;
   Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept override;
-  std::uint64_t overruns() const noexcept override { return 0; }         // not counted
-  bool take_refusal(Peer& /*peer*/) noexcept override { return false; }  // not looked for
+  std::uint64_t overruns() const noexcept override { return 0; }             // not counted
+  bool take_unreachable(Peer& /*peer*/) noexcept override { return false; }  // not looked for
   std::uint16_t port() const noexcept override { return kPort; }
   void join(std::span<const InterfaceAddress> addresses) noexcept override;
 

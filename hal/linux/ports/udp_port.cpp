@@ -183,7 +183,7 @@ Status UdpPort::fill() noexcept {
     }
     const int error = count ? EAGAIN : count.error();
     if (posix::answers_earlier(error) && old_errors++ < kMostOldErrors) {
-      refusals_.read(socket_.fd());
+      unreachable_.read(socket_.fd());
     } else if (error != EINTR) {
       const bool nothing = error == EAGAIN || error == ENOMEM || posix::answers_earlier(error);
       return nothing ? Status::kTimeout : Status::kDeviceLost;
@@ -200,7 +200,7 @@ Status UdpPort::wait(Duration timeout) noexcept {
     return Status::kDeviceLost;
   }
   if ((told & POLLERR) != 0) {
-    refusals_.read(socket_.fd());
+    unreachable_.read(socket_.fd());
   }
   return (told & POLLIN) != 0 ? Status::kOk : Status::kTimeout;
 }

@@ -11,7 +11,7 @@
 
 #include "hal/datagram_port.h"
 #include "hal/linux/open_error.h"
-#include "hal/linux/ports/refusals.h"
+#include "hal/linux/ports/unreachable_peers.h"
 #include "posix/datagram_batch.h"
 #include "posix/udp_socket.h"
 
@@ -35,7 +35,7 @@ class UdpPort final : public hal::DatagramPort {
               std::size_t& sent) noexcept override;
   Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept override;
   std::uint64_t overruns() const noexcept override { return batch_.dropped(); }
-  bool take_refusal(Peer& peer) noexcept override { return refusals_.take(peer); }
+  bool take_unreachable(Peer& peer) noexcept override { return unreachable_.take(peer); }
   std::uint16_t port() const noexcept override { return port_; }
 
   // Granted by the system, which may give less than was asked.
@@ -61,7 +61,7 @@ class UdpPort final : public hal::DatagramPort {
   posix::DatagramBatch batch_;
   std::size_t read_ = 0;  // datagrams in batch_
   std::size_t next_ = 0;  // of these, to hand out
-  Refusals refusals_;
+  UnreachablePeers unreachable_;
 };
 
 }  // namespace stof::hal::linux

@@ -1,7 +1,6 @@
 #include "hal/linux/usb/usb_find.h"
 
 #include <array>
-#include <charconv>
 #include <cstdio>
 #include <cstring>
 #include <optional>
@@ -10,6 +9,8 @@
 #include <dirent.h>
 #include <fcntl.h>
 #include <unistd.h>
+
+#include "dsp/base/parse_number.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -31,11 +32,8 @@ std::string read_line(const std::string& path) {
 }
 
 std::optional<int> read_number(const std::string& path, int base) {
-  const std::string line = read_line(path);
-  int value = 0;
-  const auto [end, error] = std::from_chars(line.data(), line.data() + line.size(), value, base);
-  const bool good = error == std::errc() && end == line.data() + line.size() && value >= 0;
-  return good ? std::optional(value) : std::nullopt;
+  const std::optional<int> value = dsp::parse_number<int>(read_line(path), base);
+  return value && *value >= 0 ? value : std::nullopt;
 }
 
 bool is(const std::string& device, const UsbId& id) {

@@ -352,7 +352,7 @@ Result<Lease<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
     if (now >= deadline) {
       return fail(Status::kTimeout);
     }
-    run(std::min<Duration>(deadline - now + std::chrono::microseconds(1), UsbClock::kEvery));
+    run(std::min<Duration>(deadline - now + std::chrono::microseconds(1), UsbClockReader::kEvery));
   }
 }
 

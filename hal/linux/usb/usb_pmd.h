@@ -10,11 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "hal/frame_slots.h"
 #include "hal/linux/camera/exposures.h"
-#include "hal/linux/camera/frame_slots.h"
 #include "hal/linux/open_error.h"
 #include "hal/linux/usb/pmd_wire.h"
-#include "hal/linux/usb/usb_clock.h"
+#include "hal/linux/usb/usb_clock_reader.h"
 #include "hal/linux/usb/usb_find.h"
 #include "hal/linux/usb/usb_link.h"
 #include "hal/pmd_camera.h"
@@ -69,7 +69,7 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   std::int16_t temperature() const noexcept { return newest_.temperature; }
   // Of the newest frame: PmdHeader's.
   std::uint16_t flags() const noexcept { return newest_.flags; }
-  const DeviceClock& device_clock() const noexcept { return clock_.clock(); }
+  const ClockConverter& device_clock() const noexcept { return clock_.clock(); }
 
  private:
   static constexpr std::size_t kFrameTransfers = 4;
@@ -112,7 +112,7 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   const EdgeLog& edges_;
   UsbLink link_;
   PmdInfo info_;
-  UsbClock clock_;
+  UsbClockReader clock_;
   std::string trouble_;
 
   std::vector<std::uint16_t> memory_;  // of all buffers

@@ -67,32 +67,7 @@ double half_path(std::span<const dsp::Emitter> emitters, const std::array<double
   return weights > 0 ? (sum / weights + distance_m) / 2 : distance_m;
 }
 
-double distance_of(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,
-                   double path_m) noexcept {
-  constexpr int kMaxSteps = 50;
-  double distance = path_m;
-  for (int i = 0; i < kMaxSteps && !emitters.empty(); ++i) {
-    const double change = path_m - half_path(emitters, ray, distance);
-    distance = std::max(distance + change, 0.0);
-    if (std::abs(change) < 1e-7) {
-      break;
-    }
-  }
-  return distance;
-}
-
 double wrapped(double turns) noexcept { return turns - std::round(turns); }
-
-double measured_distance(const PmdModel& model, std::complex<double> reading, double pattern,
-                         const std::array<double, 3>& ray, double near_m) noexcept {
-  const double sign = model.phase_falls ? -1 : 1;
-  const double phi1 = sign * std::arg(reading - model.stray) / kTurn - model.offset - pattern;
-  const double phi2 = phi1 - model.wiggling.at(phi1);
-  const double turn = model.scale * model.turn_m;
-  const double expected = (half_path(model.emitters, ray, near_m) - model.shift_m) / turn;
-  const double path = (expected + wrapped(phi2 - expected)) * turn + model.shift_m;
-  return distance_of(model.emitters, ray, path);
-}
 
 PmdModel model_of(const dsp::PmdSensor& sensor) {
   PmdModel model;

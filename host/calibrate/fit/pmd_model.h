@@ -45,17 +45,8 @@ struct PmdModel {
 
 double half_path(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,
                  double distance_m) noexcept;
-// The distance whose half path this is.
-double distance_of(std::span<const dsp::Emitter> emitters, const std::array<double, 3>& ray,
-                   double path_m) noexcept;
-
 // Into -0.5 .. 0.5.
 double wrapped(double turns) noexcept;
-
-// The distance that a pixel measures, nearest to `near_m`: what is unambiguous elsewhere is known
-// here.
-double measured_distance(const PmdModel& model, std::complex<double> reading, double pattern,
-                         const std::array<double, 3>& ray, double near_m) noexcept;
 
 // Everything of the model that a sensor already has, and back. `pattern` keeps what the sensor's
 // fixed_pattern borrows.

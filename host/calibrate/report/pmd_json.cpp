@@ -15,17 +15,6 @@ ordered_json number(double value, double unit = 1) {
   return std::isfinite(value) ? ordered_json(value * unit) : ordered_json(nullptr);
 }
 
-const char* name_of(Frames frames) {
-  switch (frames) {
-    case Frames::kEven:
-      return "even";
-    case Frames::kOdd:
-      return "odd";
-    default:
-      return "all";
-  }
-}
-
 const char* name_of(StrayVerdict verdict) {
   switch (verdict) {
     case StrayVerdict::kNone:
@@ -48,10 +37,10 @@ ordered_json walls_of(const PmdReport& report, const PmdCalibration& calibration
                      {"z_m", row.z_m},
                      {"exposure", row.exposure},
                      {"line_error_mm", number(row.line_error_m, kMm)},
-                     {"error_mm", number(row.score.error_m, kMm)},
-                     {"valid", row.score.valid},
-                     {"sigma_measured_mm", number(row.score.spread_m, kMm)},
-                     {"sigma_model_mm", number(row.score.predicted_m, kMm)},
+                     {"error_mm", number(row.view.error_m, kMm)},
+                     {"valid", row.view.valid},
+                     {"sigma_measured_mm", number(row.view.spread_m, kMm)},
+                     {"sigma_model_mm", number(row.view.predicted_m, kMm)},
                      {"sigma_eq15_mm", number(polynomial, kMm)}});
   }
   return walls;
@@ -89,8 +78,8 @@ std::string report_json(const PmdReport& report, const PmdCalibration& calibrati
                           {"width", sensor.lens.width},
                           {"height", sensor.lens.height},
                           {"f_mod_hz", sensor.frequency.modulation.value},
-                          {"fitted", name_of(report.fitted)},
-                          {"judged", name_of(report.judged)},
+                          {"fitted", to_string(report.fitted)},
+                          {"judged", to_string(report.judged)},
                           {"walls", walls_of(report, calibration)},
                           {"worst_relative", report.worst_relative},
                           {"line", line_of(calibration)},

@@ -12,15 +12,8 @@ constexpr double kMm = 1000;
 constexpr double kCm = 100;
 constexpr double kPercent = 100;
 
-const char* name_of(Frames frames) {
-  switch (frames) {
-    case Frames::kEven:
-      return "the even frames";
-    case Frames::kOdd:
-      return "the odd frames";
-    default:
-      return "all frames";
-  }
+std::string in_words(Frames frames) {
+  return (frames == Frames::kAll ? "" : "the ") + std::string(to_string(frames)) + " frames";
 }
 
 void add_table(const PmdReport& report, const PmdCalibration& calibration, std::string& text) {
@@ -29,18 +22,18 @@ void add_table(const PmdReport& report, const PmdCalibration& calibration, std::
   text += printed("%7s  %8s %8s  %8s %8s  %6s  %8s %7s %7s  %s\n", "z, m", "mm", "%", "mm", "%",
                   "valid", "measured", "model", "eq. 15", "recording");
   for (const WallRow& row : report.rows) {
-    const WallScore& score = row.score;
+    const WallView& view = row.view;
     const double polynomial =
         calibration.sigma ? sigma_at(*calibration.sigma, row.z_m) * kCm : std::nan("");
-    text += printed("%7.3f  %s %s  %s %s  %s  %s %s %s  %s", row.z_m,
-                    cell(row.line_error_m * kMm, 8, 1).c_str(),
-                    cell(row.line_error_m / row.z_m * kPercent, 8, 3).c_str(),
-                    cell(score.error_m * kMm, 8, 1).c_str(),
-                    cell(score.error_m / row.z_m * kPercent, 8, 3).c_str(),
-                    cell(score.valid * kPercent, 5, 0).c_str(),
-                    cell(score.spread_m * kCm, 9, 2).c_str(),
-                    cell(score.predicted_m * kCm, 7, 2).c_str(), cell(polynomial, 7, 2).c_str(),
-                    row.name.c_str());
+    text +=
+        printed("%7.3f  %s %s  %s %s  %s  %s %s %s  %s", row.z_m,
+                cell(row.line_error_m * kMm, 8, 1).c_str(),
+                cell(row.line_error_m / row.z_m * kPercent, 8, 3).c_str(),
+                cell(view.error_m * kMm, 8, 1).c_str(),
+                cell(view.error_m / row.z_m * kPercent, 8, 3).c_str(),
+                cell(view.valid * kPercent, 5, 0).c_str(), cell(view.spread_m * kCm, 9, 2).c_str(),
+                cell(view.predicted_m * kCm, 7, 2).c_str(), cell(polynomial, 7, 2).c_str(),
+                row.name.c_str());
     if (row.exposure != 1) {
       text += printed(" (%.3g of the integration time)", row.exposure);
     }
@@ -168,12 +161,12 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
                 .z_m = wall->z_m,
                 .exposure = wall->exposure,
                 .line_error_m = std::nan(""),
-                .score = judge(calibration.sensor, *wall, report.judged)};
+                .view = view_wall(calibration.sensor, *wall, report.judged)};
     const Wall seen = summarise(*wall, report.judged);
     if (calibration.line && seen.frames > 0) {
       row.line_error_m = line_error(*calibration.line, calibration.data, calibration.model, seen);
     }
-    const double relative = std::abs(row.score.error_m) / row.z_m;
+    const double relative = std::abs(row.view.error_m) / row.z_m;
     if (std::isfinite(relative)) {
       double& worst = row.z_m >= kLineFromM ? report.worst_relative : worst_near;
       worst = std::max(worst, relative);
@@ -189,10 +182,11 @@ dataset::Loaded<PmdReport> make_report(const WallFolder& folder, Frames fitted,
 std::string report_text(const PmdReport& report, const PmdCalibration& calibration) {
   const dsp::PmdSensor& sensor = calibration.sensor;
   std::string text;
-  text += printed(
-      "%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
-      report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
-      sensor.frequency.modulation.value / 1e6, name_of(report.fitted), name_of(report.judged));
+  text +=
+      printed("%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
+              report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
+              sensor.frequency.modulation.value / 1e6, in_words(report.fitted).c_str(),
+              in_words(report.judged).c_str());
   text += "Z in the middle of the picture, mean over pixels and frames, less the wall's:\n\n";
   add_table(report, calibration, text);
   text += printed("\ncalibrated      at worst %.3f %% of walls from %.1f m on\n",

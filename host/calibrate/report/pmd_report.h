@@ -5,7 +5,7 @@
 
 #include "dataset/dataset.h"
 #include "host/calibrate/pmd_calibration.h"
-#include "host/calibrate/pmd_judge.h"
+#include "host/calibrate/wall_view.h"
 #include "host/calibrate/walls/wall_folder.h"
 
 // What a calibration is worth.
@@ -16,7 +16,7 @@ struct WallRow {
   double z_m = 0;
   double exposure = 1;
   double line_error_m = 0;  // mean Z of the middle by the straight line alone; NaN: unusable
-  WallScore score;          // by the appliance's converter with the new constants
+  WallView view;            // by the appliance's converter with the new constants
 };
 
 struct PmdReport {

@@ -91,6 +91,19 @@ struct Sums {
 
 }  // namespace
 
+const char* to_string(Frames frames) noexcept {
+  return kFramesNames[static_cast<std::size_t>(frames)];
+}
+
+Frames frames_named(std::string_view name) noexcept {
+  for (const Frames frames : {Frames::kEven, Frames::kOdd}) {
+    if (name == to_string(frames)) {
+      return frames;
+    }
+  }
+  return Frames::kAll;
+}
+
 bool chosen(Frames frames, std::size_t frame) noexcept {
   return frames == Frames::kAll || (frame % 2 == 0) == (frames == Frames::kEven);
 }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dataset/dataset.h"
@@ -12,6 +14,10 @@ namespace stof::host {
 
 // Which frames of a recording are used: with half of them a calibration can be judged on the rest.
 enum class Frames { kAll, kEven, kOdd };
+// "all", "even" or "odd", and back; any other name is kAll.
+inline constexpr std::array kFramesNames{"all", "even", "odd"};
+const char* to_string(Frames frames) noexcept;
+Frames frames_named(std::string_view name) noexcept;
 bool chosen(Frames frames, std::size_t frame) noexcept;
 Frames others(Frames frames) noexcept;  // of kAll: kAll
 

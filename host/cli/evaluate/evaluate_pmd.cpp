@@ -9,21 +9,10 @@
 #include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {
-namespace {
-
-Frames frames_of(const std::string& name) {
-  if (name == "even") {
-    return Frames::kEven;
-  }
-  return name == "odd" ? Frames::kOdd : Frames::kAll;
-}
-
-}  // namespace
-
 void evaluate_pmd(const EvaluatePmdOptions& options) {
   const PmdOptions asked{.folder = options.folder,
                          .calibration = options.calibration,
-                         .fitted = frames_of(options.frames)};
+                         .fitted = frames_named(options.frames)};
   const PmdEvaluation evaluation = value_or_fail(evaluate_pmd(asked));
   if (!options.html.empty()) {
     value_or_fail(write_pmd_page(evaluation, options.html));
@@ -44,7 +33,7 @@ void add_evaluate_pmd(CLI::App& evaluate, EvaluatePmdOptions& options) {
   command
       .add_option("--frames", options.frames,
                   "Frames that walls are calibrated on; the others judge")
-      ->check(CLI::IsMember({"even", "odd", "all"}))
+      ->check(CLI::IsMember(kFramesNames))
       ->capture_default_str();
   command.add_flag("--json", options.json, "Machine-readable result on stdout");
   command.add_option("--html", options.html, "A self-contained page with pictures");

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "host/cli/evaluate/evaluate.h"
+#include "host/client/value_names.h"
 #include "host/report/fusion/fusion_page.h"
 
 namespace stof::host {
@@ -14,10 +15,6 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr double kMillimetres = 1000;
-constexpr std::array<const char*, kSources> kSourceNames{"none", "stereo",   "pmd",
-                                                         "both", "resolved", "conflict"};
-constexpr std::array<const char*, dsp::kCauses> kCauseNames{
-    "none", "mixed_pixel", "stereo_ambiguous", "range_ambiguous", "occluded", "contradiction"};
 constexpr const char* kE5 =
     "E5: share of pixels with truth that are missing or off by more than 5 % of depth\n";
 
@@ -76,8 +73,8 @@ ordered_json to_json(const FusionCase& fused, const MatchOptions& match) {
        {{"match", result.match_ms}, {"convert", result.convert_ms}, {"fuse", result.fuse_ms}}}};
   add_scores(fused.scores, report);
   report["fused_is_best"] = fused.scores.fused_is_best();
-  report["sources"] = counts(kSourceNames, count_sources(result.source));
-  report["causes"] = counts(kCauseNames, count_causes(result.cause));
+  report["sources"] = counts(client::kSourceNames, count_sources(result.source));
+  report["causes"] = counts(client::kCauseNames, count_causes(result.cause));
   return report;
 }
 
@@ -163,8 +160,8 @@ void print_fusion_text(const FusionCase& fused, const MatchOptions& match) {
   print_row("stereo", fused.scores.stereo);
   print_row("fused", fused.scores.fused);
   const std::size_t pixels = result.source.pixels.size();
-  print_shares("\nsources:", kSourceNames, count_sources(result.source), pixels);
-  print_shares("causes: ", kCauseNames, count_causes(result.cause), pixels);
+  print_shares("\nsources:", client::kSourceNames, count_sources(result.source), pixels);
+  print_shares("causes: ", client::kCauseNames, count_causes(result.cause), pixels);
   print_chapter({&fused, 1});
 }
 

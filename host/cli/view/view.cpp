@@ -7,7 +7,7 @@
 #include "host/cli/exit.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/view/frame_copy.h"
-#include "host/cli/view/view_meter.h"
+#include "host/cli/view/status_line.h"
 
 namespace stof::host {
 namespace {
@@ -86,7 +86,7 @@ class View {
         silent_ = true;
         return;
       }
-      if (meter_.due(now)) {
+      if (status_line_.due(now)) {
         say(line(now));
       }
     }
@@ -103,7 +103,7 @@ class View {
                                                  : silence(receiver_)) +
                         (heard ? "; " + summary_line(receiver_.statistics()) : ""));
     }
-    if (meter_.pending()) {
+    if (status_line_.pending()) {
       say(line(client::Time::clock::now()));
     }
     say(streams_);
@@ -133,7 +133,7 @@ class View {
   }
 
   std::string line(client::Time now) {
-    return meter_.line(now, receiver_.statistics(), score()) +
+    return status_line_.line(now, receiver_.statistics(), score()) +
            (receiver_.health() ? active_text(*receiver_.health()) : "");
   }
 
@@ -154,7 +154,7 @@ class View {
                         ": is not of the received frames' size: give the truth of this scene");
     }
     ++frames_;
-    meter_.count(*frame);
+    status_line_.count(*frame);
     streams_ = streams_line(*frame);
     if (frame->complete()) {
       whole_.keep(*frame);
@@ -172,7 +172,7 @@ class View {
 
   const ViewOptions& options_;
   client::Receiver& receiver_;
-  ViewMeter meter_;
+  StatusLine status_line_;
   FrameCopy whole_;   // the newest complete frame
   FrameCopy newest_;  // the newest incomplete one
   std::optional<dataset::Image<float>> truth_;

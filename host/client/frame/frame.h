@@ -18,7 +18,7 @@ namespace stof::client {
 using Time = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
 
-inline constexpr std::size_t kStreams = 8;  // streams 1 to 8; index: number less 1
+using wire::kStreams;
 
 constexpr std::size_t index_of(wire::Stream stream) noexcept {
   return static_cast<std::size_t>(stream) - 1;

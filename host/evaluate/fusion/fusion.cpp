@@ -229,8 +229,8 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   return result;
 }
 
-std::array<std::size_t, kSources> count_sources(const dataset::Image<dsp::Source>& source) {
-  return count<kSources>(source);
+std::array<std::size_t, dsp::kSources> count_sources(const dataset::Image<dsp::Source>& source) {
+  return count<dsp::kSources>(source);
 }
 
 std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cause>& cause) {

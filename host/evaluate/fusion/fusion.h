@@ -57,8 +57,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
                                          const FusionOptions& options);
 
 // How many pixels have each source or cause.
-inline constexpr std::size_t kSources = 6;
-std::array<std::size_t, kSources> count_sources(const dataset::Image<dsp::Source>& source);
+std::array<std::size_t, dsp::kSources> count_sources(const dataset::Image<dsp::Source>& source);
 std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cause>& cause);
 
 // What DepthScore says of each part of a result.

@@ -23,9 +23,7 @@ struct PcicChunk {
 enum PcicType : std::uint32_t {
   kPcicRadial = 100,
   kPcicAmplitude = 101,
-  kPcicNoise = 105,
-  kPcicX = 200,  // Cartesian; y and z are the next two
-  kPcicConfidence = 300,
+  kPcicX = 200,        // Cartesian; y and z are the next two
   kPcicTofInfo = 420,  // intrinsics, and those of the way back
 };
 

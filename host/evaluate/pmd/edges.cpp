@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "host/calibrate/fit/pmd_model.h"
+#include "host/evaluate/own_converter.h"
 
 namespace stof::host {
 namespace {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dsp/pmd/converter.h"
 #include "host/evaluate/pmd/recordings/find.h"
 
 // What the converter says where two surfaces meet inside a pixel, and what where they do not.

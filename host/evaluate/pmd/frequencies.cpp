@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dsp/base/units.h"
+#include "host/evaluate/own_converter.h"
 #include "host/evaluate/stereo/median.h"
 
 namespace stof::host {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "host/calibrate/fit/pmd_model.h"
+#include "host/evaluate/own_converter.h"
 #include "host/evaluate/pmd/recordings/truth.h"
 
 namespace stof::host {

@@ -11,25 +11,8 @@
 // do, and what the appliance says about it. All by its own converter.
 namespace stof::host {
 
-inline constexpr std::size_t kPmdFlags = 8;
 // "saturated", "under range", ... in the order of PmdFlag's bits.
 const std::array<const char*, kPmdFlags>& pmd_flag_names();
-
-// What one recording of a wall becomes. Errors are of Z, shares of the readings in the middle of
-// the picture (middle_of). Maps are means over the frames; NaN where no frame carries a distance.
-struct WallView {
-  double error_m = 0;  // NaN: no reading carries a distance
-  double valid = 0;
-  std::array<double, kPmdFlags> flagged{};
-  double ratio = 0;  // mean modulation ratio of the middle
-  double amp2 = 0;
-  dataset::Image<float> z_m;
-  dataset::Image<float> sigma_m;  // of a radial reading
-  dataset::Image<float> modulation;
-  dataset::Image<float> valid_share;  // of the frames
-};
-// Stray and suppressed light of the sensor grow with the recording's exposure.
-WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames);
 
 // One distance of a wall with stray light.
 struct StrayRow {
@@ -51,11 +34,9 @@ struct WallStudy {
   double stray_sigma_lsb = 0;
   double stray_apparent_m = 0;
   // One wall far enough for the straight line, before any calibration and after, for pictures.
-  std::string shown;
   double shown_m = 0;
   WallView plain;
   WallView full;
-  std::vector<WallView> views;  // of report.rows, calibrated
 };
 
 // Calibrates on `fitted` frames and judges on the others.

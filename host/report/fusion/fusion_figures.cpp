@@ -7,7 +7,7 @@
 
 #include "host/evaluate/stereo/median.h"
 #include "host/picture/disparity_picture.h"
-#include "host/picture/relief.h"
+#include "host/picture/height_field.h"
 #include "host/report/page/legend.h"
 
 namespace stof::host {
@@ -15,14 +15,14 @@ namespace {
 
 constexpr double kLargestRelativeError = 0.05;  // as in E5
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr int kReliefWidth = 560;
+constexpr int kHeightFieldWidth = 560;
 
 struct Swatch {
   Rgb colour;
   const char* meaning;
 };
 constexpr Rgb kNothing{14, 15, 18};
-constexpr std::array<Swatch, kSources> kSourceSwatches{
+constexpr std::array<Swatch, dsp::kSources> kSourceSwatches{
     {{kNothing, "none"},
      {{66, 133, 200}, "stereo alone"},
      {{238, 155, 40}, "PMD alone"},
@@ -137,7 +137,7 @@ Figure cause_figure(const FusionCase& fused) {
                 swatches(kCauseSwatches, 1));
 }
 
-// Heights of a relief: d = f b / Z - doff.
+// Heights of a height field: d = f b / Z - doff.
 dataset::Image<float> to_disparity(const dataset::Image<float>& depth, const dsp::StereoRig& rig) {
   dataset::Image<float> disparity(depth.width, depth.height, kNone);
   for (std::size_t i = 0; i < depth.pixels.size(); ++i) {
@@ -149,14 +149,15 @@ dataset::Image<float> to_disparity(const dataset::Image<float>& depth, const dsp
   return disparity;
 }
 
-Figure relief_of(const FusionCase& fused, const dataset::Image<float>& depth, std::string title,
-                 std::string caption) {
+Figure height_field_of(const FusionCase& fused, const dataset::Image<float>& depth,
+                       std::string title, std::string caption) {
   const DisparityScale scale = scales_of(fused).disparity;
-  ReliefView view;
-  view.width = kReliefWidth;
-  return figure(relief_picture(to_disparity(depth, fused.rig), to_disparity(fused.truth, fused.rig),
-                               scale.far_px, scale.near_px, fused.left, view),
-                std::move(title), std::move(caption));
+  HeightFieldView view;
+  view.width = kHeightFieldWidth;
+  return figure(
+      height_field_picture(to_disparity(depth, fused.rig), to_disparity(fused.truth, fused.rig),
+                           scale.far_px, scale.near_px, fused.left, view),
+      std::move(title), std::move(caption));
 }
 
 }  // namespace
@@ -197,18 +198,18 @@ std::vector<Figure> fused_figures(const FusionCase& fused) {
           hit_figure(fused)};
 }
 
-std::vector<Figure> stereo_reliefs(const FusionCase& fused) {
-  return {
-      relief_of(fused, fused.truth, "2.5D view of the truth", "The same point of view for all."),
-      relief_of(fused, fused.result.stereo.depth, "2.5D view, stereo alone",
-                "The grey plate shows where there is no depth.")};
+std::vector<Figure> stereo_height_fields(const FusionCase& fused) {
+  return {height_field_of(fused, fused.truth, "2.5D view of the truth",
+                          "The same point of view for all."),
+          height_field_of(fused, fused.result.stereo.depth, "2.5D view, stereo alone",
+                          "The grey plate shows where there is no depth.")};
 }
 
-std::vector<Figure> fused_reliefs(const FusionCase& fused) {
-  return {relief_of(fused, fused.result.pmd.depth, "2.5D view, PMD alone",
-                    "As large as its pixels are in the left picture."),
-          relief_of(fused, fused.result.fused.depth, "2.5D view, fused",
-                    "Nothing is filled: the plate shows where there is no depth.")};
+std::vector<Figure> fused_height_fields(const FusionCase& fused) {
+  return {height_field_of(fused, fused.result.pmd.depth, "2.5D view, PMD alone",
+                          "As large as its pixels are in the left picture."),
+          height_field_of(fused, fused.result.fused.depth, "2.5D view, fused",
+                          "Nothing is filled: the plate shows where there is no depth.")};
 }
 
 }  // namespace stof::host

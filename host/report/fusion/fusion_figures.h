@@ -24,7 +24,7 @@ std::vector<Figure> stereo_figures(const FusionCase& fused);
 std::vector<Figure> fused_figures(const FusionCase& fused);
 
 // 2.5D views of the truth and of stereo alone; of the PMD alone and of both.
-std::vector<Figure> stereo_reliefs(const FusionCase& fused);
-std::vector<Figure> fused_reliefs(const FusionCase& fused);
+std::vector<Figure> stereo_height_fields(const FusionCase& fused);
+std::vector<Figure> fused_height_fields(const FusionCase& fused);
 
 }  // namespace stof::host

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/picture/plot/plot.h"
+#include "host/report/page/plot.h"
 
 namespace stof::host {
 namespace {
@@ -38,34 +38,31 @@ std::vector<std::string> interval_row(const std::string& name, const std::string
 Figure reliability(std::span<const FusionCase> cases) {
   constexpr int kParts = 10;
   constexpr std::array<Rgb, 3> kColours{kPlotBlue, kPlotOrange, kPlotGreen};
-  Plot plot{.title = "Does the truth lie in the published interval?",
+  Plot plot{.title = "Reliability of the intervals",
             .x_label = "intervals ordered by width, percent: narrow to wide",
             .y_label = "hold the truth, percent",
             .series = {}};
   double least = 70;
   const std::vector<std::string> sensors = sensors_of(cases);
   for (std::size_t s = 0; s < sensors.size(); ++s) {
-    PlotSeries series{.name = "PMD " + sensors[s],
-                      .x = {},
-                      .y = {},
-                      .colour = kColours[s % kColours.size()],
-                      .dot_px = 9};
+    PlotSeries series{
+        .name = "PMD " + sensors[s], .colour = kColours[s % kColours.size()], .dot_px = 5};
     const std::vector<std::optional<double>> rates =
         hit_rates_by_width(pooled_checks(cases, sensors[s]), kParts);
     for (int part = 0; part < kParts; ++part) {
       const std::optional<double> rate = rates[static_cast<std::size_t>(part)];
-      series.x.push_back(100 * (part + 0.5) / kParts);
-      series.y.push_back(rate ? 100 * *rate : std::nan(""));
+      series.add(100 * (part + 0.5) / kParts, rate ? 100 * *rate : std::nan(""));
       least = std::min(least, rate ? 100 * *rate : least);
     }
     plot.series.push_back(std::move(series));
   }
-  plot.series.push_back({.name = "95 percent", .x = {0, 100}, .y = {95, 95}, .colour = kPlotGrey});
+  plot.series.push_back({.name = "95 percent", .colour = kPlotGrey, .x = {0, 100}, .y = {95, 95}});
   plot.y_least = std::floor(least / 10) * 10;
   plot.y_most = 100;
-  return figure(plot_picture(plot), "Reliability of the intervals",
-                "All scenes of a PMD camera together, a tenth of the intervals at each dot. Meant "
-                "are 95 percent, at every width.");
+  return plot_figure(plot,
+                     "Does the truth lie in the published interval? All scenes of a PMD camera "
+                     "together, a tenth of the intervals at each dot. "
+                     "Meant are 95 percent, at every width.");
 }
 
 }  // namespace

@@ -17,13 +17,13 @@ bool same_pair(const FusionCase& a, const FusionCase& b) {
 void add_scene(std::span<const FusionCase> cases, const FusionCase& first, int number, Page& page) {
   page.begin_section("scene-" + std::to_string(number), first.scene);
   page.figures(stereo_figures(first), Width::kMedium);
-  page.figures(stereo_reliefs(first), Width::kLarge);
+  page.figures(stereo_height_fields(first), Width::kLarge);
   for (const FusionCase& fused : cases) {
     if (same_pair(fused, first)) {
       page.heading(first.scene + " with a PMD camera of " + fused.sensor() + " (" +
                    fused.recording + ")");
       page.figures(fused_figures(fused), Width::kMedium);
-      page.figures(fused_reliefs(fused), Width::kLarge);
+      page.figures(fused_height_fields(fused), Width::kLarge);
     }
   }
 }

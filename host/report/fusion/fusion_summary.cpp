@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/text/printed.h"
+
 namespace stof::host {
 namespace {
 
@@ -22,10 +24,6 @@ std::optional<double> millimetres(std::optional<double> metres) {
 std::optional<double> share(std::size_t part, std::size_t whole) {
   return whole == 0 ? std::nullopt
                     : std::optional(static_cast<double>(part) / static_cast<double>(whole));
-}
-
-void add_to(std::string& list, const std::string& entry) {
-  list += (list.empty() ? "" : "; ") + entry;
 }
 
 std::vector<std::string> score_row(const std::string& name, const std::string& sensor,
@@ -65,7 +63,7 @@ void claim_better(std::span<const FusionCase> cases, Page& page) {
   for (const FusionCase& fused : cases) {
     better += fused.scores.fused_is_best() ? 1 : 0;
     if (!fused.scores.fused_is_best()) {
-      add_to(exceptions, name_of(fused));
+      add_to(exceptions, name_of(fused), "; ");
     }
   }
   const FusionScores mean = mean_of_sensor(cases, "");
@@ -129,9 +127,10 @@ void add_gaps(std::span<const FusionCase> cases, Page& page) {
     }
     ++judged;
     dense += gaps.dense() ? 1 : 0;
-    add_to(list, name_of(fused) + ": " + percent(share(gaps.covered, gaps.empty), 0) +
-                     " percent covered, " + percent(share(gaps.right, gaps.empty), 0) +
-                     " percent right");
+    add_to(list,
+           name_of(fused) + ": " + percent(share(gaps.covered, gaps.empty), 0) +
+               " percent covered, " + percent(share(gaps.right, gaps.empty), 0) + " percent right",
+           "; ");
     table.rows.push_back({fused.scene, fused.sensor(), percent(share(gaps.empty, gaps.truth)),
                           percent(share(gaps.covered, gaps.empty)),
                           percent(share(gaps.right, gaps.empty))});
@@ -158,7 +157,7 @@ void add_sources(std::span<const FusionCase> cases, Page& page) {
   int rare = 0;
   double most = 0;
   for (const FusionCase& fused : cases) {
-    const std::array<std::size_t, kSources> sources = count_sources(fused.result.source);
+    const std::array<std::size_t, dsp::kSources> sources = count_sources(fused.result.source);
     const std::size_t pixels = fused.result.source.pixels.size();
     std::vector<std::string> row{fused.scene, fused.sensor()};
     for (const dsp::Source source :

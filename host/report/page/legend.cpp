@@ -1,16 +1,14 @@
 #include "host/report/page/legend.h"
 
+#include <algorithm>
 #include <cmath>
 
+#include "host/picture/signed_picture.h"
 #include "host/report/page/page.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-std::string css_colour(Rgb colour) {
-  return printed("#%02x%02x%02x", colour.red, colour.green, colour.blue);
-}
 
 struct Tick {
   double place;  // 0..1 along the bar
@@ -20,41 +18,43 @@ struct Tick {
 // A bar of colours with ticks below, the unit at its end, and a box of "none".
 // The drawing has units of its own, about half a millimetre on the screen.
 std::string bar(const std::vector<Rgb>& colours, const std::vector<Tick>& ticks,
-                std::string_view unit) {
+                std::string_view unit, Rgb (*none)(int x, int y) = none_colour) {
   constexpr double kBarWidth = 216;
   constexpr double kLeft = 10;
+  constexpr double kNoneLeft = kLeft + kBarWidth + 46;
   std::string svg =
       R"(<svg class="bar" viewBox="0 0 300 32" role="img" aria-label="colour scale">)";
   const double step = kBarWidth / static_cast<double>(colours.size());
   const auto rectangle = [&svg](double x, double y, double width, double height, Rgb colour) {
-    svg += R"(<rect x=")" + number(x, 2) + R"(" y=")" + number(y, 2) + R"(" width=")" +
-           number(width, 2) + R"(" height=")" + number(height, 2) + R"(" fill=")" +
-           css_colour(colour) + R"(" shape-rendering="crispEdges"/>)";
+    svg += printed(R"(<rect x="%.2f" y="%.2f" width="%.2f" height="%.2f" fill="%s" )", x, y, width,
+                   height, css_colour(colour).c_str()) +
+           R"(shape-rendering="crispEdges"/>)";
   };
   for (std::size_t i = 0; i < colours.size(); ++i) {
     // A little too wide: no gaps between neighbours.
     rectangle(kLeft + static_cast<double>(i) * step, 2, step + 0.4, 10, colours[i]);
   }
-  const auto text = [&svg](double x, std::string_view anchor, std::string_view what) {
-    svg += R"(<text y="28" font-size="12" fill="currentColor" x=")" + number(x, 1) +
-           R"(" text-anchor=")" + std::string(anchor) + R"(">)" + escaped(what) + "</text>";
+  const auto text = [&svg](double x, const char* anchor, std::string_view what) {
+    svg += printed(R"(<text y="28" font-size="12" fill="currentColor" x="%.1f" text-anchor="%s">)",
+                   x, anchor) +
+           escaped(what) + "</text>";
   };
   for (const Tick& tick : ticks) {
     const double x = kLeft + tick.place * kBarWidth;
-    svg += R"(<path stroke="currentColor" d="M)" + number(x, 1) + R"( 12v4"/>)";
-    text(x, "middle", tick.text);
+    svg += printed(R"(<path stroke="currentColor" d="M%.1f 12v4"/>)", x);
+    text(x, tick.place <= 0 ? "start" : tick.place >= 1 ? "end" : "middle", tick.text);
   }
   text(kLeft + kBarWidth + 15, "start", unit);
   constexpr int kBox = 3;
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 6; ++x) {
-      rectangle(kLeft + kBarWidth + 46 + kBox * x, 1 + kBox * y, kBox, kBox,
-                none_colour(kBox * x, kBox * y));
+      rectangle(kNoneLeft + kBox * x, 1 + kBox * y, kBox, kBox, none(kBox * x, kBox * y));
     }
   }
-  svg += R"(<path fill="none" stroke="currentColor" stroke-width="0.6" d="M)" +
-         number(kLeft + kBarWidth + 46, 1) + R"( 1h18v12h-18z"/>)";
-  text(kLeft + kBarWidth + 55, "middle", "none");
+  svg += printed(
+      R"(<path fill="none" stroke="currentColor" stroke-width="0.6" d="M%.1f 1h18v12h-18z"/>)",
+      kNoneLeft);
+  text(kNoneLeft + 9, "middle", "none");
   return svg + "</svg>";
 }
 
@@ -66,6 +66,11 @@ std::string swatch(std::string_view background, std::string_view meaning) {
 }
 
 }  // namespace
+
+std::string tick_text(double value, double step) {
+  const int decimals = std::clamp(static_cast<int>(std::ceil(-std::log10(step) - 1e-9)), 0, 9);
+  return printed("%.*f", decimals, value);
+}
 
 std::string disparity_legend(const DisparityScale& scale) {
   std::vector<Rgb> colours;
@@ -92,6 +97,19 @@ std::string depth_legend(const ColourScale& scale) {
     ticks.push_back({scale.position(z), printed("%g", z)});
   }
   return bar(metric_picture(ramp, scale).pixels, ticks, "m");
+}
+
+std::string signed_legend(double most, std::string_view unit) {
+  std::vector<Rgb> colours;
+  colours.reserve(kBarSteps);
+  for (int i = 0; i < kBarSteps; ++i) {
+    colours.push_back(signed_colour(2 * (i + 0.5) / kBarSteps - 1));
+  }
+  const double step = most / 50;
+  const std::vector<Tick> ticks{
+      {0, tick_text(-most, step)}, {0.5, "0"}, {1, tick_text(most, step)}};
+  return bar(colours, ticks, unit,
+             [](int /*x*/, int /*y*/) { return signed_colour(std::nan("")); });
 }
 
 std::string finding_legend(const std::vector<KeyEntry>& entries) {

@@ -8,10 +8,15 @@
 // Legends as HTML, drawn by the browser: sharp at every size, in the ink of the page.
 namespace stof::host {
 
+// A number with as many decimals as numbers `step` apart need.
+std::string tick_text(double value, double step);
+
 // Colour bar from far to near in px, and the checker of "none".
 std::string disparity_legend(const DisparityScale& scale);
 // The same in metres, near to far, logarithmic.
 std::string depth_legend(const ColourScale& scale);
+// From -most to most, as signed_picture() draws values; the grey of "none".
+std::string signed_legend(double most, std::string_view unit);
 
 // One swatch a finding, with the colour finding_picture() gives it.
 struct KeyEntry {

@@ -65,13 +65,12 @@ std::string_view css_of(Width width) {
   return "";
 }
 
-Figure with_bytes(std::string png, int width, int height, std::string title, std::string caption) {
-  return {.png = std::move(png),
-          .width = width,
-          .height = height,
-          .title = std::move(title),
-          .caption = std::move(caption),
-          .legend = {}};
+// The data of a PNG file in the page. Few pixels are shown as squares, not smoothed.
+std::string image(const std::string& png, int width, int height, const std::string& title) {
+  constexpr int kFewPixels = 400;
+  return printed(R"(<img%s width="%d" height="%d" alt=")",
+                 width < kFewPixels ? " class=\"pixels\"" : "", width, height) +
+         escaped(title) + "\" src=\"data:image/png;base64," + base64(png) + "\">";
 }
 
 }  // namespace
@@ -88,14 +87,13 @@ Verdict verdict_of(int hold, int judged) {
 
 Figure figure(const dataset::Image<Rgb>& picture, std::string title, std::string caption,
               std::string legend) {
-  Figure result = with_bytes(png_bytes(picture), picture.width, picture.height, std::move(title),
-                             std::move(caption));
-  result.legend = std::move(legend);
-  return result;
+  std::string html = image(png_bytes(picture), picture.width, picture.height, title);
+  return {std::move(html), std::move(title), std::move(caption), std::move(legend)};
 }
 
 Figure figure(const dataset::Image<std::uint8_t>& grey, std::string title, std::string caption) {
-  return with_bytes(png_bytes(grey), grey.width, grey.height, std::move(title), std::move(caption));
+  std::string html = image(png_bytes(grey), grey.width, grey.height, title);
+  return {std::move(html), std::move(title), std::move(caption), {}};
 }
 
 void Page::begin_section(std::string id, std::string title) {
@@ -139,11 +137,8 @@ void Page::figures(const std::vector<Figure>& figures, Width width) {
   }
   std::string html = "<div class=\"figures " + std::string(css_of(width)) + "\">\n";
   for (const Figure& figure : figures) {
-    html += "<figure><img alt=\"" + escaped(figure.title) + "\" width=\"" +
-            std::to_string(figure.width) + "\" height=\"" + std::to_string(figure.height) +
-            "\" src=\"data:image/png;base64," + base64(figure.png) + "\">" + figure.legend +
-            "<figcaption><b>" + escaped(figure.title) + ".</b> " + escaped(figure.caption) +
-            "</figcaption></figure>\n";
+    html += "<figure>" + figure.picture + figure.legend + "<figcaption><b>" +
+            escaped(figure.title) + ".</b> " + escaped(figure.caption) + "</figcaption></figure>\n";
   }
   sections_.back().body += html + "</div>\n";
 }
@@ -242,6 +237,10 @@ std::string base64(std::string_view bytes) {
     }
   }
   return text;
+}
+
+std::string css_colour(Rgb colour) {
+  return printed("#%02x%02x%02x", colour.red, colour.green, colour.blue);
 }
 
 std::string number(std::optional<double> value, int digits) {

@@ -27,9 +27,7 @@ struct Claim {
 
 // A picture with its caption and, where colours mean something, their legend.
 struct Figure {
-  std::string png;  // the file's bytes
-  int width = 0;
-  int height = 0;
+  std::string picture;  // HTML: an image with its data, or a drawing
   std::string title;    // text, also what the picture is called without pictures
   std::string caption;  // text, with units
   std::string legend;   // HTML of legend.h, or empty
@@ -75,6 +73,7 @@ class Page {
 // With &, <, > and quotes made harmless.
 std::string escaped(std::string_view text);
 std::string base64(std::string_view bytes);
+std::string css_colour(Rgb colour);
 
 // "12.3"; "–" for what could not be counted.
 std::string number(std::optional<double> value, int digits);

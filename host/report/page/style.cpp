@@ -47,6 +47,11 @@ dt{color:var(--soft);font-size:.88rem;padding-top:.1rem}dd{margin:0}
 .large{grid-template-columns:repeat(auto-fill,minmax(min(100%,32rem),1fr))}
 figure{margin:0;min-width:0;break-inside:avoid}
 img{display:block;width:100%;height:auto;border-radius:4px;background:#14161a}
+.pixels{image-rendering:pixelated}
+.plot{display:block;width:100%;height:auto;color:var(--ink);font-size:13px}
+.plot text{fill:currentColor}
+.plot path{fill:none;stroke-linecap:round;stroke-linejoin:round}
+.plot .grid{stroke:var(--line)}.plot .zero{stroke:var(--soft)}.plot .axes{stroke:currentColor}
 figcaption{font-size:.86rem;color:var(--soft);margin-top:.35rem;line-height:1.4}
 figcaption b{color:var(--ink)}
 .bar{display:block;width:100%;height:auto;margin-top:.35rem;color:var(--ink)}

@@ -22,19 +22,19 @@ std::string named(const char* what, const std::filesystem::path& folder, std::si
   return studies > 1 ? std::string(what) + " (" + folder.filename().string() + ")" : what;
 }
 
-Table wall_table(const WallStudy& study) {
+Table wall_table(const PmdReport& report) {
   Table table{.caption =
                   "Mean error of Z over the middle of the picture, and the spread of a "
                   "reading from frame to frame.",
               .header = {"recording", "Z, m", "line alone, mm", "%", "calibrated, mm", "%",
                          "valid, %", "sigma measured, cm", "sigma said, cm"}};
-  for (const WallRow& row : study.report.rows) {
+  for (const WallRow& row : report.rows) {
     const double line = row.line_error_m;
-    const double full = row.score.error_m;
+    const double full = row.view.error_m;
     table.rows.push_back(
         {row.name, number(row.z_m, 2), number(line * kMm, 1), number(line / row.z_m * kPercent, 3),
-         number(full * kMm, 1), number(full / row.z_m * kPercent, 3), percent(row.score.valid, 0),
-         number(row.score.spread_m * kCm, 2), number(row.score.predicted_m * kCm, 2)});
+         number(full * kMm, 1), number(full / row.z_m * kPercent, 3), percent(row.view.valid, 0),
+         number(row.view.spread_m * kCm, 2), number(row.view.predicted_m * kCm, 2)});
   }
   return table;
 }
@@ -44,9 +44,9 @@ void add_wall(const WallStudy& study, const std::string& id, std::size_t studies
   page.paragraph(
       "A wall facing the camera. Constants are fitted to some of the frames and judged on the "
       "others; every figure is of the appliance's own fixed-point conversion.");
-  page.table(wall_table(study));
-  page.figures(noise_figures(study), Width::kLarge);
-  page.figures(calibration_figures(study), Width::kMedium);
+  page.table(wall_table(study.report));
+  page.figures(noise_figures(study.report, study.calibration), Width::kLarge);
+  page.figures(calibration_figures(study.report, study.calibration), Width::kMedium);
   page.figures(ratio_figures(study), Width::kMedium);
   page.figures(mask_figures(study), Width::kMedium);
   page.figures(flat_wall_figures(study), Width::kMedium);
@@ -142,7 +142,7 @@ void add_edges(const EdgeStudy& study, const std::string& id, const std::string&
     return;
   }
   page.figures({section_figure(study, around_px)}, Width::kLarge);
-  page.figures({marks_figure(study), relief_figure(study)}, Width::kMedium);
+  page.figures({marks_figure(study), height_field_figure(study)}, Width::kMedium);
   page.claim({.chapter = "At an edge the true value lies between the readings of the neighbours",
               .measured = percent(share(study.all.holding, study.all.mixed_with_depth), 2) +
                           " percent of the intervals of mixed pixels hold both surfaces",
@@ -232,6 +232,22 @@ std::expected<void, dataset::Problem> write_pmd_page(const PmdEvaluation& evalua
           " LSB at most (65536 a turn); plain and vector kernels are " +
           (evaluation.phase.kernels_equal ? "equal." : "NOT equal.")};
   return write_page(file, page.html("The chapter's PMD, measured", lead));
+}
+
+std::expected<void, dataset::Problem> write_calibration_page(const PmdReport& report,
+                                                             const PmdCalibration& calibration,
+                                                             const std::filesystem::path& file) {
+  Page page;
+  page.begin_section("walls", "Walls at known distances");
+  page.table(wall_table(report));
+  page.figures(noise_figures(report, calibration), Width::kLarge);
+  page.figures(calibration_figures(report, calibration), Width::kMedium);
+  page.begin_section("constants", "Constants");
+  page.figures(wiggling_figures(calibration), Width::kLarge);
+  page.figures(pattern_figures(calibration), Width::kLarge);
+  return write_page(file, page.html("A PMD camera, calibrated",
+                                    {"Walls of " + report.folder +
+                                     ", measured with the converter of the stof appliance."}));
 }
 
 }  // namespace stof::host

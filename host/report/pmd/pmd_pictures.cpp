@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <ranges>
 
 #include "host/evaluate/stereo/median.h"
 #include "host/picture/disparity_picture.h"
-#include "host/picture/plot/plot.h"
-#include "host/picture/plot/plot_map.h"
-#include "host/picture/relief.h"
+#include "host/picture/height_field.h"
+#include "host/picture/signed_picture.h"
 #include "host/report/page/legend.h"
+#include "host/report/page/plot.h"
 
 namespace stof::host {
 namespace {
@@ -17,26 +18,14 @@ namespace {
 constexpr double kMm = 1000;
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
-dataset::Image<Rgb> enlarged(const dataset::Image<Rgb>& picture, int least_width) {
-  const int times = std::max(least_width / std::max(picture.width, 1), 1);
-  dataset::Image<Rgb> out(picture.width * times, picture.height * times);
-  for (int y = 0; y < out.height; ++y) {
-    for (int x = 0; x < out.width; ++x) {
-      out.view().at(x, y) = picture.view().at(x / times, y / times);
-    }
-  }
-  return out;
-}
-
 // Black is 0, white is `most`.
-dataset::Image<Rgb> grey_map(const dataset::Image<float>& values, double most) {
-  constexpr int kLeastWidth = 640;
+dataset::Image<std::uint8_t> grey_map(const dataset::Image<float>& values, double most) {
   constexpr double kWhite = 255;
   dataset::Image<std::uint8_t> grey(values.width, values.height);
   std::ranges::transform(values.pixels, grey.pixels.begin(), [most](float value) {
     return static_cast<std::uint8_t>(kWhite * std::clamp(value / most, 0.0, 1.0));
   });
-  return enlarged(as_colour(grey, false), kLeastWidth);
+  return grey;
 }
 
 dataset::Image<float> off_by_mm(const dataset::Image<float>& z_m, double true_m) {
@@ -46,20 +35,26 @@ dataset::Image<float> off_by_mm(const dataset::Image<float>& z_m, double true_m)
   return out;
 }
 
+Figure signed_figure(const dataset::Image<float>& values, const char* unit, std::string title,
+                     std::string caption) {
+  const double most = largest_size(values);
+  return figure(signed_picture(values, most), std::move(title), std::move(caption),
+                signed_legend(most, unit));
+}
+
 PlotSeries across(const WallView& view, const char* name, Rgb colour) {
-  PlotSeries series{.name = name, .x = {}, .y = {}, .colour = colour};
+  PlotSeries series{.name = name, .colour = colour};
   const int y = view.z_m.height / 2;
   for (int x = 0; x < view.z_m.width; ++x) {
-    series.x.push_back(x);
-    series.y.push_back(view.z_m.view().at(x, y));
+    series.add(x, view.z_m.view().at(x, y));
   }
   return series;
 }
 
 // The 2.5D view of a map of Z, +inf or NaN = none. Closeness in px of a disparity, so that planes
 // stay planes; what is near has near_px. Noise of 2 px would tear the surface.
-dataset::Image<Rgb> relief_of(const dataset::Image<float>& z_m,
-                              const dataset::Image<std::uint8_t>& texture, double near_px) {
+dataset::Image<Rgb> height_field_of(const dataset::Image<float>& z_m,
+                                    const dataset::Image<std::uint8_t>& texture, double near_px) {
   std::vector<double> seen;
   std::ranges::copy_if(z_m.pixels, std::back_inserter(seen),
                        [](float z) { return std::isfinite(z) && z > 0; });
@@ -73,19 +68,19 @@ dataset::Image<Rgb> relief_of(const dataset::Image<float>& z_m,
     }
   }
   const double far_px = std::min(near_px * near_m / far_m, near_px - 1);
-  return relief_picture(closeness, closeness, far_px, near_px, texture);
+  return height_field_picture(closeness, closeness, far_px, near_px, texture);
 }
 
 }  // namespace
 
 std::vector<Figure> mask_figures(const WallStudy& study) {
   // The farthest wall that has a reading at all.
-  for (std::size_t i = study.views.size(); i-- > 0;) {
-    const WallView& view = study.views[i];
-    if (view.valid_share.pixels.empty() || view.valid == 0) {
+  for (const WallRow& row : std::views::reverse(study.report.rows)) {
+    const WallView& view = row.view;
+    if (view.valid == 0) {
       continue;
     }
-    const std::string at = number(study.report.rows[i].z_m, 2) + " m";
+    const std::string at = number(row.z_m, 2) + " m";
     const double most = std::max<double>(std::ranges::max(view.modulation.pixels), 1e-6);
     return {figure(grey_map(view.modulation, most), "Modulation ratio, wall at " + at,
                    "Mean over the frames of each pixel: black is 0, white " + number(most, 2) +
@@ -103,29 +98,39 @@ std::vector<Figure> flat_wall_figures(const WallStudy& study) {
     return {};
   }
   const std::string at = number(study.shown_m, 2) + " m";
-  PlotSeries wall{.name = "wall",
-                  .x = {0, static_cast<double>(study.full.z_m.width - 1)},
-                  .y = {study.shown_m, study.shown_m},
-                  .colour = kPlotGrey};
+  PlotSeries wall{.name = "wall", .colour = kPlotGrey};
+  wall.add(0, study.shown_m);
+  wall.add(study.full.z_m.width - 1, study.shown_m);
   const Plot section{.title = "Across the middle row, wall at " + at,
                      .x_label = "column, px",
                      .y_label = "mean Z over the frames, m",
                      .series = {wall, across(study.plain, "no calibration", kPlotOrange),
                                 across(study.full, "calibrated", kPlotBlue)}};
+  const std::string values = "Z of the readings less Z of the wall. ";
   return {
-      figure(map_picture(off_by_mm(study.plain.z_m, study.shown_m),
-                         "Z of the readings less Z of the wall", "mm"),
-             "A flat wall at " + at + ", no calibration",
-             "Mean over the frames: offset, wiggling, fixed pattern and the place of the lights "
-             "bend it."),
-      figure(map_picture(off_by_mm(study.full.z_m, study.shown_m),
-                         "Z of the readings less Z of the wall", "mm"),
-             "The same, calibrated", "What is left is noise. The scale is another one."),
-      figure(plot_picture(section), section.title, "Both, and the wall.")};
+      signed_figure(off_by_mm(study.plain.z_m, study.shown_m), "mm",
+                    "A flat wall at " + at + ", no calibration",
+                    values + "Mean over the frames: offset, wiggling, fixed pattern and the place "
+                             "of the lights bend it."),
+      signed_figure(off_by_mm(study.full.z_m, study.shown_m), "mm", "The same, calibrated",
+                    values + "What is left is noise. The scale is another one."),
+      plot_figure(section, "Both, and the wall.")};
+}
+
+std::vector<Figure> pattern_figures(const PmdCalibration& calibration) {
+  const PmdModel& model = calibration.model;
+  if (model.pattern.empty()) {
+    return {};
+  }
+  dataset::Image<float> map(calibration.data.lens.width, calibration.data.lens.height);
+  std::ranges::transform(model.pattern, map.pixels.begin(), [&model](double turns) {
+    return static_cast<float>(turns * model.turn_m * kMm);
+  });
+  return {signed_figure(map, "mm", "Fixed pattern of the distance",
+                        "What each pixel reads too much, whatever the distance.")};
 }
 
 Figure marks_figure(const EdgeStudy& study) {
-  constexpr int kLeastWidth = 832;
   constexpr Rgb kMissed{213, 94, 0};
   constexpr Rgb kFound{0, 158, 115};
   constexpr Rgb kBeside{86, 180, 233};
@@ -147,7 +152,7 @@ Figure marks_figure(const EdgeStudy& study) {
     }
     picture.pixels[i] = colour;
   }
-  return figure(enlarged(picture, kLeastWidth), "Mixed and flagged pixels of " + study.section.name,
+  return figure(picture, "Mixed and flagged pixels of " + study.section.name,
                 "First frame, over its amplitude. A pixel is mixed when two surfaces meet in it; "
                 "the flag says that its neighbourhood differs by more than noise.",
                 colour_legend({{kFound, "mixed, flagged"},
@@ -156,9 +161,9 @@ Figure marks_figure(const EdgeStudy& study) {
                                {kEmpty, "no depth"}}));
 }
 
-Figure relief_figure(const EdgeStudy& study) {
+Figure height_field_figure(const EdgeStudy& study) {
   constexpr double kNoisyPx = 20;
-  return figure(relief_of(study.z_m, study.amplitude, kNoisyPx),
+  return figure(height_field_of(study.z_m, study.amplitude, kNoisyPx),
                 "2.5D view of " + study.section.name,
                 "Z of one frame as a height field, near is high, lit by the amplitude of its own "
                 "light. Holes are pixels without a distance.");
@@ -167,7 +172,6 @@ Figure relief_figure(const EdgeStudy& study) {
 std::vector<Figure> cloud_figures(const FrameStudy& study) {
   constexpr double kBright = 255;
   constexpr double kSharpPx = 60;
-  constexpr int kLeastWidth = 448;
   dataset::Image<std::uint8_t> texture(study.width, study.height, 255);
   if (std::ranges::any_of(study.amplitude.pixels, [](float a) { return a > 0; })) {
     std::vector<double> all(study.amplitude.pixels.begin(), study.amplitude.pixels.end());
@@ -178,9 +182,8 @@ std::vector<Figure> cloud_figures(const FrameStudy& study) {
     });
   }
   return {
-      figure(enlarged(as_colour(texture, false), kLeastWidth), "Amplitude",
-             "Of the camera's frame, its root."),
-      figure(relief_of(study.cloud.z, texture, kSharpPx), "2.5D view of the cloud",
+      figure(texture, "Amplitude", "Of the camera's frame, its root."),
+      figure(height_field_of(study.cloud.z, texture, kSharpPx), "2.5D view of the cloud",
              "Z of the appliance's cloud as a height field, near is high. Holes are pixels that "
              "the camera calls invalid.")};
 }

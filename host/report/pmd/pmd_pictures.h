@@ -10,8 +10,9 @@ namespace stof::host {
 
 std::vector<Figure> mask_figures(const WallStudy& study);  // ratio and valid pixels of a far wall
 std::vector<Figure> flat_wall_figures(const WallStudy& study);
+std::vector<Figure> pattern_figures(const PmdCalibration& calibration);
 Figure marks_figure(const EdgeStudy& study);  // mixed and flagged pixels
-Figure relief_figure(const EdgeStudy& study);
+Figure height_field_figure(const EdgeStudy& study);
 std::vector<Figure> cloud_figures(const FrameStudy& study);
 
 }  // namespace stof::host

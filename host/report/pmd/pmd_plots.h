@@ -8,9 +8,12 @@
 // PMD figures as lines and points over two axes. What a study has no data for is left out.
 namespace stof::host {
 
-std::vector<Figure> noise_figures(const WallStudy& study);        // sigma over distance
-std::vector<Figure> calibration_figures(const WallStudy& study);  // line, residual
-std::vector<Figure> ratio_figures(const WallStudy& study);        // amplitude and ratio
+// Sigma over distance.
+std::vector<Figure> noise_figures(const PmdReport& report, const PmdCalibration& calibration);
+// Line, residual.
+std::vector<Figure> calibration_figures(const PmdReport& report, const PmdCalibration& calibration);
+std::vector<Figure> wiggling_figures(const PmdCalibration& calibration);
+std::vector<Figure> ratio_figures(const WallStudy& study);  // amplitude and ratio
 std::vector<Figure> stray_figures(const WallStudy& study);
 std::vector<Figure> light_figures(const LightStudy& study);
 Figure section_figure(const EdgeStudy& study, int around_px);  // that many px around the edge

@@ -6,6 +6,7 @@
 #include "host/evaluate/stereo/match.h"
 #include "host/report/page/legend.h"
 #include "host/report/stereo/sections.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -96,8 +97,7 @@ struct Tally {
     if (fixed && region) {
       ++judged;
       better += *region < *fixed ? 1 : 0;
-      list +=
-          (list.empty() ? "" : "; ") + scene + " " + percent(region) + " against " + percent(fixed);
+      add_to(list, scene + " " + percent(region) + " against " + percent(fixed), "; ");
     }
   }
 };

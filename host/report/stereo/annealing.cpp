@@ -3,6 +3,7 @@
 
 #include "host/evaluate/stereo/match.h"
 #include "host/report/stereo/sections.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -62,9 +63,11 @@ struct Tally {
         1 - static_cast<double>(slow.energy) / static_cast<double>(scanline.energy);
     ++judged;
     hold += times > kSlow && gain > 0 && gain <= kSlightly ? 1 : 0;
-    list += (list.empty() ? "" : "; ") + scene + ": " + number(times, 0) +
-            " times as slow, energy " + percent(energy) + " percent lower, BP " +
-            number(std::abs(gain), 1) + (gain < 0 ? " points worse" : " points better");
+    add_to(list,
+           scene + ": " + number(times, 0) + " times as slow, energy " + percent(energy) +
+               " percent lower, BP " + number(std::abs(gain), 1) +
+               (gain < 0 ? " points worse" : " points better"),
+           "; ");
   }
 };
 

@@ -6,6 +6,7 @@
 #include "host/evaluate/stereo/median.h"
 #include "host/report/page/legend.h"
 #include "host/report/stereo/sections.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -115,9 +116,11 @@ struct Tally {
     if (const std::optional<double> close = share(all.close, all.covered)) {
       ++judged;
       usable += *close >= kUsableShare ? 1 : 0;
-      list += (list.empty() ? "" : "; ") + way.name + ": " + percent(close) +
-              " percent of the measured pixels are within 5 percent of the true depth, " +
-              percent(share(all.covered, all.truth), 0) + " percent are measured";
+      add_to(list,
+             way.name + ": " + percent(close) +
+                 " percent of the measured pixels are within 5 percent of the true depth, " +
+                 percent(share(all.covered, all.truth), 0) + " percent are measured",
+             "; ");
     }
   }
 };
@@ -156,11 +159,12 @@ std::vector<Figure> add_way(const Subject& subject, const Way& way, Table& table
 }
 
 void add_views(const Study& study, const Subject& subject, const Way& way, Page& page) {
-  std::vector<Figure> views{relief_figure(subject, way.outcome->disparity, "2.5D view, computed",
-                                          "By " + way.name + ".", study.quick())};
+  std::vector<Figure> views{height_field_figure(subject, way.outcome->disparity,
+                                                "2.5D view, computed", "By " + way.name + ".",
+                                                study.quick())};
   if (subject.scene.truth) {
-    views.push_back(relief_figure(subject, *subject.scene.truth, "2.5D view of the truth",
-                                  "The same point of view.", study.quick()));
+    views.push_back(height_field_figure(subject, *subject.scene.truth, "2.5D view of the truth",
+                                        "The same point of view.", study.quick()));
   }
   page.figures(views, Width::kLarge);
 }

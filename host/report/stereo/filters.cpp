@@ -3,6 +3,7 @@
 
 #include "host/report/page/legend.h"
 #include "host/report/stereo/sections.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -34,7 +35,7 @@ struct Tally {
     ++judged;
     mostly_wrong += *gone.wrong_of_removed > kMostly ? 1 : 0;
     std::string& list = lists[filter];
-    list += (list.empty() ? "" : ", ") + scene + " " + percent(gone.wrong_of_removed, 0);
+    add_to(list, scene + " " + percent(gone.wrong_of_removed, 0));
   }
   std::string text() const {
     std::string all;

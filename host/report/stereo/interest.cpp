@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 
+#include "dsp/stereo/cost/prefilter.h"
 #include "host/report/page/legend.h"
-#include "host/report/plain_costs.h"
 #include "host/report/stereo/sections.h"
 
 namespace stof::host {
@@ -21,6 +21,16 @@ struct Masks {
   dataset::Image<std::uint8_t> right;
 };
 
+dataset::Image<std::uint8_t> derivative(const dataset::Image<std::uint8_t>& picture, int cap) {
+  dataset::Image<std::uint8_t> result(picture.width, picture.height);
+  const dsp::ImageView<const std::uint8_t> rows = picture.view();
+  for (int y = 0; y < picture.height; ++y) {
+    dsp::best::clipped_sobel(rows.row_clamped(y - 1), rows.row(y), rows.row_clamped(y + 1), cap,
+                             result.view().row(y));
+  }
+  return result;
+}
+
 // The positions that MatchParams::interest leaves.
 Masks masks_of(const dataset::StereoScene& scene, const lab::MatchParams& params) {
   Masks masks{.left = {scene.left.width, scene.left.height, 1},
@@ -29,8 +39,8 @@ Masks masks_of(const dataset::StereoScene& scene, const lab::MatchParams& params
     return masks;
   }
   const int cap = *params.prefilter_cap;
-  const dataset::Image<std::uint8_t> left = plain_derivative(scene.left, cap);
-  const dataset::Image<std::uint8_t> right = plain_derivative(scene.right, cap);
+  const dataset::Image<std::uint8_t> left = derivative(scene.left, cap);
+  const dataset::Image<std::uint8_t> right = derivative(scene.right, cap);
   for (int y = 0; y < scene.left.height; ++y) {
     if (*params.interest == lab::Interest::kMaxima) {
       lab::interest_maxima(left.view().row(y), cap, (cap + 1) / 2, masks.left.view().row(y));

@@ -72,13 +72,13 @@ void add_maps(Study& study, Page& page) {
     add("Preset quality, filled", filled);
     const std::optional<Outcome>& best = filled ? filled : chapter;
     if (best) {
-      views.push_back(relief_figure(subject, best->disparity, "2.5D view, computed",
-                                    filled ? "Preset quality, filled." : "SAD 16 × 16.",
-                                    study.quick()));
+      views.push_back(height_field_figure(subject, best->disparity, "2.5D view, computed",
+                                          filled ? "Preset quality, filled." : "SAD 16 × 16.",
+                                          study.quick()));
     }
     if (scene.truth) {
-      views.push_back(relief_figure(subject, *scene.truth, "2.5D view of the truth",
-                                    "The same point of view.", study.quick()));
+      views.push_back(height_field_figure(subject, *scene.truth, "2.5D view of the truth",
+                                          "The same point of view.", study.quick()));
     }
     page.figures(flat, Width::kMedium);
     page.figures(views, Width::kLarge);

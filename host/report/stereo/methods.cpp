@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/report/plain.h"
+#include "host/report/stereo/cost_time.h"
 #include "host/report/stereo/sections.h"
 
 namespace stof::host {
@@ -101,10 +101,8 @@ void note_winner(const std::vector<std::optional<DisparityScore>>& scores, Findi
 void add_cost_rows(const Study& study, const dataset::StereoScene& scene, Table& table) {
   std::vector<std::vector<std::string>> rows;
   for (const MethodRow& row : winner_rows(scene)) {
-    const std::optional<double> plain =
-        cost_matrix_ms(scene, row.params, Variant::kPlain, study.runs());
-    const std::optional<double> optimised =
-        cost_matrix_ms(scene, row.params, Variant::kOptimised, study.runs());
+    const std::optional<double> plain = plain_cost_matrix_ms(scene, row.params, study.runs());
+    const std::optional<double> optimised = cost_matrix_ms(scene, row.params, study.runs());
     if (plain || optimised) {
       rows.push_back({"cost matrix", row.cost, number(plain, 1), number(optimised, 2),
                       ratio(plain, optimised), "", "", "", ""});
@@ -255,8 +253,8 @@ void add_block_time(const Study& study, Page& page) {
   for (const Size& size : {Size{3, 3}, Size{9, 9}, Size{16, 16}, Size{30, 10}, Size{60, 20}}) {
     const lab::MatchParams params =
         block_match(scene, lab::Cost::kSad, size.width, size.height, true);
-    plain_ms.push_back(*cost_matrix_ms(scene, params, Variant::kPlain, study.runs()));
-    optimised_ms.push_back(*cost_matrix_ms(scene, params, Variant::kOptimised, study.runs()));
+    plain_ms.push_back(*plain_cost_matrix_ms(scene, params, study.runs()));
+    optimised_ms.push_back(*cost_matrix_ms(scene, params, study.runs()));
     table.rows.push_back({std::to_string(size.width) + " × " + std::to_string(size.height),
                           std::to_string(size.width * size.height), number(plain_ms.back(), 1),
                           number(optimised_ms.back(), 2)});

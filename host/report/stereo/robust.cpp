@@ -5,6 +5,7 @@
 
 #include "host/report/page/legend.h"
 #include "host/report/stereo/sections.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -81,8 +82,9 @@ void add_brightness(Study& study, Page& page) {
     if (rise_of(grey) && rise_of(derivative)) {
       ++judged;
       robust += *rise_of(derivative) <= kRobust && *rise_of(derivative) < *rise_of(grey) ? 1 : 0;
-      list += (list.empty() ? "" : "; ") + scene.name + " " + percent(rise_of(grey)) + " and " +
-              percent(rise_of(derivative));
+      add_to(list,
+             scene.name + " " + percent(rise_of(grey)) + " and " + percent(rise_of(derivative)),
+             "; ");
     }
     if (&subject == &study.subjects().front() && grey.darker && derivative.darker) {
       figures.push_back(figure(darker.right, scene.name + ", right picture, darker",
@@ -142,7 +144,7 @@ void add_pyramid(Study& study, Page& page) {
       table.rows.insert(table.rows.end(), rows.begin(), rows.end());
       ++judged;
       fast += best >= kAboutFour ? 1 : 0;
-      list += (list.empty() ? "" : ", ") + scene.name + " " + number(best, 1) + " ×";
+      add_to(list, scene.name + " " + number(best, 1) + " ×");
     }
   }
   page.table(table);

@@ -5,8 +5,9 @@
 #include <limits>
 
 #include "host/evaluate/stereo/match.h"
-#include "host/picture/relief.h"
+#include "host/picture/height_field.h"
 #include "host/report/page/legend.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -172,31 +173,30 @@ Figure difference_figure(const Subject& subject, const dataset::Image<float>& di
                 std::move(title), std::move(caption), difference_legend());
 }
 
-Figure relief_figure(const Subject& subject, const dataset::Image<float>& disparity,
-                     std::string title, std::string caption, bool quick) {
+Figure height_field_figure(const Subject& subject, const dataset::Image<float>& disparity,
+                           std::string title, std::string caption, bool quick) {
   constexpr int kQuickWidth = 120;
-  ReliefView view;
+  HeightFieldView view;
   if (quick) {
     view.width = kQuickWidth;
   }
   return figure(
-      relief_picture(disparity, subject.scene.truth.value_or(disparity), subject.scale.far_px,
-                     subject.scale.near_px, subject.scene.left, view),
+      height_field_picture(disparity, subject.scene.truth.value_or(disparity), subject.scale.far_px,
+                           subject.scale.near_px, subject.scene.left, view),
       std::move(title), std::move(caption));
 }
 
 std::string in_words(const Outcome& outcome) {
   std::string text;
-  const auto add = [&text](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
   if (outcome.score.visible) {
-    add(percent(outcome.score.visible) + " % bad not occluded");
+    add_to(text, percent(outcome.score.visible) + " % bad not occluded");
   }
   if (outcome.score.all) {
-    add(percent(outcome.score.all) + " % bad of all");
+    add_to(text, percent(outcome.score.all) + " % bad of all");
   }
-  add(percent(outcome.score.density) + " % dense" +
-      (outcome.filled > 0 ? " (" + percent(outcome.filled) + " % filled)" : ""));
-  add(number(outcome.ms, 1) + " ms");
+  add_to(text, percent(outcome.score.density) + " % dense" +
+                   (outcome.filled > 0 ? " (" + percent(outcome.filled) + " % filled)" : ""));
+  add_to(text, number(outcome.ms, 1) + " ms");
   return text;
 }
 

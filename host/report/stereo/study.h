@@ -106,8 +106,8 @@ Figure map_figure(const Subject& subject, const dataset::Image<float>& disparity
                   std::string caption);
 Figure difference_figure(const Subject& subject, const dataset::Image<float>& disparity,
                          std::string title, std::string caption);  // of a scene with truth
-Figure relief_figure(const Subject& subject, const dataset::Image<float>& disparity,
-                     std::string title, std::string caption, bool quick);
+Figure height_field_figure(const Subject& subject, const dataset::Image<float>& disparity,
+                           std::string title, std::string caption, bool quick);
 
 // "7.4 % bad not occluded, 17.2 % bad of all, 99.9 % dense, 1.2 ms": what is known of it.
 std::string in_words(const Outcome& outcome);

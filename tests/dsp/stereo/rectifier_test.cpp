@@ -14,7 +14,7 @@
 #include "dsp/calib/stereo/remap_table.h"
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectify.h"
-#include "tests/dsp/stereo/raw_world.h"
+#include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded.h"
 #include "tests/support/in_own_memory.h"
 

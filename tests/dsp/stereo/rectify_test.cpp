@@ -11,7 +11,7 @@
 
 #include "dsp/base/index.h"
 #include "dsp/calib/stereo/remap_table.h"
-#include "tests/dsp/stereo/raw_world.h"
+#include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded.h"
 #include "tests/support/in_own_memory.h"
 #include "tests/support/kernel_check.h"

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tests/firmware/control/robot.h"
+#include "tests/firmware/control/control_client.h"
 #include "tests/firmware/control/sensor.h"
 #include "tests/support/random.h"
 #include "tests/support/udp_abilities.h"
@@ -45,8 +45,8 @@ std::vector<Kind> rubbish() {
 // 10,000,000 with STOF_LONG=1.
 TEST(ControlFlood, IsCountedByReasonAndCostsNoSubscriberItsLease) {
   Sensor sensor;
-  Robot robot(sensor);
-  Robot attacker(sensor);
+  ControlClient robot(sensor);
+  ControlClient attacker(sensor);
   ASSERT_EQ(robot.ask(), SubscribeResult::kOk);
   const std::vector<Kind> kinds = rubbish();
   constexpr std::uint64_t kSeed = 3;
@@ -110,13 +110,13 @@ TEST(ControlFlood, AtFullSpeedLosesNothingUncounted) {
     GTEST_SKIP() << "this system does not count datagrams that find the buffer full";
   }
   Sensor sensor;
-  Robot robot(sensor);
+  ControlClient robot(sensor);
   ASSERT_EQ(robot.ask(), SubscribeResult::kOk);
   const wire::ControlCounters before = control_counters(sensor.handler, *sensor.port);
   const int each = long_or(1'000'000, 20'000);
   std::atomic<std::uint64_t> sent{0};
   const auto flood = [&] {
-    Robot attacker(sensor);
+    ControlClient attacker(sensor);
     const Bytes datagram(60, std::byte{'x'});
     for (int i = 0; i < each; ++i) {
       sent += attacker.send_any(datagram) ? 1 : 0;

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "tests/firmware/control/robot.h"
-#include "tests/support/counted_new.h"
+#include "tests/firmware/control/control_client.h"
+#include "tests/support/heap_guard.h"
 
 namespace stof::test {
 namespace {
@@ -21,7 +21,7 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
   firmware::RequestHandler handler({.device_id = 1}, firmware::CookieSecret{}, subscribers,
                                    nullptr);
   firmware::SubscriberRing ring;
-  firmware::Control control(
+  firmware::ControlServer control(
       {.port = **port, .handler = handler, .subscribers = subscribers, .ring = ring});
   const firmware::Cookies cookies(firmware::CookieSecret{});
   const hal::Peer self = loopback((*robot)->port());

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/firmware/control/robot.h"
+#include "tests/firmware/control/control_client.h"
 #include "tests/firmware/control/sensor.h"
 #include "tests/support/udp_abilities.h"
 
@@ -17,7 +17,7 @@ using wire::SubscribeResult;
 
 TEST(ControlThread, SubscribesOverTheNetwork) {
   Sensor sensor;
-  Robot robot(sensor);
+  ControlClient robot(sensor);
   EXPECT_EQ(robot.ask(), SubscribeResult::kOk);
   ASSERT_TRUE(sensor.reaches(1));
   const Bytes frame(100, std::byte{'f'});
@@ -29,11 +29,11 @@ TEST(ControlThread, SubscribesOverTheNetwork) {
 
 TEST(ControlThread, TheFifthIsRefusedUntilAnotherLeaves) {
   Sensor sensor;
-  std::list<Robot> robots;
+  std::list<ControlClient> robots;
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(robots.emplace_back(sensor).ask(), SubscribeResult::kOk);
   }
-  Robot fifth(sensor);
+  ControlClient fifth(sensor);
   EXPECT_EQ(fifth.ask(), SubscribeResult::kFull);
   EXPECT_EQ(robots.front().ask(PacketType::kUnsubscribe), SubscribeResult::kEnded);
   EXPECT_EQ(fifth.ask(), SubscribeResult::kOk);
@@ -55,10 +55,10 @@ TEST(ControlThread, WhoEndsWithoutAWordIsForgottenWhenItsComputerSaysSo) {
     GTEST_SKIP() << "this system does not tell who refuses";
   }
   Sensor sensor;
-  Robot stays(sensor);
+  ControlClient stays(sensor);
   EXPECT_EQ(stays.ask(), SubscribeResult::kOk);
   {
-    Robot leaves(sensor);
+    ControlClient leaves(sensor);
     EXPECT_EQ(leaves.ask(), SubscribeResult::kOk);
     ASSERT_TRUE(sensor.reaches(2));
   }
@@ -71,12 +71,12 @@ TEST(ControlThread, ComesAndGoesManyTimes) {
     GTEST_SKIP() << "this system does not tell who refuses";
   }
   Sensor sensor;
-  Robot stays(sensor);
+  ControlClient stays(sensor);
   const int rounds = long_or(10'000, 200);
   for (int i = 0; i < rounds; ++i) {
     ASSERT_EQ(stays.ask(), SubscribeResult::kOk) << i;
     {
-      Robot robot(sensor);
+      ControlClient robot(sensor);
       ASSERT_EQ(robot.ask(), SubscribeResult::kOk) << i;
       if (i % 10 != 0) {
         ASSERT_EQ(robot.ask(PacketType::kUnsubscribe), SubscribeResult::kEnded) << i;

@@ -23,7 +23,7 @@ class SentPort final : public hal::DatagramPort {
     return fail(Status::kTimeout);
   }
   std::uint64_t overruns() const noexcept override { return 0; }
-  bool take_refusal(hal::Peer&) noexcept override { return false; }
+  bool take_unreachable(hal::Peer&) noexcept override { return false; }
   std::uint16_t port() const noexcept override { return 7560; }
 
   std::vector<hal::Peer> peers;

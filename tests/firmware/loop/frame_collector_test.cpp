@@ -27,7 +27,7 @@ class Collection {
  private:
   board::TimingConfig timing_;
   Rig rig_;
-  LoopConditions conditions_{rig_.clock, rig_.events, rig_.stream.health()};
+  LoopConditions conditions_{rig_.clock, rig_.events, rig_.publisher.health()};
   FrameCollector collector_{rig_.board, rig_.setup, conditions_};
   hal::Time start_ = rig_.clock.now();
   hal::Time edge_{};

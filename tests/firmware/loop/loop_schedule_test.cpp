@@ -26,7 +26,7 @@ class SlowPort final : public hal::DatagramPort {
     return fail(Status::kTimeout);
   }
   std::uint64_t overruns() const noexcept override { return 0; }
-  bool take_refusal(hal::Peer&) noexcept override { return false; }
+  bool take_unreachable(hal::Peer&) noexcept override { return false; }
   std::uint16_t port() const noexcept override { return 1; }
 
   hal::Duration took{};  // of each datagram
@@ -136,7 +136,7 @@ TEST(LoopSchedule, PacketsAreSpreadOverTheirShareOfThePeriod) {
                                    wire::Coding::kRaw, wire::Coding::kRaw},
                         .cloud_step = 2}});
     clock = &rig.clock;
-    rig.stream.set_params(
+    rig.publisher.set_params(
         {.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw,
                                wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw,
                                wire::Coding::kRaw, wire::Coding::kRaw},

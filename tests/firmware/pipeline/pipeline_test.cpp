@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 
 #include <gtest/gtest.h>
 
@@ -11,8 +9,9 @@
 #include "dsp/stereo/rectifier.h"
 #include "dsp/stereo/rectify.h"
 #include "hal/emu/devices/clock.h"
-#include "tests/dsp/stereo/raw_world.h"
+#include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::firmware {
 namespace {
@@ -25,18 +24,6 @@ constexpr int kHeight = 160;
 class NoOwner final : public hal::SlotOwner {
  public:
   void give_back(int) noexcept override {}
-};
-
-class Memory {
- public:
-  explicit Memory(std::size_t bytes)
-      : bytes_(static_cast<std::byte*>(std::aligned_alloc(dsp::Arena::kAlign, bytes)), &std::free),
-        size_(bytes) {}
-  dsp::Arena arena() { return dsp::Arena({bytes_.get(), size_}); }
-
- private:
-  std::unique_ptr<std::byte, decltype(&std::free)> bytes_;
-  std::size_t size_;
 };
 
 // A plane before two cameras as they are; the appliance gets their pictures and calibration.
@@ -63,9 +50,8 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
       .left_right_tolerance = 1,
       .subpixel = dsp::Subpixel::kEquiangular};
   hal::emu::Clock clock;
-  Memory memory(Pipeline::bytes_needed(setup));
-  dsp::Arena arena = memory.arena();
-  Pipeline pipeline(setup, clock, arena);
+  stof::test::InOwnMemory<Pipeline> pipeline(
+      [&](dsp::Arena& arena) { return Pipeline(setup, arena); });
   NoOwner owner;
   hal::StereoFrame frame;
   frame.left = left.view();
@@ -75,7 +61,7 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
                   .stereo = {frame, owner, 0},
                   .pmd = std::nullopt,
                   .pmd_exposed = std::nullopt};
-  const Output& output = pipeline.compute(shot);
+  const Output& output = pipeline->compute(shot, clock);
 
   const dsp::Rectification rectified = dsp::rectify(pair);
   const dsp::SourceMap map(pair.left, rectified.left_turn, rectified.left);

@@ -3,13 +3,13 @@
 #include <gtest/gtest.h>
 
 #include "posix/worker_threads.h"
-#include "tests/firmware/box.h"
+#include "tests/firmware/appliance_rig.h"
 
 namespace stof::firmware::test {
 namespace {
 
 TEST(Appliance, SendsNothingUntilSomebodySubscribes) {
-  Box box;
+  ApplianceRig box;
   EXPECT_TRUE(box.run(5).bytes.empty());
   box.subscribe(1);
   const Receiver receiver = box.run(5);
@@ -21,12 +21,12 @@ TEST(Appliance, SendsNothingUntilSomebodySubscribes) {
 }
 
 TEST(Appliance, NewSettingsTakeEffectBetweenTwoFrames) {
-  Box box;
+  ApplianceRig box;
   box.subscribe(1);
   box.run(5);
   RunConfig run_config = small_run_config();
-  run_config.stream.revision = 2;
-  run_config.stream.choice.of(wire::Stream::kSource) = wire::Coding::kOff;
+  run_config.publisher.revision = 2;
+  run_config.publisher.choice.of(wire::Stream::kSource) = wire::Coding::kOff;
   ASSERT_TRUE(box.run_configs.push(run_config));
   const Receiver without = box.run(5);
   EXPECT_EQ(without.frames.size(), 5U);
@@ -38,13 +38,13 @@ TEST(Appliance, NewSettingsTakeEffectBetweenTwoFrames) {
 }
 
 TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
-  Box box;
+  ApplianceRig box;
   box.subscribe(1);
   box.run(5);
   RunConfig run_config = small_run_config();
   run_config.setup.depth.match = dsp::for_depth(*dsp::find_preset("quality"));
   run_config.setup.depth.match.disparities = kDisparities;
-  run_config.stream.revision = 3;
+  run_config.publisher.revision = 3;
   ASSERT_TRUE(box.run_configs.push(run_config));
   const Receiver after = box.run(10);
   EXPECT_GE(after.frames.size(), 9U);
@@ -55,7 +55,7 @@ TEST(Appliance, AnotherWayToComputeDepthCostsNoMoreThanAFrame) {
 
 // Every datagram of `run_configs`, each for some frames.
 std::vector<std::byte> sent_with(dsp::ThreadTeam threads, std::span<const RunConfig> run_configs) {
-  Box box(false, threads);
+  ApplianceRig box(false, threads);
   box.subscribe(1);
   std::vector<std::byte> bytes = box.run(5).bytes;
   for (const RunConfig& run_config : run_configs) {
@@ -87,16 +87,17 @@ TEST(Appliance, AnyNumberOfThreadsSendsTheSameBytes) {
 
 TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
   posix::WorkerThreads workers({.threads = 4});
-  Box box(false, {workers, 4});
+  ApplianceRig box(false, {workers, 4});
   box.subscribe(1);
   Receiver receiver = box.run(5);
   for (const int threads : {4, 1, 3, 2}) {
     RunConfig run_config = small_run_config();
     run_config.setup.threads = threads;
-    run_config.stream.revision = static_cast<std::uint32_t>(threads);
+    run_config.publisher.revision = static_cast<std::uint32_t>(threads);
     ASSERT_TRUE(box.run_configs.push(run_config));
     receiver.frames.merge(box.run(5).frames);
-    EXPECT_EQ(receiver.frames.rbegin()->second.info.settings_revision, run_config.stream.revision);
+    EXPECT_EQ(receiver.frames.rbegin()->second.info.settings_revision,
+              run_config.publisher.revision);
   }
   EXPECT_GE(receiver.frames.size(), 21U);  // at most one is lost each time
   EXPECT_EQ(expect_true_frames(box.rig, receiver).size(), receiver.frames.size());
@@ -104,7 +105,7 @@ TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
 }
 
 TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {
-  Box box;
+  ApplianceRig box;
   box.subscribe(1);
   box.run(5);
   RunConfig run_config = small_run_config();
@@ -120,7 +121,7 @@ TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {
 }
 
 TEST(Appliance, ADestinationThatIsSilentIsToldAndSentToNevertheless) {
-  Box box;
+  ApplianceRig box;
   SubscriberList list;
   list.peers[0] = {.address = {}, .port = 1};
   list.count = 1;
@@ -135,7 +136,7 @@ TEST(Appliance, ADestinationThatIsSilentIsToldAndSentToNevertheless) {
 }
 
 TEST(Appliance, TheSerialLineGetsItsShare) {
-  Box box(true);
+  ApplianceRig box(true);
   RunConfig run_config = small_run_config();
   run_config.serial.mode = settings::SerialMode::kStof;
   run_config.serial.profile = settings::SerialProfile::kCoarse;

@@ -1,7 +1,6 @@
 #include <array>
 #include <atomic>
 #include <chrono>
-#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <iterator>
@@ -14,121 +13,32 @@
 #include <gtest/gtest.h>
 
 #include "posix/worker_threads.h"
-#include "tests/firmware/box.h"
-
-// The linker sends every call of the allocator in this program through these (--wrap), also those
-// of the library under test. Operator new of the C++ library calls malloc inside that library,
-// where the linker does not reach: so it is replaced too.
-namespace {
-
-// volatile: compilers know malloc, and that it reads no variable of ours.
-thread_local volatile bool forbidden = false;
-
-void allocated(const char* how) {
-  if (forbidden) {
-    forbidden = false;
-    std::fprintf(stderr, "a thread of the loop allocates: %s\n", how);
-    std::abort();
-  }
-}
-
-}  // namespace
-
-// NOLINTBEGIN(readability-identifier-naming): names that the linker makes
-extern "C" {
-void* __real_malloc(std::size_t size);
-void* __real_calloc(std::size_t count, std::size_t size);
-void* __real_realloc(void* at, std::size_t size);
-void* __real_aligned_alloc(std::size_t alignment, std::size_t size);
-int __real_posix_memalign(void** at, std::size_t alignment, std::size_t size);
-
-void* __wrap_malloc(std::size_t size) {
-  allocated("malloc");
-  return __real_malloc(size);
-}
-void* __wrap_calloc(std::size_t count, std::size_t size) {
-  allocated("calloc");
-  return __real_calloc(count, size);
-}
-void* __wrap_realloc(void* at, std::size_t size) {
-  allocated("realloc");
-  return __real_realloc(at, size);
-}
-void* __wrap_aligned_alloc(std::size_t alignment, std::size_t size) {
-  allocated("aligned_alloc");
-  return __real_aligned_alloc(alignment, size);
-}
-int __wrap_posix_memalign(void** at, std::size_t alignment, std::size_t size) {
-  allocated("posix_memalign");
-  return __real_posix_memalign(at, alignment, size);
-}
-}
-// NOLINTEND(readability-identifier-naming)
-
-namespace {
-
-void* take(std::size_t size, std::size_t alignment) noexcept {
-  allocated("operator new");
-  void* at = nullptr;
-  return __real_posix_memalign(&at, alignment, size == 0 ? 1 : size) == 0 ? at : nullptr;
-}
-void* take_or_abort(std::size_t size, std::size_t alignment) noexcept {
-  void* const at = take(size, alignment);
-  if (at == nullptr) {
-    std::abort();
-  }
-  return at;
-}
-constexpr std::size_t kUsual = __STDCPP_DEFAULT_NEW_ALIGNMENT__;
-using Align = std::align_val_t;
-
-// Not inlined: g++ 12 takes free() of what `new` returned for a mistake where it sees one half
-// only.
-[[gnu::noinline]] void give_back(void* at) noexcept { std::free(at); }
-
-}  // namespace
-
-// All forms: a sanitizer brings its own of those that are left out.
-void* operator new(std::size_t n) { return take_or_abort(n, kUsual); }
-void* operator new[](std::size_t n) { return take_or_abort(n, kUsual); }
-void* operator new(std::size_t n, const std::nothrow_t&) noexcept { return take(n, kUsual); }
-void* operator new[](std::size_t n, const std::nothrow_t&) noexcept { return take(n, kUsual); }
-void* operator new(std::size_t n, Align a) { return take_or_abort(n, static_cast<std::size_t>(a)); }
-void* operator new[](std::size_t n, Align a) {
-  return take_or_abort(n, static_cast<std::size_t>(a));
-}
-void operator delete(void* at) noexcept { give_back(at); }
-void operator delete[](void* at) noexcept { give_back(at); }
-void operator delete(void* at, std::size_t) noexcept { give_back(at); }
-void operator delete[](void* at, std::size_t) noexcept { give_back(at); }
-void operator delete(void* at, const std::nothrow_t&) noexcept { give_back(at); }
-void operator delete[](void* at, const std::nothrow_t&) noexcept { give_back(at); }
-void operator delete(void* at, Align) noexcept { give_back(at); }
-void operator delete[](void* at, Align) noexcept { give_back(at); }
-void operator delete(void* at, std::size_t, Align) noexcept { give_back(at); }
-void operator delete[](void* at, std::size_t, Align) noexcept { give_back(at); }
+#include "tests/firmware/appliance_rig.h"
+#include "tests/support/heap_guard.h"
 
 namespace stof::firmware::test {
 namespace {
 
+using stof::test::heap_forbidden;
+
 // The test's own parts allocate as they like; what is forbidden is forbidden inside step().
 Status step_without_heap(Loop& loop) {
-  forbidden = true;
+  heap_forbidden = true;
   const Status status = loop.step();
-  forbidden = false;
+  heap_forbidden = false;
   return status;
 }
 
 Status step_without_heap(Appliance& appliance) {
-  forbidden = true;
+  heap_forbidden = true;
   const Status status = appliance.step({});
-  forbidden = false;
+  heap_forbidden = false;
   return status;
 }
 
 // Threads that may never allocate once they are there.
 posix::WorkerThreads::Params heapless(int threads) {
-  return {.threads = threads, .prepare = [](int) { forbidden = true; }};
+  return {.threads = threads, .prepare = [](int) { heap_forbidden = true; }};
 }
 
 // Faults of every kind, again and again.
@@ -180,11 +90,11 @@ TEST(NoHeap, NoThreadAllocatesWhereSeveralCompute) {
 TEST(NoHeap, LendingLostDevicesAllocatesNothing) {
   DeviceLending lending(true);
   std::thread opener([&] {
-    forbidden = true;
+    heap_forbidden = true;
     while (const auto device = lending.wait_for_lent()) {
       lending.give_back(*device);
     }
-    forbidden = false;
+    heap_forbidden = false;
   });
   run_without_heap({}, 2'000, &lending);
   lending.end();
@@ -200,7 +110,7 @@ TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
   const std::ptrdiff_t before = threads_there();
   {
     posix::WorkerThreads workers(heapless(4));
-    Box box(false, {workers, 4});
+    ApplianceRig box(false, {workers, 4});
     box.rig.log.edges.reserve(2'000);
     box.subscribe(1);
     RunConfig run_config = small_run_config();
@@ -233,9 +143,9 @@ template <typename Allocate>
 void expect_death(const char* how, Allocate allocate) {
   EXPECT_DEATH(
       {
-        forbidden = true;
+        heap_forbidden = true;
         allocate();
-        forbidden = false;
+        heap_forbidden = false;
       },
       how);
 }
@@ -270,7 +180,7 @@ TEST(NoHeapDeathTest, AnAllocationOfAHelperIsCaught) {
           }
         });
       },
-      "a thread of the loop allocates: malloc");
+      "a thread that must not allocates: malloc");
 }
 
 // A device whose adapter allocates in the loop.
@@ -287,7 +197,7 @@ class AllocatingPort final : public hal::DatagramPort {
     return fail(Status::kTimeout);
   }
   std::uint64_t overruns() const noexcept override { return 0; }
-  bool take_refusal(hal::Peer&) noexcept override { return false; }
+  bool take_unreachable(hal::Peer&) noexcept override { return false; }
   std::uint16_t port() const noexcept override { return 1; }
 };
 

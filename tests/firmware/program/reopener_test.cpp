@@ -76,7 +76,7 @@ struct LentRig {
                      .emulated_time = false,
                      .notes = {}};
   DeviceLending lending{board.emulated_time};
-  Loop loop{board, timing(), rig.setup, rig.pipeline, rig.stream, rig.events, &lending};
+  Loop loop{board, timing(), rig.setup, rig.pipeline, rig.publisher, rig.events, &lending};
 
   Status step() {
     const Status status = loop.step();

@@ -46,7 +46,8 @@ settings::Settings quality() {
 
 std::size_t bytes_of(firmware::Setup setup, int threads) {
   setup.threads = threads;
-  return Pipeline::bytes_needed(setup);
+  return dsp::bytes_taken(
+      [&](dsp::Arena& arena) { Pipeline(setup, arena, dsp::ThreadTeam::standing_for(threads)); });
 }
 
 TEST(MakePlan, TakesAsManyThreadsAsThereIsMemoryFor) {
@@ -60,7 +61,8 @@ TEST(MakePlan, TakesAsManyThreadsAsThereIsMemoryFor) {
     const int threads = run_config->setup.threads;
     ASSERT_GE(threads, 1);
     ASSERT_LE(threads, there);
-    EXPECT_LE(bytes_of(run_config->setup, threads), kMemory);
+    EXPECT_EQ(run_config->image_bytes, bytes_of(run_config->setup, threads));
+    EXPECT_LE(run_config->image_bytes, kMemory);
     if (threads < there) {
       EXPECT_GT(bytes_of(run_config->setup, threads + 1), kMemory) << "one more would have fitted";
       ++fewer;

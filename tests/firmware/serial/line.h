@@ -2,19 +2,18 @@
 
 #include <cstring>
 #include <map>
-#include <memory>
 #include <optional>
 #include <span>
 #include <string_view>
 #include <vector>
 
-#include "dsp/base/arena.h"
 #include "firmware/serial/line/byte_ring.h"
-#include "firmware/serial/sender.h"
+#include "firmware/serial/serial_sender.h"
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"
 #include "hal/framing/cobs.h"
+#include "tests/support/in_own_memory.h"
 
 // The far end of a serial line, and a sender with its memory.
 namespace stof::firmware::test {
@@ -128,9 +127,7 @@ class SenderBench {
               .calibration = calibration_of(columns, rows)},
         ring_memory(ring_bytes),
         ring(ring_memory),
-        memory(SerialSender::bytes_needed(setup) + dsp::Arena::kAlign),
-        arena(aligned()),
-        sender(setup, ring, arena),
+        in_memory([&](dsp::Arena& arena) { return SerialSender(setup, ring, arena); }),
         depth(static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows)),
         width(depth.size()) {}
 
@@ -160,21 +157,12 @@ class SenderBench {
   SerialSetup setup;
   Bytes ring_memory;
   ByteRing ring;
-  Bytes memory;
-  dsp::Arena arena;
-  SerialSender sender;
+  stof::test::InOwnMemory<SerialSender> in_memory;
+  SerialSender& sender = *in_memory;
   wire::FrameStamp stamp{.number = 100, .freshness = 1};
   std::vector<dsp::QuarterMm> depth;
   std::vector<dsp::QuarterMm> width;
   std::vector<Bytes> records;
-
- private:
-  std::span<std::byte> aligned() {
-    void* at = memory.data();
-    std::size_t space = memory.size();
-    std::align(dsp::Arena::kAlign, 1, at, space);
-    return {static_cast<std::byte*>(at), space};
-  }
 };
 
 }  // namespace stof::firmware::test

@@ -10,7 +10,7 @@
 #include "firmware/settings/depth.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
-#include "firmware/settings/saved.h"
+#include "firmware/settings/saved_settings.h"
 #include "hal/emu/devices/store.h"
 
 namespace stof::settings {

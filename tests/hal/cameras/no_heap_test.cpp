@@ -5,9 +5,9 @@
 #include "hal/emu/cameras/trigger.h"
 #include "hal/emu/devices/clock.h"
 #include "hal/emu/devices/datagram_port.h"
-#include "hal/emu/imagery/moving.h"
-#include "hal/emu/imagery/rendered.h"
-#include "tests/support/counted_new.h"
+#include "hal/emu/imagery/moving_scene.h"
+#include "hal/emu/imagery/rendered_scene.h"
+#include "tests/support/heap_guard.h"
 
 namespace stof::test {
 namespace {

@@ -1,10 +1,11 @@
+#include "hal/emu/imagery/noise.h"
+
 #include <cmath>
 
 #include <gtest/gtest.h>
 
 #include "hal/emu/imagery/grey.h"
 #include "hal/emu/imagery/pmd_samples.h"
-#include "hal/emu/imagery/random.h"
 
 namespace stof::test {
 namespace {

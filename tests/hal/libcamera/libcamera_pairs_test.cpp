@@ -12,8 +12,8 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/linux/libcamera/libcamera_buffer_queue.h"
 #include "hal/linux/libcamera/libcamera_find.h"
-#include "hal/linux/libcamera/libcamera_mailbox.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
 
 namespace stof::test {
@@ -27,7 +27,7 @@ using hal::linux::find_libcamera;
 using hal::linux::from_libcamera;
 using hal::linux::kLeft;
 using hal::linux::kRight;
-using hal::linux::LibcameraMailbox;
+using hal::linux::LibcameraBufferQueue;
 using hal::linux::LibcameraName;
 using hal::linux::LibcameraPairs;
 using std::chrono::milliseconds;
@@ -43,7 +43,7 @@ class Cameras : public hal::linux::LibcameraRequeuer {
  public:
   Cameras(int slots, int reserve) {
     for (const std::size_t side : {kLeft, kRight}) {
-      pairs_.mailbox(side).reset(slots, reserve);
+      pairs_.queue(side).reset(slots, reserve);
       queued_[side].clear();
       for (int slot = 0; slot < slots; ++slot) {
         queued_[side].push_back(slot);
@@ -64,9 +64,9 @@ class Cameras : public hal::linux::LibcameraRequeuer {
     const int slot = queued_[side].front();
     queued_[side].erase(queued_[side].begin());
     const std::optional<int> back =
-        pairs_.mailbox(side).deliver(slot, {.stamp = edge(n) + kExposed + kTransfer + late,
-                                            .sequence = static_cast<std::uint32_t>(n),
-                                            .damaged = damaged});
+        pairs_.queue(side).deliver(slot, {.stamp = edge(n) + kExposed + kTransfer + late,
+                                          .sequence = static_cast<std::uint32_t>(n),
+                                          .damaged = damaged});
     if (back) {
       requeue(side, *back);
     }
@@ -216,7 +216,7 @@ TEST(LibcameraPairs, WhatWasLentBeforeIsNotQueuedAfterwards) {
   ASSERT_TRUE(old);
   cameras.pairs().start_over();
   for (const std::size_t side : {kLeft, kRight}) {
-    cameras.pairs().mailbox(side).reset(4, 1);
+    cameras.pairs().queue(side).reset(4, 1);
   }
   EXPECT_TRUE(cameras.pairs().old_ones_out());
   const std::size_t queued = cameras.queued(kLeft);
@@ -226,11 +226,11 @@ TEST(LibcameraPairs, WhatWasLentBeforeIsNotQueuedAfterwards) {
   EXPECT_EQ(numbers(cameras), std::nullopt);
 }
 
-TEST(LibcameraMailbox, HandsEachSlotToOneThreadInOrder) {
+TEST(LibcameraBufferQueue, HandsEachSlotToOneThreadInOrder) {
   constexpr int kSlots = 6;
   constexpr std::uint32_t kFrames = 20'000;
-  LibcameraMailbox mailbox;
-  mailbox.reset(kSlots, 2);
+  LibcameraBufferQueue queue;
+  queue.reset(kSlots, 2);
   std::array<std::atomic<bool>, kSlots> free{};
   for (std::atomic<bool>& slot : free) {
     slot = true;
@@ -242,7 +242,7 @@ TEST(LibcameraMailbox, HandsEachSlotToOneThreadInOrder) {
       while (!free[static_cast<std::size_t>(slot)].exchange(false)) {
         slot = (slot + 1) % kSlots;
       }
-      const std::optional<int> back = mailbox.deliver(slot, {.stamp = {}, .sequence = n});
+      const std::optional<int> back = queue.deliver(slot, {.stamp = {}, .sequence = n});
       if (back) {
         EXPECT_FALSE(free[static_cast<std::size_t>(*back)].exchange(true)) << "two owners";
       }
@@ -251,12 +251,12 @@ TEST(LibcameraMailbox, HandsEachSlotToOneThreadInOrder) {
   });
   std::uint32_t last = 0;
   while (!done) {
-    const std::optional<int> slot = mailbox.take();
+    const std::optional<int> slot = queue.take();
     if (slot) {
-      const std::uint32_t sequence = mailbox.arrival(*slot).sequence;
+      const std::uint32_t sequence = queue.arrival(*slot).sequence;
       EXPECT_GT(sequence, last);
       last = sequence;
-      mailbox.give_back(*slot);
+      queue.give_back(*slot);
       EXPECT_FALSE(free[static_cast<std::size_t>(*slot)].exchange(true)) << "two owners";
     }
   }

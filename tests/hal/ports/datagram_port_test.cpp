@@ -105,11 +105,11 @@ TEST(EmuDatagramPort, ReceivesWhatWasInjected) {
 TEST(EmuDatagramPort, TellsEachRefusalOnce) {
   DatagramPort port(2);
   Peer peer;
-  EXPECT_FALSE(port.take_refusal(peer));
+  EXPECT_FALSE(port.take_unreachable(peer));
   port.refuse(kTwo);
-  ASSERT_TRUE(port.take_refusal(peer));
+  ASSERT_TRUE(port.take_unreachable(peer));
   EXPECT_EQ(peer, kTwo);
-  EXPECT_FALSE(port.take_refusal(peer));
+  EXPECT_FALSE(port.take_unreachable(peer));
 }
 
 Texts sent_with(const Fault& fault, Status second = Status::kOk) {

@@ -69,7 +69,7 @@ bool hears_refusal(UdpPort& port, Peer& peer) {
   for (int i = 0; i < 200; ++i) {
     std::array<std::byte, 64> space;
     static_cast<void>(port.receive(space, 10ms));
-    if (port.take_refusal(peer)) {
+    if (port.take_unreachable(peer)) {
       return true;
     }
   }

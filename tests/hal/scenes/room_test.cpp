@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/viewpoint.h"
 #include "tests/hal/scenes/small_rigs.h"
 

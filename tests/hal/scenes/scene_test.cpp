@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/phasor.h"
-#include "hal/emu/imagery/random.h"
 #include "hal/emu/scenes/viewpoint.h"
 
 namespace stof::test {

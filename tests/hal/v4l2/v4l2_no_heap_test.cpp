@@ -2,7 +2,7 @@
 
 #include "tests/hal/v4l2/v4l2_pmd_rig.h"
 #include "tests/hal/v4l2/v4l2_rigs.h"
-#include "tests/support/counted_new.h"
+#include "tests/support/heap_guard.h"
 
 namespace stof::test {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "host/calibrate/pmd_judge.h"
+#include "host/calibrate/wall_view.h"
 #include "tests/host/calibrate/wall_simulator.h"
 
 namespace stof::host {
@@ -51,7 +51,7 @@ PmdCalibration calibrated(const SimulatedCamera& camera, const CalibrateOptions&
 void expect_true_distances(const SimulatedCamera& camera, const PmdCalibration& found,
                            double relative) {
   for (const double z : {0.9, 1.5, 2.25, 2.85, 3.45}) {
-    const WallScore score = judge(found.sensor, record(camera, z, 16, 77), Frames::kAll);
+    const WallView score = view_wall(found.sensor, record(camera, z, 16, 77), Frames::kAll);
     EXPECT_GT(score.valid, 0.95) << z;
     EXPECT_NEAR(score.error_m, 0, relative * z) << "wall at " << z;
     EXPECT_NEAR(score.predicted_m / score.spread_m, 1, 0.25) << "wall at " << z;
@@ -197,7 +197,7 @@ TEST(CalibratePmd, SaturatedPixelsDropOut) {
   camera.white_lsb = 2500;  // saturates the middle of walls nearer than 1.2 m
   const PmdCalibration found = calibrated(camera, everything(), 10);
   for (const double z : {1.5, 2.25, 2.85, 3.45}) {
-    const WallScore score = judge(found.sensor, record(camera, z, 16, 78), Frames::kAll);
+    const WallView score = view_wall(found.sensor, record(camera, z, 16, 78), Frames::kAll);
     EXPECT_NEAR(score.error_m, 0, 0.001 * z);
   }
 }

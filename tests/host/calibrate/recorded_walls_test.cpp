@@ -46,7 +46,7 @@ void expect_within(const PmdReport& report, double from_m, double relative) {
   int judged = 0;
   for (const WallRow& row : report.rows) {
     if (row.z_m >= from_m) {
-      EXPECT_LE(std::abs(row.score.error_m), relative * row.z_m) << row.name;
+      EXPECT_LE(std::abs(row.view.error_m), relative * row.z_m) << row.name;
       ++judged;
     }
   }
@@ -77,9 +77,9 @@ TEST_F(RecordedWalls, SigmaIsTheSpreadOverFrames) {
     if (row.z_m < 1) {
       continue;
     }
-    EXPECT_NEAR(row.score.predicted_m / row.score.spread_m, 1, 0.15) << row.name;
+    EXPECT_NEAR(row.view.predicted_m / row.view.spread_m, 1, 0.15) << row.name;
     if (row.exposure == 1) {
-      EXPECT_NEAR(sigma_at(*judged.calibration.sigma, row.z_m) / row.score.spread_m, 1, 0.15)
+      EXPECT_NEAR(sigma_at(*judged.calibration.sigma, row.z_m) / row.view.spread_m, 1, 0.15)
           << row.name;
     }
   }

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "host/client/reassembler.h"
-#include "tests/host/client/told_frame.h"
+#include "tests/host/client/test_pattern.h"
 
 namespace stof::client {
 namespace {
@@ -20,8 +20,8 @@ const std::vector<Datagram>& packets() {
     std::vector<Datagram> made;
     for (const wire::Coding coding : {wire::Coding::kRvl, wire::Coding::kRaw}) {
       for (const Datagram& packet :
-           test::told_datagrams(test::frame_spec(3), {.width = 320, .height = 100},
-                                test::every_stream(coding, true, 8))) {
+           test::pattern_datagrams(test::frame_spec(3), {.width = 320, .height = 100},
+                                   test::every_stream(coding, true, 8))) {
         made.push_back(packet);
       }
     }

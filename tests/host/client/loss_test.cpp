@@ -10,7 +10,7 @@
 
 #include "host/client/reassembler.h"
 #include "host/link/impairment.h"
-#include "tests/host/client/told_frame.h"
+#include "tests/host/client/test_pattern.h"
 
 namespace stof::client {
 namespace {
@@ -21,7 +21,7 @@ using wire::Stream;
 
 constexpr Duration kPeriod = std::chrono::milliseconds(33);
 // 72 packets: more than the 64 that one may be overtaken by, so that two frames in flight suffice.
-constexpr test::ToldSizes kSizes{.width = 560, .height = 28};
+constexpr test::PatternSizes kSizes{.width = 560, .height = 28};
 constexpr std::uint64_t kPixels = 3ULL * 560 * 28;
 
 wire::StreamChoice map_streams(bool parity) {
@@ -57,7 +57,7 @@ class Journey {
       const std::uint32_t number = weather_.first + i;
       const test::FrameSpec spec{.number = number, .freshness = number};
       const std::vector<Datagram> packets =
-          test::told_datagrams(spec, kSizes, map_streams(weather_.parity));
+          test::pattern_datagrams(spec, kSizes, map_streams(weather_.parity));
       for (const Datagram& packet : packets) {
         link_.push(packet, now_);
         arrive();
@@ -186,7 +186,7 @@ TEST(Loss, WithParityNearlyEveryFrameIsWhole) {
 // The sender starts again and again; what it sent before straggles in.
 TEST(Loss, AThousandSessionsNeverMix) {
   constexpr std::uint32_t kSessions = 1000;
-  constexpr test::ToldSizes kSmall{.width = 40, .height = 30};
+  constexpr test::PatternSizes kSmall{.width = 40, .height = 30};
   test::Random random(5);
   Reassembler reassembler;
   std::vector<Datagram> stragglers;
@@ -205,8 +205,8 @@ TEST(Loss, AThousandSessionsNeverMix) {
     for (std::uint32_t number = 1; number <= 3; ++number) {
       const test::FrameSpec spec{
           .number = number, .freshness = number, .origin = {.device_id = 1, .session_id = session}};
-      const auto packets =
-          test::told_datagrams(spec, kSmall, map_streams(session % 2 == 0), number + 31 * session);
+      const auto packets = test::pattern_datagrams(spec, kSmall, map_streams(session % 2 == 0),
+                                                   number + 31 * session);
       sent.insert(sent.end(), packets.begin(), packets.end());
     }
     // It is switched off anywhere after its first frame, and up to ten of its last packets come

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "host/client/reassembler.h"
-#include "tests/host/client/told_frame.h"
+#include "tests/host/client/test_pattern.h"
 
 namespace stof::client {
 namespace {
@@ -15,13 +15,14 @@ namespace {
 using test::Datagram;
 using test::frame_spec;
 using test::judge;
+using test::push_all;
 
 constexpr Time kStart{};
-constexpr test::ToldSizes kSizes{};
+constexpr test::PatternSizes kSizes{};
 
 std::vector<Datagram> packets_of(std::uint32_t number) {
-  return test::told_datagrams(frame_spec(number), kSizes,
-                              test::every_stream(wire::Coding::kRaw, true, 8));
+  return test::pattern_datagrams(frame_spec(number), kSizes,
+                                 test::every_stream(wire::Coding::kRaw, true, 8));
 }
 
 bool is_parity(const Datagram& packet) {
@@ -43,17 +44,6 @@ std::vector<Datagram> without(const std::vector<Datagram>& packets,
     }
   }
   return rest;
-}
-
-std::optional<Frame> push_all(Reassembler& reassembler, const std::vector<Datagram>& packets) {
-  std::optional<Frame> frame;
-  for (const Datagram& packet : packets) {
-    reassembler.push(packet, kStart);
-    if (const std::optional<Frame> next = reassembler.take()) {
-      frame = next;
-    }
-  }
-  return frame;
 }
 
 TEST(Parity, MakesGoodEverySingleLoss) {
@@ -244,7 +234,7 @@ TEST(Parity, NonsenseIsNotPlaced) {
 TEST(Parity, OfAFrameOfOnePacketIsThatPacket) {
   wire::StreamChoice choice;
   choice.parity = true;
-  const auto packets = test::told_datagrams(frame_spec(2), {}, choice);
+  const auto packets = test::pattern_datagrams(frame_spec(2), {}, choice);
   ASSERT_EQ(packets.size(), 2U);
   Reassembler reassembler;
   push_all(reassembler, packets_of(1));

@@ -7,8 +7,8 @@
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
-#include "firmware/wire/frame/frame_coder.h"
 #include "host/client/frame/frame.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
 #include "tests/firmware/wire/wire_support.h"
 
 namespace stof::test {
@@ -50,14 +50,12 @@ inline wire::FrameStamp stamp_of(const FrameSpec& spec) {
 class Coder {
  public:
   Coder(const wire::Origin& origin, const wire::FrameSizes& sizes)
-      : memory_(wire::FrameCoder::bytes_needed(sizes) / sizeof(Line) + 1),
-        arena_(std::as_writable_bytes(std::span(memory_))),
-        coder_(origin, sizes, {.fx = 65536, .fy = 65536}, arena_) {}
+      : coder_(origin, sizes, {.fx = 65536, .fy = 65536}) {}
 
   std::vector<Datagram> code(const wire::FrameStamp& stamp, const wire::FrameImages& images,
                              const wire::StreamChoice& choice) {
     std::vector<Datagram> packets;
-    const auto coded = coder_.code(stamp, {}, images, choice);
+    const auto coded = coder_->code(stamp, {}, images, choice);
     if (coded) {
       for (const std::span<const std::byte> packet : *coded) {
         packets.emplace_back(packet.begin(), packet.end());
@@ -67,12 +65,7 @@ class Coder {
   }
 
  private:
-  struct alignas(dsp::Arena::kAlign) Line {
-    std::byte bytes[dsp::Arena::kAlign];
-  };
-  std::vector<Line> memory_;
-  dsp::Arena arena_;
-  wire::FrameCoder coder_;
+  CoderInMemory coder_;
 };
 
 inline std::vector<Datagram> datagrams(const FrameSpec& spec) {

@@ -5,7 +5,7 @@
 
 #include "host/client/frame/point_cloud.h"
 #include "host/client/reassembler.h"
-#include "tests/host/client/told_frame.h"
+#include "tests/host/client/test_pattern.h"
 
 namespace stof::client {
 namespace {
@@ -14,8 +14,9 @@ using test::Datagram;
 using test::frame_spec;
 using test::judge;
 using test::Judgement;
-using test::told_datagrams;
-using test::ToldSizes;
+using test::pattern_datagrams;
+using test::PatternSizes;
+using test::push_all;
 using wire::Coding;
 using wire::Stream;
 
@@ -24,17 +25,6 @@ constexpr std::size_t kMapPixels = 64 * 48;
 constexpr std::size_t kPmdPixels = 4 * 16 * 12;
 // Depth, width, source, cause, disparity, left, right; then the four samples.
 constexpr std::size_t kJudged = 7 * kMapPixels + kPmdPixels;
-
-std::optional<Frame> push_all(Reassembler& reassembler, const std::vector<Datagram>& packets) {
-  std::optional<Frame> frame;
-  for (const Datagram& packet : packets) {
-    reassembler.push(packet, kStart);
-    if (const std::optional<Frame> next = reassembler.take()) {
-      frame = next;
-    }
-  }
-  return frame;
-}
 
 std::optional<wire::PacketView> tile_of(const Datagram& packet) {
   const auto parsed = wire::parse_packet(packet);
@@ -46,9 +36,9 @@ TEST(Streams, AllEightArrivePixelForPixel) {
   for (const Coding coding : {Coding::kRaw, Coding::kRvl}) {
     for (const bool parity : {false, true}) {
       Reassembler reassembler;
-      const ToldSizes sizes;
-      const auto packets = told_datagrams(frame_spec(7), sizes,
-                                          test::every_stream(coding, parity, sizes.cloud_step));
+      const PatternSizes sizes;
+      const auto packets = pattern_datagrams(frame_spec(7), sizes,
+                                             test::every_stream(coding, parity, sizes.cloud_step));
       const std::optional<Frame> frame = push_all(reassembler, packets);
       ASSERT_TRUE(frame);
       EXPECT_TRUE(frame->complete());
@@ -70,16 +60,17 @@ TEST(Streams, AllEightArrivePixelForPixel) {
 
 TEST(Streams, RoundedDepthAndWidthArriveAsTheyWereSent) {
   Reassembler reassembler;
-  const std::optional<Frame> frame = push_all(
-      reassembler, told_datagrams(frame_spec(7), {}, test::every_stream(Coding::kFit, false, 8)));
+  const std::optional<Frame> frame =
+      push_all(reassembler,
+               pattern_datagrams(frame_spec(7), {}, test::every_stream(Coding::kFit, false, 8)));
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->complete());
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) {
       const auto place = static_cast<std::size_t>(64 * y + x);
-      const std::uint16_t depth = test::told16(7, place, 4);
+      const std::uint16_t depth = test::pattern16(7, place, 4);
       ASSERT_EQ(frame->depth.at(x, y), test::fit_depth_of(depth));
-      ASSERT_EQ(frame->width.at(x, y), test::fit_width_of(depth, test::told16(7, place, 1)));
+      ASSERT_EQ(frame->width.at(x, y), test::fit_width_of(depth, test::pattern16(7, place, 1)));
     }
   }
   EXPECT_EQ(judge(*frame).wrong, 2 * kMapPixels - 2 * 48);  // all others: one of 32 is a multiple
@@ -120,14 +111,14 @@ TEST(Streams, AScaleThatDoesNotFitIsRefused) {
 
 TEST(Streams, TheCloudIsThatOfItsFrame) {
   Reassembler reassembler;
-  const ToldSizes sizes{.width = 61, .height = 45};  // the last blocks are cut
+  const PatternSizes sizes{.width = 61, .height = 45};  // the last blocks are cut
   const std::optional<Frame> frame =
       push_all(reassembler,
-               told_datagrams(frame_spec(7), sizes, test::every_stream(Coding::kRvl, false, 8)));
+               pattern_datagrams(frame_spec(7), sizes, test::every_stream(Coding::kRvl, false, 8)));
   ASSERT_TRUE(frame);
   ASSERT_EQ(frame->cloud.width(), 8);
   ASSERT_EQ(frame->cloud.height(), 6);
-  const test::ToldFrame told(7, sizes);
+  const test::PatternFrame told(7, sizes);
   std::vector<Point> points;
   cloud_points(*frame, points);
   ASSERT_EQ(points.size(), 48U);
@@ -146,16 +137,17 @@ TEST(Streams, TheCloudIsThatOfItsFrame) {
 
 TEST(Streams, WhatIsNotSentIsEmptyAndShowsNothingOfEarlierFrames) {
   Reassembler reassembler;
-  const ToldSizes sizes;
+  const PatternSizes sizes;
   for (std::uint32_t number = 1; number <= 5; ++number) {  // every slot has held every stream
-    ASSERT_TRUE(push_all(reassembler, told_datagrams(frame_spec(number), sizes,
-                                                     test::every_stream(Coding::kRvl, false, 8))));
+    ASSERT_TRUE(push_all(
+        reassembler,
+        pattern_datagrams(frame_spec(number), sizes, test::every_stream(Coding::kRvl, false, 8))));
   }
   wire::StreamChoice choice;
   choice.of(Stream::kWidth) = Coding::kRvl;
   choice.of(Stream::kGreyRight) = Coding::kRaw;
   const std::optional<Frame> frame =
-      push_all(reassembler, told_datagrams(frame_spec(6), sizes, choice));
+      push_all(reassembler, pattern_datagrams(frame_spec(6), sizes, choice));
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->complete());
   EXPECT_TRUE(frame->depth.empty() && frame->source.empty() && frame->cause.empty());
@@ -171,15 +163,15 @@ TEST(Streams, WhatIsNotSentIsEmptyAndShowsNothingOfEarlierFrames) {
 
 // Whichever packet is lost: its pixels are none, all others are there.
 TEST(Streams, EachLostTileCostsItsPixelsOnly) {
-  const ToldSizes sizes;
+  const PatternSizes sizes;
   const wire::StreamChoice choice = test::every_stream(Coding::kRvl, false, 8);
-  const std::size_t count = told_datagrams(frame_spec(1), sizes, choice).size();
+  const std::size_t count = pattern_datagrams(frame_spec(1), sizes, choice).size();
   for (std::size_t lost = 0; lost < count; ++lost) {
     Reassembler reassembler;
     for (std::uint32_t number = 1; number <= 5; ++number) {
-      push_all(reassembler, told_datagrams(frame_spec(number), sizes, choice));
+      push_all(reassembler, pattern_datagrams(frame_spec(number), sizes, choice));
     }
-    std::vector<Datagram> packets = told_datagrams(frame_spec(6), sizes, choice);
+    std::vector<Datagram> packets = pattern_datagrams(frame_spec(6), sizes, choice);
     const auto tile = tile_of(packets[lost]);
     const wire::Header header = tile ? tile->header : wire::Header{};
     packets.erase(packets.begin() + static_cast<std::ptrdiff_t>(lost));
@@ -207,9 +199,9 @@ TEST(Streams, EachLostTileCostsItsPixelsOnly) {
 
 // A tile that is undamaged but no code of its pixels is a sender's bug: it leaves no pixel.
 TEST(Streams, ATileThatIsNoCodeLeavesNoPixel) {
-  const ToldSizes sizes;
+  const PatternSizes sizes;
   const auto packets =
-      told_datagrams(frame_spec(9), sizes, test::every_stream(Coding::kRvl, false, 8));
+      pattern_datagrams(frame_spec(9), sizes, test::every_stream(Coding::kRvl, false, 8));
   int tried = 0;
   for (std::size_t i = 0; i < packets.size(); ++i) {
     const auto tile = tile_of(packets[i]);
@@ -240,7 +232,7 @@ TEST(Streams, ATileThatIsNoCodeLeavesNoPixel) {
 
 TEST(Streams, TilesOfOneStreamAgreeInSize) {
   std::vector<Datagram> packets =
-      told_datagrams(frame_spec(9), {.width = 640}, test::every_stream(Coding::kRaw, false, 8));
+      pattern_datagrams(frame_spec(9), {.width = 640}, test::every_stream(Coding::kRaw, false, 8));
   Reassembler reassembler;
   int refused = 0;
   for (std::size_t i = 0; i + 1 < packets.size(); ++i) {
@@ -263,7 +255,7 @@ TEST(Streams, TilesOfOneStreamAgreeInSize) {
 
 TEST(Streams, SamplesOfThePmdCameraAreFourImages) {
   const auto packets =
-      told_datagrams(frame_spec(9), {}, test::every_stream(Coding::kRaw, false, 8));
+      pattern_datagrams(frame_spec(9), {}, test::every_stream(Coding::kRaw, false, 8));
   for (const Datagram& packet : packets) {
     const auto tile = tile_of(packet);
     if (tile && tile->header.stream == Stream::kPmdRaw) {
@@ -294,7 +286,7 @@ Datagram nonsense(Datagram packet, test::Random& random) {
 
 // No crash, and every datagram is counted once.
 TEST(Streams, NonsenseAmongGoodPacketsIsCountedAndHarmless) {
-  constexpr ToldSizes kSmall{.width = 40, .height = 24, .pmd_width = 8, .pmd_height = 4};
+  constexpr PatternSizes kSmall{.width = 40, .height = 24, .pmd_width = 8, .pmd_height = 4};
   test::Random random(12);
   Reassembler reassembler({.max_pixels = 20'000});
   std::uint64_t pushed = 0;
@@ -310,7 +302,7 @@ TEST(Streams, NonsenseAmongGoodPacketsIsCountedAndHarmless) {
     spec.origin.session_id = number / 50;  // numbers may have run far ahead
     const Coding coding = number % 2 == 0 ? Coding::kRvl : Coding::kRaw;
     for (const Datagram& packet :
-         told_datagrams(spec, kSmall, test::every_stream(coding, true, 8))) {
+         pattern_datagrams(spec, kSmall, test::every_stream(coding, true, 8))) {
       if (random.between(0, 19) == 0) {
         push(nonsense(packet, random), number);
       }

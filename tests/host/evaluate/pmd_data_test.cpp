@@ -39,12 +39,12 @@ TEST_F(PmdData, WallsAreWithinAPercentOnceCalibratedAndSigmaIsHonest) {
   int walls = 0;
   for (const WallStudy& study : found().walls) {
     for (const WallRow& row : study.report.rows) {
-      if (row.score.valid < 0.5) {
+      if (row.view.valid < 0.5) {
         continue;
       }
-      EXPECT_LE(std::abs(row.score.error_m), 0.01 * row.z_m) << row.name;
+      EXPECT_LE(std::abs(row.view.error_m), 0.01 * row.z_m) << row.name;
       if (study.stray.empty()) {
-        EXPECT_NEAR(row.score.predicted_m / row.score.spread_m, 1, 0.2) << row.name;
+        EXPECT_NEAR(row.view.predicted_m / row.view.spread_m, 1, 0.2) << row.name;
         ++walls;
       }
     }

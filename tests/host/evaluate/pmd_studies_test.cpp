@@ -47,12 +47,7 @@ TEST_F(PmdStudies, ACalibrationLeavesLessOfAWallsErrorThanALine) {
   EXPECT_LT(study.report.worst_relative, 0.005);
   ASSERT_TRUE(study.calibration.line);
   EXPECT_GT(study.calibration.line->worst_relative, 0.01);
-  ASSERT_EQ(study.views.size(), 9U);
-  for (std::size_t i = 0; i < study.views.size(); ++i) {
-    // Two ways to the same figure.
-    EXPECT_NEAR(study.views[i].error_m, study.report.rows[i].score.error_m, 1e-6);
-    EXPECT_EQ(study.views[i].valid, study.report.rows[i].score.valid);
-  }
+  EXPECT_EQ(study.report.rows.size(), 9U);
 }
 
 TEST_F(PmdStudies, StrayLightIsFoundAndSubtracted) {

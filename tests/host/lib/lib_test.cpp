@@ -9,7 +9,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "tests/firmware/control/sensor.h"
-#include "tests/host/client/told_frame.h"
+#include "tests/host/client/test_pattern.h"
 
 namespace {
 
@@ -53,7 +53,7 @@ Datagram calibration() {
 }
 
 std::vector<Datagram> all_streams(std::uint32_t number) {
-  return stof::test::told_datagrams(
+  return stof::test::pattern_datagrams(
       frame_spec(number), {},
       stof::test::every_stream(stof::wire::Coding::kRvl, /*parity=*/false, /*cloud_step=*/8));
 }
@@ -84,7 +84,7 @@ TEST(Lib, GivesEveryStreamOfAFrame) {
   }
   EXPECT_EQ(c.cloud.width, 8U);
   EXPECT_EQ(c.cloud.pixel_bytes, 8U);
-  stof::test::ToldFrame told(5, {});
+  stof::test::PatternFrame told(5, {});
   const auto images = told.images();
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) {

@@ -44,5 +44,14 @@ TEST(ColourScale, HasRoundDistancesAsTicks) {
   EXPECT_EQ((ColourScale{.near_m = 6, .far_m = 20}).ticks(), (std::vector<double>{7, 10, 15, 20}));
 }
 
+TEST(RoundTicks, AreRoundAndWithin) {
+  EXPECT_EQ(round_ticks(0, 10, 5), (std::vector<double>{0, 2, 4, 6, 8, 10}));
+  EXPECT_EQ(round_ticks(-1.1, 1.1, 4), (std::vector<double>{-1, 0, 1}));
+  const std::vector<double> small = round_ticks(0.031, 0.0495, 4);
+  ASSERT_EQ(small.size(), 3U);
+  EXPECT_NEAR(small[0], 0.035, 1e-12);
+  EXPECT_NEAR(small[2], 0.045, 1e-12);
+}
+
 }  // namespace
 }  // namespace stof::host

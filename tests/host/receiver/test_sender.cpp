@@ -15,12 +15,12 @@
 
 #include "firmware/wire/crc32c.h"
 #include "tests/host/client/loopback_sender.h"
-#include "tests/host/client/told_frame.h"
+#include "tests/host/client/test_pattern.h"
 
 namespace stof::test {
 namespace {
 
-constexpr ToldSizes kSizes{.width = 161, .height = 120, .pmd_width = 40, .pmd_height = 30};
+constexpr PatternSizes kSizes{.width = 161, .height = 120, .pmd_width = 40, .pmd_height = 30};
 constexpr std::uint32_t kFirstNumber = 0xFFFFFFF0;  // wraps on the way
 
 void shuffle(std::vector<Datagram>& packets, Random& random) {
@@ -59,7 +59,7 @@ bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
   constexpr std::array kCodings{wire::Coding::kRvl, wire::Coding::kRaw, wire::Coding::kFit};
   const wire::Coding coding = kCodings[frame % kCodings.size()];
   std::vector<Datagram> packets =
-      told_datagrams(spec, kSizes, every_stream(coding, true, kSizes.cloud_step));
+      pattern_datagrams(spec, kSizes, every_stream(coding, true, kSizes.cloud_step));
   const std::uint16_t parts = wire::parse_packet(packets.front())->header.count;
   Random random(frame);
   packets = lossy(std::move(packets), parts, random);
@@ -73,7 +73,7 @@ bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
   }
   std::printf("frame %u %dx%d packets %u/%u recovered 1 crc %08x\n", spec.number, kSizes.width,
               kSizes.height, unsigned{parts}, unsigned{parts},
-              wire::crc32c(ToldFrame(spec.number, kSizes).bytes(coding == wire::Coding::kFit)));
+              wire::crc32c(PatternFrame(spec.number, kSizes).bytes(coding == wire::Coding::kFit)));
   std::fflush(stdout);
   return std::getchar() != EOF;
 }

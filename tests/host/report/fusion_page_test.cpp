@@ -71,7 +71,8 @@ TEST_F(FusionPage, ShowsAPairOnceAndEachOfItsRecordings) {
   EXPECT_EQ(count(text, "scene-2"), 0U);
   EXPECT_EQ(count(text, "Stereo alone, errors"), 2U);  // one figure: its name and its caption
   EXPECT_EQ(count(text, "Source of the depth"), 4U);
-  EXPECT_EQ(count(text, "<figure>"), count(text, "data:image/png;base64,"));
+  EXPECT_EQ(count(text, "<figure>"),
+            count(text, "data:image/png;base64,") + count(text, "<svg class=\"plot\""));
   EXPECT_EQ(count(text, "Wall & co"), 0U);
   EXPECT_EQ(count(text, "wta &lt;7x7&gt;"), 1U);
   EXPECT_EQ(count(text, "<script") + count(text, "http"), 0U);

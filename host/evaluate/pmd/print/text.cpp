@@ -33,8 +33,8 @@ void add_stray(const WallStudy& study, std::string& text) {
     std::string flags;
     for (std::size_t bit = 0; bit < kPmdFlags; ++bit) {
       if (row.before.flagged[bit] >= kShown) {
-        flags += printed("%s%s %.0f", flags.empty() ? "" : ", ", pmd_flag_names()[bit],
-                         kPercent * row.before.flagged[bit]);
+        add_to(flags,
+               printed("%s %.0f", pmd_flag_names()[bit], kPercent * row.before.flagged[bit]));
       }
     }
     text += printed(

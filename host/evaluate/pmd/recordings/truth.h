@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "dataset/dataset.h"
-#include "dsp/pmd/converter.h"
-#include "host/evaluate/workspace.h"
 
 // PMD recordings with what is known about the scene: what the appliance reads by dataset::read_pmd,
 // and the truth beside it, which it never sees.
@@ -68,22 +66,5 @@ std::optional<std::filesystem::path> borrowed_pattern(const std::filesystem::pat
 // The source's constants with this recording's lights, if they are of its kind of camera; else the
 // recording's own.
 dsp::PmdSensor sensor_for(const dsp::PmdSensor& own, double exposure, const PmdSources& sources);
-
-// A Converter with its memory.
-class OwnConverter {
- public:
-  explicit OwnConverter(const dsp::PmdSensor& sensor)
-      : space_(
-            dsp::bytes_taken([&](dsp::Arena& arena) noexcept { dsp::Converter(sensor, arena); })),
-        arena_(space_.arena()),
-        converter_(sensor, arena_) {}
-  dsp::Converter& operator*() { return converter_; }
-  dsp::Converter* operator->() { return &converter_; }
-
- private:
-  Workspace space_;
-  dsp::Arena arena_;
-  dsp::Converter converter_;
-};
 
 }  // namespace stof::host

@@ -11,7 +11,7 @@
 #include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "tests/support/in_own_memory.h"
 
 // The whole way: rendered exposures with noise, the matcher, the converter, the monitor->

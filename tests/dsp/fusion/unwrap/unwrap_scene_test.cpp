@@ -11,9 +11,9 @@
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
+#include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/pmd_samples.h"
-#include "hal/emu/imagery/random.h"
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
 #include "hal/emu/scenes/viewpoint.h"
@@ -27,7 +27,6 @@ namespace {
 using namespace hal::emu;
 
 constexpr double kTurn = dsp::kLightMetresPerSecond / 40e6;  // metres
-constexpr double kQuarterTurn = 1.0;                         // tangent of 45 degrees
 constexpr double kDegree = 0.00872664626;                    // half tangent, of small angles
 
 class Draw {
@@ -40,7 +39,7 @@ class Draw {
   std::uint32_t word() { return static_cast<std::uint32_t>(random_.next() >> 32U); }
 
  private:
-  Random random_;
+  Xorshift64 random_;
 };
 
 // Some are so dark that their amplitude tells nothing, some have one colour, some reflect infrared
@@ -57,12 +56,6 @@ Material random_material(Draw& draw, double plain_share, double z) {
     out.nir = draw.between(0.2, 0.85);
   }
   return out;
-}
-
-void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
-         Pose turn = {}) {
-  turn.position = at;
-  scene.things.push_back({.form = form, .pose = turn, .half = half, .material = material});
 }
 
 void build_shell(Scene& scene, Draw& draw, double half_width, double height, double end) {

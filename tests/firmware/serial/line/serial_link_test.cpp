@@ -102,7 +102,7 @@ struct Line {
   std::array<std::byte, 65'536> memory{};
   ByteRing ring;
   Echo echo;
-  LineRequests requests;
+  SerialRequestHandler requests;
   SerialLink link;
   LineReceiver receiver;
   hal::Time now{1h};
@@ -341,7 +341,7 @@ TEST(SerialLine, CarriesPicturesOverAPseudoTerminal) {
                     .baud = 3'000'000,
                     .rate_hz = 10,
                     .width = true});
-  LineRequests requests(kSensor, nullptr);
+  SerialRequestHandler requests(kSensor, nullptr);
   SerialLink link(*tty, bench.ring, requests);
   link.set(SerialMode::kStof, 3'000'000);
   LineReceiver receiver;

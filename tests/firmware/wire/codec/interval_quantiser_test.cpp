@@ -6,9 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/target.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/codec/rvl_decode.h"
-#include "firmware/wire/codec/wide.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 #include "tests/firmware/wire/wire_support.h"
 
@@ -164,7 +165,7 @@ void expect_scales(const dsp::DepthMap& map, const Sent& sent) {
 // The map through a coder with every pair of codings of which one is fit.
 void expect_honest(const dsp::DepthMap& map, bool scaled) {
   const FrameSizes sizes{.width = map.depth.width(), .height = map.depth.height()};
-  test::CoderInMemory memory(test::kOrigin, sizes, {.fx = 65'536, .fy = 65'536});
+  test::CoderInMemory coder(test::kOrigin, sizes, {.fx = 65'536, .fy = 65'536});
   const auto pixels = static_cast<std::size_t>(sizes.width * sizes.height);
   const std::span<const std::uint16_t> depth(map.depth.data(), pixels);
   const std::span<const std::uint16_t> width(map.width.data(), pixels);
@@ -173,8 +174,7 @@ void expect_honest(const dsp::DepthMap& map, bool scaled) {
       if (first != Coding::kFit && second != Coding::kFit) {
         continue;
       }
-      const auto datagrams =
-          memory.coder().code({}, {}, {.map = map}, choice_of(first, second)).value();
+      const auto datagrams = coder->code({}, {}, {.map = map}, choice_of(first, second)).value();
       const Sent depths = sent(datagrams, Stream::kDepth);
       const Sent widths = sent(datagrams, Stream::kWidth);
       ASSERT_EQ(depths.values.size(), first == Coding::kOff ? 0 : pixels);
@@ -218,7 +218,7 @@ TEST(FitTest, RandomMapsStayHonest) {
 
 // What is compiled for all processors, and for those with longer vectors.
 TEST(FitTest, IsTheSameOnAllProcessors) {
-  if (!wide_available()) {
+  if (dsp::widest_vectors() < dsp::Vectors::kAvx2) {
     GTEST_SKIP() << "this processor runs one kind of code only";
   }
   Random random(7);
@@ -227,8 +227,8 @@ TEST(FitTest, IsTheSameOnAllProcessors) {
     random.fill(std::span(map.depth), 0, columns % 3 == 0 ? 3 : 65'535);
     random.fill(std::span(map.width), random.between(0, 300), columns % 7 == 0 ? 65'535 : 65'000);
     for (unsigned scale = 0; scale <= kMostQuantiserScale; ++scale) {
-      const auto rounded = [&](bool wide) {
-        use_wide(wide);
+      const auto rounded = [&](dsp::Vectors vectors) {
+        const dsp::UseVectors use(vectors);
         const dsp::DepthMap view = map.view();
         Values depth(static_cast<std::size_t>(columns));
         Values width(depth.size());
@@ -239,8 +239,8 @@ TEST(FitTest, IsTheSameOnAllProcessors) {
         depth.push_back(quantiser_scale(view, kQuantiserRows));
         return depth;
       };
-      const Values narrow = rounded(false);
-      ASSERT_EQ(rounded(true), narrow) << columns << " columns, scale " << scale;
+      const Values narrow = rounded(dsp::Vectors::kNeon);
+      ASSERT_EQ(rounded(dsp::Vectors::kAvx2), narrow) << columns << " columns, scale " << scale;
     }
   }
 }
@@ -256,9 +256,9 @@ TEST(FitTest, NoiseTakesNoMorePacketsThanRaw) {
     map.width[i] = static_cast<std::uint16_t>(random.between(odd ? 16 : 32, odd ? 31 : 20'000));
   }
   expect_honest(map.view(), false);
-  test::CoderInMemory memory(test::kOrigin, {.width = 640, .height = 480}, {.fx = 1, .fy = 1});
+  test::CoderInMemory coder(test::kOrigin, {.width = 640, .height = 480}, {.fx = 1, .fy = 1});
   const auto datagrams =
-      memory.coder().code({}, {}, {.map = map.view()}, choice_of(Coding::kFit, Coding::kFit));
+      coder->code({}, {}, {.map = map.view()}, choice_of(Coding::kFit, Coding::kFit));
   const Sent depths = sent(datagrams.value(), Stream::kDepth);
   EXPECT_LE(depths.tiles, raw_tiles(640, 480, 2));
   EXPECT_EQ(std::ranges::max(depths.scales), 0);

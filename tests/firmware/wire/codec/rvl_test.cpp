@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/target.h"
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/rvl_encode.h"
-#include "firmware/wire/codec/wide.h"
 #include "tests/support/guarded.h"
 #include "tests/support/long_run.h"
 #include "tests/support/random.h"
@@ -117,12 +117,12 @@ void expect_same_on_all_processors() {
     for (const std::size_t space : {4U, 12U, 1112U, 20'000U}) {
       std::array<std::vector<std::byte>, 2> codes;
       std::array<std::uint32_t, 2> least{};
-      for (const bool wide : {false, true}) {
-        use_wide(wide);
-        least[wide ? 1 : 0] = rvl_least_nibbles<T>(sample.values);
+      for (const bool avx2 : {false, true}) {
+        const dsp::UseVectors use(avx2 ? dsp::Vectors::kAvx2 : dsp::Vectors::kNeon);
+        least[avx2 ? 1 : 0] = rvl_least_nibbles<T>(sample.values);
         GuardedBuffer<std::byte> out(space);
         const RvlCoded coded = rvl_encode<T>(sample.values, out.span());
-        codes[wide ? 1 : 0].assign(out.span().begin(),
+        codes[avx2 ? 1 : 0].assign(out.span().begin(),
                                    out.span().begin() + static_cast<std::ptrdiff_t>(coded.bytes));
       }
       ASSERT_EQ(codes[0], codes[1]) << sample.name;
@@ -130,10 +130,12 @@ void expect_same_on_all_processors() {
       for (int damage = 0; damage < 4 && !codes[0].empty(); ++damage) {
         std::array<std::vector<T>, 2> back{std::vector<T>(sample.values.size()),
                                            std::vector<T>(sample.values.size())};
-        use_wide(false);
-        const Status status = rvl_decode<T>(codes[0], back[0]);
-        use_wide(true);
-        ASSERT_EQ(rvl_decode<T>(codes[0], back[1]), status) << sample.name;
+        const auto decode = [&codes](dsp::Vectors vectors, std::vector<T>& values) {
+          const dsp::UseVectors use(vectors);
+          return rvl_decode<T>(codes[0], values);
+        };
+        const Status status = decode(dsp::Vectors::kNeon, back[0]);
+        ASSERT_EQ(decode(dsp::Vectors::kAvx2, back[1]), status) << sample.name;
         ASSERT_TRUE(status != Status::kOk || back[0] == back[1]) << sample.name;
         codes[0][random.next() % codes[0].size()] ^= static_cast<std::byte>(random.next());
       }
@@ -142,7 +144,7 @@ void expect_same_on_all_processors() {
 }
 
 TEST(RvlTest, IsTheSameOnAllProcessors) {
-  if (!wide_available()) {
+  if (dsp::widest_vectors() < dsp::Vectors::kAvx2) {
     GTEST_SKIP() << "this processor runs one kind of code only";
   }
   expect_same_on_all_processors<std::uint16_t>();

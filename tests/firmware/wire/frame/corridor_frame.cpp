@@ -3,9 +3,10 @@
 #include <algorithm>
 
 #include "dsp/depth/depth_maker.h"
-#include "hal/emu/imagery/rendered.h"
+#include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
+#include "tests/support/in_own_memory.h"
 
 namespace stof::test {
 namespace {
@@ -34,22 +35,15 @@ CorridorFrame::CorridorFrame(std::string_view preset) {
   dsp::DepthParams params{.match = dsp::for_depth(*dsp::find_preset(preset)), .fusion = {}};
   params.match.disparities = kDisparities;
   params.fusion.spread = dsp::spread_of(params.match);
-  std::vector<std::byte> memory(dsp::bytes_taken([&](dsp::Arena& arena) {
-                                  dsp::DepthMaker(scene.calibration(), params, arena);
-                                }) +
-                                dsp::Arena::kAlign);
-  void* at = memory.data();
-  std::size_t space = memory.size();
-  std::align(dsp::Arena::kAlign, 1, at, space);
-  dsp::Arena arena({static_cast<std::byte*>(at), space});
-  dsp::DepthMaker maker(scene.calibration(), params, arena);
+  InOwnMemory<dsp::DepthMaker> maker(
+      [&](dsp::Arena& arena) { return dsp::DepthMaker(scene.calibration(), params, arena); });
   const dsp::PmdExposure exposure{
       .samples = {samples_[0].view(), samples_[1].view(), samples_[2].view(), samples_[3].view()}};
-  maker.convert({.first = {&exposure, 1}});
-  maker.match(left_.view(), right_.view());
-  maker.fuse({depth_.view(), width_.view(), source_.view(), cause_.view()});
+  maker->convert({.first = {&exposure, 1}});
+  maker->match(left_.view(), right_.view());
+  maker->fuse({depth_.view(), width_.view(), source_.view(), cause_.view()});
   for (int y = 0; y < height; ++y) {
-    std::ranges::copy(maker.stereo().disparity.row(y), disparity_.view().row(y).begin());
+    std::ranges::copy(maker->stereo().disparity.row(y), disparity_.view().row(y).begin());
   }
 }
 
@@ -66,13 +60,6 @@ wire::FrameSizes CorridorFrame::sizes() const noexcept {
           .height = left_.height,
           .pmd_width = samples_.front().width,
           .pmd_height = samples_.front().height};
-}
-
-CoderInMemory::CoderInMemory(const wire::Origin& origin, const wire::FrameSizes& sizes,
-                             const wire::CalibrationPacket& calibration)
-    : lines_(wire::FrameCoder::bytes_needed(sizes) / sizeof(Line)) {
-  dsp::Arena arena(std::as_writable_bytes(std::span(lines_)));
-  coder_ = std::make_unique<wire::FrameCoder>(origin, sizes, calibration, arena);
 }
 
 }  // namespace stof::test

@@ -1,17 +1,13 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <string_view>
 #include <vector>
 
 #include "dataset/dataset.h"
-#include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
 #include "dsp/fusion/depth_map.h"
-#include "firmware/wire/frame/frame_coder.h"
+#include "firmware/wire/frame/frame_images.h"
 
 namespace stof::test {
 
@@ -33,22 +29,6 @@ class CorridorFrame {
   dataset::Image<dsp::Source> source_;
   dataset::Image<dsp::Cause> cause_;
   dataset::Image<dsp::Disparity> disparity_;
-};
-
-// A coder with its memory, exactly as much as it asks for.
-class CoderInMemory {
- public:
-  CoderInMemory(const wire::Origin& origin, const wire::FrameSizes& sizes,
-                const wire::CalibrationPacket& calibration);
-
-  wire::FrameCoder& coder() noexcept { return *coder_; }
-
- private:
-  struct alignas(dsp::Arena::kAlign) Line {
-    std::array<std::byte, dsp::Arena::kAlign> bytes;
-  };
-  std::vector<Line> lines_;
-  std::unique_ptr<wire::FrameCoder> coder_;
 };
 
 }  // namespace stof::test

@@ -5,6 +5,7 @@
 #include "firmware/wire/codec/rvl_encode.h"
 #include "firmware/wire/frame/frame_coder.h"
 #include "firmware/wire/frame/tiles.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
 
 // What RVL makes of a depth map that the emulated rig computes.
@@ -70,11 +71,11 @@ std::size_t payloads(std::span<const std::span<const std::byte>> datagrams, Stre
 
 TEST(CorridorTest, RoundedDepthAndWidthAreAThird) {
   test::CorridorFrame frame;
-  test::CoderInMemory memory({}, frame.sizes(), {.fx = 65'536, .fy = 65'536});
+  test::CoderInMemory coder({}, frame.sizes(), {.fx = 65'536, .fy = 65'536});
   StreamChoice choice;
   choice.of(Stream::kDepth) = Coding::kFit;
   choice.of(Stream::kWidth) = Coding::kFit;
-  const auto datagrams = memory.coder().code({}, {}, frame.images(), choice).value();
+  const auto datagrams = coder->code({}, {}, frame.images(), choice).value();
   const auto ratio = [&datagrams](Stream stream) {
     return 2.0 * 640 * 480 / static_cast<double>(payloads(datagrams, stream));
   };

@@ -10,6 +10,7 @@
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/codec/rvl_decode.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
 #include "tests/firmware/wire/wire_support.h"
 
 namespace stof::wire {
@@ -27,20 +28,10 @@ constexpr FrameStamp kStamp{.number = 41,
                             .clock = ClockState::kEmulated};
 constexpr CalibrationPacket kLens{.fx = 1 << 22, .fy = 1 << 22, .cx = 1 << 21, .cy = 1 << 21};
 
-// A coder with its memory, exactly as much as it asks for.
-struct Coder {
-  explicit Coder(const FrameSizes& sizes) : Coder(sizes, FrameCoder::most_packets(sizes)) {}
+struct Coder : test::CoderInMemory {
+  explicit Coder(const FrameSizes& sizes) : CoderInMemory(kOrigin, sizes, kLens) {}
   Coder(const FrameSizes& sizes, std::size_t packets)
-      : lines(FrameCoder::bytes_needed(sizes, packets) / sizeof(Line)),
-        arena(std::as_writable_bytes(std::span(lines))),
-        coder(kOrigin, sizes, kLens, arena, packets) {}
-
-  struct alignas(dsp::Arena::kAlign) Line {
-    std::byte bytes[dsp::Arena::kAlign];
-  };
-  std::vector<Line> lines;
-  dsp::Arena arena;
-  FrameCoder coder;
+      : CoderInMemory(kOrigin, sizes, kLens, packets) {}
 };
 
 // Every image; rows of some have a gap, the last one ends at an unreadable page.
@@ -213,7 +204,7 @@ TEST(FrameCoderTest, SendsEveryImageBitForBit) {
       Images images(sizes, static_cast<std::uint64_t>(sizes.width), most);
       for (const Coding coding : {Coding::kRaw, Coding::kRvl}) {
         const auto sent =
-            coder.coder.code(kStamp, {.settings_revision = 17}, images.view(), everything(coding));
+            coder->code(kStamp, {.settings_revision = 17}, images.view(), everything(coding));
         ASSERT_TRUE(sent.has_value());
         expect_frame(*sent, images, sizes, everything(coding));
       }
@@ -230,7 +221,7 @@ TEST(FrameCoderTest, ManyPacketsOfParityAreNotToldAsNone) {
     const FrameSizes sizes{1, 1, 600, height};
     Coder coder(sizes);
     Images images(sizes, 1, 65'535);
-    const auto sent = coder.coder.code(kStamp, {.settings_revision = 17}, images.view(), choice);
+    const auto sent = coder->code(kStamp, {.settings_revision = 17}, images.view(), choice);
     ASSERT_TRUE(sent.has_value());
     expect_frame(*sent, images, sizes, choice);
     told.insert(parity_groups(parse_packet(sent->front())->header.count));
@@ -245,11 +236,11 @@ TEST(FrameCoderTest, SendsOnlyWhatIsChosen) {
   for (std::size_t k = 0; k < kStreams; ++k) {
     StreamChoice choice{.cloud_step = 3};
     choice.coding[k] = Coding::kRvl;
-    const auto sent = coder.coder.code(kStamp, {.settings_revision = 17}, images.view(), choice);
+    const auto sent = coder->code(kStamp, {.settings_revision = 17}, images.view(), choice);
     ASSERT_TRUE(sent.has_value());
     expect_frame(*sent, images, sizes, choice);
   }
-  const auto nothing = coder.coder.code(kStamp, {}, images.view(), {});
+  const auto nothing = coder->code(kStamp, {}, images.view(), {});
   ASSERT_EQ(nothing->size(), 1U);
   EXPECT_EQ(parse_packet(nothing->front())->header.count, 1);
 }
@@ -257,7 +248,7 @@ TEST(FrameCoderTest, SendsOnlyWhatIsChosen) {
 TEST(FrameCoderTest, SendsOnlyWhatIsThere) {
   const FrameSizes sizes{64, 20, 16, 12};
   Coder coder(sizes);
-  const auto sent = coder.coder.code(kStamp, {}, {}, everything(Coding::kRvl));
+  const auto sent = coder->code(kStamp, {}, {}, everything(Coding::kRvl));
   ASSERT_EQ(sent->size(), 2U);  // frame info and its parity
   EXPECT_EQ(parse_packet(sent->front())->header.image_width, 64);
 }
@@ -265,11 +256,11 @@ TEST(FrameCoderTest, SendsOnlyWhatIsThere) {
 TEST(FrameCoderTest, RefusesImagesLargerThanSaid) {
   Coder coder({32, 20, 16, 12});
   Images larger({33, 20, 16, 12}, 1, 5);
-  EXPECT_EQ(coder.coder.code(kStamp, {}, larger.view(), {}).error(), Status::kTooLarge);
+  EXPECT_EQ(coder->code(kStamp, {}, larger.view(), {}).error(), Status::kTooLarge);
   Images more_pmd({32, 20, 16, 13}, 1, 5);
-  EXPECT_EQ(coder.coder.code(kStamp, {}, more_pmd.view(), {}).error(), Status::kTooLarge);
+  EXPECT_EQ(coder->code(kStamp, {}, more_pmd.view(), {}).error(), Status::kTooLarge);
   Images smaller({31, 19, 15, 11}, 1, 5);
-  EXPECT_TRUE(coder.coder.code(kStamp, {}, smaller.view(), everything(Coding::kRaw)).has_value());
+  EXPECT_TRUE(coder->code(kStamp, {}, smaller.view(), everything(Coding::kRaw)).has_value());
 }
 
 // Keeps copies, as the datagrams are gone afterwards.
@@ -291,10 +282,10 @@ void expect_same_in_little(const FrameSizes& sizes, Images& images, const Stream
   SCOPED_TRACE(std::to_string(sizes.width) + " wide in " + std::to_string(packets));
   Coder large(sizes);
   Coder little(sizes, packets);
-  const Datagrams whole = large.coder.code(kStamp, {}, images.view(), choice).value();
+  const Datagrams whole = large->code(kStamp, {}, images.view(), choice).value();
   for (int repeat = 0; repeat < 2; ++repeat) {  // nothing is left of the frame before
     Kept kept;
-    ASSERT_EQ(little.coder.code(kStamp, {}, images.view(), choice, kept), Status::kOk);
+    ASSERT_EQ(little->code(kStamp, {}, images.view(), choice, kept), Status::kOk);
     ASSERT_EQ(kept.sent.size(), whole.size());
     for (std::size_t i = 0; i < whole.size(); ++i) {
       ASSERT_TRUE(std::ranges::equal(kept.sent[i], whole[i])) << "datagram " << i;
@@ -302,7 +293,7 @@ void expect_same_in_little(const FrameSizes& sizes, Images& images, const Stream
     ASSERT_TRUE(std::ranges::all_of(kept.told, [&](std::size_t n) { return n == whole.size(); }));
     ASSERT_LE(kept.most, std::max<std::size_t>(packets, 8) + 1);
   }
-  const auto at_once = little.coder.code(kStamp, {}, images.view(), choice);
+  const auto at_once = little->code(kStamp, {}, images.view(), choice);
   if (whole.size() > std::max<std::size_t>(packets, 8) + 1) {
     ASSERT_EQ(at_once.error(), Status::kTooLarge);
   }
@@ -338,8 +329,7 @@ TEST(FrameCoderTest, HardlyEnoughMemorySendsTheSame) {
             choice.of(stream) = coding;
           }
           Coder large(sizes);
-          const std::size_t all =
-              large.coder.code(kStamp, {}, images.view(), choice).value().size();
+          const std::size_t all = large->code(kStamp, {}, images.view(), choice).value().size();
           for (std::size_t packets = all - std::min<std::size_t>(all, 4); packets <= all;
                ++packets) {
             expect_same_in_little(sizes, images, choice, packets);
@@ -354,7 +344,7 @@ TEST(FrameCoderTest, EachLostDatagramComesBackFromParity) {
   const FrameSizes sizes{160, 90, 32, 24};
   Coder coder(sizes);
   Images images(sizes, 4, 300);
-  const auto sent = coder.coder.code(kStamp, {}, images.view(), everything(Coding::kRvl)).value();
+  const auto sent = coder->code(kStamp, {}, images.view(), everything(Coding::kRvl)).value();
   const std::uint16_t count = parse_packet(sent[0])->header.count;
   const std::uint16_t groups = parity_groups(count);
   for (std::size_t lost = 0; lost < count; ++lost) {

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <chrono>
+#include <span>
+
+#include "firmware/control/periodic_task.h"
+#include "firmware/control/request_handler.h"
+#include "firmware/control/subscriber_list.h"
+#include "firmware/control/subscribers.h"
+#include "firmware/wire/messages/structs.h"
+#include "hal/datagram_port.h"
+#include "hal/time.h"
+
+namespace stof::firmware {
+
+// What the control thread works with; all of it outlives ControlServer. Until the thread has ended,
+// `handler`, `subscribers`, receive() of the port and the tasks are its own; the loop sends through
+// the port and reads `ring` and RequestHandler::counters().
+struct ControlParts {
+  hal::DatagramPort& port;
+  RequestHandler& handler;
+  Subscribers& subscribers;
+  SubscriberRing& ring;
+  std::span<PeriodicTask* const> tasks{};
+  // How long a quiet turn takes: between two rounds of the tasks.
+  hal::Duration turn = std::chrono::milliseconds(20);
+};
+
+// What the control thread does, one turn after the other: answers requests, ends leases, tells the
+// loop who receives, runs the tasks. No clock, no heap.
+class ControlServer {
+ public:
+  // Datagrams between two rounds of the tasks: a flood keeps them waiting for some milliseconds at
+  // most.
+  static constexpr int kDatagramsPerTurn = 256;
+
+  explicit ControlServer(const ControlParts& parts) noexcept : parts_(parts) {}
+
+  // Waits up to `wait` for a datagram and answers all that have come, up to kDatagramsPerTurn. The
+  // port's status where it is gone: kDeviceLost, else kOk. An answer that the port does not take is
+  // dropped: whoever asked asks again.
+  Status receive(hal::Duration wait, hal::Time (*now)() noexcept) noexcept;
+  // What is due at `now`.
+  void tick(hal::Time now) noexcept;
+
+ private:
+  ControlParts parts_;
+  wire::DatagramBuffer space_{};
+  SubscriberList pushed_{};  // what the loop has
+};
+
+// With the datagrams that the port lost before they were read. Of any thread.
+wire::ControlCounters control_counters(const RequestHandler& handler,
+                                       const hal::DatagramPort& port) noexcept;
+
+}  // namespace stof::firmware

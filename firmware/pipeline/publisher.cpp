@@ -1,0 +1,242 @@
+#include "firmware/pipeline/publisher.h"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include "dsp/base/check.h"
+#include "firmware/wire/frame_info.h"
+#include "firmware/wire/messages/event.h"
+#include "firmware/wire/messages/health.h"
+
+namespace stof::firmware {
+namespace {
+
+constexpr hal::Duration kCalibrationInterval = std::chrono::seconds(1);
+// Datagrams that go to one receiver at once: its socket holds a fraction of a frame only.
+constexpr std::size_t kBurst = 8;
+
+wire::FrameImages images_of(const Shot& shot, const Output& output) noexcept {
+  wire::FrameImages images{.map = output.map,
+                           .disparity = output.stereo.disparity,
+                           .pmd = {},
+                           .left = output.left,
+                           .right = output.right};
+  if (shot.pmd) {
+    images.pmd = (*shot.pmd)->samples;
+  }
+  return images;
+}
+
+}  // namespace
+
+Publisher::Publisher(const PublisherSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
+                     hal::DatagramPort& port, FrameListener* listener, Events& events,
+                     dsp::Arena& arena) noexcept
+    : setup_(setup),
+      clock_(clock),
+      port_(port),
+      listener_(listener),
+      events_(events),
+      coder_(setup.origin, sizes, setup.calibration, arena, wire::FrameCoder::usual_packets(sizes)),
+      health_(clock.now()) {}
+
+void Publisher::set_params(const PublisherParams& params) noexcept {
+  params_ = params;
+  setup_.calibration.period_ns = params.period.count();
+  if (params.max_range > 0) {
+    setup_.calibration.max_range = params.max_range;
+  }
+  calibration_due_.reset();  // receivers go by it
+}
+
+void Publisher::set_receivers(const SubscriberList& receivers) noexcept {
+  for (const hal::Peer& peer : receivers.all()) {
+    if (std::ranges::find(receivers_.all(), peer) == receivers_.all().end()) {
+      calibration_due_.reset();
+      health_wanted_ = true;
+    }
+  }
+  receivers_ = receivers;
+}
+
+Status Publisher::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
+  stamp_ = {.number = begun_ ? stamp_.number + 1 : 0,
+            .freshness = shot.freshness,
+            .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
+            .health = std::max(health_.summary(), shot.missed_edges == 0 ? wire::Health::kOk
+                                                                         : wire::Health::kDegraded),
+            .clock = setup_.clock};
+  begun_ = true;
+  const wire::FrameInfo info = describe(shot, output);
+  if (listener_ != nullptr) {
+    listener_->frame(stamp_, info, output.map);
+  }
+  Status status = Status::kOk;
+  times_ = {};
+  if (receivers_.count > 0) {
+    if (!calibration_due_ || clock_.now() >= *calibration_due_) {
+      calibration_due_ = clock_.now() + kCalibrationInterval;
+      encode_calibration_packet(
+          setup_.calibration, wire::payload_space(buffer_).first<wire::kCalibrationPacketBytes>());
+      status = send_one(wire::seal_packet(header(wire::PacketType::kCalibration),
+                                          wire::kCalibrationPacketBytes, buffer_));
+    }
+    const Status sent = send_frame(shot, output, info, latest);
+    status = status == Status::kOk || sent == Status::kDeviceLost ? sent : status;
+  }
+  if (receivers_.refused && status == Status::kOk && receivers_.count == 1) {
+    status = Status::kDeviceError;  // sent nevertheless: whoever begins to listen misses nothing
+  }
+  const hal::Time now = clock_.now();
+  health_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
+  return status;
+}
+
+// Begins with the first datagrams, so that coding what does not lie in memory takes from the time
+// between them.
+class Publisher::Paced final : public wire::DatagramSink {
+ public:
+  Paced(Publisher& publisher, hal::Time latest) noexcept : publisher_(publisher), latest_(latest) {}
+
+  void take(Datagrams datagrams, std::size_t all) noexcept override {
+    hal::Clock& clock = publisher_.clock_;
+    if (sent_ == 0) {
+      start_ = clock.now();
+      budget_ = std::max(latest_ - start_, hal::Duration::zero());
+    }
+    const std::size_t burst = budget_ > hal::Duration::zero() ? kBurst : datagrams.size();
+    for (std::size_t at = 0; at < datagrams.size(); at += burst) {
+      const Datagrams some = datagrams.subspan(at, std::min(burst, datagrams.size() - at));
+      const hal::Time due =
+          start_ + budget_ * static_cast<std::int64_t>(sent_) / static_cast<std::int64_t>(all);
+      const hal::Time ready = clock.now();
+      if (due > ready) {
+        clock.wait_until(due);
+      }
+      const hal::Time begin = clock.now();
+      publisher_.times_.waited += begin - ready;
+      const Status sent = publisher_.send(some);
+      publisher_.times_.send += clock.now() - begin;
+      status_ = status_ == Status::kOk || sent == Status::kDeviceLost ? sent : status_;
+      sent_ += some.size();
+    }
+  }
+
+  Status status() const noexcept { return status_; }
+
+ private:
+  Publisher& publisher_;
+  hal::Time latest_;
+  hal::Time start_{};
+  hal::Duration budget_{};
+  std::size_t sent_ = 0;
+  Status status_ = Status::kOk;
+};
+
+Status Publisher::send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
+                             hal::Time latest) noexcept {
+  const hal::Time start = clock_.now();
+  Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest));
+  const Status coded = coder_.code(stamp_, info, images_of(shot, output), params_.choice, paced);
+  times_.code = clock_.now() - start - times_.send - times_.waited;
+  return coded == Status::kOk ? paced.status() : coded;
+}
+
+// kDeviceError only where nobody at all could be reached.
+Status Publisher::send(Datagrams datagrams) noexcept {
+  Counters& counters = events_.counters;
+  Status status = Status::kOk;
+  std::size_t unreachable = 0;
+  std::size_t others = receivers_.count;  // whose turn has not come
+  for (const hal::Peer& peer : receivers_.all()) {
+    bool reached = false;
+    --others;
+    for (std::size_t at = 0; at < datagrams.size();) {
+      std::size_t sent = 0;
+      const Status taken = port_.send(peer, datagrams.subspan(at), sent);
+      counters.packets_sent += sent;
+      at += sent;
+      reached = reached || taken != Status::kDeviceError;
+      if (taken == Status::kDeviceLost) {
+        counters.packets_dropped += datagrams.size() - at + others * datagrams.size();
+        return taken;
+      }
+      if (at < datagrams.size()) {  // this one is lost, the next one is tried
+        ++counters.packets_dropped;
+        ++at;
+        status = taken == Status::kDeviceError ? status : Status::kWouldBlock;
+      }
+    }
+    unreachable += reached ? 0 : 1;
+  }
+  return unreachable > 0 && unreachable == receivers_.count ? Status::kDeviceError : status;
+}
+
+Status Publisher::send_one(std::span<const std::byte> datagram) noexcept {
+  const std::array<std::span<const std::byte>, 1> one{datagram};
+  return send(one);
+}
+
+void Publisher::report(const ControlStatus& control) noexcept {
+  const hal::Time now = clock_.now();
+  const auto tell = [this](wire::PacketType type, std::size_t bytes) {
+    const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
+    static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
+    if (listener_ != nullptr) {
+      listener_->packet(datagram);
+    }
+  };
+  while (const std::optional<wire::EventReport> event = health_.next_event(now)) {
+    encode_event_report(*event, wire::payload_space(buffer_).first<wire::kEventReportBytes>());
+    tell(wire::PacketType::kEvent, wire::kEventReportBytes);
+  }
+  const std::optional<wire::HealthReport> health =
+      health_.next_health(events_.counters, control, std::exchange(health_wanted_, false), now);
+  if (health) {
+    encode_health_report(*health, wire::payload_space(buffer_).first<wire::kHealthReportBytes>());
+    tell(wire::PacketType::kHealth, wire::kHealthReportBytes);
+  }
+}
+
+wire::Header Publisher::header(wire::PacketType type) const noexcept {
+  wire::FrameStamp stamp = stamp_;
+  stamp.health = std::max(stamp.health, health_.summary());
+  stamp.clock = setup_.clock;
+  return {.type = type,
+          .origin = setup_.origin,
+          .frame = stamp,
+          .image_width = setup_.calibration.image_width,
+          .image_height = setup_.calibration.image_height};
+}
+
+wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) const noexcept {
+  const hal::StereoFrame& stereo = *shot.stereo;
+  wire::FrameInfo info{
+      .exposure_begin_ns = std::min(stereo.left_exposure.begin, stereo.right_exposure.begin)
+                               .time_since_epoch()
+                               .count(),
+      .exposure_end_ns =
+          std::max(stereo.left_exposure.end, stereo.right_exposure.end).time_since_epoch().count(),
+      .pmd_age_ns = shot.pmd_exposed ? (shot.exposed - *shot.pmd_exposed).count() : 0,
+      .compute_ns = output.stats.total().count(),
+      .latency_ns = (clock_.now() - shot.exposed).count(),
+      .pixels_by_source = output.stats.sources,
+      .counters = loop_counters(events_.counters),
+      .pixels_by_cause = output.stats.causes,
+      .drift_patches = output.drift.patches,
+      .pmd_present = static_cast<std::uint8_t>(shot.pmd_exposed ? 1 : 0),
+      .settings_revision = params_.revision,
+      .stage_us = {microseconds(output.stats.convert), microseconds(output.stats.match),
+                   microseconds(output.stats.fuse), microseconds(output.stats.watch),
+                   microseconds(times_.code), microseconds(times_.send)}};
+  static_assert(wire::kDrifts == dsp::kDriftParameters);
+  for (std::size_t i = 0; i < wire::kDrifts; ++i) {
+    const dsp::Drift& drift = output.drift.drifts[i];
+    info.drifts[i] = {.value = drift.value, .sigma = drift.sigma};
+    info.drift_significant |= drift.significant ? 1U << i : 0U;
+  }
+  return info;
+}
+
+}  // namespace stof::firmware

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "firmware/control/subscriber_list.h"
+#include "firmware/events/events.h"
+#include "firmware/events/health_monitor.h"
+#include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/shot.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/frame/frame_coder.h"
+#include "hal/clock.h"
+#include "hal/datagram_port.h"
+
+namespace stof::firmware {
+
+// Who sends, and what every receiver has to know about it.
+struct PublisherSetup {
+  wire::Origin origin;
+  wire::ClockState clock = wire::ClockState::kMonotonic;
+  wire::CalibrationPacket calibration{};
+};
+
+// May change between frames.
+struct PublisherParams {
+  wire::StreamChoice choice{};
+  int pace_percent = 60;         // of the period: frames are spread over at most that; 0: at once
+  hal::Duration period{};        // of the trigger
+  std::uint32_t revision = 0;    // of the settings
+  dsp::QuarterMm max_range = 0;  // sent with the calibration, as the period; 0: as at start
+};
+
+// What a frame's way out took.
+struct PublisherTimes {
+  hal::Duration code{};
+  hal::Duration send{};    // without the waits of pacing
+  hal::Duration waited{};  // these
+};
+
+// Gets every frame and message as well, on the loop's thread: the serial line.
+class FrameListener {
+ public:
+  virtual ~FrameListener() = default;
+  virtual void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
+                     const dsp::DepthMap& map) noexcept = 0;
+  // A sealed packet that is no part of a frame: health, events.
+  virtual void packet(std::span<const std::byte> datagram) noexcept = 0;
+};
+
+// Depth maps to datagrams, to all receivers alike; health and events beside them.
+class Publisher {
+ public:
+  // listener may be nullptr.
+  Publisher(const PublisherSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
+            hal::DatagramPort& port, FrameListener* listener, Events& events,
+            dsp::Arena& arena) noexcept;
+  Publisher(const Publisher&) = delete;
+  Publisher& operator=(const Publisher&) = delete;
+
+  void set_params(const PublisherParams& params) noexcept;
+  // Who gets everything from now on; a new one gets calibration and health at once.
+  void set_receivers(const SubscriberList& receivers) noexcept;
+
+  // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
+  // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
+  // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
+  Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
+  // Health and events that are due. Each period, also where there is no frame.
+  void report(const ControlStatus& control) noexcept;
+
+  // Of the last frame.
+  const PublisherTimes& times() const noexcept { return times_; }
+  HealthMonitor& health() noexcept { return health_; }
+  const HealthMonitor& health() const noexcept { return health_; }
+
+ private:
+  using Datagrams = wire::Datagrams;
+  class Paced;  // a frame's datagrams on their way, spread over time
+
+  wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
+  wire::Header header(wire::PacketType type) const noexcept;
+  Status send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
+                    hal::Time latest) noexcept;
+  // To everybody, now.
+  Status send(Datagrams datagrams) noexcept;
+  Status send_one(std::span<const std::byte> datagram) noexcept;
+
+  PublisherSetup setup_;
+  hal::Clock& clock_;
+  hal::DatagramPort& port_;
+  FrameListener* listener_;
+  Events& events_;
+  wire::FrameCoder coder_;
+  PublisherParams params_;
+  HealthMonitor health_;
+  SubscriberList receivers_;
+  wire::FrameStamp stamp_;  // of the last frame
+  bool begun_ = false;      // a frame was sent
+  std::optional<hal::Time> calibration_due_;
+  bool health_wanted_ = true;  // health for a new receiver
+  PublisherTimes times_;
+  wire::DatagramBuffer buffer_{};
+};
+
+}  // namespace stof::firmware

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+// What the library, JSON and the command line call values of the wire format, in their order.
+namespace stof::client {
+
+inline constexpr std::array kSourceNames{"none", "stereo", "pmd", "both", "resolved", "conflict"};
+inline constexpr std::array kCauseNames{
+    "none", "mixed_pixel", "stereo_ambiguous", "range_ambiguous", "occluded", "contradiction"};
+inline constexpr std::array kHealthNames{"ok", "degraded", "fault"};
+
+// "unknown" for a value that only a newer sensor knows.
+template <std::size_t kCount>
+constexpr const char* name_in(const std::array<const char*, kCount>& names,
+                              std::size_t value) noexcept {
+  return value < kCount ? names[value] : "unknown";
+}
+
+}  // namespace stof::client

@@ -1,0 +1,183 @@
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "board/emu/pair.h"
+#include "board/emu/request.h"
+#include "board/emu/scenes.h"
+#include "hal/emu/imagery/moving_scene.h"
+#include "hal/emu/scenes/room.h"
+#include "tests/hal/scenes/small_rigs.h"
+
+namespace stof::test {
+namespace {
+
+using Words = std::vector<std::string_view>;
+
+board::Request parsed(const Words& words) {
+  const auto request = board::parse(words);
+  EXPECT_TRUE(request) << (request ? "" : request.error().message);
+  return request.value_or(board::Request{});
+}
+
+void expect_refused(const Words& words, const std::string& fact) {
+  const auto request = board::parse(words);
+  ASSERT_FALSE(request) << words.front();
+  const std::string& line = request.error().message;
+  EXPECT_NE(line.find(fact), std::string::npos) << line;
+  EXPECT_EQ(line.find('\n'), std::string::npos);
+}
+
+TEST(BoardRequest, TakesSceneFlags) {
+  const board::Request request =
+      parsed({"--scene", "room:17", "--size", "320x240", "--pmd", "64x16", "--seed", "9", "--turn",
+              "pitch:-0.1", "--turn", "yaw:0.2", "--range-offset", "-12.5"});
+  EXPECT_EQ(request.scene.name, "room:17");
+  EXPECT_EQ(request.scene.size, (hal::emu::Size{320, 240}));
+  EXPECT_EQ(request.scene.pmd, (hal::emu::Size{64, 16}));
+  EXPECT_EQ(request.scene.seed, 9U);
+  EXPECT_EQ(request.scene.misplacement.pitch_degrees, -0.1);
+  EXPECT_EQ(request.scene.misplacement.yaw_degrees, 0.2);
+  EXPECT_EQ(request.scene.misplacement.roll_degrees, 0);
+  EXPECT_EQ(request.scene.misplacement.range_offset_m, -0.0125);
+  EXPECT_EQ(parsed({}).scene.name, "corridor");
+  EXPECT_EQ(parsed({"--pmd", "none"}).scene.pmd, hal::emu::Size{});
+  EXPECT_EQ(parsed({"--no-tof"}).scene.pmd, hal::emu::Size{});
+}
+
+TEST(BoardRequest, FindsThePmdRecordingBesideTheDataset) {
+  namespace fs = std::filesystem;
+  const fs::path data = fs::path(testing::TempDir()) / "recording_beside";
+  for (const char* const folder : {"stereo/cones", "stereo/alone", "tof/scenes/wall"}) {
+    fs::create_directories(data / folder);
+  }
+  fs::create_directories(data / "tof/sim/scene");
+  std::ofstream(data / "tof/sim/scene/cones_64x16.json") << "{}";
+  std::ofstream(data / "tof/sim/scene/wall_64x16.json") << "{}";
+  EXPECT_EQ(board::recording_beside(data / "stereo/cones"), data / "tof/sim/scene/cones_64x16");
+  EXPECT_EQ(board::recording_beside(data / "stereo/cones/"), data / "tof/sim/scene/cones_64x16");
+  EXPECT_EQ(board::recording_beside(data / "stereo/../stereo/./cones"),
+            data / "tof/sim/scene/cones_64x16");
+  EXPECT_EQ(board::recording_beside(data / "tof/scenes/wall"), data / "tof/sim/scene/wall_64x16");
+  EXPECT_EQ(board::recording_beside(data / "stereo/alone"), std::nullopt);
+  EXPECT_EQ(board::recording_beside("/"), std::nullopt);
+  fs::remove_all(data);
+}
+
+TEST(BoardRequest, RefusesWhatMeansNothingInOneLine) {
+  for (const char* const name : {"moon", "room:", "room:x", "room:-1", "room:4294967296"}) {
+    expect_refused({"--scene", name}, name);
+  }
+  for (const char* const size : {"640", "x", "640x", "8x640", "640x480x3", "4000x3000", "none"}) {
+    expect_refused({"--size", size}, "--size");
+  }
+  for (const char* const turn : {"pitch", "pitch:", "up:1", "yaw:nan", "roll:11", "yaw:1deg"}) {
+    expect_refused({"--turn", turn}, "--turn");
+  }
+  expect_refused({"--range-offset", "inf"}, "--range-offset");
+  expect_refused({"--seed", "-1"}, "--seed");
+  for (const char* const flag : {"--scene", "--size", "--pmd", "--seed", "--turn"}) {
+    expect_refused({flag}, flag);
+  }
+  expect_refused({"--turn", "yaw:1", "--dataset", "x"}, "exclude");
+  expect_refused({"--scene", "walking", "--truth", "x.pfm"}, "moves");
+}
+
+TEST(RenderWorld, ChangesTheRigAsAsked) {
+  board::SceneRequest request;
+  request.name = "hall";
+  request.size = hal::emu::Size{160, 100};
+  request.pmd = hal::emu::Size{64, 48};
+  request.misplacement.yaw_degrees = 0.5;
+  const board::SceneWorld world = board::render_world(request, 1);
+  EXPECT_EQ(world.imagery->stereo_size(), (hal::emu::Size{160, 100}));
+  EXPECT_EQ(world.imagery->pmd_size(), (hal::emu::Size{64, 48}));
+  EXPECT_EQ(world.depth.width, 160);
+  EXPECT_EQ(world.calibration.pmd.fixed_pattern.size(), std::size_t{64} * 48);
+  EXPECT_STREQ(dsp::problem(world.calibration), "");
+  EXPECT_EQ(world.calibration.pmd_to_stereo.rotation, hal::emu::hall_rig().pmd_to_stereo.rotation);
+  request.seed = 77;
+  const board::SceneWorld other = board::render_world(request, 1);
+  EXPECT_NE(hash(expose(*world.imagery, 1)), hash(expose(*other.imagery, 1)));
+  EXPECT_EQ(world.depth.pixels, other.depth.pixels);
+}
+
+class Pair : public ::testing::Test {
+ protected:
+  void SetUp() override { std::filesystem::remove_all(folder_); }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  int run(const Words& more) {
+    Words words{text_};
+    words.insert(words.end(), more.begin(), more.end());
+    return board::run_pair(words);
+  }
+
+  std::filesystem::path folder_ =
+      std::filesystem::path(testing::TempDir()) /
+      (std::string("stof_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+  std::string text_ = folder_.string();
+};
+
+TEST_F(Pair, IsWhatTheCamerasOfTheSceneExpose) {
+  ASSERT_EQ(run({"--scene", "room:5", "--size", "160x120", "--pmd", "44x36", "--frames", "2",
+                 "--exposure", "3"}),
+            0);
+  board::SceneRequest request;
+  request.name = "room:5";
+  request.size = hal::emu::Size{160, 120};
+  request.pmd = hal::emu::Size{44, 36};
+  const board::SceneWorld world = board::render_world(request, 3);
+  const auto scene = dataset::read_stereo_scene(folder_);
+  ASSERT_TRUE(scene) << scene.error().message;
+  const Exposed exposed = expose(*world.imagery, 3);
+  EXPECT_EQ(scene->left.pixels, exposed.left.pixels);
+  EXPECT_EQ(scene->right.pixels, exposed.right.pixels);
+  EXPECT_EQ(scene->ndisp, world.disparities);
+  ASSERT_TRUE(scene->truth);
+  ASSERT_TRUE(scene->rig);
+  EXPECT_EQ(scene->rig->baseline_m, world.calibration.stereo.baseline_m);
+  const double focal = scene->rig->left.fx * scene->rig->baseline_m;
+  for (std::size_t i = 0; i < world.depth.pixels.size(); i += 97) {
+    EXPECT_NEAR(static_cast<double>(scene->truth->pixels[i]),
+                focal / static_cast<double>(world.depth.pixels[i]), 1.0 / 256);
+  }
+  const auto recording = dataset::read_pmd(folder_ / "pmd");
+  ASSERT_TRUE(recording) << recording.error().message;
+  ASSERT_EQ(recording->frames.size(), 2U);
+  EXPECT_TRUE(recording->has_rig);
+  EXPECT_EQ(recording->calibration.pmd_to_stereo.rotation,
+            world.calibration.pmd_to_stereo.rotation);
+  const std::size_t plane = exposed.samples[0].pixels.size();
+  for (std::uint32_t frame = 0; frame < 2; ++frame) {
+    const Exposed expected = expose(*world.imagery, 3 + frame);
+    for (std::size_t k = 0; k < 4; ++k) {
+      const auto begin =
+          recording->frames[frame].pixels.begin() + static_cast<std::ptrdiff_t>(k * plane);
+      EXPECT_TRUE(std::equal(begin, begin + static_cast<std::ptrdiff_t>(plane),
+                             expected.samples[k].pixels.begin()))
+          << frame << " " << k;
+    }
+  }
+}
+
+TEST_F(Pair, WithoutPmdCameraHasNoRecording) {
+  ASSERT_EQ(run({"--size", "64x48", "--pmd", "none"}), 0);
+  EXPECT_TRUE(dataset::read_stereo_scene(folder_));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "pmd.json"));
+}
+
+TEST_F(Pair, RefusesWhatItCannotDo) {
+  EXPECT_EQ(board::run_pair({}), 2);
+  for (const Words& words : {Words{"another"}, Words{"--scene"}, Words{"--scene", "moon"},
+                             Words{"--frames", "0"}, Words{"--frames", "x"}, Words{"--moon", "1"},
+                             Words{"--scene", "walking", "--frames", "2"}}) {
+    EXPECT_EQ(run(words), 2) << words.front();
+  }
+  EXPECT_FALSE(std::filesystem::exists(folder_));
+}
+
+}  // namespace
+}  // namespace stof::test

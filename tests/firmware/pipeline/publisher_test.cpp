@@ -1,0 +1,324 @@
+#include "firmware/pipeline/publisher.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/wire/messages/frame_info.h"
+#include "hal/emu/devices/clock.h"
+#include "hal/emu/devices/datagram_port.h"
+#include "tests/firmware/wire/frame/coder_in_memory.h"
+#include "tests/support/in_own_memory.h"
+#include "tests/support/random.h"
+
+namespace stof::firmware {
+namespace {
+
+using namespace std::chrono_literals;
+namespace emu = hal::emu;
+
+constexpr wire::FrameSizes kSizes{.width = 160, .height = 90, .pmd_width = 40, .pmd_height = 30};
+constexpr wire::CalibrationPacket kLens{
+    .fx = 1 << 22, .fy = 1 << 22, .cx = 1 << 21, .cy = 1 << 21, .max_range = 40'000};
+constexpr int kQueue = 1000;  // datagrams, more than a frame has
+
+template <typename T>
+class Noise {
+ public:
+  Noise(int width, int height, std::uint64_t seed, int most)
+      : pixels_(static_cast<std::size_t>(width * height)), width_(width), height_(height) {
+    test::Random random(seed);
+    for (T& pixel : pixels_) {
+      pixel = static_cast<T>(random.between(0, most));
+    }
+  }
+  dsp::ImageView<T> view() { return {pixels_.data(), width_, height_}; }
+
+ private:
+  std::vector<T> pixels_;
+  int width_;
+  int height_;
+};
+
+class NoOwner final : public hal::SlotOwner {
+ public:
+  void give_back(int) noexcept override {}
+};
+
+// One frame of noise: no codec makes it shorter.
+struct Scene {
+  explicit Scene(std::uint64_t seed, int w = kSizes.width, int h = kSizes.height)
+      : depth(w, h, seed, 65'535),
+        width(w, h, seed + 1, 65'535),
+        source(w, h, seed + 2, 5),
+        cause(w, h, seed + 3, 5),
+        left(w, h, seed + 4, 255),
+        right(w, h, seed + 5, 255),
+        disparity_raw(w, h, seed + 6, 30'000),
+        samples{noise(seed + 7), noise(seed + 8), noise(seed + 9), noise(seed + 10)},
+        disparity(static_cast<std::size_t>(w * h)) {
+    for (int i = 0; i < w * h; ++i) {
+      disparity[static_cast<std::size_t>(i)].raw = disparity_raw.view().at(i % w, i / w);
+    }
+    output.map = {depth.view(), width.view(), source.view(), cause.view()};
+    output.stereo.disparity = {disparity.data(), w, h};
+    output.left = left.view();
+    output.right = right.view();
+    pmd.samples = {samples[0].view(), samples[1].view(), samples[2].view(), samples[3].view()};
+  }
+  Shot shot() {
+    return {.edge = {},
+            .exposed = {},
+            .stereo = {stereo, owner, 0},
+            .pmd = hal::Lease<hal::PmdFrame>(pmd, owner, 0),
+            .pmd_exposed = hal::Time{}};
+  }
+  static Noise<std::uint16_t> noise(std::uint64_t seed) {
+    return {kSizes.pmd_width, kSizes.pmd_height, seed, 4095};
+  }
+  wire::FrameImages images() {
+    return {.map = output.map,
+            .disparity = output.stereo.disparity,
+            .pmd = pmd.samples,
+            .left = output.left,
+            .right = output.right};
+  }
+
+  Noise<dsp::QuarterMm> depth, width;
+  Noise<dsp::Source> source;
+  Noise<dsp::Cause> cause;
+  Noise<std::uint8_t> left, right;
+  Noise<std::int16_t> disparity_raw;
+  std::array<Noise<std::uint16_t>, 4> samples;
+  std::vector<dsp::Disparity> disparity;
+  hal::StereoFrame stereo;
+  hal::PmdFrame pmd;
+  NoOwner owner;
+  Output output;
+};
+
+wire::StreamChoice everything(wire::Coding coding, bool parity) {
+  wire::StreamChoice choice{.parity = parity, .cloud_step = 2};
+  choice.coding.fill(coding);
+  return choice;
+}
+
+using Datagrams = std::vector<std::vector<std::byte>>;
+
+// Without what is no part of the frame.
+Datagrams frame_of(emu::DatagramPort& port) {
+  Datagrams frame;
+  while (const auto sent = port.take_sent()) {
+    const auto packet = wire::parse_packet(sent->bytes);
+    EXPECT_TRUE(packet);
+    if (packet && packet->header.type != wire::PacketType::kCalibration) {
+      frame.emplace_back(sent->bytes.begin(), sent->bytes.end());
+    }
+  }
+  return frame;
+}
+
+// At ports 1 to `count`.
+SubscriberList receivers_at_ports(std::size_t count) {
+  SubscriberList list{.count = count};
+  for (std::size_t i = 0; i < count; ++i) {
+    list.peers[i].port = static_cast<std::uint16_t>(i + 1);
+  }
+  return list;
+}
+
+// The publisher with the memory of the appliance, which holds the usual streams.
+struct Sender {
+  explicit Sender(const wire::StreamChoice& choice, int queue = kQueue,
+                  const emu::FaultPlan& faults = {}, hal::DatagramPort* other = nullptr)
+      : port(queue, faults), in_memory([&](dsp::Arena& arena) {
+          return Publisher({.origin = {.device_id = 7, .session_id = 9}, .calibration = kLens},
+                           kSizes, clock, other != nullptr ? *other : port, nullptr, events, arena);
+        }) {
+    publisher.set_params({.choice = choice, .period = 33ms});
+    const hal::Peer receiver{.address = {}, .port = 1};
+    publisher.set_receivers({.peers = {receiver}, .count = 1});
+  }
+  Status publish(Scene& scene) {
+    return publisher.publish(scene.shot(), scene.output, clock.now() + 20ms);
+  }
+
+  emu::Clock clock;
+  emu::DatagramPort port;
+  Events events;
+  stof::test::InOwnMemory<Publisher> in_memory;
+  Publisher& publisher = *in_memory;
+};
+
+// That these are the frame's datagrams as a coder with memory for all of them makes them: but for
+// the frame info, which tells times, and parity over it.
+void expect_frame(const Datagrams& sent, Scene& scene, const wire::StreamChoice& choice) {
+  stof::test::CoderInMemory coder({.device_id = 7, .session_id = 9}, kSizes, kLens);
+  const wire::Datagrams whole = coder->code({}, {}, scene.images(), choice).value();
+  ASSERT_EQ(sent.size(), whole.size());
+  for (std::size_t i = 0; i < sent.size(); ++i) {
+    const wire::PacketView is = wire::parse_packet(sent[i]).value();
+    const wire::PacketView should = wire::parse_packet(whole[i]).value();
+    ASSERT_EQ(is.header.type, should.header.type);
+    ASSERT_EQ(is.header.index, should.header.index);
+    ASSERT_EQ(is.header.count, should.header.count);
+    if (is.header.type == wire::PacketType::kFrameInfo) {
+      const auto info = wire::decode_frame_info(is.payload).value();
+      const auto told = wire::decode_frame_info(should.payload).value();
+      ASSERT_EQ(info.tiles, told.tiles);
+      ASSERT_EQ(info.parity_groups, told.parity_groups);
+    } else if (is.header.type == wire::PacketType::kTile) {
+      ASSERT_EQ(is.header.stream, should.header.stream);
+      ASSERT_EQ(is.header.codec, should.header.codec);
+      ASSERT_EQ(is.header.flags, should.header.flags);
+      ASSERT_EQ(is.header.first_row, should.header.first_row);
+      ASSERT_EQ(is.header.first_column, should.header.first_column);
+      ASSERT_EQ(is.header.pixel_count, should.header.pixel_count);
+      ASSERT_TRUE(std::ranges::equal(is.payload, should.payload)) << i;
+    }
+  }
+}
+
+TEST(Publisher, AFrameLargerThanItsMemoryIsSentWhole) {
+  for (const wire::Coding coding : {wire::Coding::kRaw, wire::Coding::kRvl, wire::Coding::kFit}) {
+    for (const bool parity : {false, true}) {
+      const wire::StreamChoice choice = everything(coding, parity);
+      Sender sender(choice);
+      for (std::uint64_t frame = 0; frame < 3; ++frame) {
+        Scene scene(100 * frame);
+        const hal::Time begin = sender.clock.now();
+        ASSERT_EQ(sender.publish(scene), Status::kOk);
+        EXPECT_LE(sender.clock.now(), begin + 20ms);
+        const Datagrams sent = frame_of(sender.port);
+        EXPECT_GT(sent.size(), 2 * wire::FrameCoder::usual_packets(kSizes));
+        expect_frame(sent, scene, choice);
+      }
+      EXPECT_EQ(sender.events.counters.packets_dropped, 0U);
+    }
+  }
+}
+
+TEST(Publisher, EveryReceiverGetsALargeFrameWhole) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
+  Sender sender(choice);
+  const SubscriberList receivers = receivers_at_ports(2);
+  sender.publisher.set_receivers(receivers);
+  Scene scene(5);
+  ASSERT_EQ(sender.publish(scene), Status::kOk);
+  std::array<Datagrams, 2> got;
+  while (const auto sent = sender.port.take_sent()) {
+    if (wire::parse_packet(sent->bytes)->header.type != wire::PacketType::kCalibration) {
+      got.at(sent->to.port - 1U).emplace_back(sent->bytes.begin(), sent->bytes.end());
+    }
+  }
+  expect_frame(got[0], scene, choice);
+  EXPECT_TRUE(got[0] == got[1]);
+}
+
+// What does not leave is counted, and what leaves says that it is not all.
+TEST(Publisher, WhatAFullLinkDropsOfALargeFrameIsCounted) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
+  Scene scene(1);
+  Sender all(choice);
+  ASSERT_EQ(all.publish(scene), Status::kOk);
+  const Datagrams whole = frame_of(all.port);
+  for (const int queue : {1, 2, 30, 100}) {
+    Sender sender(choice, queue);
+    EXPECT_EQ(sender.publish(scene), Status::kWouldBlock);
+    const Counters& counters = sender.events.counters;
+    EXPECT_EQ(counters.packets_sent, static_cast<std::size_t>(queue));  // with the calibration
+    EXPECT_EQ(counters.packets_sent + counters.packets_dropped, whole.size() + 1);
+    const Datagrams sent = frame_of(sender.port);
+    ASSERT_EQ(sent.size(), static_cast<std::size_t>(queue) - 1);
+    for (std::size_t i = 0; i < sent.size(); ++i) {
+      EXPECT_TRUE(i == 0 || sent[i] == whole[i]) << i;
+      EXPECT_EQ(wire::parse_packet(sent[i])->header.count,
+                wire::parse_packet(whole[i])->header.count);
+    }
+  }
+}
+
+TEST(Publisher, AfterALargeFrameThatWasCutOffTheNextIsWhole) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRvl, true);
+  for (const emu::FaultKind kind : emu::kAllFaultKinds) {
+    Sender sender(choice, kQueue, {{.kind = kind, .call = 60, .every = 0, .duration = 1ms}});
+    Scene first(3);
+    static_cast<void>(sender.publish(first));
+    EXPECT_EQ(sender.events.counters.packets_dropped, kind == emu::FaultKind::kVanish ? 1U : 0U);
+    while (sender.port.take_sent()) {
+    }
+    sender.clock.wait_until(sender.clock.now() + 33ms);
+    Scene second(4);
+    ASSERT_EQ(sender.publish(second), Status::kOk);
+    expect_frame(frame_of(sender.port), second, choice);
+  }
+}
+
+// Goes away after some datagrams.
+class LostPort final : public hal::DatagramPort {
+ public:
+  explicit LostPort(std::size_t datagrams) : left_(datagrams) {}
+  Status send(const hal::Peer&, std::span<const std::span<const std::byte>> datagrams,
+              std::size_t& sent) noexcept override {
+    sent = std::min(left_, datagrams.size());
+    left_ -= sent;
+    return sent < datagrams.size() ? Status::kDeviceLost : Status::kOk;
+  }
+  Result<hal::Received> receive(std::span<std::byte>, hal::Duration) noexcept override {
+    return fail(Status::kTimeout);
+  }
+  std::uint64_t overruns() const noexcept override { return 0; }
+  bool take_unreachable(hal::Peer&) noexcept override { return false; }
+  std::uint16_t port() const noexcept override { return 1; }
+
+ private:
+  std::size_t left_;
+};
+
+TEST(Publisher, SendsToAsManyAsMaySubscribe) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, false);
+  Scene scene(1);
+  Sender one(choice);
+  ASSERT_EQ(one.publish(scene), Status::kOk);
+  Sender all(choice, kMostSubscribers * kQueue);
+  all.publisher.set_receivers(receivers_at_ports(kMostSubscribers));
+  ASSERT_EQ(all.publish(scene), Status::kOk);
+  EXPECT_EQ(all.events.counters.packets_sent, kMostSubscribers * one.events.counters.packets_sent);
+}
+
+TEST(Publisher, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
+  Scene scene(1);
+  Sender all(choice);
+  ASSERT_EQ(all.publish(scene), Status::kOk);
+  const std::uint64_t whole = all.events.counters.packets_sent;
+  const SubscriberList receivers = receivers_at_ports(3);
+  for (const std::size_t datagrams : {0U, 1U, 9U, 90U}) {
+    LostPort port(datagrams);
+    Sender sender(choice, 1, {}, &port);
+    sender.publisher.set_receivers(receivers);
+    EXPECT_EQ(sender.publish(scene), Status::kDeviceLost);
+    EXPECT_EQ(sender.events.counters.packets_sent, datagrams);
+    EXPECT_EQ(sender.events.counters.packets_dropped, receivers.count * whole - datagrams);
+  }
+}
+
+// Nothing of it is sent, and its number is missing.
+TEST(Publisher, PicturesLargerThanSaidAreRefusedWhole) {
+  const wire::StreamChoice choice = everything(wire::Coding::kFit, true);
+  Sender sender(choice);
+  Scene larger(1, kSizes.width + 1);
+  EXPECT_EQ(sender.publish(larger), Status::kTooLarge);
+  EXPECT_TRUE(frame_of(sender.port).empty());
+  Scene usual(2);
+  ASSERT_EQ(sender.publish(usual), Status::kOk);
+  const Datagrams sent = frame_of(sender.port);
+  expect_frame(sent, usual, choice);
+  EXPECT_EQ(wire::parse_packet(sent[0])->header.frame.number, 1U);
+}
+
+}  // namespace
+}  // namespace stof::firmware

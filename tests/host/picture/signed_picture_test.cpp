@@ -1,0 +1,34 @@
+#include "host/picture/signed_picture.h"
+
+#include <limits>
+
+#include <gtest/gtest.h>
+
+namespace stof::host {
+namespace {
+
+TEST(SignedPicture, ShowsSignsAsColours) {
+  dataset::Image<float> values(2, 1);
+  values.pixels = {-3.0F, 3.0F};
+  const dataset::Image<Rgb> picture = signed_picture(values, largest_size(values));
+  EXPECT_GT(picture.pixels[0].blue, picture.pixels[0].red);
+  EXPECT_GT(picture.pixels[1].red, picture.pixels[1].blue);
+  values.pixels = {0.0F, std::numeric_limits<float>::quiet_NaN()};
+  const dataset::Image<Rgb> nothing = signed_picture(values, largest_size(values));
+  constexpr Rgb kWhite{255, 255, 255};
+  EXPECT_EQ(nothing.pixels[0], kWhite);
+  const Rgb unknown = nothing.pixels[1];
+  EXPECT_EQ(unknown.red, unknown.blue);
+  EXPECT_NE(unknown, kWhite);
+}
+
+TEST(LargestSize, LeavesOutWhatIsNotFinite) {
+  dataset::Image<float> values(3, 1);
+  values.pixels = {-3.0F, 2.0F, std::numeric_limits<float>::infinity()};
+  EXPECT_EQ(largest_size(values), 3);
+  values.pixels = {0.0F, 0.0F, 0.0F};
+  EXPECT_EQ(largest_size(values), 1);
+}
+
+}  // namespace
+}  // namespace stof::host
