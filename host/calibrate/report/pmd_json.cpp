@@ -4,12 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/text/printed.h"
+
 namespace stof::host {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kMm = 1000;
 
 ordered_json number(double value, double unit = 1) {
   return std::isfinite(value) ? ordered_json(value * unit) : ordered_json(nullptr);
@@ -77,17 +77,17 @@ std::string report_json(const PmdReport& report, const PmdCalibration& calibrati
   const ordered_json root{{"folder", report.folder},
                           {"width", sensor.lens.width},
                           {"height", sensor.lens.height},
-                          {"f_mod_hz", sensor.tone.modulation.value},
+                          {"f_mod_hz", sensor.frequency.modulation.value},
                           {"fitted", to_string(report.fitted)},
                           {"judged", to_string(report.judged)},
                           {"walls", walls_of(report, calibration)},
                           {"worst_relative", report.worst_relative},
                           {"line", line_of(calibration)},
                           {"phase_falls", sensor.phase_falls},
-                          {"offset_m", sensor.tone.offset_m},
+                          {"offset_m", sensor.frequency.offset_m},
                           {"scale", sensor.scale},
                           {"shift_m", sensor.shift_m},
-                          {"wiggling", sensor.tone.wiggling},
+                          {"wiggling", sensor.frequency.wiggling},
                           {"widest_gap_turns", calibration.widest_gap},
                           {"stray_suspected", seen},
                           {"stray",
@@ -96,8 +96,8 @@ std::string report_json(const PmdReport& report, const PmdCalibration& calibrati
                             {"q_lsb", stray.estimate.imag()},
                             {"sigma_lsb", stray.sigma},
                             {"apparent_m", stray.apparent_m}}},
-                          {"stray_i_lsb", sensor.tone.stray_i_lsb},
-                          {"stray_q_lsb", sensor.tone.stray_q_lsb},
+                          {"stray_i_lsb", sensor.frequency.stray_i_lsb},
+                          {"stray_q_lsb", sensor.frequency.stray_q_lsb},
                           {"emitters", lights},
                           {"electrons_per_lsb", sensor.electrons_per_lsb},
                           {"noise_lsb", sensor.noise_lsb},
