@@ -10,7 +10,7 @@ namespace stof::dataset {
 namespace {
 
 // Contrast falls with the frequency, and two phases that agree say more than a ratio.
-constexpr double kRatioOfTwoTones = 0.25;
+constexpr double kRatioOfTwoFrequencies = 0.25;
 
 // Whether both were taken by one camera.
 bool same_camera(const dsp::PmdSensor& a, const dsp::PmdSensor& b) {
@@ -27,11 +27,11 @@ bool same_camera(const dsp::PmdSensor& a, const dsp::PmdSensor& b) {
 Loaded<PmdRecording> read_pmd_pair(const std::filesystem::path& prefix,
                                    const std::filesystem::path& other,
                                    const std::optional<std::filesystem::path>& fixed_pattern) {
-  Loaded<PmdRecording> first = read_recording(prefix, fixed_pattern, kRatioOfTwoTones);
+  Loaded<PmdRecording> first = read_recording(prefix, fixed_pattern, kRatioOfTwoFrequencies);
   if (!first) {
     return first;
   }
-  Loaded<PmdRecording> second = read_recording(other, fixed_pattern, kRatioOfTwoTones);
+  Loaded<PmdRecording> second = read_recording(other, fixed_pattern, kRatioOfTwoFrequencies);
   if (!second) {
     return second;
   }
@@ -43,11 +43,11 @@ Loaded<PmdRecording> read_pmd_pair(const std::filesystem::path& prefix,
   if (first->frames.size() != second->frames.size()) {
     return refuse(second_file, "has not as many frames as " + prefix.string(), kRemedy);
   }
-  if (first->calibration.pmd.tone.modulation.value <
-      second->calibration.pmd.tone.modulation.value) {
+  if (first->calibration.pmd.frequency.modulation.value <
+      second->calibration.pmd.frequency.modulation.value) {
     std::swap(first, second);
   }
-  first->calibration.pmd.second = second->calibration.pmd.tone;
+  first->calibration.pmd.second = second->calibration.pmd.frequency;
   first->second_frames = std::move(second->frames);
   if (const std::string wrong = problem_of(first->calibration, first->has_rig); !wrong.empty()) {
     return refuse(second_file, "does not go with " + prefix.string() + ", " + wrong, kRemedy);

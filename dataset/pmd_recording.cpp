@@ -58,13 +58,14 @@ dsp::WigglingTable wiggling_from(Fields& fields) {
   return dsp::fourth_harmonic_table(fields.wrong().empty() ? kappa5 - kappa3 : 0);
 }
 
-dsp::PmdTone tone_from(Fields& fields, double usual_ratio) {
-  dsp::PmdTone tone;
-  tone.modulation.value = static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
-  tone.min_modulation_ratio = fields.number_or("min_modulation_ratio", usual_ratio);
-  take_numbers<dsp::PmdTone>(kToneKeys, fields, tone);
-  tone.wiggling = wiggling_from(fields);
-  return tone;
+dsp::PmdFrequency frequency_from(Fields& fields, double usual_ratio) {
+  dsp::PmdFrequency frequency;
+  frequency.modulation.value =
+      static_cast<std::uint32_t>(fields.integer("f_mod_hz", 1, 2'000'000'000));
+  frequency.min_modulation_ratio = fields.number_or("min_modulation_ratio", usual_ratio);
+  take_numbers<dsp::PmdFrequency>(kFrequencyKeys, fields, frequency);
+  frequency.wiggling = wiggling_from(fields);
+  return frequency;
 }
 
 // Electrons become LSB. A key in LSB counts more than what follows from electrons.
@@ -87,7 +88,7 @@ void light_from(Fields& fields, dsp::PmdSensor& sensor) {
 dsp::PmdSensor sensor_from(Fields& fields, double usual_ratio) {
   dsp::PmdSensor sensor;
   sensor.lens = lens_from(fields);
-  sensor.tone = tone_from(fields, usual_ratio);
+  sensor.frequency = frequency_from(fields, usual_ratio);
   sensor.phase_falls = fields.integer_or("phase_falls", 0, 1, 0) == 1;
   sensor.dark_lsb = fields.number("dark_lsb");
   sensor.saturation_lsb = fields.integer("sat_lsb", 1, 65535);
@@ -199,7 +200,8 @@ Done read_fixed_pattern(const std::filesystem::path& file, PatternUnit unit,
                       size_text(values->width, values->height),
                   "give the fixed pattern of this sensor");
   }
-  const double turn_mm = dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.tone.modulation.value);
+  const double turn_mm =
+      dsp::kLightMetresPerSecond * 1000 / (2.0 * sensor.frequency.modulation.value);
   const double steps = unit == PatternUnit::kTurn ? 1 : 65536 / (8 * turn_mm);
   for (const std::uint16_t value : values->pixels) {
     const long units = std::lround((value - 32768) * steps);
@@ -266,7 +268,7 @@ Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
 
 Loaded<PmdRecording> read_pmd(const std::filesystem::path& prefix,
                               const std::optional<std::filesystem::path>& fixed_pattern) {
-  return read_recording(prefix, fixed_pattern, dsp::PmdTone{}.min_modulation_ratio);
+  return read_recording(prefix, fixed_pattern, dsp::PmdFrequency{}.min_modulation_ratio);
 }
 
 }  // namespace stof::dataset

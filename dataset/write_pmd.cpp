@@ -25,11 +25,11 @@ void put_lens(const dsp::Pinhole& lens, ordered_json& root) {
   put_numbers(kLensKeys, lens, root);
 }
 
-void put_tone(const dsp::PmdTone& tone, ordered_json& root) {
-  root["f_mod_hz"] = tone.modulation.value;
-  root["min_modulation_ratio"] = tone.min_modulation_ratio;
-  put_numbers(kToneKeys, tone, root);
-  root["wiggling"] = tone.wiggling;
+void put_frequency(const dsp::PmdFrequency& frequency, ordered_json& root) {
+  root["f_mod_hz"] = frequency.modulation.value;
+  root["min_modulation_ratio"] = frequency.min_modulation_ratio;
+  put_numbers(kFrequencyKeys, frequency, root);
+  root["wiggling"] = frequency.wiggling;
 }
 
 void put_sensor(const dsp::PmdSensor& sensor, ordered_json& root) {
@@ -104,7 +104,7 @@ Done write_pmd(const std::filesystem::path& prefix, const PmdRecording& recordin
   }
   ordered_json root;
   root["frames"] = recording.frames.size();
-  put_tone(sensor.tone, root);
+  put_frequency(sensor.frequency, root);
   put_sensor(sensor, root);
   const PatternUnit unit = pattern.empty() ? PatternUnit::kNone : PatternUnit::kTurn;
   root["fppn_unit"] = kPatternUnits[static_cast<std::size_t>(unit)];

@@ -22,7 +22,7 @@ constexpr std::array<Named<Cost>, 6> kCosts{{{"sad", Cost::kSad},
                                              {"census5x5", Cost::kCensus5x5},
                                              {"census5", Cost::kCensus5x5},
                                              {"census9x7", Cost::kCensus9x7},
-                                             {"mixed", Cost::kMixed}}};
+                                             {"mixed", Cost::kAdCensus}}};
 constexpr std::array<Named<BlockShape>, 3> kShapes{{{"fixed", BlockShape::kFixed},
                                                     {"cross", BlockShape::kCross},
                                                     {"region", BlockShape::kRegion}}};

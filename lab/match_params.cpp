@@ -22,8 +22,7 @@ bool all_in_ranges(const MatchParams& params) noexcept {
 
 const char* problem(const MatchParams& params) noexcept {
   const bool whole_search = params.block_shape != BlockShape::kFixed || params.pyramid_levels;
-  const bool by_costs =
-      params.subpixel == dsp::Subpixel::kEquiangular || params.subpixel == dsp::Subpixel::kParabola;
+  const bool by_costs = cost_fit(params.subpixel) != dsp::CostFit::kNone;
   const bool other_search = params.cost != Cost::kSad || params.method != Method::kWinnerTakesAll;
   if (!all_in_ranges(params)) {
     return "a value is out of its range: see the help text";
@@ -75,7 +74,7 @@ dsp::Smoothness default_smoothness(Cost cost) noexcept {
       return {.small_step = 6, .large_step = 24};
     case Cost::kCensus9x7:
       return {.small_step = 16, .large_step = 80};
-    case Cost::kMixed:
+    case Cost::kAdCensus:
       break;
   }
   return dsp::kDefaultSmoothness;
@@ -91,7 +90,7 @@ int default_occlusion(Cost cost) noexcept {
       return 9;
     case Cost::kCensus9x7:
       return 25;
-    case Cost::kMixed:
+    case Cost::kAdCensus:
       break;
   }
   return 16;
@@ -111,7 +110,7 @@ MatchParams as_the_appliance(const dsp::MatchParams& params) noexcept {
   MatchParams same;
   static_cast<dsp::MatchParams&>(same) = params;
   if (params.search == dsp::Search::kPaths) {
-    same.cost = Cost::kMixed;
+    same.cost = Cost::kAdCensus;
     same.method = Method::kSemiGlobal;
   }
   return same;
@@ -123,7 +122,7 @@ bool sums_paths(const MatchParams& params) noexcept {
 
 std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept {
   dsp::MatchParams same = static_cast<const dsp::MatchParams&>(params);
-  if (params.cost == Cost::kMixed && params.method == Method::kSemiGlobal &&
+  if (params.cost == Cost::kAdCensus && params.method == Method::kSemiGlobal &&
       params.directions == dsp::PathSearch::kDirections) {
     same.search = dsp::Search::kPaths;
   } else if (params.cost == Cost::kSad && params.method == Method::kWinnerTakesAll &&

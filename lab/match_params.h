@@ -18,7 +18,7 @@ enum class Cost : std::uint8_t {
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
   // Census 5x5 and clipped grey differences, averaged over a cross-shaped region of pixels that
   // look alike (dsp/stereo/cost/cross_costs.h), 0..27. Has neither block nor prefilter.
-  kMixed,
+  kAdCensus,
 };
 
 enum class Method : std::uint8_t {

@@ -18,7 +18,7 @@ RowSearch* Searches::make(const dsp::MatchParams& params, int width, int height,
     return map_search_;
   }
   if (params_.method == Method::kSemiGlobal) {
-    return params_.cost == Cost::kMixed
+    return params_.cost == Cost::kAdCensus
                ? static_cast<RowSearch*>(arena.make<PathSearch<RegionSource>>(params_, width))
                : arena.make<PathSearch<BlockSource>>(params_, width);
   }

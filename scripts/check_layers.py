@@ -8,9 +8,12 @@ something was found.
 
 import dataclasses
 import fnmatch
+import functools
 import pathlib
 import re
 import sys
+
+from wire import cpp, table
 
 STD = frozenset("""
 algorithm any array atomic barrier bit bitset charconv chrono codecvt compare complex concepts
@@ -61,7 +64,6 @@ FLOORS = (
     Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
     Floor("firmware/wire/crc32c_hardware.cpp", ("firmware/wire/*",), ("sys/auxv.h",)),
     Floor("firmware/wire/*", ("firmware/wire/*", "hal/datagram_size.h", "dsp/*")),
-    Floor("firmware/settings/text/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
     Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),
     Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
@@ -101,9 +103,15 @@ def longest(path):
     return 150 if header and not path.startswith("tests/") else 500
 
 
+@functools.cache
+def made_by_the_build(root):
+    """Names of headers that are in no folder: the build makes them."""
+    return frozenset(cpp.files(table.load(root))) if (root / "firmware/wire/messages.json").is_file() else frozenset()
+
+
 def judge_project_include(root, path, floor, name):
     """None, or (what, what to do) about #include "name" in path."""
-    if not (root / name).is_file():
+    if not (root / name).is_file() and name not in made_by_the_build(root):
         return f'"{name}" does not exist', "write the path from the root of the repository"
     if path.startswith("tests/"):
         return None
@@ -139,16 +147,16 @@ def judge_library_include(path, floor, name):
 
 NEON_STORE = re.compile(r"\bvst\d\w*")
 WIDE_STORE = re.compile(r"\b_mm\d*_(?:mask_)?(?:\w*store|stream|\w*scatter)\w*")
-PLANTED_STORES = "tests/support/planted_stores.h"
+MUTATED_STORES = "tests/support/mutated_stores.h"
 
 
 def judge_stores(root, path, line, number):
-    """What a line of a kernel stores must be what step `planted` of scripts/test damages."""
+    """What a line of a kernel stores must be what step `mutation` of scripts/test mutates."""
     if path.endswith(("_neon.cpp", "_neon.h")):
-        known = (root / PLANTED_STORES).read_text(encoding="utf-8")
-        return [f"{path}:{number}: {name} is damaged by no build: add it to {PLANTED_STORES}"
+        known = (root / MUTATED_STORES).read_text(encoding="utf-8")
+        return [f"{path}:{number}: {name} is mutated by no build: add it to {MUTATED_STORES}"
                 for name in NEON_STORE.findall(line) if f"#define {name} " not in known]
-    return [f"{path}:{number}: {name} outside of dsp/base/avx2.h: call a store of that header, which step planted damages"
+    return [f"{path}:{number}: {name} outside of dsp/base/avx2.h: call a store of that header, which step mutation mutates"
             for name in WIDE_STORE.findall(line) if path != "dsp/base/avx2.h"]
 
 

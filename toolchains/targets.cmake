@@ -22,9 +22,9 @@ if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64" AND NOT (STOF_HOST OR STOF_TES
   target_compile_definitions(stof_options INTERFACE STOF_NEON_ALONE)
 endif()
 
-# Kernels damage what they store, and their tests must notice.
-if(STOF_PLANT_WRONG_BYTE)
-  target_compile_definitions(stof_options INTERFACE STOF_PLANT_WRONG_BYTE)
+# Mutation testing: kernels store a wrong byte, and their tests must notice.
+if(STOF_MUTATE_STORES)
+  target_compile_definitions(stof_options INTERFACE STOF_MUTATE_STORES)
 endif()
 
 # stof_add_kernels(TARGET stereo/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
@@ -57,9 +57,9 @@ function(stof_add_kernels target)
   foreach(source IN LISTS sources)
     if(source MATCHES "_(avx2|avx512)\\.cpp$")
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS "${${CMAKE_MATCH_1}}")
-    elseif(STOF_PLANT_WRONG_BYTE AND source MATCHES "_neon\\.cpp$")
+    elseif(STOF_MUTATE_STORES AND source MATCHES "_neon\\.cpp$")
       set_source_files_properties(${source} PROPERTIES COMPILE_OPTIONS
-        "-include;${PROJECT_SOURCE_DIR}/tests/support/planted_stores.h")
+        "-include;${PROJECT_SOURCE_DIR}/tests/support/mutated_stores.h")
     endif()
   endforeach()
   if(NOT CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
@@ -70,7 +70,7 @@ function(stof_add_kernels target)
   endif()
 endfunction()
 
-# The programs whose label is `kernel`: all that the builds `planted` and `arm64-ubsan` need.
+# The programs whose label is `kernel`: all that the builds `mutation` and `arm64-ubsan` need.
 add_custom_target(stof_kernel_tests)
 
 # Tests are compiled often and run once; what they test keeps its own optimisation.

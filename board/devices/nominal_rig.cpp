@@ -21,7 +21,7 @@ dsp::Calibration nominal_rig(const Config& config, PictureSize stereo, PictureSi
                 .baseline_m = config.nominal.baseline_m};
   if (pmd.width > 0) {
     rig.pmd.lens = lens(pmd, config.nominal.pmd_focal_px, config.pmd.width);
-    rig.pmd.tone.modulation = dsp::Hertz{config.devices.pmd.modulation_khz * 1000};
+    rig.pmd.frequency.modulation = dsp::Hertz{config.devices.pmd.modulation_khz * 1000};
     rig.pmd_to_stereo.translation_m = {config.nominal.pmd_right_m, config.nominal.pmd_below_m, 0};
   }
   return rig;

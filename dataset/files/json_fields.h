@@ -65,12 +65,12 @@ inline constexpr std::array<NumberKey<dsp::Pinhole>, 9> kLensKeys{{{"fx", &dsp::
                                                                    {"k3", &dsp::Pinhole::k3},
                                                                    {"p1", &dsp::Pinhole::p1},
                                                                    {"p2", &dsp::Pinhole::p2}}};
-inline constexpr std::array<NumberKey<dsp::PmdTone>, 4> kToneKeys{
-    {{"offset_m", &dsp::PmdTone::offset_m},
-     {"offset_m_per_k", &dsp::PmdTone::offset_m_per_k},
+inline constexpr std::array<NumberKey<dsp::PmdFrequency>, 4> kFrequencyKeys{
+    {{"offset_m", &dsp::PmdFrequency::offset_m},
+     {"offset_m_per_k", &dsp::PmdFrequency::offset_m_per_k},
      // Not "stray", which says what a simulated camera really has.
-     {"stray_i_lsb", &dsp::PmdTone::stray_i_lsb},
-     {"stray_q_lsb", &dsp::PmdTone::stray_q_lsb}}};
+     {"stray_i_lsb", &dsp::PmdFrequency::stray_i_lsb},
+     {"stray_q_lsb", &dsp::PmdFrequency::stray_q_lsb}}};
 inline constexpr std::array<NumberKey<dsp::PmdSensor>, 4> kSensorKeys{
     {{"integration_us", &dsp::PmdSensor::integration_us},
      {"reference_c", &dsp::PmdSensor::reference_c},
@@ -81,7 +81,7 @@ inline constexpr std::array<NumberKey<dsp::PmdSensor>, 4> kSensorKeys{
 enum class PatternUnit : std::uint8_t { kEighthMm, kTurn, kNone };
 inline constexpr std::array<const char*, 3> kPatternUnits{"1/8 mm", "1/65536 turn", "none"};
 
-// read_pmd(); usual_ratio is PmdTone::min_modulation_ratio of a json that has none.
+// read_pmd(); usual_ratio is PmdFrequency::min_modulation_ratio of a json that has none.
 Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
                                     const std::optional<std::filesystem::path>& fixed_pattern,
                                     double usual_ratio);

@@ -6,7 +6,7 @@
 
 #include <immintrin.h>
 
-#include "dsp/base/planted.h"
+#include "dsp/base/mutation.h"
 
 // The vocabulary of *_avx2.cpp files, which alone are compiled for AVX2. Nothing in here may be
 // used by other files: what the linker took from an *_avx2.cpp would not run on older processors.
@@ -24,7 +24,6 @@ using u32x8 = VectorOf<std::uint32_t>::type;
 using i8x32 = VectorOf<std::int8_t>::type;
 using i16x16 = VectorOf<std::int16_t>::type;
 using i32x8 = VectorOf<std::int32_t>::type;
-using f32x8 = VectorOf<float>::type;
 
 // Between them and the processor's own type.
 template <typename V>
@@ -44,7 +43,7 @@ inline V load(const Lane* p) noexcept {
 template <typename V, typename Lane>
 inline void store(Lane* p, V v) noexcept {
   _mm256_storeu_si256(reinterpret_cast<__m256i*>(p), bits(v));  // NOLINT: any type
-  damage(p);
+  mutate(p);
 }
 
 // The lower half.
@@ -52,20 +51,20 @@ template <typename V, typename Lane>
 inline void store_half(Lane* p, V v) noexcept {
   _mm_storeu_si128(reinterpret_cast<__m128i*>(p),
                    _mm256_castsi256_si128(bits(v)));  // NOLINT: any type
-  damage(p);
+  mutate(p);
 }
 
 // Vectors of other widths.
 template <typename Lane>
 inline void store_bits(Lane* p, __m128i v) noexcept {
   _mm_storeu_si128(reinterpret_cast<__m128i*>(p), v);  // NOLINT: any type
-  damage(p);
+  mutate(p);
 }
 #if defined(__AVX512F__)
 template <typename Lane>
 inline void store_bits(Lane* p, __m512i v) noexcept {
   _mm512_storeu_si512(p, v);
-  damage(p);
+  mutate(p);
 }
 #endif
 

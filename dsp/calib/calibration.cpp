@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "dsp/base/index.h"
-#include "dsp/calib/pmd/tone_pair.h"
+#include "dsp/calib/pmd/frequency_pair.h"
 #include "dsp/calib/stereo/column_tables.h"
 #include "dsp/calib/stereo/rectification.h"
 
@@ -85,17 +85,17 @@ const char* both_problem(const StereoRig& rig) noexcept {
   return rig.converging ? converging_problem(rig) : "";
 }
 
-const char* tone_problem(const PmdTone& tone) noexcept {
-  if (tone.modulation.value < 1'000'000 || tone.modulation.value > 200'000'000) {
+const char* frequency_problem(const PmdFrequency& frequency) noexcept {
+  if (frequency.modulation.value < 1'000'000 || frequency.modulation.value > 200'000'000) {
     return "a PMD modulation frequency is outside 1 to 200 MHz";
   }
-  if (!(tone.min_modulation_ratio >= 0) || !(tone.min_modulation_ratio <= 1)) {
+  if (!(frequency.min_modulation_ratio >= 0) || !(frequency.min_modulation_ratio <= 1)) {
     return "a PMD modulation ratio is outside 0 to 1";
   }
-  if (!within(tone.offset_m, 1000) || !within(tone.offset_m_per_k, 1)) {
+  if (!within(frequency.offset_m, 1000) || !within(frequency.offset_m_per_k, 1)) {
     return "a PMD offset is above 1000 m, or above 1 m for each kelvin";
   }
-  if (!within(tone.stray_i_lsb, 32767) || !within(tone.stray_q_lsb, 32767)) {
+  if (!within(frequency.stray_i_lsb, 32767) || !within(frequency.stray_q_lsb, 32767)) {
     return "the stray light of the PMD camera is above 32767 LSB";
   }
   return "";
@@ -163,13 +163,13 @@ const char* distance_problem(const PmdSensor& pmd) noexcept {
 }
 
 const char* second_problem(const PmdSensor& pmd) noexcept {
-  if (const char* const why = tone_problem(*pmd.second); *why != '\0') {
+  if (const char* const why = frequency_problem(*pmd.second); *why != '\0') {
     return why;
   }
-  if (pmd.second->modulation.value >= pmd.tone.modulation.value) {
+  if (pmd.second->modulation.value >= pmd.frequency.modulation.value) {
     return "the second PMD modulation frequency is not below the first";
   }
-  if (!usable_pair(pmd.tone.modulation, pmd.second->modulation)) {
+  if (!usable_pair(pmd.frequency.modulation, pmd.second->modulation)) {
     return "the two PMD modulation frequencies are no ratio of whole numbers up to 64";
   }
   return "";
@@ -179,8 +179,9 @@ const char* pmd_problem(const PmdSensor& pmd) noexcept {
   if (!usable(pmd.lens)) {
     return "the PMD lens has a size, focal length or centre that is not usable";
   }
-  for (const char* const why : {tone_problem(pmd.tone), pmd.second ? second_problem(pmd) : "",
-                                samples_problem(pmd), distance_problem(pmd)}) {
+  for (const char* const why :
+       {frequency_problem(pmd.frequency), pmd.second ? second_problem(pmd) : "",
+        samples_problem(pmd), distance_problem(pmd)}) {
     if (*why != '\0') {
       return why;
     }

@@ -21,7 +21,7 @@ using WigglingTable = std::array<std::int16_t, kWigglingSteps>;
 WigglingTable fourth_harmonic_table(double amplitude_rad) noexcept;
 
 // What belongs to one modulation frequency of a PMD sensor.
-struct PmdTone {
+struct PmdFrequency {
   Hertz modulation{20'000'000};
   double min_modulation_ratio = 0.30;  // A / (mean - dark), the chapter's 30 percent
   double offset_m = 0;                 // global distance offset, subtracted
@@ -47,13 +47,13 @@ inline constexpr int kMaxEmitters = 4;
 // One field for each constant of a calibration file.
 struct PmdSensor {
   Pinhole lens;
-  PmdTone tone;
-  std::optional<PmdTone> second = std::nullopt;  // a lower frequency that tells periods apart
-  bool phase_falls = false;                      // a camera whose phase falls with distance
-  double dark_lsb = 0;                           // of one sample
-  int saturation_lsb = 4095;                     // a sample at or above it is saturated
-  int under_lsb = 0;                             // a sample at or below it is under range
-  int min_amplitude_lsb = 4;                     // of amplitude A (amp2 = 2 A)
+  PmdFrequency frequency;
+  std::optional<PmdFrequency> second = std::nullopt;  // a lower frequency that tells periods apart
+  bool phase_falls = false;                           // a camera whose phase falls with distance
+  double dark_lsb = 0;                                // of one sample
+  int saturation_lsb = 4095;                          // a sample at or above it is saturated
+  int under_lsb = 0;                                  // a sample at or below it is under range
+  int min_amplitude_lsb = 4;                          // of amplitude A (amp2 = 2 A)
   // |A0 + A2 - A1 - A3| above this many standard deviations of its noise: motion, changing light.
   double asymmetry_sigmas = 6;
   double electrons_per_lsb = 60;  // g of the noise model
@@ -73,8 +73,9 @@ struct PmdSensor {
   // Amplitude A of a white surface, facing the camera in the middle of the picture at 1 m, at the
   // reference integration time: no surface is brighter. 0 = unknown. Tells periods apart.
   double white_lsb = 0;
-  // Distance offset of each pixel in 1/65536 turn of `tone`, subtracted (of `second`: the same in
-  // metres); width x height, row by row, or empty. Borrowed: whoever made the calibration keeps it.
+  // Distance offset of each pixel in 1/65536 turn of `frequency`, subtracted (of `second`: the same
+  // in metres); width x height, row by row, or empty. Borrowed: whoever made the calibration keeps
+  // it.
   std::span<const std::int16_t> fixed_pattern;
 };
 

@@ -91,11 +91,10 @@ void DepthMaker::match(ImageView<const std::uint8_t> left,
                   .guide = guide,
                   .rectifier = rectifier_ ? &*rectifier_ : nullptr},
                  disparity_);
-  matched_ = true;
 }
 
 StereoMaps DepthMaker::stereo() const noexcept {
-  return matched_ ? StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()} : StereoMaps{};
+  return left_.empty() ? StereoMaps{} : StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()};
 }
 
 void DepthMaker::forget_past() noexcept {
@@ -114,12 +113,12 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
     fuser_.fuse_rows(stereo(), rows, thread, out);
   });
   if (temporal_) {
-    temporal_->apply(matched_ ? left_ : ImageView<const std::uint8_t>{}, out);
+    temporal_->apply(left_, out);
   }
 }
 
 void DepthMaker::watch() noexcept {
-  if (monitor_ && unwatched_ && matched_ && pmd_ != nullptr) {
+  if (monitor_ && unwatched_ && !left_.empty() && pmd_ != nullptr) {
     monitor_->observe({.left = left_, .right = right_, .disparity = disparity_}, *pmd_);
     unwatched_ = false;
   }

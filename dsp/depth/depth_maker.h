@@ -46,7 +46,6 @@ class DepthMaker {
 
   // Pictures of the calibration's size, as the cameras give them. A guide uses the PMD's last data.
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
-  void forget_stereo() noexcept { matched_ = false; }
 
   // After a gap in time: the next frame is averaged with none before it. The drift that watch()
   // has found stays: what has moved in a rig does not move back.
@@ -79,10 +78,9 @@ class DepthMaker {
   std::optional<TemporalFilter> temporal_;
   std::optional<DriftMonitor> monitor_;
   ImageView<Disparity> disparity_;
-  ImageView<const std::uint8_t> left_;
+  ImageView<const std::uint8_t> left_;  // empty before the first match()
   ImageView<const std::uint8_t> right_;
   const PmdMaps* pmd_ = nullptr;
-  bool matched_ = false;
   bool unresolved_ = false;  // readings whose periods are not told yet
   bool unwatched_ = false;   // samples that watch() has not seen
 };

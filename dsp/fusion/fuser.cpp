@@ -34,7 +34,7 @@ int reach_of(const Calibration& calibration) noexcept {
 // Unambiguous range in quarter mm; 0 where it does not fit.
 QuarterMm range_of(const PmdSensor& sensor) noexcept {
   const double range =
-      kQuarterMmPerMetre * kLightMetresPerSecond / (2.0 * sensor.tone.modulation.value);
+      kQuarterMmPerMetre * kLightMetresPerSecond / (2.0 * sensor.frequency.modulation.value);
   return range < kMaxQuarterMm ? static_cast<QuarterMm>(std::lround(range)) : QuarterMm{0};
 }
 

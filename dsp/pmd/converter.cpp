@@ -8,12 +8,12 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
+#include "dsp/calib/pmd/frequency_pair.h"
 #include "dsp/calib/pmd/near_table.h"
 #include "dsp/calib/pmd/pmd_tables.h"
-#include "dsp/calib/pmd/tone_pair.h"
 #include "dsp/pmd/interval/fill_intervals.h"
-#include "dsp/pmd/phase/tone.h"
-#include "dsp/pmd/range/combine_tones.h"
+#include "dsp/pmd/phase/frame_phases.h"
+#include "dsp/pmd/range/combine_frequencies.h"
 #include "dsp/pmd/range/near_lights.h"
 #include "dsp/pmd/range/to_quarter_mm.h"
 
@@ -33,19 +33,19 @@ std::uint16_t slope_of(const Pinhole& lens) noexcept {
 
 }  // namespace
 
-// What a second tone adds.
-struct SecondTone {
-  Tone tone;
-  TonePair pair;
-  RangeTables both;  // of distances that both tones tell
+// What a second frequency adds.
+struct SecondFrequency {
+  FrameTables tables;
+  FrequencyPair pair;
+  RangeTables both;  // of distances that both frequencies tell
   ExposureRow row;
   std::span<Phase> corrected;
 };
 
 struct Converter::Tables {
-  Tone first;
-  RangeTables one_tone;
-  std::optional<SecondTone> second;
+  FrameTables first;
+  RangeTables one_frequency;
+  std::optional<SecondFrequency> second;
   std::optional<SigmaCurve> curve;  // sigma by distance
   NearTable near;                   // empty without lights beside the lens
   std::uint32_t shortest_way = 0;
@@ -68,8 +68,8 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   const int h = sensor.lens.height;
   const std::size_t row = index(w);
   Tables t;
-  t.first = make_tone(sensor, sensor.tone);
-  t.one_tone = range_tables(sensor, turn_m(sensor.tone));
+  t.first = make_frame_tables(sensor, sensor.frequency);
+  t.one_frequency = range_tables(sensor, turn_m(sensor.frequency));
   t.fixed_pattern = sensor.fixed_pattern;
   maps_.slope_q16 = slope_of(sensor.lens);
   t.spare = {take_exposure_row(arena, row), arena.take<std::uint8_t>(row)};
@@ -79,13 +79,14 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
     t.curve = sigma_curve(*sensor.sigma_polynomial);
   }
   if (sensor.second) {
-    const TonePair pair = make_tone_pair(sensor.tone.modulation, sensor.second->modulation);
+    const FrequencyPair pair =
+        make_frequency_pair(sensor.frequency.modulation, sensor.second->modulation);
     t.second =
-        SecondTone{.tone = make_tone(sensor, *sensor.second),
-                   .pair = pair,
-                   .both = range_tables(sensor, common_period(pair) / units_per_metre(sensor)),
-                   .row = take_exposure_row(arena, row),
-                   .corrected = arena.take<Phase>(row)};
+        SecondFrequency{.tables = make_frame_tables(sensor, *sensor.second),
+                        .pair = pair,
+                        .both = range_tables(sensor, common_period(pair) / units_per_metre(sensor)),
+                        .row = take_exposure_row(arena, row),
+                        .corrected = arena.take<Phase>(row)};
   }
   if (sensor.emitter_count > 0) {
     t.near = make_near_table(sensor, units_per_metre(sensor), arena);
@@ -119,19 +120,19 @@ void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
   const std::span<const std::int16_t> pattern = t.fixed_pattern_row(y, n);
   const std::span<std::uint32_t> reading =
       m.long_distance.empty() ? t.reading : m.long_distance.row(y);
-  measure_tone(frame.first, y, t.first, t.spare, row);
+  measure_phases(frame.first, y, t.first, t.spare, row);
   best::correct_phase(row.phase, pattern, t.first.correction, t.corrected);
-  const RangeTables* range = &t.one_tone;
+  const RangeTables* range = &t.one_frequency;
   if (frame.second.empty()) {
-    best::range(t.corrected, t.first.tables.turn, reading);
+    best::range(t.corrected, t.first.frequency.turn, reading);
   } else {
-    const SecondTone& second = *t.second;
+    const SecondFrequency& second = *t.second;
     range = &second.both;
-    measure_tone(frame.second, y, second.tone, t.spare, second.row);
-    best::correct_phase(second.row.phase, pattern, second.tone.correction, second.corrected);
-    best::combine_tones({t.corrected, row.amp2, row.sigma},
-                        {second.corrected, second.row.amp2, second.row.sigma}, second.pair,
-                        second.row.flags, row.flags, reading);
+    measure_phases(frame.second, y, second.tables, t.spare, second.row);
+    best::correct_phase(second.row.phase, pattern, second.tables.correction, second.corrected);
+    best::combine_frequencies({t.corrected, row.amp2, row.sigma},
+                              {second.corrected, second.row.amp2, second.row.sigma}, second.pair,
+                              second.row.flags, row.flags, reading);
     best::combine_sigma(second.row.sigma, row.sigma);
   }
   if (!changes_nothing(range->line)) {
@@ -151,12 +152,12 @@ const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
   const int width = maps_.phase.width();
   const int height = maps_.phase.height();
   check_exposures(frame.first, width, height);
-  maps_.integration = prepare_tone(frame.first, frame.temperature_q8, t.first);
-  const RangeTables* range = &t.one_tone;
+  maps_.integration = prepare_frame_tables(frame.first, frame.temperature_q8, t.first);
+  const RangeTables* range = &t.one_frequency;
   if (!frame.second.empty()) {
     STOF_CHECK(t.second.has_value());
     check_exposures(frame.second, width, height);
-    prepare_tone(frame.second, frame.temperature_q8, t.second->tone);
+    prepare_frame_tables(frame.second, frame.temperature_q8, t.second->tables);
     range = &t.second->both;
   }
   maps_.range = range->range;

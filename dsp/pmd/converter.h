@@ -24,20 +24,20 @@ struct PmdExposure {
 inline constexpr std::size_t kMaxPmdExposures = 4;
 
 struct PmdFrame {
-  // Exposures of PmdSensor::tone, one to kMaxPmdExposures, in any order: each pixel takes the
+  // Exposures of PmdSensor::frequency, one to kMaxPmdExposures, in any order: each pixel takes the
   // longest that is not saturated.
   std::span<const PmdExposure> first;
-  // Of PmdSensor::second, alike. Empty where there is no second tone; if the sensor has one and the
-  // frame has not, distances are those of the first tone alone.
+  // Of PmdSensor::second, alike. Empty where there is no second frequency; if the sensor has one
+  // and the frame has not, distances are those of the first frequency alone.
   std::span<const PmdExposure> second{};
   // Of the sensor, 1/256 degree Celsius. None: PmdSensor::reference_c.
   std::optional<std::int32_t> temperature_q8 = std::nullopt;
 };
 
 // Samples to distance with an interval, by this sensor's tables: phase (stray light subtracted),
-// corrected phase, one turn or two tones to a distance, straight line, lights beside the lens,
-// sigma, interval. Holds its buffers, allocates nothing after construction. Every step is a row
-// kernel of this folder.
+// corrected phase, one turn or two frequencies to a distance, straight line, lights beside the
+// lens, sigma, interval. Holds its buffers, allocates nothing after construction. Every step is a
+// row kernel of this folder.
 class Converter {
  public:
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
@@ -47,7 +47,7 @@ class Converter {
   // Samples of the sensor's size. The result is valid until the next call; integration times scale
   // stray and suppressed light.
   const PmdMaps& convert(const PmdFrame& frame) noexcept;
-  // The same of one exposure of the first tone at reference integration time and temperature.
+  // The same of one exposure of the first frequency at reference integration time and temperature.
   const PmdMaps& convert(const PmdSamples& samples) noexcept;
 
   // The same without intervals: low, high and flags that come from neighbours are not there yet.

@@ -26,8 +26,8 @@ inline constexpr std::uint8_t kPmdMissing =
 using IntegrationQ8 = std::uint16_t;
 inline constexpr IntegrationQ8 kReferenceIntegration = 256;
 
-// Everything one PMD frame becomes. All images have the sensor's size; with two tones, phase to
-// ratio are those of the first.
+// Everything one PMD frame becomes. All images have the sensor's size; with two frequencies, phase
+// to ratio are those of the first.
 struct PmdMaps {
   ImageView<Phase> phase;           // stray light subtracted, otherwise before any correction
   ImageView<std::uint16_t> amp2;    // twice the amplitude, LSB
@@ -42,17 +42,17 @@ struct PmdMaps {
   ImageView<QuarterMm> high;      // both 0 where there is none
   ImageView<std::uint8_t> ratio;  // modulation ratio m = A / offset, LSB 1/256, at most 255
   // The same distance without the limit of 16.38 m: 0.1 mm, 0 = none. Empty unless the sensor has a
-  // second tone or a turn that is longer than 16.38 m.
+  // second frequency or a turn that is longer than 16.38 m.
   ImageView<std::uint32_t> long_distance;
   // The integration time that amp2 and offset refer to: of the frame's longest exposure of the
-  // first tone. What a pixel took from a shorter one was multiplied (up to 65535), so that
+  // first frequency. What a pixel took from a shorter one was multiplied (up to 65535), so that
   // amp2 * 256 / (2 * integration) compares to PmdSensor::white_lsb in every pixel.
   IntegrationQ8 integration = kReferenceIntegration;
-  // After how much readings repeat, quarter mm: one turn, with two tones their common period;
+  // After how much readings repeat, quarter mm: one turn, with two frequencies their common period;
   // times PmdSensor::scale.
   std::uint32_t range = 0;
   // Readings further apart than this tell nothing about what lies between them: half a turn of the
-  // first tone, quarter mm, whether or not a second one tells turns apart.
+  // first frequency, quarter mm, whether or not a second one tells turns apart.
   QuarterMm widest = 0;
   // What a surface tilted by 60 degrees gains over two pixels, as a share of its distance, Q16.
   std::uint16_t slope_q16 = 0;

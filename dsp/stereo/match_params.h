@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "dsp/base/status.h"
+#include "dsp/stereo/refine/subpixel.h"
 
 // How a stereo pair is matched. Every field has one meaning; "off" is never a number.
 namespace stof::dsp {
@@ -25,6 +26,12 @@ enum class Subpixel : std::uint8_t {
   kLeastSquares,  // shift of the grey values; what moves by more than half a pixel is dropped
 };
 
+constexpr CostFit cost_fit(Subpixel subpixel) noexcept {
+  return subpixel == Subpixel::kEquiangular ? CostFit::kEquiangular
+         : subpixel == Subpixel::kParabola  ? CostFit::kParabola
+                                            : CostFit::kNone;
+}
+
 // What a change of disparity between neighbours costs, in the units of one pixel's cost.
 struct Smoothness {
   int small_step = 0;  // P1: by one
@@ -33,6 +40,7 @@ struct Smoothness {
   friend bool operator==(const Smoothness&, const Smoothness&) = default;
 };
 
+// One field for each setting of depth.match.
 struct MatchParams {
   int min_disparity = 0;  // px, may be negative (toed-in rigs)
   int disparities = 64;   // candidates min .. min + disparities - 1, at least 1
@@ -47,14 +55,15 @@ struct MatchParams {
 
   // Of kPaths; without it kDefaultSmoothness.
   std::optional<Smoothness> smoothness = std::nullopt;
-  // Each match may be given a guide (cost/mask_costs.h): which candidates each pixel may take.
+  // Each match may be given a guide (cost/candidate_mask.h): which candidates each pixel may take.
   bool guided = false;
 
   // Largest difference in px between a match and the match of the match; without it no check.
   std::optional<int> left_right_tolerance = std::nullopt;
   // A rival candidate (not a neighbour) must cost at least this many percent more, 1..99.
   std::optional<int> uniqueness_percent = std::nullopt;
-  // Winners must cost less than their rivals, which those on a flat surface do not (distinct.h).
+  // Winners must cost less than their rivals, which those on a flat surface do not
+  // (winner_margin.h).
   bool distinct = false;
   // Mean |Sobel derivative| of the surroundings, in grey levels, 1..127: where it is less the
   // picture is flat; needs a prefilter.

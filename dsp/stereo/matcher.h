@@ -8,7 +8,7 @@
 #include "dsp/base/image.h"
 #include "dsp/base/thread_team.h"
 #include "dsp/stereo/check/map_checks.h"
-#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "dsp/stereo/rectifier.h"
@@ -22,9 +22,9 @@ struct MatchInput {
   ImageView<const std::uint8_t> left;
   ImageView<const std::uint8_t> right;
   // Empty, but where MatchParams are `guided`. The result is that of a search in which what the
-  // guide leaves out costs kNoCost (mask_costs(), of costs before and of sums after any paths) and
-  // no pixel takes a candidate outside of its range: a pixel whose costs have no minimum inside has
-  // no disparity. A range of one candidate that ties with its neighbours is none either. Only
+  // guide leaves out costs kNoCost (mask_candidates(), of costs before and of sums after any paths)
+  // and no pixel takes a candidate outside of its range: a pixel whose costs have no minimum inside
+  // has no disparity. A range of one candidate that ties with its neighbours is none either. Only
   // distinctness looks at the costs of all candidates: a flat surface is as flat within a range.
   // The median comes after it and knows no ranges.
   Guide guide = {};

@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "dsp/base/check.h"
+#include "dsp/base/mutation.h"
 #include "dsp/base/simd.h"
 
 namespace stof::dsp::neon {
@@ -105,6 +106,8 @@ uint8x8_t mix_rows(uint8x16_t upper, uint8x16_t lower, const Eight& places) noex
   std::array<std::array<std::int16_t, kLanes>, 4> lanes{};
   vst1q_s16(lanes[0].data(), places.x);
   vst1q_s16(lanes[1].data(), places.y);
+  unmutate(lanes[0].data());
+  unmutate(lanes[1].data());
   vst1q_s16(lanes[2].data(), places.fraction_x);
   vst1q_s16(lanes[3].data(), places.fraction_y);
   for (std::size_t k = 0; k < kLanes; ++k) {
@@ -113,6 +116,7 @@ uint8x8_t mix_rows(uint8x16_t upper, uint8x16_t lower, const Eight& places) noex
                           .fraction_x = static_cast<std::uint8_t>(lanes[2][k]),
                           .fraction_y = static_cast<std::uint8_t>(lanes[3][k])});
   }
+  mutate(out);
 }
 
 // A window of each row that eight pixels lie in: of 16 bytes some are taken by a table look-up;

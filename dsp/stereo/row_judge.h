@@ -8,10 +8,10 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/check/distinct.h"
 #include "dsp/stereo/check/left_right.h"
 #include "dsp/stereo/check/peak_ratio.h"
 #include "dsp/stereo/check/uniqueness.h"
+#include "dsp/stereo/check/winner_margin.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
@@ -32,10 +32,10 @@ struct FoundRow {
   std::span<std::int16_t> winners;
 };
 
-// What distinctness has to know of costs (check/distinct.h).
+// What distinctness has to know of costs (check/winner_margin.h).
 struct CostScale {
   std::int64_t largest = 0;  // cost
-  int distinct_percent = kDistinctPercent;
+  int margin_percent = kMarginPercent;
 };
 
 // Drops winners of a row that the row itself speaks against, and fits the others. Its steps may be
@@ -46,14 +46,14 @@ class RowJudge {
   RowJudge(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
       : params_(params),
         lanes_(lanes_of(params)),
-        percent_(scale.distinct_percent),
+        percent_(scale.margin_percent),
         shift_(margin_shift(scale.largest, lanes_)) {
     if (params.left_right_tolerance) {
       const std::size_t right = index(width + lanes_ - 1);
       lowest_ = arena.take<Sum>(right);
       right_winners_ = arena.take<std::int16_t>(right);
     }
-    if (kNarrow && (params.uniqueness_percent || fits_costs())) {
+    if (kNarrow && (params.uniqueness_percent || cost_fit(params.subpixel) != CostFit::kNone)) {
       widened_ = arena.take<std::uint16_t>(index(width) * index(lanes_));
     }
   }
@@ -71,8 +71,8 @@ class RowJudge {
   template <typename Cost>
   void compare_rivals(const FoundRow<Cost, Sum>& found, const MatchedRow& out) noexcept {
     if (params_.distinct) {
-      best::distinct_margins(found.costs, lanes_, std::span<const std::int16_t>(found.winners),
-                             percent_, shift_, out.margins);
+      best::winner_margins(found.costs, lanes_, std::span<const std::int16_t>(found.winners),
+                           percent_, shift_, out.margins);
     }
     if (params_.confidence) {
       best::peak_ratio(found.judged, lanes_, std::span<const std::int16_t>(found.winners),
@@ -94,17 +94,9 @@ class RowJudge {
 
   void fit_costs(std::span<const Sum> judged, std::span<const std::int16_t> winners,
                  std::span<Disparity> out) noexcept {
-    switch (params_.subpixel) {
-      case Subpixel::kEquiangular:
-        best::refine_winners(wide(judged), lanes_, params_.min_disparity, winners, out);
-        break;
-      case Subpixel::kParabola:
-        best::refine_winners_parabola(wide(judged), lanes_, params_.min_disparity, winners, out);
-        break;
-      case Subpixel::kLeastSquares:
-      case Subpixel::kWhole:
-        best::whole_winners(params_.min_disparity, winners, out);
-    }
+    const CostFit fit = cost_fit(params_.subpixel);
+    best::refine_winners(wide(judged.first(fit == CostFit::kNone ? 0 : judged.size())), lanes_, fit,
+                         params_.min_disparity, winners, out);
   }
 
   void fit_grey_values(const PreparedPair& pair, int y, std::span<Disparity> out) const noexcept {
@@ -116,10 +108,6 @@ class RowJudge {
 
  private:
   static constexpr bool kNarrow = std::is_same_v<Sum, std::uint8_t>;
-
-  bool fits_costs() const noexcept {
-    return params_.subpixel == Subpixel::kEquiangular || params_.subpixel == Subpixel::kParabola;
-  }
 
   // Fits and uniqueness need room above the sums.
   auto wide(std::span<const Sum> judged) noexcept {

@@ -5,7 +5,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
-#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
 
@@ -19,7 +19,7 @@ inline constexpr std::uint8_t kRatioUnknown = 128;
 // What becomes of one row. Whatever the MatchParams do not ask for is empty.
 struct MatchedRow {
   std::span<Disparity> disparity;
-  std::span<std::int16_t> margins;  // distinct (check/distinct.h)
+  std::span<std::int16_t> margins;  // distinct (check/winner_margin.h)
   std::span<std::uint8_t> ratio;    // confidence (check/peak_ratio.h)
 };
 

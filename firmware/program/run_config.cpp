@@ -171,7 +171,7 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
         "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
         "--uncalibrated to see pictures");
   }
-  const dsp::Hertz modulation = rig.calibration.pmd.tone.modulation;
+  const dsp::Hertz modulation = rig.calibration.pmd.frequency.modulation;
   if (const char* const why = dsp::complete(rig.calibration.stereo); *why != '\0') {
     return std::unexpected(std::string("the rig's calibration: ") + why +
                            ": calibrate the rig anew");
@@ -183,7 +183,7 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
     if (std::string why = load_calibration(calibration_file, config, rig); !why.empty()) {
       return std::unexpected(std::move(why));
     }
-    const dsp::Hertz calibrated = rig.calibration.pmd.tone.modulation;
+    const dsp::Hertz calibrated = rig.calibration.pmd.frequency.modulation;
     if (board.nominal_calibration && board.pmd != nullptr && calibrated.value != modulation.value) {
       return std::unexpected(calibration_file + ": of a PMD camera that modulates with " +
                              std::to_string(calibrated.value) + " Hz, this board's does with " +

@@ -118,8 +118,8 @@ void put_middle(const FrameSums& sums, const std::vector<std::array<double, 3>>&
 WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Frames frames) {
   const dsp::Pinhole& lens = sensor.lens;
   dsp::PmdSensor used = sensor;
-  used.tone.stray_i_lsb *= wall.exposure;
-  used.tone.stray_q_lsb *= wall.exposure;
+  used.frequency.stray_i_lsb *= wall.exposure;
+  used.frequency.stray_q_lsb *= wall.exposure;
   used.suppressed_lsb *= wall.exposure;
   OwnConverter converter(used);
   const std::vector<std::array<double, 3>> rays = rays_of(lens);

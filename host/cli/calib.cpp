@@ -63,7 +63,7 @@ void refuse_other_camera(const CalibPmdOptions& options, const dsp::PmdSensor& s
                       ", the recordings are " + std::to_string(camera.lens.width) + "x" +
                       std::to_string(camera.lens.height) + ": use the calibration of this rig");
   }
-  if (start.tone.modulation.value != camera.tone.modulation.value) {
+  if (start.frequency.modulation.value != camera.frequency.modulation.value) {
     throw Failure(Exit::kBadInput, options.start.string() +
                                        ": has another modulation frequency than the recordings: "
                                        "use the calibration of this rig");

@@ -22,32 +22,14 @@ std::optional<PixelCost> pixel_cost(Cost cost) noexcept {
       return PixelCost::kCensus5x5;
     case Cost::kCensus9x7:
       return PixelCost::kCensus9x7;
-    case Cost::kMixed:
-      return PixelCost::kMixed;
+    case Cost::kAdCensus:
+      return PixelCost::kAdCensus;
     case Cost::kSad:
     case Cost::kSsd:
       break;
   }
   return std::nullopt;
 }
-
-// Elements of the left and right row of widest pictures, and sums of a row.
-struct Sizes {
-  std::size_t left;
-  std::size_t right;
-  std::size_t columns;
-  std::size_t costs;
-  std::size_t kept;
-
-  Sizes(const MatchParams& params, int width) noexcept {
-    const std::size_t lanes = index(lanes_of(params));
-    left = index(width + params.block_width - 1);
-    right = left + lanes - 1;
-    columns = left * lanes;
-    costs = index(width) * lanes;
-    kept = index(params.block_height + 1) * columns;
-  }
-};
 
 }  // namespace
 
@@ -60,23 +42,22 @@ CostRows::CostRows(const MatchParams& params, int width, Arena& arena) noexcept
   STOF_CHECK(width >= 1 && params.disparities >= 1 && params.block_width >= 1 &&
              params.block_width <= kMaxBlock && params.block_height >= 1 &&
              params.block_height <= kMaxBlock);
-  const Sizes sizes(params, width);
+  const std::size_t columns = index(width + params.block_width - 1) * index(lanes_);
+  const std::size_t costs = index(width) * index(lanes_);
   if (wide(params)) {
-    wide_sums_.columns = arena.take<std::uint32_t>(sizes.columns);
-    wide_sums_.costs = arena.take<std::uint32_t>(sizes.costs);
+    wide_sums_.columns = arena.take<std::uint32_t>(columns);
+    wide_sums_.costs = arena.take<std::uint32_t>(costs);
   } else {
-    narrow_sums_.columns = arena.take<std::uint16_t>(sizes.columns);
-    narrow_sums_.costs = arena.take<std::uint16_t>(sizes.costs);
+    narrow_sums_.columns = arena.take<std::uint16_t>(columns);
+    narrow_sums_.costs = arena.take<std::uint16_t>(costs);
   }
   if (const std::optional<PixelCost> cost = pixel_cost(params.cost)) {
     pixels_.emplace(*cost, params, width, columns_, arena);
-    kept_ = arena.take<std::uint8_t>(sizes.kept);
+    kept_ = arena.take<std::uint8_t>(index(params.block_height + 1) * columns);
     return;
   }
-  for (RowPair* const pair : {&new_, &old_}) {
-    pair->left = arena.take<std::uint8_t>(sizes.left);
-    pair->right = arena.take<std::uint8_t>(sizes.right);
-  }
+  new_ = RowPair::take(params, width, arena);
+  old_ = RowPair::take(params, width, arena);
 }
 
 void CostRows::start(const CostPictures& pictures) noexcept {
@@ -104,14 +85,6 @@ CostRows::Sums<Sum> CostRows::sums() const noexcept {
   }
 }
 
-CostRows::RowPair CostRows::load(int y, const RowPair& buffers) const noexcept {
-  const RowPair rows{buffers.left.first(widened()),
-                     buffers.right.first(widened() + index(lanes_) - 1)};
-  extend_row(pictures_.left.row_clamped(y), columns_, rows.left);
-  reverse_row(pictures_.right.row_clamped(y), columns_, params_.min_disparity, rows.right);
-  return rows;
-}
-
 // Rows above and below the picture have places too: y is at least -kMaxBlock.
 std::span<std::uint8_t> CostRows::kept(int y) const noexcept {
   const std::size_t row = widened() * index(lanes_);
@@ -126,7 +99,7 @@ void CostRows::enter(int y, std::span<Sum> columns) noexcept {
     best::add_costs(kept(y), columns);
     return;
   }
-  const RowPair rows = load(y, new_);
+  const RowPair rows = new_.load(pictures_, y, params_);
   if (params_.cost == Cost::kSad) {
     best::add_differences(rows.left, rows.right, lanes_, columns);
   } else {
@@ -141,8 +114,8 @@ void CostRows::exchange(int entering, int leaving, std::span<Sum> columns) noexc
     best::slide_costs(kept(entering), kept(leaving), columns);
     return;
   }
-  const RowPair in = load(entering, new_);
-  const RowPair out = load(leaving, old_);
+  const RowPair in = new_.load(pictures_, entering, params_);
+  const RowPair out = old_.load(pictures_, leaving, params_);
   if (params_.cost == Cost::kSad) {
     best::slide_differences(in.left, in.right, out.left, out.right, lanes_, columns);
   } else {

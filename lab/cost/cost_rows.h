@@ -47,10 +47,6 @@ class CostRows {
     std::span<Sum> columns;  // of all rows of the block, for the columns of the widened picture
     std::span<Sum> costs;    // of the block
   };
-  struct RowPair {
-    std::span<std::uint8_t> left;
-    std::span<std::uint8_t> right;
-  };
 
   template <typename Sum>
   Sums<Sum> sums() const noexcept;
@@ -58,7 +54,6 @@ class CostRows {
   void enter(int y, std::span<Sum> columns) noexcept;
   template <typename Sum>
   void exchange(int entering, int leaving, std::span<Sum> columns) noexcept;
-  RowPair load(int y, const RowPair& buffers) const noexcept;
   std::span<std::uint8_t> kept(int y) const noexcept;
   std::size_t widened() const noexcept;
 

@@ -24,7 +24,7 @@ SumRows<Sum>::SumRows(const MatchParams& params, int width, Arena& arena) noexce
     : params_(params) {
   const std::size_t row = index(width) * index(lanes_of(params));
   costs_ = arena.take<Sum>(row);
-  if (params.cost == Cost::kMixed) {
+  if (params.cost == Cost::kAdCensus) {
     regions_.emplace(params, width, arena);
     narrow_ = arena.take<std::uint8_t>(row);
   } else {

@@ -5,12 +5,11 @@
 #include <cstdlib>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp::ref {
 namespace {
-
-constexpr std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
 // What row y of the pictures adds to the block of column x.
 int row_sum(const TilePlace& tile, int y, int x, int candidate) noexcept {
@@ -18,7 +17,7 @@ int row_sum(const TilePlace& tile, int y, int x, int candidate) noexcept {
   const std::span<const std::uint8_t> right = tile.right.row_clamped(y);
   int sum = 0;
   for (int k = x; k < x + tile.block_width; ++k) {
-    sum += std::abs(left[size(tile.left_x + k)] - right[size(tile.right_x + k - candidate)]);
+    sum += std::abs(left[index(tile.left_x + k)] - right[index(tile.right_x + k - candidate)]);
   }
   return sum;
 }
@@ -33,7 +32,7 @@ void start_tile(const TilePlace& tile, Rows rows, std::span<std::uint16_t> sums)
       for (int y = rows.begin; y < rows.end; ++y) {
         sum += row_sum(tile, y, x, tile.candidates[i]);
       }
-      sums[i * kTileColumns + size(x)] =
+      sums[i * kTileColumns + index(x)] =
           static_cast<std::uint16_t>(kTileSumScale * sum + static_cast<int>(i % kTileSumScale));
     }
   }
@@ -44,7 +43,7 @@ void slide_tile(const TilePlace& tile, int entering, int leaving,
   STOF_CHECK(sums.size() == tile.candidates.size() * kTileColumns);
   for (std::size_t i = 0; i < tile.candidates.size(); ++i) {
     for (int x = 0; x < kTileColumns; ++x) {
-      std::uint16_t& sum = sums[i * kTileColumns + size(x)];
+      std::uint16_t& sum = sums[i * kTileColumns + index(x)];
       const int change = row_sum(tile, entering, x, tile.candidates[i]) -
                          row_sum(tile, leaving, x, tile.candidates[i]);
       sum = static_cast<std::uint16_t>(sum + kTileSumScale * change);
@@ -91,7 +90,7 @@ void find_quarter(const TilePlace& tile, Rows rows, int block_height, const Tile
                   ImageView<std::int16_t> winners) noexcept {
   STOF_CHECK(winners.width() <= kQuarterColumns && winners.height() <= kQuarterRows &&
              winners.height() == (rows.count() + 1) / 2);
-  std::array<std::uint16_t, size(kMaxDisparities) * kTileColumns> sums{};
+  std::array<std::uint16_t, index(kMaxDisparities) * kTileColumns> sums{};
   std::array<std::int16_t, kTileColumns> found{};
   const std::span<std::uint16_t> used =
       std::span(sums).first(tile.candidates.size() * kTileColumns);
@@ -100,7 +99,7 @@ void find_quarter(const TilePlace& tile, Rows rows, int block_height, const Tile
     start_tile(tile, {first, first + block_height}, used);
     find_in_tile(used, tile.candidates, limits, found);
     for (int k = 0; k < winners.width(); ++k) {
-      winners.at(k, r) = found[size(2 * k)];
+      winners.at(k, r) = found[index(2 * k)];
     }
   }
 }

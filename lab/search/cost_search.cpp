@@ -4,8 +4,8 @@
 
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/search/single_candidate.h"
 #include "dsp/stereo/search/winner.h"
 #include "lab/block/interest.h"
@@ -32,17 +32,17 @@ void CostSearch<Sum>::start(const PreparedPair& pair, Guide guide) noexcept {
 
 template <typename Sum>
 void CostSearch<Sum>::match(int y, const MatchedRow& out) noexcept {
-  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const GuideRow guide = row_of(guide_, y);
   FoundRow<Sum> found;
   found.costs = rows_.row(y);
   found.judged = found.costs;
   found.winners = winners_.first(out.disparity.size());
   if (narrows(guide, lanes_)) {
-    best::mask_costs(found.costs, guide, lanes_, masked_.first(found.costs.size()));
+    best::mask_candidates(found.costs, guide, lanes_, masked_.first(found.costs.size()));
     found.judged = masked_.first(found.costs.size());
   }
   find(y, found);
-  settle_winners(params_, guide, found.winners);
+  finish_winners(params_, guide, found.winners);
   judge_.compare_rivals(found, out);
   check_left_right(y, found);
   judge_.fit_costs(found.judged, found.winners, out.disparity);

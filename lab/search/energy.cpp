@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/mixed.h"
 
 namespace stof::lab {
 namespace {
@@ -15,7 +15,8 @@ constexpr std::int64_t kLargestScaledCost = 8191;
 
 // The mixed cost is a mean, the others are sums over a block.
 std::int64_t area_of(const MatchParams& params) noexcept {
-  return params.cost == Cost::kMixed ? 1 : std::int64_t{params.block_width} * params.block_height;
+  return params.cost == Cost::kAdCensus ? 1
+                                        : std::int64_t{params.block_width} * params.block_height;
 }
 
 Smoothness smoothness_of(const MatchParams& params) noexcept {
@@ -63,22 +64,21 @@ int largest_difference(const MatchParams& params) noexcept {
       return kCensus5x5Bits;
     case Cost::kCensus9x7:
       return kCensus9x7Bits;
-    case Cost::kMixed:
+    case Cost::kAdCensus:
       break;
   }
-  return kLargestMixedCost;
+  return kLargestAdCensusCost;
 }
 
 std::int64_t largest_cost(const MatchParams& params) noexcept {
   const std::int64_t sum = area_of(params) * largest_difference(params);
-  const bool scaled = is(params, Method::kSemiGlobal) && params.cost != Cost::kMixed;
+  const bool scaled = is(params, Method::kSemiGlobal) && params.cost != Cost::kAdCensus;
   return scaled ? std::min<std::int64_t>(sum, kLargestScaledCost) : sum;
 }
 
 CostScale cost_scale(const MatchParams& params) noexcept {
-  return {
-      .largest = largest_cost(params),
-      .distinct_percent = params.cost == Cost::kMixed ? kDistinctRegionPercent : kDistinctPercent};
+  return {.largest = largest_cost(params),
+          .margin_percent = params.cost == Cost::kAdCensus ? kRegionMarginPercent : kMarginPercent};
 }
 
 bool needs_wide_sums(const MatchParams& params) noexcept {

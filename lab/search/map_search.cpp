@@ -38,8 +38,8 @@ void MapSearch::match(int y, const MatchedRow& out) noexcept {
   if (!searched_) {
     search();
   }
-  best::whole_winners(params_.min_disparity, std::span<const std::int16_t>(winners_.row(y)),
-                      out.disparity);
+  best::refine_winners(std::span<const std::uint16_t>(), 0, CostFit::kNone, params_.min_disparity,
+                       std::span<const std::int16_t>(winners_.row(y)), out.disparity);
   if (params_.subpixel == Subpixel::kLeastSquares) {
     best::refine_least_squares(pair_->left_grey(), pair_->right_grey(), y, params_.block_width,
                                params_.block_height, out.disparity);
@@ -59,7 +59,7 @@ void MapSearch::search() noexcept {
                     {.left = winners_, .right = right_});
   }
   for (int y = 0; y < winners_.height(); ++y) {
-    settle_single_candidates(params_.min_disparity, params_.disparities, winners_.row(y));
+    match_single_candidates(params_.min_disparity, params_.disparities, winners_.row(y));
   }
   if (params_.left_right_tolerance) {
     check_blocks(right_, params_.min_disparity, *params_.left_right_tolerance, winners_);

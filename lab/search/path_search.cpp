@@ -2,8 +2,8 @@
 
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/search/path_search.h"
 #include "dsp/stereo/search/semi_global_body.h"
 #include "dsp/stereo/search/single_candidate.h"
@@ -55,16 +55,16 @@ void PathSearch<Source>::start(const PreparedPair& pair, Guide guide) noexcept {
 template <typename Source>
 void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
   const int lanes = lanes_of(params_);
-  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const GuideRow guide = row_of(guide_, y);
   const std::span<std::uint16_t> sums = paths_.sums(y);
   mark_outside(params_, pair_->left().width(), sums);
   if (!guide.empty()) {
-    best::mask_costs(std::span<const std::uint16_t>(sums), guide, lanes, sums);
+    best::mask_candidates(std::span<const std::uint16_t>(sums), guide, lanes, sums);
   }
   const FoundRow<typename Source::Cost, std::uint16_t> found{
       .costs = paths_.costs(y), .judged = sums, .winners = winners_.first(out.disparity.size())};
   best::winners(found.judged, lanes, found.winners);
-  settle_winners(params_, guide, found.winners);
+  finish_winners(params_, guide, found.winners);
   judge_.judge(found, *pair_, y, out);
 }
 

@@ -106,7 +106,7 @@ void scanline_winners(std::span<const Sum> costs, int lanes, Sum small, std::spa
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = winners.size();
   STOF_CHECK(costs.size() == n * count && paths.size() == costs.size() && large.size() == n + 1);
-  best::paths_from_left(costs, lanes, small, large.first(n), paths);
+  best::paths_along(costs, lanes, small, large.first(n), true, paths);
   if (!any_preference(costs, lanes)) {
     std::ranges::fill(winners, kNoWinner);
     return;
@@ -125,7 +125,7 @@ void scanline_marginals(std::span<const Sum> costs, int lanes, Sum small,
                         std::span<Sum> marginals) noexcept {
   STOF_CHECK(costs.size() == (large.size() - 1) * static_cast<std::size_t>(lanes) &&
              paths.size() == costs.size() && marginals.size() == costs.size());
-  best::paths_from_right(costs, lanes, small, large.subspan(1), marginals);
+  best::paths_along(costs, lanes, small, large.subspan(1), false, marginals);
   for (std::size_t k = 0; k < costs.size(); ++k) {
     const Sum onward = static_cast<Sum>(marginals[k] - costs[k]);  // the pixel itself counts once
     const Sum sum = static_cast<Sum>(paths[k] + onward);

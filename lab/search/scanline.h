@@ -35,7 +35,7 @@ bool any_preference(std::span<const Sum> costs, int lanes) noexcept;
 // before it, and so on. kNoWinner for pixels without a candidate (the energy is then that of the
 // parts between them), and for a whole row without any_preference(): a flat picture matches
 // everywhere, which is no match.
-// paths: scratch of costs' size, left as paths_from_left's result; no overlap.
+// paths: scratch of costs' size, left as the paths from the left; no overlap.
 template <typename Sum>
 void scanline_winners(std::span<const Sum> costs, int lanes, Sum small, std::span<const Sum> large,
                       std::span<Sum> paths, std::span<std::int16_t> winners) noexcept;

@@ -57,13 +57,13 @@ TEST_F(PmdRecordings, GiveTheConstantsInTheUnitsOfTheCalibration) {
   EXPECT_EQ(sensor.lens.cy, 0.25);
   EXPECT_EQ(sensor.lens.k1, -0.1);
   EXPECT_EQ(sensor.lens.k2, 0.01);
-  EXPECT_EQ(sensor.tone.modulation.value, 20'000'000U);
+  EXPECT_EQ(sensor.frequency.modulation.value, 20'000'000U);
   EXPECT_EQ(sensor.dark_lsb, 100.5);
   EXPECT_EQ(sensor.saturation_lsb, 4000);
   EXPECT_EQ(sensor.electrons_per_lsb, 50);
   EXPECT_EQ(sensor.noise_lsb, 6);
   EXPECT_EQ(sensor.suppressed_lsb, 0.95 * 15000 / 50);
-  EXPECT_EQ(sensor.tone.wiggling, dsp::fourth_harmonic_table(0.01 - 0.05));
+  EXPECT_EQ(sensor.frequency.wiggling, dsp::fourth_harmonic_table(0.01 - 0.05));
   EXPECT_TRUE(sensor.fixed_pattern.empty());
   EXPECT_FALSE(recording->has_rig);
 }
@@ -85,8 +85,8 @@ TEST_F(PmdRecordings, GiveWhatALaterSimulatorSaysOfLensAndLights) {
   EXPECT_EQ(sensor.emitter_count, 2);
   EXPECT_EQ(sensor.emitters[0], (dsp::Emitter{-0.12, 0, 0.01}));
   EXPECT_EQ(sensor.emitters[1], (dsp::Emitter{0.12, 0, 0.02}));
-  EXPECT_EQ(sensor.tone.stray_i_lsb, 0);  // what the simulated camera has is truth
-  EXPECT_EQ(sensor.tone.stray_q_lsb, 0);
+  EXPECT_EQ(sensor.frequency.stray_i_lsb, 0);  // what the simulated camera has is truth
+  EXPECT_EQ(sensor.frequency.stray_q_lsb, 0);
 }
 
 TEST_F(PmdRecordings, GiveWhatACalibrationSaysBeforeWhatFollowsFromElectrons) {
@@ -98,7 +98,7 @@ TEST_F(PmdRecordings, GiveWhatACalibrationSaysBeforeWhatFollowsFromElectrons) {
   EXPECT_EQ(recording->calibration.pmd.noise_lsb, 1.5);
   EXPECT_EQ(recording->calibration.pmd.suppressed_lsb, 2.5);
   EXPECT_EQ(recording->calibration.pmd.white_lsb, 3.5);
-  EXPECT_EQ(recording->calibration.pmd.tone.stray_i_lsb, -4.5);
+  EXPECT_EQ(recording->calibration.pmd.frequency.stray_i_lsb, -4.5);
 }
 
 TEST_F(PmdRecordings, TakeTheNearestFixedPatternOrTheOneThatIsNamed) {
@@ -134,10 +134,10 @@ TEST_F(PmdRecordings, ArePairedWithTheHigherFrequencyFirst) {
     const Loaded<PmdRecording> pair = turned ? read_pmd_pair(folder() / "two", prefix())
                                              : read_pmd_pair(prefix(), folder() / "two");
     ASSERT_TRUE(pair) << pair.error().message;
-    EXPECT_EQ(pair->calibration.pmd.tone.modulation.value, 20'000'000U);
+    EXPECT_EQ(pair->calibration.pmd.frequency.modulation.value, 20'000'000U);
     ASSERT_TRUE(pair->calibration.pmd.second);
     EXPECT_EQ(pair->calibration.pmd.second->modulation.value, 18'750'000U);
-    EXPECT_EQ(pair->calibration.pmd.tone.min_modulation_ratio, 0.25);
+    EXPECT_EQ(pair->calibration.pmd.frequency.min_modulation_ratio, 0.25);
     EXPECT_EQ(pair->calibration.pmd.second->min_modulation_ratio, 0.25);
     ASSERT_EQ(pair->frames.size(), 1U);
     ASSERT_EQ(pair->second_frames.size(), 1U);

@@ -42,13 +42,13 @@ PmdRecording some_recording() {
               .k3 = -0.0017,
               .p1 = 0.00019,
               .p2 = -0.00023};
-  pmd.tone.modulation.value = 20'000'001;
-  pmd.tone.min_modulation_ratio = 0.27;
-  pmd.tone.offset_m = -0.1 / 3;
-  pmd.tone.offset_m_per_k = 0.0011;
-  pmd.tone.stray_i_lsb = 12.3;
-  pmd.tone.stray_q_lsb = -4.7;
-  random.fill(std::span<std::int16_t>(pmd.tone.wiggling), -500, 500);
+  pmd.frequency.modulation.value = 20'000'001;
+  pmd.frequency.min_modulation_ratio = 0.27;
+  pmd.frequency.offset_m = -0.1 / 3;
+  pmd.frequency.offset_m_per_k = 0.0011;
+  pmd.frequency.stray_i_lsb = 12.3;
+  pmd.frequency.stray_q_lsb = -4.7;
+  random.fill(std::span<std::int16_t>(pmd.frequency.wiggling), -500, 500);
   pmd.phase_falls = true;
   pmd.dark_lsb = 100.1;
   pmd.saturation_lsb = 4001;
@@ -97,9 +97,9 @@ void expect_equal(const dsp::Pinhole& a, const dsp::Pinhole& b) {
   EXPECT_EQ(numbers(a), numbers(b));
 }
 
-void expect_equal(const dsp::PmdTone& a, const dsp::PmdTone& b) {
+void expect_equal(const dsp::PmdFrequency& a, const dsp::PmdFrequency& b) {
   EXPECT_EQ(a.modulation.value, b.modulation.value);
-  const auto numbers = [](const dsp::PmdTone& of) {
+  const auto numbers = [](const dsp::PmdFrequency& of) {
     return std::array{of.min_modulation_ratio, of.offset_m, of.offset_m_per_k, of.stray_i_lsb,
                       of.stray_q_lsb};
   };
@@ -109,7 +109,7 @@ void expect_equal(const dsp::PmdTone& a, const dsp::PmdTone& b) {
 
 void expect_equal(const dsp::PmdSensor& a, const dsp::PmdSensor& b) {
   expect_equal(a.lens, b.lens);
-  expect_equal(a.tone, b.tone);
+  expect_equal(a.frequency, b.frequency);
   EXPECT_EQ(a.phase_falls, b.phase_falls);
   const auto counts = [](const dsp::PmdSensor& of) {
     return std::array{of.saturation_lsb, of.under_lsb, of.min_amplitude_lsb, of.emitter_count};

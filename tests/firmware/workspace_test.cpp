@@ -55,7 +55,7 @@ dsp::MatchParams large_blocks(const board::StereoConfig& stereo) {
   return params;
 }
 
-// The rig that asks most of a board: raw pictures, two tones, lights beside the lens.
+// The rig that asks most of a board: raw pictures, two frequencies, lights beside the lens.
 dsp::Calibration largest_rig(const Sizes& board) {
   const auto lens = [](int width, int height) {
     const double focal = std::max(width, height);
@@ -76,7 +76,7 @@ dsp::Calibration largest_rig(const Sizes& board) {
     EXPECT_STREQ(dsp::complete(rig.stereo), "");
   }
   rig.pmd.lens = lens(board.pmd.width, board.pmd.height);
-  rig.pmd.second = dsp::PmdTone{.modulation = {18'750'000}};
+  rig.pmd.second = dsp::PmdFrequency{.modulation = {18'750'000}};
   rig.pmd.emitter_count = 1;
   return rig;
 }

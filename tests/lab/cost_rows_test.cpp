@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/stereo/cost/mixed.h"
+#include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/sad.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
@@ -16,7 +16,7 @@ namespace stof::lab {
 namespace {
 
 constexpr std::array kCosts{Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7,
-                            Cost::kMixed};
+                            Cost::kAdCensus};
 
 struct Pair {
   test::GuardedImage<std::uint8_t> left, right;
@@ -66,11 +66,11 @@ int pixel_cost(const CostPictures& p, Cost cost, int xl, int xr, int y) {
       return hamming(p.left, p.right, xl, xr, y, 2, 2);
     case Cost::kCensus9x7:
       return hamming(p.left, p.right, xl, xr, y, 4, 3);
-    case Cost::kMixed:
+    case Cost::kAdCensus:
       break;
   }
   return hamming(p.left, p.right, xl, xr, y, 2, 2) +
-         (std::min(grey, kMixedGreyCap) >> kMixedGreyShift);
+         (std::min(grey, kAdCensusGreyCap) >> kAdCensusGreyShift);
 }
 
 // The formula of the header, from a table of what each pixel of a row differs by from each other.
@@ -257,13 +257,13 @@ TEST(CostRows, NarrowSumsHoldTheLargestBlockTheyAreChosenFor) {
 }
 
 TEST(PixelCosts, AreSinglePixelsOfThePicturesOwnColumns) {
-  for (const Cost cost : {Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+  for (const Cost cost : {Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
     const MatchParams params = with(cost, -3, 16, 9, 9);
     Pair pair(20, 6, 10);
     const CostPictures pictures = pair.pictures();
     const PixelCost kind =
-        cost == Cost::kMixed
-            ? PixelCost::kMixed
+        cost == Cost::kAdCensus
+            ? PixelCost::kAdCensus
             : (cost == Cost::kCensus5x5 ? PixelCost::kCensus5x5 : PixelCost::kCensus9x7);
     test::GuardedBuffer<std::byte> memory(
         bytes_taken([&](Arena& measuring) { PixelCosts(kind, params, 20, {}, measuring); }));

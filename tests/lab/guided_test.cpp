@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/index.h"
 #include "lab/matcher.h"
 #include "tests/support/in_own_memory.h"
 #include "tests/support/random.h"
@@ -12,8 +13,6 @@
 // A Matcher with a guide, the appliance's and the lab's.
 namespace stof::lab {
 namespace {
-
-std::size_t size(int value) { return static_cast<std::size_t>(value); }
 
 using Pixels = std::vector<std::uint8_t>;
 using Ranges = std::vector<Candidates>;
@@ -71,7 +70,7 @@ Map match(const MatchParams& params, const Pair& pair, const Ranges& ranges) {
 }
 
 Pair noise(int width, int height, std::uint64_t seed, int high = 255) {
-  Pair pair{width, height, Pixels(size(width * height)), Pixels(size(width * height))};
+  Pair pair{width, height, Pixels(index(width * height)), Pixels(index(width * height))};
   test::Random random(seed);
   random.fill(std::span(pair.left), 0, high);
   random.fill(std::span(pair.right), 0, high);
@@ -86,7 +85,7 @@ Pair shifted(int width, int height, Shift shift) {
     for (int x = 0; x < width; ++x) {
       const int from = x - shift(x, y);
       if (from >= 0 && from < width) {
-        pair.left[size(y * width + x)] = pair.right[size(y * width + from)];
+        pair.left[index(y * width + x)] = pair.right[index(y * width + from)];
       }
     }
   }
@@ -116,7 +115,7 @@ std::vector<MatchParams> every_kind() {
     all.push_back(method_defaults(method));
     all.back().cost = Cost::kSsd;  // u32 sums but for semi-global
     all.push_back(method_defaults(method));
-    all.back().cost = Cost::kMixed;
+    all.back().cost = Cost::kAdCensus;
     all.back().left_right_tolerance = 1;
     all.push_back(method_defaults(method));
     all.back().cost = Cost::kCensus5x5;
@@ -124,7 +123,7 @@ std::vector<MatchParams> every_kind() {
     all.back().subpixel = Subpixel::kParabola;
   }
   all.push_back(method_defaults(Method::kSemiGlobal));
-  all.back().cost = Cost::kMixed;
+  all.back().cost = Cost::kAdCensus;
   all.back().directions = 8;
   all.push_back(method_defaults(Method::kScanline));
   all.back().band = 2;
@@ -147,7 +146,7 @@ class Definition {
 
   int at(int x, int y) const {
     const int winner = left_winner(x, y);
-    const Candidates may = ranges_[size(y * pair_.width + x)];
+    const Candidates may = ranges_[index(y * pair_.width + x)];
     if (winner == kNone || winner < may.first || winner > may.last) {
       return kNone;
     }
@@ -156,14 +155,14 @@ class Definition {
 
  private:
   bool offered(int x, int y, int i) const {
-    const Candidates may = ranges_[size(y * pair_.width + x)];
+    const Candidates may = ranges_[index(y * pair_.width + x)];
     const int column = x - params_.min_disparity - i;
     return column >= 0 && column < pair_.width && i >= may.first - 1 && i <= may.last + 1;
   }
   int cost(int x, int y, int i) const {
     const auto grey = [&](const Pixels& image, int u, int v) {
-      return image[size(std::clamp(v, 0, pair_.height - 1) * pair_.width +
-                        std::clamp(u, 0, pair_.width - 1))];
+      return image[index(std::clamp(v, 0, pair_.height - 1) * pair_.width +
+                         std::clamp(u, 0, pair_.width - 1))];
     };
     int sum = 0;
     const int left = params_.block_width / 2;
@@ -231,7 +230,7 @@ TEST(GuidedMatcher, EqualsTheFullSearchWithMaskedCosts) {
               continue;
             }
             const int wanted = definition.at(x, y);
-            ASSERT_EQ(found[size(y * pair.width + x)],
+            ASSERT_EQ(found[index(y * pair.width + x)],
                       wanted == kNone ? Disparity::none() : Disparity::from_pixels(first + wanted))
                 << x << ", " << y << " from " << first << " block " << block;
           }
@@ -284,8 +283,8 @@ TEST(GuidedMatcher, FindsWhatTheRangesHoldByEveryMethod) {
     for (int x = 0; x < pair.width; ++x) {
       // Of neighbours that have no candidate in common.
       const auto d = static_cast<std::uint8_t>(truth(x, y));
-      ranges[size(y * pair.width + x)] = {static_cast<std::uint8_t>(d - 2),
-                                          static_cast<std::uint8_t>(d + 2)};
+      ranges[index(y * pair.width + x)] = {static_cast<std::uint8_t>(d - 2),
+                                           static_cast<std::uint8_t>(d + 2)};
     }
   }
   for (const MatchParams& params : every_kind()) {
@@ -297,7 +296,7 @@ TEST(GuidedMatcher, FindsWhatTheRangesHoldByEveryMethod) {
     int wrong = 0;
     for (int y = 0; y < pair.height; ++y) {
       for (int x = 20; x < pair.width; ++x) {
-        const Disparity d = found[size(y * pair.width + x)];
+        const Disparity d = found[index(y * pair.width + x)];
         if (d.valid()) {
           const bool good = std::abs(d.raw - truth(x, y) * Disparity::kOne) < Disparity::kOne;
           ++(good ? right : wrong);
@@ -321,7 +320,7 @@ TEST(GuidedMatcher, TellsThePeriodsOfAPatternApart) {
   }
   const MatchParams params{{.disparities = 20, .guided = true, .left_right_tolerance = 1}};
   const auto at_middle = [&](const Ranges& ranges) {
-    return match(params, pair, ranges)[size(20 * pair.width + 80)];
+    return match(params, pair, ranges)[index(20 * pair.width + 80)];
   };
   EXPECT_EQ(at_middle({}), Disparity::from_pixels(3));
   EXPECT_EQ(at_middle(Ranges(pair.left.size(), Candidates{9, 14})), Disparity::from_pixels(11));
@@ -344,7 +343,7 @@ TEST(GuidedMatcher, AFitAtTheEndOfARangeIsTheFitOfTheFullSearch) {
       int compared = 0;
       for (int y = 8; y < 32; ++y) {
         for (int x = 30; x < 90; ++x) {
-          const std::size_t k = size(y * w + x);
+          const std::size_t k = index(y * w + x);
           if (free[k].valid() && (free[k].raw + 8) / Disparity::kOne == 6) {
             ++compared;
             EXPECT_EQ(found[k], free[k]) << x << ", " << y;
@@ -359,8 +358,8 @@ TEST(GuidedMatcher, AFitAtTheEndOfARangeIsTheFitOfTheFullSearch) {
 TEST(GuidedMatcher, ARangeMakesNothingUpWhereNothingMatches) {
   const int w = 160;
   const int h = 80;
-  const Ranges ranges(size(w * h), Candidates{7, 9});
-  Pair flat{w, h, Pixels(size(w * h), 90), Pixels(size(w * h), 90)};
+  const Ranges ranges(index(w * h), Candidates{7, 9});
+  Pair flat{w, h, Pixels(index(w * h), 90), Pixels(index(w * h), 90)};
   for (const MatchParams& params : every_kind()) {
     const Map found = match(params, flat, ranges);
     EXPECT_EQ(std::ranges::count_if(found, &Disparity::valid), 0);

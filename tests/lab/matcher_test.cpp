@@ -34,7 +34,7 @@ int clamped(const Pixels& image, int width, int height, int x, int y) {
 constexpr int kNone = std::numeric_limits<int>::min();
 
 // Columns with a single candidate take it where the neighbour with two has a match.
-void settle_ends(std::span<int> row, const MatchParams& p) {
+void match_ends(std::span<int> row, const MatchParams& p) {
   const int w = static_cast<int>(row.size());
   for (int x = 0; x < w && p.disparities > 1; ++x) {
     std::vector<int> inside;
@@ -78,7 +78,7 @@ std::vector<int> brute_force(const Pixels& left, const Pixels& right, int w, int
       }
       out.push_back(best < worst ? winner : kNone);
     }
-    settle_ends(std::span(out).last(static_cast<std::size_t>(w)), p);
+    match_ends(std::span(out).last(static_cast<std::size_t>(w)), p);
   }
   return out;
 }
@@ -174,7 +174,7 @@ std::vector<MatchParams> every_kind() {
   }
   for (const Method method : {Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
     for (const Cost cost :
-         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
       kinds.push_back(with([&](MatchParams& p) { p.method = method, p.cost = cost; }));
     }
   }
@@ -225,7 +225,7 @@ TEST(Matcher, WhatMatchesWellIsDistinctByEveryMethodAndCost) {
   for (const Method method :
        {Method::kWinnerTakesAll, Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
     for (const Cost cost :
-         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kMixed}) {
+         {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
       for (const std::optional<int> cap : {std::optional<int>(), std::optional<int>(15)}) {
         MatchParams params{{.disparities = 32,
                             .block_width = 9,

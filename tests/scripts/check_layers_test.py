@@ -47,7 +47,7 @@ GOOD = {
                          '#include "firmware/wire/packet.h"\n#include "dataset/scene.h"\n',
     "tests/hal/camera_test.cpp": '#include <gtest/gtest.h>\n#include "hal/emu/camera.h"\n'
                                  '#include "firmware/loop.h"\n#include "dsp/base/simd.h"\n',
-    "tests/support/planted_stores.h": "#pragma once\n#define vst1q_u8 planted\n",
+    "tests/support/mutated_stores.h": "#pragma once\n#define vst1q_u8 mutated\n",
     "scripts/notes.h": '#include "anything"\n',  # not a source of this project
     "build/emu/generated.h": '#include "anything"\n',
 }
@@ -76,7 +76,7 @@ BROKEN = {
     "vectors by a helper": ("dsp/pmd/bad_ref.cpp", '#include "dsp/stereo/sums_neon.h"', "outside of a *_neon.cpp"),
     "AVX2 by its own name": ("dsp/pmd/bad_avx2.cpp", "#include <immintrin.h>", "dsp/base/avx2.h alone"),
     "AVX2 in a file for all": ("dsp/pmd/bad.cpp", '#include "dsp/base/avx2.h"', "outside of a *_avx2.cpp"),
-    "a NEON store that no build damages": ("dsp/pmd/bad_neon.cpp", "vst3q_u8(p, v);", "vst3q_u8 is damaged by no build"),
+    "a NEON store that no build mutates": ("dsp/pmd/bad_neon.cpp", "vst3q_u8(p, v);", "vst3q_u8 is mutated by no build"),
     "a wide store of its own": ("dsp/pmd/bad_avx2.cpp", "_mm256_stream_si256(p, v);", "outside of dsp/base/avx2.h"),
     "an interface knows dsp's methods": ("hal/bad.h", '#pragma once\n#include "dsp/stereo/sad.h"', "hal/* must not know"),
     "an interface knows a library": ("hal/bad.h", "#pragma once\n#include <libusb.h>", "<libusb.h>"),

@@ -22,10 +22,10 @@ using Draw = KernelCase::Draw;
 constexpr std::array<const char*, dsp::kVectorLevels> kNames{"ref", "neon", "avx2", "avx512"};
 constexpr std::array kDraws{Draw::kAny, Draw::kEnds, Draw::kLowest, Draw::kHighest};
 
-#if defined(STOF_PLANT_WRONG_BYTE)
-constexpr bool kPlanted = true;
+#if defined(STOF_MUTATE_STORES)
+constexpr bool kMutated = true;
 #else
-constexpr bool kPlanted = false;
+constexpr bool kMutated = false;
 #endif
 
 const char* name_of(Vectors level) { return kNames[static_cast<std::size_t>(level)]; }
@@ -87,21 +87,21 @@ KernelCase made_by(const KernelBody& body, Vectors level, std::size_t length, st
   return made;
 }
 
-// A build with STOF_PLANT_WRONG_BYTE damages what each level but the reference stores: a test must
+// A build with STOF_MUTATE_STORES mutates what each level but the reference stores: a test must
 // have seen it in each array that the kernel wrote, in one of its comparisons.
 Judgement& judgement_of_test() {
   static Judgement judgement;
   return judgement;
 }
-bool blind = false;
+bool survived = false;
 
-void judge_planted() {
+void judge_mutation() {
   const Judgement judged = std::exchange(judgement_of_test(), {});
-  for (std::size_t k = 0; kPlanted && k < judged.written.size(); ++k) {
+  for (std::size_t k = 0; kMutated && k < judged.written.size(); ++k) {
     if (dsp::vectors() != Vectors::kRef && judged.written[k] && !judged.different[k]) {
-      std::printf("blind: %s, array %zu of %s is wrong and equals the reference\n",
+      std::printf("survived: %s, array %zu of %s is wrong and equals the reference\n",
                   name_of(dsp::vectors()), k, this_test().c_str());
-      blind = true;
+      survived = true;
     }
   }
 }
@@ -113,7 +113,7 @@ bool compare(const KernelBody& body, std::size_t length, std::uint64_t seed, Dra
   const KernelCase other = made_by(body, level, length, seed, draw, false);
   judgement_of_test().add(reference, other);
   const std::string where = difference(reference, other);
-  if (kPlanted || where.empty()) {
+  if (kMutated || where.empty()) {
     return true;
   }
   ADD_FAILURE() << name_of(level) << " differs from the reference in " << where << ": length "
@@ -135,7 +135,7 @@ class EveryLevel : public testing::EmptyTestEventListener {
     dsp::use_vectors(static_cast<Vectors>(first_ + iteration));
     std::printf("[ LEVEL    ] %s\n", name_of(dsp::vectors()));
   }
-  void OnTestEnd(const testing::TestInfo& /*test*/) override { judge_planted(); }
+  void OnTestEnd(const testing::TestInfo& /*test*/) override { judge_mutation(); }
 
  private:
   int first_;
@@ -224,5 +224,5 @@ int main(int argc, char** argv) {
                 stof::test::name_of(static_cast<Vectors>(level)));
   }
   stof::test::print_times();
-  return stof::test::blind ? 1 : result;
+  return stof::test::survived ? 1 : result;
 }

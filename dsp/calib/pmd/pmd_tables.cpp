@@ -29,34 +29,35 @@ double dark_variance(const PmdSensor& sensor) noexcept {
   return sensor.noise_lsb * sensor.noise_lsb + kRounding;
 }
 
-// Metres as phase units of a tone, whole turns dropped.
-Phase wrapped_phase(const PmdTone& tone, double metres) noexcept {
-  const double turns = metres / turn_m(tone);
+// Metres as phase units of a frequency, whole turns dropped.
+Phase wrapped_phase(const PmdFrequency& frequency, double metres) noexcept {
+  const double turns = metres / turn_m(frequency);
   return static_cast<Phase>(std::lround((turns - std::floor(turns)) * 65536));
 }
 
-PhaseLimits phase_limits(const PmdSensor& sensor, const PmdTone& tone, double squared) noexcept {
+PhaseLimits phase_limits(const PmdSensor& sensor, const PmdFrequency& frequency,
+                         double squared) noexcept {
   PhaseLimits limits;
   limits.saturation = clamp_to<std::uint16_t>(sensor.saturation_lsb);
   limits.lowest = clamp_to<std::uint16_t>(sensor.under_lsb + 1.0);
   limits.dark = clamp_to<std::uint16_t>(sensor.dark_lsb);
   limits.min_amp2 = clamp_to<std::uint16_t>(2.0 * sensor.min_amplitude_lsb);
-  limits.ratio_q16 =
-      2 * std::min(clamp_to<std::uint32_t>(tone.min_modulation_ratio * 65536), kMaxRatioQ16 / 2);
+  limits.ratio_q16 = 2 * std::min(clamp_to<std::uint32_t>(frequency.min_modulation_ratio * 65536),
+                                  kMaxRatioQ16 / 2);
   limits.asymmetry_slope_q8 = std::min(
       clamp_to<std::uint32_t>(squared / sensor.electrons_per_lsb * kQ8), kMaxAsymmetrySlopeQ8);
   return limits;
 }
 
-PhaseCorrection correction_of(const PmdSensor& sensor, const PmdTone& tone) noexcept {
+PhaseCorrection correction_of(const PmdSensor& sensor, const PmdFrequency& frequency) noexcept {
   PhaseCorrection correction;
   correction.phase_falls = sensor.phase_falls;
-  correction.global = wrapped_phase(tone, tone.offset_m);
-  correction.pattern_scale_q14 = clamp_to<std::uint16_t>(turn_m(sensor.tone) / turn_m(tone) *
-                                                         static_cast<double>(kPatternScaleOne));
+  correction.global = wrapped_phase(frequency, frequency.offset_m);
+  correction.pattern_scale_q14 = clamp_to<std::uint16_t>(
+      turn_m(sensor.frequency) / turn_m(frequency) * static_cast<double>(kPatternScaleOne));
   for (std::size_t i = 0; i < correction.wiggling.size(); ++i) {
-    const std::int16_t value = tone.wiggling[i];
-    const std::int16_t next = tone.wiggling[(i + 1) % tone.wiggling.size()];
+    const std::int16_t value = frequency.wiggling[i];
+    const std::int16_t next = frequency.wiggling[(i + 1) % frequency.wiggling.size()];
     correction.wiggling[i] = {value, static_cast<std::int16_t>(next - value)};
   }
   return correction;
@@ -64,61 +65,63 @@ PhaseCorrection correction_of(const PmdSensor& sensor, const PmdTone& tone) noex
 
 }  // namespace
 
-double turn_m(const PmdTone& tone) noexcept {
-  return kLightMetresPerSecond / (2.0 * tone.modulation.value);
+double turn_m(const PmdFrequency& frequency) noexcept {
+  return kLightMetresPerSecond / (2.0 * frequency.modulation.value);
 }
 
-ToneTables tone_tables(const PmdSensor& sensor, const PmdTone& tone) noexcept {
+FrequencyTables frequency_tables(const PmdSensor& sensor, const PmdFrequency& frequency) noexcept {
   // A0 + A2 - A1 - A3 has four times the variance of a sample.
   const double squared = 4 * sensor.asymmetry_sigmas * sensor.asymmetry_sigmas;
   const double suppressed = sensor.suppressed_lsb / sensor.electrons_per_lsb;
   // K_s = sqrt(2) * 4000 c / (4 pi f) = sqrt(2) * turn / (2 pi).
-  const double k = std::numbers::sqrt2 * turn_m(tone) * kQuarterMmPerMetre / (2 * std::numbers::pi);
-  return {
-      .limits = phase_limits(sensor, tone, squared),
-      .stray_i_q8 = clamp_to<std::int32_t>(tone.stray_i_lsb * kQ8),
-      .stray_q_q8 = clamp_to<std::int32_t>(tone.stray_q_lsb * kQ8),
-      .asymmetry_dark = clamp_to<std::uint32_t>(squared * dark_variance(sensor)),
-      .asymmetry_suppressed = clamp_to<std::uint32_t>(squared * suppressed),
-      .noise = {.slope = static_cast<float>(k * k / sensor.electrons_per_lsb),
-                .base = static_cast<float>(k * k * dark_variance(sensor))},
-      .noise_suppressed = static_cast<float>(k * k * suppressed),
-      .correction = correction_of(sensor, tone),
-      .global_per_k_q8 = clamp_to<std::int32_t>(tone.offset_m_per_k / turn_m(tone) * 65536 * kQ8),
-      .reference_q8 = clamp_to<std::int32_t>(sensor.reference_c * kQ8),
-      .turn = clamp_to<std::uint32_t>(turn_m(tone) * units_per_metre(sensor))};
+  const double k =
+      std::numbers::sqrt2 * turn_m(frequency) * kQuarterMmPerMetre / (2 * std::numbers::pi);
+  return {.limits = phase_limits(sensor, frequency, squared),
+          .stray_i_q8 = clamp_to<std::int32_t>(frequency.stray_i_lsb * kQ8),
+          .stray_q_q8 = clamp_to<std::int32_t>(frequency.stray_q_lsb * kQ8),
+          .asymmetry_dark = clamp_to<std::uint32_t>(squared * dark_variance(sensor)),
+          .asymmetry_suppressed = clamp_to<std::uint32_t>(squared * suppressed),
+          .noise = {.slope = static_cast<float>(k * k / sensor.electrons_per_lsb),
+                    .base = static_cast<float>(k * k * dark_variance(sensor))},
+          .noise_suppressed = static_cast<float>(k * k * suppressed),
+          .correction = correction_of(sensor, frequency),
+          .global_per_k_q8 =
+              clamp_to<std::int32_t>(frequency.offset_m_per_k / turn_m(frequency) * 65536 * kQ8),
+          .reference_q8 = clamp_to<std::int32_t>(sensor.reference_c * kQ8),
+          .turn = clamp_to<std::uint32_t>(turn_m(frequency) * units_per_metre(sensor))};
 }
 
-PhaseLimits limits_at(const ToneTables& tone, IntegrationQ8 integration) noexcept {
-  PhaseLimits limits = tone.limits;
+PhaseLimits limits_at(const FrequencyTables& frequency, IntegrationQ8 integration) noexcept {
+  PhaseLimits limits = frequency.limits;
   const auto stray = [integration](std::int32_t q8) {
     const std::int64_t lsb = round_shift(std::int64_t{q8} * integration, 16);
     return static_cast<std::int16_t>(std::clamp<std::int64_t>(lsb, -32767, 32767));
   };
-  limits.stray_i = stray(tone.stray_i_q8);
-  limits.stray_q = stray(tone.stray_q_q8);
+  limits.stray_i = stray(frequency.stray_i_q8);
+  limits.stray_q = stray(frequency.stray_q_q8);
   const std::uint64_t suppressed =
-      round_shift(std::uint64_t{tone.asymmetry_suppressed} * integration, 8);
+      round_shift(std::uint64_t{frequency.asymmetry_suppressed} * integration, 8);
   limits.asymmetry_base = static_cast<std::uint32_t>(
-      std::min<std::uint64_t>(tone.asymmetry_dark + suppressed, 0xFFFFFFFF));
+      std::min<std::uint64_t>(frequency.asymmetry_dark + suppressed, 0xFFFFFFFF));
   return limits;
 }
 
-NoiseModel noise_at(const ToneTables& tone, IntegrationQ8 integration) noexcept {
+NoiseModel noise_at(const FrequencyTables& frequency, IntegrationQ8 integration) noexcept {
   const float relative = static_cast<float>(integration) / kQ8;
-  return {tone.noise.slope, tone.noise.base + tone.noise_suppressed * relative};
+  return {frequency.noise.slope, frequency.noise.base + frequency.noise_suppressed * relative};
 }
 
-Phase global_at(const ToneTables& tone, std::optional<std::int32_t> temperature_q8) noexcept {
+Phase global_at(const FrequencyTables& frequency,
+                std::optional<std::int32_t> temperature_q8) noexcept {
   const std::int64_t warmer =
-      std::int64_t{temperature_q8.value_or(tone.reference_q8)} - tone.reference_q8;
-  const std::int64_t moved = round_shift(tone.global_per_k_q8 * warmer, 16);
-  return static_cast<Phase>(tone.correction.global + moved);
+      std::int64_t{temperature_q8.value_or(frequency.reference_q8)} - frequency.reference_q8;
+  const std::int64_t moved = round_shift(frequency.global_per_k_q8 * warmer, 16);
+  return static_cast<Phase>(frequency.correction.global + moved);
 }
 
 bool has_long_range(const PmdSensor& sensor) noexcept {
   return sensor.second.has_value() ||
-         std::round(turn_m(sensor.tone) * kQuarterMmPerMetre) > kMaxQuarterMm;
+         std::round(turn_m(sensor.frequency) * kQuarterMmPerMetre) > kMaxQuarterMm;
 }
 
 double units_per_metre(const PmdSensor& sensor) noexcept {
@@ -137,8 +140,8 @@ RangeTables range_tables(const PmdSensor& sensor, double period_m) noexcept {
           static_cast<std::int32_t>(std::clamp(std::round(sensor.shift_m * units), -kMost, kMost)),
       .period = std::min(clamp_to<std::uint32_t>(period_m * sensor.scale * units), kMostUnits)};
   tables.range = clamp_to<std::uint32_t>(period_m * sensor.scale * kQuarterMmPerMetre);
-  tables.widest =
-      clamp_to<QuarterMm>(std::floor(turn_m(sensor.tone) * sensor.scale * kQuarterMmPerMetre / 2));
+  tables.widest = clamp_to<QuarterMm>(
+      std::floor(turn_m(sensor.frequency) * sensor.scale * kQuarterMmPerMetre / 2));
   return tables;
 }
 

@@ -15,8 +15,8 @@
 // problem() accepts.
 namespace stof::dsp {
 
-// One tone at the reference integration time and temperature.
-struct ToneTables {
+// One frequency at the reference integration time and temperature.
+struct FrequencyTables {
   PhaseLimits limits;  // of the reference; stray light and suppressed light follow:
   std::int32_t stray_i_q8 = 0;
   std::int32_t stray_q_q8 = 0;
@@ -29,21 +29,23 @@ struct ToneTables {
   std::int32_t reference_q8 = 0;           // that temperature
   std::uint32_t turn = 1;                  // units
 };
-ToneTables tone_tables(const PmdSensor& sensor, const PmdTone& tone) noexcept;
+FrequencyTables frequency_tables(const PmdSensor& sensor, const PmdFrequency& frequency) noexcept;
 
 // Light that is always there grows with the integration time.
-PhaseLimits limits_at(const ToneTables& tone, IntegrationQ8 integration) noexcept;
-NoiseModel noise_at(const ToneTables& tone, IntegrationQ8 integration) noexcept;
+PhaseLimits limits_at(const FrequencyTables& frequency, IntegrationQ8 integration) noexcept;
+NoiseModel noise_at(const FrequencyTables& frequency, IntegrationQ8 integration) noexcept;
 // correction.global at a temperature: global + (per_k (T - T_ref)), it wraps.
-Phase global_at(const ToneTables& tone, std::optional<std::int32_t> temperature_q8) noexcept;
+Phase global_at(const FrequencyTables& frequency,
+                std::optional<std::int32_t> temperature_q8) noexcept;
 
-// Whether distances are computed in 0.1 mm and published as u32 too: with a second tone, or when a
-// turn is more than u16 quarter mm hold (below 9.15 MHz). Else they are computed in quarter mm.
+// Whether distances are computed in 0.1 mm and published as u32 too: with a second frequency, or
+// when a turn is more than u16 quarter mm hold (below 9.15 MHz). Else they are computed in quarter
+// mm.
 bool has_long_range(const PmdSensor& sensor) noexcept;
 double units_per_metre(const PmdSensor& sensor) noexcept;
 
 // Distance of one turn of phase.
-double turn_m(const PmdTone& tone) noexcept;
+double turn_m(const PmdFrequency& frequency) noexcept;
 
 // From distances to what is published; they repeat after period_m.
 struct RangeTables {

@@ -10,7 +10,7 @@
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/project/reproject.h"
 #include "dsp/pmd/converter.h"
-#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 
 namespace stof::dsp {
 

@@ -74,7 +74,7 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
 
 void store_word(std::uint64_t first, std::uint64_t second, std::uint64_t* word) noexcept {
   *word = first | (second << kLanes);
-  damage(word);
+  mutate(word);
 }
 
 }  // namespace

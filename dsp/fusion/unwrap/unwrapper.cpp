@@ -18,7 +18,7 @@ namespace {
 std::uint32_t turn_of(const PmdSensor& sensor) noexcept {
   return static_cast<std::uint32_t>(
       std::lround(sensor.scale * kQuarterMmPerMetre * kLightMetresPerSecond /
-                  (2.0 * sensor.tone.modulation.value)));
+                  (2.0 * sensor.frequency.modulation.value)));
 }
 
 void apply(const PeriodMaps& maps, const PmdMaps& pmd) noexcept {

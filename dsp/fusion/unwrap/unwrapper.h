@@ -11,8 +11,8 @@
 
 namespace stof::dsp {
 
-// Tells how often a PMD reading wrapped. A sensor of one tone repeats after pmd.range (R, 7.49 m
-// at 20 MHz): a reading d is a surface at d, d + R, d + 2 R, ... The candidates are those whose Z
+// Tells how often a PMD reading wrapped. A sensor of one frequency repeats after pmd.range (R, 7.49
+// m at 20 MHz): a reading d is a surface at d, d + R, d + 2 R, ... The candidates are those whose Z
 // from the left camera is at most max_range and that u16 holds; what lies beyond is a rival that
 // can refute them, never a result. A reading has a period where
 //   its amplitude leaves only period 0: no surface returns more than 1.5 times what a white one

@@ -23,8 +23,8 @@ inline constexpr std::uint16_t kPatternScaleOne = 1 << 14;
 struct PhaseCorrection {
   bool phase_falls = false;
   Phase global = 0;  // subtracted from every pixel's phase, temperature included
-  // The fixed pattern is stored in turns of the first tone; in turns of the second the same metres
-  // are f2 / f1 as much.
+  // The fixed pattern is stored in turns of the first frequency; in turns of the second the same
+  // metres are f2 / f1 as much.
   std::uint16_t pattern_scale_q14 = kPatternScaleOne;
   WigglingSteps wiggling{};
 };

@@ -4,9 +4,9 @@
 
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/check/distinct.h"
 #include "dsp/stereo/check/histogram.h"
 #include "dsp/stereo/check/texture.h"
+#include "dsp/stereo/check/winner_margin.h"
 #include "dsp/stereo/refine/median.h"
 
 namespace stof::dsp {
@@ -108,7 +108,7 @@ void MapChecks::drop_by_surroundings(const PreparedPair& pair, ImageView<Dispari
       drop_flat(pair.left(), *params_.prefilter_cap, *params_.min_texture, rows, window, map);
     }
     if (params_.distinct) {
-      drop_indistinct(margins, rows, window, map);
+      drop_small_margins(margins, rows, window, map);
     }
   });
 }

@@ -19,8 +19,8 @@ namespace stof::dsp {
 // the median. Holds its buffers, allocates nothing; the result is the same with any team.
 class MapChecks {
  public:
-  // margins: distinct (check/distinct.h), of the search; of width x height, else empty. Of no use
-  // to anybody after apply().
+  // margins: distinct (check/winner_margin.h), of the search; of width x height, else empty. Of no
+  // use to anybody after apply().
   MapChecks(const MatchParams& params, int width, int height, ImageView<std::int16_t> margins,
             Arena& arena, const ThreadTeam& team) noexcept;
 

@@ -3,10 +3,10 @@
 #include <array>
 #include <cstddef>
 
-#include "dsp/base/avx2.h"
 #include "dsp/base/check.h"
+#include "dsp/base/lanes_avx2.h"
+#include "dsp/base/mutation.h"
 #include "dsp/stereo/cost/sad.h"
-#include "dsp/stereo/cost/sums_avx2.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::dsp::avx2 {
@@ -32,7 +32,7 @@ Sum best_rival(const Sum* costs, std::size_t lanes, std::int16_t winner) noexcep
   for (std::size_t i = 0; i < lanes; i += kLanes) {
     least = smaller(least, load<V>(costs + i) | load<V>(near + i));
   }
-  return lowest_everywhere(least)[0];
+  return Lanes<Sum>::lowest(least)[0];
 }
 
 // floor(255 cost / rival), or 255 where cost >= rival.
@@ -47,7 +47,7 @@ i32x8 quotient(i32x8 cost, i32x8 rival) noexcept {
 template <typename Sum>
 void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
                 std::span<std::uint8_t> ratio) noexcept {
-  if (lanes % kLanesOf<Sum> != 0) {
+  if (lanes % static_cast<int>(Lanes<Sum>::kLanes) != 0) {
     neon::peak_ratio(costs, lanes, winners, ratio);
     return;
   }
@@ -73,7 +73,7 @@ void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int1
       ratio[x + k] = static_cast<std::uint8_t>(result[k]);
     }
   }
-  damage(ratio.first(x));
+  mutate(ratio.first(x));
   neon::peak_ratio(costs.subspan(x * count), lanes, winners.subspan(x), ratio.subspan(x));
 }
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/base/simd.h"
+#include "dsp/base/lanes_neon.h"
 #include "dsp/stereo/cost/sad.h"
 #include "dsp/stereo/search/winner.h"
 
@@ -15,44 +15,17 @@ constexpr std::size_t kAtOnce = 16;
 
 // The lowest of 16 .. 256 costs but those of `first`, first + 1 and first + 2; first may be -1. A
 // candidate's number less `first`, wrapped, is 0 .. 2 for these.
-std::uint8_t best_rival(const std::uint8_t* costs, std::size_t lanes, int first) noexcept {
-  constexpr std::array<std::uint8_t, 16> kNumbers{0, 1, 2,  3,  4,  5,  6,  7,
-                                                  8, 9, 10, 11, 12, 13, 14, 15};
-  uint8x16_t number =
-      vsubq_u8(vld1q_u8(kNumbers.data()), vdupq_n_u8(static_cast<std::uint8_t>(first)));
-  uint8x16_t lowest = vdupq_n_u8(kNoCost<std::uint8_t>);
-  for (std::size_t i = 0; i < lanes; i += 16) {
-    const uint8x16_t near = vcleq_u8(number, vdupq_n_u8(2));
-    lowest = vminq_u8(lowest, vorrq_u8(vld1q_u8(costs + i), near));
-    number = vaddq_u8(number, vdupq_n_u8(16));
+template <typename Sum>
+Sum best_rival(const Sum* costs, std::size_t lanes, int first) noexcept {
+  using L = Lanes<Sum>;
+  auto number = L::numbers() - L::all(static_cast<Sum>(first));
+  auto lowest = L::all(kNoCost<Sum>);
+  for (std::size_t i = 0; i < lanes; i += L::kLanes) {
+    const auto near = L::at_most(number, L::all(2));
+    lowest = L::smaller(lowest, L::load(costs + i) | near);
+    number = number + L::all(L::kLanes);
   }
-  return vminvq_u8(lowest);
-}
-
-std::uint16_t best_rival(const std::uint16_t* costs, std::size_t lanes, int first) noexcept {
-  constexpr std::array<std::uint16_t, 8> kNumbers{0, 1, 2, 3, 4, 5, 6, 7};
-  uint16x8_t number =
-      vsubq_u16(vld1q_u16(kNumbers.data()), vdupq_n_u16(static_cast<std::uint16_t>(first)));
-  uint16x8_t lowest = vdupq_n_u16(kNoCost<std::uint16_t>);
-  for (std::size_t i = 0; i < lanes; i += 8) {
-    const uint16x8_t near = vcleq_u16(number, vdupq_n_u16(2));
-    lowest = vminq_u16(lowest, vorrq_u16(vld1q_u16(costs + i), near));
-    number = vaddq_u16(number, vdupq_n_u16(8));
-  }
-  return vminvq_u16(lowest);
-}
-
-std::uint32_t best_rival(const std::uint32_t* costs, std::size_t lanes, int first) noexcept {
-  constexpr std::array<std::uint32_t, 4> kNumbers{0, 1, 2, 3};
-  uint32x4_t number =
-      vsubq_u32(vld1q_u32(kNumbers.data()), vdupq_n_u32(static_cast<std::uint32_t>(first)));
-  uint32x4_t lowest = vdupq_n_u32(kNoCost<std::uint32_t>);
-  for (std::size_t i = 0; i < lanes; i += 4) {
-    const uint32x4_t near = vcleq_u32(number, vdupq_n_u32(2));
-    lowest = vminq_u32(lowest, vorrq_u32(vld1q_u32(costs + i), near));
-    number = vaddq_u32(number, vdupq_n_u32(4));
-  }
-  return vminvq_u32(lowest);
+  return L::smallest(lowest);
 }
 
 // floor(255 cost / rival), or 255 where cost >= rival.

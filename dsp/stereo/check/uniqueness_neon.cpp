@@ -4,8 +4,7 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/base/simd.h"
-#include "dsp/stereo/cost/sums_neon.h"
+#include "dsp/base/lanes_neon.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -17,10 +16,11 @@ unsigned total(uint32x4_t v) noexcept { return vaddvq_u32(v); }
 template <typename Sum>
 bool unique(const Sum* costs, std::size_t lanes, std::size_t winner, int percent) noexcept {
   const Sum limit = uniqueness_limit(costs[winner], percent);
-  const auto limits = all(limit);
-  auto below = all(Sum{0});
-  for (std::size_t i = 0; i < lanes; i += Vector<Sum>::kLanes) {
-    below = sub(below, less(load(costs + i), limits));  // a true mask is -1
+  using L = Lanes<Sum>;
+  const auto limits = L::all(limit);
+  auto below = L::all(0);
+  for (std::size_t i = 0; i < lanes; i += L::kLanes) {
+    below = below - L::less(L::load(costs + i), limits);  // a true mask is -1
   }
   const bool before = winner > 0 && costs[winner - 1] < limit;
   const bool after = winner + 1 < lanes && costs[winner + 1] < limit;

@@ -6,11 +6,17 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "dsp/base/check.h"
+#include "dsp/stereo/cost/census.h"
 
-// The walk along a row that the vector variants of census.h share; what is static here must not be
-// shared with files for other processors.
+// The vector variants of census.h; what is static here must not be shared with files for other
+// processors. Isa, of an unnamed namespace: Lanes<std::uint8_t> of base/lanes_neon.h or
+// lanes_avx2.h and
+//   Signed, load_signed(p)   what 128 was subtracted from: signed comparisons give the order of
+//                            unsigned values, without the detour that x86 needs for those
+//   darker(a, b)             all ones where a < b
 namespace stof::dsp::census_body {
 
 // out[k] = row[x + k - before], the nearest column where there is none.
@@ -24,13 +30,54 @@ static void copy_clamped(std::span<const std::uint8_t> row, std::size_t x, std::
   std::ranges::fill(out.subspan(missing + count), row.back());
 }
 
-// All columns of a row. Describer<kWidth, kHeight> describes its kColumns at once.
-template <template <std::size_t, std::size_t> typename Describer, std::size_t kWidth,
-          std::size_t kHeight>
+// Descriptors of Isa::kLanes columns. rows[r] points at the first of them in row r of the window
+// and is read half a window beyond them on both sides; planes are `stride` apart.
+template <typename Isa, std::size_t kWidth, std::size_t kHeight>
+class Describer {
+ public:
+  static constexpr int kBits = kWidth * kHeight - 1;
+  static constexpr std::size_t kPlanes = planes_of(kBits);
+  using Rows = std::array<const std::uint8_t*, kHeight>;
+
+  static void describe(const Rows& rows, std::uint8_t* planes, std::size_t stride) noexcept {
+    const Signed centre = Isa::load_signed(rows[kHeight / 2]);
+    // As a fold, because compilers do not unroll loops that long, and then compute every address.
+    [&]<std::size_t... kPlane>(std::index_sequence<kPlane...>) {
+      (Isa::store(planes + kPlane * stride,
+                  plane<kPlane>(rows, centre, std::make_index_sequence<kPlaneBits>{})),
+       ...);
+    }(std::make_index_sequence<kPlanes>{});
+  }
+
+ private:
+  using V = typename Isa::V;
+  using Signed = typename Isa::Signed;
+
+  template <std::size_t kPlane, std::size_t... kPlace>
+  static V plane(const Rows& rows, Signed centre, std::index_sequence<kPlace...>) noexcept {
+    V bits = Isa::all(0);
+    ((bits = shift_in<(kPlane + 1) * kPlaneBits - 1 - kPlace>(rows, centre, bits)), ...);
+    return bits;
+  }
+
+  template <std::size_t kBit>
+  static V shift_in(const Rows& rows, Signed centre, V bits) noexcept {
+    if constexpr (kBit < kBits) {
+      constexpr std::size_t kCell = kBit < kBits / 2 ? kBit : kBit + 1;  // steps over the centre
+      const std::uint8_t* const at = rows[kCell / kWidth] + kCell % kWidth - kWidth / 2;
+      return bits + bits - Isa::darker(Isa::load_signed(at), centre);  // a true mask is -1
+    } else {
+      return bits;
+    }
+  }
+};
+
+// All columns of a row.
+template <typename Isa, std::size_t kWidth, std::size_t kHeight>
 static void census(std::span<const std::span<const std::uint8_t>, kHeight> rows,
                    std::span<std::uint8_t> planes) noexcept {
-  using Columns = Describer<kWidth, kHeight>;
-  constexpr std::size_t kColumns = Columns::kColumns;
+  using Columns = Describer<Isa, kWidth, kHeight>;
+  constexpr std::size_t kColumns = Isa::kLanes;
   constexpr std::size_t kReach = kWidth / 2;
   constexpr std::size_t kPlanes = Columns::kPlanes;
   const std::size_t n = rows[0].size();

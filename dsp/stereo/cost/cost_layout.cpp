@@ -9,6 +9,7 @@
 #include "dsp/stereo/cost/sad.h"
 
 namespace stof::dsp {
+
 int lanes_of(const MatchParams& params) noexcept {
   return (params.disparities + kCostLanes - 1) / kCostLanes * kCostLanes;
 }
@@ -41,6 +42,22 @@ void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min
                       out.begin() + begin);
   }
   std::ranges::fill(out.subspan(index(end)), row.front());
+}
+
+RowPair RowPair::take(const MatchParams& params, int width, Arena& arena) noexcept {
+  const int left = width + params.block_width - 1;
+  return {.left = arena.take<std::uint8_t>(index(left)),
+          .right = arena.take<std::uint8_t>(index(left + lanes_of(params) - 1))};
+}
+
+RowPair RowPair::load(const CostPictures& pictures, int y,
+                      const MatchParams& params) const noexcept {
+  const CostColumns columns = block_columns(params);
+  const int n = pictures.left.width() + params.block_width - 1;
+  const RowPair rows{left.first(index(n)), right.first(index(n + lanes_of(params) - 1))};
+  extend_row(pictures.left.row_clamped(y), columns, rows.left);
+  reverse_row(pictures.right.row_clamped(y), columns, params.min_disparity, rows.right);
+  return rows;
 }
 
 template <typename Sum>

@@ -3,10 +3,18 @@
 #include <cstdint>
 #include <span>
 
+#include "dsp/base/arena.h"
+#include "dsp/base/image.h"
 #include "dsp/stereo/match_params.h"
 
 // How rows of pixels become the left and right rows of sad.h, and which candidates exist.
 namespace stof::dsp {
+
+// What is compared: grey values, smoothed or not, or their derivatives. Of one size.
+struct CostPictures {
+  ImageView<const std::uint8_t> left;
+  ImageView<const std::uint8_t> right;
+};
 
 // Candidates of a column with the unused ones that round them up to whole vectors.
 int lanes_of(const MatchParams& params) noexcept;
@@ -29,6 +37,17 @@ void extend_row(std::span<const std::uint8_t> row, CostColumns columns,
 // k, which is right x = k - before - min_disparity - i, is element n - 1 - k + i.
 void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min_disparity,
                  std::span<std::uint8_t> out) noexcept;
+
+// A left and a right row as above, of blocks as wide as the params'.
+struct RowPair {
+  std::span<std::uint8_t> left;
+  std::span<std::uint8_t> right;
+
+  // For pictures up to `width`.
+  static RowPair take(const MatchParams& params, int width, Arena& arena) noexcept;
+  // Overwritten with row y of pictures; rows beyond these replicate. Returns what is used.
+  RowPair load(const CostPictures& pictures, int y, const MatchParams& params) const noexcept;
+};
 
 // kNoCost for candidates whose right column lies outside the picture, and for unused lanes.
 // costs: width * lanes, of the picture's own columns; Sum is u8, u16 or u32.

@@ -11,7 +11,7 @@
 namespace stof::dsp {
 namespace {
 
-// kReciprocals[area], as cross.h wants it.
+// kReciprocals[area], as cross_aggregation.h wants it.
 constexpr int kLargestArea = (2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1);
 constexpr auto kReciprocals = [] {
   std::array<std::int16_t, kLargestArea + 1> table{};
@@ -27,7 +27,7 @@ constexpr auto kReciprocals = [] {
 CrossCosts::CrossCosts(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
       lanes_(index(lanes_of(params))),
-      pixels_(PixelCost::kMixed, params, width, {}, arena) {
+      pixels_(PixelCost::kAdCensus, params, width, {}, arena) {
   const std::size_t n = index(width);
   summed_ = arena.take<std::uint16_t>(index(kKept) * n * lanes_);
   areas_ = arena.take<std::uint16_t>(index(kKept) * n);

@@ -6,21 +6,21 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/arms.h"
 #include "dsp/stereo/cost/cost_source.h"
-#include "dsp/stereo/cost/cross.h"
-#include "dsp/stereo/cost/mixed.h"
+#include "dsp/stereo/cost/cross_aggregation.h"
 #include "dsp/stereo/cost/pixel_costs.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 
-// The mixed cost (mixed.h) of two grey pictures, averaged over cross-shaped regions of left pixels
-// that look alike (cross.h): rows of u8, kNoCost for candidates outside the right picture and for
-// unused lanes, all others at most kLargestMixedCost. Keeps sums of the rows that a region can
-// reach, no volume.
+// AD-Census (ad_census.h) of two grey pictures, averaged over cross-shaped regions of left pixels
+// that look alike (cross_aggregation.h): rows of u8, kNoCost for candidates outside the right
+// picture and for unused lanes, all others at most kLargestAdCensusCost. Keeps sums of the rows
+// that a region can reach, no volume.
 inline constexpr ArmParams kCrossArms{.longest = 12, .difference = 10};
-static_assert((2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1) * kLargestMixedCost <
+static_assert((2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1) * kLargestAdCensusCost <
               65536);
 
 class CrossCosts final : public CostSource<std::uint8_t> {

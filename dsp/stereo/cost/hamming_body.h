@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -7,13 +9,29 @@
 #include "dsp/base/check.h"
 #include "dsp/stereo/cost/census.h"
 
-// The walk over a row of pixels that the vector variants of hamming.h share. Isa (of an unnamed
-// namespace, so that nothing here is shared with files for other processors) brings a vector V of
-// kLanes candidates, distances() and store().
+// The walk over a row of pixels that the vector variants of hamming.h share. Isa is the Hamming of
+// hamming_neon.h or hamming_avx2.h: a vector V of kLanes candidates, distances() and store().
 namespace stof::dsp::hamming_body {
 
+// kDistances[a][b]: bits in which four bits a differ from four bits b.
+alignas(16) static constexpr auto kDistances = [] {
+  std::array<std::array<std::uint8_t, 16>, 16> distances{};
+  for (unsigned a = 0; a < 16; ++a) {
+    for (unsigned b = 0; b < 16; ++b) {
+      distances[a][b] = static_cast<std::uint8_t>(std::popcount(a ^ b));
+    }
+  }
+  return distances;
+}();
+
+// Where the planes of a row begin, and how far apart they are.
+struct Planes {
+  const std::uint8_t* first;
+  std::size_t stride;
+};
+
 template <typename Isa, std::size_t kPlanes, std::size_t kVectors>
-void strip(typename Isa::Planes left, typename Isa::Planes right, std::uint8_t* costs) noexcept {
+void strip(Planes left, Planes right, std::uint8_t* costs) noexcept {
   typename Isa::V distances[kVectors];
   Isa::template distances<kPlanes>(left, right, distances);
   for (std::size_t v = 0; v < kVectors; ++v) {
@@ -29,7 +47,7 @@ void compare(std::span<const std::uint8_t> left, std::span<const std::uint8_t> r
   STOF_CHECK(costs.size() == n * lanes && left.size() == kPlanes * n &&
              right.size() == kPlanes * stride);
   for (std::size_t k = 0; k < n; ++k) {
-    const typename Isa::Planes own{left.data() + k, n};
+    const Planes own{left.data() + k, n};
     const std::uint8_t* const candidates = right.data() + (n - 1 - k);
     std::uint8_t* const pixel = costs.data() + k * lanes;
     std::size_t i = 0;

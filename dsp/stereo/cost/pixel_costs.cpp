@@ -5,9 +5,9 @@
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
+#include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/hamming.h"
-#include "dsp/stereo/cost/mixed.h"
 
 namespace stof::dsp {
 namespace {
@@ -49,7 +49,7 @@ PixelCosts::PixelCosts(PixelCost cost, const MatchParams& params, int width, Cos
   described_ = arena.take<std::uint8_t>(planes * index(width));
   left_.planes = arena.take<std::uint8_t>(planes * left);
   right_.planes = arena.take<std::uint8_t>(planes * right);
-  if (cost == PixelCost::kMixed) {
+  if (cost == PixelCost::kAdCensus) {
     left_.grey = arena.take<std::uint8_t>(left);
     right_.grey = arena.take<std::uint8_t>(right);
   }
@@ -96,14 +96,14 @@ void PixelCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
   }
   const std::span<const std::uint8_t> left = left_.planes.first(planes * n);
   const std::span<const std::uint8_t> right = right_.planes.first(planes * candidates);
-  if (cost_ != PixelCost::kMixed) {
+  if (cost_ != PixelCost::kAdCensus) {
     best::hamming_costs(left, right, bits, lanes_, costs);
     return;
   }
   extend(pictures_.left.row(y), left_.grey.first(n));
   reverse(pictures_.right.row(y), right_.grey.first(candidates));
-  best::mixed_costs({.planes = left, .grey = left_.grey.first(n)},
-                    {.planes = right, .grey = right_.grey.first(candidates)}, lanes_, costs);
+  best::ad_census_costs({.planes = left, .grey = left_.grey.first(n)},
+                        {.planes = right, .grey = right_.grey.first(candidates)}, lanes_, costs);
 }
 
 }  // namespace stof::dsp

@@ -11,16 +11,10 @@
 
 namespace stof::dsp {
 
-// What is compared: grey values, smoothed or not, or their derivatives. Of one size.
-struct CostPictures {
-  ImageView<const std::uint8_t> left;
-  ImageView<const std::uint8_t> right;
-};
-
 enum class PixelCost : std::uint8_t {
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
-  kMixed,      // census 5x5 and clipped grey differences (mixed.h)
+  kAdCensus,   // census 5x5 and clipped grey differences (ad_census.h)
 };
 
 // The costs of single pixels, one row at a time, for costs that fit u8 and are dear to compute.

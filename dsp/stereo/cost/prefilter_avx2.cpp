@@ -2,31 +2,13 @@
 
 #include <cstddef>
 
-#include "dsp/base/avx2.h"
 #include "dsp/base/check.h"
+#include "dsp/stereo/cost/column_sums_avx2.h"
 
 namespace stof::dsp::avx2 {
 namespace {
 
 constexpr std::size_t kStep = 32;
-
-// Bytes as 16-bit lanes: the lower and the upper eight of both halves.
-struct Wide {
-  i16x16 low, high;
-};
-Wide widened(u8x32 v) noexcept {
-  const __m256i zero = _mm256_setzero_si256();
-  return {.low = as<i16x16>(_mm256_unpacklo_epi8(bits(v), zero)),
-          .high = as<i16x16>(_mm256_unpackhi_epi8(bits(v), zero))};
-}
-// above + 2 here + below.
-Wide column_sums(const std::uint8_t* above, const std::uint8_t* here,
-                 const std::uint8_t* below) noexcept {
-  const Wide a = widened(load<u8x32>(above));
-  const Wide h = widened(load<u8x32>(here));
-  const Wide b = widened(load<u8x32>(below));
-  return {.low = a.low + b.low + h.low + h.low, .high = a.high + b.high + h.high + h.high};
-}
 
 }  // namespace
 
@@ -40,7 +22,8 @@ void clipped_sobel(std::span<const std::uint8_t> above, std::span<const std::uin
     return;
   }
   const i16x16 high = all(static_cast<std::int16_t>(cap));
-  const auto clipped = [&](i16x16 derivative) noexcept {
+  const auto clipped = [&](u16x16 after, u16x16 before) noexcept {
+    const i16x16 derivative = as<i16x16>(bits(after - before));
     return smaller(larger(derivative, i16x16{} - high), high) + high;
   };
   clipped_sobel_columns(above, here, below, cap, 0, 1, out);
@@ -50,10 +33,10 @@ void clipped_sobel(std::span<const std::uint8_t> above, std::span<const std::uin
     const auto sums = [&](std::size_t at) noexcept {
       return column_sums(above.data() + at, here.data() + at, below.data() + at);
     };
-    const Wide after = sums(x + 1);
-    const Wide before = sums(x - 1);
-    const i16x16 low = clipped(after.low - before.low);
-    const i16x16 upper = clipped(after.high - before.high);
+    const Words after = sums(x + 1);
+    const Words before = sums(x - 1);
+    const i16x16 low = clipped(after.low, before.low);
+    const i16x16 upper = clipped(after.high, before.high);
     store(out.data() + x, as<u8x32>(_mm256_packus_epi16(bits(low), bits(upper))));
   }
   clipped_sobel_columns(above, here, below, cap, n - 1, n, out);

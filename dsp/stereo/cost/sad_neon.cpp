@@ -3,35 +3,35 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/base/simd.h"
+#include "dsp/base/lanes_neon.h"
 #include "dsp/stereo/cost/accumulate_neon.h"
 #include "dsp/stereo/cost/row_pairs_neon.h"
-#include "dsp/stereo/cost/sums_neon.h"
 
 namespace stof::dsp::neon {
 namespace {
 
-constexpr auto kAbsolute = [](uint8x16_t a, uint8x16_t b) noexcept { return vabdq_u8(a, b); };
+constexpr auto kAbsolute = Lanes<std::uint8_t>::difference;
 
 // Four vectors of candidates at a time keep their running sums in registers over the whole row.
 template <typename Sum, std::size_t kVectors>
 void sum_strip(const Sum* columns, std::size_t block_width, std::size_t lanes, Sum* costs,
                std::size_t outputs) noexcept {
-  constexpr std::size_t kStep = Vector<Sum>::kLanes;
-  typename Vector<Sum>::type sums[kVectors];
+  using L = Lanes<Sum>;
+  constexpr std::size_t kStep = L::kLanes;
+  typename L::V sums[kVectors];
   for (std::size_t v = 0; v < kVectors; ++v) {
-    sums[v] = all(Sum{0});
+    sums[v] = L::all(0);
     for (std::size_t k = 0; k < block_width; ++k) {
-      sums[v] = add(sums[v], load(columns + k * lanes + v * kStep));
+      sums[v] = sums[v] + L::load(columns + k * lanes + v * kStep);
     }
-    store(costs + v * kStep, sums[v]);
+    L::store(costs + v * kStep, sums[v]);
   }
   for (std::size_t x = 1; x < outputs; ++x) {
     const Sum* const leaving = columns + (x - 1) * lanes;
     const Sum* const entering = leaving + block_width * lanes;
     for (std::size_t v = 0; v < kVectors; ++v) {
-      sums[v] = add(sums[v], sub(load(entering + v * kStep), load(leaving + v * kStep)));
-      store(costs + x * lanes + v * kStep, sums[v]);
+      sums[v] = sums[v] + (L::load(entering + v * kStep) - L::load(leaving + v * kStep));
+      L::store(costs + x * lanes + v * kStep, sums[v]);
     }
   }
 }
@@ -64,12 +64,12 @@ void block_sums(std::span<const Sum> columns, int block_width, int lanes,
   if (outputs == 0) {
     return;
   }
-  constexpr std::size_t kWide = 4 * Vector<Sum>::kLanes;
+  constexpr std::size_t kWide = 4 * Lanes<Sum>::kLanes;
   std::size_t i = 0;
   for (; i + kWide <= count; i += kWide) {
     sum_strip<Sum, 4>(columns.data() + i, block, count, costs.data() + i, outputs);
   }
-  for (; i < count; i += Vector<Sum>::kLanes) {
+  for (; i < count; i += Lanes<Sum>::kLanes) {
     sum_strip<Sum, 1>(columns.data() + i, block, count, costs.data() + i, outputs);
   }
 }

@@ -2,31 +2,14 @@
 
 #include <cstddef>
 
-#include "dsp/base/avx2.h"
 #include "dsp/base/check.h"
+#include "dsp/stereo/cost/column_sums_avx2.h"
 
 namespace stof::dsp::avx2 {
 namespace {
 
 constexpr std::size_t kStep = 32;
 
-// Bytes as 16-bit lanes: the lower and the upper eight of both halves.
-struct Wide {
-  u16x16 low, high;
-};
-Wide widened(u8x32 v) noexcept {
-  const __m256i zero = _mm256_setzero_si256();
-  return {.low = as<u16x16>(_mm256_unpacklo_epi8(bits(v), zero)),
-          .high = as<u16x16>(_mm256_unpackhi_epi8(bits(v), zero))};
-}
-// above + 2 here + below.
-Wide column_sums(const std::uint8_t* above, const std::uint8_t* here,
-                 const std::uint8_t* below) noexcept {
-  const Wide a = widened(load<u8x32>(above));
-  const Wide h = widened(load<u8x32>(here));
-  const Wide b = widened(load<u8x32>(below));
-  return {.low = a.low + b.low + h.low + h.low, .high = a.high + b.high + h.high + h.high};
-}
 u16x16 weighted(u16x16 before, u16x16 here, u16x16 after) noexcept {
   return (before + after + here + here + all(std::uint16_t{8})) >> 4;
 }
@@ -48,9 +31,9 @@ void binomial(std::span<const std::uint8_t> above, std::span<const std::uint8_t>
     const auto sums = [&](std::size_t at) noexcept {
       return column_sums(above.data() + at, here.data() + at, below.data() + at);
     };
-    const Wide before = sums(x - 1);
-    const Wide middle = sums(x);
-    const Wide after = sums(x + 1);
+    const Words before = sums(x - 1);
+    const Words middle = sums(x);
+    const Words after = sums(x + 1);
     const u16x16 low = weighted(before.low, middle.low, after.low);
     const u16x16 high = weighted(before.high, middle.high, after.high);
     store(out.data() + x, as<u8x32>(_mm256_packus_epi16(bits(low), bits(high))));

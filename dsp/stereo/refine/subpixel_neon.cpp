@@ -22,8 +22,6 @@ int16x8_t whole(int16x8_t winner, int16x8_t first) noexcept {
                    value);
 }
 
-enum class Fit { kEquiangular, kParabola };
-
 // The costs around the winners of four pixels, and zeros where a neighbour is missing or costs
 // less.
 struct Around {
@@ -52,14 +50,14 @@ Around look_around(const Sum* costs, std::size_t lanes, const std::int16_t* winn
 
 // Sixteenths in -8..8: |difference| * 16 reaches (2 k - 1) * rise for k = 1.. once for each of
 // them.
-template <Fit kFit>
+template <CostFit kFit>
 int32x4_t shift_of(const Around& around) noexcept {
   const uint32x4_t before = vld1q_u32(around.before.data());
   const uint32x4_t after = vld1q_u32(around.after.data());
   const uint32x4_t best = vld1q_u32(around.best.data());
   const uint32x4_t higher = vsubq_u32(vmaxq_u32(before, after), best);
   const uint32x4_t lower = vsubq_u32(vminq_u32(before, after), best);
-  const uint32x4_t rise = kFit == Fit::kEquiangular ? higher : vaddq_u32(higher, lower);
+  const uint32x4_t rise = kFit == CostFit::kEquiangular ? higher : vaddq_u32(higher, lower);
   const uint32x4_t size =
       vshlq_n_u32(vsubq_u32(vmaxq_u32(before, after), vminq_u32(before, after)), 4);
   const uint32x4_t two_rises = vshlq_n_u32(rise, 1);
@@ -74,56 +72,45 @@ int32x4_t shift_of(const Around& around) noexcept {
   return vbslq_s32(vcltq_u32(before, after), vnegq_s32(shift), shift);
 }
 
-template <Fit kFit, typename Sum>
+template <CostFit kFit, typename Sum>
 void refine(std::span<const Sum> costs, int lanes, int min_disparity,
             std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = winners.size();
-  STOF_CHECK(costs.size() == n * count && out.size() == n);
+  STOF_CHECK((kFit == CostFit::kNone || costs.size() == n * count) && out.size() == n);
   const int16x8_t first = vdupq_n_s16(static_cast<std::int16_t>(min_disparity));
   std::size_t x = 0;
   for (; x + 8 <= n; x += 8) {
-    const Sum* const pixel = costs.data() + x * count;
-    const int32x4_t low = shift_of<kFit>(look_around(pixel, count, winners.data() + x));
-    const int32x4_t high =
-        shift_of<kFit>(look_around(pixel + 4 * count, count, winners.data() + x + 4));
-    const int16x8_t shift = vcombine_s16(vmovn_s32(low), vmovn_s32(high));
-    vst1q_s16(raw(out, x), vaddq_s16(whole(vld1q_s16(winners.data() + x), first), shift));
+    int16x8_t fitted = whole(vld1q_s16(winners.data() + x), first);
+    if constexpr (kFit != CostFit::kNone) {
+      const Sum* const pixel = costs.data() + x * count;
+      const int32x4_t low = shift_of<kFit>(look_around(pixel, count, winners.data() + x));
+      const int32x4_t high =
+          shift_of<kFit>(look_around(pixel + 4 * count, count, winners.data() + x + 4));
+      fitted = vaddq_s16(fitted, vcombine_s16(vmovn_s32(low), vmovn_s32(high)));
+    }
+    vst1q_s16(raw(out, x), fitted);
   }
-  RefineWinners<Sum>* const rest =
-      kFit == Fit::kEquiangular ? ref::refine_winners<Sum> : ref::refine_winners_parabola<Sum>;
-  rest(costs.subspan(x * count), lanes, min_disparity, winners.subspan(x), out.subspan(x));
+  ref::refine_winners(kFit == CostFit::kNone ? costs : costs.subspan(x * count), lanes, kFit,
+                      min_disparity, winners.subspan(x), out.subspan(x));
 }
 
 }  // namespace
 
-void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
-                   std::span<Disparity> out) noexcept {
-  STOF_CHECK(out.size() == winners.size());
-  const int16x8_t first = vdupq_n_s16(static_cast<std::int16_t>(min_disparity));
-  std::size_t x = 0;
-  for (; x + 8 <= winners.size(); x += 8) {
-    vst1q_s16(raw(out, x), whole(vld1q_s16(winners.data() + x), first));
-  }
-  ref::whole_winners(min_disparity, winners.subspan(x), out.subspan(x));
-}
-
 template <typename Sum>
-void refine_winners(std::span<const Sum> costs, int lanes, int min_disparity,
+void refine_winners(std::span<const Sum> costs, int lanes, CostFit fit, int min_disparity,
                     std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
-}
-
-template <typename Sum>
-void refine_winners_parabola(std::span<const Sum> costs, int lanes, int min_disparity,
-                             std::span<const std::int16_t> winners,
-                             std::span<Disparity> out) noexcept {
-  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
+  switch (fit) {
+    case CostFit::kNone:
+      return refine<CostFit::kNone>(costs, lanes, min_disparity, winners, out);
+    case CostFit::kEquiangular:
+      return refine<CostFit::kEquiangular>(costs, lanes, min_disparity, winners, out);
+    case CostFit::kParabola:
+      return refine<CostFit::kParabola>(costs, lanes, min_disparity, winners, out);
+  }
 }
 
 template RefineWinners<std::uint16_t> refine_winners<std::uint16_t>;
 template RefineWinners<std::uint32_t> refine_winners<std::uint32_t>;
-template RefineWinners<std::uint16_t> refine_winners_parabola<std::uint16_t>;
-template RefineWinners<std::uint32_t> refine_winners_parabola<std::uint32_t>;
 
 }  // namespace stof::dsp::neon

@@ -9,22 +9,16 @@
 namespace stof::dsp::ref {
 namespace {
 
-Disparity whole(int min_disparity, std::int16_t winner) noexcept {
-  return winner == kNoWinner ? Disparity::none() : Disparity::from_pixels(min_disparity + winner);
-}
-
-enum class Fit { kEquiangular, kParabola };
-
 // costs: the pixel's candidates; 0 < winner < lanes - 1.
-template <Fit kFit, typename Sum>
-int offset(std::span<const Sum> costs, std::size_t winner) noexcept {
+template <typename Sum>
+int offset(std::span<const Sum> costs, std::size_t winner, CostFit fit) noexcept {
   const Sum before = costs[winner - 1];
   const Sum after = costs[winner + 1];
   const Sum best = costs[winner];
   if (before == kNoCost<Sum> || after == kNoCost<Sum> || before < best || after < best) {
     return 0;
   }
-  const std::int64_t rise = kFit == Fit::kEquiangular
+  const std::int64_t rise = fit == CostFit::kEquiangular
                                 ? std::int64_t{std::max(before, after)} - best
                                 : std::int64_t{before} + after - 2 * std::int64_t{best};
   if (rise == 0) {
@@ -35,47 +29,27 @@ int offset(std::span<const Sum> costs, std::size_t winner) noexcept {
   return static_cast<int>(difference < 0 ? -sixteenths : sixteenths);
 }
 
-template <Fit kFit, typename Sum>
-void refine(std::span<const Sum> costs, int lanes, int min_disparity,
-            std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
+}  // namespace
+
+template <typename Sum>
+void refine_winners(std::span<const Sum> costs, int lanes, CostFit fit, int min_disparity,
+                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
-  STOF_CHECK(costs.size() == winners.size() * count && out.size() == winners.size());
+  STOF_CHECK((fit == CostFit::kNone || costs.size() == winners.size() * count) &&
+             out.size() == winners.size());
   for (std::size_t x = 0; x < winners.size(); ++x) {
-    out[x] = whole(min_disparity, winners[x]);
-    if (winners[x] > 0 && winners[x] + 1 < lanes) {
+    const std::int16_t winner = winners[x];
+    out[x] =
+        winner == kNoWinner ? Disparity::none() : Disparity::from_pixels(min_disparity + winner);
+    if (fit != CostFit::kNone && winner > 0 && winner + 1 < lanes) {
       const int shift =
-          offset<kFit>(costs.subspan(x * count, count), static_cast<std::size_t>(winners[x]));
+          offset(costs.subspan(x * count, count), static_cast<std::size_t>(winner), fit);
       out[x] = Disparity::from_raw(static_cast<std::int16_t>(out[x].raw + shift));
     }
   }
 }
 
-}  // namespace
-
-void whole_winners(int min_disparity, std::span<const std::int16_t> winners,
-                   std::span<Disparity> out) noexcept {
-  STOF_CHECK(out.size() == winners.size());
-  for (std::size_t x = 0; x < winners.size(); ++x) {
-    out[x] = whole(min_disparity, winners[x]);
-  }
-}
-
-template <typename Sum>
-void refine_winners(std::span<const Sum> costs, int lanes, int min_disparity,
-                    std::span<const std::int16_t> winners, std::span<Disparity> out) noexcept {
-  refine<Fit::kEquiangular>(costs, lanes, min_disparity, winners, out);
-}
-
-template <typename Sum>
-void refine_winners_parabola(std::span<const Sum> costs, int lanes, int min_disparity,
-                             std::span<const std::int16_t> winners,
-                             std::span<Disparity> out) noexcept {
-  refine<Fit::kParabola>(costs, lanes, min_disparity, winners, out);
-}
-
 template RefineWinners<std::uint16_t> refine_winners<std::uint16_t>;
 template RefineWinners<std::uint32_t> refine_winners<std::uint32_t>;
-template RefineWinners<std::uint16_t> refine_winners_parabola<std::uint16_t>;
-template RefineWinners<std::uint32_t> refine_winners_parabola<std::uint32_t>;
 
 }  // namespace stof::dsp::ref

@@ -77,6 +77,7 @@ struct Eights {  // NOLINT(bugprone-crtp-constructor-accessibility): functions a
   template <typename Lane>
   static void put(Lane* p, __m128i v) noexcept {
     store_bits(p, v);
+    unmutate(p);
   }
 
   // Elements 0 and 2 of each.

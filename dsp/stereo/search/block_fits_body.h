@@ -87,6 +87,12 @@ void pass(const BlockPixels& pixels, const BlockRow& row, std::span<std::uint16_
   STOF_CHECK(pixels.old_left.size() == n && pixels.new_right.size() == n + lanes - 1 &&
              pixels.old_right.size() == n + lanes - 1);
   Pass<Isa>(pixels, row, columns.data(), out).go();
+  mutate(columns);
+  mutate(out.winners);
+  mutate(out.costs);
+  if (!out.fitted.empty()) {
+    mutate(&out.fitted.front().raw);
+  }
 }
 
 }  // namespace stof::dsp::block_winners_body

@@ -50,14 +50,14 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
   const std::span<std::int16_t> winners = winners_.first(n);
   blocks_.row(y, {.winners = winners, .fitted = out.disparity, .costs = costs});
   FoundRow<std::uint16_t> found{.costs = costs, .judged = costs, .winners = winners};
-  const GuideRow guide = guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)};
+  const GuideRow guide = row_of(guide_, y);
   const bool narrowed = narrows(guide, lanes);
   if (narrowed) {
-    best::mask_costs(found.costs, guide, lanes, masked_.first(costs.size()));
+    best::mask_candidates(found.costs, guide, lanes, masked_.first(costs.size()));
     found.judged = masked_.first(costs.size());
     best::winners(found.judged, lanes, winners);
   }
-  settle_winners(params_, guide, winners);
+  finish_winners(params_, guide, winners);
   judge_.compare_rivals(found, out);
   judge_.check_left_right(found.judged, winners);
   if (narrowed) {
@@ -68,7 +68,7 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
   judge_.fit_grey_values(*pair_, y, out.disparity);
 }
 
-// The fits that came with the winners, but for those that were dropped or settled since.
+// The fits that came with the winners, but for those that were dropped or finished since.
 void BlockSearch::drop_fits(std::span<const std::int16_t> winners,
                             std::span<Disparity> out) const noexcept {
   // What had one candidate has no neighbours to be fitted to.

@@ -38,8 +38,6 @@ struct BlockPixels {
   std::span<const std::uint8_t> old_right;
 };
 
-enum class CostFit : std::uint8_t { kNone, kEquiangular, kParabola };
-
 // Where the n - block_width + 1 columns of a row lie, and what they may match.
 struct BlockRow {
   int block_width = 1;
@@ -53,7 +51,7 @@ struct BlockRow {
 
 struct BlockMatches {
   std::span<std::int16_t> winners;  // one for each column
-  std::span<Disparity> fitted;      // as refine_winners() of these winners, or whole_winners()
+  std::span<Disparity> fitted;      // as refine_winners() of these winners
   // Empty, or the costs as sad.h has them, kNoCost where there is no candidate. Up to
   // kBlockCostMargin elements before and behind them are read.
   std::span<std::uint16_t> costs;

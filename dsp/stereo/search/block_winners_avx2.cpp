@@ -10,7 +10,10 @@ struct Avx2 : Eights<Avx2> {
   static constexpr std::size_t kLanes = 16;
 
   static V load(const std::uint16_t* p) noexcept { return bits(avx2::load<u16x16>(p)); }
-  static void store(std::uint16_t* p, V v) noexcept { avx2::store(p, as<u16x16>(v)); }
+  static void store(std::uint16_t* p, V v) noexcept {
+    avx2::store(p, as<u16x16>(v));
+    unmutate(p);
+  }
   static V add(V a, V b) noexcept { return _mm256_add_epi16(a, b); }
   static V sub(V a, V b) noexcept { return _mm256_sub_epi16(a, b); }
   static V smaller(V a, V b) noexcept { return _mm256_min_epu16(a, b); }

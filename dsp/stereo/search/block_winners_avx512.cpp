@@ -10,7 +10,10 @@ struct Avx512 : avx2::Eights<Avx512> {
   static constexpr std::size_t kLanes = 32;
 
   static V load(const std::uint16_t* p) noexcept { return _mm512_loadu_si512(p); }
-  static void store(std::uint16_t* p, V v) noexcept { avx2::store_bits(p, v); }
+  static void store(std::uint16_t* p, V v) noexcept {
+    avx2::store_bits(p, v);
+    unmutate(p);
+  }
   static V add(V a, V b) noexcept { return _mm512_add_epi16(a, b); }
   static V sub(V a, V b) noexcept { return _mm512_sub_epi16(a, b); }
   static V smaller(V a, V b) noexcept { return _mm512_min_epu16(a, b); }

@@ -3,6 +3,7 @@
 #include <cstring>
 
 #include "dsp/base/check.h"
+#include "dsp/base/mutation.h"
 #include "dsp/stereo/search/block_strips_body.h"
 
 // The pass over a row that the vector variants of block_winners() share. Isa is the

@@ -1,7 +1,6 @@
 #include "dsp/stereo/search/block_winners.h"
 
 #include "dsp/base/simd.h"
-#include "dsp/base/simd_lowest.h"
 #include "dsp/stereo/search/block_fits_body.h"
 
 namespace stof::dsp::neon {
@@ -9,13 +8,56 @@ namespace {
 
 constexpr std::uint16_t kNumbers[8] = {0, 1, 2, 3, 4, 5, 6, 7};
 
+// The lowest element of each of eight vectors, and where it stands first.
+void find_lowest(const std::uint16_t* eights, uint16x8_t& lowest, uint16x8_t& where) noexcept {
+#if defined(__SSE4_1__)
+  __m128i found[8];  // the lowest and where, in the low 32 bits
+  for (int k = 0; k < 8; ++k) {
+    found[k] = _mm_minpos_epu16(std::bit_cast<__m128i>(vld1q_u16(eights + 8 * k)));
+  }
+  const __m128i low = _mm_unpacklo_epi64(_mm_unpacklo_epi32(found[0], found[1]),
+                                         _mm_unpacklo_epi32(found[2], found[3]));
+  const __m128i high = _mm_unpacklo_epi64(_mm_unpacklo_epi32(found[4], found[5]),
+                                          _mm_unpacklo_epi32(found[6], found[7]));
+  const __m128i mask = _mm_set1_epi32(0xFFFF);
+  lowest = std::bit_cast<uint16x8_t>(
+      _mm_packus_epi32(_mm_and_si128(low, mask), _mm_and_si128(high, mask)));
+  where = std::bit_cast<uint16x8_t>(
+      _mm_packus_epi32(_mm_srli_epi32(low, 16), _mm_srli_epi32(high, 16)));
+#else
+  uint16x8_t v[8];
+  for (int k = 0; k < 8; ++k) {
+    v[k] = vld1q_u16(eights + 8 * k);
+  }
+  const auto least_of_each = [](const uint16x8_t(&of)[8]) noexcept {
+    const uint16x8_t low = vpminq_u16(vpminq_u16(of[0], of[1]), vpminq_u16(of[2], of[3]));
+    const uint16x8_t high = vpminq_u16(vpminq_u16(of[4], of[5]), vpminq_u16(of[6], of[7]));
+    return vpminq_u16(low, high);
+  };
+  lowest = least_of_each(v);
+  const uint16x8_t number = {0, 1, 2, 3, 4, 5, 6, 7};
+  v[0] = vornq_u16(number, vceqq_u16(v[0], vdupq_laneq_u16(lowest, 0)));
+  v[1] = vornq_u16(number, vceqq_u16(v[1], vdupq_laneq_u16(lowest, 1)));
+  v[2] = vornq_u16(number, vceqq_u16(v[2], vdupq_laneq_u16(lowest, 2)));
+  v[3] = vornq_u16(number, vceqq_u16(v[3], vdupq_laneq_u16(lowest, 3)));
+  v[4] = vornq_u16(number, vceqq_u16(v[4], vdupq_laneq_u16(lowest, 4)));
+  v[5] = vornq_u16(number, vceqq_u16(v[5], vdupq_laneq_u16(lowest, 5)));
+  v[6] = vornq_u16(number, vceqq_u16(v[6], vdupq_laneq_u16(lowest, 6)));
+  v[7] = vornq_u16(number, vceqq_u16(v[7], vdupq_laneq_u16(lowest, 7)));
+  where = least_of_each(v);
+#endif
+}
+
 struct Neon {
   using V = uint16x8_t;
   static constexpr std::size_t kLanes = 8;
 
   static V load(const std::uint16_t* p) noexcept { return vld1q_u16(p); }
-  static void store(std::uint16_t* p, V v) noexcept { vst1q_u16(p, v); }
-  static void store_eight(std::uint16_t* p, V v) noexcept { vst1q_u16(p, v); }
+  static void store(std::uint16_t* p, V v) noexcept {
+    vst1q_u16(p, v);
+    unmutate(p);
+  }
+  static void store_eight(std::uint16_t* p, V v) noexcept { store(p, v); }
   static V add(V a, V b) noexcept { return vaddq_u16(a, b); }
   static V sub(V a, V b) noexcept { return vsubq_u16(a, b); }
   static V smaller(V a, V b) noexcept { return vminq_u16(a, b); }
@@ -41,20 +83,20 @@ struct Neon {
                      std::int16_t* winners) noexcept {
     V sums;
     V lane;
-    simd::find_lowest(eights, sums, lane);
+    find_lowest(eights, sums, lane);
     const V group = vshlq_n_u16(vandq_u16(sums, vdupq_n_u16(7)), 3);
     const V winner =
         vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first)));
     const V cost = vshrq_n_u16(sums, 3);
     if (first == 0) {
-      vst1q_u16(costs, cost);
-      vst1q_s16(winners, vreinterpretq_s16_u16(winner));
+      store(costs, cost);
+      store_winners(winners, vreinterpretq_s16_u16(winner));
       return;
     }
     const V before = vld1q_u16(costs);
     const V better = vcltq_u16(cost, before);
-    vst1q_u16(costs, vminq_u16(cost, before));
-    vst1q_s16(winners, vbslq_s16(better, vreinterpretq_s16_u16(winner), vld1q_s16(winners)));
+    store(costs, vminq_u16(cost, before));
+    store_winners(winners, vbslq_s16(better, vreinterpretq_s16_u16(winner), vld1q_s16(winners)));
   }
 
   // around[k]: the sums of the candidates before and behind the k-th winner, and its own between.
@@ -90,6 +132,11 @@ struct Neon {
   }
 
  private:
+  static void store_winners(std::int16_t* p, int16x8_t v) noexcept {
+    vst1q_s16(p, v);
+    unmutate(p);
+  }
+
   template <int kShift>
   static V shifted(V v) noexcept {
     if constexpr (kShift == 0) {

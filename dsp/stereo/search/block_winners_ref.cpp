@@ -4,11 +4,10 @@
 #include <cstddef>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 
 namespace stof::dsp::ref {
 namespace {
-
-std::size_t size(int value) noexcept { return static_cast<std::size_t>(value); }
 
 int difference(int a, int b) noexcept { return a < b ? b - a : a - b; }
 
@@ -20,27 +19,10 @@ std::uint16_t cost_at(const BlockRow& row, std::span<const std::uint16_t> column
     return kNoCost<std::uint16_t>;
   }
   int sum = 0;
-  for (std::size_t k = x; k < x + size(row.block_width); ++k) {
-    sum += columns[k * size(row.lanes) + size(candidate)] / kBlockSumScale;
+  for (std::size_t k = x; k < x + index(row.block_width); ++k) {
+    sum += columns[k * index(row.lanes) + index(candidate)] / kBlockSumScale;
   }
   return static_cast<std::uint16_t>(sum);
-}
-
-void fit(const BlockRow& row, std::span<const std::uint16_t> costs, std::int16_t winner,
-         Disparity& out) noexcept {
-  const std::span<const std::int16_t> winners{&winner, 1};
-  const std::span<Disparity> fitted{&out, 1};
-  switch (row.fit) {
-    case CostFit::kNone:
-      whole_winners(row.min_disparity, winners, fitted);
-      break;
-    case CostFit::kEquiangular:
-      refine_winners(costs, row.lanes, row.min_disparity, winners, fitted);
-      break;
-    case CostFit::kParabola:
-      refine_winners_parabola(costs, row.lanes, row.min_disparity, winners, fitted);
-      break;
-  }
 }
 
 }  // namespace
@@ -48,9 +30,9 @@ void fit(const BlockRow& row, std::span<const std::uint16_t> costs, std::int16_t
 void block_winners(const BlockPixels& pixels, const BlockRow& row, std::span<std::uint16_t> columns,
                    const BlockMatches& out) noexcept {
   const std::size_t n = pixels.new_left.size();
-  const std::size_t lanes = size(row.lanes);
+  const std::size_t lanes = index(row.lanes);
   STOF_CHECK(columns.size() == n * lanes && lanes <= 256 &&
-             out.winners.size() + size(row.block_width) == n + 1);
+             out.winners.size() + index(row.block_width) == n + 1);
   for (std::size_t k = 0; k < n; ++k) {
     for (std::size_t i = 0; i < lanes; ++i) {
       const std::size_t right = n - 1 - k + i;
@@ -67,7 +49,9 @@ void block_winners(const BlockPixels& pixels, const BlockRow& row, std::span<std
     }
     const std::span<const std::uint16_t> pixel = std::span(costs).first(lanes);
     winners(pixel, row.lanes, out.winners.subspan(x, 1));
-    fit(row, pixel, out.winners[x], out.fitted[x]);
+    refine_winners(pixel, row.lanes, row.fit, row.min_disparity,
+                   std::span<const std::int16_t>(out.winners.subspan(x, 1)),
+                   out.fitted.subspan(x, 1));
     if (!out.costs.empty()) {
       std::ranges::copy(pixel, out.costs.subspan(x * lanes).begin());
     }

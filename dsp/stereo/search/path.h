@@ -20,11 +20,13 @@
 // do, nothing inside saturates. Source: Hirschmueller 2008, eq. 13.
 namespace stof::dsp {
 
-// From the left: before x is x - 1. costs, paths: large.size() * lanes elements, lanes a multiple
-// of 16, at most 256; may be the same memory. Cost is u8, u16 or u32; small <= large[x].
+// Along the row: before x is x - 1, from the right x + 1; large[x] belongs to x either way. costs,
+// paths: large.size() * lanes elements, lanes a multiple of 16, at most 256; may be the same
+// memory. Cost is u8, u16 or u32; small <= large[x].
 template <typename Cost>
 using PathsAlong = void(std::span<const Cost> costs, int lanes, Cost small,
-                        std::span<const Cost> large, std::span<Cost> paths) noexcept;
+                        std::span<const Cost> large, bool from_left,
+                        std::span<Cost> paths) noexcept;
 
 // Both ways along the row at once: faster than one after the other, since each pixel waits for its
 // neighbour's minimum. No overlap. edge_penalties_along() (scanline.h) gives both `large`.
@@ -60,11 +62,7 @@ template <typename Cost>
 using PathsOfAxes = void(const AxesRow<Cost>& row, std::span<Cost> front,
                          std::span<const Cost> others, std::span<Cost> sums) noexcept;
 
-STOF_KERNELS(PathsAlong, paths_from_left, Neon<std::uint8_t>, Avx2<std::uint16_t>,
-             Neon<std::uint32_t>)
-// Before x is x + 1; large[x] still belongs to x.
-STOF_KERNELS(PathsAlong, paths_from_right, Neon<std::uint8_t>, Avx2<std::uint16_t>,
-             Neon<std::uint32_t>)
+STOF_KERNELS(PathsAlong, paths_along, Neon<std::uint8_t>, Avx2<std::uint16_t>, Neon<std::uint32_t>)
 STOF_KERNELS(PathsBothWays, paths_both_ways, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
              Neon<std::uint32_t>)
 STOF_KERNELS(PathsAcross, paths_across, Avx2<std::uint8_t>, Avx2<std::uint16_t>,

@@ -11,7 +11,7 @@ namespace stof::dsp::path_body {
 
 template <typename Isa, std::size_t kVectors, typename Cost>
 void walk(std::span<const Cost> costs, int lanes, Cost small, std::span<const Cost> large,
-          std::span<Cost> paths, bool from_left) noexcept {
+          bool from_left, std::span<Cost> paths) noexcept {
   const Step<Isa, kVectors> step(lanes, small);
   const std::size_t n = large.size();
   const std::size_t count = step.lanes();
@@ -66,6 +66,16 @@ void cross(std::span<const Cost> costs, std::span<const Cost> before, int shift,
   }
 }
 
+// Of sums over paths.
+template <typename Isa>
+typename Isa::V total(typename Isa::V a, typename Isa::V b) noexcept {
+  if constexpr (sizeof(typename Isa::Lane) == 1) {
+    return Isa::add_saturated(a, b);
+  } else {
+    return a + b;
+  }
+}
+
 // The paths along the row wait for one another; those across rows do not wait and fill the time.
 template <typename Isa, std::size_t kVectors, typename Cost>
 void both_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
@@ -86,8 +96,8 @@ void both_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const 
     Cost* const sum = sums.data() + x * count;
     const auto add_up = [&](std::size_t i, typename Isa::V path) noexcept {
       Isa::store(across + i, path);
-      const typename Isa::V two = Isa::total(path, Isa::load(along.data() + i));
-      Isa::store(sum + i, more == nullptr ? two : Isa::total(two, Isa::load(more + i)));
+      const typename Isa::V two = total<Isa>(path, Isa::load(along.data() + i));
+      Isa::store(sum + i, more == nullptr ? two : total<Isa>(two, Isa::load(more + i)));
     };
     if (row.large_across.empty()) {
       step.start(costs, add_up);
@@ -99,14 +109,14 @@ void both_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const 
 
 template <typename Isa, typename Cost>
 void along(std::span<const Cost> costs, int lanes, Cost small, std::span<const Cost> large,
-           std::span<Cost> paths, bool from_left) noexcept {
+           bool from_left, std::span<Cost> paths) noexcept {
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && paths.size() == costs.size() &&
              costs.size() == large.size() * static_cast<std::size_t>(lanes));
   if (large.empty()) {
     return;
   }
   with_known_count<Isa>(lanes, [&]<std::size_t kVectors>() noexcept {
-    walk<Isa, kVectors>(costs, lanes, small, large, paths, from_left);
+    walk<Isa, kVectors>(costs, lanes, small, large, from_left, paths);
   });
 }
 

@@ -39,23 +39,6 @@ void step(std::span<const Cost> costs, std::span<const Cost> before, Cost small,
   }
 }
 
-// direction 1 starts at the left end, -1 at the right one.
-template <typename Cost>
-void walk(std::span<const Cost> costs, int lanes, Cost small, std::span<const Cost> large,
-          std::span<Cost> paths, int direction) noexcept {
-  const std::size_t count = static_cast<std::size_t>(lanes);
-  const std::size_t n = large.size();
-  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count &&
-             paths.size() == costs.size());
-  std::span<const Cost> before;
-  for (std::size_t k = 0; k < n; ++k) {
-    const std::size_t x = direction > 0 ? k : n - 1 - k;
-    const std::span<Cost> pixel = paths.subspan(x * count, count);
-    step(costs.subspan(x * count, count), before, small, large[x], pixel);
-    before = pixel;
-  }
-}
-
 template <typename Cost>
 Cost total(Cost a, Cost b) noexcept {
   return sizeof(Cost) == 1 ? saturated_sum(a, b) : static_cast<Cost>(a + b);
@@ -64,23 +47,27 @@ Cost total(Cost a, Cost b) noexcept {
 }  // namespace
 
 template <typename Cost>
-void paths_from_left(std::span<const Cost> costs, int lanes, Cost small,
-                     std::span<const Cost> large, std::span<Cost> paths) noexcept {
-  walk(costs, lanes, small, large, paths, 1);
-}
-
-template <typename Cost>
-void paths_from_right(std::span<const Cost> costs, int lanes, Cost small,
-                      std::span<const Cost> large, std::span<Cost> paths) noexcept {
-  walk(costs, lanes, small, large, paths, -1);
+void paths_along(std::span<const Cost> costs, int lanes, Cost small, std::span<const Cost> large,
+                 bool from_left, std::span<Cost> paths) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  const std::size_t n = large.size();
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count &&
+             paths.size() == costs.size());
+  std::span<const Cost> before;
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t x = from_left ? k : n - 1 - k;
+    const std::span<Cost> pixel = paths.subspan(x * count, count);
+    step(costs.subspan(x * count, count), before, small, large[x], pixel);
+    before = pixel;
+  }
 }
 
 template <typename Cost>
 void paths_both_ways(std::span<const Cost> costs, int lanes, Cost small,
                      std::span<const Cost> large_from_left, std::span<const Cost> large_from_right,
                      std::span<Cost> from_left, std::span<Cost> from_right) noexcept {
-  walk(costs, lanes, small, large_from_left, from_left, 1);
-  walk(costs, lanes, small, large_from_right, from_right, -1);
+  paths_along(costs, lanes, small, large_from_left, true, from_left);
+  paths_along(costs, lanes, small, large_from_right, false, from_right);
 }
 
 template <typename Cost>
@@ -124,12 +111,9 @@ void paths_of_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<co
   }
 }
 
-template PathsAlong<std::uint8_t> paths_from_left<std::uint8_t>;
-template PathsAlong<std::uint16_t> paths_from_left<std::uint16_t>;
-template PathsAlong<std::uint32_t> paths_from_left<std::uint32_t>;
-template PathsAlong<std::uint8_t> paths_from_right<std::uint8_t>;
-template PathsAlong<std::uint16_t> paths_from_right<std::uint16_t>;
-template PathsAlong<std::uint32_t> paths_from_right<std::uint32_t>;
+template PathsAlong<std::uint8_t> paths_along<std::uint8_t>;
+template PathsAlong<std::uint16_t> paths_along<std::uint16_t>;
+template PathsAlong<std::uint32_t> paths_along<std::uint32_t>;
 template PathsBothWays<std::uint8_t> paths_both_ways<std::uint8_t>;
 template PathsBothWays<std::uint16_t> paths_both_ways<std::uint16_t>;
 template PathsBothWays<std::uint32_t> paths_both_ways<std::uint32_t>;

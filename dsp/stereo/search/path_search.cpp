@@ -13,9 +13,9 @@ namespace {
 constexpr int kEdge = 6;
 
 // What SemiGlobal asks of u8 costs.
-constexpr int kLargestStep = (255 - 1 - kLargestMixedCost) / 2;
+constexpr int kLargestStep = (255 - 1 - kLargestAdCensusCost) / 2;
 static_assert(kMaxStep <= kLargestStep);
-static_assert(PathSearch::kDirections * (kLargestMixedCost + kMaxStep) < kNoCost<std::uint8_t>);
+static_assert(PathSearch::kDirections * (kLargestAdCensusCost + kMaxStep) < kNoCost<std::uint8_t>);
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void PathSearch::match(int y, const MatchedRow& out) noexcept {
   const std::span<const std::uint8_t> sums = paths_.sums(y);
   const std::span<std::int16_t> winners = winners_.first(out.disparity.size());
   best::winners(sums, lanes_of(params_), winners);
-  settle_winners(params_, guide_.empty() ? GuideRow{} : GuideRow{guide_.row(y)}, winners);
+  finish_winners(params_, row_of(guide_, y), winners);
   judge_.judge(FoundRow<std::uint8_t>{.costs = paths_.costs(y), .judged = sums, .winners = winners},
                *pair_, y, out);
 }

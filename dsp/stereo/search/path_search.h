@@ -13,8 +13,8 @@ namespace stof::dsp {
 
 // Of paths over CrossCosts, and what distinctness has to know of these. Small changes of grey
 // values are edges already: the costs are averaged over pixels that look alike.
-inline constexpr CostScale kRegionScale{.largest = kLargestMixedCost,
-                                        .distinct_percent = kDistinctRegionPercent};
+inline constexpr CostScale kRegionScale{.largest = kLargestAdCensusCost,
+                                        .margin_percent = kRegionMarginPercent};
 PathParams<std::uint8_t> region_path_params(const MatchParams& params, int directions) noexcept;
 
 // Search::kPaths.

@@ -4,13 +4,8 @@
 
 #include "dsp/stereo/search/path.h"
 
-// One pixel of a path, for path_body.h. Isa is the vocabulary of one variant, for one kind of cost:
-//   Cost, V, kLanes          a vector of costs
-//   load, store, all, smaller, sub
-//   add_saturated, total     (total: of sums over paths)
-//   one_up(before, v)        lane i holds what was in lane i - 1; the last of `before` ends the gap
-//   one_down(v, after)
-//   lowest(v)                the smallest lane in every lane
+// One pixel of a path, for path_body.h. Isa: Lanes<Cost> of base/lanes_neon.h or lanes_avx2.h, in
+// an unnamed namespace.
 namespace stof::dsp::path_body {
 
 inline constexpr std::size_t kMostLanes = 256;
@@ -22,7 +17,7 @@ inline constexpr std::size_t kMostLanes = 256;
 template <typename Isa, std::size_t kVectors>
 class Step {
  public:
-  using Cost = typename Isa::Cost;
+  using Cost = typename Isa::Lane;
   using V = typename Isa::V;
   static constexpr std::size_t kStep = Isa::kLanes;
 
@@ -64,7 +59,7 @@ class Step {
       const V neighbours = Isa::smaller(Isa::one_up(previous, here), Isa::one_down(here, next));
       const V step = Isa::add_saturated(neighbours, small_);
       const V best = Isa::smaller(Isa::smaller(here, step), jump);
-      const V path = Isa::add_saturated(Isa::load(costs + v * kStep), Isa::sub(best, lowest));
+      const V path = Isa::add_saturated(Isa::load(costs + v * kStep), best - lowest);
       put(v * kStep, path);
       least = Isa::smaller(least, path);
       previous = here;
@@ -79,7 +74,7 @@ class Step {
 };
 
 template <typename Isa>
-auto store_to(typename Isa::Cost* paths) noexcept {
+auto store_to(typename Isa::Lane* paths) noexcept {
   return [paths](std::size_t i, typename Isa::V path) noexcept { Isa::store(paths + i, path); };
 }
 

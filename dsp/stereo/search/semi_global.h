@@ -8,8 +8,8 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_source.h"
-#include "dsp/stereo/cost/mask_costs.h"
 #include "dsp/stereo/search/edge_penalties.h"
 
 namespace stof::dsp {
@@ -44,8 +44,8 @@ class SemiGlobal {
   SemiGlobal(const PathParams<Cost>& params, int width, Arena& arena) noexcept;
 
   // A new picture: grey gives edges, size at most the constructor's width. guide: of its size, or
-  // empty; paths then run through mask_costs() of the costs. A path that comes to a pixel whose
-  // candidates are none of its own jumps.
+  // empty; paths then run through mask_candidates() of the costs. A path that comes to a pixel
+  // whose candidates are none of its own jumps.
   void start(ImageView<const std::uint8_t> grey, CostSource<Cost>& costs,
              Guide guide = {}) noexcept;
   // Row y of sums, width * lanes; valid, and the caller's, until the next call. Consecutive rows

@@ -87,7 +87,7 @@ std::span<const Cost> SemiGlobal<Cost, Sum>::path_costs(int y) noexcept {
     return kept(y);
   }
   const std::span<Cost> masked = row_.masked.first(index(row_size()));
-  best::mask_costs(std::span<const Cost>(kept(y)), guide_.row(y), params_.lanes, masked);
+  best::mask_candidates(std::span<const Cost>(kept(y)), guide_.row(y), params_.lanes, masked);
   return masked;
 }
 

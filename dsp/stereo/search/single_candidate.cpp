@@ -7,26 +7,26 @@
 
 namespace stof::dsp {
 
-void settle_single_candidates(int min_disparity, int disparities,
-                              std::span<std::int16_t> winners) noexcept {
+void match_single_candidates(int min_disparity, int disparities,
+                             std::span<std::int16_t> winners) noexcept {
   const int width = static_cast<int>(winners.size());
-  const auto settle = [&](int x, int neighbour, int candidate) noexcept {
+  const auto accept = [&](int x, int neighbour, int candidate) noexcept {
     if (std::min(x, neighbour) >= 0 && std::max(x, neighbour) < width &&
         winners[static_cast<std::size_t>(neighbour)] != kNoWinner) {
       winners[static_cast<std::size_t>(x)] = static_cast<std::int16_t>(candidate);
     }
   };
   if (disparities > 1) {
-    settle(min_disparity, min_disparity + 1, 0);  // meets right column 0 as candidate 0
+    accept(min_disparity, min_disparity + 1, 0);  // meets right column 0 as candidate 0
     const int last = width + min_disparity + disparities - 2;  // meets the last one
-    settle(last, last - 1, disparities - 1);
+    accept(last, last - 1, disparities - 1);
   }
 }
 
-void settle_winners(const MatchParams& params, GuideRow guide,
+void finish_winners(const MatchParams& params, GuideRow guide,
                     std::span<std::int16_t> winners) noexcept {
   keep_guided(guide, winners);
-  settle_single_candidates(params.min_disparity, params.disparities, winners);
+  match_single_candidates(params.min_disparity, params.disparities, winners);
   keep_guided(guide, winners);
 }
 

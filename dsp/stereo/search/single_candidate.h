@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <span>
 
-#include "dsp/stereo/cost/mask_costs.h"
+#include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -11,12 +11,12 @@ namespace stof::dsp {
 // The columns at either end of the range meet the right picture with one candidate only and have no
 // rival to judge it by: they take it where the next column found a match. winners: of one row, as
 // in winner.h. min_disparity in px; disparities: candidates, at least 1.
-void settle_single_candidates(int min_disparity, int disparities,
-                              std::span<std::int16_t> winners) noexcept;
+void match_single_candidates(int min_disparity, int disparities,
+                             std::span<std::int16_t> winners) noexcept;
 
-// The same where a guide (cost/mask_costs.h) may leave out candidates: what it leaves out is none,
-// before and after. An empty one leaves out nothing.
-void settle_winners(const MatchParams& params, GuideRow guide,
+// The same where a guide (cost/candidate_mask.h) may leave out candidates: what it leaves out is
+// none, before and after. An empty one leaves out nothing.
+void finish_winners(const MatchParams& params, GuideRow guide,
                     std::span<std::int16_t> winners) noexcept;
 
 }  // namespace stof::dsp

@@ -8,32 +8,13 @@
 #include "dsp/stereo/cost/sad.h"
 
 namespace stof::dsp {
-namespace {
-
-CostFit fit_of(const MatchParams& params) noexcept {
-  switch (params.subpixel) {
-    case Subpixel::kEquiangular:
-      return CostFit::kEquiangular;
-    case Subpixel::kParabola:
-      return CostFit::kParabola;
-    case Subpixel::kWhole:
-    case Subpixel::kLeastSquares:
-      break;
-  }
-  return CostFit::kNone;
-}
-
-}  // namespace
 
 SlidingBlocks::SlidingBlocks(const MatchParams& params, int width, Arena& arena) noexcept
-    : params_(params), width_(width), lanes_(lanes_of(params)), around_(block_columns(params)) {
+    : params_(params), width_(width), lanes_(lanes_of(params)) {
   STOF_CHECK(blocks_fit(params));
-  const std::size_t left = index(width + params.block_width - 1);
-  columns_ = arena.take<std::uint16_t>(left * index(lanes_));
-  for (RowPair* const pair : {&new_, &old_}) {
-    pair->left = arena.take<std::uint8_t>(left);
-    pair->right = arena.take<std::uint8_t>(left + index(lanes_) - 1);
-  }
+  columns_ = arena.take<std::uint16_t>(index(width + params.block_width - 1) * index(lanes_));
+  new_ = RowPair::take(params, width, arena);
+  old_ = RowPair::take(params, width, arena);
 }
 
 void SlidingBlocks::start(const CostPictures& pictures) noexcept {
@@ -42,24 +23,12 @@ void SlidingBlocks::start(const CostPictures& pictures) noexcept {
   y_.reset();
 }
 
-std::size_t SlidingBlocks::widened() const noexcept {
-  return index(pictures_.left.width() + params_.block_width - 1);
-}
-
-SlidingBlocks::RowPair SlidingBlocks::load(int y, const RowPair& buffers) const noexcept {
-  const RowPair rows{buffers.left.first(widened()),
-                     buffers.right.first(widened() + index(lanes_) - 1)};
-  extend_row(pictures_.left.row_clamped(y), around_, rows.left);
-  reverse_row(pictures_.right.row_clamped(y), around_, params_.min_disparity, rows.right);
-  return rows;
-}
-
 // The column sums of row y.
 void SlidingBlocks::begin(int y, std::span<std::uint16_t> columns) noexcept {
   const int above = params_.block_height / 2;
   std::ranges::fill(columns, std::uint16_t{0});
   for (int row = y - above; row < y - above + params_.block_height; ++row) {
-    const RowPair rows = load(row, new_);
+    const RowPair rows = new_.load(pictures_, row, params_);
     best::add_differences(rows.left, rows.right, lanes_, columns);
   }
   for (std::uint16_t& sum : columns) {
@@ -69,15 +38,17 @@ void SlidingBlocks::begin(int y, std::span<std::uint16_t> columns) noexcept {
 
 void SlidingBlocks::row(int y, const BlockMatches& out) noexcept {
   STOF_CHECK(y >= 0 && y < pictures_.left.height());
-  const std::span<std::uint16_t> columns = columns_.first(widened() * index(lanes_));
+  const std::span<std::uint16_t> columns =
+      columns_.first(index(pictures_.left.width() + params_.block_width - 1) * index(lanes_));
   const int above = params_.block_height / 2;
   const bool slides = y_ && *y_ + 1 == y;
   if (!slides && y_ != y) {
     begin(y, columns);
   }
   // Where nothing slides the same pixels enter and leave.
-  const RowPair entering = load(slides ? y + params_.block_height - 1 - above : y, new_);
-  const RowPair leaving = slides ? load(y - 1 - above, old_) : entering;
+  const RowPair entering =
+      new_.load(pictures_, slides ? y + params_.block_height - 1 - above : y, params_);
+  const RowPair leaving = slides ? old_.load(pictures_, y - 1 - above, params_) : entering;
   y_ = y;
   best::block_winners({.new_left = entering.left,
                        .new_right = entering.right,
@@ -89,7 +60,7 @@ void SlidingBlocks::row(int y, const BlockMatches& out) noexcept {
                        .min_disparity = params_.min_disparity,
                        .x = 0,
                        .right_width = pictures_.left.width(),
-                       .fit = fit_of(params_)},
+                       .fit = cost_fit(params_.subpixel)},
                       columns, out);
 }
 

@@ -7,7 +7,6 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/pixel_costs.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/search/block_winners.h"
 
@@ -30,19 +29,11 @@ class SlidingBlocks {
   void row(int y, const BlockMatches& out) noexcept;
 
  private:
-  struct RowPair {
-    std::span<std::uint8_t> left;
-    std::span<std::uint8_t> right;
-  };
-
-  RowPair load(int y, const RowPair& buffers) const noexcept;
   void begin(int y, std::span<std::uint16_t> columns) noexcept;
-  std::size_t widened() const noexcept;
 
   MatchParams params_;
   int width_;
   int lanes_;
-  CostColumns around_;
   std::span<std::uint16_t> columns_;
   RowPair new_;
   RowPair old_;

@@ -6,9 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "dsp/base/avx2.h"
 #include "dsp/base/check.h"
-#include "dsp/stereo/cost/sums_avx2.h"
+#include "dsp/base/lanes_avx2.h"
 
 namespace stof::dsp::avx2 {
 namespace {
@@ -25,7 +24,7 @@ std::uint64_t find_lowest(const std::uint8_t* costs, u8x32 lowest, u8x32& cheap)
   const u8x32 cost = load<u8x32>(costs);
   const u8x32 found = as<u8x32>(bits(cost == lowest));
   cheap &= found | as<u8x32>(bits(cost == all(kNoCost<std::uint8_t>)));
-  return mask_of(found);
+  return Lanes<std::uint8_t>::mask_of(found);
 }
 std::uint64_t find_lowest(const std::uint16_t* costs, u16x16 lowest, u16x16& cheap) noexcept {
   const u16x16 none = all(kNoCost<std::uint16_t>);
@@ -35,7 +34,7 @@ std::uint64_t find_lowest(const std::uint16_t* costs, u16x16 lowest, u16x16& che
   const u16x16 high_found = as<u16x16>(bits(high == lowest));
   cheap &=
       (low_found | as<u16x16>(bits(low == none))) & (high_found | as<u16x16>(bits(high == none)));
-  return mask_of(narrowed(low_found, high_found));
+  return Lanes<std::uint8_t>::mask_of(narrowed(low_found, high_found));
 }
 
 // lanes a multiple of 32; kLanes as many, or 0: a known count is unrolled.
@@ -47,7 +46,7 @@ std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
   for (std::size_t i = kStep; i < count; i += kStep) {
     least = smaller(least, load<V>(costs + i));
   }
-  const V lowest = lowest_everywhere(least);
+  const V lowest = Lanes<Sum>::lowest(least);
   V cheap = ~V{};
   std::size_t winner = 0;
   // From the last candidates to the first, which win ties.
@@ -61,8 +60,9 @@ std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
     winner = found != 0 ? i + static_cast<std::size_t>(std::countr_zero(found)) : winner;
   }
   // Where nothing is offered, all cost the lowest.
-  return mask_of(as<u8x32>(bits(cheap))) == ~std::uint32_t{0} ? kNoWinner
-                                                              : static_cast<std::int16_t>(winner);
+  return Lanes<std::uint8_t>::mask_of(as<u8x32>(bits(cheap))) == ~std::uint32_t{0}
+             ? kNoWinner
+             : static_cast<std::int16_t>(winner);
 }
 
 template <typename V, std::size_t kLanes, typename Sum>
@@ -185,14 +185,15 @@ void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winn
   } else {
     find_winners_of<V, 0>(costs, count, winners);
   }
-  damage(winners);
+  mutate(winners);
 }
 
 template <typename Sum>
 void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
                    std::span<std::int16_t> winners) noexcept {
   using V = typename VectorOf<Sum>::type;
-  if (lanes % kLanesOf<Sum> != 0) {
+  constexpr int kStep = static_cast<int>(Lanes<Sum>::kLanes);
+  if (lanes % kStep != 0) {
     neon::right_winners(costs, lanes, lowest, winners);
     return;
   }
@@ -202,9 +203,9 @@ void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
              costs.size() == static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
   const int right = n + lanes - 1;
   STOF_CHECK(lowest.size() == static_cast<std::size_t>(right) && winners.size() == lowest.size());
-  for (int next = 0; next < right; next += kLanesOf<Sum>) {
+  for (int next = 0; next < right; next += kStep) {
     // The last vector repeats pixels of the one before rather than ending outside.
-    const int j = std::min(next, right - kLanesOf<Sum>);
+    const int j = std::min(next, right - kStep);
     const auto [least, candidates] = pixels.find(j);
     store(lowest.data() + j, least);
     store_winners(candidates, as<V>(bits(least == all(kNoCost<Sum>))), winners.data() + j);

@@ -1,50 +1,38 @@
 #include "dsp/stereo/search/winner.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/base/planted.h"
-#include "dsp/base/simd.h"
-#include "dsp/stereo/cost/sums_neon.h"
+#include "dsp/base/lanes_neon.h"
+#include "dsp/base/mutation.h"
 
 namespace stof::dsp::neon {
 namespace {
 
-constexpr std::array<std::uint32_t, 8> kCount{0, 1, 2, 3, 4, 5, 6, 7};
-constexpr std::array<std::uint8_t, 16> kSmallCount{0, 1, 2,  3,  4,  5,  6,  7,
-                                                   8, 9, 10, 11, 12, 13, 14, 15};
-
-uint8x16_t first_lanes(uint8x16_t /*kind*/) noexcept { return vld1q_u8(kSmallCount.data()); }
-uint16x8_t first_lanes(uint16x8_t /*kind*/) noexcept {
-  return vcombine_u16(vmovn_u32(vld1q_u32(kCount.data())), vmovn_u32(vld1q_u32(kCount.data() + 4)));
-}
-uint32x4_t first_lanes(uint32x4_t /*kind*/) noexcept { return vld1q_u32(kCount.data()); }
-
 template <typename Sum>
 std::int16_t find_winner(const Sum* costs, std::size_t lanes) noexcept {
-  using V = typename Vector<Sum>::type;
-  constexpr std::size_t kStep = Vector<Sum>::kLanes;
-  const V one = all(Sum{1});
-  V lowest = load(costs);
-  V highest = add(lowest, one);  // of cost + 1, which wraps to 0 for kNoCost
-  V candidate = first_lanes(lowest);
+  using L = Lanes<Sum>;
+  using V = typename L::V;
+  const V one = L::all(1);
+  V lowest = L::load(costs);
+  V highest = lowest + one;  // of cost + 1, which wraps to 0 for kNoCost
+  V candidate = L::numbers();
   V best = candidate;
-  for (std::size_t i = kStep; i < lanes; i += kStep) {
-    candidate = add(candidate, all(static_cast<Sum>(kStep)));
-    const V cost = load(costs + i);
-    const V better = less(cost, lowest);
-    best = select(better, candidate, best);
-    lowest = smaller(lowest, cost);
-    highest = larger(highest, add(cost, one));
+  for (std::size_t i = L::kLanes; i < lanes; i += L::kLanes) {
+    candidate = candidate + L::all(L::kLanes);
+    const V cost = L::load(costs + i);
+    const V better = L::less(cost, lowest);
+    best = L::select(better, candidate, best);
+    lowest = L::smaller(lowest, cost);
+    highest = L::larger(highest, cost + one);
   }
-  const Sum minimum = smallest(lowest);
-  if (minimum == kNoCost<Sum> || largest(highest) == static_cast<Sum>(minimum + 1)) {
+  const Sum minimum = L::smallest(lowest);
+  if (minimum == kNoCost<Sum> || L::largest(highest) == static_cast<Sum>(minimum + 1)) {
     return kNoWinner;
   }
   return static_cast<std::int16_t>(
-      smallest(select(equal(lowest, all(minimum)), best, all(kNoCost<Sum>))));
+      L::smallest(L::select(L::equal(lowest, L::all(minimum)), best, L::all(kNoCost<Sum>))));
 }
 
 // Eight candidates at position j: both the sums and the 16-bit winners.
@@ -66,7 +54,7 @@ void find_right_winners(std::span<const std::uint32_t> costs, std::size_t lanes,
   const std::size_t n = costs.size() / lanes;
   std::ranges::fill(lowest, kNoCost<std::uint32_t>);
   std::ranges::fill(winners, kNoWinner);
-  const uint16x8_t first = first_lanes(uint16x8_t{});
+  const uint16x8_t first = Lanes<std::uint16_t>::numbers();
   for (std::size_t x = 0; x < n; ++x) {
     const std::uint32_t* const pixel = costs.data() + x * lanes;
     const std::size_t j = n - 1 - x;
@@ -78,8 +66,6 @@ void find_right_winners(std::span<const std::uint32_t> costs, std::size_t lanes,
   }
 }
 
-uint8x16_t one_up(uint8x16_t before, uint8x16_t v) noexcept { return vextq_u8(before, v, 15); }
-uint16x8_t one_up(uint16x8_t before, uint16x8_t v) noexcept { return vextq_u16(before, v, 7); }
 void store_last(std::uint8_t* to, uint8x16_t v) noexcept { vst1q_lane_u8(to, v, 15); }
 void store_last(std::uint16_t* to, uint16x8_t v) noexcept { vst1q_lane_u16(to, v, 7); }
 
@@ -90,39 +76,40 @@ void store_last(std::uint16_t* to, uint16x8_t v) noexcept { vst1q_lane_u16(to, v
 template <typename Sum, std::size_t kVectors>
 void scan_window(std::span<const Sum> costs, std::size_t lanes, std::size_t first, Sum* lowest,
                  Sum* best) noexcept {
-  using V = typename Vector<Sum>::type;
-  constexpr std::size_t kStep = Vector<Sum>::kLanes;
+  using L = Lanes<Sum>;
+  using V = typename L::V;
+  constexpr std::size_t kStep = L::kLanes;
   constexpr std::size_t kLast = kVectors * kStep - 1;
   const std::size_t n = costs.size() / lanes;
   V low[kVectors];
   V win[kVectors];
   V candidates[kVectors];
   for (std::size_t v = 0; v < kVectors; ++v) {
-    low[v] = load(lowest + n - 1 + first + v * kStep);
-    win[v] = load(best + n - 1 + first + v * kStep);
-    candidates[v] = add(first_lanes(V{}), all(static_cast<Sum>(first + v * kStep)));
+    low[v] = L::load(lowest + n - 1 + first + v * kStep);
+    win[v] = L::load(best + n - 1 + first + v * kStep);
+    candidates[v] = L::numbers() + L::all(static_cast<Sum>(first + v * kStep));
   }
   for (std::size_t x = 0; x < n; ++x) {
     const std::size_t j = n - 1 - x + first;
     if (x > 0) {
       for (std::size_t v = kVectors - 1; v > 0; --v) {
-        low[v] = one_up(low[v - 1], low[v]);
-        win[v] = one_up(win[v - 1], win[v]);
+        low[v] = L::one_up(low[v - 1], low[v]);
+        win[v] = L::one_up(win[v - 1], win[v]);
       }
-      low[0] = one_up(all(lowest[j]), low[0]);
-      win[0] = one_up(all(best[j]), win[0]);
+      low[0] = L::one_up(L::all(lowest[j]), low[0]);
+      win[0] = L::one_up(L::all(best[j]), win[0]);
     }
     for (std::size_t v = 0; v < kVectors; ++v) {
-      const V cost = load(costs.data() + x * lanes + first + v * kStep);
-      win[v] = select(less(cost, low[v]), candidates[v], win[v]);
-      low[v] = smaller(low[v], cost);
+      const V cost = L::load(costs.data() + x * lanes + first + v * kStep);
+      win[v] = L::select(L::less(cost, low[v]), candidates[v], win[v]);
+      low[v] = L::smaller(low[v], cost);
     }
     store_last(lowest + j + kLast, low[kVectors - 1]);
     store_last(best + j + kLast, win[kVectors - 1]);
   }
   for (std::size_t v = 0; v < kVectors; ++v) {
-    store(lowest + first + v * kStep, low[v]);
-    store(best + first + v * kStep, win[v]);
+    L::store(lowest + first + v * kStep, low[v]);
+    L::store(best + first + v * kStep, win[v]);
   }
 }
 
@@ -130,7 +117,7 @@ void scan_window(std::span<const Sum> costs, std::size_t lanes, std::size_t firs
 template <typename Sum>
 void scan_windows(std::span<const Sum> costs, std::size_t lanes, std::span<Sum> lowest,
                   Sum* best) noexcept {
-  constexpr std::size_t kStep = Vector<Sum>::kLanes;
+  constexpr std::size_t kStep = Lanes<Sum>::kLanes;
   std::ranges::fill(lowest, kNoCost<Sum>);
   std::size_t first = 0;
   for (; first + 4 * kStep <= lanes; first += 4 * kStep) {
@@ -160,7 +147,7 @@ void find_right_winners(std::span<const std::uint8_t> costs, std::size_t lanes,
     const std::int16_t candidate = best[j];
     winners[j] = lowest[j] == kNoCost<std::uint8_t> ? kNoWinner : candidate;
   }
-  damage(winners);
+  mutate(winners);
 }
 
 }  // namespace
@@ -173,7 +160,7 @@ void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winn
   for (std::size_t x = 0; x < winners.size(); ++x) {
     winners[x] = find_winner(costs.data() + x * count, count);
   }
-  damage(winners);
+  mutate(winners);
 }
 
 template <typename Sum>

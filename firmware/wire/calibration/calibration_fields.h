@@ -15,7 +15,7 @@ inline constexpr std::uint16_t kFirstVersionWithLights = 3;
 // What not every rig has; the fields follow in this order.
 inline constexpr std::uint32_t kRawOption = 1;
 inline constexpr std::uint32_t kConvergingOption = 2;
-inline constexpr std::uint32_t kSecondToneOption = 4;
+inline constexpr std::uint32_t kSecondFrequencyOption = 4;
 inline constexpr std::uint32_t kSigmaOption = 8;
 
 // A field that was added to the calibration must be added to the file, with a new version.
@@ -48,17 +48,17 @@ void walk_transform(Walker& walker, Transform& transform) noexcept {
   }
 }
 
-// What version 3 added to the tone that every file has.
-template <typename Walker, typename Tone>
-void walk_rest_of_tone(Walker& walker, Tone& tone) noexcept {
-  walker.field(tone.offset_m_per_k);
-  walker.field(tone.stray_i_lsb);
-  walker.field(tone.stray_q_lsb);
+// What version 3 added to the frequency that every file has.
+template <typename Walker, typename FrameTables>
+void walk_rest_of_frequency(Walker& walker, FrameTables& frequency) noexcept {
+  walker.field(frequency.offset_m_per_k);
+  walker.field(frequency.stray_i_lsb);
+  walker.field(frequency.stray_q_lsb);
 }
 
-template <typename Walker, typename Tone>
-void walk_wiggling(Walker& walker, Tone& tone) noexcept {
-  for (auto& step : tone.wiggling) {
+template <typename Walker, typename FrameTables>
+void walk_wiggling(Walker& walker, FrameTables& frequency) noexcept {
+  for (auto& step : frequency.wiggling) {
     walker.field(step);
   }
 }
@@ -87,21 +87,21 @@ void walk(Walker& walker, Calib& calibration) noexcept {
   walker.field(calibration.stereo.doff_px);
   auto& pmd = calibration.pmd;
   walk_lens(walker, pmd.lens);
-  walker.field(pmd.tone.modulation.value);
+  walker.field(pmd.frequency.modulation.value);
   walker.field(pmd.phase_falls);
   walker.field(pmd.saturation_lsb);
   walker.field(pmd.under_lsb);
   walker.field(pmd.min_amplitude_lsb);
   walker.field(pmd.dark_lsb);
-  walker.field(pmd.tone.min_modulation_ratio);
+  walker.field(pmd.frequency.min_modulation_ratio);
   walker.field(pmd.asymmetry_sigmas);
   walker.field(pmd.electrons_per_lsb);
   walker.field(pmd.noise_lsb);
   walker.field(pmd.suppressed_lsb);
-  walker.field(pmd.tone.offset_m);
-  walk_wiggling(walker, pmd.tone);
+  walker.field(pmd.frequency.offset_m);
+  walk_wiggling(walker, pmd.frequency);
   if (walker.version() >= kFirstVersionWithLights) {
-    walk_rest_of_tone(walker, pmd.tone);
+    walk_rest_of_frequency(walker, pmd.frequency);
     walk_exposure_and_lights(walker, pmd);
   }
   walk_transform(walker, calibration.pmd_to_stereo);
@@ -134,7 +134,7 @@ void walk_options(Walker& walker, Calib& calibration) noexcept {
     walker.field(pmd.second->min_modulation_ratio);
     walker.field(pmd.second->offset_m);
     walk_wiggling(walker, *pmd.second);
-    walk_rest_of_tone(walker, *pmd.second);
+    walk_rest_of_frequency(walker, *pmd.second);
   }
   if (pmd.sigma_polynomial) {
     walker.field(pmd.sigma_polynomial->a);

@@ -23,13 +23,13 @@ constexpr std::size_t kCountSize = 4;  // of the fixed pattern
 std::uint32_t options_of(const dsp::Calibration& calibration) noexcept {
   return (calibration.stereo.raw ? kRawOption : 0) |
          (calibration.stereo.converging ? kConvergingOption : 0) |
-         (calibration.pmd.second ? kSecondToneOption : 0) |
+         (calibration.pmd.second ? kSecondFrequencyOption : 0) |
          (calibration.pmd.sigma_polynomial ? kSigmaOption : 0);
 }
 
 std::uint32_t options_known_to(std::uint16_t version) noexcept {
   const std::uint32_t pairs = kRawOption | kConvergingOption;
-  return version < kFirstVersionWithLights ? pairs : pairs | kSecondToneOption | kSigmaOption;
+  return version < kFirstVersionWithLights ? pairs : pairs | kSecondFrequencyOption | kSigmaOption;
 }
 
 void make_room(std::uint32_t options, dsp::Calibration& calibration) noexcept {
@@ -39,7 +39,7 @@ void make_room(std::uint32_t options, dsp::Calibration& calibration) noexcept {
   if ((options & kConvergingOption) != 0) {
     calibration.stereo.converging.emplace();
   }
-  if ((options & kSecondToneOption) != 0) {
+  if ((options & kSecondFrequencyOption) != 0) {
     calibration.pmd.second.emplace();
   }
   if ((options & kSigmaOption) != 0) {

@@ -53,7 +53,7 @@ Result<CalibrationPacket> make_calibration_packet(const dsp::Calibration& calibr
     return fail(Status::kTooLarge);
   }
   packet.max_range = max_range;
-  packet.modulation_hz = calibration.pmd.tone.modulation.value;
+  packet.modulation_hz = calibration.pmd.frequency.modulation.value;
   packet.period_ns = period_ns;
   return packet;
 }

@@ -70,15 +70,15 @@ double wrapped(double turns) noexcept { return turns - std::round(turns); }
 
 PmdModel model_of(const dsp::PmdSensor& sensor) {
   PmdModel model;
-  model.turn_m = dsp::kLightMetresPerSecond / (2.0 * sensor.tone.modulation.value);
+  model.turn_m = dsp::kLightMetresPerSecond / (2.0 * sensor.frequency.modulation.value);
   model.phase_falls = sensor.phase_falls;
   model.scale = sensor.scale;
   model.shift_m = sensor.shift_m;
-  model.offset = wrapped(sensor.tone.offset_m / model.turn_m);
+  model.offset = wrapped(sensor.frequency.offset_m / model.turn_m);
   for (std::size_t i = 0; i < model.wiggling.table.size(); ++i) {
-    model.wiggling.table[i] = sensor.tone.wiggling[i] / kPhaseSteps;
+    model.wiggling.table[i] = sensor.frequency.wiggling[i] / kPhaseSteps;
   }
-  model.stray = {sensor.tone.stray_i_lsb, sensor.tone.stray_q_lsb};
+  model.stray = {sensor.frequency.stray_i_lsb, sensor.frequency.stray_q_lsb};
   model.emitters.assign(sensor.emitters.begin(), sensor.emitters.begin() + sensor.emitter_count);
   for (const std::int16_t value : sensor.fixed_pattern) {
     model.pattern.push_back(value / kPhaseSteps);
@@ -88,15 +88,15 @@ PmdModel model_of(const dsp::PmdSensor& sensor) {
 
 void put_model(const PmdModel& model, dsp::PmdSensor& sensor, std::vector<std::int16_t>& pattern) {
   sensor.phase_falls = model.phase_falls;
-  sensor.tone.offset_m = model.offset * model.turn_m;
+  sensor.frequency.offset_m = model.offset * model.turn_m;
   sensor.scale = model.scale;
   sensor.shift_m = model.shift_m;
-  for (std::size_t i = 0; i < sensor.tone.wiggling.size(); ++i) {
+  for (std::size_t i = 0; i < sensor.frequency.wiggling.size(); ++i) {
     const double phi = static_cast<double>(i) / dsp::kWigglingSteps;
-    sensor.tone.wiggling[i] = to_steps(model.wiggling.at(phi), -32767, 32767);
+    sensor.frequency.wiggling[i] = to_steps(model.wiggling.at(phi), -32767, 32767);
   }
-  sensor.tone.stray_i_lsb = model.stray.real();
-  sensor.tone.stray_q_lsb = model.stray.imag();
+  sensor.frequency.stray_i_lsb = model.stray.real();
+  sensor.frequency.stray_q_lsb = model.stray.imag();
   sensor.emitter_count = static_cast<int>(std::min(model.emitters.size(), sensor.emitters.size()));
   std::copy_n(model.emitters.begin(), sensor.emitter_count, sensor.emitters.begin());
   pattern.clear();

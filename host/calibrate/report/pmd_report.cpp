@@ -181,7 +181,7 @@ std::string report_text(const PmdReport& report, const PmdCalibration& calibrati
   text +=
       printed("%s: %zu recordings of a wall, %dx%d sensor, %.4g MHz; fitted to %s, judged by %s\n",
               report.folder.c_str(), report.rows.size(), sensor.lens.width, sensor.lens.height,
-              sensor.tone.modulation.value / 1e6, in_words(report.fitted).c_str(),
+              sensor.frequency.modulation.value / 1e6, in_words(report.fitted).c_str(),
               in_words(report.judged).c_str());
   text += "Z in the middle of the picture, mean over pixels and frames, less the wall's:\n\n";
   add_table(report, calibration, text);

@@ -171,7 +171,7 @@ dataset::Loaded<WallRecording> read_wall(const std::filesystem::path& prefix) {
   const dsp::PmdSensor& told = recording->calibration.pmd;
   dsp::PmdSensor known;
   known.lens = told.lens;
-  known.tone.modulation = told.tone.modulation;
+  known.frequency.modulation = told.frequency.modulation;
   known.dark_lsb = told.dark_lsb;
   known.saturation_lsb = told.saturation_lsb;
   known.under_lsb = told.under_lsb;
@@ -195,7 +195,7 @@ std::string mixed(const WallRecording& a, const WallRecording& b) {
       s.k2 != t.k2 || s.k3 != t.k3 || s.p1 != t.p1 || s.p2 != t.p2) {
     return "lenses differ";
   }
-  if (one.tone.modulation.value != two.tone.modulation.value) {
+  if (one.frequency.modulation.value != two.frequency.modulation.value) {
     return "modulation frequencies differ";
   }
   if (one.dark_lsb != two.dark_lsb || one.saturation_lsb != two.saturation_lsb ||

@@ -6,10 +6,10 @@
 
 #include "host/cli/evaluate/evaluate.h"
 #include "host/cli/exit.h"
+#include "host/cli/view/ply.h"
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/depth_picture.h"
 #include "host/picture/disparity_picture.h"
-#include "host/cli/view/ply.h"
 
 namespace stof::host {
 namespace {

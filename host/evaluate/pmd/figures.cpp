@@ -32,8 +32,8 @@ Done add_set(const PmdSet& set, const PmdSources& sources, Frames fitted, PmdEva
       return keep(study_lights(set, sources), out.lights);
     case PmdKind::kEdge:
       return keep(study_edges(set, sources), out.edges);
-    case PmdKind::kTones:
-      return keep(study_tones(set, sources), out.tones);
+    case PmdKind::kFrequencies:
+      return keep(study_frequencies(set, sources), out.frequencies);
     case PmdKind::kScenes:
       return keep(study_edges(set, sources), out.scenes);
     case PmdKind::kFrame:
@@ -51,7 +51,7 @@ void note_absent(const std::vector<PmdSet>& sets, std::vector<std::string>& note
        {Kind{PmdKind::kWalls, "walls at known distances (\"z_m\")"},
         Kind{PmdKind::kLights, "a wall lit from one side (\"emitters\" beside the lens)"},
         Kind{PmdKind::kEdge, "an edge (\"x_edge_m\", r_min, r_max)"},
-        Kind{PmdKind::kTones, "two modulation frequencies (\"pair\")"},
+        Kind{PmdKind::kFrequencies, "two modulation frequencies (\"pair\")"},
         Kind{PmdKind::kScenes, "scenes with range maps (r_min, r_med, r_max)"},
         Kind{PmdKind::kFrame, "a frame of an ifm camera (info.json, radial_distance.pgm)"}}) {
     if (std::ranges::find(sets, each.kind, &PmdSet::kind) == sets.end()) {

@@ -5,9 +5,9 @@
 
 #include "host/evaluate/ifm/frame.h"
 #include "host/evaluate/pmd/edges.h"
+#include "host/evaluate/pmd/frequencies.h"
 #include "host/evaluate/pmd/lights.h"
 #include "host/evaluate/pmd/phase.h"
-#include "host/evaluate/pmd/tones.h"
 #include "host/evaluate/pmd/walls.h"
 
 // All figures of a folder of PMD recordings, by the appliance's own converter.
@@ -27,7 +27,7 @@ struct PmdEvaluation {
   std::vector<WallStudy> walls;
   std::vector<LightStudy> lights;
   std::vector<EdgeStudy> edges;
-  std::vector<ToneStudy> tones;
+  std::vector<FrequencyStudy> frequencies;
   std::vector<EdgeStudy> scenes;
   std::vector<FrameStudy> frames;
   std::vector<std::string> notes;  // what was skipped, and what is absent

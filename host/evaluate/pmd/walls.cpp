@@ -41,8 +41,8 @@ std::expected<void, dataset::Problem> study_stray(const WallFolder& folder,
   study.stray_sigma_lsb = found->stray.sigma;
   study.stray_apparent_m = found->stray.apparent_m;
   dsp::PmdSensor with = own;
-  with.tone.stray_i_lsb = study.stray_i_lsb;
-  with.tone.stray_q_lsb = study.stray_q_lsb;
+  with.frequency.stray_i_lsb = study.stray_i_lsb;
+  with.frequency.stray_q_lsb = study.stray_q_lsb;
   for (std::size_t n = 0; n < folder.prefixes.size(); ++n) {
     const dataset::Loaded<WallRecording> wall = read_again(folder, n);
     if (!wall) {
@@ -65,12 +65,12 @@ std::expected<void, dataset::Problem> add_shown(const WallFolder& folder, WallSt
     return {};
   }
   dsp::PmdSensor bare = study.calibration.sensor;
-  bare.tone.wiggling = {};
-  bare.tone.stray_i_lsb = bare.tone.stray_q_lsb = 0;
+  bare.frequency.wiggling = {};
+  bare.frequency.stray_i_lsb = bare.frequency.stray_q_lsb = 0;
   bare.fixed_pattern = {};
   bare.emitter_count = 0;
   bare.scale = 1;
-  bare.tone.offset_m = bare.shift_m = 0;
+  bare.frequency.offset_m = bare.shift_m = 0;
   for (std::size_t n = 0; n < folder.prefixes.size(); ++n) {
     const dataset::Loaded<WallRecording> wall = read_again(folder, n);
     if (!wall) {
@@ -113,7 +113,7 @@ dataset::Loaded<WallStudy> study_walls(const PmdSet& set, const PmdSources& sour
     const dsp::PmdSensor& known = *sources.calibration;
     const dsp::PmdSensor& own = study.calibration.sensor;
     study.given = known.lens.width == own.lens.width && known.lens.height == own.lens.height &&
-                  known.tone.modulation.value == own.tone.modulation.value;
+                  known.frequency.modulation.value == own.frequency.modulation.value;
     study.calibration.sensor = study.given ? known : own;
   }
   const Frames judged_by = study.given ? Frames::kAll : fitted;

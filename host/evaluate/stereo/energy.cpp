@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "dsp/base/index.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "dsp/stereo/search/winner.h"
@@ -11,8 +12,6 @@
 
 namespace stof::host {
 namespace {
-
-std::size_t size(int value) { return static_cast<std::size_t>(value); }
 
 // Always u32: the maps of u16 costs come to the same.
 struct Volume {
@@ -39,7 +38,7 @@ Volume volume_of(const dataset::StereoScene& scene, lab::MatchParams params) {
   rows.start(pair);
   Volume volume{.lanes = dsp::lanes_of(params),
                 .lambda = lab::block_penalties<std::uint32_t>(params).small};
-  volume.costs.reserve(size(width) * size(height) * size(volume.lanes));
+  volume.costs.reserve(dsp::index(width) * dsp::index(height) * dsp::index(volume.lanes));
   for (int y = 0; y < height; ++y) {
     const std::span<const std::uint32_t> costs = rows.row(y);
     volume.costs.insert(volume.costs.end(), costs.begin(), costs.end());

@@ -145,12 +145,13 @@ void add_edges(const EdgeStudy& study, const std::string& id, const std::string&
                   study.all.mixed_with_depth == 0 ? 0 : 2)});
 }
 
-void add_tones(const ToneStudy& study, const std::string& id, std::size_t studies, Page& page) {
+void add_frequencies(const FrequencyStudy& study, const std::string& id, std::size_t studies,
+                     Page& page) {
   page.begin_section(id, named("Two modulation frequencies", study.folder, studies));
   Table table{.caption = "Readings beyond one turn. Wrong: off by half a turn or more.",
               .header = {"recording", "MHz", "period, m", "wall, m", "accepted, %", "wrong",
                          "median error, mm"}};
-  for (const ToneRow& row : study.rows) {
+  for (const FrequencyRow& row : study.rows) {
     table.rows.push_back({row.name, number(row.first_mhz, 2) + " + " + number(row.second_mhz, 2),
                           number(row.period_m, 2),
                           number(row.nearest_m, 1) + " to " + number(row.farthest_m, 1),
@@ -195,8 +196,8 @@ void add_sections(const PmdEvaluation& evaluation, Page& page) {
     add_edges(study, id(), named("An edge", study.folder, count(evaluation.edges)), kAroundEdge,
               page);
   }
-  for (const ToneStudy& study : evaluation.tones) {
-    add_tones(study, id(), count(evaluation.tones), page);
+  for (const FrequencyStudy& study : evaluation.frequencies) {
+    add_frequencies(study, id(), count(evaluation.frequencies), page);
   }
   constexpr int kAroundScene = 40;
   for (const EdgeStudy& study : evaluation.scenes) {

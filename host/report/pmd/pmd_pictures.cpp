@@ -83,7 +83,7 @@ std::vector<Figure> mask_figures(const WallStudy& study) {
     return {figure(grey_map(view.modulation, most), "Modulation ratio, wall at " + at,
                    "Mean over the frames of each pixel: black is 0, white " + number(most, 2) +
                        "; the limit is " +
-                       number(study.calibration.sensor.tone.min_modulation_ratio, 2) + "."),
+                       number(study.calibration.sensor.frequency.min_modulation_ratio, 2) + "."),
             figure(grey_map(view.valid_share, 1), "Valid pixels, wall at " + at,
                    "In how many of the frames a pixel carries a distance: black none, white "
                    "all.")};

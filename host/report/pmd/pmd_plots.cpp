@@ -180,7 +180,7 @@ std::vector<Figure> ratio_figures(const WallStudy& study) {
   PlotSeries limit = series("limit", kPlotGrey, true, 0);
   PlotSeries valid = series("valid share", kPlotGreen, true, kDotPx);
   PlotSeries amplitude = series("amplitude", kPlotOrange, true, kDotPx);
-  const double least = study.calibration.sensor.tone.min_modulation_ratio;
+  const double least = study.calibration.sensor.frequency.min_modulation_ratio;
   for (const WallRow& row : study.report.rows) {
     const WallView& view = row.view;
     if (row.exposure != 1 || view.flagged[0] > 0) {
@@ -227,7 +227,7 @@ std::vector<Figure> stray_figures(const WallStudy& study) {
     add(after, row.z_m, row.z_m + row.after.error_m);
     add(ratio, row.z_m, row.before.ratio);
     add(ratio_after, row.z_m, row.after.ratio);
-    add(limit, row.z_m, study.calibration.sensor.tone.min_modulation_ratio);
+    add(limit, row.z_m, study.calibration.sensor.frequency.min_modulation_ratio);
   }
   return {plot_figure({.title = "A wall that seems to come nearer again",
                        .x_label = "distance of the wall, m",

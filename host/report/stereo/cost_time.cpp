@@ -37,7 +37,7 @@ double time_of_rows(const dataset::StereoScene& scene, const lab::MatchParams& p
 
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
                                      const lab::MatchParams& params, int runs) {
-  if (params.cost == lab::Cost::kMixed) {
+  if (params.cost == lab::Cost::kAdCensus) {
     return std::nullopt;
   }
   return lab::CostRows::wide(params) ? time_of_rows<std::uint32_t>(scene, params, runs)

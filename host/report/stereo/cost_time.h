@@ -9,7 +9,7 @@
 namespace stof::host {
 
 // Median time in ms of all block costs: every pixel, every candidate, prefilter included. A row of
-// costs is overwritten by the next one, as in the appliance. None for Cost::kMixed, which has no
+// costs is overwritten by the next one, as in the appliance. None for Cost::kAdCensus, which has no
 // blocks.
 std::optional<double> cost_matrix_ms(const dataset::StereoScene& scene,
                                      const lab::MatchParams& params, int runs);

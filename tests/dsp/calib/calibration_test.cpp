@@ -48,13 +48,13 @@ TEST(Calibration, EveryUnusableNumberIsNamed) {
   EXPECT_NE(problem(c), std::string());
 }
 
-// Each changes one thing of a sensor with two tones, lights and a polynomial of sigma; the message
-// says which.
+// Each changes one thing of a sensor with two frequencies, lights and a polynomial of sigma; the
+// message says which.
 TEST(Calibration, EveryUnusableNumberOfThePmdCameraIsNamed) {
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   Calibration good = usable();
-  good.pmd.second = PmdTone{.modulation = Hertz{18'750'000}};
+  good.pmd.second = PmdFrequency{.modulation = Hertz{18'750'000}};
   good.pmd.emitter_count = 2;
   good.pmd.emitters = {{{-0.12, 0, 0}, {0.12, 0, 0}, {kNan, 0, 0}, {9, 9, 9}}};
   good.pmd.sigma_polynomial = SigmaPolynomial{.a = -0.02, .b = 2.6e-3, .c = 2.8e-5};
@@ -64,13 +64,13 @@ TEST(Calibration, EveryUnusableNumberOfThePmdCameraIsNamed) {
       {[](PmdSensor& s) { s.lens.k3 = kNan; }, "lens"},
       {[](PmdSensor& s) { s.lens.p1 = kNan; }, "lens"},
       {[](PmdSensor& s) { s.lens.p2 = kEndless; }, "lens"},
-      {[](PmdSensor& s) { s.tone.modulation.value = 999'999; }, "1 to 200 MHz"},
-      {[](PmdSensor& s) { s.tone.modulation.value = 200'000'001; }, "1 to 200 MHz"},
-      {[](PmdSensor& s) { s.tone.min_modulation_ratio = 1.01; }, "ratio"},
-      {[](PmdSensor& s) { s.tone.offset_m = kNan; }, "offset"},
-      {[](PmdSensor& s) { s.tone.offset_m_per_k = -1.1; }, "offset"},
-      {[](PmdSensor& s) { s.tone.stray_i_lsb = kNan; }, "stray"},
-      {[](PmdSensor& s) { s.tone.stray_q_lsb = -40000; }, "stray"},
+      {[](PmdSensor& s) { s.frequency.modulation.value = 999'999; }, "1 to 200 MHz"},
+      {[](PmdSensor& s) { s.frequency.modulation.value = 200'000'001; }, "1 to 200 MHz"},
+      {[](PmdSensor& s) { s.frequency.min_modulation_ratio = 1.01; }, "ratio"},
+      {[](PmdSensor& s) { s.frequency.offset_m = kNan; }, "offset"},
+      {[](PmdSensor& s) { s.frequency.offset_m_per_k = -1.1; }, "offset"},
+      {[](PmdSensor& s) { s.frequency.stray_i_lsb = kNan; }, "stray"},
+      {[](PmdSensor& s) { s.frequency.stray_q_lsb = -40000; }, "stray"},
       {[](PmdSensor& s) { s.second->modulation.value = 0; }, "1 to 200 MHz"},
       {[](PmdSensor& s) { s.second->stray_q_lsb = kEndless; }, "stray"},
       {[](PmdSensor& s) { s.second->modulation.value = 20'000'000; }, "not below"},

@@ -8,7 +8,7 @@
 #include "tests/dsp/pmd/converter_rig.h"
 #include "tests/support/random.h"
 
-// What a frame brings beside one exposure of one tone, and what a sensor may have beside that.
+// What a frame brings beside one exposure of one frequency, and what a sensor may have beside that.
 namespace stof::dsp {
 namespace {
 
@@ -27,8 +27,8 @@ PmdFrame frame_of(const PmdExposure& first) { return {.first = {&first, 1}}; }
 
 TEST(ConverterFrame, SubtractsStrayLightByIntegrationTime) {
   PmdSensor sensor = sensor_of(16, 1);
-  sensor.tone.stray_i_lsb = 40;  // 4000 electrons at an apparent 1.5 m
-  sensor.tone.stray_q_lsb = 124;
+  sensor.frequency.stray_i_lsb = 40;  // 4000 electrons at an apparent 1.5 m
+  sensor.frequency.stray_q_lsb = 124;
   ConverterRig rig(sensor);
   for (const double times : {0.5, 1.0, 2.0}) {
     Planes planes(16, 1);
@@ -50,7 +50,7 @@ TEST(ConverterFrame, SubtractsStrayLightByIntegrationTime) {
 
 TEST(ConverterFrame, MovesWithTheTemperature) {
   PmdSensor sensor = sensor_of(8, 1);
-  sensor.tone.offset_m_per_k = 0.015;
+  sensor.frequency.offset_m_per_k = 0.015;
   sensor.reference_c = 20;
   ConverterRig rig(sensor);
   Planes planes(8, 1);
@@ -114,7 +114,7 @@ TEST(ConverterFrame, UndoesTheWayOfLightsBesideTheLens) {
 
 TEST(ConverterFrame, CountsTurnsBeyondSixteenMetresInTheLongRange) {
   PmdSensor sensor = sensor_of(9, 2);
-  sensor.tone.modulation = {5'000'000};  // 29.979 m a turn
+  sensor.frequency.modulation = {5'000'000};  // 29.979 m a turn
   ConverterRig rig(sensor);
   Planes planes(9, 2);
   for (std::size_t i = 0; i < 18; ++i) {
@@ -132,16 +132,16 @@ TEST(ConverterFrame, CountsTurnsBeyondSixteenMetresInTheLongRange) {
   EXPECT_EQ(maps.range, 119917U);
 }
 
-PmdSensor two_tone_sensor(int width, int height) {
+PmdSensor two_frequency_sensor(int width, int height) {
   PmdSensor sensor = sensor_of(width, height);
-  sensor.second = PmdTone{.modulation = {18'750'000}};
+  sensor.second = PmdFrequency{.modulation = {18'750'000}};
   return sensor;
 }
 
-TEST(ConverterFrame, TellsTurnsApartWithTwoTones) {
+TEST(ConverterFrame, TellsTurnsApartWithTwoFrequencies) {
   const std::vector<double> distances{0.8, 7.3, 7.6, 11.0, 16.2, 16.5, 40.0, 100.0};
-  PmdSensor sensor = two_tone_sensor(8, 1);
-  sensor.tone.offset_m = 0.3;
+  PmdSensor sensor = two_frequency_sensor(8, 1);
+  sensor.frequency.offset_m = 0.3;
   sensor.second->offset_m = 0.1;
   const std::vector<std::int16_t> pattern(8, 437);  // 50 mm, of both
   sensor.fixed_pattern = pattern;
@@ -162,15 +162,15 @@ TEST(ConverterFrame, TellsTurnsApartWithTwoTones) {
     EXPECT_NEAR(maps.distance.at(x, 0), metres > 16.38 ? 0 : metres * 4000, 8) << metres;
   }
   EXPECT_NEAR(maps.range, 119.917 * 4000, 5);
-  EXPECT_EQ(maps.widest, 14989);  // half a turn of the first tone, as before
-  // Without the second tone the first one's turn is all there is.
+  EXPECT_EQ(maps.widest, 14989);  // half a turn of the first frequency, as before
+  // Without the second frequency the first one's turn is all there is.
   rig.converter().measure({.first = {&a, 1}});
   EXPECT_NEAR(maps.distance.at(3, 0), (11.0 - kTurnM) * 4000, 5);
   EXPECT_EQ(maps.range, 29979U);
 }
 
-TEST(ConverterFrame, GivesNoDistanceWhereTonesContradictEachOther) {
-  ConverterRig rig(two_tone_sensor(8, 1));
+TEST(ConverterFrame, GivesNoDistanceWhereFrequenciesContradictEachOther) {
+  ConverterRig rig(two_frequency_sensor(8, 1));
   Planes first(8, 1);
   Planes second(8, 1);
   first.show_everywhere(5.0, 1500, 1100);
@@ -190,9 +190,9 @@ TEST(ConverterFrame, GivesNoDistanceWhereTonesContradictEachOther) {
   EXPECT_TRUE(maps.flags.at(6, 0) & kPmdSaturated);
 }
 
-// Both tones measure the same surface: their mean is better than each.
-TEST(ConverterFrame, MakesSigmaOfTwoTonesSmaller) {
-  ConverterRig rig(two_tone_sensor(8, 1));
+// Both frequencies measure the same surface: their mean is better than each.
+TEST(ConverterFrame, MakesSigmaOfTwoFrequenciesSmaller) {
+  ConverterRig rig(two_frequency_sensor(8, 1));
   Planes first(8, 1);
   Planes second(8, 1);
   first.show_everywhere(5.0, 1500, 1100);
@@ -269,15 +269,15 @@ TEST(ConverterFrame, LetsReadingsBeMovedBeforeIntervals) {
 // missing is missing everywhere.
 TEST(ConverterFrame, SurvivesNoiseWithEverySensor) {
   for (const auto& [w, h] : {std::pair{1, 1}, {2, 3}, {17, 2}, {33, 9}}) {
-    PmdSensor sensor = two_tone_sensor(w, h);
+    PmdSensor sensor = two_frequency_sensor(w, h);
     sensor.emitter_count = 2;
     sensor.emitters[0] = {0.12, 0, 0};
     sensor.emitters[1] = {-0.12, 0.01, 0.02};
     sensor.scale = 0.97;
     sensor.shift_m = 0.4;
-    sensor.tone.stray_i_lsb = -300;
+    sensor.frequency.stray_i_lsb = -300;
     sensor.second->stray_q_lsb = 9000;
-    sensor.tone.offset_m_per_k = -0.02;
+    sensor.frequency.offset_m_per_k = -0.02;
     ConverterRig rig(sensor);
     test::Random random(static_cast<std::uint64_t>(w));
     std::vector<Planes> planes(4, Planes(w, h));

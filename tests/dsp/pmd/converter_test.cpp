@@ -93,7 +93,7 @@ TEST(Converter, TakesMemoryForWhatTheSensorHas) {
   sensor.emitter_count = 2;
   EXPECT_EQ(bytes(sensor), plain + 10U * 64 * 16);
   const std::size_t with_lights = bytes(sensor);
-  sensor.second = PmdTone{.modulation = {18'750'000}};
+  sensor.second = PmdFrequency{.modulation = {18'750'000}};
   EXPECT_GT(bytes(sensor), with_lights + 4U * 64 * 16);
   EXPECT_LT(bytes(sensor), with_lights + 5U * 64 * 16);
 }

@@ -165,10 +165,11 @@ TEST_F(RecordedPmd, StrayLightThatIsKnownBendsNoWall) {
     const std::vector<double> truth = truth_mm(prefix, 8);
     ASSERT_EQ(truth.size(), 1024U);
     PmdSensor sensor = recording.calibration.pmd;
-    sensor.tone.min_modulation_ratio = 0.1;  // stray light counts as light that is not modulated
+    sensor.frequency.min_modulation_ratio =
+        0.1;  // stray light counts as light that is not modulated
     const Score without = score(recording, sensor, truth);
-    sensor.tone.stray_i_lsb = 2 * 4000 / sensor.electrons_per_lsb * std::cos(phase);
-    sensor.tone.stray_q_lsb = 2 * 4000 / sensor.electrons_per_lsb * std::sin(phase);
+    sensor.frequency.stray_i_lsb = 2 * 4000 / sensor.electrons_per_lsb * std::cos(phase);
+    sensor.frequency.stray_q_lsb = 2 * 4000 / sensor.electrons_per_lsb * std::sin(phase);
     const Score with = score(recording, sensor, truth);
     std::printf("%s: %.1f mm with stray light, %.1f mm without\n", prefix.c_str(),
                 without.blocks_mm, with.blocks_mm);
@@ -178,8 +179,8 @@ TEST_F(RecordedPmd, StrayLightThatIsKnownBendsNoWall) {
   }
 }
 
-// A wall from 6 to 34 m: nothing that is given is off by a turn of the first tone.
-TEST_F(RecordedPmd, TwoTonesReachBeyondOneTurn) {
+// A wall from 6 to 34 m: nothing that is given is off by a turn of the first frequency.
+TEST_F(RecordedPmd, TwoFrequenciesReachBeyondOneTurn) {
   const std::filesystem::path dual = recordings() / "dual";
   const dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd_pair(
       dual / "20_18.75_f0", dual / "20_18.75_f1", recordings() / "wall" / "64x16_fppn.pgm");
@@ -187,7 +188,7 @@ TEST_F(RecordedPmd, TwoTonesReachBeyondOneTurn) {
   const std::vector<double> truth = truth_mm("dual/20_18.75_f0", 1);
   ASSERT_EQ(truth.size(), 1024U);
   PmdSensor sensor = recording->calibration.pmd;
-  sensor.tone.min_modulation_ratio = 0.25;  // serves sensors of two frequencies
+  sensor.frequency.min_modulation_ratio = 0.25;  // serves sensors of two frequencies
   sensor.second->min_modulation_ratio = 0.25;
   ConverterRig rig(sensor);
   std::vector<double> errors;

@@ -21,7 +21,7 @@ dsp::Calibration some_calibration() {
       .baseline_m = 0.160000001,
       .doff_px = -32.0625};
   calibration.pmd.lens = {.width = 64, .height = 16, .fx = 45.28, .fy = 45.28};
-  calibration.pmd.tone.modulation = dsp::Hertz{20'000'000};
+  calibration.pmd.frequency.modulation = dsp::Hertz{20'000'000};
   calibration.pmd_to_stereo = {.rotation = {1, 0.25, -0.5, 0, -1, 0, 0.125, 0, 1},
                                .translation_m = {-0.05, 0.000000001, 2.5}};
   return calibration;

@@ -84,7 +84,7 @@ TEST(RenderPmd, OddHarmonicsBendThePhaseByTheCalibrationsTable) {
   PmdModel model = plain_model();
   model.kappa3 = 0.0497;
   model.kappa5 = 0.0111;
-  const dsp::WigglingTable table = sensor_constants(kLens, k20MHz, model).tone.wiggling;
+  const dsp::WigglingTable table = sensor_constants(kLens, k20MHz, model).frequency.wiggling;
   for (double z = 1; z < 7; z += 0.23) {
     const double truth = 2 * std::numbers::pi * z / kTurnM;
     const double measured = phase(render(wall(z), model));
@@ -146,13 +146,13 @@ TEST(RenderPmd, StrayLightAddsItsPhasorToEveryPixel) {
   model.stray_e = 4000;
   model.stray_m = 1.5;
   const CleanSamples with = render(wall(3), model);
-  const dsp::PmdTone tone = sensor_constants(kLens, k20MHz, model).tone;
+  const dsp::PmdFrequency frequency = sensor_constants(kLens, k20MHz, model).frequency;
   const double angle = 2 * std::numbers::pi * 1.5 / kTurnM;
-  EXPECT_NEAR(tone.stray_i_lsb, 2 * 4000 / model.electrons_per_lsb * std::cos(angle), 1e-6);
-  EXPECT_NEAR(tone.stray_q_lsb, 2 * 4000 / model.electrons_per_lsb * std::sin(angle), 1e-6);
+  EXPECT_NEAR(frequency.stray_i_lsb, 2 * 4000 / model.electrons_per_lsb * std::cos(angle), 1e-6);
+  EXPECT_NEAR(frequency.stray_q_lsb, 2 * 4000 / model.electrons_per_lsb * std::sin(angle), 1e-6);
   for (const int x : {0, kX, 8}) {
-    EXPECT_NEAR(in_phase(with, x) - in_phase(without, x), tone.stray_i_lsb, 0.05);
-    EXPECT_NEAR(quadrature(with, x) - quadrature(without, x), tone.stray_q_lsb, 0.05);
+    EXPECT_NEAR(in_phase(with, x) - in_phase(without, x), frequency.stray_i_lsb, 0.05);
+    EXPECT_NEAR(quadrature(with, x) - quadrature(without, x), frequency.stray_q_lsb, 0.05);
   }
   // Its light fills the pixel and is noisy.
   const double light = 4000 / model.contrast / model.electrons_per_lsb;

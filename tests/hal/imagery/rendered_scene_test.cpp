@@ -136,7 +136,7 @@ TEST(Corridor, PmdSamplesHoldTheTruthOfItsOwnRays) {
     const double x = value(0) - value(2);
     const double y = value(3) - value(1);
     const double offset = (value(0) + value(1) + value(2) + value(3)) / 4 - sensor.dark_lsb;
-    if (std::hypot(x, y) / 2 < sensor.tone.min_modulation_ratio * offset) {
+    if (std::hypot(x, y) / 2 < sensor.frequency.min_modulation_ratio * offset) {
       continue;
     }
     ++usable;

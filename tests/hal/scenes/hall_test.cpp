@@ -93,7 +93,7 @@ TEST(Hall, ModulationRatioSufficesOnEverythingTextured) {
         decode(sensors.calibration().pmd, clean_samples(views.pmd, surface.x, surface.y), 0);
     far += surface.textured && surface.range_m > 13 ? 1 : 0;
     if (surface.textured) {
-      EXPECT_GT(decoded.ratio, 1.1 * sensors.calibration().pmd.tone.min_modulation_ratio)
+      EXPECT_GT(decoded.ratio, 1.1 * sensors.calibration().pmd.frequency.min_modulation_ratio)
           << surface.x << " " << surface.y << " at " << surface.range_m;
     }
   }

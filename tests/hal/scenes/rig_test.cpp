@@ -96,7 +96,7 @@ TEST(Misplacement, RangeOffsetIsWhatIsMeasuredTooMuch) {
     const std::size_t at = static_cast<std::size_t>(18 * rig.pmd_lens.width + 22);
     const Decoded decoded = decode(sensor, clean_samples(views.pmd, 22, 18), at);
     EXPECT_NEAR(range_error(sensor, decoded, 2.5 * length(ray)), offset, 0.001);
-    EXPECT_EQ(sensor.tone.offset_m, 0);
+    EXPECT_EQ(sensor.frequency.offset_m, 0);
   }
 }
 

@@ -132,7 +132,7 @@ TEST(RandomRoom, PmdReadingsAreTheTruthOfTheirRays) {
         const double truth = viewpoint.look(ray.x, ray.y).t * length(ray);
         const std::size_t at = static_cast<std::size_t>(y * rig.pmd_lens.width + x);
         const Decoded decoded = decode(sensor, clean_samples(views.pmd, x, y), at);
-        if (decoded.ratio > sensor.tone.min_modulation_ratio) {
+        if (decoded.ratio > sensor.frequency.min_modulation_ratio) {
           ++usable;
           near += std::abs(range_error(sensor, decoded, truth)) < 0.02 ? 1 : 0;
         }

@@ -69,10 +69,10 @@ struct Decoded {
 
 inline Decoded decode(const dsp::PmdSensor& sensor, const std::array<double, 4>& samples,
                       std::size_t pixel) {
-  const dsp::PmdTone& tone = sensor.tone;
-  const double i = samples[0] - samples[2] - tone.stray_i_lsb;
-  const double q = samples[3] - samples[1] - tone.stray_q_lsb;
-  const double turn_m = dsp::kLightMetresPerSecond / (2.0 * tone.modulation.value);
+  const dsp::PmdFrequency& frequency = sensor.frequency;
+  const double i = samples[0] - samples[2] - frequency.stray_i_lsb;
+  const double q = samples[3] - samples[1] - frequency.stray_q_lsb;
+  const double turn_m = dsp::kLightMetresPerSecond / (2.0 * frequency.modulation.value);
   double turns = std::atan2(q, i) / (2 * std::numbers::pi);
   if (!sensor.fixed_pattern.empty()) {
     turns -= sensor.fixed_pattern[pixel] / 65536.0;
@@ -80,9 +80,9 @@ inline Decoded decode(const dsp::PmdSensor& sensor, const std::array<double, 4>&
   turns -= std::floor(turns);
   const double place = turns * dsp::kWigglingSteps;
   const std::size_t step = static_cast<std::size_t>(place) % dsp::kWigglingSteps;
-  const double low = tone.wiggling[step];
-  const double high = tone.wiggling[(step + 1) % dsp::kWigglingSteps];
-  turns -= (low + (high - low) * (place - std::floor(place))) / 65536 + tone.offset_m / turn_m;
+  const double low = frequency.wiggling[step];
+  const double high = frequency.wiggling[(step + 1) % dsp::kWigglingSteps];
+  turns -= (low + (high - low) * (place - std::floor(place))) / 65536 + frequency.offset_m / turn_m;
   const double mean = (samples[0] + samples[1] + samples[2] + samples[3]) / 4 - sensor.dark_lsb;
   const double amplitude = std::hypot(i, q) / 2;
   return {.turns = turns - std::floor(turns), .amplitude = amplitude, .ratio = amplitude / mean};
@@ -90,7 +90,7 @@ inline Decoded decode(const dsp::PmdSensor& sensor, const std::array<double, 4>&
 
 // How much farther than `truth_m` the reading is, in the period that is nearest to it. Metres.
 inline double range_error(const dsp::PmdSensor& sensor, const Decoded& decoded, double truth_m) {
-  const double turn_m = dsp::kLightMetresPerSecond / (2.0 * sensor.tone.modulation.value);
+  const double turn_m = dsp::kLightMetresPerSecond / (2.0 * sensor.frequency.modulation.value);
   return std::remainder(decoded.turns * turn_m - truth_m, turn_m);
 }
 

@@ -70,7 +70,7 @@ TEST_F(CalibPmd, WritesAFileThatKeepsTheRigOfAnother) {
   EXPECT_EQ(found.stereo.left.fx, 600);
   EXPECT_EQ(found.pmd_to_stereo.translation_m, rig.pmd_to_stereo.translation_m);
   EXPECT_EQ(found.pmd.fixed_pattern.size(), 32U * 24U);
-  EXPECT_NE(found.pmd.tone.wiggling, dsp::WigglingTable{});
+  EXPECT_NE(found.pmd.frequency.wiggling, dsp::WigglingTable{});
   EXPECT_NEAR(found.pmd.electrons_per_lsb, camera_.electrons_per_lsb,
               0.2 * camera_.electrons_per_lsb);
   const std::string page =

@@ -140,7 +140,7 @@ TEST(CalibratePmd, FindsStrayLightAloneAndKeepsTheRest) {
       calibrate_pmd(known_of(camera), record_walls(camera, {1, 2, 3, 4}, 4, 600), options);
   ASSERT_TRUE(found) << found.error().message;
   EXPECT_EQ(found->stray.verdict, StrayVerdict::kCorrected);
-  EXPECT_EQ(found->sensor.tone.wiggling, clean.sensor.tone.wiggling);
+  EXPECT_EQ(found->sensor.frequency.wiggling, clean.sensor.frequency.wiggling);
   EXPECT_EQ(found->pattern, clean.pattern);
   EXPECT_EQ(found->sensor.noise_lsb, clean.sensor.noise_lsb);
   expect_true_distances(camera, *found, 0.002);

@@ -37,10 +37,10 @@ TEST(PmdModel, ASensorBecomesAModelAndTheSameSensorAgain) {
   sensor.phase_falls = true;
   sensor.scale = 1.01;
   sensor.shift_m = -0.02;
-  sensor.tone.offset_m = 0.4;
-  sensor.tone.stray_i_lsb = 12;
-  sensor.tone.stray_q_lsb = -7.5;
-  sensor.tone.wiggling = dsp::fourth_harmonic_table(0.04);
+  sensor.frequency.offset_m = 0.4;
+  sensor.frequency.stray_i_lsb = 12;
+  sensor.frequency.stray_q_lsb = -7.5;
+  sensor.frequency.wiggling = dsp::fourth_harmonic_table(0.04);
   sensor.emitter_count = 1;
   sensor.emitters[0] = {0.1, 0, 0};
   sensor.fixed_pattern = pattern;
@@ -48,13 +48,13 @@ TEST(PmdModel, ASensorBecomesAModelAndTheSameSensorAgain) {
   std::vector<std::int16_t> stored;
   put_model(model_of(sensor), again, stored);
   EXPECT_EQ(stored, pattern);
-  EXPECT_EQ(again.tone.wiggling, sensor.tone.wiggling);
+  EXPECT_EQ(again.frequency.wiggling, sensor.frequency.wiggling);
   EXPECT_EQ(again.phase_falls, sensor.phase_falls);
   EXPECT_EQ(again.scale, sensor.scale);
   EXPECT_EQ(again.shift_m, sensor.shift_m);
-  EXPECT_NEAR(again.tone.offset_m, sensor.tone.offset_m, 1e-12);
-  EXPECT_EQ(again.tone.stray_i_lsb, sensor.tone.stray_i_lsb);
-  EXPECT_EQ(again.tone.stray_q_lsb, sensor.tone.stray_q_lsb);
+  EXPECT_NEAR(again.frequency.offset_m, sensor.frequency.offset_m, 1e-12);
+  EXPECT_EQ(again.frequency.stray_i_lsb, sensor.frequency.stray_i_lsb);
+  EXPECT_EQ(again.frequency.stray_q_lsb, sensor.frequency.stray_q_lsb);
   EXPECT_EQ(again.emitter_count, 1);
   EXPECT_EQ(again.emitters, sensor.emitters);
 }

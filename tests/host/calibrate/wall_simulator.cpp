@@ -80,7 +80,7 @@ host::WallRecording record(const SimulatedCamera& camera, double z_m, int frames
                            .recording = {}};
   dsp::PmdSensor& sensor = wall.recording.calibration.pmd;
   sensor.lens = camera.lens;
-  sensor.tone.modulation.value = camera.f_mod_hz;
+  sensor.frequency.modulation.value = camera.f_mod_hz;
   sensor.dark_lsb = camera.dark_lsb;
   sensor.saturation_lsb = camera.saturation_lsb;
   wall.recording.frames.assign(static_cast<std::size_t>(frames),

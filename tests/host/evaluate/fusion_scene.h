@@ -41,7 +41,7 @@ inline dataset::PmdRecording flat_recording(double metres) {
   calibration.stereo.left = {.width = 40, .height = 30, .fx = 60, .fy = 60, .cx = 19.5, .cy = 14.5};
   calibration.stereo.baseline_m = 0.1;
   recording.has_rig = true;
-  const double turns = metres * 2 * calibration.pmd.tone.modulation.value / 299792458.0;
+  const double turns = metres * 2 * calibration.pmd.frequency.modulation.value / 299792458.0;
   dataset::Image<std::uint16_t>& frame = recording.frames.emplace_back(4, 8);
   for (int k = 0; k < 4; ++k) {
     const double value = 1100 + 500 * std::cos(2 * std::numbers::pi * (turns + k / 4.0));

@@ -22,7 +22,7 @@ TEST(FusionParams, OfAPresetAreThoseOfTheAppliance) {
   EXPECT_EQ(params->disparities, 96);
   EXPECT_EQ(params->subpixel, dsp::Subpixel::kEquiangular);
   EXPECT_TRUE(params->confidence);
-  EXPECT_EQ(params->cost, lab::Cost::kMixed);
+  EXPECT_EQ(params->cost, lab::Cost::kAdCensus);
   EXPECT_EQ(params->method, lab::Method::kSemiGlobal);
   EXPECT_EQ(fusion_params(preset("fast", {{"subpixel", "parabola"}}), 64)->subpixel,
             dsp::Subpixel::kParabola);

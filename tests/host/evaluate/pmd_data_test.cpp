@@ -71,8 +71,8 @@ TEST_F(PmdData, TheNearModelLeavesFiveMillimetres) {
 }
 
 TEST_F(PmdData, NoTurnOfTwoFrequenciesIsWrong) {
-  ASSERT_FALSE(found().tones.empty());
-  for (const ToneRow& row : found().tones[0].rows) {
+  ASSERT_FALSE(found().frequencies.empty());
+  for (const FrequencyRow& row : found().frequencies[0].rows) {
     EXPECT_EQ(row.wrong, 0) << row.name;
     EXPECT_GE(row.accepted, row.pixels / 2) << row.name;
   }

@@ -31,13 +31,13 @@ TEST_F(PmdFind, TellsKindsFromFilesAndFields) {
   test::write_wall(in("both"), record(camera_, 1, 1, 1),
                    ", \"emitters\": [[0.1, 0, 0], [-0.1, 0, 0]]");
   test::write_edge(in("edge"), "edge", camera_, Board{});
-  host::WallRecording tone = record(camera_, 3, 1, 1);
-  tone.name = "b";
-  test::write_wall(in("tones"), tone, ", \"pair\": [25e6, 30e6]");
+  host::WallRecording frequency = record(camera_, 3, 1, 1);
+  frequency.name = "b";
+  test::write_wall(in("tones"), frequency, ", \"pair\": [25e6, 30e6]");
   camera_.f_mod_hz = 25'000'000;
-  tone = record(camera_, 3, 1, 1);
-  tone.name = "c";
-  test::write_wall(in("tones"), tone, ", \"pair\": [25e6, 30e6]");
+  frequency = record(camera_, 3, 1, 1);
+  frequency.name = "c";
+  test::write_wall(in("tones"), frequency, ", \"pair\": [25e6, 30e6]");
   test::write_frame(in("frame"));
   put("walls/32x24_fppn.pgm", "P5\n");
   const dataset::Loaded<PmdFolders> found = find_pmd(folder());
@@ -46,7 +46,7 @@ TEST_F(PmdFind, TellsKindsFromFilesAndFields) {
   EXPECT_EQ(set_of(*found, PmdKind::kLights)->folder, folder() / "side");
   EXPECT_EQ(set_of(*found, PmdKind::kEdge)->prefixes, std::vector{folder() / "edge" / "edge"});
   // The first frequency of "pair" first.
-  EXPECT_EQ(set_of(*found, PmdKind::kTones)->prefixes,
+  EXPECT_EQ(set_of(*found, PmdKind::kFrequencies)->prefixes,
             (std::vector{folder() / "tones" / "c", folder() / "tones" / "b"}));
   EXPECT_NE(set_of(*found, PmdKind::kFrame), nullptr);
   EXPECT_EQ(std::ranges::count(found->sets, PmdKind::kWalls, &PmdSet::kind), 2);

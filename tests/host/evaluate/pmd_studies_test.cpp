@@ -125,8 +125,8 @@ TEST_F(PmdStudies, ATurnThatIsWrongIsCounted) {
   // The truth says 4 m: no reading is right.
   test::write_map(folder() / "f30_r_med.pgm", camera_, test::radial(camera_, 4));
   const PmdEvaluation found = evaluate();
-  ASSERT_EQ(found.tones.size(), 1U);
-  const ToneRow& row = found.tones[0].rows.at(0);
+  ASSERT_EQ(found.frequencies.size(), 1U);
+  const FrequencyRow& row = found.frequencies[0].rows.at(0);
   EXPECT_NEAR(row.period_m, 29.98, 0.01);
   EXPECT_GT(row.accepted, row.pixels / 2);
   EXPECT_EQ(row.wrong, row.accepted);
@@ -142,8 +142,8 @@ TEST_F(PmdStudies, ATurnThatIsRightIsNotCountedAsWrong) {
   }
   test::write_map(folder() / "f30_r_med.pgm", camera_, test::radial(camera_, 6));
   const PmdEvaluation found = evaluate();
-  ASSERT_EQ(found.tones.size(), 1U);
-  const ToneRow& row = found.tones[0].rows.at(0);
+  ASSERT_EQ(found.frequencies.size(), 1U);
+  const FrequencyRow& row = found.frequencies[0].rows.at(0);
   EXPECT_GT(row.accepted, row.pixels * 9 / 10);
   EXPECT_EQ(row.wrong, 0);
   EXPECT_LT(row.median_error_m, 0.02);

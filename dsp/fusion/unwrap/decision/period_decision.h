@@ -20,7 +20,7 @@ class PeriodDecision {
   // Readings that must stand behind a decision, itself included.
   static constexpr int kLeastAround = 3;
 
-  // focal: of the PMD lens, the shorter of both. range: of the first tone.
+  // focal: of the PMD lens, the shorter of both. range: of the first frequency.
   PeriodDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
                  Arena& arena) noexcept;
 

@@ -101,9 +101,9 @@ ordered_json to_json(const EdgeStudy& study) {
   return {{"folder", study.folder.string()}, {"rows", rows}, {"all", to_json(study.all)}};
 }
 
-ordered_json to_json(const ToneStudy& study) {
+ordered_json to_json(const FrequencyStudy& study) {
   ordered_json rows = ordered_json::array();
-  for (const ToneRow& row : study.rows) {
+  for (const FrequencyRow& row : study.rows) {
     rows.push_back({{"name", row.name},
                     {"first_mhz", row.first_mhz},
                     {"second_mhz", row.second_mhz},
@@ -166,7 +166,7 @@ std::string pmd_json(const PmdEvaluation& evaluation) {
                           {"walls", all_of(evaluation.walls)},
                           {"lights", all_of(evaluation.lights)},
                           {"edges", all_of(evaluation.edges)},
-                          {"tones", all_of(evaluation.tones)},
+                          {"tones", all_of(evaluation.frequencies)},
                           {"scenes", all_of(evaluation.scenes)},
                           {"frames", all_of(evaluation.frames)},
                           {"notes", evaluation.notes}};

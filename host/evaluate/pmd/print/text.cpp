@@ -86,11 +86,11 @@ void add_edges(const EdgeStudy& study, const char* what, std::string& text) {
   add_counts("all", study.all, text);
 }
 
-void add_tones(const ToneStudy& study, std::string& text) {
+void add_frequencies(const FrequencyStudy& study, std::string& text) {
   text += printed("%s: two modulation frequencies\n\n", study.folder.c_str());
   text += printed("%16s  %9s  %15s  %7s  %8s  %7s  %6s  %10s\n", "MHz", "period, m", "wall, m",
                   "ratio", "accepted", "%", "wrong", "median, mm");
-  for (const ToneRow& row : study.rows) {
+  for (const FrequencyRow& row : study.rows) {
     text += printed("%7.5g + %6.5g  %9.2f  %6.2f .. %5.2f  %7.2f  %8ld  %s  %6ld  %s\n",
                     row.first_mhz, row.second_mhz, row.period_m, row.nearest_m, row.farthest_m,
                     row.min_ratio, row.accepted, percent_cell(row.accepted, row.pixels, 7).c_str(),
@@ -164,9 +164,9 @@ std::string pmd_text(const PmdEvaluation& evaluation) {
     text += "\n";
     add_edges(study, "the edge of a board before a wall", text);
   }
-  for (const ToneStudy& study : evaluation.tones) {
+  for (const FrequencyStudy& study : evaluation.frequencies) {
     text += "\n";
-    add_tones(study, text);
+    add_frequencies(study, text);
   }
   for (const EdgeStudy& study : evaluation.scenes) {
     text += "\n";

@@ -43,7 +43,7 @@ class Sorter {
       camera_ = setup.camera;
     }
     if (setup.pair) {
-      (setup.modulation_hz == (*setup.pair)[0] ? first_tones_ : second_tones_)
+      (setup.modulation_hz == (*setup.pair)[0] ? first_frequencies_ : second_frequencies_)
           .emplace_back(prefix, *setup.pair);
     } else if (setup.edge_m) {
       set_of(PmdKind::kEdge).push_back(prefix);
@@ -61,18 +61,18 @@ class Sorter {
   void note_frame() { frame_ = true; }
 
   void finish() {
-    for (const auto& [prefix, pair] : first_tones_) {
-      const auto other = std::ranges::find(second_tones_, pair, &Tone::second);
-      if (other == second_tones_.end()) {
+    for (const auto& [prefix, pair] : first_frequencies_) {
+      const auto other = std::ranges::find(second_frequencies_, pair, &FrameTables::second);
+      if (other == second_frequencies_.end()) {
         out_.notes.push_back(prefix.string() + ": its second frequency is absent; skipped");
         continue;
       }
-      std::vector<fs::path>& tones = set_of(PmdKind::kTones);
-      tones.push_back(prefix);
-      tones.push_back(other->first);
-      second_tones_.erase(other);
+      std::vector<fs::path>& frequencies = set_of(PmdKind::kFrequencies);
+      frequencies.push_back(prefix);
+      frequencies.push_back(other->first);
+      second_frequencies_.erase(other);
     }
-    for (const auto& [prefix, pair] : second_tones_) {
+    for (const auto& [prefix, pair] : second_frequencies_) {
       out_.notes.push_back(prefix.string() + ": its first frequency is absent; skipped");
     }
     if (frame_) {
@@ -88,7 +88,7 @@ class Sorter {
   }
 
  private:
-  using Tone = std::pair<fs::path, std::array<double, 2>>;
+  using FrameTables = std::pair<fs::path, std::array<double, 2>>;
 
   std::vector<fs::path>& set_of(PmdKind kind) {
     for (PmdSet& set : out_.sets) {
@@ -104,8 +104,8 @@ class Sorter {
   std::optional<long> camera_;
   bool frame_ = false;
   std::vector<fs::path> patterns_;
-  std::vector<Tone> first_tones_;
-  std::vector<Tone> second_tones_;
+  std::vector<FrameTables> first_frequencies_;
+  std::vector<FrameTables> second_frequencies_;
 };
 
 std::expected<void, dataset::Problem> look_into(const fs::path& folder, int levels,

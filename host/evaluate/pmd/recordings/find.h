@@ -10,12 +10,13 @@
 namespace stof::host {
 
 enum class PmdKind : std::uint8_t {
-  kWalls,   // "z_m": a wall at known distances; one camera a folder
-  kLights,  // the same, and the lights are to one side of the lens
-  kEdge,    // "x_edge_m", and maps r_min, r_max
-  kTones,   // "pair": two modulation frequencies; prefixes come in pairs, first frequency first
-  kScenes,  // none of these, and maps r_min, r_med, r_max
-  kFrame,   // a frame of an ifm camera: info.json and radial_distance.pgm
+  kWalls,        // "z_m": a wall at known distances; one camera a folder
+  kLights,       // the same, and the lights are to one side of the lens
+  kEdge,         // "x_edge_m", and maps r_min, r_max
+  kFrequencies,  // "pair": two modulation frequencies; prefixes come in pairs, first frequency
+                 // first
+  kScenes,       // none of these, and maps r_min, r_med, r_max
+  kFrame,        // a frame of an ifm camera: info.json and radial_distance.pgm
 };
 
 struct PmdSet {

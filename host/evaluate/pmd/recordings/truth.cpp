@@ -167,12 +167,12 @@ dsp::PmdSensor sensor_for(const dsp::PmdSensor& own, double exposure, const PmdS
   }
   dsp::PmdSensor sensor = *sources.calibration;
   if (sensor.lens.width != own.lens.width || sensor.lens.height != own.lens.height ||
-      sensor.tone.modulation.value != own.tone.modulation.value ||
+      sensor.frequency.modulation.value != own.frequency.modulation.value ||
       own.second.has_value() != sensor.second.has_value()) {
     return own;
   }
-  sensor.tone.stray_i_lsb *= exposure;
-  sensor.tone.stray_q_lsb *= exposure;
+  sensor.frequency.stray_i_lsb *= exposure;
+  sensor.frequency.stray_q_lsb *= exposure;
   sensor.suppressed_lsb *= exposure;
   sensor.white_lsb *= exposure;
   sensor.emitter_count = own.emitter_count;

@@ -309,7 +309,7 @@ TEST(Unwrap, WorksOnARigThatIsNotRectified) {
 // Three periods of 60 MHz lie within 8 m.
 TEST(Unwrap, TellsManyPeriodsApart) {
   Calibration calibration = rig_with_white(2000);
-  calibration.pmd.tone.modulation = Hertz{60'000'000};
+  calibration.pmd.frequency.modulation = Hertz{60'000'000};
   UnwrapRig rig(calibration, 32000);
   constexpr int kShort = 9993;
   rig.measure(sphere(6.0), kDim);

@@ -50,7 +50,8 @@ TEST(ShotSigma, IsThatOfTheNoiseModel) {
   PmdSensor sensor;
   sensor.electrons_per_lsb = 50;
   sensor.noise_lsb = 6;
-  const NoiseModel model = noise_at(tone_tables(sensor, sensor.tone), kReferenceIntegration);
+  const NoiseModel model =
+      noise_at(frequency_tables(sensor, sensor.frequency), kReferenceIntegration);
   const double expected = 6747.6 * std::sqrt(1000 / 50.0 + 36 + 1 / 12.0) / 1000;
   EXPECT_NEAR(shot(model, 1000, 1000), expected, 0.51);  // 50.5: 12.6 mm
   EXPECT_EQ(shot(model, 0, 32767), 65535);               // no amplitude: saturates
@@ -63,11 +64,11 @@ TEST(ShotSigma, CountsSuppressedLightByIntegrationTime) {
   sensor.electrons_per_lsb = 50;
   sensor.noise_lsb = 6;
   sensor.suppressed_lsb = 2000;  // 40 LSB^2
-  const ToneTables tone = tone_tables(sensor, sensor.tone);
+  const FrequencyTables frequency = frequency_tables(sensor, sensor.frequency);
   for (const double times : {0.25, 1.0, 4.0}) {
     const double expected = 6747.6 * std::sqrt(1000 / 50.0 + 36 + 1 / 12.0 + 40 * times) / 1000;
     const IntegrationQ8 integration = static_cast<IntegrationQ8>(256 * times);
-    EXPECT_NEAR(shot(noise_at(tone, integration), 1000, 1000), expected, 0.51) << times;
+    EXPECT_NEAR(shot(noise_at(frequency, integration), 1000, 1000), expected, 0.51) << times;
   }
 }
 
@@ -79,7 +80,8 @@ TEST(ShotSigma, FollowsTheMeasuredCurveOfTheChapter) {
   PmdSensor sensor;
   sensor.electrons_per_lsb = kElectronsPerLsb;
   sensor.noise_lsb = 340 / kElectronsPerLsb;
-  const NoiseModel model = noise_at(tone_tables(sensor, sensor.tone), kReferenceIntegration);
+  const NoiseModel model =
+      noise_at(frequency_tables(sensor, sensor.frequency), kReferenceIntegration);
   constexpr std::array<double, 4> kSigmaCm{0.52, 1.62, 3.28, 5.48};
   for (int z = 1; z <= 4; ++z) {
     const double light = 190000.0 / (z * z) / kElectronsPerLsb;

@@ -40,19 +40,20 @@ TEST(CorrectPhase, NegatesAFallingPhaseFirst) {
 }
 
 // 1 m of fixed pattern is 8744 of a turn at 20 MHz and 8198 at 18.75 MHz.
-TEST(CorrectPhase, SubtractsTheSameMetresOfTheSecondTone) {
+TEST(CorrectPhase, SubtractsTheSameMetresOfTheSecondFrequency) {
   PmdSensor sensor;
-  sensor.second = PmdTone{.modulation = {18'750'000}};
-  const PhaseCorrection second = tone_tables(sensor, *sensor.second).correction;
+  sensor.second = PmdFrequency{.modulation = {18'750'000}};
+  const PhaseCorrection second = frequency_tables(sensor, *sensor.second).correction;
   for (const int metres : {-3, -1, 1, 2}) {
     const std::int16_t fixed = static_cast<std::int16_t>(metres * 8744);
     const int expected = static_cast<int>(std::lround(metres * 8744 * 18.75 / 20));
     EXPECT_NEAR(static_cast<std::int16_t>(run(second, 0, {&fixed, 1})), -expected, 1) << metres;
   }
-  EXPECT_EQ(tone_tables(sensor, sensor.tone).correction.pattern_scale_q14, kPatternScaleOne);
+  EXPECT_EQ(frequency_tables(sensor, sensor.frequency).correction.pattern_scale_q14,
+            kPatternScaleOne);
 }
 
-TEST(CorrectPhase, KeepsEveryPatternOfTheFirstToneAsItIs) {
+TEST(CorrectPhase, KeepsEveryPatternOfTheFirstFrequencyAsItIs) {
   for (int fixed = -32768; fixed < 32768; fixed += 77) {
     const std::int16_t pattern = static_cast<std::int16_t>(fixed);
     EXPECT_EQ(run({}, 0, {&pattern, 1}), static_cast<Phase>(-fixed));
@@ -61,8 +62,8 @@ TEST(CorrectPhase, KeepsEveryPatternOfTheFirstToneAsItIs) {
 
 TEST(CorrectPhase, RemovesFourthHarmonicWigglingToTwoUnits) {
   PmdSensor sensor;  // 46 mm, as odd harmonics of an LED make it
-  sensor.tone.wiggling = fourth_harmonic_table(-0.0386);
-  const PhaseCorrection correction = tone_tables(sensor, sensor.tone).correction;
+  sensor.frequency.wiggling = fourth_harmonic_table(-0.0386);
+  const PhaseCorrection correction = frequency_tables(sensor, sensor.frequency).correction;
   double worst = 0;
   for (int i = 0; i < 65536; i += 7) {
     const double measured = i * 2 * std::numbers::pi / 65536;
@@ -77,9 +78,9 @@ TEST(CorrectPhase, RemovesFourthHarmonicWigglingToTwoUnits) {
 // The last step of the table leads back to the first.
 TEST(CorrectPhase, ReadsTheTableAllTheWayRound) {
   PmdSensor sensor;
-  sensor.tone.wiggling[0] = 100;
-  sensor.tone.wiggling[127] = 40;
-  const PhaseCorrection correction = tone_tables(sensor, sensor.tone).correction;
+  sensor.frequency.wiggling[0] = 100;
+  sensor.frequency.wiggling[127] = 40;
+  const PhaseCorrection correction = frequency_tables(sensor, sensor.frequency).correction;
   EXPECT_EQ(run(correction, 127 * 512), 127 * 512 - 40);
   EXPECT_EQ(run(correction, 127 * 512 + 256), 127 * 512 + 256 - 70);
   EXPECT_EQ(run(correction, 0), 65536 - 100);

@@ -22,7 +22,7 @@ std::uint32_t on_line(const StraightLine& line, std::uint32_t distance) {
 }
 
 TEST(Range, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
-  const std::uint32_t turn = tone_tables({}, {}).turn;
+  const std::uint32_t turn = frequency_tables({}, {}).turn;
   EXPECT_EQ(turn, 29979U);
   EXPECT_EQ(turned(turn, 32768), 14990U);  // half of it, rounded up
   EXPECT_EQ(turned(turn, 17488), 8000U);   // a plane at 2 m
@@ -33,18 +33,18 @@ TEST(Range, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
 // Above 16.38 m a turn is counted in 0.1 mm: 4 MHz, 37.474 m.
 TEST(Range, CountsLongTurnsInTenthsOfAMillimetre) {
   PmdSensor sensor;
-  sensor.tone.modulation = {9'160'000};
+  sensor.frequency.modulation = {9'160'000};
   EXPECT_FALSE(has_long_range(sensor));
-  EXPECT_EQ(tone_tables(sensor, sensor.tone).turn, 65457U);
-  sensor.tone.modulation = {9'140'000};
+  EXPECT_EQ(frequency_tables(sensor, sensor.frequency).turn, 65457U);
+  sensor.frequency.modulation = {9'140'000};
   EXPECT_TRUE(has_long_range(sensor));
-  sensor.tone.modulation = {4'000'000};
-  const std::uint32_t turn = tone_tables(sensor, sensor.tone).turn;
+  sensor.frequency.modulation = {4'000'000};
+  const std::uint32_t turn = frequency_tables(sensor, sensor.frequency).turn;
   EXPECT_EQ(turn, 374741U);
   EXPECT_EQ(turned(turn, 32768), 187371U);
   EXPECT_EQ(turned(turn, 65535), 374735U);
-  sensor.tone.modulation = {1'000'000};
-  EXPECT_EQ(turned(tone_tables(sensor, sensor.tone).turn, 65535), 1498939U);
+  sensor.frequency.modulation = {1'000'000};
+  EXPECT_EQ(turned(frequency_tables(sensor, sensor.frequency).turn, 65535), 1498939U);
 }
 
 TEST(StraightLine, ChangesNothingWhereScaleIsOneAndShiftZero) {
@@ -62,17 +62,18 @@ TEST(StraightLine, IsTheChaptersFit) {
   sensor.phase_falls = true;
   sensor.scale = 5.4022 * 138.7 / 749.48;
   sensor.shift_m = 6.725 - 5.4022 * 1.387;
-  const RangeTables tables = range_tables(sensor, turn_m(sensor.tone));
-  const ToneTables tone = tone_tables(sensor, sensor.tone);
+  const RangeTables tables = range_tables(sensor, turn_m(sensor.frequency));
+  const FrequencyTables frequency = frequency_tables(sensor, sensor.frequency);
   for (const double count : {20.0, 60.0, 100.0, 120.0}) {
     const Phase phase = static_cast<Phase>(std::lround(count / 138.7 * 65536));
     Phase corrected = 0;
-    best::correct_phase({&phase, 1}, {}, tone.correction, {&corrected, 1});
-    const double z_cm = on_line(tables.line, turned(tone.turn, corrected)) / 40.0;
+    best::correct_phase({&phase, 1}, {}, frequency.correction, {&corrected, 1});
+    const double z_cm = on_line(tables.line, turned(frequency.turn, corrected)) / 40.0;
     EXPECT_NEAR(z_cm, -5.4022 * count + 672.5, 0.05) << count;
   }
   // 130 counts would lie 29.8 cm behind the camera: they are one turn further away.
-  const std::uint32_t d = turned(tone.turn, static_cast<Phase>(-std::lround(130 / 138.7 * 65536)));
+  const std::uint32_t d =
+      turned(frequency.turn, static_cast<Phase>(-std::lround(130 / 138.7 * 65536)));
   EXPECT_NEAR(on_line(tables.line, d) / 40.0, -5.4022 * 130 + 672.5 + 5.4022 * 138.7, 0.05);
 }
 

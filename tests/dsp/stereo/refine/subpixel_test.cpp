@@ -15,19 +15,14 @@ using Sums = testing::Types<std::uint16_t, std::uint32_t>;
 TYPED_TEST_SUITE(Subpixel, Sums);
 
 template <typename Sum>
-std::int16_t refine_one(Sum before, Sum lowest, Sum after, bool parabola = false) {
+std::int16_t refine_one(Sum before, Sum lowest, Sum after, CostFit fit = CostFit::kEquiangular) {
   std::vector<Sum> costs(16, 60000);
   costs[4] = before;
   costs[5] = lowest;
   costs[6] = after;
   const std::vector<std::int16_t> winners{5};
   std::vector<Disparity> out(1);
-  const std::span<const Sum> all(costs);
-  if (parabola) {
-    best::refine_winners_parabola(all, 16, -2, winners, out);
-  } else {
-    best::refine_winners(all, 16, -2, winners, out);
-  }
+  best::refine_winners(std::span<const Sum>(costs), 16, fit, -2, winners, out);
   return out[0].raw;
 }
 
@@ -50,7 +45,7 @@ TYPED_TEST(Subpixel, FitsAParabola) {
   using Sum = TypeParam;
   const auto fit = [](int before, int best, int after) {
     return refine_one<Sum>(static_cast<Sum>(before), static_cast<Sum>(best),
-                           static_cast<Sum>(after), true);
+                           static_cast<Sum>(after), CostFit::kParabola);
   };
   // 160 (x - s)^2 at x = -1, 0, 1 for s = 1/4: 250, 10, 90.
   EXPECT_EQ(fit(250, 10, 90), 3 * 16 + 4);
@@ -58,13 +53,13 @@ TYPED_TEST(Subpixel, FitsAParabola) {
   EXPECT_EQ(fit(300, 100, 100), 3 * 16 + 8);
   EXPECT_EQ(fit(200, 100, 200), 3 * 16);
   EXPECT_EQ(fit(100, 100, 100), 3 * 16);
-  EXPECT_EQ(refine_one<Sum>(kNoCost<Sum>, 100, 200, true), 3 * 16);
+  EXPECT_EQ(refine_one<Sum>(kNoCost<Sum>, 100, 200, CostFit::kParabola), 3 * 16);
 }
 
 TYPED_TEST(Subpixel, AWinnerThatIsNoMinimumStaysWhole) {
-  for (const bool parabola : {false, true}) {
-    EXPECT_EQ(refine_one<TypeParam>(50, 100, 300, parabola), 3 * 16);
-    EXPECT_EQ(refine_one<TypeParam>(300, 100, 99, parabola), 3 * 16);
+  for (const CostFit fit : {CostFit::kEquiangular, CostFit::kParabola}) {
+    EXPECT_EQ(refine_one<TypeParam>(50, 100, 300, fit), 3 * 16);
+    EXPECT_EQ(refine_one<TypeParam>(300, 100, 99, fit), 3 * 16);
   }
 }
 
@@ -85,9 +80,12 @@ TYPED_TEST(Subpixel, EqualsReferenceOnEveryRatioAndBorder) {
         }
         const auto parabola = c.array<Disparity>(n), lines = c.array<Disparity>(n);
         const auto whole = c.array<Disparity>(n);
-        c.run([&] { best::refine_winners_parabola(costs, lanes, -7, winners, parabola); });
-        c.run([&] { best::refine_winners(costs, lanes, -7, winners, lines); });
-        c.run([&] { best::whole_winners(-7, winners, whole); });
+        const auto fit = [&](CostFit how, std::span<Disparity> out) {
+          best::refine_winners(std::span<const TypeParam>(costs), lanes, how, -7, winners, out);
+        };
+        c.run([&] { fit(CostFit::kParabola, parabola); });
+        c.run([&] { fit(CostFit::kEquiangular, lines); });
+        c.run([&] { fit(CostFit::kNone, whole); });
       });
     }
   }

@@ -7,12 +7,11 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/base/index.h"
 #include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
 namespace {
-
-std::size_t size(int value) { return static_cast<std::size_t>(value); }
 
 struct Case {
   BlockRow row;
@@ -34,11 +33,11 @@ std::string name_of(const Case& c) {
 // A few rows, one after the other: one enters the block and one leaves it for each step.
 void expect_equals_reference(const Case& of) {
   SCOPED_TRACE(name_of(of));
-  test::check_kernel(std::array{size(of.width)}, [&](test::KernelCase& c) {
-    const std::size_t n = size(of.width + of.row.block_width - 1), lanes = size(of.row.lanes);
+  test::check_kernel(std::array{index(of.width)}, [&](test::KernelCase& c) {
+    const std::size_t n = index(of.width + of.row.block_width - 1), lanes = index(of.row.lanes);
     const auto columns = c.array<std::uint16_t>(n * lanes, 0, 0);
-    const auto costs = c.array<std::uint16_t>(size(of.width) * lanes + 2 * kBlockCostMargin);
-    const auto inner = costs.subspan(kBlockCostMargin, size(of.width) * lanes);
+    const auto costs = c.array<std::uint16_t>(index(of.width) * lanes + 2 * kBlockCostMargin);
+    const auto inner = costs.subspan(kBlockCostMargin, index(of.width) * lanes);
     struct Pixels {
       std::span<const std::uint8_t> left, right;
     };
@@ -46,15 +45,16 @@ void expect_equals_reference(const Case& of) {
     for (int y = 0; y < of.block_height; ++y) {
       rows.push_back({c.array<std::uint8_t>(n, 0, 0), c.array<std::uint8_t>(n + lanes - 1, 0, 0)});
     }
-    for (int y = 0; y < of.block_height + 2; ++y) {
+    const int steps = (of.block_height + 2) | 1;  // odd: no second wrong bit takes back the first
+    for (int y = 0; y < steps; ++y) {
       rows.push_back({c.array<std::uint8_t>(n, 0, of.largest),
                       c.array<std::uint8_t>(n + lanes - 1, 0, of.largest)});
     }
-    for (std::size_t y = 0; y + size(of.block_height) < rows.size(); ++y) {
-      const Pixels& entering = rows[y + size(of.block_height)];
+    for (std::size_t y = 0; y + index(of.block_height) < rows.size(); ++y) {
+      const Pixels& entering = rows[y + index(of.block_height)];
       const BlockPixels pixels{entering.left, entering.right, rows[y].left, rows[y].right};
-      const auto winners = c.array<std::int16_t>(size(of.width));
-      const auto fitted = c.array<Disparity>(size(of.width));
+      const auto winners = c.array<std::int16_t>(index(of.width));
+      const auto fitted = c.array<Disparity>(index(of.width));
       c.run([&] {
         best::block_winners(pixels, of.row, columns,
                             {winners, fitted, inner.first(of.costs ? inner.size() : 0)});
@@ -172,6 +172,7 @@ TEST(BlockWinners, SteepestFitsEqualReference) {
           best::block_winners({left, right, none_left, none_right}, row, columns,
                               {winners, fitted, {}});
         }
+        best::block_winners({left, right, left, right}, row, columns, {winners, fitted, {}});
       });
     });
   }

@@ -51,8 +51,8 @@ TYPED_TEST(Path, StaysStepsOrJumpsWhicheverCostsLeast) {
   const std::vector<Cost> costs = this->rows({{9, 2, 30, 30, 30}, {5, 5, 5, 5, 5}});
   const std::vector<Cost> large{20, 20};
   std::vector<Cost> paths(32);
-  best::paths_from_left(std::span<const Cost>(costs), 16, Cost{3}, std::span<const Cost>(large),
-                        std::span<Cost>(paths));
+  best::paths_along(std::span<const Cost>(costs), 16, Cost{3}, std::span<const Cost>(large), true,
+                    std::span<Cost>(paths));
   // Before: minimum 2 at candidate 1. A step from it costs 3, anything farther 20.
   const std::vector<Cost> expected =
       this->rows({{9, 2, 30, 30, 30}, {5 + 3, 5 + 0, 5 + 3, 5 + 20, 5 + 20}});
@@ -64,8 +64,8 @@ TYPED_TEST(Path, FromTheRightUsesThePenaltyOfThePixelItEnters) {
   const std::vector<Cost> costs = this->rows({{5, 5, 5, 5}, {7, 7, 7, 1}});
   const std::vector<Cost> large{4, 9};
   std::vector<Cost> paths(32);
-  best::paths_from_right(std::span<const Cost>(costs), 16, Cost{2}, std::span<const Cost>(large),
-                         std::span<Cost>(paths));
+  best::paths_along(std::span<const Cost>(costs), 16, Cost{2}, std::span<const Cost>(large), false,
+                    std::span<Cost>(paths));
   EXPECT_EQ(paths, this->rows({{5 + 4, 5 + 4, 5 + 2, 5 + 0}, {7, 7, 7, 1}}));
 }
 
@@ -90,8 +90,8 @@ TYPED_TEST(Path, WhatIsOutsideStaysOutsideAndAnEmptyPixelStartsAnew) {
   const std::vector<Cost> costs = this->rows({{4, 200}, {}, {6, 2}});
   const std::vector<Cost> large{30, 30, 30};
   std::vector<Cost> paths(48);
-  best::paths_from_left(std::span<const Cost>(costs), 16, Cost{10}, std::span<const Cost>(large),
-                        std::span<Cost>(paths));
+  best::paths_along(std::span<const Cost>(costs), 16, Cost{10}, std::span<const Cost>(large), true,
+                    std::span<Cost>(paths));
   EXPECT_EQ(paths, costs);
 }
 
@@ -105,14 +105,14 @@ TYPED_TEST(Path, EqualsReferenceAlongRows) {
         const auto large = c.array<Cost>(n, 9, whole_range ? 250 : 60);
         const auto other = c.array<Cost>(n, 9, 200);
         const auto left = c.array<Cost>(count), right = c.array<Cost>(count);
-        c.run([&] { best::paths_from_left(costs, lanes, Cost{9}, large, left); });
-        c.run([&] { best::paths_from_right(costs, lanes, Cost{9}, large, right); });
+        c.run([&] { best::paths_along(costs, lanes, Cost{9}, large, true, left); });
+        c.run([&] { best::paths_along(costs, lanes, Cost{9}, large, false, right); });
         const auto both_left = c.array<Cost>(count), both_right = c.array<Cost>(count);
         c.run([&] {
           best::paths_both_ways(costs, lanes, Cost{9}, other, large, both_left, both_right);
         });
         ASSERT_TRUE(std::ranges::equal(right, both_right));
-        c.run([&] { best::paths_from_right(costs, lanes, Cost{9}, large, costs); });
+        c.run([&] { best::paths_along(costs, lanes, Cost{9}, large, false, costs); });
         ASSERT_TRUE(std::ranges::equal(right, costs)) << "in place";
       });
     }
@@ -177,8 +177,8 @@ TYPED_TEST(Path, BothAxesAreThePathsOfEachAndTheirSum) {
     std::vector<Cost> along(count), down(count);
     random.fill(std::span(costs), 0, 30);
     random.fill(std::span(front), 0, 60);
-    best::paths_from_left(std::span<const Cost>(costs), 32, Cost{5}, std::span<const Cost>(large),
-                          std::span(along));
+    best::paths_along(std::span<const Cost>(costs), 32, Cost{5}, std::span<const Cost>(large), true,
+                      std::span(along));
     best::paths_across(std::span<const Cost>(costs), std::span<const Cost>(front), 0, 32, Cost{5},
                        std::span<const Cost>(across), std::span(down));
     const AxesRow<Cost> row{.costs = costs,
@@ -198,7 +198,7 @@ TYPED_TEST(Path, BothAxesAreThePathsOfEachAndTheirSum) {
 TYPED_TEST(Path, RowWithoutColumnsIsLeftAlone) {
   using Cost = TypeParam;
   const std::span<Cost> none;
-  best::paths_from_left(none, 16, Cost{1}, none, none);
+  best::paths_along(none, 16, Cost{1}, none, true, none);
   best::paths_both_ways(none, 16, Cost{1}, none, none, none, none);
   best::paths_across(none, none, 0, 16, Cost{1}, none, none);
 }

@@ -48,7 +48,7 @@ void expect_equal(const dsp::Pinhole& a, const dsp::Pinhole& b) {
   EXPECT_EQ(a.p2, b.p2);
 }
 
-void expect_equal(const dsp::PmdTone& a, const dsp::PmdTone& b) {
+void expect_equal(const dsp::PmdFrequency& a, const dsp::PmdFrequency& b) {
   EXPECT_EQ(a.modulation.value, b.modulation.value);
   EXPECT_EQ(a.min_modulation_ratio, b.min_modulation_ratio);
   EXPECT_EQ(a.offset_m, b.offset_m);
@@ -68,7 +68,7 @@ TEST(CalibrationFile, GivesBackEveryField) {
   EXPECT_EQ(got->stereo.baseline_m, want.stereo.baseline_m);
   EXPECT_EQ(got->stereo.doff_px, want.stereo.doff_px);
   expect_equal(got->pmd.lens, want.pmd.lens);
-  expect_equal(got->pmd.tone, want.pmd.tone);
+  expect_equal(got->pmd.frequency, want.pmd.frequency);
   EXPECT_FALSE(got->pmd.second);
   EXPECT_FALSE(got->pmd.sigma_polynomial);
   EXPECT_EQ(got->pmd.phase_falls, want.pmd.phase_falls);
@@ -149,7 +149,7 @@ File as_version(int version, File file, std::span<const std::array<std::ptrdiff_
   return file;
 }
 
-// The rest of the tone, exposure and lights; k3, p1, p2 of the PMD's and the left lens.
+// The rest of the frequency, exposure and lights; k3, p1, p2 of the PMD's and the left lens.
 constexpr std::array<std::array<std::ptrdiff_t, 2>, 3> kSinceVersion2{
     {{524, 688}, {168, 192}, {72, 96}}};
 // The options too.
@@ -270,13 +270,13 @@ TEST(CalibrationFile, HasTheDocumentsOffsets) {
   EXPECT_EQ(in.i32(200), pmd.saturation_lsb);
   EXPECT_EQ(in.i32(204), pmd.under_lsb);
   EXPECT_EQ(in.i32(208), pmd.min_amplitude_lsb);
-  in.expect_numbers(
-      212, std::array{pmd.dark_lsb, pmd.tone.min_modulation_ratio, pmd.asymmetry_sigmas,
-                      pmd.electrons_per_lsb, pmd.noise_lsb, pmd.suppressed_lsb, pmd.tone.offset_m});
-  in.expect_steps(268, pmd.tone.wiggling);
-  in.expect_numbers(
-      524, std::array{pmd.tone.offset_m_per_k, pmd.tone.stray_i_lsb, pmd.tone.stray_q_lsb,
-                      pmd.integration_us, pmd.reference_c, pmd.scale, pmd.shift_m, pmd.white_lsb});
+  in.expect_numbers(212, std::array{pmd.dark_lsb, pmd.frequency.min_modulation_ratio,
+                                    pmd.asymmetry_sigmas, pmd.electrons_per_lsb, pmd.noise_lsb,
+                                    pmd.suppressed_lsb, pmd.frequency.offset_m});
+  in.expect_steps(268, pmd.frequency.wiggling);
+  in.expect_numbers(524, std::array{pmd.frequency.offset_m_per_k, pmd.frequency.stray_i_lsb,
+                                    pmd.frequency.stray_q_lsb, pmd.integration_us, pmd.reference_c,
+                                    pmd.scale, pmd.shift_m, pmd.white_lsb});
   EXPECT_EQ(in.i32(588), 3);
   for (std::size_t i = 0; i < pmd.emitters.size(); ++i) {
     in.expect_numbers(592 + 24 * i, pmd.emitters[i]);
@@ -299,7 +299,7 @@ TEST(CalibrationFile, HasTheDocumentsOffsetsOfOptions) {
   in.expect_numbers(948, c.stereo.raw->left_to_right.rotation);
   in.expect_numbers(1020, c.stereo.raw->left_to_right.translation_m);
   in.expect_numbers(1044, std::array{0.25, -0.125, 8.5e-3, 8.25e-3, 5.6e-6, 311.25, 330.5});
-  const dsp::PmdTone& second = *c.pmd.second;
+  const dsp::PmdFrequency& second = *c.pmd.second;
   EXPECT_EQ(in.i32(1100), 17'500'000);
   in.expect_numbers(1104, std::array{second.min_modulation_ratio, second.offset_m});
   in.expect_steps(1120, second.wiggling);

@@ -44,20 +44,20 @@ inline dsp::Calibration some_calibration(std::span<const std::int16_t> pattern,
                                           .cx_left = 311.25,
                                           .cx_right = 330.5};
   }
-  c.pmd.tone.modulation = dsp::Hertz{18'750'000};
+  c.pmd.frequency.modulation = dsp::Hertz{18'750'000};
   c.pmd.phase_falls = true;
   c.pmd.dark_lsb = 101.5;
   c.pmd.saturation_lsb = 4000;
   c.pmd.under_lsb = -7;
   c.pmd.min_amplitude_lsb = 9;
-  c.pmd.tone.min_modulation_ratio = 0.25;
+  c.pmd.frequency.min_modulation_ratio = 0.25;
   c.pmd.asymmetry_sigmas = 5.5;
   c.pmd.electrons_per_lsb = 61;
   c.pmd.noise_lsb = 4.75;
   c.pmd.suppressed_lsb = 12;
-  c.pmd.tone.offset_m = -0.03125;
+  c.pmd.frequency.offset_m = -0.03125;
   test::Random random(1);
-  random.fill(std::span<std::int16_t>(c.pmd.tone.wiggling));
+  random.fill(std::span<std::int16_t>(c.pmd.frequency.wiggling));
   for (double& element : c.pmd_to_stereo.rotation) {
     element = next *= 1.1;
   }
@@ -84,7 +84,7 @@ inline dsp::Calibration newest_calibration(std::span<const std::int16_t> pattern
     lens(c.stereo.raw->left);
     lens(c.stereo.raw->right);
     c.pmd.sigma_polynomial = dsp::SigmaPolynomial{.a = -0.25, .b = 0.5, .c = 0.125};
-    dsp::PmdTone& second = c.pmd.second.emplace();
+    dsp::PmdFrequency& second = c.pmd.second.emplace();
     second.modulation = dsp::Hertz{17'500'000};
     for (double* number : {&second.min_modulation_ratio, &second.offset_m, &second.offset_m_per_k,
                            &second.stray_i_lsb, &second.stray_q_lsb}) {
@@ -95,8 +95,8 @@ inline dsp::Calibration newest_calibration(std::span<const std::int16_t> pattern
   }
   dsp::PmdSensor& pmd = c.pmd;
   for (double* number :
-       {&pmd.tone.offset_m_per_k, &pmd.tone.stray_i_lsb, &pmd.tone.stray_q_lsb, &pmd.integration_us,
-        &pmd.reference_c, &pmd.scale, &pmd.shift_m, &pmd.white_lsb}) {
+       {&pmd.frequency.offset_m_per_k, &pmd.frequency.stray_i_lsb, &pmd.frequency.stray_q_lsb,
+        &pmd.integration_us, &pmd.reference_c, &pmd.scale, &pmd.shift_m, &pmd.white_lsb}) {
     *number = next++;
   }
   pmd.emitter_count = 3;
