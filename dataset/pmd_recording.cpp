@@ -16,7 +16,6 @@ namespace {
 using nlohmann::json;
 using Done = std::expected<void, Problem>;
 
-constexpr std::size_t kMaxJsonBytes = 1U << 20;
 constexpr int kMaxSide = 4096;
 constexpr int kMaxFrames = 65536;
 constexpr double kMaxWiggleRad = 1;
@@ -132,15 +131,12 @@ struct Layout {
 
 Done read_constants(const std::filesystem::path& file, double usual_ratio, PmdRecording& recording,
                     Layout& layout) {
-  const Loaded<std::string> text = read_whole(file, kMaxJsonBytes);
-  if (!text) {
-    return std::unexpected(text.error());
+  const Loaded<json> read = read_object(file);
+  if (!read) {
+    return std::unexpected(read.error());
   }
   constexpr std::string_view kRemedy = "correct the file";
-  const json root = json::parse(*text, nullptr, false);
-  if (!root.is_object()) {
-    return refuse(file, "is not a JSON object", kRemedy);
-  }
+  const json& root = *read;
   Fields fields(root);
   recording.calibration.pmd = sensor_from(fields, usual_ratio);
   layout.frames = fields.integer_or("frames", 1, kMaxFrames, 1);

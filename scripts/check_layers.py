@@ -8,9 +8,12 @@ something was found.
 
 import dataclasses
 import fnmatch
+import functools
 import pathlib
 import re
 import sys
+
+from wire import cpp, table
 
 STD = frozenset("""
 algorithm any array atomic barrier bit bitset charconv chrono codecvt compare complex concepts
@@ -101,9 +104,15 @@ def longest(path):
     return 150 if header and not path.startswith("tests/") else 500
 
 
+@functools.cache
+def made_by_the_build(root):
+    """Names of headers that are in no folder: the build makes them."""
+    return frozenset(cpp.files(table.load(root))) if (root / "firmware/wire/messages.json").is_file() else frozenset()
+
+
 def judge_project_include(root, path, floor, name):
     """None, or (what, what to do) about #include "name" in path."""
-    if not (root / name).is_file():
+    if not (root / name).is_file() and name not in made_by_the_build(root):
         return f'"{name}" does not exist', "write the path from the root of the repository"
     if path.startswith("tests/"):
         return None

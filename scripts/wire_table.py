@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
-"""scripts/wire_table.py [--check | --seeds DIR | --golden FILE]: what is made of firmware/wire/messages.json.
+"""scripts/wire_table.py [--check | --cpp DIR | --seeds DIR | --golden FILE]: what is made of firmware/wire/messages.json.
 
-Without an argument writes everything that is kept in the repository. Needs clang-format-19.
+Without an argument writes everything that is kept in the repository.
 --check: writes nothing; names what is not up to date and ends with code 1.
+--cpp DIR: writes the codec in C++, for the build, and prints its sources as a list of CMake.
 --seeds DIR: writes what the fuzz targets begin with, a folder for each target.
 --golden FILE: writes a C++ header with one value and its bytes of each message, for the tests.
 """
@@ -17,14 +18,14 @@ from wire import cpp, docs, lua, python, table  # noqa: E402
 
 
 def outputs(wire, root):
-    """{path relative to the root: text} of everything that is generated."""
-    return cpp.files(wire, root) | python.files(wire, root) | lua.files(wire, root) | docs.files(wire, root)
+    """{path relative to the root: text} of what is generated and kept in the repository."""
+    return python.files(wire, root) | lua.files(wire, root) | docs.files(wire, root)
 
 
-def stale(wire, root):
-    """{path: text} of what is not in the tree as the table says."""
+def stale(texts, root):
+    """{path: text} of what is not below `root` as it should be."""
     found = {}
-    for path, text in outputs(wire, root).items():
+    for path, text in texts.items():
         file = root / path
         if not file.is_file() or file.read_text(encoding="utf-8") != text:
             found[path] = text
@@ -41,6 +42,7 @@ def write(root, texts):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--check", action="store_true")
+    parser.add_argument("--cpp", metavar="DIR", type=pathlib.Path)
     parser.add_argument("--seeds", metavar="DIR", type=pathlib.Path)
     parser.add_argument("--golden", metavar="FILE", type=pathlib.Path)
     arguments = parser.parse_args()
@@ -49,11 +51,16 @@ def main():
         from wire import golden  # needs what is generated
         arguments.golden.write_text(golden.text(wire), encoding="utf-8")
         return 0
+    if arguments.cpp:
+        texts = cpp.files(wire)
+        write(arguments.cpp, stale(texts, arguments.cpp))
+        print(";".join(str(arguments.cpp / path) for path in texts if path.endswith(".cpp")))
+        return 0
     if arguments.seeds:
         from wire import seeds
         print(f"wire_table: {seeds.write(arguments.seeds)} seeds in {arguments.seeds}")
         return 0
-    changed = stale(wire, ROOT)
+    changed = stale(outputs(wire, ROOT), ROOT)
     if arguments.check:
         for path in changed:
             print(f"{path}: not what firmware/wire/messages.json says: run scripts/wire_table.py")

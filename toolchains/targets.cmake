@@ -4,8 +4,8 @@ target_include_directories(stof_options INTERFACE ${PROJECT_SOURCE_DIR})
 target_compile_options(stof_options INTERFACE
   -Wall -Wextra -Wconversion -Wsign-conversion -Wold-style-cast -Wnon-virtual-dtor
   -Woverloaded-virtual -Wundef -Wcast-align -Wimplicit-fallthrough
-  # Not of what sources that are compiled together hide from each other.
-  $<$<NOT:$<BOOL:${STOF_TOGETHER}>>:-Wshadow>
+  # Not of what sources of a unity build hide from each other.
+  $<$<NOT:$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wshadow>
   # g++ 12 says it of its own std::streambuf.
   $<$<CXX_COMPILER_ID:Clang>:-Wnull-dereference>
   $<$<BOOL:${STOF_WERROR}>:-Werror>
@@ -27,7 +27,7 @@ if(STOF_MUTATE_STORES)
   target_compile_definitions(stof_options INTERFACE STOF_MUTATE_STORES)
 endif()
 
-# stof_add_kernels(TARGET stereo/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
+# stof_add_kernels(TARGET stereo/rectify/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
 # x_neon.cpp, on x86 also x_avx2.cpp and x_avx512.cpp of what is named so. A target calls it once.
 function(stof_add_kernels target)
   set(kernels)
@@ -45,6 +45,8 @@ function(stof_add_kernels target)
     endif()
   endforeach()
   target_sources(${target} PRIVATE ${sources})
+  # Each calls its lanes and steps alike: none is part of a unity build.
+  set_source_files_properties(${sources} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   # stof_add_kernel_tests() adds a test of each.
   set_property(TARGET ${target} PROPERTY STOF_KERNELS ${kernels})
   # Those alone need wide vectors; they are chosen at start. g++ 12 warns of its own header for AVX-512: of what
@@ -102,7 +104,7 @@ function(stof_add_test)
   endif()
 endfunction()
 
-# stof_add_kernel_tests(TARGET): stereo/rectify of stof_add_kernels() has stereo/rectify_test.cpp in this folder.
+# stof_add_kernel_tests(TARGET): stereo/rectify/rectify of stof_add_kernels() has stereo/rectify/rectify_test.cpp in this folder.
 function(stof_add_kernel_tests target)
   get_target_property(kernels ${target} STOF_KERNELS)
   foreach(kernel IN LISTS kernels)
@@ -115,32 +117,3 @@ endfunction()
 add_custom_target(stof_tidy
   COMMAND ${PROJECT_SOURCE_DIR}/scripts/tidy --build-dir ${PROJECT_BINARY_DIR}
   USES_TERMINAL VERBATIM)
-
-# Compiles sources of a library as one where they share no name (scripts/together.py): headers take most of
-# the time. For builds that are made once; after a change a whole group is compiled again.
-function(stof_compile_together directory)
-  find_package(Python3 REQUIRED COMPONENTS Interpreter)
-  get_property(below DIRECTORY ${directory} PROPERTY SUBDIRECTORIES)
-  foreach(inner IN LISTS below)
-    stof_compile_together(${inner})
-  endforeach()
-  get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
-  foreach(target IN LISTS targets)
-    get_target_property(type ${target} TYPE)
-    get_target_property(sources ${target} SOURCES)
-    list(FILTER sources INCLUDE REGEX "\\.cpp$")
-    list(LENGTH sources count)
-    if(NOT type MATCHES "STATIC_LIBRARY|OBJECT_LIBRARY" OR count LESS 2)
-      continue()
-    endif()
-    list(TRANSFORM sources PREPEND ${directory}/ REGEX "^[^/]")
-    execute_process(COMMAND ${Python3_EXECUTABLE} -B ${PROJECT_SOURCE_DIR}/scripts/together.py ${sources}
-      OUTPUT_VARIABLE lines COMMAND_ERROR_IS_FATAL ANY OUTPUT_STRIP_TRAILING_WHITESPACE)
-    string(REPLACE "\n" ";" lines "${lines}")
-    foreach(line IN LISTS lines)
-      string(REGEX MATCH "^([0-9]+) (.*)$" line "${line}")
-      set_source_files_properties(${CMAKE_MATCH_2} TARGET_DIRECTORY ${target} PROPERTIES UNITY_GROUP g${CMAKE_MATCH_1})
-    endforeach()
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_MODE GROUP)
-  endforeach()
-endfunction()

@@ -12,11 +12,21 @@ bool is_blank(char c) {
 
 }  // namespace
 
+std::unexpected<Problem> refuse(std::string message) {
+  return std::unexpected(Problem{std::move(message)});
+}
+
 std::unexpected<Problem> refuse(const std::filesystem::path& file, std::string_view what,
                                 std::string_view remedy) {
   std::string message = file.string();
   message.append(": ").append(what).append(": ").append(remedy);
-  return std::unexpected(Problem{std::move(message)});
+  return refuse(std::move(message));
+}
+
+std::filesystem::path file_of(const std::filesystem::path& prefix, const char* ending) {
+  std::filesystem::path file = prefix;
+  file += ending;
+  return file;
 }
 
 Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t max_bytes) {

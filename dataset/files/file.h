@@ -16,8 +16,12 @@ namespace stof::dataset {
 inline constexpr std::size_t kMaxPixels = std::size_t{1} << 26;
 
 // "FILE: what is wrong: what to do", the one form of every message.
+std::unexpected<Problem> refuse(std::string message);
 std::unexpected<Problem> refuse(const std::filesystem::path& file, std::string_view what,
                                 std::string_view remedy);
+
+// PREFIX + ending.
+std::filesystem::path file_of(const std::filesystem::path& prefix, const char* ending);
 
 // The whole file. Refused: what is not a regular file, cannot be read, or has more than max_bytes.
 Loaded<std::string> read_whole(const std::filesystem::path& file, std::size_t max_bytes);

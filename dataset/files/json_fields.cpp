@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/files/file.h"
+
 namespace stof::dataset {
 
 using nlohmann::json;
@@ -120,10 +122,17 @@ std::string problem_of(dsp::Calibration calibration, bool has_rig) {
   return dsp::problem(calibration);
 }
 
-std::filesystem::path file_of(const std::filesystem::path& prefix, const char* ending) {
-  std::filesystem::path file = prefix;
-  file += ending;
-  return file;
+Loaded<json> read_object(const std::filesystem::path& file) {
+  constexpr std::size_t kMaxBytes = 1U << 20;
+  const Loaded<std::string> text = read_whole(file, kMaxBytes);
+  if (!text) {
+    return std::unexpected(text.error());
+  }
+  json root = json::parse(*text, nullptr, false);
+  if (!root.is_object()) {
+    return refuse(file, "is not a JSON object", "correct the file");
+  }
+  return root;
 }
 
 }  // namespace stof::dataset

@@ -9,7 +9,7 @@
 
 #include "dataset/pmd_recording.h"
 
-// What reader and writer of PMD recordings share. Not for others.
+// What readers and writers of PMD recordings share.
 namespace stof::dataset {
 
 // Takes numbers out of one JSON document and remembers the first that was missing or wrong; from
@@ -86,7 +86,7 @@ Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
                                     const std::optional<std::filesystem::path>& fixed_pattern,
                                     double usual_ratio);
 
-// PREFIX + ending.
-std::filesystem::path file_of(const std::filesystem::path& prefix, const char* ending);
+// A JSON object of at most 1 MiB.
+Loaded<nlohmann::json> read_object(const std::filesystem::path& file);
 
 }  // namespace stof::dataset

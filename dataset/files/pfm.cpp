@@ -10,7 +10,7 @@
 namespace stof::dataset {
 namespace {
 
-constexpr std::string_view kRemedy = "write it as PFM \"Pf\" with a negative scale";
+constexpr std::string_view kPfmRemedy = "write it as PFM \"Pf\" with a negative scale";
 
 // Little-endian float, whatever the host.
 float load(const char* bytes) {
@@ -49,14 +49,14 @@ Loaded<Image<float>> read_pfm(const std::filesystem::path& file) {
     return std::unexpected(bytes.error());
   }
   if (!bytes->starts_with("Pf")) {
-    return refuse(file, "is not a one-channel PFM picture (does not begin with Pf)", kRemedy);
+    return refuse(file, "is not a one-channel PFM picture (does not begin with Pf)", kPfmRemedy);
   }
   HeaderCursor cursor(*bytes, 2);
   const std::optional<int> width = cursor.number();
   const std::optional<int> height = cursor.number();
   if (!width || !height || *width < 1 || *height < 1 || !negative_number(cursor.word()) ||
       !cursor.separator()) {
-    return refuse(file, "has a damaged header or a scale that is not negative", kRemedy);
+    return refuse(file, "has a damaged header or a scale that is not negative", kPfmRemedy);
   }
   const std::size_t count = static_cast<std::size_t>(*width) * static_cast<std::size_t>(*height);
   const std::size_t found = bytes->size() - cursor.position();

@@ -8,7 +8,7 @@ namespace stof::dataset {
 namespace {
 
 constexpr std::size_t kMaxHeader = 65536;  // room for comments
-constexpr std::string_view kRemedy = "convert it to binary PGM (P5)";
+constexpr std::string_view kPgmRemedy = "convert it to binary PGM (P5)";
 
 // A file whose header is understood and whose pixel bytes are all there.
 struct Raw {
@@ -30,20 +30,20 @@ Loaded<Raw> read_raw(const std::filesystem::path& file) {
     return std::unexpected(std::move(bytes.error()));
   }
   if (!bytes->starts_with("P5")) {
-    return refuse(file, "is not a binary PGM picture (does not begin with P5)", kRemedy);
+    return refuse(file, "is not a binary PGM picture (does not begin with P5)", kPgmRemedy);
   }
   HeaderCursor cursor(*bytes, 2);
   const std::optional<int> width = cursor.number();
   const std::optional<int> height = cursor.number();
   const std::optional<int> maxval = cursor.number();
   if (!width || !height || !maxval || !cursor.separator()) {
-    return refuse(file, "has a damaged header", kRemedy);
+    return refuse(file, "has a damaged header", kPgmRemedy);
   }
   if (*width < 1 || *height < 1 || *maxval < 1 || *maxval > 65535) {
     return refuse(file,
                   "has the impossible size or maxval " + size_text(*width, *height) + ", " +
                       std::to_string(*maxval),
-                  kRemedy);
+                  kPgmRemedy);
   }
   Raw raw{.bytes = {},
           .pixels_at = cursor.position(),

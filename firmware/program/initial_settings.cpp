@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "firmware/events/event_printer.h"
-#include "firmware/settings/fields/assignment.h"
 #include "firmware/settings/saved_settings.h"
 
 namespace stof::firmware {

@@ -57,24 +57,6 @@ Header header_of(const HeaderFields& fields) noexcept {
 
 }  // namespace
 
-const char* to_string(PacketFault fault) noexcept {
-  switch (fault) {
-    case PacketFault::kTruncated:
-      return "truncated";
-    case PacketFault::kMagic:
-      return "wrong magic";
-    case PacketFault::kVersion:
-      return "unknown version";
-    case PacketFault::kLength:
-      return "wrong length";
-    case PacketFault::kCrc:
-      return "wrong CRC";
-    case PacketFault::kField:
-      return "contradicting fields";
-  }
-  return "unknown fault";
-}
-
 std::expected<PacketView, PacketFault> parse_packet(std::span<const std::byte> datagram) noexcept {
   if (datagram.size() < kHeaderBytes + kCrcBytes) {
     return std::unexpected(PacketFault::kTruncated);

@@ -64,7 +64,6 @@ enum class PacketFault : std::uint8_t {
   kCrc,        // damaged on the way
   kField,      // undamaged, but it contradicts itself: a sender's bug
 };
-const char* to_string(PacketFault fault) noexcept;
 
 struct PacketView {
   Header header;

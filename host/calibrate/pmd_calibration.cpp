@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "dataset/files/file.h"
 #include "host/calibrate/fit/initial_estimate.h"
 #include "host/calibrate/fit/pmd_measures.h"
 
@@ -275,15 +276,14 @@ dataset::Loaded<PmdCalibration> calibrate_pmd(const dsp::PmdSensor& camera, std:
                                               const CalibrateOptions& options) {
   const std::size_t blind = drop_blind(walls, camera);
   if (walls.empty() && blind > 0) {
-    return std::unexpected(
-        dataset::Problem{"no recording has a pixel that is neither saturated nor dark: change the "
-                         "integration time"});
+    return dataset::refuse(
+        "no recording has a pixel that is neither saturated nor dark: change the "
+        "integration time");
   }
   if (const std::size_t count = count_distances(walls); count < kFewestWalls) {
-    return std::unexpected(
-        dataset::Problem{"usable recordings at " + std::to_string(count) +
-                         " distance(s): a calibration needs " + std::to_string(kFewestWalls) +
-                         " at least (json with \"z_m\", frames, unsaturated pixels)"});
+    return dataset::refuse("usable recordings at " + std::to_string(count) +
+                           " distance(s): a calibration needs " + std::to_string(kFewestWalls) +
+                           " at least (json with \"z_m\", frames, unsaturated pixels)");
   }
   return Steps(camera, std::move(walls), options).run();
 }

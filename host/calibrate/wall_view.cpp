@@ -30,9 +30,9 @@ struct Series {
   double variance_sum() const { return std::max(squares - sum * sum / count, 0.0); }
 };
 
-// Sums over the frames of one recording.
-struct Sums {
-  explicit Sums(std::size_t pixels) : distances(pixels), modulation(pixels) {}
+// FrameSums over the frames of one recording.
+struct FrameSums {
+  explicit FrameSums(std::size_t pixels) : distances(pixels), modulation(pixels) {}
   std::vector<Series> distances;
   std::vector<double> modulation;
   double readings = 0, amp2 = 0, ratio = 0;  // of the middle
@@ -67,7 +67,8 @@ struct Sums {
   }
 };
 
-void put_maps(const Sums& sums, const std::vector<std::array<double, 3>>& rays, WallView& view) {
+void put_maps(const FrameSums& sums, const std::vector<std::array<double, 3>>& rays,
+              WallView& view) {
   for (std::size_t p = 0; p < rays.size(); ++p) {
     const Series& pixel = sums.distances[p];
     view.modulation.pixels[p] = static_cast<float>(sums.modulation[p] / sums.frames);
@@ -78,7 +79,7 @@ void put_maps(const Sums& sums, const std::vector<std::array<double, 3>>& rays, 
   }
 }
 
-void put_middle(const Sums& sums, const std::vector<std::array<double, 3>>& rays,
+void put_middle(const FrameSums& sums, const std::vector<std::array<double, 3>>& rays,
                 const dsp::Pinhole& lens, double z_m, WallView& view) {
   const Middle middle = middle_of(lens);
   double count = 0, error = 0, freedom = 0, variance = 0, predicted = 0;
@@ -122,7 +123,7 @@ WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Fram
   used.suppressed_lsb *= wall.exposure;
   OwnConverter converter(used);
   const std::vector<std::array<double, 3>> rays = rays_of(lens);
-  Sums sums(rays.size());
+  FrameSums sums(rays.size());
   for (std::size_t n = 0; n < wall.recording.frames.size(); ++n) {
     if (chosen(frames, n)) {
       sums.add(converter->convert(wall.recording.samples(n)), middle_of(lens));

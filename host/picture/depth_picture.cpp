@@ -12,7 +12,7 @@ namespace {
 constexpr Rgb kPanel{24, 26, 30};
 constexpr Rgb kInk{222, 224, 228};
 constexpr std::array<Rgb, 2> kChecker{{{38, 40, 44}, {52, 54, 58}}};
-constexpr int kCheckerPx = 8;
+constexpr int kNoDepthCheckerPx = 8;
 constexpr int kMinHeight = 96;
 
 // The legend: a margin, the bar, ticks, distances; "none" has its own box below the bar.
@@ -54,7 +54,7 @@ void put(dataset::Image<Rgb>& picture, int x, int y, Rgb colour) {
 }
 
 Rgb checker(int x, int y) {
-  return kChecker[static_cast<std::size_t>((x / kCheckerPx + y / kCheckerPx) % 2)];
+  return kChecker[static_cast<std::size_t>((x / kNoDepthCheckerPx + y / kNoDepthCheckerPx) % 2)];
 }
 
 void draw_legend(dataset::Image<Rgb>& picture, int left, const ColourScale& scale) {

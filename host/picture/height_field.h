@@ -1,8 +1,12 @@
 #pragma once
 
+#include <limits>
+
 #include "host/picture/png.h"
 
 namespace stof::host {
+
+inline constexpr float kNoDisparity = std::numeric_limits<float>::infinity();
 
 // How a height field stands and is looked at.
 struct HeightFieldView {

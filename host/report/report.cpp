@@ -2,6 +2,7 @@
 
 #include <fstream>
 
+#include "dataset/files/file.h"
 #include "host/report/stereo/sections.h"
 #include "host/text/printed.h"
 
@@ -54,9 +55,8 @@ dataset::Loaded<Study> load(const ReportOptions& options) {
       return std::unexpected(std::move(scene.error()));
     }
     if (!scene->rig) {
-      return std::unexpected(
-          dataset::Problem{(options.corridor / "meta.txt").string() +
-                           R"(: has no rig: add lines such as "f_px 615" and "baseline_m 0.12")"});
+      return dataset::refuse((options.corridor / "meta.txt").string() +
+                             R"(: has no rig: add lines such as "f_px 615" and "baseline_m 0.12")");
     }
     corridor.emplace(std::move(*scene));
   }

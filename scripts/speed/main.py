@@ -8,10 +8,10 @@ Teddy in $STOF_DATA/stereo, else the emulated corridor). Ten minutes at most; --
 --arm: instructions of a frame as counted in qemu-user, ours and OpenCV's, and what a model of the
 processors makes of the loops.
 
---readme: the figures that were kept as a table between two marks in README.md.
+--page: the figures that were kept as tables between two marks in docs/PERFORMANCE.md.
 
-Everything is kept in build/bench: speed.json, arm.json, growth.png. One thread's times are CPU times of the
-thread, those of two threads times by the clock.
+Everything is kept in build/bench: speed.json and, of the run before, speed_before.json; arm.json, growth.png.
+Every time is the least of all turns: CPU time of the thread, with two threads time by the clock.
 """
 
 import argparse
@@ -47,6 +47,8 @@ def host(options):
         raise Trouble(f"{out.parent}: no such folder: make it, or name another file")
     run("configure", "cmake", "--preset", "emu", "-Wno-dev", "-B", BENCH, "-DSTOF_BENCH=ON", "-DSTOF_TESTS=OFF")
     run("build", "cmake", "--build", BENCH, "--target", "stof_bench")
+    if out.is_file():
+        out.replace(out.with_stem(f"{out.stem}_before"))
     words = [BENCH / "bin/stof_bench", "--json", out, *(["--quick"] if options.quick else []), *scenes]
     if (code := subprocess.run(list(map(str, words)), check=False).returncode):
         raise Trouble(f"stof_bench ended with {code}")
@@ -67,14 +69,14 @@ def main():
     parser.add_argument("--quick", action="store_true", help="fewer rounds, without the largest size and growth")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="where figures are kept")
     parser.add_argument("--arm", action="store_true", help="instructions and estimates for 64-bit ARM")
-    parser.add_argument("--readme", action="store_true", help="writes the table in README.md")
+    parser.add_argument("--page", action="store_true", help="writes the tables in docs/PERFORMANCE.md")
     parser.add_argument("scenes", nargs="*", type=pathlib.Path, metavar="SCENE_DIR")
     options = parser.parse_args()
     if options.arm and (options.quick or options.scenes):
         parser.error("--arm counts on pictures of its own: leave --quick and scenes out")
     BENCH.mkdir(parents=True, exist_ok=True)
-    if options.readme:
-        table.write(ROOT / "README.md", BENCH / "speed.json", BENCH / "arm.json")
+    if options.page:
+        table.write(ROOT / "docs/PERFORMANCE.md", BENCH / "speed.json", BENCH / "speed_before.json", BENCH / "arm.json")
     elif options.arm:
         arm.go((options.json or BENCH / "arm.json").resolve())
     else:

@@ -1,8 +1,8 @@
-"""The table in README.md."""
+"""The tables in docs/PERFORMANCE.md."""
 
 from common import ARM_FLOORS, FLOORS, Trouble, kept
 
-BEGIN, END = "<!-- speed: begin (scripts/bench --readme) -->", "<!-- speed: end -->"
+BEGIN, END = "<!-- speed: begin (scripts/bench --page) -->", "<!-- speed: end -->"
 SIZES = ("450x375x64", "640x480x64", "1280x720x128")
 STEREO = ("WTA 15x15", "fast", "quality", "coarse to fine, 1", "coarse to fine, 2")
 
@@ -13,32 +13,36 @@ def first(results, group, name, threads=1):
                  and one["group"].startswith(group)), None)
 
 
-def row(results, group, name, size, threads=1):
-    one = first(results, group, name, threads)
-    if one is None or "peer" not in one:
+def row(runs, group, name, size, threads=1):
+    """The later run's times; both runs' ratios, so that a reader sees how well they repeat."""
+    both = [first(run["results"], group, name, threads) for run in runs]
+    if any(one is None or "peer" not in one for one in both):
         return []
-    ratio = "cpu_ratio" if threads == 1 else "ratio"
-    time = "cpu_ms" if threads == 1 else "median_ms"
-    peer = next(other for other in results if other["group"] == one["group"] and other["name"] == one["peer"]
-                and other["threads"] == threads)
+    one = both[0]
+    ratio, time = ("cpu_ratio", "cpu_ms") if threads == 1 else ("ratio", "least_ms")
+    peer = next(other for other in runs[0]["results"] if other["group"] == one["group"]
+                and other["name"] == one["peer"] and other["threads"] == threads)
     floor = FLOORS.get((name, size))
     return [f"| {name} | {size} | {one[time]:.2f} | {one['peer']}: {peer[time]:.2f} | **{one[ratio]:.2f}** | "
-            f"{'' if floor is None else f'{floor:.2f}'} |"]
+            f"{both[1][ratio]:.2f} | {'' if floor is None else f'{floor:.2f}'} |"]
 
 
-def host(figures):
-    results = figures["results"]
-    lines = ["| what | size | ms | peer, ms | ratio | at most |", "| --- | --- | --- | --- | --- | --- |"]
+def host(runs):
+    """The table of two runs, the later one first."""
+    later = runs[0]
+    lines = [f"On {later['machine']} ({later['vectors']}), beside {later['peer']}; {later['rounds']} turns each.", "",
+             "| what | size | ms | peer, ms | ratio | run before | at most |",
+             "| --- | --- | --- | --- | --- | --- | --- |"]
     for size in SIZES:
         for name in STEREO:
-            lines += row(results, size + ",", name, size)
+            lines += row(runs, size + ",", name, size)
     for name in ("WTA 15x15", "quality"):
-        lines += row(results, "640x480x64,", name, "640x480x64, two threads", threads=2)
+        lines += row(runs, "640x480x64,", name, "640x480x64, two threads", threads=2)
     for size in ("176x144", "640x480"):
-        lines += row(results, f"PMD {size}", "phase", size)
-    lines += row(results, "rectify", "rectify", "two of 640x480")
+        lines += row(runs, f"PMD {size}", "phase", size)
+    lines += row(runs, "rectify", "rectify", "two of 640x480")
     for name in ("convert and fuse", "whole frame"):
-        lines += row(results, "frame", name, "640x480x64, PMD 176x144")
+        lines += row(runs, "frame", name, "640x480x64, PMD 176x144")
     return lines
 
 
@@ -56,13 +60,13 @@ def arm(figures):
     return lines
 
 
-def write(readme, speed, instructions):
-    text = readme.read_text()
+def write(page, speed, speed_before, instructions):
+    text = page.read_text()
     if BEGIN not in text or END not in text:
-        raise Trouble(f"{readme}: lacks the marks of the table: add {BEGIN} and {END}")
+        raise Trouble(f"{page}: lacks the marks of the table: add {BEGIN} and {END}")
     before, rest = text.split(BEGIN, 1)
     after = rest.split(END, 1)[1]
-    figures = kept(speed, "scripts/bench")
-    body = [*host(figures), "", *arm(kept(instructions, "scripts/bench --arm"))]
-    readme.write_text(f"{before}{BEGIN}\n" + "\n".join(body) + f"\n{END}{after}")
-    print(f"table written to {readme}")
+    runs = [kept(file, "scripts/bench twice") for file in (speed, speed_before)]
+    body = [*host(runs), "", *arm(kept(instructions, "scripts/bench --arm"))]
+    page.write_text(f"{before}{BEGIN}\n" + "\n".join(body) + f"\n{END}{after}")
+    print(f"tables written to {page}")

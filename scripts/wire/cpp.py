@@ -1,11 +1,9 @@
-"""The C++ of the wire table: one header and one source a message, below firmware/wire/messages."""
-
-import subprocess
+"""The C++ of the wire table: one header and one source a message, as if below firmware/wire/messages."""
 
 from wire.table import snake
 
 FOLDER = "firmware/wire/messages"
-BANNER = "// Made by scripts/wire_table.py of firmware/wire/messages.json: change that."
+BANNER = "// Made by the build of firmware/wire/messages.json: change that."
 TYPES = {"u8": "std::uint8_t", "u16": "std::uint16_t", "u32": "std::uint32_t", "u64": "std::uint64_t",
          "i8": "std::int8_t", "i16": "std::int16_t", "i32": "std::int32_t", "i64": "std::int64_t",
          "text": "char"}
@@ -91,6 +89,10 @@ def reads(layout):
     return [*lines, "return value;"]
 
 
+def indented(lines):
+    return [f"  {line}" for line in lines]
+
+
 def declarations(layout, nested):
     name = snake(layout.struct)
     span = f"std::span<std::byte, {constant(layout.struct)}>"
@@ -107,10 +109,11 @@ def definitions(layout, nested):
     name, size = snake(layout.struct), constant(layout.struct)
     put_head, get_head = [line.rstrip(";") for line in declarations(layout, nested) if not line.startswith("//")]
     if nested:
-        return [f"{put_head} {{", *writes(layout), "}", "", f"{get_head} {{", *reads(layout), "}", ""]
-    return [f"{put_head} {{", *writes(layout), "}", "", f"{get_head} {{",
-            f"if (payload.size() < {size}) {{ return fail(Status::kCorrupt); }}",
-            f"const std::span<const std::byte, {size}> in = payload.first<{size}>();", *reads(layout), "}", ""]
+        return [f"{put_head} {{", *indented(writes(layout)), "}", "", f"{get_head} {{", *indented(reads(layout)), "}", ""]
+    return [f"{put_head} {{", *indented(writes(layout)), "}", "", f"{get_head} {{",
+            *indented([f"if (payload.size() < {size}) {{ return fail(Status::kCorrupt); }}",
+                       f"const std::span<const std::byte, {size}> in = payload.first<{size}>();", *reads(layout)]),
+            "}", ""]
 
 
 def header_text(includes, body):
@@ -149,23 +152,17 @@ def conditions_text(wire):
                "const ConditionInfo* info_of(Condition condition) noexcept;"]
     rows = [f'{{"{c["name"]}", "{c["text"]}", Severity::k{camel(c["severity"])}, Reaction::k{camel(c["reaction"])}}},'
             for c in wire.conditions]
-    source = ["namespace {", "", "constexpr std::array<ConditionInfo, kConditions> kInfos{{", *rows, "}};", "",
+    source = ["namespace {", "", "constexpr std::array<ConditionInfo, kConditions> kInfos{{", *indented(rows), "}};", "",
               "}  // namespace", "",
               "const ConditionInfo* info_of(Condition condition) noexcept {",
-              "const auto at = static_cast<std::size_t>(condition);",
-              "return at < kInfos.size() ? &kInfos[at] : nullptr;", "}", ""]
+              "  const auto at = static_cast<std::size_t>(condition);",
+              "  return at < kInfos.size() ? &kInfos[at] : nullptr;", "}", ""]
     return header_text(["firmware/wire/messages/enums.h"], header), "\n".join(
         [BANNER, f'#include "{FOLDER}/conditions.h"', "", "namespace stof::wire {", "", *source,
          "}  // namespace stof::wire", ""])
 
 
-def formatted(root, path, text):
-    done = subprocess.run(["clang-format-19", f"--assume-filename={root / path}"], input=text,
-                          capture_output=True, text=True, check=True)
-    return done.stdout
-
-
-def files(wire, root):
+def files(wire):
     """{path: text}"""
     enums, structs, dsp = f"{FOLDER}/enums.h", f"{FOLDER}/structs.h", "dsp/base/status.h"
     found = {enums: enums_text(wire)}
@@ -177,7 +174,4 @@ def files(wire, root):
         own = f"{FOLDER}/{message.name}.h"
         found[own] = header_text([dsp, enums, structs], [*struct_text(message), *declarations(message, False)])
         found[f"{FOLDER}/{message.name}.cpp"] = source_text(own, definitions(message, False))
-    sources = sorted(path.removeprefix("firmware/wire/") for path in found if path.endswith(".cpp"))
-    found = {path: formatted(root, path, text) for path, text in found.items()}
-    lines = [BANNER.replace("//", "#"), "set(message_sources", *(f"  {path}" for path in sources)]
-    return found | {f"{FOLDER}/sources.cmake": "\n".join(lines) + ")\n"}
+    return found

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <map>
 
 #include <benchmark/benchmark.h>
@@ -62,21 +63,31 @@ Outcome outcome_of(const Group& group, const Contender& contender, Collector& ti
               .name = contender.name,
               .peer = contender.peer,
               .threads = group.threads,
-              .median_ms = at(real, 0.5),
               .least_ms = at(real, 0),
-              .cpu_ms = at(times.cpu[contender.name], 0.5)};
+              .median_ms = at(real, 0.5),
+              .cpu_ms = at(times.cpu[contender.name], 0)};
   out.spread = (at(real, 0.75) - at(real, 0.25)) / out.median_ms;
   if (!contender.peer.empty()) {
-    const Times& theirs = times.real[contender.peer];
-    out.ratio = out.median_ms / at(theirs, 0.5);
-    out.least_ratio = out.least_ms / at(theirs, 0);
-    out.cpu_ratio = out.cpu_ms / at(times.cpu[contender.peer], 0.5);
+    out.ratio = out.least_ms / at(times.real[contender.peer], 0);
+    out.cpu_ratio = out.cpu_ms / at(times.cpu[contender.peer], 0);
   }
   return out;
 }
 
+// As the kernel calls it.
+std::string processor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.starts_with("model name") && colon != std::string::npos) {
+      return line.substr(colon + 2);
+    }
+  }
+  return "unknown processor";
+}
+
 void print(const Outcome& out) {
-  std::printf("  %-26s %9.3f %9.3f %7.0f %% %9.3f", out.name.c_str(), out.median_ms, out.least_ms,
+  std::printf("  %-26s %9.3f %9.3f %7.0f %% %9.3f", out.name.c_str(), out.least_ms, out.median_ms,
               100 * out.spread, out.cpu_ms);
   if (!out.peer.empty()) {
     std::printf("   %5.2f  %5.2f  of %s", out.ratio, out.cpu_ratio, out.peer.c_str());
@@ -103,7 +114,7 @@ std::vector<Outcome> measure(const Group& group, int rounds) {
   Collector times;
   benchmark::RunSpecifiedBenchmarks(&times, ".*");
   std::printf("%s, %d thread%s\n  %-26s %9s %9s %9s %9s   %5s  %5s\n", group.name.c_str(),
-              group.threads, group.threads > 1 ? "s" : "", "", "median ms", "least", "spread",
+              group.threads, group.threads > 1 ? "s" : "", "", "least ms", "median", "spread",
               "CPU ms", "ratio", "CPU");
   std::vector<Outcome> outcomes;
   for (const Contender& contender : group.contenders) {
@@ -129,19 +140,19 @@ const char* name_of(dsp::Vectors vectors) {
 
 std::string json(const std::vector<Outcome>& outcomes, int rounds, const std::string& peer) {
   nlohmann::ordered_json root;
+  root["machine"] = processor();
   root["rounds"] = rounds;
   root["peer"] = peer;
   root["vectors"] = name_of(dsp::widest_vectors());
   nlohmann::ordered_json& list = root["results"] = nlohmann::ordered_json::array();
   for (const Outcome& out : outcomes) {
-    nlohmann::ordered_json entry{{"group", out.group},       {"name", out.name},
-                                 {"threads", out.threads},   {"median_ms", out.median_ms},
-                                 {"least_ms", out.least_ms}, {"spread", out.spread},
+    nlohmann::ordered_json entry{{"group", out.group},         {"name", out.name},
+                                 {"threads", out.threads},     {"least_ms", out.least_ms},
+                                 {"median_ms", out.median_ms}, {"spread", out.spread},
                                  {"cpu_ms", out.cpu_ms}};
     if (!out.peer.empty()) {
       entry["peer"] = out.peer;
       entry["ratio"] = out.ratio;
-      entry["least_ratio"] = out.least_ratio;
       entry["cpu_ratio"] = out.cpu_ratio;
     }
     list.push_back(entry);

@@ -21,18 +21,19 @@ struct Group {
   std::vector<Contender> contenders;
 };
 
+// A machine that others use too makes turns longer, never shorter: the shortest is what is
+// compared.
 struct Outcome {
   std::string group;
   std::string name;
   std::string peer;
   int threads = 1;
-  double median_ms = 0;
   double least_ms = 0;
+  double median_ms = 0;
   double spread = 0;  // between the quartiles, of the median
-  double cpu_ms = 0;  // median; of the thread, of the process where there are several threads
-  double ratio = 0;   // to the peer, of the medians; 0: no peer
+  double cpu_ms = 0;  // least; of the thread, of the process where there are several threads
+  double ratio = 0;   // to the peer, of the shortest times; 0: no peer
   double cpu_ratio = 0;
-  double least_ratio = 0;  // of the shortest times
 };
 
 // Runs every contender `rounds` times, in random turns, and prints a line for each.

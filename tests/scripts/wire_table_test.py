@@ -9,7 +9,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import wire_table  # noqa: E402
-from wire import docs, table  # noqa: E402
+from wire import cpp, docs, table  # noqa: E402
 
 WIRE = table.load(wire_table.ROOT)
 ENUMS, PYTHON = "firmware/wire/messages/enums.h", "host/python/stof_wire.py"
@@ -27,7 +27,9 @@ def with_enum(name, values):
 
 class WireTableTest(unittest.TestCase):
     def noticed(self, wire):
-        return set(wire_table.stale(wire, wire_table.ROOT))
+        made = cpp.files(WIRE)
+        return {*wire_table.stale(wire_table.outputs(wire, wire_table.ROOT), wire_table.ROOT),
+                *(path for path, text in cpp.files(wire).items() if text != made.get(path))}
 
     def test_everything_is_up_to_date(self):
         self.assertEqual(self.noticed(WIRE), set())

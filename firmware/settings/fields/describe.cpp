@@ -5,6 +5,7 @@
 
 #include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/groups.h"
+#include "firmware/settings/fields/presets.h"
 
 namespace stof::settings {
 namespace {
@@ -129,6 +130,25 @@ void write_row(const Field& field, PagedWriter& out) noexcept {
   out << " |\n";
 }
 
+void write_tables(PagedWriter& out) {
+  out << "| setting | takes | default | applies | is |\n| --- | --- | --- | --- | --- |\n";
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    write_row(field(place), out);
+  }
+  out << '\n';
+  write_preset_table(out);
+}
+
+std::string whole(void (*write)(PagedWriter&)) {
+  PagedWriter count({});
+  write(count);
+  std::string text(count.total(), '\0');
+  PagedWriter out(text);
+  write(out);
+  return text;
+}
+
 }  // namespace
 
 void write_schema(PagedWriter& out) noexcept {
@@ -143,31 +163,8 @@ void write_schema(PagedWriter& out) noexcept {
   out << "\n  }\n}\n";
 }
 
-void write_table(PagedWriter& out) noexcept {
-  out << "| setting | takes | default | applies | is |\n| --- | --- | --- | --- | --- |\n";
-  const std::size_t count = field_count();
-  for (std::size_t place = 0; place < count; ++place) {
-    write_row(field(place), out);
-  }
-}
+std::string settings_schema() { return whole(&write_schema); }
 
-void write_usage(PagedWriter& out) noexcept {
-  const std::size_t count = field_count();
-  for (std::size_t place = 0; place < count; ++place) {
-    const Field known = field(place);
-    const std::size_t begin = out.total();
-    out << "  ";
-    write_path(known, out);
-    constexpr std::size_t kColumn = 28;
-    for (std::size_t width = out.total() - begin; width < kColumn; ++width) {
-      out << ' ';
-    }
-    out << ' ' << known.meaning << ": ";
-    write_takes(known, out);
-    out << (known.unit.empty() ? "" : " ") << known.unit << " (default ";
-    write_value(known, kDefaults, out);
-    out << ")\n";
-  }
-}
+std::string settings_tables() { return whole(&write_tables); }
 
 }  // namespace stof::settings

@@ -11,8 +11,6 @@
 
 namespace stof::wire {
 
-inline constexpr std::uint32_t kDepthUnitUm = 250;  // of one LSB of depth and width
-
 // From the calibration at start; floating point ends here. max_range in quarter millimetres.
 // kTooLarge: a number does not fit its field (a lens above 32767 px, a length above 9e9 m, an image
 // side above 65535).

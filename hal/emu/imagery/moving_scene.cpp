@@ -62,9 +62,9 @@ void Poses<T>::show(std::size_t pose, const dataset::Image<T>& background,
 }
 
 MovingScene::MovingScene(const Motion& motion, const Rig& rig)
-    : motion_(motion),
-      sensors_(rig),
-      background_(sensors_.render(motion.background)),
+    : SensorImagery(rig),
+      motion_(motion),
+      background_(sensors().render(motion.background)),
       shown_(background_) {
   STOF_CHECK(!motion.poses.empty() && motion.exposures_per_pose >= 1 && motion.pmd_every >= 1);
   const int first = static_cast<int>(motion.background.things.size());
@@ -72,7 +72,7 @@ MovingScene::MovingScene(const Motion& motion, const Rig& rig)
     Scene scene = motion.background;
     scene.things.insert(scene.things.end(), pose.begin(), pose.end());
     CleanViews views = background_;
-    Parts parts = sensors_.render_over(scene, first, views);
+    Parts parts = sensors().render_over(scene, first, views);
     left_.add(std::move(parts.left), views.left);
     right_.add(std::move(parts.right), views.right);
     pmd_mean_.add(four_times(parts.pmd), views.pmd.mean);
@@ -86,12 +86,12 @@ std::size_t MovingScene::pose_of(std::uint32_t number) const noexcept {
 
 void MovingScene::left(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept {
   left_.show(pose_of(number), background_.left, shown_.left);
-  sensors_.left(shown_, number, out);
+  sensors().left(shown_, number, out);
 }
 
 void MovingScene::right(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept {
   right_.show(pose_of(number), background_.right, shown_.right);
-  sensors_.right(shown_, number, out);
+  sensors().right(shown_, number, out);
 }
 
 void MovingScene::pmd(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> out) noexcept {
@@ -99,7 +99,7 @@ void MovingScene::pmd(std::uint32_t number, int index, dsp::ImageView<std::uint1
   const std::size_t pose = pose_of(number == 0 ? 0 : (number - 1) * every + 1);
   pmd_mean_.show(pose, background_.pmd.mean, shown_.pmd.mean);
   pmd_sigma_.show(pose, background_.pmd.sigma, shown_.pmd.sigma);
-  sensors_.pmd(shown_, number, index, out);
+  sensors().pmd(shown_, number, index, out);
 }
 
 Scene MovingScene::scene(std::uint32_t number) const {
@@ -110,11 +110,11 @@ Scene MovingScene::scene(std::uint32_t number) const {
 }
 
 dataset::Image<float> MovingScene::depth(std::uint32_t number) const {
-  return sensors_.depth(scene(number));
+  return sensors().depth(scene(number));
 }
 
 dataset::Image<std::uint8_t> MovingScene::visible(std::uint32_t number) const {
-  return sensors_.visible(scene(number));
+  return sensors().visible(scene(number));
 }
 
 }  // namespace stof::hal::emu

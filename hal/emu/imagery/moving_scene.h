@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "dataset/dataset.h"
-#include "dsp/calib/calibration.h"
 #include "hal/emu/imagery/imagery.h"
 #include "hal/emu/imagery/sensors.h"
 #include "hal/emu/scenes/rig.h"
@@ -48,21 +47,12 @@ class Poses {
 // A scene in motion as a rig sees it. The constructor renders all poses without noise, of each what
 // differs from the background; an exposure of another pose copies that in place, and adds its own
 // noise. Within an exposure nothing moves.
-class MovingScene final : public Imagery {
+class MovingScene final : public SensorImagery {
  public:
   MovingScene(const Motion& motion, const Rig& rig);
-  MovingScene(const MovingScene&) = delete;
-  MovingScene& operator=(const MovingScene&) = delete;
-
-  Size stereo_size() const noexcept override { return sensors_.stereo_size(); }
-  Size pmd_size() const noexcept override { return sensors_.pmd_size(); }
   void left(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept override;
   void right(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept override;
   void pmd(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> out) noexcept override;
-
-  // As RenderedScene.
-  const dsp::Calibration& calibration() const noexcept { return sensors_.calibration(); }
-  int disparities() const noexcept { return sensors_.disparities(); }
 
   // What the stereo camera sees in exposure `number`; the PMD camera does so in its exposure
   // (number - 1) / pmd_every + 1.
@@ -75,7 +65,6 @@ class MovingScene final : public Imagery {
   std::size_t pose_of(std::uint32_t number) const noexcept;
 
   Motion motion_;
-  Sensors sensors_;
   CleanViews background_;
   CleanViews shown_;
   Poses<std::uint16_t> left_;

@@ -76,4 +76,22 @@ class Sensors {
   dsp::Calibration calibration_;
 };
 
+// Imagery of what the sensors of a rig see.
+class SensorImagery : public Imagery {
+ public:
+  explicit SensorImagery(const Rig& rig) : sensors_(rig) {}
+
+  Size stereo_size() const noexcept final { return sensors_.stereo_size(); }
+  Size pmd_size() const noexcept final { return sensors_.pmd_size(); }
+  // Of Sensors.
+  const dsp::Calibration& calibration() const noexcept { return sensors_.calibration(); }
+  int disparities() const noexcept { return sensors_.disparities(); }
+
+ protected:
+  const Sensors& sensors() const noexcept { return sensors_; }
+
+ private:
+  Sensors sensors_;
+};
+
 }  // namespace stof::hal::emu

@@ -56,15 +56,6 @@ std::optional<PmdInfo> parse_pmd_info(std::span<const std::byte> bytes) noexcept
   return good ? std::optional(info) : std::nullopt;
 }
 
-std::optional<PmdConfig> parse_pmd_config(std::span<const std::byte> bytes) noexcept {
-  if (bytes.size() != kPmdConfigBytes || get<std::uint32_t>(bytes, 12) != 0) {
-    return std::nullopt;
-  }
-  return PmdConfig{.modulation_khz = get<std::uint32_t>(bytes, 0),
-                   .integration_us = get<std::uint32_t>(bytes, 4),
-                   .delay_us = get<std::uint32_t>(bytes, 8)};
-}
-
 std::optional<std::uint64_t> parse_pmd_clock(std::span<const std::byte> bytes) noexcept {
   return bytes.size() == kPmdClockBytes ? std::optional(get<std::uint64_t>(bytes, 0))
                                         : std::nullopt;
@@ -100,42 +91,6 @@ std::array<std::byte, kPmdConfigBytes> compose_pmd_config(const PmdConfig& confi
   put(bytes, 0, config.modulation_khz);
   put(bytes, 4, config.integration_us);
   put(bytes, 8, config.delay_us);
-  return bytes;
-}
-
-std::array<std::byte, kPmdInfoBytes> compose_pmd_info(const PmdInfo& info) noexcept {
-  std::array<std::byte, kPmdInfoBytes> bytes{};
-  put(bytes, 0, kPmdInfoMagic);
-  put(bytes, 4, kPmdVersion);
-  put(bytes, 6, static_cast<std::uint16_t>(info.width));
-  put(bytes, 8, static_cast<std::uint16_t>(info.height));
-  put(bytes, 10, static_cast<std::uint16_t>(info.bits));
-  put(bytes, 12, info.least_khz);
-  put(bytes, 16, info.most_khz);
-  put(bytes, 20, info.least_integration_us);
-  put(bytes, 24, info.most_integration_us);
-  put(bytes, 28, info.serial);
-  return bytes;
-}
-
-std::array<std::byte, kPmdHeaderBytes> compose_pmd_header(const PmdHeader& header,
-                                                          const PmdInfo& info) noexcept {
-  std::array<std::byte, kPmdHeaderBytes> bytes{};
-  put(bytes, 0, kPmdFrameMagic);
-  put(bytes, 4, static_cast<std::uint16_t>(header.bytes));
-  put(bytes, 6, kPmdVersion);
-  put(bytes, 8, header.sequence);
-  put(bytes, 12, static_cast<std::uint16_t>(info.width));
-  put(bytes, 14, static_cast<std::uint16_t>(info.height));
-  put(bytes, 16, static_cast<std::uint16_t>(info.bits));
-  put(bytes, 18, header.flags);
-  put(bytes, 20, header.modulation_khz);
-  put(bytes, 24, header.edge);
-  for (std::size_t k = 0; k < header.samples.size(); ++k) {
-    put(bytes, 32 + 8 * k, header.samples[k].begin_ns);
-    put(bytes, 36 + 8 * k, header.samples[k].length_ns);
-  }
-  put(bytes, 64, header.temperature);
   return bytes;
 }
 

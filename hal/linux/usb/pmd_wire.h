@@ -89,7 +89,6 @@ constexpr std::size_t pmd_picture_bytes(const PmdInfo& info) noexcept {
 
 // Nothing: wrong length, magic, version or a number out of its range. Any bytes will do.
 std::optional<PmdInfo> parse_pmd_info(std::span<const std::byte> bytes) noexcept;
-std::optional<PmdConfig> parse_pmd_config(std::span<const std::byte> bytes) noexcept;
 std::optional<std::uint64_t> parse_pmd_clock(std::span<const std::byte> bytes) noexcept;
 // `bytes` is a whole message of a camera that is as `info` says. Nothing also: another size or
 // number of bits than its own, samples that overlap or are not in order, a message of another
@@ -99,9 +98,5 @@ std::optional<PmdHeader> parse_pmd_frame(std::span<const std::byte> bytes,
                                          const PmdInfo& info) noexcept;
 
 std::array<std::byte, kPmdConfigBytes> compose_pmd_config(const PmdConfig& config) noexcept;
-// What a camera sends: for those that emulate one.
-std::array<std::byte, kPmdInfoBytes> compose_pmd_info(const PmdInfo& info) noexcept;
-std::array<std::byte, kPmdHeaderBytes> compose_pmd_header(const PmdHeader& header,
-                                                          const PmdInfo& info) noexcept;
 
 }  // namespace stof::hal::linux

@@ -96,7 +96,7 @@ std::expected<void, OpenError> UsbPmd::start() {
     return greeted;
   }
   stream_ = {};
-  newest_.sequence = 0;
+  last_sequence_ = 0;
   if (make_transfers()) {
     submit_idle();
   } else {
@@ -248,7 +248,7 @@ void UsbPmd::take_in(Transfer& transfer) noexcept {
                     accept(buffer, static_cast<std::size_t>(transfer.libusb->actual_length));
   if (good) {
     stream_.damaged_in_row = 0;
-    lost_frames_ += slots_.push(buffer) ? 0U : 1U;
+    slots_.push(buffer);
   } else {
     slots_.put_back(buffer);
   }
@@ -273,7 +273,7 @@ bool UsbPmd::accept(int buffer, std::size_t bytes) noexcept {
   const std::optional<PmdHeader> header = parse_pmd_frame(message, info_);
   // Ahead of the last one, modulo 2^32.
   if (!header || header->modulation_khz != options_.config.modulation_khz ||
-      static_cast<std::int32_t>(header->sequence - newest_.sequence) <= 0) {
+      static_cast<std::int32_t>(header->sequence - last_sequence_) <= 0) {
     return false;
   }
   std::optional<Time> edge = clock_.clock().convert(header->edge);
@@ -285,7 +285,7 @@ bool UsbPmd::accept(int buffer, std::size_t bytes) noexcept {
     static_cast<void>(clock_.clock().follow(*nearest, header->edge));
     edge = nearest;
   }
-  newest_ = *header;
+  last_sequence_ = header->sequence;
   const std::size_t at = (static_cast<std::size_t>(buffer) * buffer_bytes_ + header->bytes) / 2;
   const std::size_t picture = pmd_picture_bytes(info_) / 4 / sizeof(std::uint16_t);
   PmdFrame& frame = frames_[static_cast<std::size_t>(buffer)];

@@ -63,13 +63,6 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   const std::string& trouble() const noexcept { return trouble_; }
 
   const PmdInfo& info() const noexcept { return info_; }
-  // Frames that came whole and found no room.
-  std::uint64_t lost_frames() const noexcept { return lost_frames_; }
-  // Of the newest frame; kNoTemperature: none yet, or it does not know.
-  std::int16_t temperature() const noexcept { return newest_.temperature; }
-  // Of the newest frame: PmdHeader's.
-  std::uint16_t flags() const noexcept { return newest_.flags; }
-  const ClockConverter& device_clock() const noexcept { return clock_.clock(); }
 
  private:
   static constexpr std::size_t kFrameTransfers = 4;
@@ -123,8 +116,7 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
 
   int progress_ = 0;  // something was done since it was set to 0
   Stream stream_;
-  PmdHeader newest_;
-  std::uint64_t lost_frames_ = 0;
+  std::uint32_t last_sequence_ = 0;
 };
 
 }  // namespace stof::hal::linux

@@ -139,7 +139,6 @@ V4l2Device::Done V4l2Device::start() {
     if (buffer.length < needed_bytes_) {
       return refuse("has buffers that are too short for a picture; use another format or driver");
     }
-    stamps_begin_ = (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
     const std::uint8_t* const data = calls_.map(fd_, buffer.length, buffer.m.offset);
     if (data == nullptr) {
       return refuse(with_advice("does not show its buffers", errno));

@@ -75,9 +75,6 @@ class V4l2Device {
   const V4l2Format& format() const noexcept { return format_; }
   // What the driver made of the one that was asked; none where it does not tell.
   std::optional<Duration> exposure() const noexcept { return exposure_; }
-  // What stamps are of: the begin of a picture's way to the driver (V4L2_BUF_FLAG_TSTAMP_SRC_SOE:
-  // uvcvideo means its first packet), else its end.
-  bool stamps_begin() const noexcept { return stamps_begin_; }
   const V4l2Counters& counters() const noexcept { return counters_; }
   // For messages: "camera 'card:X' (/dev/video0)".
   std::string name() const;
@@ -105,7 +102,6 @@ class V4l2Device {
   V4l2Format format_;
   std::size_t needed_bytes_ = 0;  // of a whole picture
   std::optional<Duration> exposure_;
-  bool stamps_begin_ = false;
   std::vector<Mapping> mappings_;
   std::uint32_t session_ = 0;
   int errors_in_a_row_ = 0;

@@ -9,7 +9,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 // How far amplitudes stray from 1 / D^2: lights beside the lens, wiggling, the edge of the beam.
 constexpr double kAmplitudeError = 0.15;
 

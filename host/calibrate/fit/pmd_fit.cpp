@@ -9,8 +9,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 // What the model does not know: a phase is no better than 1/7000 turn, and lights are no points
 // (their size and place add up to an area over the distance).
 constexpr double kModelTurns = 1.5e-4;

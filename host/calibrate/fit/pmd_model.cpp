@@ -9,7 +9,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kPhaseSteps = 65536;
 constexpr int kInverseSteps = 30;
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <complex>
+#include <numbers>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,8 @@
 //   I + jQ = A exp(+-2 pi j (phi1 + offset + pattern)) + stray; minus where the phase falls
 // Phases are in turns, distances in metres.
 namespace stof::host {
+
+inline constexpr double kTurn = 2 * std::numbers::pi;
 
 inline constexpr int kHarmonics = 8;
 

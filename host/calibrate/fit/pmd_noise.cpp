@@ -11,8 +11,8 @@ namespace {
 
 constexpr double kRounding = 1.0 / 12;
 constexpr int kRounds = 6;
-constexpr double kOutlier = 6;      // standard deviations of a variance
-constexpr double kSignificant = 3;  // standard deviations of a coefficient
+constexpr double kOutlier = 6;            // standard deviations of a variance
+constexpr double kSignificantSigmas = 3;  // standard deviations of a coefficient
 
 // variance = x[0] level + x[1] + x[2] exposure.
 struct Variance {
@@ -58,7 +58,7 @@ Variance fit(std::span<const Wall> walls, bool suppressed) {
     found.x = solver.solve(right);
     found.covariance = solver.solve(Eigen::Matrix3d::Identity());
   }
-  found.known = found.x[0] > kSignificant * std::sqrt(found.covariance(0, 0));
+  found.known = found.x[0] > kSignificantSigmas * std::sqrt(found.covariance(0, 0));
   return found;
 }
 
@@ -83,7 +83,7 @@ std::optional<SampleNoise> fit_noise(std::span<const Wall> walls, const SampleNo
   if (separate) {
     found = fit(walls, true);
     separate = found.known && found.x[1] > kRounding &&
-               found.x[2] > kSignificant * std::sqrt(found.covariance(2, 2));
+               found.x[2] > kSignificantSigmas * std::sqrt(found.covariance(2, 2));
   }
   if (!separate) {
     found = fit(walls, false);

@@ -7,8 +7,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kTurn = 2 * std::numbers::pi;
-
 // Standard deviations, far above what cameras have.
 constexpr double kScalePrior = 0.05;
 constexpr double kHarmonicPrior = 0.003;  // turns

@@ -4,12 +4,12 @@
 
 #include <nlohmann/json.hpp>
 
+#include "host/text/printed.h"
+
 namespace stof::host {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kMm = 1000;
 
 ordered_json number(double value, double unit = 1) {
   return std::isfinite(value) ? ordered_json(value * unit) : ordered_json(nullptr);

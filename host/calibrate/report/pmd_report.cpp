@@ -8,10 +8,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kMm = 1000;
-constexpr double kCm = 100;
-constexpr double kPercent = 100;
-
 std::string in_words(Frames frames) {
   return (frames == Frames::kAll ? "" : "the ") + std::string(to_string(frames)) + " frames";
 }

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
+
+#include "dataset/files/file.h"
+#include "dataset/files/json_fields.h"
 
 namespace stof::host {
 namespace {
@@ -14,26 +15,6 @@ using nlohmann::json;
 
 constexpr double kFarthestM = 1000;
 constexpr double kLongestExposure = 1000;
-
-std::unexpected<dataset::Problem> refuse(const std::filesystem::path& file, const std::string& what,
-                                         const char* remedy) {
-  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
-}
-
-// The size of a json was judged by read_pmd(), or is judged there next.
-dataset::Loaded<json> read_json(const std::filesystem::path& file) {
-  const std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  if (!stream) {
-    return refuse(file, "cannot be read", "check its permissions");
-  }
-  json root = json::parse(text.str(), nullptr, false);
-  if (!root.is_object()) {
-    return refuse(file, "is not a JSON object", "correct the file");
-  }
-  return root;
-}
 
 // A finite number of the document, or NaN.
 double number(const json& value) { return value.is_number() ? value.get<double>() : std::nan(""); }
@@ -149,7 +130,8 @@ dataset::Loaded<std::vector<std::filesystem::path>> list_walls(
   std::error_code error;
   std::filesystem::directory_iterator entry(folder, error);
   if (error) {
-    return refuse(folder, "is not a folder that can be read", "give the folder of the recordings");
+    return dataset::refuse(folder, "is not a folder that can be read",
+                           "give the folder of the recordings");
   }
   std::vector<std::filesystem::path> prefixes;
   for (; entry != std::filesystem::directory_iterator(); entry.increment(error)) {
@@ -157,7 +139,7 @@ dataset::Loaded<std::vector<std::filesystem::path>> list_walls(
     if (file.extension() != ".json") {
       continue;
     }
-    const dataset::Loaded<json> root = read_json(file);
+    const dataset::Loaded<json> root = dataset::read_object(file);
     if (!root) {
       return std::unexpected(root.error());
     }
@@ -166,7 +148,7 @@ dataset::Loaded<std::vector<std::filesystem::path>> list_walls(
     }
   }
   if (error) {
-    return refuse(folder, "cannot be read to its end", "check the disk");
+    return dataset::refuse(folder, "cannot be read to its end", "check the disk");
   }
   std::ranges::sort(prefixes);
   return prefixes;
@@ -177,15 +159,14 @@ dataset::Loaded<WallRecording> read_wall(const std::filesystem::path& prefix) {
   if (!recording) {
     return std::unexpected(std::move(recording.error()));
   }
-  std::filesystem::path file = prefix;
-  file += ".json";
-  const dataset::Loaded<json> root = read_json(file);
+  const std::filesystem::path file = dataset::file_of(prefix, ".json");
+  const dataset::Loaded<json> root = dataset::read_object(file);
   if (!root) {
     return std::unexpected(root.error());
   }
   WallRecording wall{.name = prefix.filename().string(), .recording = {}};
   if (const std::string wrong = take_setup(*root, wall); !wrong.empty()) {
-    return refuse(file, wrong, "correct the file");
+    return dataset::refuse(file, wrong, "correct the file");
   }
   const dsp::PmdSensor& told = recording->calibration.pmd;
   dsp::PmdSensor known;

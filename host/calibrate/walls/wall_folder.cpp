@@ -3,13 +3,10 @@
 #include <algorithm>
 #include <optional>
 
+#include "dataset/files/file.h"
+
 namespace stof::host {
 namespace {
-
-std::unexpected<dataset::Problem> refuse(const std::filesystem::path& file, const std::string& what,
-                                         const char* remedy) {
-  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
-}
 
 // Where the files tell microseconds and nothing else, these are relative to the longest.
 void make_relative(const std::vector<double>& integration_us, WallFolder& folder) {
@@ -41,8 +38,8 @@ dataset::Loaded<WallFolder> read_folder(const std::filesystem::path& folder, Fra
     const dataset::PmdRecording& recording = wall->recording;
     if (first) {
       if (const std::string why = mixed(*first, *wall); !why.empty()) {
-        return refuse(prefix, "not of the camera of " + first->name + " (" + why + ")",
-                      "give recordings of one camera");
+        return dataset::refuse(prefix, "not of the camera of " + first->name + " (" + why + ")",
+                               "give recordings of one camera");
       }
     }
     if (recording.has_rig && !found.has_rig) {
@@ -63,8 +60,8 @@ dataset::Loaded<WallFolder> read_folder(const std::filesystem::path& folder, Fra
     first->recording.frames.resize(1);
   }
   if (!first) {
-    return refuse(folder, "holds no recording of a wall whose json says \"z_m\"",
-                  "give a folder of such recordings");
+    return dataset::refuse(folder, "holds no recording of a wall whose json says \"z_m\"",
+                           "give a folder of such recordings");
   }
   found.calibration.pmd = first->recording.calibration.pmd;
   make_relative(integration_us, found);

@@ -8,13 +8,13 @@
 #include "host/cli/evaluate/evaluate.h"
 #include "host/client/value_names.h"
 #include "host/report/fusion/fusion_page.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
 using nlohmann::ordered_json;
 
-constexpr double kMillimetres = 1000;
 constexpr const char* kE5 =
     "E5: share of pixels with truth that are missing or off by more than 5 % of depth\n";
 
@@ -29,11 +29,11 @@ ordered_json to_json(const DepthScore& score) {
   }
   return {{"e5", score.e5},
           {"coverage", score.coverage},
-          {"median_error_mm", number(score.median_error_m, kMillimetres)},
+          {"median_error_mm", number(score.median_error_m, kMm)},
           {"median_error_relative", number(score.median_relative)},
           {"hit_rate", number(score.hit_rate)},
           {"hit_rate_by_width", std::move(by_width)},
-          {"median_width_mm", number(score.median_width_m, kMillimetres)},
+          {"median_width_mm", number(score.median_width_m, kMm)},
           {"median_width_relative", number(score.median_width_relative)}};
 }
 
@@ -79,12 +79,11 @@ ordered_json to_json(const FusionCase& fused, const MatchOptions& match) {
 }
 
 void print_row(const char* name, const DepthScore& score) {
-  std::printf(
-      "%-8s %7.4f  %7s %%  %8.1f mm %s %%  %s %%  %8.1f mm  %s %% ", name, score.e5,
-      percent_text(score.coverage, 7).c_str(), score.median_error_m.value_or(0) * kMillimetres,
-      percent_text(score.median_relative, 6).c_str(), percent_text(score.hit_rate, 7).c_str(),
-      score.median_width_m.value_or(0) * kMillimetres,
-      percent_text(score.median_width_relative, 6).c_str());
+  std::printf("%-8s %7.4f  %7s %%  %8.1f mm %s %%  %s %%  %8.1f mm  %s %% ", name, score.e5,
+              percent_text(score.coverage, 7).c_str(), score.median_error_m.value_or(0) * kMm,
+              percent_text(score.median_relative, 6).c_str(),
+              percent_text(score.hit_rate, 7).c_str(), score.median_width_m.value_or(0) * kMm,
+              percent_text(score.median_width_relative, 6).c_str());
   for (const std::optional<double>& rate : score.hit_rate_by_width) {
     std::printf(" %s", percent_text(rate, 6).c_str());
   }
@@ -113,9 +112,8 @@ void print_scene_row(const std::string& name, const std::string& sensor, const F
   const DepthScore& fused = scores.fused;
   std::printf("%-12s %-9s %7.4f %7.4f %7.4f %8s %9.1f %9.1f %7s %8s %8s ", name.c_str(),
               sensor.c_str(), scores.pmd.e5, scores.stereo.e5, fused.e5,
-              percent_text(fused.coverage, 8).c_str(),
-              fused.median_error_m.value_or(0) * kMillimetres,
-              fused.median_width_m.value_or(0) * kMillimetres,
+              percent_text(fused.coverage, 8).c_str(), fused.median_error_m.value_or(0) * kMm,
+              fused.median_width_m.value_or(0) * kMm,
               percent_text(fused.median_width_relative, 7).c_str(),
               percent_text(fused.hit_rate, 8).c_str(), "");
   for (const std::optional<double>& rate : fused.hit_rate_by_width) {

@@ -11,7 +11,6 @@ namespace stof::host {
 namespace {
 
 constexpr float kNone = std::numeric_limits<float>::infinity();
-constexpr double kLargestRelativeError = 0.05;
 
 bool contains(double low, double z, double high) { return low <= z && z <= high; }
 

@@ -12,6 +12,9 @@
 
 namespace stof::host {
 
+// E5 counts what is off by more than this share of the depth.
+inline constexpr double kLargestRelativeError = 0.05;
+
 // A depth map with its interval: Z in metres in the left view, +inf = none in all three.
 struct DepthPlanes {
   dataset::Image<float> depth;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "dataset/files/file.h"
 #include "dsp/fusion/interval/stereo_spread.h"
 #include "host/evaluate/fusion/chapter_geometry.h"
 #include "host/evaluate/stereo/median.h"
@@ -35,10 +36,6 @@ struct PaintedImages {
   PaintedImages(int w, int h) : nearest(w, h), low(w, h), high(w, h), flags(w, h) {}
   dsp::PaintedView view() { return {nearest.view(), low.view(), high.view(), flags.view()}; }
 };
-
-std::unexpected<dataset::Problem> refuse(std::string line) {
-  return std::unexpected(dataset::Problem{std::move(line)});
-}
 
 // Holes are never filled silently, and what was not checked is no measurement.
 const char* why_not_fused(const MatchPlan& plan) {
@@ -158,7 +155,7 @@ std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptio
     return std::unexpected(plan.error());
   }
   if (const char* const why = why_not_fused(*plan)) {
-    return refuse(why);
+    return dataset::refuse(why);
   }
   lab::MatchParams params = plan->params;
   if (!asked.preset.empty()) {
@@ -170,7 +167,7 @@ std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptio
   }
   params.confidence = true;
   if (const char* const why = lab::problem(params); *why != '\0') {
-    return refuse(why);
+    return dataset::refuse(why);
   }
   return params;
 }
@@ -185,12 +182,13 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   calibration.stereo.left.width = width;
   calibration.stereo.left.height = height;
   if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
-    return refuse(scene.name + ": " + wrong + ": correct the recording's json");
+    return dataset::refuse(scene.name + ": " + wrong + ": correct the recording's json");
   }
   if (lab::check(match, width, height) != Status::kOk) {
-    return refuse(scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) +
-                  " pixels with " + std::to_string(match.disparities) +
-                  " disparities are more than this version matches: use a smaller picture");
+    return dataset::refuse(
+        scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) + " pixels with " +
+        std::to_string(match.disparities) +
+        " disparities are more than this version matches: use a smaller picture");
   }
   const std::optional<dsp::MatchParams> of_the_appliance = lab::appliance_params(match);
   dsp::DepthParams params{
@@ -200,7 +198,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   params.fusion.spread = dsp::spread_of(params.match);
   posix::WorkerThreads workers({.threads = options.threads});
   if (workers.threads() < options.threads) {
-    return refuse(too_few_threads(workers.threads(), options.threads));
+    return dataset::refuse(too_few_threads(workers.threads(), options.threads));
   }
   dataset::Image<std::uint8_t> continued(width, height);
   const dsp::ThreadTeam team(workers, options.threads);

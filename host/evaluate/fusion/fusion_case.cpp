@@ -1,5 +1,7 @@
 #include "host/evaluate/fusion/fusion_case.h"
 
+#include "dataset/files/file.h"
+
 namespace stof::host {
 
 std::string FusionCase::sensor() const {
@@ -19,12 +21,11 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
     return std::unexpected(recording.error());
   }
   if (!recording->has_rig) {
-    return std::unexpected(dataset::Problem{
-        prefix.string() + ".json: has no rig (stereo, R, T): give a recording of a scene"});
+    return dataset::refuse(prefix.string() +
+                           ".json: has no rig (stereo, R, T): give a recording of a scene");
   }
   if (!pair->truth) {
-    return std::unexpected(
-        dataset::Problem{scene.string() + ": has no gt_left.pgm: give a scene with ground truth"});
+    return dataset::refuse(scene.string() + ": has no gt_left.pgm: give a scene with ground truth");
   }
   const std::expected<lab::MatchParams, dataset::Problem> params =
       fusion_params(match, pair->ndisp);

@@ -14,10 +14,10 @@
 namespace stof::host {
 namespace {
 
-constexpr float kNothing = std::numeric_limits<float>::quiet_NaN();
+constexpr float kNoValue = std::numeric_limits<float>::quiet_NaN();
 
 FrameCloud empty_cloud(const dsp::Pinhole& lens) {
-  const dataset::Image<float> nothing(lens.width, lens.height, kNothing);
+  const dataset::Image<float> nothing(lens.width, lens.height, kNoValue);
   return {nothing, nothing, nothing};
 }
 

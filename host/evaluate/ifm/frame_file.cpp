@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dataset/files/file.h"
+
 namespace stof::host {
 namespace {
 
@@ -18,11 +20,6 @@ constexpr unsigned kInvalid = 1;  // bit of the confidence
 constexpr unsigned kExposureBit = 4;
 constexpr unsigned kExposureMask = 3;
 constexpr std::size_t kMetadata = 48;  // of a chunk's header: JSON from here on
-
-std::unexpected<dataset::Problem> refuse(const fs::path& file, const std::string& what,
-                                         const char* remedy) {
-  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
-}
 
 std::string bytes_of(const fs::path& file) {
   const std::ifstream stream(file, std::ios::binary);
@@ -41,8 +38,8 @@ dataset::Loaded<FrameInfo> read_info(const fs::path& file) {
   };
   if (!k.is_array() || k.size() < 5 ||
       !std::ranges::all_of(k, [](const json& value) { return value.is_number(); })) {
-    return refuse(file, "has no \"intrinsics\" with fx, fy, cx, cy and k of five numbers",
-                  "correct the file");
+    return dataset::refuse(file, "has no \"intrinsics\" with fx, fy, cx, cy and k of five numbers",
+                           "correct the file");
   }
   FrameInfo info{.lens = {.width = static_cast<int>(number(root, "width")),
                           .height = static_cast<int>(number(root, "height")),
@@ -58,8 +55,9 @@ dataset::Loaded<FrameInfo> read_info(const fs::path& file) {
                  .unit_m = number(root, "distance_unit_m")};
   const dsp::Pinhole& l = info.lens;
   if (!(l.fx > 0 && l.fy > 0 && std::isfinite(l.cx) && std::isfinite(l.cy) && info.unit_m > 0)) {
-    return refuse(file, "has an intrinsic or a distance_unit_m that cannot be computed with",
-                  "correct the file");
+    return dataset::refuse(file,
+                           "has an intrinsic or a distance_unit_m that cannot be computed with",
+                           "correct the file");
   }
   return info;
 }
@@ -81,7 +79,8 @@ std::expected<void, dataset::Problem> read_beside(const fs::path& file, const ds
     return std::unexpected(std::move(found.error()));
   }
   if (found->width != lens.width || found->height != lens.height) {
-    return refuse(file, "is not of the size that info.json says", "give the files of one frame");
+    return dataset::refuse(file, "is not of the size that info.json says",
+                           "give the files of one frame");
   }
   image = std::move(*found);
   return {};
@@ -158,7 +157,7 @@ dataset::Loaded<CameraFrame> read_camera_frame(const fs::path& folder) {
     return std::unexpected(std::move(done.error()));
   }
   if (!radial) {
-    return refuse(folder / "radial_distance.pgm", "is absent", "give a whole frame");
+    return dataset::refuse(folder / "radial_distance.pgm", "is absent", "give a whole frame");
   }
   frame.radial = std::move(*radial);
   const fs::path file = folder / "O3RBuffer.data";

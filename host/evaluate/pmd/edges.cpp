@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "dataset/files/file.h"
 #include "host/calibrate/fit/pmd_model.h"
 #include "host/evaluate/own_converter.h"
 
@@ -193,8 +194,8 @@ dataset::Loaded<EdgeStudy> study_edges(const PmdSet& set, const PmdSources& sour
       return std::unexpected(truth.error());
     }
     if (truth->nearest.pixels.empty() || truth->farthest.pixels.empty()) {
-      return std::unexpected(dataset::Problem{
-          prefix.string() + "_r_min.pgm: is absent, or r_max is: give both maps of the recording"});
+      return dataset::refuse(prefix.string() +
+                             "_r_min.pgm: is absent, or r_max is: give both maps of the recording");
     }
     const dataset::Image<std::uint8_t> mixed = mixed_pixels(*truth);
     OwnConverter converter(sensor);

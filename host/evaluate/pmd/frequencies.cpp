@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/files/file.h"
 #include "dsp/base/units.h"
 #include "host/evaluate/own_converter.h"
 #include "host/evaluate/stereo/median.h"
@@ -65,8 +66,7 @@ dataset::Loaded<FrequencyRow> judge_pair(const std::filesystem::path& first,
     return std::unexpected(maps.error());
   }
   if (maps->middle.pixels.empty()) {
-    return std::unexpected(
-        dataset::Problem{first.string() + "_r_med.pgm: is absent: give the recording's truth"});
+    return dataset::refuse(first.string() + "_r_med.pgm: is absent: give the recording's truth");
   }
   const auto [nearest, farthest] = std::ranges::minmax(maps->middle.pixels);
   Judged judged{.row = {.name = first.filename().string() + " + " + second.filename().string(),

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "dataset/files/file.h"
 #include "host/calibrate/walls/wall_folder.h"
 
 namespace stof::host {
@@ -32,8 +33,8 @@ std::expected<void, dataset::Problem> study_stray(const WallFolder& folder,
   const dataset::Loaded<PmdCalibration> found =
       calibrate_pmd(own, std::vector<Wall>(folder.walls), options);
   if (!found) {
-    return std::unexpected(dataset::Problem{folder.prefixes.front().parent_path().string() + ": " +
-                                            found.error().message});
+    return dataset::refuse(folder.prefixes.front().parent_path().string() + ": " +
+                           found.error().message);
   }
   study.stray_i_lsb = found->stray.estimate.real();
   study.stray_q_lsb = found->stray.estimate.imag();
@@ -103,7 +104,7 @@ dataset::Loaded<WallStudy> study_walls(const PmdSet& set, const PmdSources& sour
   dataset::Loaded<PmdCalibration> found =
       calibrate_pmd(folder->calibration.pmd, std::vector<Wall>(folder->walls), CalibrateOptions{});
   if (!found) {
-    return std::unexpected(dataset::Problem{set.folder.string() + ": " + found.error().message});
+    return dataset::refuse(set.folder.string() + ": " + found.error().message);
   }
   WallStudy study;
   study.folder = set.folder;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "dataset/files/file.h"
 #include "host/evaluate/stereo/energy.h"
 #include "host/evaluate/stereo/median.h"
 #include "lab/match_options.h"
@@ -13,10 +14,6 @@ namespace stof::host {
 namespace {
 
 using dataset::Problem;
-
-std::unexpected<Problem> refuse(std::string message) {
-  return std::unexpected(Problem{std::move(message)});
-}
 
 // The value given for an option, or empty.
 std::string setting(const MatchOptions& options, const std::string& name) {
@@ -33,8 +30,8 @@ std::expected<lab::MatchParams, Problem> starting_params(const MatchOptions& opt
   if (!options.preset.empty()) {
     const dsp::Preset* const preset = dsp::find_preset(options.preset);
     if (preset == nullptr) {
-      return refuse("--preset " + options.preset + ": unknown: use one of " +
-                    std::string(dsp::preset_names()));
+      return dataset::refuse("--preset " + options.preset + ": unknown: use one of " +
+                             std::string(dsp::preset_names()));
     }
     return lab::as_the_appliance(preset->params);
   }
@@ -74,18 +71,18 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
       std::string message = "--" + name;
       message += " " + value + ": not one of its values: use ";
       message += option == nullptr ? "" : option->values;
-      return refuse(message + (name == "method" ? ", or sa" : ""));
+      return dataset::refuse(message + (name == "method" ? ", or sa" : ""));
     }
   }
   if (const char* const why = lab::problem(plan.params); *why != '\0') {
-    return refuse(why);
+    return dataset::refuse(why);
   }
   if (options.runs < 1) {
-    return refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
+    return dataset::refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
   }
   if (options.threads < 1 || options.threads > dsp::ThreadTeam::kMost) {
-    return refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
-                  std::to_string(dsp::ThreadTeam::kMost));
+    return dataset::refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
+                           std::to_string(dsp::ThreadTeam::kMost));
   }
   return plan;
 }
@@ -113,14 +110,14 @@ dataset::Loaded<MatchResult> match_scene(const dataset::StereoScene& scene,
   const int width = scene.left.width;
   const int height = scene.left.height;
   if (lab::check(params, width, height) != Status::kOk) {
-    return refuse(
+    return dataset::refuse(
         scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) + " pixels with " +
         std::to_string(params.disparities) +
         " disparities are more than this version matches: use a smaller picture or ndisp");
   }
   posix::WorkerThreads workers({.threads = threads});
   if (workers.threads() < threads) {
-    return refuse(too_few_threads(workers.threads(), threads));
+    return dataset::refuse(too_few_threads(workers.threads(), threads));
   }
   const dsp::ThreadTeam team(workers, threads);
   Workspace workspace(dsp::bytes_taken(

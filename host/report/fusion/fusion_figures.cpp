@@ -13,24 +13,22 @@
 namespace stof::host {
 namespace {
 
-constexpr double kLargestRelativeError = 0.05;  // as in E5
-constexpr float kNone = std::numeric_limits<float>::infinity();
 constexpr int kHeightFieldWidth = 560;
 
 struct Swatch {
   Rgb colour;
   const char* meaning;
 };
-constexpr Rgb kNothing{14, 15, 18};
+constexpr Rgb kNoColour{14, 15, 18};
 constexpr std::array<Swatch, dsp::kSources> kSourceSwatches{
-    {{kNothing, "none"},
+    {{kNoColour, "none"},
      {{66, 133, 200}, "stereo alone"},
      {{238, 155, 40}, "PMD alone"},
      {{58, 158, 92}, "both agree"},
      {{150, 96, 190}, "resolved: the better supported sensor"},
      {{206, 44, 52}, "conflict: no depth"}}};
 constexpr std::array<Swatch, dsp::kCauses> kCauseSwatches{
-    {{kNothing, "no disagreement"},
+    {{kNoColour, "no disagreement"},
      {{150, 96, 190}, "the PMD pixel sees two surfaces"},
      {{238, 155, 40}, "the match has rivals"},
      {{20, 150, 170}, "one PMD range apart"},
@@ -139,7 +137,7 @@ Figure cause_figure(const FusionCase& fused) {
 
 // Heights of a height field: d = f b / Z - doff.
 dataset::Image<float> to_disparity(const dataset::Image<float>& depth, const dsp::StereoRig& rig) {
-  dataset::Image<float> disparity(depth.width, depth.height, kNone);
+  dataset::Image<float> disparity(depth.width, depth.height, kNoDisparity);
   for (std::size_t i = 0; i < depth.pixels.size(); ++i) {
     const double z = depth.pixels[i];
     if (std::isfinite(z) && z > 0) {

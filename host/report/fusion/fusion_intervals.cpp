@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "host/report/page/plot.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
 constexpr double kLeastHitRate = 0.9;
-constexpr double kMillimetres = 1000;
 
 std::vector<IntervalCheck> pooled_checks(std::span<const FusionCase> cases,
                                          const std::string& sensor) {
@@ -26,9 +26,9 @@ std::vector<IntervalCheck> pooled_checks(std::span<const FusionCase> cases,
 
 std::vector<std::string> interval_row(const std::string& name, const std::string& sensor,
                                       const DepthScore& score) {
-  std::vector<std::string> row{
-      name, sensor, score.median_width_m ? number(*score.median_width_m * kMillimetres, 1) : "–",
-      percent(score.median_width_relative, 2), percent(score.hit_rate)};
+  std::vector<std::string> row{name, sensor,
+                               score.median_width_m ? number(*score.median_width_m * kMm, 1) : "–",
+                               percent(score.median_width_relative, 2), percent(score.hit_rate)};
   for (const std::optional<double>& rate : score.hit_rate_by_width) {
     row.push_back(percent(rate));
   }

@@ -14,7 +14,8 @@ bool same_pair(const FusionCase& a, const FusionCase& b) {
   return a.scene == b.scene && a.left.pixels == b.left.pixels;
 }
 
-void add_scene(std::span<const FusionCase> cases, const FusionCase& first, int number, Page& page) {
+void add_fusion_scene(std::span<const FusionCase> cases, const FusionCase& first, int number,
+                      Page& page) {
   page.begin_section("scene-" + std::to_string(number), first.scene);
   page.figures(stereo_figures(first), Width::kMedium);
   page.figures(stereo_height_fields(first), Width::kLarge);
@@ -52,7 +53,7 @@ std::expected<void, dataset::Problem> write_fusion_page(std::span<const FusionCa
     const std::span<const FusionCase> before = cases.first(i);
     if (std::ranges::none_of(before,
                              [&](const FusionCase& other) { return same_pair(other, cases[i]); })) {
-      add_scene(cases, cases[i], ++number, page);
+      add_fusion_scene(cases, cases[i], ++number, page);
     }
   }
   return write_page(file, page.html("Stereo and PMD, fused", lead(cases, matcher)));

@@ -9,21 +9,14 @@
 namespace stof::host {
 namespace {
 
-constexpr double kLargestRelativeError = 0.05;
 constexpr double kLargestConflictShare = 0.05;
 constexpr double kLeastCoverage = 0.9;
 constexpr double kLeastRight = 0.5;
-constexpr double kMillimetres = 1000;
 
 std::string name_of(const FusionCase& fused) { return fused.scene + " " + fused.sensor(); }
 
 std::optional<double> millimetres(std::optional<double> metres) {
-  return metres ? std::optional(*metres * kMillimetres) : std::nullopt;
-}
-
-std::optional<double> share(std::size_t part, std::size_t whole) {
-  return whole == 0 ? std::nullopt
-                    : std::optional(static_cast<double>(part) / static_cast<double>(whole));
+  return metres ? std::optional(*metres * kMm) : std::nullopt;
 }
 
 std::vector<std::string> score_row(const std::string& name, const std::string& sensor,

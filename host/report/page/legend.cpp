@@ -10,14 +10,14 @@
 namespace stof::host {
 namespace {
 
-struct Tick {
+struct BarTick {
   double place;  // 0..1 along the bar
   std::string text;
 };
 
 // A bar of colours with ticks below, the unit at its end, and a box of "none".
 // The drawing has units of its own, about half a millimetre on the screen.
-std::string bar(const std::vector<Rgb>& colours, const std::vector<Tick>& ticks,
+std::string bar(const std::vector<Rgb>& colours, const std::vector<BarTick>& ticks,
                 std::string_view unit, Rgb (*none)(int x, int y) = none_colour) {
   constexpr double kBarWidth = 216;
   constexpr double kLeft = 10;
@@ -39,7 +39,7 @@ std::string bar(const std::vector<Rgb>& colours, const std::vector<Tick>& ticks,
                    x, anchor) +
            escaped(what) + "</text>";
   };
-  for (const Tick& tick : ticks) {
+  for (const BarTick& tick : ticks) {
     const double x = kLeft + tick.place * kBarWidth;
     svg += printed(R"(<path stroke="currentColor" d="M%.1f 12v4"/>)", x);
     text(x, tick.place <= 0 ? "start" : tick.place >= 1 ? "end" : "middle", tick.text);
@@ -78,7 +78,7 @@ std::string disparity_legend(const DisparityScale& scale) {
   for (int i = 0; i < kBarSteps; ++i) {
     colours.push_back(scale.colour(std::lerp(scale.far_px, scale.near_px, (i + 0.5) / kBarSteps)));
   }
-  std::vector<Tick> ticks;
+  std::vector<BarTick> ticks;
   for (const double d : scale.ticks()) {
     ticks.push_back({(d - scale.far_px) / (scale.near_px - scale.far_px), number(d, 0)});
   }
@@ -92,7 +92,7 @@ std::string depth_legend(const ColourScale& scale) {
     ramp.view().at(i, 0) =
         static_cast<float>(scale.near_m * std::pow(scale.far_m / scale.near_m, place));
   }
-  std::vector<Tick> ticks;
+  std::vector<BarTick> ticks;
   for (const double z : scale.ticks()) {
     ticks.push_back({scale.position(z), printed("%g", z)});
   }
@@ -106,7 +106,7 @@ std::string signed_legend(double most, std::string_view unit) {
     colours.push_back(signed_colour(2 * (i + 0.5) / kBarSteps - 1));
   }
   const double step = most / 50;
-  const std::vector<Tick> ticks{
+  const std::vector<BarTick> ticks{
       {0, tick_text(-most, step)}, {0.5, "0"}, {1, tick_text(most, step)}};
   return bar(colours, ticks, unit,
              [](int /*x*/, int /*y*/) { return signed_colour(std::nan("")); });

@@ -77,6 +77,12 @@ std::string css_colour(Rgb colour);
 
 // "12.3"; "–" for what could not be counted.
 std::string number(std::optional<double> value, int digits);
+// part of whole; none of nothing.
+template <typename T>
+std::optional<double> share(T part, T whole) {
+  return whole == 0 ? std::nullopt
+                    : std::optional(static_cast<double>(part) / static_cast<double>(whole));
+}
 // 0..1 as "12.3" percent, without the sign.
 std::string percent(std::optional<double> share, int digits = 1);
 

@@ -70,15 +70,15 @@ Axes axes_of(const Plot& plot) {
   return axes;
 }
 
-struct Tick {
+struct AxisTick {
   double value;
   std::string text;
 };
 
-std::vector<Tick> ticks_of(const Axis& axis, int count) {
+std::vector<AxisTick> ticks_of(const Axis& axis, int count) {
   const std::vector<double> values = round_ticks(axis.low, axis.high, count);
   const double step = values.size() > 1 ? values[1] - values[0] : 1;
-  std::vector<Tick> ticks;
+  std::vector<AxisTick> ticks;
   ticks.reserve(values.size());
   for (const double value : values) {
     ticks.push_back({value, tick_text(value, step)});
@@ -93,10 +93,10 @@ std::string text_at(double x, double y, const char* anchor, const std::string& t
 
 // Grid, numbers and labels. Sets where the axes lie on the drawing.
 std::string draw_axes(const Plot& plot, Axes& axes) {
-  const std::vector<Tick> x_ticks = ticks_of(axes.x, 9);
-  const std::vector<Tick> y_ticks = ticks_of(axes.y, 7);
+  const std::vector<AxisTick> x_ticks = ticks_of(axes.x, 9);
+  const std::vector<AxisTick> y_ticks = ticks_of(axes.y, 7);
   std::size_t letters = 0;
-  for (const Tick& tick : y_ticks) {
+  for (const AxisTick& tick : y_ticks) {
     letters = std::max(letters, tick.text.size());
   }
   const double left = 30 + kLetter * static_cast<double>(letters);
@@ -107,12 +107,12 @@ std::string draw_axes(const Plot& plot, Axes& axes) {
   std::string grid;
   std::string zero;
   std::string text;
-  for (const Tick& tick : x_ticks) {
+  for (const AxisTick& tick : x_ticks) {
     const double x = axes.x.place(tick.value);
     grid += printed("M%.1f %gV%g", x, kTop, kBottom);
     text += text_at(x, kBottom + 16, "middle", tick.text);
   }
-  for (const Tick& tick : y_ticks) {
+  for (const AxisTick& tick : y_ticks) {
     const double y = axes.y.place(tick.value);
     (tick.value == 0 ? zero : grid) += printed("M%g %.1fH%g", left, y, kRight);
     text += text_at(left - 6, y + 4, "end", tick.text);

@@ -5,18 +5,10 @@
 #include "host/evaluate/stereo/median.h"
 #include "host/report/pmd/pmd_pictures.h"
 #include "host/report/pmd/pmd_plots.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-constexpr double kMm = 1000;
-constexpr double kCm = 100;
-constexpr double kPercent = 100;
-
-std::optional<double> share(long part, long whole) {
-  return whole == 0 ? std::nullopt
-                    : std::optional(static_cast<double>(part) / static_cast<double>(whole));
-}
 
 std::string named(const char* what, const std::filesystem::path& folder, std::size_t studies) {
   return studies > 1 ? std::string(what) + " (" + folder.filename().string() + ")" : what;

@@ -11,12 +11,10 @@
 #include "host/picture/signed_picture.h"
 #include "host/report/page/legend.h"
 #include "host/report/page/plot.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
-
-constexpr double kMm = 1000;
-constexpr float kNone = std::numeric_limits<float>::infinity();
 
 // Black is 0, white is `most`.
 dataset::Image<std::uint8_t> grey_map(const dataset::Image<float>& values, double most) {
@@ -61,7 +59,7 @@ dataset::Image<Rgb> height_field_of(const dataset::Image<float>& z_m,
   constexpr double kTails = 0.01;
   const double near_m = percentile(seen, kTails).value_or(1);
   const double far_m = percentile(seen, 1 - kTails).value_or(2);
-  dataset::Image<float> closeness(z_m.width, z_m.height, kNone);
+  dataset::Image<float> closeness(z_m.width, z_m.height, kNoDisparity);
   for (std::size_t i = 0; i < z_m.pixels.size(); ++i) {
     if (std::isfinite(z_m.pixels[i]) && z_m.pixels[i] > 0) {
       closeness.pixels[i] = static_cast<float>(near_px * near_m / z_m.pixels[i]);

@@ -6,13 +6,11 @@
 #include <numbers>
 
 #include "host/report/page/plot.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
-constexpr double kMm = 1000;
-constexpr double kCm = 100;
-constexpr double kPercent = 100;
 constexpr double kDotPx = 4.5;
 
 PlotSeries series(const char* name, Rgb colour, bool line, double dot_px) {

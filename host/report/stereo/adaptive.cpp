@@ -11,8 +11,8 @@
 namespace stof::host {
 namespace {
 
-constexpr int kWidth = 60;  // the largest block, px
-constexpr int kHeight = 20;
+constexpr int kMostWidth = 60;  // the largest block, px
+constexpr int kMostHeight = 20;
 
 struct Shape {
   const char* name;
@@ -23,7 +23,7 @@ constexpr std::array<Shape, 3> kShapes{{{"fixed 60 × 20", lab::BlockShape::kFix
                                         {"region", lab::BlockShape::kRegion}}};
 
 lab::MatchParams params_of(const dataset::StereoScene& scene, lab::BlockShape shape) {
-  lab::MatchParams params = block_match(scene, lab::Cost::kSad, kWidth, kHeight, true);
+  lab::MatchParams params = block_match(scene, lab::Cost::kSad, kMostWidth, kMostHeight, true);
   params.block_shape = shape;
   return params;
 }
@@ -31,7 +31,8 @@ lab::MatchParams params_of(const dataset::StereoScene& scene, lab::BlockShape sh
 // The blocks of every pixel, as the matcher grows them.
 dataset::Image<lab::Block> adaptive_blocks(const dataset::Image<std::uint8_t>& picture,
                                            lab::BlockShape shape) {
-  const lab::AdaptiveParams params{.shape = shape, .max_width = kWidth, .max_height = kHeight};
+  const lab::AdaptiveParams params{
+      .shape = shape, .max_width = kMostWidth, .max_height = kMostHeight};
   dataset::Image<std::uint8_t> edges(picture.width, picture.height);
   lab::mark_edges(picture.view(), params.edge, edges.view());
   dataset::Image<lab::Block> blocks(picture.width, picture.height);
@@ -88,7 +89,7 @@ dataset::Image<Rgb> drawn_blocks(const dataset::StereoScene& scene, lab::BlockSh
 }
 
 // What all scenes say.
-struct Tally {
+struct AdaptiveTally {
   int judged = 0;
   int better = 0;
   std::string list;
@@ -112,7 +113,8 @@ struct SceneFigures {
   std::vector<Figure> blocks;
 };
 
-SceneFigures add_scene(Study& study, const Subject& subject, Table& table, Tally& tally) {
+SceneFigures add_adaptive_scene(Study& study, const Subject& subject, Table& table,
+                                AdaptiveTally& tally) {
   const dataset::StereoScene& scene = subject.scene;
   SceneFigures figures;
   table.rows.push_back({scene.name});
@@ -157,10 +159,10 @@ void add_adaptive(Study& study, Page& page) {
       "more than 2 px. SAD on derivatives, winner takes all, dense.");
   Table table{.caption = "BP in percent",
               .header = {"Block", "BP near edges", "BP not occluded", "BP all", "ms"}};
-  Tally tally;
+  AdaptiveTally tally;
   std::vector<SceneFigures> figures;
   for (const Subject& subject : study.subjects()) {
-    figures.push_back(add_scene(study, subject, table, tally));
+    figures.push_back(add_adaptive_scene(study, subject, table, tally));
   }
   page.table(table);
   page.claim({.chapter = "Region blocks keep edges better than the fixed block of 60 × 20.",

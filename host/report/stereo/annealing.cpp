@@ -48,7 +48,7 @@ std::vector<std::string> row_of(const std::string& name, const Annealed& found) 
 }
 
 // What all scenes say.
-struct Tally {
+struct AnnealingTally {
   int judged = 0;
   int hold = 0;
   std::string list;
@@ -71,8 +71,8 @@ struct Tally {
   }
 };
 
-std::vector<Figure> add_scene(const Study& study, const Subject& subject, Table& table,
-                              Tally& tally) {
+std::vector<Figure> add_annealing_scene(const Study& study, const Subject& subject, Table& table,
+                                        AnnealingTally& tally) {
   const dataset::StereoScene& scene = subject.scene;
   std::vector<Figure> figures;
   const auto add = [&](const std::string& name, const Annealed& found) {
@@ -115,10 +115,10 @@ void add_annealing(Study& study, Page& page) {
       "does not run it.");
   Table table{.caption = "BP in percent",
               .header = {"Method", "energy, thousands", "ms", "BP all", "BP not occluded"}};
-  Tally tally;
+  AnnealingTally tally;
   std::vector<std::vector<Figure>> figures;
   for (const Subject& subject : study.subjects()) {
-    figures.push_back(add_scene(study, subject, table, tally));
+    figures.push_back(add_annealing_scene(study, subject, table, tally));
   }
   page.table(table);
   page.claim({.chapter = "Simulated annealing is slow and only slightly better.",

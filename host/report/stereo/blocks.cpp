@@ -40,7 +40,7 @@ std::vector<std::string> table_row(const std::string& name, const Checked& both,
 }
 
 // What all scenes and blocks say.
-struct Tally {
+struct BlockTally {
   int judged = 0;
   int most_removed = 0;
   double lowest = 1;
@@ -61,7 +61,8 @@ struct Tally {
   }
 };
 
-std::vector<Figure> add_scene(Study& study, const Subject& subject, Table& table, Tally& tally) {
+std::vector<Figure> add_block_scene(Study& study, const Subject& subject, Table& table,
+                                    BlockTally& tally) {
   const dataset::StereoScene& scene = subject.scene;
   std::vector<Figure> figures;
   table.rows.push_back({scene.name});
@@ -101,10 +102,10 @@ void add_block_sizes(Study& study, Page& page) {
   Table table{.caption = "With the check; shares in percent",
               .header = {"Block, px", "ms", "density", "bad of valid", "BP not occluded",
                          "wrong before", "of the wrong, removed", "of the right, removed"}};
-  Tally tally;
+  BlockTally tally;
   std::vector<std::vector<Figure>> figures;
   for (const Subject& subject : study.subjects()) {
-    figures.push_back(add_scene(study, subject, table, tally));
+    figures.push_back(add_block_scene(study, subject, table, tally));
   }
   page.table(table);
   page.claim({.chapter = "The left-right check removes most of the wrong matches.",

@@ -44,10 +44,6 @@ std::vector<Band> bands_of(const dataset::Image<float>& depth, const dataset::Im
   return bands;
 }
 
-std::optional<double> share(int part, int whole) {
-  return whole == 0 ? std::nullopt : std::optional(static_cast<double>(part) / whole);
-}
-
 // Too near, too far or right within kUsableError of the depth.
 dataset::Image<Finding> depth_findings(const dataset::Image<float>& depth,
                                        const dataset::Image<float>& truth) {
@@ -107,7 +103,7 @@ std::vector<Way> ways(Study& study, const dataset::StereoScene& scene) {
 }
 
 // What all ways say.
-struct Tally {
+struct CorridorTally {
   int judged = 0;
   int usable = 0;
   std::string list;
@@ -139,7 +135,8 @@ std::vector<Figure> pictures(const dataset::StereoScene& scene) {
   return figures;
 }
 
-std::vector<Figure> add_way(const Subject& subject, const Way& way, Table& table, Tally& tally) {
+std::vector<Figure> add_way(const Subject& subject, const Way& way, Table& table,
+                            CorridorTally& tally) {
   const dataset::StereoScene& scene = subject.scene;
   const dataset::Image<float> depth = depth_from_disparity(way.outcome->disparity, *scene.rig);
   std::vector<Figure> figures{map_figure(subject, way.outcome->disparity, "Disparity, " + way.name,
@@ -188,7 +185,7 @@ void add_corridor(Study& study, Page& page) {
   Table table{.caption = "Depth Z against the truth, by true distance; shares in percent",
               .header = {"Distance, m", "of the picture", "measured", "of the measured, within 5 %",
                          "median error, mm"}};
-  Tally tally;
+  CorridorTally tally;
   const std::vector<Way> all = ways(study, scene);
   std::vector<std::vector<Figure>> figures{pictures(scene)};
   for (const Way& way : all) {

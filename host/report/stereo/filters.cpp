@@ -23,7 +23,7 @@ constexpr std::array<Filter, 2> kFilters{
       [](lab::MatchParams& params) { params.subpixel = dsp::Subpixel::kLeastSquares; }}}};
 
 // What all scenes say, filter by filter.
-struct Tally {
+struct FilterTally {
   int judged = 0;
   int mostly_wrong = 0;
   std::array<std::string, kFilters.size()> lists;
@@ -60,7 +60,7 @@ void add_filters(Study& study, Page& page) {
   Table table{.caption = "Pixels with truth; shares in percent",
               .header = {"Filter", "removed", "of them wrong", "of the wrong, removed",
                          "of the right, removed", "wrong before", "wrong after"}};
-  Tally tally;
+  FilterTally tally;
   std::vector<Figure> figures;
   for (const Subject& subject : study.subjects()) {
     const dataset::StereoScene& scene = subject.scene;

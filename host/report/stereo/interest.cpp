@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "dsp/stereo/cost/prefilter.h"
+#include "dsp/stereo/prefilter/prefilter.h"
 #include "host/report/page/legend.h"
 #include "host/report/stereo/sections.h"
 
@@ -87,7 +87,7 @@ constexpr std::array<Choice, 3> kChoices{{{"all", std::nullopt},
                                           {"(b) two thresholds", lab::Interest::kTwoThresholds}}};
 
 // What all scenes say.
-struct Tally {
+struct InterestTally {
   int judged = 0;
   int sparse = 0;
   int faster = 0;
@@ -95,7 +95,8 @@ struct Tally {
   double most = 0;
 };
 
-std::vector<Figure> add_scene(Study& study, const Subject& subject, Table& table, Tally& tally) {
+std::vector<Figure> add_interest_scene(Study& study, const Subject& subject, Table& table,
+                                       InterestTally& tally) {
   const dataset::StereoScene& scene = subject.scene;
   std::vector<Figure> figures;
   table.rows.push_back({scene.name});
@@ -146,10 +147,10 @@ void add_interest(Study& study, Page& page) {
       "16 × 16 on derivatives (cap 63), left-right check.");
   Table table{.caption = "Shares in percent",
               .header = {"Positions", "pairs compared", "density", "bad of valid", "ms"}};
-  Tally tally;
+  InterestTally tally;
   std::vector<Figure> figures;  // of the first scene
   for (const Subject& subject : study.subjects()) {
-    std::vector<Figure> found = add_scene(study, subject, table, tally);
+    std::vector<Figure> found = add_interest_scene(study, subject, table, tally);
     figures = figures.empty() ? std::move(found) : figures;
   }
   page.table(table);

@@ -32,10 +32,6 @@ DisparityScale scale_of(const dataset::StereoScene& scene) {
   return {.far_px = far_px, .near_px = std::max<double>(std::ceil(high), far_px + 1)};
 }
 
-std::optional<double> share(int part, int whole) {
-  return whole == 0 ? std::nullopt : std::optional(static_cast<double>(part) / whole);
-}
-
 // 1 where the mask says occluded, or unknown.
 std::optional<dataset::Image<std::uint8_t>> occluded(const dataset::StereoScene& scene) {
   if (!scene.visible) {

@@ -210,7 +210,7 @@ TEST(NoHeapDeathTest, AnAllocationDeepInsideAStepIsCaught) {
           static_cast<void>(step_without_heap(rig.loop));
         }
       },
-      "a thread of the loop allocates: operator new");
+      "a thread that must not allocates: operator new");
 }
 
 }  // namespace

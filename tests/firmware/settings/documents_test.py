@@ -72,11 +72,6 @@ class Documents(unittest.TestCase):
     def test_schema_file_is_up_to_date(self):
         self.assertEqual(SCHEMA.read_text(encoding="utf-8"), ask("schema"), UPDATE)
 
-    def test_usage_names_every_setting(self):
-        usage = ask("usage")
-        for path, _ in leaves(json.loads(ask("schema"))):
-            self.assertIn(f"\n  {'.'.join(path)} ", "\n" + usage)
-
     def test_defaults_are_valid_and_those_of_the_schema(self):
         schema = json.loads(ask("schema"))
         defaults = json.loads(ask("defaults"))

@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/match_options.h"
-#include "firmware/settings/fields/assignment.h"
+#include "firmware/settings/fields/describe.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/field_value.h"
 
@@ -50,6 +50,13 @@ std::string refusal(const std::string& json) {
   }
   EXPECT_EQ(settings, Settings{});
   return std::string(why.text());
+}
+
+// What is said about PATH=VALUE; empty: it was taken.
+std::string told(std::string_view path, std::string_view value, Settings& settings) {
+  std::array<char, kWhyBytes> space;
+  PagedWriter why(space);
+  return parse_field(path, value, settings, why) ? "" : std::string(why.text());
 }
 
 // Values that a field takes, as JSON, none of them its default.
@@ -130,7 +137,7 @@ TEST(Fields, ComeThroughJsonCommandLineAndDocument) {
 
       const std::string bare = sample[0] == '"' ? sample.substr(1, sample.size() - 2) : sample;
       Settings by_line;
-      ASSERT_EQ(apply_assignment(by_line, path + "=" + bare), "");
+      ASSERT_EQ(told(path, bare, by_line), "");
       EXPECT_EQ(by_line, by_json) << path;
 
       Settings copied;
@@ -213,10 +220,8 @@ TEST(Fields, SayWhatTheyTake) {
   EXPECT_EQ(refusal(R"({"depth": {"colour": {"x": 5}}})"),
             "\"depth.colour\": there is no such setting");
   Settings settings;
-  EXPECT_EQ(apply_assignment(settings, "streams.depth=foo"),
+  EXPECT_EQ(told("streams.depth", "foo", settings),
             "streams.depth: takes off, raw, rvl or fit, not \"foo\"");
-  EXPECT_EQ(apply_assignment(settings, "streams.depth"),
-            "\"streams.depth\": write SETTING=VALUE, such as streams.depth=raw");
   EXPECT_EQ(settings, Settings{});
 }
 
@@ -226,7 +231,7 @@ TEST(Fields, ThreadsAreAsManyAsTheBoardHasUnlessTheyAreGiven) {
   EXPECT_EQ(threads.applies, Applies::kRestart);
   for (int count = 0; count <= kMostThreads; ++count) {
     Settings settings;
-    EXPECT_EQ(apply_assignment(settings, "compute.threads=" + std::to_string(count)), "");
+    EXPECT_EQ(told("compute.threads", std::to_string(count), settings), "");
     EXPECT_EQ(settings.compute.threads, count);
     EXPECT_EQ(json_of(threads, settings), std::to_string(count));
   }
@@ -245,9 +250,9 @@ TEST(Fields, DeviceStaysBelowDev) {
 
 TEST(Fields, MatchNumbersAreWrittenOneWay) {
   Settings settings;
-  EXPECT_EQ(apply_assignment(settings, "depth.match.lr=007"), "");
+  EXPECT_EQ(told("depth.match.lr", "007", settings), "");
   EXPECT_EQ(json_of(field(find_field("depth.match.lr")), settings), "7");
-  EXPECT_EQ(apply_assignment(settings, "depth.match.lr=preset"), "");
+  EXPECT_EQ(told("depth.match.lr", "preset", settings), "");
   EXPECT_EQ(settings, Settings{});
 }
 

@@ -4,10 +4,10 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/settings/fields/assignment.h"
+#include "firmware/settings/fields/describe.h"
 #include "firmware/settings/fields/document.h"
 
-// settings_documents schema|tables|usage|defaults: prints that.
+// settings_documents schema|tables|defaults: prints that.
 // settings_documents judge: for each line of its input, a document: "ok", or what is wrong.
 namespace {
 
@@ -33,8 +33,6 @@ int run(std::string_view what) {
     text = settings_schema();
   } else if (what == "tables") {
     text = settings_tables();
-  } else if (what == "usage") {
-    text = settings_usage();
   } else if (what == "defaults") {
     text = defaults();
   } else if (what == "judge") {

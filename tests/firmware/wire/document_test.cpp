@@ -100,7 +100,7 @@ TEST(WireDocument, WorkedPacketsAreAccepted) {
   for (const std::string_view heading : {kRaw, kRvl}) {
     const Datagram dump = dump_below(document(), heading);
     const auto packet = parse_packet(dump);
-    ASSERT_TRUE(packet) << to_string(packet.error());
+    ASSERT_TRUE(packet) << static_cast<int>(packet.error());
     EXPECT_TRUE(consistent_tile(*packet)) << heading;
   }
 }
@@ -118,7 +118,7 @@ TEST(WireDocument, WorkedRequestIsOneForTheSensor) {
   const Datagram dump = dump_below(document(), "### Subscription");
   ASSERT_EQ(dump.size(), 88U);
   const auto packet = parse_packet(dump);
-  ASSERT_TRUE(packet) << to_string(packet.error());
+  ASSERT_TRUE(packet) << static_cast<int>(packet.error());
   EXPECT_EQ(packet->header.type, PacketType::kSubscribe);
   EXPECT_EQ(packet->header.origin.device_id, 0U);
   const Result<Subscribe> request = decode_subscribe(packet->payload);

@@ -11,6 +11,7 @@
 #include <libusb-1.0/libusb.h>
 
 #include "hal/linux/usb/usb_pmd.h"
+#include "tests/hal/usb/pmd_wire_peer.h"
 
 // NOLINTBEGIN(readability-identifier-naming): libusb's names
 struct libusb_context {};

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/hal/usb/pmd_wire_peer.h"
+
 namespace stof::test {
 namespace {
 

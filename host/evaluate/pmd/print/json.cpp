@@ -6,13 +6,12 @@
 
 #include "host/calibrate/report/pmd_json.h"
 #include "host/evaluate/stereo/median.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kMm = 1000;
 
 ordered_json number(double value) {
   return std::isfinite(value) ? ordered_json(value) : ordered_json(nullptr);

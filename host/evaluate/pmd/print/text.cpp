@@ -8,8 +8,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kMm = 1000;
-constexpr double kPercent = 100;
 constexpr double kShown = 0.005;  // shares below are 0 percent
 
 std::string percent_cell(long part, long whole, int width) {

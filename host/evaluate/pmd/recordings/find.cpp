@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <tuple>
 
+#include "dataset/files/file.h"
+
 namespace stof::host {
 namespace {
 
@@ -24,8 +26,8 @@ dataset::Loaded<std::vector<fs::path>> entries_of(const fs::path& folder) {
     found.push_back(entry->path());
   }
   if (error) {
-    return std::unexpected(dataset::Problem{
-        folder.string() + ": is not a folder that can be read: give a folder of PMD recordings"});
+    return dataset::refuse(folder.string() +
+                           ": is not a folder that can be read: give a folder of PMD recordings");
   }
   std::ranges::sort(found);
   return found;
@@ -149,10 +151,10 @@ dataset::Loaded<PmdFolders> find_pmd(const fs::path& folder) {
     return std::unexpected(std::move(looked.error()));
   }
   if (out.sets.empty()) {
-    return std::unexpected(dataset::Problem{
+    return dataset::refuse(
         folder.string() +
         ": holds no PMD recording with a known scene: give a folder with PREFIX.json and "
-        "PREFIX_raw.pgm that say z_m, x_edge_m or pair, or have range maps"});
+        "PREFIX_raw.pgm that say z_m, x_edge_m or pair, or have range maps");
   }
   std::ranges::sort(out.sets, [](const PmdSet& a, const PmdSet& b) {
     return std::tie(a.kind, a.folder) < std::tie(b.kind, b.folder);

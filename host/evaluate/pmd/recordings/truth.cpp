@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
+
+#include "dataset/files/file.h"
+#include "dataset/files/json_fields.h"
 
 namespace stof::host {
 namespace {
@@ -15,17 +16,6 @@ using nlohmann::json;
 constexpr double kAsideM = 0.01;
 constexpr double kSpanShare = 3;
 constexpr float kSpanM = 0.05F;
-
-std::filesystem::path with_ending(const std::filesystem::path& prefix, const char* ending) {
-  std::filesystem::path file = prefix;
-  file += ending;
-  return file;
-}
-
-std::unexpected<dataset::Problem> refuse(const std::filesystem::path& file, const std::string& what,
-                                         const char* remedy) {
-  return std::unexpected(dataset::Problem{file.string() + ": " + what + ": " + remedy});
-}
 
 std::optional<double> number(const json& root, const char* key) {
   const auto found = root.find(key);
@@ -59,10 +49,6 @@ std::optional<std::array<double, 2>> pair_of(const json& root) {
   return std::array{(*found)[0].get<double>(), (*found)[1].get<double>()};
 }
 
-std::string size_text(const dsp::Pinhole& lens) {
-  return std::to_string(lens.width) + "x" + std::to_string(lens.height);
-}
-
 dataset::Loaded<dataset::Image<float>> read_map(const std::filesystem::path& file, double unit_m,
                                                 const dsp::Pinhole& lens) {
   dataset::Image<float> map;
@@ -75,8 +61,9 @@ dataset::Loaded<dataset::Image<float>> read_map(const std::filesystem::path& fil
     return std::unexpected(values.error());
   }
   if (values->width != lens.width || values->height != lens.height) {
-    return refuse(file, "is not of the recording's size " + size_text(lens),
-                  "give the map that belongs to it");
+    return dataset::refuse(
+        file, "is not of the recording's size " + dataset::size_text(lens.width, lens.height),
+        "give the map that belongs to it");
   }
   map = dataset::Image<float>(lens.width, lens.height);
   std::ranges::transform(values->pixels, map.pixels.begin(), [unit_m](std::uint16_t value) {
@@ -88,14 +75,12 @@ dataset::Loaded<dataset::Image<float>> read_map(const std::filesystem::path& fil
 }  // namespace
 
 dataset::Loaded<PmdSetup> read_setup(const std::filesystem::path& prefix) {
-  const std::filesystem::path file = with_ending(prefix, ".json");
-  const std::ifstream stream(file, std::ios::binary);
-  std::stringstream text;
-  text << stream.rdbuf();
-  const json root = json::parse(text.str(), nullptr, false);
-  if (!stream || !root.is_object()) {
-    return refuse(file, "is not a JSON object", "correct the file");
+  const std::filesystem::path file = dataset::file_of(prefix, ".json");
+  const dataset::Loaded<json> read = dataset::read_object(file);
+  if (!read) {
+    return std::unexpected(read.error());
   }
+  const json& root = *read;
   PmdSetup setup{.z_m = number(root, "z_m"),
                  .edge_m = number(root, "x_edge_m"),
                  .pair = pair_of(root),
@@ -111,7 +96,8 @@ dataset::Loaded<PmdSetup> read_setup(const std::filesystem::path& prefix) {
   if (unit == "1 mm") {
     setup.truth_unit_m = 1 / kMetre;
   } else if (!unit.is_null() && unit != "1/8 mm") {
-    return refuse(file, "has a \"gt_unit\" that is neither 1/8 mm nor 1 mm", "correct the file");
+    return dataset::refuse(file, "has a \"gt_unit\" that is neither 1/8 mm nor 1 mm",
+                           "correct the file");
   }
   return setup;
 }
@@ -123,7 +109,7 @@ dataset::Loaded<RangeMaps> read_range_maps(const std::filesystem::path& prefix,
                                     {&maps.middle, "_r_med.pgm"},
                                     {&maps.farthest, "_r_max.pgm"}}) {
     dataset::Loaded<dataset::Image<float>> found =
-        read_map(with_ending(prefix, ending), setup.truth_unit_m, lens);
+        read_map(dataset::file_of(prefix, ending), setup.truth_unit_m, lens);
     if (!found) {
       return std::unexpected(std::move(found.error()));
     }
@@ -164,12 +150,14 @@ std::optional<std::filesystem::path> borrowed_pattern(const std::filesystem::pat
                                                       const dsp::Pinhole& lens,
                                                       const PmdSources& sources) {
   std::error_code error;
-  const std::filesystem::path common = prefix.parent_path() / (size_text(lens) + "_fppn.pgm");
+  const std::filesystem::path common =
+      prefix.parent_path() / (dataset::size_text(lens.width, lens.height) + "_fppn.pgm");
   if (!setup.camera || std::filesystem::exists(common, error) ||
-      std::filesystem::exists(with_ending(prefix, "_fppn.pgm"), error)) {
+      std::filesystem::exists(dataset::file_of(prefix, "_fppn.pgm"), error)) {
     return std::nullopt;
   }
-  const auto found = sources.patterns.find({size_text(lens), *setup.camera});
+  const auto found =
+      sources.patterns.find({dataset::size_text(lens.width, lens.height), *setup.camera});
   return found == sources.patterns.end() ? std::nullopt : std::optional(found->second);
 }
 
