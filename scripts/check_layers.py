@@ -64,7 +64,6 @@ FLOORS = (
     Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
     Floor("firmware/wire/crc32c_hardware.cpp", ("firmware/wire/*",), ("sys/auxv.h",)),
     Floor("firmware/wire/*", ("firmware/wire/*", "hal/datagram_size.h", "dsp/*")),
-    Floor("firmware/settings/text/json.cpp", ("firmware/*", "dsp/*"), ("jsmn.h",)),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
     Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),
     Floor("firmware/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*")),

@@ -8,7 +8,6 @@ packages=(
   libclang-rt-19-dev                                                  # sanitizers
   libgpiod-dev libusb-1.0-0-dev libcamera-dev                         # devices
   libeigen3-dev                                                       # dsp/calib
-  libjsmn-dev                                                         # firmware/settings
   libcli11-dev nlohmann-json3-dev libpng-dev libgtest-dev  # host programs, tests
 )
 root=$(cd "$(dirname "$0")/.." && pwd)

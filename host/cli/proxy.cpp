@@ -2,8 +2,8 @@
 
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 
+#include "dataset/files/file.h"
 #include "host/cli/exit.h"
 #include "host/link/relay.h"
 
@@ -71,14 +71,7 @@ void proxy(const ProxyOptions& options) {
               options.to.c_str());
   std::fflush(stdout);
   if (!options.port_file.empty()) {
-    std::ofstream stream(options.port_file);
-    stream << (*relay)->port() << '\n';
-    stream.close();
-    if (!stream) {
-      throw Failure(Exit::kBadInput, options.port_file.string() +
-                                         ": cannot be written: check the folder and its "
-                                         "permissions");
-    }
+    value_or_fail(dataset::write_whole(options.port_file, std::to_string((*relay)->port()) + "\n"));
   }
   constexpr std::chrono::seconds kLine{1};
   constexpr std::chrono::milliseconds kLook{100};

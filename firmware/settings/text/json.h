@@ -27,7 +27,4 @@ inline constexpr int kMostJsonDepth = 4;  // objects within each other
 // end of the text has been seen. false: `why` says in one line what is wrong and where.
 bool walk_json(std::string_view text, JsonVisitor& visitor, PagedWriter& why) noexcept;
 
-// As it may stand in a message of one line: short, quotes and what is not ASCII replaced.
-void write_clipped(std::string_view text, PagedWriter& out) noexcept;
-
 }  // namespace stof::settings

@@ -52,4 +52,15 @@ class PagedWriter {
   std::size_t kept_ = 0;
 };
 
+// As it may stand in a message of one line: short, quotes and control characters replaced.
+inline void write_clipped(std::string_view text, PagedWriter& out) noexcept {
+  constexpr std::size_t kMost = 40;
+  for (const char c : text.substr(0, kMost)) {
+    out << (c < 0x20 || c == 0x7F || c == '"' ? '?' : c);
+  }
+  if (text.size() > kMost) {
+    out << "...";
+  }
+}
+
 }  // namespace stof::settings

@@ -2,8 +2,8 @@
 
 #include <csignal>
 #include <cstdio>
-#include <fstream>
 
+#include "dataset/files/file.h"
 #include "host/cli/exit.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/view/frame_copy.h"
@@ -52,16 +52,6 @@ const char* silence(client::Receiver& receiver) {
     return ": nobody listens there: start stofd, or check its port";
   }
   return ": check that the sensor runs, its address and the network";
-}
-
-void write_port(const std::filesystem::path& file, std::uint16_t port) {
-  std::ofstream stream(file);
-  stream << port << '\n';
-  stream.close();
-  if (!stream) {
-    throw Failure(Exit::kBadInput,
-                  file.string() + ": cannot be written: check the folder and its permissions");
-  }
 }
 
 // One reception from the first packet to the last.
@@ -188,7 +178,7 @@ void view(const ViewOptions& options) {
   client::Receiver receiver = open_receiver(options);
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place(options, receiver));
   if (!options.port_file.empty()) {
-    write_port(options.port_file, receiver.port());
+    value_or_fail(dataset::write_whole(options.port_file, std::to_string(receiver.port()) + "\n"));
   }
   View session(options, receiver);
   session.run();

@@ -21,7 +21,7 @@ std::string bar(const std::vector<Rgb>& colours, const std::vector<BarTick>& tic
                 std::string_view unit, Rgb (*none)(int x, int y) = none_colour) {
   constexpr double kBarWidth = 216;
   constexpr double kLeft = 10;
-  constexpr double kNoneLeft = kLeft + kBarWidth + 46;
+  constexpr double kNoneLeft = kLeft + kBarWidth + 49;
   std::string svg =
       R"(<svg class="bar" viewBox="0 0 300 32" role="img" aria-label="colour scale">)";
   const double step = kBarWidth / static_cast<double>(colours.size());
@@ -44,7 +44,7 @@ std::string bar(const std::vector<Rgb>& colours, const std::vector<BarTick>& tic
     svg += printed(R"(<path stroke="currentColor" d="M%.1f 12v4"/>)", x);
     text(x, tick.place <= 0 ? "start" : tick.place >= 1 ? "end" : "middle", tick.text);
   }
-  text(kLeft + kBarWidth + 15, "start", unit);
+  text(kLeft + kBarWidth + 12, "start", unit);
   constexpr int kBox = 3;
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 6; ++x) {

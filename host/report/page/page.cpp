@@ -67,7 +67,7 @@ std::string_view css_of(Width width) {
 
 // The data of a PNG file in the page. Few pixels are shown as squares, not smoothed.
 std::string image(const std::string& png, int width, int height, const std::string& title) {
-  constexpr int kFewPixels = 400;
+  constexpr int kFewPixels = 256;
   return printed(R"(<img%s width="%d" height="%d" alt=")",
                  width < kFewPixels ? " class=\"pixels\"" : "", width, height) +
          escaped(title) + "\" src=\"data:image/png;base64," + base64(png) + "\">";
@@ -153,7 +153,7 @@ std::string Page::html(std::string_view title, const std::vector<std::string>& l
       "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
       "<meta name=\"color-scheme\" content=\"light dark\"><title>" +
-      escaped(title) + "</title>\n<style>" + std::string(style_sheet()) +
+      escaped(title) + "</title>\n<style>" + std::string(kStyleSheet) +
       "</style></head>\n<body><header><h1>" + escaped(title) + "</h1>\n";
   for (const std::string& paragraph : lead) {
     html += "<p>" + escaped(paragraph) + "</p>\n";

@@ -136,6 +136,38 @@ TEST(Json, RefusesNamesThatStandTwice) {
       read("{\"sectors\":{\"pixels\":3},\"streams\":{\"depth\":\"off\"},\"depth\":{}}").accepted);
 }
 
+TEST(Json, RefusesObjectsAndArraysInPlaceOfValues) {
+  EXPECT_NE(read("{\"name\":{}}").why.find("not an object"), std::string::npos);
+  EXPECT_NE(read("{\"name\":[1]}").why.find("not an array"), std::string::npos);
+  // Of a field that an earlier version had.
+  EXPECT_FALSE(read("{\"depth\":{\"match\":{\"method\":[]}}}").accepted);
+}
+
+// Any visitor: one that takes whatever it is shown.
+class TakesAll final : public JsonVisitor {
+ public:
+  bool is_group(std::string_view) noexcept override { return true; }
+  bool member(std::string_view, const Value&) noexcept override { return true; }
+};
+
+TEST(Json, BoundsWhatIsOpenForAnyVisitor) {
+  TakesAll visitor;
+  std::array<char, kWhyBytes> space;
+  PagedWriter deep(space);
+  EXPECT_FALSE(walk_json("{\"a\":{\"a\":{\"a\":{\"a\":{}}}}}", visitor, deep));
+  EXPECT_NE(deep.text().size(), 0U);
+  std::string many = "{\"a\":1";
+  for (int k = 0; k < 1000; ++k) {
+    many += ",\"x" + std::to_string(k) + "\":1";
+  }
+  PagedWriter full(space);
+  EXPECT_FALSE(walk_json(many + "}", visitor, full));
+  EXPECT_EQ(std::string(full.text()), "more values than there are settings");
+  PagedWriter nested(space);
+  EXPECT_FALSE(walk_json("{\"a\":[]}", visitor, nested));
+  EXPECT_EQ(std::string(nested.text()), "a: takes neither an object nor an array");
+}
+
 TEST(Json, RefusesPathsWrittenInOtherWays) {
   EXPECT_FALSE(read("{\"depth.guided\":true}").accepted);
   EXPECT_FALSE(read("{\"depth\":{\"match.lr\":1}}").accepted);
@@ -156,7 +188,7 @@ TEST(Json, RefusesDepthAndLength) {
   for (int k = 0; k < 1000; ++k) {
     many += ",\"x" + std::to_string(k) + "\":1";
   }
-  EXPECT_EQ(read(many + "}").why, "more values than there are settings");
+  EXPECT_FALSE(read(many + "}").accepted);
   EXPECT_TRUE(read("{}" + std::string(kMostJsonBytes - 2, ' ')).accepted);
   EXPECT_FALSE(read("{}" + std::string(kMostJsonBytes - 1, ' ')).accepted);
 }
