@@ -27,7 +27,7 @@ if(STOF_MUTATE_STORES)
   target_compile_definitions(stof_options INTERFACE STOF_MUTATE_STORES)
 endif()
 
-# stof_add_kernels(TARGET stereo/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
+# stof_add_kernels(TARGET stereo/rectify/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
 # x_neon.cpp, on x86 also x_avx2.cpp and x_avx512.cpp of what is named so. A target calls it once.
 function(stof_add_kernels target)
   set(kernels)
@@ -104,7 +104,7 @@ function(stof_add_test)
   endif()
 endfunction()
 
-# stof_add_kernel_tests(TARGET): stereo/rectify of stof_add_kernels() has stereo/rectify_test.cpp in this folder.
+# stof_add_kernel_tests(TARGET): stereo/rectify/rectify of stof_add_kernels() has stereo/rectify/rectify_test.cpp in this folder.
 function(stof_add_kernel_tests target)
   get_target_property(kernels ${target} STOF_KERNELS)
   foreach(kernel IN LISTS kernels)

@@ -14,7 +14,7 @@
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/matcher.h"
-#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify/rectifier.h"
 
 namespace stof::dsp {
 

@@ -11,7 +11,7 @@
 #include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
-#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify/rectifier.h"
 #include "dsp/stereo/row_search.h"
 
 namespace stof::dsp {

@@ -4,8 +4,8 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/cost/prefilter.h"
-#include "dsp/stereo/cost/smooth.h"
+#include "dsp/stereo/prefilter/prefilter.h"
+#include "dsp/stereo/prefilter/smooth.h"
 
 namespace stof::dsp {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
-#include "dsp/stereo/cost/equalise.h"
 #include "dsp/stereo/match_params.h"
+#include "dsp/stereo/prefilter/equalise.h"
 
 namespace stof::dsp {
 

@@ -3,7 +3,7 @@
 #include <utility>
 
 #include "dsp/pmd/phase/phase.h"
-#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify/rectifier.h"
 #include "host/evaluate/workspace.h"
 #include "lab/matcher.h"
 #include "posix/worker_threads.h"

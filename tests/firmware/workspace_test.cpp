@@ -12,7 +12,7 @@
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
-#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify/rectifier.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/program/appliance.h"
 

@@ -14,7 +14,7 @@
 
 #include "dataset/dataset.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/cost/prefilter.h"
+#include "dsp/stereo/prefilter/prefilter.h"
 #include "dsp/stereo/search/winner.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"

@@ -8,7 +8,7 @@
 #include "dsp/base/image.h"
 #include "dsp/base/index.h"
 #include "dsp/calib/stereo/rectification.h"
-#include "dsp/stereo/rectify.h"
+#include "dsp/stereo/rectify/rectify.h"
 
 namespace stof::dsp {
 

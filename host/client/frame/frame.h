@@ -47,6 +47,7 @@ static_assert(sizeof(CloudPoint) == 8);
 // filled in, least of all from another frame. Images of streams that were not sent, or of which
 // nothing arrived and whose size is not known either, are empty.
 // Views: valid until the next call that may return a frame.
+// So many members because each stream and each packet of a frame has its own.
 struct Frame {
   wire::Origin origin{};
   wire::FrameStamp stamp{};

@@ -18,6 +18,7 @@ struct CloudDifference {
   long pixels = 0;
 };
 
+// A member for each figure that is printed.
 struct FrameStudy {
   std::filesystem::path folder;
   int width = 0;

@@ -5,9 +5,8 @@
 
 #include "dsp/base/index.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/prepared_pair.h"
 #include "dsp/stereo/search/winner.h"
-#include "lab/cost/sum_rows.h"
+#include "host/evaluate/stereo/block_costs.h"
 #include "lab/search/energy.h"
 
 namespace stof::host {
@@ -23,26 +22,12 @@ struct Volume {
 Volume volume_of(const dataset::StereoScene& scene, lab::MatchParams params) {
   params.method = lab::Method::kWinnerTakesAll;
   params.band.reset();
-  const int width = scene.left.width;
-  const int height = scene.left.height;
-  Workspace workspace(dsp::bytes_taken([&](dsp::Arena& arena) {
-    dsp::PreparedPair(params, width, height, arena);
-    lab::SumRows<std::uint32_t>(params, width, arena);
-  }));
-  dsp::Arena arena = workspace.arena();
-  dsp::PreparedPair pair(params, width, height, arena);
-  lab::SumRows<std::uint32_t> rows(params, width, arena);
-  pair.start(scene.left.view(), scene.right.view());
-  pair.filter({0, height});
-  pair.derive({0, height});
-  rows.start(pair);
   Volume volume{.lanes = dsp::lanes_of(params),
                 .lambda = lab::block_penalties<std::uint32_t>(params).small};
-  volume.costs.reserve(dsp::index(width) * dsp::index(height) * dsp::index(volume.lanes));
-  for (int y = 0; y < height; ++y) {
-    const std::span<const std::uint32_t> costs = rows.row(y);
+  volume.costs.reserve(scene.left.pixels.size() * dsp::index(volume.lanes));
+  BlockCosts<std::uint32_t>(scene, params).each_row([&](std::span<const std::uint32_t> costs) {
     volume.costs.insert(volume.costs.end(), costs.begin(), costs.end());
-  }
+  });
   return volume;
 }
 

@@ -42,7 +42,8 @@ std::string bar(const std::vector<Rgb>& colours, const std::vector<BarTick>& tic
   for (const BarTick& tick : ticks) {
     const double x = kLeft + tick.place * kBarWidth;
     svg += printed(R"(<path stroke="currentColor" d="M%.1f 12v4"/>)", x);
-    text(x, tick.place <= 0 ? "start" : tick.place >= 1 ? "end" : "middle", tick.text);
+    const char* const inside = tick.place < 1 ? "middle" : "end";
+    text(x, tick.place <= 0 ? "start" : inside, tick.text);
   }
   text(kLeft + kBarWidth + 12, "start", unit);
   constexpr int kBox = 3;

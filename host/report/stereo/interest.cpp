@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 
-#include "dsp/stereo/cost/prefilter.h"
+#include "dsp/stereo/prefilter/prefilter.h"
 #include "host/report/page/legend.h"
 #include "host/report/stereo/sections.h"
 

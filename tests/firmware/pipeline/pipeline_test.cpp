@@ -6,8 +6,8 @@
 #include <gtest/gtest.h>
 
 #include "dsp/calib/stereo/rectification.h"
-#include "dsp/stereo/rectifier.h"
-#include "dsp/stereo/rectify.h"
+#include "dsp/stereo/rectify/rectifier.h"
+#include "dsp/stereo/rectify/rectify.h"
 #include "hal/emu/devices/clock.h"
 #include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded.h"

@@ -1,4 +1,4 @@
-#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify/rectifier.h"
 
 #include <cstdint>
 #include <span>

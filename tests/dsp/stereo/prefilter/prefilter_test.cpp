@@ -1,4 +1,4 @@
-#include "dsp/stereo/cost/prefilter.h"
+#include "dsp/stereo/prefilter/prefilter.h"
 
 #include <array>
 

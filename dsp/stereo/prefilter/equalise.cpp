@@ -1,4 +1,4 @@
-#include "dsp/stereo/cost/equalise.h"
+#include "dsp/stereo/prefilter/equalise.h"
 
 #include <algorithm>
 #include <bit>

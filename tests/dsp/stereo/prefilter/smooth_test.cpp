@@ -1,4 +1,4 @@
-#include "dsp/stereo/cost/smooth.h"
+#include "dsp/stereo/prefilter/smooth.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "dsp/stereo/rectifier.h"
+#include "dsp/stereo/rectify/rectifier.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,7 @@
 #include "dsp/calib/stereo/rectification.h"
 #include "dsp/calib/stereo/remap_table.h"
 #include "dsp/stereo/matcher.h"
-#include "dsp/stereo/rectify.h"
+#include "dsp/stereo/rectify/rectify.h"
 #include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded.h"
 #include "tests/support/in_own_memory.h"

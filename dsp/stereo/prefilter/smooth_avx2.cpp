@@ -1,9 +1,9 @@
-#include "dsp/stereo/cost/smooth.h"
+#include "dsp/stereo/prefilter/smooth.h"
 
 #include <cstddef>
 
 #include "dsp/base/check.h"
-#include "dsp/stereo/cost/column_sums_avx2.h"
+#include "dsp/stereo/prefilter/column_sums_avx2.h"
 
 namespace stof::dsp::avx2 {
 namespace {

@@ -1,4 +1,4 @@
-#include "dsp/stereo/rectify.h"
+#include "dsp/stereo/rectify/rectify.h"
 
 #include <algorithm>
 #include <array>
