@@ -4,7 +4,6 @@
 #include <bit>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 
 #include "dsp/base/simd.h"
 
@@ -18,7 +17,9 @@ struct Lanes;
 template <typename Lane>
 inline constexpr auto kLaneNumbers = [] {
   std::array<Lane, 16 / sizeof(Lane)> numbers{};
-  std::iota(numbers.begin(), numbers.end(), Lane{0});
+  for (std::size_t k = 0; k < numbers.size(); ++k) {
+    numbers[k] = static_cast<Lane>(k);
+  }
   return numbers;
 }();
 

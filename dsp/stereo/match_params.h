@@ -27,9 +27,10 @@ enum class Subpixel : std::uint8_t {
 };
 
 constexpr CostFit cost_fit(Subpixel subpixel) noexcept {
-  return subpixel == Subpixel::kEquiangular ? CostFit::kEquiangular
-         : subpixel == Subpixel::kParabola  ? CostFit::kParabola
-                                            : CostFit::kNone;
+  if (subpixel == Subpixel::kEquiangular) {
+    return CostFit::kEquiangular;
+  }
+  return subpixel == Subpixel::kParabola ? CostFit::kParabola : CostFit::kNone;
 }
 
 // What a change of disparity between neighbours costs, in the units of one pixel's cost.

@@ -81,15 +81,17 @@ void refine(std::span<const Sum> costs, int lanes, int min_disparity,
   const int16x8_t first = vdupq_n_s16(static_cast<std::int16_t>(min_disparity));
   std::size_t x = 0;
   for (; x + 8 <= n; x += 8) {
-    int16x8_t fitted = whole(vld1q_s16(winners.data() + x), first);
-    if constexpr (kFit != CostFit::kNone) {
+    const int16x8_t unfitted = whole(vld1q_s16(winners.data() + x), first);
+    if constexpr (kFit == CostFit::kNone) {
+      vst1q_s16(raw(out, x), unfitted);
+    } else {
       const Sum* const pixel = costs.data() + x * count;
       const int32x4_t low = shift_of<kFit>(look_around(pixel, count, winners.data() + x));
       const int32x4_t high =
           shift_of<kFit>(look_around(pixel + 4 * count, count, winners.data() + x + 4));
-      fitted = vaddq_s16(fitted, vcombine_s16(vmovn_s32(low), vmovn_s32(high)));
+      const int16x8_t shift = vcombine_s16(vmovn_s32(low), vmovn_s32(high));
+      vst1q_s16(raw(out, x), vaddq_s16(unfitted, shift));
     }
-    vst1q_s16(raw(out, x), fitted);
   }
   ref::refine_winners(kFit == CostFit::kNone ? costs : costs.subspan(x * count), lanes, kFit,
                       min_disparity, winners.subspan(x), out.subspan(x));
