@@ -4,7 +4,8 @@
 
 namespace stof::client {
 
-// What became of everything that arrived, by cause. Since the receiver was opened.
+// What became of everything that arrived, by cause. Since the receiver was opened. As many members
+// as there are causes.
 struct Statistics {
   // Every datagram is counted in exactly one of these.
   std::uint64_t packets_ok = 0;   // also parity that was not needed, and an event's repetition

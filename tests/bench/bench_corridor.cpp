@@ -45,6 +45,7 @@ wire::StreamChoice three_streams() {
 
 }  // namespace
 
+// All that a frame passes through, with what it leaves.
 struct CorridorWork::State {
   State(hal::emu::RenderedScene& scene, const dsp::MatchParams& match)
       : calibration(scene.calibration()),

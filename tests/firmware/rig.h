@@ -132,6 +132,7 @@ struct RigOptions {
 
 Setup small_setup(bool with_pmd);
 
+// A member for each device and each part of the appliance: what is above depends on none below.
 struct Rig {
   explicit Rig(const RigOptions& options = {});
   Rig(const Rig&) = delete;

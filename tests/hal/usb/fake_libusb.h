@@ -16,7 +16,7 @@ namespace stof::test {
 
 // A PMD camera behind a libusb that this test program defines itself (fake_libusb.cpp): the kernel
 // fills transfers that are under way from what the camera has to send, whether or not anybody
-// handles events. There is one at a time.
+// handles events. There is one at a time. A member for each thing that a test makes go wrong.
 class FakeUsbCamera {
  public:
   static constexpr std::uint64_t kAhead = 123'456'789'000;  // its clock, of the monotonic one

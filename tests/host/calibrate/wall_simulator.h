@@ -12,6 +12,7 @@
 // calibration is found.
 namespace stof::test {
 
+// A member for each constant that a camera has.
 struct SimulatedCamera {
   dsp::Pinhole lens{.width = 32, .height = 24, .fx = 30, .fy = 30, .cx = 16.2, .cy = 11};
   std::uint32_t f_mod_hz = 30'000'000;
