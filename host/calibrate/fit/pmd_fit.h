@@ -56,8 +56,8 @@ struct Observation {
 // The usable readings, pixel by pixel.
 std::vector<Observation> observations(const WallData& data, bool phase_falls);
 
-// Levenberg-Marquardt from `begin`, Huber's weights. Each pixel's pattern is eliminated from the
-// normal equations. What the walls do not tell stays small: weak priors on scale and harmonics,
+// Levenberg-Marquardt from `begin` (Ceres), Huber's loss. Each pixel's pattern is eliminated from
+// the normal equations. What the walls do not tell stays small: weak priors on scale and harmonics,
 // and on the pattern one of the size that the pattern turns out to have.
 FitResult fit_model(const WallData& data, const FitParts& parts, const PmdModel& begin);
 

@@ -99,16 +99,6 @@ double prior_of(int unknown) noexcept {
   }
   return unknown >= kFirstHarmonic ? 1 / (kHarmonicPrior * kHarmonicPrior) : 0;
 }
-double from_prior(const PmdModel& model, int unknown) noexcept {
-  if (unknown == kScale) {
-    return model.scale - 1;
-  }
-  const std::size_t h = static_cast<std::size_t>(unknown - kFirstHarmonic);
-  if (unknown < kFirstHarmonic) {
-    return 0;
-  }
-  return h % 2 == 0 ? model.wiggling.cosine[h / 2] : model.wiggling.sine[h / 2];
-}
 
 std::vector<Observation> observations(const WallData& data, bool phase_falls) {
   std::vector<Observation> seen;

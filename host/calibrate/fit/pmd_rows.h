@@ -40,8 +40,7 @@ Row row_of(const WallData& data, const FitParts& parts, const PmdModel& model,
 // x, y of one light, or half the spread of two.
 void move_emitters(PmdModel& model, double x, double y);
 
-// Weak: they only decide where walls do not. 1 / variance, and how far a model is from the mean.
+// Weak: they only decide where walls do not. 1 / variance around a scale of 1, harmonics of 0.
 double prior_of(int unknown) noexcept;
-double from_prior(const PmdModel& model, int unknown) noexcept;
 
 }  // namespace stof::host
