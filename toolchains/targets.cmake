@@ -1,3 +1,13 @@
+# The builds for ARM have most objects in common.
+if(CMAKE_CROSSCOMPILING AND NOT DEFINED CMAKE_CXX_COMPILER_LAUNCHER)
+  find_program(STOF_CCACHE ccache)
+  if(STOF_CCACHE)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env
+      CCACHE_DIR=${PROJECT_SOURCE_DIR}/build/ccache CCACHE_BASEDIR=${PROJECT_SOURCE_DIR} CCACHE_NOHASHDIR=1
+      CCACHE_SLOPPINESS=pch_defines,time_macros ${STOF_CCACHE})
+  endif()
+endif()
+
 # What every target of the project has in common.
 add_library(stof_options INTERFACE)
 target_include_directories(stof_options INTERFACE ${PROJECT_SOURCE_DIR})
@@ -96,7 +106,8 @@ function(stof_add_test)
   set_target_properties(${ARG_NAME} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   set(properties TIMEOUT 300)
   if(ARG_LABELS)
-    list(APPEND properties LABELS ${ARG_LABELS})
+    # Begins early: what takes long would end alone.
+    list(APPEND properties LABELS ${ARG_LABELS} COST 10)
   endif()
   gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 PROPERTIES ${properties})
   if(ARG_LABELS STREQUAL "kernel")
