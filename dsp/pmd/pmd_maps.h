@@ -7,7 +7,7 @@
 
 namespace stof::dsp {
 
-// Why a PMD pixel is or is not to be trusted (SPEC section 2). A pixel with any bit of kPmdMissing
+// Why a PMD pixel is or is not to be trusted. A pixel with any bit of kPmdMissing
 // carries no distance.
 enum PmdFlag : std::uint8_t {
   kPmdSaturated = 1 << 0,

@@ -1,16 +1,14 @@
 #include "host/cli/proxy.h"
 
-#include <csignal>
 #include <cstdio>
 
 #include "dataset/files/file.h"
 #include "host/cli/exit.h"
+#include "host/cli/stop_signal.h"
 #include "host/link/relay.h"
 
 namespace stof::host {
 namespace {
-
-volatile std::sig_atomic_t g_stop = 0;  // NOLINT: what a signal handler may write
 
 link::Duration milliseconds(double ms) {
   return std::chrono::duration_cast<link::Duration>(std::chrono::duration<double, std::milli>(ms));
@@ -59,10 +57,7 @@ void print_line(double seconds, const link::RelayCounts& counts) {
 }  // namespace
 
 void proxy(const ProxyOptions& options) {
-  struct sigaction action{};
-  action.sa_handler = [](int /*signal*/) { g_stop = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  stop_on_signals();
   const auto relay = link::Relay::open(relay_options(options));
   if (!relay) {
     throw Failure(Exit::kBadInput, relay.error());
@@ -77,7 +72,7 @@ void proxy(const ProxyOptions& options) {
   constexpr std::chrono::milliseconds kLook{100};
   const link::Time began = link::Time::clock::now();
   link::Time next = began + kLine;
-  while (g_stop == 0) {
+  while (!asked_to_stop()) {
     if (!(*relay)->run(kLook)) {
       throw Failure(Exit::kFailure, "the socket failed: start again");
     }

@@ -35,7 +35,7 @@ struct FusedRow {
   std::span<Cause> cause;
 };
 
-// Both sensors' intervals to one depth (SPEC section 4). With every low at least 1 and every high
+// Both sensors' intervals to one depth. With every low at least 1 and every high
 // at most max_range:
 //   both, max(low) <= min(high)   the intersection, kBoth
 //   one                           its interval, kStereo or kPmd

@@ -17,7 +17,7 @@ namespace stof::dsp {
 // R(x - d) = g(x + s), so s adds to d. Block as everywhere, x - floor(w/2) .. x + w - 1 -
 // floor(w/2), w, h in 1..64; borders replicate. Grey values, not clipped derivatives: the pictures
 // must agree in brightness. |disparities| below 2047 px. Source: Kuhnert & Stommel 2006, eq. 10 and
-// 11 (as corrected in SPEC 7).
+// 11, whose sign is corrected here.
 using RefineLeastSquares = void(ImageView<const std::uint8_t> left,
                                 ImageView<const std::uint8_t> right, int y, int block_width,
                                 int block_height, std::span<Disparity> disparities) noexcept;

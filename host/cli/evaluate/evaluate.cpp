@@ -26,7 +26,8 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
   }
   command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
   command.add_option("--seed", match.seed, "sa: of its random numbers")->capture_default_str();
-  command.add_flag("--energy", match.energy, "Print SPEC's energy of the map; slow");
+  command.add_flag("--energy", match.energy,
+                   "Print the map's energy: costs and changes of disparity; slow");
   command.add_option("--runs", match.runs, "Runs of which the median time is printed")
       ->capture_default_str();
   command

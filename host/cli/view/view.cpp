@@ -1,25 +1,16 @@
 #include "host/cli/view/view.h"
 
-#include <csignal>
 #include <cstdio>
 
 #include "dataset/files/file.h"
 #include "host/cli/exit.h"
 #include "host/cli/sensor_text.h"
+#include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
 #include "host/cli/view/status_line.h"
 
 namespace stof::host {
 namespace {
-
-volatile std::sig_atomic_t g_stop = 0;  // NOLINT: what a signal handler may write
-
-void stop_on_signals() {
-  struct sigaction action{};
-  action.sa_handler = [](int /*signal*/) { g_stop = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
-}
 
 void say(const std::string& line) {
   std::printf("%s\n", line.c_str());
@@ -64,7 +55,7 @@ class View {
   void run() {
     client::Time heard = client::Time::clock::now();
     std::uint64_t packets = 0;
-    while (g_stop == 0 && (options_.frames == 0 || frames_ < options_.frames)) {
+    while (!asked_to_stop() && (options_.frames == 0 || frames_ < options_.frames)) {
       take(receiver_.next(kLook));
       say_events();
       const client::Time now = client::Time::clock::now();

@@ -5,7 +5,7 @@
 #include "dataset/dataset.h"
 #include "host/evaluate/stereo/match.h"
 
-// SPEC's energy of whole maps, E = sum C + lambda sum |d - d'| over 4-neighbours, and its offline
+// Energy of whole maps, E = sum C + lambda sum |d - d'| over 4-neighbours, and its offline
 // minimiser. C are the block costs of MatchParams; lambda is the small step of their smoothness.
 namespace stof::host {
 

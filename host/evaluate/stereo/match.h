@@ -50,7 +50,7 @@ struct MatchResult {
   dataset::Image<dsp::Disparity> disparity;  // of the left view
   dataset::Image<std::uint8_t> filled;       // 1: made up, not matched
   double median_ms = 0;                      // of matching alone
-  // SPEC's E = sum C + lambda sum |d - d'|, where the plan asks for it.
+  // E = sum C + lambda sum |d - d'|, where it is asked for.
   std::optional<std::uint64_t> energy = std::nullopt;
 };
 
