@@ -198,7 +198,7 @@ class Walk {
     const std::size_t begin = here_ + 1;
     std::size_t end = begin;
     while (end < text_.size() && text_[end] != '"') {
-      end += text_[end] == '\\' ? 2 : 1;
+      end += text_[end] == '\\' ? 2U : 1U;
     }
     if (end >= text_.size()) {
       here_ = text_.size();
