@@ -35,7 +35,8 @@ class Count:
     passed: int = 0
     failed: int = 0
     skipped: int = 0
-    notes: list[str] = dataclasses.field(default_factory=list)  # failed and skipped cases, one line each
+    notes: list[str] = dataclasses.field(default_factory=list)  # failed cases, one line each
+    skips: dict[str, list[str]] = dataclasses.field(default_factory=dict)  # skipped cases by their reason
     details: list[str] = dataclasses.field(default_factory=list)  # what failed cases said
 
     def add(self, other):
@@ -43,6 +44,8 @@ class Count:
         self.failed += other.failed
         self.skipped += other.skipped
         self.notes += other.notes
+        for reason, names in other.skips.items():
+            self.skips.setdefault(reason, []).extend(names)
         self.details += other.details
 
     def __str__(self):
@@ -150,6 +153,13 @@ def skip_reason(case):
     return lines[-1] if lines else "no reason given"
 
 
+def skip_lines(skips):
+    """A line for each reason: the case, or how many and the first of them."""
+    return [f"skipped: {names[0]}: {reason}" if len(names) == 1 else
+            f"skipped: {len(names)} cases, the first is {names[0]}: {reason}"
+            for reason, names in sorted(skips.items())]
+
+
 def tested(preset, *checks):
     """A step that builds a preset, looks at what was built (scripts/CHECK.py) and runs its tests."""
     def step(log):
@@ -171,7 +181,7 @@ def tested(preset, *checks):
                     count.notes.append(f"skipped, though STOF_REQUIRE_DATA=1: {reason}")
                 else:
                     count.skipped += 1
-                    count.notes.append(f"skipped: {reason}")
+                    count.skips.setdefault(skip_reason(case), []).append(name)
             else:
                 count.failed += 1
                 count.notes.append(f"failed: {name}")
@@ -357,7 +367,7 @@ def main():
         count = STEPS[name](log)
         total.add(count)
         print(f"{name:<13} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
-        for note in count.notes:
+        for note in count.notes + skip_lines(count.skips):
             print(f"    {note}")
         if count.failed:
             print("\n".join(count.details[:CASES_SHOWN]) or log.excerpt())

@@ -51,5 +51,13 @@ class RunsTest(unittest.TestCase):
         self.assertLessEqual(set(test_steps.CI), set(test_steps.ALL))
 
 
+class SkipsTest(unittest.TestCase):
+    def test_cases_with_one_reason_are_one_line(self):
+        count = test_steps.Count(skipped=1, skips={"no data": ["A.one"]})
+        count.add(test_steps.Count(skipped=2, skips={"no data": ["B.two"], "no terminal": ["C.three"]}))
+        self.assertEqual(test_steps.skip_lines(count.skips), [
+            "skipped: 2 cases, the first is A.one: no data", "skipped: C.three: no terminal"])
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -82,7 +82,7 @@ class RecordedReplayTest : public testing::Test {
   void SetUp() override {
     const char* const data = std::getenv("STOF_DATA");
     if (data == nullptr || !std::filesystem::exists(data)) {
-      GTEST_SKIP() << "set STOF_DATA to the folder with the recorded data";
+      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
     }
     data_ = data;
   }

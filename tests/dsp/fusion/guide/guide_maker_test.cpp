@@ -244,7 +244,7 @@ TEST(Guide, EveryStereoSizeAndRange) {
 TEST(Guide, HoldsTheTruthOfRecordedScenes) {
   const char* const data = std::getenv("STOF_DATA");
   if (data == nullptr) {
-    GTEST_SKIP() << "STOF_DATA does not name the folder of recorded scenes";
+    GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
   }
   const std::filesystem::path root(data);
   for (const char* const name :
