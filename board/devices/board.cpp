@@ -6,9 +6,9 @@
 #include <utility>
 
 #include "board/devices/connections.h"
+#include "board/devices/device_options.h"
 #include "board/devices/hotplug_camera.h"
 #include "board/devices/nominal_rig.h"
-#include "board/devices/request.h"
 #include "board/devices/wiring.h"
 #include "hal/linux/gpio/gpio_trigger.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
@@ -34,31 +34,32 @@ constexpr const TimingConfig& kTiming = kConfig.timing;
 // A PMD camera that leaves out edges looks like one that lost them.
 static_assert(kTiming.pmd_every == 1);
 
-bool has_pmd(const Request& request) { return request.pmd != "none"; }
+bool has_pmd(const DeviceOptions& device_options) { return device_options.pmd != "none"; }
 
-PictureSize stereo_size(const Request& request) {
-  return request.size.value_or(PictureSize{kConfig.stereo.width, kConfig.stereo.height});
+PictureSize stereo_size(const DeviceOptions& device_options) {
+  return device_options.size.value_or(PictureSize{kConfig.stereo.width, kConfig.stereo.height});
 }
 
-PictureSize pmd_size(const Request& request) {
-  return has_pmd(request)
-             ? request.pmd_size.value_or(PictureSize{kConfig.pmd.width, kConfig.pmd.height})
+PictureSize pmd_size(const DeviceOptions& device_options) {
+  return has_pmd(device_options)
+             ? device_options.pmd_size.value_or(PictureSize{kConfig.pmd.width, kConfig.pmd.height})
              : PictureSize{};
 }
 
 // Everything that the board is made of, as long as the program lives.
 class Rig {
  public:
-  Rig(Request&& request, OpenConnections&& connections, std::unique_ptr<linux::GpioTrigger> trigger)
-      : request_(std::move(request)),
+  Rig(DeviceOptions&& device_options, OpenConnections&& connections,
+      std::unique_ptr<linux::GpioTrigger> trigger)
+      : options_(std::move(device_options)),
         connections_(std::move(connections)),
         trigger_(std::move(trigger)),
         stereo_exposures_(trigger_->edges(), kTiming.stereo_exposure),
         pmd_exposures_(trigger_->edges(), kTiming.pmd_integration),
         left_strobe_(*trigger_, 0),
-        right_strobe_(*trigger_, strobe_lines(request_)[0].empty() ? 0 : 1),
+        right_strobe_(*trigger_, strobe_lines(options_)[0].empty() ? 0 : 1),
         stereo_([this] { return open_stereo(); }) {
-    if (has_pmd(request_)) {
+    if (has_pmd(options_)) {
       pmd_.emplace([this] { return open_pmd(); });
     }
     open_watchdog();
@@ -75,7 +76,7 @@ class Rig {
   Rig& operator=(const Rig&) = delete;
 
   Board& board() { return *board_; }
-  int priority() const { return priority_of(request_); }
+  int priority() const { return priority_of(options_); }
 
   // The serial line is the control thread's, which reopens it.
   Status reopen(Device device) noexcept {
@@ -99,11 +100,11 @@ class Rig {
   // What a sensor says itself, where it is wired, else what it was told.
   std::array<linux::Exposures*, 2> stereo_exposures() {
     linux::Exposures* const told = &stereo_exposures_;
-    const std::array<std::string, 2> lines = strobe_lines(request_);
+    const std::array<std::string, 2> lines = strobe_lines(options_);
     return {lines[0].empty() ? told : &left_strobe_, lines[1].empty() ? told : &right_strobe_};
   }
 
-  Request request_;
+  DeviceOptions options_;
   OpenConnections connections_;
   linux::Clock clock_;
   std::unique_ptr<linux::GpioTrigger> trigger_;
@@ -133,21 +134,21 @@ std::string or_table(const std::string& wanted, const char* table) {
 }
 
 std::expected<Stereo::Opened, linux::OpenError> Rig::open_stereo() {
-  const PairConfig& pair = pair_of(request_);
-  const PictureSize size = stereo_size(request_);
-  const std::string left = or_table(request_.left, pair.left);
-  std::string right = or_table(request_.right, pair.right);
+  const PairConfig& pair = pair_of(options_);
+  const PictureSize size = stereo_size(options_);
+  const std::string left = or_table(options_.left, pair.left);
+  std::string right = or_table(options_.right, pair.right);
   if (right == "none") {
     right.clear();
   }
-  if (request_.cameras == PairKind::kLibcamera) {
+  if (options_.cameras == PairKind::kLibcamera) {
     linux::LibcameraOptions options;
     options.left = left;
     options.right = right;
     options.width = size.width;
     options.height = size.height;
     options.exposure = kTiming.stereo_exposure;
-    options.gain = static_cast<float>(request_.gain.value_or(0));
+    options.gain = static_cast<float>(options_.gain.value_or(0));
     options.exposures = &stereo_exposures_;
     options.most_delay = pair.most_delay;
     options.most_skew = kTiming.edge_tolerance;
@@ -158,21 +159,21 @@ std::expected<Stereo::Opened, linux::OpenError> Rig::open_stereo() {
                                                          .width = size.width,
                                                          .height = size.height,
                                                          .exposure = kTiming.stereo_exposure,
-                                                         .gain = request_.gain,
+                                                         .gain = options_.gain,
                                                          .exposures = stereo_exposures(),
                                                          .most_delay = pair.most_delay}));
 }
 
 std::expected<Pmd::Opened, linux::OpenError> Rig::open_pmd() {
-  const PictureSize size = pmd_size(request_);
-  if (request_.pmd != "usb") {
+  const PictureSize size = pmd_size(options_);
+  if (options_.pmd != "usb") {
     return opened<Pmd::Opened>(linux::V4l2Pmd::open(linux::kernel_calls(), clock_,
-                                                    {.node = request_.pmd,
+                                                    {.node = options_.pmd,
                                                      .width = size.width,
                                                      .height = size.height,
                                                      .exposures = &pmd_exposures_,
                                                      .integration = kTiming.pmd_integration,
-                                                     .most_delay = pair_of(request_).most_delay}));
+                                                     .most_delay = pair_of(options_).most_delay}));
   }
   linux::UsbPmdOptions options;
   options.id.vendor = kDevices.pmd.usb_vendor;
@@ -186,7 +187,7 @@ std::expected<Pmd::Opened, linux::OpenError> Rig::open_pmd() {
 }
 
 void Rig::open_watchdog() {
-  const std::string device = or_table(request_.watchdog, kDevices.watchdog);
+  const std::string device = or_table(options_.watchdog, kDevices.watchdog);
   if (device.empty() || device == "none") {
     return;
   }
@@ -201,7 +202,7 @@ void Rig::open_watchdog() {
 }
 
 void Rig::assemble() {
-  const PairConfig& pair = pair_of(request_);
+  const PairConfig& pair = pair_of(options_);
   notes_.insert(notes_.end(), connections_.notes.begin(), connections_.notes.end());
   if (!stereo_.why().empty()) {
     notes_.push_back("waiting for the stereo cameras: " + stereo_.why());
@@ -223,9 +224,9 @@ void Rig::assemble() {
             .network = *connections_.network,
             .mdns = connections_.mdns.get(),
             .watchdog = watchdog_.get(),
-            .calibration = nominal_rig(kConfig, stereo_size(request_), pmd_size(request_)),
+            .calibration = nominal_rig(kConfig, stereo_size(options_), pmd_size(options_)),
             .nominal_calibration = true,
-            .allow_nominal_calibration = request_.uncalibrated,
+            .allow_nominal_calibration = options_.uncalibrated,
             .disparities = kConfig.stereo.disparities,
             .least_period = least_period(pair, kTiming),
             .emulated_time = false,
@@ -238,19 +239,19 @@ std::optional<Rig> rig;
 
 std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments) {
-  std::expected<Request, Refusal> request = parse(arguments);
-  if (!request) {
-    return std::unexpected(request.error());
+  std::expected<DeviceOptions, Refusal> device_options = parse_device_options(arguments);
+  if (!device_options) {
+    return std::unexpected(device_options.error());
   }
   std::expected<OpenConnections, Refusal> talks = open_connections(connections);
   if (!talks) {
     return std::unexpected(talks.error());
   }
-  auto trigger = linux::GpioTrigger::open(trigger_options(*request));
+  auto trigger = linux::GpioTrigger::open(trigger_options(*device_options));
   if (!trigger) {
     return std::unexpected(Refusal{.message = trigger.error().message, .device = true});
   }
-  rig.emplace(std::move(*request), std::move(*talks), std::move(*trigger));
+  rig.emplace(std::move(*device_options), std::move(*talks), std::move(*trigger));
   return &rig->board();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "board/devices/request.h"
+#include "board/devices/device_options.h"
 #include "dsp/calib/calibration.h"
 
 namespace stof::board {

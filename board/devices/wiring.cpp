@@ -8,15 +8,17 @@ constexpr const TimingConfig& kTiming = kConfig.timing;
 
 }  // namespace
 
-const PairConfig& pair_of(const Request& request) {
-  return request.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
+const PairConfig& pair_of(const DeviceOptions& device_options) {
+  return device_options.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;
 }
 
-int priority_of(const Request& request) { return request.priority.value_or(kDevices.priority); }
+int priority_of(const DeviceOptions& device_options) {
+  return device_options.priority.value_or(kDevices.priority);
+}
 
 // What is not wired is fanned out of the left camera's line.
-hal::linux::GpioTriggerOptions trigger_options(const Request& request) {
-  const PairConfig& pair = pair_of(request);
+hal::linux::GpioTriggerOptions trigger_options(const DeviceOptions& device_options) {
+  const PairConfig& pair = pair_of(device_options);
   hal::linux::GpioTriggerOptions options;
   options.active_low = pair.active_low;
   options.width = pulse_length(pair, kTiming.stereo_exposure);
@@ -28,7 +30,7 @@ hal::linux::GpioTriggerOptions trigger_options(const Request& request) {
       options.outputs.emplace_back(net.line);
     }
   }
-  for (const std::string& line : strobe_lines(request)) {
+  for (const std::string& line : strobe_lines(device_options)) {
     if (!line.empty()) {
       options.strobes.push_back(line);
     }

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "board/devices/connections.h"
-#include "board/emu/request.h"
+#include "board/emu/emu_options.h"
 #include "board/emu/scenes.h"
 #include "dataset/dataset.h"
 #include "hal/emu/cameras/pmd_camera.h"
@@ -35,9 +35,9 @@ struct World {
   std::vector<std::string> notes;
 };
 
-World rendered(const Request& request) {
+World rendered(const EmuOptions& options) {
   constexpr std::uint32_t kFirst = 1;  // exposures count from 1
-  SceneRequest wanted = request.scene;
+  SceneOptions wanted = options.scene;
   wanted.pmd_every = kConfig.timing.pmd_every;
   SceneWorld scene = render_world(wanted, kFirst);
   World world;
@@ -54,14 +54,14 @@ World rendered(const Request& request) {
 }
 
 // The recording that was asked for, else the one beside the dataset, if there is one.
-std::optional<std::filesystem::path> find_tof(const Request& request,
+std::optional<std::filesystem::path> find_tof(const EmuOptions& options,
                                               std::vector<std::string>& notes) {
-  if (request.no_tof) {
+  if (options.no_tof) {
     notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
     return std::nullopt;
   }
   std::optional<std::filesystem::path> found =
-      request.tof ? request.tof : recording_beside(*request.dataset);
+      options.tof ? options.tof : recording_beside(*options.dataset);
   if (!found) {
     notes.emplace_back(
         "no PMD recording beside the dataset, and no --tof: depth from stereo alone");
@@ -69,10 +69,10 @@ std::optional<std::filesystem::path> find_tof(const Request& request,
   return found;
 }
 
-std::expected<World, Refusal> replay(const Request& request) {
+std::expected<World, Refusal> replay(const EmuOptions& options) {
   World world;
-  const std::optional<std::filesystem::path> tof = find_tof(request, world.notes);
-  dataset::Loaded<std::unique_ptr<emu::Replay>> opened = emu::Replay::open(*request.dataset, tof);
+  const std::optional<std::filesystem::path> tof = find_tof(options, world.notes);
+  dataset::Loaded<std::unique_ptr<emu::Replay>> opened = emu::Replay::open(*options.dataset, tof);
   if (!opened) {
     return refuse(opened.error().message);
   }
@@ -115,22 +115,22 @@ struct Rig {
   std::optional<emu::Trigger> trigger;
   std::optional<Board> board;
 
-  Rig(World&& seen, OpenConnections&& opened, const Request& request)
+  Rig(World&& seen, OpenConnections&& opened, const EmuOptions& options)
       : world(std::move(seen)),
         connections(std::move(opened)),
-        clock(request.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
-        stereo(clock, *world.imagery, stereo_timing(), request.faults_of(Device::kStereo)) {
+        clock(options.free_run ? static_cast<hal::Clock&>(emulated_clock) : machine_clock),
+        stereo(clock, *world.imagery, stereo_timing(), options.faults_of(Device::kStereo)) {
     constexpr hal::Duration kPulse = std::chrono::microseconds(50);
     if (world.imagery->pmd_size() != emu::Size{}) {
       pmd.emplace(clock, *world.imagery,
                   emu::PmdTiming{.integration = kConfig.timing.pmd_integration,
                                  .every = kConfig.timing.pmd_every},
-                  request.faults_of(Device::kPmd));
+                  options.faults_of(Device::kPmd));
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo, &*pmd},
-                      request.faults_of(Device::kTrigger));
+                      options.faults_of(Device::kTrigger));
     } else {
       trigger.emplace(clock, kPulse, std::initializer_list<emu::EdgeListener*>{&stereo},
-                      request.faults_of(Device::kTrigger));
+                      options.faults_of(Device::kTrigger));
     }
     board.emplace(Board{.clock = clock,
                         .trigger = *trigger,
@@ -143,7 +143,7 @@ struct Rig {
                         .mdns = connections.mdns.get(),
                         .calibration = world.calibration,
                         .disparities = world.disparities,
-                        .emulated_time = request.free_run,
+                        .emulated_time = options.free_run,
                         .notes = world.notes});
     board->notes.insert(board->notes.end(), connections.notes.begin(), connections.notes.end());
   }
@@ -153,25 +153,25 @@ struct Rig {
 
 std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments) {
-  const std::expected<Request, Refusal> request = parse(arguments);
-  if (!request) {
-    return std::unexpected(request.error());
+  const std::expected<EmuOptions, Refusal> options = parse_emu_options(arguments);
+  if (!options) {
+    return std::unexpected(options.error());
   }
   std::expected<OpenConnections, Refusal> talks = open_connections(connections);
   if (!talks) {
     return std::unexpected(talks.error());
   }
-  std::expected<World, Refusal> world = request->dataset ? replay(*request) : rendered(*request);
+  std::expected<World, Refusal> world = options->dataset ? replay(*options) : rendered(*options);
   if (!world) {
     return std::unexpected(world.error());
   }
-  if (request->truth) {
-    if (std::optional<Refusal> refusal = write_truth(*request->truth, *world)) {
+  if (options->truth) {
+    if (std::optional<Refusal> refusal = write_truth(*options->truth, *world)) {
       return std::unexpected(*refusal);
     }
   }
   static std::optional<Rig> rig;
-  rig.emplace(std::move(*world), std::move(*talks), *request);
+  rig.emplace(std::move(*world), std::move(*talks), *options);
   return &*rig->board;
 }
 

@@ -73,19 +73,19 @@ std::unexpected<std::string> refuse(std::string_view flag, const char* what,
   return std::unexpected(std::move(line));
 }
 
-emu::Rig changed(emu::Rig rig, const SceneRequest& request) {
-  if (request.size) {
-    emu::resize_stereo(rig, request.size->width, request.size->height);
+emu::Rig changed(emu::Rig rig, const SceneOptions& options) {
+  if (options.size) {
+    emu::resize_stereo(rig, options.size->width, options.size->height);
   }
-  if (request.pmd == emu::Size{}) {
+  if (options.pmd == emu::Size{}) {
     rig.pmd_lens = {};
-  } else if (request.pmd) {
-    emu::resize_pmd(rig, request.pmd->width, request.pmd->height);
+  } else if (options.pmd) {
+    emu::resize_pmd(rig, options.pmd->width, options.pmd->height);
   }
-  if (request.seed) {
-    rig.seed = *request.seed;
+  if (options.seed) {
+    rig.seed = *options.seed;
   }
-  rig.misplacement = request.misplacement;
+  rig.misplacement = options.misplacement;
   return rig;
 }
 
@@ -115,7 +115,7 @@ SceneWorld moving_world(const emu::Motion& motion, const emu::Rig& rig, std::uin
 }  // namespace
 
 std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::string_view value,
-                                                 SceneRequest& request) {
+                                                 SceneOptions& options) {
   if (flag == "--scene") {
     if (!is_scene(value)) {
       std::string line = "there is no scene \"";
@@ -123,24 +123,24 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
       line += "\"; the scenes are corridor, walking, hall and room:SEED";
       return std::unexpected(std::move(line));
     }
-    request.name = value;
+    options.name = value;
   } else if (flag == "--size") {
-    request.size = parse_size(value);
-    if (!request.size) {
+    options.size = parse_size(value);
+    if (!options.size) {
       return refuse(flag, "WxH, such as 640x480, 16 to 2048 a side", value);
     }
   } else if (flag == "--pmd") {
-    request.pmd = value == "none" ? emu::Size{} : parse_size(value);
-    if (!request.pmd) {
+    options.pmd = value == "none" ? emu::Size{} : parse_size(value);
+    if (!options.pmd) {
       return refuse(flag, "WxH, such as 176x144, 16 to 2048 a side, or none", value);
     }
   } else if (flag == "--seed") {
-    request.seed = dsp::parse_number<std::uint32_t>(value);
-    if (!request.seed) {
+    options.seed = dsp::parse_number<std::uint32_t>(value);
+    if (!options.seed) {
       return refuse(flag, "a whole number from 0 to 4294967295", value);
     }
   } else if (flag == "--turn") {
-    if (!parse_turn(value, request.misplacement)) {
+    if (!parse_turn(value, options.misplacement)) {
       return refuse(flag, "pitch:, yaw: or roll:DEGREES, up to 10, such as pitch:0.1", value);
     }
   } else if (flag == "--range-offset") {
@@ -148,7 +148,7 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
     if (!offset) {
       return refuse(flag, "millimetres, up to 1000", value);
     }
-    request.misplacement.range_offset_m = *offset / 1000;
+    options.misplacement.range_offset_m = *offset / 1000;
   } else {
     return false;
   }
@@ -170,20 +170,20 @@ std::string_view scene_usage() noexcept {
          "  --range-offset MM    the PMD camera measures so much too far\n";
 }
 
-SceneWorld render_world(const SceneRequest& request, std::uint32_t exposure) {
-  if (request.name == "walking") {
+SceneWorld render_world(const SceneOptions& options, std::uint32_t exposure) {
+  if (options.name == "walking") {
     emu::Motion motion = emu::walking();
-    motion.pmd_every = request.pmd_every;
-    return moving_world(motion, changed(emu::corridor_rig(), request), exposure);
+    motion.pmd_every = options.pmd_every;
+    return moving_world(motion, changed(emu::corridor_rig(), options), exposure);
   }
-  if (request.name == "hall") {
-    return still_world(emu::hall(), changed(emu::hall_rig(), request));
+  if (options.name == "hall") {
+    return still_world(emu::hall(), changed(emu::hall_rig(), options));
   }
-  if (const std::optional<std::uint32_t> seed = room_seed(request.name)) {
+  if (const std::optional<std::uint32_t> seed = room_seed(options.name)) {
     const emu::Room room = emu::random_room(*seed);
-    return still_world(room.scene, changed(room.rig, request));
+    return still_world(room.scene, changed(room.rig, options));
   }
-  return still_world(emu::corridor(), changed(emu::corridor_rig(), request));
+  return still_world(emu::corridor(), changed(emu::corridor_rig(), options));
 }
 
 }  // namespace stof::board

@@ -16,7 +16,7 @@
 // board and stof_emu_pair have in common.
 namespace stof::board {
 
-struct SceneRequest {
+struct SceneOptions {
   std::string name = "corridor";
   std::optional<hal::emu::Size> size;  // of the stereo pictures; none: the scene's own
   std::optional<hal::emu::Size> pmd;   // 0x0: no PMD camera
@@ -28,7 +28,7 @@ struct SceneRequest {
 // Takes one of the flags of scene_usage(). false: the flag is none of them. A line: its value
 // means nothing.
 std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::string_view value,
-                                                 SceneRequest& request);
+                                                 SceneOptions& options);
 
 // These flags, one per line, for --help.
 std::string_view scene_usage() noexcept;
@@ -46,6 +46,6 @@ struct SceneWorld {
 };
 
 // Half a second to four seconds at 640x480.
-SceneWorld render_world(const SceneRequest& request, std::uint32_t exposure);
+SceneWorld render_world(const SceneOptions& options, std::uint32_t exposure);
 
 }  // namespace stof::board

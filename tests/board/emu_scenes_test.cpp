@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "board/emu/pair.h"
-#include "board/emu/request.h"
+#include "board/emu/emu_options.h"
 #include "board/emu/scenes.h"
+#include "board/emu/write_pair.h"
 #include "hal/emu/imagery/moving_scene.h"
 #include "hal/emu/scenes/room.h"
 #include "tests/hal/scenes/small_rigs.h"
@@ -17,38 +17,38 @@ namespace {
 
 using Words = std::vector<std::string_view>;
 
-board::Request parsed(const Words& words) {
-  const auto request = board::parse(words);
-  EXPECT_TRUE(request) << (request ? "" : request.error().message);
-  return request.value_or(board::Request{});
+board::EmuOptions parsed(const Words& words) {
+  const auto options = board::parse_emu_options(words);
+  EXPECT_TRUE(options) << (options ? "" : options.error().message);
+  return options.value_or(board::EmuOptions{});
 }
 
 void expect_refused(const Words& words, const std::string& fact) {
-  const auto request = board::parse(words);
-  ASSERT_FALSE(request) << words.front();
-  const std::string& line = request.error().message;
+  const auto options = board::parse_emu_options(words);
+  ASSERT_FALSE(options) << words.front();
+  const std::string& line = options.error().message;
   EXPECT_NE(line.find(fact), std::string::npos) << line;
   EXPECT_EQ(line.find('\n'), std::string::npos);
 }
 
-TEST(BoardRequest, TakesSceneFlags) {
-  const board::Request request =
+TEST(EmuOptions, TakesSceneFlags) {
+  const board::EmuOptions options =
       parsed({"--scene", "room:17", "--size", "320x240", "--pmd", "64x16", "--seed", "9", "--turn",
               "pitch:-0.1", "--turn", "yaw:0.2", "--range-offset", "-12.5"});
-  EXPECT_EQ(request.scene.name, "room:17");
-  EXPECT_EQ(request.scene.size, (hal::emu::Size{320, 240}));
-  EXPECT_EQ(request.scene.pmd, (hal::emu::Size{64, 16}));
-  EXPECT_EQ(request.scene.seed, 9U);
-  EXPECT_EQ(request.scene.misplacement.pitch_degrees, -0.1);
-  EXPECT_EQ(request.scene.misplacement.yaw_degrees, 0.2);
-  EXPECT_EQ(request.scene.misplacement.roll_degrees, 0);
-  EXPECT_EQ(request.scene.misplacement.range_offset_m, -0.0125);
+  EXPECT_EQ(options.scene.name, "room:17");
+  EXPECT_EQ(options.scene.size, (hal::emu::Size{320, 240}));
+  EXPECT_EQ(options.scene.pmd, (hal::emu::Size{64, 16}));
+  EXPECT_EQ(options.scene.seed, 9U);
+  EXPECT_EQ(options.scene.misplacement.pitch_degrees, -0.1);
+  EXPECT_EQ(options.scene.misplacement.yaw_degrees, 0.2);
+  EXPECT_EQ(options.scene.misplacement.roll_degrees, 0);
+  EXPECT_EQ(options.scene.misplacement.range_offset_m, -0.0125);
   EXPECT_EQ(parsed({}).scene.name, "corridor");
   EXPECT_EQ(parsed({"--pmd", "none"}).scene.pmd, hal::emu::Size{});
   EXPECT_EQ(parsed({"--no-tof"}).scene.pmd, hal::emu::Size{});
 }
 
-TEST(BoardRequest, FindsThePmdRecordingBesideTheDataset) {
+TEST(EmuOptions, FindsThePmdRecordingBesideTheDataset) {
   namespace fs = std::filesystem;
   const fs::path data = fs::path(testing::TempDir()) / "recording_beside";
   for (const char* const folder : {"stereo/cones", "stereo/alone", "tof/scenes/wall"}) {
@@ -67,7 +67,7 @@ TEST(BoardRequest, FindsThePmdRecordingBesideTheDataset) {
   fs::remove_all(data);
 }
 
-TEST(BoardRequest, RefusesWhatMeansNothingInOneLine) {
+TEST(EmuOptions, RefusesWhatMeansNothingInOneLine) {
   for (const char* const name : {"moon", "room:", "room:x", "room:-1", "room:4294967296"}) {
     expect_refused({"--scene", name}, name);
   }
@@ -87,20 +87,20 @@ TEST(BoardRequest, RefusesWhatMeansNothingInOneLine) {
 }
 
 TEST(RenderWorld, ChangesTheRigAsAsked) {
-  board::SceneRequest request;
-  request.name = "hall";
-  request.size = hal::emu::Size{160, 100};
-  request.pmd = hal::emu::Size{64, 48};
-  request.misplacement.yaw_degrees = 0.5;
-  const board::SceneWorld world = board::render_world(request, 1);
+  board::SceneOptions options;
+  options.name = "hall";
+  options.size = hal::emu::Size{160, 100};
+  options.pmd = hal::emu::Size{64, 48};
+  options.misplacement.yaw_degrees = 0.5;
+  const board::SceneWorld world = board::render_world(options, 1);
   EXPECT_EQ(world.imagery->stereo_size(), (hal::emu::Size{160, 100}));
   EXPECT_EQ(world.imagery->pmd_size(), (hal::emu::Size{64, 48}));
   EXPECT_EQ(world.depth.width, 160);
   EXPECT_EQ(world.calibration.pmd.fixed_pattern.size(), std::size_t{64} * 48);
   EXPECT_STREQ(dsp::problem(world.calibration), "");
   EXPECT_EQ(world.calibration.pmd_to_stereo.rotation, hal::emu::hall_rig().pmd_to_stereo.rotation);
-  request.seed = 77;
-  const board::SceneWorld other = board::render_world(request, 1);
+  options.seed = 77;
+  const board::SceneWorld other = board::render_world(options, 1);
   EXPECT_NE(hash(expose(*world.imagery, 1)), hash(expose(*other.imagery, 1)));
   EXPECT_EQ(world.depth.pixels, other.depth.pixels);
 }
@@ -112,7 +112,7 @@ class Pair : public ::testing::Test {
   int run(const Words& more) {
     Words words{text_};
     words.insert(words.end(), more.begin(), more.end());
-    return board::run_pair(words);
+    return board::write_pair(words);
   }
 
   std::filesystem::path folder_ =
@@ -125,11 +125,11 @@ TEST_F(Pair, IsWhatTheCamerasOfTheSceneExpose) {
   ASSERT_EQ(run({"--scene", "room:5", "--size", "160x120", "--pmd", "44x36", "--frames", "2",
                  "--exposure", "3"}),
             0);
-  board::SceneRequest request;
-  request.name = "room:5";
-  request.size = hal::emu::Size{160, 120};
-  request.pmd = hal::emu::Size{44, 36};
-  const board::SceneWorld world = board::render_world(request, 3);
+  board::SceneOptions options;
+  options.name = "room:5";
+  options.size = hal::emu::Size{160, 120};
+  options.pmd = hal::emu::Size{44, 36};
+  const board::SceneWorld world = board::render_world(options, 3);
   const auto scene = dataset::read_stereo_scene(folder_);
   ASSERT_TRUE(scene) << scene.error().message;
   const Exposed exposed = expose(*world.imagery, 3);
@@ -170,7 +170,7 @@ TEST_F(Pair, WithoutPmdCameraHasNoRecording) {
 }
 
 TEST_F(Pair, RefusesWhatItCannotDo) {
-  EXPECT_EQ(board::run_pair({}), 2);
+  EXPECT_EQ(board::write_pair({}), 2);
   for (const Words& words : {Words{"another"}, Words{"--scene"}, Words{"--scene", "moon"},
                              Words{"--frames", "0"}, Words{"--frames", "x"}, Words{"--moon", "1"},
                              Words{"--scene", "walking", "--frames", "2"}}) {

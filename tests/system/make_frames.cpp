@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include "board/emu/pair.h"
 #include "board/emu/scenes.h"
+#include "board/emu/write_pair.h"
 #include "firmware/wire/calibration/calibration_file.h"
 
 // stof_system_frames DIR COUNT WxH WxH: what the cameras of the system test see. Exposures 1 to
@@ -35,7 +35,7 @@ int write_pairs(const std::filesystem::path& dir, int count, std::string_view st
     const std::string exposure = std::to_string(k + 1);
     const std::vector<std::string_view> arguments{
         folder, "--scene", "walking", "--size", stereo, "--pmd", pmd, "--exposure", exposure};
-    if (const int code = board::run_pair(arguments); code != 0) {
+    if (const int code = board::write_pair(arguments); code != 0) {
       return code;
     }
   }
@@ -44,15 +44,15 @@ int write_pairs(const std::filesystem::path& dir, int count, std::string_view st
 
 int write_calibration(const std::filesystem::path& file, std::string_view stereo,
                       std::string_view pmd) {
-  board::SceneRequest request;
-  request.name = "walking";
+  board::SceneOptions options;
+  options.name = "walking";
   for (const auto& [flag, value] :
        {std::pair{std::string_view("--size"), stereo}, std::pair{std::string_view("--pmd"), pmd}}) {
-    if (const auto taken = board::take_scene_flag(flag, value, request); !taken) {
+    if (const auto taken = board::take_scene_flag(flag, value, options); !taken) {
       return complain(taken.error());
     }
   }
-  const board::SceneWorld world = board::render_world(request, 1);
+  const board::SceneWorld world = board::render_world(options, 1);
   std::vector<std::byte> bytes(stof::wire::calibration_file_bytes(world.calibration));
   const auto written = stof::wire::encode_calibration_file(world.calibration, bytes);
   std::ofstream out(file, std::ios::binary);

@@ -1,4 +1,4 @@
-#include "board/emu/request.h"
+#include "board/emu/emu_options.h"
 
 #include <algorithm>
 #include <utility>
@@ -61,24 +61,24 @@ bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>
   return true;
 }
 
-bool take_switch(std::string_view flag, Request& request) {
+bool take_switch(std::string_view flag, EmuOptions& options) {
   if (flag == "--free-run") {
-    request.free_run = true;
+    options.free_run = true;
   } else if (flag == "--no-tof") {
-    request.no_tof = true;
+    options.no_tof = true;
   } else {
     return false;
   }
   return true;
 }
 
-bool take_value(std::string_view flag, std::string_view value, Request& request) {
+bool take_value(std::string_view flag, std::string_view value, EmuOptions& options) {
   if (flag == "--dataset") {
-    request.dataset = value;
+    options.dataset = value;
   } else if (flag == "--tof") {
-    request.tof = value;
+    options.tof = value;
   } else if (flag == "--truth") {
-    request.truth = value;
+    options.truth = value;
   } else {
     return false;
   }
@@ -102,17 +102,17 @@ std::optional<std::filesystem::path> recording_beside(const std::filesystem::pat
   return std::nullopt;
 }
 
-std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
-  Request request;
+std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string_view> arguments) {
+  EmuOptions options;
   std::string scene_flag;  // one of those that only a rendered scene has
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string flag(arguments[i]);
-    if (take_switch(flag, request)) {
+    if (take_switch(flag, options)) {
       continue;
     }
     const bool last = i + 1 == arguments.size();
     const std::string_view value = last ? std::string_view() : arguments[i + 1];
-    const std::expected<bool, std::string> of_scene = take_scene_flag(flag, value, request.scene);
+    const std::expected<bool, std::string> of_scene = take_scene_flag(flag, value, options.scene);
     if (value.empty() && (!of_scene || *of_scene)) {
       return refuse(flag + " takes a value; try --help");
     }
@@ -122,30 +122,30 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
     if (*of_scene) {
       scene_flag = flag;
     } else if (flag == "--fault") {
-      if (!parse_fault(value, request.faults)) {
+      if (!parse_fault(value, options.faults)) {
         return refuse("--fault takes DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30, not \"" +
                       std::string(value) + "\"; try --help");
       }
-    } else if (!take_value(flag, value, request)) {
+    } else if (!take_value(flag, value, options)) {
       return refuse("unknown argument \"" + flag + "\"; try --help");
     } else if (value.empty()) {
       return refuse(flag + " takes a value; try --help");
     }
     ++i;
   }
-  if (!scene_flag.empty() && request.dataset) {
+  if (!scene_flag.empty() && options.dataset) {
     return refuse(scene_flag + " and --dataset exclude each other; leave one out");
   }
-  if (request.tof && (request.no_tof || !request.dataset)) {
+  if (options.tof && (options.no_tof || !options.dataset)) {
     return refuse("--tof belongs to a --dataset, and excludes --no-tof");
   }
-  if (request.no_tof) {
-    request.scene.pmd = emu::Size{};
+  if (options.no_tof) {
+    options.scene.pmd = emu::Size{};
   }
-  if (request.truth && !request.dataset && request.scene.name == "walking") {
+  if (options.truth && !options.dataset && options.scene.name == "walking") {
     return refuse("--truth: the scene walking moves: leave --truth out, or take another scene");
   }
-  return request;
+  return options;
 }
 
 std::string_view usage() noexcept {

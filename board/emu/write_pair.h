@@ -9,6 +9,6 @@ namespace stof::board {
 // which is made where missing: the stereo pair, its exact disparities, what both cameras see, the
 // rig; and, where the rig has a PMD camera, its recording DIR/pmd. `arguments` without the
 // program's name. Returns the exit code: 0, or 2 after one line on stderr.
-int run_pair(std::span<const std::string_view> arguments);
+int write_pair(std::span<const std::string_view> arguments);
 
 }  // namespace stof::board

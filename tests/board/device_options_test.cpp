@@ -1,4 +1,4 @@
-#include "board/devices/request.h"
+#include "board/devices/device_options.h"
 
 #include <gtest/gtest.h>
 
@@ -10,21 +10,21 @@ namespace {
 using Arguments = std::vector<std::string_view>;
 
 std::string refusal(const Arguments& arguments) {
-  const auto request = parse(arguments);
-  return request ? std::string() : request.error().message;
+  const auto options = parse_device_options(arguments);
+  return options ? std::string() : options.error().message;
 }
 
 TEST(DeviceRequest, WithoutFlagsIsTheTable) {
-  const auto request = parse({});
-  ASSERT_TRUE(request);
-  EXPECT_EQ(request->cameras, PairKind::kV4l2);
-  EXPECT_TRUE(request->left.empty());
-  EXPECT_EQ(request->pmd, "usb");
-  EXPECT_FALSE(request->size || request->pmd_size || request->gain || request->priority);
-  EXPECT_FALSE(request->uncalibrated);
+  const auto options = parse_device_options({});
+  ASSERT_TRUE(options);
+  EXPECT_EQ(options->cameras, PairKind::kV4l2);
+  EXPECT_TRUE(options->left.empty());
+  EXPECT_EQ(options->pmd, "usb");
+  EXPECT_FALSE(options->size || options->pmd_size || options->gain || options->priority);
+  EXPECT_FALSE(options->uncalibrated);
   const std::array<std::string, 2> wired{kConfig.devices.nets.left_strobe.line,
                                          kConfig.devices.nets.right_strobe.line};
-  EXPECT_EQ(strobe_lines(*request), wired);
+  EXPECT_EQ(strobe_lines(*options), wired);
 }
 
 TEST(DeviceRequest, TakesEveryFlag) {
@@ -32,26 +32,26 @@ TEST(DeviceRequest, TakesEveryFlag) {
                       "none",       "--size",    "640x400",    "--gain",  "7",
                       "--pmd",      "card:tof",  "--pmd-size", "160x120", "--uncalibrated",
                       "--watchdog", "none",      "--priority", "0"};
-  const auto request = parse(all);
-  ASSERT_TRUE(request) << refusal(all);
-  EXPECT_EQ(request->cameras, PairKind::kLibcamera);
-  EXPECT_EQ(request->left, "a");
-  EXPECT_EQ(request->right, "none");
-  EXPECT_EQ(request->size->width, 640);
-  EXPECT_EQ(request->size->height, 400);
-  EXPECT_EQ(request->pmd_size->width, 160);
-  EXPECT_EQ(request->gain, 7);
-  EXPECT_EQ(request->priority, 0);
-  EXPECT_EQ(request->watchdog, "none");
-  EXPECT_TRUE(request->uncalibrated);
+  const auto options = parse_device_options(all);
+  ASSERT_TRUE(options) << refusal(all);
+  EXPECT_EQ(options->cameras, PairKind::kLibcamera);
+  EXPECT_EQ(options->left, "a");
+  EXPECT_EQ(options->right, "none");
+  EXPECT_EQ(options->size->width, 640);
+  EXPECT_EQ(options->size->height, 400);
+  EXPECT_EQ(options->pmd_size->width, 160);
+  EXPECT_EQ(options->gain, 7);
+  EXPECT_EQ(options->priority, 0);
+  EXPECT_EQ(options->watchdog, "none");
+  EXPECT_TRUE(options->uncalibrated);
 }
 
 TEST(DeviceRequest, TakesStrobeLinesOrNone) {
   const Arguments flags{"--left-strobe", "GPIO5", "--right-strobe", "none"};
-  const auto request = parse(flags);
-  ASSERT_TRUE(request) << refusal(flags);
+  const auto options = parse_device_options(flags);
+  ASSERT_TRUE(options) << refusal(flags);
   const std::array<std::string, 2> lines{"GPIO5", ""};
-  EXPECT_EQ(strobe_lines(*request), lines);
+  EXPECT_EQ(strobe_lines(*options), lines);
   EXPECT_NE(refusal({"--cameras", "libcamera", "--left-strobe", "GPIO5"}).find("leave them out"),
             std::string::npos);
 }

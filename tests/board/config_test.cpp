@@ -6,9 +6,9 @@
 namespace stof::board {
 namespace {
 
-TEST(Table, FramesAreStampedByWhatIsMoreUrgent) { EXPECT_LT(kConfig.devices.priority, 50); }
+TEST(BoardConfig, FramesAreStampedByWhatIsMoreUrgent) { EXPECT_LT(kConfig.devices.priority, 50); }
 
-TEST(Table, WhatDoesNotFitIsNoBoard) {
+TEST(BoardConfig, WhatDoesNotFitIsNoBoard) {
   Config config = kConfig;
   EXPECT_TRUE(valid(config));
   config.devices.v4l2.most_delay = config.timing.period;

@@ -12,7 +12,7 @@
 namespace stof::wire {
 namespace {
 
-TEST(WireTable, EveryMessageIsWhatPythonPacks) {
+TEST(GoldenMessages, EveryMessageIsWhatPythonPacks) {
   golden::visit_messages([]<typename T, std::size_t kBytes>(
                              const char* name, const golden::Golden<T, kBytes>& golden,
                              void (*encode)(const T&, std::span<std::byte, kBytes>) noexcept,

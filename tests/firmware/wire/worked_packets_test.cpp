@@ -84,19 +84,19 @@ Datagram worked_packet(Codec codec) {
   return {packet.begin(), packet.end()};
 }
 
-TEST(WireDocument, WorkedPacketIsWhatTheSenderSends) {
+TEST(WorkedPackets, WorkedPacketIsWhatTheSenderSends) {
   const Datagram dump = dump_below(document(), kRaw);
   ASSERT_EQ(dump.size(), 72U) << STOF_WIRE_DOCUMENT;
   EXPECT_EQ(dump, worked_packet(Codec::kRaw16));
 }
 
-TEST(WireDocument, WorkedPacketOfRvlIsWhatTheSenderSends) {
+TEST(WorkedPackets, WorkedPacketOfRvlIsWhatTheSenderSends) {
   const Datagram dump = dump_below(document(), kRvl);
   ASSERT_EQ(dump.size(), 68U) << STOF_WIRE_DOCUMENT;
   EXPECT_EQ(dump, worked_packet(Codec::kRvl16));
 }
 
-TEST(WireDocument, WorkedPacketsAreAccepted) {
+TEST(WorkedPackets, WorkedPacketsAreAccepted) {
   for (const std::string_view heading : {kRaw, kRvl}) {
     const Datagram dump = dump_below(document(), heading);
     const auto packet = parse_packet(dump);
@@ -105,7 +105,7 @@ TEST(WireDocument, WorkedPacketsAreAccepted) {
   }
 }
 
-TEST(WireDocument, WorkedPacketOfRvlHasThePixels) {
+TEST(WorkedPackets, WorkedPacketOfRvlHasThePixels) {
   const Datagram dump = dump_below(document(), kRvl);
   const auto packet = parse_packet(dump);
   ASSERT_TRUE(packet);
@@ -114,7 +114,7 @@ TEST(WireDocument, WorkedPacketOfRvlHasThePixels) {
   EXPECT_EQ(pixels, kPixels);
 }
 
-TEST(WireDocument, WorkedRequestIsOneForTheSensor) {
+TEST(WorkedPackets, WorkedRequestIsOneForTheSensor) {
   const Datagram dump = dump_below(document(), "### Subscription");
   ASSERT_EQ(dump.size(), 88U);
   const auto packet = parse_packet(dump);
@@ -129,7 +129,7 @@ TEST(WireDocument, WorkedRequestIsOneForTheSensor) {
 }
 
 // Rows such as "| 20 | `07 00 00 00` | frame number 7 |": together they are the packet, in order.
-TEST(WireDocument, ByteByByteTableCoversTheWorkedPacket) {
+TEST(WorkedPackets, ByteByByteTableCoversTheWorkedPacket) {
   const std::vector<std::string> lines = document();
   Datagram table;
   auto line = std::ranges::find(lines, kRaw);

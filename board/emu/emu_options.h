@@ -15,8 +15,8 @@
 // The emulated board's own command line.
 namespace stof::board {
 
-struct Request {
-  SceneRequest scene;  // where there is no dataset
+struct EmuOptions {
+  SceneOptions scene;  // where there is no dataset
   std::optional<std::filesystem::path> dataset;
   std::optional<std::filesystem::path> tof;
   bool no_tof = false;
@@ -35,6 +35,6 @@ struct Request {
 std::optional<std::filesystem::path> recording_beside(const std::filesystem::path& dataset);
 
 // Unknown flags and values without meaning are refused.
-std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);
+std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string_view> arguments);
 
 }  // namespace stof::board

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""documents_test.py [--write] COMMAND...: docs/SETTINGS.md and docs/settings.schema.json say what the code does
+"""settings_documents_test.py [--write] COMMAND...: docs/SETTINGS.md and the schema say what the code does
 (COMMAND: settings_documents, with an emulator before it in a cross build), and the schema and the parser agree.
 --write brings both files up to date instead."""
 
@@ -16,7 +16,7 @@ DOCS = pathlib.Path(__file__).resolve().parents[3] / "docs"
 PAGE = DOCS / "SETTINGS.md"
 SCHEMA = DOCS / "settings.schema.json"
 BEGIN, END = "<!-- settings: begin -->\n", "<!-- settings: end -->\n"
-UPDATE = "run tests/firmware/settings/documents_test.py --write build/emu/bin/settings_documents"
+UPDATE = "run tests/firmware/settings/settings_documents_test.py --write build/emu/bin/settings_documents"
 
 
 def ask(what, text=""):

@@ -1,4 +1,4 @@
-#include "board/devices/request.h"
+#include "board/devices/device_options.h"
 
 #include <utility>
 
@@ -22,19 +22,19 @@ std::optional<PictureSize> size(std::string_view text) {
   return width && height ? std::optional(PictureSize{*width, *height}) : std::nullopt;
 }
 
-bool take_text(std::string_view flag, std::string_view value, Request& request) {
+bool take_text(std::string_view flag, std::string_view value, DeviceOptions& options) {
   if (flag == "--left") {
-    request.left = value;
+    options.left = value;
   } else if (flag == "--right") {
-    request.right = value;
+    options.right = value;
   } else if (flag == "--pmd") {
-    request.pmd = value;
+    options.pmd = value;
   } else if (flag == "--left-strobe") {
-    request.left_strobe = value;
+    options.left_strobe = value;
   } else if (flag == "--right-strobe") {
-    request.right_strobe = value;
+    options.right_strobe = value;
   } else if (flag == "--watchdog") {
-    request.watchdog = value;
+    options.watchdog = value;
   } else {
     return false;
   }
@@ -43,25 +43,25 @@ bool take_text(std::string_view flag, std::string_view value, Request& request) 
 
 // false: not one of these. What the flag takes: the value is none of that.
 std::expected<bool, std::string> take_value(std::string_view flag, std::string_view value,
-                                            Request& request) {
+                                            DeviceOptions& options) {
   const char* takes = nullptr;
   if (flag == "--cameras") {
-    request.cameras = value == "libcamera" ? PairKind::kLibcamera : PairKind::kV4l2;
+    options.cameras = value == "libcamera" ? PairKind::kLibcamera : PairKind::kV4l2;
     takes = value == "libcamera" || value == "v4l2" ? nullptr : "v4l2 or libcamera";
   } else if (flag == "--size") {
-    request.size = size(value);
-    takes = request.size ? nullptr : "WIDTHxHEIGHT, such as 640x480";
+    options.size = size(value);
+    takes = options.size ? nullptr : "WIDTHxHEIGHT, such as 640x480";
   } else if (flag == "--pmd-size") {
-    request.pmd_size = size(value);
-    takes = request.pmd_size ? nullptr : "WIDTHxHEIGHT, such as 176x144";
+    options.pmd_size = size(value);
+    takes = options.pmd_size ? nullptr : "WIDTHxHEIGHT, such as 176x144";
   } else if (flag == "--gain") {
-    request.gain = dsp::parse_number_in<int>(value, 0, 65'535);
-    takes = request.gain ? nullptr : "a whole number from 0 to 65535";
+    options.gain = dsp::parse_number_in<int>(value, 0, 65'535);
+    takes = options.gain ? nullptr : "a whole number from 0 to 65535";
   } else if (flag == "--priority") {
-    request.priority = dsp::parse_number_in<int>(value, 0, 98);
-    takes = request.priority ? nullptr : "a whole number from 0 (none) to 98";
+    options.priority = dsp::parse_number_in<int>(value, 0, 98);
+    takes = options.priority ? nullptr : "a whole number from 0 (none) to 98";
   } else {
-    return take_text(flag, value, request);
+    return take_text(flag, value, options);
   }
   if (takes != nullptr) {
     return std::unexpected(std::string(flag) + " takes " + takes + ", not \"" + std::string(value) +
@@ -86,17 +86,18 @@ std::string strobe_line(const std::string& wanted, const Net& net) {
 
 }  // namespace
 
-std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments) {
-  Request request;
+std::expected<DeviceOptions, Refusal> parse_device_options(
+    std::span<const std::string_view> arguments) {
+  DeviceOptions options;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view flag = arguments[i];
     if (flag == "--uncalibrated") {
-      request.uncalibrated = true;
+      options.uncalibrated = true;
       continue;
     }
     const bool last = i + 1 == arguments.size();
     const std::string_view value = last ? std::string_view() : arguments[i + 1];
-    const std::expected<bool, std::string> taken = take_value(flag, value, request);
+    const std::expected<bool, std::string> taken = take_value(flag, value, options);
     if (taken && !*taken) {
       return refuse("unknown argument \"" + std::string(flag) + "\"; try --help");
     }
@@ -108,16 +109,16 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
     }
     ++i;
   }
-  if (request.pmd == "none" && request.pmd_size) {
+  if (options.pmd == "none" && options.pmd_size) {
     return refuse("--pmd-size: there is no PMD camera with --pmd none: leave one out");
   }
-  if (request.cameras == PairKind::kLibcamera &&
-      !(request.left_strobe + request.right_strobe).empty()) {
+  if (options.cameras == PairKind::kLibcamera &&
+      !(options.left_strobe + options.right_strobe).empty()) {
     return refuse(
         "--left-strobe, --right-strobe: libcamera tells exposures itself: leave them out");
   }
-  const PictureSize stereo = request.size.value_or(PictureSize{});
-  const PictureSize pmd = request.pmd_size.value_or(PictureSize{});
+  const PictureSize stereo = options.size.value_or(PictureSize{});
+  const PictureSize pmd = options.pmd_size.value_or(PictureSize{});
   std::string why = too_large("--size", stereo, kConfig.stereo.width, kConfig.stereo.height);
   if (why.empty()) {
     why = too_large("--pmd-size", pmd, kConfig.pmd.width, kConfig.pmd.height);
@@ -125,13 +126,13 @@ std::expected<Request, Refusal> parse(std::span<const std::string_view> argument
   if (!why.empty()) {
     return refuse(std::move(why));
   }
-  return request;
+  return options;
 }
 
-std::array<std::string, 2> strobe_lines(const Request& request) {
+std::array<std::string, 2> strobe_lines(const DeviceOptions& options) {
   const Nets& nets = kConfig.devices.nets;
-  return {strobe_line(request.left_strobe, nets.left_strobe),
-          strobe_line(request.right_strobe, nets.right_strobe)};
+  return {strobe_line(options.left_strobe, nets.left_strobe),
+          strobe_line(options.right_strobe, nets.right_strobe)};
 }
 
 std::string_view usage() noexcept {

@@ -20,7 +20,7 @@ struct PictureSize {
 
 enum class PairKind : std::uint8_t { kV4l2, kLibcamera };
 
-struct Request {
+struct DeviceOptions {
   PairKind cameras = PairKind::kV4l2;
   std::string left;         // in place of the table's
   std::string right;        // likewise; "none": both pictures come from the left one
@@ -35,9 +35,10 @@ struct Request {
   bool uncalibrated = false;
 };
 
-std::expected<Request, Refusal> parse(std::span<const std::string_view> arguments);
+std::expected<DeviceOptions, Refusal> parse_device_options(
+    std::span<const std::string_view> arguments);
 
 // The GPIO lines on which left and right camera tell when they expose; empty: not wired.
-std::array<std::string, 2> strobe_lines(const Request& request);
+std::array<std::string, 2> strobe_lines(const DeviceOptions& options);
 
 }  // namespace stof::board

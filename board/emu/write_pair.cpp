@@ -1,4 +1,4 @@
-#include "board/emu/pair.h"
+#include "board/emu/write_pair.h"
 
 #include <cstdio>
 #include <filesystem>
@@ -18,23 +18,23 @@ namespace emu = hal::emu;
 constexpr int kBadInput = 2;
 constexpr std::uint32_t kMaxFrames = 1000;
 
-struct PairRequest {
-  SceneRequest scene;
+struct WritePairOptions {
+  SceneOptions scene;
   std::filesystem::path folder;
   std::uint32_t exposure = 0;
   std::uint32_t frames = 1;
   bool help = false;
 };
 
-dataset::StereoScene stereo_scene(SceneWorld& world, const PairRequest& request) {
+dataset::StereoScene stereo_scene(SceneWorld& world, const WritePairOptions& options) {
   const dsp::StereoRig& rig = world.calibration.stereo;
   const emu::Size size = world.imagery->stereo_size();
   dataset::StereoScene scene;
-  scene.name = request.scene.name;
+  scene.name = options.scene.name;
   scene.left = {size.width, size.height};
   scene.right = {size.width, size.height};
-  world.imagery->left(request.exposure, scene.left.view());
-  world.imagery->right(request.exposure, scene.right.view());
+  world.imagery->left(options.exposure, scene.left.view());
+  world.imagery->right(options.exposure, scene.right.view());
   scene.ndisp = world.disparities;
   scene.visible = world.visible;
   scene.rig = rig;
@@ -46,7 +46,7 @@ dataset::StereoScene stereo_scene(SceneWorld& world, const PairRequest& request)
   return scene;
 }
 
-dataset::PmdRecording recording(const SceneWorld& world, const PairRequest& request) {
+dataset::PmdRecording recording(const SceneWorld& world, const WritePairOptions& options) {
   const emu::Size size = world.imagery->pmd_size();
   dataset::PmdRecording out;
   out.calibration = world.calibration;
@@ -54,12 +54,12 @@ dataset::PmdRecording recording(const SceneWorld& world, const PairRequest& requ
   const std::span<const std::int16_t> pattern = world.calibration.pmd.fixed_pattern;
   out.fixed_pattern.assign(pattern.begin(), pattern.end());
   out.calibration.pmd.fixed_pattern = out.fixed_pattern;
-  for (std::uint32_t frame = 0; frame < request.frames; ++frame) {
+  for (std::uint32_t frame = 0; frame < options.frames; ++frame) {
     dataset::Image<std::uint16_t> planes(size.width, 4 * size.height);
     for (int k = 0; k < 4; ++k) {
       const dsp::ImageView<std::uint16_t> plane(planes.view().row(k * size.height).data(),
                                                 size.width, size.height);
-      world.imagery->pmd(request.exposure + frame, k, plane);
+      world.imagery->pmd(options.exposure + frame, k, plane);
     }
     out.frames.push_back(std::move(planes));
   }
@@ -83,7 +83,7 @@ std::expected<std::uint32_t, std::string> count(std::string_view flag, std::stri
 
 // One flag and its value.
 std::expected<void, std::string> take(std::string_view flag, std::string_view value,
-                                      PairRequest& request) {
+                                      WritePairOptions& options) {
   const bool frames = flag == "--frames";
   if (frames || flag == "--exposure") {
     const std::expected<std::uint32_t, std::string> number =
@@ -91,10 +91,10 @@ std::expected<void, std::string> take(std::string_view flag, std::string_view va
     if (!number) {
       return std::unexpected(number.error());
     }
-    (frames ? request.frames : request.exposure) = *number;
+    (frames ? options.frames : options.exposure) = *number;
     return {};
   }
-  const std::expected<bool, std::string> taken = take_scene_flag(flag, value, request.scene);
+  const std::expected<bool, std::string> taken = take_scene_flag(flag, value, options.scene);
   if (!taken) {
     return std::unexpected(taken.error());
   }
@@ -104,35 +104,35 @@ std::expected<void, std::string> take(std::string_view flag, std::string_view va
   return {};
 }
 
-std::expected<PairRequest, std::string> parse(std::span<const std::string_view> arguments) {
-  PairRequest request;
+std::expected<WritePairOptions, std::string> parse(std::span<const std::string_view> arguments) {
+  WritePairOptions options;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     const std::string_view argument = arguments[i];
     if (argument == "--help") {
-      request.help = true;
-      return request;
+      options.help = true;
+      return options;
     }
     if (!argument.starts_with("--")) {
-      if (!request.folder.empty()) {
+      if (!options.folder.empty()) {
         return std::unexpected("takes one folder to write to, not two; try --help");
       }
-      request.folder = argument;
+      options.folder = argument;
       continue;
     }
     if (i + 1 == arguments.size()) {
       return std::unexpected(std::string(argument) + " takes a value, or is unknown; try --help");
     }
-    if (auto taken = take(argument, arguments[++i], request); !taken) {
+    if (auto taken = take(argument, arguments[++i], options); !taken) {
       return std::unexpected(taken.error());
     }
   }
-  if (request.folder.empty()) {
+  if (options.folder.empty()) {
     return std::unexpected("takes the folder to write the emulated scene to; try --help");
   }
-  if (request.scene.name == "walking" && request.frames > 1) {
+  if (options.scene.name == "walking" && options.frames > 1) {
     return std::unexpected("--frames: the scene moves: write one exposure at a time (--exposure)");
   }
-  return request;
+  return options;
 }
 
 int complain(const std::string& line) {
@@ -152,33 +152,33 @@ void print_help() {
       static_cast<int>(usage.size()), usage.data());
 }
 
-std::expected<void, dataset::Problem> write(const PairRequest& request) {
-  SceneWorld world = render_world(request.scene, request.exposure);
-  auto written = dataset::write_stereo_scene(request.folder, stereo_scene(world, request));
+std::expected<void, dataset::Problem> write(const WritePairOptions& options) {
+  SceneWorld world = render_world(options.scene, options.exposure);
+  auto written = dataset::write_stereo_scene(options.folder, stereo_scene(world, options));
   if (written && world.imagery->pmd_size() != emu::Size{}) {
-    written = dataset::write_pmd(request.folder / "pmd", recording(world, request));
+    written = dataset::write_pmd(options.folder / "pmd", recording(world, options));
   }
   return written;
 }
 
 }  // namespace
 
-int run_pair(std::span<const std::string_view> arguments) {
-  const std::expected<PairRequest, std::string> request = parse(arguments);
-  if (!request) {
-    return complain(request.error());
+int write_pair(std::span<const std::string_view> arguments) {
+  const std::expected<WritePairOptions, std::string> options = parse(arguments);
+  if (!options) {
+    return complain(options.error());
   }
-  if (request->help) {
+  if (options->help) {
     print_help();
     return 0;
   }
   std::error_code error;
-  std::filesystem::create_directories(request->folder, error);
-  if (!std::filesystem::is_directory(request->folder, error)) {
-    return complain(request->folder.string() +
+  std::filesystem::create_directories(options->folder, error);
+  if (!std::filesystem::is_directory(options->folder, error)) {
+    return complain(options->folder.string() +
                     ": cannot be made a folder: check the path and its permissions");
   }
-  const std::expected<void, dataset::Problem> written = write(*request);
+  const std::expected<void, dataset::Problem> written = write(*options);
   return written ? 0 : complain(written.error().message);
 }
 
