@@ -48,12 +48,13 @@ inline constexpr int kMaxEmitters = 4;
 struct PmdSensor {
   Pinhole lens;
   PmdFrequency frequency;
-  std::optional<PmdFrequency> second = std::nullopt;  // a lower frequency that tells periods apart
-  bool phase_falls = false;                           // a camera whose phase falls with distance
-  double dark_lsb = 0;                                // of one sample
-  int saturation_lsb = 4095;                          // a sample at or above it is saturated
-  int under_lsb = 0;                                  // a sample at or below it is under range
-  int min_amplitude_lsb = 4;                          // of amplitude A (amp2 = 2 A)
+  std::optional<PmdFrequency> second =
+      std::nullopt;           // a lower frequency that tells wrap counts apart
+  bool phase_falls = false;   // a camera whose phase falls with distance
+  double dark_lsb = 0;        // of one sample
+  int saturation_lsb = 4095;  // a sample at or above it is saturated
+  int under_lsb = 0;          // a sample at or below it is under range
+  int min_amplitude_lsb = 4;  // of amplitude A (amp2 = 2 A)
   // |A0 + A2 - A1 - A3| above this many standard deviations of its noise: motion, changing light.
   double asymmetry_sigmas = 6;
   double electrons_per_lsb = 60;  // g of the noise model
@@ -71,7 +72,7 @@ struct PmdSensor {
   int emitter_count = 0;
   std::array<Emitter, kMaxEmitters> emitters{};
   // Amplitude A of a white surface, facing the camera in the middle of the picture at 1 m, at the
-  // reference integration time: no surface is brighter. 0 = unknown. Tells periods apart.
+  // reference integration time: no surface is brighter. 0 = unknown. Tells wrap counts apart.
   double white_lsb = 0;
   // Distance offset of each pixel in 1/65536 turn of `frequency`, subtracted (of `second`: the same
   // in metres); width x height, row by row, or empty. Borrowed: whoever made the calibration keeps

@@ -69,7 +69,7 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
 
 void DepthMaker::convert(const PmdFrame& frame) noexcept {
   STOF_CHECK(converter_.has_value());
-  // A guide needs intervals before periods are told.
+  // A guide needs intervals before wrap counts are known.
   pmd_ = unwrapper_ && !guide_maker_ ? &converter_->measure(frame) : &converter_->convert(frame);
   unresolved_ = unwrapper_.has_value();
   unwatched_ = true;

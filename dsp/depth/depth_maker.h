@@ -29,7 +29,7 @@ struct DepthParams {
 };
 
 // The whole way from a pair and PMD samples to a depth map: rectification where the rig asks for
-// it, the guide, the search, conversion, periods of readings, fusion. What the appliance runs in
+// it, the guide, the search, conversion, unwrapping of readings, fusion. What the appliance runs in
 // its loop and what recorded scenes are measured with are both this. Allocates nothing after
 // construction. Each frame: convert() where there are new PMD samples, match(), fuse().
 class DepthMaker {
@@ -81,7 +81,7 @@ class DepthMaker {
   ImageView<const std::uint8_t> left_;  // empty before the first match()
   ImageView<const std::uint8_t> right_;
   const PmdMaps* pmd_ = nullptr;
-  bool unresolved_ = false;  // readings whose periods are not told yet
+  bool unresolved_ = false;  // readings whose wrap counts are not known yet
   bool unwatched_ = false;   // samples that watch() has not seen
 };
 

@@ -84,7 +84,7 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
     t.second =
         SecondFrequency{.tables = make_frame_tables(sensor, *sensor.second),
                         .pair = pair,
-                        .both = range_tables(sensor, common_period(pair) / units_per_metre(sensor)),
+                        .both = range_tables(sensor, common_range(pair) / units_per_metre(sensor)),
                         .row = take_exposure_row(arena, row),
                         .corrected = arena.take<Phase>(row)};
   }

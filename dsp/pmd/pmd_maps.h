@@ -17,7 +17,7 @@ enum PmdFlag : std::uint8_t {
   kPmdAsymmetric = 1 << 4,  // motion or changing light between the samples
   kPmdEdge = 1 << 5,
   kPmdOutOfRange = 1 << 6,  // more than 16.38 m (no `distance`), or the interval reaches there
-  kPmdWrapped = 1 << 7,     // may as well lie a period nearer or further
+  kPmdWrapped = 1 << 7,     // may as well lie a range nearer or further
 };
 inline constexpr std::uint8_t kPmdMissing =
     kPmdSaturated | kPmdUnderRange | kPmdLowAmplitude | kPmdLowRatio | kPmdAsymmetric | kPmdWrapped;
@@ -48,7 +48,7 @@ struct PmdMaps {
   // first frequency. What a pixel took from a shorter one was multiplied (up to 65535), so that
   // amp2 * 256 / (2 * integration) compares to PmdSensor::white_lsb in every pixel.
   IntegrationQ8 integration = kReferenceIntegration;
-  // After how much readings repeat, quarter mm: one turn, with two frequencies their common period;
+  // After how much readings repeat, quarter mm: one turn, with two frequencies their common range;
   // times PmdSensor::scale.
   std::uint32_t range = 0;
   // Readings further apart than this tell nothing about what lies between them: half a turn of the

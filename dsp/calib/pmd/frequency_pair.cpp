@@ -47,7 +47,7 @@ FrequencyPair make_frequency_pair(Hertz first, Hertz second) noexcept {
   return pair;
 }
 
-std::uint32_t common_period(const FrequencyPair& pair) noexcept {
+std::uint32_t common_range(const FrequencyPair& pair) noexcept {
   const std::uint64_t product = std::uint64_t{pair.turn_q11} * pair.m;
   return static_cast<std::uint32_t>(round_shift(product, kTurnBits));
 }

@@ -128,7 +128,7 @@ double units_per_metre(const PmdSensor& sensor) noexcept {
   return has_long_range(sensor) ? kUnitsOfLongRange : kQuarterMmPerMetre;
 }
 
-RangeTables range_tables(const PmdSensor& sensor, double period_m) noexcept {
+RangeTables range_tables(const PmdSensor& sensor, double range_m) noexcept {
   const double units = units_per_metre(sensor);
   constexpr double kMost = kMostUnits;
   RangeTables tables;
@@ -138,8 +138,8 @@ RangeTables range_tables(const PmdSensor& sensor, double period_m) noexcept {
                             StraightLine::kMostScale),
       .shift =
           static_cast<std::int32_t>(std::clamp(std::round(sensor.shift_m * units), -kMost, kMost)),
-      .period = std::min(clamp_to<std::uint32_t>(period_m * sensor.scale * units), kMostUnits)};
-  tables.range = clamp_to<std::uint32_t>(period_m * sensor.scale * kQuarterMmPerMetre);
+      .turn = std::min(clamp_to<std::uint32_t>(range_m * sensor.scale * units), kMostUnits)};
+  tables.range = clamp_to<std::uint32_t>(range_m * sensor.scale * kQuarterMmPerMetre);
   tables.widest = clamp_to<QuarterMm>(
       std::floor(turn_m(sensor.frequency) * sensor.scale * kQuarterMmPerMetre / 2));
   return tables;

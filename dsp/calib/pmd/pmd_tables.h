@@ -47,14 +47,14 @@ double units_per_metre(const PmdSensor& sensor) noexcept;
 // Distance of one turn of phase.
 double turn_m(const PmdFrequency& frequency) noexcept;
 
-// From distances to what is published; they repeat after period_m.
+// From distances to what is published; they repeat after range_m.
 struct RangeTables {
   std::uint32_t unit_q30 = 0;  // of to_quarter_mm
   StraightLine line;
   std::uint32_t range = 0;  // PmdMaps::range
   QuarterMm widest = 0;     // PmdMaps::widest
 };
-RangeTables range_tables(const PmdSensor& sensor, double period_m) noexcept;
+RangeTables range_tables(const PmdSensor& sensor, double range_m) noexcept;
 
 // sigma = a + b z + c z^2, both in cm, by distance; at least 1 unit.
 SigmaCurve sigma_curve(const SigmaPolynomial& polynomial) noexcept;

@@ -30,7 +30,7 @@ struct GuideParams {
   double most_sigma = 0.05;
   // Readings repeat after PmdMaps::range. Nothing that sends light back lies beyond this, metres;
   // a reading that may as well lie one turn further, and still within it, limits the near side
-  // only. 0: every reading is in the period it claims.
+  // only. 0: every reading has the wrap count it claims.
   double farthest_m = 0;
   // All that readings within so many px of a pixel say counts for it, 0 to 32: places in the left
   // view are known to a few px (0.1 degree of a rig's turn is 1.7 px at a focal length of 1000 px),
@@ -77,7 +77,7 @@ class GuideMaker {
   int reach_ = 0;
   std::uint32_t sigmas_q8_ = 0;
   std::uint32_t most_sigma_q16_ = 0;  // of the distance
-  std::uint32_t farthest_ = 0;        // quarter mm; 0: no period is in doubt
+  std::uint32_t farthest_ = 0;        // quarter mm; 0: no wrap count is in doubt
   std::span<QuarterMm> steps_;        // distances that stand for all at which stereo could match
   Reprojector reprojector_;
   Readings readings_;

@@ -5,10 +5,10 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/units.h"
-#include "dsp/fusion/unwrap/decision/period_decision.h"
-#include "dsp/fusion/unwrap/evidence/period_evidence.h"
-#include "dsp/fusion/unwrap/evidence/returned_light.h"
-#include "dsp/fusion/unwrap/period_maps.h"
+#include "dsp/fusion/unwrap/decision/wrap_decision.h"
+#include "dsp/fusion/unwrap/evidence/amplitude_bound.h"
+#include "dsp/fusion/unwrap/evidence/wrap_evidence.h"
+#include "dsp/fusion/unwrap/wrap_maps.h"
 #include "dsp/pmd/interval/fill_intervals.h"
 
 namespace stof::dsp {
@@ -21,19 +21,19 @@ std::uint32_t turn_of(const PmdSensor& sensor) noexcept {
                   (2.0 * sensor.frequency.modulation.value)));
 }
 
-void apply(const PeriodMaps& maps, const PmdMaps& pmd) noexcept {
+void apply(const WrapMaps& maps, const PmdMaps& pmd) noexcept {
   for (int y = 0; y < maps.height; ++y) {
     const std::span<QuarterMm> distance = pmd.distance.row(y);
     const std::span<QuarterMm> sigma = pmd.sigma.row(y);
     const std::span<std::uint8_t> flags = pmd.flags.row(y);
     const std::size_t first = maps.place(0, y);
     for (std::size_t x = 0; x < distance.size(); ++x) {
-      const std::int8_t period = maps.period[first + x];
-      if (period == kNoReading) {
+      const std::int8_t wraps = maps.wraps[first + x];
+      if (wraps == kNoReading) {
         continue;
       }
-      const bool told = period >= 0;
-      distance[x] = told ? static_cast<QuarterMm>(maps.distance(first + x, period)) : kNoDepth;
+      const bool told = wraps >= 0;
+      distance[x] = told ? static_cast<QuarterMm>(maps.distance(first + x, wraps)) : kNoDepth;
       sigma[x] = told ? sigma[x] : QuarterMm{0};
       flags[x] = static_cast<std::uint8_t>(flags[x] | (told ? 0U : unsigned{kPmdWrapped}));
     }
@@ -63,10 +63,10 @@ void mark_edges(const PmdMaps& pmd) noexcept {
 
 struct Unwrapper::Parts {
   QuarterMm max_range;
-  PeriodMaps maps;
-  ReturnedLight light;
-  PeriodEvidence evidence;
-  PeriodDecision decision;
+  WrapMaps maps;
+  AmplitudeBound bound;
+  WrapEvidence evidence;
+  WrapDecision decision;
 };
 
 bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noexcept {
@@ -76,18 +76,17 @@ bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noex
 Unwrapper::Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
                      int disparities, int width, int height, Arena& arena) noexcept {
   const Pinhole& pmd = calibration.pmd.lens;
-  parts_ =
-      arena.put(Parts{.max_range = params.max_range,
-                      .maps = PeriodMaps(pmd.width, pmd.height, arena),
-                      .light = ReturnedLight(calibration.pmd.white_lsb),
-                      .evidence = PeriodEvidence(calibration, params, min_disparity, disparities,
-                                                 width, height, arena),
-                      .decision = PeriodDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
-                                                 turn_of(calibration.pmd), arena)});
+  parts_ = arena.put(Parts{.max_range = params.max_range,
+                           .maps = WrapMaps(pmd.width, pmd.height, arena),
+                           .bound = AmplitudeBound(calibration.pmd.white_lsb),
+                           .evidence = WrapEvidence(calibration, params, min_disparity, disparities,
+                                                    width, height, arena),
+                           .decision = WrapDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
+                                                    turn_of(calibration.pmd), arena)});
 }
 
 void Unwrapper::resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity) noexcept {
-  PeriodMaps& maps = parts_->maps;
+  WrapMaps& maps = parts_->maps;
   STOF_CHECK(pmd.distance.width() == maps.width && pmd.distance.height() == maps.height);
   STOF_CHECK(same_size(pmd.sigma, pmd.distance) && same_size(pmd.amp2, pmd.distance) &&
              same_size(pmd.flags, pmd.distance) && pmd.range > 0);
@@ -96,11 +95,11 @@ void Unwrapper::resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity
     return;
   }
   maps.range = pmd.range;
-  maps.periods =
-      static_cast<int>(std::min<std::uint32_t>(kMaxQuarterMm / pmd.range + 1, kMostPeriods));
-  parts_->light.start(pmd);
-  parts_->evidence.collect(pmd, disparity, parts_->light, maps);
-  parts_->decision.decide(parts_->light, maps);
+  maps.wrap_counts =
+      static_cast<int>(std::min<std::uint32_t>(kMaxQuarterMm / pmd.range + 1, kMostWrapCounts));
+  parts_->bound.start(pmd);
+  parts_->evidence.collect(pmd, disparity, parts_->bound, maps);
+  parts_->decision.decide(parts_->bound, maps);
   apply(maps, pmd);
   refresh_intervals(pmd);
   mark_edges(pmd);

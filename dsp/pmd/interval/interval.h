@@ -41,7 +41,7 @@ struct IntervalLimits {
 //                   slope_q16) >> 16): more than noise and the slope of a surface
 //   kPmdOutOfRange  high is above range, the pixel's own reading is not: the far end is more than
 //                   this sensor can tell. Or high is 65535, which is more than it can say. A
-//                   reading above range is one that was moved by whole periods, by who knew better
+//                   reading above range is one that was moved by whole ranges, by who knew better
 // Any length, any alignment; no overlap.
 using IntervalKernel = void(const IntervalRows& rows, const IntervalLimits& limits,
                             std::span<std::uint8_t> flags, std::span<QuarterMm> low,

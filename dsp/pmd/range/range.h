@@ -20,12 +20,12 @@ using RangeKernel = void(std::span<const Phase> phase, std::uint32_t turn,
 
 // z = scale d + shift (Kuhnert & Stommel 2006, eq. 14), in place:
 //   z = ((min(d, kMostUnits) * scale_q15 + 2^14) >> 15) + shift
-// A z of 0 or less is a reading from one period further away: `period` is added once; what is still
+// A z of 0 or less is a reading from one turn further away: `turn` is added once; what is still
 // not positive becomes 1. At most kMostUnits. Any length, any alignment.
 struct StraightLine {
   std::uint32_t scale_q15 = kPlainScale;  // at most kMostScale
   std::int32_t shift = 0;                 // within +-kMostUnits
-  std::uint32_t period = 0;               // at most kMostUnits
+  std::uint32_t turn = 0;                 // at most kMostUnits
   static constexpr std::uint32_t kPlainScale = 1U << 15U;
   static constexpr std::uint32_t kMostScale = 1U << 17U;
 };
@@ -35,7 +35,7 @@ constexpr bool changes_nothing(const StraightLine& line) noexcept {
 constexpr bool usable(const StraightLine& line) noexcept {
   constexpr std::int32_t kMost = kMostUnits;
   return line.scale_q15 <= StraightLine::kMostScale && line.shift >= -kMost &&
-         line.shift <= kMost && line.period <= kMostUnits;
+         line.shift <= kMost && line.turn <= kMostUnits;
 }
 using StraightLineKernel = void(const StraightLine& line,
                                 std::span<std::uint32_t> distance) noexcept;

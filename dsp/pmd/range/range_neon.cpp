@@ -31,7 +31,7 @@ uint32x4_t on_line(uint32x4_t distance, const StraightLine& line) noexcept {
                                             vrshrn_n_u64(vmull_u32(vget_high_u32(d), scale), 15));
   int32x4_t z = vaddq_s32(vreinterpretq_s32_u32(stretched), vdupq_n_s32(line.shift));
   const uint32x4_t behind = vcleq_s32(z, vdupq_n_s32(0));
-  z = vaddq_s32(z, vreinterpretq_s32_u32(vandq_u32(behind, vdupq_n_u32(line.period))));
+  z = vaddq_s32(z, vreinterpretq_s32_u32(vandq_u32(behind, vdupq_n_u32(line.turn))));
   const int32x4_t limit = vreinterpretq_s32_u32(most);
   return vreinterpretq_u32_s32(vminq_s32(vmaxq_s32(z, vdupq_n_s32(1)), limit));
 }

@@ -21,7 +21,7 @@ void straight_line(const StraightLine& line, std::span<std::uint32_t> distance) 
     const std::uint64_t stretched =
         round_shift(std::uint64_t{std::min(d, kMostUnits)} * line.scale_q15, kQ15Bits);
     std::int64_t z = static_cast<std::int64_t>(stretched) + line.shift;
-    z = z <= 0 ? z + line.period : z;
+    z = z <= 0 ? z + line.turn : z;
     d = static_cast<std::uint32_t>(std::clamp<std::int64_t>(z, 1, kMostUnits));
   }
 }

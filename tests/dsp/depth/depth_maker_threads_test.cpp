@@ -139,7 +139,7 @@ std::vector<Rig> rigs_of(Size size) {
     all.temporal = all.guided = true;
     rigs.push_back({name + "guide, time", calibration_of(size, {13, 9}), all});
     all.fusion.max_range = 40'000;
-    rigs.push_back({name + "guide, time, periods", calibration_of(size, {13, 9}), all});
+    rigs.push_back({name + "guide, time, wrap counts", calibration_of(size, {13, 9}), all});
     if (size.width > 30 && size.height > 20) {
       rigs.push_back({name + "raw, guide, time", raw_calibration(size, {13, 9}), all});
     }

@@ -78,7 +78,7 @@ TEST(ConverterFrame, AppliesTheStraightLine) {
   const PmdMaps& maps = rig.converter().convert(planes.samples());
   EXPECT_NEAR(maps.distance.at(3, 0), (2.0 * 1.02 - 0.25) * 4000, 5);
   EXPECT_EQ(maps.range, static_cast<std::uint32_t>(std::lround(kTurnM * 1.02 * 4000)));
-  // 0.1 m would lie 15 cm behind the lens: it is one period further.
+  // 0.1 m would lie 15 cm behind the lens: it is one range further.
   planes.show_everywhere(0.1, 1500, 600);
   rig.converter().convert(planes.samples());
   EXPECT_NEAR(maps.distance.at(3, 0), ((0.1 + kTurnM) * 1.02 - 0.25) * 4000, 5);

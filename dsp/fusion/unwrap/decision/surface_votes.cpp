@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::size_t kPerWord = 4;
 constexpr std::size_t kBits = 16;  // of a count: at most (2 kArm + 1) times a height of 4096
-constexpr std::size_t kMostWords = kMostPeriods / kPerWord + 1;
+constexpr std::size_t kMostWords = kMostWrapCounts / kPerWord + 1;
 
 std::uint8_t one_more(std::uint8_t arm) noexcept {
   return static_cast<std::uint8_t>(std::min(arm + 1, SurfaceVotes::kArm));
@@ -29,7 +29,7 @@ SurfaceVotes::SurfaceVotes(int width, int height, Arena& arena) noexcept
       line_(arena.take<std::uint64_t>(kMostWords * index(width + 1))),
       columns_(arena.take<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
 
-// Arms end at the wrap: behind it the same surface has another period.
+// Arms end at the wrap: behind it the same surface has wrapped once more, or once less.
 void SurfaceVotes::reach() noexcept {
   const std::size_t row = index(width_);
   const std::size_t all = pixel_count(width_, height_);
@@ -49,7 +49,7 @@ void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
   const std::size_t row = index(width_);
   const std::size_t first = pixel_count(width_, y);
   for (std::size_t word = 0; word < words_; ++word) {
-    const int origin = static_cast<int>(word * kPerWord) - 1;  // period of the lowest count
+    const int origin = static_cast<int>(word * kPerWord) - 1;  // wrap count of the lowest count
     const std::uint64_t pixel = word == 0 ? 1 : 0;
     std::uint64_t sum = 0;
     line_[0] = 0;
@@ -67,8 +67,8 @@ void SurfaceVotes::sum_row(int y, std::span<const std::int8_t> votes) noexcept {
   }
 }
 
-void SurfaceVotes::sum(std::span<const std::int8_t> votes, int periods) noexcept {
-  words_ = index(periods) / kPerWord + 1;
+void SurfaceVotes::sum(std::span<const std::int8_t> votes, int wrap_counts) noexcept {
+  words_ = index(wrap_counts) / kPerWord + 1;
   reach();
   std::ranges::fill(columns_.first(words_ * index(width_)), std::uint64_t{0});
   for (int y = 0; y < height_; ++y) {
@@ -84,8 +84,8 @@ SurfaceVotes::Counts SurfaceVotes::around(int x, int y) const noexcept {
   Counts out{};
   for (std::size_t n = 0; n < words_ * kPerWord; ++n) {
     const std::uint64_t word = columns_[below + n / kPerWord] - columns_[above + n / kPerWord];
-    const std::size_t period = n == 0 ? out.size() - 1 : n - 1;
-    out[period] = static_cast<std::uint16_t>(word >> (kBits * (n % kPerWord)));
+    const std::size_t wraps = n == 0 ? out.size() - 1 : n - 1;
+    out[wraps] = static_cast<std::uint16_t>(word >> (kBits * (n % kPerWord)));
   }
   return out;
 }

@@ -7,12 +7,12 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/index.h"
-#include "dsp/fusion/unwrap/period_maps.h"
+#include "dsp/fusion/unwrap/wrap_maps.h"
 
 namespace stof::dsp {
 
 // How a reading goes on in the one to its right or below, in one number: -1, 0, 1, the gain, where
-// both lie within their noise in distance and in amplitude: period(other) = period(this) + gain,
+// both lie within their noise in distance and in amplitude: wraps(other) = wraps(this) + gain,
 // not 0 where distance wraps. Else:
 inline constexpr std::int8_t kDimmed = 2;   // within some slope, and amplitude at most doubles
 inline constexpr std::int8_t kBlurred = 3;  // their noise hides any edge
@@ -26,9 +26,9 @@ constexpr bool goes_on(Link link) noexcept { return link < kDimmed; }
 class SurfaceVotes {
  public:
   static constexpr int kArm = 6;
-  // Pixels counted around a pixel: how many voted for each period, and in the last element all,
+  // Pixels counted around a pixel: how many voted for each wrap count, and in the last element all,
   // voters or not.
-  using Counts = std::array<std::uint16_t, kMostPeriods + 1>;
+  using Counts = std::array<std::uint16_t, kMostWrapCounts + 1>;
 
   SurfaceVotes(int width, int height, Arena& arena) noexcept;
 
@@ -39,8 +39,8 @@ class SurfaceVotes {
   Link right(std::size_t pixel) const noexcept { return right_[pixel]; }
   Link below(std::size_t pixel) const noexcept { return below_[pixel]; }
 
-  // After all rows: sums up votes for periods 0 .. periods - 1, below 0 = none.
-  void sum(std::span<const std::int8_t> votes, int periods) noexcept;
+  // After all rows: sums up votes for wrap counts 0 .. wrap_counts - 1, below 0 = none.
+  void sum(std::span<const std::int8_t> votes, int wrap_counts) noexcept;
   Counts around(int x, int y) const noexcept;
 
  private:
@@ -59,7 +59,8 @@ class SurfaceVotes {
   std::span<std::uint8_t> right_arm_;
   std::span<std::uint8_t> upper_arm_;
   std::span<std::uint8_t> lower_arm_;
-  // Sums hold four counts of 16 bits in a word: the first all pixels, then period after period.
+  // Sums hold four counts of 16 bits in a word: the first of all pixels, then one for each
+  // wrap count.
   std::size_t words_ = 1;             // of a pixel
   std::span<std::uint64_t> line_;     // of a row from its left
   std::span<std::uint64_t> columns_;  // of what lies along the arms of rows, from the top

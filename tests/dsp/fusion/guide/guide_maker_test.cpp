@@ -190,7 +190,7 @@ TEST(Guide, LeavesRoomForWhatThePmdCouldNotMeasureBeforeAWall) {
   EXPECT_LT(silent_pixels(near_maker(near.maps())), near_free + 60 * 60);
 }
 
-TEST(Guide, APeriodInDoubtLimitsTheNearSideOnly) {
+TEST(Guide, AWrapCountInDoubtLimitsTheNearSideOnly) {
   const Calibration rig = plain_rig();
   Wall wall(rig, 1.5);
   wall.range = 7495 * 4;

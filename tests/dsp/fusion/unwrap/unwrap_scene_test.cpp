@@ -20,7 +20,7 @@
 #include "tests/support/in_own_memory.h"
 
 // Rendered halls of up to 14 m, seen by a PMD camera that repeats after 7.49 m: the whole way from
-// pictures and samples to periods.
+// pictures and samples to wrap counts.
 namespace stof::test {
 namespace {
 

@@ -35,7 +35,7 @@ TEST(Unwrap, IsNeededWhereTheRangeIsLongerThanATurn) {
   EXPECT_FALSE(Unwrapper::needed(PmdSensor{}, {}));
 }
 
-TEST(Unwrap, TakesThePeriodThatStereoSupports) {
+TEST(Unwrap, TakesTheWrapCountThatStereoSupports) {
   for (const double metres : {2.0, 3.0, 7.0, 8.2, 3.0 + kRange, 14.0, 15.5}) {
     UnwrapRig rig(rig_with_white(2000));
     rig.measure(sphere(metres), kDim);
@@ -48,7 +48,7 @@ TEST(Unwrap, TakesThePeriodThatStereoSupports) {
   }
 }
 
-TEST(Unwrap, ChangesNothingOfAFrameWhosePeriodIsLongEnough) {
+TEST(Unwrap, ChangesNothingOfAFrameWhoseRangeIsLongEnough) {
   UnwrapRig rig(rig_with_white(2000), 20000);
   rig.measure(sphere(2.0), kDim);
   rig.match(sphere(2.0 + kRange));
@@ -109,7 +109,7 @@ TEST(Unwrap, FlagsWhereStereoSpeaksForTwo) {
 
 TEST(Unwrap, FlagsAReadingThatMayBeMixedFromFarApart) {
   UnwrapRig rig(rig_with_white(2000));
-  rig.measure(sphere(3.0), 200);  // bright, so period 0
+  rig.measure(sphere(3.0), 200);  // bright, so it has not wrapped
   const Surface step = [](double x, double) { return x < 12 ? 3.0 : 12.0; };
   rig.match(step);
   rig.resolve();
@@ -117,7 +117,7 @@ TEST(Unwrap, FlagsAReadingThatMayBeMixedFromFarApart) {
   EXPECT_TRUE(rig.flagged(12, 9));
 }
 
-TEST(Unwrap, AssumesTheFirstPeriodWhereNothingIsKnown) {
+TEST(Unwrap, AssumesNoWrapWhereNothingIsKnown) {
   UnwrapRig rig(rig_with_white(0));
   rig.measure(sphere(2.0), kDim);
   rig.match(kNothing);
@@ -306,8 +306,8 @@ TEST(Unwrap, WorksOnARigThatIsNotRectified) {
   EXPECT_EQ(rig.at(14, 9), 12000);
 }
 
-// Three periods of 60 MHz lie within 8 m.
-TEST(Unwrap, TellsManyPeriodsApart) {
+// Three ranges of 60 MHz lie within 8 m.
+TEST(Unwrap, TellsManyWrapCountsApart) {
   Calibration calibration = rig_with_white(2000);
   calibration.pmd.frequency.modulation = Hertz{60'000'000};
   UnwrapRig rig(calibration, 32000);

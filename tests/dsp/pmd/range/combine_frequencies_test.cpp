@@ -61,7 +61,7 @@ TEST(CombineFrequencies, TellsTwentyAndEighteenAndThreeQuarterMegahertzApartUpTo
   EXPECT_EQ(pair.m, 16U);
   EXPECT_EQ(pair.n, 15U);
   EXPECT_EQ(pair.inverse, 15U);
-  EXPECT_EQ(common_period(pair), 1'199'170U);  // 119.917 m
+  EXPECT_EQ(common_range(pair), 1'199'170U);  // 119.917 m
   // 34 m: 4.5365 turns of 20 MHz and 4.2530 of 18.75 MHz.
   EXPECT_NEAR(run(pair, {.phi1 = 35'160, .phi2 = 16'578}).distance, 340'000, 2);
 }
@@ -69,9 +69,9 @@ TEST(CombineFrequencies, TellsTwentyAndEighteenAndThreeQuarterMegahertzApartUpTo
 TEST(CombineFrequencies, GivesBackEveryDistanceOfTheRange) {
   for (const std::array<std::uint32_t, 2>& hertz : kPairs) {
     const FrequencyPair pair = pair_of(hertz);
-    const double period = common_period(pair) / 10000.0;
+    const double range = common_range(pair) / 10000.0;
     for (int i = 0; i < 4000; ++i) {
-      const double metres = period * (i + 0.5) / 4000;
+      const double metres = range * (i + 0.5) / 4000;
       const Reading reading =
           run(pair, {.phi1 = phase_at(metres, hertz[0]), .phi2 = phase_at(metres, hertz[1])});
       // Half a phase unit of each frequency, a sixteenth of the correction, half a unit of
@@ -102,17 +102,17 @@ TEST(CombineFrequencies, WeighsBothEstimatesByTheSquareOfFrequencyTimesAmplitude
 
 TEST(CombineFrequencies, WrapsAsAWholeAtBothEndsOfTheRange) {
   const FrequencyPair pair = pair_of(kPairs[0]);
-  const std::uint32_t period = common_period(pair);
+  const std::uint32_t range = common_range(pair);
   // 3 units before 0 in one frequency, 3 behind it in the other: the mean is 0, whichever comes
   // first.
   for (const int side : {-3, 3}) {
     const Reading reading =
         run(pair, {.phi1 = static_cast<Phase>(side), .phi2 = static_cast<Phase>(-side)});
     EXPECT_EQ(reading.flags, 0);
-    EXPECT_LE(std::min(reading.distance, period - reading.distance), 3U) << side;
+    EXPECT_LE(std::min(reading.distance, range - reading.distance), 3U) << side;
   }
   EXPECT_EQ(run(pair, {}).distance, 1U);  // 0 means none
-  EXPECT_EQ(run(pair, {.phi1 = 65535, .phi2 = 65535}).distance, period - 1);
+  EXPECT_EQ(run(pair, {.phi1 = 65535, .phi2 = 65535}).distance, range - 1);
 }
 
 TEST(CombineFrequencies, RefusesPhasesThatContradictEachOther) {
@@ -149,12 +149,12 @@ TEST(CombineFrequencies, RefusesNoiseThatCouldAgreeByChance) {
 TEST(CombineFrequencies, AWrongTurnNeverAgreesAtTheNoiseThatIsAccepted) {
   for (const std::array<std::uint32_t, 2>& hertz : kPairs) {
     const FrequencyPair pair = pair_of(hertz);
-    const double period = common_period(pair) / 10000.0;
+    const double range = common_range(pair) / 10000.0;
     test::Random random(hertz[0]);
     // Four standard deviations of the difference, all of it in one frequency or shared out.
     const double difference = 4 * std::sqrt(pair.max_variance) / 4000;
     for (int i = 0; i < 2000; ++i) {
-      const double metres = period * random.between(100, 9900) / 10000;
+      const double metres = range * random.between(100, 9900) / 10000;
       const double share = random.between(0, 10) / 10.0;
       const double sign = random.between(0, 1) == 0 ? 1 : -1;
       const double first = metres + sign * share * difference;

@@ -78,10 +78,10 @@ TEST(StraightLine, IsTheChaptersFit) {
 }
 
 TEST(StraightLine, NeverEndsAtNothing) {
-  EXPECT_EQ(on_line({.shift = -500, .period = 0}, 499), 1U);
-  EXPECT_EQ(on_line({.shift = -500, .period = 100}, 300), 1U);
-  EXPECT_EQ(on_line({.shift = -500, .period = 29979}, 500), 29979U);
-  EXPECT_EQ(on_line({.shift = -500, .period = 29979}, 501), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .turn = 0}, 499), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .turn = 100}, 300), 1U);
+  EXPECT_EQ(on_line({.shift = -500, .turn = 29979}, 500), 29979U);
+  EXPECT_EQ(on_line({.shift = -500, .turn = 29979}, 501), 1U);
   EXPECT_EQ(on_line({.scale_q15 = 0}, 12345), 1U);
   EXPECT_EQ(on_line({.scale_q15 = StraightLine::kMostScale}, 0xFFFFFFFF), kMostUnits);
 }
@@ -107,7 +107,7 @@ TEST(StraightLine, EqualsReferenceForEveryLengthAndExtreme) {
       const StraightLine line{
           .scale_q15 = static_cast<std::uint32_t>(c.draw(0, StraightLine::kMostScale)),
           .shift = c.draw(-kMost, kMost) / (1 << (variant * 3)),
-          .period = static_cast<std::uint32_t>(c.draw(0, variant < 3 ? kMost : 40000))};
+          .turn = static_cast<std::uint32_t>(c.draw(0, variant < 3 ? kMost : 40000))};
       c.run([&] { best::straight_line(line, distance); });
     });
   }

@@ -88,8 +88,8 @@ Count count_of(const char* name, double min_ratio) {
       if (distance[i] == 0) {
         continue;
       }
-      const double period = common_period(pair) / 1e4;
-      const double error = std::remainder(distance[i] / 1e4 - truth->pixels[i] / 1e3, period);
+      const double range = common_range(pair) / 1e4;
+      const double error = std::remainder(distance[i] / 1e4 - truth->pixels[i] / 1e3, range);
       ++count.accepted;
       count.wrong += std::abs(error) > turn_m / 2 ? 1 : 0;
       count.errors_m.push_back(std::abs(error));

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/decision/period_decision.h"
+#include "dsp/fusion/unwrap/decision/wrap_decision.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -47,22 +47,22 @@ void link_row(std::span<const Reading> from, std::span<const Reading> to,
 
 }  // namespace
 
-PeriodDecision::PeriodDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
-                               Arena& arena) noexcept
+WrapDecision::WrapDecision(int pmd_width, int pmd_height, double focal, std::uint32_t range,
+                           Arena& arena) noexcept
     : window_(pmd_width, pmd_height, range, arena),
       surfaces_(pmd_width, pmd_height, arena),
       regions_(pixel_count(pmd_width, pmd_height), arena),
       slant_divisor_(static_cast<std::uint32_t>(std::max(focal / 2, 1.0))),
       slants_(arena.take<std::int32_t>(index(pmd_width))) {}
 
-void PeriodDecision::link_all(const PeriodMaps& maps) noexcept {
+void WrapDecision::link_all(const WrapMaps& maps) noexcept {
   const std::size_t row = index(maps.width);
   const std::span<const Reading> readings = maps.readings;
   for (int y = 0; y < maps.height; ++y) {
     const std::size_t first = maps.place(0, y);
     for (std::size_t x = 0; x < row; ++x) {
-      const int period = std::max<int>(maps.vote[first + x], 0);
-      slants_[x] = static_cast<std::int32_t>(maps.distance(first + x, period) / slant_divisor_);
+      const int wraps = std::max<int>(maps.vote[first + x], 0);
+      slants_[x] = static_cast<std::int32_t>(maps.distance(first + x, wraps) / slant_divisor_);
     }
     const std::span<Link> right = surfaces_.right_row(y);
     const std::span<Link> below = surfaces_.below_row(y);
@@ -78,12 +78,12 @@ void PeriodDecision::link_all(const PeriodMaps& maps) noexcept {
   }
 }
 
-// Whether readings around that were voted for leave little doubt about a period.
-bool PeriodDecision::prevails(const PeriodMaps& maps, int x, int y, int wanted) const noexcept {
+// Whether readings around that were voted for leave little doubt about its wrap count.
+bool WrapDecision::prevails(const WrapMaps& maps, int x, int y, int wanted) const noexcept {
   int mine = 0;
   int rival = 0;
   const std::size_t i = maps.place(x, y);
-  for (int k = 0; k < maps.periods && maps.distance(i, k) <= kMaxQuarterMm; ++k) {
+  for (int k = 0; k < maps.wrap_counts && maps.distance(i, k) <= kMaxQuarterMm; ++k) {
     const int votes = window_.around(x, y, static_cast<QuarterMm>(maps.distance(i, k)));
     mine = k == wanted ? votes : mine;
     rival = k == wanted ? rival : std::max(rival, votes);
@@ -92,14 +92,14 @@ bool PeriodDecision::prevails(const PeriodMaps& maps, int x, int y, int wanted) 
 }
 
 // What most of its surface says, and the reading itself if it says anything.
-std::int8_t PeriodDecision::by_surface(const PeriodMaps& maps, int x, int y) const noexcept {
+std::int8_t WrapDecision::by_surface(const WrapMaps& maps, int x, int y) const noexcept {
   const std::size_t i = maps.place(x, y);
   const std::int8_t own = maps.vote[i];
   const SurfaceVotes::Counts counts = surfaces_.around(x, y);
   int winner = 0;
   int most = 0;
   int voters = 0;
-  for (int k = 0; k < maps.periods; ++k) {
+  for (int k = 0; k < maps.wrap_counts; ++k) {
     const int count = counts[index(k)];
     winner = count > most ? k : winner;
     most = std::max(most, count);
@@ -109,15 +109,15 @@ std::int8_t PeriodDecision::by_surface(const PeriodMaps& maps, int x, int y) con
     return own;
   }
   const int all = counts.back();
-  const bool agrees = own == kUnknownPeriod || own == winner;
+  const bool agrees = own == kUnknownWraps || own == winner;
   if (!agrees || most < std::min(kLeastAround, all) || 2 * most < all ||
       8 * (voters - most) > most || !prevails(maps, x, y, winner)) {
-    return own == kUnknownPeriod ? kUnknownPeriod : kDisputedPeriod;
+    return own == kUnknownWraps ? kUnknownWraps : kDisputedWraps;
   }
-  return has_bit(maps.possible, i, winner) ? static_cast<std::int8_t>(winner) : kRefutedPeriod;
+  return has_bit(maps.possible, i, winner) ? static_cast<std::int8_t>(winner) : kRefutedWraps;
 }
 
-void PeriodDecision::decide_by_surfaces(PeriodMaps& maps) noexcept {
+void WrapDecision::decide_by_surfaces(WrapMaps& maps) noexcept {
   window_.clear();
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {
@@ -128,23 +128,23 @@ void PeriodDecision::decide_by_surfaces(PeriodMaps& maps) noexcept {
     }
   }
   window_.sum();
-  surfaces_.sum(maps.vote, maps.periods);
+  surfaces_.sum(maps.vote, maps.wrap_counts);
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {
       const std::size_t i = maps.place(x, y);
       const bool open = maps.vote[i] != kNoReading && !maps.bright[i];
-      maps.period[i] = open ? by_surface(maps, x, y) : maps.vote[i];
+      maps.wraps[i] = open ? by_surface(maps, x, y) : maps.vote[i];
     }
   }
 }
 
 // Only what is open joins: with itself and with the decided readings at its border.
-void PeriodDecision::join_regions(const PeriodMaps& maps) noexcept {
+void WrapDecision::join_regions(const WrapMaps& maps) noexcept {
   regions_.clear();
   const std::size_t all = maps.pixels();
   const std::size_t row = index(maps.width);
   const auto join = [&](std::size_t a, std::size_t b, Link link) {
-    if (maps.period[a] == kUnknownPeriod || maps.period[b] == kUnknownPeriod) {
+    if (maps.wraps[a] == kUnknownWraps || maps.wraps[b] == kUnknownWraps) {
       regions_.unite(a, b, link);
     }
   };
@@ -162,40 +162,40 @@ void PeriodDecision::join_regions(const PeriodMaps& maps) noexcept {
     }
   }
   for (std::size_t i = 0; i < all; ++i) {
-    if (maps.period[i] >= 0 && !maps.bright[i]) {
-      regions_.contradict(i, maps.period[i]);
+    if (maps.wraps[i] >= 0 && !maps.bright[i]) {
+      regions_.contradict(i, maps.wraps[i]);
     }
   }
 }
 
-// The period of an open reading from its region, what is possible and its brightness.
-std::int8_t PeriodDecision::decide_last(const ReturnedLight& light, const PeriodMaps& maps,
-                                        std::size_t i) noexcept {
-  const std::int8_t so_far = maps.period[i];
-  if (so_far >= 0 || so_far == kNoReading || so_far == kRefutedPeriod) {
+// The wrap count of an open reading from its region, what is possible and its brightness.
+std::int8_t WrapDecision::decide_last(const AmplitudeBound& bound, const WrapMaps& maps,
+                                      std::size_t i) noexcept {
+  const std::int8_t so_far = maps.wraps[i];
+  if (so_far >= 0 || so_far == kNoReading || so_far == kRefutedWraps) {
     return so_far;
   }
-  const int region = so_far == kUnknownPeriod ? regions_.period(i) : PeriodRegions::kUndecided;
-  if (region != PeriodRegions::kUndecided) {
-    const bool fits = region >= 0 && region < maps.periods;
+  const int region = so_far == kUnknownWraps ? regions_.wraps(i) : WrapRegions::kUndecided;
+  if (region != WrapRegions::kUndecided) {
+    const bool fits = region >= 0 && region < maps.wrap_counts;
     return fits && has_bit(maps.possible, i, region) ? static_cast<std::int8_t>(region)
-                                                     : kRefutedPeriod;
+                                                     : kRefutedWraps;
   }
   if (maps.possible[i] == 1) {
     return 0;
   }
-  const bool near = so_far == kUnknownPeriod && !light.known() &&
-                    light.outshines(maps.readings[i], maps.distance(i, 1));
-  return near ? std::int8_t{0} : kRefutedPeriod;
+  const bool near = so_far == kUnknownWraps && !bound.known() &&
+                    bound.outshines(maps.readings[i], maps.distance(i, 1));
+  return near ? std::int8_t{0} : kRefutedWraps;
 }
 
-// Whether a reading may be mixed with one of unknown period beside it: where it does not go on to
-// the other side. What stereo sees may change in amplitude there, and be slanted.
-bool PeriodDecision::may_be_mixed(const PeriodMaps& maps, int x, int y) const noexcept {
+// Whether a reading may be mixed with one of unknown wrap count beside it: where it does not go on
+// to the other side. What stereo sees may change in amplitude there, and be slanted.
+bool WrapDecision::may_be_mixed(const WrapMaps& maps, int x, int y) const noexcept {
   const std::size_t row = index(maps.width);
   const std::size_t i = maps.place(x, y);
   const auto open = [&](std::size_t other) {
-    return maps.period[other] < 0 && maps.period[other] != kNoReading;
+    return maps.wraps[other] < 0 && maps.wraps[other] != kNoReading;
   };
   const bool open_left = x > 0 && open(i - 1);
   const bool open_right = x + 1 < maps.width && open(i + 1);
@@ -216,33 +216,33 @@ bool PeriodDecision::may_be_mixed(const PeriodMaps& maps, int x, int y) const no
          torn(open_above, above, open_below, below) || torn(open_below, below, open_above, above);
 }
 
-void PeriodDecision::decide(ReturnedLight& light, PeriodMaps& maps) noexcept {
+void WrapDecision::decide(AmplitudeBound& bound, WrapMaps& maps) noexcept {
   link_all(maps);
   decide_by_surfaces(maps);
   join_regions(maps);
   const std::size_t all = maps.pixels();
-  if (!light.known()) {
+  if (!bound.known()) {
     for (std::size_t i = 0; i < all; ++i) {
-      if (maps.period[i] >= 0) {
-        light.learn(maps.readings[i], maps.distance(i, maps.period[i]));
+      if (maps.wraps[i] >= 0) {
+        bound.learn(maps.readings[i], maps.distance(i, maps.wraps[i]));
       }
     }
-    light.end_learning();
+    bound.end_learning();
   }
   for (std::size_t i = 0; i < all; ++i) {
-    const std::int8_t period = decide_last(light, maps, i);
-    maps.seen[i] = period > 0 && maps.vote[i] == period;
-    maps.period[i] = period >= 0 && has_bit(maps.mixed, i, period) ? kRefutedPeriod : period;
+    const std::int8_t wraps = decide_last(bound, maps, i);
+    maps.seen[i] = wraps > 0 && maps.vote[i] == wraps;
+    maps.wraps[i] = wraps >= 0 && has_bit(maps.mixed, i, wraps) ? kRefutedWraps : wraps;
   }
-  // In place of vote: may_be_mixed() looks at the periods around.
+  // In place of vote: may_be_mixed() looks at the wrap counts around.
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {
       const std::size_t i = maps.place(x, y);
-      const bool drop = maps.period[i] >= 0 && may_be_mixed(maps, x, y);
-      maps.vote[i] = drop ? kRefutedPeriod : maps.period[i];
+      const bool drop = maps.wraps[i] >= 0 && may_be_mixed(maps, x, y);
+      maps.vote[i] = drop ? kRefutedWraps : maps.wraps[i];
     }
   }
-  std::ranges::copy(maps.vote, maps.period.begin());
+  std::ranges::copy(maps.vote, maps.wraps.begin());
 }
 
 }  // namespace stof::dsp

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/evidence/returned_light.h"
+#include "dsp/fusion/unwrap/evidence/amplitude_bound.h"
 
 #include <algorithm>
 #include <bit>
@@ -28,26 +28,26 @@ std::uint64_t upper_bound_of(std::size_t klass) noexcept {
 
 }  // namespace
 
-ReturnedLight::ReturnedLight(double white_lsb) noexcept {
+AmplitudeBound::AmplitudeBound(double white_lsb) noexcept {
   constexpr double kStepsPerMetre = static_cast<double>(kQuarterMmPerMetre) / kStep;
   brightest_ = static_cast<std::uint64_t>(std::llround(
       2 * kMargin * std::min(white_lsb, kMostWhite) * kStepsPerMetre * kStepsPerMetre));
 }
 
-void ReturnedLight::start(const PmdMaps& maps) noexcept {
+void AmplitudeBound::start(const PmdMaps& maps) noexcept {
   range_ = maps.range;
   integration_ = maps.integration;
   learnt_ = 0;
   classes_.fill(0);
 }
 
-std::uint32_t ReturnedLight::amp2(std::uint16_t measured) const noexcept {
+std::uint32_t AmplitudeBound::amp2(std::uint16_t measured) const noexcept {
   return integration_ == kReferenceIntegration
              ? measured
              : std::uint32_t{measured} * kReferenceIntegration / std::max(integration_, 1U);
 }
 
-bool ReturnedLight::excludes(const Reading& reading, std::uint32_t distance) const noexcept {
+bool AmplitudeBound::excludes(const Reading& reading, std::uint32_t distance) const noexcept {
   // The amplitude's sigma is the amplitude times 2 pi sigma / range; three of them are 19 / range.
   constexpr std::uint32_t kThreeTurns = 19;
   const std::uint32_t noise = std::min(kThreeTurns * reading.sigma, range_);
@@ -55,11 +55,11 @@ bool ReturnedLight::excludes(const Reading& reading, std::uint32_t distance) con
          std::uint64_t{reading.amp2} * (range_ - noise) * square_of(distance) > brightest_ * range_;
 }
 
-void ReturnedLight::learn(const Reading& reading, std::uint32_t distance) noexcept {
+void AmplitudeBound::learn(const Reading& reading, std::uint32_t distance) noexcept {
   ++classes_[class_of(reading.amp2 * square_of(distance))];
 }
 
-void ReturnedLight::end_learning() noexcept {
+void AmplitudeBound::end_learning() noexcept {
   std::uint64_t all = 0;
   for (const std::uint32_t count : classes_) {
     all += count;
@@ -74,7 +74,7 @@ void ReturnedLight::end_learning() noexcept {
   }
 }
 
-bool ReturnedLight::outshines(const Reading& reading, std::uint32_t distance) const noexcept {
+bool AmplitudeBound::outshines(const Reading& reading, std::uint32_t distance) const noexcept {
   return reading.amp2 * square_of(distance) > kUnknownMargin * learnt_;
 }
 

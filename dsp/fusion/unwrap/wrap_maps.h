@@ -12,17 +12,17 @@ namespace stof::dsp {
 
 // A PMD pixel that has a distance.
 struct Reading {
-  QuarterMm distance = kNoDepth;  // of period 0
+  QuarterMm distance = kNoDepth;  // as if it had not wrapped
   QuarterMm sigma = 0;
   std::uint32_t amp2 = 0;  // at the reference integration time
 };
 
-inline constexpr int kMostPeriods = 7;
+inline constexpr int kMostWrapCounts = 7;
 
-// In place of a period.
-inline constexpr std::int8_t kUnknownPeriod = -1;   // nothing tells it
-inline constexpr std::int8_t kDisputedPeriod = -2;  // stereo and the readings around it differ
-inline constexpr std::int8_t kRefutedPeriod = -3;   // cannot be told, or lies beyond max_range
+// In place of a wrap count.
+inline constexpr std::int8_t kUnknownWraps = -1;   // nothing tells it
+inline constexpr std::int8_t kDisputedWraps = -2;  // stereo and the readings around it differ
+inline constexpr std::int8_t kRefutedWraps = -3;   // cannot be told, or lies beyond max_range
 inline constexpr std::int8_t kNoReading = -4;
 
 // Whether bit k of pixel i is set.
@@ -31,11 +31,11 @@ inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) n
 }
 
 // What is found out about the pixels of a frame, row by row.
-struct PeriodMaps {
-  PeriodMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
+struct WrapMaps {
+  WrapMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
     readings = arena.take<Reading>(pixels());
     vote = arena.take<std::int8_t>(pixels());
-    period = arena.take<std::int8_t>(pixels());
+    wraps = arena.take<std::int8_t>(pixels());
     possible = arena.take<std::uint16_t>(pixels());
     mixed = arena.take<std::uint16_t>(pixels());
     bright = arena.take<bool>(pixels());
@@ -44,7 +44,7 @@ struct PeriodMaps {
 
   std::size_t pixels() const noexcept { return pixel_count(width, height); }
   std::size_t place(int x, int y) const noexcept { return pixel_count(width, y) + index(x); }
-  // Where reading i lies in period k, or beyond kMaxQuarterMm.
+  // Where reading i lies if it wrapped k times, or beyond kMaxQuarterMm.
   std::uint32_t distance(std::size_t i, int k) const noexcept {
     return readings[i].distance + static_cast<std::uint32_t>(k) * range;
   }
@@ -52,14 +52,14 @@ struct PeriodMaps {
   int width;
   int height;
   std::uint32_t range = 1;  // after how much readings repeat, quarter mm
-  int periods = 1;          // 0 .. periods - 1 fit into u16, kMostPeriods at most
+  int wrap_counts = 1;      // 0 .. wrap_counts - 1 fit into u16; kMostWrapCounts at most
   std::span<Reading> readings;
   std::span<std::int8_t> vote;        // what amplitude or stereo says about this pixel alone
-  std::span<std::int8_t> period;      // what is decided
-  std::span<std::uint16_t> possible;  // bit k: period k is within max_range, amplitude allows it
+  std::span<std::int8_t> wraps;       // what is decided
+  std::span<std::uint16_t> possible;  // bit k: k wraps stay within max_range, amplitude allows them
   std::span<std::uint16_t> mixed;     // bit k: much of what stereo sees there lies far off it
-  std::span<bool> bright;             // amplitude alone proves period 0
-  std::span<bool> seen;               // stereo itself supports what is decided, a wrapped period
+  std::span<bool> bright;             // amplitude alone proves that it has not wrapped
+  std::span<bool> seen;               // stereo itself supports what is decided, and it wrapped
 };
 
 }  // namespace stof::dsp

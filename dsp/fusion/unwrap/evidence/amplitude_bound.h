@@ -4,21 +4,21 @@
 #include <cstdint>
 
 #include "dsp/base/fixed.h"
-#include "dsp/fusion/unwrap/period_maps.h"
+#include "dsp/fusion/unwrap/wrap_maps.h"
 #include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp {
 
 // How much light can come back from how far. A surface returns reflectance / r^2; reflectance is
 // counted as twice the amplitude times the square of the distance in 4 mm.
-class ReturnedLight {
+class AmplitudeBound {
  public:
   // Highlights, harmonics of the light and a white that was measured too dark stay below this.
   static constexpr double kMargin = 1.5;
   // Without white_lsb: how much brighter than what stereo has decided a surface may be.
   static constexpr int kUnknownMargin = 4;
 
-  explicit ReturnedLight(double white_lsb) noexcept;
+  explicit AmplitudeBound(double white_lsb) noexcept;
 
   bool known() const noexcept { return brightest_ != 0; }
   // A frame begins. range: after how much readings repeat.

@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/decision/period_regions.h"
+#include "dsp/fusion/unwrap/decision/wrap_regions.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -10,11 +10,11 @@ namespace stof::dsp {
 namespace {
 
 constexpr std::int16_t kTwisted = 32767;
-constexpr int kMostGain = 15;  // 16 periods at most
+constexpr int kMostGain = 15;  // 16 wraps at most
 
 }  // namespace
 
-PeriodRegions::PeriodRegions(std::size_t pixels, Arena& arena) noexcept
+WrapRegions::WrapRegions(std::size_t pixels, Arena& arena) noexcept
     : parent_(arena.take<std::int32_t>(pixels)),
       gain_(arena.take<std::int16_t>(pixels)),
       base_(arena.take<std::int16_t>(pixels)),
@@ -22,7 +22,7 @@ PeriodRegions::PeriodRegions(std::size_t pixels, Arena& arena) noexcept
       proofs_(arena.take<std::int32_t>(pixels)),
       against_(arena.take<std::int32_t>(pixels)) {}
 
-void PeriodRegions::clear() noexcept {
+void WrapRegions::clear() noexcept {
   for (std::size_t i = 0; i < parent_.size(); ++i) {
     parent_[i] = static_cast<std::int32_t>(i);
   }
@@ -33,7 +33,7 @@ void PeriodRegions::clear() noexcept {
   std::ranges::fill(against_, 0);
 }
 
-PeriodRegions::Place PeriodRegions::find(std::size_t pixel) noexcept {
+WrapRegions::Place WrapRegions::find(std::size_t pixel) noexcept {
   std::size_t root = pixel;
   int gain = 0;
   while (index(parent_[root]) != root) {
@@ -52,10 +52,10 @@ PeriodRegions::Place PeriodRegions::find(std::size_t pixel) noexcept {
   return {root, gain};
 }
 
-void PeriodRegions::unite(std::size_t a, std::size_t b, int gain) noexcept {
+void WrapRegions::unite(std::size_t a, std::size_t b, int gain) noexcept {
   Place from = find(a);
   Place to = find(b);
-  int between = from.gain + gain - to.gain;  // period(root of b) - period(root of a)
+  int between = from.gain + gain - to.gain;  // wraps(root of b) - wraps(root of a)
   if (from.root == to.root) {
     base_[from.root] = between == 0 ? base_[from.root] : kTwisted;
     return;
@@ -72,7 +72,7 @@ void PeriodRegions::unite(std::size_t a, std::size_t b, int gain) noexcept {
   size_[from.root] += size_[to.root];
 }
 
-void PeriodRegions::prove(std::size_t pixel) noexcept {
+void WrapRegions::prove(std::size_t pixel) noexcept {
   const Place place = find(pixel);
   const std::size_t root = place.root;
   if (base_[root] == kTwisted) {
@@ -84,12 +84,12 @@ void PeriodRegions::prove(std::size_t pixel) noexcept {
   ++(base_[root] == -place.gain ? proofs_ : against_)[root];
 }
 
-void PeriodRegions::contradict(std::size_t pixel, int period) noexcept {
+void WrapRegions::contradict(std::size_t pixel, int wraps) noexcept {
   const Place place = find(pixel);
-  against_[place.root] += base_[place.root] == period - place.gain ? 0 : 1;
+  against_[place.root] += base_[place.root] == wraps - place.gain ? 0 : 1;
 }
 
-int PeriodRegions::period(std::size_t pixel) noexcept {
+int WrapRegions::wraps(std::size_t pixel) noexcept {
   const Place place = find(pixel);
   const std::size_t root = place.root;
   if (base_[root] == kTwisted || proofs_[root] < kLeast ||

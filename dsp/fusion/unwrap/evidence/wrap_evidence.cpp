@@ -1,4 +1,4 @@
-#include "dsp/fusion/unwrap/evidence/period_evidence.h"
+#include "dsp/fusion/unwrap/evidence/wrap_evidence.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,15 +16,15 @@ double footprint_of(const Calibration& calibration) noexcept {
   return std::max(left.fx / pmd.fx, left.fy / pmd.fy);
 }
 
-// Period after period and without branches, so that compilers make vectors of it.
+// One wrap count at a time, without branches, so that compilers make vectors of it.
 void add_support(std::span<const Votes> votes, int k,
-                 std::span<PeriodEvidence::Support> support) noexcept {
+                 std::span<WrapEvidence::Support> support) noexcept {
   for (std::size_t x = 0; x < support.size(); ++x) {
-    const int known = std::max(votes[x].known(), PeriodEvidence::kLeastKnown);
+    const int known = std::max(votes[x].known(), WrapEvidence::kLeastKnown);
     const int agree = votes[x].agree();
     const int comparable = 4 * agree > known ? 1 : 0;
-    support[x].period =
-        static_cast<std::int16_t>(8 * agree >= 5 * known ? k : int{support[x].period});
+    support[x].wraps =
+        static_cast<std::int16_t>(8 * agree >= 5 * known ? k : int{support[x].wraps});
     support[x].comparable = static_cast<std::int16_t>(support[x].comparable + comparable);
   }
 }
@@ -32,9 +32,9 @@ void add_support(std::span<const Votes> votes, int k,
 }  // namespace
 
 // Bit k: within the range; much of what stereo sees lies far off it.
-void PeriodEvidence::mark_periods(const Candidates& c, int k, QuarterMm max_range,
-                                  std::span<std::uint16_t> possible,
-                                  std::span<std::uint16_t> mixed) noexcept {
+void WrapEvidence::mark_candidates(const Candidates& c, int k, QuarterMm max_range,
+                                   std::span<std::uint16_t> possible,
+                                   std::span<std::uint16_t> mixed) noexcept {
   const int bit = 1 << k;
   for (std::size_t x = 0; x < possible.size(); ++x) {
     const int known = std::max(c.votes[x].known(), kLeastKnown);
@@ -46,9 +46,9 @@ void PeriodEvidence::mark_periods(const Candidates& c, int k, QuarterMm max_rang
   }
 }
 
-PeriodEvidence::PeriodEvidence(const Calibration& calibration, const FusionParams& params,
-                               int min_disparity, int disparities, int width, int height,
-                               Arena& arena) noexcept
+WrapEvidence::WrapEvidence(const Calibration& calibration, const FusionParams& params,
+                           int min_disparity, int disparities, int width, int height,
+                           Arena& arena) noexcept
     : max_range_(params.max_range),
       samples_(calibration.stereo, params.stereo_sigma, min_disparity, disparities, width, height,
                footprint_of(calibration), arena),
@@ -62,28 +62,28 @@ PeriodEvidence::PeriodEvidence(const Calibration& calibration, const FusionParam
   }
 }
 
-void PeriodEvidence::read_row(const PmdMaps& pmd, int y, const ReturnedLight& light,
-                              PeriodMaps& maps) noexcept {
+void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
+                            WrapMaps& maps) noexcept {
   const std::span<const QuarterMm> distance = pmd.distance.row(y);
   const std::span<const QuarterMm> sigma = pmd.sigma.row(y);
   const std::span<const std::uint16_t> amp2 = pmd.amp2.row(y);
   const std::size_t first = maps.place(0, y);
   for (std::size_t x = 0; x < distance.size(); ++x) {
     const std::size_t i = first + x;
-    maps.readings[i] = {distance[x], sigma[x], light.amp2(amp2[x])};
+    maps.readings[i] = {distance[x], sigma[x], bound.amp2(amp2[x])};
     maps.bright[i] =
-        distance[x] != kNoDepth && light.excludes(maps.readings[i], maps.distance(i, 1));
+        distance[x] != kNoDepth && bound.excludes(maps.readings[i], maps.distance(i, 1));
   }
 }
 
-// Where the readings of a row would lie in each period that their amplitude allows, and what stereo
-// says there.
-void PeriodEvidence::place_row(int y, QuarterMm far_off, const ReturnedLight& light,
-                               PeriodMaps& maps) noexcept {
+// Where the readings of a row would lie by each wrap count that their amplitude allows, and what
+// stereo says there.
+void WrapEvidence::place_row(int y, QuarterMm far_off, const AmplitudeBound& bound,
+                             WrapMaps& maps) noexcept {
   const std::size_t n = index(maps.width);
   const std::size_t first = maps.place(0, y);
   const RayRow rays = ray_row(rays_, maps.width, y);
-  for (int k = 0; k < maps.periods; ++k) {
+  for (int k = 0; k < maps.wrap_counts; ++k) {
     const Candidates& c = candidates_[index(k)];
     for (std::size_t x = 0; x < n; ++x) {
       const std::size_t i = first + x;
@@ -91,7 +91,7 @@ void PeriodEvidence::place_row(int y, QuarterMm far_off, const ReturnedLight& li
       const std::uint32_t distance = maps.distance(i, k);
       const bool allowed =
           reading.distance != kNoDepth && distance <= kMaxQuarterMm &&
-          (k == 0 || (!maps.bright[i] && (k == 1 || !light.excludes(reading, distance))));
+          (k == 0 || (!maps.bright[i] && (k == 1 || !bound.excludes(reading, distance))));
       c.distance[x] = allowed ? static_cast<QuarterMm>(distance) : kNoDepth;
     }
     best::project(rays, c.distance, projection_, c.u, c.v, c.depth);
@@ -104,7 +104,7 @@ void PeriodEvidence::place_row(int y, QuarterMm far_off, const ReturnedLight& li
   }
 }
 
-void PeriodEvidence::judge_row(int y, PeriodMaps& maps) noexcept {
+void WrapEvidence::judge_row(int y, WrapMaps& maps) noexcept {
   const std::size_t n = index(maps.width);
   const std::size_t first = maps.place(0, y);
   const std::span<std::uint16_t> possible = maps.possible.subspan(first, n);
@@ -112,26 +112,26 @@ void PeriodEvidence::judge_row(int y, PeriodMaps& maps) noexcept {
   std::ranges::fill(possible, std::uint16_t{1});
   std::ranges::fill(mixed, std::uint16_t{0});
   std::ranges::fill(support_, Support{});
-  for (int k = 0; k < maps.periods; ++k) {
+  for (int k = 0; k < maps.wrap_counts; ++k) {
     const Candidates& c = candidates_[index(k)];
     add_support(c.votes, k, support_);
-    mark_periods(c, k, max_range_, possible, mixed);
+    mark_candidates(c, k, max_range_, possible, mixed);
   }
   for (std::size_t x = 0; x < n; ++x) {
     // What is supported is comparable too.
-    int vote = support_[x].comparable == 1 ? int{support_[x].period} : int{kUnknownPeriod};
+    int vote = support_[x].comparable == 1 ? int{support_[x].wraps} : int{kUnknownWraps};
     vote = maps.bright[first + x] ? 0 : vote;
     vote = maps.readings[first + x].distance == kNoDepth ? int{kNoReading} : vote;
     maps.vote[first + x] = static_cast<std::int8_t>(vote);
   }
 }
 
-void PeriodEvidence::collect(const PmdMaps& pmd, ImageView<const Disparity> disparity,
-                             const ReturnedLight& light, PeriodMaps& maps) noexcept {
+void WrapEvidence::collect(const PmdMaps& pmd, ImageView<const Disparity> disparity,
+                           const AmplitudeBound& bound, WrapMaps& maps) noexcept {
   samples_.take(disparity);
   for (int y = 0; y < maps.height; ++y) {
-    read_row(pmd, y, light, maps);
-    place_row(y, pmd.widest, light, maps);
+    read_row(pmd, y, bound, maps);
+    place_row(y, pmd.widest, bound, maps);
     judge_row(y, maps);
   }
 }

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "dsp/base/arena.h"
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+#include "dsp/calib/calibration.h"
+#include "dsp/calib/pmd/ray_table.h"
+#include "dsp/fusion/fuser.h"
+#include "dsp/fusion/project/project.h"
+#include "dsp/fusion/unwrap/count_votes.h"
+#include "dsp/fusion/unwrap/evidence/amplitude_bound.h"
+#include "dsp/fusion/unwrap/evidence/stereo_samples.h"
+#include "dsp/fusion/unwrap/wrap_maps.h"
+#include "dsp/pmd/pmd_maps.h"
+
+namespace stof::dsp {
+
+// What amplitude and stereo say about every reading alone.
+class WrapEvidence {
+ public:
+  // Fewer disparities than that around a place say nothing.
+  static constexpr int kLeastKnown = 6;
+  // Of a reading: the last wrap count with five eighths, and how many have more than a quarter.
+  struct Support {
+    std::int16_t wraps = kUnknownWraps;
+    std::int16_t comparable = 0;
+  };
+
+  WrapEvidence(const Calibration& calibration, const FusionParams& params, int min_disparity,
+               int disparities, int width, int height, Arena& arena) noexcept;
+
+  // Fills readings, vote, possible, mixed and bright of the maps, whose range and wrap_counts are
+  // set. disparity may be empty. A vote is the wrap count of which five eighths of the samples
+  // around its place agree with the reading, while of no other more than a quarter do.
+  void collect(const PmdMaps& pmd, ImageView<const Disparity> disparity,
+               const AmplitudeBound& bound, WrapMaps& maps) noexcept;
+
+ private:
+  // A row of readings, as if all had the same wrap count.
+  struct Candidates {
+    std::span<QuarterMm> distance;
+    std::span<std::int32_t> u;
+    std::span<std::int32_t> v;
+    std::span<QuarterMm> depth;
+    std::span<QuarterMm> tolerance;
+    std::span<Votes> votes;
+  };
+  static void read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
+                       WrapMaps& maps) noexcept;
+  void place_row(int y, QuarterMm far_off, const AmplitudeBound& bound, WrapMaps& maps) noexcept;
+  void judge_row(int y, WrapMaps& maps) noexcept;
+  static void mark_candidates(const Candidates& c, int k, QuarterMm max_range,
+                              std::span<std::uint16_t> possible,
+                              std::span<std::uint16_t> mixed) noexcept;
+
+  QuarterMm max_range_;
+  StereoSamples samples_;
+  Projection projection_;
+  RayTable rays_;
+  std::array<Candidates, kMostWrapCounts> candidates_;
+  std::span<Support> support_;  // of a row
+};
+
+}  // namespace stof::dsp
