@@ -37,7 +37,7 @@ if(STOF_MUTATE_STORES)
   target_compile_definitions(stof_options INTERFACE STOF_MUTATE_STORES)
 endif()
 
-# stof_add_kernels(TARGET stereo/rectify/rectify AVX2 fusion/project/cover ...): the variants of kernels, x_ref.cpp and
+# stof_add_kernels(TARGET stereo/rectify/rectify AVX2 fusion/project/footprint ...): the variants of kernels, x_ref.cpp and
 # x_neon.cpp, on x86 also x_avx2.cpp and x_avx512.cpp of what is named so. A target calls it once.
 function(stof_add_kernels target)
   set(kernels)

@@ -21,7 +21,7 @@ namespace stof::dsp {
 // How pictures and samples become depth.
 struct DepthParams {
   MatchParams match;
-  FusionParams fusion;    // fusion.spread suits the search: spread_of(match)
+  FusionParams fusion;    // fusion.sigma_by_ratio suits the search: sigma_of(match)
   bool guided = false;    // PMD intervals narrow the search (guide_maker.h)
   bool temporal = false;  // depth is averaged over frames where nothing moves (temporal_filter.h)
 

@@ -53,7 +53,7 @@ struct Fuser::Tables {
   AmbiguityParams ambiguity;
   IntervalTables intervals;
   Reprojector reprojector;
-  PaintedView painted;
+  SplattedView splatted;
   std::span<std::uint8_t> ratio;  // of matches without one
   std::span<Disparity> nothing;   // a row without stereo
   std::span<Scratch> scratch;     // of each thread
@@ -73,9 +73,9 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   }
   t.intervals = make_interval_tables(calibration.stereo, min_disparity, disparities, width,
                                      params.max_range, arena);
-  t.painted.low = arena.take_image<QuarterMm>(width, height);
-  t.painted.high = arena.take_image<QuarterMm>(width, height);
-  t.painted.flags = arena.take_image<std::uint8_t>(width, height);
+  t.splatted.low = arena.take_image<QuarterMm>(width, height);
+  t.splatted.high = arena.take_image<QuarterMm>(width, height);
+  t.splatted.flags = arena.take_image<std::uint8_t>(width, height);
   t.ratio = arena.take_filled(row, std::uint8_t{0});
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
@@ -96,8 +96,8 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   AmbiguityRow row{.disparity = t.nothing,
                    .weak = {},
                    .stereo = {scratch.stereo_low, scratch.stereo_high},
-                   .pmd = {t.painted.low.row(y), t.painted.high.row(y)},
-                   .support = {t.ratio, t.painted.flags.row(y)}};
+                   .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
+                   .support = {t.ratio, t.splatted.flags.row(y)}};
   if (!stereo.disparity.empty()) {
     row.disparity = stereo.disparity.row(y);
   }
@@ -108,8 +108,8 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
   } else {
     row.support.ratio = stereo.ratio.row(y);
-    best::stereo_spread(row.disparity, row.support.ratio, t.params.spread, t.ambiguity.infinity_raw,
-                        scratch.half);
+    best::disparity_sigma(row.disparity, row.support.ratio, t.params.sigma_by_ratio,
+                          t.ambiguity.infinity_raw, scratch.half);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
                        out.cause.empty() ? scratch.cause : out.cause.row(y)};
@@ -137,7 +137,7 @@ void Fuser::prepare(const PmdMaps* pmd) noexcept {
 void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
                       const DepthMap& out) noexcept {
   const Tables& t = *tables_;
-  STOF_CHECK(same_size(out.depth, t.painted.low) && same_size(out.width, out.depth) &&
+  STOF_CHECK(same_size(out.depth, t.splatted.low) && same_size(out.width, out.depth) &&
              same_size(out.source, out.depth) &&
              (out.cause.empty() || same_size(out.cause, out.depth)));
   STOF_CHECK(stereo.disparity.empty() || same_size(stereo.disparity, out.depth));
@@ -145,13 +145,13 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
   STOF_CHECK(stereo.weak.empty() || same_size(stereo.weak, out.depth));
   STOF_CHECK(rows.begin >= 0 && rows.end <= out.depth.height());
   const Scratch& scratch = t.scratch[index(thread)];
-  // The z-buffer is of no use once everything is painted: depth is written over it.
-  PaintedView painted = t.painted;
-  painted.nearest = out.depth;
-  // In stripes, so that what was painted is still near when it is fused.
+  // The z-buffer is of no use once everything is splatted: depth is written over it.
+  SplattedView splatted = t.splatted;
+  splatted.nearest = out.depth;
+  // In stripes, so that what was splatted is still near when it is fused.
   for (int y = rows.begin; y < rows.end; y += kRowsAtOnce) {
     const Rows some{y, std::min(y + kRowsAtOnce, rows.end)};
-    t.reprojector.paint(some, painted);
+    t.reprojector.splat(some, splatted);
     for (int row = some.begin; row < some.end; ++row) {
       fuse_row(stereo, row, scratch, out);
     }

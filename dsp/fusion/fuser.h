@@ -8,7 +8,7 @@
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/depth_map.h"
-#include "dsp/fusion/interval/stereo_spread.h"
+#include "dsp/fusion/interval/disparity_sigma.h"
 #include "dsp/pmd/converter.h"
 
 namespace stof::dsp {
@@ -19,7 +19,7 @@ struct FusionParams {
   QuarterMm max_range = 40000;  // a missing sensor's interval is [0, max_range]; 10 m
   // sigma_d in 1/16 px, 0 .. kMaxStereoSigma, of matches that come without their peak ratio
   std::int16_t stereo_sigma = 8;
-  SpreadTable spread = kBlockSpread;  // of the others
+  SigmaTable sigma_by_ratio = kBlockSigma;  // of the others
 
   friend bool operator==(const FusionParams&, const FusionParams&) = default;
 };

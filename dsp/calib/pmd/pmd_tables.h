@@ -5,7 +5,7 @@
 
 #include "dsp/calib/pmd_sensor.h"
 #include "dsp/pmd/interval/sigma.h"
-#include "dsp/pmd/phase/correct.h"
+#include "dsp/pmd/phase/correct_phase.h"
 #include "dsp/pmd/phase/phase.h"
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/pmd/range/range.h"

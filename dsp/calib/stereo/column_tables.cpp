@@ -50,7 +50,7 @@ ColumnTables make_column_tables(const StereoRig& rig, std::int16_t first_raw, st
   for (std::size_t x = 0; x < left.size(); ++x) {
     left[x] = to_fixed(left_tangent(rig, static_cast<double>(x)), kNoLeftRay);
   }
-  const double first_column = -(last_raw + double{kMostSpread});
+  const double first_column = -(last_raw + double{kMostHalfWidth});
   for (std::size_t k = 0; k < right.size(); ++k) {
     const double column = (first_column + static_cast<double>(k)) / Disparity::kOne;
     right[k] = to_fixed(right_tangent(rig, column), kNoRightRay);

@@ -21,9 +21,9 @@ double depth_at(const StereoRig& rig, double raw) noexcept {
 
 DisparityTable make_disparity_table(const StereoRig& rig, std::int16_t first_raw,
                                     QuarterMm max_range, std::span<DepthInterval> bounds) noexcept {
-  STOF_CHECK(bounds.size() > 2 * std::size_t{kMostSpread});
+  STOF_CHECK(bounds.size() > 2 * std::size_t{kMostHalfWidth});
   for (std::size_t i = 0; i < bounds.size(); ++i) {
-    const double depth = depth_at(rig, first_raw - kMostSpread + static_cast<double>(i));
+    const double depth = depth_at(rig, first_raw - kMostHalfWidth + static_cast<double>(i));
     bounds[i].low =
         static_cast<QuarterMm>(std::clamp<double>(std::floor(depth), 1, double{kMaxQuarterMm}));
     bounds[i].high = static_cast<QuarterMm>(std::min<double>(std::ceil(depth), max_range));

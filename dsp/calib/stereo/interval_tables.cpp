@@ -29,7 +29,7 @@ IntervalTables make_interval_tables(const StereoRig& rig, int min_disparity, int
     return tables;
   }
   const std::span<DepthInterval> bounds =
-      arena.take<DepthInterval>(index(steps + 1 + 2 * kMostSpread));
+      arena.take<DepthInterval>(index(steps + 1 + 2 * kMostHalfWidth));
   if (!arena.is_measuring()) {
     tables.disparity =
         make_disparity_table(rig, static_cast<std::int16_t>(first), max_range, bounds);

@@ -7,7 +7,7 @@
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/fusion/guide/guide_tables.h"
-#include "dsp/fusion/project/paint.h"
+#include "dsp/fusion/project/splat.h"
 
 namespace stof::dsp {
 namespace {
@@ -139,7 +139,7 @@ bool GuideMaker::find_hidden(const PmdMaps& maps) const noexcept {
 }
 
 // A missing reading may be of anything along its ray: pixels of the left view where that would hide
-// what is painted there become unguided.
+// what is splatted there become unguided.
 void GuideMaker::open_before_missing() noexcept {
   for (const QuarterMm step : steps_) {
     for (int y = 0; y < readings_.flags.height(); ++y) {
@@ -150,11 +150,11 @@ void GuideMaker::open_before_missing() noexcept {
     }
     reprojector_.locate(readings_.maps());
     for (const Footprint& f : reprojector_.footprints()) {
-      const Paint unguided{f.paint.visible, kNothingPainted, 0, kUnguided};
+      const FootprintValue unguided{f.value.visible, kNoSplat, 0, kUnguided};
       const std::size_t first = index(f.x_begin);
       const std::size_t count = index(f.x_end - f.x_begin);
       for (int y = f.y_begin; y < f.y_end; ++y) {
-        best::paint_interval(unguided, view_.nearest.row(y).subspan(first, count),
+        best::splat_interval(unguided, view_.nearest.row(y).subspan(first, count),
                              view_.low.row(y).subspan(first, count),
                              view_.high.row(y).subspan(first, count),
                              view_.flags.row(y).subspan(first, count));
@@ -173,7 +173,7 @@ void GuideMaker::spread_along_row(int y) noexcept {
   std::ranges::fill(row_low_, kMaxQuarterMm);
   std::ranges::fill(row_high_, QuarterMm{0});
   for (std::size_t x = 0; x < n; ++x) {
-    const bool unguided = flags[x] != 0 || high[x] == 0;  // or nothing painted
+    const bool unguided = flags[x] != 0 || high[x] == 0;  // or nothing splatted
     low[x] = unguided ? kNoGuide : low[x];
     row_low_[x + reach] = low[x];
     row_high_[x + reach] = high[x];
@@ -236,7 +236,7 @@ Guide GuideMaker::make(const PmdMaps& maps) noexcept {
     judge_row(maps, y);
   }
   reprojector_.locate(readings_.maps());
-  reprojector_.paint(view_.low.rows(), view_);
+  reprojector_.splat(view_.low.rows(), view_);
   if (find_hidden(maps)) {
     open_before_missing();
   }

@@ -81,7 +81,7 @@ class GuideMaker {
   std::span<QuarterMm> steps_;        // distances that stand for all at which stereo could match
   Reprojector reprojector_;
   Readings readings_;
-  PaintedView view_;
+  SplattedView view_;
   ImageView<QuarterMm> spread_high_;  // along rows; spread low ends in view_.nearest
   ImageView<Candidates> guide_;
   std::span<std::int16_t> first_of_;  // by depth (guide_tables.h)

@@ -26,13 +26,13 @@ struct ColumnTables {
   std::int64_t far_numerator = 0;           // and rounded up; 2^30 .. 2^60
   std::span<const std::int32_t> left = {};  // T_l of each column
   std::span<const std::int32_t> right =
-      {};  // element k: T_r of column (k - last_raw - kMostSpread) / 16
+      {};  // element k: T_r of column (k - last_raw - kMostHalfWidth) / 16
 };
 
 // Elements of `right` for a row of so many columns.
 constexpr std::size_t right_tangents(std::size_t columns, int first_raw, int last_raw) noexcept {
   return columns * Disparity::kOne + static_cast<std::size_t>(last_raw - first_raw) +
-         2 * std::size_t{kMostSpread};
+         2 * std::size_t{kMostHalfWidth};
 }
 
 // Interval of each disparity, quarter mm, half[x] being 2 sigma in 1/16 px:
@@ -48,7 +48,7 @@ using ColumnInterval = void(std::span<const Disparity> disparity,
                             std::span<QuarterMm> low, std::span<QuarterMm> high) noexcept;
 STOF_KERNEL(ColumnInterval, column_interval, kNeon)
 namespace ref {
-// The same for one pixel in column x; half in 0 .. kMostSpread.
+// The same for one pixel in column x; half in 0 .. kMostHalfWidth.
 DepthInterval column_interval_at(std::size_t x, int raw, int half,
                                  const ColumnTables& tables) noexcept;
 }  // namespace ref

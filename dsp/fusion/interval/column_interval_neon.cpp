@@ -113,8 +113,8 @@ void column_interval(std::span<const Disparity> disparity, std::span<const std::
     std::array<std::int32_t, kLanes> far{};
     for (std::size_t k = 0; k < kLanes; ++k) {  // NEON has no gather
       const std::int16_t some = std::clamp(disparity[x + k].raw, tables.first_raw, tables.last_raw);
-      const std::int32_t* const at =
-          tables.right.data() + (x + k) * Disparity::kOne + (tables.last_raw - some) + kMostSpread;
+      const std::int32_t* const at = tables.right.data() + (x + k) * Disparity::kOne +
+                                     (tables.last_raw - some) + kMostHalfWidth;
       near[k] = at[-std::ptrdiff_t{half[x + k]}];
       far[k] = at[half[x + k]];
     }

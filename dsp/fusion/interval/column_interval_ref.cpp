@@ -13,10 +13,10 @@ DepthInterval column_interval_at(std::size_t x, int raw, int half,
     return {};
   }
   const std::size_t at =
-      x * Disparity::kOne + static_cast<std::size_t>(tables.last_raw - raw + kMostSpread);
-  const std::size_t spread = static_cast<std::size_t>(half);
-  const std::int64_t near = std::int64_t{tables.right[at - spread]} - tables.left[x] + 1;
-  const std::int64_t far = std::int64_t{tables.right[at + spread]} - tables.left[x] - 1;
+      x * Disparity::kOne + static_cast<std::size_t>(tables.last_raw - raw + kMostHalfWidth);
+  const std::size_t half_width = static_cast<std::size_t>(half);
+  const std::int64_t near = std::int64_t{tables.right[at - half_width]} - tables.left[x] + 1;
+  const std::int64_t far = std::int64_t{tables.right[at + half_width]} - tables.left[x] - 1;
   const std::int64_t range = tables.max_range;
   if (near <= 0 || tables.near_numerator / near >= range) {
     return {};

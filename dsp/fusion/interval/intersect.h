@@ -10,7 +10,7 @@
 namespace stof::dsp {
 
 // Depth intervals of a row of the left view, quarter mm. A sensor says nothing about a pixel where
-// max(low, 1) > min(high, max_range): so 0, 0 and kNothingPainted, 0 mean none, and what lies
+// max(low, 1) > min(high, max_range): so 0, 0 and kNoSplat, 0 mean none, and what lies
 // wholly beyond max_range counts as none.
 struct IntervalRow {
   std::span<const QuarterMm> low;

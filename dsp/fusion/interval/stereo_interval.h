@@ -15,11 +15,11 @@ struct DepthInterval {
 };
 
 // The widest half of an interval, 1/16 px.
-inline constexpr int kMostSpread = 255;
+inline constexpr int kMostHalfWidth = 255;
 
-// Z of raw disparities: bounds[k] belongs to first_raw - kMostSpread + k and is rounded down and
+// Z of raw disparities: bounds[k] belongs to first_raw - kMostHalfWidth + k and is rounded down and
 // up, low at least 1, high at most max_range, which also stands for infinity and what lies behind
-// it; low saturates at 65535. The last disparity is first_raw + size - 1 - 2 kMostSpread; 511 to
+// it; low saturates at 65535. The last disparity is first_raw + size - 1 - 2 kMostHalfWidth; 511 to
 // 65536 entries.
 struct DisparityTable {
   std::int16_t first_raw = 0;
@@ -27,16 +27,18 @@ struct DisparityTable {
   std::span<const DepthInterval> bounds;
 
   // Number of disparities.
-  constexpr int size() const noexcept { return static_cast<int>(bounds.size()) - 2 * kMostSpread; }
+  constexpr int size() const noexcept {
+    return static_cast<int>(bounds.size()) - 2 * kMostHalfWidth;
+  }
   // [Z(raw + half), Z(raw - half)]; 0, 0 where the near end reaches max_range and for a raw
-  // disparity outside of the table. half in 0 .. kMostSpread.
+  // disparity outside of the table. half in 0 .. kMostHalfWidth.
   constexpr DepthInterval at(int raw, int half) const noexcept {
     const int step = raw - first_raw;
     if (step < 0 || step >= size()) {
       return {};
     }
-    const QuarterMm near = bounds[static_cast<std::size_t>(step + kMostSpread + half)].low;
-    const QuarterMm far = bounds[static_cast<std::size_t>(step + kMostSpread - half)].high;
+    const QuarterMm near = bounds[static_cast<std::size_t>(step + kMostHalfWidth + half)].low;
+    const QuarterMm far = bounds[static_cast<std::size_t>(step + kMostHalfWidth - half)].high;
     return near < max_range ? DepthInterval{near, far} : DepthInterval{};
   }
 };

@@ -25,9 +25,9 @@ struct Ends {
 // The near ends and far ends of eight disparities of the table.
 Ends ends(const DepthInterval* bounds, __m128i at, __m128i half) noexcept {
   const i32x8 middle = as<i32x8>(_mm256_cvtepu16_epi32(at));
-  const i32x8 spread = as<i32x8>(_mm256_cvtepu16_epi32(half));
-  const i32x8 near = look_up(bounds, middle + spread);
-  const i32x8 far = look_up(bounds, middle - spread);
+  const i32x8 half_width = as<i32x8>(_mm256_cvtepu16_epi32(half));
+  const i32x8 near = look_up(bounds, middle + half_width);
+  const i32x8 far = look_up(bounds, middle - half_width);
   return {near & all(std::int32_t{0xFFFF}), as<i32x8>(_mm256_srli_epi32(bits(far), 16))};
 }
 
@@ -56,14 +56,14 @@ void stereo_interval(std::span<const Disparity> disparity, std::span<const std::
     const __m256i outside = _mm256_or_si256(below, _mm256_cmpeq_epi16(bits(raw), bits(none)));
     const __m256i within = _mm256_cmpeq_epi16(bits(smaller(step, last)), bits(step));
     const u16x16 inside = as<u16x16>(_mm256_andnot_si256(outside, within));
-    const __m256i at = bits((step & inside) + all(std::uint16_t{kMostSpread}));
+    const __m256i at = bits((step & inside) + all(std::uint16_t{kMostHalfWidth}));
     // NOLINTNEXTLINE: sixteen bytes of any alignment
     const __m128i bytes = _mm_loadu_si128(reinterpret_cast<const __m128i*>(&half[x]));
-    const __m256i spread = _mm256_cvtepu8_epi16(bytes);
+    const __m256i half_width = _mm256_cvtepu8_epi16(bytes);
     const Ends a =
-        ends(table.bounds.data(), _mm256_castsi256_si128(at), _mm256_castsi256_si128(spread));
+        ends(table.bounds.data(), _mm256_castsi256_si128(at), _mm256_castsi256_si128(half_width));
     const Ends b = ends(table.bounds.data(), _mm256_extracti128_si256(at, 1),
-                        _mm256_extracti128_si256(spread, 1));
+                        _mm256_extracti128_si256(half_width, 1));
     const u16x16 near = packed(a.low, b.low);
     const u16x16 some =
         as<u16x16>(_mm256_cmpeq_epi16(bits(smaller(near, nearest)), bits(near))) & inside & any;

@@ -16,7 +16,7 @@ void stereo_interval(std::span<const Disparity> disparity, std::span<const std::
              high.size() == disparity.size());
   STOF_CHECK(table.size() >= 1 && table.bounds.size() <= 65536);
   const uint16x8_t last = vdupq_n_u16(static_cast<std::uint16_t>(table.size() - 1));
-  const uint16x8_t middle = vdupq_n_u16(kMostSpread);
+  const uint16x8_t middle = vdupq_n_u16(kMostHalfWidth);
   const int16x8_t first = vdupq_n_s16(table.first_raw);
   const int16x8_t none = vdupq_n_s16(Disparity::none().raw);
   std::size_t x = 0;
@@ -26,11 +26,11 @@ void stereo_interval(std::span<const Disparity> disparity, std::span<const std::
     const uint16x8_t inside =
         vbicq_u16(vcleq_u16(step, last), vorrq_u16(vcltq_s16(raw, first), vceqq_s16(raw, none)));
     const uint16x8_t at = vaddq_u16(vandq_u16(step, inside), middle);
-    const uint16x8_t spread = vmovl_u8(vld1_u8(half.data() + x));
+    const uint16x8_t half_width = vmovl_u8(vld1_u8(half.data() + x));
     std::array<std::uint16_t, kLanes> near{};
     std::array<std::uint16_t, kLanes> far{};
-    vst1q_u16(near.data(), vaddq_u16(at, spread));
-    vst1q_u16(far.data(), vsubq_u16(at, spread));
+    vst1q_u16(near.data(), vaddq_u16(at, half_width));
+    vst1q_u16(far.data(), vsubq_u16(at, half_width));
     for (std::size_t k = 0; k < kLanes; ++k) {  // NEON has no gather
       near[k] = table.bounds[near[k]].low;
       far[k] = table.bounds[far[k]].high;

@@ -52,7 +52,7 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   extents_ = take_extents(arena, width_);
 }
 
-// Whether a reading is painted at the ends of its interval too.
+// Whether a reading is splatted at the ends of its interval too.
 bool Reprojector::ends_apart(std::size_t i) const noexcept {
   return low_.depth[i] == kNoDepth || high_.depth[i] == kNoDepth ||
          std::abs(low_.u[i] - high_.u[i]) > extents_.half_x[i] ||
@@ -62,27 +62,29 @@ bool Reprojector::ends_apart(std::size_t i) const noexcept {
 void Reprojector::add_row(std::span<const std::uint8_t> flags) noexcept {
   const std::span<Footprint> all = footprints_;
   std::size_t count = count_;
-  const auto add = [&](PixelRange x, PixelRange y, QuarterMm depth, const Paint& paint) noexcept {
-    all[count] = {x.begin, x.end, y.begin, y.end, depth, paint};
+  const auto add = [&](PixelRange x, PixelRange y, QuarterMm depth,
+                       const FootprintValue& value) noexcept {
+    all[count] = {x.begin, x.end, y.begin, y.end, depth, value};
     count += x.begin < x.end && y.begin < y.end ? 1U : 0U;
   };
   for (std::size_t i = 0; i < flags.size(); ++i) {
-    if (extents_.half_x[i] == kCoversNothing) {
+    if (extents_.half_x[i] == kNoFootprint) {
       continue;
     }
     const QuarterMm depth = centre_.depth[i];
     // A ray that runs towards the left camera meets the far end of its interval first.
     const auto [nearer, farther] = std::minmax(low_.depth[i], high_.depth[i]);
-    const Paint paint{visible_behind(depth), std::max<QuarterMm>(nearer, 1), farther, flags[i]};
+    const FootprintValue value{visible_behind(depth), std::max<QuarterMm>(nearer, 1), farther,
+                               flags[i]};
     add({extents_.x_begin[i], extents_.x_end[i]}, {extents_.y_begin[i], extents_.y_end[i]}, depth,
-        paint);
+        value);
     if (!ends_apart(i)) {
       continue;
     }
     for (const Points* end : {&low_, &high_}) {
       if (end->depth[i] != kNoDepth) {
-        add(covered(end->u[i], extents_.half_x[i], left_width_),
-            covered(end->v[i], extents_.half_y[i], left_height_), depth, paint);
+        add(footprint_range(end->u[i], extents_.half_x[i], left_width_),
+            footprint_range(end->v[i], extents_.half_y[i], left_height_), depth, value);
       }
     }
   }
@@ -107,8 +109,9 @@ void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
   best::project(rays, maps.high.row(y), projection_, high_.u, high_.v, high_.depth);
   best::half_sizes(distance, rays_.forward.subspan(pixel_count(width_, y), index(width_)),
                    centre_.depth, scale_, extents_.half_x, extents_.half_y);
-  best::cover(centre_.u, extents_.half_x, left_width_, extents_.x_begin, extents_.x_end);
-  best::cover(centre_.v, extents_.half_y, left_height_, extents_.y_begin, extents_.y_end);
+  best::footprint_ranges(centre_.u, extents_.half_x, left_width_, extents_.x_begin, extents_.x_end);
+  best::footprint_ranges(centre_.v, extents_.half_y, left_height_, extents_.y_begin,
+                         extents_.y_end);
   const std::size_t before = count_;
   add_row(maps.flags.row(y));
   bands_[index(y)] = band(before);
@@ -124,14 +127,14 @@ void Reprojector::locate(const PmdMaps& maps) noexcept {
   }
 }
 
-void Reprojector::paint(Rows rows, const PaintedView& view) const noexcept {
+void Reprojector::splat(Rows rows, const SplattedView& view) const noexcept {
   STOF_CHECK(rows.begin >= 0 && rows.end <= left_height_);
   STOF_CHECK(view.low.width() == left_width_ && view.low.height() == left_height_);
   STOF_CHECK(same_size(view.nearest, view.low) && same_size(view.high, view.low) &&
              same_size(view.flags, view.low));
   for (int y = rows.begin; y < rows.end; ++y) {
-    std::ranges::fill(view.nearest.row(y), kNothingPainted);
-    std::ranges::fill(view.low.row(y), kNothingPainted);
+    std::ranges::fill(view.nearest.row(y), kNoSplat);
+    std::ranges::fill(view.low.row(y), kNoSplat);
     std::ranges::fill(view.high.row(y), QuarterMm{0});
     std::ranges::fill(view.flags.row(y), std::uint8_t{0});
   }
@@ -140,12 +143,12 @@ void Reprojector::paint(Rows rows, const PaintedView& view) const noexcept {
   }
   for (const Band& band : bands_) {
     if (band.y_begin < rows.end && rows.begin < band.y_end) {
-      best::paint_nearest(footprints().subspan(band.begin, band.count), rows, view.nearest);
+      best::splat_nearest(footprints().subspan(band.begin, band.count), rows, view.nearest);
     }
   }
   for (const Band& band : bands_) {
     if (band.y_begin < rows.end && rows.begin < band.y_end) {
-      best::paint_intervals(footprints().subspan(band.begin, band.count), rows, view);
+      best::splat_intervals(footprints().subspan(band.begin, band.count), rows, view);
     }
   }
 }

@@ -10,16 +10,16 @@
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
 #include "dsp/calib/pmd/ray_table.h"
-#include "dsp/fusion/project/cover.h"
-#include "dsp/fusion/project/paint.h"
+#include "dsp/fusion/project/footprint.h"
 #include "dsp/fusion/project/project.h"
+#include "dsp/fusion/project/splat.h"
 #include "dsp/pmd/converter.h"
 
 namespace stof::dsp {
 
 // Carries PMD pixels into the left view: X_s = R X_p + T and both camera models, radial distance
 // to Z. A reading covers the pixels within (f_s / f_p) (Z_p / Z_s) / 2 + 0.6 px of its place; where
-// the ends of its interval lie further apart than that, it is painted at both ends too, because it
+// the ends of its interval lie further apart than that, it is splatted at both ends too, because it
 // may stand anywhere between. Readings behind the camera and footprints outside the image are left
 // out; an end behind the camera counts as 1/4 mm before it.
 class Reprojector {
@@ -35,7 +35,7 @@ class Reprojector {
   std::span<const Footprint> footprints() const noexcept { return footprints_.first(count_); }
 
   // Writes these rows of all images. The result does not depend on how rows are split.
-  void paint(Rows rows, const PaintedView& view) const noexcept;
+  void splat(Rows rows, const SplattedView& view) const noexcept;
 
  private:
   // Where a row's points lie: the readings or an end of their intervals.
@@ -72,7 +72,7 @@ class Reprojector {
   int height_ = 0;
   int left_width_ = 0;
   int left_height_ = 0;
-  CoverScale scale_;
+  FootprintScale scale_;
   Projection projection_;
   RayTable rays_;
   Points low_;

@@ -130,7 +130,7 @@ class AmbiguityResolver {
 
   Surface<Table> surface(int raw, int share = kResolvedShare) const noexcept {
     const int half =
-        std::clamp((raw - params_.infinity_raw) / share, int{Disparity::kOne}, kMostSpread);
+        std::clamp((raw - params_.infinity_raw) / share, int{Disparity::kOne}, kMostHalfWidth);
     return {table_, raw, half};
   }
 

@@ -39,8 +39,8 @@ void read_bounds(const dsp::DepthMap& map, int y, Bounds& bounds) {
 
 }  // namespace
 
-void paint_by_scaling(const dsp::PmdMaps& maps, const dsp::Calibration& calibration,
-                      const dsp::PaintedView& view) {
+void splat_by_scaling(const dsp::PmdMaps& maps, const dsp::Calibration& calibration,
+                      const dsp::SplattedView& view) {
   const dsp::Pinhole& left = calibration.stereo.left;
   const dsp::Pinhole& pmd = calibration.pmd.lens;
   const std::vector<int> columns =
@@ -52,16 +52,16 @@ void paint_by_scaling(const dsp::PmdMaps& maps, const dsp::Calibration& calibrat
       const int px = columns[static_cast<std::size_t>(x)];
       const int py = rows[static_cast<std::size_t>(y)];
       const bool seen = px >= 0 && py >= 0 && maps.high.at(px, py) > 0;
-      view.nearest.at(x, y) = seen ? maps.distance.at(px, py) : dsp::kNothingPainted;
-      view.low.at(x, y) = seen ? maps.low.at(px, py) : dsp::kNothingPainted;
+      view.nearest.at(x, y) = seen ? maps.distance.at(px, py) : dsp::kNoSplat;
+      view.low.at(x, y) = seen ? maps.low.at(px, py) : dsp::kNoSplat;
       view.high.at(x, y) = seen ? maps.high.at(px, py) : dsp::kNoDepth;
       view.flags.at(x, y) = seen ? maps.flags.at(px, py) : std::uint8_t{0};
     }
   }
 }
 
-void paint_by_geometry(const dsp::PmdMaps& maps, const dsp::Calibration& calibration,
-                       const dsp::PaintedView& view) {
+void splat_by_geometry(const dsp::PmdMaps& maps, const dsp::Calibration& calibration,
+                       const dsp::SplattedView& view) {
   const int width = view.low.width();
   const int height = view.low.height();
   Workspace space(dsp::bytes_taken(
@@ -69,11 +69,11 @@ void paint_by_geometry(const dsp::PmdMaps& maps, const dsp::Calibration& calibra
   dsp::Arena arena = space.arena();
   dsp::Reprojector reprojector(calibration, width, height, arena);
   reprojector.locate(maps);
-  reprojector.paint(view.low.rows(), view);
+  reprojector.splat(view.low.rows(), view);
 }
 
 void fuse_by_interval(const dsp::DepthMap& stereo, dsp::ImageView<const std::uint8_t> ratio,
-                      const dsp::PaintedView& painted, dsp::QuarterMm max_range,
+                      const dsp::SplattedView& splatted, dsp::QuarterMm max_range,
                       const dsp::DepthMap& out) {
   const std::size_t width = static_cast<std::size_t>(out.depth.width());
   Bounds bounds{.low = std::vector<dsp::QuarterMm>(width),
@@ -83,8 +83,8 @@ void fuse_by_interval(const dsp::DepthMap& stereo, dsp::ImageView<const std::uin
     if (!ratio.empty()) {
       read_bounds(stereo, y, bounds);
     }
-    dsp::best::intersect({bounds.low, bounds.high}, {painted.low.row(y), painted.high.row(y)},
-                         {ratio.empty() ? std::span(sure) : ratio.row(y), painted.flags.row(y)},
+    dsp::best::intersect({bounds.low, bounds.high}, {splatted.low.row(y), splatted.high.row(y)},
+                         {ratio.empty() ? std::span(sure) : ratio.row(y), splatted.flags.row(y)},
                          max_range,
                          {out.depth.row(y), out.width.row(y), out.source.row(y), out.cause.row(y)});
   }

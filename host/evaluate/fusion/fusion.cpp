@@ -4,7 +4,7 @@
 #include <chrono>
 
 #include "dataset/files/file.h"
-#include "dsp/fusion/interval/stereo_spread.h"
+#include "dsp/fusion/interval/disparity_sigma.h"
 #include "host/evaluate/fusion/chapter_geometry.h"
 #include "host/evaluate/stereo/median.h"
 #include "lab/match_options.h"
@@ -27,14 +27,14 @@ struct DepthImages {
   DepthPlanes planes() const { return to_metres(depth.view(), width.view()); }
 };
 
-struct PaintedImages {
+struct SplattedImages {
   dataset::Image<dsp::QuarterMm> nearest;
   dataset::Image<dsp::QuarterMm> low;
   dataset::Image<dsp::QuarterMm> high;
   dataset::Image<std::uint8_t> flags;
 
-  PaintedImages(int w, int h) : nearest(w, h), low(w, h), high(w, h), flags(w, h) {}
-  dsp::PaintedView view() { return {nearest.view(), low.view(), high.view(), flags.view()}; }
+  SplattedImages(int w, int h) : nearest(w, h), low(w, h), high(w, h), flags(w, h) {}
+  dsp::SplattedView view() { return {nearest.view(), low.view(), high.view(), flags.view()}; }
 };
 
 // Holes are never filled silently, and what was not checked is no measurement.
@@ -118,17 +118,17 @@ ChapterPlanes with_less_effort(const dsp::DepthMaker& maker, const dsp::Calibrat
                                DepthImages& stereo, dsp::QuarterMm max_range) {
   const int width = stereo.depth.width;
   const int height = stereo.depth.height;
-  PaintedImages painted(width, height);
+  SplattedImages splatted(width, height);
   DepthImages out(width, height);
   ChapterPlanes planes;
   const dsp::ImageView<const std::uint8_t> ratio = maker.stereo().ratio;
-  paint_by_geometry(*maker.pmd(), calibration, painted.view());
-  fuse_by_interval(stereo.map(), ratio, painted.view(), max_range, out.map());
+  splat_by_geometry(*maker.pmd(), calibration, splatted.view());
+  fuse_by_interval(stereo.map(), ratio, splatted.view(), max_range, out.map());
   planes.reprojected = out.planes();
-  paint_by_scaling(*maker.pmd(), calibration, painted.view());
-  fuse_by_interval(stereo.map(), ratio, painted.view(), max_range, out.map());
+  splat_by_scaling(*maker.pmd(), calibration, splatted.view());
+  fuse_by_interval(stereo.map(), ratio, splatted.view(), max_range, out.map());
   planes.fused = out.planes();
-  fuse_by_interval(stereo.map(), {}, painted.view(), max_range, out.map());
+  fuse_by_interval(stereo.map(), {}, splatted.view(), max_range, out.map());
   planes.pmd = out.planes();
   return planes;
 }
@@ -195,7 +195,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
       .match = of_the_appliance.value_or(match), .fusion = {}, .guided = options.guided};
   params.match.search = lab::sums_paths(match) ? dsp::Search::kPaths : dsp::Search::kBlocks;
   params.fusion.max_range = options.max_range;
-  params.fusion.spread = dsp::spread_of(params.match);
+  params.fusion.sigma_by_ratio = dsp::sigma_of(params.match);
   posix::WorkerThreads workers({.threads = options.threads});
   if (workers.threads() < options.threads) {
     return dataset::refuse(too_few_threads(workers.threads(), options.threads));

@@ -170,7 +170,7 @@ TEST(ColumnTables, OfAParallelRigEqualTheDisparityTableWithinOneUnit) {
     constexpr int kLast = 64 * 16;
     constexpr QuarterMm kRange = 40000;
     const Lookup lookup(rig, 320, kFirst, kLast, 8, kRange);
-    std::vector<DepthInterval> bounds(kLast - kFirst + 1 + 2 * kMostSpread);
+    std::vector<DepthInterval> bounds(kLast - kFirst + 1 + 2 * kMostHalfWidth);
     const DisparityTable table = make_disparity_table(rig, kFirst, kRange, bounds);
     for (int raw = kFirst; raw <= kLast; ++raw) {
       const DepthInterval want = table.at(raw, 16);

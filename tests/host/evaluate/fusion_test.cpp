@@ -139,14 +139,14 @@ dsp::Calibration twice() {
   return calibration;
 }
 
-TEST(PaintByScaling, EnlargesTheMapAroundTheCentresAndDoesNothingElse) {
+TEST(SplatByScaling, EnlargesTheMapAroundTheCentresAndDoesNothingElse) {
   Maps maps;
   dataset::Image<dsp::QuarterMm> nearest(7, 4);
   dataset::Image<dsp::QuarterMm> low(7, 4);
   dataset::Image<dsp::QuarterMm> high(7, 4);
   dataset::Image<std::uint8_t> flags(7, 4);
-  paint_by_scaling(maps.view(), twice(), {nearest.view(), low.view(), high.view(), flags.view()});
-  constexpr dsp::QuarterMm kNo = dsp::kNothingPainted;
+  splat_by_scaling(maps.view(), twice(), {nearest.view(), low.view(), high.view(), flags.view()});
+  constexpr dsp::QuarterMm kNo = dsp::kNoSplat;
   EXPECT_EQ(low.pixels, (std::vector<dsp::QuarterMm>{90,  90,  190, 190, 290, 290, kNo,  //
                                                      90,  90,  190, 190, 290, 290, kNo,  //
                                                      390, 390, 490, 490, kNo, kNo, kNo,  //

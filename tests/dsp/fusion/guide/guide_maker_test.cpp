@@ -125,7 +125,7 @@ TEST(Guide, SaysNothingWhereAReadingIsAnEdgeOrNoisy) {
   EXPECT_EQ(maker(wall.maps()).at(107, 83), Candidates{});
 }
 
-TEST(Guide, SaysNothingAtAStepOrAtTheEndOfWhatIsPainted) {
+TEST(Guide, SaysNothingAtAStepOrAtTheEndOfWhatIsSplatted) {
   const Calibration rig = plain_rig();
   Maker maker(rig, {.reach = 3});
   Wall wall(rig, 1.2);
@@ -174,7 +174,7 @@ TEST(Guide, LeavesRoomForWhatThePmdCouldNotMeasureBeforeAWall) {
     EXPECT_EQ(guide.at(x, 80), Candidates{}) << x;
   }
   EXPECT_NE(guide.at(150, 20), Candidates{});
-  // A single reading that misses among good ones hides nothing, the hole in the paint is all.
+  // A single reading that misses among good ones hides nothing, the hole in the splats is all.
   Wall hole(rig, 2.0);
   hole.lose(11, 9);
   EXPECT_NE(maker(hole.maps()).at(190, 76), Candidates{});

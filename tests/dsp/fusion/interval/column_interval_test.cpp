@@ -121,7 +121,7 @@ TEST(ColumnInterval, EqualsReferenceAtTheEdgesOfEveryQuotient) {
           std::clamp<std::int64_t>(divisor + static_cast<std::int64_t>(x) - 32, -4,
                                    std::numeric_limits<std::int32_t>::max() - 1);
       left[x] = static_cast<std::int32_t>(-(difference / 2));
-      right[x * Disparity::kOne + kMostSpread] =
+      right[x * Disparity::kOne + kMostHalfWidth] =
           static_cast<std::int32_t>(difference - difference / 2);
     }
     const ColumnTables tables{

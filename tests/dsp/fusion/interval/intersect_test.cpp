@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/fusion/project/paint.h"
+#include "dsp/fusion/project/splat.h"
 #include "dsp/pmd/converter.h"
 #include "tests/support/kernel_check.h"
 
@@ -18,7 +18,7 @@ struct Bounds {
   QuarterMm high;
 };
 constexpr Bounds kNone{0, 0};
-constexpr Bounds kUnpainted{kNothingPainted, 0};
+constexpr Bounds kNoPmd{kNoSplat, 0};
 
 struct Fused {
   int depth;
@@ -56,13 +56,13 @@ TEST(Intersect, TouchingIntervalsAgreeOnOneDepth) {
 }
 
 TEST(Intersect, OneSensorAloneKeepsItsInterval) {
-  EXPECT_EQ(run({8000, 8400}, kUnpainted), (Fused{8200, 400, Source::kStereo}));
+  EXPECT_EQ(run({8000, 8400}, kNoPmd), (Fused{8200, 400, Source::kStereo}));
   EXPECT_EQ(run({8000, 8400}, kNone), (Fused{8200, 400, Source::kStereo}));
   EXPECT_EQ(run(kNone, {8000, 8400}), (Fused{8200, 400, Source::kPmd}));
 }
 
 TEST(Intersect, BothMissingIsNoneAndNotTheMiddleOfTheRange) {
-  EXPECT_EQ(run(kNone, kUnpainted), (Fused{0, 0, Source::kNone}));
+  EXPECT_EQ(run(kNone, kNoPmd), (Fused{0, 0, Source::kNone}));
 }
 
 TEST(Intersect, AMatchWithRivalsAtAnEdgeHasNoDepth) {
@@ -131,7 +131,7 @@ TEST(Intersect, EqualsReferenceForEveryLengthAndExtreme) {
             if ((low[x] > high[x]) != (kind == 2)) {
               std::swap(low[x], high[x]);
             }
-            low[x] = kind == 0 ? kNothingPainted : low[x];
+            low[x] = kind == 0 ? kNoSplat : low[x];
             high[x] = kind <= 1 ? kNoDepth : high[x];
           }
           return IntervalRow{low, high};

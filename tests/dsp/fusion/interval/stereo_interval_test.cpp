@@ -18,7 +18,7 @@ constexpr StereoRig kRig{.left = {.width = 640, .height = 480, .fx = 1000, .fy =
 struct Lookup {
   explicit Lookup(const StereoRig& rig, QuarterMm max_range = 40000, std::uint8_t half = 16,
                   std::int16_t first = -16)
-      : bounds(65 * 16 + 1 + 2 * kMostSpread),
+      : bounds(65 * 16 + 1 + 2 * kMostHalfWidth),
         table(make_disparity_table(rig, first, max_range, bounds)),
         spread(half) {}
   DepthInterval at(Disparity disparity) const {
@@ -78,7 +78,7 @@ TEST(StereoInterval, WidensWithTheSpread) {
   const Lookup narrow(kRig, 40000, 0);
   EXPECT_EQ(narrow.at(Disparity::from_pixels(50)).low, 8000);
   EXPECT_EQ(narrow.at(Disparity::from_pixels(50)).high, 8000);
-  const Lookup widest(kRig, 40000, kMostSpread);
+  const Lookup widest(kRig, 40000, kMostHalfWidth);
   EXPECT_EQ(widest.at(Disparity::from_pixels(50)).low, 6066);    // 100 / 65.9375 m
   EXPECT_EQ(widest.at(Disparity::from_pixels(50)).high, 11744);  // 100 / 34.0625 m
   EXPECT_EQ(widest.at(Disparity::from_pixels(64)).low, 5003);    // the table reaches beyond its end
@@ -89,7 +89,7 @@ TEST(StereoInterval, EqualsReferenceForEveryLengthAndAnyDisparity) {
     test::check_kernel([&](test::KernelCase& c) {
       const std::size_t n = c.length();
       const std::size_t size =
-          2 * kMostSpread + static_cast<std::size_t>(c.random().between(1, 900));
+          2 * kMostHalfWidth + static_cast<std::size_t>(c.random().between(1, 900));
       const auto bounds = c.array<DepthInterval>(size + size % 2);
       const auto half = c.array<std::uint8_t>(n, 0, 255);
       const auto disparity = c.array<Disparity>(n);

@@ -11,7 +11,7 @@
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/project/reproject.h"
 
-// What Reprojector paints, written down plainly: pixel by pixel, as its header says.
+// What Reprojector splats, written down plainly: pixel by pixel, as its header says.
 namespace stof::dsp {
 
 struct PlainPlace {
@@ -48,10 +48,10 @@ class PlainReprojector {
 
   const std::vector<PlainReading>& readings() const { return readings_; }
 
-  void paint(const PaintedView& view) const {
+  void splat(const SplattedView& view) const {
     for (int y = 0; y < view.low.height(); ++y) {
-      std::ranges::fill(view.nearest.row(y), kNothingPainted);
-      std::ranges::fill(view.low.row(y), kNothingPainted);
+      std::ranges::fill(view.nearest.row(y), kNoSplat);
+      std::ranges::fill(view.low.row(y), kNoSplat);
       std::ranges::fill(view.high.row(y), QuarterMm{0});
       std::ranges::fill(view.flags.row(y), std::uint8_t{0});
     }
@@ -130,7 +130,7 @@ class PlainReprojector {
   }
 
   template <typename Visit>
-  void over_pixels(const PaintedView& view, Visit visit) const {
+  void over_pixels(const SplattedView& view, Visit visit) const {
     for (const PlainReading& reading : readings_) {
       for (const PlainPlace& place : reading.places) {
         const auto [left, right] = within(place.u, reading.half_x, view.low.width());

@@ -87,7 +87,7 @@ void fill(Frame& frame, int width, int height, std::uint64_t seed) {
   }
 }
 
-void expect_equal(const PaintedView& plain, const PaintedView& ours, const std::string& name) {
+void expect_equal(const SplattedView& plain, const SplattedView& ours, const std::string& name) {
   for (int y = 0; y < plain.low.height(); ++y) {
     ASSERT_TRUE(std::ranges::equal(plain.nearest.row(y), ours.nearest.row(y))) << name << " " << y;
     ASSERT_TRUE(std::ranges::equal(plain.low.row(y), ours.low.row(y))) << name << " " << y;
@@ -100,7 +100,7 @@ struct Seen {
   std::size_t once = 0;
   std::size_t thrice = 0;
   std::size_t twice = 0;  // an end behind the left camera
-  bool painted = false;
+  bool splatted = false;
 };
 
 Seen compare(const Pair& pair, std::uint64_t seed) {
@@ -110,12 +110,12 @@ Seen compare(const Pair& pair, std::uint64_t seed) {
   fill(frame, pair.rig.pmd.lens.width, pair.rig.pmd.lens.height, seed);
   const PlainReprojector plain(pair.rig, frame.maps());
   View expected(width, height, width);
-  plain.paint(expected.view());
+  plain.splat(expected.view());
 
   Rig part(pair.rig, width, height);
   part.reprojector.locate(frame.maps());
   View whole(width, height, width + 3);
-  part.reprojector.paint({0, height}, whole.view());
+  part.reprojector.splat({0, height}, whole.view());
   expect_equal(expected.view(), whole.view(), pair.name);
   EXPECT_TRUE(whole.padding_untouched()) << pair.name;
 
@@ -123,7 +123,7 @@ Seen compare(const Pair& pair, std::uint64_t seed) {
   View split(width, height, width);
   for (int y = 0; y < height;) {
     const int end = std::min(y + random.between(1, 40), height);
-    part.reprojector.paint({y, end}, split.view());
+    part.reprojector.splat({y, end}, split.view());
     y = end;
   }
   expect_equal(expected.view(), split.view(), pair.name + ", split");
@@ -135,17 +135,17 @@ Seen compare(const Pair& pair, std::uint64_t seed) {
     seen.thrice += reading.places.size() == 3 ? 1U : 0U;
   }
   for (int y = 0; y < height; ++y) {
-    seen.painted |= std::ranges::any_of(expected.high.view().row(y), [](int v) { return v != 0; });
+    seen.splatted |= std::ranges::any_of(expected.high.view().row(y), [](int v) { return v != 0; });
   }
   return seen;
 }
 
-TEST(Reproject, PaintsWhatThePlainOnePaintsForEveryPairOfSensors) {
+TEST(Reproject, SplatsWhatThePlainOneSplatsForEveryPairOfSensors) {
   Seen all;
   for (const Pair& pair : pairs()) {
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const Seen seen = compare(pair, seed);
-      EXPECT_TRUE(seen.painted) << pair.name;
+      EXPECT_TRUE(seen.splatted) << pair.name;
       all.once += seen.once;
       all.twice += seen.twice;
       all.thrice += seen.thrice;
@@ -156,7 +156,7 @@ TEST(Reproject, PaintsWhatThePlainOnePaintsForEveryPairOfSensors) {
   EXPECT_GT(all.thrice, 1000U);
 }
 
-TEST(Reproject, PaintsWhatThePlainOnePaintsInPicturesOfEverySize) {
+TEST(Reproject, SplatsWhatThePlainOneSplatsInPicturesOfEverySize) {
   for (int size = 1; size <= 40; ++size) {
     const Pinhole pmd = lens(1 + size % 23, 1 + size % 7, 10);
     for (const double focal : {3.0, 30.0, 3000.0}) {  // footprints of a pixel to the whole picture
@@ -176,10 +176,10 @@ TEST(Reproject, ForgetsAFrame) {
   part.reprojector.locate(frame.maps());
   part.reprojector.forget();
   View out(64, 48, 64);
-  part.reprojector.paint({0, 48}, out.view());
+  part.reprojector.splat({0, 48}, out.view());
   View nothing(64, 48, 64);
   Frame empty(64, 16);
-  PlainReprojector(rig, empty.maps()).paint(nothing.view());
+  PlainReprojector(rig, empty.maps()).splat(nothing.view());
   expect_equal(nothing.view(), out.view(), "forgotten");
   part.reprojector.locate(empty.maps());
   EXPECT_TRUE(part.reprojector.footprints().empty());

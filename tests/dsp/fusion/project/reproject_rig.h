@@ -62,7 +62,7 @@ struct View {
         low(width, height, stride, 9),
         high(width, height, stride, 9),
         flags(width, height, stride, 9) {}
-  PaintedView view() { return {nearest.view(), low.view(), high.view(), flags.view()}; }
+  SplattedView view() { return {nearest.view(), low.view(), high.view(), flags.view()}; }
   bool padding_untouched() {
     return nearest.padding_is(9) && low.padding_is(9) && high.padding_is(9) && flags.padding_is(9);
   }

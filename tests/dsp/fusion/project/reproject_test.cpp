@@ -66,7 +66,7 @@ std::vector<Box> exact_boxes(const Calibration& rig, Frame& frame) {
 struct Verdict {
   double low = 0;
   double high = 0;
-  bool painted = false;
+  bool splatted = false;
   bool sure = true;
 };
 Verdict exact_verdict(const std::vector<Box>& boxes, int x, int y) {
@@ -82,7 +82,7 @@ Verdict exact_verdict(const std::vector<Box>& boxes, int x, int y) {
       nearest = std::min(nearest, box.z);
     }
   }
-  verdict.painted = !over.empty();
+  verdict.splatted = !over.empty();
   verdict.low = 1e9;
   for (const Box* box : over) {
     verdict.sure = verdict.sure && std::abs(box->z - 1.02 * nearest) > 4;
@@ -100,7 +100,7 @@ void fill_with_surfaces(Frame& frame, std::uint64_t seed) {
     for (int x = 0; x < 64; ++x) {
       const int base = x < 30 ? 6000 + 20 * y : 14000 - 60 * x;
       const int d = base + random.between(-150, 150);
-      const int spread = random.between(0, 5) == 0 ? 3000 : 100;  // a wide one is painted thrice
+      const int spread = random.between(0, 5) == 0 ? 3000 : 100;  // a wide one is splatted thrice
       if (random.between(0, 7) != 0) {
         frame.put(x, y, d - spread, d, d + spread,
                   x % 5 == 0 ? std::uint8_t{kPmdEdge} : std::uint8_t{0});
@@ -118,10 +118,10 @@ TEST(Reproject, EqualsTheGeometryInDoublePrecision) {
   Rig part(rig, kWidth, kHeight);
   part.reprojector.locate(frame.maps());
   View out(kWidth, kHeight, kWidth + 5);
-  part.reprojector.paint({0, kHeight}, out.view());
+  part.reprojector.splat({0, kHeight}, out.view());
   const std::vector<Box> boxes = exact_boxes(rig, frame);
   int judged = 0;
-  int painted = 0;
+  int splatted = 0;
   for (int y = 0; y < kHeight; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const Verdict exact = exact_verdict(boxes, x, y);
@@ -129,18 +129,18 @@ TEST(Reproject, EqualsTheGeometryInDoublePrecision) {
         continue;
       }
       ++judged;
-      ASSERT_EQ(out.high.view().at(x, y) != 0, exact.painted) << x << "," << y;
-      if (exact.painted) {
-        ++painted;
+      ASSERT_EQ(out.high.view().at(x, y) != 0, exact.splatted) << x << "," << y;
+      if (exact.splatted) {
+        ++splatted;
         ASSERT_NEAR(out.low.view().at(x, y), exact.low, 2) << x << "," << y;
         ASSERT_NEAR(out.high.view().at(x, y), exact.high, 2) << x << "," << y;
       } else {
-        ASSERT_EQ(out.low.view().at(x, y), kNothingPainted);
+        ASSERT_EQ(out.low.view().at(x, y), kNoSplat);
       }
     }
   }
   EXPECT_GT(judged, kWidth * kHeight / 2);
-  EXPECT_GT(painted, kWidth * kHeight / 4);
+  EXPECT_GT(splatted, kWidth * kHeight / 4);
   EXPECT_TRUE(out.padding_untouched());
 }
 
@@ -153,11 +153,11 @@ TEST(Reproject, DoesNotDependOnHowRowsAreSplit) {
   Rig part(rig, kWidth, kHeight);
   part.reprojector.locate(frame.maps());
   View whole(kWidth, kHeight, kWidth);
-  part.reprojector.paint({0, kHeight}, whole.view());
+  part.reprojector.splat({0, kHeight}, whole.view());
   for (const int stripe : {1, 7, 32, 119}) {
     View split(kWidth, kHeight, kWidth + 3);
     for (int y = 0; y < kHeight; y += stripe) {
-      part.reprojector.paint({y, std::min(y + stripe, kHeight)}, split.view());
+      part.reprojector.splat({y, std::min(y + stripe, kHeight)}, split.view());
     }
     for (int y = 0; y < kHeight; ++y) {
       ASSERT_TRUE(std::ranges::equal(whole.low.view().row(y), split.low.view().row(y))) << stripe;
@@ -168,7 +168,7 @@ TEST(Reproject, DoesNotDependOnHowRowsAreSplit) {
   }
 }
 
-TEST(Reproject, PaintsAFootprintOfThirtyThreePixelsStraightAhead) {
+TEST(Reproject, SplatsAFootprintOfThirtyThreePixelsStraightAhead) {
   Calibration rig = chapter_rig(640, 480);
   rig.stereo.left.fx = rig.stereo.left.fy = 1483;  // 640 columns, 24.35 degrees
   rig.pmd.lens.k1 = 0;
@@ -186,9 +186,9 @@ TEST(Reproject, PaintsAFootprintOfThirtyThreePixelsStraightAhead) {
   EXPECT_EQ(f.y_begin, 224);
   EXPECT_EQ(f.y_end, 257);
   EXPECT_EQ(f.depth, 8000);
-  EXPECT_EQ(f.paint.low, 7900);
-  EXPECT_EQ(f.paint.high, 8100);
-  EXPECT_EQ(f.paint.flags, kPmdEdge);
+  EXPECT_EQ(f.value.low, 7900);
+  EXPECT_EQ(f.value.high, 8100);
+  EXPECT_EQ(f.value.flags, kPmdEdge);
 }
 
 TEST(Reproject, NearerThanTwoPercentHidesWhateverTheOrder) {
@@ -206,10 +206,10 @@ TEST(Reproject, NearerThanTwoPercentHidesWhateverTheOrder) {
     const Footprint& b = part.reprojector.footprints()[1];
     ASSERT_LT(b.x_begin, a.x_end);
     View out(200, 150, 200);
-    part.reprojector.paint({0, 150}, out.view());
+    part.reprojector.splat({0, 150}, out.view());
     const Footprint& near = swapped ? b : a;
-    EXPECT_EQ(out.low.view().at(b.x_begin, a.y_begin), near.paint.low);
-    EXPECT_EQ(out.high.view().at(b.x_begin, a.y_begin), near.paint.high);
+    EXPECT_EQ(out.low.view().at(b.x_begin, a.y_begin), near.value.low);
+    EXPECT_EQ(out.high.view().at(b.x_begin, a.y_begin), near.value.high);
   }
 }
 
@@ -251,7 +251,7 @@ TEST(Reproject, SurvivesExtremeRigsAndReadings) {
     Rig part(rig, w, h);
     part.reprojector.locate(frame.maps());
     View out(w, h, w);
-    part.reprojector.paint({0, h}, out.view());
+    part.reprojector.splat({0, h}, out.view());
     for (int y = 0; y < h; ++y) {
       for (int x = 0; x < w; ++x) {
         if (out.high.view().at(x, y) != 0) {

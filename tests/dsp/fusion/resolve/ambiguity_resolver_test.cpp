@@ -33,7 +33,7 @@ struct Row {
         width(n),
         source(n),
         cause(n),
-        bounds(129 * 16 + 1 + 2 * kMostSpread),
+        bounds(129 * 16 + 1 + 2 * kMostHalfWidth),
         table(make_disparity_table(kRig, -16, 40000, bounds)) {}
 
   void match(std::size_t from, std::size_t to, int px, std::uint8_t with_ratio = kSure) {

@@ -9,7 +9,7 @@
 #include "dsp/calib/pmd/frequency_pair.h"
 #include "dsp/calib/pmd/pmd_tables.h"
 #include "dsp/pmd/interval/sigma.h"
-#include "dsp/pmd/phase/correct.h"
+#include "dsp/pmd/phase/correct_phase.h"
 #include "dsp/pmd/phase/phase.h"
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/pmd/range/combine_frequencies.h"

@@ -1,4 +1,4 @@
-#include "dsp/fusion/project/paint.h"
+#include "dsp/fusion/project/splat.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -20,7 +20,7 @@ std::span<T> segment(const ImageView<T>& image, const Footprint& footprint, int 
 
 }  // namespace
 
-void paint_nearest(std::span<const Footprint> footprints, Rows rows,
+void splat_nearest(std::span<const Footprint> footprints, Rows rows,
                    const ImageView<QuarterMm>& nearest) noexcept {
   for (const Footprint& f : footprints) {
     const Rows some = common(f, rows);
@@ -32,27 +32,27 @@ void paint_nearest(std::span<const Footprint> footprints, Rows rows,
   }
 }
 
-void paint_intervals(std::span<const Footprint> footprints, Rows rows,
-                     const PaintedView& view) noexcept {
+void splat_intervals(std::span<const Footprint> footprints, Rows rows,
+                     const SplattedView& view) noexcept {
   for (const Footprint& f : footprints) {
     const Rows some = common(f, rows);
     for (int y = some.begin; y < some.end; ++y) {
-      paint_interval(f.paint, segment(view.nearest, f, y), segment(view.low, f, y),
+      splat_interval(f.value, segment(view.nearest, f, y), segment(view.low, f, y),
                      segment(view.high, f, y), segment(view.flags, f, y));
     }
   }
 }
 
-void paint_interval(const Paint& paint, std::span<const QuarterMm> nearest,
+void splat_interval(const FootprintValue& value, std::span<const QuarterMm> nearest,
                     std::span<QuarterMm> low, std::span<QuarterMm> high,
                     std::span<std::uint8_t> flags) noexcept {
   const std::size_t n = nearest.size();
   STOF_CHECK(low.size() == n && high.size() == n && flags.size() == n);
   for (std::size_t x = 0; x < n; ++x) {
-    if (paint.visible <= nearest[x]) {
-      low[x] = std::min(low[x], paint.low);
-      high[x] = std::max(high[x], paint.high);
-      flags[x] |= paint.flags;
+    if (value.visible <= nearest[x]) {
+      low[x] = std::min(low[x], value.low);
+      high[x] = std::max(high[x], value.high);
+      flags[x] |= value.flags;
     }
   }
 }

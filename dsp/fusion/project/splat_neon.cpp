@@ -1,4 +1,4 @@
-#include "dsp/fusion/project/paint.h"
+#include "dsp/fusion/project/splat.h"
 
 #include <algorithm>
 #include <array>
@@ -12,29 +12,29 @@ namespace {
 
 constexpr int kLanes = 8;
 
-// What a footprint paints, in all lanes of a vector or some: where it does not, low is the largest
+// What a footprint says, in all lanes of a vector or some: where it does not, low is the largest
 // number, high and flags are 0.
-struct Colours {
+struct Lanes {
   uint16x8_t visible;
   uint16x8_t low;
   uint16x8_t high;
   uint16x8_t flags;
 };
 
-Colours colours(const Paint& paint, uint16x8_t inside) noexcept {
-  return {vdupq_n_u16(paint.visible), vornq_u16(vdupq_n_u16(paint.low), inside),
-          vandq_u16(vdupq_n_u16(paint.high), inside), vandq_u16(vdupq_n_u16(paint.flags), inside)};
+Lanes lanes_of(const FootprintValue& value, uint16x8_t inside) noexcept {
+  return {vdupq_n_u16(value.visible), vornq_u16(vdupq_n_u16(value.low), inside),
+          vandq_u16(vdupq_n_u16(value.high), inside), vandq_u16(vdupq_n_u16(value.flags), inside)};
 }
 
-void unite(const Colours& colours, const QuarterMm* nearest, QuarterMm* low, QuarterMm* high,
+void unite(const Lanes& lanes, const QuarterMm* nearest, QuarterMm* low, QuarterMm* high,
            std::uint8_t* flags) noexcept {
-  const uint16x8_t seen = vcgeq_u16(vld1q_u16(nearest), colours.visible);
+  const uint16x8_t seen = vcgeq_u16(vld1q_u16(nearest), lanes.visible);
   // Where another surface hides this one: low becomes the largest number, high the smallest.
-  const uint16x8_t from = vornq_u16(colours.low, seen);
-  const uint16x8_t to = vandq_u16(colours.high, seen);
+  const uint16x8_t from = vornq_u16(lanes.low, seen);
+  const uint16x8_t to = vandq_u16(lanes.high, seen);
   vst1q_u16(low, vminq_u16(vld1q_u16(low), from));
   vst1q_u16(high, vmaxq_u16(vld1q_u16(high), to));
-  const uint16x8_t marks = vandq_u16(colours.flags, seen);
+  const uint16x8_t marks = vandq_u16(lanes.flags, seen);
   vst1_u8(flags, vmovn_u16(vorrq_u16(vmovl_u8(vld1_u8(flags)), marks)));
 }
 
@@ -48,17 +48,17 @@ struct Columns {
   uint16x8_t inside;
 };
 
-uint16x8_t lanes(int value) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(value)); }
+uint16x8_t all_lanes(int value) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(value)); }
 
 Columns columns(const Footprint& f, int width) noexcept {
   static constexpr std::array<std::uint16_t, kLanes> kLane{0, 1, 2, 3, 4, 5, 6, 7};
   const int count = f.x_end - f.x_begin;
   if (count >= kLanes) {
-    return {f.x_begin, f.x_end - kLanes, (count + kLanes - 1) / kLanes, lanes(0xFFFF)};
+    return {f.x_begin, f.x_end - kLanes, (count + kLanes - 1) / kLanes, all_lanes(0xFFFF)};
   }
   const int first = std::min<int>(f.x_begin, width - kLanes);
-  const uint16x8_t column = vsubq_u16(vld1q_u16(kLane.data()), lanes(f.x_begin - first));
-  return {first, first, 1, vcltq_u16(column, lanes(count))};
+  const uint16x8_t column = vsubq_u16(vld1q_u16(kLane.data()), all_lanes(f.x_begin - first));
+  return {first, first, 1, vcltq_u16(column, all_lanes(count))};
 }
 
 Rows common(const Footprint& footprint, Rows rows) noexcept {
@@ -72,11 +72,11 @@ T* pixel(const ImageView<T>& image, int x, int y) noexcept {
 
 }  // namespace
 
-void paint_nearest(std::span<const Footprint> footprints, Rows rows,
+void splat_nearest(std::span<const Footprint> footprints, Rows rows,
                    const ImageView<QuarterMm>& nearest) noexcept {
   STOF_CHECK(rows.begin >= 0 && rows.end <= nearest.height());
   if (nearest.width() < kLanes) {
-    ref::paint_nearest(footprints, rows, nearest);
+    ref::splat_nearest(footprints, rows, nearest);
     return;
   }
   for (const Footprint& f : footprints) {
@@ -96,13 +96,13 @@ void paint_nearest(std::span<const Footprint> footprints, Rows rows,
   }
 }
 
-void paint_intervals(std::span<const Footprint> footprints, Rows rows,
-                     const PaintedView& view) noexcept {
+void splat_intervals(std::span<const Footprint> footprints, Rows rows,
+                     const SplattedView& view) noexcept {
   STOF_CHECK(rows.begin >= 0 && rows.end <= view.nearest.height());
   STOF_CHECK(same_size(view.low, view.nearest) && same_size(view.high, view.nearest) &&
              same_size(view.flags, view.nearest));
   if (view.nearest.width() < kLanes) {
-    ref::paint_intervals(footprints, rows, view);
+    ref::splat_intervals(footprints, rows, view);
     return;
   }
   for (const Footprint& f : footprints) {
@@ -111,7 +111,7 @@ void paint_intervals(std::span<const Footprint> footprints, Rows rows,
       continue;
     }
     const Columns all = columns(f, view.nearest.width());
-    const Colours paint = colours(f.paint, all.inside);
+    const Lanes lanes = lanes_of(f.value, all.inside);
     for (int k = 0; k < all.vectors; ++k) {
       const int x = std::min(all.first + k * kLanes, all.last);
       const QuarterMm* nearest = pixel(view.nearest, x, some.begin);
@@ -119,7 +119,7 @@ void paint_intervals(std::span<const Footprint> footprints, Rows rows,
       QuarterMm* high = pixel(view.high, x, some.begin);
       std::uint8_t* flags = pixel(view.flags, x, some.begin);
       for (int y = some.begin; y < some.end; ++y) {
-        unite(paint, nearest, low, high, flags);
+        unite(lanes, nearest, low, high, flags);
         nearest += view.nearest.stride();
         low += view.low.stride();
         high += view.high.stride();
@@ -129,17 +129,17 @@ void paint_intervals(std::span<const Footprint> footprints, Rows rows,
   }
 }
 
-void paint_interval(const Paint& paint, std::span<const QuarterMm> nearest,
+void splat_interval(const FootprintValue& value, std::span<const QuarterMm> nearest,
                     std::span<QuarterMm> low, std::span<QuarterMm> high,
                     std::span<std::uint8_t> flags) noexcept {
   const std::size_t n = nearest.size();
   STOF_CHECK(low.size() == n && high.size() == n && flags.size() == n);
-  const Colours everywhere = colours(paint, vdupq_n_u16(0xFFFF));
+  const Lanes everywhere = lanes_of(value, vdupq_n_u16(0xFFFF));
   std::size_t x = 0;
   for (; x + kLanes <= n; x += kLanes) {
     unite(everywhere, nearest.data() + x, low.data() + x, high.data() + x, flags.data() + x);
   }
-  ref::paint_interval(paint, nearest.subspan(x), low.subspan(x), high.subspan(x), flags.subspan(x));
+  ref::splat_interval(value, nearest.subspan(x), low.subspan(x), high.subspan(x), flags.subspan(x));
 }
 
 }  // namespace stof::dsp::neon

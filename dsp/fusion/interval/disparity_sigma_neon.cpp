@@ -1,4 +1,4 @@
-#include "dsp/fusion/interval/stereo_spread.h"
+#include "dsp/fusion/interval/disparity_sigma.h"
 
 #include <cstddef>
 
@@ -13,13 +13,13 @@ uint8x8_t most(int16x8_t raw, int16x8_t infinity) noexcept {
   const int16x8_t parallax = vmaxq_s16(vqsubq_s16(raw, infinity), vdupq_n_s16(0));
   return vqmovun_s16(vshrq_n_s16(parallax, 3));
 }
-static_assert(kSpreadShare == 1 << 3);
+static_assert(kHalfWidthShare == 1 << 3);
 
 }  // namespace
 
-void stereo_spread(std::span<const Disparity> disparity, std::span<const std::uint8_t> ratio,
-                   const SpreadTable& table, std::int16_t infinity_raw,
-                   std::span<std::uint8_t> half) noexcept {
+void disparity_sigma(std::span<const Disparity> disparity, std::span<const std::uint8_t> ratio,
+                     const SigmaTable& table, std::int16_t infinity_raw,
+                     std::span<std::uint8_t> half) noexcept {
   constexpr std::size_t kLanes = 16;
   STOF_CHECK(ratio.size() == disparity.size() && half.size() == disparity.size());
   const uint8x16_t steps = vld1q_u8(table.data());
@@ -33,10 +33,11 @@ void stereo_spread(std::span<const Disparity> disparity, std::span<const std::ui
         vcombine_u8(vmovn_u16(vceqq_s16(low, none)), vmovn_u16(vceqq_s16(high, none)));
     const uint8x16_t limit = vcombine_u8(most(low, infinity), most(high, infinity));
     const uint8x16_t wanted = simd::look_up(steps, vshrq_n_u8(vld1q_u8(ratio.data() + x), 4));
-    const uint8x16_t spread = vmaxq_u8(vminq_u8(wanted, limit), vdupq_n_u8(kLeastSpread));
-    vst1q_u8(half.data() + x, vbicq_u8(spread, missing));
+    const uint8x16_t half_width = vmaxq_u8(vminq_u8(wanted, limit), vdupq_n_u8(kLeastHalfWidth));
+    vst1q_u8(half.data() + x, vbicq_u8(half_width, missing));
   }
-  ref::stereo_spread(disparity.subspan(x), ratio.subspan(x), table, infinity_raw, half.subspan(x));
+  ref::disparity_sigma(disparity.subspan(x), ratio.subspan(x), table, infinity_raw,
+                       half.subspan(x));
 }
 
 }  // namespace stof::dsp::neon

@@ -1,4 +1,4 @@
-#include "dsp/fusion/project/cover.h"
+#include "dsp/fusion/project/footprint.h"
 
 #include <cstddef>
 
@@ -14,9 +14,9 @@ constexpr std::size_t kNarrowLanes = 8;
 int32x4_t half_size(float32x4_t ratio, float scale, int32x4_t some) noexcept {
   constexpr float kFar = kFarthestPosition;
   const float32x4_t half =
-      vaddq_f32(vmulq_f32(vdupq_n_f32(scale), ratio), vdupq_n_f32(kCoverMargin));
+      vaddq_f32(vmulq_f32(vdupq_n_f32(scale), ratio), vdupq_n_f32(kFootprintMargin));
   const int32x4_t whole = vcvtq_s32_f32(vminq_f32(half, vdupq_n_f32(kFar)));
-  return vornq_s32(whole, some);  // all bits set are kCoversNothing
+  return vornq_s32(whole, some);  // all bits set are kNoFootprint
 }
 
 // Of 1/16 px, rounded down, to pixels 0 .. size.
@@ -39,9 +39,9 @@ Bounds bounds(const std::int32_t* place, const std::int32_t* half, int size) noe
 }  // namespace
 
 void half_sizes(std::span<const QuarterMm> distance, std::span<const std::int16_t> forward,
-                std::span<const QuarterMm> depth, const CoverScale& scale,
+                std::span<const QuarterMm> depth, const FootprintScale& scale,
                 std::span<std::int32_t> half_x, std::span<std::int32_t> half_y) noexcept {
-  static_assert(kCoversNothing == -1);
+  static_assert(kNoFootprint == -1);
   const std::size_t n = distance.size();
   STOF_CHECK(forward.size() == n && depth.size() == n && half_x.size() == n && half_y.size() == n);
   const int32x4_t one = vdupq_n_s32(1);
@@ -61,8 +61,9 @@ void half_sizes(std::span<const QuarterMm> distance, std::span<const std::int16_
                   half_x.subspan(i), half_y.subspan(i));
 }
 
-void cover(std::span<const std::int32_t> place, std::span<const std::int32_t> half, int size,
-           std::span<std::int16_t> begin, std::span<std::int16_t> end) noexcept {
+void footprint_ranges(std::span<const std::int32_t> place, std::span<const std::int32_t> half,
+                      int size, std::span<std::int16_t> begin,
+                      std::span<std::int16_t> end) noexcept {
   const std::size_t n = place.size();
   STOF_CHECK(half.size() == n && begin.size() == n && end.size() == n);
   std::size_t i = 0;
@@ -72,7 +73,7 @@ void cover(std::span<const std::int32_t> place, std::span<const std::int32_t> ha
     vst1q_s16(begin.data() + i, vcombine_s16(left.begin, right.begin));
     vst1q_s16(end.data() + i, vcombine_s16(left.end, right.end));
   }
-  ref::cover(place.subspan(i), half.subspan(i), size, begin.subspan(i), end.subspan(i));
+  ref::footprint_ranges(place.subspan(i), half.subspan(i), size, begin.subspan(i), end.subspan(i));
 }
 
 }  // namespace stof::dsp::neon

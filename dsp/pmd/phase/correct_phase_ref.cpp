@@ -1,4 +1,4 @@
-#include "dsp/pmd/phase/correct.h"
+#include "dsp/pmd/phase/correct_phase.h"
 
 #include <cstddef>
 
