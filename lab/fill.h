@@ -4,7 +4,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 namespace stof::lab {
 

@@ -14,8 +14,8 @@ namespace {
 using namespace dsp::option_text;  // NOLINT(google-build-using-namespace): what this is made of
 
 constexpr std::array<Named<Method>, 4> kMethods{{{"wta", Method::kWinnerTakesAll},
-                                                 {"dp", Method::kOrdered},
-                                                 {"so", Method::kScanline},
+                                                 {"dp", Method::kDynamicProgramming},
+                                                 {"so", Method::kScanlineOptimisation},
                                                  {"sgm", Method::kSemiGlobal}}};
 constexpr std::array<Named<Cost>, 6> kCosts{{{"sad", Cost::kSad},
                                              {"ssd", Cost::kSsd},
@@ -79,8 +79,9 @@ using Text = std::string_view;
 
 const auto& all_options() noexcept {
   static const std::array<MatchOption, 22> options{{
-      {"method", "wta, dp, so or sgm", "search: winner takes all, ordered, scanline, semi-global",
-       "", [](Text text, MatchParams& p) { return set_named(text, kMethods, p.method); }},
+      {"method", "wta, dp, so or sgm",
+       "search: winner takes all, dynamic programming, scanline optimisation, semi-global", "",
+       [](Text text, MatchParams& p) { return set_named(text, kMethods, p.method); }},
       {"cost", "sad, ssd, census5x5, census9x7 or mixed", "what two pixels differ by", "",
        [](Text text, MatchParams& p) { return set_named(text, kCosts, p.cost); }},
       common("block"),
@@ -94,7 +95,8 @@ const auto& all_options() noexcept {
        "cost of a change of disparity by one, by more, in units of one pixel's cost", "",
        set_penalties},
       {"directions", "2, 4, 5 or 8", "paths of the semi-global search", "", set_directions},
-      {"band", "0..256 or off", "scanline: px around what winner takes all found nearby", "",
+      {"band", "0..256 or off",
+       "scanline optimisation: px around what winner takes all found nearby", "",
        [](Text text, MatchParams& p) { return set_limit(text, 0, kMaxDisparities, p.band); }},
       {"pyramid", "1, 2 or off", "coarse to fine, from half or a quarter of the size", "2",
        [](Text text, MatchParams& p) { return set_limit(text, 1, 2, p.pyramid_levels); }},

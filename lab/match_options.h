@@ -4,8 +4,8 @@
 #include <string_view>
 
 #include "dsp/stereo/match_options.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 // MatchParams by name: the options of the appliance (dsp/stereo/match_options.h) and more.
 namespace stof::lab {

@@ -33,7 +33,7 @@ const char* problem(const MatchParams& params) noexcept {
   if (params.interest && params.method != Method::kWinnerTakesAll) {
     return "only winner takes all is for interesting positions: choose method wta";
   }
-  if (params.band && params.method != Method::kScanline) {
+  if (params.band && params.method != Method::kScanlineOptimisation) {
     return "a band is part of scanline optimisation: choose method so";
   }
   if (params.distinct && (params.interest || params.band)) {
@@ -117,7 +117,7 @@ MatchParams as_the_appliance(const dsp::MatchParams& params) noexcept {
 }
 
 bool sums_paths(const MatchParams& params) noexcept {
-  return params.method == Method::kSemiGlobal || params.method == Method::kScanline;
+  return params.method == Method::kSemiGlobal || params.method == Method::kScanlineOptimisation;
 }
 
 std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept {

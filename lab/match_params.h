@@ -5,7 +5,7 @@
 
 #include "dsp/base/status.h"
 #include "dsp/stereo/match_params.h"
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 // How the chapter's experiments match a pair: what the appliance can be told, and more.
 namespace stof::lab {
@@ -23,9 +23,9 @@ enum class Cost : std::uint8_t {
 
 enum class Method : std::uint8_t {
   kWinnerTakesAll,
-  kOrdered,     // dynamic programming with occlusions and the ordering constraint
-  kScanline,    // scanline optimisation
-  kSemiGlobal,  // the same energy over several directions
+  kDynamicProgramming,  // of each row, with occlusions and the ordering constraint
+  kScanlineOptimisation,
+  kSemiGlobal,  // the energy of scanline optimisation over several directions
 };
 
 enum class BlockShape : std::uint8_t {
@@ -46,12 +46,13 @@ struct MatchParams : dsp::MatchParams {
   Cost cost = Cost::kSad;
   Method method = Method::kWinnerTakesAll;
   BlockShape block_shape = BlockShape::kFixed;
-  // kOrdered: a pixel that only one camera sees; without it default_occlusion(cost).
+  // kDynamicProgramming: a pixel that only one camera sees; without it default_occlusion(cost).
   std::optional<int> occlusion = std::nullopt;
   int directions = 4;  // of kSemiGlobal: 2, 4, 5 or 8
   // Only interesting positions are matched; needs a prefilter.
   std::optional<Interest> interest = std::nullopt;
-  // kScanline searches only this many px to either side of what winner takes all found nearby.
+  // kScanlineOptimisation searches only this many px to either side of what winner takes all found
+  // nearby.
   std::optional<int> band = std::nullopt;
   // Coarse to fine (pyramid/pyramid.h): 1 begins at half size, 2 at a quarter; finer sizes search
   // near what was found, large blocks at every second pixel of every second row.

@@ -9,7 +9,7 @@ namespace stof::lab {
 namespace {
 
 bool made_up(const MatchParams& params) noexcept {
-  return params.fill || params.method == Method::kOrdered;
+  return params.fill || params.method == Method::kDynamicProgramming;
 }
 
 }  // namespace
@@ -17,7 +17,7 @@ bool made_up(const MatchParams& params) noexcept {
 Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena,
                  const ThreadTeam& team) noexcept
     : fill_(params.fill),
-      continues_(params.method == Method::kOrdered),
+      continues_(params.method == Method::kDynamicProgramming),
       filled_(made_up(params) ? arena.take_image<std::uint8_t>(width, height)
                               : ImageView<std::uint8_t>()),
       searches_(params, filled_),

@@ -6,9 +6,9 @@
 #include "dsp/base/image.h"
 #include "dsp/base/thread_team.h"
 #include "dsp/stereo/matcher.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
 #include "lab/searches.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 
@@ -26,12 +26,12 @@ class Matcher {
   ImageView<const std::uint8_t> ratio() const noexcept { return matcher_.ratio(); }
   ImageView<const Disparity> weak() const noexcept { return matcher_.weak(); }
   // 1 for each pixel of the last match() whose disparity was made up, by MatchParams::fill or as
-  // the background of an occlusion (kOrdered); else 0. Empty where neither can be.
+  // the background of an occlusion (kDynamicProgramming); else 0. Empty where neither can be.
   ImageView<const std::uint8_t> filled() const noexcept { return cut(filled_, width_, height_); }
 
  private:
   bool fill_;
-  bool continues_;  // kOrdered
+  bool continues_;  // kDynamicProgramming
   ImageView<std::uint8_t> filled_;
   Searches searches_;
   dsp::Matcher matcher_;

@@ -29,10 +29,10 @@ RowSearch* Searches::make(const dsp::MatchParams& params, int width, int height,
 template <typename Sum>
 RowSearch* Searches::make_cost_search(int width, Arena& arena) const noexcept {
   switch (params_.method) {
-    case Method::kOrdered:
-      return arena.make<OrderedSearch<Sum>>(params_, continued_, width);
-    case Method::kScanline:
-      return arena.make<ScanlineSearch<Sum>>(params_, width);
+    case Method::kDynamicProgramming:
+      return arena.make<DynamicProgrammingSearch<Sum>>(params_, continued_, width);
+    case Method::kScanlineOptimisation:
+      return arena.make<ScanlineOptimisationSearch<Sum>>(params_, width);
     case Method::kWinnerTakesAll:
     case Method::kSemiGlobal:
       break;

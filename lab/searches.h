@@ -3,16 +3,16 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "dsp/stereo/row_search.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 
 // The lab's searches for a Matcher: those of MatchParams that the appliance does not serve.
 class Searches final : public SearchMaker {
  public:
-  // continued: of the pictures' largest size where params ask for kOrdered, which marks there what
-  // it made up (search/cost_search.h); else empty.
+  // continued: of the pictures' largest size where params ask for kDynamicProgramming, which marks
+  // there what it made up (search/cost_search.h); else empty.
   Searches(const MatchParams& params, ImageView<std::uint8_t> continued) noexcept
       : params_(params), continued_(continued) {}
 

@@ -7,8 +7,8 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "lab/block/integral.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 // Blocks that adapt to the picture: grown from a small block until they meet an edge, up to a
 // maximum. Small where something begins or ends, large where nothing does.

@@ -6,7 +6,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 namespace stof::lab {
 

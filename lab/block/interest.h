@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 // Interest operators on the horizontal derivative: only positions that stand out are matched, and
 // only with positions of the other picture that stand out too. `derivative` is a row of

@@ -8,8 +8,8 @@
 #include "dsp/base/arena.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/cost/pixel_costs.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 

@@ -5,8 +5,8 @@
 
 #include "dsp/stereo/cost/cost_source.h"
 #include "lab/cost/cost_rows.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 

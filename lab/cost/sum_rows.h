@@ -8,8 +8,8 @@
 #include "dsp/stereo/cost/cross_costs.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "lab/cost/cost_rows.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 

@@ -8,9 +8,9 @@
 #include "dsp/stereo/cost/sad.h"
 #include "dsp/stereo/prefilter/prefilter.h"
 #include "dsp/stereo/search/winner.h"
+#include "lab/pyramid/patch_candidates.h"
+#include "lab/pyramid/patch_strips.h"
 #include "lab/pyramid/pyramid_rows.h"
-#include "lab/pyramid/tile_candidates.h"
-#include "lab/pyramid/tile_strips.h"
 #include "lab/search/energy.h"
 
 namespace stof::lab {
@@ -38,16 +38,16 @@ int levels(const MatchParams& params) noexcept { return params.pyramid_levels.va
 
 // Neighbouring blocks have nearly all of their pixels in common: every second one tells enough.
 bool by_quarter(const MatchParams& params, bool check) noexcept {
-  return !check && levels(params) > 0 && TileStrips::serves(params) &&
+  return !check && levels(params) > 0 && PatchStrips::serves(params) &&
          std::min(params.block_width, params.block_height) >= kLeastQuarterBlock;
 }
 
 // Strips are for few candidates, so not for the coarsest size.
 bool by_strips(const MatchParams& params, bool coarsest) noexcept {
-  return !coarsest && TileStrips::serves(params);
+  return !coarsest && PatchStrips::serves(params);
 }
 
-static_assert(TileSearch<std::uint16_t>::kTileWidth == kTileColumns);
+static_assert(PatchSearch<std::uint16_t>::kPatchWidth == kPatchColumns);
 
 // A row of winners from those of every second column.
 void spread(const MatchParams& params, std::span<const std::int16_t> found,
@@ -124,11 +124,11 @@ void CoarseToFine::take_search(Level& level, bool coarsest, bool check, int widt
     return;
   }
   if (wide(params)) {
-    level.wide_tiles.emplace(params, check, width, height, arena);
+    level.wide_patchs.emplace(params, check, width, height, arena);
   } else {
-    level.tiles.emplace(params, check, width, height, arena);
+    level.patchs.emplace(params, check, width, height, arena);
   }
-  level.ranges = arena.take<CandidateRange>(index(TileSearch<std::uint16_t>::tiles(width)));
+  level.ranges = arena.take<CandidateRange>(index(PatchSearch<std::uint16_t>::patchs(width)));
 }
 
 // The pictures of the next coarser size.
@@ -175,12 +175,12 @@ CandidateList CoarseToFine::candidates(const Level& level, const Level* coarse, 
 void CoarseToFine::search_strips(Level& level, const Level* coarse) noexcept {
   const int width = level.pictures.left.width();
   const int height = level.pictures.left.height();
-  TileStrips& strips = *level.strips;
+  PatchStrips& strips = *level.strips;
   strips.start(level.pictures.left, level.pictures.right);
-  for (int y = 0; y < height; y += TileStrips::kTileHeight) {
-    const Rows rows{y, std::min(y + TileStrips::kTileHeight, height)};
-    for (int t = 0; t < TileStrips::tiles(width); ++t) {
-      const CandidateList list = candidates(level, coarse, t * kTileColumns, rows);
+  for (int y = 0; y < height; y += PatchStrips::kPatchHeight) {
+    const Rows rows{y, std::min(y + PatchStrips::kPatchHeight, height)};
+    for (int t = 0; t < PatchStrips::patchs(width); ++t) {
+      const CandidateList list = candidates(level, coarse, t * kPatchColumns, rows);
       if (level.step == 2) {
         strips.search_quarter(rows, t, list.view(), level.winners.left);
       } else {
@@ -191,26 +191,26 @@ void CoarseToFine::search_strips(Level& level, const Level* coarse) noexcept {
 }
 
 template <typename Sum>
-void CoarseToFine::search(Level& level, TileSearch<Sum>& tiles, const Level* coarse) noexcept {
+void CoarseToFine::search(Level& level, PatchSearch<Sum>& patchs, const Level* coarse) noexcept {
   const ImageView<std::int16_t> map = level.winners.left;
   const std::span<CandidateRange> ranges = level.ranges;
-  tiles.start(level.pictures.left, level.pictures.right);
-  std::ranges::fill(ranges, CandidateRange{0, tiles.lanes()});
+  patchs.start(level.pictures.left, level.pictures.right);
+  std::ranges::fill(ranges, CandidateRange{0, patchs.lanes()});
   if (coarse == nullptr && level.winners.right.empty()) {
-    tiles.search(map.rows(), ranges, level.winners);
+    patchs.search(map.rows(), ranges, level.winners);
     return;
   }
-  for (int y = 0; y < map.height(); y += TileSearch<Sum>::kTileHeight) {
-    const Rows rows{y, std::min(y + TileSearch<Sum>::kTileHeight, map.height())};
+  for (int y = 0; y < map.height(); y += PatchSearch<Sum>::kPatchHeight) {
+    const Rows rows{y, std::min(y + PatchSearch<Sum>::kPatchHeight, map.height())};
     for (std::size_t t = 0; coarse != nullptr && t < ranges.size(); ++t) {
       ranges[t] =
-          range_around(found(*coarse), level.params, static_cast<int>(t) * kTileColumns, rows);
+          range_around(found(*coarse), level.params, static_cast<int>(t) * kPatchColumns, rows);
     }
-    tiles.search(rows, ranges, level.winners);
+    patchs.search(rows, ranges, level.winners);
   }
 }
 
-void CoarseToFine::match(const PyramidPictures& pictures, const TileWinners& winners) noexcept {
+void CoarseToFine::match(const PyramidPictures& pictures, const PatchWinners& winners) noexcept {
   STOF_CHECK(same_size(pictures.left, winners.left));
   if (pictures.left.empty()) {
     return;
@@ -231,10 +231,10 @@ void CoarseToFine::match(const PyramidPictures& pictures, const TileWinners& win
     const Level* const coarse = k + 1 < count_ ? &level + 1 : nullptr;
     if (level.strips) {
       search_strips(level, coarse);
-    } else if (level.wide_tiles) {
-      search(level, *level.wide_tiles, coarse);
+    } else if (level.wide_patchs) {
+      search(level, *level.wide_patchs, coarse);
     } else {
-      search(level, *level.tiles, coarse);
+      search(level, *level.patchs, coarse);
     }
   }
   if (levels_[0].step == 2) {

@@ -7,11 +7,11 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/pyramid/tile_candidates.h"
-#include "lab/pyramid/tile_search.h"
-#include "lab/pyramid/tile_strips.h"
-#include "lab/terms.h"
+#include "lab/pyramid/patch_candidates.h"
+#include "lab/pyramid/patch_search.h"
+#include "lab/pyramid/patch_strips.h"
 
 namespace stof::lab {
 
@@ -28,7 +28,7 @@ struct PyramidPictures {
 void halve(ImageView<const std::uint8_t> in, ImageView<std::uint8_t> out) noexcept;
 
 // Winner takes all on sums of absolute differences, coarse to fine: all candidates at the coarsest
-// of params.pyramid_levels halved sizes; at each finer size a tile (tile_search.h) searches only
+// of params.pyramid_levels halved sizes; at each finer size a patch (patch_search.h) searches only
 // around what its surroundings found before. A thing that the coarse pictures do not show is not
 // found.
 // With a prefilter and blocks of at least 8 px either way, neighbours having most of their block in
@@ -43,24 +43,24 @@ class CoarseToFine {
   CoarseToFine(const MatchParams& params, bool check, int width, int height, Arena& arena) noexcept;
 
   // winners: of the pictures' size; right empty where it is not wanted.
-  void match(const PyramidPictures& pictures, const TileWinners& winners) noexcept;
+  void match(const PyramidPictures& pictures, const PatchWinners& winners) noexcept;
 
  private:
   // One size of the pair, how it is searched, and what was found in it.
   struct Level {
     MatchParams params;
     PyramidPictures pictures;
-    TileWinners winners;
+    PatchWinners winners;
     int step = 1;  // of every so many pixels and rows there are winners
     // Of a coarser level.
     ImageView<std::uint8_t> left_grey;
     ImageView<std::uint8_t> right_grey;
     ImageView<std::uint8_t> left;  // derivatives
     ImageView<std::uint8_t> right;
-    ImageView<std::int16_t> found;     // what `winners` is where nobody wants it elsewhere
-    std::optional<TileStrips> strips;  // one of these three
-    std::optional<TileSearch<std::uint16_t>> tiles;
-    std::optional<TileSearch<std::uint32_t>> wide_tiles;
+    ImageView<std::int16_t> found;      // what `winners` is where nobody wants it elsewhere
+    std::optional<PatchStrips> strips;  // one of these three
+    std::optional<PatchSearch<std::uint16_t>> patchs;
+    std::optional<PatchSearch<std::uint32_t>> wide_patchs;
     std::span<CandidateRange> ranges;
   };
 
@@ -72,7 +72,7 @@ class CoarseToFine {
                                   Rows rows) noexcept;
   static void search_strips(Level& level, const Level* coarse) noexcept;
   template <typename Sum>
-  static void search(Level& level, TileSearch<Sum>& tiles, const Level* coarse) noexcept;
+  static void search(Level& level, PatchSearch<Sum>& patchs, const Level* coarse) noexcept;
 
   static constexpr int kMostLevels = 2;
 

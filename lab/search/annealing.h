@@ -6,7 +6,7 @@
 
 #include "dsp/base/image.h"
 #include "dsp/stereo/cost/sad.h"
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 // Simulated annealing on a whole picture: slow, for comparison with the methods that are not.
 // Energy of a map of candidates:

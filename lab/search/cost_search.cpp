@@ -10,7 +10,7 @@
 #include "dsp/stereo/search/winner.h"
 #include "lab/block/interest.h"
 #include "lab/search/energy.h"
-#include "lab/search/scanline.h"
+#include "lab/search/scanline_optimisation.h"
 
 namespace stof::lab {
 
@@ -72,7 +72,8 @@ void WinnerSearch<Sum>::find(int, FoundRow<Sum>& found) noexcept {
 }
 
 template <typename Sum>
-ScanlineSearch<Sum>::ScanlineSearch(const MatchParams& params, int width, Arena& arena) noexcept
+ScanlineOptimisationSearch<Sum>::ScanlineOptimisationSearch(const MatchParams& params, int width,
+                                                            Arena& arena) noexcept
     : CostSearch<Sum>(params, width, arena), penalties_(block_penalties<Sum>(params)) {
   const std::size_t row = index(width) * index(lanes_of(params));
   large_ = arena.take<Sum>(index(width) + 1);
@@ -82,7 +83,7 @@ ScanlineSearch<Sum>::ScanlineSearch(const MatchParams& params, int width, Arena&
 }
 
 template <typename Sum>
-void ScanlineSearch<Sum>::find(int y, FoundRow<Sum>& found) noexcept {
+void ScanlineOptimisationSearch<Sum>::find(int y, FoundRow<Sum>& found) noexcept {
   const int lanes = this->lanes();
   const std::size_t n = found.judged.size();
   std::span<const Sum> costs = found.judged;
@@ -101,8 +102,9 @@ void ScanlineSearch<Sum>::find(int y, FoundRow<Sum>& found) noexcept {
 }
 
 template <typename Sum>
-OrderedSearch<Sum>::OrderedSearch(const MatchParams& params, ImageView<std::uint8_t> continued,
-                                  int width, Arena& arena) noexcept
+DynamicProgrammingSearch<Sum>::DynamicProgrammingSearch(const MatchParams& params,
+                                                        ImageView<std::uint8_t> continued,
+                                                        int width, Arena& arena) noexcept
     : CostSearch<Sum>(params, width, arena),
       penalties_(block_penalties<Sum>(params)),
       occlusion_(block_occlusion<Sum>(params)),
@@ -111,18 +113,18 @@ OrderedSearch<Sum>::OrderedSearch(const MatchParams& params, ImageView<std::uint
       continued_(continued) {}
 
 template <typename Sum>
-void OrderedSearch<Sum>::find(int y, FoundRow<Sum>& found) noexcept {
-  ordered_winners(found.judged, this->lanes(),
-                  {.small = penalties_.small,
-                   .occlusion = occlusion_,
-                   .large = this->penalties_along(y, penalties_, large_)},
-                  table_, found.winners);
+void DynamicProgrammingSearch<Sum>::find(int y, FoundRow<Sum>& found) noexcept {
+  dp_winners(found.judged, this->lanes(),
+             {.small = penalties_.small,
+              .occlusion = occlusion_,
+              .large = this->penalties_along(y, penalties_, large_)},
+             table_, found.winners);
   extend_background(found.winners, continued_.row(y).first(found.winners.size()));
 }
 
 // Matches of this method are one to one; what it continued has no match to be checked.
 template <typename Sum>
-void OrderedSearch<Sum>::check_left_right(int y, const FoundRow<Sum>& found) noexcept {
+void DynamicProgrammingSearch<Sum>::check_left_right(int y, const FoundRow<Sum>& found) noexcept {
   if (!this->params().left_right_tolerance) {
     return;
   }
@@ -135,9 +137,9 @@ void OrderedSearch<Sum>::check_left_right(int y, const FoundRow<Sum>& found) noe
 
 template class WinnerSearch<std::uint16_t>;
 template class WinnerSearch<std::uint32_t>;
-template class ScanlineSearch<std::uint16_t>;
-template class ScanlineSearch<std::uint32_t>;
-template class OrderedSearch<std::uint16_t>;
-template class OrderedSearch<std::uint32_t>;
+template class ScanlineOptimisationSearch<std::uint16_t>;
+template class ScanlineOptimisationSearch<std::uint32_t>;
+template class DynamicProgrammingSearch<std::uint16_t>;
+template class DynamicProgrammingSearch<std::uint32_t>;
 
 }  // namespace stof::lab

@@ -8,9 +8,9 @@
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/edge_penalties.h"
 #include "lab/cost/sum_rows.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/search/ordered.h"
-#include "lab/terms.h"
+#include "lab/search/dynamic_programming.h"
 
 namespace stof::lab {
 
@@ -59,9 +59,9 @@ class WinnerSearch final : public CostSearch<Sum> {
 };
 
 template <typename Sum>
-class ScanlineSearch final : public CostSearch<Sum> {
+class ScanlineOptimisationSearch final : public CostSearch<Sum> {
  public:
-  ScanlineSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+  ScanlineOptimisationSearch(const MatchParams& params, int width, Arena& arena) noexcept;
 
  private:
   void find(int y, FoundRow<Sum>& found) noexcept override;
@@ -74,12 +74,12 @@ class ScanlineSearch final : public CostSearch<Sum> {
 };
 
 template <typename Sum>
-class OrderedSearch final : public CostSearch<Sum> {
+class DynamicProgrammingSearch final : public CostSearch<Sum> {
  public:
   // continued: becomes 1 where a winner is none of the search's own, but was continued from the
   // background; else 0.
-  OrderedSearch(const MatchParams& params, ImageView<std::uint8_t> continued, int width,
-                Arena& arena) noexcept;
+  DynamicProgrammingSearch(const MatchParams& params, ImageView<std::uint8_t> continued, int width,
+                           Arena& arena) noexcept;
 
  private:
   void find(int y, FoundRow<Sum>& found) noexcept override;
@@ -88,15 +88,15 @@ class OrderedSearch final : public CostSearch<Sum> {
   EdgePenalties<Sum> penalties_;
   Sum occlusion_;
   std::span<Sum> large_;  // width + 1
-  OrderedTable<Sum> table_;
+  DpTable<Sum> table_;
   ImageView<std::uint8_t> continued_;
 };
 
 extern template class WinnerSearch<std::uint16_t>;
 extern template class WinnerSearch<std::uint32_t>;
-extern template class ScanlineSearch<std::uint16_t>;
-extern template class ScanlineSearch<std::uint32_t>;
-extern template class OrderedSearch<std::uint16_t>;
-extern template class OrderedSearch<std::uint32_t>;
+extern template class ScanlineOptimisationSearch<std::uint16_t>;
+extern template class ScanlineOptimisationSearch<std::uint32_t>;
+extern template class DynamicProgrammingSearch<std::uint16_t>;
+extern template class DynamicProgrammingSearch<std::uint32_t>;
 
 }  // namespace stof::lab

@@ -42,10 +42,10 @@ EdgePenalties<Sum> penalties_of(std::int64_t small, std::int64_t large) noexcept
 std::int64_t largest_energy(const MatchParams& params) noexcept {
   const Smoothness smoothness = smoothness_of(params);
   std::int64_t pixel = largest_difference(params);
-  if (is(params, Method::kScanline) || is(params, Method::kOrdered)) {
+  if (is(params, Method::kScanlineOptimisation) || is(params, Method::kDynamicProgramming)) {
     pixel += 2 * std::int64_t{smoothness.large_step};
   }
-  if (is(params, Method::kOrdered)) {
+  if (is(params, Method::kDynamicProgramming)) {
     pixel += std::int64_t{lanes_of(params)} * occlusion_of(params);
   }
   return area_of(params) * pixel;

@@ -4,8 +4,8 @@
 
 #include "dsp/stereo/row_judge.h"
 #include "dsp/stereo/search/semi_global.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 // MatchParams in the units of the rows of costs that a search adds up.
 namespace stof::lab {
@@ -22,7 +22,8 @@ CostScale cost_scale(const MatchParams& params) noexcept;
 // True when block sums, or the energies of a search in them, need u32.
 bool needs_wide_sums(const MatchParams& params) noexcept;
 
-// Of scanline optimisation and ordered search, in block sums: Sum is u32 where needs_wide_sums().
+// Of scanline optimisation and dynamic programming, in block sums: Sum is u32 where
+// needs_wide_sums().
 template <typename Sum>
 EdgePenalties<Sum> block_penalties(const MatchParams& params) noexcept;
 template <typename Sum>

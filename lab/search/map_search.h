@@ -7,9 +7,9 @@
 #include "dsp/base/image.h"
 #include "dsp/stereo/row_search.h"
 #include "lab/block/adaptive.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
 #include "lab/pyramid/pyramid.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 // The Metropolis rule of simulated annealing in integers, so that every processor finds the same.
 namespace stof::lab {

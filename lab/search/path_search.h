@@ -10,8 +10,8 @@
 #include "dsp/stereo/search/semi_global.h"
 #include "lab/cost/cost_rows.h"
 #include "lab/cost/scaled_costs.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 

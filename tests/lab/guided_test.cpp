@@ -110,8 +110,8 @@ std::vector<MatchParams> every_kind() {
   for (const char* const name : {"fast", "quality", "chapter"}) {
     all.push_back(as_the_appliance(find_preset(name)->params));
   }
-  for (const Method method :
-       {Method::kWinnerTakesAll, Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
+  for (const Method method : {Method::kWinnerTakesAll, Method::kDynamicProgramming,
+                              Method::kScanlineOptimisation, Method::kSemiGlobal}) {
     all.push_back(method_defaults(method));
     all.back().cost = Cost::kSsd;  // u32 sums but for semi-global
     all.push_back(method_defaults(method));
@@ -125,7 +125,7 @@ std::vector<MatchParams> every_kind() {
   all.push_back(method_defaults(Method::kSemiGlobal));
   all.back().cost = Cost::kAdCensus;
   all.back().directions = 8;
-  all.push_back(method_defaults(Method::kScanline));
+  all.push_back(method_defaults(Method::kScanlineOptimisation));
   all.back().band = 2;
   all.push_back({});
   all.back().interest = Interest::kMaxima;

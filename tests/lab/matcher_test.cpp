@@ -172,7 +172,8 @@ std::vector<MatchParams> every_kind() {
     kinds.push_back(kinds.back());
     kinds.back().fill = true;
   }
-  for (const Method method : {Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
+  for (const Method method :
+       {Method::kDynamicProgramming, Method::kScanlineOptimisation, Method::kSemiGlobal}) {
     for (const Cost cost :
          {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
       kinds.push_back(with([&](MatchParams& p) { p.method = method, p.cost = cost; }));
@@ -190,7 +191,8 @@ std::vector<MatchParams> every_kind() {
   for (const int levels : {1, 2}) {
     kinds.push_back(with([&](MatchParams& p) { p.pyramid_levels = levels, p.median = true; }));
   }
-  kinds.push_back(with([](MatchParams& p) { p.method = Method::kScanline, p.band = 2; }));
+  kinds.push_back(
+      with([](MatchParams& p) { p.method = Method::kScanlineOptimisation, p.band = 2; }));
   kinds.push_back(with([](MatchParams& p) { p.method = Method::kSemiGlobal, p.directions = 8; }));
   kinds.push_back(with([](MatchParams& p) { p.uniqueness_percent = 5, p.min_texture = 6; }));
   kinds.push_back(with([](MatchParams& p) { p.prefilter_cap.reset(), p.equalise = true; }));
@@ -222,8 +224,8 @@ TEST(Matcher, WhatMatchesWellIsDistinctByEveryMethodAndCost) {
   for (int y = 0; y < h; ++y) {
     std::rotate(right.begin() + y * w, right.begin() + y * w + 5, right.begin() + (y + 1) * w);
   }
-  for (const Method method :
-       {Method::kWinnerTakesAll, Method::kOrdered, Method::kScanline, Method::kSemiGlobal}) {
+  for (const Method method : {Method::kWinnerTakesAll, Method::kDynamicProgramming,
+                              Method::kScanlineOptimisation, Method::kSemiGlobal}) {
     for (const Cost cost :
          {Cost::kSad, Cost::kSsd, Cost::kCensus5x5, Cost::kCensus9x7, Cost::kAdCensus}) {
       for (const std::optional<int> cap : {std::optional<int>(), std::optional<int>(15)}) {

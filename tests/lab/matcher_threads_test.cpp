@@ -81,8 +81,10 @@ std::vector<MatchParams> every_kind() {
   };
   with([](MatchParams& p) { p.prefilter_cap = 15, p.min_texture = 3, p.confidence = true; });
   with([](MatchParams& p) { p.smooth = true, p.equalise = true, p.fill = true; });
-  with([](MatchParams& p) { p.method = Method::kScanline, p.median = true, p.distinct = true; });
-  with([](MatchParams& p) { p.method = Method::kOrdered; });
+  with([](MatchParams& p) {
+    p.method = Method::kScanlineOptimisation, p.median = true, p.distinct = true;
+  });
+  with([](MatchParams& p) { p.method = Method::kDynamicProgramming; });
   with([](MatchParams& p) { p.method = Method::kSemiGlobal, p.directions = 8; });
   with([](MatchParams& p) { p.cost = Cost::kCensus9x7, p.histogram_permille = 20; });
   with([](MatchParams& p) { p.cost = Cost::kSsd, p.subpixel = Subpixel::kLeastSquares; });

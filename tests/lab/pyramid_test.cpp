@@ -104,24 +104,24 @@ class Plain {
 };
 
 template <typename Sum>
-class Tiles : public testing::Test {
+class Patchs : public testing::Test {
  protected:
   static void run(Pair& pair, const MatchParams& params, std::span<const CandidateRange> ranges,
-                  Rows rows, const TileWinners& out) {
+                  Rows rows, const PatchWinners& out) {
     const bool check = !out.right.empty();
     test::GuardedBuffer<std::byte> memory(bytes_taken([&](Arena& measuring) {
-      TileSearch<Sum>(params, check, pair.width, pair.height, measuring);
+      PatchSearch<Sum>(params, check, pair.width, pair.height, measuring);
     }));
     Arena arena(memory.span());
-    TileSearch<Sum> search(params, check, pair.width, pair.height, arena);
+    PatchSearch<Sum> search(params, check, pair.width, pair.height, arena);
     search.start(pair.left.view(), pair.right.view());
     search.search(rows, ranges, out);
   }
 };
 using Sums = testing::Types<std::uint16_t, std::uint32_t>;
-TYPED_TEST_SUITE(Tiles, Sums);
+TYPED_TEST_SUITE(Patchs, Sums);
 
-TYPED_TEST(Tiles, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
+TYPED_TEST(Patchs, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
   struct Case {
     int width, height, min_disparity, disparities, block_width, block_height;
   };
@@ -139,7 +139,7 @@ TYPED_TEST(Tiles, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
       params.prefilter_cap = cap;
       Map left(c.width, c.height, c.width), right(c.width, c.height, c.width);
       const std::vector<CandidateRange> ranges(
-          static_cast<std::size_t>(TileSearch<TypeParam>::tiles(c.width)),
+          static_cast<std::size_t>(PatchSearch<TypeParam>::patchs(c.width)),
           CandidateRange{0, lanes_of(params)});
       this->run(pair, params, ranges, {0, c.height}, {left.view(), right.view()});
       const Plain plain(pair, params);
@@ -153,8 +153,8 @@ TYPED_TEST(Tiles, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
   }
 }
 
-TYPED_TEST(Tiles, EachTileSearchesAtLeastItsOwnRange) {
-  constexpr int kWidth = 4 * TileSearch<TypeParam>::kTileWidth + 5;
+TYPED_TEST(Patchs, EachPatchSearchesAtLeastItsOwnRange) {
+  constexpr int kWidth = 4 * PatchSearch<TypeParam>::kPatchWidth + 5;
   Pair pair = noise(kWidth, 3, 8);
   const MatchParams params{{.disparities = 100, .block_width = 3, .block_height = 2}};
   const Plain plain(pair, params);
@@ -164,7 +164,7 @@ TYPED_TEST(Tiles, EachTileSearchesAtLeastItsOwnRange) {
   for (int y = 1; y < 3; ++y) {
     for (int x = 0; x < kWidth; ++x) {
       const CandidateRange range =
-          ranges[static_cast<std::size_t>(x / TileSearch<TypeParam>::kTileWidth)];
+          ranges[static_cast<std::size_t>(x / PatchSearch<TypeParam>::kPatchWidth)];
       const int found = left.view().at(x, y);
       const int own = plain.winner(x, y, range);
       if (own != kNoWinner) {
@@ -213,7 +213,7 @@ Pair wall_and_board(int width, int height, int wall, int board) {
 }
 
 void search(const MatchParams& params, const PyramidPictures& pictures,
-            const TileWinners& winners) {
+            const PatchWinners& winners) {
   const int width = pictures.left.width();
   const int height = pictures.left.height();
   const bool check = !winners.right.empty();

@@ -36,7 +36,7 @@ std::expected<lab::MatchParams, Problem> starting_params(const MatchOptions& opt
     return lab::as_the_appliance(preset->params);
   }
   if (wants_annealing(options)) {
-    lab::MatchParams params = lab::method_defaults(lab::Method::kScanline);
+    lab::MatchParams params = lab::method_defaults(lab::Method::kScanlineOptimisation);
     params.method = lab::Method::kWinnerTakesAll;
     return params;
   }

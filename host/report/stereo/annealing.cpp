@@ -20,7 +20,7 @@ struct Annealed {
 std::optional<Annealed> match(const Study& study, const dataset::StereoScene& scene,
                               lab::Method method, std::optional<lab::Acceptance> annealing) {
   MatchPlan plan;
-  plan.params = lab::method_defaults(lab::Method::kScanline);
+  plan.params = lab::method_defaults(lab::Method::kScanlineOptimisation);
   plan.params.disparities = scene.ndisp;
   plan.params.method = method;
   plan.params.smoothness = lab::default_smoothness(lab::Cost::kSad);
@@ -84,7 +84,7 @@ std::vector<Figure> add_annealing_scene(const Study& study, const Subject& subje
   const std::optional<Annealed> winner =
       match(study, scene, lab::Method::kWinnerTakesAll, std::nullopt);
   const std::optional<Annealed> scanline =
-      match(study, scene, lab::Method::kScanline, std::nullopt);
+      match(study, scene, lab::Method::kScanlineOptimisation, std::nullopt);
   if (!winner || !scanline) {
     return figures;
   }

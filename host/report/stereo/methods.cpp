@@ -52,13 +52,13 @@ void add_costs(const dataset::StereoScene& scene, const char* name,
 
 std::vector<MethodRow> smooth_rows(const dataset::StereoScene& scene, bool with_annealing) {
   std::vector<MethodRow> rows;
-  for (const auto& [name, method] :
-       {std::pair("DP", Method::kOrdered), std::pair("SO", Method::kScanline),
-        std::pair("SGM, 4 directions", Method::kSemiGlobal)}) {
+  for (const auto& [name, method] : {std::pair("DP", Method::kDynamicProgramming),
+                                     std::pair("SO", Method::kScanlineOptimisation),
+                                     std::pair("SGM, 4 directions", Method::kSemiGlobal)}) {
     add_costs(scene, name, lab::method_defaults(method), std::nullopt, rows);
   }
   if (with_annealing) {
-    lab::MatchParams params = lab::method_defaults(Method::kScanline);
+    lab::MatchParams params = lab::method_defaults(Method::kScanlineOptimisation);
     params.method = Method::kWinnerTakesAll;
     add_costs(scene, "SA", params, lab::Acceptance::kMetropolis, rows);
   }
@@ -221,7 +221,7 @@ void add_methods(Study& study, Page& page) {
       "appliance runs. Winner takes all (WTA) sums costs over 16 × 16 px; dynamic programming with "
       "occlusions (DP), scanline optimisation (SO) and semi-global matching (SGM, beyond the "
       "chapter) over " +
-      size_of_block(lab::method_defaults(Method::kScanline)) +
+      size_of_block(lab::method_defaults(Method::kScanlineOptimisation)) +
       ", because their smoothness gathers the neighbours. Simulated annealing (SA) begins with "
       "winner takes all on that block and runs once, offline; the annealing itself has no "
       "kernels, so it has no plain time.");

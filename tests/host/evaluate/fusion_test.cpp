@@ -31,7 +31,7 @@ TEST(FusionParams, OfAPresetAreThoseOfTheAppliance) {
 TEST(FusionParams, OfAMethodAloneAreWholeAndChecked) {
   const auto params = fusion_params({.preset = "", .settings = {{"method", "so"}}}, 64);
   ASSERT_TRUE(params) << params.error().message;
-  EXPECT_EQ(params->method, lab::Method::kScanline);
+  EXPECT_EQ(params->method, lab::Method::kScanlineOptimisation);
   EXPECT_EQ(params->subpixel, dsp::Subpixel::kWhole);
   EXPECT_EQ(params->left_right_tolerance, 1);
   EXPECT_TRUE(params->confidence);

@@ -1,10 +1,10 @@
-#include "lab/search/ordered.h"
+#include "lab/search/dynamic_programming.h"
 
 #include <algorithm>
 
 #include "dsp/base/check.h"
 #include "dsp/stereo/search/winner.h"
-#include "lab/search/scanline.h"
+#include "lab/search/scanline_optimisation.h"
 
 namespace stof::lab {
 namespace {
@@ -53,8 +53,7 @@ void lowest_above(const Sum* values, std::size_t count, Sum* other, Sum* out) no
 
 // matched[x][i] before the cost of x itself, into out. x >= 1.
 template <typename Sum>
-void enter(const OrderedTable<Sum>& t, std::size_t x, const OrderedPenalties<Sum>& p,
-           Sum* out) noexcept {
+void enter(const DpTable<Sum>& t, std::size_t x, const DpPenalties<Sum>& p, Sum* out) noexcept {
   const Sum* const before = t.matched_at(x - 1);
   const Sum* const hidden = t.hidden_at(x - 1);
   const Sum large = p.large[x];
@@ -81,8 +80,8 @@ void enter(const OrderedTable<Sum>& t, std::size_t x, const OrderedPenalties<Sum
 // Fills column x of the table. ended: the energy when the last match lies before x; returned
 // relative to x.
 template <typename Sum>
-Sum advance(OrderedTable<Sum>& t, std::size_t x, std::span<const Sum> costs,
-            const OrderedPenalties<Sum>& p, Sum ended) noexcept {
+Sum advance(DpTable<Sum>& t, std::size_t x, std::span<const Sum> costs, const DpPenalties<Sum>& p,
+            Sum ended) noexcept {
   Sum* const matched = t.matched_at(x);
   Sum* const hidden = t.hidden_at(x);
   std::ranges::fill_n(hidden, static_cast<std::ptrdiff_t>(t.lanes), kNoCost<Sum>);
@@ -126,7 +125,7 @@ int position(const Sum* values, int begin, int end, Sum value) noexcept {
 
 // The match that opened the run of left pixels which ends before x, where i may follow.
 template <typename Sum>
-Previous opening(const OrderedTable<Sum>& t, std::size_t x, int i) noexcept {
+Previous opening(const DpTable<Sum>& t, std::size_t x, int i) noexcept {
   Previous match{i, 0};
   do {
     --match.candidate;
@@ -139,8 +138,7 @@ Previous opening(const OrderedTable<Sum>& t, std::size_t x, int i) noexcept {
 // How matched[x][i] was entered: the argument of enter()'s minimum. x >= 1. Of equal ways the first
 // in this order.
 template <typename Sum>
-Previous previous(const OrderedTable<Sum>& t, std::size_t x, int i,
-                  const OrderedPenalties<Sum>& p) noexcept {
+Previous previous(const DpTable<Sum>& t, std::size_t x, int i, const DpPenalties<Sum>& p) noexcept {
   const std::size_t at = static_cast<std::size_t>(i);
   const Sum* const before = t.matched_at(x - 1);
   const Sum above = lowest_of(before + at + 1, t.lanes - at - 1);
@@ -177,8 +175,8 @@ Previous previous(const OrderedTable<Sum>& t, std::size_t x, int i,
 }  // namespace
 
 template <typename Sum>
-void ordered_winners(std::span<const Sum> costs, int lanes, const OrderedPenalties<Sum>& penalties,
-                     OrderedTable<Sum>& table, std::span<std::int16_t> winners) noexcept {
+void dp_winners(std::span<const Sum> costs, int lanes, const DpPenalties<Sum>& penalties,
+                DpTable<Sum>& table, std::span<std::int16_t> winners) noexcept {
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = winners.size();
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && costs.size() == n * count &&
@@ -237,11 +235,9 @@ void extend_background(std::span<std::int16_t> winners, std::span<std::uint8_t> 
   }
 }
 
-template void ordered_winners(std::span<const std::uint16_t>, int,
-                              const OrderedPenalties<std::uint16_t>&, OrderedTable<std::uint16_t>&,
-                              std::span<std::int16_t>) noexcept;
-template void ordered_winners(std::span<const std::uint32_t>, int,
-                              const OrderedPenalties<std::uint32_t>&, OrderedTable<std::uint32_t>&,
-                              std::span<std::int16_t>) noexcept;
+template void dp_winners(std::span<const std::uint16_t>, int, const DpPenalties<std::uint16_t>&,
+                         DpTable<std::uint16_t>&, std::span<std::int16_t>) noexcept;
+template void dp_winners(std::span<const std::uint32_t>, int, const DpPenalties<std::uint32_t>&,
+                         DpTable<std::uint32_t>&, std::span<std::int16_t>) noexcept;
 
 }  // namespace stof::lab

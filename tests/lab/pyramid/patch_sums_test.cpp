@@ -1,4 +1,4 @@
-#include "lab/pyramid/tile_sums.h"
+#include "lab/pyramid/patch_sums.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "lab/pyramid/tile_strips.h"
+#include "lab/pyramid/patch_strips.h"
 #include "tests/support/guarded.h"
 #include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
@@ -21,7 +21,7 @@ constexpr int kRows = 12;
 Picture noise(int width, test::Random& random) {
   Picture picture(width, kRows, width);
   for (int y = 0; y < kRows; ++y) {
-    random.fill(picture.view().row(y), 0, kLargestTilePixel);
+    random.fill(picture.view().row(y), 0, kLargestPatchPixel);
   }
   return picture;
 }
@@ -32,7 +32,7 @@ constexpr std::array<std::size_t, 12> kBlocks{1, 2, 7, 8, 14, 15, 16, 17, 18, 31
 dsp::ImageView<std::uint8_t> noise(test::KernelCase& c, int width, bool half_flat) {
   const auto picture = c.image<std::uint8_t>(width, kRows);
   for (int y = 0; y < kRows; ++y) {
-    c.fill(picture.row(y), 0, kLargestTilePixel);
+    c.fill(picture.row(y), 0, kLargestPatchPixel);
     if (half_flat) {
       std::ranges::fill(picture.row(y).subspan(static_cast<std::size_t>(width) * 2 / 3),
                         std::uint8_t{9});
@@ -41,11 +41,11 @@ dsp::ImageView<std::uint8_t> noise(test::KernelCase& c, int width, bool half_fla
   return picture;
 }
 
-TilePlace place(test::KernelCase& c, int block, std::span<const std::int16_t> candidates,
-                bool half_flat) {
+PatchPlace place(test::KernelCase& c, int block, std::span<const std::int16_t> candidates,
+                 bool half_flat) {
   const int last = candidates.back();
-  return {.left = noise(c, tile_reach(block) + 1, half_flat),
-          .right = noise(c, tile_reach(block) + last, half_flat),
+  return {.left = noise(c, patch_reach(block) + 1, half_flat),
+          .right = noise(c, patch_reach(block) + last, half_flat),
           .left_x = 1,
           .right_x = last,
           .block_width = block,
@@ -63,19 +63,19 @@ std::vector<std::vector<std::int16_t>> choices() {
   return lists;
 }
 
-TEST(TileSums, EqualReferenceForEveryBlockAndChoiceOfCandidates) {
+TEST(PatchSums, EqualReferenceForEveryBlockAndChoiceOfCandidates) {
   for (const auto& candidates : choices()) {
     test::check_kernel(kBlocks, [&](test::KernelCase& c) {
       const int block = static_cast<int>(c.length());
-      const int height = std::min(kRows, kLargestTileSum / kLargestTilePixel / block);
-      const TilePlace tile = place(c, block, candidates, false);
-      const auto started = c.array<std::uint16_t>(candidates.size() * kTileColumns);
-      c.run([&] { best::start_tile(tile, {-2, height - 2}, started); });
-      const auto slid = c.array<std::uint16_t>(candidates.size() * kTileColumns);
+      const int height = std::min(kRows, kLargestPatchSum / kLargestPatchPixel / block);
+      const PatchPlace patch = place(c, block, candidates, false);
+      const auto started = c.array<std::uint16_t>(candidates.size() * kPatchColumns);
+      c.run([&] { best::start_patch(patch, {-2, height - 2}, started); });
+      const auto slid = c.array<std::uint16_t>(candidates.size() * kPatchColumns);
       std::ranges::copy(started, slid.begin());
       c.run([&] {
         for (int y = -2; y < 3; ++y) {
-          best::slide_tile(tile, y + height, y, slid);
+          best::slide_patch(patch, y + height, y, slid);
         }
       });
     });
@@ -86,26 +86,27 @@ TEST(TileSums, EqualReferenceForEveryBlockAndChoiceOfCandidates) {
 std::span<std::uint16_t> some_sums(test::KernelCase& c, std::size_t count) {
   const auto sums = c.array<std::uint16_t>(count, 0, 3);
   for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t at = i / kTileColumns % kTileSumScale;
-    sums[i] = static_cast<std::uint16_t>(kTileSumScale * sums[i] + at);
+    const std::size_t at = i / kPatchColumns % kPatchSumScale;
+    sums[i] = static_cast<std::uint16_t>(kPatchSumScale * sums[i] + at);
   }
   return sums;
 }
 
-TEST(TileSums, FoundInATileEqualsReferenceWithinAnyLimits) {
+TEST(PatchSums, FoundInAPatchEqualsReferenceWithinAnyLimits) {
   for (const auto& candidates : choices()) {
-    for (const TileLimits limits : {TileLimits{-1100, 1100}, TileLimits{-40, 48}, TileLimits{0, 60},
-                                    TileLimits{-3, 5}, TileLimits{90, 100}}) {
+    for (const PatchLimits limits :
+         {PatchLimits{-1100, 1100}, PatchLimits{-40, 48}, PatchLimits{0, 60}, PatchLimits{-3, 5},
+          PatchLimits{90, 100}}) {
       test::check_kernel(std::array<std::size_t, 3>{1, 17, 48}, [&](test::KernelCase& c) {
-        const auto sums = some_sums(c, candidates.size() * kTileColumns);
+        const auto sums = some_sums(c, candidates.size() * kPatchColumns);
         const auto winners = c.array<std::int16_t>(c.length());
-        c.run([&] { best::find_in_tile(sums, candidates, limits, winners); });
+        c.run([&] { best::find_in_patch(sums, candidates, limits, winners); });
       });
     }
   }
 }
 
-TEST(TileSums, OfferedToTheRightEqualsReference) {
+TEST(PatchSums, OfferedToTheRightEqualsReference) {
   test::check_kernel(std::array<std::size_t, 9>{0, 1, 7, 8, 15, 16, 17, 33, 48},
                      [](test::KernelCase& c) {
                        const auto lowest = c.array<std::uint16_t>(c.length(), 2, 2);
@@ -117,24 +118,24 @@ TEST(TileSums, OfferedToTheRightEqualsReference) {
                      });
 }
 
-TEST(TileSums, AQuarterEqualsReferenceForEveryBlockAndLimit) {
+TEST(PatchSums, AQuarterEqualsReferenceForEveryBlockAndLimit) {
   for (const auto& candidates : choices()) {
-    for (const TileLimits limits : {TileLimits{-1100, 1100}, TileLimits{-40, 48}, TileLimits{0, 60},
-                                    TileLimits{-3, 5}, TileLimits{90, 99}}) {
+    for (const PatchLimits limits : {PatchLimits{-1100, 1100}, PatchLimits{-40, 48},
+                                     PatchLimits{0, 60}, PatchLimits{-3, 5}, PatchLimits{90, 99}}) {
       for (const int rows : {1, 4, 2 * kQuarterRows}) {
         test::check_kernel(kBlocks, [&](test::KernelCase& c) {
           const int block = static_cast<int>(c.length());
-          const int height = std::min(15, kLargestTileSum / kLargestTilePixel / block);
-          const TilePlace tile = place(c, block, candidates, true);
+          const int height = std::min(15, kLargestPatchSum / kLargestPatchPixel / block);
+          const PatchPlace patch = place(c, block, candidates, true);
           const auto found = c.image<std::int16_t>(rows == 4 ? 7 : kQuarterColumns, (rows + 1) / 2);
-          c.run([&] { best::find_quarter(tile, {-3, rows - 3}, height, limits, found); });
+          c.run([&] { best::find_quarter(patch, {-3, rows - 3}, height, limits, found); });
         });
       }
     }
   }
 }
 
-TEST(TileStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
+TEST(PatchStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
   test::Random random(10);
   for (const int width : {1, 2, 47, 49, 150}) {
     for (const int min_disparity : {-70, -3, 9}) {
@@ -144,14 +145,14 @@ TEST(TileStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
                                      .block_height = 8}};
       Picture left = noise(width, random), right = noise(width, random);
       test::GuardedBuffer<std::byte> memory(bytes_taken(
-          [&](Arena& measuring) { lab::TileStrips(params, false, width, kRows, measuring); }));
+          [&](Arena& measuring) { lab::PatchStrips(params, false, width, kRows, measuring); }));
       Arena arena(memory.span());
-      lab::TileStrips strips(params, false, width, kRows, arena);
+      lab::PatchStrips strips(params, false, width, kRows, arena);
       strips.start(left.view(), right.view());
       using Map = test::GuardedImage<std::int16_t>;
       Map all(width, kRows, width), quarter((width + 1) / 2, kRows / 2, (width + 1) / 2);
       const std::vector<std::int16_t> candidates{0, 1, 2, 5, 6, 13, 20};
-      for (int t = 0; t < lab::TileStrips::tiles(width); ++t) {
+      for (int t = 0; t < lab::PatchStrips::patchs(width); ++t) {
         strips.search({0, kRows}, t, candidates, {all.view(), {}});
         strips.search_quarter({0, 4}, t, candidates, quarter.view());
         strips.search_quarter({4, kRows}, t, candidates, quarter.view());
@@ -165,7 +166,7 @@ TEST(TileStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
   }
 }
 
-TEST(TileStrips, SearchingEverythingIsWhatTileSearchFinds) {
+TEST(PatchStrips, SearchingEverythingIsWhatPatchSearchFinds) {
   test::Random random(9);
   for (const int width : {1, 40, 48, 49, 150}) {
     for (const int min_disparity : {-70, -3, 0, 9, 200}) {
@@ -187,15 +188,15 @@ TEST(TileStrips, SearchingEverythingIsWhatTileSearchFinds) {
       for (std::size_t i = 0; i < all.size(); ++i) {
         all[i] = static_cast<std::int16_t>(i);
       }
-      run.template operator()<lab::TileStrips>([&](lab::TileStrips& strips) {
-        for (int t = 0; t < lab::TileStrips::tiles(width); ++t) {
+      run.template operator()<lab::PatchStrips>([&](lab::PatchStrips& strips) {
+        for (int t = 0; t < lab::PatchStrips::patchs(width); ++t) {
           strips.search({0, kRows}, t, all, {found.view(), met.view()});
         }
       });
-      using Plain = lab::TileSearch<std::uint16_t>;
+      using Plain = lab::PatchSearch<std::uint16_t>;
       run.template operator()<Plain>([&](Plain& search) {
-        const std::vector<lab::CandidateRange> ranges(static_cast<std::size_t>(Plain::tiles(width)),
-                                                      lab::CandidateRange{0, 48});
+        const std::vector<lab::CandidateRange> ranges(
+            static_cast<std::size_t>(Plain::patchs(width)), lab::CandidateRange{0, 48});
         search.search({0, kRows}, ranges, {expected.view(), expected_met.view()});
       });
       for (int y = 0; y < kRows; ++y) {

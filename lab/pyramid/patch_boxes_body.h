@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <limits>
 
-#include "lab/pyramid/tile_sums.h"
+#include "lab/pyramid/patch_sums.h"
 
-// What the NEON and the AVX2 variant of tile_sums.h share. Isa is the vocabulary of one of them:
+// What the NEON and the AVX2 variant of patch_sums.h share. Isa is the vocabulary of one of them:
 //   kBytes                     bytes of a vector; kBytes / 2 sums
 //   load_bytes, store_bytes, difference (|a - b|), plus, minus      of bytes
 //   load, store, all, add, smaller, times8, eighth, low_bits, less, equal, both, either, select
@@ -15,12 +15,12 @@
 //   between(begin, end)        the lanes begin .. end - 1
 //   widen, low, high           half a vector of bytes as sums: with a sign; without one
 //   sixteens(p, low, high)     8 (p[x] + p[x + 1] + p[x + 8] + p[x + 9]) with a sign, of kBytes x
-namespace stof::dsp::tile_sums_body {
+namespace stof::dsp::patch_sums_body {
 
-inline constexpr std::size_t kColumns = kTileColumns;
-inline constexpr std::size_t kGroup = kTileSumScale;  // candidates that are worked on together
-// The longest row of a tile, and what the last vectors reach beyond it.
-inline constexpr std::size_t kLine = static_cast<std::size_t>(tile_reach(64)) + 32;
+inline constexpr std::size_t kColumns = kPatchColumns;
+inline constexpr std::size_t kGroup = kPatchSumScale;  // candidates that are worked on together
+// The longest row of a patch, and what the last vectors reach beyond it.
+inline constexpr std::size_t kLine = static_cast<std::size_t>(patch_reach(64)) + 32;
 
 // kBlock: the block's width, 0 for any other than that.
 template <typename Isa, std::size_t kBlock>
@@ -31,12 +31,12 @@ class Boxes {
   static constexpr std::size_t kBytes = Isa::kBytes;
   static constexpr std::size_t kSums = kBytes / 2;
 
-  explicit Boxes(const TilePlace& tile) noexcept
-      : tile_(tile), any_block_(static_cast<std::size_t>(tile.block_width)) {}
+  explicit Boxes(const PatchPlace& patch) noexcept
+      : patch_(patch), any_block_(static_cast<std::size_t>(patch.block_width)) {}
 
   // sums += what rows differ by along `entering` less that of `leaving`.
   void slide(int entering, int leaving, std::size_t first, std::size_t count,
-             std::uint16_t* sums) noexcept;  // tile_sums_body.h
+             std::uint16_t* sums) noexcept;  // patch_sums_body.h
 
   void start(Rows rows, std::size_t first, std::size_t count, std::uint16_t* sums) noexcept {
     for (std::size_t i = 0; i < count; ++i) {
@@ -61,15 +61,15 @@ class Boxes {
     return (reached + kBytes - 1) / kBytes * kBytes;
   }
   std::ptrdiff_t right_at(std::size_t place) const noexcept {
-    return tile_.right_x - tile_.candidates[place];
+    return patch_.right_x - patch_.candidates[place];
   }
 
   // What the columns of a vector differ by in all rows.
   void total(Rows rows, std::size_t k, std::ptrdiff_t right, std::uint16_t* to) const noexcept {
-    constexpr int kRows = std::numeric_limits<std::uint8_t>::max() / kLargestTilePixel;
+    constexpr int kRows = std::numeric_limits<std::uint8_t>::max() / kLargestPatchPixel;
     const auto difference_at = [&](int y) noexcept {
-      return Isa::difference(Isa::load_bytes(tile_.left.row_clamped(y).data() + tile_.left_x + k),
-                             Isa::load_bytes(tile_.right.row_clamped(y).data() + right +
+      return Isa::difference(Isa::load_bytes(patch_.left.row_clamped(y).data() + patch_.left_x + k),
+                             Isa::load_bytes(patch_.right.row_clamped(y).data() + right +
                                              static_cast<std::ptrdiff_t>(k)));
     };
     Sums low = Isa::all(0);
@@ -126,11 +126,11 @@ class Boxes {
   static constexpr bool kSixteens = kBlock == 15 || kBlock == 16;
   static constexpr std::size_t kStride = kSixteens ? 2 : 1;  // between the columns of a four
 
-  const TilePlace& tile_;
+  const PatchPlace& patch_;
   std::size_t any_block_;
   alignas(32) std::uint8_t ones_[kGroup][kLine];   // changes of columns
   alignas(32) std::uint8_t fours_[kGroup][kLine];  // of four columns, kStride apart
   alignas(32) std::uint16_t totals_[kGroup][kLine];
 };
 
-}  // namespace stof::dsp::tile_sums_body
+}  // namespace stof::dsp::patch_sums_body

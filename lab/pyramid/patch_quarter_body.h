@@ -5,20 +5,20 @@
 #include <cstdint>
 
 #include "dsp/base/check.h"
-#include "lab/pyramid/tile_quarter_sums_body.h"
+#include "lab/pyramid/patch_quarter_sums_body.h"
 
-// find_quarter() of all variants. Isa: of tile_quarter_boxes_body.h; greater: the larger sums.
-namespace stof::dsp::tile_quarter_body {
+// find_quarter() of all variants. Isa: of patch_quarter_boxes_body.h; greater: the larger sums.
+namespace stof::dsp::patch_quarter_body {
 
 template <typename Isa, std::size_t kBlock>
 class Quarter {
  public:
-  Quarter(const TilePlace& tile, int block_height, Rows rows, const TileLimits& limits) noexcept
-      : sums_(tile, block_height, rows), candidates_(tile.candidates), limits_(limits) {}
+  Quarter(const PatchPlace& patch, int block_height, Rows rows, const PatchLimits& limits) noexcept
+      : sums_(patch, block_height, rows), candidates_(patch.candidates), limits_(limits) {}
 
   void find(ImageView<std::int16_t> winners) noexcept {
     const bool whole = limits_.begin + candidates_.back() <= 0 &&
-                       limits_.end + candidates_.front() >= kTileColumns;
+                       limits_.end + candidates_.front() >= kPatchColumns;
     for (std::size_t first = 0; first < candidates_.size(); first += AllSums::kGroup) {
       const std::size_t count = std::min(AllSums::kGroup, candidates_.size() - first);
       sums_.start(first, count);
@@ -128,23 +128,23 @@ class Quarter {
 
   AllSums sums_;
   std::span<const std::int16_t> candidates_;
-  TileLimits limits_;
+  PatchLimits limits_;
   Row rows_[kQuarterRows];
 };
 
 template <typename Isa>
-void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+void find_quarter(const PatchPlace& patch, Rows rows, int block_height, const PatchLimits& limits,
                   ImageView<std::int16_t> winners) noexcept {
   STOF_CHECK(winners.width() <= kQuarterColumns && winners.height() <= kQuarterRows &&
              winners.height() == (rows.count() + 1) / 2);
-  tile_sums_body::check_tile(tile);
-  if (tile.block_width == 16) {
-    Quarter<Isa, 16>(tile, block_height, rows, limits).find(winners);
-  } else if (tile.block_width == 15) {
-    Quarter<Isa, 15>(tile, block_height, rows, limits).find(winners);
+  patch_sums_body::check_patch(patch);
+  if (patch.block_width == 16) {
+    Quarter<Isa, 16>(patch, block_height, rows, limits).find(winners);
+  } else if (patch.block_width == 15) {
+    Quarter<Isa, 15>(patch, block_height, rows, limits).find(winners);
   } else {
-    Quarter<Isa, 0>(tile, block_height, rows, limits).find(winners);
+    Quarter<Isa, 0>(patch, block_height, rows, limits).find(winners);
   }
 }
 
-}  // namespace stof::dsp::tile_quarter_body
+}  // namespace stof::dsp::patch_quarter_body

@@ -1,4 +1,4 @@
-#include "lab/search/scanline.h"
+#include "lab/search/scanline_optimisation.h"
 
 #include <algorithm>
 #include <cstddef>

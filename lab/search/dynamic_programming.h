@@ -6,7 +6,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/stereo/cost/sad.h"
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 // Dynamic programming along one row of costs, laid out [column][candidate] as in cost/sad.h, with
 // occlusions and the ordering constraint: of two matched left pixels the right one meets the
@@ -26,16 +26,16 @@ namespace stof::lab {
 // All in the units of the costs. Exact while lanes * occlusion plus twice large plus the largest
 // cost stay below kNoCost; what lags farther behind is given up.
 template <typename Sum>
-struct OrderedPenalties {
+struct DpPenalties {
   Sum small = 0;
   Sum occlusion = 0;
-  std::span<const Sum> large;  // n + 1 elements, as in scanline.h
+  std::span<const Sum> large;  // n + 1 elements, as in scanline_optimisation.h
 };
 
-// What ordered_winners() works in: the energies of one row. Those of a column are relative to the
+// What dp_winners() works in: the energies of one row. Those of a column are relative to the
 // lowest of that column.
 template <typename Sum>
-struct OrderedTable {
+struct DpTable {
   std::size_t lanes;
   std::span<Sum> matched;  // [x][i]: x is matched by i
   std::span<Sum> hidden;   // [x][i]: x is without a match, and a match by i may follow
@@ -44,7 +44,7 @@ struct OrderedTable {
   std::span<Sum> scratch;  // [i] twice
 
   // For rows of up to so many columns.
-  OrderedTable(int columns, int lane_count, Arena& arena) noexcept
+  DpTable(int columns, int lane_count, Arena& arena) noexcept
       : lanes(static_cast<std::size_t>(lane_count)) {
     const std::size_t n = static_cast<std::size_t>(columns);
     matched = arena.take<Sum>(n * lanes);
@@ -58,10 +58,10 @@ struct OrderedTable {
 };
 
 // winners: the candidates of lowest energy; kNoWinner for left pixels without a match, and for a
-// whole row without any_preference() (scanline.h). Costs of u16 or u32.
+// whole row without any_preference() (scanline_optimisation.h). Costs of u16 or u32.
 template <typename Sum>
-void ordered_winners(std::span<const Sum> costs, int lanes, const OrderedPenalties<Sum>& penalties,
-                     OrderedTable<Sum>& table, std::span<std::int16_t> winners) noexcept;
+void dp_winners(std::span<const Sum> costs, int lanes, const DpPenalties<Sum>& penalties,
+                DpTable<Sum>& table, std::span<std::int16_t> winners) noexcept;
 
 // Gives each run of pixels without a winner the smaller candidate of its two ends: only the
 // background, the farther side, can continue behind an edge. Marks what was given: filled[x] 1,

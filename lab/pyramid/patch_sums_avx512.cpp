@@ -1,11 +1,11 @@
 #include "dsp/base/avx2.h"
-#include "lab/pyramid/tile_quarter_body.h"
-#include "lab/pyramid/tile_sums.h"
+#include "lab/pyramid/patch_quarter_body.h"
+#include "lab/pyramid/patch_sums.h"
 
 namespace stof::dsp::avx512 {
 namespace {
 
-// What tile_quarter_body.h asks for.
+// What patch_quarter_body.h asks for.
 struct Avx512 {
   using Bytes = __m512i;
   using Sums = __m512i;
@@ -69,9 +69,9 @@ struct Avx512 {
 
 }  // namespace
 
-void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+void find_quarter(const PatchPlace& patch, Rows rows, int block_height, const PatchLimits& limits,
                   ImageView<std::int16_t> winners) noexcept {
-  tile_quarter_body::find_quarter<Avx512>(tile, rows, block_height, limits, winners);
+  patch_quarter_body::find_quarter<Avx512>(patch, rows, block_height, limits, winners);
 }
 
 }  // namespace stof::dsp::avx512

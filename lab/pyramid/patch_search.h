@@ -8,8 +8,8 @@
 #include "dsp/base/image.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/search/block_winners.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/terms.h"
 
 namespace stof::lab {
 
@@ -19,8 +19,8 @@ struct CandidateRange {
   int lanes = 0;
 };
 
-// What a TileSearch finds, of the pictures' size: candidates, kNoWinner as in winner.h.
-struct TileWinners {
+// What a PatchSearch finds, of the pictures' size: candidates, kNoWinner as in winner.h.
+struct PatchWinners {
   ImageView<std::int16_t> left;
   // Of right pixels, as RightWinners of winner.h among the candidates that left pixels searched;
   // empty: not wanted.
@@ -30,44 +30,46 @@ struct TileWinners {
 // Winner takes all on sums of absolute differences over fixed blocks, where parts of a picture
 // search different candidates. Sum is u16 where sums_fit_u16(), else u32.
 template <typename Sum>
-class TileSearch {
+class PatchSearch {
  public:
-  static constexpr int kTileWidth = 48;   // columns that share one range
-  static constexpr int kTileHeight = 48;  // rows; search() takes any number
-  static constexpr int kMerged = 8;       // tiles of a row that are searched as one at most
+  static constexpr int kPatchWidth = 48;   // columns that share one range
+  static constexpr int kPatchHeight = 48;  // rows; search() takes any number
+  static constexpr int kMerged = 8;        // patchs of a row that are searched as one at most
 
-  static constexpr int tiles(int width) noexcept { return (width + kTileWidth - 1) / kTileWidth; }
+  static constexpr int patchs(int width) noexcept {
+    return (width + kPatchWidth - 1) / kPatchWidth;
+  }
 
   // params: block and disparities count, whatever else they say. check: right winners are wanted,
-  // for at most kTileHeight rows at a time.
-  TileSearch(const MatchParams& params, bool check, int width, int height, Arena& arena) noexcept;
+  // for at most kPatchHeight rows at a time.
+  PatchSearch(const MatchParams& params, bool check, int width, int height, Arena& arena) noexcept;
 
   int lanes() const noexcept { return lanes_; }  // of all candidates
 
   // The pictures to compare, of the constructor's size: grey values or derivatives.
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
 
-  // Fills `rows` of out. ranges: one for each of tiles(width), inside of 0 .. lanes(); neighbours
-  // may be searched as one, so that a pixel can find a candidate outside of its tile's range.
-  void search(Rows rows, std::span<const CandidateRange> ranges, const TileWinners& out) noexcept;
+  // Fills `rows` of out. ranges: one for each of patchs(width), inside of 0 .. lanes(); neighbours
+  // may be searched as one, so that a pixel can find a candidate outside of its patch's range.
+  void search(Rows rows, std::span<const CandidateRange> ranges, const PatchWinners& out) noexcept;
 
  private:
-  struct Tile {
+  struct Patch {
     int x;
     int width;
     CandidateRange range;
   };
   bool fused() const noexcept { return !fitted_.empty(); }
-  int work(const Tile& tile) const noexcept;
-  Tile merged(const Tile& a, const Tile& b) const noexcept;
-  void search_tile(Rows rows, const Tile& tile, const TileWinners& out) noexcept;
-  void search_fused(Rows rows, const Tile& tile, const TileWinners& out) noexcept;
-  void start_columns(Rows rows, const Tile& tile, std::span<Sum> columns) noexcept;
-  void mark_outside(const Tile& tile, std::span<Sum> costs) const noexcept;
-  void find_right(const Tile& tile, std::span<const Sum> costs, std::span<Sum> lowest,
+  int work(const Patch& patch) const noexcept;
+  Patch merged(const Patch& a, const Patch& b) const noexcept;
+  void search_patch(Rows rows, const Patch& patch, const PatchWinners& out) noexcept;
+  void search_fused(Rows rows, const Patch& patch, const PatchWinners& out) noexcept;
+  void start_columns(Rows rows, const Patch& patch, std::span<Sum> columns) noexcept;
+  void mark_outside(const Patch& patch, std::span<Sum> costs) const noexcept;
+  void find_right(const Patch& patch, std::span<const Sum> costs, std::span<Sum> lowest,
                   std::span<std::int16_t> winners) noexcept;
-  std::span<const std::uint8_t> left_part(int y, const Tile& tile) const noexcept;
-  std::span<const std::uint8_t> right_part(int y, const Tile& tile) const noexcept;
+  std::span<const std::uint8_t> left_part(int y, const Patch& patch) const noexcept;
+  std::span<const std::uint8_t> right_part(int y, const Patch& patch) const noexcept;
 
   int min_disparity_;
   int disparities_;
@@ -81,8 +83,8 @@ class TileSearch {
   std::span<Sum> costs_;
   std::span<Disparity> fitted_;  // empty where block_winners() does not serve
   ImageView<Sum> lowest_;        // of the right pixels of the rows at work
-  std::span<Sum> tile_lowest_;
-  std::span<std::int16_t> tile_winners_;
+  std::span<Sum> patch_lowest_;
+  std::span<std::int16_t> patch_winners_;
 };
 
 }  // namespace stof::lab

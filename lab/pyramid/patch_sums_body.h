@@ -5,29 +5,29 @@
 #include <cstdint>
 
 #include "dsp/base/check.h"
-#include "lab/pyramid/tile_boxes_body.h"
+#include "lab/pyramid/patch_boxes_body.h"
 
-// start_tile() and slide_tile() of both variants.
-namespace stof::dsp::tile_sums_body {
+// start_patch() and slide_patch() of both variants.
+namespace stof::dsp::patch_sums_body {
 
-static void check_tile(const TilePlace& tile) noexcept {
-  STOF_CHECK(tile.block_width >= 1 && tile.block_width <= 64 && !tile.candidates.empty());
-  const int reach = tile_reach(tile.block_width);
-  STOF_CHECK(tile.left_x >= 0 && tile.left_x + reach <= tile.left.width() &&
-             tile.right_x >= tile.candidates.back() &&
-             tile.right_x - tile.candidates.front() + reach <= tile.right.width());
+static void check_patch(const PatchPlace& patch) noexcept {
+  STOF_CHECK(patch.block_width >= 1 && patch.block_width <= 64 && !patch.candidates.empty());
+  const int reach = patch_reach(patch.block_width);
+  STOF_CHECK(patch.left_x >= 0 && patch.left_x + reach <= patch.left.width() &&
+             patch.right_x >= patch.candidates.back() &&
+             patch.right_x - patch.candidates.front() + reach <= patch.right.width());
 }
 
 template <typename Isa, std::size_t kBlock>
 void Boxes<Isa, kBlock>::slide(int entering, int leaving, std::size_t first, std::size_t count,
                                std::uint16_t* sums) noexcept {
-  const std::uint8_t* const in = tile_.left.row_clamped(entering).data() + tile_.left_x;
-  const std::uint8_t* const gone = tile_.left.row_clamped(leaving).data() + tile_.left_x;
+  const std::uint8_t* const in = patch_.left.row_clamped(entering).data() + patch_.left_x;
+  const std::uint8_t* const gone = patch_.left.row_clamped(leaving).data() + patch_.left_x;
   const std::uint8_t* met_in[kGroup];
   const std::uint8_t* met_gone[kGroup];
   for (std::size_t i = 0; i < count; ++i) {
-    met_in[i] = tile_.right.row_clamped(entering).data() + right_at(first + i);
-    met_gone[i] = tile_.right.row_clamped(leaving).data() + right_at(first + i);
+    met_in[i] = patch_.right.row_clamped(entering).data() + right_at(first + i);
+    met_gone[i] = patch_.right.row_clamped(leaving).data() + right_at(first + i);
   }
   Bytes left[kLine / kBytes];
   Bytes left_gone[kLine / kBytes];
@@ -68,39 +68,39 @@ void Boxes<Isa, kBlock>::slide(int entering, int leaving, std::size_t first, std
 
 // For all candidates, by groups.
 template <typename Isa, typename Work>
-void with_boxes(const TilePlace& tile, std::span<std::uint16_t> sums, Work work) noexcept {
-  check_tile(tile);
-  STOF_CHECK(sums.size() == tile.candidates.size() * kColumns);
+void with_boxes(const PatchPlace& patch, std::span<std::uint16_t> sums, Work work) noexcept {
+  check_patch(patch);
+  STOF_CHECK(sums.size() == patch.candidates.size() * kColumns);
   const auto go = [&](auto boxes) noexcept {
-    for (std::size_t first = 0; first < tile.candidates.size(); first += kGroup) {
-      work(boxes, first, std::min(kGroup, tile.candidates.size() - first),
+    for (std::size_t first = 0; first < patch.candidates.size(); first += kGroup) {
+      work(boxes, first, std::min(kGroup, patch.candidates.size() - first),
            sums.data() + first * kColumns);
     }
   };
-  if (tile.block_width == 16) {
-    go(Boxes<Isa, 16>(tile));
-  } else if (tile.block_width == 15) {
-    go(Boxes<Isa, 15>(tile));
+  if (patch.block_width == 16) {
+    go(Boxes<Isa, 16>(patch));
+  } else if (patch.block_width == 15) {
+    go(Boxes<Isa, 15>(patch));
   } else {
-    go(Boxes<Isa, 0>(tile));
+    go(Boxes<Isa, 0>(patch));
   }
 }
 
 template <typename Isa>
-void start(const TilePlace& tile, Rows rows, std::span<std::uint16_t> sums) noexcept {
-  with_boxes<Isa>(tile, sums,
+void start(const PatchPlace& patch, Rows rows, std::span<std::uint16_t> sums) noexcept {
+  with_boxes<Isa>(patch, sums,
                   [&](auto& boxes, std::size_t first, std::size_t count,
                       std::uint16_t* to) noexcept { boxes.start(rows, first, count, to); });
 }
 
 template <typename Isa>
-void slide(const TilePlace& tile, int entering, int leaving,
+void slide(const PatchPlace& patch, int entering, int leaving,
            std::span<std::uint16_t> sums) noexcept {
   with_boxes<Isa>(
-      tile, sums,
+      patch, sums,
       [&](auto& boxes, std::size_t first, std::size_t count, std::uint16_t* to) noexcept {
         boxes.slide(entering, leaving, first, count, to);
       });
 }
 
-}  // namespace stof::dsp::tile_sums_body
+}  // namespace stof::dsp::patch_sums_body

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/stereo/cost/sad.h"
-#include "lab/terms.h"
+#include "lab/dsp_names.h"
 
 // Scanline optimisation of one row of costs, laid out [column][candidate] as in cost/sad.h: the
 // candidates i_0 .. i_(n-1) of lowest energy

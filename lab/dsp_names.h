@@ -1,6 +1,6 @@
 #pragma once
 
-// The lab speaks of everything in the appliance's terms.
+// The lab calls what is dsp's by its plain name.
 namespace stof::dsp {}  // namespace stof::dsp
 namespace stof::lab {
 using namespace dsp;  // NOLINT(google-build-using-namespace): the lab is made of its parts

@@ -6,41 +6,41 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/pyramid/tile_search.h"
-#include "lab/pyramid/tile_sums.h"
-#include "lab/terms.h"
+#include "lab/pyramid/patch_search.h"
+#include "lab/pyramid/patch_sums.h"
 
 namespace stof::lab {
 
-// What TileSearch does, for derivatives of few values (tile_sums.h) and tiles that search few
+// What PatchSearch does, for derivatives of few values (patch_sums.h) and patchs that search few
 // candidates, in any choice: several times as fast.
-class TileStrips {
+class PatchStrips {
  public:
-  static constexpr int kTileHeight = 32;  // rows; search() takes any number without right winners
+  static constexpr int kPatchHeight = 32;  // rows; search() takes any number without right winners
 
-  static constexpr int tiles(int width) noexcept {
-    return (width + kTileColumns - 1) / kTileColumns;
+  static constexpr int patchs(int width) noexcept {
+    return (width + kPatchColumns - 1) / kPatchColumns;
   }
   // Whether block and prefilter_cap allow it.
   static bool serves(const MatchParams& params) noexcept;
 
-  // As those of TileSearch.
-  TileStrips(const MatchParams& params, bool check, int width, int height, Arena& arena) noexcept;
+  // As those of PatchSearch.
+  PatchStrips(const MatchParams& params, bool check, int width, int height, Arena& arena) noexcept;
   // Values stay below 2 prefilter_cap + 1.
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
 
-  // Fills `rows` of tile t of out, which searches these candidates only (ascending, at least one).
-  // Where right winners are wanted, tiles of the same rows follow each other from t = 0 on.
+  // Fills `rows` of patch t of out, which searches these candidates only (ascending, at least one).
+  // Where right winners are wanted, patchs of the same rows follow each other from t = 0 on.
   void search(Rows rows, int t, std::span<const std::int16_t> candidates,
-              const TileWinners& out) noexcept;
+              const PatchWinners& out) noexcept;
   // The same for every second column of every second row: out holds those alone.
   void search_quarter(Rows rows, int t, std::span<const std::int16_t> candidates,
                       ImageView<std::int16_t> out) const noexcept;
 
  private:
-  TilePlace place_of(int t, std::span<const std::int16_t> candidates) const noexcept;
-  TileLimits limits_of(int t) const noexcept;
+  PatchPlace place_of(int t, std::span<const std::int16_t> candidates) const noexcept;
+  PatchLimits limits_of(int t) const noexcept;
   void find_right(int x, int width, std::span<const std::int16_t> candidates,
                   std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) const noexcept;
 

@@ -4,12 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lab/pyramid/tile_sums_body.h"
+#include "lab/pyramid/patch_sums_body.h"
 
-namespace stof::dsp::tile_quarter_body {
+namespace stof::dsp::patch_quarter_body {
 
 // Sums over the blocks of every second column, from those of columns. Isa is the vocabulary of
-// tile_boxes_body.h and more: of bytes with a sign as words, which are two columns side by side,
+// patch_boxes_body.h and more: of bytes with a sign as words, which are two columns side by side,
 //   pairs(v), firsts(v), seconds(v)   8 times the sum of both; of the first one; of the second one
 //   after<n>(a, b)                    words n .. of a, then those of b
 // Blocks of 15 columns are those of 16 less one. kBlock: the block's width, 0 for any other than
@@ -24,11 +24,11 @@ class QuarterBoxes {
   static constexpr std::size_t kOuts = (kQuarterColumns + kSums - 1) / kSums;  // vectors of sums
   static constexpr std::size_t kLine = kOuts * kSums;
   static constexpr std::size_t kMostParts = (kBlock != 0 ? 64 : 128) / kBytes;  // of columns
-  static_assert(kTileColumns + kBlock <= 64 + 1 || kBlock == 0);
+  static_assert(kPatchColumns + kBlock <= 64 + 1 || kBlock == 0);
 
   explicit QuarterBoxes(int block_width) noexcept
       : block_(static_cast<std::size_t>(block_width)),
-        parts_((kTileColumns + block_ - 1 + kBytes - 1) / kBytes) {}
+        parts_((kPatchColumns + block_ - 1 + kBytes - 1) / kBytes) {}
 
   std::size_t parts() const noexcept { return kBlock != 0 ? kMostParts : parts_; }
 
@@ -122,4 +122,4 @@ class QuarterBoxes {
   std::size_t parts_;
 };
 
-}  // namespace stof::dsp::tile_quarter_body
+}  // namespace stof::dsp::patch_quarter_body

@@ -6,12 +6,12 @@
 
 #include "dsp/base/check.h"
 #include "dsp/stereo/match_params.h"
-#include "lab/pyramid/tile_quarter_boxes_body.h"
+#include "lab/pyramid/patch_quarter_boxes_body.h"
 
-namespace stof::dsp::tile_quarter_body {
+namespace stof::dsp::patch_quarter_body {
 
-// The sums of some candidates of a tile, of every second column. Isa, kBlock: of
-// tile_quarter_boxes_body.h.
+// The sums of some candidates of a patch, of every second column. Isa, kBlock: of
+// patch_quarter_boxes_body.h.
 template <typename Isa, std::size_t kBlock>
 class QuarterSums {
  public:
@@ -20,17 +20,17 @@ class QuarterSums {
   static constexpr std::size_t kSums = Boxes::kSums;
   static constexpr std::size_t kOuts = Boxes::kOuts;
   static constexpr std::size_t kLine = Boxes::kLine;
-  static constexpr std::size_t kGroup = kTileSumScale;  // candidates that are worked on together
+  static constexpr std::size_t kGroup = kPatchSumScale;  // candidates that are worked on together
 
   // rows: those that blocks are around.
-  QuarterSums(const TilePlace& tile, int block_height, Rows rows) noexcept
-      : candidates_(tile.candidates), boxes_(tile.block_width), height_(block_height) {
+  QuarterSums(const PatchPlace& patch, int block_height, Rows rows) noexcept
+      : candidates_(patch.candidates), boxes_(patch.block_width), height_(block_height) {
     const int begin = rows.begin - block_height / 2;
     const int count = rows.count() - 1 + block_height;
     STOF_CHECK(count <= static_cast<int>(kRows));
     for (int k = 0; k < count; ++k) {
-      left_[k] = tile.left.row_clamped(begin + k).data() + tile.left_x;
-      right_[k] = tile.right.row_clamped(begin + k).data() + tile.right_x;
+      left_[k] = patch.left.row_clamped(begin + k).data() + patch.left_x;
+      right_[k] = patch.right.row_clamped(begin + k).data() + patch.right_x;
     }
   }
 
@@ -111,14 +111,14 @@ class QuarterSums {
   static constexpr std::size_t kMostParts = Boxes::kMostParts;
 
   static constexpr std::size_t kRows = 2 * kQuarterRows - 1 + kMaxBlock;
-  static constexpr int kFit = 127 / kLargestTilePixel;  // differences that fit a byte with a sign
+  static constexpr int kFit = 127 / kLargestPatchPixel;  // differences that fit a byte with a sign
 
   std::span<const std::int16_t> candidates_;
   Boxes boxes_;
   int height_;
-  const std::uint8_t* left_[kRows];   // the tile's first column
+  const std::uint8_t* left_[kRows];   // the patch's first column
   const std::uint8_t* right_[kRows];  // and what it meets as candidate 0
   alignas(64) std::uint16_t sums_[kGroup][kLine];
 };
 
-}  // namespace stof::dsp::tile_quarter_body
+}  // namespace stof::dsp::patch_quarter_body

@@ -1,4 +1,4 @@
-#include "lab/search/scanline.h"
+#include "lab/search/scanline_optimisation.h"
 
 #include <algorithm>
 #include <cstdlib>
@@ -94,11 +94,11 @@ void for_each_row(const Row<Sum>& row, Visit visit) {
 }
 
 template <typename Sum>
-class Scanline : public testing::Test {};
+class ScanlineOptimisation : public testing::Test {};
 using Sums = testing::Types<std::uint16_t, std::uint32_t>;
-TYPED_TEST_SUITE(Scanline, Sums);
+TYPED_TEST_SUITE(ScanlineOptimisation, Sums);
 
-TYPED_TEST(Scanline, FindsTheRowOfLowestEnergyAndTheSmallestOfTies) {
+TYPED_TEST(ScanlineOptimisation, FindsTheRowOfLowestEnergyAndTheSmallestOfTies) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     Row<TypeParam> row(1 + seed % 6, 4, seed);
     if (!any_preference(std::span<const TypeParam>(row.costs), kLanes)) {
@@ -119,7 +119,7 @@ TYPED_TEST(Scanline, FindsTheRowOfLowestEnergyAndTheSmallestOfTies) {
   }
 }
 
-TYPED_TEST(Scanline, MarginalsAreTheLowestEnergiesThroughEachCandidate) {
+TYPED_TEST(ScanlineOptimisation, MarginalsAreTheLowestEnergiesThroughEachCandidate) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Row<TypeParam> row(2 + seed % 4, 4, seed);
     row.run();
@@ -155,7 +155,7 @@ TYPED_TEST(Scanline, MarginalsAreTheLowestEnergiesThroughEachCandidate) {
   }
 }
 
-TYPED_TEST(Scanline, FlatRowAndPixelsWithoutCandidatesHaveNoWinner) {
+TYPED_TEST(ScanlineOptimisation, FlatRowAndPixelsWithoutCandidatesHaveNoWinner) {
   Row<TypeParam> row(4, 4, 1);
   std::ranges::fill(row.costs, TypeParam{7});
   row.run();
@@ -166,7 +166,7 @@ TYPED_TEST(Scanline, FlatRowAndPixelsWithoutCandidatesHaveNoWinner) {
   EXPECT_EQ(row.winners, (std::vector<std::int16_t>{2, -1, 0, 0}));
 }
 
-TYPED_TEST(Scanline, OnePixelAndManyStayInsideTheirMemory) {
+TYPED_TEST(ScanlineOptimisation, OnePixelAndManyStayInsideTheirMemory) {
   for (const std::size_t n : {1U, 2U, 33U}) {
     for (const int lanes : {16, 64, 256}) {
       const std::size_t count = n * static_cast<std::size_t>(lanes);
@@ -190,7 +190,7 @@ TYPED_TEST(Scanline, OnePixelAndManyStayInsideTheirMemory) {
   }
 }
 
-TYPED_TEST(Scanline, BandKeepsWhatLiesNearWinnersOfTheNeighbourhood) {
+TYPED_TEST(ScanlineOptimisation, BandKeepsWhatLiesNearWinnersOfTheNeighbourhood) {
   const std::size_t n = 2 * kBandReach + 2;
   std::vector<TypeParam> costs(n * kLanes, 5);
   std::vector<std::int16_t> winners(n, 6);
@@ -211,7 +211,7 @@ TYPED_TEST(Scanline, BandKeepsWhatLiesNearWinnersOfTheNeighbourhood) {
   EXPECT_EQ(kept(kBandReach + 1), (std::vector<int>{5, 6, 7}));
 }
 
-TYPED_TEST(Scanline, BandNeverEmptiesAPixel) {
+TYPED_TEST(ScanlineOptimisation, BandNeverEmptiesAPixel) {
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     Row<TypeParam> row(40, 12, seed);
     std::vector<std::int16_t> winners(row.n, kNoWinner);

@@ -5,19 +5,19 @@
 #include <cstdint>
 
 #include "dsp/base/check.h"
-#include "lab/pyramid/tile_boxes_body.h"
+#include "lab/pyramid/patch_boxes_body.h"
 
-// find_in_tile() and offer_to_right() of both variants.
-namespace stof::dsp::tile_sums_body {
+// find_in_patch() and offer_to_right() of both variants.
+namespace stof::dsp::patch_sums_body {
 
 // Whether column x has the same cost with all candidates that exist.
 static bool all_tie(std::span<const std::uint16_t> sums, std::span<const std::int16_t> candidates,
-                    const TileLimits& limits, std::size_t x) noexcept {
+                    const PatchLimits& limits, std::size_t x) noexcept {
   int cost = -1;
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     const int column = static_cast<int>(x) - candidates[i];
     if (column >= limits.begin && column < limits.end) {
-      const int other = sums[i * kColumns + x] / kTileSumScale;
+      const int other = sums[i * kColumns + x] / kPatchSumScale;
       if (cost >= 0 && other != cost) {
         return false;
       }
@@ -30,7 +30,7 @@ static bool all_tie(std::span<const std::uint16_t> sums, std::span<const std::in
 // The places of the winners of a vector of columns; all ones where there is none.
 template <typename Isa, bool kMasked>
 typename Isa::Sums places(const std::uint16_t* sums, std::span<const std::int16_t> candidates,
-                          const TileLimits& limits, std::size_t x) noexcept {
+                          const PatchLimits& limits, std::size_t x) noexcept {
   using Sums = typename Isa::Sums;
   const Sums none = Isa::all(kNoCost<std::uint16_t>);
   Sums lowest = none;
@@ -90,7 +90,7 @@ bool may_tie(const std::uint16_t* sums, std::size_t count, const std::uint16_t* 
 
 template <typename Isa>
 void find(std::span<const std::uint16_t> sums, std::span<const std::int16_t> candidates,
-          const TileLimits& limits, std::span<std::int16_t> winners) noexcept {
+          const PatchLimits& limits, std::span<std::int16_t> winners) noexcept {
   STOF_CHECK(sums.size() == candidates.size() * kColumns && winners.size() <= kColumns &&
              !candidates.empty());
   alignas(32) std::uint16_t found[kColumns];
@@ -136,4 +136,4 @@ void offer(std::span<const std::uint16_t> sums, std::int16_t candidate,
   ref::offer_to_right(sums.subspan(x), candidate, lowest.subspan(x), winners.subspan(x));
 }
 
-}  // namespace stof::dsp::tile_sums_body
+}  // namespace stof::dsp::patch_sums_body

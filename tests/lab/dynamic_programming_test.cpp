@@ -1,4 +1,4 @@
-#include "lab/search/ordered.h"
+#include "lab/search/dynamic_programming.h"
 
 #include <algorithm>
 #include <limits>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/search/winner.h"
-#include "lab/search/scanline.h"
+#include "lab/search/scanline_optimisation.h"
 #include "tests/support/guarded.h"
 #include "tests/support/random.h"
 
@@ -22,7 +22,7 @@ struct Row {
   int lanes;
   std::vector<Sum> costs;
   std::vector<Sum> large;
-  OrderedPenalties<Sum> penalties;
+  DpPenalties<Sum> penalties;
   std::vector<std::int16_t> winners;
 
   Row(std::size_t columns, int lane_count)
@@ -38,11 +38,11 @@ struct Row {
   }
   void run() {
     test::GuardedBuffer<std::byte> memory(bytes_taken(
-        [&](Arena& measuring) { OrderedTable<Sum>(static_cast<int>(n), lanes, measuring); }));
+        [&](Arena& measuring) { DpTable<Sum>(static_cast<int>(n), lanes, measuring); }));
     Arena arena(memory.span());
-    OrderedTable<Sum> table(static_cast<int>(n), lanes, arena);
-    ordered_winners(std::span<const Sum>(costs), lanes, penalties, table,
-                    std::span<std::int16_t>(winners));
+    DpTable<Sum> table(static_cast<int>(n), lanes, arena);
+    dp_winners(std::span<const Sum>(costs), lanes, penalties, table,
+               std::span<std::int16_t>(winners));
   }
   // Of a change from candidate a to b with `skipped` left pixels between, as the header states it.
   std::uint64_t change(int a, int b, int skipped, std::size_t x) const {
@@ -91,11 +91,11 @@ bool in_order(const Row<Sum>& row) {
 }
 
 template <typename Sum>
-class Ordered : public testing::Test {};
+class DynamicProgramming : public testing::Test {};
 using Sums = testing::Types<std::uint16_t, std::uint32_t>;
-TYPED_TEST_SUITE(Ordered, Sums);
+TYPED_TEST_SUITE(DynamicProgramming, Sums);
 
-TYPED_TEST(Ordered, FindsTheLowestEnergyOfAllOrderedRows) {
+TYPED_TEST(DynamicProgramming, FindsTheLowestEnergyOfAllOrderedRows) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     test::Random random(seed);
     Row<TypeParam> row(1 + seed % 6, 16);
@@ -133,7 +133,7 @@ TYPED_TEST(Ordered, FindsTheLowestEnergyOfAllOrderedRows) {
   }
 }
 
-TYPED_TEST(Ordered, KeepsTheOrderWhateverTheCosts) {
+TYPED_TEST(DynamicProgramming, KeepsTheOrderWhateverTheCosts) {
   for (const std::size_t n : {1U, 2U, 3U, 40U, 100U}) {
     for (const int lanes : {16, 48, 256}) {
       for (const int occlusion : {0, 5, 60}) {
@@ -167,7 +167,7 @@ Row<Sum> bar_before_wall() {
   return row;
 }
 
-TYPED_TEST(Ordered, MarksTheBackgroundThatTheForegroundHidesFromTheRightCamera) {
+TYPED_TEST(DynamicProgramming, MarksTheBackgroundThatTheForegroundHidesFromTheRightCamera) {
   Row<TypeParam> row = bar_before_wall<TypeParam>();
   row.run();
   std::vector<std::int16_t> expected(24, 2);
@@ -176,7 +176,7 @@ TYPED_TEST(Ordered, MarksTheBackgroundThatTheForegroundHidesFromTheRightCamera) 
   EXPECT_EQ(row.winners, expected);
 }
 
-TYPED_TEST(Ordered, DenseRowsTakeTheBackground) {
+TYPED_TEST(DynamicProgramming, DenseRowsTakeTheBackground) {
   Row<TypeParam> row = bar_before_wall<TypeParam>();
   row.run();
   row.winners[0] = kNoWinner;
@@ -191,7 +191,7 @@ TYPED_TEST(Ordered, DenseRowsTakeTheBackground) {
   }
 }
 
-TYPED_TEST(Ordered, FlatOrEmptyRowHasNoWinnerAndNothingToExtend) {
+TYPED_TEST(DynamicProgramming, FlatOrEmptyRowHasNoWinnerAndNothingToExtend) {
   for (const TypeParam cost : {TypeParam{7}, kNoCost<TypeParam>}) {
     Row<TypeParam> row(5, 16);
     std::ranges::fill(row.costs, cost);
@@ -205,7 +205,7 @@ TYPED_TEST(Ordered, FlatOrEmptyRowHasNoWinnerAndNothingToExtend) {
   }
 }
 
-TYPED_TEST(Ordered, SumsBeyondTheTypeEndWithoutAMatchOutsideTheImage) {
+TYPED_TEST(DynamicProgramming, SumsBeyondTheTypeEndWithoutAMatchOutsideTheImage) {
   Row<TypeParam> row(30, 16);
   test::Random random(5);
   for (TypeParam& cost : row.costs) {

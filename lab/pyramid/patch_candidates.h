@@ -6,9 +6,9 @@
 #include <span>
 
 #include "dsp/base/image.h"
+#include "lab/dsp_names.h"
 #include "lab/match_params.h"
-#include "lab/pyramid/tile_search.h"
-#include "lab/terms.h"
+#include "lab/pyramid/patch_search.h"
 
 namespace stof::lab {
 
@@ -29,9 +29,9 @@ struct CandidateList {
   void append(int first, int last) noexcept;
 };
 
-// What a tile, kTileColumns wide from column x on, has to search around what its surroundings found
-// at half the size: those candidates alone, or one range with all of them. Everything where the
-// surroundings tell nothing. fine: the search of the tile.
+// What a patch, kPatchColumns wide from column x on, has to search around what its surroundings
+// found at half the size: those candidates alone, or one range with all of them. Everything where
+// the surroundings tell nothing. fine: the search of the patch.
 CandidateList list_around(const CoarseWinners& coarse, const MatchParams& fine, int x,
                           Rows rows) noexcept;
 CandidateRange range_around(const CoarseWinners& coarse, const MatchParams& fine, int x,

@@ -1,16 +1,16 @@
-#include "lab/pyramid/tile_sums.h"
+#include "lab/pyramid/patch_sums.h"
 
 #include "dsp/base/avx2.h"
-#include "lab/pyramid/tile_find_body.h"
-#include "lab/pyramid/tile_quarter_body.h"
-#include "lab/pyramid/tile_sums_body.h"
+#include "lab/pyramid/patch_find_body.h"
+#include "lab/pyramid/patch_quarter_body.h"
+#include "lab/pyramid/patch_sums_body.h"
 
 namespace stof::dsp::avx2 {
 namespace {
 
 constexpr i16x16 kPlaces{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
 
-// What tile_boxes_body.h and tile_quarter_body.h ask for.
+// What patch_boxes_body.h and patch_quarter_body.h ask for.
 struct Avx2 {
   using Bytes = u8x32;
   using Sums = u16x16;
@@ -89,24 +89,24 @@ struct Avx2 {
 
 }  // namespace
 
-void start_tile(const TilePlace& tile, Rows rows, std::span<std::uint16_t> sums) noexcept {
-  tile_sums_body::start<Avx2>(tile, rows, sums);
+void start_patch(const PatchPlace& patch, Rows rows, std::span<std::uint16_t> sums) noexcept {
+  patch_sums_body::start<Avx2>(patch, rows, sums);
 }
-void slide_tile(const TilePlace& tile, int entering, int leaving,
-                std::span<std::uint16_t> sums) noexcept {
-  tile_sums_body::slide<Avx2>(tile, entering, leaving, sums);
+void slide_patch(const PatchPlace& patch, int entering, int leaving,
+                 std::span<std::uint16_t> sums) noexcept {
+  patch_sums_body::slide<Avx2>(patch, entering, leaving, sums);
 }
-void find_in_tile(std::span<const std::uint16_t> sums, std::span<const std::int16_t> candidates,
-                  const TileLimits& limits, std::span<std::int16_t> winners) noexcept {
-  tile_sums_body::find<Avx2>(sums, candidates, limits, winners);
+void find_in_patch(std::span<const std::uint16_t> sums, std::span<const std::int16_t> candidates,
+                   const PatchLimits& limits, std::span<std::int16_t> winners) noexcept {
+  patch_sums_body::find<Avx2>(sums, candidates, limits, winners);
 }
 void offer_to_right(std::span<const std::uint16_t> sums, std::int16_t candidate,
                     std::span<std::uint16_t> lowest, std::span<std::int16_t> winners) noexcept {
-  tile_sums_body::offer<Avx2>(sums, candidate, lowest, winners);
+  patch_sums_body::offer<Avx2>(sums, candidate, lowest, winners);
 }
-void find_quarter(const TilePlace& tile, Rows rows, int block_height, const TileLimits& limits,
+void find_quarter(const PatchPlace& patch, Rows rows, int block_height, const PatchLimits& limits,
                   ImageView<std::int16_t> winners) noexcept {
-  tile_quarter_body::find_quarter<Avx2>(tile, rows, block_height, limits, winners);
+  patch_quarter_body::find_quarter<Avx2>(patch, rows, block_height, limits, winners);
 }
 
 }  // namespace stof::dsp::avx2

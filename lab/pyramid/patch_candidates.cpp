@@ -1,21 +1,21 @@
-#include "lab/pyramid/tile_candidates.h"
+#include "lab/pyramid/patch_candidates.h"
 
 #include <algorithm>
 
-#include "lab/pyramid/tile_sums.h"
+#include "lab/pyramid/patch_sums.h"
 
 namespace stof::lab {
 namespace {
 
 // Around twice what the coarser size found: the halves that it rounded.
 constexpr int kMargin = 1;
-// The surroundings of a tile, in pixels of the coarser size: what a block of 16 px around its last
+// The surroundings of a patch, in pixels of the coarser size: what a block of 16 px around its last
 // pixels still meets.
 constexpr int kReach = 4;
 // A candidate that, with its two neighbours, fewer of the surroundings found is an error.
 constexpr int kShare = 24;
 
-// Which candidates the surroundings of a tile of the finer size found; none: no information.
+// Which candidates the surroundings of a patch of the finer size found; none: no information.
 class Surroundings {
  public:
   Surroundings(const CoarseWinners& coarse, int x, Rows rows) noexcept
@@ -25,7 +25,7 @@ class Surroundings {
       return (std::max(pixel, 0) + coarse.step - 1) / coarse.step;
     };
     const int first_x = at(x / 2 - kReach);
-    const int end_x = std::min(at((x + kTileColumns - 1) / 2 + kReach + 1), map.width());
+    const int end_x = std::min(at((x + kPatchColumns - 1) / 2 + kReach + 1), map.width());
     const int first_y = at(rows.begin / 2 - kReach);
     const int end_y = std::min(at((rows.end - 1) / 2 + kReach + 1), map.height());
     for (int y = first_y; y < end_y; ++y) {
