@@ -5,23 +5,23 @@
 #include "dataset/files/file.h"
 #include "host/cli/exit.h"
 #include "host/cli/stop_signal.h"
-#include "host/link/relay.h"
+#include "host/netem/relay.h"
 
 namespace stof::host {
 namespace {
 
-link::Duration milliseconds(double ms) {
-  return std::chrono::duration_cast<link::Duration>(std::chrono::duration<double, std::milli>(ms));
+netem::Duration milliseconds(double ms) {
+  return std::chrono::duration_cast<netem::Duration>(std::chrono::duration<double, std::milli>(ms));
 }
 
-link::Direction direction(const std::string& only) {
+netem::Direction direction(const std::string& only) {
   if (only == "down") {
-    return link::Direction::kDown;
+    return netem::Direction::kDown;
   }
-  return only == "up" ? link::Direction::kUp : link::Direction::kBoth;
+  return only == "up" ? netem::Direction::kUp : netem::Direction::kBoth;
 }
 
-link::RelayOptions relay_options(const ProxyOptions& options) {
+netem::RelayOptions relay_options(const ProxyOptions& options) {
   constexpr double kPercent = 0.01;
   return {.listen_address = options.bind,
           .listen_port = options.port,
@@ -37,7 +37,7 @@ link::RelayOptions relay_options(const ProxyOptions& options) {
           .only = direction(options.only)};
 }
 
-void print_way(const char* name, const link::Impairment::Counts& counts) {
+void print_way(const char* name, const netem::Impairment::Counts& counts) {
   std::printf(", %s %llu in %llu out %llu lost %llu twice %llu damaged", name,
               static_cast<unsigned long long>(counts.in),
               static_cast<unsigned long long>(counts.out),
@@ -46,7 +46,7 @@ void print_way(const char* name, const link::Impairment::Counts& counts) {
               static_cast<unsigned long long>(counts.corrupted));
 }
 
-void print_line(double seconds, const link::RelayCounts& counts) {
+void print_line(double seconds, const netem::RelayCounts& counts) {
   std::printf("%6.1f s  %zu clients", seconds, counts.clients);
   print_way("down", counts.down);
   print_way("up", counts.up);
@@ -58,7 +58,7 @@ void print_line(double seconds, const link::RelayCounts& counts) {
 
 void proxy(const ProxyOptions& options) {
   stop_on_signals();
-  const auto relay = link::Relay::open(relay_options(options));
+  const auto relay = netem::Relay::open(relay_options(options));
   if (!relay) {
     throw Failure(Exit::kBadInput, relay.error());
   }
@@ -70,19 +70,19 @@ void proxy(const ProxyOptions& options) {
   }
   constexpr std::chrono::seconds kLine{1};
   constexpr std::chrono::milliseconds kLook{100};
-  const link::Time began = link::Time::clock::now();
-  link::Time next = began + kLine;
+  const netem::Time began = netem::Time::clock::now();
+  netem::Time next = began + kLine;
   while (!asked_to_stop()) {
     if (!(*relay)->run(kLook)) {
       throw Failure(Exit::kFailure, "the socket failed: start again");
     }
-    const link::Time now = link::Time::clock::now();
+    const netem::Time now = netem::Time::clock::now();
     if (now >= next) {
       print_line(std::chrono::duration<double>(now - began).count(), (*relay)->counts());
       next += kLine;
     }
   }
-  print_line(std::chrono::duration<double>(link::Time::clock::now() - began).count(),
+  print_line(std::chrono::duration<double>(netem::Time::clock::now() - began).count(),
              (*relay)->counts());
 }
 

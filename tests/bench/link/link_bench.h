@@ -7,8 +7,8 @@
 
 #include "host/client/receiver.h"
 
-// What scripts/link runs beside stofd. Each command prints one JSON object a line; times are of
-// CLOCK_MONOTONIC, in ns where the name says so, else in ms.
+// What scripts/link_bench runs beside stofd. Each command prints one JSON object a line; times are
+// of CLOCK_MONOTONIC, in ns where the name says so, else in ms.
 namespace stof::bench {
 
 using Words = std::vector<std::string>;

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "host/client/reassembler.h"
-#include "host/link/impairment.h"
+#include "host/netem/impairment.h"
 #include "tests/host/client/test_pattern.h"
 
 namespace stof::client {
@@ -32,7 +32,7 @@ wire::StreamChoice map_streams(bool parity) {
 
 struct Weather {
   std::string name;
-  link::ImpairmentOptions link;
+  netem::ImpairmentOptions link;
   bool parity = false;
   std::uint32_t first = 0xFFFFFFE0;  // frame number
 };
@@ -45,7 +45,7 @@ struct Outcome {
   std::uint64_t through_pixels = 0;  // in distinct undamaged datagrams
   std::uint64_t wrong = 0;
   Statistics statistics;
-  link::Impairment::Counts link;
+  netem::Impairment::Counts link;
 };
 
 class Journey {
@@ -111,7 +111,7 @@ class Journey {
   }
 
   const Weather& weather_;
-  link::Impairment link_;
+  netem::Impairment link_;
   Reassembler reassembler_;
   Time now_{};
   Outcome outcome_;

@@ -1,9 +1,9 @@
-#include "host/link/impairment.h"
+#include "host/netem/impairment.h"
 
 #include <algorithm>
 #include <utility>
 
-namespace stof::link {
+namespace stof::netem {
 namespace {
 
 constexpr double kAlways = 1;
@@ -119,4 +119,4 @@ std::optional<Time> Impairment::next() const {
   return first;
 }
 
-}  // namespace stof::link
+}  // namespace stof::netem

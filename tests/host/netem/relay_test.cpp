@@ -1,4 +1,4 @@
-#include "host/link/relay.h"
+#include "host/netem/relay.h"
 
 #include <array>
 #include <optional>
@@ -14,7 +14,7 @@
 
 // Through a relay on loopback. Nothing waits for a time: the relay runs until what was sent is
 // there.
-namespace stof::link {
+namespace stof::netem {
 namespace {
 
 using std::chrono::milliseconds;
@@ -146,4 +146,4 @@ TEST(RelayErrors, TakeAnAddressOfTheNewInternet) {
 }
 
 }  // namespace
-}  // namespace stof::link
+}  // namespace stof::netem

@@ -1,4 +1,4 @@
-#include "host/link/relay.h"
+#include "host/netem/relay.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -11,7 +11,7 @@
 #include "posix/poll.h"
 #include "posix/udp_socket.h"
 
-namespace stof::link {
+namespace stof::netem {
 namespace {
 
 constexpr std::size_t kMostClients = 64;
@@ -213,4 +213,4 @@ std::expected<std::unique_ptr<Relay>, std::string> Relay::open(const RelayOption
   return std::make_unique<UdpRelay>(options, upstream->front(), std::move(socket));
 }
 
-}  // namespace stof::link
+}  // namespace stof::netem

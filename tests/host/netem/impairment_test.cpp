@@ -1,4 +1,4 @@
-#include "host/link/impairment.h"
+#include "host/netem/impairment.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace stof::link {
+namespace stof::netem {
 namespace {
 
 using std::chrono::milliseconds;
@@ -183,4 +183,4 @@ TEST(Impairment, KeepsBoundedMemory) {
 }
 
 }  // namespace
-}  // namespace stof::link
+}  // namespace stof::netem

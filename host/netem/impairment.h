@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-namespace stof::link {
+namespace stof::netem {
 
 using Time = std::chrono::steady_clock::time_point;
 using Duration = std::chrono::steady_clock::duration;
@@ -83,4 +83,4 @@ class Impairment {
   std::vector<std::byte> out_;
 };
 
-}  // namespace stof::link
+}  // namespace stof::netem

@@ -7,9 +7,9 @@
 #include <memory>
 #include <string>
 
-#include "host/link/impairment.h"
+#include "host/netem/impairment.h"
 
-namespace stof::link {
+namespace stof::netem {
 
 enum class Direction : std::uint8_t { kBoth, kDown, kUp };  // down: from upstream to a client
 
@@ -42,4 +42,4 @@ class Relay {
   virtual RelayCounts counts() const = 0;
 };
 
-}  // namespace stof::link
+}  // namespace stof::netem
