@@ -79,7 +79,7 @@ enum class Device : std::uint8_t { kTrigger, kStereo, kPmd };
 inline constexpr std::size_t kDeviceCount = 3;
 
 // Opens a device again, in place, that has returned kDeviceLost. Of any thread, one at a time:
-// nobody else uses the device meanwhile or holds a lease of it, while the others may be in use (but
+// nobody else uses the device meanwhile or holds a frame of it, while the others may be in use (but
 // the cameras not while the trigger is opened, whose strobe lines they read). May allocate, and
 // block for seconds where a driver hangs. kOk: go on; also where it was not lost. kDeviceLost: not
 // back yet, try again later.

@@ -8,9 +8,9 @@
 namespace stof::hal {
 
 // Who has which buffer of a camera: nobody, the device that fills it, the queue of whole frames
-// (oldest first), or a lease. A queue that is full with the leases loses its oldest frame; with
-// leases alone, the new one. kFilling buffers beside kSlots are always free to be filled. For one
-// thread.
+// (oldest first), or a borrower. A queue that is full with what is lent loses its oldest frame;
+// where all is lent, the new one is lost. kFilling buffers beside kSlots are always free to be
+// filled. For one thread.
 template <std::size_t kSlots, std::size_t kFilling>
 class FrameSlots {
  public:
@@ -31,7 +31,7 @@ class FrameSlots {
   void put_back(int buffer) noexcept { change(buffer, State::kGiven, State::kFree); }
   // The device's buffer holds a frame. False: a frame was lost for it, or it itself.
   bool push(int buffer) noexcept {
-    if (waiting_ + leased_ < kSlots) {
+    if (waiting_ + lent_ < kSlots) {
       append(buffer);
       return true;
     }
@@ -49,16 +49,16 @@ class FrameSlots {
     STOF_CHECK(waiting_ > 0);
     return order_[0];
   }
-  // That one, from now on leased.
-  int lease() noexcept {
+  // That one, from now on lent.
+  int lend() noexcept {
     const int buffer = first();
-    change(buffer, State::kWaiting, State::kLeased);
-    ++leased_;
+    change(buffer, State::kWaiting, State::kLent);
+    ++lent_;
     return buffer;
   }
   void release(int buffer) noexcept {
-    change(buffer, State::kLeased, State::kFree);
-    --leased_;
+    change(buffer, State::kLent, State::kFree);
+    --lent_;
   }
   void drop_waiting() noexcept {
     while (waiting_ > 0) {
@@ -67,7 +67,7 @@ class FrameSlots {
   }
 
  private:
-  enum class State : unsigned char { kFree, kGiven, kWaiting, kLeased };
+  enum class State : unsigned char { kFree, kGiven, kWaiting, kLent };
 
   void change(int buffer, State from, State to) noexcept {
     STOF_CHECK(buffer >= 0 && static_cast<std::size_t>(buffer) < kBuffers &&
@@ -91,7 +91,7 @@ class FrameSlots {
   std::array<State, kBuffers> state_{};
   std::array<int, kSlots> order_{};
   std::size_t waiting_ = 0;
-  std::size_t leased_ = 0;
+  std::size_t lent_ = 0;
 };
 
 }  // namespace stof::hal

@@ -5,7 +5,7 @@
 
 #include "dsp/base/image.h"
 #include "dsp/base/status.h"
-#include "hal/lease.h"
+#include "hal/borrowed_frame.h"
 #include "hal/time.h"
 
 namespace stof::hal {
@@ -22,7 +22,7 @@ class PmdCamera {
  public:
   virtual ~PmdCamera() = default;
   // As StereoCamera::wait_frame.
-  virtual Result<Lease<PmdFrame>> wait_frame(Time deadline) noexcept = 0;
+  virtual Result<BorrowedFrame<PmdFrame>> wait_frame(Time deadline) noexcept = 0;
 };
 
 }  // namespace stof::hal

@@ -4,7 +4,7 @@
 
 #include "dsp/base/image.h"
 #include "dsp/base/status.h"
-#include "hal/lease.h"
+#include "hal/borrowed_frame.h"
 #include "hal/time.h"
 
 namespace stof::hal {
@@ -26,9 +26,9 @@ class StereoCamera {
   virtual ~StereoCamera() = default;
   // The oldest frame that was not yet handed out. Blocks until there is one or the deadline passes.
   // kTimeout: none came. kCorrupt: one came damaged and was dropped. kDeviceLost: reopen.
-  // Holds at least three slots: with two leases out a third frame can still arrive; with all slots
+  // Holds at least three slots: with two lent a third frame can still arrive; with all slots
   // out, frames are dropped.
-  virtual Result<Lease<StereoFrame>> wait_frame(Time deadline) noexcept = 0;
+  virtual Result<BorrowedFrame<StereoFrame>> wait_frame(Time deadline) noexcept = 0;
 };
 
 }  // namespace stof::hal

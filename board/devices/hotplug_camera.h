@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "dsp/base/status.h"
-#include "hal/lease.h"
+#include "hal/borrowed_frame.h"
 #include "hal/linux/open_error.h"
 #include "hal/time.h"
 
@@ -17,7 +17,7 @@ namespace stof::board {
 // A camera that need not be there when the board starts: until it is, it is lost. One that is there
 // and sends nothing for seconds is lost as well: its driver may have given up without a word.
 // `Camera` is the interface, `Frame` what it gives. For one thread at a time: whoever reopens it
-// has it alone, without a lease of it.
+// has it alone, and no frame of it is borrowed.
 template <typename Camera, typename Frame>
 class HotplugCamera final : public Camera {
  public:
@@ -29,11 +29,11 @@ class HotplugCamera final : public Camera {
 
   explicit HotplugCamera(Open open) : open_(std::move(open)) { static_cast<void>(reopen()); }
 
-  Result<hal::Lease<Frame>> wait_frame(hal::Time deadline) noexcept override {
+  Result<hal::BorrowedFrame<Frame>> wait_frame(hal::Time deadline) noexcept override {
     if (lost_) {
       return fail(Status::kDeviceLost);
     }
-    Result<hal::Lease<Frame>> frame = opened_.camera->wait_frame(deadline);
+    Result<hal::BorrowedFrame<Frame>> frame = opened_.camera->wait_frame(deadline);
     if (!frame && frame.error() != Status::kDeviceLost && silent(deadline)) {
       frame = fail(Status::kDeviceLost);
     }

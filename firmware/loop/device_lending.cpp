@@ -6,7 +6,7 @@
 
 namespace stof::firmware {
 
-void DeviceLending::after_round(board::Device device, bool lost, bool leased,
+void DeviceLending::after_round(board::Device device, bool lost, bool borrowed,
                                 hal::Time now) noexcept {
   if (is_lent(device)) {
     return;
@@ -20,7 +20,7 @@ void DeviceLending::after_round(board::Device device, bool lost, bool leased,
     retry.backoff = kFirstBackoff;
     return;
   }
-  if (leased || now < retry.at) {
+  if (borrowed || now < retry.at) {
     return;
   }
   retry.tried = true;

@@ -13,7 +13,7 @@ namespace stof::firmware {
 
 // Who may use a device: the loop's thread or, while it is lent, the thread that opens it again.
 //
-// The loop lends a device that is lost and of which it holds no lease. Until the device is given
+// The loop lends a device that is lost and of which it holds no frame. Until the device is given
 // back the loop does not touch it, and takes it for lost. One that is still lost then is lent again
 // 50 ms after the loop has seen its return, then after twice as long each time, 250 ms at most.
 // Neither end allocates; the loop's end does not block.
@@ -24,8 +24,8 @@ class DeviceLending {
 
   // Of the loop's thread.
   bool usable(board::Device device) const noexcept { return !is_lent(device); }
-  // After each round of the loop. leased: frames of the device have not gone home yet.
-  void after_round(board::Device device, bool lost, bool leased, hal::Time now) noexcept;
+  // After each round of the loop. borrowed: frames of the device have not gone home yet.
+  void after_round(board::Device device, bool lost, bool borrowed, hal::Time now) noexcept;
 
   // Of the other thread. Blocks until there is a device to open, none at the end.
   std::optional<board::Device> wait_for_lent() noexcept;

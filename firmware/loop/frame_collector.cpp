@@ -29,7 +29,7 @@ Collected FrameCollector::collect(hal::Time edge, hal::Time deadline,
                                   const board::TimingConfig& timing,
                                   Pipeline* search_first) noexcept {
   remember_edge(edge, timing);
-  std::optional<StereoLease> stereo;
+  std::optional<BorrowedStereo> stereo;
   const Status stereo_status =
       collect_stereo({edge, timing.stereo_exposure, timing.edge_tolerance}, deadline, stereo);
   if (stereo && search_first != nullptr) {
@@ -60,11 +60,12 @@ Collected FrameCollector::collect(hal::Time edge, hal::Time deadline,
 }
 
 Status FrameCollector::collect_stereo(const ExposureWindow& window, hal::Time deadline,
-                                      std::optional<StereoLease>& found) noexcept {
+                                      std::optional<BorrowedStereo>& found) noexcept {
   Status last = Status::kTimeout;
   for (int i = 0; i < kMaxFramesPerEdge; ++i) {
-    Result<StereoLease> frame = usable(board::Device::kStereo) ? board_.stereo.wait_frame(deadline)
-                                                               : fail(Status::kDeviceLost);
+    Result<BorrowedStereo> frame = usable(board::Device::kStereo)
+                                       ? board_.stereo.wait_frame(deadline)
+                                       : fail(Status::kDeviceLost);
     conditions_.note_device_status(Part::kStereo, status_of(frame));
     if (!frame) {
       last = frame.error();
@@ -95,9 +96,9 @@ Status FrameCollector::collect_pmd(hal::Time edge, hal::Time deadline,
     if (enough && timing.pmd_every == 1) {
       return Status::kOk;
     }
-    Result<PmdLease> frame = usable(board::Device::kPmd)
-                                 ? board_.pmd->wait_frame(enough ? board_.clock.now() : deadline)
-                                 : fail(Status::kDeviceLost);
+    Result<BorrowedPmd> frame = usable(board::Device::kPmd)
+                                    ? board_.pmd->wait_frame(enough ? board_.clock.now() : deadline)
+                                    : fail(Status::kDeviceLost);
     if (enough && !frame && frame.error() == Status::kTimeout) {
       return Status::kOk;
     }
@@ -131,7 +132,7 @@ bool FrameCollector::pmd_usable(hal::Time edge, const board::TimingConfig& timin
   return pmd_edge_ && edge - *pmd_edge_ <= oldest;
 }
 
-Shot FrameCollector::make_shot(hal::Time edge, StereoLease&& stereo) noexcept {
+Shot FrameCollector::make_shot(hal::Time edge, BorrowedStereo&& stereo) noexcept {
   ++freshness_;
   const hal::Time exposed = stereo->left_exposure.middle();
   Shot shot{edge,

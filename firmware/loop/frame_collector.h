@@ -13,7 +13,7 @@
 #include "firmware/loop/pairing.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/shot.h"
-#include "hal/lease.h"
+#include "hal/borrowed_frame.h"
 #include "hal/time.h"
 
 namespace stof::firmware {
@@ -42,18 +42,18 @@ class FrameCollector {
   bool holds_pmd() const noexcept { return pmd_.has_value(); }
 
  private:
-  using StereoLease = hal::Lease<hal::StereoFrame>;
-  using PmdLease = hal::Lease<hal::PmdFrame>;
+  using BorrowedStereo = hal::BorrowedFrame<hal::StereoFrame>;
+  using BorrowedPmd = hal::BorrowedFrame<hal::PmdFrame>;
 
   bool usable(board::Device device) const noexcept {
     return lending_ == nullptr || lending_->usable(device);
   }
   Status collect_stereo(const ExposureWindow& window, hal::Time deadline,
-                        std::optional<StereoLease>& found) noexcept;
+                        std::optional<BorrowedStereo>& found) noexcept;
   Status collect_pmd(hal::Time edge, hal::Time deadline,
                      const board::TimingConfig& timing) noexcept;
   bool pmd_usable(hal::Time edge, const board::TimingConfig& timing) const noexcept;
-  Shot make_shot(hal::Time edge, StereoLease&& stereo) noexcept;
+  Shot make_shot(hal::Time edge, BorrowedStereo&& stereo) noexcept;
   void remember_edge(hal::Time edge, const board::TimingConfig& timing) noexcept;
 
   board::Board& board_;
@@ -64,7 +64,7 @@ class FrameCollector {
   // Of the last edges, newest first.
   std::array<ExposureWindow, 2 * board::kMostPmdEvery - 1> pmd_windows_{};
   std::size_t pmd_window_count_ = 0;
-  std::optional<PmdLease> pmd_;        // accepted, and not in a shot yet
+  std::optional<BorrowedPmd> pmd_;     // accepted, and not in a shot yet
   std::optional<hal::Time> pmd_edge_;  // of the last accepted PMD frame
   std::optional<hal::Time> pmd_exposed_;
   std::uint32_t freshness_ = 0;

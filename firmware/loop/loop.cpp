@@ -55,8 +55,8 @@ void Loop::lend_lost_devices() noexcept {
     return;
   }
   const hal::Time now = board_.clock.now();
-  const auto lend = [&](board::Device device, Part part, bool leased) {
-    lending_->after_round(device, conditions_.lost(part), leased, now);
+  const auto lend = [&](board::Device device, Part part, bool borrowed) {
+    lending_->after_round(device, conditions_.lost(part), borrowed, now);
   };
   lend(board::Device::kTrigger, Part::kTrigger, false);
   lend(board::Device::kStereo, Part::kStereo, held_.has_value());

@@ -18,7 +18,7 @@ struct Script {
 class ScriptedCamera final : public hal::StereoCamera {
  public:
   explicit ScriptedCamera(Script& script) : script_(script) {}
-  Result<hal::Lease<hal::StereoFrame>> wait_frame(hal::Time) noexcept override {
+  Result<hal::BorrowedFrame<hal::StereoFrame>> wait_frame(hal::Time) noexcept override {
     return fail(script_.answer);
   }
 

@@ -84,9 +84,10 @@ double EdgeLog::pmd_depth(hal::Time edge) const noexcept {
   return depth_of(scene(edge)) * (1 + noise);
 }
 
-Result<hal::Lease<hal::StereoFrame>> PaintedStereo::wait_frame(hal::Time deadline) noexcept {
+Result<hal::BorrowedFrame<hal::StereoFrame>> PaintedStereo::wait_frame(
+    hal::Time deadline) noexcept {
   latest_deadline = std::max(latest_deadline, deadline);
-  Result<hal::Lease<hal::StereoFrame>> frame = camera_.wait_frame(deadline);
+  Result<hal::BorrowedFrame<hal::StereoFrame>> frame = camera_.wait_frame(deadline);
   if (frame) {
     const std::size_t left = log_.scene((*frame)->left_exposure.begin);
     const std::size_t right = log_.scene((*frame)->right_exposure.begin);
@@ -96,9 +97,9 @@ Result<hal::Lease<hal::StereoFrame>> PaintedStereo::wait_frame(hal::Time deadlin
   return frame;
 }
 
-Result<hal::Lease<hal::PmdFrame>> PaintedPmd::wait_frame(hal::Time deadline) noexcept {
+Result<hal::BorrowedFrame<hal::PmdFrame>> PaintedPmd::wait_frame(hal::Time deadline) noexcept {
   latest_deadline = std::max(latest_deadline, deadline);
-  Result<hal::Lease<hal::PmdFrame>> frame = camera_.wait_frame(deadline);
+  Result<hal::BorrowedFrame<hal::PmdFrame>> frame = camera_.wait_frame(deadline);
   if (frame) {
     const dsp::Pinhole lens = small_setup(true).calibration.pmd.lens;
     for (int k = 0; k < 4; ++k) {

@@ -83,7 +83,7 @@ class NoImagery final : public emu::Imagery {
 class PaintedStereo final : public hal::StereoCamera {
  public:
   PaintedStereo(hal::StereoCamera& camera, const EdgeLog& log) : camera_(camera), log_(log) {}
-  Result<hal::Lease<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override;
+  Result<hal::BorrowedFrame<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override;
 
   hal::Time latest_deadline{};
 
@@ -96,7 +96,7 @@ class PaintedPmd final : public hal::PmdCamera {
  public:
   PaintedPmd(hal::PmdCamera& camera, const EdgeLog& log, hal::Duration integration)
       : camera_(camera), log_(log), integration_(integration) {}
-  Result<hal::Lease<hal::PmdFrame>> wait_frame(hal::Time deadline) noexcept override;
+  Result<hal::BorrowedFrame<hal::PmdFrame>> wait_frame(hal::Time deadline) noexcept override;
 
   hal::Time latest_deadline{};
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "firmware/wire/codec/avx2.h"
+#include "firmware/wire/codec/target_avx2.h"
 
 namespace stof::wire {
 namespace {

@@ -5,8 +5,8 @@
 #include <bit>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/avx2.h"
 #include "firmware/wire/codec/rvl_numbers.h"
+#include "firmware/wire/codec/target_avx2.h"
 
 namespace stof::wire {
 namespace {

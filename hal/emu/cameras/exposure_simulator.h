@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "dsp/base/status.h"
+#include "hal/borrowed_frame.h"
 #include "hal/clock.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/frame_slots.h"
-#include "hal/lease.h"
 #include "hal/time.h"
 
 namespace stof::hal::emu {
@@ -67,7 +67,8 @@ class ExposureSimulator final : private SlotOwner {
   // The cameras' wait_frame(). fill_frame(shot, buffer) makes the frame while the shot is not ready
   // yet.
   template <typename Frame, typename Fill>
-  Result<Lease<Frame>> wait_frame(Clock& clock, Time deadline, const Fill& fill_frame) noexcept {
+  Result<BorrowedFrame<Frame>> wait_frame(Clock& clock, Time deadline,
+                                          const Fill& fill_frame) noexcept {
     if (gone_) {
       return fail(Status::kDeviceLost);
     }
@@ -75,7 +76,7 @@ class ExposureSimulator final : private SlotOwner {
       clock.wait_until(deadline);
       return fail(Status::kTimeout);
     }
-    const int buffer = slots_.lease();
+    const int buffer = slots_.lend();
     const Shot& shot = shot_of(buffer);
     if (shot.corrupt) {
       clock.wait_until(shot.ready);
@@ -84,7 +85,7 @@ class ExposureSimulator final : private SlotOwner {
     }
     const Frame frame = fill_frame(shot, buffer);
     clock.wait_until(shot.ready);
-    return Lease<Frame>(frame, *this, buffer);
+    return BorrowedFrame<Frame>(frame, *this, buffer);
   }
 
  private:

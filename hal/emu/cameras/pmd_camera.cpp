@@ -29,7 +29,7 @@ void PmdCamera::on_edge(Time edge) noexcept {
   });
 }
 
-Result<Lease<PmdFrame>> PmdCamera::wait_frame(Time deadline) noexcept {
+Result<BorrowedFrame<PmdFrame>> PmdCamera::wait_frame(Time deadline) noexcept {
   return sets_.wait_frame<PmdFrame>(
       clock_, deadline,
       [this](const Sets::Shot& shot, int buffer) noexcept { return fill(shot, buffer); });

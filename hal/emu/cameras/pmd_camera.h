@@ -30,7 +30,7 @@ class PmdCamera final : public hal::PmdCamera, public EdgeListener {
             const FaultPlan& faults = {});
 
   void on_edge(Time edge) noexcept override;
-  Result<Lease<PmdFrame>> wait_frame(Time deadline) noexcept override;
+  Result<BorrowedFrame<PmdFrame>> wait_frame(Time deadline) noexcept override;
 
  private:
   struct Set {

@@ -20,7 +20,7 @@ void StereoCamera::on_edge(Time edge) noexcept {
   });
 }
 
-Result<Lease<StereoFrame>> StereoCamera::wait_frame(Time deadline) noexcept {
+Result<BorrowedFrame<StereoFrame>> StereoCamera::wait_frame(Time deadline) noexcept {
   return views_.wait_frame<StereoFrame>(
       clock_, deadline,
       [this](const Views::Shot& shot, int buffer) noexcept { return fill(shot, buffer); });

@@ -64,15 +64,15 @@ Result<LibcameraPairs::Pair> LibcameraPairs::next() noexcept {
       continue;
     }
     *spare = {.out = true, .old = false, .slots = {heads_[kLeft]->slot, heads_[kRight]->slot}};
-    const Pair pair{.lease = static_cast<int>(spare - lent_.begin()),
+    const Pair pair{.number = static_cast<int>(spare - lent_.begin()),
                     .frames = {*heads_[kLeft], *heads_[kRight]}};
     heads_ = {};
     return pair;
   }
 }
 
-void LibcameraPairs::give_back(int lease) noexcept {
-  Lent& lent = lent_[static_cast<std::size_t>(lease)];
+void LibcameraPairs::give_back(int number) noexcept {
+  Lent& lent = lent_[static_cast<std::size_t>(number)];
   STOF_CHECK(lent.out);
   lent.out = false;
   if (!lent.old) {

@@ -40,7 +40,7 @@ class LibcameraPairs {
     std::uint32_t sequence = 0;
   };
   struct Pair {
-    int lease = 0;
+    int number = 0;               // for give_back()
     std::array<Frame, 2> frames;  // kLeft, kRight
   };
 
@@ -61,7 +61,7 @@ class LibcameraPairs {
   // back. kDeviceLost: too many in a row that nobody can place: open the cameras anew.
   Result<Pair> next() noexcept;
   // The slots go to their cameras, unless those were opened again since.
-  void give_back(int lease) noexcept;
+  void give_back(int number) noexcept;
 
   // Slots are about to be others: what waits is forgotten, what is lent stays so.
   void start_over() noexcept;

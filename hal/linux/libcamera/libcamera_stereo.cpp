@@ -43,21 +43,21 @@ class LibcameraStereo final : public ReopenableStereo,
   LibcameraStereo& operator=(const LibcameraStereo&) = delete;
 
   std::optional<OpenError> open();
-  Result<Lease<StereoFrame>> wait_frame(Time deadline) noexcept override;
+  Result<BorrowedFrame<StereoFrame>> wait_frame(Time deadline) noexcept override;
   Status reopen() noexcept override;
 
  private:
   void shut() noexcept;
   void give_back(int slot) noexcept override { pairs_.give_back(slot); }
   void requeue(std::size_t side, int slot) noexcept override;
-  Lease<StereoFrame> lend(const LibcameraPairs::Pair& pair) noexcept;
+  BorrowedFrame<StereoFrame> lend(const LibcameraPairs::Pair& pair) noexcept;
 
   LibcameraOptions options_;
   posix::WakeEvent wake_;
   LibcameraPairs pairs_;
   std::unique_ptr<libcamera::CameraManager> manager_;
   std::array<LibcameraStream, 2> streams_;
-  // Of cameras that were opened again while leases were out.
+  // Of cameras that were opened again while frames were lent.
   std::vector<std::shared_ptr<LibcameraPixels>> old_pixels_;
 };
 
@@ -121,7 +121,7 @@ Status LibcameraStereo::reopen() noexcept {
 
 void LibcameraStereo::requeue(std::size_t side, int slot) noexcept { streams_[side].requeue(slot); }
 
-Lease<StereoFrame> LibcameraStereo::lend(const LibcameraPairs::Pair& pair) noexcept {
+BorrowedFrame<StereoFrame> LibcameraStereo::lend(const LibcameraPairs::Pair& pair) noexcept {
   const LibcameraPairs::Frame& left = pair.frames[kLeft];
   const LibcameraPairs::Frame& right = pair.frames[kRight];
   const StereoFrame frame{.left = streams_[kLeft].pixels()->read(left.slot),
@@ -130,10 +130,10 @@ Lease<StereoFrame> LibcameraStereo::lend(const LibcameraPairs::Pair& pair) noexc
                           .right_exposure = right.exposure,
                           .left_sequence = left.sequence,
                           .right_sequence = right.sequence};
-  return {frame, *this, pair.lease};
+  return {frame, *this, pair.number};
 }
 
-Result<Lease<StereoFrame>> LibcameraStereo::wait_frame(Time deadline) noexcept {
+Result<BorrowedFrame<StereoFrame>> LibcameraStereo::wait_frame(Time deadline) noexcept {
   for (;;) {
     const Result<LibcameraPairs::Pair> pair = pairs_.next();
     if (pair) {

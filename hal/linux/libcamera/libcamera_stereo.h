@@ -33,7 +33,7 @@ struct LibcameraOptions {
   Duration most_skew{0};   // between the begins of two exposures that are one pair
 };
 
-// A stereo camera that can be opened again, in place. Leases that are out stay readable.
+// A stereo camera that can be opened again, in place. Frames that are lent stay readable.
 class ReopenableStereo : public StereoCamera {
  public:
   // Blocks until the cameras run, seconds at worst, and allocates. kDeviceLost: not back yet.

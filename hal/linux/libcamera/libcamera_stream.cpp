@@ -147,7 +147,8 @@ std::optional<OpenError> LibcameraStream::make_requests(const LibcameraOptions& 
     set_controls(camera_->controls(), options, request->controls());
     requests_.push_back(std::move(request));
   }
-  // Two buffers keep any pipeline busy; of only four one has to do, or two leases would starve it.
+  // Two buffers keep any pipeline busy; of only four one has to do, or two that are lent would
+  // starve it.
   queue_.reset(count, count > kLeastBuffers ? 2 : 1);
   return std::nullopt;
 }

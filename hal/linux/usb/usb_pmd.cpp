@@ -326,7 +326,7 @@ std::optional<Status> UsbPmd::trouble_now() noexcept {
   return stream_.lost ? Status::kDeviceLost : Status::kDeviceError;
 }
 
-Result<Lease<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
+Result<BorrowedFrame<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
   Clock clock;
   if (link_.is_open()) {
     if (!stream_.lost) {
@@ -342,8 +342,8 @@ Result<Lease<PmdFrame>> UsbPmd::wait_frame(Time deadline) noexcept {
   }
   for (;;) {
     if (!slots_.empty()) {
-      const int buffer = slots_.lease();
-      return Lease<PmdFrame>(frames_[static_cast<std::size_t>(buffer)], *this, buffer);
+      const int buffer = slots_.lend();
+      return BorrowedFrame<PmdFrame>(frames_[static_cast<std::size_t>(buffer)], *this, buffer);
     }
     if (const std::optional<Status> trouble = trouble_now()) {
       return fail(*trouble);

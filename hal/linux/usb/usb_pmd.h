@@ -56,8 +56,8 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
   // Returns within 2 ms of the deadline. kDeviceError also: the camera stalled and was set going
   // again, which may take as long as its answer. kDeviceLost also: kMostDamaged frames in a row
   // were no good.
-  Result<Lease<PmdFrame>> wait_frame(Time deadline) noexcept override;
-  // In place; leases that are out stay readable. Blocks as open(). kDeviceLost: not back yet, or
+  Result<BorrowedFrame<PmdFrame>> wait_frame(Time deadline) noexcept override;
+  // In place; frames that are lent stay readable. Blocks as open(). kDeviceLost: not back yet, or
   // not the same kind of camera; trouble() says why.
   Status reopen() noexcept;
   const std::string& trouble() const noexcept { return trouble_; }

@@ -54,7 +54,7 @@ Status V4l2Pmd::reopen() noexcept {
   return feed_.device().open() ? Status::kOk : Status::kDeviceLost;
 }
 
-Result<Lease<PmdFrame>> V4l2Pmd::wait_frame(Time deadline) noexcept {
+Result<BorrowedFrame<PmdFrame>> V4l2Pmd::wait_frame(Time deadline) noexcept {
   for (;;) {
     const Status status = feed_.drain(kSlots - out_);
     if (status == Status::kDeviceLost) {
@@ -76,7 +76,7 @@ Result<Lease<PmdFrame>> V4l2Pmd::wait_frame(Time deadline) noexcept {
   }
 }
 
-Lease<PmdFrame> V4l2Pmd::hand_out() noexcept {
+BorrowedFrame<PmdFrame> V4l2Pmd::hand_out() noexcept {
   const auto free = std::ranges::find(taken_, false);
   STOF_CHECK(free != taken_.end());  // drain() keeps no more than there are slots
   *free = true;

@@ -49,7 +49,7 @@ class V4l2Pmd final : public hal::PmdCamera, private SlotOwner {
   V4l2Pmd(const V4l2Pmd&) = delete;
   V4l2Pmd& operator=(const V4l2Pmd&) = delete;
 
-  Result<Lease<PmdFrame>> wait_frame(Time deadline) noexcept override;
+  Result<BorrowedFrame<PmdFrame>> wait_frame(Time deadline) noexcept override;
   // As V4l2Stereo::reopen().
   Status reopen() noexcept;
 
@@ -57,7 +57,7 @@ class V4l2Pmd final : public hal::PmdCamera, private SlotOwner {
 
  private:
   V4l2Pmd(V4l2Calls& calls, hal::Clock& clock, V4l2PmdOptions options);
-  Lease<PmdFrame> hand_out() noexcept;
+  BorrowedFrame<PmdFrame> hand_out() noexcept;
   std::array<Exposure, 4> quarters(const V4l2Arrival& arrival) const noexcept;
   void give_back(int slot) noexcept override;
 

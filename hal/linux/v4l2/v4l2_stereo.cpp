@@ -88,14 +88,14 @@ std::expected<void, OpenError> V4l2Stereo::start() {
   for (std::size_t side = 0; side < 2; ++side) {
     if (converts(side)) {
       for (Slot& slot : slots_) {
-        slot.grey[side].resize(pixels);  // once: what is leased stays where it is
+        slot.grey[side].resize(pixels);  // once: what is lent stays where it is
       }
     }
   }
   return done;
 }
 
-Result<Lease<StereoFrame>> V4l2Stereo::wait_frame(Time deadline) noexcept {
+Result<BorrowedFrame<StereoFrame>> V4l2Stereo::wait_frame(Time deadline) noexcept {
   for (;;) {
     if (drain() == Status::kDeviceLost) {
       return fail(Status::kDeviceLost);
@@ -170,7 +170,7 @@ void V4l2Stereo::drop(std::size_t side) noexcept {
   }
 }
 
-Lease<StereoFrame> V4l2Stereo::hand_out() noexcept {
+BorrowedFrame<StereoFrame> V4l2Stereo::hand_out() noexcept {
   const auto free = std::ranges::find(slots_, false, &Slot::out);
   STOF_CHECK(free != slots_.end());  // drain() keeps no more than there are slots
   Slot& slot = *free;

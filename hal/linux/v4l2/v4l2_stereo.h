@@ -66,10 +66,11 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   V4l2Stereo& operator=(const V4l2Stereo&) = delete;
 
   // After kDeviceLost every call returns it at once, until reopen().
-  Result<Lease<StereoFrame>> wait_frame(Time deadline) noexcept override;
+  Result<BorrowedFrame<StereoFrame>> wait_frame(Time deadline) noexcept override;
 
-  // Opens the cameras anew, wherever they are now. What was not handed out is lost; leases stay
-  // readable. May allocate and takes as long as the drivers do. kOk, or kDeviceLost: not yet back.
+  // Opens the cameras anew, wherever they are now. What was not handed out is lost; lent frames
+  // stay readable. May allocate and takes as long as the drivers do. kOk, or kDeviceLost: not yet
+  // back.
   Status reopen() noexcept;
 
   // What the drivers made of the exposure; none where they do not tell.
@@ -92,7 +93,7 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   void drop(std::size_t side) noexcept;
   const V4l2Format& format(std::size_t side) const noexcept;
   bool converts(std::size_t side) const noexcept;
-  Lease<StereoFrame> hand_out() noexcept;
+  BorrowedFrame<StereoFrame> hand_out() noexcept;
   dsp::ImageView<const std::uint8_t> view(Slot& slot, std::size_t side,
                                           const V4l2Buffer& buffer) noexcept;
   void give_back(int slot) noexcept override;

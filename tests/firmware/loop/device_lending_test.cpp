@@ -19,7 +19,7 @@ TEST(DeviceLending, ADeviceIsLentWhereItIsLostAndNobodyHoldsItsFrames) {
   lending.after_round(Device::kStereo, false, false, kStart);
   EXPECT_TRUE(lending.usable(Device::kStereo));
   lending.after_round(Device::kStereo, true, true, kStart);
-  EXPECT_TRUE(lending.usable(Device::kStereo)) << "a lease is out";
+  EXPECT_TRUE(lending.usable(Device::kStereo)) << "a frame is borrowed";
   lending.after_round(Device::kStereo, true, false, kStart);
   EXPECT_FALSE(lending.usable(Device::kStereo));
   EXPECT_TRUE(lending.usable(Device::kPmd));

@@ -73,7 +73,7 @@ struct Scene {
     return {.edge = {},
             .exposed = {},
             .stereo = {stereo, owner, 0},
-            .pmd = hal::Lease<hal::PmdFrame>(pmd, owner, 0),
+            .pmd = hal::BorrowedFrame<hal::PmdFrame>(pmd, owner, 0),
             .pmd_exposed = hal::Time{}};
   }
   static Noise<std::uint16_t> noise(std::uint64_t seed) {

@@ -42,7 +42,7 @@ void wait_until(const auto& condition) {
 class UnpluggedStereo final : public hal::StereoCamera {
  public:
   explicit UnpluggedStereo(hal::StereoCamera& camera) : camera_(camera) {}
-  Result<hal::Lease<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override {
+  Result<hal::BorrowedFrame<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override {
     EXPECT_FALSE(board::opening) << "used while it is lent";
     if (unplugged && !board::comes_back) {
       return fail(Status::kDeviceLost);

@@ -83,17 +83,17 @@ TYPED_TEST_P(CameraContract, LeasesBringTheirSlotsHome) {
 }
 
 TYPED_TEST_P(CameraContract, WithAllSlotsOutFramesAreLostAndThenComeAgain) {
-  std::vector<hal::Lease<typename TypeParam::Frame>> leases;
+  std::vector<hal::BorrowedFrame<typename TypeParam::Frame>> frames;
   for (int i = 0; i < TypeParam::kSlots; ++i) {
     auto frame = this->shoot();
     ASSERT_TRUE(frame);
-    leases.push_back(std::move(*frame));
+    frames.push_back(std::move(*frame));
   }
-  const std::uint32_t last = TypeParam::sequence(*leases.back());
+  const std::uint32_t last = TypeParam::sequence(*frames.back());
   const auto lost = this->shoot();
   ASSERT_FALSE(lost);
   EXPECT_EQ(lost.error(), Status::kTimeout);
-  leases.pop_back();
+  frames.pop_back();
   const auto next = this->shoot();
   ASSERT_TRUE(next);
   EXPECT_EQ(TypeParam::sequence(**next), last + 2);

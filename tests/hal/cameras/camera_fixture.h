@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include "dsp/base/status.h"
+#include "hal/borrowed_frame.h"
 #include "hal/clock.h"
-#include "hal/lease.h"
 #include "hal/time.h"
 
 // A camera to be judged by camera_contract.h. A Rig is default constructible and has:
@@ -12,7 +12,7 @@
 // - static constexpr int kSlots: how many the camera has
 // - hal::Clock& clock()
 // - hal::Time pulse(): one good edge
-// - Result<Lease<Frame>> wait_frame(hal::Time)
+// - Result<BorrowedFrame<Frame>> wait_frame(hal::Time)
 // - hal::Duration frame_time(): from an edge until its frame is surely there
 // - static std::vector<hal::Exposure> exposures(const Frame&)
 // - static std::uint32_t sequence(const Frame&)
@@ -29,10 +29,10 @@ class CameraContract : public testing::Test {
     const hal::Time edge = rig_.pulse();
     rig_.clock().wait_until(edge + rig_.frame_time());
   }
-  Result<hal::Lease<Frame>> read() {
+  Result<hal::BorrowedFrame<Frame>> read() {
     return rig_.wait_frame(rig_.clock().now() + rig_.frame_time());
   }
-  Result<hal::Lease<Frame>> shoot() {
+  Result<hal::BorrowedFrame<Frame>> shoot() {
     rig_.pulse();
     return read();
   }

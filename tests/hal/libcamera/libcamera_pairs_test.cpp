@@ -98,7 +98,7 @@ std::optional<std::pair<std::uint32_t, std::uint32_t>> numbers(Cameras& cameras)
     EXPECT_EQ(pair.error(), Status::kWouldBlock);
     return std::nullopt;
   }
-  cameras.pairs().give_back(pair->lease);
+  cameras.pairs().give_back(pair->number);
   return std::pair(pair->frames[kLeft].sequence, pair->frames[kRight].sequence);
 }
 
@@ -114,7 +114,7 @@ TEST(LibcameraPairs, FramesOfOneExposureAreAPair) {
     EXPECT_EQ(pair->frames[side].exposure.end, edge(1) + kExposed);
     EXPECT_EQ(cameras.queued(side), 5U);
   }
-  cameras.pairs().give_back(pair->lease);
+  cameras.pairs().give_back(pair->number);
   EXPECT_EQ(cameras.queued(kLeft), 6U);
   EXPECT_EQ(cameras.queued(kRight), 6U);
 }
@@ -179,17 +179,17 @@ TEST(LibcameraPairs, DamagedFrameIsToldOfOnce) {
 TEST(LibcameraPairs, WithAllSlotsOutFramesAreLostAndThenComeAgain) {
   constexpr int kSlots = 4;
   Cameras cameras(kSlots, 1);
-  std::vector<int> leases;
+  std::vector<int> lent;
   for (int n = 1; n < kSlots; ++n) {
     cameras.shoot(n);
     const Result<LibcameraPairs::Pair> pair = cameras.pairs().next();
     ASSERT_TRUE(pair) << n;
-    leases.push_back(pair->lease);
+    lent.push_back(pair->number);
   }
   cameras.shoot(4);
   EXPECT_EQ(numbers(cameras), std::nullopt);
   EXPECT_EQ(cameras.queued(kLeft), 1U);
-  cameras.pairs().give_back(leases.back());
+  cameras.pairs().give_back(lent.back());
   cameras.shoot(5);
   EXPECT_EQ(numbers(cameras), both(5));
 }
@@ -220,7 +220,7 @@ TEST(LibcameraPairs, WhatWasLentBeforeIsNotQueuedAfterwards) {
   }
   EXPECT_TRUE(cameras.pairs().old_ones_out());
   const std::size_t queued = cameras.queued(kLeft);
-  cameras.pairs().give_back(old->lease);
+  cameras.pairs().give_back(old->number);
   EXPECT_EQ(cameras.queued(kLeft), queued);
   EXPECT_FALSE(cameras.pairs().old_ones_out());
   EXPECT_EQ(numbers(cameras), std::nullopt);

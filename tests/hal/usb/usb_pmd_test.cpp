@@ -135,7 +135,7 @@ TEST(UsbPmd, CameraThatOnlySendsRubbishIsLost) {
   EXPECT_LT(calls, 40);
 }
 
-TEST(UsbPmd, UnpluggedIsLostAndPluggedInAgainReopensWithLeasesOut) {
+TEST(UsbPmd, UnpluggedIsLostAndPluggedInAgainReopensWithFramesLent) {
   UsbPmdRig rig;
   const auto held = rig.shoot();
   ASSERT_TRUE(held);

@@ -38,12 +38,12 @@ TYPED_TEST(V4l2Formats, GivesTheBrightnessOfEveryPixel) {
   }
 }
 
-TYPED_TEST(V4l2Formats, LeasesStayReadableWhenTheDeviceIsLostAndBack) {
+TYPED_TEST(V4l2Formats, LentFramesStayReadableWhenTheDeviceIsLostAndBack) {
   TypeParam rig;
   {
     const auto before = rig.shoot();
     ASSERT_TRUE(before);
-    ASSERT_EQ(rig.camera().reopen(), Status::kOk) << "a lease makes it busy";
+    ASSERT_EQ(rig.camera().reopen(), Status::kOk) << "a frame that is lent makes it busy";
     const auto after = rig.shoot();
     ASSERT_TRUE(after);
     EXPECT_EQ(TypeParam::bytes(**before), TypeParam::expected(1));

@@ -14,7 +14,8 @@ using Stereo = V4l2StereoRig<hal::linux::kGrey, false>;
 using Pmd = V4l2PmdRig<hal::linux::kY12p>;
 
 // Frames of whole pairs: both views of one exposure, as it says.
-void expect_exposure(const Result<hal::Lease<hal::StereoFrame>>& frame, std::uint32_t number) {
+void expect_exposure(const Result<hal::BorrowedFrame<hal::StereoFrame>>& frame,
+                     std::uint32_t number) {
   ASSERT_TRUE(frame) << to_string(frame.error());
   EXPECT_EQ(Stereo::bytes(**frame), Stereo::expected(number)) << "exposure " << number;
   EXPECT_EQ((*frame)->left_exposure.begin, (*frame)->right_exposure.begin);
@@ -148,7 +149,7 @@ TEST(V4l2Stereo, FewErrorsOfTheDriverAreCountedManyAreALoss) {
   EXPECT_TRUE(rig.shoot());
 }
 
-TEST(V4l2Stereo, LostDeviceComesBackWithLeasesOut) {
+TEST(V4l2Stereo, LostDeviceComesBackWithFramesLent) {
   Stereo rig;
   {
     const auto first = rig.shoot();
@@ -181,7 +182,7 @@ TEST(V4l2Stereo, IsLostWhileItWaits) {
 
 TEST(V4l2Stereo, ReopeningManyTimesKeepsNothing) {
   Stereo rig;
-  std::optional<hal::Lease<hal::StereoFrame>> held;
+  std::optional<hal::BorrowedFrame<hal::StereoFrame>> held;
   for (std::uint32_t number = 1; number <= 20; ++number) {
     auto frame = rig.shoot();
     expect_exposure(frame, number);

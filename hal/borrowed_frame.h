@@ -11,17 +11,17 @@ class SlotOwner {
   virtual void give_back(int slot) noexcept = 0;
 };
 
-// A frame in a slot that a camera owns: readable while the lease lives, returned by its destructor.
-// Frames are views, cheap to copy; the pixels behind them are valid until the lease ends.
-// A lease must not outlive its camera.
+// A frame in a slot that a camera owns: readable while this lives, given back by its destructor.
+// Frames are views, cheap to copy; the pixels behind them are valid until then. It must not
+// outlive its camera.
 template <typename Frame>
-class Lease {
+class BorrowedFrame {
  public:
-  Lease(const Frame& frame, SlotOwner& owner, int slot) noexcept
+  BorrowedFrame(const Frame& frame, SlotOwner& owner, int slot) noexcept
       : frame_(frame), owner_(&owner), slot_(slot) {}
-  Lease(Lease&& other) noexcept
+  BorrowedFrame(BorrowedFrame&& other) noexcept
       : frame_(other.frame_), owner_(std::exchange(other.owner_, nullptr)), slot_(other.slot_) {}
-  Lease& operator=(Lease&& other) noexcept {
+  BorrowedFrame& operator=(BorrowedFrame&& other) noexcept {
     if (this != &other) {
       release();
       frame_ = other.frame_;
@@ -30,9 +30,9 @@ class Lease {
     }
     return *this;
   }
-  Lease(const Lease&) = delete;
-  Lease& operator=(const Lease&) = delete;
-  ~Lease() { release(); }
+  BorrowedFrame(const BorrowedFrame&) = delete;
+  BorrowedFrame& operator=(const BorrowedFrame&) = delete;
+  ~BorrowedFrame() { release(); }
 
   const Frame& operator*() const noexcept { return frame_; }
   const Frame* operator->() const noexcept { return &frame_; }
