@@ -27,7 +27,7 @@
 #include "firmware/program/options.h"
 #include "firmware/program/reopener.h"
 #include "firmware/program/run_config.h"
-#include "firmware/settings/fields/describe.h"
+#include "firmware/settings/fields/schema.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/workspace.h"
 #include "posix/worker_threads.h"

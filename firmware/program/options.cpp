@@ -7,7 +7,7 @@
 
 #include "dsp/base/parse_number.h"
 #include "dsp/stereo/match_options.h"
-#include "firmware/settings/depth.h"
+#include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/text/paged_writer.h"

@@ -8,7 +8,7 @@
 
 #include "dsp/stereo/matcher.h"
 #include "firmware/pipeline/pipeline.h"
-#include "firmware/settings/depth.h"
+#include "firmware/settings/depth_settings.h"
 #include "firmware/wire/calibration/calibration_file.h"
 #include "firmware/workspace.h"
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include "firmware/settings/depth.h"
+#include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 
 namespace stof::settings {

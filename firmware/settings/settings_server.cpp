@@ -3,11 +3,11 @@
 #include <array>
 #include <utility>
 
-#include "firmware/settings/depth.h"
-#include "firmware/settings/fields/describe.h"
+#include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/presets.h"
+#include "firmware/settings/fields/schema.h"
 
 namespace stof::settings {
 namespace {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "host/calibrate/fit/pmd_model.h"
-#include "host/evaluate/own_converter.h"
+#include "host/evaluate/owning_converter.h"
 
 namespace stof::host {
 namespace {
@@ -121,7 +121,7 @@ WallView view_wall(const dsp::PmdSensor& sensor, const WallRecording& wall, Fram
   used.frequency.stray_i_lsb *= wall.exposure;
   used.frequency.stray_q_lsb *= wall.exposure;
   used.suppressed_lsb *= wall.exposure;
-  OwnConverter converter(used);
+  OwningConverter converter(used);
   const std::vector<std::array<double, 3>> rays = rays_of(lens);
   FrameSums sums(rays.size());
   for (std::size_t n = 0; n < wall.recording.frames.size(); ++n) {

@@ -6,7 +6,7 @@
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {

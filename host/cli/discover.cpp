@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/client/value_names.h"
 #include "host/discovery/discover.h"
 #include "host/text/printed.h"

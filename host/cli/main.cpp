@@ -9,7 +9,7 @@
 #include "host/cli/evaluate/evaluate_fusion.h"
 #include "host/cli/evaluate/evaluate_pmd.h"
 #include "host/cli/evaluate/evaluate_stereo.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/cli/proxy.h"
 #include "host/cli/report.h"
 #include "host/cli/view/view.h"

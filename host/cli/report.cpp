@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 
 namespace stof::host {
 

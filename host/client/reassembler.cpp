@@ -14,9 +14,9 @@ using Counter = std::uint64_t Statistics::*;
 constexpr std::array<Counter, 6> kFaults{&Statistics::truncated,   &Statistics::bad_magic,
                                          &Statistics::bad_version, &Statistics::bad_length,
                                          &Statistics::bad_crc,     &Statistics::bad_field};
-// By Reported.
-constexpr std::array<Counter, 4> kReports{&Statistics::packets_ok, &Statistics::duplicate,
-                                          &Statistics::late, &Statistics::bad_field};
+// By MessageOutcome.
+constexpr std::array<Counter, 4> kOutcomes{&Statistics::packets_ok, &Statistics::duplicate,
+                                           &Statistics::late, &Statistics::bad_field};
 // By Placed.
 constexpr std::array<Counter, 4> kParts{&Statistics::packets_ok, &Statistics::unknown,
                                         &Statistics::duplicate, &Statistics::bad_field};
@@ -65,14 +65,14 @@ void Reassembler::push(std::span<const std::byte> datagram, Time now) {
 void Reassembler::push_report(const wire::PacketView& packet) {
   switch (packet.header.type) {
     case wire::PacketType::kCalibration:
-      count(reports_.push_calibration(packet));
+      count(messages_.push_calibration(packet));
       break;
     case wire::PacketType::kHealth:
-      count(reports_.push_health(packet));
+      count(messages_.push_health(packet));
       break;
     case wire::PacketType::kEvent: {
       bool overflow = false;
-      count(reports_.push_event(packet, overflow));
+      count(messages_.push_event(packet, overflow));
       statistics_.events_dropped += overflow ? 1 : 0;
       break;
     }
@@ -82,8 +82,8 @@ void Reassembler::push_report(const wire::PacketView& packet) {
   }
 }
 
-void Reassembler::count(Reported reported) {
-  ++(statistics_.*kReports[static_cast<std::size_t>(reported)]);
+void Reassembler::count(MessageOutcome outcome) {
+  ++(statistics_.*kOutcomes[static_cast<std::size_t>(outcome)]);
 }
 
 void Reassembler::start_session() {
@@ -94,7 +94,7 @@ void Reassembler::start_session() {
     }
   }
   ++statistics_.sessions;
-  statistics_.events_dropped += reports_.restart();
+  statistics_.events_dropped += messages_.restart();
   newest_.reset();
   last_closed_.reset();
   freshness_.reset();
@@ -269,7 +269,7 @@ void Reassembler::close(FrameSlot& slot) {
   }
   freshness_ = slot.freshness();
   slot.finish();
-  slot.keep_calibration(reports_.calibration());
+  slot.keep_calibration(messages_.calibration());
   slot.order = ++finished_;
   slot.state = FrameSlot::State::kFinished;
 }

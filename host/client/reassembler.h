@@ -10,7 +10,7 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_slot.h"
-#include "host/client/session/reports.h"
+#include "host/client/session/session_messages.h"
 #include "host/client/session/session_tracker.h"
 #include "host/client/statistics.h"
 
@@ -58,12 +58,12 @@ class Reassembler {
   const Statistics& statistics() const noexcept { return statistics_; }
   // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
-    return reports_.calibration();
+    return messages_.calibration();
   }
-  const std::optional<wire::HealthReport>& health() const noexcept { return reports_.health(); }
+  const std::optional<wire::HealthReport>& health() const noexcept { return messages_.health(); }
 
   // What began or ended at the sensor, in the order of arrival, each event once. 64 are kept.
-  std::optional<wire::EventReport> take_event() { return reports_.take_event(); }
+  std::optional<wire::EventReport> take_event() { return messages_.take_event(); }
 
  private:
   static constexpr std::size_t kSlots = 4;   // two open, two finished or one finished and one out
@@ -81,7 +81,7 @@ class Reassembler {
   void push_report(const wire::PacketView& packet);
   void push_part(const wire::PacketView& packet, Time now);
   void push_parity(const wire::PacketView& packet, Time now);
-  void count(Reported reported);
+  void count(MessageOutcome outcome);
   bool count(Placed placed);  // whether something was added
   bool over(std::uint32_t number) const;
   Closed* closed(std::uint32_t number);
@@ -107,7 +107,7 @@ class Reassembler {
   std::optional<std::uint32_t> last_closed_;  // frame number
   std::optional<std::uint32_t> freshness_;    // of the newest frame delivered
   bool parity_ = false;                       // the sender uses it
-  Reports reports_;
+  SessionMessages messages_;
   std::array<Closed, kClosed> closed_;
   std::size_t closed_count_ = 0;
 };

@@ -4,8 +4,8 @@
 #include <array>
 #include <cstddef>
 
+#include "firmware/settings/fields/field_tree.h"
 #include "firmware/settings/fields/field_value.h"
-#include "firmware/settings/fields/groups.h"
 #include "firmware/settings/text/json.h"
 
 namespace stof::settings {
@@ -186,7 +186,7 @@ bool parse_field(std::string_view path, std::string_view value, Settings& settin
 void write_document(const Settings& settings, PagedWriter& out) noexcept {
   out << '{';
   DocumentWriter writer(settings, out);
-  visit_groups(writer);
+  visit_field_tree(writer);
   out << "\n}\n";
 }
 

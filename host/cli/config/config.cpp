@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "host/cli/config/settings_text.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/cli/serial_transport.h"
 
 namespace stof::host {

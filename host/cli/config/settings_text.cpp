@@ -5,7 +5,7 @@
 #include <sstream>
 #include <utility>
 
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 
 namespace stof::host {
 namespace {

@@ -1,6 +1,6 @@
 #include "host/cli/evaluate/evaluate.h"
 
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/text/printed.h"
 #include "lab/match_options.h"
 

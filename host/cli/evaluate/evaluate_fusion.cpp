@@ -4,7 +4,7 @@
 #include <set>
 
 #include "host/cli/evaluate/fusion_print.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/evaluate/fusion/fusion_case.h"
 #include "host/report/fusion/fusion_page.h"
 

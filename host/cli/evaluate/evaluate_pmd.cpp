@@ -2,7 +2,7 @@
 
 #include <cstdio>
 
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/evaluate/pmd/figures.h"
 #include "host/evaluate/pmd/print/json.h"
 #include "host/evaluate/pmd/print/text.h"

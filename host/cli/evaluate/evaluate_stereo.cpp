@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/evaluate/stereo/disparity_score.h"
 
 namespace stof::host {

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "host/cli/evaluate/evaluate.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/cli/view/ply.h"
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/depth_picture.h"

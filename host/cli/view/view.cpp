@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "dataset/files/file.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"

@@ -6,7 +6,7 @@
 
 #include "dataset/files/file.h"
 #include "host/calibrate/fit/pmd_model.h"
-#include "host/evaluate/own_converter.h"
+#include "host/evaluate/owning_converter.h"
 
 namespace stof::host {
 namespace {
@@ -198,7 +198,7 @@ dataset::Loaded<EdgeStudy> study_edges(const PmdSet& set, const PmdSources& sour
                              "_r_min.pgm: is absent, or r_max is: give both maps of the recording");
     }
     const dataset::Image<std::uint8_t> mixed = mixed_pixels(*truth);
-    OwnConverter converter(sensor);
+    OwningConverter converter(sensor);
     EdgeRow row{
         .name = scene->name, .edge_m = scene->setup.edge_m.value_or(kNothing), .counts = {}};
     for (std::size_t n = 0; n < scene->recording.frames.size(); ++n) {

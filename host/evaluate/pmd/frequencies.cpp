@@ -5,7 +5,7 @@
 
 #include "dataset/files/file.h"
 #include "dsp/base/units.h"
-#include "host/evaluate/own_converter.h"
+#include "host/evaluate/owning_converter.h"
 #include "host/evaluate/stereo/median.h"
 
 namespace stof::host {
@@ -77,7 +77,7 @@ dataset::Loaded<FrequencyRow> judge_pair(const std::filesystem::path& first,
                         .min_ratio = kMinRatio},
                 .errors_m = {}};
   const double turn_m = dsp::kLightMetresPerSecond / (2.0 * sensor.frequency.modulation.value);
-  OwnConverter converter(sensor);
+  OwningConverter converter(sensor);
   for (std::size_t n = 0; n < recording->frames.size(); ++n) {
     const dsp::PmdExposure one{.samples = recording->samples(n)};
     const dsp::PmdExposure two{.samples = recording->second_samples(n)};

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "host/calibrate/fit/pmd_model.h"
-#include "host/evaluate/own_converter.h"
+#include "host/evaluate/owning_converter.h"
 #include "host/evaluate/pmd/recordings/truth.h"
 
 namespace stof::host {
@@ -40,7 +40,7 @@ std::vector<double> radial_truth(const RangeMaps& maps, const dsp::Pinhole& lens
 
 Means judge(const dsp::PmdSensor& sensor, const dataset::PmdRecording& recording,
             const std::vector<double>& truth) {
-  OwnConverter converter(sensor);
+  OwningConverter converter(sensor);
   const int w = sensor.lens.width;
   const int blocks_across = (w + kBlock - 1) / kBlock;
   const int blocks_down = (sensor.lens.height + kBlock - 1) / kBlock;

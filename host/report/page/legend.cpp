@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "host/picture/signed_picture.h"
+#include "host/picture/error_picture.h"
 #include "host/report/page/page.h"
 #include "host/text/printed.h"
 
@@ -100,17 +100,16 @@ std::string depth_legend(const ColourScale& scale) {
   return bar(metric_picture(ramp, scale).pixels, ticks, "m");
 }
 
-std::string signed_legend(double most, std::string_view unit) {
+std::string error_legend(double most, std::string_view unit) {
   std::vector<Rgb> colours;
   colours.reserve(kBarSteps);
   for (int i = 0; i < kBarSteps; ++i) {
-    colours.push_back(signed_colour(2 * (i + 0.5) / kBarSteps - 1));
+    colours.push_back(error_colour(2 * (i + 0.5) / kBarSteps - 1));
   }
   const double step = most / 50;
   const std::vector<BarTick> ticks{
       {0, tick_text(-most, step)}, {0.5, "0"}, {1, tick_text(most, step)}};
-  return bar(colours, ticks, unit,
-             [](int /*x*/, int /*y*/) { return signed_colour(std::nan("")); });
+  return bar(colours, ticks, unit, [](int /*x*/, int /*y*/) { return error_colour(std::nan("")); });
 }
 
 std::string finding_legend(const std::vector<KeyEntry>& entries) {

@@ -15,8 +15,8 @@ std::string tick_text(double value, double step);
 std::string disparity_legend(const DisparityScale& scale);
 // The same in metres, near to far, logarithmic.
 std::string depth_legend(const ColourScale& scale);
-// From -most to most, as signed_picture() draws values; the grey of "none".
-std::string signed_legend(double most, std::string_view unit);
+// From -most to most, as error_picture() draws values; the grey of "none".
+std::string error_legend(double most, std::string_view unit);
 
 // One swatch a finding, with the colour finding_picture() gives it.
 struct KeyEntry {

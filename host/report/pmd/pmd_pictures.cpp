@@ -7,8 +7,8 @@
 
 #include "host/evaluate/stereo/median.h"
 #include "host/picture/disparity_picture.h"
+#include "host/picture/error_picture.h"
 #include "host/picture/height_field.h"
-#include "host/picture/signed_picture.h"
 #include "host/report/page/legend.h"
 #include "host/report/page/plot.h"
 #include "host/text/printed.h"
@@ -35,9 +35,9 @@ dataset::Image<float> off_by_mm(const dataset::Image<float>& z_m, double true_m)
 
 Figure signed_figure(const dataset::Image<float>& values, const char* unit, std::string title,
                      std::string caption) {
-  const double most = largest_size(values);
-  return figure(signed_picture(values, most), std::move(title), std::move(caption),
-                signed_legend(most, unit));
+  const double most = largest_error(values);
+  return figure(error_picture(values, most), std::move(title), std::move(caption),
+                error_legend(most, unit));
 }
 
 PlotSeries across(const WallView& view, const char* name, Rgb colour) {

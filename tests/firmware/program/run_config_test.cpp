@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/events/log_text.h"
-#include "firmware/settings/depth.h"
+#include "firmware/settings/depth_settings.h"
 #include "firmware/workspace.h"
 
 namespace stof::firmware {

@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/match_options.h"
-#include "firmware/settings/fields/describe.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/field_value.h"
+#include "firmware/settings/fields/schema.h"
 
 namespace stof::settings {
 namespace {

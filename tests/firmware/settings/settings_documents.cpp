@@ -4,8 +4,8 @@
 #include <string>
 #include <string_view>
 
-#include "firmware/settings/fields/describe.h"
 #include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/schema.h"
 
 // settings_documents schema|tables|defaults: prints that.
 // settings_documents judge: for each line of its input, a document: "ok", or what is wrong.

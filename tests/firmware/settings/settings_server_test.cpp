@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/settings/depth.h"
+#include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/saved_settings.h"

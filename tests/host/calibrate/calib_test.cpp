@@ -4,7 +4,7 @@
 
 #include "dataset/files/file.h"
 #include "host/calibrate/calibration_store.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/calibrate/wall_files.h"
 #include "tests/host/calibrate/wall_simulator.h"

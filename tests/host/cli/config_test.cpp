@@ -10,7 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "host/cli/config/settings_text.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "tests/host/cli/sensor_stub.h"
 
 namespace stof::host {

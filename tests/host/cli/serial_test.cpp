@@ -9,7 +9,7 @@
 
 #include "hal/framing/cobs.h"
 #include "host/cli/config/config.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "host/cli/serial_transport.h"
 #include "tests/host/cli/sensor_stub.h"
 #include "tests/support/pty.h"

@@ -13,7 +13,7 @@
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
-#include "host/cli/exit.h"
+#include "host/cli/failure.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/client/loopback_sender.h"
 #include "tests/host/client/sent_frame.h"

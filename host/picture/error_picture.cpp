@@ -1,4 +1,4 @@
-#include "host/picture/signed_picture.h"
+#include "host/picture/error_picture.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,7 @@
 
 namespace stof::host {
 
-Rgb signed_colour(double value) {
+Rgb error_colour(double value) {
   constexpr Rgb kUnknown{200, 200, 200};
   constexpr Rgb kWhite{255, 255, 255};
   constexpr Rgb kBelow{33, 102, 172};
@@ -18,7 +18,7 @@ Rgb signed_colour(double value) {
   return mixed(kWhite, value < 0 ? kBelow : kAbove, std::min(std::abs(value), 1.0));
 }
 
-double largest_size(const dataset::Image<float>& values) {
+double largest_error(const dataset::Image<float>& values) {
   double most = 0;
   for (const float value : values.pixels) {
     most = std::isfinite(value) ? std::max(most, std::abs(static_cast<double>(value))) : most;
@@ -26,10 +26,10 @@ double largest_size(const dataset::Image<float>& values) {
   return most > 0 ? most : 1;
 }
 
-dataset::Image<Rgb> signed_picture(const dataset::Image<float>& values, double most) {
+dataset::Image<Rgb> error_picture(const dataset::Image<float>& values, double most) {
   dataset::Image<Rgb> picture(values.width, values.height);
   std::ranges::transform(values.pixels, picture.pixels.begin(),
-                         [most](float value) { return signed_colour(value / most); });
+                         [most](float value) { return error_colour(value / most); });
   return picture;
 }
 

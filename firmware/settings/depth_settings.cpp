@@ -1,4 +1,4 @@
-#include "firmware/settings/depth.h"
+#include "firmware/settings/depth_settings.h"
 
 #include <cstddef>
 #include <span>

@@ -1,10 +1,10 @@
-#include "firmware/settings/fields/describe.h"
+#include "firmware/settings/fields/schema.h"
 
 #include <cstddef>
 #include <string_view>
 
+#include "firmware/settings/fields/field_tree.h"
 #include "firmware/settings/fields/field_value.h"
-#include "firmware/settings/fields/groups.h"
 #include "firmware/settings/fields/presets.h"
 
 namespace stof::settings {
@@ -159,7 +159,7 @@ void write_schema(PagedWriter& out) noexcept {
          "  \"additionalProperties\": false,\n"
          "  \"properties\": {";
   SchemaWriter writer(out);
-  visit_groups(writer);
+  visit_field_tree(writer);
   out << "\n  }\n}\n";
 }
 

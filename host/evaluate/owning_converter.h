@@ -6,9 +6,9 @@
 namespace stof::host {
 
 // A Converter with its memory.
-class OwnConverter {
+class OwningConverter {
  public:
-  explicit OwnConverter(const dsp::PmdSensor& sensor)
+  explicit OwningConverter(const dsp::PmdSensor& sensor)
       : space_(
             dsp::bytes_taken([&](dsp::Arena& arena) noexcept { dsp::Converter(sensor, arena); })),
         arena_(space_.arena()),

@@ -1,4 +1,4 @@
-#include "host/picture/signed_picture.h"
+#include "host/picture/error_picture.h"
 
 #include <limits>
 
@@ -7,14 +7,14 @@
 namespace stof::host {
 namespace {
 
-TEST(SignedPicture, ShowsSignsAsColours) {
+TEST(ErrorPicture, ShowsSignsAsColours) {
   dataset::Image<float> values(2, 1);
   values.pixels = {-3.0F, 3.0F};
-  const dataset::Image<Rgb> picture = signed_picture(values, largest_size(values));
+  const dataset::Image<Rgb> picture = error_picture(values, largest_error(values));
   EXPECT_GT(picture.pixels[0].blue, picture.pixels[0].red);
   EXPECT_GT(picture.pixels[1].red, picture.pixels[1].blue);
   values.pixels = {0.0F, std::numeric_limits<float>::quiet_NaN()};
-  const dataset::Image<Rgb> nothing = signed_picture(values, largest_size(values));
+  const dataset::Image<Rgb> nothing = error_picture(values, largest_error(values));
   constexpr Rgb kWhite{255, 255, 255};
   EXPECT_EQ(nothing.pixels[0], kWhite);
   const Rgb unknown = nothing.pixels[1];
@@ -22,12 +22,12 @@ TEST(SignedPicture, ShowsSignsAsColours) {
   EXPECT_NE(unknown, kWhite);
 }
 
-TEST(LargestSize, LeavesOutWhatIsNotFinite) {
+TEST(LargestError, LeavesOutWhatIsNotFinite) {
   dataset::Image<float> values(3, 1);
   values.pixels = {-3.0F, 2.0F, std::numeric_limits<float>::infinity()};
-  EXPECT_EQ(largest_size(values), 3);
+  EXPECT_EQ(largest_error(values), 3);
   values.pixels = {0.0F, 0.0F, 0.0F};
-  EXPECT_EQ(largest_size(values), 1);
+  EXPECT_EQ(largest_error(values), 1);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@ namespace stof::settings {
 // Calls visitor.open("depth"), .field(...), .close() in the order of the table, so that each group
 // is opened and closed once.
 template <typename Visitor>
-void visit_groups(Visitor& visitor) noexcept {
+void visit_field_tree(Visitor& visitor) noexcept {
   std::string_view open;
   const auto close_until_within = [&](std::string_view group) {
     while (!open.empty() &&

@@ -13,7 +13,7 @@
 namespace stof::client {
 
 // What became of a packet outside the frames.
-enum class Reported : std::uint8_t {
+enum class MessageOutcome : std::uint8_t {
   kTaken,  // also the repetition of an event, which is not delivered again
   kDuplicate,
   kLate,  // a newer one arrived before
@@ -21,15 +21,15 @@ enum class Reported : std::uint8_t {
 };
 
 // What one session says beside its frames.
-class Reports {
+class SessionMessages {
  public:
   // A session begins. Returns the events that nobody took.
   std::size_t restart();
 
-  Reported push_calibration(const wire::PacketView& packet);
-  Reported push_health(const wire::PacketView& packet);
+  MessageOutcome push_calibration(const wire::PacketView& packet);
+  MessageOutcome push_health(const wire::PacketView& packet);
   // overflow: an older event was given up for it.
-  Reported push_event(const wire::PacketView& packet, bool& overflow);
+  MessageOutcome push_event(const wire::PacketView& packet, bool& overflow);
 
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return calibration_;
