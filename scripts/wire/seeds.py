@@ -5,7 +5,7 @@ import struct
 
 from wire import samples
 
-SEAL, COOKIE = 1, 2  # flags of a record, see tests/fuzz/records.h
+SEAL, COOKIE = 1, 2  # flags of a record, see tests/fuzz/fuzz_input.h
 PEERS, SECONDS = 4, 16
 
 

@@ -11,7 +11,7 @@
 #include <benchmark/benchmark.h>
 
 #include "dsp/base/target.h"
-#include "tests/bench/bench_peers.h"
+#include "tests/bench/bench_opencv.h"
 #include "tests/bench/bench_report.h"
 
 namespace stof::bench {
@@ -66,8 +66,8 @@ class Bench {
   }
 
   void run() {
-    std::printf("%s; best: %s; %d rounds\n", peer_version().c_str(), name_of(dsp::widest_vectors()),
-                rounds_);
+    std::printf("%s; best: %s; %d rounds\n", opencv_version().c_str(),
+                name_of(dsp::widest_vectors()), rounds_);
     for (const int threads : {1, 2}) {
       for (std::size_t scene = 0; scene < std::clamp(scenes_.size(), 1UZ, 2UZ); ++scene) {
         stereo({450, 375, 64}, threads, scene);
@@ -86,7 +86,7 @@ class Bench {
 
   bool keep(const std::string& file) const {
     std::ofstream out(file);
-    out << json(outcomes_, rounds_, peer_version());
+    out << json(outcomes_, rounds_, opencv_version());
     return out.good();
   }
 
@@ -96,7 +96,7 @@ class Bench {
                            : resized(scenes_[index % scenes_.size()], width, height);
   }
   void add(const Group& group, int rounds) {
-    set_peer_threads(group.threads);
+    set_opencv_threads(group.threads);
     const std::vector<Outcome> found = measure(group, rounds);
     outcomes_.insert(outcomes_.end(), found.begin(), found.end());
   }

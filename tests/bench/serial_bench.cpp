@@ -10,7 +10,7 @@
 #include "firmware/serial/serial_sender.h"
 #include "tests/firmware/serial/line.h"
 #include "tests/firmware/wire/frame/corridor_frame.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::firmware::test {
 namespace {
@@ -38,7 +38,7 @@ void show(SenderBench& bench) {
   const dsp::DepthMap map = bench.map();
   const dsp::Pinhole lens{
       .width = 640, .height = 480, .fx = 500, .fy = 500, .cx = 319.5, .cy = 239.5};
-  stof::test::InOwnMemory<SectorFinder> finder(
+  stof::test::GuardedPart<SectorFinder> finder(
       [&](dsp::Arena& arena) { return SectorFinder(lens, {}, arena); });
   std::printf("sectors %.3f ms, band of 0.3 m", median_ms([&] { finder->find(map); }));
   finder->set({.obstacle = {.above_mm = 10'000, .below_mm = 10'000, .pixels = 8}});

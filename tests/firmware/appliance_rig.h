@@ -8,7 +8,7 @@
 
 #include "firmware/program/appliance.h"
 #include "tests/firmware/rig.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 
 namespace stof::firmware::test {
 

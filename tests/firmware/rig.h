@@ -24,7 +24,7 @@
 #include "hal/emu/devices/datagram_port.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/emu/imagery/imagery.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 
 // A small rig of emulated devices around the real loop, and a receiver that looks at its packets.
 namespace stof::firmware::test {

@@ -2,7 +2,7 @@
 #include <vector>
 
 #include "firmware/wire/calibration/calibration_file.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // A calibration file. First byte odd: magic, length and CRC of what follows are set right.
 namespace stof {

@@ -1,7 +1,7 @@
 #include <string>
 
 #include "host/discovery/found_sensors.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // What answers whoever looks for sensors: announcements, and messages of multicast DNS.
 void stof::fuzz::run(std::span<const std::byte> input) {

@@ -2,7 +2,7 @@
 #include <cstdint>
 #include <span>
 
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // NOLINTNEXTLINE(readability-identifier-naming): libFuzzer calls it by this name.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -2,7 +2,7 @@
 #include <optional>
 
 #include "firmware/serial/mavlink/mavlink_reader.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // Bytes of a MAVLink line. However they are cut into pieces, the same messages come out.
 namespace stof {

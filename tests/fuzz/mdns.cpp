@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "hal/network.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // Messages of multicast DNS to the sensor's responder: in its probes, its announcements and after.
 namespace stof {

@@ -3,7 +3,7 @@
 #include <array>
 #include <chrono>
 
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // Datagrams to a receiver: frames come out whole or marked, every datagram is counted once.
 namespace stof {

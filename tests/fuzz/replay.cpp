@@ -13,7 +13,7 @@
 #include <string_view>
 #include <vector>
 
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 #include "tests/support/random.h"
 
 namespace stof {

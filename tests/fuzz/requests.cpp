@@ -5,7 +5,7 @@
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/settings_server.h"
 #include "firmware/wire/messages/settings_answer.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // Requests to the sensor's port, from four sources, with settings behind it. Whoever shows no
 // cookie never gets more bytes than it sent.

@@ -3,7 +3,7 @@
 
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/rvl_encode.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // Input: kind, a number, bytes. Kind 0 and 1: code of that many values of 16 or 8 bits. Kind 2 and
 // 3: values of 16 or 8 bits, to be coded into that many bytes.

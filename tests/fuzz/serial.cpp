@@ -13,7 +13,7 @@
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "hal/framing/cobs.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // Bytes of a serial line. First byte even: what follows is the line. Odd: what follows is a frame,
 // which must come back from the line.

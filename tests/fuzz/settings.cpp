@@ -2,7 +2,7 @@
 #include <string>
 
 #include "firmware/settings/fields/document.h"
-#include "tests/fuzz/records.h"
+#include "tests/fuzz/fuzz_input.h"
 
 // A document of settings, any bytes: taken whole, or refused with nothing changed.
 void stof::fuzz::run(std::span<const std::byte> input) {

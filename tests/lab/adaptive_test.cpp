@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/search/winner.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {
@@ -24,7 +24,7 @@ struct Grown {
   Block at(int x, int y) { return view().at(x, y); }
   void grow(const AdaptiveParams& params) {
     const auto image = edges.view();
-    test::InOwnMemory<Integral> integral(
+    test::GuardedPart<Integral> integral(
         [&](Arena& arena) { return Integral(image.width(), image.height(), arena); });
     grow_blocks(image, params, *integral, view());
   }
@@ -124,7 +124,7 @@ TEST(MatchBlocks, FindsTheLowestMeanCostOfEveryBlock) {
       mark_edges(left.view(), 150, grown.edges.view());
       grown.grow(kRegion);
       std::vector<std::int16_t> winners(grown.blocks.size()), right_winners(grown.blocks.size());
-      test::InOwnMemory<BlockOffers> offers(
+      test::GuardedPart<BlockOffers> offers(
           [&](Arena& arena) { return BlockOffers(width, height, arena); });
       match_blocks(left.view(), right.view(), grown.view(), min_disparity, disparities, *offers,
                    {winners.data(), width, height}, {right_winners.data(), width, height});
@@ -154,7 +154,7 @@ TEST(MatchBlocks, AMovedPictureIsFoundAndItsOccludedPartIsDropped) {
   Grown grown(width, height);
   grown.grow({.shape = BlockShape::kFixed, .max_width = 7, .max_height = 7});
   std::vector<std::int16_t> winners(grown.blocks.size()), right_winners(grown.blocks.size());
-  test::InOwnMemory<BlockOffers> offers(
+  test::GuardedPart<BlockOffers> offers(
       [&](Arena& arena) { return BlockOffers(width, height, arena); });
   match_blocks(left.view(), right.view(), grown.view(), 0, 12, *offers,
                {winners.data(), width, height}, {right_winners.data(), width, height});

@@ -12,7 +12,7 @@
 #include "dataset/dataset.h"
 #include "dsp/stereo/search/winner.h"
 #include "lab/search/scanline_optimisation.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {

@@ -9,7 +9,7 @@
 
 #include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/sad.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {

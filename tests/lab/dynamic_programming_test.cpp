@@ -8,7 +8,7 @@
 
 #include "dsp/stereo/search/winner.h"
 #include "lab/search/scanline_optimisation.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {

@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 
 namespace stof::lab {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "dsp/base/index.h"
 #include "lab/matcher.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 // A Matcher with a guide, the appliance's and the lab's.
@@ -62,7 +62,7 @@ class Bench {
   }
 
   const Pair& pair_;
-  test::InOwnMemory<Matcher> matcher_;
+  test::GuardedPart<Matcher> matcher_;
 };
 
 Map match(const MatchParams& params, const Pair& pair, const Ranges& ranges) {

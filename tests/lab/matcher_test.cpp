@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {
@@ -91,7 +91,7 @@ Pixels noise(int width, int height, std::uint64_t seed, int high = 255) {
 
 std::vector<Disparity> match(const Pixels& left, const Pixels& right, int w, int h,
                              const MatchParams& params, const ThreadTeam& team = {}) {
-  test::InOwnMemory<Matcher> matcher(
+  test::GuardedPart<Matcher> matcher(
       [&](Arena& arena) { return Matcher(params, w, h, arena, team); });
   std::vector<Disparity> out(left.size());
   matcher->match({.left = {left.data(), w, h}, .right = {right.data(), w, h}}, {out.data(), w, h});
@@ -270,7 +270,7 @@ TEST(Matcher, MarksWhatItFillsAndNothingElse) {
   MatchParams params{{.disparities = 16, .left_right_tolerance = 0}};
   const std::vector<Disparity> checked = match(left, right, w, h, params);
   params.fill = true;
-  test::InOwnMemory<Matcher> matcher([&](Arena& arena) { return Matcher(params, w, h, arena); });
+  test::GuardedPart<Matcher> matcher([&](Arena& arena) { return Matcher(params, w, h, arena); });
   std::vector<Disparity> out(left.size());
   matcher->match({.left = {left.data(), w, h}, .right = {right.data(), w, h}}, {out.data(), w, h});
   const ImageView<const std::uint8_t> filled = matcher->filled();
@@ -288,7 +288,7 @@ TEST(Matcher, SmallerImageThanReservedGivesTheSameResult) {
   const MatchParams params{{.disparities = 16, .left_right_tolerance = 1}};
   const Pixels left = noise(30, 9, 3);
   const Pixels right = noise(30, 9, 4);
-  test::InOwnMemory<Matcher> matcher([&](Arena& arena) { return Matcher(params, 64, 40, arena); });
+  test::GuardedPart<Matcher> matcher([&](Arena& arena) { return Matcher(params, 64, 40, arena); });
   std::vector<Disparity> out(left.size());
   matcher->match({.left = {left.data(), 30, 9}, .right = {right.data(), 30, 9}},
                  {out.data(), 30, 9});

@@ -16,7 +16,7 @@
 #include "dsp/base/target.h"
 #include "dsp/stereo/prefilter/prefilter.h"
 #include "dsp/stereo/search/winner.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/search/winner.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::lab {

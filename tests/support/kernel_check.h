@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "dsp/base/image.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 // Every program of label `kernel` runs all of its tests once at each level of dsp/base/target.h

@@ -3,11 +3,11 @@
 import re
 import time
 
-import judge
+import checks
 import machine
 import rig as system_rig
 import serial_line
-import triggered
+import triggered_camera
 
 BACK_BAR_S = 2.0  # from a camera's return, or the program's end, to the next frame
 UNPLUGGED_S = 0.5
@@ -28,8 +28,8 @@ def shown(rig, report, since, edges, least):
     verdict = rig.judge(rig.receiver.frames[since:])
     report.none("frames that are not of their edge", verdict["mispaired"])
     report.none("frames that differ from the host's", verdict["different"])
-    judge.check(verdict["frames"] >= least, f"{verdict['frames']} frames of {edges} edges, at least {least} are "
-                f"wanted; the program said {rig.log()[-5:]}")
+    checks.check(verdict["frames"] >= least, f"{verdict['frames']} frames of {edges} edges, at least {least} are "
+                 f"wanted; the program said {rig.log()[-5:]}")
     return verdict
 
 
@@ -53,8 +53,8 @@ def edges_give_frames(rig, report, edges=60, rounds=2):
         if missing == 0 and verdict["frames"] >= edges - 2 or left == 0:
             break
         print(f"  {missing} edges without a frame, once more; the program said {rig.log()[-3:]}")
-    judge.check(verdict["frames"] >= edges - 2, f"{verdict['frames']} frames of {edges} edges; the program said "
-                f"{rig.log()[-5:]}")
+    checks.check(verdict["frames"] >= edges - 2, f"{verdict['frames']} frames of {edges} edges; the program said "
+                 f"{rig.log()[-5:]}")
     report.figure("edges", edges, f">= {edges}", True)
     report.none("frames that did not arrive whole", verdict["incomplete"])
     report.none("edges in between without a frame", missing)
@@ -84,7 +84,7 @@ def subscribed(rig, report):
 def controls(rig, report):
     for name in ("left", "right"):
         settings = rig.cameras[name].exposures[-1].settings
-        judge.check(not settings["auto"], f"the {name} camera chooses its exposure by itself")
+        checks.check(not settings["auto"], f"the {name} camera chooses its exposure by itself")
         report.figure(f"exposure of the {name} camera", f"{settings['exposure_us']} us", f"{STEREO_EXPOSURE_US} us",
                       settings["exposure_us"] == STEREO_EXPOSURE_US)
     lines = [rig.edges[line] for line in sorted(rig.edges)]
@@ -117,10 +117,10 @@ def real_time(rig, report):
     report.figure("loop's policy and priority", f"{loop['policy']}, {loop['rt']}",
                   f"{FIFO}, which is SCHED_FIFO, {PRIORITY}", (loop["policy"], loop["rt"]) == (FIFO, PRIORITY))
     old = {task["id"]: task for task in before["tasks"]}
-    judge.check(set(old) == {task["id"] for task in after["tasks"]}, "a thread came or went between two readings")
+    checks.check(set(old) == {task["id"] for task in after["tasks"]}, "a thread came or went between two readings")
     # The loop and those that compute with it; the control thread is as others are, and may fault.
     urgent = [task for task in after["tasks"] if task is loop or task["name"].startswith(WORKERS)]
-    judge.check(len(urgent) > 1, "no thread helps the loop to compute")
+    checks.check(len(urgent) > 1, "no thread helps the loop to compute")
     for task in urgent:
         report.figure(f"policy of thread {task['name']}", task["policy"], f"{FIFO}, SCHED_FIFO", task["policy"] == FIFO)
         for kind in ("minflt", "majflt"):
@@ -137,7 +137,7 @@ def recovers(rig, report, break_it, lost=2):
 
 def lost_edge(rig, report):
     for name in ("left", "right", "pmd"):
-        recovers(rig, report, lambda name=name: rig.cameras[name].fail_next(triggered.DROP))
+        recovers(rig, report, lambda name=name: rig.cameras[name].fail_next(triggered_camera.DROP))
 
 
 def late_frame(rig, report):
@@ -145,11 +145,11 @@ def late_frame(rig, report):
     for name in ("left", "right", "pmd"):
         for seconds in (0.21, 0.25, 0.45):
             recovers(rig, report, lambda name=name, seconds=seconds:
-                     rig.cameras[name].fail_next(triggered.DELAY, seconds), lost=5)
+                     rig.cameras[name].fail_next(triggered_camera.DELAY, seconds), lost=5)
 
 
 def broken_frame(rig, report):
-    for kind in (triggered.SHORT, triggered.CORRUPT):
+    for kind in (triggered_camera.SHORT, triggered_camera.CORRUPT):
         for name in ("right", "pmd"):
             recovers(rig, report, lambda kind=kind, name=name: rig.cameras[name].fail_next(kind), lost=3)
 
@@ -168,7 +168,7 @@ def replug(rig, report, name, bar=BACK_BAR_S):
                       what=f"frame after the {name} camera's return")
     seconds = time.monotonic() - begin
     report.at_most(f"{name} camera plugged in to next frame", seconds, bar, "s")
-    judge.check(rig.steps() > steps, "the trigger stood still")
+    checks.check(rig.steps() > steps, "the trigger stood still")
     shown(rig, report, since, 4, 3)
     return seconds
 
@@ -211,7 +211,7 @@ def serial(rig, report):
     with serial_line.SerialLine(rig.machine) as line:
         count = line.frames(1.5)
     report.figure("frames on the serial line after it was cut", count, ">= 3", count >= 3)
-    judge.check(line.damaged <= 1, f"{line.damaged} damaged packets on the serial line")  # one was cut
+    checks.check(line.damaged <= 1, f"{line.damaged} damaged packets on the serial line")  # one was cut
 
 
 def ends_as_asked(rig, report):
@@ -221,7 +221,7 @@ def ends_as_asked(rig, report):
     try:
         end = rig.machine.console.event("end", since, timeout=15)
     except machine.MachineError:
-        raise judge.Failure("it does not end at SIGTERM") from None
+        raise checks.Failure("it does not end at SIGTERM") from None
     report.figure("exit code after SIGTERM", end.more, "0", end.more == "0")
     summary = rig.machine.console.line("frames published of", timeout=5).text
     print("  " + summary)

@@ -8,7 +8,7 @@ import statistics
 import time
 
 import cases
-import judge
+import checks
 import rig as system_rig
 
 BOOT_BAR_S = 3.0  # from the kernel's start to the first frame
@@ -64,7 +64,7 @@ def formats(bench, report):
 
 def libcamera(bench, report):
     if bench.libcamera is None:
-        raise judge.Failure("no stofd-libcamera was named")
+        raise checks.Failure("no stofd-libcamera was named")
     with bench.rig("libcamera", variant="libcamera") as rig:
         rig.receiver.wait(lambda frame: "latency_ns" in frame, timeout=90, what="frame by libcamera")
         cases.edges_give_frames(rig, report)
@@ -111,7 +111,7 @@ def lateness(bench, report):
             ask("load", timeout=120)
             ask(f"sh sleep {LATENESS_EDGES * LATENESS_PERIOD_MS / 1000}; echo 0 >{TRACE}/tracing_on", timeout=300)
             times = edge_times(ask(f"sh grep gpio_value {TRACE}/trace", timeout=300))
-        judge.check(len(times) >= LATENESS_EDGES / 2, f"{len(times)} edges were traced")
+        checks.check(len(times) >= LATENESS_EDGES / 2, f"{len(times)} edges were traced")
         period = LATENESS_PERIOD_MS / 1000
         phases = [(at - times[0] + period / 2) % period for at in times]
         seen[policy] = (max(phases) - min(phases)) * 1e6

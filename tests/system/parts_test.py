@@ -17,7 +17,7 @@ import long_cases
 import machine
 import pmd_camera
 import serial_line
-import triggered
+import triggered_camera
 import usbredir
 import uvc_camera
 
@@ -129,7 +129,7 @@ class CameraCase(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.host = Host(folder.name)
-        schedule = triggered.Schedule()
+        schedule = triggered_camera.Schedule()
         self.addCleanup(schedule.end)
         camera = make(self.host.path, schedule)
         thread = threading.Thread(target=camera.plug)
@@ -238,7 +238,7 @@ class UvcCameraTest(CameraCase):
 
 class WorldTest(unittest.TestCase):
     def test_lines_that_rise_together_are_one_step(self):
-        world = triggered.World(0.05)
+        world = triggered_camera.World(0.05)
         self.assertEqual([world.edge(at) for at in (1.0, 1.001, 1.002, 1.2, 1.201)], [0, 0, 0, 1, 1])
 
 

@@ -4,7 +4,7 @@ import struct
 import threading
 import time
 
-import triggered
+import triggered_camera
 import usbredir
 
 ENDPOINT, PACKET = 0x81, 512
@@ -21,7 +21,7 @@ GAP_S = 0.0001  # between samples
 IGNORED_EDGE = 1
 
 
-class PmdCamera(triggered.TriggeredCamera):
+class PmdCamera(triggered_camera.TriggeredCamera):
     """pictures: the four samples of each step of the world, u16, little-endian; used again from the first."""
 
     cls = (0, 0, 0)
@@ -78,9 +78,9 @@ class PmdCamera(triggered.TriggeredCamera):
         self.sequence += 1
         kind = fault.kind if fault else None
         message = self._message(exposure)
-        if kind == triggered.SHORT:
+        if kind == triggered_camera.SHORT:
             message = message[:len(message) // 2]
-        elif kind == triggered.CORRUPT:
+        elif kind == triggered_camera.CORRUPT:
             message[0] ^= 0xFF
         if self.stalled:
             self.held = [message]  # it has memory for one frame

@@ -15,7 +15,7 @@ import time
 import initramfs
 import machine
 import pmd_camera
-import triggered
+import triggered_camera
 import uvc_camera
 
 ROOT = initramfs.ROOT
@@ -186,8 +186,8 @@ class Rig:
         self.folder.mkdir(parents=True, exist_ok=True)
         self.receiver = self.machine = None
         plugs = {**stereo_pair(scene), **usb_pmd(scene)} if plugs is None else plugs
-        self.schedule = triggered.Schedule()
-        self.world = triggered.World(PERIOD_S / 4)
+        self.schedule = triggered_camera.Schedule()
+        self.world = triggered_camera.World(PERIOD_S / 4)
         self.cameras = {}
         self.strobe_late = []  # seconds from where a strobe should change to where the machine has taken it
         self.edges = {line: [] for line in (LEFT_LINE, RIGHT_LINE, PMD_LINE)}

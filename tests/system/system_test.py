@@ -16,16 +16,16 @@ import time
 
 import cases
 import initramfs
-import judge
+import checks
 import libcamera_image
 import long_cases
 import machine
-import pi_lines
+import pi_gpio
 import rig
 import wiring_cases
 
 ROOT = initramfs.ROOT
-LONG = (*long_cases.LONG, *wiring_cases.LONG, pi_lines.rpi4_lines)
+LONG = (*long_cases.LONG, *wiring_cases.LONG, pi_gpio.rpi4_lines)
 
 
 class Bench:
@@ -53,7 +53,7 @@ def run(options):
     begin = time.monotonic()
     bench = Bench(options)
     print(f"scene and what the host computes of it: {time.monotonic() - begin:.1f} s", flush=True)
-    report = judge.Report()
+    report = checks.Report()
     wanted = [name for name in options.case if name]
     short = [case for case in cases.SHORT if not wanted or case.__name__ in wanted]
     if short and (options.short or wanted):

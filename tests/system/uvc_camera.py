@@ -3,7 +3,7 @@
 import struct
 import threading
 
-import triggered
+import triggered_camera
 import usbredir
 
 ENDPOINT, PACKET = 0x81, 512
@@ -62,7 +62,7 @@ class Control:
         self.value = int.from_bytes(data[:self.size], "little")
 
 
-class UvcCamera(triggered.TriggeredCamera):
+class UvcCamera(triggered_camera.TriggeredCamera):
     """pictures: grey, one for each step of the world, used again from the first."""
 
     cls = (0xEF, 2, 1)
@@ -118,10 +118,10 @@ class UvcCamera(triggered.TriggeredCamera):
         kind = fault.kind if fault else None
         name = self.formats[self.probe[1] - 1]
         payload = self._payload(name, exposure.step % len(self.pictures))
-        flags = END_OF_HEADER | END_OF_FRAME | self.frame_id | (ERROR if kind == triggered.CORRUPT else 0)
+        flags = END_OF_HEADER | END_OF_FRAME | self.frame_id | (ERROR if kind == triggered_camera.CORRUPT else 0)
         message = bytearray(payload)
         message[1] = flags
-        if kind == triggered.SHORT:
+        if kind == triggered_camera.SHORT:
             message = message[:len(message) // 2]
         self.frame_id ^= FRAME_ID
         self.delivered += 1

@@ -7,7 +7,7 @@ import itertools
 import time
 
 import cases
-import judge
+import checks
 import rig as system_rig
 import uvc_camera
 
@@ -62,7 +62,7 @@ def strobe_cut(rig, report, name):
     since, delivered = rig.receiver.count(), camera.delivered
     rig.at_step(rig.steps() + CUT_EDGES)
     report.none(f"frames without the {name} camera's strobe", rig.receiver.count() - since)
-    judge.check(camera.delivered - delivered >= CUT_EDGES - 2, f"the {name} camera sent no pictures meanwhile")
+    checks.check(camera.delivered - delivered >= CUT_EDGES - 2, f"the {name} camera sent no pictures meanwhile")
     camera.strobe = strobe
     comes_back(rig, report)
 
@@ -120,7 +120,7 @@ def pmd_v4l2(bench, report):
     width, height = system_rig.PMD
     for name in ("Y16", "Y12"):
         if name == "Y12" and scene.pmd_bits > 12:
-            raise judge.Failure(f"the scene's samples have {scene.pmd_bits} bits, more than {name}")
+            raise checks.Failure(f"the scene's samples have {scene.pmd_bits} bits, more than {name}")
 
         def make(path, schedule, name=name):
             return StackedPmd(path, schedule, 0x53, "PMD sensor", (width, PMD_SAMPLES * height), scene.pmd, (name,))

@@ -9,8 +9,8 @@
 
 #include "dsp/base/thread_team.h"
 #include "posix/worker_threads.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::dsp {
 namespace {
@@ -49,7 +49,7 @@ class Rig {
   }
 
  private:
-  test::InOwnMemory<Fuser> owned_;
+  test::GuardedPart<Fuser> owned_;
 
  public:
   test::GuardedImage<QuarterMm> depth;

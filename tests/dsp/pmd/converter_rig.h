@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "dsp/pmd/converter.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::dsp {
 
@@ -20,7 +20,7 @@ class ConverterRig {
   Converter& converter() { return *converter_; }
 
  private:
-  test::InOwnMemory<Converter> converter_;
+  test::GuardedPart<Converter> converter_;
 };
 
 // Four planes of samples of a sensor with dark 100, 12 bits unless said otherwise.

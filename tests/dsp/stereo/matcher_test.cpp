@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 // What the appliance asks of a Matcher; tests/lab/matcher_test.cpp has every method.
@@ -58,7 +58,7 @@ TEST(Matcher, SearchesWithWhatItIsGiven) {
   OneSearch maker(told);
   // No blocks of grey values: of no concern to another search.
   const MatchParams params{.prefilter_cap = std::nullopt, .median = true, .confidence = true};
-  test::InOwnMemory<Matcher> matcher(
+  test::GuardedPart<Matcher> matcher(
       [&](Arena& arena) { return Matcher(params, kWidth, kHeight, arena, {}, &maker); });
   std::vector<Disparity> out(picture.size());
   matcher->match({.left = view, .right = view}, {out.data(), kWidth, kHeight});
@@ -71,7 +71,7 @@ TEST(Matcher, SearchesWithWhatItIsGiven) {
 TEST(Matcher, KeepsForEveryPresetWhatItsChecksDropped) {
   for (const char* const name : {"fast", "quality"}) {
     const MatchParams params = for_depth(*find_preset(name));
-    test::InOwnMemory<Matcher> matcher(
+    test::GuardedPart<Matcher> matcher(
         [&](Arena& arena) { return Matcher(params, kWidth, kHeight, arena); });
     const Pixels left = noise(1);
     const Pixels right = noise(2);

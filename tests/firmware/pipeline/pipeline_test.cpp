@@ -10,8 +10,8 @@
 #include "dsp/stereo/rectify/rectify.h"
 #include "hal/emu/devices/clock.h"
 #include "tests/dsp/stereo/raw_pair_scene.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::firmware {
 namespace {
@@ -50,7 +50,7 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
       .left_right_tolerance = 1,
       .subpixel = dsp::Subpixel::kEquiangular};
   hal::emu::Clock clock;
-  stof::test::InOwnMemory<Pipeline> pipeline(
+  stof::test::GuardedPart<Pipeline> pipeline(
       [&](dsp::Arena& arena) { return Pipeline(setup, arena); });
   NoOwner owner;
   hal::StereoFrame frame;

@@ -11,7 +11,7 @@
 #include "hal/emu/devices/clock.h"
 #include "hal/emu/devices/datagram_port.h"
 #include "tests/firmware/wire/frame/coder_in_memory.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 namespace stof::firmware {
@@ -149,7 +149,7 @@ struct Sender {
   emu::Clock clock;
   emu::DatagramPort port;
   Events events;
-  stof::test::InOwnMemory<Publisher> in_memory;
+  stof::test::GuardedPart<Publisher> in_memory;
   Publisher& publisher = *in_memory;
 };
 

@@ -13,7 +13,7 @@
 #include "firmware/wire/messages/frame_info.h"
 #include "firmware/wire/packet.h"
 #include "hal/framing/cobs.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 // The far end of a serial line, and a sender with its memory.
 namespace stof::firmware::test {
@@ -157,7 +157,7 @@ class SenderBench {
   SerialSetup setup;
   Bytes ring_memory;
   ByteRing ring;
-  stof::test::InOwnMemory<SerialSender> in_memory;
+  stof::test::GuardedPart<SerialSender> in_memory;
   SerialSender& sender = *in_memory;
   wire::FrameStamp stamp{.number = 100, .freshness = 1};
   std::vector<dsp::QuarterMm> depth;

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 namespace stof::firmware::test {
@@ -57,7 +57,7 @@ struct World {
   }
 
   dsp::Pinhole lens;
-  stof::test::InOwnMemory<SectorFinder> in_memory;
+  stof::test::GuardedPart<SectorFinder> in_memory;
   SectorFinder& finder = *in_memory;
   std::vector<dsp::QuarterMm> depth;
   std::vector<dsp::QuarterMm> width;

@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/wire/crc32c_variants.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::wire {

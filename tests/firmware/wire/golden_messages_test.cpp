@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 #include <wire_golden.h>
 
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 
 // wire_golden.h is made by scripts/wire_table.py --golden when this is configured: of each message
 // a value whose fields all differ, and the bytes that Python packs of it.

@@ -8,7 +8,7 @@
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/frame_info.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::wire {

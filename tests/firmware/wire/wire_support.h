@@ -7,7 +7,7 @@
 
 #include "dsp/fusion/depth_map.h"
 #include "firmware/wire/packet.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 
 namespace stof::test {

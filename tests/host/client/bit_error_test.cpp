@@ -6,6 +6,7 @@
 
 #include "host/client/reassembler.h"
 #include "tests/host/client/test_pattern.h"
+#include "tests/support/long_tests.h"
 
 namespace stof::client {
 namespace {
@@ -30,7 +31,7 @@ const std::vector<Datagram>& packets() {
   return all;
 }
 
-std::size_t rounds() { return test::long_run() ? 1'000'000 : 20'000; }
+std::size_t rounds() { return test::long_tests() ? 1'000'000 : 20'000; }
 
 // In the order in which the CRC sees them.
 void flip(Datagram& packet, std::size_t bit) {
@@ -60,7 +61,7 @@ class Damage : public testing::Test {
 };
 
 TEST_F(Damage, EverySingleBitIsRefused) {
-  const std::size_t count = test::long_run() ? 100 : 3;
+  const std::size_t count = test::long_tests() ? 100 : 3;
   ASSERT_GE(packets().size(), 100U);
   for (std::size_t i = 0; i < count; ++i) {
     Datagram packet = packets()[i * packets().size() / count];
@@ -105,7 +106,7 @@ TEST_F(Damage, BurstsOfUpTo32BitsAreRefused) {
 }
 
 TEST_F(Damage, EveryTruncationIsRefused) {
-  const std::size_t step = test::long_run() ? 1 : packets().size() / 20;
+  const std::size_t step = test::long_tests() ? 1 : packets().size() / 20;
   for (std::size_t i = 0; i < packets().size(); i += step) {
     const Datagram& packet = packets()[i];
     for (std::size_t size = 0; size < packet.size(); ++size) {

@@ -11,6 +11,7 @@
 #include "host/client/reassembler.h"
 #include "host/netem/impairment.h"
 #include "tests/host/client/test_pattern.h"
+#include "tests/support/long_tests.h"
 
 namespace stof::client {
 namespace {
@@ -140,7 +141,7 @@ std::vector<Weather> weathers() {
 TEST(Loss, CostsWhatWasLostAndNothingElse) {
   const std::vector<Weather> all = weathers();
   const auto frames =
-      test::long_run() ? static_cast<std::uint32_t>(100'000 / all.size()) : std::uint32_t{25};
+      test::long_tests() ? static_cast<std::uint32_t>(100'000 / all.size()) : std::uint32_t{25};
   for (const Weather& weather : all) {
     const Outcome outcome = Journey(weather).of(frames);
     SCOPED_TRACE(weather.name);
@@ -150,13 +151,13 @@ TEST(Loss, CostsWhatWasLostAndNothingElse) {
     const double through = static_cast<double>(outcome.through_pixels) / sent;
     const double arrived = static_cast<double>(outcome.arrived_pixels) / sent;
     EXPECT_GE(arrived, through - 0.001);
-    if (test::long_run() && weather.link.burst == 1) {
+    if (test::long_tests() && weather.link.burst == 1) {
       EXPECT_GE(arrived, 1 - weather.link.loss - weather.link.corrupt - 0.001);
     }
     EXPECT_EQ(outcome.statistics.packets(), outcome.link.out);
     EXPECT_EQ(outcome.statistics.bad_field + outcome.statistics.unknown, 0U);
     EXPECT_EQ(outcome.delivered + outcome.statistics.frames_lost, outcome.frames);
-    if (test::long_run()) {
+    if (test::long_tests()) {
       std::printf("%-40s pixels %.4f %%, frames whole %.2f %%\n", weather.name.c_str(),
                   100 * arrived,
                   100 * static_cast<double>(outcome.complete) / static_cast<double>(frames));
@@ -165,7 +166,7 @@ TEST(Loss, CostsWhatWasLostAndNothingElse) {
 }
 
 TEST(Loss, WithParityNearlyEveryFrameIsWhole) {
-  const std::uint32_t frames = test::long_run() ? 20'000 : 200;
+  const std::uint32_t frames = test::long_tests() ? 20'000 : 200;
   for (const int reorder : {0, 64}) {
     const Weather weather{"", {.loss = 0.001, .reorder = reorder, .seed = 77}, true};
     const Outcome outcome = Journey(weather).of(frames);
@@ -174,7 +175,7 @@ TEST(Loss, WithParityNearlyEveryFrameIsWhole) {
     EXPECT_GT(outcome.statistics.recovered, 0U);
     const Weather bare{"", {.loss = 0.001, .reorder = reorder, .seed = 77}, false};
     EXPECT_LT(Journey(bare).of(frames / 4).complete * 1000, outcome.frames / 4 * 985);
-    if (test::long_run()) {
+    if (test::long_tests()) {
       std::printf("parity, reorder %d: %.3f %% of the frames whole, %llu packets recovered\n",
                   reorder,
                   100 * static_cast<double>(outcome.complete) / static_cast<double>(frames),

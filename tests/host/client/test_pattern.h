@@ -4,7 +4,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
 #include <optional>
 #include <vector>
 
@@ -248,12 +247,6 @@ inline Judgement judge(const client::Frame& frame, std::uint32_t n) {
   return all;
 }
 inline Judgement judge(const client::Frame& frame) { return judge(frame, frame.stamp.number); }
-
-// Whether STOF_LONG=1 asks for the figures that take minutes.
-inline bool long_run() {
-  const char* const asked = std::getenv("STOF_LONG");
-  return asked != nullptr && asked[0] == '1';
-}
 
 // The newest frame that the packets make.
 inline std::optional<client::Frame> push_all(client::Reassembler& reassembler,

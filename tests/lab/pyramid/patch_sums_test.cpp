@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "lab/pyramid/patch_strips.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 

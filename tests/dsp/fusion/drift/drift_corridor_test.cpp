@@ -12,7 +12,7 @@
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
 #include "hal/emu/imagery/rendered_scene.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 // The whole way: rendered exposures with noise, the matcher, the converter, the monitor->
 namespace stof::dsp {
@@ -29,12 +29,12 @@ DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
   const auto [pmd_width, pmd_height] = world.pmd_size();
   MatchParams params = find_preset("fast")->params;
   params.disparities = world.disparities();
-  test::InOwnMemory<Matcher> matcher(
+  test::GuardedPart<Matcher> matcher(
       [&, w = width, h = height](Arena& arena) { return Matcher(params, w, h, arena); });
   const Calibration& calibration = world.calibration();
-  test::InOwnMemory<Converter> converter(
+  test::GuardedPart<Converter> converter(
       [&](Arena& arena) { return Converter(calibration.pmd, arena); });
-  test::InOwnMemory<DriftMonitor> monitor(
+  test::GuardedPart<DriftMonitor> monitor(
       [&](Arena& arena) { return DriftMonitor(calibration, {}, arena); });
 
   dataset::Image<std::uint8_t> left(width, height);

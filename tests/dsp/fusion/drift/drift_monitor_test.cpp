@@ -226,7 +226,7 @@ TEST(PlaneReader, ExpectsTheDisparityOfConvergingAxes) {
                            .cx_left = 158,
                            .cx_right = 161};
   Room room({{2, 3.0}}, rig, {});
-  test::InOwnMemory<PlaneReader> reader([&](Arena& arena) { return PlaneReader(rig, arena); });
+  test::GuardedPart<PlaneReader> reader([&](Arena& arena) { return PlaneReader(rig, arena); });
   for (const int x : {0, 30, 80}) {
     const std::optional<ExpectedPlane> plane = reader->read(x, 12, room.maps());
     ASSERT_TRUE(plane);

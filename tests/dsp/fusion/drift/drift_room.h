@@ -11,7 +11,7 @@
 
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/drift/drift_monitor.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 // A room of textured planes as a stereo pair and a PMD camera see it, without noise, and a monitor
 // that looks at it.
@@ -180,7 +180,7 @@ class Watch {
       : owned_([&](Arena& arena) { return DriftMonitor(rig, params, arena); }) {}
 
  private:
-  test::InOwnMemory<DriftMonitor> owned_;
+  test::GuardedPart<DriftMonitor> owned_;
 
  public:
   DriftMonitor& monitor = *owned_;

@@ -12,7 +12,7 @@
 
 #include "dataset/dataset.h"
 #include "tests/dsp/fusion/project/reproject_rig.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::dsp {
 namespace {
@@ -80,7 +80,7 @@ class Maker {
   Guide operator()(const PmdMaps& maps) { return maker_->make(maps); }
 
  private:
-  test::InOwnMemory<GuideMaker> maker_;
+  test::GuardedPart<GuideMaker> maker_;
 };
 
 int silent_pixels(Guide guide) {
@@ -256,7 +256,7 @@ TEST(Guide, HoldsTheTruthOfRecordedScenes) {
       const auto recording = dataset::read_pmd(prefix);
       ASSERT_TRUE(scene && recording) << name << sensor;
       const Calibration& rig = recording->calibration;
-      test::InOwnMemory<Converter> converter(
+      test::GuardedPart<Converter> converter(
           [&](Arena& arena) { return Converter(rig.pmd, arena); });
       Maker maker(rig, {}, scene->left.width, scene->left.height, 0, scene->ndisp);
       const Guide guide = maker(converter->convert(recording->samples(0)));

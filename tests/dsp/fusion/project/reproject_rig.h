@@ -6,8 +6,8 @@
 #include <new>
 
 #include "dsp/fusion/project/reproject.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 
 // A rig, a PMD frame and a left view for the tests of the reprojection.
 namespace stof::dsp {
@@ -76,7 +76,7 @@ class Rig {
       : owned_([&](Arena& arena) { return Reprojector(rig, left_width, left_height, arena); }) {}
 
  private:
-  test::InOwnMemory<Reprojector> owned_;
+  test::GuardedPart<Reprojector> owned_;
 
  public:
   Reprojector& reprojector = *owned_;

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -74,7 +74,7 @@ class Stage {
            static_cast<std::size_t>(x);
   }
 
-  test::InOwnMemory<TemporalFilter> filter_;
+  test::GuardedPart<TemporalFilter> filter_;
   test::GuardedImage<std::uint8_t> grey_;
   test::GuardedImage<QuarterMm> depth_, width_;
   test::GuardedImage<Source> source_;

@@ -9,7 +9,7 @@
 
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/interval/fill_intervals.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 // A PMD camera in the left camera's place, and what both see of surfaces given by a function.
 namespace stof::dsp {
@@ -158,7 +158,7 @@ class UnwrapRig {
   std::vector<Disparity> disparities;
 
  private:
-  test::InOwnMemory<Unwrapper> unwrapper_;
+  test::GuardedPart<Unwrapper> unwrapper_;
 };
 
 }  // namespace stof::dsp

@@ -17,7 +17,7 @@
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
 #include "hal/emu/scenes/viewpoint.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 // Rendered halls of up to 14 m, seen by a PMD camera that repeats after 7.49 m: the whole way from
 // pictures and samples to wrap counts.
@@ -247,11 +247,11 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
   dsp::MatchParams match = dsp::find_preset(preset)->params;
   match.disparities = rendered.disparities();
   const dsp::FusionParams fusion{.max_range = 64000};
-  test::InOwnMemory<dsp::Matcher> matcher(
+  test::GuardedPart<dsp::Matcher> matcher(
       [&](dsp::Arena& own) { return dsp::Matcher(match, size.width, size.height, own); });
-  test::InOwnMemory<dsp::Converter> converter(
+  test::GuardedPart<dsp::Converter> converter(
       [&](dsp::Arena& own) { return dsp::Converter(calibration.pmd, own); });
-  test::InOwnMemory<dsp::Unwrapper> unwrapper([&](dsp::Arena& own) {
+  test::GuardedPart<dsp::Unwrapper> unwrapper([&](dsp::Arena& own) {
     return dsp::Unwrapper(calibration, fusion, 0, match.disparities, size.width, size.height, own);
   });
   dataset::Image<std::uint8_t> left{size.width, size.height};

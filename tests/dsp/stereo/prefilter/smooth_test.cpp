@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 #include "tests/support/kernel_check.h"
 
 namespace stof::dsp {

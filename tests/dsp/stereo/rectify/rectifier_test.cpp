@@ -15,8 +15,8 @@
 #include "dsp/stereo/matcher.h"
 #include "dsp/stereo/rectify/rectify.h"
 #include "tests/dsp/stereo/raw_pair_scene.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::dsp {
 namespace {
@@ -56,7 +56,7 @@ class Scene {
   test::GuardedImage<std::uint8_t> left, right;
 
  private:
-  test::InOwnMemory<Rectifier> owned_;
+  test::GuardedPart<Rectifier> owned_;
 
  public:
   Rectifier& rectifier = *owned_;
@@ -122,7 +122,7 @@ TEST(Rectifier, TablesMapOnePointIntoOneRowWithinATenthOfAPixel) {
   for (const double toe_in : {0.03, 0.3}) {
     const RawPair pair = raw_pair(320, 240, toe_in);
     const Rectification r = rectify(pair);
-    test::InOwnMemory<RemapTable> owned([&](Arena& arena) {
+    test::GuardedPart<RemapTable> owned([&](Arena& arena) {
       return RemapTable(SourceMap(pair.right, r.right_turn, r.right), arena);
     });
     const RemapTable& table = *owned;
@@ -187,7 +187,7 @@ TEST(Rectifier, MatcherFindsTheDepthOfAPlaneInRawPictures) {
                            .block_height = 15,
                            .left_right_tolerance = 1,
                            .subpixel = Subpixel::kEquiangular};
-  test::InOwnMemory<Matcher> owned([&](Arena& arena) { return Matcher(params, 320, 240, arena); });
+  test::GuardedPart<Matcher> owned([&](Arena& arena) { return Matcher(params, 320, 240, arena); });
   Matcher& matcher = *owned;
   test::GuardedImage<Disparity> disparity(320, 240, 320);
   matcher.match({.left = scene.rectifier.left(),

@@ -12,8 +12,8 @@
 #include "dsp/base/index.h"
 #include "dsp/calib/stereo/remap_table.h"
 #include "tests/dsp/stereo/raw_pair_scene.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/kernel_check.h"
 #include "tests/support/random.h"
 
@@ -120,7 +120,7 @@ TEST(RemapRow, LeavesPixelsOfTilesThatDoNotServe) {
 struct Table {
   explicit Table(const SourceMap& map)
       : owned([&](Arena& arena) { return RemapTable(map, arena); }) {}
-  test::InOwnMemory<RemapTable> owned;
+  test::GuardedPart<RemapTable> owned;
   RemapTable& table = *owned;
 };
 

@@ -8,8 +8,8 @@
 #include "dsp/base/index.h"
 #include "dsp/stereo/search/path.h"
 #include "dsp/stereo/search/semi_global_body.h"
-#include "tests/support/guarded.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
 
 namespace stof::dsp {
@@ -61,7 +61,7 @@ template <typename Sum, typename Cost>
 Map<Cost, Sum> sums_of(Scene<Cost>& scene, const PathParams<Cost>& how,
                        const std::vector<int>& rows) {
   const int width = scene.grey().width();
-  test::InOwnMemory<SemiGlobal<Cost, Sum>> owned(
+  test::GuardedPart<SemiGlobal<Cost, Sum>> owned(
       [&](Arena& arena) { return SemiGlobal<Cost, Sum>(how, width, arena); });
   SemiGlobal<Cost, Sum>& semi_global = *owned;
   semi_global.start(scene.grey(), scene);

@@ -12,7 +12,7 @@
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
 #include "tests/firmware/wire/calibration/some_calibration.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 
 namespace stof::wire {
 namespace {

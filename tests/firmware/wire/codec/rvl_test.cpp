@@ -11,8 +11,8 @@
 #include "dsp/base/target.h"
 #include "firmware/wire/codec/rvl_decode.h"
 #include "firmware/wire/codec/rvl_encode.h"
-#include "tests/support/guarded.h"
-#include "tests/support/long_run.h"
+#include "tests/support/guarded_memory.h"
+#include "tests/support/long_tests.h"
 #include "tests/support/random.h"
 
 namespace stof::wire {
@@ -282,7 +282,7 @@ TEST(RvlTest, NothingAtAllIsNoBytes) {
 
 // STOF_LONG=1: a million of each.
 TEST(RvlTest, SurvivesAnyBytes) {
-  for (std::uint64_t seed = 0; seed < test::runs(5'000, 1'000'000); ++seed) {
+  for (std::uint64_t seed = 0; seed < (test::long_tests() ? 1'000'000U : 5'000U); ++seed) {
     Random random(seed);
     GuardedBuffer<std::byte> in(static_cast<std::size_t>(random.between(0, 40)));
     const int most = random.between(0, 1) == 0 ? 0x33 : 0xFF;  // small numbers get further

@@ -6,7 +6,7 @@
 #include "hal/emu/imagery/rendered_scene.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/scene.h"
-#include "tests/support/in_own_memory.h"
+#include "tests/support/guarded_part.h"
 
 namespace stof::test {
 namespace {
@@ -35,7 +35,7 @@ CorridorFrame::CorridorFrame(std::string_view preset) {
   dsp::DepthParams params{.match = dsp::for_depth(*dsp::find_preset(preset)), .fusion = {}};
   params.match.disparities = kDisparities;
   params.fusion.sigma_by_ratio = dsp::sigma_of(params.match);
-  InOwnMemory<dsp::DepthMaker> maker(
+  GuardedPart<dsp::DepthMaker> maker(
       [&](dsp::Arena& arena) { return dsp::DepthMaker(scene.calibration(), params, arena); });
   const dsp::PmdExposure exposure{
       .samples = {samples_[0].view(), samples_[1].view(), samples_[2].view(), samples_[3].view()}};

@@ -4,20 +4,20 @@
 #include <utility>
 
 #include "dsp/base/arena.h"
-#include "tests/support/guarded.h"
+#include "tests/support/guarded_memory.h"
 
 namespace stof::test {
 
 // A part in exactly as much memory as it takes, which ends at an unreadable page:
-//   InOwnMemory<dsp::Fuser> fuser([&](dsp::Arena& arena) { return dsp::Fuser(..., arena); });
+//   GuardedPart<dsp::Fuser> fuser([&](dsp::Arena& arena) { return dsp::Fuser(..., arena); });
 template <typename Part>
-class InOwnMemory {
+class GuardedPart {
  public:
   template <typename Make>
-  explicit InOwnMemory(const Make& make)
+  explicit GuardedPart(const Make& make)
       : memory_(dsp::bytes_taken(make)), arena_(memory_.span()), part_(make(arena_)) {}
-  InOwnMemory(const InOwnMemory&) = delete;
-  InOwnMemory& operator=(const InOwnMemory&) = delete;
+  GuardedPart(const GuardedPart&) = delete;
+  GuardedPart& operator=(const GuardedPart&) = delete;
 
   Part& operator*() noexcept { return part_; }
   Part* operator->() noexcept { return &part_; }

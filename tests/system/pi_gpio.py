@@ -10,7 +10,7 @@ import subprocess
 import threading
 
 import initramfs
-import judge
+import checks
 import machine
 
 BOARD, TREE = "raspi3b", "usr/lib/linux-image-*/broadcom/bcm2837-rpi-3-b.dtb"
@@ -28,7 +28,7 @@ def tell(stofd, work):
     work.mkdir(parents=True, exist_ok=True)
     tree = next(iter(sorted(initramfs.KERNEL.glob(TREE))), None)
     if tree is None:
-        raise judge.Failure(f"no {TREE} in {initramfs.KERNEL}: remove it, toolchains/kernel.sh makes it anew")
+        raise checks.Failure(f"no {TREE} in {initramfs.KERNEL}: remove it, toolchains/kernel.sh makes it anew")
     initramfs.build(work / "initramfs", [(COMMAND, "command")], [(stofd, "bin/stofd")], modules=(),
                     init=initramfs.GUEST / "init_lines")
     command = [*machine.ENDS_WITH_US, machine.QEMU, "-M", BOARD, "-dtb", tree, "-kernel", initramfs.KERNEL / "image",
@@ -72,7 +72,7 @@ def changes_of(told):
 
 def rpi4_lines(bench, report):
     stofd = bench.options.rpi4
-    judge.check(stofd.exists(), f"{stofd} is missing: build preset rpi4")
+    checks.check(stofd.exists(), f"{stofd} is missing: build preset rpi4")
     told = tell(stofd, bench.work / "rpi4-lines")
     held = lines_of(told)
     for names, direction in ((TRIGGERS, "out"), (STROBES, "in")):
@@ -89,7 +89,7 @@ def rpi4_lines(bench, report):
     report.figure("pulses on all three lines", len(pulses), f">= {LEAST_PULSES}", len(pulses) >= LEAST_PULSES)
     wrong = [pulse for pulse in pulses if [line for _, line in pulse] != numbers]
     report.none("pulses in another order, or not on all lines", len(wrong))
-    judge.check(pulses, "no pulses were seen")
+    checks.check(pulses, "no pulses were seen")
     apart = statistics.median(pulse[-1][0] - pulse[0][0] for pulse in pulses) * 1e6
     report.at_most("lines rise apart, median", apart, APART_US, "us")
     periods = [second[0][0] - first[0][0] for first, second in zip(pulses, pulses[1:])]

@@ -6,9 +6,9 @@
 // cv::setNumThreads().
 namespace stof::bench {
 
-void set_peer_threads(int threads);
+void set_opencv_threads(int threads);
 // "OpenCV 4.6.0".
-std::string peer_version();
+std::string opencv_version();
 
 // StereoBM, 15x15, prefilter cap 31. Dense: no texture or uniqueness check, so that every pixel is
 // matched; else its defaults.

@@ -1,4 +1,4 @@
-#include "tests/bench/bench_peers.h"
+#include "tests/bench/bench_opencv.h"
 
 #include <algorithm>
 #include <array>
@@ -62,9 +62,9 @@ Remapped remapped(const dataset::Image<std::uint8_t>& image, const dsp::SourceMa
 
 }  // namespace
 
-void set_peer_threads(int threads) { cv::setNumThreads(threads); }
+void set_opencv_threads(int threads) { cv::setNumThreads(threads); }
 
-std::string peer_version() { return "OpenCV " + cv::getVersionString(); }
+std::string opencv_version() { return "OpenCV " + cv::getVersionString(); }
 
 Work stereo_bm_work(const Pictures& pictures, int disparities, bool dense) {
   const cv::Ptr<cv::StereoBM> peer = cv::StereoBM::create(disparities, 15);
