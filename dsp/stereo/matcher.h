@@ -7,12 +7,12 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/base/thread_team.h"
-#include "dsp/stereo/check/map_checks.h"
 #include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "dsp/stereo/rectify/rectifier.h"
 #include "dsp/stereo/row_search.h"
+#include "dsp/stereo/validation/map_checks.h"
 
 namespace stof::dsp {
 
@@ -48,7 +48,7 @@ class Matcher {
   void match(const MatchInput& input, ImageView<Disparity> out) noexcept;
 
   // With MatchParams::confidence, of the last match(); else empty.
-  // Peak ratio of each pixel (check/peak_ratio.h): 0 = nothing comes near, 255 = a rival is as
+  // Peak ratio of each pixel (validation/peak_ratio.h): 0 = nothing comes near, 255 = a rival is as
   // good; kRatioUnknown from searches that keep no costs. Means nothing where there is no
   // disparity.
   ImageView<const std::uint8_t> ratio() const noexcept;

@@ -8,10 +8,6 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/check/left_right.h"
-#include "dsp/stereo/check/peak_ratio.h"
-#include "dsp/stereo/check/uniqueness.h"
-#include "dsp/stereo/check/winner_margin.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
@@ -19,6 +15,10 @@
 #include "dsp/stereo/refine/subpixel.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/winner.h"
+#include "dsp/stereo/validation/left_right.h"
+#include "dsp/stereo/validation/peak_ratio.h"
+#include "dsp/stereo/validation/uniqueness.h"
+#include "dsp/stereo/validation/winner_margin.h"
 
 namespace stof::dsp {
 
@@ -32,7 +32,7 @@ struct FoundRow {
   std::span<std::int16_t> winners;
 };
 
-// What distinctness has to know of costs (check/winner_margin.h).
+// What distinctness has to know of costs (validation/winner_margin.h).
 struct CostScale {
   std::int64_t largest = 0;  // cost
   int margin_percent = kMarginPercent;

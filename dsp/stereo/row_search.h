@@ -19,8 +19,8 @@ inline constexpr std::uint8_t kRatioUnknown = 128;
 // What becomes of one row. Whatever the MatchParams do not ask for is empty.
 struct MatchedRow {
   std::span<Disparity> disparity;
-  std::span<std::int16_t> margins;  // distinct (check/winner_margin.h)
-  std::span<std::uint8_t> ratio;    // confidence (check/peak_ratio.h)
+  std::span<std::int16_t> margins;  // distinct (validation/winner_margin.h)
+  std::span<std::uint8_t> ratio;    // confidence (validation/peak_ratio.h)
 };
 
 // Searches rows of a pair; one for each thread.

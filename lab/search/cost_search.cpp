@@ -6,7 +6,7 @@
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/search/single_candidate.h"
+#include "dsp/stereo/search/border_columns.h"
 #include "dsp/stereo/search/winner.h"
 #include "lab/block/interest.h"
 #include "lab/search/energy.h"

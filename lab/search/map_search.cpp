@@ -6,7 +6,7 @@
 #include "dsp/base/target.h"
 #include "dsp/stereo/refine/least_squares.h"
 #include "dsp/stereo/refine/subpixel.h"
-#include "dsp/stereo/search/single_candidate.h"
+#include "dsp/stereo/search/border_columns.h"
 
 namespace stof::lab {
 
@@ -59,7 +59,7 @@ void MapSearch::search() noexcept {
                     {.left = winners_, .right = right_});
   }
   for (int y = 0; y < winners_.height(); ++y) {
-    match_single_candidates(params_.min_disparity, params_.disparities, winners_.row(y));
+    match_border_columns(params_.min_disparity, params_.disparities, winners_.row(y));
   }
   if (params_.left_right_tolerance) {
     check_blocks(right_, params_.min_disparity, *params_.left_right_tolerance, winners_);

@@ -4,9 +4,9 @@
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/search/border_columns.h"
 #include "dsp/stereo/search/path_search.h"
 #include "dsp/stereo/search/semi_global_body.h"
-#include "dsp/stereo/search/single_candidate.h"
 #include "lab/search/energy.h"
 
 namespace stof::dsp {

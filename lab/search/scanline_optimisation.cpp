@@ -5,7 +5,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/search/path.h"
+#include "dsp/stereo/search/path_costs.h"
 #include "dsp/stereo/search/winner.h"
 
 namespace stof::lab {
@@ -32,7 +32,7 @@ int cheapest(std::span<const Sum> pixel, Sum lowest) noexcept {
   return static_cast<int>(std::ranges::find(pixel, lowest) - pixel.begin());
 }
 
-// The candidate before one that has `after`: the argument of the minimum in path.h.
+// The candidate before one that has `after`: the argument of the minimum in path_costs.h.
 template <typename Sum>
 int predecessor(std::span<const Sum> before, int after, Sum small, Sum large) noexcept {
   Sum lowest = kNoCost<Sum>;

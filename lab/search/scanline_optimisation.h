@@ -13,7 +13,7 @@
 //
 // with change 0, `small` for one candidate to either side and large[x] for more. All of these in
 // the units of the costs; small <= large[x]. Exact while costs plus twice large stay below kNoCost;
-// beyond that sums saturate (path.h). Source: Scharstein & Szeliski 2002, section 4.3.
+// beyond that sums saturate (path_costs.h). Source: Scharstein & Szeliski 2002, section 4.3.
 namespace stof::lab {
 
 // `large` everywhere here: n + 1 elements, of edge_penalties_along() (edge_penalties.h).

@@ -12,7 +12,7 @@ LISTING = """\
 0000000000000000 r .L.str
                  U stof::dsp::check_failed(char const*, char const*, int)
                  w __gmon_start__
-0000000000000000 T stof::dsp::avx2::sum_paths(int)
+0000000000000000 T stof::dsp::avx2::sum_path_costs(int)
 0000000000000040 t stof::dsp::avx2::(anonymous namespace)::own()
 """
 

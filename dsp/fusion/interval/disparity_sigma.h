@@ -10,10 +10,11 @@
 
 namespace stof::dsp {
 
-// 2 sigma_d in 1/16 px for each sixteenth of the peak ratio (check/peak_ratio.h): what 95 percent
-// of the matches with such a ratio err by at most, taken from four Middlebury pairs, among which it
-// hardly differs, and checked on one without texture and on rendered rooms. A winner at two thirds
-// of its best rival's cost may as well be a wrong one, and errs by as much as wrong matches do.
+// 2 sigma_d in 1/16 px for each sixteenth of the peak ratio (validation/peak_ratio.h): what 95
+// percent of the matches with such a ratio err by at most, taken from four Middlebury pairs, among
+// which it hardly differs, and checked on one without texture and on rendered rooms. A winner at
+// two thirds of its best rival's cost may as well be a wrong one, and errs by as much as wrong
+// matches do.
 using SigmaTable = std::array<std::uint8_t, 16>;
 inline constexpr SigmaTable kBlockSigma{6, 6, 6, 6, 7, 8, 9, 10, 13, 22, 48, 80, 96, 128, 160, 176};
 // Of sums over paths: what they favour at edges is more often wrong.

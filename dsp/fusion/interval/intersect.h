@@ -19,7 +19,7 @@ struct IntervalRow {
 
 // What speaks for or against each sensor's interval.
 struct SupportRow {
-  std::span<const std::uint8_t> ratio;      // peak ratio of the match (check/peak_ratio.h)
+  std::span<const std::uint8_t> ratio;      // peak ratio of the match (validation/peak_ratio.h)
   std::span<const std::uint8_t> pmd_flags;  // PmdFlag of all footprints that cover the pixel
 };
 

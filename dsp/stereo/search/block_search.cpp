@@ -4,7 +4,7 @@
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/search/single_candidate.h"
+#include "dsp/stereo/search/border_columns.h"
 
 namespace stof::dsp {
 namespace {

@@ -39,8 +39,8 @@ void penalties_between(std::span<const std::uint8_t> here, std::span<const std::
 }
 
 // Along one row of grey values: n + 1 elements, large[x] between the columns x - 1 and x; the first
-// and the last count for nothing. So large.first(n) is what paths_along (path.h) takes from the
-// left and large.subspan(1) what it takes from the right.
+// and the last count for nothing. So large.first(n) is what paths_along (path_costs.h) takes from
+// the left and large.subspan(1) what it takes from the right.
 template <typename Cost>
 void edge_penalties_along(std::span<const std::uint8_t> row, const EdgePenalties<Cost>& penalties,
                           std::span<Cost> large) noexcept {

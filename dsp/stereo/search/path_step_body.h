@@ -2,11 +2,11 @@
 
 #include <cstddef>
 
-#include "dsp/stereo/search/path.h"
+#include "dsp/stereo/search/path_costs.h"
 
 // One pixel of a path, for path_body.h. Isa: Lanes<Cost> of base/lanes_neon.h or lanes_avx2.h, in
 // an unnamed namespace.
-namespace stof::dsp::path_body {
+namespace stof::dsp::path_costs_body {
 
 inline constexpr std::size_t kMostLanes = 256;
 
@@ -93,4 +93,4 @@ void with_known_count(int lanes, Work work) noexcept {
   }
 }
 
-}  // namespace stof::dsp::path_body
+}  // namespace stof::dsp::path_costs_body

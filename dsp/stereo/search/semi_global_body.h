@@ -6,9 +6,9 @@
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
-#include "dsp/stereo/search/path.h"
+#include "dsp/stereo/search/path_costs.h"
 #include "dsp/stereo/search/semi_global.h"
-#include "dsp/stereo/search/sum_paths.h"
+#include "dsp/stereo/search/sum_path_costs.h"
 
 // The members of SemiGlobal, for whoever instantiates it.
 namespace stof::dsp {
@@ -236,7 +236,7 @@ std::span<Sum> SemiGlobal<Cost, Sum>::sum_row(int y) noexcept {
   for (int k = 0; k < up_; ++k) {
     rows[count++] = stored(k, y).data();
   }
-  best::sum_paths(std::span<const Cost* const>(rows).first(count), row_.sums.first(n));
+  best::sum_path_costs(std::span<const Cost* const>(rows).first(count), row_.sums.first(n));
   return row_.sums.first(n);
 }
 

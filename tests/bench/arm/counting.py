@@ -70,7 +70,7 @@ class Functions:
 
 
 def short(name):
-    """dsp::neon::sum_paths(std::span<...>) as neon::sum_paths: overloads and instances count as one."""
+    """dsp::neon::sum_path_costs(std::span<...>) as neon::sum_path_costs: overloads and instances count as one."""
     name, depth, out = NAMESPACES.sub("", name), 0, []
     for letter in name:  # without what stands in brackets
         depth -= letter in ">)"

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/base/index.h"
-#include "dsp/stereo/search/path.h"
+#include "dsp/stereo/search/path_costs.h"
 #include "dsp/stereo/search/semi_global_body.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/guarded_part.h"

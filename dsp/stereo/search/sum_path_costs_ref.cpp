@@ -1,0 +1,29 @@
+#include "dsp/stereo/search/sum_path_costs.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
+#include "dsp/base/check.h"
+
+namespace stof::dsp::ref {
+
+template <typename Types>
+void sum_path_costs(std::span<const typename Types::Cost* const> paths,
+                    std::span<typename Types::Sum> sums) noexcept {
+  STOF_CHECK(paths.size() >= 2 && sums.size() % 16 == 0);
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    std::uint32_t total = 0;
+    for (const typename Types::Cost* const path : paths) {
+      total += path[i];
+    }
+    sums[i] = static_cast<typename Types::Sum>(
+        std::min<std::uint32_t>(total, std::numeric_limits<typename Types::Sum>::max()));
+  }
+}
+
+template SumPathCosts<BytesToBytes> sum_path_costs<BytesToBytes>;
+template SumPathCosts<BytesToWords> sum_path_costs<BytesToWords>;
+template SumPathCosts<WordsToWords> sum_path_costs<WordsToWords>;
+
+}  // namespace stof::dsp::ref

@@ -1,0 +1,47 @@
+#include "dsp/stereo/validation/peak_ratio.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+
+#include "dsp/base/check.h"
+#include "dsp/stereo/cost/sad.h"
+#include "dsp/stereo/search/winner.h"
+
+namespace stof::dsp::ref {
+namespace {
+
+constexpr std::uint8_t kNothingKnown = 255;
+
+template <typename Sum>
+std::uint8_t ratio_of(std::span<const Sum> costs, int winner) noexcept {
+  const Sum cost = costs[static_cast<std::size_t>(winner)];
+  Sum rival = kNoCost<Sum>;
+  for (int i = 0; i < static_cast<int>(costs.size()); ++i) {
+    rival = std::abs(i - winner) > 1 ? std::min(rival, costs[static_cast<std::size_t>(i)]) : rival;
+  }
+  if (cost == kNoCost<Sum> || rival == kNoCost<Sum> || cost >= rival) {
+    return kNothingKnown;
+  }
+  return static_cast<std::uint8_t>(255.0F * static_cast<float>(cost) / static_cast<float>(rival));
+}
+
+}  // namespace
+
+template <typename Sum>
+void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
+                std::span<std::uint8_t> ratio) noexcept {
+  const std::size_t count = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && lanes <= 256 &&
+             costs.size() == winners.size() * count && ratio.size() == winners.size());
+  for (std::size_t x = 0; x < winners.size(); ++x) {
+    ratio[x] = winners[x] == kNoWinner ? kNothingKnown
+                                       : ratio_of(costs.subspan(x * count, count), winners[x]);
+  }
+}
+
+template PeakRatio<std::uint8_t> peak_ratio<std::uint8_t>;
+template PeakRatio<std::uint16_t> peak_ratio<std::uint16_t>;
+template PeakRatio<std::uint32_t> peak_ratio<std::uint32_t>;
+
+}  // namespace stof::dsp::ref
