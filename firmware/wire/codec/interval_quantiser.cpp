@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "firmware/wire/codec/target_avx2.h"
+#include "firmware/wire/codec/x86_target.h"
 
 namespace stof::wire {
 namespace {

@@ -6,7 +6,7 @@
 
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/codec/rvl_numbers.h"
-#include "firmware/wire/codec/target_avx2.h"
+#include "firmware/wire/codec/x86_target.h"
 
 namespace stof::wire {
 namespace {

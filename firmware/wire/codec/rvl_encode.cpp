@@ -9,7 +9,7 @@
 
 #include "dsp/base/check.h"
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/codec/target_avx2.h"
+#include "firmware/wire/codec/x86_target.h"
 
 namespace stof::wire {
 namespace {
