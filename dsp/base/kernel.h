@@ -73,8 +73,8 @@ constexpr bool built_with(Vectors widest, Vectors level) noexcept {
   }
 // The same of a function template: instantiated for each type, up to its widest variant.
 //   STOF_KERNELS(Winners, winners, Avx2<std::uint8_t>, Neon<std::uint32_t>)
-// A variant's source defines the template and ends with a line for each type:
-//   template Winners<std::uint8_t> winners<std::uint8_t>;
+// A variant's source defines the template and ends with a line for it:
+//   STOF_INSTANTIATE(Winners, winners, std::uint8_t, std::uint32_t);
 #define STOF_KERNELS(Signature, name, ...)                                             \
   STOF_IN_EACH_VARIANT(template <typename T> Signature<T> name)                        \
   namespace best {                                                                     \
@@ -103,6 +103,12 @@ constexpr bool built_with(Vectors widest, Vectors level) noexcept {
   } else {                                                            \
     return Variants(ref::name, neon::name, neon::name, neon::name);   \
   }
+// For one to three types.
+#define STOF_INSTANTIATE(Signature, name, T, ...) \
+  template Signature<T> name<T> __VA_OPT__(; STOF_INSTANTIATE_TWO(Signature, name, __VA_ARGS__))
+#define STOF_INSTANTIATE_TWO(Signature, name, T, ...) \
+  template Signature<T> name<T> __VA_OPT__(; STOF_INSTANTIATE_ONE(Signature, name, __VA_ARGS__))
+#define STOF_INSTANTIATE_ONE(Signature, name, T) template Signature<T> name<T>
 // NOLINTEND(readability-identifier-naming)
 // NOLINTEND(bugprone-macro-parentheses,cppcoreguidelines-macro-usage)
 

@@ -10,6 +10,9 @@
 // x_body.h headers.
 namespace stof::dsp::avx2 {
 
+#define STOF_VARIANT avx2
+#define STOF_NARROWER neon
+
 // What both kinds have in common.
 template <typename LaneType, std::size_t kCount>
 struct LanesOf {

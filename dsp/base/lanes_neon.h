@@ -12,6 +12,10 @@
 // true mask is all ones.
 namespace stof::dsp::neon {
 
+// The variant whose kernels an x_body.h defines, and the one that does what they leave.
+#define STOF_VARIANT neon
+#define STOF_NARROWER ref
+
 template <typename Lane>
 struct Lanes;
 template <typename Lane>

@@ -27,9 +27,7 @@ void slide_costs(std::span<const std::uint8_t> entering, std::span<const std::ui
   }
 }
 
-template AddCosts<std::uint16_t> add_costs<std::uint16_t>;
-template AddCosts<std::uint32_t> add_costs<std::uint32_t>;
-template SlideCosts<std::uint16_t> slide_costs<std::uint16_t>;
-template SlideCosts<std::uint32_t> slide_costs<std::uint32_t>;
+STOF_INSTANTIATE(AddCosts, add_costs, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(SlideCosts, slide_costs, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

@@ -63,9 +63,7 @@ void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::
   slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kSquares);
 }
 
-template AddDifferences<std::uint16_t> add_squares<std::uint16_t>;
-template AddDifferences<std::uint32_t> add_squares<std::uint32_t>;
-template SlideDifferences<std::uint16_t> slide_squares<std::uint16_t>;
-template SlideDifferences<std::uint32_t> slide_squares<std::uint32_t>;
+STOF_INSTANTIATE(AddDifferences, add_squares, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(SlideDifferences, slide_squares, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

@@ -39,9 +39,7 @@ void slide_squares(std::span<const std::uint8_t> new_left, std::span<const std::
   add(old_left, old_right, lanes, columns, -1);
 }
 
-template AddDifferences<std::uint16_t> add_squares<std::uint16_t>;
-template AddDifferences<std::uint32_t> add_squares<std::uint32_t>;
-template SlideDifferences<std::uint16_t> slide_squares<std::uint16_t>;
-template SlideDifferences<std::uint32_t> slide_squares<std::uint32_t>;
+STOF_INSTANTIATE(AddDifferences, add_squares, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(SlideDifferences, slide_squares, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::ref

@@ -5,14 +5,16 @@
 #include "dsp/base/check.h"
 #include "dsp/stereo/cost/arms.h"
 
-// The vector variants of arms.h. Isa: Lanes<std::uint8_t> of base/lanes_neon.h or lanes_avx2.h.
-namespace stof::dsp::arms_body {
+// The NEON and the AVX2 variant of arms.h, defined for the one whose lanes are included.
+namespace stof::dsp::STOF_VARIANT {
+namespace {
+
+using Isa = Lanes<std::uint8_t>;
 
 // Counts, in every lane, the steps until the first pixel that differs too much.
-template <typename Isa>
 class Count {
  public:
-  using V = typename Isa::V;
+  using V = Isa::V;
 
   Count(V centre, int difference) noexcept
       : centre_(centre), difference_(Isa::all(static_cast<std::uint8_t>(difference))) {}
@@ -31,9 +33,11 @@ class Count {
   V steps_ = Isa::all(0);
 };
 
-template <typename Isa>
-void along(std::span<const std::uint8_t> row, const ArmParams& params, std::span<std::uint8_t> left,
-           std::span<std::uint8_t> right) noexcept {
+}  // namespace
+
+// NOLINTBEGIN(misc-definitions-in-headers): one source of a variant includes them
+void arms_along(std::span<const std::uint8_t> row, const ArmParams& params,
+                std::span<std::uint8_t> left, std::span<std::uint8_t> right) noexcept {
   STOF_CHECK(left.size() == row.size() && right.size() == row.size());
   const std::size_t n = row.size();
   const auto longest = static_cast<std::size_t>(params.longest);
@@ -42,9 +46,9 @@ void along(std::span<const std::uint8_t> row, const ArmParams& params, std::span
     return;
   }
   const auto count_at = [&](std::size_t x) noexcept {
-    const typename Isa::V centre = Isa::load(row.data() + x);
-    Count<Isa> to_left(centre, params.difference);
-    Count<Isa> to_right(centre, params.difference);
+    const Isa::V centre = Isa::load(row.data() + x);
+    Count to_left(centre, params.difference);
+    Count to_right(centre, params.difference);
     for (std::size_t k = 1; k <= longest; ++k) {
       to_left.step(Isa::load(row.data() + x - k));
       to_right.step(Isa::load(row.data() + x + k));
@@ -61,15 +65,13 @@ void along(std::span<const std::uint8_t> row, const ArmParams& params, std::span
   arms_along_columns(row, params, n - longest, n, left, right);
 }
 
-// What is left of the row goes to `rest`, another variant.
-template <typename Isa>
-void across(std::span<const std::uint8_t> row, std::span<const std::uint8_t* const> others,
-            const ArmParams& params, std::span<std::uint8_t> arms, ArmsAcross& rest) noexcept {
+void arms_across(std::span<const std::uint8_t> row, std::span<const std::uint8_t* const> others,
+                 const ArmParams& params, std::span<std::uint8_t> arms) noexcept {
   STOF_CHECK(arms.size() == row.size() && static_cast<int>(others.size()) <= params.longest);
   const std::uint8_t least = others.empty() ? 0 : 1;
   std::size_t x = 0;
   for (; x + Isa::kLanes <= row.size(); x += Isa::kLanes) {
-    Count<Isa> count(Isa::load(row.data() + x), params.difference);
+    Count count(Isa::load(row.data() + x), params.difference);
     for (const std::uint8_t* const other : others) {
       count.step(Isa::load(other + x));
     }
@@ -80,9 +82,12 @@ void across(std::span<const std::uint8_t> row, std::span<const std::uint8_t* con
     for (std::size_t k = 0; k < others.size(); ++k) {
       beyond[k] = others[k] + x;
     }
-    rest(row.subspan(x), std::span<const std::uint8_t* const>(beyond, others.size()), params,
-         arms.subspan(x));
+    STOF_NARROWER::arms_across(row.subspan(x),
+                               std::span<const std::uint8_t* const>(beyond, others.size()), params,
+                               arms.subspan(x));
   }
 }
 
-}  // namespace stof::dsp::arms_body
+// NOLINTEND(misc-definitions-in-headers)
+
+}  // namespace stof::dsp::STOF_VARIANT

@@ -44,8 +44,6 @@ void mask_candidates(std::span<const Sum> costs, GuideRow guide, int lanes,
   }
 }
 
-template MaskCandidates<std::uint8_t> mask_candidates<std::uint8_t>;
-template MaskCandidates<std::uint16_t> mask_candidates<std::uint16_t>;
-template MaskCandidates<std::uint32_t> mask_candidates<std::uint32_t>;
+STOF_INSTANTIATE(MaskCandidates, mask_candidates, std::uint8_t, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

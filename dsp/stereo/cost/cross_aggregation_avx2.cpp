@@ -34,12 +34,6 @@ void sum_along(std::span<const std::uint8_t> costs, int lanes,
   cross_aggregation_body::sum_along<Isa>(costs, lanes, sums);
 }
 
-void sum_down(std::span<const std::uint16_t> sums, std::span<const std::uint8_t> left,
-              std::span<const std::uint8_t> right, int lanes, std::span<const std::uint16_t> above,
-              std::span<std::uint16_t> below) noexcept {
-  cross_aggregation_body::sum_down<Isa>(sums, left, right, lanes, above, below);
-}
-
 void cross_means(std::span<const CrossEnds> ends, int lanes,
                  std::span<std::uint8_t> means) noexcept {
   if (lanes % static_cast<int>(2 * Isa::kLanes) != 0) {

@@ -41,25 +41,6 @@ void sum_along(std::span<const std::uint8_t> costs, int lanes,
   }
 }
 
-template <typename Isa>
-void sum_down(std::span<const std::uint16_t> sums, std::span<const std::uint8_t> left,
-              std::span<const std::uint8_t> right, int lanes, std::span<const std::uint16_t> above,
-              std::span<std::uint16_t> below) noexcept {
-  const auto step = static_cast<std::size_t>(lanes);
-  STOF_CHECK(lanes % 16 == 0 && right.size() == left.size() &&
-             sums.size() == (left.size() + 1) * step && above.size() == left.size() * step &&
-             below.size() == above.size());
-  for (std::size_t x = 0; x < left.size(); ++x) {
-    const std::uint16_t* const begin = sums.data() + (x - left[x]) * step;
-    const std::uint16_t* const end = sums.data() + (x + right[x] + 1) * step;
-    const std::uint16_t* const from = above.data() + x * step;
-    std::uint16_t* const to = below.data() + x * step;
-    for (std::size_t i = 0; i < step; i += Isa::kLanes) {
-      Isa::store(to + i, Isa::load(from + i) + (Isa::load(end + i) - Isa::load(begin + i)));
-    }
-  }
-}
-
 // lanes a multiple of 2 kLanes.
 template <typename Isa>
 void cross_means(std::span<const CrossEnds> ends, int lanes,
@@ -81,3 +62,27 @@ void cross_means(std::span<const CrossEnds> ends, int lanes,
 }
 
 }  // namespace stof::dsp::cross_aggregation_body
+
+namespace stof::dsp::STOF_VARIANT {
+
+// NOLINTNEXTLINE(misc-definitions-in-headers): one source of a variant includes it
+void sum_down(std::span<const std::uint16_t> sums, std::span<const std::uint8_t> left,
+              std::span<const std::uint8_t> right, int lanes, std::span<const std::uint16_t> above,
+              std::span<std::uint16_t> below) noexcept {
+  using Isa = Lanes<std::uint16_t>;
+  const auto step = static_cast<std::size_t>(lanes);
+  STOF_CHECK(lanes % 16 == 0 && right.size() == left.size() &&
+             sums.size() == (left.size() + 1) * step && above.size() == left.size() * step &&
+             below.size() == above.size());
+  for (std::size_t x = 0; x < left.size(); ++x) {
+    const std::uint16_t* const begin = sums.data() + (x - left[x]) * step;
+    const std::uint16_t* const end = sums.data() + (x + right[x] + 1) * step;
+    const std::uint16_t* const from = above.data() + x * step;
+    std::uint16_t* const to = below.data() + x * step;
+    for (std::size_t i = 0; i < step; i += Isa::kLanes) {
+      Isa::store(to + i, Isa::load(from + i) + (Isa::load(end + i) - Isa::load(begin + i)));
+    }
+  }
+}
+
+}  // namespace stof::dsp::STOF_VARIANT

@@ -74,11 +74,8 @@ void block_sums(std::span<const Sum> columns, int block_width, int lanes,
   }
 }
 
-template AddDifferences<std::uint16_t> add_differences<std::uint16_t>;
-template AddDifferences<std::uint32_t> add_differences<std::uint32_t>;
-template SlideDifferences<std::uint16_t> slide_differences<std::uint16_t>;
-template SlideDifferences<std::uint32_t> slide_differences<std::uint32_t>;
-template BlockSums<std::uint16_t> block_sums<std::uint16_t>;
-template BlockSums<std::uint32_t> block_sums<std::uint32_t>;
+STOF_INSTANTIATE(AddDifferences, add_differences, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(SlideDifferences, slide_differences, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(BlockSums, block_sums, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

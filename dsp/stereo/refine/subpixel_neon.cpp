@@ -112,7 +112,6 @@ void refine_winners(std::span<const Sum> costs, int lanes, CostFit fit, int min_
   }
 }
 
-template RefineWinners<std::uint16_t> refine_winners<std::uint16_t>;
-template RefineWinners<std::uint32_t> refine_winners<std::uint32_t>;
+STOF_INSTANTIATE(RefineWinners, refine_winners, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

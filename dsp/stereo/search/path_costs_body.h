@@ -6,7 +6,8 @@
 #include "dsp/base/check.h"
 #include "dsp/stereo/search/path_step_body.h"
 
-// The walks that the NEON and the AVX2 variant of path_costs.h share; Isa as in path_step_body.h.
+// The NEON and the AVX2 variant of path_costs.h: walks over any Isa (as in path_step_body.h), and
+// the kernels of the variant whose lanes are included.
 namespace stof::dsp::path_costs_body {
 
 template <typename Isa, std::size_t kVectors, typename Cost>
@@ -158,3 +159,58 @@ void axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost>
 }
 
 }  // namespace stof::dsp::path_costs_body
+
+namespace stof::dsp::STOF_VARIANT {
+namespace {
+
+template <typename Cost>
+struct Isa : Lanes<Cost> {};
+
+// Whether `lanes` end inside of a vector: vectors may be longer than kCostLanes.
+template <typename Cost>
+constexpr bool end_inside(int lanes) noexcept {
+  return Isa<Cost>::kLanes > kCostLanes && lanes % static_cast<int>(Isa<Cost>::kLanes) != 0;
+}
+
+}  // namespace
+
+template <typename Cost>
+void paths_along(std::span<const Cost> costs, int lanes, Cost small, std::span<const Cost> large,
+                 bool from_left, std::span<Cost> paths) noexcept {
+  path_costs_body::along<Isa<Cost>>(costs, lanes, small, large, from_left, paths);
+}
+
+template <typename Cost>
+void paths_both_ways(std::span<const Cost> costs, int lanes, Cost small,
+                     std::span<const Cost> large_from_left, std::span<const Cost> large_from_right,
+                     std::span<Cost> from_left, std::span<Cost> from_right) noexcept {
+  if (end_inside<Cost>(lanes)) {
+    STOF_NARROWER::paths_both_ways(costs, lanes, small, large_from_left, large_from_right,
+                                   from_left, from_right);
+    return;
+  }
+  path_costs_body::both_ways<Isa<Cost>>(costs, lanes, small, large_from_left, large_from_right,
+                                        from_left, from_right);
+}
+
+template <typename Cost>
+void paths_across(std::span<const Cost> costs, std::span<const Cost> before, int shift, int lanes,
+                  Cost small, std::span<const Cost> large, std::span<Cost> paths) noexcept {
+  if (end_inside<Cost>(lanes)) {
+    STOF_NARROWER::paths_across(costs, before, shift, lanes, small, large, paths);
+    return;
+  }
+  path_costs_body::across<Isa<Cost>>(costs, before, shift, lanes, small, large, paths);
+}
+
+template <typename Cost>
+void paths_of_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<const Cost> others,
+                   std::span<Cost> sums) noexcept {
+  if (end_inside<Cost>(row.lanes)) {
+    STOF_NARROWER::paths_of_axes(row, front, others, sums);
+    return;
+  }
+  path_costs_body::axes<Isa<Cost>>(row, front, others, sums);
+}
+
+}  // namespace stof::dsp::STOF_VARIANT

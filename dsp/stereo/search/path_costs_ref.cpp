@@ -111,16 +111,9 @@ void paths_of_axes(const AxesRow<Cost>& row, std::span<Cost> front, std::span<co
   }
 }
 
-template PathsAlong<std::uint8_t> paths_along<std::uint8_t>;
-template PathsAlong<std::uint16_t> paths_along<std::uint16_t>;
-template PathsAlong<std::uint32_t> paths_along<std::uint32_t>;
-template PathsBothWays<std::uint8_t> paths_both_ways<std::uint8_t>;
-template PathsBothWays<std::uint16_t> paths_both_ways<std::uint16_t>;
-template PathsBothWays<std::uint32_t> paths_both_ways<std::uint32_t>;
-template PathsAcross<std::uint8_t> paths_across<std::uint8_t>;
-template PathsAcross<std::uint16_t> paths_across<std::uint16_t>;
-template PathsAcross<std::uint32_t> paths_across<std::uint32_t>;
-template PathsOfAxes<std::uint8_t> paths_of_axes<std::uint8_t>;
-template PathsOfAxes<std::uint16_t> paths_of_axes<std::uint16_t>;
+STOF_INSTANTIATE(PathsAlong, paths_along, std::uint8_t, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(PathsBothWays, paths_both_ways, std::uint8_t, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(PathsAcross, paths_across, std::uint8_t, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(PathsOfAxes, paths_of_axes, std::uint8_t, std::uint16_t);
 
 }  // namespace stof::dsp::ref

@@ -4,8 +4,8 @@
 
 #include "dsp/stereo/search/path_costs.h"
 
-// One pixel of a path, for path_body.h. Isa: Lanes<Cost> of base/lanes_neon.h or lanes_avx2.h, in
-// an unnamed namespace.
+// One pixel of a path, for path_costs_body.h. Isa: Lanes<Cost> of base/lanes_neon.h or
+// lanes_avx2.h, in an unnamed namespace.
 namespace stof::dsp::path_costs_body {
 
 inline constexpr std::size_t kMostLanes = 256;

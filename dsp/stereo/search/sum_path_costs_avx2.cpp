@@ -38,6 +38,6 @@ void sum_path_costs(std::span<const typename Types::Cost* const> paths,
   }
 }
 
-template SumPathCosts<BytesToBytes> sum_path_costs<BytesToBytes>;
+STOF_INSTANTIATE(SumPathCosts, sum_path_costs, BytesToBytes);
 
 }  // namespace stof::dsp::avx2

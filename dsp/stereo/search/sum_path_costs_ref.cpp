@@ -22,8 +22,6 @@ void sum_path_costs(std::span<const typename Types::Cost* const> paths,
   }
 }
 
-template SumPathCosts<BytesToBytes> sum_path_costs<BytesToBytes>;
-template SumPathCosts<BytesToWords> sum_path_costs<BytesToWords>;
-template SumPathCosts<WordsToWords> sum_path_costs<WordsToWords>;
+STOF_INSTANTIATE(SumPathCosts, sum_path_costs, BytesToBytes, BytesToWords, WordsToWords);
 
 }  // namespace stof::dsp::ref

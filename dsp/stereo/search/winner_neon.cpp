@@ -173,11 +173,7 @@ void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
   find_right_winners(costs, count, lowest, winners);
 }
 
-template Winners<std::uint8_t> winners<std::uint8_t>;
-template Winners<std::uint16_t> winners<std::uint16_t>;
-template Winners<std::uint32_t> winners<std::uint32_t>;
-template RightWinners<std::uint8_t> right_winners<std::uint8_t>;
-template RightWinners<std::uint16_t> right_winners<std::uint16_t>;
-template RightWinners<std::uint32_t> right_winners<std::uint32_t>;
+STOF_INSTANTIATE(Winners, winners, std::uint8_t, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(RightWinners, right_winners, std::uint8_t, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

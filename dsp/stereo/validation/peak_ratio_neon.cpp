@@ -68,8 +68,6 @@ void peak_ratio(std::span<const Sum> costs, int lanes, std::span<const std::int1
   ref::peak_ratio(costs.subspan(x * count), lanes, winners.subspan(x), ratio.subspan(x));
 }
 
-template PeakRatio<std::uint8_t> peak_ratio<std::uint8_t>;
-template PeakRatio<std::uint16_t> peak_ratio<std::uint16_t>;
-template PeakRatio<std::uint32_t> peak_ratio<std::uint32_t>;
+STOF_INSTANTIATE(PeakRatio, peak_ratio, std::uint8_t, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

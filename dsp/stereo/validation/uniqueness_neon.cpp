@@ -54,7 +54,6 @@ void uniqueness_check(std::span<const Sum> costs, int lanes, int percent,
   ref::uniqueness_check(costs.subspan(x * count), lanes, percent, winners.subspan(x));
 }
 
-template UniquenessCheck<std::uint16_t> uniqueness_check<std::uint16_t>;
-template UniquenessCheck<std::uint32_t> uniqueness_check<std::uint32_t>;
+STOF_INSTANTIATE(UniquenessCheck, uniqueness_check, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

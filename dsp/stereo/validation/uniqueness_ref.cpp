@@ -39,7 +39,6 @@ void uniqueness_check(std::span<const Sum> costs, int lanes, int percent,
   }
 }
 
-template UniquenessCheck<std::uint16_t> uniqueness_check<std::uint16_t>;
-template UniquenessCheck<std::uint32_t> uniqueness_check<std::uint32_t>;
+STOF_INSTANTIATE(UniquenessCheck, uniqueness_check, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::ref

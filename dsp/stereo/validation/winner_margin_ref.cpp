@@ -41,8 +41,6 @@ void winner_margins(std::span<const Sum> costs, int lanes, std::span<const std::
   }
 }
 
-template WinnerMargins<std::uint8_t> winner_margins<std::uint8_t>;
-template WinnerMargins<std::uint16_t> winner_margins<std::uint16_t>;
-template WinnerMargins<std::uint32_t> winner_margins<std::uint32_t>;
+STOF_INSTANTIATE(WinnerMargins, winner_margins, std::uint8_t, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::ref
