@@ -7,6 +7,7 @@ BANNER = "// Made by the build of firmware/wire/messages.json: change that."
 TYPES = {"u8": "std::uint8_t", "u16": "std::uint16_t", "u32": "std::uint32_t", "u64": "std::uint64_t",
          "i8": "std::int8_t", "i16": "std::int16_t", "i32": "std::int32_t", "i64": "std::int64_t",
          "text": "char"}
+MANY_MEMBERS = 15  # more need a reason beside them
 BITS = {"u8": "u8", "u16": "u16", "u32": "u32", "u64": "u64", "i32": "i32", "i64": "i64"}
 
 
@@ -36,7 +37,10 @@ def struct_text(layout):
     lines = [f"inline constexpr std::size_t {constant(layout.struct)} = {layout.bytes};", ""]
     if layout.doc:
         lines.append(f"// {layout.doc}")
-    lines += [f"struct {layout.struct} {{", *map(member, visible(layout))]
+    members = visible(layout)
+    if len(members) > MANY_MEMBERS:
+        lines.append("// It mirrors a message of the wire: a member for each field.")
+    lines += [f"struct {layout.struct} {{", *map(member, members)]
     if layout.compare:
         lines += ["", f"  friend bool operator==(const {layout.struct}&, const {layout.struct}&) = default;"]
     lines += ["};", ""]
