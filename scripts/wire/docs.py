@@ -3,6 +3,7 @@
 import re
 
 PATH = "docs/WIRE.md"
+NEW = "<!-- new messages -->\n"  # before it come the sections of messages that have none
 BLOCK = re.compile(r"(<!-- table: (\w+) -->\n)(?:(?!<!-- ).*\n)*(<!-- end -->)")
 
 
@@ -83,6 +84,18 @@ def filled(text, found):
     return BLOCK.sub(lambda match: f"{match[1]}{found[match[2]]}\n{match[3]}", text)
 
 
+def section(layout):
+    title = shown(layout).capitalize()
+    return f"## {title}\n\n{layout.doc}\n\n<!-- table: {layout.name} -->\n<!-- end -->\n\n"
+
+
+def with_sections(text, wire):
+    known = {match[2] for match in BLOCK.finditer(text)}
+    missing = "".join(section(layout) for name, layout in wire.messages.items() if name not in known)
+    return text.replace(NEW, missing + NEW)
+
+
 def files(wire, root):
     """{path: text}"""
-    return {PATH: filled((root / PATH).read_text(encoding="utf-8"), tables(wire))}
+    text = (root / PATH).read_text(encoding="utf-8")
+    return {PATH: filled(with_sections(text, wire), tables(wire))}

@@ -58,6 +58,13 @@ class WireTableTest(unittest.TestCase):
         self.assertEqual(len(re.findall("<!-- table: ", text)), len(named))
         self.assertEqual(len(re.findall("<!-- end -->", text)), len(named))
 
+    def test_the_document_gets_a_section_for_a_new_message(self):
+        new = dataclasses.replace(WIRE.messages["event"], name="thermal", doc="Type 70.")
+        wire = dataclasses.replace(WIRE, messages={**WIRE.messages, "thermal": new})
+        text = docs.files(wire, wire_table.ROOT)[DOCUMENT]
+        self.assertIn("## Thermal\n\nType 70.\n\n<!-- table: thermal -->\nPayload of ", text)
+        self.assertEqual(docs.with_sections(text, wire), text)
+
     def test_every_message_fits_a_datagram_without_gaps(self):
         for layout in (*WIRE.messages.values(), *WIRE.structs.values()):
             at = 0
