@@ -42,9 +42,8 @@ bool refuse_unknown(std::string_view path, PagedWriter& why) noexcept {
   } else if (path == "depth.match.fill") {
     why << path << ": what is made up is not published: leave it out";
   } else {
-    why << '"';
-    write_clipped(path, why);
-    why << "\": there is no such setting";
+    write_quoted(path, why);
+    why << ": there is no such setting";
   }
   return false;
 }
@@ -68,9 +67,7 @@ bool take(std::size_t place, std::string_view path, const Value& value, Settings
     return false;
   }
   const bool quoted = value.written == Written::kString || value.written == Written::kBare;
-  why << (quoted ? "\"" : "");
-  write_clipped(value.text, why);
-  why << (quoted ? "\"" : "");
+  (quoted ? write_quoted : write_clipped)(value.text, why);
   return false;
 }
 

@@ -86,9 +86,8 @@ class Walk {
       why_ << "not JSON: it ends too early";
       return false;
     }
-    why_ << "not JSON from byte " << here_ << " on: \"";
-    write_clipped(text_.substr(here_), why_);
-    why_ << '"';
+    why_ << "not JSON from byte " << here_ << " on: ";
+    write_quoted(text_.substr(here_), why_);
     return false;
   }
 
@@ -166,9 +165,8 @@ class Walk {
       return false;
     }
     if (!plain_utf8(text)) {
-      why_ << path() << ": takes UTF-8 without escapes and control characters, not \"";
-      write_clipped(text, why_);
-      why_ << '"';
+      why_ << path() << ": takes UTF-8 without escapes and control characters, not ";
+      write_quoted(text, why_);
       return false;
     }
     return visitor_.member(path(), {.written = Written::kString, .text = text});
@@ -211,9 +209,8 @@ class Walk {
 
   bool enter(std::string_view name) noexcept {
     if (!is_name(name) || path_bytes_ + 1 + name.size() > path_.size()) {
-      why_ << '"';
-      write_clipped(name, why_);
-      why_ << "\": there is no such setting";
+      write_quoted(name, why_);
+      why_ << ": there is no such setting";
       return false;
     }
     if (path_bytes_ > 0) {

@@ -62,5 +62,10 @@ inline void write_clipped(std::string_view text, PagedWriter& out) noexcept {
     out << "...";
   }
 }
+inline void write_quoted(std::string_view text, PagedWriter& out) noexcept {
+  out << '"';
+  write_clipped(text, out);
+  out << '"';
+}
 
 }  // namespace stof::settings
