@@ -7,8 +7,8 @@
 
 // Names for settings that belong together. A preset is a JSON text like any other that changes
 // settings; what it does not name stays as it is. `indoor`, `outdoor` and `near` say where the
-// sensor is and name the same fields, so that each undoes the others; `fast` and `quality` say how
-// much is computed.
+// sensor is and name the same fields, so that each undoes the others; `fast` and `quality` choose
+// the matching preset (depth.preset, dsp::Preset) of that name.
 namespace stof::settings {
 
 struct SettingsPreset {

@@ -254,8 +254,8 @@ void add_config(CLI::App& app, ConfigOptions& options) {
   CLI::App& command = *app.add_subcommand("config", "Read or change a sensor's settings");
   command.add_option("WORDS", options.words,
                      "SENSOR (HOST[:PORT], none with --serial), then get [PATH], set PATH=VALUE... "
-                     "or FILE, stage (the same), commit, revert, preset NAME, save, reset, diff, "
-                     "schema");
+                     "or FILE, stage (the same), commit, revert, preset NAME (indoor, outdoor, "
+                     "near, fast or quality), save, reset, diff, schema");
   command.add_option("--serial", options.serial, "Serial line to the sensor, such as /dev/ttyUSB0");
   command.add_option("--baud", options.baud, "Its speed, bit/s")
       ->check(CLI::Range(57'600U, 12'000'000U))

@@ -9,8 +9,8 @@ namespace stof::host {
 void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
   MatchOptions& match = options.match;
   command.add_option("--preset", match.preset,
-                     "fast, quality or chapter; what follows changes it (default: a method alone, "
-                     "dense and integer)");
+                     "Matching preset: fast, quality or chapter; what follows changes it (default: "
+                     "a method alone, dense and integer)");
   for (const lab::MatchOption& option : lab::match_options()) {
     const std::string name(option.name);
     const std::string help =
