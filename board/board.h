@@ -62,10 +62,10 @@ struct Connections {
   bool mdns = false;
 };
 
-// A request that a board could not fulfil: one line, what, where and what to do.
+// Options that a board could not fulfil: one line, what, where and what to do.
 struct Refusal {
   std::string message;
-  bool device = false;  // the request was fine, a device failed
+  bool device = false;  // the options were fine, a device failed
 };
 
 // Opens the devices; may allocate and take a second or two. `arguments` are the board's own command
