@@ -1,30 +1,19 @@
 #include <cmath>
-#include <cstdlib>
 
 #include "dataset/dataset.h"
 #include "tests/dataset/scratch.h"
+#include "tests/support/recorded_scenes.h"
 
 // On the recorded scenes, where they are: the folder named by STOF_DATA.
 namespace stof::dataset {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  return folder == nullptr ? "" : folder;
-}
-
-class RecordedData : public testing::Test {
- protected:
-  void SetUp() override {
-    if (data_folder().empty()) {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-  }
-};
+using RecordedData = test::RecordedScenes;
 
 TEST_F(RecordedData, EveryStereoSceneLoadsWithTruthInsideItsSearchRange) {
   int scenes = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(data_folder() / "stereo")) {
+  for (const auto& entry :
+       std::filesystem::directory_iterator(test::recorded_scenes() / "stereo")) {
     if (!entry.is_directory()) {
       continue;
     }
@@ -46,7 +35,7 @@ TEST_F(RecordedData, EveryStereoSceneLoadsWithTruthInsideItsSearchRange) {
 TEST_F(RecordedData, EveryPmdRecordingLoadsWithTheSizeItSays) {
   int recordings = 0;
   for (const auto& entry :
-       std::filesystem::recursive_directory_iterator(data_folder() / "tof" / "sim")) {
+       std::filesystem::recursive_directory_iterator(test::recorded_scenes() / "tof" / "sim")) {
     if (entry.path().extension() != ".json") {
       continue;
     }
@@ -67,7 +56,7 @@ TEST_F(RecordedData, EveryPmdRecordingLoadsWithTheSizeItSays) {
 // A board with 0.9 of white: the middle of the picture sees 2 A of it, but for odd harmonics (6
 // percent) and the angle of the light.
 TEST_F(RecordedData, AWhiteSurfaceIsAsBrightAsTheWallSays) {
-  const std::filesystem::path wall = data_folder() / "tof" / "sim" / "wall";
+  const std::filesystem::path wall = test::recorded_scenes() / "tof" / "sim" / "wall";
   for (const auto& [name, metres] :
        {std::pair{"z1500", 1.5}, std::pair{"z2000", 2.0}, std::pair{"z4000", 4.0}}) {
     const Loaded<PmdRecording> recording = read_pmd(wall / name);
@@ -90,11 +79,11 @@ TEST_F(RecordedData, AWhiteSurfaceIsAsBrightAsTheWallSays) {
 
 TEST_F(RecordedData, ScenesAndTheirPmdRecordingsShareARig) {
   for (const char* name : {"Cones", "Teddy", "Tsukuba", "Venus"}) {
-    const Loaded<StereoScene> scene = read_stereo_scene(data_folder() / "stereo" / name);
+    const Loaded<StereoScene> scene = read_stereo_scene(test::recorded_scenes() / "stereo" / name);
     ASSERT_TRUE(scene) << scene.error().message;
     for (const char* size : {"_64x16", "_176x144"}) {
       const Loaded<PmdRecording> recording =
-          read_pmd(data_folder() / "tof" / "sim" / "scene" / (std::string(name) + size));
+          read_pmd(test::recorded_scenes() / "tof" / "sim" / "scene" / (std::string(name) + size));
       ASSERT_TRUE(recording) << recording.error().message;
       ASSERT_TRUE(recording->has_rig);
       EXPECT_EQ(recording->calibration.stereo.left.cx, (scene->left.width - 1) / 2.0) << name;

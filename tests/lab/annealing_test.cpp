@@ -14,6 +14,7 @@
 #include "lab/search/scanline_optimisation.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
+#include "tests/support/recorded_scenes.h"
 
 namespace stof::lab {
 namespace {
@@ -232,13 +233,10 @@ Volume<std::uint16_t> scene_costs(const dataset::StereoScene& scene, int width, 
   return volume;
 }
 
-TEST(AnnealingOnRecordedScenes, EndsBelowScanlineOptimisation) {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  if (folder == nullptr) {
-    GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-  }
+using AnnealingOnRecordedScenes = test::RecordedScenes;
+TEST_F(AnnealingOnRecordedScenes, EndsBelowScanlineOptimisation) {
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(folder) / "stereo")) {
+       std::filesystem::directory_iterator(test::recorded_scenes() / "stereo")) {
     if (!entry.is_directory()) {
       continue;
     }

@@ -18,6 +18,7 @@
 #include "dsp/stereo/search/winner.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
+#include "tests/support/recorded_scenes.h"
 
 namespace stof::lab {
 namespace {
@@ -363,19 +364,16 @@ double bad_percent(const dataset::StereoScene& scene, ImageView<const std::int16
   return 100.0 * bad / count;
 }
 
+using PyramidOnRecordedScenes = test::RecordedScenes;
 // Half a point of bad pixels on the four scenes that the reach of a level was chosen on, and in the
 // mean of all; on a single other one up to 2.4 (Aloe: leaves of a few pixels are lost at a quarter
 // of the size).
-TEST(PyramidOnRecordedScenes, IsNotWorseThanTheFullSearch) {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  if (folder == nullptr) {
-    GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-  }
+TEST_F(PyramidOnRecordedScenes, IsNotWorseThanTheFullSearch) {
   const std::set<std::string> chosen_on{"Cones", "Teddy", "Tsukuba", "Venus"};
   int scenes = 0;
   std::array<double, 3> sums{};  // of the full search, one level, two
   for (const auto& entry :
-       std::filesystem::directory_iterator(std::filesystem::path(folder) / "stereo")) {
+       std::filesystem::directory_iterator(test::recorded_scenes() / "stereo")) {
     if (!entry.is_directory()) {
       continue;
     }

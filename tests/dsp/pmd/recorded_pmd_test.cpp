@@ -11,24 +11,15 @@
 
 #include "dataset/dataset.h"
 #include "tests/dsp/pmd/converter_rig.h"
+#include "tests/support/recorded_scenes.h"
 
 // Recorded frames with truth: the folder named by STOF_DATA.
 namespace stof::dsp {
 namespace {
 
-std::filesystem::path recordings() {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  return folder == nullptr ? "" : std::filesystem::path(folder) / "tof" / "sim";
-}
+std::filesystem::path recordings() { return test::recorded_scenes() / "tof" / "sim"; }
 
-class RecordedPmd : public testing::Test {
- protected:
-  void SetUp() override {
-    if (recordings().empty()) {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-  }
-};
+using RecordedPmd = test::RecordedScenes;
 
 // One camera was simulated for all of them.
 dataset::PmdRecording read(const std::filesystem::path& name) {

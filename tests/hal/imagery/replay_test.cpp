@@ -1,7 +1,6 @@
 #include "hal/emu/imagery/replay.h"
 
 #include <cmath>
-#include <cstdlib>
 
 #include <gtest/gtest.h>
 
@@ -9,6 +8,7 @@
 #include "hal/emu/cameras/stereo_camera.h"
 #include "hal/emu/devices/clock.h"
 #include "tests/dataset/scratch.h"
+#include "tests/support/recorded_scenes.h"
 
 namespace stof::test {
 namespace {
@@ -77,20 +77,14 @@ TEST_F(ReplayTest, MissingFolderAndRecordingAreRefusedInOneLine) {
   EXPECT_NE(no_pmd.error().message.find("none_64x16"), std::string::npos);
 }
 
-class RecordedReplayTest : public testing::Test {
+class RecordedReplayTest : public test::RecordedScenes {
  protected:
-  void SetUp() override {
-    const char* const data = std::getenv("STOF_DATA");
-    if (data == nullptr || !std::filesystem::exists(data)) {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-    data_ = data;
+  static std::filesystem::path stereo(const std::string& name) {
+    return test::recorded_scenes() / "stereo" / name;
   }
-  std::filesystem::path stereo(const std::string& name) const { return data_ / "stereo" / name; }
-  std::filesystem::path pmd(const std::string& name) const { return data_ / "tof/sim" / name; }
-
- private:
-  std::filesystem::path data_;
+  static std::filesystem::path pmd(const std::string& name) {
+    return test::recorded_scenes() / "tof/sim" / name;
+  }
 };
 
 TEST_F(RecordedReplayTest, CamerasDeliverTheFilesPixels) {

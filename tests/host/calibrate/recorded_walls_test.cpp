@@ -5,21 +5,14 @@
 
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
+#include "tests/support/recorded_scenes.h"
 
 // On the recorded walls, where they are: the folder named by STOF_DATA. The tool's own bars.
 namespace stof::host {
 namespace {
 
-class RecordedWalls : public testing::Test {
+class RecordedWalls : public test::RecordedScenes {
  protected:
-  void SetUp() override {
-    const char* const data = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-    if (data == nullptr || *data == '\0') {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-    sim_ = std::filesystem::path(data) / "tof" / "sim";
-  }
-
   struct Judged {
     PmdCalibration calibration;
     PmdReport report;
@@ -39,7 +32,7 @@ class RecordedWalls : public testing::Test {
     return {.parts = {.emitter = true}, .start = std::nullopt, .phase_falls = std::nullopt};
   }
 
-  std::filesystem::path sim_;
+  const std::filesystem::path sim_ = test::recorded_scenes() / "tof" / "sim";
 };
 
 void expect_within(const PmdReport& report, double from_m, double relative) {

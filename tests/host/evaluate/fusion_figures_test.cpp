@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <cstdlib>
 #include <map>
 
 #include <gtest/gtest.h>
 
 #include "host/evaluate/fusion/fusion_case.h"
+#include "tests/support/recorded_scenes.h"
 
 // What fusion promises in numbers, on recorded pairs with simulated PMD cameras, where they are:
 // the folder named by STOF_DATA. Every test prints its own figures.
@@ -16,11 +16,6 @@ namespace {
 const std::vector<std::string> kFour{"Teddy", "Cones", "Venus", "Tsukuba"};
 const std::string kSmall = "64x16";
 const std::string kLarge = "176x144";
-
-std::filesystem::path data_folder() {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  return folder == nullptr ? "" : folder;
-}
 
 using Match = std::string;  // a preset; empty: winner takes all with the left-right check
 
@@ -32,7 +27,7 @@ const FusionCase& fused(const Match& match, const std::string& scene, const std:
   if (found != done.end()) {
     return found->second;
   }
-  const std::filesystem::path data = data_folder();
+  const std::filesystem::path data = test::recorded_scenes();
   const std::filesystem::path pair =
       scene == "Plastic" ? data / "tof" / "scenes" / scene : data / "stereo" / scene;
   const std::filesystem::path prefix = data / "tof" / "sim" / "scene" / (scene + "_" + sensor);
@@ -45,14 +40,8 @@ const FusionCase& fused(const Match& match, const std::string& scene, const std:
   return done.emplace(key, *std::move(result)).first->second;
 }
 
-class FusionFigures : public testing::Test {
+class FusionFigures : public test::RecordedScenes {
  protected:
-  void SetUp() override {
-    if (data_folder().empty()) {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-  }
-
   static double mean_e5(const Match& match, const std::string& sensor) {
     double sum = 0;
     for (const std::string& scene : kFour) {
@@ -163,7 +152,7 @@ TEST_F(FusionFigures, FullGeometryGainsOverAScaledMap) {
     double scaled = 0;
     double full = 0;
     for (const std::string& scene : kFour) {
-      const std::filesystem::path data = data_folder();
+      const std::filesystem::path data = test::recorded_scenes();
       const dataset::Loaded<FusionCase> result = run_fusion_case(
           data / "stereo" / scene, data / "tof" / "sim" / "scene" / (scene + "_" + sensor),
           {.preset = "", .settings = {}, .runs = 1}, {.chapter_geometry = true});

@@ -3,27 +3,18 @@
 #include <gtest/gtest.h>
 
 #include "host/evaluate/pmd/figures.h"
+#include "tests/support/recorded_scenes.h"
 
 // The figures of the recorded frames: the folder named by STOF_DATA.
 namespace stof::host {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  return folder == nullptr ? "" : std::filesystem::path(folder) / "tof";
-}
-
-class PmdData : public testing::Test {
+class PmdData : public test::RecordedScenes {
  protected:
-  void SetUp() override {
-    if (data_folder().empty()) {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-  }
   // Made once for all tests; empty where it cannot be.
   static const PmdEvaluation& found() {
     static const dataset::Loaded<PmdEvaluation> made =
-        evaluate_pmd({.folder = data_folder(), .calibration = {}});
+        evaluate_pmd({.folder = test::recorded_scenes() / "tof", .calibration = {}});
     static const PmdEvaluation nothing;
     EXPECT_TRUE(made) << made.error().message;
     return made ? *made : nothing;

@@ -1,6 +1,5 @@
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <utility>
 
@@ -11,6 +10,7 @@
 #include "host/evaluate/stereo/energy.h"
 #include "host/evaluate/stereo/match.h"
 #include "tests/support/random.h"
+#include "tests/support/recorded_scenes.h"
 
 // What stereo promises in numbers: on recorded pairs, where they are (the folder named by
 // STOF_DATA), and on walls and noise made here. Figures are percent; every test prints its own.
@@ -74,16 +74,16 @@ dataset::Image<std::uint8_t> upper_left(const dataset::Image<std::uint8_t>& imag
   return part;
 }
 
-class StereoFigures : public testing::Test {
+class StereoFigures : public test::RecordedScenes {
  protected:
   void SetUp() override {
-    const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe)
-    if (folder == nullptr || *folder == '\0') {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
+    RecordedScenes::SetUp();
+    if (IsSkipped()) {
+      return;
     }
     for (const char* const name : kScenes) {
       dataset::Loaded<StereoScene> scene =
-          dataset::read_stereo_scene(std::filesystem::path(folder) / "stereo" / name);
+          dataset::read_stereo_scene(test::recorded_scenes() / "stereo" / name);
       ASSERT_TRUE(scene) << scene.error().message;
       ASSERT_TRUE(scene->truth && scene->visible) << name;
       scenes_.push_back(*std::move(scene));

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -13,6 +12,7 @@
 #include "dataset/dataset.h"
 #include "tests/dsp/fusion/project/reproject_rig.h"
 #include "tests/support/guarded_part.h"
+#include "tests/support/recorded_scenes.h"
 
 namespace stof::dsp {
 namespace {
@@ -241,12 +241,9 @@ TEST(Guide, EveryStereoSizeAndRange) {
   }
 }
 
-TEST(Guide, HoldsTheTruthOfRecordedScenes) {
-  const char* const data = std::getenv("STOF_DATA");
-  if (data == nullptr) {
-    GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-  }
-  const std::filesystem::path root(data);
+using GuideOnRecordedScenes = test::RecordedScenes;
+TEST_F(GuideOnRecordedScenes, HoldsTheTruth) {
+  const std::filesystem::path root = test::recorded_scenes();
   for (const char* const name :
        {"stereo/Teddy", "stereo/Cones", "stereo/Venus", "stereo/Tsukuba", "tof/scenes/Plastic"}) {
     for (const char* const sensor : {"_64x16", "_176x144"}) {

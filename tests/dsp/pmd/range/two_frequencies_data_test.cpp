@@ -13,16 +13,14 @@
 #include "dsp/pmd/phase/phase.h"
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/pmd/range/combine_frequencies.h"
+#include "tests/support/recorded_scenes.h"
 
 // Two modulation frequencies on recorded frames, kernel by kernel; where they are, in the folder
 // that STOF_DATA names.
 namespace stof::dsp {
 namespace {
 
-std::filesystem::path data_folder() {
-  const char* const folder = std::getenv("STOF_DATA");  // NOLINT(concurrency-mt-unsafe): no threads
-  return folder == nullptr ? "" : std::filesystem::path(folder) / "tof" / "sim";
-}
+std::filesystem::path recordings() { return test::recorded_scenes() / "tof" / "sim"; }
 
 // A whole frame of one frequency, as one row.
 struct FrameTables {
@@ -59,10 +57,10 @@ struct Count {
 
 Count count_of(const char* name, double min_ratio) {
   Count count;
-  const std::filesystem::path dual = data_folder() / "dual";
+  const std::filesystem::path dual = recordings() / "dual";
   dataset::Loaded<dataset::PmdRecording> recording =
       dataset::read_pmd_pair(dual / (std::string(name) + "_f0"), dual / (std::string(name) + "_f1"),
-                             data_folder() / "wall" / "64x16_fppn.pgm");
+                             recordings() / "wall" / "64x16_fppn.pgm");
   const dataset::Loaded<dataset::Image<std::uint16_t>> truth =
       dataset::read_pgm16(dual / (std::string(name) + "_f0_r_med.pgm"));
   EXPECT_TRUE(recording && truth);
@@ -98,14 +96,8 @@ Count count_of(const char* name, double min_ratio) {
   return count;
 }
 
-class TwoFrequencies : public testing::Test {
+class TwoFrequencies : public test::RecordedScenes {
  protected:
-  void SetUp() override {
-    if (data_folder().empty()) {
-      GTEST_SKIP() << "STOF_DATA does not name the folder of the recorded scenes";
-    }
-  }
-
   static void expect(const char* name, double min_ratio, double least_share, double median_m) {
     Count count = count_of(name, min_ratio);
     ASSERT_GT(count.pixels, 0);
