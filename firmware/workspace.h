@@ -20,7 +20,7 @@ constexpr std::size_t pixels(int width, int height) noexcept {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-// Two rectified images; for each 400 bytes a tile of 32 x 32 pixels, which tell their places, and
+// Two rectified images; for each 400 bytes a patch of 32 x 32 pixels, which tell their places, and
 // 16 a row.
 constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcept {
   return 2 * (pixels(stereo.width, stereo.height) +

@@ -13,9 +13,9 @@
 namespace stof::dsp {
 
 // Where all pixels of a rectified picture lie in the raw one, to the nearest 1/128 px, in 0.4 bytes
-// a pixel: polynomials for tiles of 32 x 32 pixels (rectify.h), and the places of those pixels, one
-// in some hundred, for which a polynomial is 1/128 px off. A tile with too many of them (edges of
-// what a lens can see; lenses that bend more than any we know) is computed anew each time: exact
+// a pixel: polynomials for patches of 32 x 32 pixels (rectify.h), and the places of those pixels,
+// one in some hundred, for which a polynomial is 1/128 px off. A patch with too many of them (edges
+// of what a lens can see; lenses that bend more than any we know) is computed anew each time: exact
 // too, and some ten times slower.
 class RemapTable {
  public:
@@ -40,26 +40,26 @@ class RemapTable {
   Seen seen(int row) const noexcept { return seen_[index(row)]; }
   bool inside(int column, int row) const noexcept;
 
-  // Tiles that are computed anew each time.
-  int computed_tiles() const noexcept;
+  // Patches that are computed anew each time.
+  int computed_patches() const noexcept;
 
  private:
-  // A pixel of a row whose tile does not tell its place.
+  // A pixel of a row whose patch does not tell its place.
   struct Exception {
     std::uint16_t column = 0;
     Place place;
   };
   static_assert(sizeof(Exception) == 8);
 
-  std::span<PlaceTile> tiles_of(int row) const noexcept;
+  std::span<PlacePatch> patches_of(int row) const noexcept;
   std::span<const Exception> exceptions_of(int row) const noexcept;
   void fit() noexcept;
   void choose() noexcept;
   void list() noexcept;
 
   SourceMap map_;
-  std::size_t columns_;  // of tiles
-  std::span<PlaceTile> tiles_;
+  std::size_t columns_;  // of patches
+  std::span<PlacePatch> patches_;
   std::span<Exception> exceptions_;
   std::span<std::uint32_t> ends_;  // in exceptions_, of each row
   std::span<Seen> seen_;

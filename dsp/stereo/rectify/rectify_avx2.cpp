@@ -17,13 +17,13 @@ constexpr int kWindow = 16;  // pixels of a source row that are looked at togeth
 constexpr int kMostRows = 6;
 
 // Pairs (bend, twist) of each second pixel, from an even or an odd one.
-using Bends = std::array<std::int16_t, kTileSide>;
+using Bends = std::array<std::int16_t, kPatchSide>;
 constexpr Bends table_from(int first) noexcept {
   Bends table{};
-  for (int i = 0; i < kTileSide / 2; ++i) {
+  for (int i = 0; i < kPatchSide / 2; ++i) {
     const auto at = static_cast<std::size_t>(2 * i);
-    table[at] = static_cast<std::int16_t>(tile_bend(first + 2 * i));
-    table[at + 1] = static_cast<std::int16_t>(tile_twist(first + 2 * i));
+    table[at] = static_cast<std::int16_t>(patch_bend(first + 2 * i));
+    table[at + 1] = static_cast<std::int16_t>(patch_twist(first + 2 * i));
   }
   return table;
 }
@@ -49,24 +49,26 @@ i16x16 firsts(i16x16 v) noexcept { return shuffled(v, _mm256_set1_epi16(0x0100))
 i16x16 lasts(i16x16 v) noexcept { return shuffled(v, _mm256_set1_epi16(0x0F0E)); }
 
 // A, B, C, D of both axes.
-i32x8 numbers_of(const PlaceTile& tile, float t) noexcept {
-  const auto power = [&](std::size_t i) noexcept { return _mm256_loadu_ps(tile.powers[i].data()); };
+i32x8 numbers_of(const PlacePatch& patch, float t) noexcept {
+  const auto power = [&](std::size_t i) noexcept {
+    return _mm256_loadu_ps(patch.powers[i].data());
+  };
   const auto times = [](__m256 v, float f) noexcept { return _mm256_mul_ps(v, _mm256_set1_ps(f)); };
   __m256 sum = _mm256_add_ps(power(0), times(power(1), t));
   sum = _mm256_add_ps(sum, times(power(2), t * t));
   sum = _mm256_add_ps(sum, times(power(3), t * t * t));
   return as<i32x8>(_mm256_cvttps_epi32(sum)) -
-         i32x8{0, 0, kTileBias, kTileBias, 0, 0, kTileBias, kTileBias};
+         i32x8{0, 0, kPatchBias, kPatchBias, 0, 0, kPatchBias, kPatchBias};
 }
 
-// Walks along a line of a tile on one axis.
+// Walks along a line of a patch on one axis.
 struct Walk {
   i32x8 even;   // A + B k of each second pixel
   i32x8 slope;  // B
   __m256i curve;
   i16x16 low, high;
 
-  // Steps of 1/128 px from the tile's corner for pixels k .. k + 15.
+  // Steps of 1/128 px from the patch's corner for pixels k .. k + 15.
   i16x16 next(int k) noexcept {
     const auto at = static_cast<std::size_t>(k);
     const i32x8 first = even + pair_products(curve, bits(load<i16x16>(&kEven[at])));
@@ -74,26 +76,26 @@ struct Walk {
     even = even + (slope << 4);
     // High halves are whole steps.
     const i16x16 steps = as<i16x16>(
-        _mm256_blend_epi16(_mm256_srli_epi32(bits(first), kTileFractionBits), bits(second), 0xAA));
+        _mm256_blend_epi16(_mm256_srli_epi32(bits(first), kPatchFractionBits), bits(second), 0xAA));
     return smaller(larger(steps, low), high);
   }
 };
 
 // kAxis 0: x, 1: y.
 template <int kAxis>
-Walk walk_of(const PlaceTile& tile, i32x8 numbers) noexcept {
+Walk walk_of(const PlacePatch& patch, i32x8 numbers) noexcept {
   const i32x8 slope = all(numbers[4 * kAxis + 1]);
   const i16x16 narrow = as<i16x16>(_mm256_packs_epi32(bits(numbers), bits(numbers)));
   const __m256i curves = bits(narrow);  // C, D of x in element 1, of y in element 5
   return {.even = all(numbers[4 * kAxis]) + slope * i32x8{0, 2, 4, 6, 8, 10, 12, 14},
           .slope = slope,
           .curve = _mm256_permutevar8x32_epi32(curves, _mm256_set1_epi32(4 * kAxis + 1)),
-          .low = all(tile.low[kAxis]),
-          .high = all(tile.high[kAxis])};
+          .low = all(patch.low[kAxis]),
+          .high = all(patch.high[kAxis])};
 }
 
 struct Sixteen {
-  i16x16 x, y;  // whole columns and rows from the tile's corner
+  i16x16 x, y;  // whole columns and rows from the patch's corner
   i16x16 fraction_x, fraction_y;
 };
 
@@ -123,22 +125,22 @@ bool near_each_other(i16x16 column, i16x16 row, int rows) noexcept {
 }
 
 // Places that lie too far from each other: pixel by pixel.
-i16x16 mix_apart(const ImageView<const std::uint8_t>& source, const PlaceTile& tile,
+i16x16 mix_apart(const ImageView<const std::uint8_t>& source, const PlacePatch& patch,
                  const Sixteen& places) noexcept {
   i16x16 mixed{};
   for (int k = 0; k < kLanes; ++k) {
-    mixed[k] = mix(source, {.x = static_cast<std::uint16_t>(tile.x + places.x[k]),
-                            .y = static_cast<std::uint16_t>(tile.y + places.y[k]),
+    mixed[k] = mix(source, {.x = static_cast<std::uint16_t>(patch.x + places.x[k]),
+                            .y = static_cast<std::uint16_t>(patch.y + places.y[k]),
                             .fraction_x = static_cast<std::uint8_t>(places.fraction_x[k]),
                             .fraction_y = static_cast<std::uint8_t>(places.fraction_y[k])});
   }
   return mixed;
 }
 
-// What all pixels of a tile share.
+// What all pixels of a patch share.
 struct Source {
   const ImageView<const std::uint8_t>& image;
-  const std::uint8_t* corner;  // the tile's
+  const std::uint8_t* corner;  // the patch's
   i16x16 most_left;            // of a window
   i16x16 most_top;             // of three rows
   __m256i strides;             // pairs (1, stride)
@@ -176,7 +178,7 @@ struct Windows {
 };
 
 // Places in more than two rows.
-[[gnu::noinline]] i16x16 mix_steep(const Source& source, const PlaceTile& tile,
+[[gnu::noinline]] i16x16 mix_steep(const Source& source, const PlacePatch& patch,
                                    const Sixteen& places) noexcept {
   const Corners corners = corners_of(source, places.x, places.y);
   const i16x16 column = places.x - corners.left;
@@ -184,11 +186,11 @@ struct Windows {
   int rows = 2;
   while (!near_each_other(column, row, rows)) {
     if (++rows > kMostRows) {
-      return mix_apart(source.image, tile, places);
+      return mix_apart(source.image, patch, places);
     }
   }
   const Windows windows(source, corners, column);
-  const int below = source.image.height() - 1 - tile.y;
+  const int below = source.image.height() - 1 - patch.y;
   const auto pairs = [&](int y) noexcept {  // the last row of the source repeats
     const auto down = [&](int top) noexcept {
       return (y < below - top ? y : below - top) * source.image.stride();
@@ -217,13 +219,13 @@ Sixteen split(i16x16 x, i16x16 y) noexcept {
 
 // Sixteen pixels, each in 16 bits. Neighbours lie in few rows and near to each other: windows of
 // those rows, of which bytes are taken by shuffles.
-i16x16 mix_sixteen(const Source& source, const PlaceTile& tile, i16x16 x, i16x16 y) noexcept {
+i16x16 mix_sixteen(const Source& source, const PlacePatch& patch, i16x16 x, i16x16 y) noexcept {
   const Sixteen places = split(x, y);
   const Corners corners = corners_of(source, places.x, places.y);
   const i16x16 column = places.x - corners.left;
   const i16x16 row = places.y - corners.top;
   if (!near_each_other(column, row, 1)) {
-    return mix_steep(source, tile, split(x, y));
+    return mix_steep(source, patch, split(x, y));
   }
   const Windows windows(source, corners, column);
   const std::ptrdiff_t stride = source.image.stride();
@@ -238,22 +240,22 @@ i16x16 at_most(int value) noexcept {
   return all(static_cast<std::int16_t>(value < kFar ? value : kFar));
 }
 
-// All 32 pixels of a tile's line.
-u8x32 remap_tile(const ImageView<const std::uint8_t>& image, const PlaceTile& tile,
-                 float t) noexcept {
-  const i32x8 numbers = numbers_of(tile, t);
-  Walk along = walk_of<0>(tile, numbers);
-  Walk down = walk_of<1>(tile, numbers);
+// All 32 pixels of a patch's line.
+u8x32 remap_patch(const ImageView<const std::uint8_t>& image, const PlacePatch& patch,
+                  float t) noexcept {
+  const i32x8 numbers = numbers_of(patch, t);
+  Walk along = walk_of<0>(patch, numbers);
+  Walk down = walk_of<1>(patch, numbers);
   const Source source{.image = image,
-                      .corner = image.data() + tile.y * image.stride() + tile.x,
-                      .most_left = at_most(image.width() - kWindow - tile.x),
-                      .most_top = at_most(image.height() - 3 - tile.y),
+                      .corner = image.data() + patch.y * image.stride() + patch.x,
+                      .most_left = at_most(image.width() - kWindow - patch.x),
+                      .most_top = at_most(image.height() - 3 - patch.y),
                       .strides = _mm256_set1_epi32(static_cast<int>(image.stride()) * 65536 + 1)};
   __m256i mixed[2];
   for (int i = 0; i < 2; ++i) {
     const i16x16 x = along.next(i * kLanes);
     const i16x16 y = down.next(i * kLanes);
-    mixed[i] = bits(mix_sixteen(source, tile, x, y));
+    mixed[i] = bits(mix_sixteen(source, patch, x, y));
   }
   const __m256i packed = _mm256_packus_epi16(mixed[0], mixed[1]);  // eights 0 2 1 3
   return as<u8x32>(_mm256_permute4x64_epi64(packed, 0b11'01'10'00));
@@ -261,23 +263,23 @@ u8x32 remap_tile(const ImageView<const std::uint8_t>& image, const PlaceTile& ti
 
 }  // namespace
 
-void remap_row(ImageView<const std::uint8_t> source, std::span<const PlaceTile> tiles, int line,
+void remap_row(ImageView<const std::uint8_t> source, std::span<const PlacePatch> patches, int line,
                std::span<std::uint8_t> out) noexcept {
-  STOF_CHECK(out.size() <= tiles.size() * kTileSide && line >= 0 && line < kTileSide);
+  STOF_CHECK(out.size() <= patches.size() * kPatchSide && line >= 0 && line < kPatchSide);
   if (source.width() < kWindow || source.height() < 3 || source.stride() > 32767) {
-    ref::remap_row(source, tiles, line, out);
+    ref::remap_row(source, patches, line, out);
     return;
   }
-  const float t = static_cast<float>(2 * line - (kTileSide - 1)) / kTileSide;
+  const float t = static_cast<float>(2 * line - (kPatchSide - 1)) / kPatchSide;
   std::uint8_t* to = out.data();
   std::size_t rest = out.size();
-  for (const PlaceTile& tile : tiles) {
-    const std::size_t count = rest < kTileSide ? rest : kTileSide;
-    if (tile.serves && count == kTileSide) {
-      store(to, remap_tile(source, tile, t));
-    } else if (tile.serves) {
-      std::uint8_t whole[kTileSide];
-      store(whole, remap_tile(source, tile, t));
+  for (const PlacePatch& patch : patches) {
+    const std::size_t count = rest < kPatchSide ? rest : kPatchSide;
+    if (patch.serves && count == kPatchSide) {
+      store(to, remap_patch(source, patch, t));
+    } else if (patch.serves) {
+      std::uint8_t whole[kPatchSide];
+      store(whole, remap_patch(source, patch, t));
       for (std::size_t i = 0; i < count; ++i) {
         to[i] = whole[i];
       }

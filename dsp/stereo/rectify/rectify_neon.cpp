@@ -16,41 +16,41 @@ constexpr int kLanes = 8;
 constexpr int kWindow = 16;  // pixels of a source row that are looked at together
 constexpr int kMostRows = 6;
 
-using Bends = std::array<std::int16_t, kTileSide>;
+using Bends = std::array<std::int16_t, kPatchSide>;
 constexpr Bends table_of(int (*value)(int)) noexcept {
   Bends table{};
-  for (int k = 0; k < kTileSide; ++k) {
+  for (int k = 0; k < kPatchSide; ++k) {
     table[static_cast<std::size_t>(k)] = static_cast<std::int16_t>(value(k));
   }
   return table;
 }
-constexpr Bends kBend = table_of([](int k) noexcept { return tile_bend(k); });
-constexpr Bends kTwist = table_of([](int k) noexcept { return tile_twist(k); });
+constexpr Bends kBend = table_of([](int k) noexcept { return patch_bend(k); });
+constexpr Bends kTwist = table_of([](int k) noexcept { return patch_twist(k); });
 constexpr std::array<std::int32_t, 4> kFirst{0, 1, 2, 3};
-constexpr std::array<std::int32_t, 4> kBias{0, 0, kTileBias, kTileBias};
+constexpr std::array<std::int32_t, 4> kBias{0, 0, kPatchBias, kPatchBias};
 
-// One axis of a tile's line: A, B, C, D.
-int32x4_t numbers_of(const PlaceTile& tile, std::size_t axis, float t) noexcept {
-  const auto power = [&](std::size_t i) noexcept { return vld1q_f32(&tile.powers[i][4 * axis]); };
+// One axis of a patch's line: A, B, C, D.
+int32x4_t numbers_of(const PlacePatch& patch, std::size_t axis, float t) noexcept {
+  const auto power = [&](std::size_t i) noexcept { return vld1q_f32(&patch.powers[i][4 * axis]); };
   float32x4_t sum = vaddq_f32(power(0), vmulq_n_f32(power(1), t));
   sum = vaddq_f32(sum, vmulq_n_f32(power(2), t * t));
   sum = vaddq_f32(sum, vmulq_n_f32(power(3), t * t * t));
   return vsubq_s32(vcvtq_s32_f32(sum), vld1q_s32(kBias.data()));
 }
 
-// Walks along a line of a tile on one axis, eight pixels a step.
+// Walks along a line of a patch on one axis, eight pixels a step.
 class Walk {
  public:
-  Walk(const PlaceTile& tile, std::size_t axis, float t) noexcept
-      : low_(vdupq_n_s16(tile.low[axis])), high_(vdupq_n_s16(tile.high[axis])) {
-    const int32x4_t numbers = numbers_of(tile, axis, t);
+  Walk(const PlacePatch& patch, std::size_t axis, float t) noexcept
+      : low_(vdupq_n_s16(patch.low[axis])), high_(vdupq_n_s16(patch.high[axis])) {
+    const int32x4_t numbers = numbers_of(patch, axis, t);
     const int32x4_t slope = vdupq_laneq_s32(numbers, 1);
     curve_ = vmovn_s32(numbers);
     straight_ = vmlaq_s32(vdupq_laneq_s32(numbers, 0), slope, vld1q_s32(kFirst.data()));
     four_ = vshlq_n_s32(slope, 2);
   }
 
-  // Steps of 1/128 px from the tile's corner for pixels k .. k + 7.
+  // Steps of 1/128 px from the patch's corner for pixels k .. k + 7.
   int16x8_t next(int k) noexcept {
     const int16x8_t bend = vld1q_s16(&kBend[static_cast<std::size_t>(k)]);
     const int16x8_t twist = vld1q_s16(&kTwist[static_cast<std::size_t>(k)]);
@@ -69,9 +69,9 @@ class Walk {
   int16x4_t curve_;
   int32x4_t straight_, four_;
 };
-static_assert(kTileFractionBits == 16);  // high halves are whole steps
+static_assert(kPatchFractionBits == 16);  // high halves are whole steps
 
-// Eight places: whole columns and rows from the tile's corner, fractions.
+// Eight places: whole columns and rows from the patch's corner, fractions.
 struct Eight {
   int16x8_t x, y;
   int16x8_t fraction_x, fraction_y;
@@ -101,8 +101,9 @@ uint8x8_t mix_rows(uint8x16_t upper, uint8x16_t lower, const Eight& places) noex
 }
 
 // Places that lie too far from each other: pixel by pixel.
-[[gnu::noinline]] void mix_apart(const ImageView<const std::uint8_t>& source, const PlaceTile& tile,
-                                 const Eight& places, std::uint8_t* out) noexcept {
+[[gnu::noinline]] void mix_apart(const ImageView<const std::uint8_t>& source,
+                                 const PlacePatch& patch, const Eight& places,
+                                 std::uint8_t* out) noexcept {
   std::array<std::array<std::int16_t, kLanes>, 4> lanes{};
   vst1q_s16(lanes[0].data(), places.x);
   vst1q_s16(lanes[1].data(), places.y);
@@ -111,8 +112,8 @@ uint8x8_t mix_rows(uint8x16_t upper, uint8x16_t lower, const Eight& places) noex
   vst1q_s16(lanes[2].data(), places.fraction_x);
   vst1q_s16(lanes[3].data(), places.fraction_y);
   for (std::size_t k = 0; k < kLanes; ++k) {
-    out[k] = mix(source, {.x = static_cast<std::uint16_t>(tile.x + lanes[0][k]),
-                          .y = static_cast<std::uint16_t>(tile.y + lanes[1][k]),
+    out[k] = mix(source, {.x = static_cast<std::uint16_t>(patch.x + lanes[0][k]),
+                          .y = static_cast<std::uint16_t>(patch.y + lanes[1][k]),
                           .fraction_x = static_cast<std::uint8_t>(lanes[2][k]),
                           .fraction_y = static_cast<std::uint8_t>(lanes[3][k])});
   }
@@ -146,7 +147,7 @@ uint8x8_t mix_steep(const Window& window, uint8x16_t line, int last, int below,
   return mix_rows(upper, lower, places);
 }
 
-// The source as seen from a tile's corner.
+// The source as seen from a patch's corner.
 struct Source {
   const std::uint8_t* corner;
   std::ptrdiff_t stride;
@@ -190,45 +191,45 @@ bool mix_eight(const Source& source, const Eight& places, std::uint8_t* out) noe
   return true;
 }
 
-// All 32 pixels of a tile's line.
-void remap_tile(const ImageView<const std::uint8_t>& image, const PlaceTile& tile, float t,
-                std::uint8_t* out) noexcept {
-  const Source source{.corner = image.data() + tile.y * image.stride() + tile.x,
+// All 32 pixels of a patch's line.
+void remap_patch(const ImageView<const std::uint8_t>& image, const PlacePatch& patch, float t,
+                 std::uint8_t* out) noexcept {
+  const Source source{.corner = image.data() + patch.y * image.stride() + patch.x,
                       .stride = image.stride(),
-                      .most_left = image.width() - kWindow - tile.x,
-                      .most_top = image.height() - 3 - tile.y};
-  Walk x(tile, 0, t);
-  Walk y(tile, 1, t);
-  for (int k = 0; k < kTileSide; k += kLanes) {
+                      .most_left = image.width() - kWindow - patch.x,
+                      .most_top = image.height() - 3 - patch.y};
+  Walk x(patch, 0, t);
+  Walk y(patch, 1, t);
+  for (int k = 0; k < kPatchSide; k += kLanes) {
     const int16x8_t along = x.next(k);
     const Eight places = split(along, y.next(k));
     if (!mix_eight(source, places, out + k)) {
-      mix_apart(image, tile, places, out + k);
+      mix_apart(image, patch, places, out + k);
     }
   }
 }
 
 }  // namespace
 
-void remap_row(ImageView<const std::uint8_t> source, std::span<const PlaceTile> tiles, int line,
+void remap_row(ImageView<const std::uint8_t> source, std::span<const PlacePatch> patches, int line,
                std::span<std::uint8_t> out) noexcept {
-  STOF_CHECK(out.size() <= tiles.size() * kTileSide && line >= 0 && line < kTileSide);
+  STOF_CHECK(out.size() <= patches.size() * kPatchSide && line >= 0 && line < kPatchSide);
   if (source.width() < kWindow || source.height() < 3) {
-    ref::remap_row(source, tiles, line, out);
+    ref::remap_row(source, patches, line, out);
     return;
   }
-  const float t = static_cast<float>(2 * line - (kTileSide - 1)) / kTileSide;
-  for (const PlaceTile& tile : tiles) {
-    const std::span<std::uint8_t> part = out.first(std::min<std::size_t>(out.size(), kTileSide));
+  const float t = static_cast<float>(2 * line - (kPatchSide - 1)) / kPatchSide;
+  for (const PlacePatch& patch : patches) {
+    const std::span<std::uint8_t> part = out.first(std::min<std::size_t>(out.size(), kPatchSide));
     out = out.subspan(part.size());
-    if (!tile.serves) {
+    if (!patch.serves) {
       continue;
     }
-    if (part.size() == kTileSide) {
-      remap_tile(source, tile, t, part.data());
+    if (part.size() == kPatchSide) {
+      remap_patch(source, patch, t, part.data());
     } else {
-      std::array<std::uint8_t, kTileSide> whole{};
-      remap_tile(source, tile, t, whole.data());
+      std::array<std::uint8_t, kPatchSide> whole{};
+      remap_patch(source, patch, t, whole.data());
       std::copy_n(whole.begin(), part.size(), part.begin());
     }
   }

@@ -54,37 +54,37 @@ TEST(RemapMix, IsWithinHalfAGreyLevelOfExactMixing) {
 }
 
 // Places that stand still, move along, bend or are spread all over a picture of this size.
-PlaceTile random_tile(test::Random& random, int width, int height) {
+PlacePatch random_patch(test::Random& random, int width, int height) {
   const int wildness = random.between(0, 3);
   const auto amount = [&](double most) { return most * random.between(-1000, 1000) / 1000.0; };
-  PlaceTile tile;
-  tile.x = static_cast<std::uint16_t>(random.between(0, width - 2));
-  tile.y = static_cast<std::uint16_t>(random.between(0, height - 2));
+  PlacePatch patch;
+  patch.x = static_cast<std::uint16_t>(random.between(0, width - 2));
+  patch.y = static_cast<std::uint16_t>(random.between(0, height - 2));
   for (std::size_t axis = 0; axis < 2; ++axis) {
     const double slope =
         (axis == 0 ? 1 : 0) +
         amount(std::array{0.01, 0.3, 1.0, 3.0}[static_cast<std::size_t>(wildness)]);
     const auto set = [&](std::size_t power, std::size_t i, double value) {
-      tile.powers[power][4 * axis + i] = static_cast<float>(value);
+      patch.powers[power][4 * axis + i] = static_cast<float>(value);
     };
     constexpr double kPixel = 128 * 65536;
     set(0, 0, kPixel * amount(20));
     set(0, 1, kPixel * slope);
-    set(0, 2, kTileBias + amount(wildness * 8000));
-    set(0, 3, kTileBias + amount(wildness * 8000));
+    set(0, 2, kPatchBias + amount(wildness * 8000));
+    set(0, 3, kPatchBias + amount(wildness * 8000));
     set(1, 0, kPixel * ((axis == 1 ? 16 : 0) + amount(8)));
     set(2, 0, kPixel * amount(2));
     set(3, 0, kPixel * amount(1));
     set(1, 1, kPixel * amount(0.02));
     set(2, 2, amount(300));
     set(3, 3, amount(300));
-    const int corner = axis == 0 ? tile.x : tile.y;
+    const int corner = axis == 0 ? patch.x : patch.y;
     const int size = axis == 0 ? width : height;
-    tile.low[axis] = static_cast<std::int16_t>(-corner * kPlaceOne);
-    tile.high[axis] = static_cast<std::int16_t>((size - 1 - corner) * kPlaceOne - 1);
+    patch.low[axis] = static_cast<std::int16_t>(-corner * kPlaceOne);
+    patch.high[axis] = static_cast<std::int16_t>((size - 1 - corner) * kPlaceOne - 1);
   }
-  tile.serves = random.between(0, 9) != 0;
-  return tile;
+  patch.serves = random.between(0, 9) != 0;
+  return patch;
 }
 
 TEST(RemapRow, EqualsReferenceForEveryLengthAndPlace) {
@@ -98,22 +98,22 @@ TEST(RemapRow, EqualsReferenceForEveryLengthAndPlace) {
             p = p == 0 ? 0 : 255;
           }
         }
-        const auto tiles = c.array<PlaceTile>((c.length() + kTileSide - 1) / kTileSide);
-        for (PlaceTile& tile : tiles) {
-          tile = random_tile(c.random(), w, h);
+        const auto patches = c.array<PlacePatch>((c.length() + kPatchSide - 1) / kPatchSide);
+        for (PlacePatch& patch : patches) {
+          patch = random_patch(c.random(), w, h);
         }
         const auto out = c.array<std::uint8_t>(c.length());
-        c.run([&] { best::remap_row(source, tiles, line, out); });
+        c.run([&] { best::remap_row(source, patches, line, out); });
       });
     }
   }
 }
 
-TEST(RemapRow, LeavesPixelsOfTilesThatDoNotServe) {
+TEST(RemapRow, LeavesPixelsOfPatchsThatDoNotServe) {
   test::GuardedImage<std::uint8_t> source(40, 40, 40, 9);
-  std::array<PlaceTile, 2> tiles{};
+  std::array<PlacePatch, 2> patches{};
   std::vector<std::uint8_t> out(64, 5);
-  best::remap_row(source.view(), tiles, 0, out);
+  best::remap_row(source.view(), patches, 0, out);
   EXPECT_TRUE(std::ranges::all_of(out, [](std::uint8_t p) { return p == 5; }));
 }
 
@@ -146,7 +146,7 @@ struct Lens {
   double k1;
   double k2;
   std::array<double, 3> turn;
-  bool gentle;  // no tile is computed anew each time
+  bool gentle;  // no patch is computed anew each time
 };
 constexpr std::array kLenses{Lens{"usual", 320, 240, 0.9, -0.24, 0.07, {0.015, 0.03, -0.02}, true},
                              Lens{"usual VGA", 640, 480, 0.8, -0.2, 0.05, {0.01, 0.02, 0.01}, true},
@@ -193,8 +193,8 @@ TEST(RemapTable, TellsThePlaceOfEveryPixelOfEveryLensExactly) {
         ASSERT_EQ(out[static_cast<std::size_t>(u)], mix(source.view(), want)) << u << ", " << v;
       }
     }
-    computed += tested.table.computed_tiles();
-    EXPECT_EQ(tested.table.computed_tiles() == 0, lens.gentle);
+    computed += tested.table.computed_patches();
+    EXPECT_EQ(tested.table.computed_patches() == 0, lens.gentle);
   }
   EXPECT_GT(computed, 0);  // both ways were tried
 }
