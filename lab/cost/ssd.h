@@ -5,6 +5,7 @@
 
 #include "dsp/base/kernel.h"
 #include "dsp/stereo/cost/sad.h"
+#include "lab/cost/cost_sums.h"
 
 // Sums of squared differences: sad.h's layout, sums and bounds, with (L - R)^2, at most 65025, in
 // place of |L - R|. u32 holds every block (64 * 64 * 65025 = 266,342,400); u16 those that

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "dsp/base/simd.h"
-#include "dsp/stereo/cost/row_pairs_neon.h"
+#include "lab/cost/slide_rows_neon.h"
 
 namespace stof::dsp::neon {
 namespace {

@@ -8,6 +8,7 @@
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/sad.h"
 #include "dsp/stereo/search/winner.h"
+#include "lab/cost/cost_sums.h"
 #include "lab/search/energy.h"
 
 namespace stof::lab {

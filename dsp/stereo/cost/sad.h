@@ -6,9 +6,8 @@
 
 #include "dsp/base/kernel.h"
 
-// Sums of absolute differences over a w x h block, for all columns of a row and all candidates,
-// by running sums: first down the rows (column sums), then along the row (block sums). The work
-// does not depend on the block's size.
+// Absolute differences summed down the rows of a block, for all columns of a row and all
+// candidates (column sums); sums along the row make block sums of them (search/block_winners.h).
 //
 // Layout. A row of n columns and `lanes` candidates is one array [column][candidate], lanes a
 // multiple of 16. The right row is stored reversed, so that the candidates of a column are
@@ -35,23 +34,6 @@ template <typename Sum>
 using AddDifferences = void(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
                             int lanes, std::span<Sum> columns) noexcept;
 
-// columns[k][i] += |new_left[k] - new_right[..]| - |old_left[k] - old_right[..]|: one row enters
-// the block, one leaves it.
-template <typename Sum>
-using SlideDifferences = void(std::span<const std::uint8_t> new_left,
-                              std::span<const std::uint8_t> new_right,
-                              std::span<const std::uint8_t> old_left,
-                              std::span<const std::uint8_t> old_right, int lanes,
-                              std::span<Sum> columns) noexcept;
-
-// costs[x][i] = sum over k = x .. x + block_width - 1 of columns[k][i], for n - block_width + 1
-// columns x. No overlap.
-template <typename Sum>
-using BlockSums = void(std::span<const Sum> columns, int block_width, int lanes,
-                       std::span<Sum> costs) noexcept;
-
 STOF_KERNELS(AddDifferences, add_differences, Neon<std::uint16_t>, Neon<std::uint32_t>)
-STOF_KERNELS(SlideDifferences, slide_differences, Neon<std::uint16_t>, Neon<std::uint32_t>)
-STOF_KERNELS(BlockSums, block_sums, Neon<std::uint16_t>, Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

@@ -1,81 +1,16 @@
 #include "dsp/stereo/cost/sad.h"
 
-#include <cstddef>
-
-#include "dsp/base/check.h"
 #include "dsp/base/lanes_neon.h"
-#include "dsp/stereo/cost/accumulate_neon.h"
 #include "dsp/stereo/cost/row_pairs_neon.h"
 
 namespace stof::dsp::neon {
-namespace {
-
-constexpr auto kAbsolute = Lanes<std::uint8_t>::difference;
-
-// Four vectors of candidates at a time keep their running sums in registers over the whole row.
-template <typename Sum, std::size_t kVectors>
-void sum_strip(const Sum* columns, std::size_t block_width, std::size_t lanes, Sum* costs,
-               std::size_t outputs) noexcept {
-  using L = Lanes<Sum>;
-  constexpr std::size_t kStep = L::kLanes;
-  typename L::V sums[kVectors];
-  for (std::size_t v = 0; v < kVectors; ++v) {
-    sums[v] = L::all(0);
-    for (std::size_t k = 0; k < block_width; ++k) {
-      sums[v] = sums[v] + L::load(columns + k * lanes + v * kStep);
-    }
-    L::store(costs + v * kStep, sums[v]);
-  }
-  for (std::size_t x = 1; x < outputs; ++x) {
-    const Sum* const leaving = columns + (x - 1) * lanes;
-    const Sum* const entering = leaving + block_width * lanes;
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      sums[v] = sums[v] + (L::load(entering + v * kStep) - L::load(leaving + v * kStep));
-      L::store(costs + x * lanes + v * kStep, sums[v]);
-    }
-  }
-}
-
-}  // namespace
 
 template <typename Sum>
 void add_differences(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
                      int lanes, std::span<Sum> columns) noexcept {
-  add_rows(left, right, lanes, columns, kAbsolute);
-}
-
-template <typename Sum>
-void slide_differences(std::span<const std::uint8_t> new_left,
-                       std::span<const std::uint8_t> new_right,
-                       std::span<const std::uint8_t> old_left,
-                       std::span<const std::uint8_t> old_right, int lanes,
-                       std::span<Sum> columns) noexcept {
-  slide_rows(new_left, new_right, old_left, old_right, lanes, columns, kAbsolute);
-}
-
-template <typename Sum>
-void block_sums(std::span<const Sum> columns, int block_width, int lanes,
-                std::span<Sum> costs) noexcept {
-  const std::size_t count = static_cast<std::size_t>(lanes);
-  const std::size_t block = static_cast<std::size_t>(block_width);
-  STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && block_width >= 1);
-  STOF_CHECK(columns.size() == costs.size() + (block - 1) * count);
-  const std::size_t outputs = costs.size() / count;
-  if (outputs == 0) {
-    return;
-  }
-  constexpr std::size_t kWide = 4 * Lanes<Sum>::kLanes;
-  std::size_t i = 0;
-  for (; i + kWide <= count; i += kWide) {
-    sum_strip<Sum, 4>(columns.data() + i, block, count, costs.data() + i, outputs);
-  }
-  for (; i < count; i += Lanes<Sum>::kLanes) {
-    sum_strip<Sum, 1>(columns.data() + i, block, count, costs.data() + i, outputs);
-  }
+  add_rows(left, right, lanes, columns, Lanes<std::uint8_t>::difference);
 }
 
 STOF_INSTANTIATE(AddDifferences, add_differences, std::uint16_t, std::uint32_t);
-STOF_INSTANTIATE(SlideDifferences, slide_differences, std::uint16_t, std::uint32_t);
-STOF_INSTANTIATE(BlockSums, block_sums, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon
