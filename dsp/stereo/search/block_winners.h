@@ -10,7 +10,8 @@
 
 // Winner takes all on sums of absolute differences over blocks, with the fit of the costs, in one
 // pass over a row: column sums slide by a row of pixels, block sums stay in registers, and the sums
-// themselves need not be kept. Equal to sad.h, winner.h and subpixel.h one after the other.
+// themselves need not be kept. Equal to sad.h summed along the row, then winner.h and then
+// subpixel.h.
 //
 // Sums are eight times the sums of differences. Their low three bits then number groups of eight
 // candidates, so that the minimum itself tells which group it comes from, and of a tie is the group
