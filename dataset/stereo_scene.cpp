@@ -113,7 +113,7 @@ std::expected<void, Problem> read_floor(const std::filesystem::path& dir, std::s
   if (!(height > 0) || !std::isfinite(height) || !(std::abs(tilt) < kLargestTilt)) {
     return refuse(dir / "meta.txt",
                   "has no usable camera_height_m and camera_tilt_degrees for surfaces.pgm",
-                  "add lines such as \"camera_height_m 0.6\" and \"camera_tilt_degrees 15\"");
+                  R"(add lines such as "camera_height_m 0.6" and "camera_tilt_degrees 15")");
   }
   const Loaded<Image<std::uint8_t>> values = read_pgm8(file);
   if (!values) {
