@@ -5,55 +5,39 @@
 #include <limits>
 
 #include "dataset/files/file.h"
+#include "host/evaluate/fusion/fusion_case.h"
 
 namespace stof::host {
-namespace {
-
-const char* what_is_missing(const dataset::StereoScene& scene) {
-  if (!scene.floor) {
-    return "has no surfaces.pgm: give a scene above a floor (stof_emu_pair DIR --scene floor)";
-  }
-  if (!scene.truth || !scene.visible) {
-    return "has no gt_left.pgm or no nonocc.pgm: give a scene with ground truth";
-  }
-  return nullptr;
-}
-
-}  // namespace
 
 dataset::Loaded<FloorCase> run_floor_case(const std::filesystem::path& folder,
                                           std::span<const MatchOptions> matchers,
                                           const FusionOptions& options) {
-  const dataset::Loaded<dataset::StereoScene> pair = dataset::read_stereo_scene(folder);
-  if (!pair) {
-    return std::unexpected(pair.error());
+  dataset::Loaded<RecordedPair> recorded = read_recorded_pair(folder, folder / "pmd");
+  if (!recorded) {
+    return std::unexpected(std::move(recorded.error()));
   }
-  if (const char* const what = what_is_missing(*pair)) {
-    return dataset::refuse(folder.string() + ": " + what);
+  const dataset::StereoScene& pair = recorded->pair;
+  if (!pair.floor || !pair.visible) {
+    return dataset::refuse(folder.string() +
+                           ": has no surfaces.pgm or no nonocc.pgm: give a scene above a floor "
+                           "(stof_emu_pair DIR --scene floor)");
   }
-  const dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(folder / "pmd");
-  if (!recording) {
-    return std::unexpected(recording.error());
-  }
-  if (!recording->has_rig) {
-    return dataset::refuse((folder / "pmd.json").string() +
-                           ": has no rig (stereo, R, T): give a recording of a scene");
-  }
-  const dsp::StereoRig& rig = recording->calibration.stereo;
-  FloorCase done{.scene = pair->name,
-                 .height_m = pair->floor->height_m,
-                 .tilt_degrees = pair->floor->tilt_degrees,
-                 .truth = depth_from_disparity(*pair->truth, rig),
+  FloorCase done{.scene = pair.name,
+                 .height_m = pair.floor->height_m,
+                 .tilt_degrees = pair.floor->tilt_degrees,
+                 .truth = std::move(recorded->depth),
                  .runs = {}};
-  const FloorReference reference{
-      .floor = *pair->floor, .visible = *pair->visible, .depth = done.truth, .lens = rig.left};
+  const FloorReference reference{.floor = *pair.floor,
+                                 .visible = *pair.visible,
+                                 .depth = done.truth,
+                                 .lens = recorded->recording.calibration.stereo.left};
   for (const MatchOptions& matcher : matchers) {
     const std::expected<lab::MatchParams, dataset::Problem> params =
-        fusion_params(matcher, pair->ndisp);
+        fusion_params(matcher, pair.ndisp);
     if (!params) {
       return std::unexpected(params.error());
     }
-    dataset::Loaded<FusionResult> result = fuse_scene(*pair, *recording, *params, options);
+    dataset::Loaded<FusionResult> result = fuse_scene(pair, recorded->recording, *params, options);
     if (!result) {
       return std::unexpected(std::move(result.error()));
     }

@@ -1,6 +1,7 @@
 #include "host/evaluate/floor/floor_score.h"
 
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -86,7 +87,8 @@ FloorScore score_floor(const dataset::Image<float>& depth, std::span<const dsp::
     }
     counters.at(static_cast<std::size_t>(surface)).add(z, truth);
     const int row = static_cast<int>(i) / depth.width;
-    const double above = std::isfinite(z) ? height.of(row, z) : -kFloorReachM;
+    const double above =
+        std::isfinite(z) ? height.of(row, z) : -std::numeric_limits<double>::infinity();
     if (floor) {
       obstacle.count(above > kObstacleM);
     } else if (surface == Surface::kLowerFloor) {

@@ -92,7 +92,7 @@ class EvaluateFloor(unittest.TestCase):
         self.refuse("--preset", "low", "--preset", "best")
         self.refuse("--fill", "low", "--preset", "fast", "--fill")
         self.refuse("second scene", "low", self.folder / "low", "--out", "maps")
-        for name, fact in (("surfaces.pgm", "has no surfaces.pgm"), ("gt_left.pgm", "gt_left.pgm"),
+        for name, fact in (("surfaces.pgm", "surfaces.pgm"), ("gt_left.pgm", "gt_left.pgm"),
                            ("nonocc.pgm", "nonocc.pgm"), ("pmd.json", "pmd.json")):
             copy = self.copy_of_low("without")
             (copy / name).unlink()
