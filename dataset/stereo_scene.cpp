@@ -101,6 +101,36 @@ std::expected<void, Problem> read_visible(const std::filesystem::path& dir, Ster
   return {};
 }
 
+std::expected<void, Problem> read_floor(const std::filesystem::path& dir, std::string_view meta,
+                                        StereoScene& scene) {
+  const std::filesystem::path file = dir / "surfaces.pgm";
+  if (!is_there(file)) {
+    return {};
+  }
+  constexpr double kLargestTilt = 90;
+  const double height = meta_number(meta, "camera_height_m").value_or(0);
+  const double tilt = meta_number(meta, "camera_tilt_degrees").value_or(kLargestTilt);
+  if (!(height > 0) || !std::isfinite(height) || !(std::abs(tilt) < kLargestTilt)) {
+    return refuse(dir / "meta.txt",
+                  "has no usable camera_height_m and camera_tilt_degrees for surfaces.pgm",
+                  R"(add lines such as "camera_height_m 0.6" and "camera_tilt_degrees 15")");
+  }
+  const Loaded<Image<std::uint8_t>> values = read_pgm8(file);
+  if (!values) {
+    return std::unexpected(values.error());
+  }
+  if (std::expected<void, Problem> same = same_size_as_left(file, *values, scene); !same) {
+    return same;
+  }
+  FloorTruth floor{
+      .height_m = height, .tilt_degrees = tilt, .surface = {values->width, values->height}};
+  std::ranges::transform(values->pixels, floor.surface.pixels.begin(), [](std::uint8_t value) {
+    return value < kSurfaces ? static_cast<Surface>(value) : Surface::kOther;
+  });
+  scene.floor = std::move(floor);
+  return {};
+}
+
 std::optional<dsp::StereoRig> read_rig(std::string_view meta, const StereoScene& scene) {
   const double focal = meta_number(meta, "f_px").value_or(0);
   const double baseline = meta_number(meta, "baseline_m").value_or(0);
@@ -156,6 +186,12 @@ std::string meta(const StereoScene& scene) {
                   scene.rig->left.fx, scene.rig->baseline_m, scene.rig->doff_px);
     text += rig.data();
   }
+  if (scene.floor) {
+    std::array<char, 96> pose{};
+    std::snprintf(pose.data(), pose.size(), "camera_height_m %.17g\ncamera_tilt_degrees %.17g\n",
+                  scene.floor->height_m, scene.floor->tilt_degrees);
+    text += pose.data();
+  }
   return text;
 }
 
@@ -188,6 +224,9 @@ Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
   if (std::expected<void, Problem> visible = read_visible(dir, scene); !visible) {
     return std::unexpected(std::move(visible.error()));
   }
+  if (std::expected<void, Problem> floor = read_floor(dir, *meta, scene); !floor) {
+    return std::unexpected(std::move(floor.error()));
+  }
   return scene;
 }
 
@@ -201,6 +240,12 @@ std::expected<void, Problem> write_stereo_scene(const std::filesystem::path& dir
   }
   if (scene.visible) {
     files.emplace_back("nonocc.pgm", pgm_bytes(*scene.visible));
+  }
+  if (scene.floor) {
+    Image<std::uint8_t> values(scene.left.width, scene.left.height);
+    std::ranges::transform(scene.floor->surface.pixels, values.pixels.begin(),
+                           [](Surface surface) { return static_cast<std::uint8_t>(surface); });
+    files.emplace_back("surfaces.pgm", pgm_bytes(values));
   }
   for (const auto& [name, bytes] : files) {
     if (std::expected<void, Problem> written = write_whole(dir / name, bytes); !written) {

@@ -11,6 +11,24 @@
 
 namespace stof::dataset {
 
+// What a pixel of a scene above a floor shows. Values are those of surfaces.pgm.
+enum class Surface : std::uint8_t {
+  kOther = 0,
+  kFloor = 1,
+  kLowerFloor = 2,  // behind a step down
+  kBox = 3,
+  kGlass = 4,
+  kWall = 5,
+};
+inline constexpr int kSurfaces = 6;
+
+// A level floor, the left camera above it, and what else is seen.
+struct FloorTruth {
+  double height_m = 0;      // of the left camera above the floor
+  double tilt_degrees = 0;  // by which it looks down; it is level sideways
+  Image<Surface> surface;   // of the left view
+};
+
 // A stereo scene. left and right have equal size.
 struct StereoScene {
   std::string name;  // the folder's name
@@ -22,9 +40,11 @@ struct StereoScene {
   // Parallel cameras, from meta.txt's f_px, baseline_m and doff_px (0 where absent); the principal
   // point is taken for the middle of the picture.
   std::optional<dsp::StereoRig> rig;
+  std::optional<FloorTruth> floor;  // from surfaces.pgm and meta.txt
 };
 
-// Reads DIR. left.pgm, right.pgm and meta.txt must be there; gt_left.pgm and nonocc.pgm may be.
+// Reads DIR. left.pgm, right.pgm and meta.txt must be there; gt_left.pgm, nonocc.pgm and
+// surfaces.pgm may be.
 Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir);
 
 // Writes the files of a scene into a folder that exists; truth in steps of 1/256 px, up to 255 px.

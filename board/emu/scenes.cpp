@@ -1,10 +1,15 @@
 #include "board/emu/scenes.h"
 
+#include <algorithm>
+#include <ranges>
 #include <utility>
+#include <vector>
 
 #include "dsp/base/parse_number.h"
+#include "hal/emu/imagery/grey.h"
 #include "hal/emu/imagery/moving_scene.h"
 #include "hal/emu/imagery/rendered_scene.h"
+#include "hal/emu/scenes/floor.h"
 #include "hal/emu/scenes/room.h"
 #include "hal/emu/scenes/scene.h"
 
@@ -14,6 +19,7 @@ namespace {
 namespace emu = hal::emu;
 
 constexpr std::string_view kRoom = "room:";
+constexpr std::string_view kFloor = "floor:";
 constexpr int kSmallest = 16;  // pixels a side
 constexpr int kLargest = 2048;
 constexpr double kMaxTurn = 10;      // degrees
@@ -34,8 +40,36 @@ std::optional<std::uint32_t> room_seed(std::string_view name) {
                                  : std::nullopt;
 }
 
+// floor, or floor:HEIGHT_CM,TILT_DEGREES with or without ,SEED.
+std::optional<emu::FloorView> floor_view(std::string_view name) {
+  emu::FloorView view;
+  if (name == "floor") {
+    return view;
+  }
+  if (!name.starts_with(kFloor)) {
+    return std::nullopt;
+  }
+  std::vector<std::string_view> words;
+  for (const auto word : std::views::split(name.substr(kFloor.size()), ',')) {
+    words.emplace_back(word.begin(), word.end());
+  }
+  if (words.size() != 2 && words.size() != 3) {
+    return std::nullopt;
+  }
+  const auto height_cm = dsp::parse_number_in<double>(words[0], 100 * emu::kMinFloorHeightM,
+                                                      100 * emu::kMaxFloorHeightM);
+  const auto tilt = dsp::parse_number_in<double>(words[1], 0, emu::kMaxFloorTilt);
+  const auto seed =
+      words.size() == 3 ? dsp::parse_number<std::uint32_t>(words[2]) : std::optional(view.seed);
+  if (!height_cm || !tilt || !seed) {
+    return std::nullopt;
+  }
+  return emu::FloorView{.height_m = *height_cm / 100, .tilt_degrees = *tilt, .seed = *seed};
+}
+
 bool is_scene(std::string_view name) {
-  return name == "corridor" || name == "walking" || name == "hall" || room_seed(name).has_value();
+  return name == "corridor" || name == "walking" || name == "hall" || room_seed(name) ||
+         floor_view(name);
 }
 
 // AXIS:DEGREES, such as pitch:0.1.
@@ -100,6 +134,21 @@ SceneWorld still_world(const emu::Scene& scene, const emu::Rig& rig) {
   return world;
 }
 
+SceneWorld floor_world(const emu::FloorView& view, const SceneOptions& options) {
+  const emu::FloorScene floor = emu::floor_scene(view);
+  const emu::Rig rig = changed(floor.rig, options);
+  SceneWorld world = still_world(floor.scene, rig);
+  const dataset::Image<int> things = emu::render_things({floor.scene, rig.head}, rig.stereo.left);
+  dataset::FloorTruth truth{.height_m = view.height_m,
+                            .tilt_degrees = view.tilt_degrees,
+                            .surface = {things.width, things.height}};
+  std::ranges::transform(things.pixels, truth.surface.pixels.begin(), [&](int thing) {
+    return thing < 0 ? dataset::Surface::kOther : floor.surfaces[static_cast<std::size_t>(thing)];
+  });
+  world.floor = std::move(truth);
+  return world;
+}
+
 SceneWorld moving_world(const emu::Motion& motion, const emu::Rig& rig, std::uint32_t exposure) {
   auto rendered = std::make_unique<emu::MovingScene>(motion, rig);
   SceneWorld world{.imagery = nullptr,
@@ -120,7 +169,9 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
     if (!is_scene(value)) {
       std::string line = "there is no scene \"";
       line += value;
-      line += "\"; the scenes are corridor, walking, hall and room:SEED";
+      line +=
+          "\"; the scenes are corridor, walking, hall, room:SEED, floor and "
+          "floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm, 0 to 30 degrees)";
       return std::unexpected(std::move(line));
     }
     options.name = value;
@@ -158,7 +209,11 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
 std::string_view scene_usage() noexcept {
   return "  --scene NAME         corridor (default), walking (somebody walks in it), hall (up to "
          "13.6 m,\n"
-         "                       beyond the PMD camera's range) or room:SEED (random)\n"
+         "                       beyond the PMD camera's range), room:SEED (random), floor "
+         "or\n"
+         "                       floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm above a floor, "
+         "0 to\n"
+         "                       30 degrees downwards; default 60,15)\n"
          "  --size WxH           of the stereo pictures (default 640x480)\n"
          "  --pmd WxH            of the PMD camera's pictures (default 176x144), or none\n"
          "  --seed N             of the noise\n"
@@ -182,6 +237,9 @@ SceneWorld render_world(const SceneOptions& options, std::uint32_t exposure) {
   if (const std::optional<std::uint32_t> seed = room_seed(options.name)) {
     const emu::Room room = emu::random_room(*seed);
     return still_world(room.scene, changed(room.rig, options));
+  }
+  if (const std::optional<emu::FloorView> view = floor_view(options.name)) {
+    return floor_world(*view, options);
   }
   return still_world(emu::corridor(), changed(emu::corridor_rig(), options));
 }

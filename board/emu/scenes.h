@@ -43,6 +43,7 @@ struct SceneWorld {
   // seen by both cameras.
   dataset::Image<float> depth;
   dataset::Image<std::uint8_t> visible;
+  std::optional<dataset::FloorTruth> floor = std::nullopt;  // of a scene above a floor
 };
 
 // Half a second to four seconds at 640x480.

@@ -38,6 +38,7 @@ dataset::StereoScene stereo_scene(SceneWorld& world, const WritePairOptions& opt
   scene.ndisp = world.disparities;
   scene.visible = world.visible;
   scene.rig = rig;
+  scene.floor = world.floor;
   scene.truth = world.depth;
   for (float& value : scene.truth->pixels) {
     const double disparity = rig.left.fx * rig.baseline_m / value - rig.doff_px;

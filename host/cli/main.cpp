@@ -6,6 +6,7 @@
 #include "host/cli/config/config.h"
 #include "host/cli/discover.h"
 #include "host/cli/evaluate/evaluate.h"
+#include "host/cli/evaluate/evaluate_floor.h"
 #include "host/cli/evaluate/evaluate_fusion.h"
 #include "host/cli/evaluate/evaluate_pmd.h"
 #include "host/cli/evaluate/evaluate_stereo.h"
@@ -26,6 +27,7 @@ struct Commands {
   EvaluateStereoOptions stereo;
   EvaluateFusionOptions fusion;
   EvaluatePmdOptions pmd;
+  EvaluateFloorOptions floor;
   ViewOptions view;
   ReportOptions report;
   CalibPmdOptions calib_pmd;
@@ -53,6 +55,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   both.callback([&fusion] { evaluate_fusion(fusion); });
 
   add_evaluate_pmd(evaluate, commands.pmd);
+  add_evaluate_floor(evaluate, commands.floor);
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {

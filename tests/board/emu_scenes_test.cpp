@@ -1,6 +1,7 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -68,7 +69,10 @@ TEST(EmuOptions, FindsThePmdRecordingBesideTheDataset) {
 }
 
 TEST(EmuOptions, RefusesWhatMeansNothingInOneLine) {
-  for (const char* const name : {"moon", "room:", "room:x", "room:-1", "room:4294967296"}) {
+  for (const char* const name :
+       {"moon", "room:", "room:x", "room:-1", "room:4294967296", "floor:", "floor:60", "floor:60,",
+        "floor:19,15", "floor:121,15", "floor:60,-1", "floor:60,31", "floor:60,15,",
+        "floor:60,15,x", "floor:60,15,1,1", "floor:nan,15", "floors", "floor60,15"}) {
     expect_refused({"--scene", name}, name);
   }
   for (const char* const size : {"640", "x", "640x", "8x640", "640x480x3", "4000x3000", "none"}) {
@@ -103,6 +107,27 @@ TEST(RenderWorld, ChangesTheRigAsAsked) {
   const board::SceneWorld other = board::render_world(options, 1);
   EXPECT_NE(hash(expose(*world.imagery, 1)), hash(expose(*other.imagery, 1)));
   EXPECT_EQ(world.depth.pixels, other.depth.pixels);
+}
+
+TEST(RenderWorld, KnowsWhatIsSeenAboveAFloor) {
+  for (const auto& [name, height, tilt] :
+       {std::tuple("floor", 0.6, 15.0), std::tuple("floor:20,0", 0.2, 0.0),
+        std::tuple("floor:120,30,7", 1.2, 30.0), std::tuple("floor:45.5,7.25", 0.455, 7.25)}) {
+    board::SceneOptions options;
+    ASSERT_EQ(board::take_scene_flag("--scene", name, options), true) << name;
+    options.size = hal::emu::Size{160, 120};
+    options.pmd = hal::emu::Size{};
+    const board::SceneWorld world = board::render_world(options, 0);
+    ASSERT_TRUE(world.floor) << name;
+    EXPECT_EQ(world.floor->height_m, height);
+    EXPECT_EQ(world.floor->tilt_degrees, tilt);
+    EXPECT_EQ(world.floor->surface.width, 160);
+    // The floor is in the bottom row.
+    EXPECT_EQ(world.floor->surface.view().at(80, 119), dataset::Surface::kFloor);
+  }
+  board::SceneOptions options;
+  options.size = hal::emu::Size{64, 48};
+  EXPECT_FALSE(board::render_world(options, 0).floor);
 }
 
 class Pair : public ::testing::Test {
@@ -161,6 +186,20 @@ TEST_F(Pair, IsWhatTheCamerasOfTheSceneExpose) {
           << frame << " " << k;
     }
   }
+}
+
+TEST_F(Pair, AboveAFloorHasItsTruth) {
+  ASSERT_EQ(run({"--scene", "floor:40,20", "--size", "160x120", "--pmd", "none"}), 0);
+  board::SceneOptions options;
+  options.name = "floor:40,20";
+  options.size = hal::emu::Size{160, 120};
+  const board::SceneWorld world = board::render_world(options, 0);
+  const auto scene = dataset::read_stereo_scene(folder_);
+  ASSERT_TRUE(scene) << scene.error().message;
+  ASSERT_TRUE(scene->floor && world.floor);
+  EXPECT_EQ(scene->floor->height_m, 0.4);
+  EXPECT_EQ(scene->floor->tilt_degrees, 20);
+  EXPECT_EQ(scene->floor->surface.pixels, world.floor->surface.pixels);
 }
 
 TEST_F(Pair, WithoutPmdCameraHasNoRecording) {

@@ -113,6 +113,28 @@ TEST_F(StereoScenes, KnowTheirRigWhereItIsGivenWhole) {
   EXPECT_EQ(scene->rig->doff_px, -2);
 }
 
+TEST_F(StereoScenes, KnowTheFloorWhereSurfacesAreGiven) {
+  EXPECT_FALSE(read_stereo_scene(dir())->floor);
+  put("Little/surfaces.pgm", "P5\n3 1\n255\n\x01\x04\x06"sv);
+  for (const char* pose : {"", "camera_height_m 0.6\n", "camera_tilt_degrees 15\n",
+                           "camera_height_m 0\ncamera_tilt_degrees 15\n",
+                           "camera_height_m inf\ncamera_tilt_degrees 15\n",
+                           "camera_height_m 0.6\ncamera_tilt_degrees 90\n",
+                           "camera_height_m 0.6\ncamera_tilt_degrees nan\n"}) {
+    put("Little/meta.txt", std::string("ndisp 16\n") + pose);
+    expect_refused(dir() / "meta.txt", "camera_height_m");
+  }
+  put("Little/meta.txt", "ndisp 16\ncamera_height_m 0.6\ncamera_tilt_degrees -15.5\n");
+  const Loaded<StereoScene> scene = read_stereo_scene(dir());
+  ASSERT_TRUE(scene && scene->floor);
+  EXPECT_EQ(scene->floor->height_m, 0.6);
+  EXPECT_EQ(scene->floor->tilt_degrees, -15.5);
+  EXPECT_EQ(scene->floor->surface.pixels,
+            (std::vector<Surface>{Surface::kFloor, Surface::kGlass, Surface::kOther}));
+  put("Little/surfaces.pgm", "P5\n1 3\n255\n123"sv);
+  expect_refused(dir() / "surfaces.pgm", "is 1x3 but left.pgm is 3x1");
+}
+
 TEST_F(StereoScenes, AreReadAsTheyWereWritten) {
   StereoScene written;
   written.name = "Copy";
@@ -127,6 +149,8 @@ TEST_F(StereoScenes, AreReadAsTheyWereWritten) {
   written.visible->pixels[4] = 0;
   written.rig = dsp::StereoRig{.left = {}, .baseline_m = 0.1, .doff_px = 1.0 / 3};
   written.rig->left.fx = 615.123456789;
+  written.floor = FloorTruth{.height_m = 0.1, .tilt_degrees = 1.0 / 3, .surface = {3, 2}};
+  written.floor->surface.pixels[1] = Surface::kWall;
   std::filesystem::create_directories(folder() / "Copy");
   ASSERT_TRUE(write_stereo_scene(folder() / "Copy", written));
   const Loaded<StereoScene> read = read_stereo_scene(folder() / "Copy");
@@ -140,6 +164,10 @@ TEST_F(StereoScenes, AreReadAsTheyWereWritten) {
             (std::vector<float>{12.25F, kNone, 1.0F / 256, 255, 12.25F, 12.25F}));
   EXPECT_EQ(read->rig->left.fx, 615.123456789);
   EXPECT_EQ(read->rig->doff_px, 1.0 / 3);
+  ASSERT_TRUE(read->floor);
+  EXPECT_EQ(read->floor->height_m, 0.1);
+  EXPECT_EQ(read->floor->tilt_degrees, 1.0 / 3);
+  EXPECT_EQ(read->floor->surface.pixels, written.floor->surface.pixels);
 }
 
 TEST_F(StereoScenes, AreRefusedWhereTheyCannotBeWritten) {

@@ -54,15 +54,15 @@ class GreyRenderer {
     const Patch patch{centre.thing, centre.face};
     const Vec3& from = viewpoint_.pose().position;
     if (!std::ranges::all_of(around, [&](const Patch& corner) { return corner == patch; })) {
-      return mean(x, y, kEdgeRays, [&](double rx, double ry) {
-        const Hit hit = viewpoint_.look(rx, ry);
-        return hit.thing < 0 ? 0 : radiance(scene_, hit, from);
-      });
+      return mean_light(x, y);
+    }
+    if (centre.thing >= 0 && material_of(centre).clear > 0) {
+      return mean_light(x, y);
     }
     if (centre.thing < first) {
       return std::nullopt;
     }
-    const Material& material = scene_.things[static_cast<std::size_t>(centre.thing)].material;
+    const Material& material = material_of(centre);
     if (material.texture == Texture::kPlain) {
       return radiance(scene_, centre, from);
     }
@@ -78,6 +78,24 @@ class GreyRenderer {
  private:
   Hit look(double u, double v) const {
     return viewpoint_.look((u - lens_.cx) / lens_.fx, (v - lens_.cy) / lens_.fy);
+  }
+
+  const Material& material_of(const Hit& hit) const {
+    return scene_.things[static_cast<std::size_t>(hit.thing)].material;
+  }
+
+  // Radiance of whatever surfaces meet in the pixel, and of what is behind panes.
+  double mean_light(int x, int y) const {
+    const Vec3& from = viewpoint_.pose().position;
+    const auto own = [&](const Hit& hit) {
+      return hit.thing < 0 ? 0 : radiance(scene_, hit, from);
+    };
+    return mean(x, y, kEdgeRays, [&](double rx, double ry) {
+      const Hit hit = viewpoint_.look(rx, ry);
+      const double clear = hit.thing < 0 ? 0 : material_of(hit).clear;
+      return clear == 0 ? own(hit)
+                        : own(hit) + clear * own(viewpoint_.look_past(hit.thing, rx, ry));
+    });
   }
 
   // Of value(ray x, ray y) over side x side rays spread evenly over the pixel.
@@ -143,17 +161,31 @@ dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Viewpoint& v
   return out;
 }
 
-dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
-  dataset::Image<float> out(lens.width, lens.height, std::numeric_limits<float>::infinity());
+namespace {
+
+// Of each pixel value(what its centre shows).
+template <typename Pixel, typename Value>
+dataset::Image<Pixel> map_of_centres(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+                                     const Value& value) {
+  dataset::Image<Pixel> out(lens.width, lens.height);
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
-      const Hit hit = viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
-      if (hit.thing >= 0) {
-        out.view().at(x, y) = static_cast<float>(hit.t);
-      }
+      out.view().at(x, y) = value(viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy));
     }
   }
   return out;
+}
+
+}  // namespace
+
+dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
+  return map_of_centres<float>(viewpoint, lens, [](const Hit& hit) {
+    return hit.thing < 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(hit.t);
+  });
+}
+
+dataset::Image<int> render_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
+  return map_of_centres<int>(viewpoint, lens, [](const Hit& hit) { return hit.thing; });
 }
 
 dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,

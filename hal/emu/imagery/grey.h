@@ -26,6 +26,9 @@ void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp:
 // Depth Z in metres at pixel centres, +inf = nothing there.
 dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens);
 
+// Index of the thing at pixel centres, -1 = nothing there.
+dataset::Image<int> render_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens);
+
 // 255 where `other` sees the point that `viewpoint` sees at the pixel's centre, inside its picture.
 dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                                             const Viewpoint& other, const dsp::Pinhole& other_lens);

@@ -49,14 +49,27 @@ class PmdRenderer {
   }
 
  private:
+  // What the ray meets, and what is behind it where that is a pane: light comes and goes through
+  // it.
   void add(const Vec3& ray, Collected& sum) const {
     const Hit hit = viewpoint_.look(ray.x, ray.y);
     if (hit.thing < 0) {
       return;
     }
-    const Material& material = scene_.things[static_cast<std::size_t>(hit.thing)].material;
-    const double share =
-        infrared_albedo(material, hit.local) / (model_.rays_per_side * model_.rays_per_side);
+    add(ray, hit, 1, sum);
+    const double clear = material_of(hit).clear;
+    if (clear > 0) {
+      const Hit behind = viewpoint_.look_past(hit.thing, ray.x, ray.y);
+      if (behind.thing >= 0) {
+        add(ray, behind, clear * clear, sum);
+      }
+    }
+  }
+
+  // `through`: the share of the light that is left on its way.
+  void add(const Vec3& ray, const Hit& hit, double through, Collected& sum) const {
+    const double share = through * infrared_albedo(material_of(hit), hit.local) /
+                         (model_.rays_per_side * model_.rays_per_side);
     sum.ambient += model_.ambient_e * share;
     const Vec3 point = hit.t * ray;
     const double back = length(point);
@@ -81,6 +94,10 @@ class PmdRenderer {
       sum.third = sum.third + signal * third;
       sum.fifth = sum.fifth + signal * (third * twice);
     }
+  }
+
+  const Material& material_of(const Hit& hit) const {
+    return scene_.things[static_cast<std::size_t>(hit.thing)].material;
   }
 
   const Scene& scene_;

@@ -2,8 +2,6 @@
 
 #include <cmath>
 
-#include "hal/emu/imagery/phasor.h"
-
 namespace stof::hal::emu {
 namespace {
 
@@ -11,11 +9,6 @@ namespace {
 constexpr double kHalfDegree = 0.0087268677907587;    // of 1 degree
 constexpr double kThreeDegrees = 0.0261859215691869;  // of 3 degrees
 constexpr double kThirdOfDegree = 0.0026179998696;    // of 0.3 degrees
-
-double half_tangent(double degrees) noexcept {
-  const Phasor half = phasor(degrees / 720);
-  return half.im / half.re;
-}
 
 void resize(dsp::Pinhole& lens, int width, int height) noexcept {
   const double scale = static_cast<double>(width) / lens.width;

@@ -8,7 +8,15 @@
 namespace stof::hal::emu {
 namespace {
 
-constexpr int kOctaves = 5;
+// Each octave of noise has cells of half the size of those before it, and this share of their
+// weight.
+struct Octaves {
+  std::uint32_t count;
+  double weight;
+  double stretch;  // the sum crowds around the middle; stretched, it uses the whole range
+};
+constexpr Octaves kCloudy{.count = 5, .weight = 0.75, .stretch = 1.8};
+constexpr Octaves kGrainy{.count = 10, .weight = 1, .stretch = 3};
 
 double lattice(std::int64_t x, std::int64_t y, std::int64_t z, std::uint32_t seed) noexcept {
   const std::uint64_t word = static_cast<std::uint64_t>(x) * 0x9E3779B97F4A7C15ULL +
@@ -38,19 +46,18 @@ double value_noise(const Vec3& p, std::uint32_t seed) noexcept {
                tz);
 }
 
-double noise(const Vec3& p, double period, std::uint32_t seed) noexcept {
+double noise(const Vec3& p, const Octaves& octaves, double period, std::uint32_t seed) noexcept {
   double sum = 0;
   double weights = 0;
   double weight = 1;
   double scale = 1 / period;
-  for (std::uint32_t octave = 0; octave < kOctaves; ++octave) {
+  for (std::uint32_t octave = 0; octave < octaves.count; ++octave) {
     sum += weight * value_noise(scale * p, seed + octave);
     weights += weight;
-    weight *= 0.75;
+    weight *= octaves.weight;
     scale *= 2;
   }
-  // The sum crowds around the middle; stretched, it uses the whole range.
-  return std::clamp(0.5 + 1.8 * (sum / weights - 0.5), 0.0, 1.0);
+  return std::clamp(0.5 + octaves.stretch * (sum / weights - 0.5), 0.0, 1.0);
 }
 
 // Shifted, so that no cell ends where a box's side usually lies.
@@ -62,7 +69,9 @@ bool odd(double cells) noexcept {
 double brightness(const Material& material, const Vec3& local) noexcept {
   switch (material.texture) {
     case Texture::kNoise:
-      return noise(local, material.period_m, material.seed);
+      return noise(local, kCloudy, material.period_m, material.seed);
+    case Texture::kSpeckle:
+      return noise(local, kGrainy, material.period_m, material.seed);
     case Texture::kStripes:
       return odd(2 * local.x / material.period_m) ? 0 : 1;
     case Texture::kChecks:

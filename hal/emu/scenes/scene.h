@@ -16,6 +16,7 @@ enum class Texture : std::uint8_t {
   kNoise,    // value noise in five octaves, the coarsest with cells of `period_m`
   kStripes,  // along the thing's x axis, so vertical stripes: repetitive for stereo
   kChecks,   // along its x and y axis
+  kSpeckle,  // value noise in ten octaves of equal weight: fine grain, faint clouds
 };
 
 struct Material {
@@ -23,12 +24,15 @@ struct Material {
   double contrast = 0;  // the darkest parts have albedo (1 - contrast); 0..1
   Texture texture = Texture::kPlain;
   double period_m = 0.1;
-  std::uint32_t seed = 0;       // of kNoise
+  std::uint32_t seed = 0;       // of kNoise and kSpeckle
   std::optional<double> nir{};  // albedo in the PMD camera's infrared, untextured; none: as visible
   // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2). What
   // it shows depends on where the viewpoint is: the two cameras see it at different places.
   double gloss = 0;  // 0..1
   int gloss_log2 = 6;
+  // A pane: the share of light that it lets through each way. What is behind it is seen through it,
+  // but for other panes.
+  double clear = 0;  // 0..1
 };
 
 enum class Form : std::uint8_t {

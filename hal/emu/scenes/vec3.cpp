@@ -1,5 +1,7 @@
 #include "hal/emu/scenes/vec3.h"
 
+#include "hal/emu/imagery/phasor.h"
+
 namespace stof::hal::emu {
 namespace {
 
@@ -22,6 +24,11 @@ Pose turned(double yaw_half_tan, double pitch_half_tan, double roll_half_tan) no
   const Pose about_x{{1, 0, 0, 0, pitch.cosine, -pitch.sine, 0, pitch.sine, pitch.cosine}, {}};
   const Pose about_z{{roll.cosine, -roll.sine, 0, roll.sine, roll.cosine, 0, 0, 0, 1}, {}};
   return about_y * about_x * about_z;
+}
+
+double half_tangent(double degrees) noexcept {
+  const Phasor half = phasor(degrees / 720);
+  return half.im / half.re;
 }
 
 }  // namespace stof::hal::emu

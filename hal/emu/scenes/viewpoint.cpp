@@ -81,7 +81,7 @@ std::span<const std::uint64_t> Viewpoint::candidates(double x, double y) const n
   return std::span(cells_).subspan(static_cast<std::size_t>(entry) * words_, words_);
 }
 
-Hit Viewpoint::look(double x, double y) const noexcept {
+Hit Viewpoint::look_past(int absent, double x, double y) const noexcept {
   const Vec3 direction{x, y, 1};
   LocalHit nearest;
   int thing = -1;
@@ -90,7 +90,7 @@ Hit Viewpoint::look(double x, double y) const noexcept {
     for (; word != 0; word &= word - 1) {
       const std::size_t i = base + static_cast<std::size_t>(std::countr_zero(word));
       const Seen& seen = seen_[i];
-      if (!seen.window.holds(x, y)) {
+      if (!seen.window.holds(x, y) || static_cast<int>(i) == absent) {
         continue;
       }
       const Thing& candidate = scene_.things[i];

@@ -26,7 +26,9 @@ class Viewpoint {
   const Pose& pose() const noexcept { return pose_; }
   int things() const noexcept { return static_cast<int>(seen_.size()); }
   // The nearest thing.
-  Hit look(double x, double y) const noexcept;
+  Hit look(double x, double y) const noexcept { return look_past(-1, x, y); }
+  // The same if `absent` were not there.
+  Hit look_past(int absent, double x, double y) const noexcept;
   // The same if `thing` were alone in the world.
   Hit look_at(int thing, double x, double y) const noexcept;
 

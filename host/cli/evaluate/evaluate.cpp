@@ -1,5 +1,7 @@
 #include "host/cli/evaluate/evaluate.h"
 
+#include <nlohmann/json.hpp>
+
 #include "host/cli/failure.h"
 #include "host/text/printed.h"
 #include "lab/match_options.h"
@@ -50,6 +52,10 @@ void make_folder(const std::filesystem::path& folder) {
 
 std::string percent_text(std::optional<double> share, int columns) {
   return share ? printed("%*.2f", columns, 100 * *share) : printed("%*s", columns, "-");
+}
+
+nlohmann::ordered_json json_number(std::optional<double> value, double unit) {
+  return value ? nlohmann::ordered_json(*value * unit) : nlohmann::ordered_json(nullptr);
 }
 
 }  // namespace stof::host

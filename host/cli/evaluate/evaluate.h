@@ -6,10 +6,11 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <nlohmann/json_fwd.hpp>
 
 #include "host/evaluate/stereo/match.h"
 
-// What `stof evaluate stereo` and `stof evaluate fusion` share.
+// What `stof evaluate stereo`, `fusion` and `floor` share.
 namespace stof::host {
 
 struct EvaluateOptions {
@@ -18,12 +19,14 @@ struct EvaluateOptions {
   std::filesystem::path out;  // empty: nothing is written
 };
 
-// Adds the flags that both commands share.
+// Adds the flags that these commands share.
 void add_evaluate_flags(CLI::App& command, EvaluateOptions& options);
 // Makes the folder where it is missing. Throws Failure.
 void make_folder(const std::filesystem::path& folder);
 
 // "12.3", or "-" for what could not be counted: a share in percent, right-aligned in `columns`.
 std::string percent_text(std::optional<double> share, int columns);
+// A value in so many of a unit; null for what could not be counted.
+nlohmann::ordered_json json_number(std::optional<double> value, double unit = 1);
 
 }  // namespace stof::host

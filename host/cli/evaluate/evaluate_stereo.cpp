@@ -8,6 +8,7 @@
 
 #include "host/cli/failure.h"
 #include "host/evaluate/stereo/disparity_score.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -48,9 +49,7 @@ Row evaluate_scene(const dataset::StereoScene& scene, const EvaluateStereoOption
           .score = score_disparity(disparity, scene, plan.params.block_width)};
 }
 
-ordered_json percent(std::optional<double> share) {
-  return share ? ordered_json(100 * *share) : ordered_json(nullptr);
-}
+ordered_json percent(std::optional<double> share) { return json_number(share, kPercent); }
 
 ordered_json to_json(double ms, const DisparityScore& score) {
   return {{"ms", ms},

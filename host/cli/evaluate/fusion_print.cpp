@@ -18,23 +18,19 @@ using nlohmann::ordered_json;
 constexpr const char* kE5 =
     "E5: share of pixels with truth that are missing or off by more than 5 % of depth\n";
 
-ordered_json number(std::optional<double> value, double unit = 1) {
-  return value ? ordered_json(*value * unit) : ordered_json(nullptr);
-}
-
 ordered_json to_json(const DepthScore& score) {
   ordered_json by_width = ordered_json::array();
   for (const std::optional<double>& rate : score.hit_rate_by_width) {
-    by_width.push_back(number(rate));
+    by_width.push_back(json_number(rate));
   }
   return {{"e5", score.e5},
           {"coverage", score.coverage},
-          {"median_error_mm", number(score.median_error_m, kMm)},
-          {"median_error_relative", number(score.median_relative)},
-          {"hit_rate", number(score.hit_rate)},
+          {"median_error_mm", json_number(score.median_error_m, kMm)},
+          {"median_error_relative", json_number(score.median_relative)},
+          {"hit_rate", json_number(score.hit_rate)},
           {"hit_rate_by_width", std::move(by_width)},
-          {"median_width_mm", number(score.median_width_m, kMm)},
-          {"median_width_relative", number(score.median_width_relative)}};
+          {"median_width_mm", json_number(score.median_width_m, kMm)},
+          {"median_width_relative", json_number(score.median_width_relative)}};
 }
 
 void add_scores(const FusionScores& scores, ordered_json& report) {

@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "host/evaluate/mean_of.h"
 #include "host/evaluate/stereo/median.h"
 
 namespace stof::host {
@@ -13,20 +14,6 @@ namespace {
 constexpr float kNone = std::numeric_limits<float>::infinity();
 
 bool contains(double low, double z, double high) { return low <= z && z <= high; }
-
-// The mean of a figure over the scores that have it.
-template <typename Figure>
-std::optional<double> mean_of(std::span<const DepthScore> scores, Figure figure) {
-  double sum = 0;
-  int count = 0;
-  for (const DepthScore& score : scores) {
-    if (const std::optional<double> value = figure(score)) {
-      sum += *value;
-      ++count;
-    }
-  }
-  return count == 0 ? std::nullopt : std::optional(sum / count);
-}
 
 }  // namespace
 
@@ -72,20 +59,17 @@ DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& t
 }
 
 DepthScore mean_score(std::span<const DepthScore> scores) {
-  using Value = std::optional<double>;
   DepthScore mean;
   for (const DepthScore& score : scores) {
     mean.truth_pixels += score.truth_pixels;
   }
-  mean.e5 = mean_of(scores, [](const DepthScore& s) -> Value { return s.e5; }).value_or(1);
-  mean.coverage =
-      mean_of(scores, [](const DepthScore& s) -> Value { return s.coverage; }).value_or(0);
-  mean.median_error_m = mean_of(scores, [](const DepthScore& s) { return s.median_error_m; });
-  mean.median_relative = mean_of(scores, [](const DepthScore& s) { return s.median_relative; });
-  mean.hit_rate = mean_of(scores, [](const DepthScore& s) { return s.hit_rate; });
-  mean.median_width_m = mean_of(scores, [](const DepthScore& s) { return s.median_width_m; });
-  mean.median_width_relative =
-      mean_of(scores, [](const DepthScore& s) { return s.median_width_relative; });
+  mean.e5 = mean_of(scores, &DepthScore::e5).value_or(1);
+  mean.coverage = mean_of(scores, &DepthScore::coverage).value_or(0);
+  mean.median_error_m = mean_of(scores, &DepthScore::median_error_m);
+  mean.median_relative = mean_of(scores, &DepthScore::median_relative);
+  mean.hit_rate = mean_of(scores, &DepthScore::hit_rate);
+  mean.median_width_m = mean_of(scores, &DepthScore::median_width_m);
+  mean.median_width_relative = mean_of(scores, &DepthScore::median_width_relative);
   for (std::size_t k = 0; k < mean.hit_rate_by_width.size(); ++k) {
     mean.hit_rate_by_width[k] =
         mean_of(scores, [k](const DepthScore& s) { return s.hit_rate_by_width[k]; });

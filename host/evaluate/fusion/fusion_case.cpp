@@ -8,17 +8,15 @@ std::string FusionCase::sensor() const {
   return std::to_string(lens.width) + "x" + std::to_string(lens.height);
 }
 
-dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
-                                            const std::filesystem::path& prefix,
-                                            const MatchOptions& match,
-                                            const FusionOptions& options) {
+dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& scene,
+                                                 const std::filesystem::path& prefix) {
   dataset::Loaded<dataset::StereoScene> pair = dataset::read_stereo_scene(scene);
   if (!pair) {
     return std::unexpected(std::move(pair.error()));
   }
-  const dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(prefix);
+  dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(prefix);
   if (!recording) {
-    return std::unexpected(recording.error());
+    return std::unexpected(std::move(recording.error()));
   }
   if (!recording->has_rig) {
     return dataset::refuse(prefix.string() +
@@ -27,21 +25,35 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
   if (!pair->truth) {
     return dataset::refuse(scene.string() + ": has no gt_left.pgm: give a scene with ground truth");
   }
-  const std::expected<lab::MatchParams, dataset::Problem> params =
-      fusion_params(match, pair->ndisp);
+  dataset::Image<float> depth = depth_from_disparity(*pair->truth, recording->calibration.stereo);
+  return RecordedPair{
+      .pair = std::move(*pair), .recording = std::move(*recording), .depth = std::move(depth)};
+}
+
+dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
+                                            const std::filesystem::path& prefix,
+                                            const MatchOptions& match,
+                                            const FusionOptions& options) {
+  dataset::Loaded<RecordedPair> recorded = read_recorded_pair(scene, prefix);
+  if (!recorded) {
+    return std::unexpected(std::move(recorded.error()));
+  }
+  dataset::StereoScene& pair = recorded->pair;
+  const dsp::Calibration& calibration = recorded->recording.calibration;
+  const std::expected<lab::MatchParams, dataset::Problem> params = fusion_params(match, pair.ndisp);
   if (!params) {
     return std::unexpected(params.error());
   }
-  dataset::Loaded<FusionResult> result = fuse_scene(*pair, *recording, *params, options);
+  dataset::Loaded<FusionResult> result = fuse_scene(pair, recorded->recording, *params, options);
   if (!result) {
     return std::unexpected(std::move(result.error()));
   }
-  FusionCase done{.scene = pair->name,
+  FusionCase done{.scene = pair.name,
                   .recording = prefix.filename().string(),
-                  .lens = recording->calibration.pmd.lens,
-                  .rig = recording->calibration.stereo,
-                  .left = std::move(pair->left),
-                  .truth = depth_from_disparity(*pair->truth, recording->calibration.stereo),
+                  .lens = calibration.pmd.lens,
+                  .rig = calibration.stereo,
+                  .left = std::move(pair.left),
+                  .truth = std::move(recorded->depth),
                   .result = std::move(*result),
                   .scores = {}};
   done.scores = score_fusion(done.result, done.truth);

@@ -8,6 +8,17 @@
 
 namespace stof::host {
 
+// A stereo pair with truth and a PMD recording of its scene by the same rig.
+struct RecordedPair {
+  dataset::StereoScene pair;
+  dataset::PmdRecording recording;
+  dataset::Image<float> depth;  // truth: Z in metres of the left view, +inf = unknown
+};
+
+// One line when a file is missing, has no truth or no rig.
+dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& scene,
+                                                 const std::filesystem::path& prefix);
+
 // A stereo pair with truth, its PMD recording, and what became of them.
 struct FusionCase {
   std::string scene;      // name of the pair's folder

@@ -4,24 +4,13 @@
 #include <cmath>
 #include <limits>
 
+#include "host/evaluate/mean_of.h"
+#include "host/evaluate/share.h"
+
 namespace stof::host {
 namespace {
 
 constexpr float kBadAbovePx = 1;
-
-struct Share {
-  std::size_t bad = 0;
-  std::size_t counted = 0;
-
-  void count(bool is_bad) {
-    bad += is_bad ? 1U : 0U;
-    ++counted;
-  }
-  std::optional<double> value() const {
-    return counted == 0 ? std::nullopt
-                        : std::optional(static_cast<double>(bad) / static_cast<double>(counted));
-  }
-};
 
 struct Shares {
   Share all;
@@ -121,24 +110,13 @@ DisparityScore score_disparity(const dataset::Image<float>& disparity,
 }
 
 DisparityScore mean_score(std::span<const DisparityScore> scores) {
-  const auto mean = [scores](std::optional<double> DisparityScore::* member) {
-    double sum = 0;
-    std::size_t counted = 0;
-    for (const DisparityScore& score : scores) {
-      if (score.*member) {
-        sum += *(score.*member);
-        ++counted;
-      }
-    }
-    return counted == 0 ? std::nullopt : std::optional(sum / static_cast<double>(counted));
-  };
-  DisparityScore result{.all = mean(&DisparityScore::all),
-                        .visible = mean(&DisparityScore::visible),
-                        .core = mean(&DisparityScore::core),
-                        .of_valid = mean(&DisparityScore::of_valid),
-                        .signed_all = mean(&DisparityScore::signed_all),
-                        .signed_visible = mean(&DisparityScore::signed_visible),
-                        .near_edges = mean(&DisparityScore::near_edges)};
+  DisparityScore result{.all = mean_of(scores, &DisparityScore::all),
+                        .visible = mean_of(scores, &DisparityScore::visible),
+                        .core = mean_of(scores, &DisparityScore::core),
+                        .of_valid = mean_of(scores, &DisparityScore::of_valid),
+                        .signed_all = mean_of(scores, &DisparityScore::signed_all),
+                        .signed_visible = mean_of(scores, &DisparityScore::signed_visible),
+                        .near_edges = mean_of(scores, &DisparityScore::near_edges)};
   for (const DisparityScore& score : scores) {
     result.density += score.density / static_cast<double>(scores.size());
   }

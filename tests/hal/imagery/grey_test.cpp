@@ -88,6 +88,27 @@ TEST(RenderGrey, HighlightsDoNotLieOnTheSurface) {
   EXPECT_NEAR(static_cast<double>(brightest({}) - brightest(right_of({}))), 12, 1.5);
 }
 
+TEST(RenderGrey, PaneShowsWhatIsBehindItAndALittleOfItself) {
+  Scene scene = wall(2, kTextured);
+  const auto behind = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
+  add(scene, Form::kRectangle, {0, 0, 1}, {5, 5, 0}, {.albedo = 0.1, .clear = 0.5});
+  const auto image = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
+  for (int x = 0; x < kLens.width; ++x) {
+    // 36 rays a pixel in place of 9 of a fine texture.
+    EXPECT_NEAR(level(image, x, 15), 0.5 * level(behind, x, 15) + 200 * 0.1 * scene.ambient, 3)
+        << x;
+  }
+}
+
+TEST(RenderThings, NamesTheThingAtEachCentre) {
+  Scene scene = wall(2);
+  add(scene, Form::kRectangle, {0.5, 0, 1}, {0.5, 1, 0}, {});
+  const dataset::Image<int> things = render_things(Viewpoint(scene, {}), kLens);
+  EXPECT_EQ(things.view().at(59, 3), 0);
+  EXPECT_EQ(things.view().at(60, 3), 1);
+  EXPECT_EQ(render_things(Viewpoint(Scene{}, {}), kLens).view().at(60, 3), -1);
+}
+
 TEST(RenderDepth, IsExactAtPixelCentres) {
   const Scene scene = wall(2);
   for (const float z : render_depth(Viewpoint(scene, {}), kLens).pixels) {

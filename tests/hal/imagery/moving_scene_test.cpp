@@ -37,6 +37,20 @@ TEST(MovingScene, ShowsWhatItsSceneWouldShowAlone) {
   }
 }
 
+TEST(MovingScene, IsSeenThroughAPane) {
+  Motion motion{.background = wall(4), .poses = {}, .exposures_per_pose = 1};
+  add(motion.background, Form::kRectangle, {0, -1, 1}, {5, 5, 0}, {.albedo = 0.05, .clear = 0.8});
+  for (const double x : {-0.5, 0.5}) {
+    motion.poses.push_back({{.pose = {.position = {x, -1, 3}}, .half = {0.3, 0.3, 0.3}}});
+  }
+  MovingScene moving(motion, small(corridor_rig()));
+  for (const std::uint32_t number : {1U, 2U}) {
+    RenderedScene still(moving.scene(number), small(corridor_rig()));
+    expect_equal(expose(moving, number), expose(still, number), number);
+  }
+  EXPECT_NE(expose(moving, 1).left.pixels, expose(moving, 2).left.pixels);
+}
+
 TEST(MovingScene, ViewsMayBeAskedForInAnyOrder) {
   const Exposed far = expose(small_walk(), 2);
   const Exposed near = expose(small_walk(), 61);

@@ -121,6 +121,16 @@ TEST(Viewpoint, SkipsNothingThatALookWithoutBoundsWouldHit) {
   }
 }
 
+TEST(Viewpoint, LooksPastAThingAsIfItWereNotThere) {
+  Scene scene = wall(4);
+  add(scene, Form::kRectangle, {0, 0, 2}, {1, 1, 0}, {});
+  const Viewpoint viewpoint(scene, {});
+  EXPECT_EQ(viewpoint.look(0.1, 0).thing, 1);
+  EXPECT_EQ(viewpoint.look_past(1, 0.1, 0).thing, 0);
+  EXPECT_DOUBLE_EQ(viewpoint.look_past(1, 0.1, 0).t, 4);
+  EXPECT_EQ(viewpoint.look_past(0, 3, 0).thing, -1);
+}
+
 TEST(Texture, RepetitiveOnesRepeatAndNoiseDoesNot) {
   Material material{.albedo = 0.8, .contrast = 0.5, .texture = Texture::kStripes, .period_m = 0.1};
   const auto at = [&](double x, double y) { return visible_albedo(material, {x, y, 0.013}); };
@@ -138,6 +148,21 @@ TEST(Texture, RepetitiveOnesRepeatAndNoiseDoesNot) {
     EXPECT_LE(at(0.01 * i, 0), 0.8);
   }
   EXPECT_LT(equal, 10);
+}
+
+TEST(Texture, SpeckleIsFinerThanNoise) {
+  const auto change = [](Texture texture) {
+    const Material material{.albedo = 1, .contrast = 1, .texture = texture, .period_m = 0.4};
+    double sum = 0;
+    for (int i = 0; i < 400; ++i) {
+      const double here = visible_albedo(material, {0.01 * i, 0, 0});
+      EXPECT_GE(here, 0);
+      EXPECT_LE(here, 1);
+      sum += std::abs(here - visible_albedo(material, {0.01 * i + 0.002, 0, 0}));
+    }
+    return sum / 400;
+  };
+  EXPECT_GT(change(Texture::kSpeckle), 4 * change(Texture::kNoise));
 }
 
 TEST(Texture, InfraredMayBlindThePattern) {

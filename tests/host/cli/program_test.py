@@ -113,7 +113,8 @@ class CommandLine(Program):
 class BadInput(Program):
     def test_command_lines_that_mean_nothing(self):
         for arguments in ([], ["frobnicate"], ["--frobnicate"], ["evaluate"], ["evaluate", "stereo"],
-                          ["evaluate", "fusion", "a"], ["evaluate", "stereo", "a", "--runs", "x"],
+                          ["evaluate", "floor"], ["evaluate", "fusion", "a"],
+                          ["evaluate", "stereo", "a", "--runs", "x"],
                           ["view", "--port", "70000"], ["view", "--port", "-1"], ["view", "--timeout", "0"],
                           ["view", "--timeout", "-1"], ["view", "--frames", "x"], ["view", "localhost", "surplus"],
                           ["view", "--near", "3", "--far", "2"], ["view", "--near", "0"]):

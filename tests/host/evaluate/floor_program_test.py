@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""floor_program_test.py -- COMMAND...: `stof evaluate floor` (COMMAND, with an emulator before it in a cross build) on
+scenes that `stof_emu_pair` renders: table, JSON, maps, and refusals in one line. STOF_EMU_PAIR holds that command, its
+words separated by |."""
+
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+COMMAND = []
+PAIR = [word for word in os.environ.get("STOF_EMU_PAIR", "").split("|") if word]
+PRESETS = ("fast", "quality", "chapter")
+
+
+class EvaluateFloor(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory(prefix="stof_")
+        cls.addClassCleanup(folder.cleanup)
+        cls.folder = pathlib.Path(folder.name)
+        for name, scene in (("low", "floor:30,10"), ("high", "floor:90,20,5")):
+            subprocess.run([*PAIR, name, "--scene", scene, "--size", "320x240", "--pmd", "88x72"], check=True,
+                           cwd=cls.folder, timeout=240)
+
+    def run_stof(self, *arguments):
+        return subprocess.run([*COMMAND, "evaluate", "floor", *map(str, arguments)], capture_output=True, text=True,
+                              timeout=240, cwd=self.folder)
+
+    def succeed(self, *arguments):
+        ended = self.run_stof(*arguments)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+        return ended.stdout
+
+    def refuse(self, fact, *arguments):
+        ended = self.run_stof(*arguments)
+        self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stdout + ended.stderr)
+        self.assertTrue(ended.stderr.startswith("stof: "), ended.stderr)
+        self.assertIn(str(fact), ended.stderr)
+
+    def copy_of_low(self, name):
+        copy = self.folder / name
+        shutil.copytree(self.folder / "low", copy)
+        self.addCleanup(shutil.rmtree, copy)
+        return copy
+
+    def test_json_has_every_preset_alone_and_fused(self):
+        report = json.loads(self.succeed("low", "high", "--json"))
+        kinds = [(f"preset {preset}", source) for preset in PRESETS for source in ("stereo", "fused")]
+        self.assertEqual([(row["scene"], row["matcher"], row["source"]) for row in report["rows"]],
+                         [(scene, *kind) for scene in ("low", "high") for kind in kinds])
+        self.assertEqual([(row["matcher"], row["source"]) for row in report["mean"]], kinds)
+        low, high = report["rows"][0], report["rows"][-1]
+        self.assertEqual((low["camera_height_m"], low["camera_tilt_degrees"]), (0.3, 10))
+        self.assertEqual((high["camera_height_m"], high["camera_tilt_degrees"]), (0.9, 20))
+        for row in report["rows"]:
+            for surface in ("floor", "box", "wall", "lower_floor", "glass"):
+                score = row[surface]
+                self.assertGreater(score["pixels"], 300)
+                self.assertLessEqual(score["off_percent"] + score["missing_percent"], 100 + 1e-9)
+            self.assertEqual(row["glass"]["conflict_percent"] is None, row["source"] == "stereo")
+        for i in range(len(kinds)):
+            off = [report["rows"][k]["floor"]["off_percent"] for k in (i, i + len(kinds))]
+            self.assertAlmostEqual(report["mean"][i]["floor"]["off_percent"], sum(off) / 2)
+        # The PMD camera sees a bare wall, on which stereo finds nothing to match.
+        fused = report["rows"][3]
+        self.assertLess(fused["wall"]["off_percent"] + fused["wall"]["missing_percent"], 20)
+        self.assertLess(fused["floor"]["off_percent"] + fused["floor"]["missing_percent"], 20)
+
+    def test_table_has_a_row_for_each_and_means(self):
+        rows = self.succeed("low", "high", "--preset", "fast").splitlines()
+        self.assertEqual([row.split()[0] for row in rows[-6:]], ["low", "low", "high", "high", "mean", "mean"])
+        self.assertEqual(len({len(row) for row in rows[-7:]}), 1, "columns do not line up")
+        self.assertNotIn("mean ", self.succeed("low", "--preset", "fast").splitlines()[-1])
+
+    def test_maps_are_left_for_each(self):
+        self.succeed("low", "--preset", "fast", "--out", "maps")
+        files = [str(file.relative_to(self.folder / "maps")) for file in sorted((self.folder / "maps").rglob("*.*"))]
+        self.assertEqual(files, [f"low/preset_fast/{source}/{name}" for source in ("fused", "stereo")
+                                 for name in ("depth.pfm", "error.png")])
+
+    def test_results_do_not_depend_on_threads(self):
+        self.assertEqual(self.succeed("low", "--json", "--threads", 2), self.succeed("low", "--json"))
+
+    def test_what_is_no_floor_is_refused_in_one_line(self):
+        self.refuse("DIR")
+        self.refuse("absent", "absent")
+        self.refuse("--preset", "low", "--preset", "best")
+        self.refuse("--fill", "low", "--preset", "fast", "--fill")
+        self.refuse("second scene", "low", self.folder / "low", "--out", "maps")
+        for name, fact in (("surfaces.pgm", "surfaces.pgm"), ("gt_left.pgm", "gt_left.pgm"),
+                           ("nonocc.pgm", "nonocc.pgm"), ("pmd.json", "pmd.json")):
+            copy = self.copy_of_low("without")
+            (copy / name).unlink()
+            self.refuse(fact, copy)
+            self.doCleanups()
+        copy = self.copy_of_low("broken")
+        meta = (copy / "meta.txt").read_text()
+        (copy / "meta.txt").write_text(meta.replace("camera_height_m 0.", "camera_height_m -0."))
+        self.refuse("camera_height_m", copy)
+
+
+def main():
+    COMMAND.extend(sys.argv[sys.argv.index("--") + 1:])
+    if not PAIR:
+        print("no emulated board in this build: Skipped")
+        sys.exit(77)
+    unittest.main(argv=[sys.argv[0]], verbosity=2)
+
+
+if __name__ == "__main__":
+    main()
