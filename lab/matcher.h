@@ -1,19 +1,22 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "dsp/base/thread_team.h"
 #include "dsp/stereo/matcher.h"
 #include "lab/dsp_names.h"
+#include "lab/fill.h"
 #include "lab/match_params.h"
 #include "lab/searches.h"
 
 namespace stof::lab {
 
 // The appliance's Matcher, with the lab's searches where it has none of its own, and holes filled
-// where that is asked for.
+// where that is asked for: matches that the checks found weak come back, the rest is filled
+// (fill.h), and what came out is smoothed twice (weighted_median.h).
 class Matcher {
  public:
   // params, width and height pass check(). The result is the same with any team. Searches of whole
@@ -30,8 +33,12 @@ class Matcher {
   ImageView<const std::uint8_t> filled() const noexcept { return cut(filled_, width_, height_); }
 
  private:
-  bool fill_;
-  bool continues_;  // kDynamicProgramming
+  void make_dense(ImageView<const std::uint8_t> grey, ImageView<Disparity> out,
+                  ImageView<std::uint8_t> filled) noexcept;
+
+  std::optional<Filler> filler_;
+  ImageView<Disparity> copy_;  // of the map that is smoothed
+  bool continues_;             // kDynamicProgramming
   ImageView<std::uint8_t> filled_;
   Searches searches_;
   dsp::Matcher matcher_;

@@ -13,13 +13,15 @@ bool in_range(const std::optional<int>& value, int low, int high) noexcept {
   return !value || (*value >= low && *value <= high);
 }
 
-// Means of |derivative| that only the rounding of a camera leaves.
-constexpr int kFlat = 2;
+// Means of |derivative| that the rounding of a camera leaves of a flat picture.
+constexpr int kFlat = 1;
 
-constexpr MatchParams kFast{.left_right_tolerance = 1,
+constexpr MatchParams kFast{.block_width = 14,
+                            .block_height = 14,
+                            .left_right_tolerance = 1,
                             .distinct = true,
                             .min_texture = kFlat,
-                            .speckle_pixels = 20,
+                            .speckle_pixels = 10,
                             .subpixel = Subpixel::kEquiangular};
 
 constexpr MatchParams kQuality{.search = Search::kPaths,
@@ -27,7 +29,7 @@ constexpr MatchParams kQuality{.search = Search::kPaths,
                                .left_right_tolerance = 1,
                                .distinct = true,
                                .min_texture = kFlat,
-                               .speckle_pixels = 100,
+                               .speckle_pixels = 200,
                                .median = true};
 
 constexpr MatchParams kChapter{
@@ -35,8 +37,7 @@ constexpr MatchParams kChapter{
 
 constexpr std::array<Preset, 3> kPresets{{
     {"fast", "block matching of derivatives, 1/16 px, every check that costs little", kFast},
-    {"quality", "semi-global matching of census and grey over cross-shaped regions, whole px",
-     kQuality},
+    {"quality", "semi-global matching of census, grey and derivative, whole px", kQuality},
     {"chapter", "16x16 SAD of derivatives, left-right check, histogram, least squares", kChapter},
 }};
 

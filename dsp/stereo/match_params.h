@@ -14,8 +14,8 @@ enum class Search : std::uint8_t {
   // Winner takes all on sums of absolute differences of derivatives over fixed blocks
   // (search/block_search.h).
   kBlocks,
-  // Semi-global over four directions. Its cost is census 5x5 and clipped grey differences, averaged
-  // over cross-shaped regions of pixels that look alike (search/path_search.h).
+  // Semi-global over four directions. Its cost is census 7x7, grey values and their derivative,
+  // averaged over neighbours that look alike (search/path_search.h).
   kPaths,
 };
 
@@ -48,7 +48,8 @@ struct MatchParams {
   Search search = Search::kBlocks;
   int block_width = 16;   // px, 1..64; of kBlocks and Subpixel::kLeastSquares
   int block_height = 16;  // px, 1..64
-  bool equalise = false;  // bring the right picture to the left one's mean and contrast
+  bool equalise = false;  // bring the right picture to the left one's mean and contrast,
+                          // of what both can see in the middle of the search range
   bool smooth = false;    // 3x3 binomial, before any derivative
   // Horizontal derivative (Sobel), clipped to +-cap, 1..127: what kBlocks and min_texture look at.
   // The larger the block, the smaller the cap that its sums have room for.
@@ -86,7 +87,7 @@ inline constexpr int kMaxDisparities = 256;
 inline constexpr int kMaxImageWidth = 4096;    // and height
 inline constexpr int kMaxMinDisparity = 1024;  // of either sign
 
-inline constexpr Smoothness kDefaultSmoothness{.small_step = 6, .large_step = 32};
+inline constexpr Smoothness kDefaultSmoothness{.small_step = 7, .large_step = 33};
 // The largest step for which four paths fit u8 together (search/path_search.h).
 inline constexpr int kMaxStep = 36;
 

@@ -1,5 +1,7 @@
 #include "dsp/stereo/prepared_pair.h"
 
+#include <algorithm>
+#include <cstdlib>
 #include <span>
 
 #include "dsp/base/check.h"
@@ -14,6 +16,24 @@ namespace {
 ImageView<std::uint8_t> cut(ImageView<std::uint8_t> buffer,
                             ImageView<const std::uint8_t> picture) noexcept {
   return {buffer.data(), picture.width(), picture.height(), buffer.stride()};
+}
+
+// What both cameras see of surfaces in the middle of the search range: elsewhere pictures differ by
+// what is in them, not by their exposure.
+struct Overlap {
+  ImageView<const std::uint8_t> left;
+  ImageView<const std::uint8_t> right;
+};
+
+Overlap overlap_of(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
+                   const MatchParams& params) noexcept {
+  const int half = left.width() / 2;
+  const int shift = std::clamp(params.min_disparity + params.disparities / 2, -half, half);
+  const auto from = [&](ImageView<const std::uint8_t> picture, int x) noexcept {
+    return ImageView<const std::uint8_t>(picture.data() + x, picture.width() - std::abs(shift),
+                                         picture.height(), picture.stride());
+  };
+  return {from(left, std::max(shift, 0)), from(right, std::max(-shift, 0))};
 }
 
 void smooth_rows(ImageView<const std::uint8_t> in, Rows rows,
@@ -54,7 +74,8 @@ void PreparedPair::start(ImageView<const std::uint8_t> left,
   left_grey_ = changes_left(params_) ? cut(left_buffer_, left) : left;
   right_grey_ = changes_right(params_) ? cut(right_buffer_, right) : right;
   if (params_.equalise) {
-    table_ = equalising_table(right, left);
+    const Overlap overlap = overlap_of(left, right, params_);
+    table_ = equalising_table(overlap.right, overlap.left);
   }
 }
 

@@ -53,7 +53,7 @@ class RowJudge {
       lowest_ = arena.take<Sum>(right);
       right_winners_ = arena.take<std::int16_t>(right);
     }
-    if (kNarrow && (params.uniqueness_percent || cost_fit(params.subpixel) != CostFit::kNone)) {
+    if (kNarrow && cost_fit(params.subpixel) != CostFit::kNone) {
       widened_ = arena.take<std::uint16_t>(index(width) * index(lanes_));
     }
   }
@@ -79,8 +79,7 @@ class RowJudge {
                        out.ratio);
     }
     if (params_.uniqueness_percent) {
-      best::uniqueness_check(wide(found.judged), lanes_, *params_.uniqueness_percent,
-                             found.winners);
+      best::uniqueness_check(found.judged, lanes_, *params_.uniqueness_percent, found.winners);
     }
   }
 
@@ -109,7 +108,7 @@ class RowJudge {
  private:
   static constexpr bool kNarrow = std::is_same_v<Sum, std::uint8_t>;
 
-  // Fits and uniqueness need room above the sums.
+  // Fits need room above the sums.
   auto wide(std::span<const Sum> judged) noexcept {
     if constexpr (kNarrow) {
       const std::span<std::uint16_t> widened = widened_.first(judged.size());

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/cost/cross_costs.h"
 
 namespace stof::lab {
 namespace {
@@ -61,13 +61,13 @@ int largest_difference(const MatchParams& params) noexcept {
     case Cost::kSsd:
       return values * values;
     case Cost::kCensus5x5:
-      return kCensus5x5Bits;
+      return kCensus5x5.bits();
     case Cost::kCensus9x7:
-      return kCensus9x7Bits;
+      return kCensus9x7.bits();
     case Cost::kAdCensus:
       break;
   }
-  return kLargestAdCensusCost;
+  return kLargestCrossCost;
 }
 
 std::int64_t largest_cost(const MatchParams& params) noexcept {

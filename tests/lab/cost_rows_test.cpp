@@ -42,10 +42,24 @@ int at(Picture picture, int x, int y) {
   return picture.row_clamped(y)[static_cast<std::size_t>(std::clamp(x, 0, picture.width() - 1))];
 }
 
-int hamming(Picture left, Picture right, int xl, int xr, int y, int reach_x, int reach_y) {
+// Horizontal Sobel, clipped at 20.
+int derivative_at(Picture picture, int x, int y) {
+  int sum = 0;
+  for (int dy = -1; dy <= 1; ++dy) {
+    sum += (dy == 0 ? 2 : 1) * (at(picture, x + 1, y + dy) - at(picture, x - 1, y + dy));
+  }
+  return std::clamp(sum, -20, 20);
+}
+
+// chessboard: of the neighbours an odd number of steps away alone.
+int hamming(Picture left, Picture right, int xl, int xr, int y, int reach_x, int reach_y,
+            bool chessboard = false) {
   int distance = 0;
   for (int dy = -reach_y; dy <= reach_y; ++dy) {
     for (int dx = -reach_x; dx <= reach_x; ++dx) {
+      if (chessboard && (dx + dy) % 2 == 0) {
+        continue;
+      }
       const bool l = at(left, xl + dx, y + dy) < at(left, xl, y);
       const bool r = at(right, xr + dx, y + dy) < at(right, xr, y);
       distance += l != r ? 1 : 0;
@@ -69,8 +83,9 @@ int pixel_cost(const CostPictures& p, Cost cost, int xl, int xr, int y) {
     case Cost::kAdCensus:
       break;
   }
-  return hamming(p.left, p.right, xl, xr, y, 2, 2) +
-         (std::min(grey, kAdCensusGreyCap) >> kAdCensusGreyShift);
+  const int derivative = std::abs(derivative_at(p.left, xl, y) - derivative_at(p.right, xr, y));
+  return 2 * hamming(p.left, p.right, xl, xr, y, 3, 3, true) +
+         (std::min(grey, kAdCensusGreyCap) + std::min(derivative, kAdCensusDerivativeCap)) / 2;
 }
 
 // The formula of the header, from a table of what each pixel of a row differs by from each other.

@@ -6,14 +6,8 @@ namespace {
 
 struct Isa : Hamming {
   // Bytes have no shift.
-  static V grey_costs(V a, V b) noexcept {
-    const __m256i costs = _mm256_broadcastsi128_si256(
-        _mm_setr_epi8(0, 1 >> kAdCensusGreyShift, 2 >> kAdCensusGreyShift, 3 >> kAdCensusGreyShift,
-                      4 >> kAdCensusGreyShift, 5 >> kAdCensusGreyShift, 6 >> kAdCensusGreyShift, 0,
-                      0, 0, 0, 0, 0, 0, 0, 0));
-    static_assert(kAdCensusGreyCap == 6);
-    const V capped = smaller(difference(a, b), all(kAdCensusGreyCap));
-    return as<V>(_mm256_shuffle_epi8(costs, bits(capped)));
+  static V half(V a) noexcept {
+    return as<V>(_mm256_and_si256(_mm256_srli_epi16(bits(a), 1), _mm256_set1_epi8(0x7f)));
   }
 };
 

@@ -7,18 +7,21 @@
 #include "dsp/stereo/cost/hamming_body.h"
 
 // The vector variants of ad_census.h. Isa: the Hamming of hamming_neon.h or hamming_avx2.h, and
-// grey_costs(a, b), what the grey values of candidates cost.
+// half(a), rounded down.
 namespace stof::dsp::ad_census_body {
 
-constexpr std::size_t kPlanes = planes_of(kCensus5x5Bits);
+constexpr std::size_t kPlanes = planes_of(kCensus7x7.bits());
 
 // What differs from pixel to pixel: a left column, or the first of its candidates.
 struct Pixel {
   hamming_body::Planes planes;
   const std::uint8_t* grey;
+  const std::uint8_t* derivative;
 
   Pixel(const AdCensusRow& row, std::size_t at) noexcept
-      : planes{row.planes.data() + at, row.grey.size()}, grey(row.grey.data() + at) {}
+      : planes{row.planes.data() + at, row.grey.size()},
+        grey(row.grey.data() + at),
+        derivative(row.derivative.data() + at) {}
 };
 
 template <typename Isa, std::size_t kVectors>
@@ -26,9 +29,15 @@ void strip(const Pixel& left, const Pixel& right, std::uint8_t* costs) noexcept 
   typename Isa::V sums[kVectors];
   Isa::template distances<kPlanes>(left.planes, right.planes, sums);
   const typename Isa::V grey = Isa::all(*left.grey);
+  const typename Isa::V derivative = Isa::all(*left.derivative);
   for (std::size_t v = 0; v < kVectors; ++v) {
-    const typename Isa::V other = Isa::load(right.grey + Isa::kLanes * v);
-    Isa::store(costs + Isa::kLanes * v, sums[v] + Isa::grey_costs(grey, other));
+    const std::size_t at = Isa::kLanes * v;
+    const typename Isa::V of_grey =
+        Isa::smaller(Isa::difference(grey, Isa::load(right.grey + at)), Isa::all(kAdCensusGreyCap));
+    const typename Isa::V of_derivative =
+        Isa::smaller(Isa::difference(derivative, Isa::load(right.derivative + at)),
+                     Isa::all(kAdCensusDerivativeCap));
+    Isa::store(costs + at, sums[v] + sums[v] + Isa::half(of_grey + of_derivative));
   }
 }
 
@@ -43,6 +52,7 @@ void costs_of(AdCensusRow left, AdCensusRow right, int lanes,
   STOF_CHECK(costs.size() == n * count && left.planes.size() == kPlanes * n &&
              right.planes.size() == kPlanes * candidates);
   STOF_CHECK(left.grey.size() == n && right.grey.size() == candidates);
+  STOF_CHECK(left.derivative.size() == n && right.derivative.size() == candidates);
   for (std::size_t k = 0; k < n; ++k) {
     const Pixel own(left, k);
     const std::size_t first = n - 1 - k;

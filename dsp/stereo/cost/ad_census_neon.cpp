@@ -5,9 +5,7 @@ namespace stof::dsp::neon {
 namespace {
 
 struct Isa : Hamming {
-  static V grey_costs(V a, V b) noexcept {
-    return vshrq_n_u8(smaller(difference(a, b), all(kAdCensusGreyCap)), kAdCensusGreyShift);
-  }
+  static V half(V a) noexcept { return vshrq_n_u8(a, 1); }
 };
 
 }  // namespace

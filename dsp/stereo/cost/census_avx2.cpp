@@ -20,7 +20,15 @@ void census_5x5(std::span<const std::span<const std::uint8_t>, 5> rows,
     neon::census_5x5(rows, planes);
     return;
   }
-  census_body::census<Isa, 5, 5>(rows, planes);
+  census_body::census<Isa, kCensus5x5>(rows, planes);
+}
+void census_7x7(std::span<const std::span<const std::uint8_t>, 7> rows,
+                std::span<std::uint8_t> planes) noexcept {
+  if (rows[0].size() < Isa::kLanes) {
+    neon::census_7x7(rows, planes);
+    return;
+  }
+  census_body::census<Isa, kCensus7x7>(rows, planes);
 }
 void census_9x7(std::span<const std::span<const std::uint8_t>, 7> rows,
                 std::span<std::uint8_t> planes) noexcept {
@@ -28,7 +36,7 @@ void census_9x7(std::span<const std::span<const std::uint8_t>, 7> rows,
     neon::census_9x7(rows, planes);
     return;
   }
-  census_body::census<Isa, 9, 7>(rows, planes);
+  census_body::census<Isa, kCensus9x7>(rows, planes);
 }
 
 }  // namespace stof::dsp::avx2

@@ -32,10 +32,12 @@ static void copy_clamped(std::span<const std::uint8_t> row, std::size_t x, std::
 
 // Descriptors of Isa::kLanes columns. rows[r] points at the first of them in row r of the window
 // and is read half a window beyond them on both sides; planes are `stride` apart.
-template <typename Isa, std::size_t kWidth, std::size_t kHeight>
+template <typename Isa, CensusWindow kWindow>
 class Describer {
  public:
-  static constexpr int kBits = kWidth * kHeight - 1;
+  static constexpr std::size_t kWidth = kWindow.width;
+  static constexpr std::size_t kHeight = kWindow.height;
+  static constexpr int kBits = kWindow.bits();
   static constexpr std::size_t kPlanes = planes_of(kBits);
   using Rows = std::array<const std::uint8_t*, kHeight>;
 
@@ -63,7 +65,7 @@ class Describer {
   template <std::size_t kBit>
   static V shift_in(const Rows& rows, Signed centre, V bits) noexcept {
     if constexpr (kBit < kBits) {
-      constexpr std::size_t kCell = kBit < kBits / 2 ? kBit : kBit + 1;  // steps over the centre
+      constexpr std::size_t kCell = kWindow.cell(kBit);
       const std::uint8_t* const at = rows[kCell / kWidth] + kCell % kWidth - kWidth / 2;
       return bits + bits - Isa::darker(Isa::load_signed(at), centre);  // a true mask is -1
     } else {
@@ -73,12 +75,13 @@ class Describer {
 };
 
 // All columns of a row.
-template <typename Isa, std::size_t kWidth, std::size_t kHeight>
-static void census(std::span<const std::span<const std::uint8_t>, kHeight> rows,
+template <typename Isa, CensusWindow kWindow>
+static void census(std::span<const std::span<const std::uint8_t>, kWindow.height> rows,
                    std::span<std::uint8_t> planes) noexcept {
-  using Columns = Describer<Isa, kWidth, kHeight>;
+  using Columns = Describer<Isa, kWindow>;
+  constexpr std::size_t kHeight = kWindow.height;
   constexpr std::size_t kColumns = Isa::kLanes;
-  constexpr std::size_t kReach = kWidth / 2;
+  constexpr std::size_t kReach = kWindow.width / 2;
   constexpr std::size_t kPlanes = Columns::kPlanes;
   const std::size_t n = rows[0].size();
   for (const std::span<const std::uint8_t> row : rows) {

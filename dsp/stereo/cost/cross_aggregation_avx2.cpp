@@ -4,43 +4,44 @@
 namespace stof::dsp::avx2 {
 namespace {
 
-struct Isa : Lanes<std::uint16_t> {
-  template <std::size_t kVectors>
-  static void add_bytes(const std::uint8_t* costs, V (&sums)[kVectors]) noexcept {
-    for (std::size_t v = 0; v < kVectors; ++v) {
-      const auto* const at =
-          reinterpret_cast<const __m128i*>(costs + v * kLanes);  // NOLINT: any type
-      sums[v] += as<V>(_mm256_cvtepu8_epi16(_mm_loadu_si128(at)));
-    }
-  }
-
-  static void store_means(std::uint8_t* to, V low, V high, V reciprocal) noexcept {
-    // Packs each half by itself.
-    const __m256i packed = _mm256_packus_epi16(mean(low, reciprocal), mean(high, reciprocal));
-    avx2::store(to, as<u8x32>(_mm256_permute4x64_epi64(packed, 0b11'01'10'00)));
-  }
-
- private:
-  // The reciprocal is not negative, so nothing saturates.
-  static __m256i mean(V sum, V reciprocal) noexcept {
-    return _mm256_mulhrs_epi16(_mm256_srli_epi16(bits(sum), 1), bits(reciprocal));
+struct Isa : Lanes<std::uint8_t> {
+  static V means(V a, V b, V c, std::int16_t reciprocal) noexcept {
+    // Within each half, as packing does.
+    const auto low = [](V v) noexcept {
+      return _mm256_unpacklo_epi8(bits(v), _mm256_setzero_si256());
+    };
+    const auto high = [](V v) noexcept {
+      return _mm256_unpackhi_epi8(bits(v), _mm256_setzero_si256());
+    };
+    const __m256i scale = _mm256_set1_epi16(reciprocal);
+    const auto mean = [scale](__m256i x, __m256i y, __m256i z) noexcept {
+      return _mm256_mulhrs_epi16(_mm256_add_epi16(_mm256_add_epi16(x, y), z), scale);
+    };
+    return as<V>(
+        _mm256_packus_epi16(mean(low(a), low(b), low(c)), mean(high(a), high(b), high(c))));
   }
 };
 
+bool serves(int lanes) noexcept { return lanes % static_cast<int>(Isa::kLanes) == 0; }
+
 }  // namespace
 
-void sum_along(std::span<const std::uint8_t> costs, int lanes,
-               std::span<std::uint16_t> sums) noexcept {
-  cross_aggregation_body::sum_along<Isa>(costs, lanes, sums);
-}
-
-void cross_means(std::span<const CrossEnds> ends, int lanes,
-                 std::span<std::uint8_t> means) noexcept {
-  if (lanes % static_cast<int>(2 * Isa::kLanes) != 0) {
-    neon::cross_means(ends, lanes, means);
+void sum_alike(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> joined, int lanes,
+               std::span<std::uint8_t> sums) noexcept {
+  if (!serves(lanes)) {
+    neon::sum_alike(costs, joined, lanes, sums);
     return;
   }
-  cross_aggregation_body::cross_means<Isa>(ends, lanes, means);
+  cross_aggregation_body::sum_alike<Isa>(costs, joined, lanes, sums);
+}
+
+void cross_means(std::span<const CrossColumn> columns, std::span<const std::uint8_t> here,
+                 int lanes, std::span<std::uint8_t> means) noexcept {
+  if (!serves(lanes)) {
+    neon::cross_means(columns, here, lanes, means);
+    return;
+  }
+  cross_aggregation_body::cross_means<Isa>(columns, here, lanes, means);
 }
 
 }  // namespace stof::dsp::avx2

@@ -8,42 +8,30 @@
 
 namespace stof::dsp::ref {
 
-void sum_along(std::span<const std::uint8_t> costs, int lanes,
-               std::span<std::uint16_t> sums) noexcept {
+void sum_alike(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> joined, int lanes,
+               std::span<std::uint8_t> sums) noexcept {
   const auto step = static_cast<std::size_t>(lanes);
-  STOF_CHECK(sums.size() == costs.size() + step);
-  std::fill_n(sums.begin(), step, std::uint16_t{0});
+  const std::size_t n = joined.size() - 1;
+  STOF_CHECK(costs.size() == n * step && sums.size() == costs.size() && joined.front() == 0 &&
+             joined.back() == 0);
   for (std::size_t i = 0; i < costs.size(); ++i) {
-    sums[i + step] = static_cast<std::uint16_t>(sums[i] + costs[i]);
+    const std::size_t x = i / step;
+    const int before = joined[x] != 0 ? costs[i - step] : 0;
+    const int after = joined[x + 1] != 0 ? costs[i + step] : 0;
+    sums[i] = static_cast<std::uint8_t>(costs[i] + before + after);
   }
 }
 
-void sum_down(std::span<const std::uint16_t> sums, std::span<const std::uint8_t> left,
-              std::span<const std::uint8_t> right, int lanes, std::span<const std::uint16_t> above,
-              std::span<std::uint16_t> below) noexcept {
+void cross_means(std::span<const CrossColumn> columns, std::span<const std::uint8_t> here,
+                 int lanes, std::span<std::uint8_t> means) noexcept {
   const auto step = static_cast<std::size_t>(lanes);
-  STOF_CHECK(right.size() == left.size() && sums.size() == (left.size() + 1) * step &&
-             above.size() == left.size() * step && below.size() == above.size());
-  for (std::size_t x = 0; x < left.size(); ++x) {
-    const std::size_t begin = (x - left[x]) * step;
-    const std::size_t end = (x + right[x] + 1) * step;
+  STOF_CHECK(means.size() == columns.size() * step && here.size() == means.size());
+  for (std::size_t x = 0; x < columns.size(); ++x) {
+    const CrossColumn& column = columns[x];
     for (std::size_t i = 0; i < step; ++i) {
-      const std::size_t at = x * step + i;
-      below[at] = static_cast<std::uint16_t>(above[at] + sums[end + i] - sums[begin + i]);
-    }
-  }
-}
-
-void cross_means(std::span<const CrossEnds> ends, int lanes,
-                 std::span<std::uint8_t> means) noexcept {
-  const auto step = static_cast<std::size_t>(lanes);
-  STOF_CHECK(means.size() == ends.size() * step);
-  for (std::size_t x = 0; x < ends.size(); ++x) {
-    const CrossEnds& end = ends[x];
-    for (std::size_t i = x * step; i < (x + 1) * step; ++i) {
-      const auto sum = static_cast<std::uint16_t>(end.below[i] - end.above[i]);
-      const int mean = round_shift(sum / 2 * int{end.reciprocal}, 15);
-      means[i] = static_cast<std::uint8_t>(std::min(mean, 255));
+      const int sum = column.above[i] + here[x * step + i] + column.below[i];
+      means[x * step + i] =
+          static_cast<std::uint8_t>(std::min(round_shift(sum * int{column.reciprocal}, 15), 255));
     }
   }
 }

@@ -11,16 +11,29 @@
 namespace stof::dsp {
 namespace {
 
-// kReciprocals[area], as cross_aggregation.h wants it.
-constexpr int kLargestArea = (2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1);
+constexpr std::uint32_t kLargestArea = 9;
+
+// kReciprocals[area], Q15.
 constexpr auto kReciprocals = [] {
   std::array<std::int16_t, kLargestArea + 1> table{};
   for (std::uint32_t area = 1; area <= kLargestArea; ++area) {
-    table[area] =
-        static_cast<std::int16_t>(std::min<std::uint32_t>((65536 + area / 2) / area, 32767));
+    const std::uint32_t divisor = area * kCrossDivisor;
+    table[area] = static_cast<std::int16_t>((32768 * kCrossScale + divisor / 2) / divisor);
   }
   return table;
 }();
+
+// For who has no row above or below that looks alike.
+constexpr std::array<std::uint8_t, kMaxDisparities> kZeros{};
+
+// joined[x] = 1 where a[x] and b[x] look alike. Written so that compilers see vectors.
+void join(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b,
+          std::span<std::uint8_t> joined) noexcept {
+  for (std::size_t x = 0; x < a.size(); ++x) {
+    const auto difference = static_cast<std::uint8_t>(std::max(a[x], b[x]) - std::min(a[x], b[x]));
+    joined[x] = difference <= kAlike ? std::uint8_t{1} : std::uint8_t{0};
+  }
+}
 
 }  // namespace
 
@@ -29,98 +42,81 @@ CrossCosts::CrossCosts(const MatchParams& params, int width, Arena& arena) noexc
       lanes_(index(lanes_of(params))),
       pixels_(PixelCost::kAdCensus, params, width, {}, arena) {
   const std::size_t n = index(width);
-  summed_ = arena.take<std::uint16_t>(index(kKept) * n * lanes_);
-  areas_ = arena.take<std::uint16_t>(index(kKept) * n);
-  sums_ = arena.take<std::uint16_t>((n + 1) * lanes_);
+  sums_ = arena.take<std::uint8_t>(index(kKept) * n * lanes_);
+  counts_ = arena.take<std::uint8_t>(index(kKept) * n);
   costs_ = arena.take<std::uint8_t>(n * lanes_);
-  before_ = arena.take<std::uint8_t>(n);
-  behind_ = arena.take<std::uint8_t>(n);
-  ends_ = arena.take<CrossEnds>(n);
+  joined_ = arena.take<std::uint8_t>(n + 1);
+  below_ = arena.take<std::uint8_t>(n);
+  columns_ = arena.take<CrossColumn>(n);
 }
 
 void CrossCosts::start(ImageView<const std::uint8_t> left,
                        ImageView<const std::uint8_t> right) noexcept {
-  STOF_CHECK(same_size(left, right) && index(left.width()) <= ends_.size());
+  STOF_CHECK(same_size(left, right) && index(left.width()) <= columns_.size());
   left_ = left;
   pixels_.start({.left = left, .right = right});
   kept_ = {};
 }
 
-// Rows of the ring; row -1 is one like any other.
-std::span<std::uint16_t> CrossCosts::summed(int y) const noexcept {
+std::span<std::uint8_t> CrossCosts::sums(int y) const noexcept {
   const std::size_t n = width() * lanes_;
-  return summed_.subspan(index((y + 2 * kKept) % kKept) * n, n);
+  return sums_.subspan(index(y % kKept) * n, n);
 }
 
-std::span<std::uint16_t> CrossCosts::areas(int y) const noexcept {
-  return areas_.subspan(index((y + 2 * kKept) % kKept) * width(), width());
+std::span<std::uint8_t> CrossCosts::counts(int y) const noexcept {
+  return counts_.subspan(index(y % kKept) * width(), width());
 }
 
 void CrossCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
   STOF_CHECK(y >= 0 && y < left_.height() && costs.size() == width() * lanes_);
-  const int first = std::max(y - kCrossArms.longest, 0);
-  const int last = std::min(y + kCrossArms.longest, left_.height() - 1);
-  if (first < kept_.begin || first > kept_.end || kept_.count() == 0) {
+  const int first = std::max(y - 1, 0);
+  const int last = std::min(y + 1, left_.height() - 1);
+  if (first < kept_.begin || first > kept_.end) {
     kept_ = {first, first};
-    std::ranges::fill(summed(first - 1), std::uint16_t{0});
-    std::ranges::fill(areas(first - 1), std::uint16_t{0});
   }
   for (; kept_.end <= last; ++kept_.end) {
     add_row(kept_.end);
   }
-  kept_.begin = std::max(kept_.begin, kept_.end - (kKept - 1));
+  kept_.begin = std::max(kept_.begin, kept_.end - kKept);
 
-  const std::span<std::uint8_t> up = before_.first(width());
-  const std::span<std::uint8_t> down = behind_.first(width());
-  vertical_arms(y, -1, up);
-  vertical_arms(y, 1, down);
-  const std::span<CrossEnds> ends = ends_.first(width());
-  // Where the row y + k - kCrossArms.longest - 1 of either ring begins.
-  std::array<const std::uint16_t*, kKept> sums;
-  std::array<const std::uint16_t*, kKept> counts;
-  for (int k = 0; k < kKept; ++k) {
-    sums[index(k)] = summed(y + k - kCrossArms.longest - 1).data();
-    counts[index(k)] = areas(y + k - kCrossArms.longest - 1).data();
+  const std::span<std::uint8_t> above = joined_.first(width());
+  const std::span<std::uint8_t> below = below_.first(width());
+  const auto join_rows = [&](int other, std::span<std::uint8_t> joined) noexcept {
+    if (other == y) {  // beyond the border
+      std::ranges::fill(joined, std::uint8_t{0});
+    } else {
+      join(left_.row(y), left_.row(other), joined);
+    }
+  };
+  join_rows(first, above);
+  join_rows(last, below);
+  const std::span<CrossColumn> columns = columns_.first(width());
+  for (std::size_t x = 0; x < columns.size(); ++x) {
+    const bool up = above[x] != 0;
+    const bool down = below[x] != 0;
+    const int area = counts(y)[x] + (up ? counts(first)[x] : 0) + (down ? counts(last)[x] : 0);
+    columns[x] = {.above = up ? &sums(first)[x * lanes_] : kZeros.data(),
+                  .below = down ? &sums(last)[x * lanes_] : kZeros.data(),
+                  .reciprocal = kReciprocals[index(area)]};
   }
-  constexpr std::size_t kHere = kCrossArms.longest + 1;
-  for (std::size_t x = 0; x < ends.size(); ++x) {
-    const std::size_t above = kHere - up[x] - 1;
-    const std::size_t below = kHere + down[x];
-    const auto area = static_cast<std::uint16_t>(counts[below][x] - counts[above][x]);
-    ends[x] = {sums[above], sums[below], kReciprocals[area]};
-  }
-  const int lanes = static_cast<int>(lanes_);
-  best::cross_means(ends, lanes, costs);
+  best::cross_means(columns, sums(y), static_cast<int>(lanes_), costs);
   mark_outside(params_, left_.width(), costs);
 }
 
-// Row y enters the ring.
+// Row y enters the rings.
 void CrossCosts::add_row(int y) noexcept {
-  const int lanes = static_cast<int>(lanes_);
-  const std::span<std::uint16_t> sums = sums_.first((width() + 1) * lanes_);
-  const std::span<std::uint8_t> to_left = before_.first(width());
-  const std::span<std::uint8_t> to_right = behind_.first(width());
+  const std::span<std::uint8_t> joined = joined_.first(width() + 1);
   const std::span<std::uint8_t> costs = costs_.first(width() * lanes_);
+  const std::span<const std::uint8_t> grey = left_.row(y);
   pixels_.row(y, costs);
-  best::sum_along(costs, lanes, sums);
-  best::arms_along(left_.row(y), kCrossArms, to_left, to_right);
-  best::sum_down(sums, to_left, to_right, lanes, summed(y - 1), summed(y));
-  const std::span<const std::uint16_t> above = areas(y - 1);
-  const std::span<std::uint16_t> below = areas(y);
+  joined.front() = 0;
+  join(grey.subspan(1), grey.first(width() - 1), joined.subspan(1, width() - 1));
+  joined.back() = 0;
+  best::sum_alike(costs, joined, static_cast<int>(lanes_), sums(y));
+  const std::span<std::uint8_t> count = counts(y);
   for (std::size_t x = 0; x < width(); ++x) {
-    below[x] = static_cast<std::uint16_t>(above[x] + to_left[x] + to_right[x] + 1);
+    count[x] = static_cast<std::uint8_t>(1 + joined[x] + joined[x + 1]);
   }
-}
-
-// direction -1: upwards, 1: downwards.
-void CrossCosts::vertical_arms(int y, int direction, std::span<std::uint8_t> arms) noexcept {
-  std::array<const std::uint8_t*, kCrossArms.longest> others;
-  const int room = direction < 0 ? y : left_.height() - 1 - y;
-  const int count = std::min(room, kCrossArms.longest);
-  for (int k = 0; k < count; ++k) {
-    others[index(k)] = left_.row(y + direction * (k + 1)).data();
-  }
-  best::arms_across(left_.row(y), std::span(others).first(index(count)), kCrossArms, arms);
 }
 
 }  // namespace stof::dsp

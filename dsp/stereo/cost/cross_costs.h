@@ -7,7 +7,6 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "dsp/stereo/cost/ad_census.h"
-#include "dsp/stereo/cost/arms.h"
 #include "dsp/stereo/cost/cost_source.h"
 #include "dsp/stereo/cost/cross_aggregation.h"
 #include "dsp/stereo/cost/pixel_costs.h"
@@ -15,13 +14,20 @@
 
 namespace stof::dsp {
 
-// AD-Census (ad_census.h) of two grey pictures, averaged over cross-shaped regions of left pixels
-// that look alike (cross_aggregation.h): rows of u8, kNoCost for candidates outside the right
-// picture and for unused lanes, all others at most kLargestAdCensusCost. Keeps sums of the rows
+// AD-Census (ad_census.h) of two grey pictures, averaged over those of the 3x3 pixels that look
+// like the one in the middle (cross_aggregation.h): rows of u8, kNoCost for candidates outside the
+// right picture and for unused lanes, all others at most kLargestCrossCost. Keeps sums of the rows
 // that a region can reach, no volume.
-inline constexpr ArmParams kCrossArms{.longest = 12, .difference = 10};
-static_assert((2 * kCrossArms.longest + 1) * (2 * kCrossArms.longest + 1) * kLargestAdCensusCost <
-              65536);
+//
+// Larger regions believe that what looks alike lies at one disparity. They help bare walls that
+// face the camera and break slanted surfaces into steps (docs/DESIGN.md).
+inline constexpr int kAlike = 5;  // grey levels
+// A mean counts as so much: four paths of it, with what their steps cost, fit u8.
+inline constexpr int kCrossScale = 10;
+inline constexpr int kCrossDivisor = 27;
+inline constexpr int kLargestCrossCost =
+    (kLargestAdCensusCost * kCrossScale + kCrossDivisor / 2) / kCrossDivisor;
+static_assert(kLargestAdCensusCost <= kLargestCrossedCost);
 
 class CrossCosts final : public CostSource<std::uint8_t> {
  public:
@@ -34,27 +40,25 @@ class CrossCosts final : public CostSource<std::uint8_t> {
   void row(int y, std::span<std::uint8_t> costs) noexcept override;
 
  private:
-  static constexpr int kKept = 2 * kCrossArms.longest + 2;
+  static constexpr int kKept = 3;
 
   std::size_t width() const noexcept { return static_cast<std::size_t>(left_.width()); }
-  std::span<std::uint16_t> summed(int y) const noexcept;
-  std::span<std::uint16_t> areas(int y) const noexcept;
+  std::span<std::uint8_t> sums(int y) const noexcept;
+  std::span<std::uint8_t> counts(int y) const noexcept;
   void add_row(int y) noexcept;
-  void vertical_arms(int y, int direction, std::span<std::uint8_t> arms) noexcept;
 
   MatchParams params_;
   std::size_t lanes_;
   PixelCosts pixels_;
   ImageView<const std::uint8_t> left_;
-  Rows kept_;  // rows whose sums the rings hold
+  Rows kept_;  // rows that the rings hold
 
-  std::span<std::uint16_t> summed_;  // kKept rows of costs, summed down the columns
-  std::span<std::uint16_t> areas_;   // kKept rows of pixels, summed down the columns
-  std::span<std::uint16_t> sums_;    // along one row
-  std::span<std::uint8_t> costs_;    // of single pixels
-  std::span<std::uint8_t> before_;   // arms to the left, or upwards
-  std::span<std::uint8_t> behind_;
-  std::span<CrossEnds> ends_;
+  std::span<std::uint8_t> sums_;    // kKept rows of costs, summed along the row
+  std::span<std::uint8_t> counts_;  // kKept rows: of how many pixels
+  std::span<std::uint8_t> costs_;   // of single pixels
+  std::span<std::uint8_t> joined_;  // with the column before, or with the row above
+  std::span<std::uint8_t> below_;   // joined with the row below
+  std::span<CrossColumn> columns_;
 };
 
 }  // namespace stof::dsp

@@ -64,13 +64,13 @@ void compare(std::span<const std::uint8_t> left, std::span<const std::uint8_t> r
 template <typename Isa>
 void costs_of(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right, int bits,
               int lanes, std::span<std::uint8_t> costs) noexcept {
-  STOF_CHECK(bits == kCensus5x5Bits || bits == kCensus9x7Bits);
+  STOF_CHECK(bits == kCensus5x5.bits() || bits == kCensus9x7.bits());
   STOF_CHECK(lanes > 0 && lanes % static_cast<int>(Isa::kLanes) == 0 && !costs.empty());
   const auto count = static_cast<std::size_t>(lanes);
-  if (bits == kCensus5x5Bits) {
-    compare<Isa, planes_of(kCensus5x5Bits)>(left, right, count, costs);
+  if (bits == kCensus5x5.bits()) {
+    compare<Isa, planes_of(kCensus5x5.bits())>(left, right, count, costs);
   } else {
-    compare<Isa, planes_of(kCensus9x7Bits)>(left, right, count, costs);
+    compare<Isa, planes_of(kCensus9x7.bits())>(left, right, count, costs);
   }
 }
 

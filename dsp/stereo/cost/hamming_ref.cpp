@@ -9,7 +9,7 @@ namespace stof::dsp::ref {
 
 void hamming_costs(std::span<const std::uint8_t> left, std::span<const std::uint8_t> right,
                    int bits, int lanes, std::span<std::uint8_t> costs) noexcept {
-  STOF_CHECK(bits == kCensus5x5Bits || bits == kCensus9x7Bits);
+  STOF_CHECK(bits == kCensus5x5.bits() || bits == kCensus9x7.bits());
   STOF_CHECK(lanes >= kCostLanes && lanes % kCostLanes == 0 && !costs.empty());
   const std::size_t count = static_cast<std::size_t>(lanes);
   const std::size_t n = costs.size() / count;

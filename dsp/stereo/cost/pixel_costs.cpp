@@ -8,12 +8,16 @@
 #include "dsp/stereo/cost/ad_census.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/hamming.h"
+#include "dsp/stereo/prefilter/prefilter.h"
 
 namespace stof::dsp {
 namespace {
 
+// Steeper ones are edges, and an edge is as good a match as any other.
+constexpr int kDerivativeCap = 20;
+
 int bits_of(PixelCost cost) noexcept {
-  return cost == PixelCost::kCensus9x7 ? kCensus9x7Bits : kCensus5x5Bits;
+  return cost == PixelCost::kCensus9x7 ? kCensus9x7.bits() : kCensus5x5.bits();
 }
 
 // Elements of a left row; a right row has lanes - 1 more.
@@ -50,8 +54,11 @@ PixelCosts::PixelCosts(PixelCost cost, const MatchParams& params, int width, Cos
   left_.planes = arena.take<std::uint8_t>(planes * left);
   right_.planes = arena.take<std::uint8_t>(planes * right);
   if (cost == PixelCost::kAdCensus) {
+    derived_ = arena.take<std::uint8_t>(index(width));
     left_.grey = arena.take<std::uint8_t>(left);
+    left_.derivative = arena.take<std::uint8_t>(left);
     right_.grey = arena.take<std::uint8_t>(right);
+    right_.derivative = arena.take<std::uint8_t>(right);
   }
 }
 
@@ -63,10 +70,18 @@ void PixelCosts::start(const CostPictures& pictures) noexcept {
 void PixelCosts::describe(ImageView<const std::uint8_t> picture, int y) noexcept {
   const std::span<std::uint8_t> planes =
       described_.first(planes_of(bits_of(cost_)) * index(picture.width()));
-  if (cost_ == PixelCost::kCensus9x7) {
-    best::census_9x7(window<7>(picture, y), planes);
-  } else {
-    best::census_5x5(window<5>(picture, y), planes);
+  switch (cost_) {
+    case PixelCost::kCensus5x5:
+      best::census_5x5(window<5>(picture, y), planes);
+      return;
+    case PixelCost::kCensus9x7:
+      best::census_9x7(window<7>(picture, y), planes);
+      return;
+    case PixelCost::kAdCensus:
+      best::census_7x7(window<7>(picture, y), planes);
+      best::clipped_sobel(picture.row_clamped(y - 1), picture.row(y), picture.row_clamped(y + 1),
+                          kDerivativeCap, derived_.first(index(picture.width())));
+      return;
   }
 }
 
@@ -85,25 +100,36 @@ void PixelCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
     reverse_row(from, columns_, min_disparity_, to);
   };
 
+  const bool mixed = cost_ == PixelCost::kAdCensus;
   describe(pictures_.left, y);
   for (std::size_t p = 0; p < planes; ++p) {
     extend(described_.subspan(p * width, width), left_.planes.subspan(p * n, n));
+  }
+  if (mixed) {
+    extend(pictures_.left.row(y), left_.grey.first(n));
+    extend(derived_.first(width), left_.derivative.first(n));
   }
   describe(pictures_.right, y);
   for (std::size_t p = 0; p < planes; ++p) {
     reverse(described_.subspan(p * width, width),
             right_.planes.subspan(p * candidates, candidates));
   }
+  if (mixed) {
+    reverse(pictures_.right.row(y), right_.grey.first(candidates));
+    reverse(derived_.first(width), right_.derivative.first(candidates));
+  }
   const std::span<const std::uint8_t> left = left_.planes.first(planes * n);
   const std::span<const std::uint8_t> right = right_.planes.first(planes * candidates);
-  if (cost_ != PixelCost::kAdCensus) {
+  if (!mixed) {
     best::hamming_costs(left, right, bits, lanes_, costs);
     return;
   }
-  extend(pictures_.left.row(y), left_.grey.first(n));
-  reverse(pictures_.right.row(y), right_.grey.first(candidates));
-  best::ad_census_costs({.planes = left, .grey = left_.grey.first(n)},
-                        {.planes = right, .grey = right_.grey.first(candidates)}, lanes_, costs);
+  best::ad_census_costs(
+      {.planes = left, .grey = left_.grey.first(n), .derivative = left_.derivative.first(n)},
+      {.planes = right,
+       .grey = right_.grey.first(candidates),
+       .derivative = right_.derivative.first(candidates)},
+      lanes_, costs);
 }
 
 }  // namespace stof::dsp

@@ -14,7 +14,7 @@ namespace stof::dsp {
 enum class PixelCost : std::uint8_t {
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
-  kAdCensus,   // census 5x5 and clipped grey differences (ad_census.h)
+  kAdCensus,   // census 7x7, grey values and their derivative (ad_census.h)
 };
 
 // The costs of single pixels, one row at a time, for costs that fit u8 and are dear to compute.
@@ -39,6 +39,7 @@ class PixelCosts {
   struct Side {
     std::span<std::uint8_t> planes;
     std::span<std::uint8_t> grey;
+    std::span<std::uint8_t> derivative;
   };
 
   void describe(ImageView<const std::uint8_t> picture, int y) noexcept;
@@ -49,6 +50,7 @@ class PixelCosts {
   int width_;
   int lanes_;
   std::span<std::uint8_t> described_;  // census planes of a picture's own columns
+  std::span<std::uint8_t> derived_;    // derivative of a picture's own columns
   Side left_;
   Side right_;
   CostPictures pictures_;

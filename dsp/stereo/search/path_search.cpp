@@ -13,9 +13,9 @@ namespace {
 constexpr int kEdge = 6;
 
 // What SemiGlobal asks of u8 costs.
-constexpr int kLargestStep = (255 - 1 - kLargestAdCensusCost) / 2;
+constexpr int kLargestStep = (255 - 1 - kLargestCrossCost) / 2;
 static_assert(kMaxStep <= kLargestStep);
-static_assert(PathSearch::kDirections * (kLargestAdCensusCost + kMaxStep) < kNoCost<std::uint8_t>);
+static_assert(PathSearch::kDirections * (kLargestCrossCost + kMaxStep) < kNoCost<std::uint8_t>);
 
 }  // namespace
 

@@ -13,7 +13,7 @@ namespace stof::dsp {
 
 // Of paths over CrossCosts, and what distinctness has to know of these. Small changes of grey
 // values are edges already: the costs are averaged over pixels that look alike.
-inline constexpr CostScale kRegionScale{.largest = kLargestAdCensusCost,
+inline constexpr CostScale kRegionScale{.largest = kLargestCrossCost,
                                         .margin_percent = kRegionMarginPercent};
 PathParams<std::uint8_t> region_path_params(const MatchParams& params, int directions) noexcept;
 

@@ -16,7 +16,8 @@ template <typename Sum>
 using UniquenessCheck = void(std::span<const Sum> costs, int lanes, int percent,
                              std::span<std::int16_t> winners) noexcept;
 
-STOF_KERNELS(UniquenessCheck, uniqueness_check, Neon<std::uint16_t>, Neon<std::uint32_t>)
+STOF_KERNELS(UniquenessCheck, uniqueness_check, Neon<std::uint8_t>, Neon<std::uint16_t>,
+             Neon<std::uint32_t>)
 
 // Every rival must cost at least this: max(c + 1, ceil(c (100 + percent) / 100)), at most kNoCost.
 template <typename Sum>

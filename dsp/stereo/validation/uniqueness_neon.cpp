@@ -9,6 +9,7 @@
 namespace stof::dsp::neon {
 namespace {
 
+unsigned total(uint8x16_t v) noexcept { return vaddlvq_u8(v); }  // at most 16 a lane
 unsigned total(uint16x8_t v) noexcept { return vaddvq_u16(v); }
 unsigned total(uint32x4_t v) noexcept { return vaddvq_u32(v); }
 
@@ -54,6 +55,6 @@ void uniqueness_check(std::span<const Sum> costs, int lanes, int percent,
   ref::uniqueness_check(costs.subspan(x * count), lanes, percent, winners.subspan(x));
 }
 
-STOF_INSTANTIATE(UniquenessCheck, uniqueness_check, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(UniquenessCheck, uniqueness_check, std::uint8_t, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::neon

@@ -39,6 +39,6 @@ void uniqueness_check(std::span<const Sum> costs, int lanes, int percent,
   }
 }
 
-STOF_INSTANTIATE(UniquenessCheck, uniqueness_check, std::uint16_t, std::uint32_t);
+STOF_INSTANTIATE(UniquenessCheck, uniqueness_check, std::uint8_t, std::uint16_t, std::uint32_t);
 
 }  // namespace stof::dsp::ref

@@ -363,7 +363,7 @@ TEST(SavedSettings, OfBlocksThatAreNotMatchedAnyMoreFallBack) {
   EXPECT_EQ(
       told,
       "x.json: depth.match.block: sums of such blocks do not fit 16 bits: as the preset has it");
-  EXPECT_EQ(depth_params(settings, 64).match.block_width, 16);
+  EXPECT_EQ(depth_params(settings, 64).match.block_width, 14);
   settings =
       loaded(R"({"depth": {"preset": "quality", "match": {"block": "21x21"}}})", told, fell_back);
   EXPECT_EQ(told, "");

@@ -30,12 +30,31 @@ TEST(Census, NumbersNeighboursAlongTheRowsAndLeavesOutTheCentre) {
     for (std::size_t r = 0; r < 7; ++r) {
       rows[r] = picture[r];
     }
-    std::vector<std::uint8_t> planes(planes_of(kCensus9x7Bits) * 9);
+    std::vector<std::uint8_t> planes(planes_of(kCensus9x7.bits()) * 9);
     best::census_9x7(rows, planes);
     for (std::size_t bit = 0; bit < 62; ++bit) {
       const std::size_t expected = dark < 31 ? dark : dark - 1;
       // A dark centre is darker than nothing around it.
       EXPECT_EQ(bit_of(planes, 9, 4, bit), dark != 31 && bit == expected ? 1 : 0) << dark;
+    }
+  }
+}
+
+TEST(Census, OfSevenBySevenLooksAtTheOddFieldsOfItsWindow) {
+  for (std::size_t dark = 0; dark < 49; ++dark) {
+    std::array<std::array<std::uint8_t, 7>, 7> picture;
+    for (auto& row : picture) {
+      row.fill(100);
+    }
+    picture[dark / 7][dark % 7] = 99;
+    Window<7> rows;
+    for (std::size_t r = 0; r < 7; ++r) {
+      rows[r] = picture[r];
+    }
+    std::vector<std::uint8_t> planes(planes_of(kCensus7x7.bits()) * 7);
+    best::census_7x7(rows, planes);
+    for (std::size_t bit = 0; bit < 24; ++bit) {
+      EXPECT_EQ(bit_of(planes, 7, 3, bit), dark % 2 == 1 && bit == dark / 2 ? 1 : 0) << dark;
     }
   }
 }
@@ -46,7 +65,7 @@ TEST(Census, OfARampIsTheDarkerSideAndRepeatsItsBorders) {
     ramp[x] = static_cast<std::uint8_t>(10 * x);
   }
   const Window<5> rows{ramp, ramp, ramp, ramp, ramp};
-  std::vector<std::uint8_t> planes(planes_of(kCensus5x5Bits) * ramp.size());
+  std::vector<std::uint8_t> planes(planes_of(kCensus5x5.bits()) * ramp.size());
   best::census_5x5(rows, planes);
   for (const std::size_t x : {0U, 1U, 2U, 10U, 19U}) {
     const std::size_t darker_columns = std::min<std::size_t>(x, 1);  // of the two to the left
@@ -66,7 +85,7 @@ TEST(Census, OfARampIsTheDarkerSideAndRepeatsItsBorders) {
 TEST(Census, SeesOrderAloneAcrossTheWholeRangeOfGreyValues) {
   const std::array<std::uint8_t, 6> steps{0, 127, 128, 255, 128, 0};
   const Window<5> rows{steps, steps, steps, steps, steps};
-  std::vector<std::uint8_t> planes(planes_of(kCensus5x5Bits) * 6);
+  std::vector<std::uint8_t> planes(planes_of(kCensus5x5.bits()) * 6);
   best::census_5x5(rows, planes);
   EXPECT_EQ(bit_of(planes, 6, 2, 11), 1);  // 127 < 128
   EXPECT_EQ(bit_of(planes, 6, 2, 12), 0);  // 255 > 128
@@ -90,8 +109,9 @@ void expect_equals_reference(int bits, const Best& census) {
 }
 
 TEST(Census, EqualsReferenceForEveryLength) {
-  expect_equals_reference<5>(kCensus5x5Bits, best::census_5x5);
-  expect_equals_reference<7>(kCensus9x7Bits, best::census_9x7);
+  expect_equals_reference<5>(kCensus5x5.bits(), best::census_5x5);
+  expect_equals_reference<7>(kCensus7x7.bits(), best::census_7x7);
+  expect_equals_reference<7>(kCensus9x7.bits(), best::census_9x7);
 }
 
 }  // namespace
