@@ -35,7 +35,8 @@ def loops(code, blocks):
     for address, count in times.items():
         name, operands = code.get(address, ("", ""))
         target = PLACE.search(operands)
-        if target and BRANCH.fullmatch(name) and (begin := int(target[0], 16)) <= address and begin in times:
+        if (target and BRANCH.fullmatch(name) and (begin := int(target[0], 16)) <= address and begin in times
+                and all(one in code for one in range(begin, address, 4))):  # else there is data between
             found.append((begin, address, min(count, times[begin])))
     inner = [one for one in found
              if not any(other is not one and one[0] <= other[0] and other[1] <= one[1] for other in found)]
