@@ -29,16 +29,16 @@ constexpr std::size_t rectifier_bytes(const board::StereoConfig& stereo) noexcep
 }
 
 // Preset `quality`, which takes the most of all presets: eight images; for each column and
-// candidate (whole vectors of 16) two bytes of 26 rows of sums over regions, one of 96 rows of
-// costs and paths, and of some more; and what the largest blocks add to a row of sums. Other
-// searches, a guide and a filter over time may take more than that at the board's full size; then
-// they are refused at start.
-// threads: each has a search of its own; from two on, two maps are checked at the same time.
+// candidate (whole vectors of 16) 4 rows of sums, 96 of costs and paths, and some more; and what
+// the largest blocks add to a row of sums. 48 rows are left for a guide and a filter over time.
+// With other searches these may take more than that at the board's full size; then they are refused
+// at start. threads: each has a search of its own; from two on, two maps are checked at the same
+// time.
 constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo, int threads = 1) noexcept {
   const auto lanes = static_cast<std::size_t>((stereo.disparities + 15) / 16 * 16);
   const auto columns = static_cast<std::size_t>(stereo.width);
   const auto block = static_cast<std::size_t>(stereo.block_width);
-  const std::size_t search = (2 * 26 + 96 + 14) * columns * lanes + 4 * block * lanes +
+  const std::size_t search = (4 + 48 + 96 + 14) * columns * lanes + 4 * block * lanes +
                              192 * (columns + block) + 64 * lanes + 4096;
   return (threads > 1 ? 17 : 13) * pixels(stereo.width, stereo.height) +
          static_cast<std::size_t>(threads) * search + 8192;
