@@ -12,7 +12,7 @@
 //   means(a, b, c, reciprocal)   of the sums of three vectors
 namespace stof::dsp::cross_aggregation_body {
 
-inline constexpr std::array<std::uint8_t, 256> kZeros{};
+static constexpr std::array<std::uint8_t, 256> kZeros{};
 
 // lanes a multiple of Isa::kLanes, at most 256.
 template <typename Isa>
