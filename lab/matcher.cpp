@@ -59,7 +59,12 @@ void Matcher::match(const MatchInput& input, ImageView<Disparity> out) noexcept 
 
 void Matcher::make_dense(ImageView<const std::uint8_t> grey, ImageView<Disparity> out,
                          ImageView<std::uint8_t> filled) noexcept {
-  for (int y = 0; y < height_ && !matcher_.weak().empty(); ++y) {
+  // Where nothing was sure, what is weak is made of noise or of nothing.
+  bool any = false;
+  for (int y = 0; y < height_ && !any; ++y) {
+    any = std::ranges::any_of(out.row(y), &Disparity::valid);
+  }
+  for (int y = 0; any && y < height_ && !matcher_.weak().empty(); ++y) {
     for (std::size_t x = 0; x < index(width_); ++x) {
       if (!out.row(y)[x].valid() && matcher_.weak().row(y)[x].valid()) {
         out.row(y)[x] = matcher_.weak().row(y)[x];

@@ -102,10 +102,10 @@ class Annealer {
     const std::span<const Sum> costs(pixel(x, y), static_cast<std::size_t>(lanes_));
     std::int16_t& winner = map_.at(x, y);
     const auto cheapest = std::ranges::min_element(costs);
-    if (winner == kNoWinner && *cheapest != kNoCost<Sum>) {
-      winner = static_cast<std::int16_t>(cheapest - costs.begin());
+    if (winner == kNoWinner || !offered(x, y, winner)) {
+      winner = *cheapest == kNoCost<Sum> ? kNoWinner
+                                         : static_cast<std::int16_t>(cheapest - costs.begin());
     }
-    STOF_CHECK(winner == kNoWinner || offered(x, y, winner));
   }
 
   // Those of the four that have a candidate.

@@ -45,10 +45,10 @@ template <typename Sum>
 std::uint64_t map_energy(std::span<const Sum> costs, int lanes, std::uint32_t lambda,
                          ImageView<const std::int16_t> map) noexcept;
 
-// map: where to begin, as winner.h leaves it, and the result: the best map met, after a descent in
-// which no change of one pixel lowers the energy. Pixels that have candidates but no winner begin
-// with the cheapest, unless no pixel has a winner: then the map stays. best: scratch of the map's
-// size.
+// map: where to begin, as winner.h or a filter leaves it, and the result: the best map met, after a
+// descent in which no change of one pixel lowers the energy. Pixels whose winner is none of their
+// candidates begin with the cheapest, unless no pixel has a winner: then the map stays. best:
+// scratch of the map's size.
 template <typename Sum>
 AnnealingEnergy anneal(std::span<const Sum> costs, int lanes, const AnnealingParams& params,
                        ImageView<std::int16_t> best, ImageView<std::int16_t> map) noexcept;

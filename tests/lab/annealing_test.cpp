@@ -210,6 +210,19 @@ TYPED_TEST(Annealing, PixelsWithoutCandidatesStayAndFlatPicturesToo) {
   EXPECT_EQ(map[4], kNoWinner);
 }
 
+// Filters and filling move winners to where they are no candidates.
+TYPED_TEST(Annealing, BeginsWithTheCheapestWhereAWinnerIsNoCandidate) {
+  Volume<TypeParam> volume = noisy_scene<TypeParam>(3, 3, 1);
+  volume.costs[5] = kNoCost<TypeParam>;
+  Map good = volume.winners();
+  Map bad = good;
+  bad[0] = 5;
+  const AnnealingEnergy expected = volume.anneal(default_annealing(5), good);
+  const AnnealingEnergy found = volume.anneal(default_annealing(5), bad);
+  EXPECT_EQ(found.start, expected.start);
+  EXPECT_EQ(bad, good);
+}
+
 // |L - R| summed over 3 x 3, in the middle of a recorded scene.
 Volume<std::uint16_t> scene_costs(const dataset::StereoScene& scene, int width, int height) {
   Volume<std::uint16_t> volume(width, height, (scene.ndisp + 15) / 16 * 16);

@@ -283,6 +283,17 @@ TEST(Matcher, MarksWhatItFillsAndNothingElse) {
   }
 }
 
+TEST(Matcher, FillsNothingWhereNothingIsSure) {
+  const int w = 80;
+  const int h = 40;
+  MatchParams params = as_the_appliance(dsp::find_preset("quality")->params);
+  params.fill = true;
+  for (const Pixels& picture : {Pixels(w * h, 0), Pixels(w * h, 255)}) {
+    EXPECT_EQ(match(picture, picture, w, h, params),
+              std::vector<Disparity>(picture.size(), Disparity::none()));
+  }
+}
+
 TEST(Matcher, FillsBeforeItsEdgesMoveToThoseOfThePicture) {
   const int w = 60;
   const int h = 30;
