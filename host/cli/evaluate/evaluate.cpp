@@ -12,7 +12,8 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
   MatchOptions& match = options.match;
   command.add_option("--preset", match.preset,
                      "Matching preset: fast, quality or chapter; what follows changes it (default: "
-                     "a method alone, dense and integer)");
+                     "a method alone, dense and integer). --NAME{VALUE}: the name alone is that "
+                     "value, another one follows \"=\", such as --lr=2");
   for (const lab::MatchOption& option : lab::match_options()) {
     const std::string name(option.name);
     const std::string help =
