@@ -17,9 +17,14 @@ template <std::size_t kCount>
 Disparity background(std::array<Disparity, kCount> nearest) noexcept {
   const auto end = std::partition(nearest.begin(), nearest.end(),
                                   [](Disparity d) noexcept { return d.valid(); });
-  std::sort(nearest.begin(), end, [](Disparity a, Disparity b) noexcept { return a.raw < b.raw; });
   const std::size_t found = static_cast<std::size_t>(end - nearest.begin());
-  return found == 0 ? Disparity::none() : nearest[std::min(kRank, found - 1)];
+  if (found == 0) {
+    return Disparity::none();
+  }
+  const std::size_t rank = std::min(kRank, found - 1);
+  std::nth_element(nearest.begin(), nearest.begin() + rank, end,
+                   [](Disparity a, Disparity b) noexcept { return a.raw < b.raw; });
+  return nearest[rank];
 }
 
 }  // namespace
