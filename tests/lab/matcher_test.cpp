@@ -294,13 +294,12 @@ TEST(Matcher, FillsNothingWhereNothingIsSure) {
   }
 }
 
-TEST(Matcher, FillsBeforeItsEdgesMoveToThoseOfThePicture) {
+TEST(Matcher, FillsAPictureBesideItselfWithZeros) {
   const int w = 60;
   const int h = 30;
   const Pixels left = noise(w, h, 1);
   MatchParams params{{.disparities = 16, .left_right_tolerance = 0}};
   params.fill = true;
-  // A picture beside itself: zero everywhere, which no edge moves.
   const std::vector<Disparity> out = match(left, left, w, h, params);
   EXPECT_EQ(out, std::vector<Disparity>(left.size(), Disparity::from_pixels(0)));
 }

@@ -24,10 +24,10 @@ struct AdCensusRow {
   std::span<const std::uint8_t> derivative;  // horizontal (prefilter.h), of any cap
 };
 
-// costs[k][i] = 2 hamming(left, right) + (min(|grey difference|, kAdCensusGreyCap) +
-// min(|derivative difference|, kAdCensusDerivativeCap)) >> 1 of left column k and its candidate i,
-// element n - 1 - k + i of the right row: the layout of sad.h. n at least 1, lanes a multiple of
-// 16, any alignment, costs overlap nothing.
+// costs[k][i] = 2 hamming(left, right) + half of (min(|grey difference|, kAdCensusGreyCap) +
+// min(|derivative difference|, kAdCensusDerivativeCap)), rounded down, of left column k and its
+// candidate i, element n - 1 - k + i of the right row: the layout of sad.h. n at least 1, lanes a
+// multiple of 16, any alignment, costs overlap nothing.
 using AdCensusCosts = void(const AdCensusRow& left, const AdCensusRow& right, int lanes,
                            std::span<std::uint8_t> costs) noexcept;
 STOF_KERNEL(AdCensusCosts, ad_census_costs, kAvx2)

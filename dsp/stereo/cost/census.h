@@ -19,8 +19,9 @@
 // vector, which is what hamming.h wants.
 namespace stof::dsp {
 
+// Odd sizes in px, and which neighbours count.
 struct CensusWindow {
-  std::size_t width;  // odd, as is height
+  std::size_t width;
   std::size_t height;
   bool chessboard;  // every second neighbour alone
 

@@ -13,11 +13,19 @@
 namespace stof::dsp {
 namespace {
 
-// Steeper ones are edges, and an edge is as good a match as any other.
+// Steeper slopes are all edges alike.
 constexpr int kDerivativeCap = 20;
 
 int bits_of(PixelCost cost) noexcept {
-  return cost == PixelCost::kCensus9x7 ? kCensus9x7.bits() : kCensus5x5.bits();
+  switch (cost) {
+    case PixelCost::kCensus5x5:
+      return kCensus5x5.bits();
+    case PixelCost::kCensus9x7:
+      return kCensus9x7.bits();
+    case PixelCost::kAdCensus:
+      break;
+  }
+  return kCensus7x7.bits();
 }
 
 // Elements of a left row; a right row has lanes - 1 more.
