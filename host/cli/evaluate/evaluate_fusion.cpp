@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "host/calibrate/calibration_store.h"
 #include "host/cli/evaluate/fusion_print.h"
 #include "host/cli/failure.h"
 #include "host/evaluate/fusion/fusion_case.h"
@@ -66,6 +67,8 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
       .add_option("--max-range", options.max_range_m,
                   "Metres beyond which nothing is measured (default: the appliance's)")
       ->check(CLI::Range(0.1, kFarthestM));
+  command.add_option("--calibration", options.calibration,
+                     "What stof calib pmd found of the PMD camera, in place of its json");
   command.add_flag("--guided", options.guided, "PMD intervals narrow the search");
   command.add_flag("--chapter-geometry", options.chapter_geometry,
                    "Adds the chapter's fusion of a scaled PMD map, for comparison");
@@ -75,10 +78,16 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
 
 void evaluate_fusion(const EvaluateFusionOptions& options) {
   refuse_what_means_nothing(options);
+  FusionOptions how = fusion_options(options);
+  StoredCalibration stored;
+  if (!options.calibration.empty()) {
+    stored = value_or_fail(read_calibration(options.calibration));
+    how.camera = stored.calibration.pmd;
+  }
   std::vector<FusionCase> cases;
   for (std::size_t i = 0; i < options.pairs.size(); i += 2) {
-    cases.push_back(value_or_fail(run_fusion_case(options.pairs[i], options.pairs[i + 1],
-                                                  options.match, fusion_options(options))));
+    cases.push_back(
+        value_or_fail(run_fusion_case(options.pairs[i], options.pairs[i + 1], options.match, how)));
   }
   const bool several = cases.size() > 1;
   for (const FusionCase& fused : cases) {

@@ -14,7 +14,8 @@ struct EvaluateFusionOptions : EvaluateOptions {
   std::optional<double> max_range_m;         // without it the appliance's
   bool guided = false;
   bool chapter_geometry = false;
-  std::filesystem::path html;  // empty: no page
+  std::filesystem::path calibration;  // of the PMD cameras; empty: what their jsons say
+  std::filesystem::path html;         // empty: no page
 };
 
 // All of its flags.

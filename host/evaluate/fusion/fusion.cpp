@@ -195,7 +195,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
       .match = of_the_appliance.value_or(match), .fusion = {}, .guided = options.guided};
   params.match.search = lab::sums_paths(match) ? dsp::Search::kPaths : dsp::Search::kBlocks;
   params.fusion.max_range = options.max_range;
-  params.fusion.sigma_by_ratio = dsp::sigma_of(params.match);
+  params.fusion.trust = dsp::trust_of(params.match);
   posix::WorkerThreads workers({.threads = options.threads});
   if (workers.threads() < options.threads) {
     return dataset::refuse(too_few_threads(workers.threads(), options.threads));

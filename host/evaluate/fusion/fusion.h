@@ -17,8 +17,11 @@ struct FusionOptions {
   dsp::QuarterMm max_range = dsp::FusionParams{}.max_range;
   bool guided = false;            // PMD intervals narrow the search
   bool chapter_geometry = false;  // adds FusionResult::chapter
-  int runs = 1;                   // of which the median time is taken
-  int threads = 1;                // that match and fuse; no result depends on it
+  // What a calibration found of the PMD camera, in place of what the recording's json says: all but
+  // the lens, and the fixed pattern where its picture has the recording's size.
+  std::optional<dsp::PmdSensor> camera = std::nullopt;
+  int runs = 1;     // of which the median time is taken
+  int threads = 1;  // that match and fuse; no result depends on it
 };
 
 // The parameters a scene of `disparities` candidates is matched with. A preset means what the

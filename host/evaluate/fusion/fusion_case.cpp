@@ -1,8 +1,16 @@
 #include "host/evaluate/fusion/fusion_case.h"
 
+#include <cmath>
+
 #include "dataset/files/file.h"
 
 namespace stof::host {
+namespace {
+
+constexpr double kFrequencyTolerance = 1e-3;  // of one camera
+constexpr double kHertzPerMegahertz = 1e6;
+
+}  // namespace
 
 std::string FusionCase::sensor() const {
   return std::to_string(lens.width) + "x" + std::to_string(lens.height);
@@ -30,6 +38,28 @@ dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& sc
       .pair = std::move(*pair), .recording = std::move(*recording), .depth = std::move(depth)};
 }
 
+std::expected<void, dataset::Problem> calibrate(const dsp::PmdSensor& found,
+                                                const std::filesystem::path& prefix,
+                                                dataset::PmdRecording& recording) {
+  dsp::PmdSensor& camera = recording.calibration.pmd;
+  const double calibrated = found.frequency.modulation.value;
+  const double recorded = camera.frequency.modulation.value;
+  if (std::abs(calibrated - recorded) > kFrequencyTolerance * recorded) {
+    return dataset::refuse(
+        prefix.string() + ".json: modulated at " + std::to_string(recorded / kHertzPerMegahertz) +
+        " MHz, the calibration is for " + std::to_string(calibrated / kHertzPerMegahertz) +
+        " MHz: give the calibration of this camera");
+  }
+  dsp::PmdSensor sensor = found;
+  sensor.lens = camera.lens;
+  if (found.fixed_pattern.empty() || found.lens.width != camera.lens.width ||
+      found.lens.height != camera.lens.height) {
+    sensor.fixed_pattern = camera.fixed_pattern;
+  }
+  camera = sensor;
+  return {};
+}
+
 dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
                                             const std::filesystem::path& prefix,
                                             const MatchOptions& match,
@@ -37,6 +67,11 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
   dataset::Loaded<RecordedPair> recorded = read_recorded_pair(scene, prefix);
   if (!recorded) {
     return std::unexpected(std::move(recorded.error()));
+  }
+  if (options.camera) {
+    if (auto done = calibrate(*options.camera, prefix, recorded->recording); !done) {
+      return std::unexpected(std::move(done.error()));
+    }
   }
   dataset::StereoScene& pair = recorded->pair;
   const dsp::Calibration& calibration = recorded->recording.calibration;
