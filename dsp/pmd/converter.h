@@ -41,7 +41,7 @@ struct PmdFrame {
 class Converter {
  public:
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
-  // 16 bytes a pixel, 10 more with lights beside the lens, 4 more where there is a long_distance.
+  // 24 bytes a pixel, 10 more with lights beside the lens, 4 more where there is a long_distance.
   Converter(const PmdSensor& sensor, Arena& arena) noexcept;
 
   // Samples of the sensor's size. The result is valid until the next call; integration times scale

@@ -37,7 +37,16 @@ struct PmdMaps {
   // width + 2, and the element before and the one behind each row are there and always 0, which is
   // what the kernel `interval` wants at the border.
   ImageView<QuarterMm> distance;
-  ImageView<QuarterMm> sigma;     // of distance
+  ImageView<QuarterMm> sigma;  // of distance
+  // Both averaged along surfaces (interval/average_pairs.h): what intervals are made of and where
+  // readings lie in the left view. Padded likewise. Empty where a pixel is too wide for that:
+  // readings themselves are used.
+  ImageView<QuarterMm> smoothed;
+  ImageView<QuarterMm> smoothed_sigma;
+  // Of pixels with kPmdWrapped, which have no distance: what was read, less than `range`, and its
+  // sigma. It lies at this, or any number of ranges further. 0 elsewhere. May be empty.
+  ImageView<QuarterMm> folded;
+  ImageView<QuarterMm> folded_sigma;
   ImageView<QuarterMm> low;       // radial interval from the 3x3 neighbourhood, with 2 sigma;
   ImageView<QuarterMm> high;      // both 0 where there is none
   ImageView<std::uint8_t> ratio;  // modulation ratio m = A / offset, LSB 1/256, at most 255
@@ -56,6 +65,11 @@ struct PmdMaps {
   QuarterMm widest = 0;
   // What a surface tilted by 60 degrees gains over two pixels, as a share of its distance, Q16.
   std::uint16_t slope_q16 = 0;
+
+  // Where readings lie.
+  const ImageView<QuarterMm>& located() const noexcept {
+    return smoothed.empty() ? distance : smoothed;
+  }
 };
 
 }  // namespace stof::dsp

@@ -103,7 +103,7 @@ Reprojector::Band Reprojector::band(std::size_t begin) const noexcept {
 
 void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
   const RayRow rays = ray_row(rays_, width_, y);
-  const std::span<const QuarterMm> distance = maps.distance.row(y);
+  const std::span<const QuarterMm> distance = maps.located().row(y);
   best::project(rays, maps.low.row(y), projection_, low_.u, low_.v, low_.depth);
   best::project(rays, distance, projection_, centre_.u, centre_.v, centre_.depth);
   best::project(rays, maps.high.row(y), projection_, high_.u, high_.v, high_.depth);

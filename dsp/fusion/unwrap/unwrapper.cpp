@@ -33,6 +33,10 @@ void apply(const WrapMaps& maps, const PmdMaps& pmd) noexcept {
         continue;
       }
       const bool told = wraps >= 0;
+      if (!told && !pmd.folded.empty()) {
+        pmd.folded.row(y)[x] = distance[x];
+        pmd.folded_sigma.row(y)[x] = sigma[x];
+      }
       distance[x] = told ? static_cast<QuarterMm>(maps.distance(first + x, wraps)) : kNoDepth;
       sigma[x] = told ? sigma[x] : QuarterMm{0};
       flags[x] = static_cast<std::uint8_t>(flags[x] | (told ? 0U : unsigned{kPmdWrapped}));

@@ -5,6 +5,7 @@
 #include <span>
 
 #include "dsp/base/check.h"
+#include "dsp/pmd/interval/average_pairs.h"
 #include "dsp/pmd/interval/interval.h"
 
 namespace stof::dsp {
@@ -19,11 +20,54 @@ std::span<const QuarterMm> padded_row(const ImageView<QuarterMm>& image, int y) 
   return {row.data() - 1, row.size() + 2};
 }
 
+IntervalRows rows_around(const ImageView<QuarterMm>& distance, const ImageView<QuarterMm>& sigma,
+                         int y) noexcept {
+  return {padded_row(distance, y - 1), padded_row(distance, y), padded_row(distance, y + 1),
+          padded_row(sigma, y - 1),    padded_row(sigma, y),    padded_row(sigma, y + 1)};
+}
+
+// What wrapped pixels of a row have read; those that lost it before keep what is there.
+void keep_folded(const PmdMaps& maps, int y) noexcept {
+  if (maps.folded.empty()) {
+    return;
+  }
+  const std::span<const std::uint8_t> flags = maps.flags.row(y);
+  const std::span<const QuarterMm> distance = maps.distance.row(y);
+  const std::span<const QuarterMm> sigma = maps.sigma.row(y);
+  const std::span<QuarterMm> folded = maps.folded.row(y);
+  const std::span<QuarterMm> folded_sigma = maps.folded_sigma.row(y);
+  for (std::size_t x = 0; x < flags.size(); ++x) {
+    const bool wrapped = (flags[x] & kPmdWrapped) != 0;
+    if (wrapped && distance[x] != kNoDepth) {
+      folded[x] = static_cast<QuarterMm>(distance[x] % maps.range);
+      folded_sigma[x] = sigma[x];
+    }
+  }
+}
+
 }  // namespace
 
+void smooth_readings(const PmdMaps& maps) noexcept {
+  if (maps.smoothed.empty()) {
+    return;
+  }
+  const int last = maps.distance.height() - 1;
+  for (const int y : {0, last}) {
+    std::ranges::copy(maps.distance.row(y), maps.smoothed.row(y).begin());
+    std::ranges::copy(maps.sigma.row(y), maps.smoothed_sigma.row(y).begin());
+  }
+  for (int y = 1; y < last; ++y) {
+    best::average_pairs(rows_around(maps.distance, maps.sigma, y), maps.slope_q16,
+                        maps.smoothed.row(y), maps.smoothed_sigma.row(y));
+  }
+}
+
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept {
+  const ImageView<QuarterMm>& located = maps.located();
+  const ImageView<QuarterMm>& sigma = maps.smoothed.empty() ? maps.sigma : maps.smoothed_sigma;
   const int stride = maps.distance.width() + 2;
   STOF_CHECK(maps.distance.stride() == stride && maps.sigma.stride() == stride);
+  STOF_CHECK(located.stride() == stride && sigma.stride() == stride);
   const IntervalLimits limits{
       .range = static_cast<QuarterMm>(std::min<std::uint32_t>(maps.range, kMaxQuarterMm)),
       .widest = maps.widest,
@@ -35,33 +79,37 @@ void fill_intervals(const PmdMaps& maps, Rows rows) noexcept {
       const unsigned stale = distance[x] == kNoDepth ? 0U : unsigned{kFromNeighbours};
       flags[x] = static_cast<std::uint8_t>(flags[x] & ~stale);
     }
-    const IntervalRows around{padded_row(maps.distance, y - 1), padded_row(maps.distance, y),
-                              padded_row(maps.distance, y + 1), padded_row(maps.sigma, y - 1),
-                              padded_row(maps.sigma, y),        padded_row(maps.sigma, y + 1)};
-    best::interval(around, limits, flags, maps.low.row(y), maps.high.row(y));
+    best::interval(rows_around(located, sigma, y), limits, flags, maps.low.row(y),
+                   maps.high.row(y));
   }
 }
 
 void drop_wrapped(const PmdMaps& maps) noexcept {
+  const auto drop = [](std::span<const std::uint8_t> flags, const auto& image, int y) noexcept {
+    if (image.empty()) {
+      return;
+    }
+    const auto row = image.row(y);
+    for (std::size_t x = 0; x < flags.size(); ++x) {
+      row[x] = (flags[x] & kPmdWrapped) != 0 ? 0 : row[x];
+    }
+  };
   for (int y = 0; y < maps.flags.height(); ++y) {
     const std::span<const std::uint8_t> flags = maps.flags.row(y);
-    const std::span<QuarterMm> distance = maps.distance.row(y);
-    const std::span<QuarterMm> sigma = maps.sigma.row(y);
-    for (std::size_t x = 0; x < flags.size(); ++x) {
-      const bool wrapped = (flags[x] & kPmdWrapped) != 0;
-      distance[x] = wrapped ? kNoDepth : distance[x];
-      sigma[x] = wrapped ? QuarterMm{0} : sigma[x];
+    if (std::ranges::none_of(flags, [](unsigned f) { return (f & kPmdWrapped) != 0; })) {
+      continue;
     }
-    if (!maps.long_distance.empty()) {
-      const std::span<std::uint32_t> far = maps.long_distance.row(y);
-      for (std::size_t x = 0; x < flags.size(); ++x) {
-        far[x] = (flags[x] & kPmdWrapped) != 0 ? 0 : far[x];
-      }
-    }
+    keep_folded(maps, y);
+    drop(flags, maps.distance, y);
+    drop(flags, maps.sigma, y);
+    drop(flags, maps.smoothed, y);
+    drop(flags, maps.smoothed_sigma, y);
+    drop(flags, maps.long_distance, y);
   }
 }
 
 void refresh_intervals(const PmdMaps& maps) noexcept {
+  smooth_readings(maps);
   fill_intervals(maps, maps.flags.rows());
   drop_wrapped(maps);
 }

@@ -5,23 +5,29 @@
 
 namespace stof::dsp {
 
-// low and high of some rows from distance and sigma (padded, see PmdMaps), maps.range and
-// maps.widest: kernel `interval`. Judges pixels that have a distance, and of their flags only
-// kPmdEdge, kPmdOutOfRange and kPmdWrapped, which are set or taken back; others keep their flags
-// and have low = high = 0. Neither distance nor sigma changes, so rows can be split in any way.
+// Fills smoothed and smoothed_sigma, where they are there, from distance and sigma: kernel
+// `average_pairs`. The first and the last row are copied, having no opposite neighbours.
+void smooth_readings(const PmdMaps& maps) noexcept;
+
+// low and high of some rows from what smooth_readings() made (distance and sigma where there is
+// none of it), maps.range and maps.widest: kernel `interval`. Judges pixels that have a distance,
+// and of their flags only kPmdEdge, kPmdOutOfRange and kPmdWrapped, which are set or taken back;
+// others keep their flags and have low = high = 0. Neither distance nor sigma changes, so rows can
+// be split in any way.
 //
 // Who moves readings by whole ranges (distance += k * maps.range, where stereo knows better) does
 // so between Converter::measure() and this, in any pixels (and long_distance alike, where it is
 // there); readings beyond maps.range count as moved: they are not out of range.
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept;
 
-// A wrapped pixel carries no distance: distance = sigma = long_distance = 0 where flags has
-// kPmdWrapped. After fill_intervals() of all rows, because neighbours are judged by them.
+// A wrapped pixel carries no distance: distance, sigma, smoothed, smoothed_sigma and long_distance
+// are 0 where flags has kPmdWrapped; what was read is kept in folded. After fill_intervals() of all
+// rows, because neighbours are judged by them.
 void drop_wrapped(const PmdMaps& maps) noexcept;
 
-// Both for the whole picture. May be called again after distances have changed, or flags of pixels
-// whose distance was set to 0; pixels that were dropped before stay dropped, and their neighbours
-// are then judged without them.
+// All three for the whole picture. May be called again after distances have changed, or flags of
+// pixels whose distance was set to 0; pixels that were dropped before stay dropped, and their
+// neighbours are then judged without them.
 void refresh_intervals(const PmdMaps& maps) noexcept;
 
 }  // namespace stof::dsp

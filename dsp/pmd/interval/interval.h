@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -20,6 +21,13 @@ struct IntervalRows {
   std::span<const QuarterMm> sigma_here;
   std::span<const QuarterMm> sigma_below;
 };
+
+// The same from pixel x on.
+inline IntervalRows behind(const IntervalRows& rows, std::size_t x) noexcept {
+  return {rows.distance_above.subspan(x), rows.distance_here.subspan(x),
+          rows.distance_below.subspan(x), rows.sigma_above.subspan(x),
+          rows.sigma_here.subspan(x),     rows.sigma_below.subspan(x)};
+}
 
 // All quarter mm.
 struct IntervalLimits {

@@ -95,12 +95,6 @@ void finish(const Extremes& e, uint16x8_t here, const IntervalLimits& limits, st
   vst1q_u16(high, vandq_u16(hi, keep));
 }
 
-IntervalRows from(const IntervalRows& rows, std::size_t x) noexcept {
-  return {rows.distance_above.subspan(x), rows.distance_here.subspan(x),
-          rows.distance_below.subspan(x), rows.sigma_above.subspan(x),
-          rows.sigma_here.subspan(x),     rows.sigma_below.subspan(x)};
-}
-
 }  // namespace
 
 void interval(const IntervalRows& rows, const IntervalLimits& limits, std::span<std::uint8_t> flags,
@@ -121,7 +115,7 @@ void interval(const IntervalRows& rows, const IntervalLimits& limits, std::span<
     finish(extremes, vld1q_u16(rows.distance_here.data() + x + 1), limits, flags.data() + x,
            low.data() + x, high.data() + x);
   }
-  ref::interval(from(rows, x), limits, flags.subspan(x), low.subspan(x), high.subspan(x));
+  ref::interval(behind(rows, x), limits, flags.subspan(x), low.subspan(x), high.subspan(x));
 }
 
 }  // namespace stof::dsp::neon
