@@ -21,7 +21,7 @@ namespace stof::dsp {
 // How pictures and samples become depth.
 struct DepthParams {
   MatchParams match;
-  FusionParams fusion;    // fusion.sigma_by_ratio suits the search: sigma_of(match)
+  FusionParams fusion;    // fusion.trust suits the search: trust_of(match)
   bool guided = false;    // PMD intervals narrow the search (guide_maker.h)
   bool temporal = false;  // depth is averaged over frames where nothing moves (temporal_filter.h)
 

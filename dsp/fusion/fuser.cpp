@@ -12,6 +12,7 @@
 #include "dsp/fusion/interval/stereo_interval.h"
 #include "dsp/fusion/project/reproject.h"
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
+#include "dsp/fusion/resolve/match_evidence.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -52,6 +53,7 @@ struct Fuser::Tables {
   FusionParams params;
   AmbiguityParams ambiguity;
   IntervalTables intervals;
+  MatchEvidence evidence;
   Reprojector reprojector;
   SplattedView splatted;
   std::span<std::uint8_t> ratio;  // of matches without one
@@ -64,9 +66,17 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   STOF_CHECK(threads >= 1);
   STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
   const std::size_t row = index(width);
-  Tables t;
-  t.params = params;
-  t.ambiguity = {.infinity_raw = infinity_of(calibration.stereo), .max_range = params.max_range};
+  Tables t{.params = params,
+           .ambiguity = {.infinity_raw = infinity_of(calibration.stereo),
+                         .max_range = params.max_range,
+                         .doubt_px = params.trust.doubt_px},
+           .intervals = {},
+           .evidence = MatchEvidence(calibration, infinity_of(calibration.stereo)),
+           .reprojector = {},
+           .splatted = {},
+           .ratio = {},
+           .nothing = {},
+           .scratch = {}};
   if (calibration.pmd.lens.width > 0) {
     t.ambiguity.pmd_range = range_of(calibration.pmd);
     t.ambiguity.reach_px = reach_of(calibration);
@@ -97,7 +107,10 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                    .weak = {},
                    .stereo = {scratch.stereo_low, scratch.stereo_high},
                    .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
-                   .support = {t.ratio, t.splatted.flags.row(y)}};
+                   .support = {t.ratio, t.splatted.flags.row(y)},
+                   .view = stereo.disparity,
+                   .y = y,
+                   .evidence = &t.evidence};
   if (!stereo.disparity.empty()) {
     row.disparity = stereo.disparity.row(y);
   }
@@ -108,7 +121,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
   } else {
     row.support.ratio = stereo.ratio.row(y);
-    best::disparity_sigma(row.disparity, row.support.ratio, t.params.sigma_by_ratio,
+    best::disparity_sigma(row.disparity, row.support.ratio, t.params.trust.sigma_by_ratio,
                           t.ambiguity.infinity_raw, scratch.half);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
@@ -127,6 +140,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
 }
 
 void Fuser::prepare(const PmdMaps* pmd) noexcept {
+  tables_->evidence.look_at(pmd);
   if (pmd != nullptr) {
     tables_->reprojector.locate(*pmd);
   } else {

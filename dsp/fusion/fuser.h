@@ -19,7 +19,7 @@ struct FusionParams {
   QuarterMm max_range = 40000;  // a missing sensor's interval is [0, max_range]; 10 m
   // sigma_d in 1/16 px, 0 .. kMaxStereoSigma, of matches that come without their peak ratio
   std::int16_t stereo_sigma = 8;
-  SigmaTable sigma_by_ratio = kBlockSigma;  // of the others
+  MatchTrust trust = {};  // in the others
 
   friend bool operator==(const FusionParams&, const FusionParams&) = default;
 };

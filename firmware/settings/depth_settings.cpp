@@ -48,7 +48,7 @@ dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noe
                           .temporal = depth.temporal};
   params.fusion.max_range =
       static_cast<dsp::QuarterMm>(depth.max_range_mm * (dsp::kQuarterMmPerMetre / 1000));
-  params.fusion.sigma_by_ratio = dsp::sigma_of(params.match);
+  params.fusion.trust = dsp::trust_of(params.match);
   params.match.disparities = depth.disparities > 0 ? depth.disparities : rig_disparities;
   return params;
 }

@@ -24,7 +24,7 @@ constexpr wire::CalibrationPacket kLens{
 
 dsp::DepthParams depth_params(const dsp::MatchParams& match) {
   dsp::DepthParams params{.match = match, .fusion = {}};
-  params.fusion.sigma_by_ratio = dsp::sigma_of(match);
+  params.fusion.trust = dsp::trust_of(match);
   return params;
 }
 

@@ -128,7 +128,7 @@ Setup small_setup(bool with_pmd) {
                        .subpixel = dsp::Subpixel::kEquiangular,
                        .confidence = true};
   // So narrow that no two of the distances could be taken for one.
-  setup.depth.fusion.sigma_by_ratio.fill(4);
+  setup.depth.fusion.trust.sigma_by_ratio.fill(4);
   return setup;
 }
 

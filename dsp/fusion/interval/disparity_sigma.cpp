@@ -2,15 +2,18 @@
 
 namespace stof::dsp {
 
-SigmaTable sigma_of(const MatchParams& params) noexcept {
+MatchTrust trust_of(const MatchParams& params) noexcept {
   constexpr std::uint8_t kHalfStep = 6;  // with what the match itself errs by: 95 percent
-  SigmaTable table = params.search == Search::kPaths ? kPathSigma : kBlockSigma;
+  MatchTrust trust;
+  if (params.search == Search::kPaths) {
+    trust = {.sigma_by_ratio = kPathSigma, .doubt_px = 4};
+  }
   if (params.subpixel == Subpixel::kWhole) {
-    for (std::uint8_t& half : table) {
+    for (std::uint8_t& half : trust.sigma_by_ratio) {
       half = static_cast<std::uint8_t>(half + kHalfStep);
     }
   }
-  return table;
+  return trust;
 }
 
 }  // namespace stof::dsp

@@ -21,9 +21,18 @@ inline constexpr SigmaTable kBlockSigma{6, 6, 6, 6, 7, 8, 9, 10, 13, 22, 48, 80,
 inline constexpr SigmaTable kPathSigma{8,  8,  10, 12,  14,  16,  17,  20,
                                        34, 60, 90, 112, 128, 144, 160, 176};
 
-// The table that suits a search: of sums over paths or of blocks; half a step more where
-// disparities are whole.
-SigmaTable sigma_of(const MatchParams& params) noexcept;
+// How far matches of a search are believed.
+struct MatchTrust {
+  SigmaTable sigma_by_ratio = kBlockSigma;
+  // Guesses at edges of the PMD are dropped where a match that many pixels away or less is much
+  // nearer (resolve/ambiguity_resolver.h). Blocks fatten edges, and leave wide gaps at them.
+  int doubt_px = 1 << 12;
+
+  friend bool operator==(const MatchTrust&, const MatchTrust&) = default;
+};
+
+// What suits a search: sums over paths or blocks; half a step more where disparities are whole.
+MatchTrust trust_of(const MatchParams& params) noexcept;
 
 // An interval never reaches further than an eighth of the depth: beyond that it says nothing
 // more, and its middle would leave the match.

@@ -27,12 +27,16 @@ struct MaskRow {
 //   disputed  kConflict
 //   weak      a weak match, and no disparity
 //   edge      kPmdEdge
+//   alone     kStereo, or kResolved by kMixedPixel: the match and nothing else
+//   vague     kBoth with a disparity, kPmdEdge and a peak ratio of kVagueRatio or more
 struct PixelMasks {
   std::span<std::uint64_t> open;
   std::span<std::uint64_t> matched;
   std::span<std::uint64_t> disputed;
   std::span<std::uint64_t> weak;
   std::span<std::uint64_t> edge;
+  std::span<std::uint64_t> alone;
+  std::span<std::uint64_t> vague;
 };
 
 // Equal lengths n of the row, (n + 63) / 64 words each; any alignment; no overlap.
@@ -54,7 +58,8 @@ inline MaskRow behind(const MaskRow& row, std::size_t x) noexcept {
 }
 inline PixelMasks behind(const PixelMasks& masks, std::size_t x) noexcept {
   return {masks.open.subspan(x / 64), masks.matched.subspan(x / 64), masks.disputed.subspan(x / 64),
-          masks.weak.subspan(x / 64), masks.edge.subspan(x / 64)};
+          masks.weak.subspan(x / 64), masks.edge.subspan(x / 64),    masks.alone.subspan(x / 64),
+          masks.vague.subspan(x / 64)};
 }
 
 }  // namespace stof::dsp

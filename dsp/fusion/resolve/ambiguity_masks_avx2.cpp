@@ -39,6 +39,10 @@ u8x32 missing(const Disparity* disparity) noexcept {
                   _mm256_cmpeq_epi16(bits(load<i16x16>(&disparity[16].raw)), none));
 }
 
+u8x32 at_least(u8x32 values, std::uint8_t limit) noexcept {
+  return as<u8x32>(_mm256_cmpeq_epi8(bits(larger(values, all(limit))), bits(values)));
+}
+
 std::uint64_t mask(u8x32 v) noexcept {
   return static_cast<std::uint32_t>(_mm256_movemask_epi8(bits(v)));
 }
@@ -49,6 +53,8 @@ struct Bits {
   std::uint64_t disputed;
   std::uint64_t weak;
   std::uint64_t edge;
+  std::uint64_t alone;
+  std::uint64_t vague;
 };
 
 Bits mark(const MaskRow& row, std::size_t x) noexcept {
@@ -57,19 +63,24 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
   const u8x32 conflict = equals(source, Source::kConflict);
   const u8x32 narrow = narrowed(wide(&row.pmd.low[x], &row.pmd.high[x]),
                                 wide(&row.pmd.low[x + 16], &row.pmd.high[x + 16]));
-  const u8x32 published = equals(source, Source::kStereo) | equals(source, Source::kBoth) |
-                          (equals(source, Source::kResolved) & mixed);
-  // ratio >= kNeighbourRatio
+  const u8x32 alone = equals(source, Source::kStereo) | (equals(source, Source::kResolved) & mixed);
+  const u8x32 both = equals(source, Source::kBoth);
+  const u8x32 published = alone | both;
   const u8x32 ratio = load<u8x32>(&row.support.ratio[x]);
-  const u8x32 limit = all(kNeighbourRatio);
-  const u8x32 alike = as<u8x32>(_mm256_cmpeq_epi8(bits(larger(ratio, limit)), bits(ratio)));
+  const u8x32 alike = at_least(ratio, kNeighbourRatio);
   const u8x32 none = missing(&row.disparity[x]);
   const u8x32 weak = row.weak.empty() ? all(std::uint8_t{0}) : none & ~missing(&row.weak[x]);
   // The flag as the highest bit of its byte.
   const __m256i flags = _mm256_slli_epi16(bits(load<u8x32>(&row.support.pmd_flags[x])), 2);
   static_assert(kPmdEdge == 1 << 5);
+  const std::uint64_t edge = mask(as<u8x32>(flags));
   return {mask((equals(source, Source::kPmd) & ~narrow) | (conflict & mixed)),
-          mask(published & ~alike & ~none), mask(conflict), mask(weak), mask(as<u8x32>(flags))};
+          mask(published & ~alike & ~none),
+          mask(conflict),
+          mask(weak),
+          edge,
+          mask(alone),
+          mask(both & ~none & at_least(ratio, kVagueRatio)) & edge};
 }
 
 void store_word(std::uint64_t first, std::uint64_t second, std::uint64_t* word) noexcept {
@@ -90,6 +101,8 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
     store_word(a.disputed, b.disputed, &masks.disputed[x / kWord]);
     store_word(a.weak, b.weak, &masks.weak[x / kWord]);
     store_word(a.edge, b.edge, &masks.edge[x / kWord]);
+    store_word(a.alone, b.alone, &masks.alone[x / kWord]);
+    store_word(a.vague, b.vague, &masks.vague[x / kWord]);
   }
   ref::ambiguity_masks(behind(row, x), behind(masks, x));
 }

@@ -49,6 +49,8 @@ struct Masks {
   Mask disputed;
   Mask weak;
   Mask edge;
+  Mask alone;
+  Mask vague;
 };
 
 void mark(const MaskRow& row, std::size_t x, std::size_t k, Masks& masks) noexcept {
@@ -57,18 +59,23 @@ void mark(const MaskRow& row, std::size_t x, std::size_t k, Masks& masks) noexce
   const uint8x16_t conflict = equals(source, Source::kConflict);
   const uint8x16_t broad = vcombine_u8(wide(&row.pmd.low[x], &row.pmd.high[x]),
                                        wide(&row.pmd.low[x + 8], &row.pmd.high[x + 8]));
-  const uint8x16_t published =
-      vorrq_u8(vorrq_u8(equals(source, Source::kStereo), equals(source, Source::kBoth)),
-               vandq_u8(equals(source, Source::kResolved), mixed));
-  const uint8x16_t distinct =
-      vcltq_u8(vld1q_u8(&row.support.ratio[x]), vdupq_n_u8(kNeighbourRatio));
+  const uint8x16_t alone =
+      vorrq_u8(equals(source, Source::kStereo), vandq_u8(equals(source, Source::kResolved), mixed));
+  const uint8x16_t both = equals(source, Source::kBoth);
+  const uint8x16_t published = vorrq_u8(alone, both);
+  const uint8x16_t ratio = vld1q_u8(&row.support.ratio[x]);
+  const uint8x16_t distinct = vcltq_u8(ratio, vdupq_n_u8(kNeighbourRatio));
+  const uint8x16_t edge = vtstq_u8(vld1q_u8(&row.support.pmd_flags[x]), vdupq_n_u8(kPmdEdge));
   const uint8x16_t none = missing(&row.disparity[x]);
   masks.open[k] =
       vorrq_u8(vandq_u8(equals(source, Source::kPmd), broad), vandq_u8(conflict, mixed));
   masks.matched[k] = vbicq_u8(vandq_u8(published, distinct), none);
   masks.disputed[k] = conflict;
   masks.weak[k] = row.weak.empty() ? vdupq_n_u8(0) : vbicq_u8(none, missing(&row.weak[x]));
-  masks.edge[k] = vtstq_u8(vld1q_u8(&row.support.pmd_flags[x]), vdupq_n_u8(kPmdEdge));
+  masks.edge[k] = edge;
+  masks.alone[k] = alone;
+  masks.vague[k] =
+      vandq_u8(vbicq_u8(vandq_u8(both, edge), none), vcgeq_u8(ratio, vdupq_n_u8(kVagueRatio)));
 }
 
 // A bit of each byte of 64, by sums of neighbours.
@@ -101,6 +108,8 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& marks) noexcept {
     store_word(packed(masks.disputed), &marks.disputed[x / kWord]);
     store_word(packed(masks.weak), &marks.weak[x / kWord]);
     store_word(packed(masks.edge), &marks.edge[x / kWord]);
+    store_word(packed(masks.alone), &marks.alone[x / kWord]);
+    store_word(packed(masks.vague), &marks.vague[x / kWord]);
   }
   ref::ambiguity_masks(behind(row, x), behind(marks, x));
 }

@@ -17,14 +17,16 @@ void check_ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept
              row.cause.size() == n);
   STOF_CHECK(masks.open.size() == words && masks.matched.size() == words &&
              masks.disputed.size() == words && masks.weak.size() == words &&
-             masks.edge.size() == words);
+             masks.edge.size() == words && masks.alone.size() == words &&
+             masks.vague.size() == words);
 }
 
 namespace ref {
 
 void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
   check_ambiguity_masks(row, masks);
-  for (const auto& words : {masks.open, masks.matched, masks.disputed, masks.weak, masks.edge}) {
+  for (const auto& words : {masks.open, masks.matched, masks.disputed, masks.weak, masks.edge,
+                            masks.alone, masks.vague}) {
     std::ranges::fill(words, 0U);
   }
   for (std::size_t x = 0; x < row.disparity.size(); ++x) {
@@ -33,18 +35,22 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
     const bool wide = (row.pmd.high[x] - row.pmd.low[x]) * kNarrowShare > row.pmd.low[x];
     const bool conflict = source == Source::kConflict;
     const bool open = (source == Source::kPmd && wide) || (conflict && mixed);
-    const bool published = source == Source::kStereo || source == Source::kBoth ||
-                           (source == Source::kResolved && mixed);
+    const bool alone = source == Source::kStereo || (source == Source::kResolved && mixed);
+    const bool published = alone || source == Source::kBoth;
     const bool matched =
         published && row.support.ratio[x] < kNeighbourRatio && row.disparity[x].valid();
     const bool weak = !row.weak.empty() && row.weak[x].valid() && !row.disparity[x].valid();
     const bool edge = (row.support.pmd_flags[x] & kPmdEdge) != 0;
+    const bool vague = source == Source::kBoth && row.disparity[x].valid() && edge &&
+                       row.support.ratio[x] >= kVagueRatio;
     const std::uint64_t bit = std::uint64_t{1} << (x % 64);
     masks.open[x / 64] |= open ? bit : 0;
     masks.matched[x / 64] |= matched ? bit : 0;
     masks.disputed[x / 64] |= conflict ? bit : 0;
     masks.weak[x / 64] |= weak ? bit : 0;
     masks.edge[x / 64] |= edge ? bit : 0;
+    masks.alone[x / 64] |= alone ? bit : 0;
+    masks.vague[x / 64] |= vague ? bit : 0;
   }
 }
 

@@ -17,6 +17,11 @@ namespace {
 
 // Of a part of the way between two matches: less than kSurfaceStep times as much fits int.
 constexpr int kPartBits = 20;
+// Matches that alone speak for a pixel, so near each other, have one verdict.
+constexpr std::size_t kJudgedTogether = 8;  // px
+constexpr int kJudgedStep = 4;              // 1/16 px
+// Half of the widest interval.
+constexpr int kMostHalf = kMaxQuarterMm / 2;
 
 struct Range {
   int low = 1;
@@ -82,8 +87,10 @@ class AmbiguityResolver {
     const std::size_t n = row_.disparity.size();
     best::ambiguity_masks(
         {row_.disparity, row_.weak, row_.support, row_.pmd, out_.source, out_.cause},
-        {open_.words(n), matched_.words(n), disputed_.words(n), weak_.words(n), edge_.words(n)});
+        {open_.words(n), matched_.words(n), disputed_.words(n), weak_.words(n), edge_.words(n),
+         alone_.words(n), vague_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
+    judge_alone();
     each_run([this](const Run& run) noexcept {
       resolve_shadow(run);
       confirm_weak(run);
@@ -93,6 +100,7 @@ class AmbiguityResolver {
       resolve_gap(run);
       resolve_edges(run);
     });
+    judge_edges();
     for (std::size_t x = disputed_.next(0, n); params_.pmd_range != 0 && x < n;
          x = disputed_.next(x + 1, n)) {
       if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
@@ -134,17 +142,131 @@ class AmbiguityResolver {
     return {table_, raw, half};
   }
 
-  bool publish(std::size_t x, const Surface<Table>& where, Source source, Cause cause) noexcept {
+  void drop(std::size_t x, Source source, Cause cause) noexcept {
+    out_.depth[x] = kNoDepth;
+    out_.width[x] = 0;
+    out_.source[x] = source;
+    out_.cause[x] = cause;
+  }
+
+  void put(std::size_t x, const Range& range, Source source, Cause cause) noexcept {
+    out_.depth[x] = middle_of(range.low, range.high);
+    out_.width[x] = width_of(range.low, range.high);
+    out_.source[x] = source;
+    out_.cause[x] = cause;
+  }
+
+  // Widens the interval of a published depth, which stays its middle, over the PMD's.
+  void cover_pmd(std::size_t x) noexcept {
+    const int depth = out_.depth[x];
+    const Range seen = pmd(x);
+    const int half = std::max({out_.width[x] / 2, depth - seen.low, seen.high - depth});
+    out_.width[x] = static_cast<QuarterMm>(2 * std::min(half, std::min(depth - 1, kMostHalf)));
+  }
+
+  // Whether a surface beside the pixel, as possible as the published one, is much nearer.
+  bool may_be_nearer(std::size_t x, const Run& run) const noexcept {
+    const auto nearer = [&](Disparity match, int away) noexcept {
+      if (!match.valid() || away > params_.doubt_px) {
+        return false;
+      }
+      const DepthInterval interval = surface(match.raw).at(x);
+      const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
+      return !both.empty() && out_.depth[x] - middle_of(both.low, both.high) > kLargestGuess;
+    };
+    return nearer(run.left, run.to_left(x)) || nearer(run.right, run.to_right(x));
+  }
+
+  // Where nothing but the match was known.
+  void judge_alone() noexcept {
+    const std::size_t n = row_.disparity.size();
+    if (row_.evidence == nullptr || !row_.evidence->judges()) {
+      return;
+    }
+    MatchEvidence::Result said{};
+    std::size_t judged = n;
+    for (std::size_t x = alone_.next(0, n); x < n; x = alone_.next(x + 1, n)) {
+      if (judged == n || x >= judged + kJudgedTogether ||
+          std::abs(row_.disparity[x].raw - row_.disparity[judged].raw) > kJudgedStep) {
+        judged = x;
+        said = row_.evidence->judge({.x = static_cast<int>(x),
+                                     .y = row_.y,
+                                     .disparity = row_.disparity[x],
+                                     .ratio = row_.support.ratio[x],
+                                     .interval = published(x)},
+                                    row_.view);
+      }
+      finish_alone(x, said);
+    }
+  }
+
+  void finish_alone(std::size_t x, const MatchEvidence::Result& said) noexcept {
+    switch (said.verdict) {
+      case MatchEvidence::Verdict::kConfirmed: {
+        const auto [low, high] = published(x);
+        const Range both = common({low, high}, {said.reading.low, said.reading.high});
+        if (!both.empty()) {
+          put(x, both, Source::kBoth, Cause::kNone);
+        }
+        return;
+      }
+      case MatchEvidence::Verdict::kKept:
+        if (edge_.has(x) && out_.source[x] == Source::kResolved) {
+          cover_pmd(x);
+        }
+        return;
+      case MatchEvidence::Verdict::kContradicted:
+        drop(x, Source::kConflict, Cause::kContradiction);
+        break;
+      case MatchEvidence::Verdict::kUnsupported:
+        drop(x, Source::kNone, Cause::kStereoAmbiguous);
+        break;
+    }
+    matched_.remove(x);
+  }
+
+  DepthInterval published(std::size_t x) const noexcept {
+    const int half = out_.width[x] / 2;
+    return {static_cast<QuarterMm>(std::max(out_.depth[x] - half, 1)),
+            static_cast<QuarterMm>(std::min(out_.depth[x] + half, int{kMaxQuarterMm}))};
+  }
+
+  // What is left at edges of the PMD: matches that may be of the other surface, and readings that
+  // no match around explains.
+  void judge_edges() noexcept {
+    const std::size_t n = row_.disparity.size();
+    for (std::size_t x = vague_.next(0, n); x < n; x = vague_.next(x + 1, n)) {
+      if (out_.depth[x] - pmd(x).low > kLargestVagueGuess) {
+        drop(x, Source::kConflict, Cause::kMixedPixel);
+      } else {
+        cover_pmd(x);
+      }
+    }
+    for (std::size_t x = open_.next(0, n); x < n; x = open_.next(x + 1, n)) {
+      if (edge_.has(x) && out_.source[x] == Source::kPmd &&
+          out_.depth[x] - pmd(x).low > kLargestGuess) {
+        drop(x, Source::kConflict, Cause::kMixedPixel);
+      }
+    }
+  }
+
+  bool publish(std::size_t x, const Run& run, const Surface<Table>& where, Source source,
+               Cause cause) noexcept {
     const DepthInterval interval = where.at(x);
     const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
     if (both.empty()) {
       return false;
     }
-    out_.depth[x] = middle_of(both.low, both.high);
-    out_.width[x] = width_of(both.low, both.high);
-    out_.source[x] = source;
-    out_.cause[x] = cause;
+    put(x, both, source, cause);
     open_.remove(x);
+    if (edge_.has(x)) {
+      if (may_be_nearer(x, run) ||
+          (cause == Cause::kStereoAmbiguous && out_.depth[x] - pmd(x).low > kLargestVagueGuess)) {
+        drop(x, Source::kConflict, Cause::kMixedPixel);
+      } else {
+        cover_pmd(x);
+      }
+    }
     return true;
   }
 
@@ -172,7 +294,7 @@ class AmbiguityResolver {
     }
     const Surface<Table> behind = surface(run.left.valid() ? run.left.raw : run.right.raw);
     for (std::size_t x = from; x < to; ++x) {
-      publish(x, behind, Source::kResolved, Cause::kOccluded);
+      publish(x, run, behind, Source::kResolved, Cause::kOccluded);
     }
   }
 
@@ -180,7 +302,7 @@ class AmbiguityResolver {
   void confirm_weak(const Run& run) noexcept {
     for (std::size_t x = weak_.next(run.begin, run.end); x < run.end;
          x = weak_.next(x + 1, run.end)) {
-      if (open_.has(x) && publish(x, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
+      if (open_.has(x) && publish(x, run, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
         confirmed_.add(x);
       }
     }
@@ -195,7 +317,7 @@ class AmbiguityResolver {
     const int part = (1 << kPartBits) / static_cast<int>(run.right_at - run.left_at);
     for (std::size_t x = run.begin; x < run.end; ++x) {
       const int raw = run.left.raw + round_shift(step * (part * run.to_left(x)), kPartBits);
-      publish(x, surface(raw), Source::kResolved, Cause::kStereoAmbiguous);
+      publish(x, run, surface(raw), Source::kResolved, Cause::kStereoAmbiguous);
     }
   }
 
@@ -218,9 +340,9 @@ class AmbiguityResolver {
       const Surface<Table>& nearest = left_first ? left : right;
       const Surface<Table>& farthest = left_first ? right : left;
       const bool both = has_left && has_right;
-      if ((has_left || has_right) && !publish(x, nearest, Source::kResolved, Cause::kMixedPixel) &&
-          both) {
-        publish(x, farthest, Source::kResolved, Cause::kMixedPixel);
+      if ((has_left || has_right) &&
+          !publish(x, run, nearest, Source::kResolved, Cause::kMixedPixel) && both) {
+        publish(x, run, farthest, Source::kResolved, Cause::kMixedPixel);
       }
     }
   }
@@ -245,6 +367,8 @@ class AmbiguityResolver {
   PixelSet disputed_;   // kConflict at first
   PixelSet weak_;       // with a weak match alone
   PixelSet edge_;       // where the PMD says that there is an edge
+  PixelSet alone_;      // by their match and nothing else
+  PixelSet vague_;      // by a match of high ratio, where the PMD says that there is an edge
 };
 
 template <typename Table>

@@ -7,6 +7,7 @@
 #include "dsp/fusion/interval/column_interval.h"
 #include "dsp/fusion/interval/intersect.h"
 #include "dsp/fusion/interval/stereo_interval.h"
+#include "dsp/fusion/resolve/match_evidence.h"
 
 // Pixels where the PMD measured something and stereo did not, or contradicted it at an edge: the
 // PMD pixel is many stereo pixels wide, and where it sees two surfaces its interval holds both. The
@@ -21,6 +22,11 @@ struct AmbiguityRow {
   IntervalRow stereo;
   IntervalRow pmd;
   SupportRow support;
+  // The whole view, of which `disparity` is row y, and who judges matches that nothing confirms;
+  // nullptr: they are published.
+  ImageView<const Disparity> view = {};
+  int y = 0;
+  const MatchEvidence* evidence = nullptr;
 };
 
 struct AmbiguityParams {
@@ -28,6 +34,7 @@ struct AmbiguityParams {
   QuarterMm max_range = 0;
   QuarterMm pmd_range = 0;  // unambiguous range of the PMD; 0 = not to be considered
   int reach_px = 0;         // a surface further away than this is not in the PMD's interval
+  int doubt_px = 0;         // a nearer surface within this many pixels makes a guess one to drop
 };
 
 // How far a surface may lie from where its neighbour was matched: a fourteenth of the parallax
@@ -40,12 +47,23 @@ inline constexpr int kNarrowShare = 12;
 // A match stands for a surface that its neighbours belong to below this peak ratio: eight in ten of
 // those that are less distinct than kSureRatio are right too.
 inline constexpr std::uint8_t kNeighbourRatio = 184;
+// At an edge of the PMD a match with a higher ratio may as well be of the other surface.
+inline constexpr std::uint8_t kVagueRatio = 144;
+// Who takes the farther of two surfaces is wrong by at most that, or publishes nothing; quarter mm.
+// At an edge without any match around, or of a vague match, the PMD's interval is what may be
+// nearer.
+inline constexpr int kLargestGuess = 4000;
+inline constexpr int kLargestVagueGuess = 6000;
 // Neighbours this far apart, 1/16 px, are two surfaces.
 inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
 inline constexpr int kShadowMargin = 3;
 
-// For each pixel whose source is kPmd with (high - low) kNarrowShare > low, or kConflict by
+// First, pixels that only their match speaks for are judged by MatchEvidence, up to
+// kJudgedTogether of one surface side by side together: kept, confirmed (kBoth, what both allow),
+// contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous).
+//
+// Then each pixel whose source is kPmd with (high - low) kNarrowShare > low, or kConflict by
 // kMixedPixel. L and R: disparities of the nearest matches below kNeighbourRatio to the left and
 // right in the row that were published. The first of these whose interval meets the PMD's; what
 // both allow is published:
@@ -62,6 +80,14 @@ inline constexpr int kShadowMargin = 3;
 // Other pixels, and those for which nothing fits, stay as they are, but for this: a kConflict whose
 // intervals meet once the PMD's is moved by one pmd_range (or up to a sixteenth less: Z of a
 // slanted ray) gets kRangeAmbiguous. All of one length.
+//
+// At an edge of the PMD (kPmdEdge) such a depth is a guess between two surfaces. Its interval is
+// widened about it until it holds the PMD's. It is dropped (kConflict, kMixedPixel) where
+//   L or R within doubt_px, as possible as what was chosen, is nearer by more than kLargestGuess;
+//   or it lies between L and R, and the PMD's near end is nearer by more than kLargestVagueGuess;
+//   or the PMD alone is left of it, and its near end is nearer by more than kLargestGuess.
+// A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
+// kLargestVagueGuess, likewise.
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
                          const DisparityTable& table, const FusedRow& out) noexcept;
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,

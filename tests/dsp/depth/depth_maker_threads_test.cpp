@@ -122,7 +122,7 @@ DepthParams params_of(const char* preset) {
   DepthParams params{.match = for_depth(*find_preset(preset)), .fusion = {}};
   params.match.disparities = 16;
   params.match.confidence = true;
-  params.fusion.sigma_by_ratio = sigma_of(params.match);
+  params.fusion.trust = trust_of(params.match);
   params.fusion.max_range = kOnePeriod;
   return params;
 }

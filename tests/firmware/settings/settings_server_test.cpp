@@ -443,8 +443,8 @@ TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {
   EXPECT_EQ(quality.match.smoothness->large_step, 9);
   EXPECT_EQ(quality.fusion.max_range, 65'520);
   EXPECT_TRUE(quality.guided);
-  EXPECT_NE(std::memcmp(&quality.fusion.sigma_by_ratio, &fast.fusion.sigma_by_ratio,
-                        sizeof fast.fusion.sigma_by_ratio),
+  EXPECT_NE(std::memcmp(&quality.fusion.trust.sigma_by_ratio, &fast.fusion.trust.sigma_by_ratio,
+                        sizeof fast.fusion.trust.sigma_by_ratio),
             0);
 }
 

@@ -25,16 +25,18 @@ struct Pixel {
 };
 
 struct Marked {
-  bool open;
-  bool matched;
-  bool disputed;
-  bool weak;
-  bool edge;
+  bool open = false;
+  bool matched = false;
+  bool disputed = false;
+  bool weak = false;
+  bool edge = false;
+  bool alone = false;
+  bool vague = false;
   friend bool operator==(const Marked&, const Marked&) = default;
 };
 
 Marked run(const Pixel& p) {
-  std::array<std::uint64_t, 5> words{7, 7, 7, 7, 7};
+  std::array<std::uint64_t, 7> words{7, 7, 7, 7, 7, 7, 7};
   const auto word = [&](std::size_t k) { return std::span(words).subspan(k, 1); };
   best::ambiguity_masks({{&p.disparity, 1},
                          {&p.weak, 1},
@@ -42,11 +44,12 @@ Marked run(const Pixel& p) {
                          {{&p.low, 1}, {&p.high, 1}},
                          {&p.source, 1},
                          {&p.cause, 1}},
-                        {word(0), word(1), word(2), word(3), word(4)});
+                        {word(0), word(1), word(2), word(3), word(4), word(5), word(6)});
   for (const std::uint64_t bits : words) {
     EXPECT_LE(bits, 1U);
   }
-  return {words[0] != 0, words[1] != 0, words[2] != 0, words[3] != 0, words[4] != 0};
+  return {words[0] != 0, words[1] != 0, words[2] != 0, words[3] != 0,
+          words[4] != 0, words[5] != 0, words[6] != 0};
 }
 
 TEST(AmbiguityMasks, AWidePmdIntervalIsOpen) {
@@ -63,12 +66,27 @@ TEST(AmbiguityMasks, AConflictAtAnEdgeIsOpenAndAnyConflictDisputed) {
 }
 
 TEST(AmbiguityMasks, PublishedMatchesThatStandOutStandForASurface) {
-  const Marked matched{false, true, false, false, false};
-  EXPECT_EQ(run({.source = Source::kStereo, .ratio = kNeighbourRatio - 1}), matched);
+  const Marked matched{.matched = true};
+  const Marked matched_alone{.matched = true, .alone = true};
+  EXPECT_EQ(run({.source = Source::kStereo, .ratio = kNeighbourRatio - 1}), matched_alone);
   EXPECT_EQ(run({.source = Source::kBoth}), matched);
-  EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kMixedPixel}), matched);
+  EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kMixedPixel}), matched_alone);
   EXPECT_EQ(run({.source = Source::kResolved, .cause = Cause::kStereoAmbiguous}), Marked{});
-  EXPECT_EQ(run({.source = Source::kStereo, .ratio = kNeighbourRatio}), Marked{});
+  EXPECT_EQ(run({.source = Source::kStereo, .ratio = kNeighbourRatio}), Marked{.alone = true});
+}
+
+TEST(AmbiguityMasks, AMatchWithRivalsAtAnEdgeOfThePmdIsVague) {
+  const Pixel vague{.source = Source::kBoth, .ratio = kVagueRatio, .flags = kPmdEdge};
+  EXPECT_EQ(run(vague), (Marked{.matched = true, .edge = true, .vague = true}));
+  Pixel other = vague;
+  other.ratio = kVagueRatio - 1;
+  EXPECT_FALSE(run(other).vague);
+  other = vague;
+  other.flags = 0;
+  EXPECT_FALSE(run(other).vague);
+  other = vague;
+  other.disparity = Disparity::none();  // its weak match
+  EXPECT_FALSE(run(other).vague);
 }
 
 TEST(AmbiguityMasks, AWeakMatchCountsWithoutAnother) {
@@ -109,7 +127,8 @@ TEST(AmbiguityMasks, EqualReferenceForEveryLength) {
                          const MaskRow row = random_row(c, with_weak);
                          const std::size_t words = (c.length() + 63) / 64;
                          const auto word = [&] { return c.array<std::uint64_t>(words); };
-                         const PixelMasks masks{word(), word(), word(), word(), word()};
+                         const PixelMasks masks{word(), word(), word(), word(),
+                                                word(), word(), word()};
                          c.run([&] { best::ambiguity_masks(row, masks); });
                        });
   }

@@ -34,7 +34,7 @@ CorridorFrame::CorridorFrame(std::string_view preset) {
   }
   dsp::DepthParams params{.match = dsp::for_depth(*dsp::find_preset(preset)), .fusion = {}};
   params.match.disparities = kDisparities;
-  params.fusion.sigma_by_ratio = dsp::sigma_of(params.match);
+  params.fusion.trust = dsp::trust_of(params.match);
   GuardedPart<dsp::DepthMaker> maker(
       [&](dsp::Arena& arena) { return dsp::DepthMaker(scene.calibration(), params, arena); });
   const dsp::PmdExposure exposure{

@@ -1,0 +1,128 @@
+#include "dsp/fusion/resolve/match_evidence.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "dsp/base/index.h"
+#include "dsp/fusion/interval/intersect.h"
+
+namespace stof::dsp {
+namespace {
+
+// Wider PMD pixels see several surfaces: what one beside it has read may be of the match.
+constexpr double kFineFocal = 80;
+
+constexpr std::array<int, 2> kSupportRings{4, 8};  // px
+constexpr int kSupportShare = 24;                  // of the parallax
+constexpr int kLeastSupportStep = 12;              // 1/16 px
+constexpr int kEnoughSupport = 12;
+constexpr int kEnoughWhereSure = 6;
+constexpr int kEnoughOutside = 3;
+
+constexpr float kAgreementShare = 0.05F;  // of the distance
+constexpr float kFoldedMargin = 0.01F;    // of the distance
+
+}  // namespace
+
+MatchEvidence::MatchEvidence(const Calibration& calibration, std::int16_t infinity_raw) noexcept
+    : infinity_raw_(infinity_raw) {
+  const Pinhole& lens = calibration.pmd.lens;
+  if (lens.width > 0) {
+    view_ = PmdView(calibration);
+    around_ = std::min(lens.fx, lens.fy) < kFineFocal ? 1 : 0;
+  }
+}
+
+MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
+                                       float half) const noexcept {
+  const std::size_t x = index(column);
+  const QuarterMm folded = pmd_->folded.empty() ? kNoDepth : pmd_->folded.row(row)[x];
+  if (folded != kNoDepth) {
+    const float range = static_cast<float>(pmd_->range);
+    const float apart = distance - static_cast<float>(folded);
+    const float off = apart - range * std::floor(apart / range + 0.5F);
+    const float sigma = static_cast<float>(pmd_->folded_sigma.row(row)[x]);
+    const float reach = 2 * sigma + std::min(half, kAgreementShare * distance);
+    const Reading reading = std::abs(off) <= reach ? Reading::kAgrees : Reading::kDiffers;
+    return {.reading = reading, .folded = true, .off = off, .sigma = sigma};
+  }
+  const QuarterMm low = pmd_->low.row(row)[x];
+  if (low == 0) {
+    return {};
+  }
+  const bool hidden = distance + half >= static_cast<float>(low);
+  return {.reading = hidden ? Reading::kAgrees : Reading::kDiffers};
+}
+
+bool MatchEvidence::supported(const Match& match, ImageView<const Disparity> disparity,
+                              int enough) const noexcept {
+  const int raw = match.disparity.raw;
+  const int most = std::max((raw - infinity_raw_) / kSupportShare, kLeastSupportStep);
+  int count = 0;
+  for (const int step : kSupportRings) {
+    for (int y = match.y - step; y <= match.y + step; y += step) {
+      if (y < 0 || y >= disparity.height()) {
+        continue;
+      }
+      const std::span<const Disparity> row = disparity.row(y);
+      for (int x = match.x - step; x <= match.x + step; x += step) {
+        if (x < 0 || x >= disparity.width()) {
+          continue;
+        }
+        const Disparity other = row[index(x)];
+        count += other.valid() && std::abs(other.raw - raw) <= most ? 1 : 0;
+      }
+    }
+    if (count - 1 >= enough) {  // it has counted itself
+      return true;
+    }
+    --count;
+  }
+  return false;
+}
+
+MatchEvidence::Result MatchEvidence::judge(const Match& match,
+                                           ImageView<const Disparity> disparity) const noexcept {
+  const auto [low, high] = match.interval;
+  const float depth = static_cast<float>(low + high) / 2;
+  const float half = static_cast<float>(high - low) / 2;
+  const PmdView::Place place = view_.of(match.x, match.y, depth);
+  if (!place.seen()) {
+    const bool enough = supported(match, disparity, kEnoughOutside);
+    return {enough ? Verdict::kKept : Verdict::kUnsupported, {}};
+  }
+  bool known = false;
+  bool agrees = false;
+  for (int row = std::max(place.row - around_, 0);
+       row <= std::min(place.row + around_, pmd_->low.height() - 1); ++row) {
+    for (int column = std::max(place.column - around_, 0);
+         column <= std::min(place.column + around_, pmd_->low.width() - 1); ++column) {
+      const Said said = ask(column, row, place.distance, half);
+      known = known || said.reading != Reading::kNone;
+      agrees = agrees || said.reading == Reading::kAgrees;
+    }
+  }
+  if (known && !agrees) {
+    return {Verdict::kContradicted, {}};
+  }
+  const Said own = ask(place.column, place.row, place.distance, half);
+  const bool sure = own.folded || match.ratio < kSureRatio;
+  if (!supported(match, disparity, sure ? kEnoughWhereSure : kEnoughSupport)) {
+    return {Verdict::kUnsupported, {}};
+  }
+  if (!own.folded || own.reading != Reading::kAgrees) {
+    return {Verdict::kKept, {}};
+  }
+  // From a distance along the PMD's ray to Z of the left camera.
+  const float scale = depth / place.distance;
+  const float centre = (place.distance - own.off) * scale;
+  const float reach = (2 * own.sigma + kFoldedMargin * place.distance) * scale;
+  const float last = static_cast<float>(kMaxQuarterMm);
+  return {Verdict::kConfirmed,
+          {static_cast<QuarterMm>(std::clamp(centre - reach, 1.0F, last)),
+           static_cast<QuarterMm>(std::clamp(std::ceil(centre + reach), 1.0F, last))}};
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "dsp/base/fixed.h"
+#include "dsp/base/image.h"
+#include "dsp/calib/calibration.h"
+#include "dsp/fusion/interval/stereo_interval.h"
+#include "dsp/fusion/project/pmd_view.h"
+#include "dsp/pmd/pmd_maps.h"
+
+namespace stof::dsp {
+
+// A match that no PMD interval confirms has to earn its place: what the PMD pixel that would see it
+// has read speaks for it or against it, also where that reading has no distance, because it may
+// have wrapped; and the matches around it do.
+class MatchEvidence {
+ public:
+  enum class Verdict : std::uint8_t {
+    kKept,          // enough speaks for it
+    kConfirmed,     // the PMD's reading is one of it, a number of ranges away
+    kContradicted,  // the PMD sees something else there
+    kUnsupported,   // nothing but the match speaks for it
+  };
+  // A match and its interval, quarter mm.
+  struct Match {
+    int x;
+    int y;
+    Disparity disparity;
+    std::uint8_t ratio;  // peak ratio
+    DepthInterval interval;
+  };
+  struct Result {
+    Verdict verdict;
+    DepthInterval reading;  // of kConfirmed: where the PMD's reading lies, 2 sigma and a percent
+  };
+
+  // infinity_raw: the disparity of infinity, 1/16 px.
+  MatchEvidence(const Calibration& calibration, std::int16_t infinity_raw) noexcept;
+
+  // pmd: nullptr: every match is kept. disparity: of the left view. Both stay until the next call.
+  void look_at(const PmdMaps* pmd) noexcept { pmd_ = pmd; }
+
+  // Whether anything is judged at all.
+  bool judges() const noexcept { return pmd_ != nullptr; }
+
+  // A match is contradicted where the PMD pixel that sees it (3x3 of them, where they are wide) has
+  // a reading, and neither
+  //   its interval ends at the match or before it (something nearer may hide the match), nor
+  //   its folded reading plus any number of ranges is within 2 sigma and the match's own half
+  //   width, at most a twentieth of the distance, of it.
+  // It is confirmed where the folded reading itself agrees. Otherwise, of the 16 matches 4 and 8 px
+  // around it, those within 3/4 px or a 24th of the parallax support it. Enough are 12, or 6 of a
+  // match with a peak ratio below kSureRatio; 6 where a folded reading agrees; 3 where no PMD pixel
+  // sees it.
+  Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
+
+ private:
+  enum class Reading : std::uint8_t { kNone, kAgrees, kDiffers };
+  // What a PMD pixel says.
+  struct Said {
+    Reading reading = Reading::kNone;
+    bool folded = false;
+    float off = 0;    // folded: by how much it is off
+    float sigma = 0;  // folded
+  };
+  Said ask(int column, int row, float distance, float half) const noexcept;
+  // Whether so many of the 16 support it.
+  bool supported(const Match& match, ImageView<const Disparity> disparity,
+                 int enough) const noexcept;
+
+  PmdView view_;
+  std::int16_t infinity_raw_ = 0;
+  int around_ = 0;  // PMD pixels to each side that are asked too
+  const PmdMaps* pmd_ = nullptr;
+};
+
+}  // namespace stof::dsp
