@@ -16,8 +16,8 @@ enum class Cost : std::uint8_t {
   kSsd,        // (L - R)^2, 0..65025
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
-  // Census 5x5 and clipped grey differences, averaged over a cross-shaped region of pixels that
-  // look alike (dsp/stereo/cost/cross_costs.h), 0..27. Has neither block nor prefilter.
+  // Census 7x7, grey values and their derivative, averaged over a cross-shaped region of pixels
+  // that look alike (dsp/stereo/cost/cross_costs.h), 0..26. Has neither block nor prefilter.
   kAdCensus,
 };
 

@@ -107,7 +107,8 @@ Status check(const MatchParams& params, int width, int height) noexcept;
 // Whether a Matcher has room for pictures, blocks and candidates of this size.
 bool fits(const MatchParams& params, int width, int height) noexcept;
 
-// Parameter sets that need no tuning. `chapter`: the methods of Kuhnert & Stommel 2006 as printed.
+// Parameter sets that need no tuning. `chapter`: the methods of the book chapter by Kuhnert &
+// Stommel (2006) as printed.
 struct Preset {
   std::string_view name;
   std::string_view meaning;  // one line
