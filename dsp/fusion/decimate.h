@@ -4,8 +4,9 @@
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
 
-// A depth map of fewer pixels that hides no obstacle: a block of step x step pixels (less at the
-// right and lower border) is told by the pixel whose near bound (depth - width / 2) is nearest.
+// A depth map of fewer pixels that hides no obstacle: each block of step x step pixels (less at
+// the right and lower border) is represented by the pixel with the nearest lower bound,
+// depth - width / 2.
 namespace stof::dsp {
 
 inline constexpr int kLeastBlock = 1;

@@ -26,8 +26,8 @@ namespace stof::dsp {
 template <typename Cost, typename Sum = Cost>
 struct FoundRow {
   std::span<const Cost> costs;  // for all candidates, whatever a guide says
-  // What the winners are the lowest of: the costs, or sums over paths, of the candidates that a
-  // guide leaves.
+  // The values that the winners minimise: costs or path sums, only of candidates that the guide
+  // allows.
   std::span<const Sum> judged;
   std::span<std::int16_t> winners;
 };

@@ -25,8 +25,8 @@ struct Collected {
 };
 
 // Takes from the cameras the frames that belong to an edge. Frames of other edges are dropped and
-// counted. With a PMD camera at every k-th edge, k > 1, edges between get a shot without new PMD
-// samples: the last ones hold, at most 2 k - 2 periods old: an integration may take k periods.
+// counted. With a PMD camera at every k-th edge, k > 1, edges between keep the last samples. These
+// are at most 2 k - 2 periods old, because an integration may take k periods.
 class FrameCollector {
  public:
   // Frames have the sizes of the setup's calibration. lending: cameras that are lent are not asked;

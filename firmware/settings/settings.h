@@ -73,7 +73,8 @@ struct SerialSettings {
 
 // Which pixels make an obstacle.
 struct SectorSettings {
-  int above_mm = 300;  // of the camera's height: what is higher is passed below
+  // Anything more than this above the camera is ignored; the robot passes below it.
+  int above_mm = 300;
   int below_mm = 300;
   int pixels = 8;      // that make an obstacle, at least 1
   int least_mm = 100;  // obstacles nearer than that are told at that distance

@@ -15,8 +15,8 @@
 
 namespace stof::dsp {
 
-// What looks at a whole map of disparities: drops what its surroundings speak against, then takes
-// the median. Holds its buffers, allocates nothing; the result is the same with any team.
+// Checks of a whole map: drops disparities that disagree with their neighbourhood, then takes the
+// median. Holds its buffers, allocates nothing; the result is the same with any team.
 class MapChecks {
  public:
   // margins: distinct (validation/winner_margin.h), of the search; of width x height, else empty.

@@ -70,8 +70,8 @@ template <typename T>
 void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 
 // RVL, or raw where that is shorter: single tiles, or all of them where there would be more than
-// raw_tiles(). Needs the space of one part more than that. try_: at most `most` tiles; false:
-// there would be more, the store is as it was. add_: false: all of them are raw.
+// raw_tiles(). Needs the space of one part more than that. try_rvl_tiles fails and changes nothing
+// if more than `most` tiles are needed. add_rvl_tiles returns false if it stored all tiles raw.
 template <typename T>
 bool try_rvl_tiles(std::span<const T> values, const Raster& raster, std::size_t most,
                    PartStore& store) noexcept;

@@ -20,8 +20,8 @@ struct MatchedExposure {
 // matched until a picture again follows the one before it, exposure by exposure, and comes as soon
 // after it as those that were believed. So the first picture is never believed, a lost or late one
 // costs one or two more, and an old one is not taken for new.
-// Not to be told apart: a camera that from its first picture on, or from one moment on for ever and
-// at the same time of the period, is late by whole periods.
+// Not detected: a camera that is always late by whole periods, from its first picture on or from
+// one moment on.
 class ExposureMatcher {
  public:
   // So many doubtful pictures in a row, and the camera should be opened anew: it may lag for good.
