@@ -99,8 +99,7 @@ class Publisher {
   PublisherParams params_;
   HealthMonitor health_;
   SubscriberList receivers_;
-  wire::FrameStamp stamp_;  // of the last frame
-  bool begun_ = false;      // a frame was sent
+  std::optional<wire::FrameStamp> stamp_;  // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver
   PublisherTimes times_;

@@ -1,8 +1,9 @@
+#include "hal/emu/scenes/intersect.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-
-#include "hal/emu/scenes/scene.h"
 
 namespace stof::hal::emu {
 namespace {

@@ -88,14 +88,6 @@ struct Hit {
   Vec3 local;      // the point in the thing's frame
 };
 
-// Where the ray meets one form at t > 1e-6, in the thing's frame; t < 0: it does not.
-struct LocalHit {
-  double t = -1;
-  Vec3 normal;  // unit, against the ray
-  int face = 0;
-};
-LocalHit intersect(Form form, const Vec3& half, const Vec3& origin, const Vec3& direction) noexcept;
-
 // Reflectance 0..1 at a point of the thing's frame.
 double visible_albedo(const Material& material, const Vec3& local) noexcept;
 double infrared_albedo(const Material& material, const Vec3& local) noexcept;

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dsp/calib/pinhole.h"
+#include "hal/emu/scenes/intersect.h"
 #include "hal/emu/scenes/scene.h"
 
 namespace stof::hal::emu {

@@ -7,6 +7,7 @@
 
 #include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/phasor.h"
+#include "hal/emu/scenes/intersect.h"
 #include "hal/emu/scenes/viewpoint.h"
 
 namespace stof::test {
