@@ -90,7 +90,7 @@ std::string health_line(const wire::HealthReport& health) {
 std::string streams_line(const client::Frame& frame) {
   std::string line;
   add_stream(line, "depth", frame.depth);
-  add_stream(line, "width", frame.width);
+  add_stream(line, "width", frame.interval_width);
   add_stream(line, "source", frame.source);
   add_stream(line, "disparity", frame.disparity);
   add_stream(line, "pmd", frame.pmd.front(), " x 4");

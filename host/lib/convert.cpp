@@ -143,7 +143,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
   out.recovered_packets = frame.recovered_packets;
   out.emulated = frame.stamp.clock == wire::ClockState::kEmulated ? 1 : 0;
   out.depth = to_plane(frame.depth, frame, Stream::kDepth);
-  out.width = to_plane(frame.width, frame, Stream::kWidth);
+  out.interval_width = to_plane(frame.interval_width, frame, Stream::kWidth);
   out.source = to_plane(frame.source, frame, Stream::kSource);
   out.cause = to_plane(frame.cause, frame, Stream::kSource);
   out.disparity = to_plane(frame.disparity, frame, Stream::kDisparity);

@@ -208,7 +208,7 @@ dsp::ImageView<const T> FramePixels::image(Stream stream,
 
 void FramePixels::view(Frame& frame) const {
   frame.depth = image(Stream::kDepth, depth_);
-  frame.width = image(Stream::kWidth, width_);
+  frame.interval_width = image(Stream::kWidth, width_);
   frame.source = image(Stream::kSource, source_);
   frame.cause = image(Stream::kSource, cause_);
   frame.received = masks_[0].marks();

@@ -70,7 +70,8 @@ TEST(Streams, RoundedDepthAndWidthArriveAsTheyWereSent) {
       const auto place = static_cast<std::size_t>(64 * y + x);
       const std::uint16_t depth = test::pattern16(7, place, 4);
       ASSERT_EQ(frame->depth.at(x, y), test::fit_depth_of(depth));
-      ASSERT_EQ(frame->width.at(x, y), test::fit_width_of(depth, test::pattern16(7, place, 1)));
+      ASSERT_EQ(frame->interval_width.at(x, y),
+                test::fit_width_of(depth, test::pattern16(7, place, 1)));
     }
   }
   EXPECT_EQ(judge(*frame).wrong, 2 * kMapPixels - 2 * 48);  // all others: one of 32 is a multiple
@@ -130,7 +131,7 @@ TEST(Streams, TheCloudIsThatOfItsFrame) {
       EXPECT_FLOAT_EQ(metres.x, static_cast<float>(point.x_mm) / 1000);
       EXPECT_FLOAT_EQ(metres.y, static_cast<float>(point.y_mm) / 1000);
       EXPECT_FLOAT_EQ(metres.z, static_cast<float>(point.depth) / 4000);
-      EXPECT_FLOAT_EQ(metres.z_width, static_cast<float>(point.width) / 4000);
+      EXPECT_FLOAT_EQ(metres.z_width, static_cast<float>(point.interval_width) / 4000);
     }
   }
 }

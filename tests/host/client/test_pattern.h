@@ -131,7 +131,7 @@ class PatternFrame {
         add16(static_cast<std::uint16_t>(one.x_mm));
         add16(static_cast<std::uint16_t>(one.y_mm));
         add16(one.depth);
-        add16(one.width);
+        add16(one.interval_width);
       }
     }
     return out;
@@ -152,7 +152,7 @@ class PatternFrame {
           point = {.x_mm = wire::point_mm(x, depth_[at], 65536, 0),
                    .y_mm = wire::point_mm(y, depth_[at], 65536, 0),
                    .depth = depth_[at],
-                   .width = width_[at]};
+                   .interval_width = width_[at]};
         }
       }
     }
@@ -225,7 +225,7 @@ inline Judgement judge(const client::Frame& frame, std::uint32_t n) {
   Judgement all =
       judge(frame, Stream::kDepth, frame.depth, dsp::kNoDepth,
             [n](std::size_t i) { return pattern16(n, i, 4); }) +
-      judge(frame, Stream::kWidth, frame.width, dsp::QuarterMm{0},
+      judge(frame, Stream::kWidth, frame.interval_width, dsp::QuarterMm{0},
             [n](std::size_t i) { return pattern16(n, i, 1); }) +
       judge(frame, Stream::kSource, frame.source, dsp::Source::kNone,
             [n](std::size_t i) { return static_cast<dsp::Source>(pattern8(n, i, 0) % 16); }) +
