@@ -143,7 +143,7 @@ std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexce
 void HealthMonitor::judge_second(const Counters& counters, const ControlStatus& control,
                                  hal::Time now) noexcept {
   const std::int64_t passed = (now - second_).count();
-  rate_mhz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
+  rate_millihertz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
   latency_us_ = frames_ == 0 ? 0 : microseconds(latency_ / frames_);
   longest_us_ = microseconds(longest_);
   const std::uint32_t dropped = less(counters.packets_dropped, dropped_);
@@ -182,7 +182,7 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
   wire::HealthReport health{
       .uptime_ms = static_cast<std::uint64_t>((now - start_) / std::chrono::milliseconds(1)),
       .subscribers = control.subscribers,
-      .rate_mhz = rate_mhz_,
+      .rate_millihertz = rate_millihertz_,
       .latency_us = latency_us_,
       .longest_latency_us = longest_us_,
       .settings_revision = control.settings_revision,

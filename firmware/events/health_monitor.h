@@ -50,7 +50,7 @@ class HealthMonitor {
                                                 const ControlStatus& control, bool wanted,
                                                 hal::Time now) noexcept;
   // Of the last whole second, 1/1000 Hz.
-  std::uint32_t rate_mhz() const noexcept { return rate_mhz_; }
+  std::uint32_t rate_millihertz() const noexcept { return rate_millihertz_; }
 
  private:
   struct Entry {
@@ -75,7 +75,7 @@ class HealthMonitor {
   std::uint32_t frames_ = 0;
   hal::Duration latency_{};
   hal::Duration longest_{};
-  std::uint32_t rate_mhz_ = 0;
+  std::uint32_t rate_millihertz_ = 0;
   std::uint32_t latency_us_ = 0;
   std::uint32_t longest_us_ = 0;
   std::uint64_t dropped_ = 0;  // counters as they were at its begin

@@ -25,7 +25,7 @@ namespace stof::firmware {
 
 // What the loop tells the control thread.
 struct LoopStatus {
-  std::atomic<std::uint32_t> rate_mhz = 0;
+  std::atomic<std::uint32_t> rate_millihertz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
 };

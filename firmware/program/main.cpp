@@ -176,8 +176,8 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control.status(appliance.serial())));
     watchdog.after_round();
-    loop_status.rate_mhz.store(appliance.publisher().health().rate_mhz(),
-                               std::memory_order_relaxed);
+    loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
+                                      std::memory_order_relaxed);
     loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
   if (watchdog.end() != Status::kOk) {

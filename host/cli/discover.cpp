@@ -36,9 +36,10 @@ std::string discover_line(const client::FoundSensor& sensor) {
   std::string line = sensor.serial + " '" + sensor.name + "' at " + sensor.endpoint() + ": " +
                      sensor.board + ", version " + sensor.version + ", health " +
                      health_name(sensor.health);
-  if (sensor.rate_mhz) {
-    line += printed(", %.1f Hz, %u of %u subscribers", static_cast<double>(*sensor.rate_mhz) / 1000,
-                    sensor.subscribers, sensor.most_subscribers);
+  if (sensor.rate_millihertz) {
+    line += printed(", %.1f Hz, %u of %u subscribers",
+                    static_cast<double>(*sensor.rate_millihertz) / 1000, sensor.subscribers,
+                    sensor.most_subscribers);
   }
   line += "; by";
   for (const std::string& way : ways_of(sensor)) {
@@ -56,8 +57,8 @@ std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
         {"device_id", sensor.device_id}, {"version", sensor.version},
         {"board", sensor.board},         {"health", health_name(sensor.health)},
         {"found_by", ways_of(sensor)}};
-    if (sensor.rate_mhz) {
-      entry["rate_hz"] = static_cast<double>(*sensor.rate_mhz) / 1000;
+    if (sensor.rate_millihertz) {
+      entry["rate_hz"] = static_cast<double>(*sensor.rate_millihertz) / 1000;
       entry["subscribers"] = sensor.subscribers;
       entry["most_subscribers"] = sensor.most_subscribers;
     }

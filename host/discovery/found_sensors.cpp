@@ -156,7 +156,7 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
   sensor.version = printable(announce->version);
   sensor.board = printable(announce->board);
   sensor.health = packet->header.frame.health;
-  sensor.rate_mhz = announce->rate_mhz;
+  sensor.rate_millihertz = announce->rate_millihertz;
   sensor.subscribers = announce->subscribers;
   sensor.most_subscribers = announce->most_subscribers;
   return true;

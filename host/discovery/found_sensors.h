@@ -28,7 +28,7 @@ struct FoundSensor {
   std::array<bool, kWays> ways{};
   // Known from beacons and answers only.
   std::optional<wire::Health> health{};
-  std::optional<std::uint32_t> rate_mhz{};  // frames of its last second, 1/1000 Hz
+  std::optional<std::uint32_t> rate_millihertz{};  // frames of its last second, 1/1000 Hz
   unsigned subscribers = 0;
   unsigned most_subscribers = 0;
 

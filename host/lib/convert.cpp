@@ -171,7 +171,7 @@ stof_health to_health(const wire::HealthReport& report) noexcept {
   out.severity = static_cast<std::uint32_t>(report.severity);
   out.reaction = static_cast<std::uint32_t>(report.reaction);
   out.uptime_ms = report.uptime_ms;
-  out.rate_hz = report.rate_mhz * 1e-3;
+  out.rate_hz = report.rate_millihertz * 1e-3;
   out.latency_s = report.latency_us * 1e-6;
   out.longest_latency_s = report.longest_latency_us * 1e-6;
   out.frames_published = report.counters.frames_published;

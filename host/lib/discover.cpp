@@ -28,7 +28,7 @@ stof_found to_found(const client::FoundSensor& sensor) noexcept {
     out.found_by |= sensor.ways[way] ? kFlags[way] : 0;
   }
   out.health = sensor.health ? static_cast<std::int32_t>(*sensor.health) : -1;
-  out.rate_hz = static_cast<float>(sensor.rate_mhz.value_or(0)) / 1000;
+  out.rate_hz = static_cast<float>(sensor.rate_millihertz.value_or(0)) / 1000;
   out.subscribers = sensor.subscribers;
   out.most_subscribers = sensor.most_subscribers;
   return out;

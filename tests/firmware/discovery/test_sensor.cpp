@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   put_text(service.announce.name, argv[2]);
   put_text(service.announce.version, "0.1.0");
   put_text(service.announce.board, "emu");
-  service.announce.rate_mhz = 29'970;
+  service.announce.rate_millihertz = 29'970;
   const wire::Origin origin{.device_id = service.device_id, .session_id = 1};
   firmware::Beacon beacon(**port, network);
   beacon.set(service.announce, origin, kStamp);

@@ -83,7 +83,7 @@ TEST(HealthMonitor, HealthComesOnceASecondAndOnChange) {
   }
   EXPECT_GE(reports, 10);
   EXPECT_LE(reports, 11);
-  EXPECT_NEAR(monitor.rate_mhz(), 30'300, 1000);
+  EXPECT_NEAR(monitor.rate_millihertz(), 30'300, 1000);
   monitor.observe(happened(EventKind::kLost, Part::kStereo, 9901ms));
   const auto health = monitor.next_health(counters, {}, false, at(9902ms));
   ASSERT_TRUE(health);

@@ -15,7 +15,7 @@ namespace dns = wire::dns;
 std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 7560) {
   wire::Announce announce{.port = port, .subscribers = 1, .most_subscribers = 4};
   std::ranges::copy(std::string_view(serial), announce.serial.begin());
-  announce.rate_mhz = 30'000;
+  announce.rate_millihertz = 30'000;
   wire::DatagramBuffer buffer;
   wire::encode_announce(announce, wire::payload_space(buffer).first<wire::kAnnounceBytes>());
   const auto packet = wire::seal_packet({.type = wire::PacketType::kAnnounce,
@@ -61,7 +61,7 @@ TEST(FoundSensors, KnowsASensorByEveryWayAsOne) {
   ASSERT_EQ(sensors.size(), 1U);
   EXPECT_EQ(sensors[0].endpoint(), "192.0.2.3:7560");  // of the surest way
   EXPECT_EQ(sensors[0].health, wire::Health::kFault);
-  EXPECT_EQ(sensors[0].rate_mhz, 30'000U);
+  EXPECT_EQ(sensors[0].rate_millihertz, 30'000U);
   EXPECT_EQ(sensors[0].ways, (std::array{true, true, true}));
 }
 

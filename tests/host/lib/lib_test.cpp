@@ -187,7 +187,7 @@ TEST(Lib, TellsHealthAndEvents) {
   EXPECT_FALSE(client.health());
   std::array<std::byte, stof::wire::kHealthReportBytes> health{};
   stof::wire::encode_health_report(
-      {.uptime_ms = 5000, .active = 4, .rate_mhz = 29'500, .latency_us = 40'000}, health);
+      {.uptime_ms = 5000, .active = 4, .rate_millihertz = 29'500, .latency_us = 40'000}, health);
   std::array<std::byte, stof::wire::kEventReportBytes> event{};
   stof::wire::encode_event_report({.sequence = 3,
                                    .condition = 2,

@@ -158,7 +158,7 @@ class ReceiverTest(unittest.TestCase):
         event = wire.EventReport(sequence=5, condition=wire.Condition.LINK_FULL, severity=2, reaction=2, active=1, count=3, value=9)
         for _ in range(2):
             taker.push(samples.seal(wire.PacketType.EVENT, event.pack()))
-        health = wire.HealthReport(uptime_ms=10, active=1 << 7, severity=2, reaction=2, subscribers=1, rate_mhz=29970)
+        health = wire.HealthReport(uptime_ms=10, active=1 << 7, severity=2, reaction=2, subscribers=1, rate_millihertz=29970)
         taker.push(samples.seal(wire.PacketType.HEALTH, health.pack()))
         health.uptime_ms = 9
         taker.push(samples.seal(wire.PacketType.HEALTH, health.pack()))
