@@ -49,15 +49,15 @@ void walk_transform(Walker& walker, Transform& transform) noexcept {
 }
 
 // What version 3 added to the frequency that every file has.
-template <typename Walker, typename FrameTables>
-void walk_rest_of_frequency(Walker& walker, FrameTables& frequency) noexcept {
+template <typename Walker, typename Frequency>
+void walk_rest_of_frequency(Walker& walker, Frequency& frequency) noexcept {
   walker.field(frequency.offset_m_per_k);
   walker.field(frequency.stray_i_lsb);
   walker.field(frequency.stray_q_lsb);
 }
 
-template <typename Walker, typename FrameTables>
-void walk_wiggling(Walker& walker, FrameTables& frequency) noexcept {
+template <typename Walker, typename Frequency>
+void walk_wiggling(Walker& walker, Frequency& frequency) noexcept {
   for (auto& step : frequency.wiggling) {
     walker.field(step);
   }
