@@ -17,7 +17,8 @@ enum class Cost : std::uint8_t {
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
   // Census 7x7, grey values and their derivative, averaged over a cross-shaped region of pixels
-  // that look alike (dsp/stereo/cost/cross_costs.h), 0..26. Has neither block nor prefilter.
+  // that look alike (dsp/stereo/cost/aggregated_ad_census.h), 0..26. Has neither block nor
+  // prefilter.
   kAdCensus,
 };
 

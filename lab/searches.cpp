@@ -19,7 +19,7 @@ RowSearch* Searches::make(const dsp::MatchParams& params, int width, int height,
   }
   if (params_.method == Method::kSemiGlobal) {
     return params_.cost == Cost::kAdCensus
-               ? static_cast<RowSearch*>(arena.make<PathSearch<RegionSource>>(params_, width))
+               ? static_cast<RowSearch*>(arena.make<PathSearch<AdCensusSource>>(params_, width))
                : arena.make<PathSearch<BlockSource>>(params_, width);
   }
   return needs_wide_sums(params_) ? make_cost_search<std::uint32_t>(width, arena)
@@ -45,7 +45,7 @@ int Searches::rows_at_once(int height) const noexcept {
   if (MapSearch::serves(params_)) {
     return height;
   }
-  return params_.method == Method::kSemiGlobal ? PathSearch<RegionSource>::Paths::kStripe : kRows;
+  return params_.method == Method::kSemiGlobal ? PathSearch<AdCensusSource>::Paths::kStripe : kRows;
 }
 
 }  // namespace stof::lab

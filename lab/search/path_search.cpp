@@ -18,11 +18,11 @@ template class SemiGlobal<std::uint16_t, std::uint16_t>;
 
 namespace stof::lab {
 
-PathParams<std::uint8_t> RegionSource::path_params(const MatchParams& params) noexcept {
-  return region_path_params(params, params.directions);
+PathParams<std::uint8_t> AdCensusSource::path_params(const MatchParams& params) noexcept {
+  return ad_census_path_params(params, params.directions);
 }
 
-CostSource<std::uint8_t>& RegionSource::start(const PreparedPair& pair) noexcept {
+CostSource<std::uint8_t>& AdCensusSource::start(const PreparedPair& pair) noexcept {
   costs_.start(pair.left_grey(), pair.right_grey());
   return costs_;
 }
@@ -68,7 +68,7 @@ void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
   judge_.judge(found, *pair_, y, out);
 }
 
-template class PathSearch<RegionSource>;
+template class PathSearch<AdCensusSource>;
 template class PathSearch<BlockSource>;
 
 }  // namespace stof::lab

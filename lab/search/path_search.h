@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/cost/aggregated_ad_census.h"
 #include "dsp/stereo/row_judge.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/semi_global.h"
@@ -16,17 +16,17 @@
 namespace stof::lab {
 
 // The costs that paths go through: the appliance's, or those of blocks on a scale of their own.
-class RegionSource {
+class AdCensusSource {
  public:
   using Cost = std::uint8_t;
 
-  RegionSource(const MatchParams& params, int width, Arena& arena) noexcept
+  AdCensusSource(const MatchParams& params, int width, Arena& arena) noexcept
       : costs_(params, width, arena) {}
   static PathParams<Cost> path_params(const MatchParams& params) noexcept;
   CostSource<Cost>& start(const PreparedPair& pair) noexcept;
 
  private:
-  CrossCosts costs_;
+  AggregatedAdCensus costs_;
 };
 
 class BlockSource {
@@ -66,7 +66,7 @@ class PathSearch final : public RowSearch {
   Guide guide_;
 };
 
-extern template class PathSearch<RegionSource>;
+extern template class PathSearch<AdCensusSource>;
 extern template class PathSearch<BlockSource>;
 
 }  // namespace stof::lab

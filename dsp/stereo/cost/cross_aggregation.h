@@ -14,7 +14,7 @@
 // pixel.
 namespace stof::dsp {
 
-inline constexpr int kLargestCrossedCost = 85;
+inline constexpr int kLargestAggregatedInput = 85;
 
 // sums[x] = costs[x] + joined[x] costs[x - 1] + joined[x + 1] costs[x + 1], where joined[x], 0 or
 // 1, tells whether columns x - 1 and x look alike: n + 1 of them, the first and the last 0.

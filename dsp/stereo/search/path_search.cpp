@@ -13,13 +13,13 @@ namespace {
 constexpr int kEdge = 6;
 
 // What SemiGlobal asks of u8 costs.
-constexpr int kLargestStep = (255 - 1 - kLargestCrossCost) / 2;
+constexpr int kLargestStep = (255 - 1 - kLargestMeanCost) / 2;
 static_assert(kMaxStep <= kLargestStep);
-static_assert(PathSearch::kDirections * (kLargestCrossCost + kMaxStep) < kNoCost<std::uint8_t>);
+static_assert(PathSearch::kDirections * (kLargestMeanCost + kMaxStep) < kNoCost<std::uint8_t>);
 
 }  // namespace
 
-PathParams<std::uint8_t> region_path_params(const MatchParams& params, int directions) noexcept {
+PathParams<std::uint8_t> ad_census_path_params(const MatchParams& params, int directions) noexcept {
   const Smoothness smoothness = params.smoothness.value_or(kDefaultSmoothness);
   const auto step = [](int cost) noexcept {
     return static_cast<std::uint8_t>(std::min(cost, kLargestStep));
@@ -36,8 +36,8 @@ PathParams<std::uint8_t> region_path_params(const MatchParams& params, int direc
 PathSearch::PathSearch(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
       costs_(params, width, arena),
-      paths_(region_path_params(params, kDirections), width, arena),
-      judge_(params, kRegionScale, width, arena),
+      paths_(ad_census_path_params(params, kDirections), width, arena),
+      judge_(params, kAdCensusScale, width, arena),
       winners_(arena.take<std::int16_t>(index(width))) {}
 
 void PathSearch::start(const PreparedPair& pair, Guide guide) noexcept {

@@ -4,18 +4,18 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/cost/aggregated_ad_census.h"
 #include "dsp/stereo/row_judge.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/semi_global.h"
 
 namespace stof::dsp {
 
-// Of paths over CrossCosts, and what distinctness has to know of these. Small changes of grey
-// values are edges already: the costs are averaged over pixels that look alike.
-inline constexpr CostScale kRegionScale{.largest = kLargestCrossCost,
-                                        .margin_percent = kRegionMarginPercent};
-PathParams<std::uint8_t> region_path_params(const MatchParams& params, int directions) noexcept;
+// Of paths over AggregatedAdCensus, and what distinctness has to know of these. Small changes of
+// grey values are edges already: the costs are averaged over pixels that look alike.
+inline constexpr CostScale kAdCensusScale{.largest = kLargestMeanCost,
+                                          .margin_percent = kAdCensusMarginPercent};
+PathParams<std::uint8_t> ad_census_path_params(const MatchParams& params, int directions) noexcept;
 
 // Search::kPaths.
 class PathSearch final : public RowSearch {
@@ -30,7 +30,7 @@ class PathSearch final : public RowSearch {
 
  private:
   MatchParams params_;
-  CrossCosts costs_;
+  AggregatedAdCensus costs_;
   Paths paths_;
   RowJudge<std::uint8_t> judge_;
   std::span<std::int16_t> winners_;
