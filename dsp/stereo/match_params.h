@@ -15,8 +15,8 @@ enum class Search : std::uint8_t {
   // (search/block_search.h).
   kBlocks,
   // Semi-global over four directions. Its cost is census 7x7, grey values and their derivative,
-  // averaged over neighbours that look alike (search/path_search.h).
-  kPaths,
+  // averaged over neighbours that look alike (search/semi_global_search.h).
+  kSemiGlobal,
 };
 
 enum class Subpixel : std::uint8_t {
@@ -55,7 +55,7 @@ struct MatchParams {
   // The larger the block, the smaller the cap that its sums have room for.
   std::optional<int> prefilter_cap = 15;
 
-  // Of kPaths; without it kDefaultSmoothness.
+  // Of kSemiGlobal; without it kDefaultSmoothness.
   std::optional<Smoothness> smoothness = std::nullopt;
   // Each match may be given a guide (cost/candidate_mask.h): which candidates each pixel may take.
   bool guided = false;
@@ -88,7 +88,7 @@ inline constexpr int kMaxImageWidth = 4096;    // and height
 inline constexpr int kMaxMinDisparity = 1024;  // of either sign
 
 inline constexpr Smoothness kDefaultSmoothness{.small_step = 7, .large_step = 33};
-// The largest step for which four paths fit u8 together (search/path_search.h).
+// The largest step for which four paths fit u8 together (search/semi_global_search.h).
 inline constexpr int kMaxStep = 36;
 
 // Whether the numbers that every search and check shares are in their ranges.

@@ -30,7 +30,7 @@ template <typename Sum>
 Sum block_occlusion(const MatchParams& params) noexcept;
 
 // Of semi-global search on block sums times path_factor() over 65536, so that eight paths fit u16.
-// On AD-Census: ad_census_path_params() (dsp/stereo/search/path_search.h).
+// On AD-Census: ad_census_path_params() (dsp/stereo/search/semi_global_search.h).
 PathParams<std::uint16_t> block_path_params(const MatchParams& params) noexcept;
 std::uint32_t path_factor(const MatchParams& params) noexcept;
 

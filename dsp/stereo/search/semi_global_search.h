@@ -17,13 +17,13 @@ inline constexpr CostScale kAdCensusScale{.largest = kLargestMeanCost,
                                           .margin_percent = kAdCensusMarginPercent};
 PathParams<std::uint8_t> ad_census_path_params(const MatchParams& params, int directions) noexcept;
 
-// Search::kPaths.
-class PathSearch final : public RowSearch {
+// Search::kSemiGlobal.
+class SemiGlobalSearch final : public RowSearch {
  public:
   static constexpr int kDirections = 4;
   using Paths = SemiGlobal<std::uint8_t, std::uint8_t>;
 
-  PathSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+  SemiGlobalSearch(const MatchParams& params, int width, Arena& arena) noexcept;
 
   void start(const PreparedPair& pair, Guide guide) noexcept override;
   void match(int y, const MatchedRow& out) noexcept override;

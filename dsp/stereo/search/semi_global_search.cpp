@@ -1,4 +1,4 @@
-#include "dsp/stereo/search/path_search.h"
+#include "dsp/stereo/search/semi_global_search.h"
 
 #include <algorithm>
 
@@ -15,7 +15,8 @@ constexpr int kEdge = 6;
 // What SemiGlobal asks of u8 costs.
 constexpr int kLargestStep = (255 - 1 - kLargestMeanCost) / 2;
 static_assert(kMaxStep <= kLargestStep);
-static_assert(PathSearch::kDirections * (kLargestMeanCost + kMaxStep) < kNoCost<std::uint8_t>);
+static_assert(SemiGlobalSearch::kDirections * (kLargestMeanCost + kMaxStep) <
+              kNoCost<std::uint8_t>);
 
 }  // namespace
 
@@ -33,21 +34,21 @@ PathParams<std::uint8_t> ad_census_path_params(const MatchParams& params, int di
                         .strong_edge = 2 * kEdge}};
 }
 
-PathSearch::PathSearch(const MatchParams& params, int width, Arena& arena) noexcept
+SemiGlobalSearch::SemiGlobalSearch(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
       costs_(params, width, arena),
       paths_(ad_census_path_params(params, kDirections), width, arena),
       judge_(params, kAdCensusScale, width, arena),
       winners_(arena.take<std::int16_t>(index(width))) {}
 
-void PathSearch::start(const PreparedPair& pair, Guide guide) noexcept {
+void SemiGlobalSearch::start(const PreparedPair& pair, Guide guide) noexcept {
   pair_ = &pair;
   guide_ = guide;
   costs_.start(pair.left_grey(), pair.right_grey());
   paths_.start(pair.left_grey(), costs_, guide);
 }
 
-void PathSearch::match(int y, const MatchedRow& out) noexcept {
+void SemiGlobalSearch::match(int y, const MatchedRow& out) noexcept {
   const std::span<const std::uint8_t> sums = paths_.sums(y);
   const std::span<std::int16_t> winners = winners_.first(out.disparity.size());
   best::winners(sums, lanes_of(params_), winners);

@@ -47,11 +47,11 @@ class BlockSource {
 // Method::kSemiGlobal with sums of u16, which any directions and penalties fit. Source is one of
 // the above.
 template <typename Source>
-class PathSearch final : public RowSearch {
+class WideSemiGlobalSearch final : public RowSearch {
  public:
   using Paths = SemiGlobal<typename Source::Cost, std::uint16_t>;
 
-  PathSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+  WideSemiGlobalSearch(const MatchParams& params, int width, Arena& arena) noexcept;
 
   void start(const PreparedPair& pair, Guide guide) noexcept override;
   void match(int y, const MatchedRow& out) noexcept override;
@@ -66,7 +66,7 @@ class PathSearch final : public RowSearch {
   Guide guide_;
 };
 
-extern template class PathSearch<AdCensusSource>;
-extern template class PathSearch<BlockSource>;
+extern template class WideSemiGlobalSearch<AdCensusSource>;
+extern template class WideSemiGlobalSearch<BlockSource>;
 
 }  // namespace stof::lab

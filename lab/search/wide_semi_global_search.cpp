@@ -1,12 +1,12 @@
-#include "lab/search/path_search.h"
+#include "lab/search/wide_semi_global_search.h"
 
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/candidate_mask.h"
 #include "dsp/stereo/cost/cost_layout.h"
 #include "dsp/stereo/search/border_columns.h"
-#include "dsp/stereo/search/path_search.h"
 #include "dsp/stereo/search/semi_global_body.h"
+#include "dsp/stereo/search/semi_global_search.h"
 #include "lab/search/energy.h"
 
 namespace stof::dsp {
@@ -38,7 +38,8 @@ CostSource<std::uint16_t>& BlockSource::start(const PreparedPair& pair) noexcept
 }
 
 template <typename Source>
-PathSearch<Source>::PathSearch(const MatchParams& params, int width, Arena& arena) noexcept
+WideSemiGlobalSearch<Source>::WideSemiGlobalSearch(const MatchParams& params, int width,
+                                                   Arena& arena) noexcept
     : params_(params),
       source_(params, width, arena),
       paths_(Source::path_params(params), width, arena),
@@ -46,14 +47,14 @@ PathSearch<Source>::PathSearch(const MatchParams& params, int width, Arena& aren
       winners_(arena.take<std::int16_t>(index(width))) {}
 
 template <typename Source>
-void PathSearch<Source>::start(const PreparedPair& pair, Guide guide) noexcept {
+void WideSemiGlobalSearch<Source>::start(const PreparedPair& pair, Guide guide) noexcept {
   pair_ = &pair;
   guide_ = guide;
   paths_.start(pair.left_grey(), source_.start(pair), guide);
 }
 
 template <typename Source>
-void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
+void WideSemiGlobalSearch<Source>::match(int y, const MatchedRow& out) noexcept {
   const int lanes = lanes_of(params_);
   const GuideRow guide = row_of(guide_, y);
   const std::span<std::uint16_t> sums = paths_.sums(y);
@@ -68,7 +69,7 @@ void PathSearch<Source>::match(int y, const MatchedRow& out) noexcept {
   judge_.judge(found, *pair_, y, out);
 }
 
-template class PathSearch<AdCensusSource>;
-template class PathSearch<BlockSource>;
+template class WideSemiGlobalSearch<AdCensusSource>;
+template class WideSemiGlobalSearch<BlockSource>;
 
 }  // namespace stof::lab
