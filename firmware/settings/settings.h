@@ -38,14 +38,14 @@ inline constexpr std::size_t kMatchBytes = 23;
 inline constexpr std::size_t kMatchSlots = 24;
 
 // dsp::find_preset() of their names.
-enum class Search : std::uint8_t { kFast, kQuality, kChapter };
+enum class DepthPreset : std::uint8_t { kFast, kQuality, kChapter };
 
 // dsp::ThreadTeam::kMost.
 inline constexpr int kMostThreads = 8;
 inline constexpr int kUsualThreads = 4;
 
 struct DepthSettings {
-  Search preset = Search::kFast;
+  DepthPreset preset = DepthPreset::kFast;
   int max_range_mm = 10000;
   int disparities = 0;  // 0: what the rig asks for
   bool guided = false;
