@@ -131,7 +131,7 @@ void print_chapter(std::span<const FusionCase> cases) {
   }
   std::printf("\nE5 of the chapter's geometry (a scaled PMD map), and of what replaces it\n");
   std::printf("%-12s %-9s %15s %15s %15s %15s\n", "", "", "scaled pmd", "scaled, fused",
-              "full geometry", "and settled");
+              "full geometry", "and resolved");
   for (const FusionCase& fused : cases) {
     print_chapter_row(fused.scene, fused.sensor(), fused.scores);
   }
