@@ -47,7 +47,7 @@ std::optional<Time> ClockConverter::convert(std::uint64_t theirs) const noexcept
   return span ? std::optional(ours_ + *span) : std::nullopt;
 }
 
-bool ClockConverter::follow(Time ours, std::uint64_t theirs) noexcept {
+bool ClockConverter::correct_by_event(Time ours, std::uint64_t theirs) noexcept {
   const std::optional<Time> believed = convert(theirs);
   if (!believed) {
     return false;
