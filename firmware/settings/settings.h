@@ -107,7 +107,7 @@ struct Settings {
   int period_ms = 0;  // 0: the board's
   DepthSettings depth;
   wire::StreamChoice streams{
-      .coding = {wire::Coding::kFit, wire::Coding::kFit, wire::Coding::kRvl}};
+      .coding = {wire::Coding::kQuantised, wire::Coding::kQuantised, wire::Coding::kRvl}};
   int pace_percent = 60;  // of a period, that sending is spread over
   int udp_port = 7560;
   int dscp = 0;  // of every datagram

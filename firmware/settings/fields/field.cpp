@@ -12,6 +12,7 @@ namespace {
 using Names = std::span<const std::string_view>;
 
 constexpr std::array<std::string_view, 3> kDepthPresets{"fast", "quality", "chapter"};
+// wire::Coding in its order: fit is kQuantised.
 constexpr std::array<std::string_view, 3> kCodings{"off", "raw", "rvl"};
 constexpr std::array<std::string_view, 4> kMapCodings{"off", "raw", "rvl", "fit"};
 constexpr std::array<std::string_view, 2> kOffOrOn{"off", "on"};

@@ -12,9 +12,9 @@
 // What a frame is made of, and what of it is sent.
 namespace stof::wire {
 
-// kFit: RVL of depth and width rounded as far as the intervals do not care (interval_quantiser.h),
-// and nothing else than kRvl of the other streams.
-enum class Coding : std::uint8_t { kOff, kRaw, kRvl, kFit };
+// kQuantised: RVL of depth and width rounded as far as the intervals do not care
+// (interval_quantiser.h), and nothing else than kRvl of the other streams.
+enum class Coding : std::uint8_t { kOff, kRaw, kRvl, kQuantised };
 
 // What of a frame is sent, and how.
 struct StreamChoice {

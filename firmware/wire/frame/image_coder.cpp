@@ -244,8 +244,8 @@ void ImageCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoic
                                      PartStore& store) noexcept {
   const Coding depth = choice.of(Stream::kDepth);
   const Coding width = choice.of(Stream::kWidth);
-  const bool fit = depth == Coding::kFit || width == Coding::kFit;
-  if (!fit || map.depth.empty() || map.width.empty()) {
+  const bool quantised = depth == Coding::kQuantised || width == Coding::kQuantised;
+  if (!quantised || map.depth.empty() || map.width.empty()) {
     add_image<dsp::QuarterMm>(map.depth, Stream::kDepth, depth, store);
     add_image<dsp::QuarterMm>(map.width, Stream::kWidth, width, store);
     return;
@@ -255,15 +255,16 @@ void ImageCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoic
   for (std::size_t band = 0; band < quantiser_bands(map.depth.height()); ++band) {
     scales_[band] = quantiser_scale(map, static_cast<int>(band) * kQuantiserRows);
   }
-  if (depth == Coding::kFit) {
+  if (depth == Coding::kQuantised) {
     add_scaled_tiles(rounded(map, {.stream = Stream::kDepth}), raster, store);
   } else {
     add_image<dsp::QuarterMm>(map.depth, Stream::kDepth, depth, store);
   }
   Raster widths = raster;
   widths.stream = Stream::kWidth;
-  const Rounding rounding{
-      .stream = Stream::kWidth, .depth = depth == Coding::kFit, .scaled = width == Coding::kFit};
+  const Rounding rounding{.stream = Stream::kWidth,
+                          .depth = depth == Coding::kQuantised,
+                          .scaled = width == Coding::kQuantised};
   if (rounding.scaled) {
     add_scaled_tiles(rounded(map, rounding), widths, store);
   } else if (width != Coding::kOff) {

@@ -183,7 +183,8 @@ void expect_frame(const Datagrams& sent, Scene& scene, const wire::StreamChoice&
 }
 
 TEST(Publisher, AFrameLargerThanItsMemoryIsSentWhole) {
-  for (const wire::Coding coding : {wire::Coding::kRaw, wire::Coding::kRvl, wire::Coding::kFit}) {
+  for (const wire::Coding coding :
+       {wire::Coding::kRaw, wire::Coding::kRvl, wire::Coding::kQuantised}) {
     for (const bool parity : {false, true}) {
       const wire::StreamChoice choice = everything(coding, parity);
       Sender sender(choice);
@@ -308,7 +309,7 @@ TEST(Publisher, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
 
 // Nothing of it is sent, and its number is missing.
 TEST(Publisher, PicturesLargerThanSaidAreRefusedWhole) {
-  const wire::StreamChoice choice = everything(wire::Coding::kFit, true);
+  const wire::StreamChoice choice = everything(wire::Coding::kQuantised, true);
   Sender sender(choice);
   Scene larger(1, kSizes.width + 1);
   EXPECT_EQ(sender.publish(larger), Status::kTooLarge);
