@@ -90,7 +90,7 @@ Status reopen(Board& board, Device device) noexcept;
 std::optional<std::string> lock_memory();
 // The calling thread, and those that it starts meanwhile, run before everything else on the board
 // (true, with the priority that it was opened with), or as everything does. A line: as above.
-std::optional<std::string> be_urgent(bool urgent);
+std::optional<std::string> set_realtime_priority(bool realtime);
 
 // Heap calls of a thread since count_heap_calls().
 struct HeapCalls {

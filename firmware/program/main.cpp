@@ -170,7 +170,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   const EventPrinter printer(events);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
   // Only now: what the other threads do can wait.
-  static_cast<void>(board::be_urgent(true));
+  static_cast<void>(board::set_realtime_priority(true));
   board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
@@ -187,7 +187,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
     print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
   }
-  static_cast<void>(board::be_urgent(false));
+  static_cast<void>(board::set_realtime_priority(false));
 }
 
 // Threads that help to compute are as urgent as the loop.
@@ -206,13 +206,13 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
     return refuse(why);
   }
   say_refusal(board::lock_memory());
-  say_refusal(board::be_urgent(true));
+  say_refusal(board::set_realtime_priority(true));
   posix::WorkerThreads workers({.threads = threads_of(start.active), .name = "stof-depth"});
   if (workers.error() != 0) {
     print_line("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
                std::to_string(threads_of(start.active)) + " compute: check its limits");
   }
-  static_cast<void>(board::be_urgent(false));
+  static_cast<void>(board::set_realtime_priority(false));
   rig->threads = workers.threads();
   auto run_config = make_run_config(*rig, board::kConfig, start.active);
   if (!run_config) {
