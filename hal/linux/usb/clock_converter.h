@@ -16,7 +16,7 @@ class ClockConverter {
   // keeps up with 200 ppm, and one wrong edge costs no more.
   static constexpr Duration kMostStep = std::chrono::microseconds(20);
   // Both ends' time of an edge, together.
-  static constexpr Duration kEdgeDoubt = std::chrono::microseconds(5);
+  static constexpr Duration kEdgeUncertainty = std::chrono::microseconds(5);
   // Stamps further from the last one known are not converted.
   static constexpr Duration kMostSpan = std::chrono::hours(24);
 
@@ -40,7 +40,7 @@ class ClockConverter {
   bool known_ = false;
   std::uint64_t theirs_ = 0;  // ...
   Time ours_{};               // ... were at the same moment,
-  Duration doubt_{};          // to within this
+  Duration uncertainty_{};    // to within this
 };
 
 }  // namespace stof::hal::linux
