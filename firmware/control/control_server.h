@@ -3,10 +3,10 @@
 #include <chrono>
 #include <span>
 
+#include "firmware/control/lease_table.h"
 #include "firmware/control/periodic_task.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/control/request_handler.h"
-#include "firmware/control/subscriber_list.h"
-#include "firmware/control/subscribers.h"
 #include "firmware/wire/messages/structs.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
@@ -19,8 +19,8 @@ namespace stof::firmware {
 struct ControlParts {
   hal::DatagramPort& port;
   RequestHandler& handler;
-  Subscribers& subscribers;
-  SubscriberRing& ring;
+  LeaseTable& subscribers;
+  ReceiverRing& ring;
   std::span<PeriodicTask* const> tasks{};
   // How long a quiet turn takes: between two rounds of the tasks.
   hal::Duration turn = std::chrono::milliseconds(20);
@@ -46,7 +46,7 @@ class ControlServer {
  private:
   ControlParts parts_;
   wire::DatagramBuffer space_{};
-  SubscriberList pushed_{};  // what the loop has
+  ReceiverList pushed_{};  // what the loop has
 };
 
 // With the datagrams that the port lost before they were read. Of any thread.

@@ -50,7 +50,7 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
   calibration_due_.reset();  // receivers go by it
 }
 
-void Publisher::set_receivers(const SubscriberList& receivers) noexcept {
+void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   for (const hal::Peer& peer : receivers.all()) {
     if (std::ranges::find(receivers_.all(), peer) == receivers_.all().end()) {
       calibration_due_.reset();

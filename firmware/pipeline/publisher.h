@@ -7,7 +7,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "firmware/control/subscriber_list.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/events/events.h"
 #include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
@@ -64,7 +64,7 @@ class Publisher {
 
   void set_params(const PublisherParams& params) noexcept;
   // Who gets everything from now on; a new one gets calibration and health at once.
-  void set_receivers(const SubscriberList& receivers) noexcept;
+  void set_receivers(const ReceiverList& receivers) noexcept;
 
   // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
   // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
@@ -98,7 +98,7 @@ class Publisher {
   wire::FrameCoder coder_;
   PublisherParams params_;
   HealthMonitor health_;
-  SubscriberList receivers_;
+  ReceiverList receivers_;
   std::optional<wire::FrameStamp> stamp_;  // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver

@@ -7,7 +7,7 @@
 #include "board/board.h"
 #include "dsp/base/arena.h"
 #include "dsp/base/thread_team.h"
-#include "firmware/control/subscriber_list.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
@@ -38,7 +38,7 @@ class Appliance {
     board::Board& board;
     Events& events;
     RunConfigRing& run_configs;
-    SubscriberRing& receivers;
+    ReceiverRing& receivers;
     ByteRing* serial;                  // to the serial line; nullptr: there is none
     dsp::ThreadTeam threads;           // that may compute, the loop's among them
     DeviceLending* lending = nullptr;  // of lost devices; nullptr: they come back by themselves

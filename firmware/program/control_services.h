@@ -8,10 +8,10 @@
 
 #include "board/board.h"
 #include "firmware/control/control_thread.h"
+#include "firmware/control/lease_table.h"
 #include "firmware/control/periodic_task.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/control/request_handler.h"
-#include "firmware/control/subscriber_list.h"
-#include "firmware/control/subscribers.h"
 #include "firmware/discovery/beacon.h"
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/program/appliance.h"
@@ -44,7 +44,7 @@ class ControlServices final : public settings::Limits,
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
     RunConfigRing& run_configs;
-    SubscriberRing& receivers;
+    ReceiverRing& receivers;
     ByteRing* serial;  // nullptr: there is no line
     const LoopStatus& loop_status;
   };
@@ -72,7 +72,7 @@ class ControlServices final : public settings::Limits,
 
   Parts parts_;
   settings::SettingsServer settings_server_;
-  Subscribers subscribers_;
+  LeaseTable subscribers_;
   RequestHandler handler_;
   Beacon beacon_;
   std::optional<MdnsAgent> mdns_;

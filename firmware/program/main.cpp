@@ -42,7 +42,7 @@ constexpr int kExitBadInput = 2;
 constinit Workspace workspace{};
 constinit Events events{};
 constinit RunConfigRing run_configs{};
-constinit SubscriberRing receivers{};
+constinit ReceiverRing receivers{};
 constinit LoopStatus loop_status{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
 static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(loop_status) +

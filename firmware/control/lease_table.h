@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/control/subscriber_list.h"
+#include "firmware/control/receiver_list.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
 
@@ -14,7 +14,7 @@ namespace stof::firmware {
 // Who gets the streams, and until when. The control thread owns it and hands the loop a list of
 // peers whenever that changes: there is one table and one set of rules. No clock: `now` is the
 // caller's, and must not go back.
-class Subscribers {
+class LeaseTable {
  public:
   static constexpr hal::Duration kLease = std::chrono::seconds(3);  // where none is asked for
   static constexpr hal::Duration kShortestLease = std::chrono::milliseconds(500);
@@ -39,7 +39,7 @@ class Subscribers {
 
   std::size_t count() const noexcept { return count_; }
   // As the loop is to have it. In order of arrival.
-  SubscriberList list() const noexcept;
+  ReceiverList list() const noexcept;
 
  private:
   struct Entry {
