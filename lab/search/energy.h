@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_checks.h"
 #include "dsp/stereo/search/semi_global.h"
 #include "lab/dsp_names.h"
 #include "lab/match_params.h"
@@ -13,7 +13,7 @@ namespace stof::lab {
 // The most that two pixels can differ by.
 int largest_difference(const MatchParams& params) noexcept;
 
-// The most that costs can be as a search hands them out (FoundRow of row_judge.h).
+// The most that costs can be as a search hands them out (FoundRow of row_checks.h).
 std::int64_t largest_cost(const MatchParams& params) noexcept;
 
 // What distinctness has to know of them.

@@ -43,7 +43,7 @@ WideSemiGlobalSearch<Source>::WideSemiGlobalSearch(const MatchParams& params, in
     : params_(params),
       source_(params, width, arena),
       paths_(Source::path_params(params), width, arena),
-      judge_(params, cost_scale(params), width, arena),
+      checks_(params, cost_scale(params), width, arena),
       winners_(arena.take<std::int16_t>(index(width))) {}
 
 template <typename Source>
@@ -66,7 +66,7 @@ void WideSemiGlobalSearch<Source>::match(int y, const MatchedRow& out) noexcept 
       .costs = paths_.costs(y), .judged = sums, .winners = winners_.first(out.disparity.size())};
   best::winners(found.judged, lanes, found.winners);
   finish_winners(params_, guide, found.winners);
-  judge_.judge(found, *pair_, y, out);
+  checks_.apply(found, *pair_, y, out);
 }
 
 template class WideSemiGlobalSearch<AdCensusSource>;

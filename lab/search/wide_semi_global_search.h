@@ -5,7 +5,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/stereo/cost/aggregated_ad_census.h"
-#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_checks.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/semi_global.h"
 #include "lab/cost/cost_rows.h"
@@ -60,7 +60,7 @@ class WideSemiGlobalSearch final : public RowSearch {
   MatchParams params_;
   Source source_;
   Paths paths_;
-  RowJudge<std::uint16_t> judge_;
+  RowChecks<std::uint16_t> checks_;
   std::span<std::int16_t> winners_;
   const PreparedPair* pair_ = nullptr;
   Guide guide_;

@@ -38,7 +38,7 @@ SemiGlobalSearch::SemiGlobalSearch(const MatchParams& params, int width, Arena& 
     : params_(params),
       costs_(params, width, arena),
       paths_(ad_census_path_params(params, kDirections), width, arena),
-      judge_(params, kAdCensusScale, width, arena),
+      checks_(params, kAdCensusScale, width, arena),
       winners_(arena.take<std::int16_t>(index(width))) {}
 
 void SemiGlobalSearch::start(const PreparedPair& pair, Guide guide) noexcept {
@@ -53,8 +53,9 @@ void SemiGlobalSearch::match(int y, const MatchedRow& out) noexcept {
   const std::span<std::int16_t> winners = winners_.first(out.disparity.size());
   best::winners(sums, lanes_of(params_), winners);
   finish_winners(params_, row_of(guide_, y), winners);
-  judge_.judge(FoundRow<std::uint8_t>{.costs = paths_.costs(y), .judged = sums, .winners = winners},
-               *pair_, y, out);
+  checks_.apply(
+      FoundRow<std::uint8_t>{.costs = paths_.costs(y), .judged = sums, .winners = winners}, *pair_,
+      y, out);
 }
 
 }  // namespace stof::dsp

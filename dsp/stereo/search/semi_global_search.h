@@ -5,7 +5,7 @@
 
 #include "dsp/base/arena.h"
 #include "dsp/stereo/cost/aggregated_ad_census.h"
-#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_checks.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/semi_global.h"
 
@@ -32,7 +32,7 @@ class SemiGlobalSearch final : public RowSearch {
   MatchParams params_;
   AggregatedAdCensus costs_;
   Paths paths_;
-  RowJudge<std::uint8_t> judge_;
+  RowChecks<std::uint8_t> checks_;
   std::span<std::int16_t> winners_;
   const PreparedPair* pair_ = nullptr;
   Guide guide_;

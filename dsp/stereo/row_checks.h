@@ -39,11 +39,11 @@ struct CostScale {
 };
 
 // Drops winners of a row that the row itself speaks against, and fits the others. Its steps may be
-// called one by one, in the order of judge(). Sum is u8, u16 or u32.
+// called one by one, in the order of apply(). Sum is u8, u16 or u32.
 template <typename Sum>
-class RowJudge {
+class RowChecks {
  public:
-  RowJudge(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
+  RowChecks(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
       : params_(params),
         lanes_(lanes_of(params)),
         percent_(scale.margin_percent),
@@ -59,7 +59,7 @@ class RowJudge {
   }
 
   template <typename Cost>
-  void judge(const FoundRow<Cost, Sum>& found, const PreparedPair& pair, int y,
+  void apply(const FoundRow<Cost, Sum>& found, const PreparedPair& pair, int y,
              const MatchedRow& out) noexcept {
     compare_rivals(found, out);
     check_left_right(found.judged, found.winners);
