@@ -14,7 +14,7 @@
 #include "dsp/calib/calibration.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "hal/pmd_camera.h"
 #include "hal/serial_port.h"
 #include "hal/stereo_camera.h"
@@ -38,7 +38,7 @@ struct Board {
   hal::DatagramPort& port;
   hal::SerialPort* serial;      // nullptr: none was asked for
   std::optional<hal::Peer> to;  // gets every packet without having asked for it
-  hal::Network& network;
+  hal::NetworkInterfaces& network;
   hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
   hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
   dsp::Calibration calibration;

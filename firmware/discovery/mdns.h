@@ -9,7 +9,7 @@
 #include "firmware/wire/dns.h"
 #include "firmware/wire/packet.h"
 #include "hal/datagram_port.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "hal/time.h"
 
 namespace stof::firmware {

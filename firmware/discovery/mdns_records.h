@@ -8,7 +8,7 @@
 
 #include "firmware/wire/dns.h"
 #include "firmware/wire/messages/announce.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 
 // What the sensor is called on the local link (RFC 6763), as records of DNS:
 //   _services._dns-sd._udp.local  PTR   _stof._udp.local

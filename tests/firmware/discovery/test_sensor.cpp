@@ -9,7 +9,7 @@
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/wire/messages/discover.h"
 #include "hal/linux/ports/mdns_port.h"
-#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/network_interfaces.h"
 #include "hal/linux/ports/udp_port.h"
 #include "hal/linux/system/clock.h"
 
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGTERM, [](int) { stopping = 1; });
   hal::linux::Clock clock;
-  hal::linux::Network network;
+  hal::linux::NetworkInterfaces network;
   auto port = hal::linux::UdpPort::open(
       {.port = static_cast<std::uint16_t>(std::strtol(argv[3], nullptr, 10))});
   auto mdns = hal::linux::MdnsPort::open();
