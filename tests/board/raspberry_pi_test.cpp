@@ -1,4 +1,4 @@
-#include "board/pi_header.h"
+#include "board/raspberry_pi.h"
 
 #include <gtest/gtest.h>
 
