@@ -14,7 +14,7 @@
 namespace stof::host {
 
 struct EvaluateOptions {
-  MatchOptions match;
+  MatchRequest match;
   bool json = false;
   std::filesystem::path out;  // empty: nothing is written
 };

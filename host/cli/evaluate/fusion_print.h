@@ -7,11 +7,11 @@
 // What `stof evaluate fusion` says on stdout.
 namespace stof::host {
 
-void print_fusion_text(const FusionCase& fused, const MatchOptions& match);
-void print_fusion_json(const FusionCase& fused, const MatchOptions& match);
+void print_fusion_text(const FusionCase& fused, const MatchRequest& match);
+void print_fusion_json(const FusionCase& fused, const MatchRequest& match);
 
 // Several: a table with a row for each, and means, of each sensor too where there are several.
-void print_fusion_text(std::span<const FusionCase> cases, const MatchOptions& match);
-void print_fusion_json(std::span<const FusionCase> cases, const MatchOptions& match);
+void print_fusion_text(std::span<const FusionCase> cases, const MatchRequest& match);
+void print_fusion_json(std::span<const FusionCase> cases, const MatchRequest& match);
 
 }  // namespace stof::host

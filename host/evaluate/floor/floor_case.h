@@ -33,7 +33,7 @@ struct FloorCase {
 // Reads the folder and its recording `pmd`, fuses and scores. One line when a file is missing or
 // says nothing of a floor, or when the options mean nothing.
 dataset::Loaded<FloorCase> run_floor_case(const std::filesystem::path& folder,
-                                          std::span<const MatchOptions> matchers,
+                                          std::span<const MatchRequest> matchers,
                                           const FusionOptions& options);
 
 // Of each pixel (depth - truth) / truth; +inf where one of them is unknown.

@@ -144,9 +144,9 @@ std::array<std::size_t, kCount> count(const dataset::Image<Value>& image) {
 
 }  // namespace
 
-std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchRequest& request,
                                                                 int disparities) {
-  MatchOptions asked = options;
+  MatchRequest asked = request;
   if (asked.preset.empty()) {
     asked.settings.insert(asked.settings.begin(), {"lr", "1"});
   }

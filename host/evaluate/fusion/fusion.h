@@ -23,9 +23,9 @@ struct FusionOptions {
 
 // The parameters a scene of `disparities` candidates is matched with. A preset means what the
 // appliance makes of it (for_depth()); a method named alone has whole disparities and the
-// left-right check. What the options say comes on top. Refused in one line: what match_plan()
+// left-right check. What the request says comes on top. Refused in one line: what match_plan()
 // refuses, annealing, filled and unchecked disparities.
-std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchRequest& request,
                                                                 int disparities);
 
 // The same sensors with less effort, to see what the effort gains (chapter_geometry.h).

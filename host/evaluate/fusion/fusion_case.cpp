@@ -32,7 +32,7 @@ dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& sc
 
 dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
                                             const std::filesystem::path& prefix,
-                                            const MatchOptions& match,
+                                            const MatchRequest& match,
                                             const FusionOptions& options) {
   dataset::Loaded<RecordedPair> recorded = read_recorded_pair(scene, prefix);
   if (!recorded) {
