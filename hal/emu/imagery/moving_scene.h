@@ -16,7 +16,7 @@ namespace stof::hal::emu {
 // Something that moves through a scene, round and round.
 struct Motion {
   Scene background;
-  std::vector<std::vector<Thing>> poses;  // what moves, at least one pose
+  std::vector<std::vector<SceneObject>> poses;  // what moves, at least one pose
   int exposures_per_pose = 3;  // a pose stands still for as many exposures of the stereo camera
   int pmd_every = 1;           // the PMD camera exposes at every so many of these
 };

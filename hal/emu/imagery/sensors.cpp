@@ -81,14 +81,14 @@ Parts Sensors::render_over(const Scene& scene, int first, CleanViews& views) con
   const dsp::Pinhole& lens = rig_.stereo.left;
   const Viewpoint left = left_viewpoint(scene);
   const Viewpoint right = right_viewpoint(scene);
-  Parts parts{.left = runs_of_things(left, lens, first),
-              .right = runs_of_things(right, right_lens_, first),
+  Parts parts{.left = runs_of_objects(left, lens, first),
+              .right = runs_of_objects(right, right_lens_, first),
               .pmd = {}};
   render_grey_over(scene, left, lens, rig_.grey, parts.left, first, views.left);
   render_grey_over(scene, right, right_lens_, rig_.grey, parts.right, first, views.right);
   if (pmd_size().width > 0) {
     const Viewpoint viewpoint = pmd_viewpoint(scene);
-    parts.pmd = runs_of_things(viewpoint, rig_.pmd_lens, pmd_centres_, first);
+    parts.pmd = runs_of_objects(viewpoint, rig_.pmd_lens, pmd_centres_, first);
     render_pmd(scene, viewpoint, pmd_camera(), parts.pmd, views.pmd);
   }
   return parts;

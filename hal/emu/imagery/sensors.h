@@ -44,7 +44,7 @@ class Sensors {
   Size pmd_size() const noexcept;
 
   CleanViews render(const Scene& scene) const;
-  // Where pictures of the scene differ from those of the same scene without thing `first` and all
+  // Where pictures of the scene differ from those of the same scene without object `first` and all
   // after it. Renders these parts over `views` of the latter.
   Parts render_over(const Scene& scene, int first, CleanViews& views) const;
 

@@ -88,7 +88,7 @@ class FloorBuilder {
 
   FloorScene take() && {
     build_floor();
-    build_things();
+    build_objects();
     build_lamps();
     return std::move(out_);
   }
@@ -101,14 +101,14 @@ class FloorBuilder {
     double middle() const { return (from + to) / 2; }
   };
 
-  void put(Surface surface, Form form, const Vec3& at, const Vec3& half, const Material& material,
+  void put(Surface surface, Shape shape, const Vec3& at, const Vec3& half, const Material& material,
            const Pose& turn = {}) {
-    add(out_.scene, form, at, half, material, turn);
+    add(out_.scene, shape, at, half, material, turn);
     out_.surfaces.push_back(surface);
   }
 
   void put_level(Surface surface, const Range& x, double y, const Range& z) {
-    put(surface, Form::kRectangle, {x.middle(), y, z.middle()}, {x.half(), z.half(), 0}, material_,
+    put(surface, Shape::kRectangle, {x.middle(), y, z.middle()}, {x.half(), z.half(), 0}, material_,
         turned(0, kQuarterTurn));
   }
 
@@ -120,14 +120,14 @@ class FloorBuilder {
   }
 
   // What is nearer is smaller, so that the floor is seen around it.
-  void build_things() {
+  void build_objects() {
     const double side = std::min(0.15, 0.1 * layout_.box);
-    put(Surface::kBox, Form::kBox, {0.04 * layout_.box, -side, layout_.box + side},
+    put(Surface::kBox, Shape::kBox, {0.04 * layout_.box, -side, layout_.box + side},
         {side, side, side}, material::kCarton);
     const double half = std::min(0.3, 0.12 * layout_.pane);
-    put(Surface::kGlass, Form::kRectangle, {-0.24 * layout_.pane, -half, layout_.pane},
+    put(Surface::kGlass, Shape::kRectangle, {-0.24 * layout_.pane, -half, layout_.pane},
         {half, half, 0}, kGlass);
-    put(Surface::kWall, Form::kRectangle, {0, 0, layout_.wall}, {kHalfWidth, kHalfWidth, 0},
+    put(Surface::kWall, Shape::kRectangle, {0, 0, layout_.wall}, {kHalfWidth, kHalfWidth, 0},
         material::kWhite);
   }
 

@@ -7,14 +7,14 @@
 
 #include "hal/emu/scenes/vec3.h"
 
-// A world made of a few solid things. Metres; x right, y down, z forward, floor at y = 0.
+// A world made of a few solid objects. Metres; x right, y down, z forward, floor at y = 0.
 // Everything is computed with +, -, *, / and sqrt alone, so that every machine gets the same bits.
 namespace stof::hal::emu {
 
 enum class Texture : std::uint8_t {
   kPlain,
   kNoise,    // value noise in five octaves, the coarsest with cells of `period_m`
-  kStripes,  // along the thing's x axis, so vertical stripes: repetitive for stereo
+  kStripes,  // along the object's x axis, so vertical stripes: repetitive for stereo
   kChecks,   // along its x and y axis
   kSpeckle,  // value noise in ten octaves of equal weight: fine grain, faint clouds
 };
@@ -35,16 +35,16 @@ struct Material {
   double clear = 0;  // 0..1
 };
 
-enum class Form : std::uint8_t {
-  kRectangle,  // half.x by half.y in the thing's plane z = 0, visible from both sides
+enum class Shape : std::uint8_t {
+  kRectangle,  // half.x by half.y in the object's plane z = 0, visible from both sides
   kBox,        // half sizes
   kCylinder,   // axis along y: radii half.x and half.z, half height half.y, closed
   kEllipsoid,  // radii
 };
 
-struct Thing {
-  Form form = Form::kBox;
-  Pose pose{};  // of the thing in the world; its origin is the form's centre
+struct SceneObject {
+  Shape shape = Shape::kBox;
+  Pose pose{};  // of the object in the world; its origin is the shape's centre
   Vec3 half{0.5, 0.5, 0.5};
   Material material{};
 };
@@ -55,13 +55,13 @@ struct Light {
 };
 
 struct Scene {
-  std::vector<Thing> things;
+  std::vector<SceneObject> objects;
   std::vector<Light> lights;
   double ambient = 0.4;  // irradiance from everywhere
 };
 
-// One thing more, its centre at `at`, turned as `turn`.
-void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
+// One object more, its centre at `at`, turned as `turn`.
+void add(Scene& scene, Shape shape, const Vec3& at, const Vec3& half, const Material& material,
          Pose turn = {});
 
 // The book chapter's Figure 21: white walls, floor and ceiling, an end wall at 6.6 m, a column, a
@@ -80,15 +80,15 @@ Scene wall(double distance_m, const Material& material = {});
 
 // Where a ray meets the scene.
 struct Hit {
-  double t = 0;    // origin + t * direction
-  int thing = -1;  // index in Scene::things; -1: nothing
-  int face = 0;    // of that thing: points with the same one lie on one smooth surface
-  Vec3 point;      // world
-  Vec3 normal;     // world, unit, towards the viewpoint
-  Vec3 local;      // the point in the thing's frame
+  double t = 0;     // origin + t * direction
+  int object = -1;  // index in Scene::objects; -1: nothing
+  int face = 0;     // of that object: points with the same one lie on one smooth surface
+  Vec3 point;       // world
+  Vec3 normal;      // world, unit, towards the viewpoint
+  Vec3 local;       // the point in the object's frame
 };
 
-// Reflectance 0..1 at a point of the thing's frame.
+// Reflectance 0..1 at a point of the object's frame.
 double visible_albedo(const Material& material, const Vec3& local) noexcept;
 double infrared_albedo(const Material& material, const Vec3& local) noexcept;
 

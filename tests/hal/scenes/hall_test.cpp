@@ -15,7 +15,7 @@ using namespace hal::emu;
 
 const double kTurnM = dsp::kLightMetresPerSecond / (2.0 * 20e6);
 
-// A pixel of the PMD camera that sees one surface of one thing.
+// A pixel of the PMD camera that sees one surface of one object.
 struct Surface {
   int x = 0;
   int y = 0;
@@ -32,16 +32,16 @@ std::vector<Surface> surfaces(const Scene& scene, const Rig& rig) {
     for (int x = 0; x < lens.width; ++x) {
       const Vec3 ray = undistorted_ray(lens, x, y);
       const Hit centre = viewpoint.look(ray.x, ray.y);
-      bool alone = centre.thing >= 0;
+      bool alone = centre.object >= 0;
       for (const double dx : {-0.6, 0.0, 0.6}) {
         for (const double dy : {-0.6, 0.0, 0.6}) {
           const Vec3 beside = undistorted_ray(lens, x + dx, y + dy);
           const Hit hit = viewpoint.look(beside.x, beside.y);
-          alone = alone && hit.thing == centre.thing && hit.face == centre.face;
+          alone = alone && hit.object == centre.object && hit.face == centre.face;
         }
       }
       if (alone) {
-        const Material& material = scene.things[static_cast<std::size_t>(centre.thing)].material;
+        const Material& material = scene.objects[static_cast<std::size_t>(centre.object)].material;
         const Vec3 back = viewpoint.pose().turn(-1.0 / length(ray) * ray);
         out.push_back({.x = x,
                        .y = y,

@@ -64,19 +64,19 @@ void build_shell(Scene& scene, Draw& draw, double half_width, double height, dou
   const double half_length = (end - kBegin) / 2;
   const Pose sideways = turned(kQuarterTurn);
   const Pose level = turned(0, kQuarterTurn);
-  add(scene, Form::kRectangle, {0, 0, middle}, {half_width, half_length, 0},
+  add(scene, Shape::kRectangle, {0, 0, middle}, {half_width, half_length, 0},
       random_material(draw, 0.15, 9), level);
-  add(scene, Form::kRectangle, {0, -height, middle}, {half_width, half_length, 0},
+  add(scene, Shape::kRectangle, {0, -height, middle}, {half_width, half_length, 0},
       random_material(draw, 0.6, 9), level);
   for (const double side : {-half_width, half_width}) {
-    add(scene, Form::kRectangle, {side, -height / 2, middle}, {half_length, height / 2, 0},
+    add(scene, Shape::kRectangle, {side, -height / 2, middle}, {half_length, height / 2, 0},
         random_material(draw, 0.15, 9), sideways);
   }
-  add(scene, Form::kRectangle, {0, -height / 2, end}, {half_width, height / 2, 0},
+  add(scene, Shape::kRectangle, {0, -height / 2, end}, {half_width, height / 2, 0},
       random_material(draw, 0.1, end));
 }
 
-void build_things(Scene& scene, Draw& draw, double half_width, double height, double end) {
+void build_objects(Scene& scene, Draw& draw, double half_width, double height, double end) {
   const int count = 8 + static_cast<int>(draw.between(0, 10));
   for (int i = 0; i < count; ++i) {
     const double z = draw.between(2.4, end - 0.5);
@@ -85,11 +85,11 @@ void build_things(Scene& scene, Draw& draw, double half_width, double height, do
     const double wide = size * draw.between(0.5, 1.3);
     const Vec3 half{wide, size * draw.between(0.6, 1.6), size * draw.between(0.4, 1)};
     const double y = draw.chance(0.6) ? -half.y : -draw.between(0.3, height - 0.3);
-    constexpr std::array<Form, 4> kForms{Form::kBox, Form::kCylinder, Form::kEllipsoid,
-                                         Form::kRectangle};
-    const Form form = kForms[static_cast<std::size_t>(draw.between(0, 3.99))];
+    constexpr std::array<Shape, 4> kShapes{Shape::kBox, Shape::kCylinder, Shape::kEllipsoid,
+                                           Shape::kRectangle};
+    const Shape shape = kShapes[static_cast<std::size_t>(draw.between(0, 3.99))];
     const Material material = random_material(draw, 0.25, z);
-    add(scene, form, {x, y, z}, half, material, turned(draw.between(-0.3, 0.3)));
+    add(scene, shape, {x, y, z}, half, material, turned(draw.between(-0.3, 0.3)));
   }
 }
 
@@ -100,7 +100,7 @@ Scene random_hall(Draw& draw) {
   const double end = draw.between(9, 13.9);
   scene.ambient = 0.4;
   build_shell(scene, draw, half_width, height, end);
-  build_things(scene, draw, half_width, height, end);
+  build_objects(scene, draw, half_width, height, end);
   for (const double z : {0.5, 4.0, 7.5, 11.0}) {
     scene.lights.push_back({.position = {0, -height + 0.3, z}, .power = 2.2});
   }
@@ -172,7 +172,7 @@ class TruthOfPmd {
         farthest = std::max(farthest, other);
       }
     }
-    const Material& material = scene_.things[static_cast<std::size_t>(hit.thing)].material;
+    const Material& material = scene_.objects[static_cast<std::size_t>(hit.object)].material;
     const bool textured = material.texture == Texture::kNoise;
     return {metres, nearest, farthest,
             textured && farthest - nearest < 0.3 * metres && matched(hit.point)};
