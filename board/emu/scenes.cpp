@@ -138,7 +138,8 @@ SceneWorld floor_world(const emu::FloorView& view, const SceneOptions& options) 
   const emu::FloorScene floor = emu::floor_scene(view);
   const emu::Rig rig = changed(floor.rig, options);
   SceneWorld world = still_world(floor.scene, rig);
-  const dataset::Image<int> objects = emu::render_objects({floor.scene, rig.head}, rig.stereo.left);
+  const dataset::Image<int> objects =
+      emu::render_objects({floor.scene, rig.left_camera_pose}, rig.stereo.left);
   dataset::FloorTruth truth{.height_m = view.height_m,
                             .tilt_degrees = view.tilt_degrees,
                             .surface = {objects.width, objects.height}};

@@ -56,7 +56,7 @@ class GreyRenderer {
     if (!std::ranges::all_of(around, [&](const Patch& corner) { return corner == patch; })) {
       return mean_light(x, y);
     }
-    if (centre.object >= 0 && material_of(centre).clear > 0) {
+    if (centre.object >= 0 && material_of(centre).transmittance > 0) {
       return mean_light(x, y);
     }
     if (centre.object < first) {
@@ -92,9 +92,10 @@ class GreyRenderer {
     };
     return mean(x, y, kEdgeRays, [&](double rx, double ry) {
       const Hit hit = viewpoint_.look(rx, ry);
-      const double clear = hit.object < 0 ? 0 : material_of(hit).clear;
-      return clear == 0 ? own(hit)
-                        : own(hit) + clear * own(viewpoint_.look_past(hit.object, rx, ry));
+      const double transmittance = hit.object < 0 ? 0 : material_of(hit).transmittance;
+      return transmittance == 0
+                 ? own(hit)
+                 : own(hit) + transmittance * own(viewpoint_.look_past(hit.object, rx, ry));
     });
   }
 

@@ -57,11 +57,11 @@ class PmdRenderer {
       return;
     }
     add(ray, hit, 1, sum);
-    const double clear = material_of(hit).clear;
-    if (clear > 0) {
+    const double transmittance = material_of(hit).transmittance;
+    if (transmittance > 0) {
       const Hit behind = viewpoint_.look_past(hit.object, ray.x, ray.y);
       if (behind.object >= 0) {
-        add(ray, behind, clear * clear, sum);
+        add(ray, behind, transmittance * transmittance, sum);
       }
     }
   }

@@ -45,14 +45,16 @@ Size Sensors::stereo_size() const noexcept {
 
 Size Sensors::pmd_size() const noexcept { return {rig_.pmd_lens.width, rig_.pmd_lens.height}; }
 
-Viewpoint Sensors::left_viewpoint(const Scene& scene) const { return {scene, rig_.head}; }
+Viewpoint Sensors::left_viewpoint(const Scene& scene) const {
+  return {scene, rig_.left_camera_pose};
+}
 
 Viewpoint Sensors::right_viewpoint(const Scene& scene) const {
-  return {scene, rig_.head * Pose{.position = {rig_.stereo.baseline_m, 0, 0}}};
+  return {scene, rig_.left_camera_pose * Pose{.position = {rig_.stereo.baseline_m, 0, 0}}};
 }
 
 Viewpoint Sensors::pmd_viewpoint(const Scene& scene) const {
-  return {scene, rig_.head * true_pmd_pose(rig_)};
+  return {scene, rig_.left_camera_pose * true_pmd_pose(rig_)};
 }
 
 PmdCameraModel Sensors::pmd_camera() const noexcept {

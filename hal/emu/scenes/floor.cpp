@@ -30,7 +30,7 @@ Material floor_material(std::uint32_t seed) {
 }
 
 // Clean, so that little light comes from itself.
-constexpr Material kGlass{.albedo = 0.03, .nir = 0.06, .clear = 0.9};
+constexpr Material kGlass{.albedo = 0.03, .nir = 0.06, .transmittance = 0.9};
 
 // Distances along the floor.
 struct Layout {
@@ -41,15 +41,16 @@ struct Layout {
 };
 
 // Where the ray (0, y, 1) of the camera meets the floor; infinite where it does not.
-double floor_distance(const Pose& head, double y) {
-  const Vec3 ray = head.turn({0, y, 1});
-  return ray.y > 0 ? -head.position.y * ray.z / ray.y : std::numeric_limits<double>::infinity();
+double floor_distance(const Pose& camera, double y) {
+  const Vec3 ray = camera.turn({0, y, 1});
+  return ray.y > 0 ? -camera.position.y * ray.z / ray.y : std::numeric_limits<double>::infinity();
 }
 
 Layout lay_out(const Rig& rig) {
   const dsp::Pinhole& lens = rig.stereo.left;
-  const double nearest = floor_distance(rig.head, (lens.height - 0.5 - lens.cy) / lens.fy);
-  const double farthest = floor_distance(rig.head, (-0.5 - lens.cy) / lens.fy);
+  const double nearest =
+      floor_distance(rig.left_camera_pose, (lens.height - 0.5 - lens.cy) / lens.fy);
+  const double farthest = floor_distance(rig.left_camera_pose, (-0.5 - lens.cy) / lens.fy);
   const double wall = std::min(kFarthestWall, 0.85 * farthest);
   // 0: the bottom row of the picture; 1: 4 m or the wall. Shares between are nearly those of rows.
   const auto at = [&](double share) {
@@ -64,11 +65,11 @@ Rig floor_rig(const FloorView& view) {
   Rig rig = corridor_rig();
   rig.stereo.baseline_m *= low;
   rig.pmd_to_stereo.translation_m[0] = rig.stereo.baseline_m / 2;
-  rig.head = turned(0, -half_tangent(view.tilt_degrees));
-  rig.head.position = {0, -view.height_m, 0};
+  rig.left_camera_pose = turned(0, -half_tangent(view.tilt_degrees));
+  rig.left_camera_pose.position = {0, -view.height_m, 0};
   // Z of the floor in the bottom row.
   const dsp::Pinhole& lens = rig.stereo.left;
-  const Vec3 lowest = rig.head.turn({0, (lens.height - 0.5 - lens.cy) / lens.fy, 1});
+  const Vec3 lowest = rig.left_camera_pose.turn({0, (lens.height - 0.5 - lens.cy) / lens.fy, 1});
   const double largest = lens.fx * rig.stereo.baseline_m * lowest.y / view.height_m;
   rig.disparities = static_cast<int>(std::ceil((largest + 2) / kStep)) * kStep;
   rig.pmd.signal_e = 600'000 * low * low;

@@ -49,22 +49,22 @@ Material random_material(Draw& draw, double plain_share) {
   return out;
 }
 
-// The walls around the head, which is at the origin of the room's x and z. Every corner is nearer
-// than 7 m.
+// The walls around the left camera, which is at the origin of the room's x and z. Every corner is
+// nearer than 7 m.
 struct Shell {
   double left;
   double right;
-  double floor;    // y below the head
+  double floor;    // y below the camera
   double ceiling;  // y above it, negative
   double end;
 };
 
 Shell random_shell(Draw& draw) {
-  const double head = draw.between(0.8, 1.5);
+  const double height = draw.between(0.8, 1.5);
   return {.left = -draw.between(1.1, 2.6),
           .right = draw.between(1.1, 2.6),
-          .floor = head,
-          .ceiling = head - draw.between(2.3, 3.0),
+          .floor = height,
+          .ceiling = height - draw.between(2.3, 3.0),
           .end = draw.between(3.0, 5.8)};
 }
 
@@ -114,7 +114,7 @@ std::optional<SceneObject> random_object(const Shell& shell, Draw& draw) {
       stands ? shell.floor - object.half.y
              : draw.between(std::max(shell.ceiling, -0.4 * z), std::min(shell.floor, 0.4 * z));
   object.pose.position = {std::clamp(x, shell.left, shell.right), y, z};
-  // All cameras are within 0.2 m of the head.
+  // All cameras are within 0.2 m of the left one.
   constexpr double kRigReach = 0.2;
   if (length(object.pose.position) < kNearest + kRigReach + reach) {
     return std::nullopt;
@@ -155,7 +155,7 @@ Rig random_rig(Draw& draw) {
   rig.pmd_to_stereo.translation_m = {rig.stereo.baseline_m / 2 + draw.between(-0.03, 0.03), above,
                                      draw.between(-0.02, 0.02)};
   const Vec3 looks{draw.between(-6, 3), draw.between(-8, 8), draw.between(-2, 2)};
-  rig.head = turned(looks.y * kDegree, looks.x * kDegree, looks.z * kDegree);
+  rig.left_camera_pose = turned(looks.y * kDegree, looks.x * kDegree, looks.z * kDegree);
   rig.pmd.signal_e = 600'000;
   rig.pmd.ambient_e = 7'500;
   rig.pmd.read_noise_e = 80;

@@ -32,7 +32,7 @@ struct Material {
   int gloss_log2 = 6;
   // A pane: the share of light that it lets through each way. What is behind it is seen through it,
   // but for other panes.
-  double clear = 0;  // 0..1
+  double transmittance = 0;  // 0..1
 };
 
 enum class Shape : std::uint8_t {
@@ -66,7 +66,8 @@ void add(Scene& scene, Shape shape, const Vec3& at, const Vec3& half, const Mate
 
 // The book chapter's Figure 21: white walls, floor and ceiling, an end wall at 6.6 m, a column, a
 // person in a checked shirt, a low carton; skirting boards, doors, a picture, a speckled and
-// slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a head at (0, -1, 0).
+// slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a left camera at (0,
+// -1, 0).
 Scene corridor();
 Scene empty_corridor();  // without the person
 

@@ -91,7 +91,7 @@ TEST(RenderGrey, HighlightsDoNotLieOnTheSurface) {
 TEST(RenderGrey, PaneShowsWhatIsBehindItAndALittleOfItself) {
   Scene scene = wall(2, kTextured);
   const auto behind = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
-  add(scene, Shape::kRectangle, {0, 0, 1}, {5, 5, 0}, {.albedo = 0.1, .clear = 0.5});
+  add(scene, Shape::kRectangle, {0, 0, 1}, {5, 5, 0}, {.albedo = 0.1, .transmittance = 0.5});
   const auto image = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
   for (int x = 0; x < kLens.width; ++x) {
     // 36 rays a pixel in place of 9 of a fine texture.

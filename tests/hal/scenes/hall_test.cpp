@@ -25,7 +25,7 @@ struct Surface {
 };
 
 std::vector<Surface> surfaces(const Scene& scene, const Rig& rig) {
-  const Viewpoint viewpoint(scene, rig.head * true_pmd_pose(rig));
+  const Viewpoint viewpoint(scene, rig.left_camera_pose * true_pmd_pose(rig));
   const dsp::Pinhole& lens = rig.pmd_lens;
   std::vector<Surface> out;
   for (int y = 0; y < lens.height; ++y) {
@@ -127,7 +127,7 @@ TEST(Hall, PhasesAreTheTruthOfItsRaysInEveryPeriod) {
 
 TEST(Hall, WhiteAtTwoMetresDoesNotSaturate) {
   Rig rig = small(hall_rig());
-  rig.head = {};
+  rig.left_camera_pose = {};
   RenderedScene rendered(wall(2, {.albedo = 0.85}), rig);
   const Exposed exposed = expose(rendered, 1);
   for (const auto& sample : exposed.samples) {

@@ -18,8 +18,9 @@ using namespace hal::emu;
 constexpr std::uint32_t kRooms = 100;
 
 std::array<Pose, 3> cameras(const Rig& rig) {
-  return {rig.head, rig.head * Pose{.position = {rig.stereo.baseline_m, 0, 0}},
-          rig.head * true_pmd_pose(rig)};
+  return {rig.left_camera_pose,
+          rig.left_camera_pose * Pose{.position = {rig.stereo.baseline_m, 0, 0}},
+          rig.left_camera_pose * true_pmd_pose(rig)};
 }
 
 // Distance of whatever the camera sees through a field that is a little wider than its own.
@@ -125,7 +126,7 @@ TEST(RandomRoom, PmdReadingsAreTheTruthOfTheirRays) {
     const Sensors sensors(rig);
     const CleanViews views = sensors.render(room.scene);
     const dsp::PmdSensor& sensor = sensors.calibration().pmd;
-    const Viewpoint viewpoint(room.scene, rig.head * true_pmd_pose(rig));
+    const Viewpoint viewpoint(room.scene, rig.left_camera_pose * true_pmd_pose(rig));
     for (int y = 0; y < rig.pmd_lens.height; ++y) {
       for (int x = 0; x < rig.pmd_lens.width; ++x) {
         const Vec3 ray = undistorted_ray(rig.pmd_lens, x, y);

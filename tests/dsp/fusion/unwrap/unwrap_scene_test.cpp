@@ -155,8 +155,8 @@ class TruthOfPmd {
       : scene_(scene),
         rig_(rig),
         disparity_(disparity),
-        pmd_(scene, rig.head * true_pmd_pose(rig)),
-        left_(scene, rig.head) {}
+        pmd_(scene, rig.left_camera_pose * true_pmd_pose(rig)),
+        left_(scene, rig.left_camera_pose) {}
 
   Truth at(int x, int y) const {
     const Vec3 ray = undistorted_ray(rig_.pmd_lens, x, y);
@@ -182,7 +182,7 @@ class TruthOfPmd {
   // Within a pixel.
   bool matched(const Vec3& point) const {
     const dsp::Pinhole& lens = rig_.stereo.left;
-    const Vec3 p = rig_.head.undo(point);
+    const Vec3 p = rig_.left_camera_pose.undo(point);
     const double u = std::floor(lens.fx * p.x / p.z + lens.cx + 0.5);
     const double v = std::floor(lens.fy * p.y / p.z + lens.cy + 0.5);
     if (!(u >= 0 && u < lens.width && v >= 0 && v < lens.height) ||
