@@ -42,7 +42,7 @@ ImageCoder::ImageCoder(const FrameSizes& sizes, dsp::Arena& arena) noexcept
 
 void ImageCoder::begin_frame() noexcept {
   is_raw_ = {};
-  no_steps_ = false;
+  no_xor_deltas_ = false;
 }
 
 template <typename T>
@@ -201,17 +201,17 @@ void ImageCoder::add_source(const dsp::DepthMap& map, Coding coding, PartStore& 
     }
   }
   const Raster raster = raster_of(Stream::kSource, width, map.source.height());
-  if (coding == Coding::kRaw || !add_steps(values, raster, store)) {
+  if (coding == Coding::kRaw || !add_xor_deltas(values, raster, store)) {
     add_values<std::uint8_t>(values, raster, coding, store);
   }
 }
 
-// Neighbours are mostly alike: steps from one to the next are mostly zeros, which RVL counts.
-// false: a row does not fit a tile, where the first pixel of a tile would be told as a step. Then
-// nothing is added and the values are as they were.
-bool ImageCoder::add_steps(std::span<std::uint8_t> values, Raster raster,
-                           PartStore& store) noexcept {
-  if (no_steps_) {
+// Neighbours are mostly alike: their exclusive ors are mostly zeros, which RVL counts. false: a row
+// does not fit a tile, so that a tile would begin inside of a row. Then nothing is added and the
+// values are as they were.
+bool ImageCoder::add_xor_deltas(std::span<std::uint8_t> values, Raster raster,
+                                PartStore& store) noexcept {
+  if (no_xor_deltas_) {
     return false;
   }
   for (std::size_t first = 0; first < values.size(); first += raster.width) {
@@ -219,7 +219,7 @@ bool ImageCoder::add_steps(std::span<std::uint8_t> values, Raster raster,
       values[first + x] ^= values[first + x - 1];
     }
   }
-  raster.steps = true;
+  raster.xor_delta = true;
   const std::size_t begin = store.size();
   add_values<std::uint8_t>(values, raster, Coding::kRvl, store);
   bool whole = true;
@@ -230,8 +230,8 @@ bool ImageCoder::add_steps(std::span<std::uint8_t> values, Raster raster,
     return true;
   }
   store.cut_back(begin);
-  no_steps_ = true;
-  is_raw(raster.stream) = false;  // that was told of the steps
+  no_xor_deltas_ = true;
+  is_raw(raster.stream) = false;  // what add_values() set was of the exclusive ors
   for (std::size_t first = 0; first < values.size(); first += raster.width) {
     for (std::size_t x = 1; x < raster.width; ++x) {
       values[first + x] ^= values[first + x - 1];

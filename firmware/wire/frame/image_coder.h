@@ -51,13 +51,13 @@ class ImageCoder {
   void add_scaled_tiles(std::span<std::uint16_t> values, const Raster& raster,
                         PartStore& store) noexcept;
   void add_source(const dsp::DepthMap& map, Coding coding, PartStore& store) noexcept;
-  bool add_steps(std::span<std::uint8_t> values, Raster raster, PartStore& store) noexcept;
+  bool add_xor_deltas(std::span<std::uint8_t> values, Raster raster, PartStore& store) noexcept;
 
   std::span<std::uint16_t> values16_;    // of an image that is not one piece in memory
   std::span<std::uint8_t> values8_;      // the same memory
   std::span<std::uint8_t> scales_;       // of the map's bands
   std::array<bool, kStreams> is_raw_{};  // RVL of this stream would have been longer
-  bool no_steps_ = false;                // the source goes as it is
+  bool no_xor_deltas_ = false;           // the source goes as it is
 };
 
 }  // namespace stof::wire

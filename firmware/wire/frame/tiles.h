@@ -38,7 +38,7 @@ struct Raster {
   std::size_t first_row = 0;
   std::size_t image_height = 0;  // 0: they are the image
   std::uint8_t scale = 0;        // 0 to 15: they stand for what is 1 << scale times as large
-  bool steps = false;            // in_steps() of each tile
+  bool xor_delta = false;        // is_xor_delta() of each tile
 
   Part part(Codec codec, std::size_t first, std::size_t pixels,
             std::size_t payload_bytes) const noexcept;

@@ -118,7 +118,7 @@ StreamChoice everything(Coding coding) {
 
 // What is told in steps, as it was.
 std::vector<int> summed(std::vector<std::uint8_t> values, const Header& header) {
-  for (std::size_t i = 1; i < values.size() && in_steps(header); ++i) {
+  for (std::size_t i = 1; i < values.size() && is_xor_delta(header); ++i) {
     if ((header.first_column + i) % header.image_width != 0) {
       values[i] ^= values[i - 1];
     }
