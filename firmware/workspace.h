@@ -12,7 +12,7 @@
 
 // All memory of the frame path, reserved at link time for the largest frames the board accepts:
 // images, and datagrams on their way out.
-// Rectifier, Matcher, Converter and Fuser say what they take once they know their parameters
+// Rectifier, Matcher, PmdConverter and Fuser say what they take once they know their parameters
 // (dsp::bytes_taken); here stands an upper bound of that for the board's table, proven by tests.
 namespace stof::firmware {
 

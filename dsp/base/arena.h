@@ -13,8 +13,8 @@
 
 namespace stof::dsp {
 
-// Hands out parts of one block of memory, in order, once: this is how a Matcher, a Converter and a
-// Fuser get their buffers from the caller's static workspace. Nothing is freed one by one.
+// Hands out parts of one block of memory, in order, once: this is how a Matcher, a PmdConverter and
+// a Fuser get their buffers from the caller's static workspace. Nothing is freed one by one.
 // Contents are not initialised. Running out is our own bug (sizes are measured first): CHECK.
 //
 // A part takes its memory in its constructor, and nowhere else is told how much that is:

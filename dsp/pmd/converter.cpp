@@ -42,7 +42,7 @@ struct SecondFrequency {
   std::span<Phase> corrected;
 };
 
-struct Converter::Tables {
+struct PmdConverter::Tables {
   FrameTables first;
   RangeTables one_frequency;
   std::optional<SecondFrequency> second;
@@ -63,7 +63,7 @@ struct Converter::Tables {
   }
 };
 
-Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
+PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept {
   const int w = sensor.lens.width;
   const int h = sensor.lens.height;
   const std::size_t row = index(w);
@@ -107,7 +107,7 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   tables_ = arena.put(t);
 }
 
-void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
+void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   const Tables& t = *tables_;
   const PmdMaps& m = maps_;
   const std::size_t n = index(m.phase.width());
@@ -147,7 +147,7 @@ void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
   }
 }
 
-const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
+const PmdMaps& PmdConverter::measure(const PmdFrame& frame) noexcept {
   Tables& t = *tables_;
   const int width = maps_.phase.width();
   const int height = maps_.phase.height();
@@ -168,13 +168,13 @@ const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
   return maps_;
 }
 
-const PmdMaps& Converter::convert(const PmdFrame& frame) noexcept {
+const PmdMaps& PmdConverter::convert(const PmdFrame& frame) noexcept {
   measure(frame);
   refresh_intervals(maps_);
   return maps_;
 }
 
-const PmdMaps& Converter::convert(const PmdSamples& samples) noexcept {
+const PmdMaps& PmdConverter::convert(const PmdSamples& samples) noexcept {
   const PmdExposure exposure{.samples = samples};
   return convert(PmdFrame{.first = {&exposure, 1}});
 }

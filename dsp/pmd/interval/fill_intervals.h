@@ -11,7 +11,7 @@ namespace stof::dsp {
 // and have low = high = 0. Neither distance nor sigma changes, so rows can be split in any way.
 //
 // Who moves readings by whole ranges (distance += k * maps.range, where stereo knows better) does
-// so between Converter::measure() and this, in any pixels (and long_distance alike, where it is
+// so between PmdConverter::measure() and this, in any pixels (and long_distance alike, where it is
 // there); readings beyond maps.range count as moved: they are not out of range.
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept;
 

@@ -12,7 +12,7 @@
 #include "dsp/pmd/phase/merge_exposures.h"
 
 // From the exposures of one frequency to one row of phases with amplitude, offset, sigma and flags.
-// For Converter alone.
+// For PmdConverter alone.
 namespace stof::dsp {
 
 // What one exposure of a frame means for the row kernels.

@@ -249,8 +249,8 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
   const dsp::FusionParams fusion{.max_range = 64000};
   test::GuardedPart<dsp::Matcher> matcher(
       [&](dsp::Arena& own) { return dsp::Matcher(match, size.width, size.height, own); });
-  test::GuardedPart<dsp::Converter> converter(
-      [&](dsp::Arena& own) { return dsp::Converter(calibration.pmd, own); });
+  test::GuardedPart<dsp::PmdConverter> converter(
+      [&](dsp::Arena& own) { return dsp::PmdConverter(calibration.pmd, own); });
   test::GuardedPart<dsp::Unwrapper> unwrapper([&](dsp::Arena& own) {
     return dsp::Unwrapper(calibration, fusion, 0, match.disparities, size.width, size.height, own);
   });
