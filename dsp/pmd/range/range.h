@@ -9,8 +9,8 @@
 namespace stof::dsp {
 
 // Distances while they are computed: u32, quarter mm or 0.1 mm, below kMostUnits. Rows of them are
-// changed in place from step to step: range (or combine_frequencies), straight_line, near_lights,
-// to_quarter_mm.
+// changed in place from step to step: range (or combine_frequencies), straight_line,
+// emitter_offset, to_quarter_mm.
 inline constexpr std::uint32_t kMostUnits = 1U << 28U;
 
 // distance = (phase * turn + 32768) >> 16: one turn of corrected phase is `turn` units, at most
