@@ -125,7 +125,7 @@ void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   best::correct_phase(row.phase, pattern, t.first.correction, t.corrected);
   const RangeTables* range = &t.one_frequency;
   if (frame.second.empty()) {
-    best::range(t.corrected, t.first.frequency.turn, reading);
+    best::phase_to_distance(t.corrected, t.first.frequency.turn, reading);
   } else {
     const SecondFrequency& second = *t.second;
     range = &second.both;
@@ -137,7 +137,7 @@ void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
     best::combine_sigma(second.row.sigma, row.sigma);
   }
   if (!changes_nothing(range->line)) {
-    best::straight_line(range->line, reading);
+    best::correct_distance(range->line, reading);
   }
   if (!t.emitter_offset.half_q2.empty()) {
     best::emitter_offset(t.emitter_offset_row(y, n), t.shortest_way, reading);

@@ -8,7 +8,7 @@
 
 #include "dsp/calib/pmd/emitter_offset_table.h"
 #include "dsp/calib/pmd/ray_table.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 #include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
