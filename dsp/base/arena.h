@@ -39,7 +39,7 @@ class Arena {
     return kNobodys - memory_.size();
   }
 
-  // What take<T>(count) uses up.
+  // The bytes that take<T>(count) uses.
   template <typename T>
   static constexpr std::size_t bytes_for(std::size_t count) noexcept {
     return (count * sizeof(T) + kAlign - 1) / kAlign * kAlign;

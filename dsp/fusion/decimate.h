@@ -21,8 +21,8 @@ struct NearestPixel {
   QuarterMm width = 0;
 };
 
-// Of those pixels of block (column, row) that have a depth the one with the smallest
-// 2 * depth - width, of equal ones the first in raster order; without any, depth and width are 0.
+// The pixel of block (column, row) with the smallest 2 * depth - width among those with a depth;
+// of equal ones the first in raster order. Without any, depth and width are 0.
 // step: kLeastBlock to kMostBlock; the block begins inside the map.
 NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) noexcept;
 

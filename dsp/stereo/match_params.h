@@ -33,7 +33,7 @@ constexpr CostFit cost_fit(Subpixel subpixel) noexcept {
   return subpixel == Subpixel::kParabola ? CostFit::kParabola : CostFit::kNone;
 }
 
-// What a change of disparity between neighbours costs, in the units of one pixel's cost.
+// Penalties for a change of disparity between neighbours, in the units of one pixel's cost.
 struct Smoothness {
   int small_step = 0;  // P1: by one
   int large_step = 0;  // P2: by more; halved and quartered where the grey value changes
@@ -55,7 +55,7 @@ struct MatchParams {
   // The larger the block, the smaller the cap that its sums have room for.
   std::optional<int> prefilter_cap = 15;
 
-  // Of kSemiGlobal; without it kDefaultSmoothness.
+  // For kSemiGlobal; without it kDefaultSmoothness.
   std::optional<Smoothness> smoothness = std::nullopt;
   // Each match may be given a guide (cost/candidate_mask.h): which candidates each pixel may take.
   bool guided = false;
@@ -114,7 +114,7 @@ struct Preset {
   std::string_view meaning;  // one line
   MatchParams params;        // for 64 candidates from 0
 };
-// What a preset means where its disparities become depth: fitted to 1/16 px, because whole ones are
+// A preset for disparities that become depth: fitted to 1/16 px, because whole ones are
 // steps in depth, and with the confidence that fusion needs.
 MatchParams for_depth(const Preset& preset) noexcept;
 // nullptr: no preset of that name.

@@ -22,7 +22,7 @@
 
 namespace stof::dsp {
 
-// What a search found in one row; layouts of cost/sad.h and search/winner.h.
+// The result of a search in one row; layouts of cost/sad.h and search/winner.h.
 template <typename Cost, typename Sum = Cost>
 struct FoundRow {
   std::span<const Cost> costs;  // for all candidates, whatever a guide says
@@ -32,7 +32,7 @@ struct FoundRow {
   std::span<std::int16_t> winners;
 };
 
-// What distinctness has to know of costs (validation/winner_margin.h).
+// The scale of costs, for distinctness (validation/winner_margin.h).
 struct CostScale {
   std::int64_t largest = 0;  // cost
   int margin_percent = kMarginPercent;

@@ -12,7 +12,7 @@
 // Winner takes all over blocks that differ from pixel to pixel (adaptive.h).
 namespace stof::lab {
 
-// What match_blocks() works in, for pictures of exactly this size.
+// The memory of match_blocks(), for pictures of exactly this size.
 struct BlockOffers {
   // A right pixel is offered blocks of different areas: the mean is kept as a fraction.
   struct Offer {

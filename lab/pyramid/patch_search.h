@@ -19,11 +19,11 @@ struct CandidateRange {
   int lanes = 0;
 };
 
-// What a PatchSearch finds, of the pictures' size: candidates, kNoWinner as in winner.h.
+// The results of a PatchSearch, as large as the pictures: candidates, kNoWinner as in winner.h.
 struct PatchWinners {
   ImageView<std::int16_t> left;
-  // Of right pixels, as RightWinners of winner.h among the candidates that left pixels searched;
-  // empty: not wanted.
+  // Winners of right pixels, as RightWinners of winner.h, among the candidates that left pixels
+  // searched; empty: not wanted.
   ImageView<std::int16_t> right;
 };
 

@@ -13,8 +13,8 @@
 
 namespace stof::lab {
 
-// What PatchSearch does, for derivatives of few values (patch_sums.h) and patches that search few
-// candidates, in any choice: several times as fast.
+// PatchSearch for derivatives of few values (patch_sums.h) and patches that search few candidates,
+// in any choice: several times as fast.
 class PatchStrips {
  public:
   static constexpr int kPatchHeight = 32;  // rows; search() takes any number without right winners

@@ -30,7 +30,7 @@ class CostSearch : public RowSearch {
   virtual void find(int y, FoundRow<Sum>& found) noexcept = 0;
   virtual void check_left_right(int y, const FoundRow<Sum>& found) noexcept;
 
-  // What a large change along row y costs.
+  // The penalties for a large change along row y.
   std::span<const Sum> penalties_along(int y, const EdgePenalties<Sum>& penalties,
                                        std::span<Sum> large) const noexcept;
   const MatchParams& params() const noexcept { return params_; }

@@ -8,8 +8,8 @@
 
 namespace stof::dsp {
 
-// What kernel emitter_offset (dsp/pmd/range/emitter_offset.h) wants to know about each pixel, row
-// by row: width x height elements each. 0 everywhere for a pixel without a ray.
+// The input of kernel emitter_offset (dsp/pmd/range/emitter_offset.h) for each pixel, row by row:
+// width x height elements each. 0 everywhere for a pixel without a ray.
 struct EmitterOffsetTable {
   std::span<std::int16_t> half_q2;
   std::span<std::int32_t> twice_area;

@@ -10,9 +10,8 @@
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/pmd/range/phase_to_distance.h"
 
-// What the kernels of dsp/pmd need to know about a sensor, rounded once at start, and what a
-// frame's integration time and temperature make of it, in fixed point. All take a sensor that
-// problem() accepts.
+// A sensor's constants for the kernels of dsp/pmd in fixed point, rounded once at start, and the
+// same for a frame's integration time and temperature. All take a sensor that problem() accepts.
 namespace stof::dsp {
 
 // One frequency at the reference integration time and temperature.

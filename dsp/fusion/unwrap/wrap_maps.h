@@ -30,7 +30,7 @@ inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) n
   return (bits[i] >> k) % 2 != 0;
 }
 
-// What is found out about the pixels of a frame, row by row.
+// Findings about the pixels of a frame, row by row.
 struct WrapMaps {
   WrapMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
     readings = arena.take<Reading>(pixels());

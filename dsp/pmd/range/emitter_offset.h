@@ -7,9 +7,9 @@
 
 namespace stof::dsp {
 
-// Emitters beside the lens: the way out is not the way back. What was measured is half of the way
-// of the light; what is wanted is the distance d of the surface along the pixel's ray r (a unit
-// vector).
+// Emitters beside the lens: the way out is not the way back. The measured distance is half of
+// the way of the light; the result is the distance d of the surface along the pixel's ray r (a
+// unit vector).
 //
 // One light at e: |d r - e| + d = L, L = 2 measured, so with c = e . r
 //   d = (L^2 - |e|^2) / (2 (L - c)) = L / 2 + c / 2 - (|e|^2 - c^2) / (2 (L - c))  exactly.

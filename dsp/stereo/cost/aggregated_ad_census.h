@@ -31,7 +31,7 @@ static_assert(kLargestAdCensusCost <= kLargestAggregatedInput);
 
 class AggregatedAdCensus final : public CostSource<std::uint8_t> {
  public:
-  // Of params the range of disparities.
+  // Uses the range of disparities of params.
   AggregatedAdCensus(const MatchParams& params, int width, Arena& arena) noexcept;
 
   // New pictures of equal size, at most the constructor's width.

@@ -21,7 +21,7 @@ inline constexpr int kLargestAggregatedInput = 85;
 using SumAlike = void(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> joined,
                       int lanes, std::span<std::uint8_t> sums) noexcept;
 
-// What one pixel takes from the rows above and below: its own lanes of their sums, or of zeros.
+// One pixel's input from the rows above and below: its own lanes of their sums, or of zeros.
 struct CrossColumn {
   const std::uint8_t* above;
   const std::uint8_t* below;

@@ -11,8 +11,8 @@
 
 namespace stof::dsp {
 
-// Of paths over AggregatedAdCensus, and what distinctness has to know of these. Small changes of
-// grey values are edges already: the costs are averaged over pixels that look alike.
+// The scale of AggregatedAdCensus for distinctness, and the parameters of paths over it. Small
+// changes of grey values are edges already: the costs are averaged over pixels that look alike.
 inline constexpr CostScale kAdCensusScale{.largest = kLargestMeanCost,
                                           .margin_percent = kAdCensusMarginPercent};
 PathParams<std::uint8_t> ad_census_path_params(const MatchParams& params, int directions) noexcept;

@@ -19,8 +19,8 @@
 namespace stof::dsp {
 
 inline constexpr int kMarginPercent = 70;
-// Of costs that are means over neighbours that look alike: there noise averages out, and the winner
-// costs nearer to the mean.
+// For costs that are means over neighbours that look alike: there noise averages out, and the
+// winner costs nearer to the mean.
 inline constexpr int kAdCensusMarginPercent = 80;
 
 // The smallest shift for which no margin of costs up to `largest_cost` is clipped.

@@ -20,7 +20,7 @@
 
 namespace stof::dsp {
 
-// What amplitude and stereo say about every reading alone.
+// Evidence of amplitude and stereo about every reading alone.
 class WrapEvidence {
  public:
   // Fewer disparities than that around a place say nothing.
