@@ -13,7 +13,7 @@
 
 namespace stof::firmware {
 
-// What the control thread works with; all of it outlives ControlServer. Until the thread has ended,
+// The parts of the control thread; all of them outlive ControlServer. Until the thread has ended,
 // `handler`, `subscribers`, receive() of the port and the tasks are its own; the loop sends through
 // the port and reads `ring` and RequestHandler::counters().
 struct ControlParts {
@@ -26,7 +26,7 @@ struct ControlParts {
   hal::Duration turn = std::chrono::milliseconds(20);
 };
 
-// What the control thread does, one turn after the other: answers requests, ends leases, tells the
+// The turns of the control thread. Each answers requests, ends leases, tells the
 // loop who receives, runs the tasks. No clock, no heap.
 class ControlServer {
  public:
@@ -40,7 +40,7 @@ class ControlServer {
   // port's status where it is gone: kDeviceLost, else kOk. An answer that the port does not take is
   // dropped: whoever asked asks again.
   Status receive(hal::Duration wait, hal::Time (*now)() noexcept) noexcept;
-  // What is due at `now`.
+  // Does what is due at `now`.
   void tick(hal::Time now) noexcept;
 
  private:
@@ -49,7 +49,7 @@ class ControlServer {
   ReceiverList pushed_{};  // what the loop has
 };
 
-// With the datagrams that the port lost before they were read. Of any thread.
+// With the datagrams that the port lost before they were read. For any thread.
 wire::ControlCounters control_counters(const RequestHandler& handler,
                                        const hal::DatagramPort& port) noexcept;
 

@@ -11,9 +11,9 @@
 
 namespace stof::firmware {
 
-// Who gets the streams, and until when. The control thread owns it and hands the loop a list of
-// peers whenever that changes: there is one table and one set of rules. No clock: `now` is the
-// caller's, and must not go back.
+// The receivers of the streams, each with the end of its lease. The control thread owns it and
+// hands the loop a list of peers whenever that changes: there is one table and one set of rules. No
+// clock: `now` is the caller's, and must not go back.
 class LeaseTable {
  public:
   static constexpr hal::Duration kLease = std::chrono::seconds(3);  // where none is asked for
@@ -22,7 +22,7 @@ class LeaseTable {
   // So long after its last refusal a fixed destination counts as silent.
   static constexpr hal::Duration kRefusal = std::chrono::milliseconds(3500);
 
-  // What a request for `lease_ms` gets.
+  // The lease that a request for `lease_ms` gets.
   static hal::Duration granted(std::uint16_t lease_ms) noexcept;
 
   // A destination without a lease, which takes one of the places; before the first subscription.

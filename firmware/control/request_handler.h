@@ -36,7 +36,7 @@ class RequestHandler {
   RequestHandler(const wire::Origin& origin, const CookieSecret& secret, LeaseTable& subscribers,
                  SettingsService* settings) noexcept;
 
-  // What a discover is answered with; request_id and subscribers are filled in here.
+  // The answer to a discover; request_id and subscribers are filled in here.
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
 
   // One datagram. The answer for `from`, valid until the next call; empty: none.
@@ -45,7 +45,7 @@ class RequestHandler {
   // A datagram of which only the first bytes were kept.
   void take_oversized() noexcept { count(Count::kBadLength); }
 
-  // Of any thread. `overrun` is the port's and 0 here.
+  // For any thread. `overrun` is the port's and 0 here.
   wire::ControlCounters counters() const noexcept;
 
  private:

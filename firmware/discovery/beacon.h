@@ -31,7 +31,7 @@ class Beacon final : public PeriodicTask {
   Beacon(hal::DatagramPort& port, hal::NetworkInterfaces& network) noexcept
       : port_(port), network_(network) {}
 
-  // What is told from now on; nothing before the first call.
+  // The announcement from now on; nothing is sent before the first call.
   void set(const wire::Announce& announce, const wire::Origin& origin,
            const wire::FrameStamp& stamp) noexcept;
   void tick(hal::Time now) noexcept override;

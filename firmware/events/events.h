@@ -9,7 +9,7 @@
 #include "firmware/spsc_ring.h"
 #include "hal/time.h"
 
-// What the loop has to tell: typed events in a fixed ring and plain counters. Text is made
+// The loop's reports: typed events in a fixed ring and plain counters. Text is made
 // elsewhere.
 namespace stof::firmware {
 

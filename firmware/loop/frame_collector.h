@@ -18,7 +18,7 @@
 
 namespace stof::firmware {
 
-// What came of an edge.
+// The result of an edge.
 struct Collected {
   std::optional<Shot> shot;
   bool lost = false;  // a camera has to be reopened
@@ -61,7 +61,7 @@ class FrameCollector {
   const DeviceLending* lending_;
   StereoPairing stereo_pairing_;
   PmdPairing pmd_pairing_;
-  // Of the last edges, newest first.
+  // The windows of the last edges, newest first.
   std::array<ExposureWindow, 2 * board::kMostPmdEvery - 1> pmd_windows_{};
   std::size_t pmd_window_count_ = 0;
   std::optional<BorrowedPmd> pmd_;     // accepted, and not in a shot yet

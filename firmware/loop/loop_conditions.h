@@ -11,16 +11,16 @@
 
 namespace stof::firmware {
 
-// What is wrong with the devices and the loop itself. Each answer of a device is counted; where a
+// The conditions of the devices and of the loop itself. Each answer of a device is counted; where a
 // condition begins or ends, one event is noted, for the log and for the health monitor.
 class LoopConditions {
  public:
   LoopConditions(hal::Clock& clock, Events& events, HealthMonitor& monitor) noexcept
       : clock_(clock), events_(events), monitor_(monitor) {}
 
-  // What a device answered: kOk, or an error, of which kDeviceLost lasts until another answer.
+  // Takes a device's answer: kOk, or an error, of which kDeviceLost lasts until another answer.
   void note_device_status(Component component, Status status) noexcept;
-  // What the link answered to a frame. A full link (kWouldBlock) is no error here: the publisher
+  // Takes the link's answer to a frame. A full link (kWouldBlock) is no error here: the publisher
   // counts its drops.
   void note_link_status(Status status) noexcept;
   // How late the loop was for an edge, at `now`.

@@ -28,9 +28,9 @@ struct Memory {
   std::span<std::byte> coded;   // for coded frames and the serial line's pictures
 };
 
-// What runs on the loop's thread: pipeline, publisher and loop, in the workspace; others help with
-// the pipeline alone. New settings take effect between two frames: what only the publisher does
-// from the next one on, a new way to compute depth builds the pipeline anew in the same memory.
+// The parts on the loop's thread: pipeline, publisher and loop, in the workspace; other threads
+// help with the pipeline alone. New settings take effect between two frames: those of the publisher
+// from the next one on; a new way to compute depth builds the pipeline anew in the same memory.
 // Allocates nothing after construction.
 class Appliance {
  public:

@@ -23,7 +23,7 @@
 
 namespace stof::firmware {
 
-// What the loop tells the control thread.
+// The loop's state, for the control thread.
 struct LoopStatus {
   std::atomic<std::uint32_t> rate_millihertz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
@@ -31,7 +31,7 @@ struct LoopStatus {
 };
 
 // Everything that the control thread does, put together: requests, subscriptions, settings,
-// discovery, the serial line. What the loop needs to know of it goes through rings and atomics.
+// discovery, the serial line. Rings and atomics carry what the loop needs.
 class ControlServices final : public settings::Limits,
                               public settings::SettingsSink,
                               public PeriodicTask {
@@ -57,7 +57,7 @@ class ControlServices final : public settings::Limits,
   ControlServices(const ControlServices&) = delete;
   ControlServices& operator=(const ControlServices&) = delete;
 
-  // Of the loop's thread. `made`: what its end of the serial line counted.
+  // For the loop's thread. `made`: the counters of its end of the serial line.
   ControlStatus status(const SerialSender::Counters& made) const noexcept;
 
   bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
@@ -83,7 +83,7 @@ class ControlServices final : public settings::Limits,
   hal::Time started_ = control_now();
   std::array<PeriodicTask*, 1> tasks_{this};
 
-  // What status() tells the loop's thread.
+  // The state that status() reads on the loop's thread.
   struct {
     std::atomic<std::uint32_t> revision = 1;
     std::atomic<std::uint8_t> subscribers = 0;

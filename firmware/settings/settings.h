@@ -9,7 +9,7 @@
 
 #include "firmware/wire/frame/frame_images.h"
 
-// What a sensor can be told to do differently. The table in field.cpp says of each field which
+// The settings of a sensor. The table in field.cpp says of each field which
 // values it takes, its unit and what it means; the values below are the defaults.
 namespace stof::settings {
 

@@ -27,7 +27,7 @@ constexpr bool part_of_frame(PacketType type) noexcept {
   return static_cast<std::uint8_t>(type) < 64;
 }
 
-// What all packets of a frame say alike.
+// The fields that all packets of a frame have in common.
 struct FrameStamp {
   std::uint32_t number = 0;     // advances by one with each frame sent, wraps
   std::uint32_t freshness = 0;  // advances only on a verified new exposure of all cameras; from 1

@@ -13,8 +13,8 @@
 
 namespace stof::wire {
 
-// The images of one frame to tiles in a store. What it finds of a stream when the frame is coded
-// first (RVL would be longer than raw) holds until begin_frame(): coded again, a frame is the same.
+// The images of one frame to tiles in a store. Choices for a stream when the frame is coded first
+// (RVL would be longer than raw) hold until begin_frame(): coded again, a frame is the same.
 class ImageCoder {
  public:
   ImageCoder(const FrameSizes& sizes, dsp::Arena& arena) noexcept;
@@ -29,7 +29,7 @@ class ImageCoder {
                 PartStore& store) noexcept;
 
  private:
-  // What becomes of depth or width.
+  // How depth or width is rounded.
   struct Rounding {
     Stream stream = Stream::kDepth;
     bool depth = true;   // depth is rounded; the widths are those of the rounded depth

@@ -30,7 +30,7 @@ constexpr std::size_t chosen(const RawFit& fit) noexcept {
   return fit.rows > 0 ? fit.rows : fit.all;
 }
 
-// What values are and how many: an image of a stream, or whole rows of one.
+// The kind and number of values: an image of a stream, or whole rows of one.
 struct Raster {
   Stream stream = Stream::kNone;
   std::size_t width = 0;

@@ -14,7 +14,7 @@
 
 namespace stof::hal::emu {
 
-// What the cameras of a rig show of a scene without noise.
+// The pictures of a scene by the cameras of a rig, without noise.
 struct CleanViews {
   dataset::Image<std::uint16_t> left;
   dataset::Image<std::uint16_t> right;
@@ -35,7 +35,7 @@ class Sensors {
   Sensors(const Sensors&) = delete;
   Sensors& operator=(const Sensors&) = delete;
 
-  // What a calibration of the rig found: the truth of its world but for Rig::misplacement. Its
+  // The rig's calibration: the truth of its world but for Rig::misplacement. Its
   // fixed pattern lives here.
   const dsp::Calibration& calibration() const noexcept { return calibration_; }
   // Search range in px that holds the scene the rig was made for.
@@ -83,7 +83,7 @@ class SensorImagery : public Imagery {
 
   Size stereo_size() const noexcept final { return sensors_.stereo_size(); }
   Size pmd_size() const noexcept final { return sensors_.pmd_size(); }
-  // Of Sensors.
+  // As Sensors has it.
   const dsp::Calibration& calibration() const noexcept { return sensors_.calibration(); }
   int disparities() const noexcept { return sensors_.disparities(); }
 

@@ -47,7 +47,7 @@ struct PmdModel {
   double pattern_rms_m = 0.003;  // distance offset of each pixel, known to the calibration
 };
 
-// What became of the PMD camera after the rig was calibrated: the emulated world has it, the
+// How the PMD camera moved after the rig was calibrated: the emulated world has it, the
 // calibration that is published does not. The camera is turned about its own lens,
 //   X_left = Ry(yaw) Rx(pitch) Rz(roll) R X_pmd + T
 // with right-handed turns about the axes of the left camera: with a positive pitch it looks further

@@ -26,12 +26,12 @@ struct Material {
   double period_m = 0.1;
   std::uint32_t seed = 0;       // of kNoise and kSpeckle
   std::optional<double> nir{};  // albedo in the PMD camera's infrared, untextured; none: as visible
-  // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2). What
-  // it shows depends on where the viewpoint is: the two cameras see it at different places.
+  // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2).
+  // Its image depends on the viewpoint: the two cameras see it at different places.
   double gloss = 0;  // 0..1
   int gloss_log2 = 6;
-  // A pane: the share of light that it lets through each way. What is behind it is seen through it,
-  // but for other panes.
+  // A pane: the share of light that it lets through each way. Objects behind it are seen through
+  // it, other panes are not.
   double transmittance = 0;  // 0..1
 };
 
@@ -93,7 +93,7 @@ struct Hit {
 double visible_albedo(const Material& material, const Vec3& local) noexcept;
 double infrared_albedo(const Material& material, const Vec3& local) noexcept;
 
-// What reaches a hit and leaves it towards the viewpoint; no shadows.
+// The light that reaches a hit and leaves it towards the viewpoint; no shadows.
 struct Lighting {
   double diffuse = 0;   // irradiance, Lambert's law and ambient: times the albedo
   double mirrored = 0;  // by the coat

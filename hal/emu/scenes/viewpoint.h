@@ -69,7 +69,7 @@ class Viewpoint {
   std::size_t words_;  // of an entry
 };
 
-// Of each row the pixels, from the first to the last, into which object `first` or a later one may
+// The pixels of each row, from the first to the last, into which object `first` or a later one may
 // reach: all others look the same without these objects. For a lens without distortion.
 std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first);
 // The same for any lens; rays: of the pixel centres, row by row.

@@ -61,7 +61,7 @@ class GpioTrigger final : public hal::Trigger {
   // One line, why reopen() failed last; empty: it did not.
   const std::string& trouble() const noexcept { return trouble_; }
 
-  // Of the last pulse.
+  // The uncertainty of the last pulse.
   Duration uncertainty() const noexcept { return uncertainty_; }
   // Edges that went out at a known time.
   const EdgeLog& edges() const noexcept { return edges_; }

@@ -20,8 +20,8 @@ class ClockConverter {
   // Stamps further from the last one known are not converted.
   static constexpr Duration kMostSpan = std::chrono::hours(24);
 
-  // It read `theirs` at some time between `before` and `after`. Of several answers the one with the
-  // shortest way counts, until drift has made it worse than a later one; at once counts one that
+  // It read `theirs` at some time between `before` and `after`. The answer with the shortest
+  // way counts, until drift has made it worse than a later one; at once counts one that
   // the present reckoning cannot explain. Ignored: `after` before `before`, more than a second.
   void sync(Time before, std::uint64_t theirs, Time after) noexcept;
   // Nothing: never synchronised, or too far away.

@@ -75,7 +75,7 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
     int buffer = -1;  // that it fills; -1: idle
   };
 
-  // What became of it since it was set going.
+  // The state of the stream since it was started.
   struct Stream {
     bool lost = false;
     bool stalled = false;

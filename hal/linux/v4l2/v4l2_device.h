@@ -73,7 +73,7 @@ class V4l2Device {
   void lose() noexcept { lost_ = true; }
 
   const V4l2Format& format() const noexcept { return format_; }
-  // What the driver made of the one that was asked; none where it does not tell.
+  // The exposure that the driver set; none where it does not report it.
   std::optional<Duration> exposure() const noexcept { return exposure_; }
   const V4l2Counters& counters() const noexcept { return counters_; }
   // For messages: "camera 'card:X' (/dev/video0)".
