@@ -190,7 +190,6 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   static_cast<void>(board::set_realtime_priority(false));
 }
 
-// Threads that help to compute are as urgent as the loop.
 void say_refusal(const std::optional<std::string>& refusal) {
   if (refusal) {
     print_line(*refusal);
@@ -206,6 +205,7 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
     return refuse(why);
   }
   say_refusal(board::lock_memory());
+  // The threads that help to compute inherit it.
   say_refusal(board::set_realtime_priority(true));
   posix::WorkerThreads workers({.threads = threads_of(start.active), .name = "stof-depth"});
   if (workers.error() != 0) {

@@ -100,7 +100,7 @@ TEST(RenderGrey, PaneShowsWhatIsBehindItAndALittleOfItself) {
   }
 }
 
-TEST(RenderThings, NamesTheThingAtEachCentre) {
+TEST(RenderObjects, NamesTheObjectAtEachCentre) {
   Scene scene = wall(2);
   add(scene, Shape::kRectangle, {0.5, 0, 1}, {0.5, 1, 0}, {});
   const dataset::Image<int> objects = render_objects(Viewpoint(scene, {}), kLens);
@@ -128,7 +128,7 @@ TEST(RenderDepth, IsExactAtPixelCentres) {
   }
 }
 
-TEST(RenderVisible, WhatTheNearThingHidesIsAsWideAsTheDisparityStep) {
+TEST(RenderVisible, WhatTheNearObjectHidesIsAsWideAsTheDisparityStep) {
   Scene scene = wall(2);
   scene.objects.push_back({.shape = Shape::kRectangle,
                            .pose = {.position = {0.06, 0, 1}},
