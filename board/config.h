@@ -38,7 +38,7 @@ struct Net {
 struct Nets {
   Net left_trigger{};
   Net right_trigger{};  // not wired: the left one's line is fanned out to both
-  Net pmd_trigger{};    // not wired: likewise
+  Net pmd_trigger{};    // not wired: as right_trigger
   Net left_strobe{};
   Net right_strobe{};
 };

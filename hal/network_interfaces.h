@@ -13,7 +13,7 @@ namespace stof::hal {
 struct InterfaceAddress {
   std::uint32_t interface = 0;               // its index, as Peer::scope
   std::array<std::uint8_t, 16> address{};    // as Peer::address
-  std::array<std::uint8_t, 16> broadcast{};  // likewise; all 0: none
+  std::array<std::uint8_t, 16> broadcast{};  // as Peer::address; all 0: none
   std::uint8_t prefix_bits = 0;              // that all of its link share, of the 128
   bool multicast = false;                    // the interface carries it
 

@@ -7,7 +7,7 @@
 #include "dsp/stereo/match_params.h"
 #include "lab/dsp_names.h"
 
-// How the chapter's experiments match a pair: what the appliance can be told, and more.
+// How the chapter's experiments match a pair: the appliance's options, and more.
 namespace stof::lab {
 
 // The cost of two pixels. Pictures are grey values or, with a prefilter, their derivative.

@@ -17,7 +17,7 @@ namespace stof::dsp {
 // a Fuser get their buffers from the caller's static workspace. Nothing is freed one by one.
 // Contents are not initialised. Running out is our own bug (sizes are measured first): CHECK.
 //
-// A part takes its memory in its constructor, and nowhere else is told how much that is:
+// A part takes its memory in its constructor, and no other code says how much that is:
 // bytes_taken() runs the same constructor with an arena that only measures.
 class Arena {
  public:

@@ -77,7 +77,7 @@ struct SectorSettings {
   int above_mm = 300;
   int below_mm = 300;
   int pixels = 8;      // that make an obstacle, at least 1
-  int least_mm = 100;  // obstacles nearer than that are told at that distance
+  int least_mm = 100;  // obstacles nearer than that are reported at that distance
 
   friend bool operator==(const SectorSettings&, const SectorSettings&) = default;
 };

@@ -45,7 +45,7 @@ class FoundSensors {
   // One answer of multicast DNS, any bytes.
   void take_mdns(std::span<const std::byte> message, const std::string& from);
 
-  // Endpoints of sensors that were told of since the last call and have not answered themselves.
+  // Endpoints of sensors that were announced since the last call and have not answered themselves.
   std::vector<std::string> take_silent();
   // By serial number.
   std::vector<FoundSensor> sorted() const;

@@ -47,7 +47,7 @@ struct stof_sensor {
   std::atomic<bool> running{false};  // the thread owns the receiver
   std::atomic<bool> stopping{false};
   stof_callbacks callbacks{};
-  std::uint64_t told_health_ms = 0;  // uptime of the one that was told last
+  std::uint64_t told_health_ms = 0;  // uptime of the one that was reported last
 
   // What any thread may ask for.
   std::mutex shared{};

@@ -9,7 +9,7 @@
 
 namespace stof::hal::emu {
 
-// A network that looks as it is told to.
+// Network interfaces as a test sets them.
 class NetworkInterfaces final : public hal::NetworkInterfaces {
  public:
   // Those beyond kMost are left out.

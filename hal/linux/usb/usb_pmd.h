@@ -80,7 +80,7 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
     bool lost = false;
     bool stalled = false;
     bool closing = false;
-    int damaged = 0;         // to be told
+    int damaged = 0;         // to be reported
     int damaged_in_row = 0;  // since the last good frame
   };
 

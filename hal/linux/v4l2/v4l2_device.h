@@ -61,8 +61,8 @@ class V4l2Device {
   std::expected<void, OpenError> open();
   void shut() noexcept;
 
-  // kOk; kWouldBlock: nothing has come; kCorrupt: a damaged picture came and was given back, of
-  // `out` its sequence and stamp are told; kDeviceLost: from now on, until open().
+  // kOk; kWouldBlock: nothing has come; kCorrupt: a damaged picture came and was given back,
+  // `out` has its sequence and stamp; kDeviceLost: from now on, until open().
   Status dequeue(V4l2Buffer& out) noexcept;
   // Each dequeued buffer once.
   void release(const V4l2Buffer& buffer) noexcept;

@@ -68,7 +68,7 @@ class V4l2Pmd final : public hal::PmdCamera, private SlotOwner {
   std::vector<std::uint16_t> samples_;  // of all slots
   std::array<bool, kSlots> taken_{};
   int out_ = 0;
-  bool corrupt_ = false;  // to be told
+  bool corrupt_ = false;  // to be reported
 };
 
 }  // namespace stof::hal::linux

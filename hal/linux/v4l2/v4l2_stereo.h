@@ -106,8 +106,8 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   std::size_t used_ = 2;  // feeds
   std::array<Slot, kSlots> slots_;
   int out_ = 0;
-  bool corrupt_ = false;  // to be told
-  Time corrupt_at_;       // the exposure that was told last
+  bool corrupt_ = false;  // to be reported
+  Time corrupt_at_;       // the exposure that was reported last
   V4l2StereoCounters counters_;
 };
 

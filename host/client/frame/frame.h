@@ -56,14 +56,14 @@ struct Frame {
   dsp::ImageView<const dsp::QuarterMm> depth{};  // Z in the rectified left camera; 0 = none
   dsp::ImageView<const dsp::QuarterMm> interval_width{};  // depth -+ interval_width / 2
   dsp::ImageView<const dsp::Source> source{};  // values above kConflict are of a newer sensor
-  dsp::ImageView<const dsp::Cause> cause{};    // arrives with source; values above kContradiction
-                                               // likewise
+  // Arrives with source; values above kContradiction are of a newer sensor.
+  dsp::ImageView<const dsp::Cause> cause{};
   dsp::ImageView<const std::uint8_t> received{};  // kHasDepth, kHasWidth, kHasSource
 
   dsp::ImageView<const dsp::Disparity> disparity{};  // of stereo alone, rectified left picture
   // The samples A0 to A3 as the camera gave them. What did not arrive is 0, as a dark sample is.
   std::array<dsp::ImageView<const std::uint16_t>, 4> pmd{};
-  dsp::ImageView<const std::uint8_t> left{};  // grey; likewise
+  dsp::ImageView<const std::uint8_t> left{};  // grey; what did not arrive is 0
   dsp::ImageView<const std::uint8_t> right{};
   dsp::ImageView<const CloudPoint> cloud{};  // one for each block of FrameInfo::cloud_step pixels
 
