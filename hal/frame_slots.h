@@ -8,9 +8,9 @@
 namespace stof::hal {
 
 // The owners of a camera's buffers: nobody, the device that fills one, the queue of whole frames
-// (oldest first), or a borrower. If queue and borrowers have all, the queue's oldest frame is lost;
-// if borrowers have all, the new one is lost. kFilling buffers beside kSlots are always free to be
-// filled. For one thread.
+// (oldest first), or a borrower. If queue and borrowers have kSlots, the queue's oldest frame is
+// lost; if borrowers alone have them, the new one is. kFilling buffers beside kSlots are always
+// free to be filled. For one thread.
 template <std::size_t kSlots, std::size_t kFilling>
 class FrameSlots {
  public:

@@ -40,7 +40,7 @@ class HealthMonitor {
   void frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
                   hal::Time now) noexcept;
 
-  // The worst of all active conditions.
+  // The health that the active conditions make.
   wire::Health summary() const noexcept;
 
   // The next message of each kind that is due, health also where it is wanted; call until there is
