@@ -63,7 +63,7 @@ struct PmdDeviceConfig {
   hal::Duration edge_tolerance = std::chrono::milliseconds(2);
 };
 
-// What a board is made of beside the processor; nothing of it on an emulated one.
+// The devices of a board beside the processor; none on an emulated one.
 struct DeviceConfig {
   Nets nets{};
   PairConfig v4l2{};

@@ -36,7 +36,7 @@ struct FoundSensor {
   std::string endpoint() const;
 };
 
-// What many datagrams say, each sensor once. No socket.
+// The sensors that many datagrams name, each once. No socket.
 class FoundSensors {
  public:
   // One datagram of the wire format. False: it is not an announcement of a sensor.

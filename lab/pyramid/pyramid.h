@@ -52,7 +52,7 @@ class CoarseToFine {
     PyramidPictures pictures;
     PatchWinners winners;
     int step = 1;  // of every so many pixels and rows there are winners
-                   // Pictures of a coarser level.
+    // Pictures of a coarser level.
     ImageView<std::uint8_t> left_grey;
     ImageView<std::uint8_t> right_grey;
     ImageView<std::uint8_t> left;  // derivatives

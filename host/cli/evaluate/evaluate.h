@@ -10,7 +10,7 @@
 
 #include "host/evaluate/stereo/match.h"
 
-// What `stof evaluate stereo`, `fusion` and `floor` share.
+// The common part of `stof evaluate stereo`, `fusion` and `floor`.
 namespace stof::host {
 
 struct EvaluateOptions {

@@ -4,7 +4,7 @@
 
 #include "host/evaluate/fusion/fusion_case.h"
 
-// What `stof evaluate fusion` says on stdout.
+// The output of `stof evaluate fusion` on stdout.
 namespace stof::host {
 
 void print_fusion_text(const FusionCase& fused, const MatchRequest& match);

@@ -16,7 +16,7 @@
 
 namespace stof::host {
 
-// What `stof evaluate` was asked for, as text from the command line.
+// A request to `stof evaluate`, as text from the command line.
 struct MatchRequest {
   std::string preset;  // of dsp/stereo/match_params.h; empty: a method alone, dense and integer
   // Options of dsp/stereo/match_options.h and their values. "method" may also be "sa".
@@ -28,7 +28,7 @@ struct MatchRequest {
   int threads = 1;             // that match, 1 .. dsp::ThreadTeam::kMost; not those of sa
 };
 
-// What the request comes to for one scene.
+// The parameters that follow from a request for one scene.
 struct MatchPlan {
   lab::MatchParams params;
   // Simulated annealing, which begins with the map of params.
