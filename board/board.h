@@ -14,7 +14,7 @@
 #include "dsp/calib/calibration.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "hal/pmd_camera.h"
 #include "hal/serial_port.h"
 #include "hal/stereo_camera.h"
@@ -38,7 +38,7 @@ struct Board {
   hal::DatagramPort& port;
   hal::SerialPort* serial;      // nullptr: none was asked for
   std::optional<hal::Peer> to;  // gets every packet without having asked for it
-  hal::Network& network;
+  hal::NetworkInterfaces& network;
   hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
   hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
   dsp::Calibration calibration;
@@ -74,11 +74,11 @@ struct Refusal {
 std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments);
 
-// What can be lost, and opened again by reopen().
+// Devices that can be lost, and opened again by reopen().
 enum class Device : std::uint8_t { kTrigger, kStereo, kPmd };
 inline constexpr std::size_t kDeviceCount = 3;
 
-// Opens a device again, in place, that has returned kDeviceLost. Of any thread, one at a time:
+// Opens a device again, in place, that has returned kDeviceLost. For any thread, one at a time:
 // nobody else uses the device meanwhile or holds a frame of it, while the others may be in use (but
 // the cameras not while the trigger is opened, whose strobe lines they read). May allocate, and
 // block for seconds where a driver hangs. kOk: go on; also where it was not lost. kDeviceLost: not
@@ -90,7 +90,7 @@ Status reopen(Board& board, Device device) noexcept;
 std::optional<std::string> lock_memory();
 // The calling thread, and those that it starts meanwhile, run before everything else on the board
 // (true, with the priority that it was opened with), or as everything does. A line: as above.
-std::optional<std::string> be_urgent(bool urgent);
+std::optional<std::string> set_realtime_priority(bool realtime);
 
 // Heap calls of a thread since count_heap_calls().
 struct HeapCalls {

@@ -38,7 +38,7 @@ struct Net {
 struct Nets {
   Net left_trigger{};
   Net right_trigger{};  // not wired: the left one's line is fanned out to both
-  Net pmd_trigger{};    // not wired: likewise
+  Net pmd_trigger{};    // not wired: as right_trigger
   Net left_strobe{};
   Net right_strobe{};
 };
@@ -63,7 +63,7 @@ struct PmdDeviceConfig {
   hal::Duration edge_tolerance = std::chrono::milliseconds(2);
 };
 
-// What a board is made of beside the processor; nothing of it on an emulated one.
+// The devices of a board beside the processor; none on an emulated one.
 struct DeviceConfig {
   Nets nets{};
   PairConfig v4l2{};

@@ -11,7 +11,7 @@
 
 namespace stof::dataset {
 
-// What a pixel of a scene above a floor shows. Values are those of surfaces.pgm.
+// The surface that a pixel of a scene above a floor shows. Values are those of surfaces.pgm.
 enum class Surface : std::uint8_t {
   kOther = 0,
   kFloor = 1,

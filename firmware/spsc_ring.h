@@ -15,7 +15,7 @@ class SpscRing {
   static_assert(std::atomic<std::size_t>::is_always_lock_free);
 
  public:
-  // Of the writing thread. False: full, the item was not taken.
+  // For the writing thread. False: full, the item was not taken.
   bool push(const T& item) noexcept {
     const std::size_t written = written_.load(std::memory_order_relaxed);
     if (written - read_.load(std::memory_order_acquire) == kCapacity) {
@@ -26,7 +26,7 @@ class SpscRing {
     return true;
   }
 
-  // Of the reading thread: the oldest item, none when empty.
+  // For the reading thread: the oldest item, none when empty.
   std::optional<T> pop() noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);
     if (read == written_.load(std::memory_order_acquire)) {
@@ -37,7 +37,7 @@ class SpscRing {
     return item;
   }
 
-  // Of either thread: items in the queue, which the other end may change at once.
+  // For either thread: items in the queue, which the other end may change at once.
   std::size_t size() const noexcept {
     // In this order the difference cannot be negative.
     const std::size_t read = read_.load(std::memory_order_acquire);

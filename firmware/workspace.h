@@ -12,7 +12,7 @@
 
 // All memory of the frame path, reserved at link time for the largest frames the board accepts:
 // images, and datagrams on their way out.
-// Rectifier, Matcher, Converter and Fuser say what they take once they know their parameters
+// Rectifier, Matcher, PmdConverter and Fuser say what they take once they know their parameters
 // (dsp::bytes_taken); here stands an upper bound of that for the board's table, proven by tests.
 namespace stof::firmware {
 
@@ -59,8 +59,8 @@ constexpr std::size_t fuser_bytes(const board::StereoConfig& stereo,
          (32 + 4 + 16 * 4) * static_cast<std::size_t>(stereo.width) + 8192 + 4 * 2 * 255;
 }
 
-// What tells the periods of readings apart: some 80 bytes a PMD pixel, a coarse picture of the
-// pair's depth, its tables; and the means of patches that show whether the rig has drifted.
+// The unwrapper: some 80 bytes a PMD pixel, a coarse picture of the pair's depth, its tables; and
+// the means of patches that show whether the rig has drifted.
 constexpr std::size_t unwrapper_bytes(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
   return 84 * pixels(pmd.width, pmd.height) + 5 * pixels(stereo.width, stereo.height) / 4 +
@@ -77,7 +77,7 @@ constexpr std::size_t image_bytes(const board::StereoConfig& stereo) noexcept {
   return (2 + 2 + 2 + 1 + 1) * pixels(stereo.width, stereo.height) + 5 * dsp::Arena::kAlign;
 }
 
-// What each part of the frame path takes for a board, at most.
+// The most that each part of the frame path takes for a board.
 struct Share {
   const char* part;
   std::size_t bytes;
@@ -128,8 +128,8 @@ struct Workspace {
 };
 static_assert(sizeof(Workspace::memory) <= board::kConfig.workspace_limit);
 
-// What else stofd holds at link time: the serial line's ring (128 KiB), rings of configurations and
-// receivers, counters (main.cpp asserts it), and what the C++ library brings.
+// All else that stofd holds at link time: the serial line's ring (128 KiB), rings of configurations
+// and receivers, counters (main.cpp asserts it), and what the C++ library brings.
 inline constexpr std::size_t kOtherStaticBytes = std::size_t{256} << 10;
 
 // A camera pair of 640x480 with 64 disparities and a PMD camera of 176x144 leaves room for more in

@@ -7,10 +7,10 @@
 
 namespace stof::hal {
 
-// Who has which buffer of a camera: nobody, the device that fills it, the queue of whole frames
-// (oldest first), or a borrower. A queue that is full with what is lent loses its oldest frame;
-// where all is lent, the new one is lost. kFilling buffers beside kSlots are always free to be
-// filled. For one thread.
+// The owners of a camera's buffers: nobody, the device that fills one, the queue of whole frames
+// (oldest first), or a borrower. If queue and borrowers have kSlots, the queue's oldest frame is
+// lost; if borrowers alone have them, the new one is. kFilling buffers beside kSlots are always
+// free to be filled. For one thread.
 template <std::size_t kSlots, std::size_t kFilling>
 class FrameSlots {
  public:

@@ -13,13 +13,13 @@ class Store {
  public:
   virtual ~Store() = default;
 
-  // What was saved last: how many bytes; 0: nothing, or nothing yet. kTooLarge: more than `space`.
-  // kDeviceError: it cannot be read.
+  // Loads what was saved last. Returns its bytes; 0: nothing was saved. kTooLarge: more than
+  // `space`. kDeviceError: it cannot be read.
   virtual Result<std::size_t> load(std::span<std::byte> space) noexcept = 0;
-  // After kOk these bytes are loaded, at every time before the ones saved before: never a mixture,
-  // whenever power is cut. kDeviceError: the medium does not take them, the ones before stay.
+  // After kOk, load() returns these bytes; until then the previous ones. A power cut never leaves a
+  // mixture. kDeviceError: the medium does not take them, the previous ones stay.
   virtual Status save(std::span<const std::byte> bytes) noexcept = 0;
-  // What is there is kept for somebody to look at, but loaded no more. kDeviceError: it stays.
+  // Keeps the document for somebody to look at, but loads it no more. kDeviceError: it stays.
   virtual Status set_aside() noexcept = 0;
 };
 

@@ -22,7 +22,7 @@ constexpr std::array<Named<Cost>, 6> kCosts{{{"sad", Cost::kSad},
                                              {"census5x5", Cost::kCensus5x5},
                                              {"census5", Cost::kCensus5x5},
                                              {"census9x7", Cost::kCensus9x7},
-                                             {"mixed", Cost::kAdCensus}}};
+                                             {"mixed", Cost::kAdCensus}}};  // AD-Census, aggregated
 constexpr std::array<Named<BlockShape>, 3> kShapes{{{"fixed", BlockShape::kFixed},
                                                     {"cross", BlockShape::kCross},
                                                     {"region", BlockShape::kRegion}}};
@@ -82,7 +82,8 @@ const auto& all_options() noexcept {
       {"method", "wta, dp, so or sgm",
        "search: winner takes all, dynamic programming, scanline optimisation, semi-global", "",
        [](Text text, MatchParams& p) { return set_named(text, kMethods, p.method); }},
-      {"cost", "sad, ssd, census5x5, census9x7 or mixed", "what two pixels differ by", "",
+      {"cost", "sad, ssd, census5x5, census9x7 or mixed",
+       "what two pixels differ by; mixed: AD-Census", "",
        [](Text text, MatchParams& p) { return set_named(text, kCosts, p.cost); }},
       common("block"),
       {"shape", "fixed, cross or region", "blocks that grow until they meet an edge, up to --block",

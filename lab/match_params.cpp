@@ -1,6 +1,6 @@
 #include "lab/match_params.h"
 
-#include "dsp/stereo/search/path_search.h"
+#include "dsp/stereo/search/semi_global_search.h"
 
 namespace stof::lab {
 namespace {
@@ -14,7 +14,7 @@ bool all_in_ranges(const MatchParams& params) noexcept {
   return in_ranges(params) && smoothness.small_step >= 0 &&
          smoothness.large_step >= smoothness.small_step && smoothness.large_step <= kMaxPenalty &&
          in_range(params.occlusion, 0, kMaxPenalty) &&
-         dsp::PathSearch::Paths::valid(params.directions) &&
+         dsp::SemiGlobalSearch::Paths::valid(params.directions) &&
          in_range(params.band, 0, dsp::kMaxDisparities) && in_range(params.pyramid_levels, 1, 2);
 }
 
@@ -109,7 +109,7 @@ MatchParams method_defaults(Method method) noexcept {
 MatchParams as_the_appliance(const dsp::MatchParams& params) noexcept {
   MatchParams same;
   static_cast<dsp::MatchParams&>(same) = params;
-  if (params.search == dsp::Search::kPaths) {
+  if (params.search == dsp::Search::kSemiGlobal) {
     same.cost = Cost::kAdCensus;
     same.method = Method::kSemiGlobal;
   }
@@ -123,8 +123,8 @@ bool sums_paths(const MatchParams& params) noexcept {
 std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept {
   dsp::MatchParams same = static_cast<const dsp::MatchParams&>(params);
   if (params.cost == Cost::kAdCensus && params.method == Method::kSemiGlobal &&
-      params.directions == dsp::PathSearch::kDirections) {
-    same.search = dsp::Search::kPaths;
+      params.directions == dsp::SemiGlobalSearch::kDirections) {
+    same.search = dsp::Search::kSemiGlobal;
   } else if (params.cost == Cost::kSad && params.method == Method::kWinnerTakesAll &&
              params.block_shape == BlockShape::kFixed && !params.interest &&
              !params.pyramid_levels) {

@@ -7,17 +7,18 @@
 #include "dsp/stereo/match_params.h"
 #include "lab/dsp_names.h"
 
-// How the chapter's experiments match a pair: what the appliance can be told, and more.
+// How the chapter's experiments match a pair: the appliance's options, and more.
 namespace stof::lab {
 
-// What two pixels differ by. Pictures are grey values or, with a prefilter, their derivative.
+// The cost of two pixels. Pictures are grey values or, with a prefilter, their derivative.
 enum class Cost : std::uint8_t {
   kSad,        // |L - R|, 0..255
   kSsd,        // (L - R)^2, 0..65025
   kCensus5x5,  // Hamming distance of 24 bits, 0..24
   kCensus9x7,  // Hamming distance of 62 bits, 0..62
-  // Census 5x5 and clipped grey differences, averaged over a cross-shaped region of pixels that
-  // look alike (dsp/stereo/cost/cross_costs.h), 0..27. Has neither block nor prefilter.
+  // Census 7x7, grey values and their derivative, averaged over a cross-shaped region of pixels
+  // that look alike (dsp/stereo/cost/aggregated_ad_census.h), 0..26. Has neither block nor
+  // prefilter.
   kAdCensus,
 };
 
@@ -40,8 +41,8 @@ enum class Interest : std::uint8_t {
   kTwoThresholds,  // left: two thirds of the cap, right: one third
 };
 
-// Of the appliance's, `search` follows from these; `smoothness` has room for more, in the units of
-// one pixel's cost: a block of n pixels counts n times as much.
+// The appliance's parameters and more. `search` follows from the others; `smoothness` has room for
+// more, in the units of one pixel's cost: a block of n pixels counts n times as much.
 struct MatchParams : dsp::MatchParams {
   Cost cost = Cost::kSad;
   Method method = Method::kWinnerTakesAll;
@@ -78,12 +79,12 @@ int default_occlusion(Cost cost) noexcept;
 // The block, cost and prefilter that suit a method; dense, without any check.
 MatchParams method_defaults(Method method) noexcept;
 
-// What the appliance does with these.
+// The parameters that match as the appliance does with these.
 MatchParams as_the_appliance(const dsp::MatchParams& params) noexcept;
 // Whether the winners are lowest of sums over paths, not of costs.
 bool sums_paths(const MatchParams& params) noexcept;
 
-// What the appliance is told for the same map, but for `fill`; nothing where it has no such search.
+// The appliance's parameters for the same map, but for `fill`; none where it has no such search.
 std::optional<dsp::MatchParams> appliance_params(const MatchParams& params) noexcept;
 
 }  // namespace stof::lab

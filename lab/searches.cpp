@@ -5,7 +5,7 @@
 #include "lab/search/cost_search.h"
 #include "lab/search/energy.h"
 #include "lab/search/map_search.h"
-#include "lab/search/path_search.h"
+#include "lab/search/wide_semi_global_search.h"
 
 namespace stof::lab {
 
@@ -19,8 +19,9 @@ RowSearch* Searches::make(const dsp::MatchParams& params, int width, int height,
   }
   if (params_.method == Method::kSemiGlobal) {
     return params_.cost == Cost::kAdCensus
-               ? static_cast<RowSearch*>(arena.make<PathSearch<RegionSource>>(params_, width))
-               : arena.make<PathSearch<BlockSource>>(params_, width);
+               ? static_cast<RowSearch*>(
+                     arena.make<WideSemiGlobalSearch<AdCensusSource>>(params_, width))
+               : arena.make<WideSemiGlobalSearch<BlockSource>>(params_, width);
   }
   return needs_wide_sums(params_) ? make_cost_search<std::uint32_t>(width, arena)
                                   : make_cost_search<std::uint16_t>(width, arena);
@@ -45,7 +46,9 @@ int Searches::rows_at_once(int height) const noexcept {
   if (MapSearch::serves(params_)) {
     return height;
   }
-  return params_.method == Method::kSemiGlobal ? PathSearch<RegionSource>::Paths::kStripe : kRows;
+  return params_.method == Method::kSemiGlobal
+             ? WideSemiGlobalSearch<AdCensusSource>::Paths::kStripe
+             : kRows;
 }
 
 }  // namespace stof::lab

@@ -11,7 +11,7 @@ struct Interfaces {
   std::vector<in_addr> broadcasts;
   std::vector<unsigned> multicast;  // indices
 };
-// Of the interfaces that are up.
+// Lists the interfaces that are up.
 Interfaces list_interfaces();
 
 }  // namespace stof::posix

@@ -12,7 +12,7 @@ class WakeEvent {
   WakeEvent() noexcept;
 
   bool works() const noexcept { return fd_.is_open(); }
-  // Of any thread.
+  // For any thread.
   void wake() const noexcept;
   // Until somebody woke it since the last time, true, or the time is over.
   bool wait(std::chrono::nanoseconds timeout) const noexcept;

@@ -270,11 +270,11 @@ std::optional<std::string> lock_memory() {
   return refused;
 }
 
-std::optional<std::string> be_urgent(bool urgent) {
+std::optional<std::string> set_realtime_priority(bool realtime) {
   if (rig->priority() == 0) {
     return std::nullopt;
   }
-  return urgent ? linux::set_fifo_priority(rig->priority()) : linux::set_ordinary_priority();
+  return realtime ? linux::set_fifo_priority(rig->priority()) : linux::set_ordinary_priority();
 }
 
 void count_heap_calls() noexcept { linux::watch_heap_of_this_thread(); }

@@ -8,7 +8,7 @@
 
 #include "board/board.h"
 #include "hal/linux/ports/mdns_port.h"
-#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/network_interfaces.h"
 #include "hal/linux/ports/serial_tty.h"
 #include "hal/linux/ports/udp_port.h"
 
@@ -19,7 +19,8 @@ struct OpenConnections {
   std::unique_ptr<hal::linux::UdpPort> port;
   std::optional<hal::Peer> to;
   std::optional<hal::linux::SerialTty> serial;
-  std::unique_ptr<hal::linux::Network> network = std::make_unique<hal::linux::Network>();
+  std::unique_ptr<hal::linux::NetworkInterfaces> network =
+      std::make_unique<hal::linux::NetworkInterfaces>();
   std::unique_ptr<hal::linux::MdnsPort> mdns;
   std::vector<std::string> notes;
 };

@@ -23,7 +23,7 @@ enum class PairKind : std::uint8_t { kV4l2, kLibcamera };
 struct DeviceOptions {
   PairKind cameras = PairKind::kV4l2;
   std::string left;         // in place of the table's
-  std::string right;        // likewise; "none": both pictures come from the left one
+  std::string right;        // as left; "none": both pictures come from the left one
   std::string pmd = "usb";  // "none", or a V4L2 node that sends stacked raw phases
   std::string left_strobe;  // a GPIO line in place of the table's; "none": not wired
   std::string right_strobe;
@@ -31,7 +31,7 @@ struct DeviceOptions {
   std::optional<PictureSize> pmd_size;
   std::optional<int> gain;
   std::string watchdog;         // in place of the table's; "none"
-  std::optional<int> priority;  // likewise
+  std::optional<int> priority;  // in place of the table's
   bool uncalibrated = false;
 };
 

@@ -5,7 +5,7 @@
 
 namespace stof::board {
 
-// What the drawing says of a rig whose pictures have these sizes (0x0: no PMD camera): lenses that
+// The rig as it is drawn, with pictures of these sizes (0x0: no PMD camera): lenses that
 // scale with their pictures' width, without distortion, all axes parallel.
 dsp::Calibration nominal_rig(const Config& config, PictureSize stereo, PictureSize pmd) noexcept;
 

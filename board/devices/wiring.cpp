@@ -23,7 +23,7 @@ hal::linux::GpioTriggerOptions trigger_options(const DeviceOptions& device_optio
   options.active_low = pair.active_low;
   options.width = pulse_length(pair, kTiming.stereo_exposure);
   options.width_is_exposure = pair.pulse == hal::Duration::zero();
-  options.most_doubt = kTiming.edge_tolerance;
+  options.max_uncertainty = kTiming.edge_tolerance;
   for (const Net& net :
        {kDevices.nets.left_trigger, kDevices.nets.right_trigger, kDevices.nets.pmd_trigger}) {
     if (net.wired()) {

@@ -181,7 +181,7 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
 
 // An emulated rig shares a laptop with others.
 std::optional<std::string> lock_memory() { return std::nullopt; }
-std::optional<std::string> be_urgent(bool) { return std::nullopt; }
+std::optional<std::string> set_realtime_priority(bool) { return std::nullopt; }
 void count_heap_calls() noexcept {}
 HeapCalls heap_calls() noexcept { return {}; }
 

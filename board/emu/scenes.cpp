@@ -138,12 +138,13 @@ SceneWorld floor_world(const emu::FloorView& view, const SceneOptions& options) 
   const emu::FloorScene floor = emu::floor_scene(view);
   const emu::Rig rig = changed(floor.rig, options);
   SceneWorld world = still_world(floor.scene, rig);
-  const dataset::Image<int> things = emu::render_things({floor.scene, rig.head}, rig.stereo.left);
+  const dataset::Image<int> objects =
+      emu::render_objects({floor.scene, rig.left_camera_pose}, rig.stereo.left);
   dataset::FloorTruth truth{.height_m = view.height_m,
                             .tilt_degrees = view.tilt_degrees,
-                            .surface = {things.width, things.height}};
-  std::ranges::transform(things.pixels, truth.surface.pixels.begin(), [&](int thing) {
-    return thing < 0 ? dataset::Surface::kOther : floor.surfaces[static_cast<std::size_t>(thing)];
+                            .surface = {objects.width, objects.height}};
+  std::ranges::transform(objects.pixels, truth.surface.pixels.begin(), [&](int object) {
+    return object < 0 ? dataset::Surface::kOther : floor.surfaces[static_cast<std::size_t>(object)];
   });
   world.floor = std::move(truth);
   return world;

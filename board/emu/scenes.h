@@ -39,7 +39,7 @@ struct SceneWorld {
   dsp::Calibration calibration;  // its fixed pattern lives in the imagery
   int disparities = 0;
   bool moves = false;
-  // Of the exposure that was asked for: Z in metres in the left view, +inf = nothing there; 255 =
+  // The truth of the chosen exposure: Z in metres in the left view, +inf = nothing there; 255 =
   // seen by both cameras.
   dataset::Image<float> depth;
   dataset::Image<std::uint8_t> visible;

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "board/config.h"
-#include "board/pi_header.h"
+#include "board/raspberry_pi.h"
 
 namespace stof::board {
 

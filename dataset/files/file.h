@@ -10,7 +10,7 @@
 
 #include "dataset/image.h"
 
-// What readers and writers of files share.
+// The common part of readers and writers of files.
 namespace stof::dataset {
 
 inline constexpr std::size_t kMaxPixels = std::size_t{1} << 26;

@@ -9,7 +9,7 @@
 
 #include "dataset/pmd_recording.h"
 
-// What readers and writers of PMD recordings share.
+// The common part of readers and writers of PMD recordings.
 namespace stof::dataset {
 
 // Takes numbers out of one JSON document and remembers the first that was missing or wrong; from

@@ -13,11 +13,11 @@
 
 namespace stof::dsp {
 
-// Hands out parts of one block of memory, in order, once: this is how a Matcher, a Converter and a
-// Fuser get their buffers from the caller's static workspace. Nothing is freed one by one.
+// Hands out parts of one block of memory, in order, once: this is how a Matcher, a PmdConverter and
+// a Fuser get their buffers from the caller's static workspace. Nothing is freed one by one.
 // Contents are not initialised. Running out is our own bug (sizes are measured first): CHECK.
 //
-// A part takes its memory in its constructor, and nowhere else is told how much that is:
+// A part takes its memory in its constructor, and no other code says how much that is:
 // bytes_taken() runs the same constructor with an arena that only measures.
 class Arena {
  public:
@@ -39,7 +39,7 @@ class Arena {
     return kNobodys - memory_.size();
   }
 
-  // What take<T>(count) uses up.
+  // The bytes that take<T>(count) uses.
   template <typename T>
   static constexpr std::size_t bytes_for(std::size_t count) noexcept {
     return (count * sizeof(T) + kAlign - 1) / kAlign * kAlign;

@@ -13,7 +13,7 @@ namespace stof::dsp::avx2 {
 #define STOF_VARIANT avx2
 #define STOF_NARROWER neon
 
-// What both kinds have in common.
+// The common part of both kinds.
 template <typename LaneType, std::size_t kCount>
 struct LanesOf {
   using Lane = LaneType;

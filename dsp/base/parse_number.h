@@ -7,7 +7,7 @@
 
 namespace stof::dsp {
 
-// What all of `text` says, and nothing beside it; nothing: no number of this type.
+// The number that all of `text` is; nothing: it is no number of this type.
 template <typename T>
 std::optional<T> parse_number(std::string_view text, int base = 10) noexcept {
   T value{};

@@ -5,7 +5,7 @@
 
 namespace stof {
 
-// What can happen at run time. Every function that returns one says which of these it may return.
+// Outcomes at run time. Every function that returns one says which of these it may return.
 enum class [[nodiscard]] Status : std::uint8_t {
   kOk,
   kTimeout,          // the deadline passed; try again at the next edge

@@ -13,7 +13,7 @@ namespace stof::dsp {
 // and words.
 enum class Vectors : std::uint8_t { kRef, kNeon, kAvx2, kAvx512 };
 inline constexpr std::size_t kVectorLevels = 4;
-// What this build holds.
+// The levels that this build holds.
 #if defined(__x86_64__)
 inline constexpr Vectors kWidestBuilt = Vectors::kAvx512;
 #else
@@ -25,8 +25,8 @@ inline constexpr Vectors kWidestBuilt = Vectors::kNeon;
 #if !defined(STOF_NEON_ALONE)
 // The widest that this processor runs.
 Vectors widest_vectors() noexcept;
-// What best:: kernels run with: the widest, unless a comparison asks for less. Not while another
-// thread computes.
+// Chooses what best:: kernels run with; the widest, unless a comparison asks for less. Not while
+// another thread computes.
 void use_vectors(Vectors vectors) noexcept;
 Vectors vectors() noexcept;
 

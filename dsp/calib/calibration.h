@@ -5,7 +5,7 @@
 #include "dsp/calib/pinhole.h"
 #include "dsp/calib/pmd_sensor.h"
 
-// What is known about a rig. Metres, pixels, x right, y down, z forward; doubles, because tables
+// The calibration of a rig. Metres, pixels, x right, y down, z forward; doubles, because tables
 // are built from it once at start and no frame is computed from it directly.
 namespace stof::dsp {
 

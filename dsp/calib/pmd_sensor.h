@@ -8,7 +8,7 @@
 #include "dsp/base/units.h"
 #include "dsp/calib/pinhole.h"
 
-// What is known about a PMD camera and its lights.
+// The calibration of a PMD camera and its lights.
 namespace stof::dsp {
 
 // W(phase), one turn in 128 steps, in units of 1/65536 turn: what wiggling adds to the phase.
@@ -20,7 +20,7 @@ using WigglingTable = std::array<std::int16_t, kWigglingSteps>;
 // e^5j).
 WigglingTable fourth_harmonic_table(double amplitude_rad) noexcept;
 
-// What belongs to one modulation frequency of a PMD sensor.
+// The constants of one modulation frequency.
 struct PmdFrequency {
   Hertz modulation{20'000'000};
   double min_modulation_ratio = 0.30;  // A / (mean - dark), the chapter's 30 percent

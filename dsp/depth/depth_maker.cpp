@@ -6,7 +6,7 @@ namespace stof::dsp {
 namespace {
 
 // Rows that a thread rectifies or fuses at once: a row looks at few others.
-constexpr int kRowsAtOnce = 16;
+constexpr int kTaskRows = 16;
 
 constexpr double kMetresPerQuarterMm = 1.0 / kQuarterMmPerMetre;
 
@@ -81,7 +81,7 @@ void DepthMaker::match(ImageView<const std::uint8_t> left,
   left_ = left;
   right_ = right;
   if (rectifier_) {
-    team_.run_rows(disparity_.rows(), kRowsAtOnce,
+    team_.run_rows(disparity_.rows(), kTaskRows,
                    [&](Rows rows, int) noexcept { rectifier_->rectify(left, right, rows); });
     left_ = rectifier_->left();
     right_ = rectifier_->right();
@@ -109,7 +109,7 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
     unresolved_ = false;
   }
   fuser_.prepare(pmd_);
-  team_.run_rows(out.depth.rows(), kRowsAtOnce, [&](Rows rows, int thread) noexcept {
+  team_.run_rows(out.depth.rows(), kTaskRows, [&](Rows rows, int thread) noexcept {
     fuser_.fuse_rows(stereo(), rows, thread, out);
   });
   if (temporal_) {

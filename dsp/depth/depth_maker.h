@@ -72,7 +72,7 @@ class DepthMaker {
   std::optional<Rectifier> rectifier_;
   std::optional<GuideMaker> guide_maker_;
   Matcher matcher_;
-  std::optional<Converter> converter_;
+  std::optional<PmdConverter> converter_;
   std::optional<Unwrapper> unwrapper_;
   Fuser fuser_;
   std::optional<TemporalFilter> temporal_;

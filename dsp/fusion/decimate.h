@@ -4,8 +4,9 @@
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
 
-// A depth map of fewer pixels that hides no obstacle: a block of step x step pixels (less at the
-// right and lower border) is told by the pixel whose near bound (depth - width / 2) is nearest.
+// A depth map of fewer pixels that hides no obstacle: each block of step x step pixels (less at
+// the right and lower border) is represented by the pixel with the nearest lower bound,
+// depth - width / 2.
 namespace stof::dsp {
 
 inline constexpr int kLeastBlock = 1;
@@ -20,8 +21,8 @@ struct NearestPixel {
   QuarterMm width = 0;
 };
 
-// Of those pixels of block (column, row) that have a depth the one with the smallest
-// 2 * depth - width, of equal ones the first in raster order; without any, depth and width are 0.
+// The pixel of block (column, row) with the smallest 2 * depth - width among those with a depth;
+// of equal ones the first in raster order. Without any, depth and width are 0.
 // step: kLeastBlock to kMostBlock; the block begins inside the map.
 NearestPixel nearest_pixel(const DepthMap& map, int step, int column, int row) noexcept;
 

@@ -18,7 +18,7 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kRowsAtOnce = 64;
+constexpr int kStripeRows = 64;
 
 std::int16_t infinity_of(const StereoRig& rig) noexcept {
   constexpr double kFarthest = 16384;
@@ -163,8 +163,8 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
   SplattedView splatted = t.splatted;
   splatted.nearest = out.depth;
   // In stripes, so that what was splatted is still near when it is fused.
-  for (int y = rows.begin; y < rows.end; y += kRowsAtOnce) {
-    const Rows some{y, std::min(y + kRowsAtOnce, rows.end)};
+  for (int y = rows.begin; y < rows.end; y += kStripeRows) {
+    const Rows some{y, std::min(y + kStripeRows, rows.end)};
     t.reprojector.splat(some, splatted);
     for (int row = some.begin; row < some.end; ++row) {
       fuse_row(stereo, row, scratch, out);

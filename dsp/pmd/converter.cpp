@@ -8,13 +8,13 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
+#include "dsp/calib/pmd/emitter_offset_table.h"
 #include "dsp/calib/pmd/frequency_pair.h"
-#include "dsp/calib/pmd/near_table.h"
 #include "dsp/calib/pmd/pmd_tables.h"
 #include "dsp/pmd/interval/fill_intervals.h"
 #include "dsp/pmd/phase/frame_phases.h"
 #include "dsp/pmd/range/combine_frequencies.h"
-#include "dsp/pmd/range/near_lights.h"
+#include "dsp/pmd/range/emitter_offset.h"
 #include "dsp/pmd/range/to_quarter_mm.h"
 
 namespace stof::dsp {
@@ -50,12 +50,12 @@ struct SecondFrequency {
   std::span<Phase> corrected;
 };
 
-struct Converter::Tables {
+struct PmdConverter::Tables {
   FrameTables first;
   RangeTables one_frequency;
   std::optional<SecondFrequency> second;
-  std::optional<SigmaCurve> curve;  // sigma by distance
-  NearTable near;                   // empty without lights beside the lens
+  std::optional<SigmaCurve> curve;    // sigma by distance
+  EmitterOffsetTable emitter_offset;  // empty without lights beside the lens
   std::uint32_t shortest_way = 0;
   std::span<const std::int16_t> fixed_pattern;
   MergeRows spare;
@@ -65,13 +65,14 @@ struct Converter::Tables {
   std::span<const std::int16_t> fixed_pattern_row(int y, std::size_t n) const noexcept {
     return fixed_pattern.empty() ? fixed_pattern : fixed_pattern.subspan(index(y) * n, n);
   }
-  NearRow near_row(int y, std::size_t n) const noexcept {
+  EmitterOffsetRow emitter_offset_row(int y, std::size_t n) const noexcept {
     const std::size_t at = index(y) * n;
-    return {near.half_q2.subspan(at, n), near.twice_area.subspan(at, n), near.pole.subspan(at, n)};
+    return {emitter_offset.half_q2.subspan(at, n), emitter_offset.twice_area.subspan(at, n),
+            emitter_offset.pole.subspan(at, n)};
   }
 };
 
-Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
+PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept {
   const int w = sensor.lens.width;
   const int h = sensor.lens.height;
   const std::size_t row = index(w);
@@ -97,7 +98,7 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
                         .corrected = arena.take<Phase>(row)};
   }
   if (sensor.emitter_count > 0) {
-    t.near = make_near_table(sensor, units_per_metre(sensor), arena);
+    t.emitter_offset = make_emitter_offset_table(sensor, units_per_metre(sensor), arena);
     t.shortest_way = shortest_way(sensor, units_per_metre(sensor));
   }
   maps_.phase = arena.take_image<Phase>(w, h);
@@ -121,7 +122,7 @@ Converter::Converter(const PmdSensor& sensor, Arena& arena) noexcept {
   tables_ = arena.put(t);
 }
 
-void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
+void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   const Tables& t = *tables_;
   const PmdMaps& m = maps_;
   const std::size_t n = index(m.phase.width());
@@ -138,7 +139,7 @@ void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
   best::correct_phase(row.phase, pattern, t.first.correction, t.corrected);
   const RangeTables* range = &t.one_frequency;
   if (frame.second.empty()) {
-    best::range(t.corrected, t.first.frequency.turn, reading);
+    best::phase_to_distance(t.corrected, t.first.frequency.turn, reading);
   } else {
     const SecondFrequency& second = *t.second;
     range = &second.both;
@@ -150,10 +151,10 @@ void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
     best::combine_sigma(second.row.sigma, row.sigma);
   }
   if (!changes_nothing(range->line)) {
-    best::straight_line(range->line, reading);
+    best::correct_distance(range->line, reading);
   }
-  if (!t.near.half_q2.empty()) {
-    best::near_lights(t.near_row(y, n), t.shortest_way, reading);
+  if (!t.emitter_offset.half_q2.empty()) {
+    best::emitter_offset(t.emitter_offset_row(y, n), t.shortest_way, reading);
   }
   best::to_quarter_mm(reading, range->unit_q30, row.flags, m.distance.row(y), row.sigma);
   if (t.curve) {
@@ -161,7 +162,7 @@ void Converter::measure_row(const PmdFrame& frame, int y) noexcept {
   }
 }
 
-const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
+const PmdMaps& PmdConverter::measure(const PmdFrame& frame) noexcept {
   Tables& t = *tables_;
   const int width = maps_.phase.width();
   const int height = maps_.phase.height();
@@ -184,13 +185,13 @@ const PmdMaps& Converter::measure(const PmdFrame& frame) noexcept {
   return maps_;
 }
 
-const PmdMaps& Converter::convert(const PmdFrame& frame) noexcept {
+const PmdMaps& PmdConverter::convert(const PmdFrame& frame) noexcept {
   measure(frame);
   refresh_intervals(maps_);
   return maps_;
 }
 
-const PmdMaps& Converter::convert(const PmdSamples& samples) noexcept {
+const PmdMaps& PmdConverter::convert(const PmdSamples& samples) noexcept {
   const PmdExposure exposure{.samples = samples};
   return convert(PmdFrame{.first = {&exposure, 1}});
 }

@@ -38,11 +38,11 @@ struct PmdFrame {
 // corrected phase, one turn or two frequencies to a distance, straight line, lights beside the
 // lens, sigma, interval. Holds its buffers, allocates nothing after construction. Every step is a
 // row kernel of this folder.
-class Converter {
+class PmdConverter {
  public:
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
   // 24 bytes a pixel, 10 more with lights beside the lens, 4 more where there is a long_distance.
-  Converter(const PmdSensor& sensor, Arena& arena) noexcept;
+  PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept;
 
   // Samples of the sensor's size. The result is valid until the next call; integration times scale
   // stray and suppressed light.

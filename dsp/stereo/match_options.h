@@ -12,7 +12,7 @@ struct MatchOption {
   std::string_view name;     // "left-right"
   std::string_view values;   // "0..256 or off", for a message
   std::string_view meaning;  // one line with the unit
-  // What the name alone, without a value, means; empty where a value must follow.
+  // The value that the name alone stands for; empty where a value must follow.
   std::string_view alone;
   // false: not one of its values, nothing changed.
   bool (*set)(std::string_view value, MatchParams& params);

@@ -24,7 +24,7 @@ constexpr MatchParams kFast{.block_width = 14,
                             .speckle_pixels = 10,
                             .subpixel = Subpixel::kEquiangular};
 
-constexpr MatchParams kQuality{.search = Search::kPaths,
+constexpr MatchParams kQuality{.search = Search::kSemiGlobal,
                                .equalise = true,
                                .left_right_tolerance = 1,
                                .distinct = true,

@@ -15,8 +15,8 @@ enum class Search : std::uint8_t {
   // (search/block_search.h).
   kBlocks,
   // Semi-global over four directions. Its cost is census 7x7, grey values and their derivative,
-  // averaged over neighbours that look alike (search/path_search.h).
-  kPaths,
+  // averaged over neighbours that look alike (search/semi_global_search.h).
+  kSemiGlobal,
 };
 
 enum class Subpixel : std::uint8_t {
@@ -33,7 +33,7 @@ constexpr CostFit cost_fit(Subpixel subpixel) noexcept {
   return subpixel == Subpixel::kParabola ? CostFit::kParabola : CostFit::kNone;
 }
 
-// What a change of disparity between neighbours costs, in the units of one pixel's cost.
+// Penalties for a change of disparity between neighbours, in the units of one pixel's cost.
 struct Smoothness {
   int small_step = 0;  // P1: by one
   int large_step = 0;  // P2: by more; halved and quartered where the grey value changes
@@ -55,7 +55,7 @@ struct MatchParams {
   // The larger the block, the smaller the cap that its sums have room for.
   std::optional<int> prefilter_cap = 15;
 
-  // Of kPaths; without it kDefaultSmoothness.
+  // For kSemiGlobal; without it kDefaultSmoothness.
   std::optional<Smoothness> smoothness = std::nullopt;
   // Each match may be given a guide (cost/candidate_mask.h): which candidates each pixel may take.
   bool guided = false;
@@ -88,7 +88,7 @@ inline constexpr int kMaxImageWidth = 4096;    // and height
 inline constexpr int kMaxMinDisparity = 1024;  // of either sign
 
 inline constexpr Smoothness kDefaultSmoothness{.small_step = 7, .large_step = 33};
-// The largest step for which four paths fit u8 together (search/path_search.h).
+// The largest step for which four paths fit u8 together (search/semi_global_search.h).
 inline constexpr int kMaxStep = 36;
 
 // Whether the numbers that every search and check shares are in their ranges.
@@ -107,13 +107,14 @@ Status check(const MatchParams& params, int width, int height) noexcept;
 // Whether a Matcher has room for pictures, blocks and candidates of this size.
 bool fits(const MatchParams& params, int width, int height) noexcept;
 
-// Parameter sets that need no tuning. `chapter`: the methods of Kuhnert & Stommel 2006 as printed.
+// Parameter sets that need no tuning. `chapter`: the methods of the book chapter by Kuhnert &
+// Stommel (2006) as printed.
 struct Preset {
   std::string_view name;
   std::string_view meaning;  // one line
   MatchParams params;        // for 64 candidates from 0
 };
-// What a preset means where its disparities become depth: fitted to 1/16 px, because whole ones are
+// A preset for disparities that become depth: fitted to 1/16 px, because whole ones are
 // steps in depth, and with the confidence that fusion needs.
 MatchParams for_depth(const Preset& preset) noexcept;
 // nullptr: no preset of that name.

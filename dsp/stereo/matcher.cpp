@@ -3,7 +3,7 @@
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/stereo/search/block_search.h"
-#include "dsp/stereo/search/path_search.h"
+#include "dsp/stereo/search/semi_global_search.h"
 
 namespace stof::dsp {
 namespace {
@@ -14,20 +14,20 @@ constexpr int kRowsOfPictures = 16;
 class OwnSearches final : public SearchMaker {
  public:
   explicit OwnSearches(const MatchParams& params) noexcept
-      : paths_(params.search == Search::kPaths) {}
+      : paths_(params.search == Search::kSemiGlobal) {}
 
   RowSearch* make(const MatchParams& params, int width, int height,
                   Arena& arena) noexcept override {
     STOF_CHECK(check(params, width, height) == Status::kOk);
     if (paths_) {
-      return arena.make<PathSearch>(params, width);
+      return arena.make<SemiGlobalSearch>(params, width);
     }
     return arena.make<BlockSearch>(params, width);
   }
   // Paths work on whole stripes; sums over blocks begin anew only where a thread takes over what is
   // another's.
   int rows_at_once(int) const noexcept override {
-    return paths_ ? PathSearch::Paths::kStripe : kRowsOfPictures;
+    return paths_ ? SemiGlobalSearch::Paths::kStripe : kRowsOfPictures;
   }
 
  private:

@@ -16,8 +16,8 @@
 
 namespace stof::dsp {
 
-// What a Matcher looks at, until match() returns. All of one size, at most the constructor's; any
-// from 1x1.
+// The input of a Matcher, valid until match() returns. All of one size, at most the constructor's;
+// any from 1x1.
 struct MatchInput {
   ImageView<const std::uint8_t> left;
   ImageView<const std::uint8_t> right;
@@ -28,8 +28,8 @@ struct MatchInput {
   // distinctness looks at the costs of all candidates: a flat surface is as flat within a range.
   // The median comes after it and knows no ranges.
   Guide guide = {};
-  // What made the pictures: pixels that its cameras did not see have no disparity, and no check
-  // looks at any. nullptr: all were seen.
+  // It made the pictures: pixels that its cameras did not see have no disparity, and no check looks
+  // at any. nullptr: all were seen.
   const Rectifier* rectifier = nullptr;
 };
 

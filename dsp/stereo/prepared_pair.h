@@ -28,7 +28,7 @@ class PreparedPair {
   // Grey values, smoothed and equalised where asked for.
   ImageView<const std::uint8_t> left_grey() const noexcept { return left_grey_; }
   ImageView<const std::uint8_t> right_grey() const noexcept { return right_grey_; }
-  // What costs compare: the derivative where there is a prefilter, else grey values.
+  // The pictures that costs compare: the derivative where there is a prefilter, else grey values.
   ImageView<const std::uint8_t> left() const noexcept;
   ImageView<const std::uint8_t> right() const noexcept;
 

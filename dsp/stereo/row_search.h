@@ -9,14 +9,14 @@
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
 
-// What a Matcher is given to search a pair with. Whoever searches in another way than the appliance
-// does writes these two classes; pictures, checks, fits and filters stay the Matcher's.
+// The searches that a Matcher uses. A new way to search is these two classes; pictures, checks,
+// fits and filters stay the Matcher's.
 namespace stof::dsp {
 
 // In place of a peak ratio that was not computed: neither distinct nor with rivals.
 inline constexpr std::uint8_t kRatioUnknown = 128;
 
-// What becomes of one row. Whatever the MatchParams do not ask for is empty.
+// The results of one row. Those that the MatchParams do not ask for are empty.
 struct MatchedRow {
   std::span<Disparity> disparity;
   std::span<std::int16_t> margins;  // distinct (validation/winner_margin.h)

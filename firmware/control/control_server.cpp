@@ -29,7 +29,7 @@ void ControlServer::tick(hal::Time now) noexcept {
     parts_.subscribers.refused(peer, now);
   }
   parts_.subscribers.expire(now);
-  const SubscriberList list = parts_.subscribers.list();
+  const ReceiverList list = parts_.subscribers.list();
   if (list != pushed_ && parts_.ring.push(list)) {
     pushed_ = list;
   }

@@ -3,30 +3,30 @@
 #include <chrono>
 #include <span>
 
+#include "firmware/control/lease_table.h"
 #include "firmware/control/periodic_task.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/control/request_handler.h"
-#include "firmware/control/subscriber_list.h"
-#include "firmware/control/subscribers.h"
 #include "firmware/wire/messages/structs.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
 
 namespace stof::firmware {
 
-// What the control thread works with; all of it outlives ControlServer. Until the thread has ended,
+// The parts of the control thread; all of them outlive ControlServer. Until the thread has ended,
 // `handler`, `subscribers`, receive() of the port and the tasks are its own; the loop sends through
 // the port and reads `ring` and RequestHandler::counters().
 struct ControlParts {
   hal::DatagramPort& port;
   RequestHandler& handler;
-  Subscribers& subscribers;
-  SubscriberRing& ring;
+  LeaseTable& subscribers;
+  ReceiverRing& ring;
   std::span<PeriodicTask* const> tasks{};
   // How long a quiet turn takes: between two rounds of the tasks.
   hal::Duration turn = std::chrono::milliseconds(20);
 };
 
-// What the control thread does, one turn after the other: answers requests, ends leases, tells the
+// The turns of the control thread. Each answers requests, ends leases, tells the
 // loop who receives, runs the tasks. No clock, no heap.
 class ControlServer {
  public:
@@ -40,16 +40,16 @@ class ControlServer {
   // port's status where it is gone: kDeviceLost, else kOk. An answer that the port does not take is
   // dropped: whoever asked asks again.
   Status receive(hal::Duration wait, hal::Time (*now)() noexcept) noexcept;
-  // What is due at `now`.
+  // Does what is due at `now`.
   void tick(hal::Time now) noexcept;
 
  private:
   ControlParts parts_;
   wire::DatagramBuffer space_{};
-  SubscriberList pushed_{};  // what the loop has
+  ReceiverList pushed_{};  // what the loop has
 };
 
-// With the datagrams that the port lost before they were read. Of any thread.
+// With the datagrams that the port lost before they were read. For any thread.
 wire::ControlCounters control_counters(const RequestHandler& handler,
                                        const hal::DatagramPort& port) noexcept;
 

@@ -9,7 +9,7 @@
 
 namespace stof::firmware {
 
-// Of this computer, also where the rig's time is emulated: leases are of real seconds.
+// This computer's time, also where the rig's is emulated: leases are of real seconds.
 hal::Time control_now() noexcept;
 
 // Random, for RequestHandler. Start-up only.

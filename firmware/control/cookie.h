@@ -26,7 +26,7 @@ class Cookies {
 
   // Never 0.
   std::uint64_t make(const hal::Peer& peer, hal::Time now) const noexcept;
-  // Of this slot or the one before: 16 s at least, 32 s at most.
+  // A cookie is valid in its slot and the next one: 16 s at least, 32 s at most.
   bool valid(std::uint64_t cookie, const hal::Peer& peer, hal::Time now) const noexcept;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace stof::firmware {
 
-// What the control thread does beside requests: beacon, mDNS, the serial line.
+// A task of the control thread beside requests: beacon, mDNS, the serial line.
 class PeriodicTask {
  public:
   virtual ~PeriodicTask() = default;

@@ -8,7 +8,7 @@ using wire::PacketFault;
 using wire::PacketType;
 
 RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& secret,
-                               Subscribers& subscribers, SettingsService* settings) noexcept
+                               LeaseTable& subscribers, SettingsService* settings) noexcept
     : origin_(origin), cookies_(secret), subscribers_(subscribers), settings_(settings) {}
 
 void RequestHandler::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
@@ -61,7 +61,7 @@ RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcep
   }
   // A lease that has ended must not keep anybody out until the next turn of the thread.
   subscribers_.expire(request.now);
-  const hal::Duration lease = Subscribers::granted(asked->lease_ms);
+  const hal::Duration lease = LeaseTable::granted(asked->lease_ms);
   if (subscribers_.subscribe(request.from, lease, request.now)) {
     out.result = wire::SubscribeResult::kOk;
     out.lease_ms = static_cast<std::uint16_t>(lease / std::chrono::milliseconds(1));

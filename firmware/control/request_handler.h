@@ -8,8 +8,8 @@
 #include <span>
 
 #include "firmware/control/cookie.h"
+#include "firmware/control/lease_table.h"
 #include "firmware/control/settings_service.h"
-#include "firmware/control/subscribers.h"
 #include "firmware/control/token_bucket.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/discover.h"
@@ -33,10 +33,10 @@ class RequestHandler {
 
   // `subscribers` and `settings` outlive the handler; settings nullptr: every request for them is
   // answered with kUnsupported.
-  RequestHandler(const wire::Origin& origin, const CookieSecret& secret, Subscribers& subscribers,
+  RequestHandler(const wire::Origin& origin, const CookieSecret& secret, LeaseTable& subscribers,
                  SettingsService* settings) noexcept;
 
-  // What a discover is answered with; request_id and subscribers are filled in here.
+  // The answer to a discover; request_id and subscribers are filled in here.
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
 
   // One datagram. The answer for `from`, valid until the next call; empty: none.
@@ -45,7 +45,7 @@ class RequestHandler {
   // A datagram of which only the first bytes were kept.
   void take_oversized() noexcept { count(Count::kBadLength); }
 
-  // Of any thread. `overrun` is the port's and 0 here.
+  // For any thread. `overrun` is the port's and 0 here.
   wire::ControlCounters counters() const noexcept;
 
  private:
@@ -88,7 +88,7 @@ class RequestHandler {
 
   wire::Origin origin_;
   Cookies cookies_;
-  Subscribers& subscribers_;
+  LeaseTable& subscribers_;
   SettingsService* settings_;
   TokenBucket unproven_{kUnprovenPerSecond};
   wire::Announce announce_{};

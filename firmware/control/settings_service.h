@@ -12,7 +12,7 @@ namespace stof::firmware {
 // Room for the text of an answer, bytes.
 inline constexpr std::size_t kSettingsTextBytes = wire::kMaxPayload - wire::kSettingsAnswerBytes;
 
-// Whoever answers requests for settings. For the control thread alone.
+// Answers requests for settings. For the control thread alone.
 class SettingsService {
  public:
   virtual ~SettingsService() = default;

@@ -9,7 +9,7 @@
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/packet.h"
 #include "hal/datagram_port.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 
 namespace stof::firmware {
 
@@ -28,10 +28,10 @@ class Beacon final : public PeriodicTask {
   static constexpr hal::Duration kPeriod = std::chrono::seconds(1);
   static constexpr std::size_t kMostTargets = 32;
 
-  Beacon(hal::DatagramPort& port, hal::Network& network) noexcept
+  Beacon(hal::DatagramPort& port, hal::NetworkInterfaces& network) noexcept
       : port_(port), network_(network) {}
 
-  // What is told from now on; nothing before the first call.
+  // The announcement from now on; nothing is sent before the first call.
   void set(const wire::Announce& announce, const wire::Origin& origin,
            const wire::FrameStamp& stamp) noexcept;
   void tick(hal::Time now) noexcept override;
@@ -44,7 +44,7 @@ class Beacon final : public PeriodicTask {
   };
 
   hal::DatagramPort& port_;
-  hal::Network& network_;
+  hal::NetworkInterfaces& network_;
   std::optional<Contents> contents_;
   std::optional<hal::Time> due_;
   std::array<hal::InterfaceAddress, kMostTargets> addresses_{};

@@ -9,7 +9,7 @@
 #include "firmware/wire/dns.h"
 #include "firmware/wire/packet.h"
 #include "hal/datagram_port.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "hal/time.h"
 
 namespace stof::firmware {
@@ -19,7 +19,7 @@ namespace stof::firmware {
 // out: no socket, no clock, no heap. Peers carry their interface in `scope`, also those of IPv4.
 //
 // Not done: RFC 6762 section 7.4 (silence when another one has answered) and section 6.5 beyond
-// A, AAAA, SRV and TXT. What was multicast less than a second ago is not multicast again.
+// A, AAAA, SRV and TXT. A record is not multicast again within a second.
 class Responder {
  public:
   static constexpr std::uint16_t kPort = 5353;
@@ -38,11 +38,11 @@ class Responder {
   // Says goodbye for the old names where they change.
   void set_service(const Service& service, hal::Time now) noexcept;
 
-  // Any bytes that came to port 5353, from anybody. What has to go to the one who asked, if
-  // anything.
+  // Takes any bytes that came to port 5353, from anybody. Returns the answer to their sender, if
+  // any.
   std::optional<Datagram> take(std::span<const std::byte> message, const hal::Peer& from,
                                hal::Time now) noexcept;
-  // What has to go to all. To be called until it returns nothing, then again within 20 ms.
+  // A datagram for all. To be called until it returns nothing, then again within 20 ms.
   std::optional<Datagram> next(hal::Time now) noexcept;
 
   // Says goodbye: next() gives the datagrams, then nothing until set_addresses().

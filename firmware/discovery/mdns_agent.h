@@ -5,7 +5,7 @@
 
 #include "firmware/control/periodic_task.h"
 #include "firmware/discovery/mdns.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 
 namespace stof::firmware {
 
@@ -13,7 +13,7 @@ namespace stof::firmware {
 // looks again every two seconds.
 class MdnsAgent final : public PeriodicTask {
  public:
-  MdnsAgent(hal::MulticastPort& port, hal::Network& network, const Service& service,
+  MdnsAgent(hal::MulticastPort& port, hal::NetworkInterfaces& network, const Service& service,
             std::uint32_t seed) noexcept
       : port_(port), network_(network), responder_(service, seed) {}
 
@@ -32,7 +32,7 @@ class MdnsAgent final : public PeriodicTask {
   void send_due(hal::Time now) noexcept;
 
   hal::MulticastPort& port_;
-  hal::Network& network_;
+  hal::NetworkInterfaces& network_;
   Responder responder_;
   hal::Time look_due_{};
   std::array<hal::InterfaceAddress, MdnsLinks::kMostAddresses> addresses_{};

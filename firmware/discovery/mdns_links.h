@@ -8,7 +8,7 @@
 
 #include "firmware/discovery/mdns_records.h"
 #include "hal/datagram_port.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "hal/time.h"
 
 namespace stof::firmware {

@@ -8,9 +8,9 @@
 
 #include "firmware/wire/dns.h"
 #include "firmware/wire/messages/announce.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 
-// What the sensor is called on the local link (RFC 6763), as records of DNS:
+// The sensor's names on the local link (RFC 6763), as records of DNS:
 //   _services._dns-sd._udp.local  PTR   _stof._udp.local
 //   _stof._udp.local              PTR   <name> (<serial>)._stof._udp.local
 //   <instance>                    SRV   port, stof-<serial>.local
@@ -65,9 +65,9 @@ class Records {
     addresses_ = addresses;
   }
 
-  // What answers a question that came by an interface.
+  // The answers to a question that came by an interface.
   RecordSet answers(const wire::dns::Question& question, std::uint32_t interface) const noexcept;
-  // What should go with the answers, without them.
+  // The records that should go with the answers, without these.
   RecordSet additionals(RecordSet answers, std::uint32_t interface) const noexcept;
   // Which of ours a record is, its data alike and its life at least half of ours; an address only
   // where the interface has no other of its kind. 0: none.

@@ -9,19 +9,19 @@
 #include "firmware/spsc_ring.h"
 #include "hal/time.h"
 
-// What the loop has to tell: typed events in a fixed ring and plain counters. Text is made
+// The loop's reports: typed events in a fixed ring and plain counters. Text is made
 // elsewhere.
 namespace stof::firmware {
 
-enum class Part : std::uint8_t { kTrigger, kStereo, kPmd, kLink, kLoop };
-inline constexpr std::size_t kParts = 5;
+enum class Component : std::uint8_t { kTrigger, kStereo, kPmd, kLink, kLoop };
+inline constexpr std::size_t kComponents = 5;
 
 // State changes only: one event when a state begins, none while it lasts.
 enum class EventKind : std::uint8_t {
   kPublishing,  // value: edges without a frame since the last one that had a frame
-  kUnpaired,    // several edges in a row without a frame; part, status: what the last one missed
-  kLost,        // part: its device is gone
-  kBack,        // part: its device answers again
+  kUnpaired,  // several edges in a row without a frame; component, status: what the last one missed
+  kLost,      // component: its device is gone
+  kBack,      // component: its device answers again
   kSendFailed,  // datagrams do not leave: nobody can be reached
   kSending,     // datagrams leave again
   kLate,        // value: whole periods that were skipped because the loop came too late
@@ -31,7 +31,7 @@ enum class EventKind : std::uint8_t {
 struct Event {
   hal::Time at{};
   EventKind kind = EventKind::kPublishing;
-  Part part = Part::kLoop;
+  Component component = Component::kLoop;
   Status status = Status::kOk;
   std::uint32_t value = 0;
 };
@@ -73,9 +73,9 @@ struct Counters {
   std::uint64_t lost_events = 0;      // did not fit the ring
   std::uint64_t packets_sent = 0;
   std::uint64_t packets_dropped = 0;  // full queue, unreachable receiver
-  std::array<std::uint64_t, kParts> timeouts{};
-  std::array<std::uint64_t, kParts> errors{};  // kDeviceError, kCorrupt and the like
-  std::array<std::uint64_t, kParts> losses{};  // kDeviceLost, each time it was returned
+  std::array<std::uint64_t, kComponents> timeouts{};
+  std::array<std::uint64_t, kComponents> errors{};  // kDeviceError, kCorrupt and the like
+  std::array<std::uint64_t, kComponents> losses{};  // kDeviceLost, each time it was returned
   std::array<std::uint64_t, kDrops> stereo_dropped{};
   std::array<std::uint64_t, kDrops> pmd_dropped{};
   std::array<StageTime, kStages> stages{};  // of the frames published
@@ -85,7 +85,7 @@ struct Counters {
   }
 };
 
-// The count of one part, or of one cause.
+// The count of one component, or of one cause.
 template <typename Counts, typename Which>
 constexpr auto& of(Counts& counts, Which which) noexcept {
   return counts[static_cast<std::size_t>(which)];

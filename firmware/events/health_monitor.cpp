@@ -24,17 +24,17 @@ std::uint32_t less(std::uint64_t now, std::uint64_t before) noexcept {
   return static_cast<std::uint32_t>(std::min<std::uint64_t>(now - before, 0xFFFF'FFFF));
 }
 
-std::optional<wire::Condition> lost(Part part) noexcept {
-  switch (part) {
-    case Part::kTrigger:
+std::optional<wire::Condition> lost(Component component) noexcept {
+  switch (component) {
+    case Component::kTrigger:
       return wire::Condition::kTriggerLost;
-    case Part::kStereo:
+    case Component::kStereo:
       return wire::Condition::kStereoLost;
-    case Part::kPmd:
+    case Component::kPmd:
       return wire::Condition::kPmdLost;
-    case Part::kLink:
+    case Component::kLink:
       return wire::Condition::kLinkLost;
-    case Part::kLoop:
+    case Component::kLoop:
       break;
   }
   return std::nullopt;
@@ -55,7 +55,7 @@ void HealthMonitor::observe(const Event& event) noexcept {
       break;
     case EventKind::kLost:
     case EventKind::kBack:
-      if (const std::optional<wire::Condition> which = lost(event.part)) {
+      if (const std::optional<wire::Condition> which = lost(event.component)) {
         set(*which, event.kind == EventKind::kLost, 0, event.at);
       }
       break;
@@ -143,7 +143,7 @@ std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexce
 void HealthMonitor::judge_second(const Counters& counters, const ControlStatus& control,
                                  hal::Time now) noexcept {
   const std::int64_t passed = (now - second_).count();
-  rate_mhz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
+  rate_millihertz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
   latency_us_ = frames_ == 0 ? 0 : microseconds(latency_ / frames_);
   longest_us_ = microseconds(longest_);
   const std::uint32_t dropped = less(counters.packets_dropped, dropped_);
@@ -182,7 +182,7 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
   wire::HealthReport health{
       .uptime_ms = static_cast<std::uint64_t>((now - start_) / std::chrono::milliseconds(1)),
       .subscribers = control.subscribers,
-      .rate_mhz = rate_mhz_,
+      .rate_millihertz = rate_millihertz_,
       .latency_us = latency_us_,
       .longest_latency_us = longest_us_,
       .settings_revision = control.settings_revision,
@@ -213,7 +213,8 @@ wire::LoopCounters loop_counters(const Counters& counters) noexcept {
   return {.edges = counters.edges,
           .frames_published = counters.published,
           .mispaired = mispaired,
-          .timeouts = of(counters.timeouts, Part::kStereo) + of(counters.timeouts, Part::kPmd),
+          .timeouts =
+              of(counters.timeouts, Component::kStereo) + of(counters.timeouts, Component::kPmd),
           .deadline_misses = counters.skipped_periods + counters.expired,
           .link_drops = counters.packets_dropped};
 }

@@ -13,7 +13,7 @@
 
 namespace stof::firmware {
 
-// What the control thread tells the loop, for health messages.
+// The control thread's state, for health messages of the loop.
 struct ControlStatus {
   wire::ControlCounters requests{};
   std::uint64_t serial_sent = 0;
@@ -34,13 +34,13 @@ class HealthMonitor {
  public:
   explicit HealthMonitor(hal::Time start) noexcept : start_(start), second_(start) {}
 
-  // What the loop noted.
+  // Takes an event that the loop noted.
   void observe(const Event& event) noexcept;
   void set(wire::Condition condition, bool active, std::uint32_t value, hal::Time now) noexcept;
   void frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
                   hal::Time now) noexcept;
 
-  // Of all that is active.
+  // The health that the active conditions make.
   wire::Health summary() const noexcept;
 
   // The next message of each kind that is due, health also where it is wanted; call until there is
@@ -49,8 +49,8 @@ class HealthMonitor {
   std::optional<wire::HealthReport> next_health(const Counters& counters,
                                                 const ControlStatus& control, bool wanted,
                                                 hal::Time now) noexcept;
-  // Of the last whole second, 1/1000 Hz.
-  std::uint32_t rate_mhz() const noexcept { return rate_mhz_; }
+  // The rate of the last whole second, 1/1000 Hz.
+  std::uint32_t rate_millihertz() const noexcept { return rate_millihertz_; }
 
  private:
   struct Entry {
@@ -75,7 +75,7 @@ class HealthMonitor {
   std::uint32_t frames_ = 0;
   hal::Duration latency_{};
   hal::Duration longest_{};
-  std::uint32_t rate_mhz_ = 0;
+  std::uint32_t rate_millihertz_ = 0;
   std::uint32_t latency_us_ = 0;
   std::uint32_t longest_us_ = 0;
   std::uint64_t dropped_ = 0;  // counters as they were at its begin

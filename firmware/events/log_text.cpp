@@ -6,17 +6,17 @@
 namespace stof::firmware {
 namespace {
 
-const char* name(Part part) noexcept {
-  switch (part) {
-    case Part::kTrigger:
+const char* name(Component component) noexcept {
+  switch (component) {
+    case Component::kTrigger:
       return "trigger";
-    case Part::kStereo:
+    case Component::kStereo:
       return "stereo camera";
-    case Part::kPmd:
+    case Component::kPmd:
       return "PMD camera";
-    case Part::kLink:
+    case Component::kLink:
       return "link";
-    case Part::kLoop:
+    case Component::kLoop:
       return "loop";
   }
   return "unknown part";
@@ -52,11 +52,11 @@ std::string describe(const Event& event) {
                                                     " edges without a frame");
     case EventKind::kUnpaired:
       return std::string("no frame since ") + std::to_string(event.value) +
-             " edges: " + name(event.part) + ", " + to_string(event.status);
+             " edges: " + name(event.component) + ", " + to_string(event.status);
     case EventKind::kLost:
-      return std::string(name(event.part)) + " lost, trying to get it back";
+      return std::string(name(event.component)) + " lost, trying to get it back";
     case EventKind::kBack:
-      return std::string(name(event.part)) + " is back";
+      return std::string(name(event.component)) + " is back";
     case EventKind::kSendFailed:
       return "nobody can be reached at the destination, packets are dropped; sending goes on";
     case EventKind::kSending:
@@ -97,14 +97,14 @@ std::string summary(const Counters& counters) {
     const std::string why = causes(dropped);
     text += why.empty() ? "" : std::string("; ") + camera + " frames dropped: " + why;
   }
-  for (std::size_t part = 0; part < kParts; ++part) {
-    const char* const what = name(static_cast<Part>(part));
-    text += also(counters.timeouts[part], "timeouts of the ") +
-            (counters.timeouts[part] == 0 ? "" : what);
-    text +=
-        also(counters.errors[part], "errors of the ") + (counters.errors[part] == 0 ? "" : what);
-    text +=
-        also(counters.losses[part], "losses of the ") + (counters.losses[part] == 0 ? "" : what);
+  for (std::size_t component = 0; component < kComponents; ++component) {
+    const char* const what = name(static_cast<Component>(component));
+    text += also(counters.timeouts[component], "timeouts of the ") +
+            (counters.timeouts[component] == 0 ? "" : what);
+    text += also(counters.errors[component], "errors of the ") +
+            (counters.errors[component] == 0 ? "" : what);
+    text += also(counters.losses[component], "losses of the ") +
+            (counters.losses[component] == 0 ? "" : what);
   }
   return text;
 }

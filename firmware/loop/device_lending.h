@@ -11,7 +11,7 @@
 
 namespace stof::firmware {
 
-// Who may use a device: the loop's thread or, while it is lent, the thread that opens it again.
+// Decides which thread may use a device: the loop's or, while it is lent, the reopener's.
 //
 // The loop lends a device that is lost and of which it holds no frame. Until the device is given
 // back the loop does not touch it, and takes it for lost. One that is still lost then is lent again
@@ -22,17 +22,17 @@ class DeviceLending {
   // emulated_time: no time passes while a device is opened, so that the loop waits for its return.
   explicit DeviceLending(bool emulated_time) noexcept : waits_(emulated_time) {}
 
-  // Of the loop's thread.
+  // For the loop's thread.
   bool usable(board::Device device) const noexcept { return !is_lent(device); }
   // After each round of the loop. borrowed: frames of the device have not gone home yet.
   void after_round(board::Device device, bool lost, bool borrowed, hal::Time now) noexcept;
 
-  // Of the other thread. Blocks until there is a device to open, none at the end.
+  // For the other thread. Blocks until there is a device to open, none at the end.
   std::optional<board::Device> wait_for_lent() noexcept;
   // Opened or not: the loop finds out.
   void give_back(board::Device device) noexcept;
 
-  // Of any thread: wait_for_lent() ends.
+  // For any thread: wait_for_lent() ends.
   void end() noexcept;
 
  private:
@@ -50,7 +50,7 @@ class DeviceLending {
   static constexpr unsigned bit(board::Device device) noexcept {
     return 1U << static_cast<unsigned>(device);
   }
-  // What the other thread did to a device before it gave it back is seen here, and the other way.
+  // Each thread sees what the other did to a device before it handed it over.
   bool is_lent(board::Device device) const noexcept {
     return (lent_.load(std::memory_order_acquire) & bit(device)) != 0;
   }

@@ -49,7 +49,7 @@ Collected FrameCollector::collect(hal::Time edge, hal::Time deadline,
       search_first->forget_match();
     }
     of(conditions_.counters().stereo_dropped, Drop::kUnpartnered) += stereo ? 1U : 0U;
-    conditions_.note_no_frame(stereo ? Part::kPmd : Part::kStereo,
+    conditions_.note_no_frame(stereo ? Component::kPmd : Component::kStereo,
                               stereo ? pmd_status : stereo_status);
   }
   if (pmd_ && timing.pmd_every == 1) {  // serves no other edge
@@ -66,7 +66,7 @@ Status FrameCollector::collect_stereo(const ExposureWindow& window, hal::Time de
     Result<BorrowedStereo> frame = usable(board::Device::kStereo)
                                        ? board_.stereo.wait_frame(deadline)
                                        : fail(Status::kDeviceLost);
-    conditions_.note_device_status(Part::kStereo, status_of(frame));
+    conditions_.note_device_status(Component::kStereo, status_of(frame));
     if (!frame) {
       last = frame.error();
       if (last == Status::kCorrupt) {
@@ -102,7 +102,7 @@ Status FrameCollector::collect_pmd(hal::Time edge, hal::Time deadline,
     if (enough && !frame && frame.error() == Status::kTimeout) {
       return Status::kOk;
     }
-    conditions_.note_device_status(Part::kPmd, status_of(frame));
+    conditions_.note_device_status(Component::kPmd, status_of(frame));
     if (!frame) {
       last = frame.error();
       if (last == Status::kCorrupt) {
@@ -142,7 +142,7 @@ Shot FrameCollector::make_shot(hal::Time edge, BorrowedStereo&& stereo) noexcept
             pmd_exposed_,
             freshness_,
             conditions_.edges_without_frame(),
-            of(conditions_.counters().losses, Part::kStereo)};
+            of(conditions_.counters().losses, Component::kStereo)};
   pmd_.reset();
   return shot;
 }

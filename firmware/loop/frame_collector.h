@@ -18,15 +18,15 @@
 
 namespace stof::firmware {
 
-// What came of an edge.
+// The result of an edge.
 struct Collected {
   std::optional<Shot> shot;
   bool lost = false;  // a camera has to be reopened
 };
 
 // Takes from the cameras the frames that belong to an edge. Frames of other edges are dropped and
-// counted. With a PMD camera at every k-th edge, k > 1, edges between get a shot without new PMD
-// samples: the last ones hold, at most 2 k - 2 periods old: an integration may take k periods.
+// counted. With a PMD camera at every k-th edge, k > 1, edges between keep the last samples. These
+// are at most 2 k - 2 periods old, because an integration may take k periods.
 class FrameCollector {
  public:
   // Frames have the sizes of the setup's calibration. lending: cameras that are lent are not asked;
@@ -61,7 +61,7 @@ class FrameCollector {
   const DeviceLending* lending_;
   StereoPairing stereo_pairing_;
   PmdPairing pmd_pairing_;
-  // Of the last edges, newest first.
+  // The windows of the last edges, newest first.
   std::array<ExposureWindow, 2 * board::kMostPmdEvery - 1> pmd_windows_{};
   std::size_t pmd_window_count_ = 0;
   std::optional<BorrowedPmd> pmd_;     // accepted, and not in a shot yet

@@ -55,12 +55,12 @@ void Loop::lend_lost_devices() noexcept {
     return;
   }
   const hal::Time now = board_.clock.now();
-  const auto lend = [&](board::Device device, Part part, bool borrowed) {
-    lending_->after_round(device, conditions_.lost(part), borrowed, now);
+  const auto lend = [&](board::Device device, Component component, bool borrowed) {
+    lending_->after_round(device, conditions_.lost(component), borrowed, now);
   };
-  lend(board::Device::kTrigger, Part::kTrigger, false);
-  lend(board::Device::kStereo, Part::kStereo, held_.has_value());
-  lend(board::Device::kPmd, Part::kPmd, collector_.holds_pmd() || (held_ && held_->pmd));
+  lend(board::Device::kTrigger, Component::kTrigger, false);
+  lend(board::Device::kStereo, Component::kStereo, held_.has_value());
+  lend(board::Device::kPmd, Component::kPmd, collector_.holds_pmd() || (held_ && held_->pmd));
 }
 
 void Loop::restart(const board::TimingConfig& timing) noexcept {
@@ -80,7 +80,7 @@ Result<hal::Time> Loop::pulse() noexcept {
   const hal::Time planned = schedule_.advance();
   const bool usable = lending_ == nullptr || lending_->usable(board::Device::kTrigger);
   Result<hal::Time> edge = usable ? board_.trigger.pulse() : fail(Status::kDeviceLost);
-  conditions_.note_device_status(Part::kTrigger, edge ? Status::kOk : edge.error());
+  conditions_.note_device_status(Component::kTrigger, edge ? Status::kOk : edge.error());
   if (edge) {
     Counters& counters = conditions_.counters();
     ++counters.edges;
@@ -91,9 +91,9 @@ Result<hal::Time> Loop::pulse() noexcept {
     }
     // A time that cannot be: nobody knows what was exposed when.
     edge = fail(Status::kDeviceError);
-    conditions_.note_device_status(Part::kTrigger, edge.error());
+    conditions_.note_device_status(Component::kTrigger, edge.error());
   }
-  conditions_.note_no_frame(Part::kTrigger, edge.error());
+  conditions_.note_no_frame(Component::kTrigger, edge.error());
   return edge;
 }
 

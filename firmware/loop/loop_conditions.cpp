@@ -9,27 +9,27 @@ void LoopConditions::note(const Event& event) noexcept {
   monitor_.observe(event);
 }
 
-void LoopConditions::note_device_status(Part part, Status status) noexcept {
+void LoopConditions::note_device_status(Component component, Status status) noexcept {
   Counters& counters = events_.counters;
   const bool lost = status == Status::kDeviceLost;
-  if (lost != std::exchange(lost_[static_cast<std::size_t>(part)], lost)) {
-    note({clock_.now(), lost ? EventKind::kLost : EventKind::kBack, part, status, 0});
+  if (lost != std::exchange(lost_[static_cast<std::size_t>(component)], lost)) {
+    note({clock_.now(), lost ? EventKind::kLost : EventKind::kBack, component, status, 0});
   }
   if (lost) {
-    ++of(counters.losses, part);
+    ++of(counters.losses, component);
   } else if (status == Status::kTimeout) {
-    ++of(counters.timeouts, part);
+    ++of(counters.timeouts, component);
   } else if (status != Status::kOk) {
-    ++of(counters.errors, part);
+    ++of(counters.errors, component);
   }
 }
 
 void LoopConditions::note_link_status(Status status) noexcept {
-  note_device_status(Part::kLink, status == Status::kWouldBlock ? Status::kOk : status);
+  note_device_status(Component::kLink, status == Status::kWouldBlock ? Status::kOk : status);
   const bool unreachable = status == Status::kDeviceError;
   if (unreachable != std::exchange(unreachable_, unreachable)) {
-    note({clock_.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending, Part::kLink,
-          status, 0});
+    note({clock_.now(), unreachable ? EventKind::kSendFailed : EventKind::kSending,
+          Component::kLink, status, 0});
   }
 }
 
@@ -39,22 +39,23 @@ void LoopConditions::note_lateness(const Schedule::Lateness& lateness, hal::Time
   counters.late_edges += lateness.noticeable ? 1U : 0U;
   if (lateness.skipped > 0) {
     if (std::exchange(edges_in_time_, 0) >= kInTimeEdges) {
-      note({now, EventKind::kLate, Part::kLoop, Status::kTimeout,
+      note({now, EventKind::kLate, Component::kLoop, Status::kTimeout,
             static_cast<std::uint32_t>(lateness.skipped)});
     }
   } else if (edges_in_time_ < kInTimeEdges && ++edges_in_time_ == kInTimeEdges) {
-    note({now, EventKind::kInTime, Part::kLoop, Status::kOk, 0});
+    note({now, EventKind::kInTime, Component::kLoop, Status::kOk, 0});
   }
 }
 
 void LoopConditions::note_frame() noexcept {
   if (!std::exchange(publishing_, true)) {
-    note({clock_.now(), EventKind::kPublishing, Part::kLoop, Status::kOk, edges_without_frame_});
+    note({clock_.now(), EventKind::kPublishing, Component::kLoop, Status::kOk,
+          edges_without_frame_});
   }
   edges_without_frame_ = 0;
 }
 
-void LoopConditions::note_no_frame(Part missing, Status why) noexcept {
+void LoopConditions::note_no_frame(Component missing, Status why) noexcept {
   ++events_.counters.unpaired_edges;
   if (++edges_without_frame_ == kSilentEdges) {
     publishing_ = false;

@@ -11,26 +11,28 @@
 
 namespace stof::firmware {
 
-// What is wrong with the devices and the loop itself. Each answer of a device is counted; where a
+// The conditions of the devices and of the loop itself. Each answer of a device is counted; where a
 // condition begins or ends, one event is noted, for the log and for the health monitor.
 class LoopConditions {
  public:
   LoopConditions(hal::Clock& clock, Events& events, HealthMonitor& monitor) noexcept
       : clock_(clock), events_(events), monitor_(monitor) {}
 
-  // What a device answered: kOk, or an error, of which kDeviceLost lasts until another answer.
-  void note_device_status(Part part, Status status) noexcept;
-  // What the link answered to a frame. A full link (kWouldBlock) is no error here: the publisher
+  // Takes a device's answer: kOk, or an error, of which kDeviceLost lasts until another answer.
+  void note_device_status(Component component, Status status) noexcept;
+  // Takes the link's answer to a frame. A full link (kWouldBlock) is no error here: the publisher
   // counts its drops.
   void note_link_status(Status status) noexcept;
   // How late the loop was for an edge, at `now`.
   void note_lateness(const Schedule::Lateness& lateness, hal::Time now) noexcept;
   // An edge that has a frame.
   void note_frame() noexcept;
-  // One that has none: which part was missing, and what it said last.
-  void note_no_frame(Part missing, Status why) noexcept;
+  // One that has none: which component was missing, and what it said last.
+  void note_no_frame(Component missing, Status why) noexcept;
 
-  bool lost(Part part) const noexcept { return lost_[static_cast<std::size_t>(part)]; }
+  bool lost(Component component) const noexcept {
+    return lost_[static_cast<std::size_t>(component)];
+  }
   // Since the last edge that had a frame.
   std::uint32_t edges_without_frame() const noexcept { return edges_without_frame_; }
 
@@ -47,7 +49,7 @@ class LoopConditions {
   hal::Clock& clock_;
   Events& events_;
   HealthMonitor& monitor_;
-  std::array<bool, kParts> lost_{};
+  std::array<bool, kComponents> lost_{};
   bool unreachable_ = false;  // no receiver
   bool publishing_ = false;
   std::uint32_t edges_without_frame_ = 0;

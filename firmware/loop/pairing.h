@@ -61,7 +61,7 @@ class StereoPairing {
   SequenceGuard right_;
 };
 
-// What became of a PMD frame: with kNone it belongs to the `age`-th of the windows.
+// The verdict on a PMD frame: with kNone it belongs to the `age`-th of the windows.
 struct PmdVerdict {
   Drop drop = Drop::kNone;
   int age = 0;

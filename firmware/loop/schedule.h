@@ -50,7 +50,7 @@ class Schedule {
   };
   // The loop is ready for the next edge: next() is what it has to wait for.
   Lateness arrive(hal::Time now) noexcept;
-  // The edge of next() is driven now; the next one is due a period later. What next() was.
+  // The edge of next() is driven now; the next one is due a period later. Returns what next() was.
   hal::Time advance() noexcept;
   // An edge went out at that time: skips periods until the next one is far enough from it. How
   // many.

@@ -14,7 +14,7 @@
 
 namespace stof::firmware {
 
-// What is decided at start and never again. A PMD lens of 0x0 means stereo alone.
+// The choices made at start, for good. A PMD lens of 0x0 means stereo alone.
 struct Setup {
   dsp::Calibration calibration;
   dsp::DepthParams depth;
@@ -23,7 +23,7 @@ struct Setup {
   bool has_pmd() const noexcept { return calibration.pmd.lens.width > 0; }
 };
 
-// What frames of this rig are made of.
+// The sizes of this rig's frames.
 wire::FrameSizes sizes_of(const Setup& setup) noexcept;
 
 struct Stats {

@@ -50,7 +50,7 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
   calibration_due_.reset();  // receivers go by it
 }
 
-void Publisher::set_receivers(const SubscriberList& receivers) noexcept {
+void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   for (const hal::Peer& peer : receivers.all()) {
     if (std::ranges::find(receivers_.all(), peer) == receivers_.all().end()) {
       calibration_due_.reset();
@@ -61,16 +61,16 @@ void Publisher::set_receivers(const SubscriberList& receivers) noexcept {
 }
 
 Status Publisher::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
-  stamp_ = {.number = begun_ ? stamp_.number + 1 : 0,
-            .freshness = shot.freshness,
-            .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
-            .health = std::max(health_.summary(), shot.missed_edges == 0 ? wire::Health::kOk
-                                                                         : wire::Health::kDegraded),
-            .clock = setup_.clock};
-  begun_ = true;
+  stamp_ = wire::FrameStamp{
+      .number = stamp_ ? stamp_->number + 1 : 0,
+      .freshness = shot.freshness,
+      .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
+      .health = std::max(health_.summary(),
+                         shot.missed_edges == 0 ? wire::Health::kOk : wire::Health::kDegraded),
+      .clock = setup_.clock};
   const wire::FrameInfo info = describe(shot, output);
   if (listener_ != nullptr) {
-    listener_->frame(stamp_, info, output.map);
+    listener_->frame(*stamp_, info, output.map);
   }
   Status status = Status::kOk;
   times_ = {};
@@ -138,7 +138,7 @@ Status Publisher::send_frame(const Shot& shot, const Output& output, const wire:
                              hal::Time latest) noexcept {
   const hal::Time start = clock_.now();
   Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest));
-  const Status coded = coder_.code(stamp_, info, images_of(shot, output), params_.choice, paced);
+  const Status coded = coder_.code(*stamp_, info, images_of(shot, output), params_.choice, paced);
   times_.code = clock_.now() - start - times_.send - times_.waited;
   return coded == Status::kOk ? paced.status() : coded;
 }
@@ -200,7 +200,7 @@ void Publisher::report(const ControlStatus& control) noexcept {
 }
 
 wire::Header Publisher::header(wire::PacketType type) const noexcept {
-  wire::FrameStamp stamp = stamp_;
+  wire::FrameStamp stamp = stamp_.value_or(wire::FrameStamp{});
   stamp.health = std::max(stamp.health, health_.summary());
   stamp.clock = setup_.clock;
   return {.type = type,

@@ -7,7 +7,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "firmware/control/subscriber_list.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/events/events.h"
 #include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
@@ -19,7 +19,7 @@
 
 namespace stof::firmware {
 
-// Who sends, and what every receiver has to know about it.
+// The sender, as every receiver has to know it.
 struct PublisherSetup {
   wire::Origin origin;
   wire::ClockState clock = wire::ClockState::kMonotonic;
@@ -35,7 +35,7 @@ struct PublisherParams {
   dsp::QuarterMm max_range = 0;  // sent with the calibration, as the period; 0: as at start
 };
 
-// What a frame's way out took.
+// The times of a frame's way out.
 struct PublisherTimes {
   hal::Duration code{};
   hal::Duration send{};    // without the waits of pacing
@@ -63,8 +63,8 @@ class Publisher {
   Publisher& operator=(const Publisher&) = delete;
 
   void set_params(const PublisherParams& params) noexcept;
-  // Who gets everything from now on; a new one gets calibration and health at once.
-  void set_receivers(const SubscriberList& receivers) noexcept;
+  // The receivers from now on; a new one gets calibration and health at once.
+  void set_receivers(const ReceiverList& receivers) noexcept;
 
   // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
   // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
@@ -73,7 +73,7 @@ class Publisher {
   // Health and events that are due. Each period, also where there is no frame.
   void report(const ControlStatus& control) noexcept;
 
-  // Of the last frame.
+  // The times of the last frame.
   const PublisherTimes& times() const noexcept { return times_; }
   HealthMonitor& health() noexcept { return health_; }
   const HealthMonitor& health() const noexcept { return health_; }
@@ -98,9 +98,8 @@ class Publisher {
   wire::FrameCoder coder_;
   PublisherParams params_;
   HealthMonitor health_;
-  SubscriberList receivers_;
-  wire::FrameStamp stamp_;  // of the last frame
-  bool begun_ = false;      // a frame was sent
+  ReceiverList receivers_;
+  std::optional<wire::FrameStamp> stamp_;  // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver
   PublisherTimes times_;

@@ -10,7 +10,7 @@
 
 namespace stof::firmware {
 
-// What one trigger edge gave: verified frames of all cameras. The slots go home with it.
+// The verified frames of all cameras for one trigger edge. The slots go home with it.
 struct Shot {
   hal::Time edge;
   hal::Time exposed;  // middle of the exposure of the left view

@@ -66,7 +66,7 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
 }
 
 Status Appliance::step(const ControlStatus& control) noexcept {
-  while (const std::optional<SubscriberList> receivers = parts_.receivers.pop()) {
+  while (const std::optional<ReceiverList> receivers = parts_.receivers.pop()) {
     publisher_.set_receivers(*receivers);
   }
   std::optional<RunConfig> newest;

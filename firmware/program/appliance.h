@@ -7,7 +7,7 @@
 #include "board/board.h"
 #include "dsp/base/arena.h"
 #include "dsp/base/thread_team.h"
-#include "firmware/control/subscriber_list.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/events/events.h"
 #include "firmware/loop/loop.h"
 #include "firmware/pipeline/pipeline.h"
@@ -28,9 +28,9 @@ struct Memory {
   std::span<std::byte> coded;   // for coded frames and the serial line's pictures
 };
 
-// What runs on the loop's thread: pipeline, publisher and loop, in the workspace; others help with
-// the pipeline alone. New settings take effect between two frames: what only the publisher does
-// from the next one on, a new way to compute depth builds the pipeline anew in the same memory.
+// The parts on the loop's thread: pipeline, publisher and loop, in the workspace; other threads
+// help with the pipeline alone. New settings take effect between two frames: those of the publisher
+// from the next one on; a new way to compute depth builds the pipeline anew in the same memory.
 // Allocates nothing after construction.
 class Appliance {
  public:
@@ -38,7 +38,7 @@ class Appliance {
     board::Board& board;
     Events& events;
     RunConfigRing& run_configs;
-    SubscriberRing& receivers;
+    ReceiverRing& receivers;
     ByteRing* serial;                  // to the serial line; nullptr: there is none
     dsp::ThreadTeam threads;           // that may compute, the loop's among them
     DeviceLending* lending = nullptr;  // of lost devices; nullptr: they come back by themselves

@@ -58,7 +58,7 @@ wire::Announce ControlServices::make_announce() const noexcept {
   put_text(settings_server_.active().name.view(), announce.name);
   announce.subscribers = static_cast<std::uint8_t>(subscribers_.count());
   announce.most_subscribers = kMostSubscribers;
-  announce.rate_mhz = parts_.loop_status.rate_mhz.load(std::memory_order_relaxed);
+  announce.rate_millihertz = parts_.loop_status.rate_millihertz.load(std::memory_order_relaxed);
   return announce;
 }
 

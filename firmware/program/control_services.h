@@ -8,10 +8,10 @@
 
 #include "board/board.h"
 #include "firmware/control/control_thread.h"
+#include "firmware/control/lease_table.h"
 #include "firmware/control/periodic_task.h"
+#include "firmware/control/receiver_list.h"
 #include "firmware/control/request_handler.h"
-#include "firmware/control/subscriber_list.h"
-#include "firmware/control/subscribers.h"
 #include "firmware/discovery/beacon.h"
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/program/appliance.h"
@@ -23,15 +23,15 @@
 
 namespace stof::firmware {
 
-// What the loop tells the control thread.
+// The loop's state, for the control thread.
 struct LoopStatus {
-  std::atomic<std::uint32_t> rate_mhz = 0;
+  std::atomic<std::uint32_t> rate_millihertz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
 };
 
 // Everything that the control thread does, put together: requests, subscriptions, settings,
-// discovery, the serial line. What the loop needs to know of it goes through rings and atomics.
+// discovery, the serial line. Rings and atomics carry what the loop needs.
 class ControlServices final : public settings::Limits,
                               public settings::SettingsSink,
                               public PeriodicTask {
@@ -44,7 +44,7 @@ class ControlServices final : public settings::Limits,
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
     RunConfigRing& run_configs;
-    SubscriberRing& receivers;
+    ReceiverRing& receivers;
     ByteRing* serial;  // nullptr: there is no line
     const LoopStatus& loop_status;
   };
@@ -57,7 +57,7 @@ class ControlServices final : public settings::Limits,
   ControlServices(const ControlServices&) = delete;
   ControlServices& operator=(const ControlServices&) = delete;
 
-  // Of the loop's thread. `made`: what its end of the serial line counted.
+  // For the loop's thread. `made`: the counters of its end of the serial line.
   ControlStatus status(const SerialSender::Counters& made) const noexcept;
 
   bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
@@ -72,7 +72,7 @@ class ControlServices final : public settings::Limits,
 
   Parts parts_;
   settings::SettingsServer settings_server_;
-  Subscribers subscribers_;
+  LeaseTable subscribers_;
   RequestHandler handler_;
   Beacon beacon_;
   std::optional<MdnsAgent> mdns_;
@@ -83,7 +83,7 @@ class ControlServices final : public settings::Limits,
   hal::Time started_ = control_now();
   std::array<PeriodicTask*, 1> tasks_{this};
 
-  // What status() tells the loop's thread.
+  // The state that status() reads on the loop's thread.
   struct {
     std::atomic<std::uint32_t> revision = 1;
     std::atomic<std::uint8_t> subscribers = 0;

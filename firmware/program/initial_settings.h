@@ -11,7 +11,7 @@
 
 namespace stof::firmware {
 
-// What the settings are at start: what was saved, and on top of it what the command line says.
+// The settings at start: the saved ones, and on top of them those of the command line.
 struct InitialSettings {
   std::unique_ptr<hal::Store> store;  // may be empty
   settings::Settings saved;

@@ -42,7 +42,7 @@ constexpr int kExitBadInput = 2;
 constinit Workspace workspace{};
 constinit Events events{};
 constinit RunConfigRing run_configs{};
-constinit SubscriberRing receivers{};
+constinit ReceiverRing receivers{};
 constinit LoopStatus loop_status{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
 static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(loop_status) +
@@ -170,14 +170,14 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   const EventPrinter printer(events);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
   // Only now: what the other threads do can wait.
-  static_cast<void>(board::be_urgent(true));
+  static_cast<void>(board::set_realtime_priority(true));
   board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control.status(appliance.serial())));
     watchdog.after_round();
-    loop_status.rate_mhz.store(appliance.publisher().health().rate_mhz(),
-                               std::memory_order_relaxed);
+    loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
+                                      std::memory_order_relaxed);
     loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
   if (watchdog.end() != Status::kOk) {
@@ -187,10 +187,9 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
     print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
   }
-  static_cast<void>(board::be_urgent(false));
+  static_cast<void>(board::set_realtime_priority(false));
 }
 
-// Threads that help to compute are as urgent as the loop.
 void say_refusal(const std::optional<std::string>& refusal) {
   if (refusal) {
     print_line(*refusal);
@@ -206,13 +205,14 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
     return refuse(why);
   }
   say_refusal(board::lock_memory());
-  say_refusal(board::be_urgent(true));
+  // The threads that help to compute inherit it.
+  say_refusal(board::set_realtime_priority(true));
   posix::WorkerThreads workers({.threads = threads_of(start.active), .name = "stof-depth"});
   if (workers.error() != 0) {
     print_line("the system refuses threads, " + std::to_string(workers.threads()) + " of " +
                std::to_string(threads_of(start.active)) + " compute: check its limits");
   }
-  static_cast<void>(board::be_urgent(false));
+  static_cast<void>(board::set_realtime_priority(false));
   rig->threads = workers.threads();
   auto run_config = make_run_config(*rig, board::kConfig, start.active);
   if (!run_config) {

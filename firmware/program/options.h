@@ -39,8 +39,8 @@ struct Options {
 // Error: one line, what, where and what to do. Views refer to `arguments`.
 std::expected<Options, std::string> parse_options(std::span<const std::string_view> arguments);
 
-// What the command line says about settings. Empty, or which flag takes what; nothing is changed
-// then. `notes` says in one line which fields are as the preset has them, although they are named.
+// Applies the command line's settings. Empty, or which flag takes what; nothing is changed then.
+// `notes` names in one line the fields that are as the preset has them, although they are named.
 std::string apply(const std::vector<Assignment>& assignments, settings::Settings& settings,
                   std::string& notes);
 

@@ -8,7 +8,8 @@
 namespace stof::firmware {
 
 // The thread that opens devices again which the loop has lent to it. It sleeps while there are
-// none; it is as urgent as whoever starts it. The destructor ends it, after a try that goes on.
+// none. It has the priority of the thread that starts it. The destructor waits for a running
+// attempt.
 class Reopener {
  public:
   // Both outlive it.

@@ -16,7 +16,7 @@
 // thread; may allocate. Errors: one line, what, where and what to do.
 namespace stof::firmware {
 
-// What stays from start to end.
+// The constants from start to end.
 struct RigInfo {
   dsp::Calibration calibration;             // PMD size 0x0: none
   std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
@@ -30,7 +30,7 @@ struct RigInfo {
 std::expected<RigInfo, std::string> make_rig(const board::Board& board, const board::Config& config,
                                              const std::string& calibration_file);
 
-// What settings make of it. Refers to the rig's fixed pattern.
+// The configuration that settings make of a rig. Refers to the rig's fixed pattern.
 struct RunConfig {
   Setup setup;
   board::TimingConfig timing;

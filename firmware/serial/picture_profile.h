@@ -23,12 +23,12 @@ inline constexpr PictureProfile kMedium{.width = 160, .height = 120, .unit = 16}
 int profile_step(const PictureProfile& profile, int width, int height) noexcept;
 
 // Depth into units, rounded towards the camera, and width into units, rounded so that the new
-// interval holds the old one. What has depth keeps one. Images of one size.
+// interval holds the old one. A pixel with depth keeps one. Images of one size.
 void coarsen(int unit, dsp::ImageView<dsp::QuarterMm> depth,
              dsp::ImageView<dsp::QuarterMm> width) noexcept;
 
-// What goes with a profile's picture of a map with that calibration. A pixel stands for the middle
-// of its block, where it may be any of the block's pixels.
+// The calibration of a profile's picture of a map with that calibration. A pixel stands for the
+// middle of its block, where it may be any of the block's pixels.
 wire::CalibrationPacket profile_calibration(const wire::CalibrationPacket& calibration,
                                             const PictureProfile& profile) noexcept;
 

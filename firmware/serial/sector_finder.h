@@ -52,7 +52,7 @@ class SectorFinder {
   // map.depth and map.width of the lens's size.
   const Sectors& find(const dsp::DepthMap& map) noexcept;
 
-  // Of the sectors that `ahead` is taken from.
+  // The field of the sectors that `ahead` is taken from.
   float ahead_field_rad() const noexcept { return ahead_field_rad_; }
   float vertical_field_rad() const noexcept { return vertical_field_rad_; }
 

@@ -7,7 +7,7 @@
 
 namespace stof::firmware {
 
-// What of the settings a serial line needs.
+// The settings that a serial line needs.
 struct SerialParams {
   settings::SerialMode mode = settings::SerialMode::kOff;
   settings::SerialProfile profile = settings::SerialProfile::kSectors;
@@ -21,7 +21,7 @@ struct SerialParams {
   friend bool operator==(const SerialParams&, const SerialParams&) = default;
 };
 
-// Of valid settings.
+// settings: valid.
 constexpr SerialParams serial_params(const settings::Settings& settings) noexcept {
   return {.mode = settings.serial.mode,
           .profile = settings.serial.profile,

@@ -30,8 +30,8 @@ struct SerialSetup {
 };
 
 // The loop's side of the serial line: decides what goes, makes it, puts it into the ring. Nothing
-// blocks; no heap. What the ring and the line do not take is dropped and counted, whole frames
-// only.
+// blocks; no heap. Frames that the ring or the line does not take are dropped and counted, whole
+// ones only.
 //
 // Never more than the line carries: a frame waits until what was sent before needs less than half
 // an interval of the rate. Whatever is newest then goes.

@@ -11,20 +11,20 @@
 namespace stof::settings {
 namespace {
 
-constexpr std::string_view search_name(Search search) noexcept {
-  switch (search) {
-    case Search::kQuality:
+constexpr std::string_view preset_name(DepthPreset preset) noexcept {
+  switch (preset) {
+    case DepthPreset::kQuality:
       return "quality";
-    case Search::kChapter:
+    case DepthPreset::kChapter:
       return "chapter";
-    case Search::kFast:
+    case DepthPreset::kFast:
       break;
   }
   return "fast";
 }
 
 dsp::MatchParams match_params(const DepthSettings& depth) noexcept {
-  const dsp::Preset* const preset = dsp::find_preset(search_name(depth.preset));
+  const dsp::Preset* const preset = dsp::find_preset(preset_name(depth.preset));
   STOF_CHECK(preset != nullptr);
   dsp::MatchParams match = dsp::for_depth(*preset);
   const std::span<const dsp::MatchOption> options = dsp::match_options();

@@ -6,8 +6,8 @@
 
 namespace stof::settings {
 
-// What the pipeline computes with. rig_disparities: what holds where the settings say 0.
-// What the board has room for is checked elsewhere.
+// The parameters of the pipeline. rig_disparities: holds where the settings say 0. The room of the
+// board is checked elsewhere.
 dsp::DepthParams depth_params(const Settings& settings, int rig_disparities) noexcept;
 
 // Blocks that an earlier version matched, but this one cannot, because their sums do not fit 16

@@ -9,7 +9,7 @@
 
 #include "firmware/wire/frame/frame_images.h"
 
-// What a sensor can be told to do differently. The table in field.cpp says of each field which
+// The settings of a sensor. The table in field.cpp says of each field which
 // values it takes, its unit and what it means; the values below are the defaults.
 namespace stof::settings {
 
@@ -38,14 +38,14 @@ inline constexpr std::size_t kMatchBytes = 23;
 inline constexpr std::size_t kMatchSlots = 24;
 
 // dsp::find_preset() of their names.
-enum class Search : std::uint8_t { kFast, kQuality, kChapter };
+enum class DepthPreset : std::uint8_t { kFast, kQuality, kChapter };
 
 // dsp::ThreadTeam::kMost.
 inline constexpr int kMostThreads = 8;
 inline constexpr int kUsualThreads = 4;
 
 struct DepthSettings {
-  Search preset = Search::kFast;
+  DepthPreset preset = DepthPreset::kFast;
   int max_range_mm = 10000;
   int disparities = 0;  // 0: what the rig asks for
   bool guided = false;
@@ -73,10 +73,11 @@ struct SerialSettings {
 
 // Which pixels make an obstacle.
 struct SectorSettings {
-  int above_mm = 300;  // of the camera's height: what is higher is passed below
+  // Anything more than this above the camera is ignored; the robot passes below it.
+  int above_mm = 300;
   int below_mm = 300;
   int pixels = 8;      // that make an obstacle, at least 1
-  int least_mm = 100;  // obstacles nearer than that are told at that distance
+  int least_mm = 100;  // obstacles nearer than that are reported at that distance
 
   friend bool operator==(const SectorSettings&, const SectorSettings&) = default;
 };
@@ -106,7 +107,7 @@ struct Settings {
   int period_ms = 0;  // 0: the board's
   DepthSettings depth;
   wire::StreamChoice streams{
-      .coding = {wire::Coding::kFit, wire::Coding::kFit, wire::Coding::kRvl}};
+      .coding = {wire::Coding::kQuantised, wire::Coding::kQuantised, wire::Coding::kRvl}};
   int pace_percent = 60;  // of a period, that sending is spread over
   int udp_port = 7560;
   int dscp = 0;  // of every datagram

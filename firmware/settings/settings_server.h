@@ -13,7 +13,7 @@
 
 namespace stof::settings {
 
-// What this board and rig can do beyond what the table of fields says: workspace, disparities.
+// The limits of this board and rig beyond those in the table of fields: workspace, disparities.
 class Limits {
  public:
   virtual ~Limits() = default;
@@ -22,7 +22,7 @@ class Limits {
   virtual bool accepts(const Settings& settings, PagedWriter& why) noexcept = 0;
 };
 
-// Who runs with the settings.
+// Runs with the settings.
 class SettingsSink {
  public:
   virtual ~SettingsSink() = default;
@@ -33,8 +33,8 @@ class SettingsSink {
 // Whether the fields suit each other, and the limits accept them (nullptr: are not asked).
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept;
 
-// Keeps the documents active, staged and saved, and answers requests about them. What is staged is
-// a set of fields and their values: fields that were not staged stay as they are active at the
+// Keeps the documents active, staged and saved, and answers requests about them. Staged are
+// fields and their values: fields that were not staged stay as they are active at the
 // commit. No heap; for the control thread alone.
 class SettingsServer final : public firmware::SettingsService {
  public:

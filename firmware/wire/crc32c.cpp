@@ -3,7 +3,7 @@
 #include <array>
 
 #include "firmware/wire/bytes.h"
-#include "firmware/wire/crc32c_variants.h"
+#include "firmware/wire/crc32c_hardware.h"
 
 namespace stof::wire {
 namespace {

@@ -12,4 +12,9 @@ namespace stof::wire {
 // precedes: crc32c(b, crc32c(a)) is the CRC of a followed by b.
 std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before = 0) noexcept;
 
+// Without the instructions of crc32c_hardware.h: where there are none, and for tests.
+namespace table {
+std::uint32_t crc32c(std::span<const std::byte> bytes, std::uint32_t before) noexcept;
+}  // namespace table
+
 }  // namespace stof::wire

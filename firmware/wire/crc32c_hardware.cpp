@@ -1,11 +1,11 @@
+#include "firmware/wire/crc32c_hardware.h"
+
 #include <array>
 #include <cstring>
 
 #if defined(__aarch64__)
 #include <sys/auxv.h>
 #endif
-
-#include "firmware/wire/crc32c_variants.h"
 
 // Three sequences at once: the instruction takes three cycles, and one begins in every cycle. Each
 // sequence's CRC is then moved by the length of what follows it, and they are added.

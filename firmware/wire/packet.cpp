@@ -131,8 +131,8 @@ bool consistent_tile(const PacketView& packet) noexcept {
   const bool scalable = header.stream == Stream::kDepth || header.stream == Stream::kWidth;
   return pixel_bytes(header.stream, header.codec) > 0 && header.pixel_count > 0 &&
          (scalable || scale_of(header) == 0) &&
-         (header.stream == Stream::kSource || !in_steps(header)) && header.first_column < width &&
-         first + header.pixel_count <= width * header.image_height &&
+         (header.stream == Stream::kSource || !is_xor_delta(header)) &&
+         header.first_column < width && first + header.pixel_count <= width * header.image_height &&
          (bytes == 0 || packet.payload.size() == bytes);
 }
 

@@ -27,7 +27,7 @@ constexpr bool part_of_frame(PacketType type) noexcept {
   return static_cast<std::uint8_t>(type) < 64;
 }
 
-// What all packets of a frame say alike.
+// The fields that all packets of a frame have in common.
 struct FrameStamp {
   std::uint32_t number = 0;     // advances by one with each frame sent, wraps
   std::uint32_t freshness = 0;  // advances only on a verified new exposure of all cameras; from 1
@@ -39,7 +39,8 @@ struct FrameStamp {
 struct Header {
   PacketType type = PacketType::kTile;
   // Bits 0 to 3 of a tile of depth or width: its values stand for what is 1 << scale times as
-  // large. Bit 4 of a tile of source: its values are steps. The others are sent as 0 and ignored.
+  // large. Bit 4 of a tile of source: its values are exclusive ors (kXorDeltaFlag). The others are
+  // sent as 0 and ignored.
   std::uint8_t flags = 0;
   Origin origin{};
   FrameStamp frame{};
@@ -100,17 +101,19 @@ constexpr std::size_t raw_pixel_bytes(Codec codec) noexcept {
 }
 
 constexpr unsigned scale_of(const Header& header) noexcept { return header.flags & 0x0FU; }
-// Whether each pixel is told by its exclusive or with the one left of it; the first of the tile and
-// of each row is told as it is.
-inline constexpr std::uint8_t kStepsFlag = 0x10;
-constexpr bool in_steps(const Header& header) noexcept { return (header.flags & kStepsFlag) != 0; }
+// Whether a pixel is sent as its exclusive or with the one left of it; the first of the tile and of
+// each row is sent as it is.
+inline constexpr std::uint8_t kXorDeltaFlag = 0x10;
+constexpr bool is_xor_delta(const Header& header) noexcept {
+  return (header.flags & kXorDeltaFlag) != 0;
+}
 
 // Bytes that a pixel of a stream has in memory: 1, 2 or 8; 0 for a stream or codec this code does
 // not know, or a pair of them that does not belong together.
 std::size_t pixel_bytes(Stream stream, Codec codec) noexcept;
 
-// Whether a tile of a known stream and codec lies in its image, has a scale or steps only where
-// there are such, and has as many bytes as it says; how many an RVL tile has to have only its
+// Whether a tile of a known stream and codec lies in its image, has a scale or exclusive ors only
+// where there are such, and has as many bytes as it says; how many an RVL tile has to have only its
 // decoder knows.
 bool consistent_tile(const PacketView& packet) noexcept;
 

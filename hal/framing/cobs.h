@@ -20,7 +20,7 @@ constexpr std::size_t cobs_bound(std::size_t bytes) noexcept { return bytes + by
 std::size_t cobs_encode(std::span<const std::byte> frame, std::span<std::byte> out) noexcept;
 
 // Bytes of a line into frames, each ended by a zero. After damage or at the line's begin, the next
-// zero is where the next frame begins. What lies between is handed out as it decodes, or counted.
+// zero is where the next frame begins. Bytes between are handed out as they decode, or counted.
 class CobsReader {
  public:
   static constexpr std::size_t kMaxFrame = kMaxDatagram;

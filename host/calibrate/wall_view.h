@@ -4,8 +4,8 @@
 
 #include "host/calibrate/walls/pmd_wall.h"
 
-// What one recording of a wall becomes through the appliance's own converter, against the wall that
-// it should see.
+// One recording of a wall through the appliance's own converter, against the wall that it should
+// see.
 namespace stof::host {
 
 inline constexpr std::size_t kPmdFlags = 8;  // bits of PmdFlag

@@ -13,18 +13,19 @@
 namespace stof::host {
 namespace {
 
-constexpr std::array kWayNames{client::Way::kDirect, client::Way::kBeacon, client::Way::kMdns};
+constexpr std::array kMethods{client::DiscoveryMethod::kDirect, client::DiscoveryMethod::kBeacon,
+                              client::DiscoveryMethod::kMdns};
 
 const char* health_name(const std::optional<wire::Health>& health) {
   return health ? client::name_in(client::kHealthNames, static_cast<std::size_t>(*health))
                 : "unknown";
 }
 
-std::vector<std::string> ways_of(const client::FoundSensor& sensor) {
+std::vector<std::string> methods_of(const client::FoundSensor& sensor) {
   std::vector<std::string> names;
-  for (const client::Way way : kWayNames) {
-    if (sensor.ways[static_cast<std::size_t>(way)]) {
-      names.emplace_back(client::to_string(way));
+  for (const client::DiscoveryMethod method : kMethods) {
+    if (sensor.methods[static_cast<std::size_t>(method)]) {
+      names.emplace_back(client::to_string(method));
     }
   }
   return names;
@@ -36,13 +37,14 @@ std::string discover_line(const client::FoundSensor& sensor) {
   std::string line = sensor.serial + " '" + sensor.name + "' at " + sensor.endpoint() + ": " +
                      sensor.board + ", version " + sensor.version + ", health " +
                      health_name(sensor.health);
-  if (sensor.rate_mhz) {
-    line += printed(", %.1f Hz, %u of %u subscribers", static_cast<double>(*sensor.rate_mhz) / 1000,
-                    sensor.subscribers, sensor.most_subscribers);
+  if (sensor.rate_millihertz) {
+    line += printed(", %.1f Hz, %u of %u subscribers",
+                    static_cast<double>(*sensor.rate_millihertz) / 1000, sensor.subscribers,
+                    sensor.most_subscribers);
   }
   line += "; by";
-  for (const std::string& way : ways_of(sensor)) {
-    line += " " + way;
+  for (const std::string& method : methods_of(sensor)) {
+    line += " " + method;
   }
   return line;
 }
@@ -55,9 +57,9 @@ std::string discover_json(const std::vector<client::FoundSensor>& sensors) {
         {"address", sensor.address},     {"port", sensor.port},
         {"device_id", sensor.device_id}, {"version", sensor.version},
         {"board", sensor.board},         {"health", health_name(sensor.health)},
-        {"found_by", ways_of(sensor)}};
-    if (sensor.rate_mhz) {
-      entry["rate_hz"] = static_cast<double>(*sensor.rate_mhz) / 1000;
+        {"found_by", methods_of(sensor)}};
+    if (sensor.rate_millihertz) {
+      entry["rate_hz"] = static_cast<double>(*sensor.rate_millihertz) / 1000;
       entry["subscribers"] = sensor.subscribers;
       entry["most_subscribers"] = sensor.most_subscribers;
     }

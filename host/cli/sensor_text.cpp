@@ -77,7 +77,7 @@ std::string active_text(const wire::HealthReport& health) {
 std::string health_line(const wire::HealthReport& health) {
   std::string line = std::string("health: ") + word(health.severity) + ", up " +
                      std::to_string(health.uptime_ms / 1000) + " s, " +
-                     printed("%.1f", health.rate_mhz / 1e3) + " frames/s, latency " +
+                     printed("%.1f", health.rate_millihertz / 1e3) + " frames/s, latency " +
                      printed("%.1f", health.latency_us / 1e3) + " ms mean " +
                      printed("%.1f", health.longest_latency_us / 1e3) + " ms longest, " +
                      std::to_string(health.subscribers) + " subscribers" + active_text(health);
@@ -90,7 +90,7 @@ std::string health_line(const wire::HealthReport& health) {
 std::string streams_line(const client::Frame& frame) {
   std::string line;
   add_stream(line, "depth", frame.depth);
-  add_stream(line, "width", frame.width);
+  add_stream(line, "width", frame.interval_width);
   add_stream(line, "source", frame.source);
   add_stream(line, "disparity", frame.disparity);
   add_stream(line, "pmd", frame.pmd.front(), " x 4");

@@ -6,7 +6,7 @@
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
 
-// What a sensor says about itself, in words.
+// Messages of a sensor about itself, in words.
 namespace stof::host {
 
 // "stereo_lost began: a stereo camera is gone; bring the robot to a safe stop".

@@ -62,7 +62,7 @@ class Reassembler {
   }
   const std::optional<wire::HealthReport>& health() const noexcept { return messages_.health(); }
 
-  // What began or ended at the sensor, in the order of arrival, each event once. 64 are kept.
+  // Conditions that began or ended, in the order of arrival, each event once. 64 are kept.
   std::optional<wire::EventReport> take_event() { return messages_.take_event(); }
 
  private:
@@ -102,7 +102,7 @@ class Reassembler {
 
   SessionTracker session_;
 
-  // Of the session.
+  // The state of the session.
   std::optional<std::uint32_t> newest_;       // frame number that a packet carried
   std::optional<std::uint32_t> last_closed_;  // frame number
   std::optional<std::uint32_t> freshness_;    // of the newest frame delivered

@@ -47,10 +47,10 @@ class Receiver {
   // keeps the subscription alive, for which a call every second is enough.
   Result<Frame> next(Duration timeout);
 
-  // Of the current session, as far as next() has read; absent until the first one arrived.
+  // The newest of the session, as far as next() has read; absent until the first one arrived.
   const std::optional<wire::HealthReport>& health() const noexcept;
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept;
-  // What began or ended at the sensor, each event once. Look after every next().
+  // Conditions that began or ended, each event once. Look after every next().
   std::optional<wire::EventReport> take_event();
 
   const Statistics& statistics() const noexcept;
@@ -65,7 +65,7 @@ class Receiver {
   int fd() const noexcept;
   std::optional<Time> next_due() const noexcept;
 
-  // What the system granted of ReceiverOptions::socket_buffer.
+  // The part of ReceiverOptions::socket_buffer that the system granted.
   int socket_buffer() const noexcept;
   // Empty, or what to change on this machine to lose less, in one line.
   std::string advice() const;

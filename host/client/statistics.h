@@ -4,7 +4,7 @@
 
 namespace stof::client {
 
-// What became of everything that arrived, by cause. Since the receiver was opened. As many members
+// Counts of everything that arrived, by cause. Since the receiver was opened. As many members
 // as there are causes.
 struct Statistics {
   // Every datagram is counted in exactly one of these.
@@ -33,7 +33,7 @@ struct Statistics {
   std::uint64_t recovered = 0;
   std::uint64_t events_dropped = 0;  // nobody took them, or the sender started again before
   std::uint64_t sessions = 0;        // starts of the sender seen: 1 at the first packet
-  // Of this machine: datagrams that found the socket's buffer full. They are missing above, too.
+  // Datagrams that found this machine's socket buffer full. They are missing above, too.
   std::uint64_t socket_drops = 0;
 
   constexpr std::uint64_t packets() const noexcept {

@@ -3,7 +3,7 @@
 #include <array>
 #include <cstddef>
 
-// What the library, JSON and the command line call values of the wire format, in their order.
+// Names of values of the wire format in the library, JSON and the command line, in their order.
 namespace stof::client {
 
 inline constexpr std::array kSourceNames{"none", "stereo", "pmd", "both", "resolved", "conflict"};

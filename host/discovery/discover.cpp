@@ -119,8 +119,9 @@ class Search {
     if (&socket == &mdns4_ || &socket == &mdns6_) {
       found_.take_mdns(read.datagram, read.from);
     } else {
-      const Way way = &socket == &beacons_ ? Way::kBeacon : Way::kDirect;
-      static_cast<void>(found_.take_packet(read.datagram, read.from, way));
+      const DiscoveryMethod method =
+          &socket == &beacons_ ? DiscoveryMethod::kBeacon : DiscoveryMethod::kDirect;
+      static_cast<void>(found_.take_packet(read.datagram, read.from, method));
     }
     // Who is only told of is asked: multicast DNS says nothing of health, and packets should go
     // both ways.

@@ -20,7 +20,7 @@ class DiscoverySocket {
   bool is_open() const { return socket_.is_open(); }
   int fd() const { return socket_.fd(); }
 
-  // What cannot be sent is not, nor what goes to another kind of address.
+  // Drops what cannot be sent, and what goes to another kind of address.
   void send(const posix::SocketAddress& to, std::span<const std::byte> datagram) const;
   // To a multicast group by one interface.
   void send_by(unsigned interface, const posix::SocketAddress& to,

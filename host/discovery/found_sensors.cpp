@@ -97,13 +97,13 @@ std::vector<Instance> read_instances(std::span<const std::byte> message) {
 
 }  // namespace
 
-const char* to_string(Way way) noexcept {
-  switch (way) {
-    case Way::kMdns:
+const char* to_string(DiscoveryMethod method) noexcept {
+  switch (method) {
+    case DiscoveryMethod::kMdns:
       return "mdns";
-    case Way::kBeacon:
+    case DiscoveryMethod::kBeacon:
       return "beacon";
-    case Way::kDirect:
+    case DiscoveryMethod::kDirect:
       return "direct";
   }
   return "unknown";
@@ -128,19 +128,19 @@ FoundSensor& FoundSensors::entry(std::uint32_t device_id, const std::string& ser
   return sensors_.emplace_back(FoundSensor{.device_id = device_id, .serial = serial, .port = port});
 }
 
-void FoundSensors::found_by(FoundSensor& sensor, const std::string& from, Way way) {
-  const auto better = std::span(sensor.ways).subspan(static_cast<std::size_t>(way));
+void FoundSensors::found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method) {
+  const auto better = std::span(sensor.methods).subspan(static_cast<std::size_t>(method));
   if (std::ranges::none_of(better, [](bool known) { return known; })) {
     sensor.address = from;
-    if (way != Way::kDirect) {
+    if (method != DiscoveryMethod::kDirect) {
       silent_.push_back(sensor.endpoint());
     }
   }
-  sensor.ways[static_cast<std::size_t>(way)] = true;
+  sensor.methods[static_cast<std::size_t>(method)] = true;
 }
 
 bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::string& from,
-                               Way way) {
+                               DiscoveryMethod method) {
   const auto packet = wire::parse_packet(datagram);
   if (!packet || packet->header.type != wire::PacketType::kAnnounce) {
     return false;
@@ -151,12 +151,12 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
   }
   FoundSensor& sensor =
       entry(packet->header.origin.device_id, printable(announce->serial), announce->port);
-  found_by(sensor, from, way);
+  found_by(sensor, from, method);
   sensor.name = printable(announce->name);
   sensor.version = printable(announce->version);
   sensor.board = printable(announce->board);
   sensor.health = packet->header.frame.health;
-  sensor.rate_mhz = announce->rate_mhz;
+  sensor.rate_millihertz = announce->rate_millihertz;
   sensor.subscribers = announce->subscribers;
   sensor.most_subscribers = announce->most_subscribers;
   return true;
@@ -171,7 +171,7 @@ void FoundSensors::take_mdns(std::span<const std::byte> message, const std::stri
       continue;
     }
     FoundSensor& sensor = entry(device_id, text_value(instance.text, "serial"), instance.port);
-    found_by(sensor, from, Way::kMdns);
+    found_by(sensor, from, DiscoveryMethod::kMdns);
     if (!sensor.health) {
       sensor.name = text_value(instance.text, "name");
       sensor.version = text_value(instance.text, "version");

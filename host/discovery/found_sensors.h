@@ -13,9 +13,9 @@
 namespace stof::client {
 
 // How a sensor was found. An answer to a question of ours is the surest: packets go both ways.
-enum class Way : std::uint8_t { kMdns, kBeacon, kDirect };
-inline constexpr std::size_t kWays = 3;
-const char* to_string(Way way) noexcept;
+enum class DiscoveryMethod : std::uint8_t { kMdns, kBeacon, kDirect };
+inline constexpr std::size_t kDiscoveryMethods = 3;
+const char* to_string(DiscoveryMethod method) noexcept;
 
 struct FoundSensor {
   std::uint32_t device_id = 0;
@@ -23,12 +23,12 @@ struct FoundSensor {
   std::string name{};
   std::string version{};
   std::string board{};
-  std::string address{};  // numeric, of the surest way; of link-local IPv6 with %interface
+  std::string address{};  // numeric, of the surest method; of link-local IPv6 with %interface
   std::uint16_t port = 0;
-  std::array<bool, kWays> ways{};
+  std::array<bool, kDiscoveryMethods> methods{};
   // Known from beacons and answers only.
   std::optional<wire::Health> health{};
-  std::optional<std::uint32_t> rate_mhz{};  // frames of its last second, 1/1000 Hz
+  std::optional<std::uint32_t> rate_millihertz{};  // frames of its last second, 1/1000 Hz
   unsigned subscribers = 0;
   unsigned most_subscribers = 0;
 
@@ -36,22 +36,23 @@ struct FoundSensor {
   std::string endpoint() const;
 };
 
-// What many datagrams say, each sensor once. No socket.
+// The sensors that many datagrams name, each once. No socket.
 class FoundSensors {
  public:
   // One datagram of the wire format. False: it is not an announcement of a sensor.
-  bool take_packet(std::span<const std::byte> datagram, const std::string& from, Way way);
+  bool take_packet(std::span<const std::byte> datagram, const std::string& from,
+                   DiscoveryMethod method);
   // One answer of multicast DNS, any bytes.
   void take_mdns(std::span<const std::byte> message, const std::string& from);
 
-  // Endpoints of sensors that were told of since the last call and have not answered themselves.
+  // Endpoints of sensors that were announced since the last call and have not answered themselves.
   std::vector<std::string> take_silent();
   // By serial number.
   std::vector<FoundSensor> sorted() const;
 
  private:
   FoundSensor& entry(std::uint32_t device_id, const std::string& serial, std::uint16_t port);
-  void found_by(FoundSensor& sensor, const std::string& from, Way way);
+  void found_by(FoundSensor& sensor, const std::string& from, DiscoveryMethod method);
 
   std::vector<FoundSensor> sensors_;
   std::vector<std::string> silent_;

@@ -5,21 +5,21 @@
 
 namespace stof::host {
 
-// A Converter with its memory.
+// A PmdConverter with its memory.
 class OwningConverter {
  public:
   explicit OwningConverter(const dsp::PmdSensor& sensor)
-      : space_(
-            dsp::bytes_taken([&](dsp::Arena& arena) noexcept { dsp::Converter(sensor, arena); })),
+      : space_(dsp::bytes_taken(
+            [&](dsp::Arena& arena) noexcept { dsp::PmdConverter(sensor, arena); })),
         arena_(space_.arena()),
         converter_(sensor, arena_) {}
-  dsp::Converter& operator*() { return converter_; }
-  dsp::Converter* operator->() { return &converter_; }
+  dsp::PmdConverter& operator*() { return converter_; }
+  dsp::PmdConverter* operator->() { return &converter_; }
 
  private:
   Workspace space_;
   dsp::Arena arena_;
-  dsp::Converter converter_;
+  dsp::PmdConverter converter_;
 };
 
 }  // namespace stof::host

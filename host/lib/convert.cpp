@@ -143,7 +143,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
   out.recovered_packets = frame.recovered_packets;
   out.emulated = frame.stamp.clock == wire::ClockState::kEmulated ? 1 : 0;
   out.depth = to_plane(frame.depth, frame, Stream::kDepth);
-  out.width = to_plane(frame.width, frame, Stream::kWidth);
+  out.interval_width = to_plane(frame.interval_width, frame, Stream::kWidth);
   out.source = to_plane(frame.source, frame, Stream::kSource);
   out.cause = to_plane(frame.cause, frame, Stream::kSource);
   out.disparity = to_plane(frame.disparity, frame, Stream::kDisparity);
@@ -171,7 +171,7 @@ stof_health to_health(const wire::HealthReport& report) noexcept {
   out.severity = static_cast<std::uint32_t>(report.severity);
   out.reaction = static_cast<std::uint32_t>(report.reaction);
   out.uptime_ms = report.uptime_ms;
-  out.rate_hz = report.rate_mhz * 1e-3;
+  out.rate_hz = report.rate_millihertz * 1e-3;
   out.latency_s = report.latency_us * 1e-6;
   out.longest_latency_s = report.longest_latency_us * 1e-6;
   out.frames_published = report.counters.frames_published;

@@ -17,7 +17,7 @@
 // Between our structures and those of the C interface.
 namespace stof::lib {
 
-// What stof_frame::self points to.
+// stof_frame::self points to this.
 struct Taken {
   client::Frame frame;
   std::vector<client::Point>* points = nullptr;  // of the sensor: keeps its memory

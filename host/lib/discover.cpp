@@ -24,11 +24,11 @@ stof_found to_found(const client::FoundSensor& sensor) noexcept {
   put(sensor.endpoint(), out.endpoint);
   out.device_id = sensor.device_id;
   constexpr std::uint32_t kFlags[]{STOF_FOUND_BY_MDNS, STOF_FOUND_BY_BEACON, STOF_FOUND_DIRECTLY};
-  for (std::size_t way = 0; way < client::kWays; ++way) {
-    out.found_by |= sensor.ways[way] ? kFlags[way] : 0;
+  for (std::size_t method = 0; method < client::kDiscoveryMethods; ++method) {
+    out.found_by |= sensor.methods[method] ? kFlags[method] : 0;
   }
   out.health = sensor.health ? static_cast<std::int32_t>(*sensor.health) : -1;
-  out.rate_hz = static_cast<float>(sensor.rate_mhz.value_or(0)) / 1000;
+  out.rate_hz = static_cast<float>(sensor.rate_millihertz.value_or(0)) / 1000;
   out.subscribers = sensor.subscribers;
   out.most_subscribers = sensor.most_subscribers;
   return out;

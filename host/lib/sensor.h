@@ -15,7 +15,7 @@
 #include "host/lib/convert.h"
 #include "host/lib/include/stof/stof.h"
 
-// What libstof keeps behind its C interface.
+// The state behind libstof's C interface.
 namespace stof::lib {
 
 // No exception passes the interface.
@@ -47,9 +47,9 @@ struct stof_sensor {
   std::atomic<bool> running{false};  // the thread owns the receiver
   std::atomic<bool> stopping{false};
   stof_callbacks callbacks{};
-  std::uint64_t told_health_ms = 0;  // uptime of the one that was told last
+  std::uint64_t told_health_ms = 0;  // uptime of the one that was reported last
 
-  // What any thread may ask for.
+  // The state that any thread may ask for.
   std::mutex shared{};
   stof_statistics statistics{};
   std::optional<stof_health> health{};

@@ -28,7 +28,7 @@ dataset::Image<Rgb> disparity_picture(const dataset::Image<float>& disparity,
 // A map of Z in metres, +inf = none.
 dataset::Image<Rgb> metric_picture(const dataset::Image<float>& depth_m, const ColourScale& scale);
 
-// What a pixel of a map turned out to be.
+// The verdict on a pixel of a map.
 enum class Finding : std::uint8_t {
   kUnknown,  // no truth
   kRight,

@@ -12,7 +12,7 @@ inline constexpr float kNoDisparity = std::numeric_limits<float>::infinity();
 struct HeightFieldView {
   double yaw_deg = 26;    // the viewer stands to the left of the middle
   double pitch_deg = 20;  // and above it
-  // Of near_px above far_px, in picture widths: the lower of the two.
+  // Height of near_px above far_px, in picture widths: the lower of the two.
   double height = 0.42;
   double height_a_px = 0.024;
   int width = 900;  // px of the result; its height follows
@@ -31,7 +31,7 @@ dataset::Image<Rgb> height_field_picture(const dataset::Image<float>& disparity,
                                          const dataset::Image<std::uint8_t>& texture,
                                          const HeightFieldView& view = {});
 
-// What height_field_picture() shows as one smooth surface: each pixel becomes the mean of its
+// A map for height_field_picture() as one smooth surface: each pixel becomes the mean of its
 // neighbourhood's disparities that differ from it by at most `step_px`. +inf stays.
 dataset::Image<float> smoothed_within(const dataset::Image<float>& disparity, int radius,
                                       float step_px);

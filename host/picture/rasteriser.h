@@ -6,7 +6,7 @@
 
 namespace stof::host {
 
-// What a surface sends to the eye: red, green, blue, 0..1.
+// The light of a surface towards the eye: red, green, blue, 0..1.
 using Light = std::array<double, 3>;
 
 // A corner of a triangle on the screen.

@@ -510,7 +510,7 @@ class HealthReport(Layout):
     severity: int = 0  # Severity: the highest of them
     reaction: int = 0  # Reaction: what the robot should do
     subscribers: int = 0  # that the streams go to now
-    rate_mhz: int = 0  # frames of the last second, 1/1000 Hz
+    rate_millihertz: int = 0  # frames of the last second, 1/1000 Hz
     # mean of the last second: exposure middle to the sending of the last packet, us
     latency_us: int = 0
     longest_latency_us: int = 0  # longest of the last second, us
@@ -529,7 +529,7 @@ class HealthReport(Layout):
         ("reaction", "B", 1),
         ("subscribers", "B", 1),
         ("", "x", 1),
-        ("rate_mhz", "I", 1),
+        ("rate_millihertz", "I", 1),
         ("latency_us", "I", 1),
         ("longest_latency_us", "I", 1),
         ("settings_revision", "I", 1),
@@ -614,7 +614,7 @@ class Announce(Layout):
     uptime_ms: int = 0  # since its start, ms
     image_width: int = 0  # of its depth, pixels
     image_height: int = 0  # rows
-    rate_mhz: int = 0  # frames of the last second, 1/1000 Hz
+    rate_millihertz: int = 0  # frames of the last second, 1/1000 Hz
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),
@@ -628,7 +628,7 @@ class Announce(Layout):
         ("uptime_ms", "Q", 1),
         ("image_width", "H", 1),
         ("image_height", "H", 1),
-        ("rate_mhz", "I", 1),
+        ("rate_millihertz", "I", 1),
         ("", "x", 24),
     )
 

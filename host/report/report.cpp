@@ -31,7 +31,7 @@ std::vector<std::string> lead(const Study& study) {
     add_to(names, subject.name());
   }
   return {
-      "The stereo methods of the 2007 book chapter on fusing stereo and PMD depth for mobile "
+      "The stereo methods of the 2006 book chapter on fusing stereo and PMD depth for mobile "
       "robots (Kuhnert & Stommel), repeated with the matcher of the stof appliance, which "
       "computes in integers. Each claim of the chapter stands beside what was measured here and "
       "whether it holds.",

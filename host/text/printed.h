@@ -6,12 +6,12 @@
 
 namespace stof::host {
 
-// What metres and shares are printed in.
+// The units in which metres and shares are printed.
 inline constexpr double kMm = 1000;
 inline constexpr double kCm = 100;
 inline constexpr double kPercent = 100;
 
-// What printf would print, of any length.
+// The text that printf would print, of any length.
 // clang-format off
 [[gnu::format(printf, 1, 2)]] std::string printed(const char* format, ...);
 // clang-format on

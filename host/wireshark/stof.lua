@@ -245,7 +245,7 @@ layouts.health = {
   {name = "reaction", size = 1, count = 1, kind = "uint8", title = "Reaction", base = base.DEC, names = "Reaction", doc = "what the robot should do"},
   {name = "subscribers", size = 1, count = 1, kind = "uint8", title = "Subscribers", base = base.DEC, doc = "that the streams go to now"},
   {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
-  {name = "rate_mhz", size = 4, count = 1, kind = "uint32", title = "Rate mhz", base = base.DEC, doc = "frames of the last second, 1/1000 Hz"},
+  {name = "rate_millihertz", size = 4, count = 1, kind = "uint32", title = "Rate millihertz", base = base.DEC, doc = "frames of the last second, 1/1000 Hz"},
   {name = "latency_us", size = 4, count = 1, kind = "uint32", title = "Latency us", base = base.DEC, doc = "mean of the last second: exposure middle to the sending of the last packet, us"},
   {name = "longest_latency_us", size = 4, count = 1, kind = "uint32", title = "Longest latency us", base = base.DEC, doc = "longest of the last second, us"},
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "as in the frame info"},
@@ -301,7 +301,7 @@ layouts.announce = {
   {name = "uptime_ms", size = 8, count = 1, kind = "uint64", title = "Uptime ms", base = base.DEC, doc = "since its start, ms"},
   {name = "image_width", size = 2, count = 1, kind = "uint16", title = "Image width", base = base.DEC, doc = "of its depth, pixels"},
   {name = "image_height", size = 2, count = 1, kind = "uint16", title = "Image height", base = base.DEC, doc = "rows"},
-  {name = "rate_mhz", size = 4, count = 1, kind = "uint32", title = "Rate mhz", base = base.DEC, doc = "frames of the last second, 1/1000 Hz"},
+  {name = "rate_millihertz", size = 4, count = 1, kind = "uint32", title = "Rate millihertz", base = base.DEC, doc = "frames of the last second, 1/1000 Hz"},
   {name = "reserved", size = 24, count = 1, kind = "bytes", title = "Reserved"},
 }
 

@@ -1,12 +1,11 @@
+#include "lab/block/match_blocks.h"
+
 #include <algorithm>
 #include <cstdlib>
 #include <limits>
-#include <span>
 
 #include "dsp/base/check.h"
 #include "dsp/stereo/search/winner.h"
-#include "lab/block/adaptive.h"
-#include "lab/block/integral.h"
 
 namespace stof::lab {
 namespace {

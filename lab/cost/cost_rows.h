@@ -25,7 +25,7 @@ class CostRows {
   // Whether sums are u32: those that could reach kNoCost of u16.
   static bool wide(const MatchParams& params) noexcept;
 
-  // params pass check(), for pictures up to `width`. Census and mixed costs keep block_height + 1
+  // params pass check(), for pictures up to `width`. Census and AD-Census keep block_height + 1
   // rows of pixel costs; SAD and SSD compute again what leaves the block.
   CostRows(const MatchParams& params, int width, Arena& arena) noexcept;
 

@@ -24,7 +24,7 @@ template <typename Sum>
 using BlockSums = void(std::span<const Sum> columns, int block_width, int lanes,
                        std::span<Sum> costs) noexcept;
 
-// Of rows of u8 costs that are kept, because it is dear to compute them again:
+// For rows of u8 costs that are kept, because it is dear to compute them again:
 // columns[j] += costs[j]. Equal lengths, a multiple of 16; no overlap, any alignment.
 template <typename Sum>
 using AddCosts = void(std::span<const std::uint8_t> costs, std::span<Sum> columns) noexcept;

@@ -25,7 +25,7 @@ SumRows<Sum>::SumRows(const MatchParams& params, int width, Arena& arena) noexce
   const std::size_t row = index(width) * index(lanes_of(params));
   costs_ = arena.take<Sum>(row);
   if (params.cost == Cost::kAdCensus) {
-    regions_.emplace(params, width, arena);
+    ad_census_.emplace(params, width, arena);
     narrow_ = arena.take<std::uint8_t>(row);
   } else {
     blocks_.emplace(params, width, arena);
@@ -39,8 +39,8 @@ SumRows<Sum>::SumRows(const MatchParams& params, int width, Arena& arena) noexce
 template <typename Sum>
 void SumRows<Sum>::start(const PreparedPair& pair) noexcept {
   pair_ = &pair;
-  if (regions_) {
-    regions_->start(pair.left_grey(), pair.right_grey());
+  if (ad_census_) {
+    ad_census_->start(pair.left_grey(), pair.right_grey());
   } else {
     blocks_->start({.left = pair.left(), .right = pair.right()});
   }
@@ -50,8 +50,8 @@ template <typename Sum>
 std::span<const Sum> SumRows<Sum>::row(int y) noexcept {
   const std::size_t n = index(pair_->left().width()) * index(lanes_of(params_));
   const std::span<Sum> costs = costs_.first(n);
-  if (regions_) {
-    regions_->row(y, narrow_.first(n));
+  if (ad_census_) {
+    ad_census_->row(y, narrow_.first(n));
     convert(std::span<const std::uint8_t>(narrow_.first(n)), costs);
   } else if (std::is_same_v<Sum, std::uint32_t> && !CostRows::wide(params_)) {
     convert(blocks_->row<std::uint16_t>(y), costs);

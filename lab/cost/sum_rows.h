@@ -5,7 +5,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/cost/aggregated_ad_census.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "lab/cost/cost_rows.h"
 #include "lab/dsp_names.h"
@@ -29,8 +29,8 @@ class SumRows {
 
   MatchParams params_;
   std::optional<CostRows> blocks_;  // or
-  std::optional<CrossCosts> regions_;
-  std::span<std::uint8_t> narrow_;  // a row of regions_
+  std::optional<AggregatedAdCensus> ad_census_;
+  std::span<std::uint8_t> narrow_;  // a row of ad_census_
   std::span<Sum> costs_;            // rows that cannot be handed out as they come
   std::span<std::uint8_t> interesting_left_;
   std::span<std::uint8_t> interesting_right_;

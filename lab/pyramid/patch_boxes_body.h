@@ -7,7 +7,8 @@
 
 #include "lab/pyramid/patch_sums.h"
 
-// What the NEON and the AVX2 variant of patch_sums.h share. Isa is the vocabulary of one of them:
+// The common part of the NEON and the AVX2 variant of patch_sums.h. Isa is the vocabulary of one of
+// them:
 //   kBytes                     bytes of a vector; kBytes / 2 sums
 //   load_bytes, store_bytes, difference (|a - b|), plus, minus      of bytes
 //   load, store, all, add, smaller, times8, eighth, low_bits, less, equal, both, either, select
@@ -64,7 +65,7 @@ class Boxes {
     return patch_.right_x - patch_.candidates[place];
   }
 
-  // What the columns of a vector differ by in all rows.
+  // Sums the differences of a vector's columns over all rows.
   void total(Rows rows, std::size_t k, std::ptrdiff_t right, std::uint16_t* to) const noexcept {
     constexpr int kRows = std::numeric_limits<std::uint8_t>::max() / kLargestPatchPixel;
     const auto difference_at = [&](int y) noexcept {
@@ -103,7 +104,7 @@ class Boxes {
     }
   }
 
-  // Of every second column, four and the four beside them are eight columns.
+  // Every second column: four and the four beside them are eight columns.
   void add_sixteens(std::size_t i, std::uint16_t* sums) const noexcept {
     const auto add = [&](std::size_t x, Sums change) noexcept {
       if constexpr (kBlock == 15) {

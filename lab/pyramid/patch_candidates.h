@@ -12,7 +12,7 @@
 
 namespace stof::lab {
 
-// What was found at half the size of the pictures that are searched now.
+// The winners at half the size of the pictures that are searched now.
 struct CoarseWinners {
   ImageView<const std::int16_t> winners;  // of every `step`-th pixel of every `step`-th row
   int step = 1;
@@ -29,9 +29,9 @@ struct CandidateList {
   void append(int first, int last) noexcept;
 };
 
-// What a patch, kPatchColumns wide from column x on, has to search around what its surroundings
-// found at half the size: those candidates alone, or one range with all of them. Everything where
-// the surroundings tell nothing. fine: the search of the patch.
+// The candidates of a patch, kPatchColumns wide from column x on: those around what its
+// surroundings found at half the size, alone or as one range with all of them; everything where the
+// surroundings found nothing. fine: the search of the patch.
 CandidateList list_around(const CoarseWinners& coarse, const MatchParams& fine, int x,
                           Rows rows) noexcept;
 CandidateRange range_around(const CoarseWinners& coarse, const MatchParams& fine, int x,

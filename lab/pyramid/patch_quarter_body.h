@@ -52,7 +52,7 @@ class Quarter {
       most[v] = Isa::greater(most[v], high);
     }
   };
-  // What was found for a row of winners so far.
+  // The best candidates of a row so far.
   struct Row {
     alignas(64) std::uint16_t least[kLine];
     alignas(64) std::uint16_t most[kLine];

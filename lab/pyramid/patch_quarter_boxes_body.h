@@ -32,7 +32,7 @@ class QuarterBoxes {
 
   std::size_t parts() const noexcept { return kBlock != 0 ? kMostParts : parts_; }
 
-  // Of columns: pairs of them, and of each pair the one that a block of odd width splits off.
+  // Pairs of columns, and the one of each pair that a block of odd width splits off.
   struct Pairs {
     Sums both[kMostParts];
     Sums one[kMostParts];
@@ -67,7 +67,7 @@ class QuarterBoxes {
       }
     }
   }
-  // Of columns below 64: two of them fit a byte.
+  // For columns below 64: two of them fit a byte.
   void sum_small(const Bytes* columns, Sums* boxes) const noexcept {
     if constexpr (kBlock == 0) {
       Pairs pairs;
@@ -88,7 +88,7 @@ class QuarterBoxes {
   }
 
  private:
-  // What follows the last vector is in no block.
+  // Columns behind the last vector are in no block.
   template <typename V>
   static V next(const V* v, std::size_t p) noexcept {
     return v[std::min(p + 1, kMostParts - 1)];

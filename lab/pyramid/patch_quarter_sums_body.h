@@ -44,7 +44,7 @@ class QuarterSums {
     }
   }
 
-  // Of `count` candidates from place `first` on, around the first row.
+  // Takes `count` candidates from place `first` on, around the first row.
   void start(std::size_t first, std::size_t count) noexcept {
     for (std::size_t i = 0; i < count; ++i) {
       typename Boxes::Pairs pairs;

@@ -87,7 +87,7 @@ void PatchSearch<Sum>::search(Rows rows, std::span<const CandidateRange> ranges,
                               const PatchWinners& out) noexcept {
   const int width = left_.width() - block_width_ + 1;
   const bool check = !out.right.empty();
-  STOF_CHECK(static_cast<int>(ranges.size()) == patchs(width));
+  STOF_CHECK(static_cast<int>(ranges.size()) == patches(width));
   STOF_CHECK(!check || (rows.count() <= kPatchHeight && lowest_.width() == width));
   for (int y = rows.begin; check && y < rows.end; ++y) {
     std::ranges::fill(lowest_.row(y - rows.begin), kNoCost<Sum>);
@@ -97,9 +97,9 @@ void PatchSearch<Sum>::search(Rows rows, std::span<const CandidateRange> ranges,
     const int x = t * kPatchWidth;
     return {x, std::min(kPatchWidth, width - x), ranges[index(t)]};
   };
-  for (int t = 0; t < patchs(width);) {
+  for (int t = 0; t < patches(width);) {
     Patch patch = patch_at(t++);
-    for (int count = 1; t < patchs(width) && count < kMerged; ++count, ++t) {
+    for (int count = 1; t < patches(width) && count < kMerged; ++count, ++t) {
       const Patch next = patch_at(t);
       const Patch both = merged(patch, next);
       if (work(both) > work(patch) + work(next)) {
@@ -235,7 +235,7 @@ void PatchSearch<Sum>::mark_outside(const Patch& patch, std::span<Sum> costs) co
   }
 }
 
-// Patchs come from the left, so that an equal cost of a later one is of a larger candidate.
+// Patches come from the left, so that an equal cost of a later one is of a larger candidate.
 template <typename Sum>
 void PatchSearch<Sum>::find_right(const Patch& patch, std::span<const Sum> costs,
                                   std::span<Sum> lowest, std::span<std::int16_t> winners) noexcept {

@@ -19,11 +19,11 @@ struct CandidateRange {
   int lanes = 0;
 };
 
-// What a PatchSearch finds, of the pictures' size: candidates, kNoWinner as in winner.h.
+// The results of a PatchSearch, as large as the pictures: candidates, kNoWinner as in winner.h.
 struct PatchWinners {
   ImageView<std::int16_t> left;
-  // Of right pixels, as RightWinners of winner.h among the candidates that left pixels searched;
-  // empty: not wanted.
+  // Winners of right pixels, as RightWinners of winner.h, among the candidates that left pixels
+  // searched; empty: not wanted.
   ImageView<std::int16_t> right;
 };
 
@@ -34,9 +34,9 @@ class PatchSearch {
  public:
   static constexpr int kPatchWidth = 48;   // columns that share one range
   static constexpr int kPatchHeight = 48;  // rows; search() takes any number
-  static constexpr int kMerged = 8;        // patchs of a row that are searched as one at most
+  static constexpr int kMerged = 8;        // patches of a row that are searched as one at most
 
-  static constexpr int patchs(int width) noexcept {
+  static constexpr int patches(int width) noexcept {
     return (width + kPatchWidth - 1) / kPatchWidth;
   }
 
@@ -49,7 +49,7 @@ class PatchSearch {
   // The pictures to compare, of the constructor's size: grey values or derivatives.
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
 
-  // Fills `rows` of out. ranges: one for each of patchs(width), inside of 0 .. lanes(); neighbours
+  // Fills `rows` of out. ranges: one for each of patches(width), inside of 0 .. lanes(); neighbours
   // may be searched as one, so that a pixel can find a candidate outside of its patch's range.
   void search(Rows rows, std::span<const CandidateRange> ranges, const PatchWinners& out) noexcept;
 

@@ -10,7 +10,7 @@ namespace stof::lab {
 namespace {
 
 int left_columns(const MatchParams& params, int width) noexcept {
-  return (PatchStrips::patchs(width) - 1) * kPatchColumns + patch_reach(params.block_width);
+  return (PatchStrips::patches(width) - 1) * kPatchColumns + patch_reach(params.block_width);
 }
 
 int right_columns(const MatchParams& params, int width) noexcept {
@@ -112,7 +112,7 @@ void PatchStrips::search_quarter(Rows rows, int t, std::span<const std::int16_t>
   best::find_quarter(place_of(t, candidates), rows, block_height_, limits_of(t), part);
 }
 
-// Patchs come from the left, so that an equal cost of a later one is of a larger candidate.
+// Patches come from the left, so that an equal cost of a later one is of a larger candidate.
 void PatchStrips::find_right(int x, int width, std::span<const std::int16_t> candidates,
                              std::span<std::uint16_t> lowest,
                              std::span<std::int16_t> winners) const noexcept {

@@ -13,13 +13,13 @@
 
 namespace stof::lab {
 
-// What PatchSearch does, for derivatives of few values (patch_sums.h) and patchs that search few
-// candidates, in any choice: several times as fast.
+// PatchSearch for derivatives of few values (patch_sums.h) and patches that search few candidates,
+// in any choice: several times as fast.
 class PatchStrips {
  public:
   static constexpr int kPatchHeight = 32;  // rows; search() takes any number without right winners
 
-  static constexpr int patchs(int width) noexcept {
+  static constexpr int patches(int width) noexcept {
     return (width + kPatchColumns - 1) / kPatchColumns;
   }
   // Whether block and prefilter_cap allow it.
@@ -31,7 +31,7 @@ class PatchStrips {
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
 
   // Fills `rows` of patch t of out, which searches these candidates only (ascending, at least one).
-  // Where right winners are wanted, patchs of the same rows follow each other from t = 0 on.
+  // Where right winners are wanted, patches of the same rows follow each other from t = 0 on.
   void search(Rows rows, int t, std::span<const std::int16_t> candidates,
               const PatchWinners& out) noexcept;
   // The same for every second column of every second row: out holds those alone.

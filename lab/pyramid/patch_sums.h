@@ -68,10 +68,10 @@ using OfferToRight = void(std::span<const std::uint16_t> sums, std::int16_t cand
                           std::span<std::uint16_t> lowest,
                           std::span<std::int16_t> winners) noexcept;
 
-// Of every second column of every second row: winners(k, r) is what find_in_patch() would have for
-// column 2 k from the sums around row rows.begin + 2 r, of the block rows from block_height / 2
-// above it on. winners: at most kQuarterColumns x kQuarterRows, as high as half of `rows`, rounded
-// up.
+// Searches every second column of every second row: winners(k, r) is what find_in_patch() would
+// have for column 2 k from the sums around row rows.begin + 2 r, of the block rows from
+// block_height / 2 above it on. winners: at most kQuarterColumns x kQuarterRows, as high as half of
+// `rows`, rounded up.
 inline constexpr int kQuarterColumns = kPatchColumns / 2;
 inline constexpr int kQuarterRows = 16;
 using FindQuarter = void(const PatchPlace& patch, Rows rows, int block_height,

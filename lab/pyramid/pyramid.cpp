@@ -124,11 +124,11 @@ void CoarseToFine::take_search(Level& level, bool coarsest, bool check, int widt
     return;
   }
   if (wide(params)) {
-    level.wide_patchs.emplace(params, check, width, height, arena);
+    level.wide_patches.emplace(params, check, width, height, arena);
   } else {
-    level.patchs.emplace(params, check, width, height, arena);
+    level.patches.emplace(params, check, width, height, arena);
   }
-  level.ranges = arena.take<CandidateRange>(index(PatchSearch<std::uint16_t>::patchs(width)));
+  level.ranges = arena.take<CandidateRange>(index(PatchSearch<std::uint16_t>::patches(width)));
 }
 
 // The pictures of the next coarser size.
@@ -179,7 +179,7 @@ void CoarseToFine::search_strips(Level& level, const Level* coarse) noexcept {
   strips.start(level.pictures.left, level.pictures.right);
   for (int y = 0; y < height; y += PatchStrips::kPatchHeight) {
     const Rows rows{y, std::min(y + PatchStrips::kPatchHeight, height)};
-    for (int t = 0; t < PatchStrips::patchs(width); ++t) {
+    for (int t = 0; t < PatchStrips::patches(width); ++t) {
       const CandidateList list = candidates(level, coarse, t * kPatchColumns, rows);
       if (level.step == 2) {
         strips.search_quarter(rows, t, list.view(), level.winners.left);
@@ -191,13 +191,13 @@ void CoarseToFine::search_strips(Level& level, const Level* coarse) noexcept {
 }
 
 template <typename Sum>
-void CoarseToFine::search(Level& level, PatchSearch<Sum>& patchs, const Level* coarse) noexcept {
+void CoarseToFine::search(Level& level, PatchSearch<Sum>& patches, const Level* coarse) noexcept {
   const ImageView<std::int16_t> map = level.winners.left;
   const std::span<CandidateRange> ranges = level.ranges;
-  patchs.start(level.pictures.left, level.pictures.right);
-  std::ranges::fill(ranges, CandidateRange{0, patchs.lanes()});
+  patches.start(level.pictures.left, level.pictures.right);
+  std::ranges::fill(ranges, CandidateRange{0, patches.lanes()});
   if (coarse == nullptr && level.winners.right.empty()) {
-    patchs.search(map.rows(), ranges, level.winners);
+    patches.search(map.rows(), ranges, level.winners);
     return;
   }
   for (int y = 0; y < map.height(); y += PatchSearch<Sum>::kPatchHeight) {
@@ -206,7 +206,7 @@ void CoarseToFine::search(Level& level, PatchSearch<Sum>& patchs, const Level* c
       ranges[t] =
           range_around(found(*coarse), level.params, static_cast<int>(t) * kPatchColumns, rows);
     }
-    patchs.search(rows, ranges, level.winners);
+    patches.search(rows, ranges, level.winners);
   }
 }
 
@@ -231,10 +231,10 @@ void CoarseToFine::match(const PyramidPictures& pictures, const PatchWinners& wi
     const Level* const coarse = k + 1 < count_ ? &level + 1 : nullptr;
     if (level.strips) {
       search_strips(level, coarse);
-    } else if (level.wide_patchs) {
-      search(level, *level.wide_patchs, coarse);
+    } else if (level.wide_patches) {
+      search(level, *level.wide_patches, coarse);
     } else {
-      search(level, *level.patchs, coarse);
+      search(level, *level.patches, coarse);
     }
   }
   if (levels_[0].step == 2) {

@@ -52,15 +52,15 @@ class CoarseToFine {
     PyramidPictures pictures;
     PatchWinners winners;
     int step = 1;  // of every so many pixels and rows there are winners
-    // Of a coarser level.
+    // Pictures of a coarser level.
     ImageView<std::uint8_t> left_grey;
     ImageView<std::uint8_t> right_grey;
     ImageView<std::uint8_t> left;  // derivatives
     ImageView<std::uint8_t> right;
     ImageView<std::int16_t> found;      // what `winners` is where nobody wants it elsewhere
     std::optional<PatchStrips> strips;  // one of these three
-    std::optional<PatchSearch<std::uint16_t>> patchs;
-    std::optional<PatchSearch<std::uint32_t>> wide_patchs;
+    std::optional<PatchSearch<std::uint16_t>> patches;
+    std::optional<PatchSearch<std::uint32_t>> wide_patches;
     std::span<CandidateRange> ranges;
   };
 
@@ -72,7 +72,7 @@ class CoarseToFine {
                                   Rows rows) noexcept;
   static void search_strips(Level& level, const Level* coarse) noexcept;
   template <typename Sum>
-  static void search(Level& level, PatchSearch<Sum>& patchs, const Level* coarse) noexcept;
+  static void search(Level& level, PatchSearch<Sum>& patches, const Level* coarse) noexcept;
 
   static constexpr int kMostLevels = 2;
 

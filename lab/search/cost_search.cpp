@@ -19,7 +19,7 @@ CostSearch<Sum>::CostSearch(const MatchParams& params, int width, Arena& arena) 
     : params_(params),
       lanes_(lanes_of(params)),
       rows_(params, width, arena),
-      judge_(params, cost_scale(params), width, arena),
+      checks_(params, cost_scale(params), width, arena),
       masked_(arena.take<Sum>(params.guided ? index(width) * index(lanes_) : 0)),
       winners_(arena.take<std::int16_t>(index(width))) {}
 
@@ -43,15 +43,15 @@ void CostSearch<Sum>::match(int y, const MatchedRow& out) noexcept {
   }
   find(y, found);
   finish_winners(params_, guide, found.winners);
-  judge_.compare_rivals(found, out);
+  checks_.compare_rivals(found, out);
   check_left_right(y, found);
-  judge_.fit_costs(found.judged, found.winners, out.disparity);
-  judge_.fit_grey_values(*pair_, y, out.disparity);
+  checks_.fit_costs(found.judged, found.winners, out.disparity);
+  checks_.fit_grey_values(*pair_, y, out.disparity);
 }
 
 template <typename Sum>
 void CostSearch<Sum>::check_left_right(int, const FoundRow<Sum>& found) noexcept {
-  judge_.check_left_right(found.judged, found.winners);
+  checks_.check_left_right(found.judged, found.winners);
 }
 
 template <typename Sum>

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_checks.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/edge_penalties.h"
 #include "lab/cost/sum_rows.h"
@@ -30,7 +30,7 @@ class CostSearch : public RowSearch {
   virtual void find(int y, FoundRow<Sum>& found) noexcept = 0;
   virtual void check_left_right(int y, const FoundRow<Sum>& found) noexcept;
 
-  // What a large change along row y costs.
+  // The penalties for a large change along row y.
   std::span<const Sum> penalties_along(int y, const EdgePenalties<Sum>& penalties,
                                        std::span<Sum> large) const noexcept;
   const MatchParams& params() const noexcept { return params_; }
@@ -40,7 +40,7 @@ class CostSearch : public RowSearch {
   MatchParams params_;
   int lanes_;
   SumRows<Sum> rows_;
-  RowJudge<Sum> judge_;
+  RowChecks<Sum> checks_;
   std::span<Sum> masked_;  // guided
   std::span<std::int16_t> winners_;
   const PreparedPair* pair_ = nullptr;

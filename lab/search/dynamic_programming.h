@@ -32,7 +32,7 @@ struct DpPenalties {
   std::span<const Sum> large;  // n + 1 elements, as in scanline_optimisation.h
 };
 
-// What dp_winners() works in: the energies of one row. Those of a column are relative to the
+// The memory of dp_winners(): the energies of one row. Those of a column are relative to the
 // lowest of that column.
 template <typename Sum>
 struct DpTable {

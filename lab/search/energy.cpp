@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "dsp/stereo/cost/aggregated_ad_census.h"
 #include "dsp/stereo/cost/census.h"
 #include "dsp/stereo/cost/cost_layout.h"
-#include "dsp/stereo/cost/cross_costs.h"
 
 namespace stof::lab {
 namespace {
@@ -13,7 +13,7 @@ bool is(const MatchParams& params, Method method) noexcept { return params.metho
 
 constexpr std::int64_t kLargestScaledCost = 8191;
 
-// The mixed cost is a mean, the others are sums over a block.
+// AD-Census is a mean, the others are sums over a block.
 std::int64_t area_of(const MatchParams& params) noexcept {
   return params.cost == Cost::kAdCensus ? 1
                                         : std::int64_t{params.block_width} * params.block_height;
@@ -67,7 +67,7 @@ int largest_difference(const MatchParams& params) noexcept {
     case Cost::kAdCensus:
       break;
   }
-  return kLargestCrossCost;
+  return kLargestMeanCost;
 }
 
 std::int64_t largest_cost(const MatchParams& params) noexcept {
@@ -77,8 +77,9 @@ std::int64_t largest_cost(const MatchParams& params) noexcept {
 }
 
 CostScale cost_scale(const MatchParams& params) noexcept {
-  return {.largest = largest_cost(params),
-          .margin_percent = params.cost == Cost::kAdCensus ? kRegionMarginPercent : kMarginPercent};
+  return {
+      .largest = largest_cost(params),
+      .margin_percent = params.cost == Cost::kAdCensus ? kAdCensusMarginPercent : kMarginPercent};
 }
 
 bool needs_wide_sums(const MatchParams& params) noexcept {

@@ -7,6 +7,7 @@
 #include "dsp/base/image.h"
 #include "dsp/stereo/row_search.h"
 #include "lab/block/adaptive.h"
+#include "lab/block/match_blocks.h"
 #include "lab/dsp_names.h"
 #include "lab/match_params.h"
 #include "lab/pyramid/pyramid.h"

@@ -37,8 +37,8 @@ wire::StreamChoice depth_alone() {
 // What a subscriber gets who asks for nothing in particular.
 wire::StreamChoice three_streams() {
   wire::StreamChoice choice;
-  choice.of(wire::Stream::kDepth) = wire::Coding::kFit;
-  choice.of(wire::Stream::kWidth) = wire::Coding::kFit;
+  choice.of(wire::Stream::kDepth) = wire::Coding::kQuantised;
+  choice.of(wire::Stream::kWidth) = wire::Coding::kQuantised;
   choice.of(wire::Stream::kSource) = wire::Coding::kRvl;
   return choice;
 }

@@ -139,12 +139,12 @@ void run(const char* preset) {
                          Row{"PMD samples", Stream::kPmdRaw}, Row{"left", Stream::kGreyLeft}}) {
     measure(frame, coder, row.name, only(row.stream, Coding::kRvl));
   }
-  measure(frame, coder, "depth, fit", only(Stream::kDepth, Coding::kFit));
-  measure(frame, coder, "width, fit", only(Stream::kWidth, Coding::kFit));
+  measure(frame, coder, "depth, fit", only(Stream::kDepth, Coding::kQuantised));
+  measure(frame, coder, "width, fit", only(Stream::kWidth, Coding::kQuantised));
   measure(frame, coder, "depth, raw", only(Stream::kDepth, Coding::kRaw));
   measure(frame, coder, "cloud, step 8", only(Stream::kCloud, Coding::kRaw));
-  measure(frame, coder, "both fit, source", usual(Coding::kFit, false));
-  measure(frame, coder, "the same with parity", usual(Coding::kFit, true));
+  measure(frame, coder, "both fit, source", usual(Coding::kQuantised, false));
+  measure(frame, coder, "the same with parity", usual(Coding::kQuantised, true));
   measure(frame, coder, "depth, width, source", usual(Coding::kRvl, false));
   measure(frame, coder, "the same with parity", usual(Coding::kRvl, true));
   measure(frame, coder, "the same raw", usual(Coding::kRaw, false));

@@ -27,7 +27,7 @@ inline RunConfig small_run_config() {
 struct ApplianceRig {
   Rig rig;
   RunConfigRing run_configs;
-  SubscriberRing receivers;
+  ReceiverRing receivers;
   stof::test::GuardedBuffer<std::byte> images{std::size_t{4} << 20};
   stof::test::GuardedBuffer<std::byte> coded{std::size_t{1} << 20};
   std::vector<std::byte> line = std::vector<std::byte>(SerialSender::kRingBytes);
@@ -49,7 +49,7 @@ struct ApplianceRig {
                   small_run_config(), {.images = images.span(), .coded = coded.span()}) {}
 
   void subscribe(std::uint16_t port) {
-    SubscriberList list;
+    ReceiverList list;
     list.peers[0] = {.address = {}, .port = port};
     list.count = 1;
     ASSERT_TRUE(receivers.push(list));

@@ -106,7 +106,7 @@ class PaintedPmd final : public hal::PmdCamera {
   hal::Duration integration_;
 };
 
-class NoNetwork final : public hal::Network {
+class NoNetwork final : public hal::NetworkInterfaces {
  public:
   std::size_t addresses(std::span<hal::InterfaceAddress>) noexcept override { return 0; }
 };

@@ -103,7 +103,7 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
                     [&](dsp::Arena& arena) { dsp::Matcher(params, s.width, s.height, arena); }),
                 matcher_bytes(s));
     }
-    EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::Converter(rig.pmd, arena); }),
+    EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::PmdConverter(rig.pmd, arena); }),
               converter_bytes(board.pmd));
     for (const dsp::Calibration& each : {rig, converging(rig)}) {
       EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) {

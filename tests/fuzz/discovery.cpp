@@ -10,8 +10,8 @@ void stof::fuzz::run(std::span<const std::byte> input) {
     const std::string from = record.peer() % 2 == 0 ? "10.0.0.1" : "fe80::1%2";
     if ((record.flags & kSeal) != 0) {
       wire::DatagramBuffer space{};
-      found.take_packet(sealed(record.bytes, space), from, client::Way::kBeacon);
-      found.take_packet(record.bytes, from, client::Way::kDirect);
+      found.take_packet(sealed(record.bytes, space), from, client::DiscoveryMethod::kBeacon);
+      found.take_packet(record.bytes, from, client::DiscoveryMethod::kDirect);
     } else {
       found.take_mdns(record.bytes, from);
     }

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <string_view>
 
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "tests/fuzz/fuzz_input.h"
 
 // Messages of multicast DNS to the sensor's responder: in its probes, its announcements and after.

@@ -21,7 +21,7 @@ void look_at(dsp::ImageView<const T> image) {
 
 void look_at(const client::Frame& frame) {
   look_at(frame.depth);
-  look_at(frame.width);
+  look_at(frame.interval_width);
   look_at(frame.source);
   look_at(frame.cause);
   look_at(frame.received);

@@ -64,7 +64,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   AnyLimits limits;
   CheckingSink sink;
   settings::SettingsServer server({}, {}, {.limits = limits, .sink = sink});
-  firmware::Subscribers subscribers;
+  firmware::LeaseTable subscribers;
   firmware::RequestHandler handler({.device_id = 0x0A0B0C0D, .session_id = 1}, kSecret, subscribers,
                                    &server);
   hal::Time now{std::chrono::seconds(1000)};

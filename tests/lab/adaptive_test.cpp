@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/stereo/search/winner.h"
+#include "lab/block/match_blocks.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/guarded_part.h"
 #include "tests/support/random.h"

@@ -105,7 +105,7 @@ class Plain {
 };
 
 template <typename Sum>
-class Patchs : public testing::Test {
+class Patches : public testing::Test {
  protected:
   static void run(Pair& pair, const MatchParams& params, std::span<const CandidateRange> ranges,
                   Rows rows, const PatchWinners& out) {
@@ -120,9 +120,9 @@ class Patchs : public testing::Test {
   }
 };
 using Sums = testing::Types<std::uint16_t, std::uint32_t>;
-TYPED_TEST_SUITE(Patchs, Sums);
+TYPED_TEST_SUITE(Patches, Sums);
 
-TYPED_TEST(Patchs, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
+TYPED_TEST(Patches, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
   struct Case {
     int width, height, min_disparity, disparities, block_width, block_height;
   };
@@ -140,7 +140,7 @@ TYPED_TEST(Patchs, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
       params.prefilter_cap = cap;
       Map left(c.width, c.height, c.width), right(c.width, c.height, c.width);
       const std::vector<CandidateRange> ranges(
-          static_cast<std::size_t>(PatchSearch<TypeParam>::patchs(c.width)),
+          static_cast<std::size_t>(PatchSearch<TypeParam>::patches(c.width)),
           CandidateRange{0, lanes_of(params)});
       this->run(pair, params, ranges, {0, c.height}, {left.view(), right.view()});
       const Plain plain(pair, params);
@@ -154,7 +154,7 @@ TYPED_TEST(Patchs, SearchingEverythingIsWinnerTakesAllOfBothPictures) {
   }
 }
 
-TYPED_TEST(Patchs, EachPatchSearchesAtLeastItsOwnRange) {
+TYPED_TEST(Patches, EachPatchSearchesAtLeastItsOwnRange) {
   constexpr int kWidth = 4 * PatchSearch<TypeParam>::kPatchWidth + 5;
   Pair pair = noise(kWidth, 3, 8);
   const MatchParams params{{.disparities = 100, .block_width = 3, .block_height = 2}};

@@ -49,7 +49,7 @@ void print(const stof::Frame& frame) {
   const stof_frame& c = frame.c();
   Hash hash;
   hash.take(frame.depth());
-  hash.take(frame.width());
+  hash.take(frame.interval_width());
   hash.take(frame.source());
   hash.take(frame.cause());
   std::printf("{\"frame\": %" PRIu32 ", \"session\": %" PRIu32 ", \"freshness\": %" PRIu32

@@ -11,8 +11,8 @@ namespace stof::dsp {
 // for 20 + 18.75 MHz, 0.011 for m = 64), and no pixel is steady enough for more.
 bool usable_pair(Hertz first, Hertz second) noexcept;
 
-// Of a usable pair. Phases may disagree by a quarter of a turn of the beat; noise may reach three
-// quarters of it, from where on a wrong turn would agree, at 5 sigma only.
+// Takes a usable pair. Phases may disagree by a quarter of a turn of the beat. A wrong turn becomes
+// possible when noise reaches 3/4 of that; this must be at least 5 sigma away.
 FrequencyPair make_frequency_pair(Hertz first, Hertz second) noexcept;
 
 // After what distance both phases repeat, 0.1 mm.

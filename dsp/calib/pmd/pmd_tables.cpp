@@ -134,8 +134,9 @@ RangeTables range_tables(const PmdSensor& sensor, double range_m) noexcept {
   RangeTables tables;
   tables.unit_q30 = has_long_range(sensor) ? kTenthMmQ30 : kQuarterMmQ30;
   tables.line = {
-      .scale_q15 = std::min(clamp_to<std::uint32_t>(sensor.scale * StraightLine::kPlainScale),
-                            StraightLine::kMostScale),
+      .scale_q15 =
+          std::min(clamp_to<std::uint32_t>(sensor.scale * LinearDistanceCorrection::kPlainScale),
+                   LinearDistanceCorrection::kMostScale),
       .shift =
           static_cast<std::int32_t>(std::clamp(std::round(sensor.shift_m * units), -kMost, kMost)),
       .turn = std::min(clamp_to<std::uint32_t>(range_m * sensor.scale * units), kMostUnits)};

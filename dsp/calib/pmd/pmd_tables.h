@@ -8,11 +8,10 @@
 #include "dsp/pmd/phase/correct_phase.h"
 #include "dsp/pmd/phase/phase.h"
 #include "dsp/pmd/pmd_maps.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
-// What the kernels of dsp/pmd need to know about a sensor, rounded once at start, and what a
-// frame's integration time and temperature make of it, in fixed point. All take a sensor that
-// problem() accepts.
+// A sensor's constants for the kernels of dsp/pmd in fixed point, rounded once at start, and the
+// same for a frame's integration time and temperature. All take a sensor that problem() accepts.
 namespace stof::dsp {
 
 // One frequency at the reference integration time and temperature.
@@ -50,7 +49,7 @@ double turn_m(const PmdFrequency& frequency) noexcept;
 // From distances to what is published; they repeat after range_m.
 struct RangeTables {
   std::uint32_t unit_q30 = 0;  // of to_quarter_mm
-  StraightLine line;
+  LinearDistanceCorrection line;
   std::uint32_t range = 0;  // PmdMaps::range
   QuarterMm widest = 0;     // PmdMaps::widest
 };

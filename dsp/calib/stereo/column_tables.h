@@ -14,7 +14,7 @@ inline constexpr double kSteepestRad = 1.3089969389957472;
 
 // T of a column of the left or right picture: how far left of the perpendicular of the baseline its
 // ray runs, per unit of Z. Rectified: -(x - cx) / fx; converging: tan(yaw + atan(-(x - cx) u / f)).
-// NaN beyond 75 degrees. Of a complete() rig.
+// NaN beyond 75 degrees. The rig is complete().
 double left_tangent(const StereoRig& rig, double x) noexcept;
 double right_tangent(const StereoRig& rig, double x) noexcept;
 

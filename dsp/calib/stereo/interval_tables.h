@@ -8,8 +8,8 @@
 
 namespace stof::dsp {
 
-// What turns the disparities of a rig into depth intervals: of both columns where the axes
-// converge, else of the disparity alone.
+// Tables from disparities to depth intervals: by both columns where the axes converge, else by the
+// disparity alone.
 struct IntervalTables {
   bool converging = false;
   ColumnTables columns;      // where converging

@@ -27,7 +27,7 @@ class RemapTable {
   void remap(ImageView<const std::uint8_t> source, int row,
              std::span<std::uint8_t> out) const noexcept;
 
-  // What a pixel is mixed from.
+  // The place that a pixel is interpolated from.
   Place place(int column, int row) const noexcept;
 
   // The pixels of a row that the camera saw lie within [begin, end). Not all of it if `torn`; then

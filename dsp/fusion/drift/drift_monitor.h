@@ -30,8 +30,8 @@ namespace stof::dsp {
 //
 // A scene that stands still repeats its errors in every frame: the number of frames says nothing
 // about them. Standard deviations come from leaving out one region of the picture after the other
-// (jackknife), so a parameter that a single thing decides about is as uncertain as that thing. What
-// a scene does not show (yaw before a floor alone) stays unknown.
+// (jackknife), so a parameter that a single thing decides about is as uncertain as that thing. A
+// parameter that a scene does not show (yaw before a floor alone) stays unknown.
 
 enum class DriftParameter : std::uint8_t {
   kPitch,      // turn of the PMD camera at its own origin about the x axis of the left camera,
@@ -68,8 +68,8 @@ struct DriftParams {
   double fade_frames = 450;  // observe() calls until one counts 1 / e: 15 s at 30 a second
   // Reported is what exceeds so many standard deviations and its floor.
   double sigmas = 3;
-  // What a good calibration leaves: 0.03 degrees (roll 0.04), 15 mm, 0.08 px. What is known less
-  // well than that is not reported.
+  // The drift that a good calibration leaves: 0.03 degrees (roll 0.04), 15 mm, 0.08 px. A parameter
+  // known less well than that is not reported.
   DriftVector floor{5.24e-4, 5.24e-4, 6.98e-4, 0.015, 0.08};
 };
 

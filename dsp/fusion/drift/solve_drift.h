@@ -35,7 +35,7 @@ struct DriftSolution {
   DriftVector sigma{};
 };
 
-// Of each patch the means of J and e count once, however many frames they come from: the least
+// The means of J and e of each patch count once, however many frames they come from: the least
 // squares solution with weights that fall with the misfit (Huber's, then Tukey's), drawn to 0 by
 // what is known before. sigma: jackknife over regions of a quarter of the picture's width, laid in
 // two ways, of which the larger counts; and an error that all patches of a region share.

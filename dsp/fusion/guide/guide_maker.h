@@ -17,7 +17,7 @@ namespace stof::dsp {
 // When a PMD reading may narrow the stereo search, and by how much. The search must keep room to
 // contradict: stereo that can only repeat what the PMD says is no second witness.
 struct GuideParams {
-  // A range reaches this share of Z beyond the PMD interval. What noise does not explain: light on
+  // A range reaches this share of Z beyond the PMD interval. Noise does not explain all: light on
   // two ways, wiggling, stray light and a line that does not fit are 1 to 5 percent of the distance
   // (Kuhnert & Stommel 2006, sections 3.2 and 6: 3 to 5), a turn of the head by 1 degree on a wall
   // seen at 45 degrees is 2.

@@ -7,7 +7,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/calib/calibration.h"
 
-// What a GuideMaker (guide_maker.h) is built from, computed once at start. Rigs that it serves.
+// The tables of a GuideMaker (guide_maker.h), computed once at start, for rigs that it serves.
 namespace stof::dsp {
 
 // Depths are looked up in steps of 4 mm: element k stands for k .. k + 1 steps.

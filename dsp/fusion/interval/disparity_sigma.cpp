@@ -5,7 +5,7 @@ namespace stof::dsp {
 MatchTrust trust_of(const MatchParams& params) noexcept {
   constexpr std::uint8_t kHalfStep = 6;  // with what the match itself errs by: 95 percent
   MatchTrust trust;
-  if (params.search == Search::kPaths) {
+  if (params.search == Search::kSemiGlobal) {
     trust = {.sigma_by_ratio = kPathSigma, .doubt_px = 4};
   }
   if (params.subpixel == Subpixel::kWhole) {

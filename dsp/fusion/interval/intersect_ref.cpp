@@ -25,7 +25,7 @@ struct Fused {
   Cause cause = Cause::kNone;
 };
 
-Fused settle(const Range& stereo, const Range& pmd, bool sure, bool edge) noexcept {
+Fused resolve(const Range& stereo, const Range& pmd, bool sure, bool edge) noexcept {
   if (sure == edge) {
     return {sure ? stereo : pmd, Source::kResolved,
             sure ? Cause::kMixedPixel : Cause::kStereoAmbiguous};
@@ -45,7 +45,7 @@ Fused fuse(const Range& stereo, const Range& pmd, bool sure, bool edge) noexcept
   }
   const Range both{std::max(stereo.lo, pmd.lo), std::min(stereo.hi, pmd.hi)};
   return both.present() ? Fused{both, Source::kBoth, Cause::kNone}
-                        : settle(stereo, pmd, sure, edge);
+                        : resolve(stereo, pmd, sure, edge);
 }
 
 }  // namespace

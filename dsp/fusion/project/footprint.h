@@ -8,8 +8,8 @@
 #include "dsp/base/kernel.h"
 #include "dsp/fusion/project/project.h"
 
-// What the readings of a row of PMD pixels cover in the left view. Equal lengths, any length, any
-// alignment; no overlap.
+// The area that readings of a row of PMD pixels cover in the left view. Equal lengths, any length,
+// any alignment; no overlap.
 namespace stof::dsp {
 
 inline constexpr float kFootprintMargin = 0.6F * kPositionOne;
@@ -54,7 +54,7 @@ using FootprintRanges = void(std::span<const std::int32_t> place,
 STOF_KERNEL(HalfSizes, half_sizes, kNeon)
 STOF_KERNEL(FootprintRanges, footprint_ranges, kNeon)
 
-// What a footprint says about every pixel it covers, quarter mm in the left view.
+// The values that a footprint gives every pixel it covers, quarter mm in the left view.
 struct FootprintValue {
   QuarterMm visible;  // visible_behind(depth of the reading)
   QuarterMm low;      // interval
@@ -62,7 +62,7 @@ struct FootprintValue {
   std::uint8_t flags;  // PmdFlag
 };
 
-// What a PMD pixel covers in the left view: columns x_begin .. x_end - 1, rows y_begin .. y_end -
+// The area of a PMD pixel in the left view: columns x_begin .. x_end - 1, rows y_begin .. y_end -
 // 1, inside the image and not empty. depth: Z of its reading, quarter mm.
 struct Footprint {
   std::int16_t x_begin;

@@ -4,7 +4,7 @@
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/fusion/project/project.h"
 
-// What the kernel project() takes, from a calibration.
+// The parameters of the kernel project(), from a calibration.
 namespace stof::dsp {
 
 Projection projection_of(const Calibration& calibration) noexcept;

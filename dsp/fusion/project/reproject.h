@@ -44,7 +44,7 @@ class Reprojector {
     std::span<std::int32_t> v;
     std::span<QuarterMm> depth;
   };
-  // What a row's readings cover.
+  // The areas that a row's readings cover.
   struct Extents {
     std::span<std::int32_t> half_x;
     std::span<std::int32_t> half_y;

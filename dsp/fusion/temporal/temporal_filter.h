@@ -13,7 +13,7 @@
 
 namespace stof::dsp {
 
-// What the defaults of TemporalLimits mean at 30 frames a second:
+// The defaults of TemporalLimits at 30 frames a second:
 //   frames 8        a quarter of a second; noise falls to a third, the next third would take 72
 //   max_step 1200   0.3 m: 3 sigma of a reading with a sigma of 0.1 m; noisier ones begin anew more
 //                   often

@@ -15,7 +15,7 @@ namespace stof::dsp {
 using GreyChange = void(std::span<const std::uint8_t> now, std::span<const std::uint8_t> then,
                         std::span<std::uint8_t> change) noexcept;
 
-// What is remembered of each pixel of a row, 7 bytes. All zero: nothing.
+// The state of each pixel of a row, 7 bytes. All zero: none.
 struct TemporalState {
   std::span<QuarterMm> mean;         // whole quarter mm of the mean depth
   std::span<std::uint16_t> scatter;  // mean |residual|, 4 fraction bits
@@ -24,7 +24,7 @@ struct TemporalState {
   std::span<std::uint8_t> grey;  // of the frame with which the mean began
 };
 
-// What changed in the left picture: rows above, of and below the pixels, element x + 1 for pixel x.
+// Changes of the left picture: rows above, of and below the pixels, element x + 1 for pixel x.
 // The first and last elements, and rows beyond the picture, are 0.
 struct ChangeRows {
   std::span<const std::uint8_t> above;

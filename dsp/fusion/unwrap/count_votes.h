@@ -14,7 +14,7 @@ inline constexpr int kWindow = 4;
 // Columns and rows of samples without depth on every side of a grid.
 inline constexpr int kGridBorder = kWindow;
 
-// What stereo knows about the depth of every step-th column and row of the left view, quarter mm:
+// Stereo's depth intervals at every step-th column and row of the left view, quarter mm:
 // low <= high, 65535 stands for all that lies beyond. No depth: low 65535, high 0. Sample (i, j)
 // stands for pixel (i * step + step / 2, j * step + step / 2).
 struct SampleGrid {

@@ -39,8 +39,8 @@ class Unwrapper {
   Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
             int disparities, int width, int height, Arena& arena) noexcept;
 
-  // pmd: of Converter::measure(). Adds range times wrap count to distance, or sets kPmdWrapped and
-  // distance = sigma = 0; then low, high and the flags that come from neighbours
+  // pmd: of PmdConverter::measure(). Adds range times wrap count to distance, or sets kPmdWrapped
+  // and distance = sigma = 0; then low, high and the flags that come from neighbours
   // (refresh_intervals()). disparity: of the same moment, left size, or empty: then amplitude alone
   // decides.
   void resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity) noexcept;

@@ -22,7 +22,7 @@ inline constexpr int kMostWrapCounts = 7;
 // In place of a wrap count.
 inline constexpr std::int8_t kUnknownWraps = -1;   // nothing tells it
 inline constexpr std::int8_t kDisputedWraps = -2;  // stereo and the readings around it differ
-inline constexpr std::int8_t kRefutedWraps = -3;   // cannot be told, or lies beyond max_range
+inline constexpr std::int8_t kRefutedWraps = -3;   // cannot be decided, or lies beyond max_range
 inline constexpr std::int8_t kNoReading = -4;
 
 // Whether bit k of pixel i is set.
@@ -30,7 +30,7 @@ inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) n
   return (bits[i] >> k) % 2 != 0;
 }
 
-// What is found out about the pixels of a frame, row by row.
+// Findings about the pixels of a frame, row by row.
 struct WrapMaps {
   WrapMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
     readings = arena.take<Reading>(pixels());

@@ -16,7 +16,7 @@ void smooth_readings(const PmdMaps& maps) noexcept;
 // be split in any way.
 //
 // Who moves readings by whole ranges (distance += k * maps.range, where stereo knows better) does
-// so between Converter::measure() and this, in any pixels (and long_distance alike, where it is
+// so between PmdConverter::measure() and this, in any pixels (and long_distance alike, where it is
 // there); readings beyond maps.range count as moved: they are not out of range.
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept;
 

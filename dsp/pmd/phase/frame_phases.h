@@ -12,10 +12,10 @@
 #include "dsp/pmd/phase/merge_exposures.h"
 
 // From the exposures of one frequency to one row of phases with amplitude, offset, sigma and flags.
-// For Converter alone.
+// For PmdConverter alone.
 namespace stof::dsp {
 
-// What one exposure of a frame means for the row kernels.
+// Parameters of the row kernels for one exposure of a frame.
 struct ExposureTables {
   std::size_t index = 0;  // in the frame
   PhaseLimits limits;
@@ -23,7 +23,7 @@ struct ExposureTables {
   std::uint16_t gain_q8 = kUnchangedQ8;  // of the longest over this one
 };
 
-// What they get for one frequency of a frame.
+// Their parameters for one frequency of a frame.
 struct FrameTables {
   FrequencyTables frequency;
   PhaseCorrection correction;                                // at the frame's temperature

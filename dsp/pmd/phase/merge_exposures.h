@@ -9,7 +9,7 @@
 
 namespace stof::dsp {
 
-// What the kernels phase and sigma_and_ratio made of one exposure, one row. ratio and sigma may be
+// One row of the results of phase and sigma_and_ratio for one exposure. ratio and sigma may be
 // empty (in all rows that are merged).
 struct ExposureRow {
   std::span<Phase> phase;

@@ -9,7 +9,7 @@
 
 namespace stof::dsp {
 
-// What makes a PMD pixel's samples unusable, in LSB of a sample.
+// Limits of usable samples of a PMD pixel, in LSB of a sample.
 struct PhaseLimits {
   std::uint16_t saturation = 4095;  // a sample at or above it: kPmdSaturated
   std::uint16_t lowest = 1;         // a sample below it: kPmdUnderRange; 0 = never
@@ -23,7 +23,7 @@ struct PhaseLimits {
   // number of noise variances. slope_q8 at most 131072.
   std::uint32_t asymmetry_base = 0xFFFFFFFF;
   std::uint32_t asymmetry_slope_q8 = 0;
-  // What stray light inside the camera adds to I and to Q; subtracted from them. -32767 .. 32767.
+  // Stray light inside the camera adds these to I and Q; they are subtracted. -32767 .. 32767.
   std::int16_t stray_i = 0;
   std::int16_t stray_q = 0;
 };

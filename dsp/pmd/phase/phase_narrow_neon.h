@@ -18,7 +18,7 @@ struct Narrow {
   static constexpr std::uint32_t kMostUneven = 255;
   static constexpr bool kMayBeAsymmetric = true;
 
-  // Of limits; of the samples the loop tells afterwards.
+  // Whether limits fit; the loop reports afterwards whether the samples did.
   static bool fits(const PhaseLimits& limits) noexcept {
     const std::uint64_t noise =
         std::uint64_t{limits.asymmetry_base} + ((limits.asymmetry_slope_q8 * kMostSample) >> 8U);

@@ -17,7 +17,7 @@ struct FrequencyPair {
   std::uint32_t inverse = 1;        // of n, modulo m
   std::uint32_t turn_q11 = 1;       // 0.1 mm a turn of f1, 11 fraction bits
   std::uint32_t tolerance = 16384;  // tau in 1/65536 turn, at most 32768
-  // Of the difference of both distances, quarter mm squared; 2^32 - 1 is no limit.
+  // Limit for the difference of both distances, quarter mm squared; 2^32 - 1 is none.
   std::uint32_t max_variance = ~0U;
 };
 inline constexpr std::uint32_t kMostTurns = 64;

@@ -12,7 +12,7 @@ namespace stof::dsp {
 inline constexpr std::uint32_t kQuarterMmQ30 = 1U << 30U;
 inline constexpr std::uint32_t kTenthMmQ30 = 429'496'730;  // 0.4
 
-// What a row of computed distances publishes. Where flags has a bit of kPmdMissing all three are 0.
+// Publishes a row of computed distances. Where flags has a bit of kPmdMissing all three are 0.
 //   reading   at least 1 unit (0 means none), at most kMostUnits
 //   distance  (reading * unit_q30 + 2^29) >> 30, at least 1; 0 and kPmdOutOfRange where that is
 //             above 65535

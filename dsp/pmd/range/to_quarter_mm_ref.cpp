@@ -5,7 +5,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/pmd/pmd_maps.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
 namespace stof::dsp::ref {
 

@@ -12,7 +12,7 @@ namespace stof::dsp::ad_census_body {
 
 constexpr std::size_t kPlanes = planes_of(kCensus7x7.bits());
 
-// What differs from pixel to pixel: a left column, or the first of its candidates.
+// The data of one pixel: a left column, or the first of its candidates.
 struct Pixel {
   hamming_body::Planes planes;
   const std::uint8_t* grey;

@@ -19,8 +19,8 @@ struct Candidates {
 };
 static_assert(sizeof(Candidates) == 2);
 
-// What somebody else knows about the pixels of a left picture, one row or all of them; empty:
-// nothing.
+// The candidates that a guide leaves to the pixels of a left picture, one row or all of them;
+// empty: there is no guide.
 using GuideRow = std::span<const Candidates>;
 using Guide = ImageView<const Candidates>;
 inline GuideRow row_of(Guide guide, int y) noexcept {

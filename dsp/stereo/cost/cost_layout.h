@@ -10,7 +10,7 @@
 // How rows of pixels become the left and right rows of sad.h, and which candidates exist.
 namespace stof::dsp {
 
-// What is compared: grey values, smoothed or not, or their derivatives. Of one size.
+// The pictures that are compared: grey values, smoothed or not, or their derivatives. One size.
 struct CostPictures {
   ImageView<const std::uint8_t> left;
   ImageView<const std::uint8_t> right;

@@ -14,14 +14,14 @@
 // pixel.
 namespace stof::dsp {
 
-inline constexpr int kLargestCrossedCost = 85;
+inline constexpr int kLargestAggregatedInput = 85;
 
 // sums[x] = costs[x] + joined[x] costs[x - 1] + joined[x + 1] costs[x + 1], where joined[x], 0 or
 // 1, tells whether columns x - 1 and x look alike: n + 1 of them, the first and the last 0.
 using SumAlike = void(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> joined,
                       int lanes, std::span<std::uint8_t> sums) noexcept;
 
-// What one pixel takes from the rows above and below: its own lanes of their sums, or of zeros.
+// One pixel's input from the rows above and below: its own lanes of their sums, or of zeros.
 struct CrossColumn {
   const std::uint8_t* above;
   const std::uint8_t* below;

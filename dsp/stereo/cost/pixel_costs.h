@@ -21,8 +21,8 @@ enum class PixelCost : std::uint8_t {
 // Holds its buffers, allocates nothing; a row depends on the pictures alone.
 class PixelCosts {
  public:
-  // For pictures up to `width`, with these columns beyond either side. Of params the range of
-  // disparities.
+  // For pictures up to `width`, with these columns beyond either side. Uses the range of
+  // disparities of params.
   PixelCosts(PixelCost cost, const MatchParams& params, int width, CostColumns columns,
              Arena& arena) noexcept;
 

@@ -7,7 +7,8 @@
 #include "dsp/base/kernel.h"
 
 // Absolute differences summed down the rows of a block, for all columns of a row and all
-// candidates (column sums); sums along the row make block sums of them (search/block_winners.h).
+// candidates (column sums). The search begins with these sums and slides them itself from row to
+// row (search/block_winners.h); the lab's block costs slide them by lab/cost/cost_sums.h.
 //
 // Layout. A row of n columns and `lanes` candidates is one array [column][candidate], lanes a
 // multiple of 16. The right row is stored reversed, so that the candidates of a column are

@@ -2,7 +2,7 @@
 
 #include "dsp/base/avx2.h"
 
-// What the 3x3 filters of this folder share, for their *_avx2.cpp.
+// The common part of the 3x3 filters of this folder, for their *_avx2.cpp.
 namespace stof::dsp::avx2 {
 
 // 32 bytes as words: the lower and the upper eight of both halves.

@@ -23,11 +23,11 @@ class Rectifier {
   void rectify(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right,
                Rows rows) noexcept;
 
-  // The rectified pictures. What their camera did not see repeats the border of the raw picture.
+  // The rectified pictures. Pixels that their camera did not see repeat the raw picture's border.
   ImageView<const std::uint8_t> left() const noexcept { return left_; }
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
-  // What the cameras saw, the same for all frames, and where they saw it.
+  // Which pixels the cameras saw, the same for all frames, and where they saw them.
   const RemapTable& left_table() const noexcept { return left_table_; }
   const RemapTable& right_table() const noexcept { return right_table_; }
 

@@ -2,7 +2,7 @@
 
 #include "dsp/stereo/search/block_winners_body.h"
 
-// What becomes of a chunk that was searched: winners that are none, and fits.
+// The second step for a chunk that was searched: winners that are none, and fits.
 namespace stof::dsp::block_winners_body {
 
 inline bool all_tie(const std::uint16_t* sums, Limits exist, int shift) noexcept {

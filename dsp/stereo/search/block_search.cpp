@@ -26,7 +26,7 @@ CostScale scale_of(const MatchParams& params) noexcept {
 BlockSearch::BlockSearch(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
       blocks_(params, width, arena),
-      judge_(params, scale_of(params), width, arena),
+      checks_(params, scale_of(params), width, arena),
       winners_(arena.take<std::int16_t>(index(width))) {
   const std::size_t row = index(width) * index(lanes_of(params));
   if (looks_at_costs(params)) {
@@ -58,14 +58,14 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
     best::winners(found.judged, lanes, winners);
   }
   finish_winners(params_, guide, winners);
-  judge_.compare_rivals(found, out);
-  judge_.check_left_right(found.judged, winners);
+  checks_.compare_rivals(found, out);
+  checks_.check_left_right(found.judged, winners);
   if (narrowed) {
-    judge_.fit_costs(found.judged, winners, out.disparity);
+    checks_.fit_costs(found.judged, winners, out.disparity);
   } else {
     drop_fits(winners, out.disparity);
   }
-  judge_.fit_grey_values(*pair_, y, out.disparity);
+  checks_.fit_grey_values(*pair_, y, out.disparity);
 }
 
 // The fits that came with the winners, but for those that were dropped or finished since.

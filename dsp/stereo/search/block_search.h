@@ -4,7 +4,7 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/row_checks.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/sliding_blocks.h"
 
@@ -23,7 +23,7 @@ class BlockSearch final : public RowSearch {
 
   MatchParams params_;
   SlidingBlocks blocks_;
-  RowJudge<std::uint16_t> judge_;
+  RowChecks<std::uint16_t> checks_;
   std::span<std::uint16_t> costs_;  // with kBlockCostMargin elements before and behind them
   std::span<std::uint16_t> masked_;
   std::span<std::int16_t> winners_;

@@ -19,8 +19,8 @@
 namespace stof::dsp {
 
 inline constexpr int kBlockSumScale = 8;
-// What sums of a block may reach: eight times it and the number of a group fit u16, below what
-// stands for no candidate; so does the largest number of the fit, 8.5 times a difference of sums.
+// The largest sum of a block: eight times it and the number of a group fit u16, below the value for
+// no candidate; so does the largest number of the fit, 8.5 times a difference of sums.
 inline constexpr int kLargestBlockSum = 7710;
 // The largest pixel: differences have a sign and seven bits.
 inline constexpr int kLargestBlockPixel = 127;

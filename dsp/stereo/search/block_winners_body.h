@@ -71,7 +71,7 @@ class Pass {
   }
 
   bool keeps_costs() const noexcept { return !out_.costs.empty(); }
-  // What is in memory of the sums of a chunk.
+  // The sums of a chunk that are in memory.
   std::uint16_t* sums(std::size_t x) noexcept {
     return keeps_costs() ? out_.costs.data() + x * lanes_ : ring_ + kMargin;
   }

@@ -7,12 +7,12 @@
 
 #include "dsp/base/check.h"
 
-// What a change of disparity costs at an edge of grey values: less, because surfaces end there.
+// Penalties for a change of disparity at an edge of grey values: less, because surfaces end there.
 // Cost is u8, u16 or u32.
 namespace stof::dsp {
 
-// What a large change costs: all of it where both pixels look alike, half where their grey values
-// differ by more than `edge`, a quarter by more than `strong_edge`; never less than `small`.
+// The penalty for a large change: all of it where both pixels look alike, half where their grey
+// values differ by more than `edge`, a quarter by more than `strong_edge`; never less than `small`.
 template <typename Cost>
 struct EdgePenalties {
   Cost small = 0;

@@ -69,7 +69,7 @@ STOF_KERNELS(PathsAcross, paths_across, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
              Neon<std::uint32_t>)
 STOF_KERNELS(PathsOfAxes, paths_of_axes, Avx2<std::uint8_t>, Avx2<std::uint16_t>)
 
-// What paths_of_axes expects of its sizes, for its variants.
+// Checks the sizes of paths_of_axes, for its variants.
 template <typename Cost>
 void check_axes(const AxesRow<Cost>& row, std::size_t front, std::size_t others,
                 std::size_t sums) noexcept {

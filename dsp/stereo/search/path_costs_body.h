@@ -67,7 +67,7 @@ void cross(std::span<const Cost> costs, std::span<const Cost> before, int shift,
   }
 }
 
-// Of sums over paths.
+// For sums over paths.
 template <typename Isa>
 typename Isa::V total(typename Isa::V a, typename Isa::V b) noexcept {
   if constexpr (sizeof(typename Isa::Lane) == 1) {

@@ -80,7 +80,7 @@ class SemiGlobal {
   static constexpr int shifts_up(int directions) noexcept {
     return directions == 5 ? 0 : shifts_down(directions);
   }
-  // What is made of one row at a time.
+  // Buffers for one row at a time.
   struct RowBuffers {
     std::span<Cost> from_left;
     std::span<Cost> from_right;

@@ -182,7 +182,7 @@ void SemiGlobal<Cost, Sum>::advance(int y, int from, int shifts, Fronts& fronts)
   }
 }
 
-// What a large change between two rows costs; empty where from is -1. Valid until the next call.
+// Penalties for a large change between two rows; empty where from is -1. Valid until the next call.
 template <typename Cost, typename Sum>
 std::span<const Cost> SemiGlobal<Cost, Sum>::across(int y, int from, int shift) noexcept {
   if (from < 0) {

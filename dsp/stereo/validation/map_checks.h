@@ -15,12 +15,12 @@
 
 namespace stof::dsp {
 
-// What looks at a whole map of disparities: drops what its surroundings speak against, then takes
-// the median. Holds its buffers, allocates nothing; the result is the same with any team.
+// Checks of a whole map: drops disparities that disagree with their neighbourhood, then takes the
+// median. Holds its buffers, allocates nothing; the result is the same with any team.
 class MapChecks {
  public:
-  // margins: distinct (validation/winner_margin.h), of the search; of width x height, else empty.
-  // Of no use to anybody after apply().
+  // margins: the search's, for distinctness (validation/winner_margin.h), width x height; else
+  // empty. apply() overwrites them.
   MapChecks(const MatchParams& params, int width, int height, ImageView<std::int16_t> margins,
             Arena& arena, const ThreadTeam& team) noexcept;
 
@@ -29,7 +29,7 @@ class MapChecks {
   // map: of that size, not empty, searched in `pair`.
   void apply(const PreparedPair& pair, ImageView<Disparity> map) noexcept;
 
-  // What was dropped of the last map, where MatchParams ask for `confidence`; else empty.
+  // The disparities dropped from the last map, where MatchParams ask for `confidence`; else empty.
   ImageView<const Disparity> weak() const noexcept;
 
  private:

@@ -10,9 +10,9 @@
 
 namespace stof::dsp {
 
-// What drop_speckles() works in: 4 bytes a pixel and some rows.
+// The memory of drop_speckles(): 4 bytes a pixel and some rows.
 struct SpeckleScratch {
-  // What is known of one row. A run is a row of connected pixels; runs of the image are numbered
+  // The state of one row. A run is a row of connected pixels; runs of the image are numbered
   // from the top, from left to right.
   struct Line {
     std::span<std::int16_t> raw;  // a pixel before the row, the row, and behind it none

@@ -14,7 +14,7 @@ namespace stof::dsp {
 // window_sums.h) is below min_texture grey levels. derivative: clipped_sobel() of the left image
 // with `cap` (prefilter.h), so the mean is at most cap; a cap of 15 is what presets are tuned for.
 // This alone finds what is as flat as the camera's rounding: noise of 2 grey levels has a mean of 5
-// to 6, as much as a tenth of a real picture. What noise matches is found by winner_margin.h.
+// to 6, as much as a tenth of a real picture. winner_margin.h finds matches of noise.
 // Only `rows` of disparities are written; any split gives the same. window: scratch.
 void drop_flat(ImageView<const std::uint8_t> derivative, int cap, int min_texture, Rows rows,
                WindowSums& window, ImageView<Disparity> disparities) noexcept;

@@ -19,9 +19,9 @@
 namespace stof::dsp {
 
 inline constexpr int kMarginPercent = 70;
-// Of costs that are means over neighbours that look alike: there noise averages out, and the winner
-// costs nearer to the mean.
-inline constexpr int kRegionMarginPercent = 80;
+// For costs that are means over neighbours that look alike: there noise averages out, and the
+// winner costs nearer to the mean.
+inline constexpr int kAdCensusMarginPercent = 80;
 
 // The smallest shift for which no margin of costs up to `largest_cost` is clipped.
 constexpr int margin_shift(std::int64_t largest_cost, int lanes) noexcept {

@@ -15,19 +15,19 @@ class ByteRing {
  public:
   static constexpr std::size_t kMaxRecord = 65'535;
 
-  // What a record takes of room().
+  // The part of room() that a record takes.
   static constexpr std::size_t cost(std::size_t bytes) noexcept { return bytes + 2; }
 
   // memory.size() is a power of two, which records may fill to the last byte.
   explicit ByteRing(std::span<std::byte> memory) noexcept;
 
-  // Of the thread that puts. Bytes for records with their cost(); it only grows meanwhile.
+  // For the thread that puts. Bytes for records with their cost(); it only grows meanwhile.
   std::size_t room() const noexcept;
   // Within room(), 1 to kMaxRecord bytes; seen by the other thread after publish().
   void put(std::span<const std::byte> record) noexcept;
   void publish() noexcept { written_.store(writing_, std::memory_order_release); }
 
-  // Of the thread that takes. Length of the oldest record, 0: there is none.
+  // For the thread that takes. Length of the oldest record, 0: there is none.
   std::size_t next() const noexcept;
   // Takes it out, up to its first out.size() bytes; returns how many, 0: there was none.
   std::size_t take(std::span<std::byte> out) noexcept;

@@ -7,11 +7,11 @@
 
 namespace stof::firmware {
 
-// What a line of so many baud has carried when: ten bits a byte (8N1). Of the sender's side, which
-// does not see the line's queues.
+// When a line of a given baud rate has carried its bytes: ten bits a byte (8N1). For the sender,
+// which does not see the line's queues.
 class LineBudget {
  public:
-  // baud: 1 or more. What was spent before stays.
+  // baud: 1 or more. Time that was spent before stays spent.
   void set_baud(std::uint32_t baud) noexcept { baud_ = baud; }
   // How long all that was spent still takes.
   hal::Duration backlog(hal::Time now) const noexcept;

@@ -15,7 +15,7 @@
 
 namespace stof::firmware {
 
-// What comes in on a serial line: requests in COBS, which are answered, or MAVLink.
+// Reads a serial line: requests in COBS, which are answered, or MAVLink.
 class LineReader {
  public:
   explicit LineReader(SerialRequestHandler& requests) noexcept : requests_(requests) {}
@@ -24,11 +24,11 @@ class LineReader {
   // to leave before the next request is looked at. Empty: there is none. kDeviceLost of the port.
   Result<std::span<const std::byte>> read(hal::SerialPort& port, settings::SerialMode mode,
                                           hal::Time now) noexcept;
-  // What was read of a frame that has not ended is forgotten.
+  // Forgets the beginning of a frame that has not ended.
   void reset() noexcept;
 
   const mavlink::Autopilot& autopilot() const noexcept { return autopilot_; }
-  // Of any thread: damaged or unknown frames.
+  // For any thread: damaged or unknown frames.
   std::uint64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
 
  private:

@@ -21,7 +21,7 @@ constexpr hal::Duration line_time(std::uint64_t bytes, std::uint32_t baud) noexc
 // old speed, so that the answer to whoever asked for it arrives.
 class LineSpeed {
  public:
-  // What serial drivers queue: a page.
+  // The queue of serial drivers: a page.
   static constexpr std::uint32_t kDriverBytes = 4096;
   // Between two ticks.
   static constexpr hal::Duration kLongestTurn = std::chrono::milliseconds(20);
@@ -36,7 +36,7 @@ class LineSpeed {
   // (`idle`) and it is due. True: the port was asked for it. kDeviceLost of the port.
   Result<bool> tick(hal::SerialPort& port, bool idle, hal::Time now) noexcept;
 
-  // Of any thread: the port cannot do what was wanted last, and keeps the speed it had.
+  // For any thread: the port cannot do the speed wanted last, and keeps the one it had.
   bool refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
 
  private:

@@ -14,11 +14,11 @@
 
 namespace stof::firmware {
 
-// What goes out on a serial line: an answer first, then the ring's records. Packets in COBS with a
+// Writes to a serial line: an answer first, then the ring's records. Packets in COBS with a
 // zero behind them, and one before them where the line was silent; MAVLink as it is.
 class LineWriter {
  public:
-  // Of the longest packet on the line.
+  // The size of the longest packet on the line.
   static constexpr std::size_t kFrameBytes = hal::cobs_bound(wire::kMaxDatagram) + 2;
 
   explicit LineWriter(ByteRing& ring) noexcept : ring_(ring) {}
@@ -37,7 +37,7 @@ class LineWriter {
   // The other end may be anywhere in a frame: the next packet begins with a zero.
   void begin_anew() noexcept { silent_ = true; }
 
-  // Of any thread: records and answers that the line took, and those that were thrown away.
+  // For any thread: records and answers that the line took, and those that were thrown away.
   std::uint64_t sent() const noexcept { return sent_.load(std::memory_order_relaxed); }
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
 

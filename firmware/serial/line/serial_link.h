@@ -20,7 +20,7 @@ namespace stof::firmware {
 // to a second; what waited is thrown away.
 class SerialLink final : public PeriodicTask {
  public:
-  // Of any thread.
+  // For any thread.
   struct Counters {
     std::uint64_t sent = 0;     // records and answers that the line took
     std::uint64_t lost = 0;     // that it did not take, being lost or off
@@ -42,7 +42,7 @@ class SerialLink final : public PeriodicTask {
   bool lost() const noexcept { return lost_.load(std::memory_order_relaxed); }
   // The line stays at the speed it had: it cannot do the one that was set.
   bool baud_refused() const noexcept { return speed_.refused(); }
-  // Of the control thread.
+  // For the control thread.
   const mavlink::Autopilot& autopilot() const noexcept { return reader_.autopilot(); }
 
  private:

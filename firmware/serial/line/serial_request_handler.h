@@ -11,7 +11,7 @@
 
 namespace stof::firmware {
 
-// What a sensor answers on a serial line: discover, and requests for settings, without a cookie,
+// Answers requests on a serial line: discover, and requests for settings, without a cookie,
 // since whoever holds the cable is no stranger. Streams are not subscribed to: they come anyway.
 // For one thread.
 class SerialRequestHandler {
@@ -25,7 +25,7 @@ class SerialRequestHandler {
   SerialRequestHandler(const wire::Origin& origin, SettingsService* settings) noexcept
       : origin_(origin), settings_(settings) {}
 
-  // What a discover is answered with; request_id is filled in here.
+  // The answer to a discover; request_id is filled in here.
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
 
   // Any bytes. The answer, valid until the next call; empty: none.

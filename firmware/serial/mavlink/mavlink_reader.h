@@ -42,7 +42,7 @@ class Reader {
  private:
   static constexpr std::size_t kLongest = 10 + 14 + 2 + 13;  // PING with a signature
 
-  // What the front of the buffer is: of `need` bytes, or 0 where it is no message.
+  // The message at the front of the buffer: `need` bytes, or 0 where there is none.
   struct Candidate {
     std::size_t need = 0;
     const MessageKind* kind = nullptr;

@@ -12,7 +12,7 @@
 namespace stof::settings {
 
 inline constexpr std::size_t kWhyBytes = 240;
-// Of every document that write_document() writes.
+// Bounds every document that write_document() writes.
 inline constexpr std::size_t kMostDocumentBytes = 4096;
 
 // Any bytes: a JSON object of some or all fields. All of its fields are changed in `settings`, or,

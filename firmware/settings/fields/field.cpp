@@ -11,7 +11,8 @@ namespace {
 
 using Names = std::span<const std::string_view>;
 
-constexpr std::array<std::string_view, 3> kSearches{"fast", "quality", "chapter"};
+constexpr std::array<std::string_view, 3> kDepthPresets{"fast", "quality", "chapter"};
+// wire::Coding in its order: fit is kQuantised.
 constexpr std::array<std::string_view, 3> kCodings{"off", "raw", "rvl"};
 constexpr std::array<std::string_view, 4> kMapCodings{"off", "raw", "rvl", "fit"};
 constexpr std::array<std::string_view, 2> kOffOrOn{"off", "on"};
@@ -102,7 +103,7 @@ constexpr std::array kBefore{
                                                   "what discovery calls the sensor", Applies::kNow),
     whole<[](auto& s) -> auto& { return s.period_ms; }>(
         "", "period_ms", 0, 60'000, "ms", "from one trigger edge to the next; 0: the board's"),
-    choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kSearches,
+    choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kDepthPresets,
                                                             "how the stereo pair is matched"),
     whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(
         "depth", "max_range_mm", 500, 16'380, "mm", "nothing is further away"),

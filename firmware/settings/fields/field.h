@@ -37,7 +37,7 @@ struct Field {
   // kMatch.
   const dsp::MatchOption* option = nullptr;
   std::size_t slot = 0;
-  // Of the other kinds: the value as a number (of a choice its place in `values`), or as text.
+  // For the other kinds: the value as a number (of a choice its place in `values`), or as text.
   int (*number)(const Settings&) = nullptr;
   void (*set_number)(int, Settings&) = nullptr;
   std::string_view (*text)(const Settings&) = nullptr;

@@ -13,7 +13,7 @@ namespace stof::settings {
 // The value of a field of depth.match that changes nothing of the preset.
 inline constexpr std::string_view kAsPreset = "preset";
 
-// What somebody wrote.
+// The kind of a written value.
 enum class Written : std::uint8_t {
   kString,
   kNumber,  // as JSON has it, perhaps with fraction and exponent

@@ -8,7 +8,7 @@
 
 namespace stof::settings {
 
-// What walks over a JSON document are told of.
+// Gets the parts of a JSON document, in their order.
 class JsonVisitor {
  public:
   virtual ~JsonVisitor() = default;

@@ -41,7 +41,7 @@ class PagedWriter {
 
   // Bytes of the whole text so far.
   constexpr std::size_t total() const noexcept { return total_; }
-  // What was kept, a part of `space`.
+  // The text that was kept, a part of `space`.
   constexpr std::string_view text() const noexcept { return {space_.data(), kept_}; }
   constexpr bool complete() const noexcept { return offset_ == 0 && kept_ == total_; }
 

@@ -12,7 +12,7 @@ inline constexpr std::uint16_t kFirstVersionWithOptions = 2;
 // Lenses with k3, p1, p2; stray light, temperature, exposure, lights beside the lens.
 inline constexpr std::uint16_t kFirstVersionWithLights = 3;
 
-// What not every rig has; the fields follow in this order.
+// Options that not every rig has; the fields follow in this order.
 inline constexpr std::uint32_t kRawOption = 1;
 inline constexpr std::uint32_t kConvergingOption = 2;
 inline constexpr std::uint32_t kSecondFrequencyOption = 4;
@@ -48,16 +48,16 @@ void walk_transform(Walker& walker, Transform& transform) noexcept {
   }
 }
 
-// What version 3 added to the frequency that every file has.
-template <typename Walker, typename FrameTables>
-void walk_rest_of_frequency(Walker& walker, FrameTables& frequency) noexcept {
+// The fields that version 3 added to the frequency that every file has.
+template <typename Walker, typename Frequency>
+void walk_rest_of_frequency(Walker& walker, Frequency& frequency) noexcept {
   walker.field(frequency.offset_m_per_k);
   walker.field(frequency.stray_i_lsb);
   walker.field(frequency.stray_q_lsb);
 }
 
-template <typename Walker, typename FrameTables>
-void walk_wiggling(Walker& walker, FrameTables& frequency) noexcept {
+template <typename Walker, typename Frequency>
+void walk_wiggling(Walker& walker, Frequency& frequency) noexcept {
   for (auto& step : frequency.wiggling) {
     walker.field(step);
   }

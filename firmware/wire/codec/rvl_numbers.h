@@ -9,7 +9,7 @@ namespace stof::wire {
 
 // A number has at most 6 nibbles; one with fewer bits than its nibbles hold is legal.
 inline constexpr unsigned kRvlNumberNibbles = 6;
-// Of one sequence: what a tile counts its pixels with.
+// The most values of one sequence: a tile counts its pixels in 16 bits.
 inline constexpr std::size_t kMostRvlValues = 65'535;
 
 inline constexpr unsigned kRvlNibbleBits = 4;

@@ -36,7 +36,7 @@ class FrameCoder {
   // Also where the memory does not hold all of them.
   Result<Datagrams> code(const FrameStamp& stamp, const FrameInfo& info, const FrameImages& images,
                          const StreamChoice& choice) noexcept;
-  // The same datagrams to a sink. What the memory does not hold is coded twice: first to count it.
+  // The same datagrams to a sink. A frame larger than the memory is coded twice: first to count it.
   Status code(const FrameStamp& stamp, const FrameInfo& info, const FrameImages& images,
               const StreamChoice& choice, DatagramSink& sink) noexcept;
 

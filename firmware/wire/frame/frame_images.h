@@ -9,14 +9,14 @@
 #include "dsp/fusion/depth_map.h"
 #include "firmware/wire/packet.h"
 
-// What a frame is made of, and what of it is sent.
+// The images of a frame, and the choice of those that are sent.
 namespace stof::wire {
 
-// kFit: RVL of depth and width rounded as far as the intervals do not care (interval_quantiser.h),
-// and nothing else than kRvl of the other streams.
-enum class Coding : std::uint8_t { kOff, kRaw, kRvl, kFit };
+// kQuantised: RVL of depth and width rounded as far as the intervals do not care
+// (interval_quantiser.h), and nothing else than kRvl of the other streams.
+enum class Coding : std::uint8_t { kOff, kRaw, kRvl, kQuantised };
 
-// What of a frame is sent, and how.
+// The streams of a frame that are sent, and how.
 struct StreamChoice {
   std::array<Coding, kStreams> coding{};  // of the cloud: kOff, or anything else
   bool parity = false;                    // one packet of exclusive-ors for each 16

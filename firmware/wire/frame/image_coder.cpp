@@ -42,7 +42,7 @@ ImageCoder::ImageCoder(const FrameSizes& sizes, dsp::Arena& arena) noexcept
 
 void ImageCoder::begin_frame() noexcept {
   is_raw_ = {};
-  no_steps_ = false;
+  no_xor_deltas_ = false;
 }
 
 template <typename T>
@@ -201,17 +201,17 @@ void ImageCoder::add_source(const dsp::DepthMap& map, Coding coding, PartStore& 
     }
   }
   const Raster raster = raster_of(Stream::kSource, width, map.source.height());
-  if (coding == Coding::kRaw || !add_steps(values, raster, store)) {
+  if (coding == Coding::kRaw || !add_xor_deltas(values, raster, store)) {
     add_values<std::uint8_t>(values, raster, coding, store);
   }
 }
 
-// Neighbours are mostly alike: steps from one to the next are mostly zeros, which RVL counts.
-// false: a row does not fit a tile, where the first pixel of a tile would be told as a step. Then
-// nothing is added and the values are as they were.
-bool ImageCoder::add_steps(std::span<std::uint8_t> values, Raster raster,
-                           PartStore& store) noexcept {
-  if (no_steps_) {
+// Neighbours are mostly alike: their exclusive ors are mostly zeros, which RVL counts. false: a row
+// does not fit a tile, so that a tile would begin inside of a row. Then nothing is added and the
+// values are as they were.
+bool ImageCoder::add_xor_deltas(std::span<std::uint8_t> values, Raster raster,
+                                PartStore& store) noexcept {
+  if (no_xor_deltas_) {
     return false;
   }
   for (std::size_t first = 0; first < values.size(); first += raster.width) {
@@ -219,7 +219,7 @@ bool ImageCoder::add_steps(std::span<std::uint8_t> values, Raster raster,
       values[first + x] ^= values[first + x - 1];
     }
   }
-  raster.steps = true;
+  raster.xor_delta = true;
   const std::size_t begin = store.size();
   add_values<std::uint8_t>(values, raster, Coding::kRvl, store);
   bool whole = true;
@@ -230,8 +230,8 @@ bool ImageCoder::add_steps(std::span<std::uint8_t> values, Raster raster,
     return true;
   }
   store.cut_back(begin);
-  no_steps_ = true;
-  is_raw(raster.stream) = false;  // that was told of the steps
+  no_xor_deltas_ = true;
+  is_raw(raster.stream) = false;  // what add_values() set was of the exclusive ors
   for (std::size_t first = 0; first < values.size(); first += raster.width) {
     for (std::size_t x = 1; x < raster.width; ++x) {
       values[first + x] ^= values[first + x - 1];
@@ -244,8 +244,8 @@ void ImageCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoic
                                      PartStore& store) noexcept {
   const Coding depth = choice.of(Stream::kDepth);
   const Coding width = choice.of(Stream::kWidth);
-  const bool fit = depth == Coding::kFit || width == Coding::kFit;
-  if (!fit || map.depth.empty() || map.width.empty()) {
+  const bool quantised = depth == Coding::kQuantised || width == Coding::kQuantised;
+  if (!quantised || map.depth.empty() || map.width.empty()) {
     add_image<dsp::QuarterMm>(map.depth, Stream::kDepth, depth, store);
     add_image<dsp::QuarterMm>(map.width, Stream::kWidth, width, store);
     return;
@@ -255,15 +255,16 @@ void ImageCoder::add_depth_and_width(const dsp::DepthMap& map, const StreamChoic
   for (std::size_t band = 0; band < quantiser_bands(map.depth.height()); ++band) {
     scales_[band] = quantiser_scale(map, static_cast<int>(band) * kQuantiserRows);
   }
-  if (depth == Coding::kFit) {
+  if (depth == Coding::kQuantised) {
     add_scaled_tiles(rounded(map, {.stream = Stream::kDepth}), raster, store);
   } else {
     add_image<dsp::QuarterMm>(map.depth, Stream::kDepth, depth, store);
   }
   Raster widths = raster;
   widths.stream = Stream::kWidth;
-  const Rounding rounding{
-      .stream = Stream::kWidth, .depth = depth == Coding::kFit, .scaled = width == Coding::kFit};
+  const Rounding rounding{.stream = Stream::kWidth,
+                          .depth = depth == Coding::kQuantised,
+                          .scaled = width == Coding::kQuantised};
   if (rounding.scaled) {
     add_scaled_tiles(rounded(map, rounding), widths, store);
   } else if (width != Coding::kOff) {

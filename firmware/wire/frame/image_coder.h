@@ -13,8 +13,8 @@
 
 namespace stof::wire {
 
-// The images of one frame to tiles in a store. What it finds of a stream when the frame is coded
-// first (RVL would be longer than raw) holds until begin_frame(): coded again, a frame is the same.
+// The images of one frame to tiles in a store. Choices for a stream when the frame is coded first
+// (RVL would be longer than raw) hold until begin_frame(): coded again, a frame is the same.
 class ImageCoder {
  public:
   ImageCoder(const FrameSizes& sizes, dsp::Arena& arena) noexcept;
@@ -29,7 +29,7 @@ class ImageCoder {
                 PartStore& store) noexcept;
 
  private:
-  // What becomes of depth or width.
+  // How depth or width is rounded.
   struct Rounding {
     Stream stream = Stream::kDepth;
     bool depth = true;   // depth is rounded; the widths are those of the rounded depth
@@ -51,13 +51,13 @@ class ImageCoder {
   void add_scaled_tiles(std::span<std::uint16_t> values, const Raster& raster,
                         PartStore& store) noexcept;
   void add_source(const dsp::DepthMap& map, Coding coding, PartStore& store) noexcept;
-  bool add_steps(std::span<std::uint8_t> values, Raster raster, PartStore& store) noexcept;
+  bool add_xor_deltas(std::span<std::uint8_t> values, Raster raster, PartStore& store) noexcept;
 
   std::span<std::uint16_t> values16_;    // of an image that is not one piece in memory
   std::span<std::uint8_t> values8_;      // the same memory
   std::span<std::uint8_t> scales_;       // of the map's bands
   std::array<bool, kStreams> is_raw_{};  // RVL of this stream would have been longer
-  bool no_steps_ = false;                // the source goes as it is
+  bool no_xor_deltas_ = false;           // the source goes as it is
 };
 
 }  // namespace stof::wire

@@ -13,12 +13,12 @@
 // group's parity packet: docs/WIRE.md, "Parity".
 namespace stof::wire {
 
-// Of every part of a frame, so that parity can be switched on at any time.
+// The bound of every part of a frame, so that parity can be switched on at any time.
 inline constexpr std::size_t kMaxTilePayload = kMaxPayload - kParityFieldsBytes;
 
 inline constexpr std::uint16_t kParityGroupSize = 16;
 
-// Of a frame of `count` packets: packet i belongs to group i mod parity_groups(count), so that a
+// In a frame of `count` packets, packet i belongs to group i mod parity_groups(count), so that a
 // burst of losses hits different groups.
 constexpr std::uint16_t parity_groups(std::uint16_t count) noexcept {
   return static_cast<std::uint16_t>((count + kParityGroupSize - 1) / kParityGroupSize);

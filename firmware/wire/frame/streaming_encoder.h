@@ -8,8 +8,8 @@
 
 namespace stof::wire {
 
-// Sends a frame that is larger than the memory for it: it was counted, and is coded again
-// meanwhile.
+// Sends a frame that is larger than the memory for it. The first pass only counts the packets. The
+// second encodes again while sending.
 class StreamingEncoder final : public PartSink {
  public:
   StreamingEncoder(const FrameSealer& sealer, DatagramSink& sink) noexcept

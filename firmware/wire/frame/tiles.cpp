@@ -170,7 +170,7 @@ Part Raster::part(Codec codec, std::size_t first, std::size_t pixels,
                   std::size_t payload_bytes) const noexcept {
   return {.stream = stream,
           .codec = codec,
-          .flags = static_cast<std::uint8_t>(scale | (steps ? kStepsFlag : 0)),
+          .flags = static_cast<std::uint8_t>(scale | (xor_delta ? kXorDeltaFlag : 0)),
           .image_width = static_cast<std::uint16_t>(width),
           .image_height = static_cast<std::uint16_t>(image_height == 0 ? height : image_height),
           .first_row = static_cast<std::uint16_t>(first_row + first / width),

@@ -30,7 +30,7 @@ constexpr std::size_t chosen(const RawFit& fit) noexcept {
   return fit.rows > 0 ? fit.rows : fit.all;
 }
 
-// What values are and how many: an image of a stream, or whole rows of one.
+// The kind and number of values: an image of a stream, or whole rows of one.
 struct Raster {
   Stream stream = Stream::kNone;
   std::size_t width = 0;
@@ -38,7 +38,7 @@ struct Raster {
   std::size_t first_row = 0;
   std::size_t image_height = 0;  // 0: they are the image
   std::uint8_t scale = 0;        // 0 to 15: they stand for what is 1 << scale times as large
-  bool steps = false;            // in_steps() of each tile
+  bool xor_delta = false;        // is_xor_delta() of each tile
 
   Part part(Codec codec, std::size_t first, std::size_t pixels,
             std::size_t payload_bytes) const noexcept;
@@ -70,8 +70,8 @@ template <typename T>
 void add_raw_tiles(std::span<const T> values, const Raster& raster, PartStore& store) noexcept;
 
 // RVL, or raw where that is shorter: single tiles, or all of them where there would be more than
-// raw_tiles(). Needs the space of one part more than that. try_: at most `most` tiles; false:
-// there would be more, the store is as it was. add_: false: all of them are raw.
+// raw_tiles(). Needs the space of one part more than that. try_rvl_tiles fails and changes nothing
+// if more than `most` tiles are needed. add_rvl_tiles returns false if it stored all tiles raw.
 template <typename T>
 bool try_rvl_tiles(std::span<const T> values, const Raster& raster, std::size_t most,
                    PartStore& store) noexcept;

@@ -23,7 +23,7 @@ inline constexpr int kCameraSlots = 4;
 template <typename Made>
 class ExposureSimulator final : private SlotOwner {
  public:
-  // Of the camera's pictures, one a slot; the last is for an exposure that has no slot yet.
+  // Buffers of the camera's pictures, one a slot; the last is for an exposure without a slot yet.
   static constexpr std::size_t kBuffers = kCameraSlots + 1;
 
   // A frame has two halves (two views, or the first and the last two samples): in a torn frame the
@@ -92,7 +92,7 @@ class ExposureSimulator final : private SlotOwner {
   void give_back(int buffer) noexcept override { slots_.release(buffer); }
   Shot& shot_of(int buffer) noexcept { return shots_[static_cast<std::size_t>(buffer)]; }
 
-  // What becomes of last_made_ on its way; nothing when it never arrives.
+  // The shot that arrives for last_made_; nothing when it never arrives.
   std::optional<Shot> arriving(const Made& before, const Fault& fault) const noexcept {
     Shot shot{last_made_, last_made_, last_made_.end() + readout_, false};
     switch (fault.kind) {

@@ -11,7 +11,7 @@
 
 namespace stof::hal::emu {
 
-// What goes wrong. A call is: for a camera an edge at which it would expose, for the trigger a
+// Kinds of faults. A call is: for a camera an edge at which it would expose, for the trigger a
 // pulse(), for the port each datagram that is sent.
 //
 //           camera                          trigger                     port
@@ -54,8 +54,8 @@ struct Fault {
   }
 };
 
-// What goes wrong at which call of one device; a fixed small list, the first entry that strikes
-// counts. Empty: nothing ever does.
+// The faults of one device and the calls at which they strike; a fixed small list, the first entry
+// that strikes counts. Empty: nothing ever does.
 class FaultPlan {
  public:
   static constexpr std::size_t kMaxFaults = 8;

@@ -13,7 +13,7 @@ namespace stof::hal::emu {
 // A serial line in the process: what the appliance writes the other end take()s, what the other end
 // feed()s the appliance reads. Each direction holds `capacity` bytes. No heap after construction.
 //
-// What goes wrong at a write(), by its number:
+// Faults strike at a write(), by its number:
 //   kDrop     taken, and lost on the way
 //   kDelay    nothing is taken, as by a full queue
 //   kTear     half of it is taken
@@ -31,7 +31,7 @@ class SerialPort final : public hal::SerialPort {
   // Counts as a call like write().
   Status reopen() noexcept override;
 
-  // The other end. What does not fit is lost.
+  // The other end sends; bytes that do not fit are lost.
   void feed(std::span<const std::byte> bytes) noexcept;
   std::size_t take(std::span<std::byte> space) noexcept;
   std::size_t waiting() const noexcept { return out_.size; }

@@ -17,7 +17,7 @@ class Store final : public hal::Store {
 
   // From now on the medium takes nothing and gives nothing.
   void break_down(bool broken) noexcept { broken_ = broken; }
-  // What load() gives; for damaged documents.
+  // The bytes that load() gives; for damaged documents.
   std::vector<std::byte>& bytes() noexcept { return bytes_; }
   const std::vector<std::byte>& aside() const noexcept { return aside_; }
   int saves() const noexcept { return saves_; }

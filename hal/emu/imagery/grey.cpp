@@ -16,9 +16,9 @@ constexpr int kEdgeRays = 6;     // a side
 constexpr int kTextureRays = 3;  // a side
 constexpr double kMaxLevel = 2 * 255.0;
 
-// A smooth surface of one thing, or nothing.
+// A smooth surface of one object, or nothing.
 struct Patch {
-  int thing = -1;
+  int object = -1;
   int face = 0;
   friend bool operator==(const Patch&, const Patch&) = default;
 };
@@ -34,12 +34,12 @@ class GreyRenderer {
     std::vector<Patch> out;
     for (int x = run.begin; x <= run.end; ++x) {
       const Hit hit = look(x - 0.5, y - 0.5);
-      out.push_back({hit.thing, hit.face});
+      out.push_back({hit.object, hit.face});
     }
     return out;
   }
 
-  // Whether thing `first` or a later one may be seen within the pixel.
+  // Whether object `first` or a later one may be seen within the pixel.
   bool may_show(int x, int y, int first) const {
     return viewpoint_.may_show(first, {.x_min = (x - 0.5 - lens_.cx) / lens_.fx,
                                        .x_max = (x + 0.5 - lens_.cx) / lens_.fx,
@@ -48,18 +48,18 @@ class GreyRenderer {
   }
 
   // Mean radiance over the pixel whose four corners lie on `around`; nothing where all of it shows
-  // one surface of a thing before `first`.
+  // one surface of an object before `first`.
   std::optional<double> pixel(int x, int y, const std::array<Patch, 4>& around, int first) const {
     const Hit centre = look(x, y);
-    const Patch patch{centre.thing, centre.face};
+    const Patch patch{centre.object, centre.face};
     const Vec3& from = viewpoint_.pose().position;
     if (!std::ranges::all_of(around, [&](const Patch& corner) { return corner == patch; })) {
       return mean_light(x, y);
     }
-    if (centre.thing >= 0 && material_of(centre).clear > 0) {
+    if (centre.object >= 0 && material_of(centre).transmittance > 0) {
       return mean_light(x, y);
     }
-    if (centre.thing < first) {
+    if (centre.object < first) {
       return std::nullopt;
     }
     const Material& material = material_of(centre);
@@ -69,8 +69,8 @@ class GreyRenderer {
     // Light changes little within a pixel of one surface; its texture may change a lot.
     const Lighting light = lighting(scene_, centre, from);
     const double albedo = mean(x, y, kTextureRays, [&](double rx, double ry) {
-      const Hit hit = viewpoint_.look_at(centre.thing, rx, ry);
-      return visible_albedo(material, hit.thing < 0 ? centre.local : hit.local);
+      const Hit hit = viewpoint_.look_at(centre.object, rx, ry);
+      return visible_albedo(material, hit.object < 0 ? centre.local : hit.local);
     });
     return albedo * light.diffuse + light.mirrored;
   }
@@ -81,20 +81,21 @@ class GreyRenderer {
   }
 
   const Material& material_of(const Hit& hit) const {
-    return scene_.things[static_cast<std::size_t>(hit.thing)].material;
+    return scene_.objects[static_cast<std::size_t>(hit.object)].material;
   }
 
   // Radiance of whatever surfaces meet in the pixel, and of what is behind panes.
   double mean_light(int x, int y) const {
     const Vec3& from = viewpoint_.pose().position;
     const auto own = [&](const Hit& hit) {
-      return hit.thing < 0 ? 0 : radiance(scene_, hit, from);
+      return hit.object < 0 ? 0 : radiance(scene_, hit, from);
     };
     return mean(x, y, kEdgeRays, [&](double rx, double ry) {
       const Hit hit = viewpoint_.look(rx, ry);
-      const double clear = hit.thing < 0 ? 0 : material_of(hit).clear;
-      return clear == 0 ? own(hit)
-                        : own(hit) + clear * own(viewpoint_.look_past(hit.thing, rx, ry));
+      const double transmittance = hit.object < 0 ? 0 : material_of(hit).transmittance;
+      return transmittance == 0
+                 ? own(hit)
+                 : own(hit) + transmittance * own(viewpoint_.look_past(hit.object, rx, ry));
     });
   }
 
@@ -180,12 +181,12 @@ dataset::Image<Pixel> map_of_centres(const Viewpoint& viewpoint, const dsp::Pinh
 
 dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
   return map_of_centres<float>(viewpoint, lens, [](const Hit& hit) {
-    return hit.thing < 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(hit.t);
+    return hit.object < 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(hit.t);
   });
 }
 
-dataset::Image<int> render_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
-  return map_of_centres<int>(viewpoint, lens, [](const Hit& hit) { return hit.thing; });
+dataset::Image<int> render_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
+  return map_of_centres<int>(viewpoint, lens, [](const Hit& hit) { return hit.object; });
 }
 
 dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
@@ -198,7 +199,7 @@ dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const ds
     for (int x = 0; x < lens.width; ++x) {
       const Hit hit = viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
       const Vec3 point = other.pose().undo(hit.point);
-      if (hit.thing < 0 || point.z <= 0) {
+      if (hit.object < 0 || point.z <= 0) {
         continue;
       }
       const double rx = point.x / point.z;
@@ -208,7 +209,7 @@ dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const ds
       const bool inside =
           u >= -0.5 && u <= other_lens.width - 0.5 && v >= -0.5 && v <= other_lens.height - 0.5;
       const Hit first = other.look(rx, ry);
-      out.view().at(x, y) = inside && first.thing >= 0 && first.t * kSame >= point.z ? 255 : 0;
+      out.view().at(x, y) = inside && first.object >= 0 && first.t * kSame >= point.z ? 255 : 0;
     }
   }
   return out;

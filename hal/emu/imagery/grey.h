@@ -18,7 +18,7 @@ inline constexpr int kGreyBits = 7;  // fraction bits of a noise-free level, 0 .
 dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Viewpoint& viewpoint,
                                           const dsp::Pinhole& lens, const GreyModel& model);
 // A part of it: replaces the pixels of runs[y] in each row of `out`, which shows the same scene
-// without thing `first` and all after it.
+// without object `first` and all after it.
 void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens,
                       const GreyModel& model, std::span<const Run> runs, int first,
                       dataset::Image<std::uint16_t>& out);
@@ -26,8 +26,8 @@ void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp:
 // Depth Z in metres at pixel centres, +inf = nothing there.
 dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens);
 
-// Index of the thing at pixel centres, -1 = nothing there.
-dataset::Image<int> render_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens);
+// Index of the object at pixel centres, -1 = nothing there.
+dataset::Image<int> render_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens);
 
 // 255 where `other` sees the point that `viewpoint` sees at the pixel's centre, inside its picture.
 dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,

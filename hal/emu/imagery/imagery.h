@@ -12,7 +12,7 @@ struct Size {
   friend constexpr bool operator==(Size, Size) noexcept = default;
 };
 
-// What the sensors of an emulated rig see. A pure function of the exposure's number: the same
+// The pictures of an emulated rig's sensors. A pure function of the exposure's number: the same
 // number gives the same bits, on every machine, in any order. Allocates nothing.
 class Imagery {
  public:

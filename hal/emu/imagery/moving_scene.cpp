@@ -67,10 +67,10 @@ MovingScene::MovingScene(const Motion& motion, const Rig& rig)
       background_(sensors().render(motion.background)),
       shown_(background_) {
   STOF_CHECK(!motion.poses.empty() && motion.exposures_per_pose >= 1 && motion.pmd_every >= 1);
-  const int first = static_cast<int>(motion.background.things.size());
-  for (const std::vector<Thing>& pose : motion.poses) {
+  const int first = static_cast<int>(motion.background.objects.size());
+  for (const std::vector<SceneObject>& pose : motion.poses) {
     Scene scene = motion.background;
-    scene.things.insert(scene.things.end(), pose.begin(), pose.end());
+    scene.objects.insert(scene.objects.end(), pose.begin(), pose.end());
     CleanViews views = background_;
     Parts parts = sensors().render_over(scene, first, views);
     left_.add(std::move(parts.left), views.left);
@@ -104,8 +104,8 @@ void MovingScene::pmd(std::uint32_t number, int index, dsp::ImageView<std::uint1
 
 Scene MovingScene::scene(std::uint32_t number) const {
   Scene out = motion_.background;
-  const std::vector<Thing>& pose = motion_.poses[pose_of(number)];
-  out.things.insert(out.things.end(), pose.begin(), pose.end());
+  const std::vector<SceneObject>& pose = motion_.poses[pose_of(number)];
+  out.objects.insert(out.objects.end(), pose.begin(), pose.end());
   return out;
 }
 

@@ -16,7 +16,7 @@ namespace stof::hal::emu {
 // Something that moves through a scene, round and round.
 struct Motion {
   Scene background;
-  std::vector<std::vector<Thing>> poses;  // what moves, at least one pose
+  std::vector<std::vector<SceneObject>> poses;  // what moves, at least one pose
   int exposures_per_pose = 3;  // a pose stands still for as many exposures of the stereo camera
   int pmd_every = 1;           // the PMD camera exposes at every so many of these
 };
@@ -54,10 +54,10 @@ class MovingScene final : public SensorImagery {
   void right(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept override;
   void pmd(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> out) noexcept override;
 
-  // What the stereo camera sees in exposure `number`; the PMD camera does so in its exposure
-  // (number - 1) / pmd_every + 1.
+  // The scene of exposure `number` of the stereo camera, which is exposure
+  // (number - 1) / pmd_every + 1 of the PMD camera.
   Scene scene(std::uint32_t number) const;
-  // Of that scene: RenderedScene. These two render, and allocate.
+  // As RenderedScene has them, for that scene. These two render, and allocate.
   dataset::Image<float> depth(std::uint32_t number) const;
   dataset::Image<std::uint8_t> visible(std::uint32_t number) const;
 

@@ -53,15 +53,15 @@ class PmdRenderer {
   // it.
   void add(const Vec3& ray, Collected& sum) const {
     const Hit hit = viewpoint_.look(ray.x, ray.y);
-    if (hit.thing < 0) {
+    if (hit.object < 0) {
       return;
     }
     add(ray, hit, 1, sum);
-    const double clear = material_of(hit).clear;
-    if (clear > 0) {
-      const Hit behind = viewpoint_.look_past(hit.thing, ray.x, ray.y);
-      if (behind.thing >= 0) {
-        add(ray, behind, clear * clear, sum);
+    const double transmittance = material_of(hit).transmittance;
+    if (transmittance > 0) {
+      const Hit behind = viewpoint_.look_past(hit.object, ray.x, ray.y);
+      if (behind.object >= 0) {
+        add(ray, behind, transmittance * transmittance, sum);
       }
     }
   }
@@ -97,7 +97,7 @@ class PmdRenderer {
   }
 
   const Material& material_of(const Hit& hit) const {
-    return scene_.things[static_cast<std::size_t>(hit.thing)].material;
+    return scene_.objects[static_cast<std::size_t>(hit.object)].material;
   }
 
   const Scene& scene_;

@@ -45,14 +45,16 @@ Size Sensors::stereo_size() const noexcept {
 
 Size Sensors::pmd_size() const noexcept { return {rig_.pmd_lens.width, rig_.pmd_lens.height}; }
 
-Viewpoint Sensors::left_viewpoint(const Scene& scene) const { return {scene, rig_.head}; }
+Viewpoint Sensors::left_viewpoint(const Scene& scene) const {
+  return {scene, rig_.left_camera_pose};
+}
 
 Viewpoint Sensors::right_viewpoint(const Scene& scene) const {
-  return {scene, rig_.head * Pose{.position = {rig_.stereo.baseline_m, 0, 0}}};
+  return {scene, rig_.left_camera_pose * Pose{.position = {rig_.stereo.baseline_m, 0, 0}}};
 }
 
 Viewpoint Sensors::pmd_viewpoint(const Scene& scene) const {
-  return {scene, rig_.head * true_pmd_pose(rig_)};
+  return {scene, rig_.left_camera_pose * true_pmd_pose(rig_)};
 }
 
 PmdCameraModel Sensors::pmd_camera() const noexcept {
@@ -81,14 +83,14 @@ Parts Sensors::render_over(const Scene& scene, int first, CleanViews& views) con
   const dsp::Pinhole& lens = rig_.stereo.left;
   const Viewpoint left = left_viewpoint(scene);
   const Viewpoint right = right_viewpoint(scene);
-  Parts parts{.left = runs_of_things(left, lens, first),
-              .right = runs_of_things(right, right_lens_, first),
+  Parts parts{.left = runs_of_objects(left, lens, first),
+              .right = runs_of_objects(right, right_lens_, first),
               .pmd = {}};
   render_grey_over(scene, left, lens, rig_.grey, parts.left, first, views.left);
   render_grey_over(scene, right, right_lens_, rig_.grey, parts.right, first, views.right);
   if (pmd_size().width > 0) {
     const Viewpoint viewpoint = pmd_viewpoint(scene);
-    parts.pmd = runs_of_things(viewpoint, rig_.pmd_lens, pmd_centres_, first);
+    parts.pmd = runs_of_objects(viewpoint, rig_.pmd_lens, pmd_centres_, first);
     render_pmd(scene, viewpoint, pmd_camera(), parts.pmd, views.pmd);
   }
   return parts;

@@ -14,7 +14,7 @@
 
 namespace stof::hal::emu {
 
-// What the cameras of a rig show of a scene without noise.
+// The pictures of a scene by the cameras of a rig, without noise.
 struct CleanViews {
   dataset::Image<std::uint16_t> left;
   dataset::Image<std::uint16_t> right;
@@ -35,7 +35,7 @@ class Sensors {
   Sensors(const Sensors&) = delete;
   Sensors& operator=(const Sensors&) = delete;
 
-  // What a calibration of the rig found: the truth of its world but for Rig::misplacement. Its
+  // The rig's calibration: the truth of its world but for Rig::misplacement. Its
   // fixed pattern lives here.
   const dsp::Calibration& calibration() const noexcept { return calibration_; }
   // Search range in px that holds the scene the rig was made for.
@@ -44,7 +44,7 @@ class Sensors {
   Size pmd_size() const noexcept;
 
   CleanViews render(const Scene& scene) const;
-  // Where pictures of the scene differ from those of the same scene without thing `first` and all
+  // Where pictures of the scene differ from those of the same scene without object `first` and all
   // after it. Renders these parts over `views` of the latter.
   Parts render_over(const Scene& scene, int first, CleanViews& views) const;
 
@@ -83,7 +83,7 @@ class SensorImagery : public Imagery {
 
   Size stereo_size() const noexcept final { return sensors_.stereo_size(); }
   Size pmd_size() const noexcept final { return sensors_.pmd_size(); }
-  // Of Sensors.
+  // As Sensors has it.
   const dsp::Calibration& calibration() const noexcept { return sensors_.calibration(); }
   int disparities() const noexcept { return sensors_.disparities(); }
 

@@ -30,7 +30,7 @@ Material floor_material(std::uint32_t seed) {
 }
 
 // Clean, so that little light comes from itself.
-constexpr Material kGlass{.albedo = 0.03, .nir = 0.06, .clear = 0.9};
+constexpr Material kGlass{.albedo = 0.03, .nir = 0.06, .transmittance = 0.9};
 
 // Distances along the floor.
 struct Layout {
@@ -41,15 +41,16 @@ struct Layout {
 };
 
 // Where the ray (0, y, 1) of the camera meets the floor; infinite where it does not.
-double floor_distance(const Pose& head, double y) {
-  const Vec3 ray = head.turn({0, y, 1});
-  return ray.y > 0 ? -head.position.y * ray.z / ray.y : std::numeric_limits<double>::infinity();
+double floor_distance(const Pose& camera, double y) {
+  const Vec3 ray = camera.turn({0, y, 1});
+  return ray.y > 0 ? -camera.position.y * ray.z / ray.y : std::numeric_limits<double>::infinity();
 }
 
 Layout lay_out(const Rig& rig) {
   const dsp::Pinhole& lens = rig.stereo.left;
-  const double nearest = floor_distance(rig.head, (lens.height - 0.5 - lens.cy) / lens.fy);
-  const double farthest = floor_distance(rig.head, (-0.5 - lens.cy) / lens.fy);
+  const double nearest =
+      floor_distance(rig.left_camera_pose, (lens.height - 0.5 - lens.cy) / lens.fy);
+  const double farthest = floor_distance(rig.left_camera_pose, (-0.5 - lens.cy) / lens.fy);
   const double wall = std::min(kFarthestWall, 0.85 * farthest);
   // 0: the bottom row of the picture; 1: 4 m or the wall. Shares between are nearly those of rows.
   const auto at = [&](double share) {
@@ -64,11 +65,11 @@ Rig floor_rig(const FloorView& view) {
   Rig rig = corridor_rig();
   rig.stereo.baseline_m *= low;
   rig.pmd_to_stereo.translation_m[0] = rig.stereo.baseline_m / 2;
-  rig.head = turned(0, -half_tangent(view.tilt_degrees));
-  rig.head.position = {0, -view.height_m, 0};
+  rig.left_camera_pose = turned(0, -half_tangent(view.tilt_degrees));
+  rig.left_camera_pose.position = {0, -view.height_m, 0};
   // Z of the floor in the bottom row.
   const dsp::Pinhole& lens = rig.stereo.left;
-  const Vec3 lowest = rig.head.turn({0, (lens.height - 0.5 - lens.cy) / lens.fy, 1});
+  const Vec3 lowest = rig.left_camera_pose.turn({0, (lens.height - 0.5 - lens.cy) / lens.fy, 1});
   const double largest = lens.fx * rig.stereo.baseline_m * lowest.y / view.height_m;
   rig.disparities = static_cast<int>(std::ceil((largest + 2) / kStep)) * kStep;
   rig.pmd.signal_e = 600'000 * low * low;
@@ -88,7 +89,7 @@ class FloorBuilder {
 
   FloorScene take() && {
     build_floor();
-    build_things();
+    build_objects();
     build_lamps();
     return std::move(out_);
   }
@@ -101,14 +102,14 @@ class FloorBuilder {
     double middle() const { return (from + to) / 2; }
   };
 
-  void put(Surface surface, Form form, const Vec3& at, const Vec3& half, const Material& material,
+  void put(Surface surface, Shape shape, const Vec3& at, const Vec3& half, const Material& material,
            const Pose& turn = {}) {
-    add(out_.scene, form, at, half, material, turn);
+    add(out_.scene, shape, at, half, material, turn);
     out_.surfaces.push_back(surface);
   }
 
   void put_level(Surface surface, const Range& x, double y, const Range& z) {
-    put(surface, Form::kRectangle, {x.middle(), y, z.middle()}, {x.half(), z.half(), 0}, material_,
+    put(surface, Shape::kRectangle, {x.middle(), y, z.middle()}, {x.half(), z.half(), 0}, material_,
         turned(0, kQuarterTurn));
   }
 
@@ -120,14 +121,14 @@ class FloorBuilder {
   }
 
   // What is nearer is smaller, so that the floor is seen around it.
-  void build_things() {
+  void build_objects() {
     const double side = std::min(0.15, 0.1 * layout_.box);
-    put(Surface::kBox, Form::kBox, {0.04 * layout_.box, -side, layout_.box + side},
+    put(Surface::kBox, Shape::kBox, {0.04 * layout_.box, -side, layout_.box + side},
         {side, side, side}, material::kCarton);
     const double half = std::min(0.3, 0.12 * layout_.pane);
-    put(Surface::kGlass, Form::kRectangle, {-0.24 * layout_.pane, -half, layout_.pane},
+    put(Surface::kGlass, Shape::kRectangle, {-0.24 * layout_.pane, -half, layout_.pane},
         {half, half, 0}, kGlass);
-    put(Surface::kWall, Form::kRectangle, {0, 0, layout_.wall}, {kHalfWidth, kHalfWidth, 0},
+    put(Surface::kWall, Shape::kRectangle, {0, 0, layout_.wall}, {kHalfWidth, kHalfWidth, 0},
         material::kWhite);
   }
 

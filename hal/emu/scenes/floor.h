@@ -25,9 +25,9 @@ inline constexpr double kMaxFloorTilt = 30;
 // between the two.
 struct FloorScene {
   Scene scene;
-  std::vector<dataset::Surface> surfaces;  // what each thing of the scene is
-  // 640x480 as corridor_rig(), with 14 bits of the PMD camera. Whoever mounts it lower takes a
-  // shorter baseline and less light: both fit a floor at 0.6 m and shrink below that, the light as
+  std::vector<dataset::Surface> surfaces;  // what each object of the scene is
+  // 640x480 as corridor_rig(), with 14 bits of the PMD camera. A lower rig has a shorter
+  // baseline and less light: both fit a floor at 0.6 m and shrink below that, the light as
   // the square of the height.
   Rig rig;
 };

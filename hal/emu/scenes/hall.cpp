@@ -27,26 +27,27 @@ void build_shell(Scene& scene) {
   const Pose sideways = turned(kQuarterTurn);
   const Pose level = turned(0, kQuarterTurn);
   const double middle_y = -kHeight / 2;
-  add(scene, Form::kRectangle, {0, 0, kMiddle}, {kHalfWidth, kHalfLength, 0},
+  add(scene, Shape::kRectangle, {0, 0, kMiddle}, {kHalfWidth, kHalfLength, 0},
       noise(0.6, 0.6, 0.35, 1), level);
-  add(scene, Form::kRectangle, {0, -kHeight, kMiddle}, {kHalfWidth, kHalfLength, 0}, kPlain, level);
+  add(scene, Shape::kRectangle, {0, -kHeight, kMiddle}, {kHalfWidth, kHalfLength, 0}, kPlain,
+      level);
   std::uint32_t seed = 2;
   for (const double side : {-kHalfWidth, kHalfWidth}) {
-    add(scene, Form::kRectangle, {side, middle_y, kMiddle}, {kHalfLength, kHeight / 2, 0},
+    add(scene, Shape::kRectangle, {side, middle_y, kMiddle}, {kHalfLength, kHeight / 2, 0},
         noise(0.75, 0.55, 0.6, seed++), sideways);
   }
-  add(scene, Form::kRectangle, {0, middle_y, kEnd}, {kHalfWidth, kHeight / 2, 0},
+  add(scene, Shape::kRectangle, {0, middle_y, kEnd}, {kHalfWidth, kHeight / 2, 0},
       noise(0.75, 0.6, 0.8, seed));
 }
 
 // What is of one colour.
-void build_plain_things(Scene& scene) {
-  add(scene, Form::kBox, {1.5, -2.6, kEnd}, {1.1, 0.8, 0.03}, kPlain);         // end wall
-  add(scene, Form::kBox, {kHalfWidth, -2.2, 8.6}, {0.03, 1.1, 1.3}, kPlain);   // right wall
-  add(scene, Form::kBox, {-kHalfWidth, -2.6, 11.4}, {0.03, 0.9, 1.0}, kGrey);  // left wall
-  add(scene, Form::kCylinder, {-2.7, -2.4, 7.2}, {0.22, 2.4, 0.22}, kPlain);   // column
-  add(scene, Form::kBox, {0.55, -0.45, 5.1}, {0.35, 0.45, 0.3}, kGrey, turned(0.12));
-  add(scene, Form::kRectangle, {0.6, -3.7, 9.6}, {1.2, 0.45, 0}, kPlain);  // banner
+void build_plain_objects(Scene& scene) {
+  add(scene, Shape::kBox, {1.5, -2.6, kEnd}, {1.1, 0.8, 0.03}, kPlain);         // end wall
+  add(scene, Shape::kBox, {kHalfWidth, -2.2, 8.6}, {0.03, 1.1, 1.3}, kPlain);   // right wall
+  add(scene, Shape::kBox, {-kHalfWidth, -2.6, 11.4}, {0.03, 0.9, 1.0}, kGrey);  // left wall
+  add(scene, Shape::kCylinder, {-2.7, -2.4, 7.2}, {0.22, 2.4, 0.22}, kPlain);   // column
+  add(scene, Shape::kBox, {0.55, -0.45, 5.1}, {0.35, 0.45, 0.3}, kGrey, turned(0.12));
+  add(scene, Shape::kRectangle, {0.6, -3.7, 9.6}, {1.2, 0.45, 0}, kPlain);  // banner
 }
 
 struct Crate {
@@ -72,11 +73,11 @@ void build_crates(Scene& scene) {
   for (const Crate& crate : kCrates) {
     const double period = crate.at.z < 6 ? 0.2 : 0.4;
     const double albedo = seed % 2 == 0 ? 0.7 : 0.5;
-    add(scene, Form::kBox, crate.at, crate.half, noise(albedo, 0.6, period, seed++),
+    add(scene, Shape::kBox, crate.at, crate.half, noise(albedo, 0.6, period, seed++),
         turned(crate.turn));
   }
-  add(scene, Form::kCylinder, {2.25, -2.4, 4.9}, {0.2, 2.4, 0.2}, noise(0.7, 0.5, 0.2, 40));
-  add(scene, Form::kRectangle, {-1.5, -3.5, 8.1}, {0.9, 0.5, 0}, noise(0.75, 0.7, 0.4, 41));
+  add(scene, Shape::kCylinder, {2.25, -2.4, 4.9}, {0.2, 2.4, 0.2}, noise(0.7, 0.5, 0.2, 40));
+  add(scene, Shape::kRectangle, {-1.5, -3.5, 8.1}, {0.9, 0.5, 0}, noise(0.75, 0.7, 0.4, 41));
 }
 
 }  // namespace
@@ -85,7 +86,7 @@ Scene hall() {
   Scene scene;
   scene.ambient = 0.6;
   build_shell(scene);
-  build_plain_things(scene);
+  build_plain_objects(scene);
   build_crates(scene);
   // Let into the ceiling, which they do not light.
   for (const double z : {0.5, 4.0, 7.5, 11.0}) {

@@ -1,8 +1,9 @@
+#include "hal/emu/scenes/intersect.h"
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
-
-#include "hal/emu/scenes/scene.h"
 
 namespace stof::hal::emu {
 namespace {
@@ -96,16 +97,16 @@ LocalHit ellipsoid(const Vec3& half, const Vec3& o, const Vec3& d) noexcept {
 
 }  // namespace
 
-LocalHit intersect(Form form, const Vec3& half, const Vec3& origin,
+LocalHit intersect(Shape shape, const Vec3& half, const Vec3& origin,
                    const Vec3& direction) noexcept {
-  switch (form) {
-    case Form::kRectangle:
+  switch (shape) {
+    case Shape::kRectangle:
       return rectangle(half, origin, direction);
-    case Form::kBox:
+    case Shape::kBox:
       return box(half, origin, direction);
-    case Form::kCylinder:
+    case Shape::kCylinder:
       return cylinder(half, origin, direction);
-    case Form::kEllipsoid:
+    case Shape::kEllipsoid:
       return ellipsoid(half, origin, direction);
   }
   return {};

@@ -2,7 +2,7 @@
 
 #include "hal/emu/scenes/scene.h"
 
-// What corridors, doors and people are made of.
+// Materials of corridors, doors and people.
 namespace stof::hal::emu::material {
 
 // Dyes absorb little infrared: cloth and paint differ less for the PMD camera than for the eye.

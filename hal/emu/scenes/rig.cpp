@@ -60,8 +60,8 @@ Rig corridor_rig() {
                   .k2 = 0};
   rig.pmd_to_stereo.rotation = turned(kHalfDegree, -kHalfDegree / 2, kThirdOfDegree).rotation;
   rig.pmd_to_stereo.translation_m = {0.06, -0.04, 0.01};
-  rig.head = turned(-kThreeDegrees, -kThreeDegrees);
-  rig.head.position = {0, -1.0, 0};
+  rig.left_camera_pose = turned(-kThreeDegrees, -kThreeDegrees);
+  rig.left_camera_pose.position = {0, -1.0, 0};
   return rig;
 }
 
@@ -71,8 +71,8 @@ Rig hall_rig() {
   rig.stereo.baseline_m = 0.25;
   rig.disparities = 96;
   rig.pmd_to_stereo.translation_m = {0.125, -0.06, 0.01};
-  rig.head = turned(0, -kTwoDegrees);
-  rig.head.position = {0, -1.5, 0};
+  rig.left_camera_pose = turned(0, -kTwoDegrees);
+  rig.left_camera_pose.position = {0, -1.5, 0};
   rig.pmd.signal_e = 10'000'000;
   rig.pmd.contrast = 0.6;
   rig.pmd.ambient_e = 3'000;

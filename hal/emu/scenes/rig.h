@@ -47,7 +47,7 @@ struct PmdModel {
   double pattern_rms_m = 0.003;  // distance offset of each pixel, known to the calibration
 };
 
-// What became of the PMD camera after the rig was calibrated: the emulated world has it, the
+// How the PMD camera moved after the rig was calibrated: the emulated world has it, the
 // calibration that is published does not. The camera is turned about its own lens,
 //   X_left = Ry(yaw) Rx(pitch) Rz(roll) R X_pmd + T
 // with right-handed turns about the axes of the left camera: with a positive pitch it looks further
@@ -66,7 +66,7 @@ struct Rig {
   dsp::Pinhole pmd_lens;  // 0x0: no PMD camera
   dsp::Hertz modulation{20'000'000};
   dsp::RigidTransform pmd_to_stereo;
-  Pose head;  // of the left camera in the world
+  Pose left_camera_pose;  // in the world
   GreyModel grey;
   PmdModel pmd;
   std::uint32_t seed = 1;  // of all noise
@@ -83,14 +83,15 @@ void resize_pmd(Rig& rig, int width, int height) noexcept;
 
 // 640x480, 55 degrees wide (615 px), 0.12 m baseline: Z = 73.8 m px / d, so that 64 disparities
 // reach from 1.17 m on. A 176x144, 20 MHz PMD camera of 58 degrees sits between and above the two,
-// turned by a degree. The head is 1 m above the floor and looks 3 degrees down and to the left.
+// turned by a degree. The left camera is 1 m above the floor and looks 3 degrees down and to the
+// left.
 Rig corridor_rig();
 
 // 640x480 as corridor_rig(), with a 0.25 m baseline: Z = 153.8 m px / d, so that 14 m and 14 m less
 // one turn (7.49 m) are 12 px apart; 96 disparities reach from 1.6 m on. The 176x144 PMD camera
 // measures at 20 MHz alone, with so strong a light and 15 bits that its modulation ratio is above
 // 30 percent on everything that hall() has within its range, and white at 2 m does not saturate it.
-// The head is 1.5 m above the floor and looks 2 degrees down.
+// The left camera is 1.5 m above the floor and looks 2 degrees down.
 Rig hall_rig();
 
 }  // namespace stof::hal::emu

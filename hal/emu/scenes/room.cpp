@@ -9,7 +9,7 @@
 namespace stof::hal::emu {
 namespace {
 
-constexpr double kNearest = 0.85;          // of any thing to a camera, metres
+constexpr double kNearest = 0.85;          // of any object to a camera, metres
 constexpr double kDegree = 0.00872664626;  // half tangent of a degree, as long as it is small
 
 // Draws stand in statements and braces of their own: arguments of a call come in any order.
@@ -49,22 +49,22 @@ Material random_material(Draw& draw, double plain_share) {
   return out;
 }
 
-// The walls around the head, which is at the origin of the room's x and z. Every corner is nearer
-// than 7 m.
+// The walls around the left camera, which is at the origin of the room's x and z. Every corner is
+// nearer than 7 m.
 struct Shell {
   double left;
   double right;
-  double floor;    // y below the head
+  double floor;    // y below the camera
   double ceiling;  // y above it, negative
   double end;
 };
 
 Shell random_shell(Draw& draw) {
-  const double head = draw.between(0.8, 1.5);
+  const double height = draw.between(0.8, 1.5);
   return {.left = -draw.between(1.1, 2.6),
           .right = draw.between(1.1, 2.6),
-          .floor = head,
-          .ceiling = head - draw.between(2.3, 3.0),
+          .floor = height,
+          .ceiling = height - draw.between(2.3, 3.0),
           .end = draw.between(3.0, 5.8)};
 }
 
@@ -78,10 +78,10 @@ void build_shell(Scene& scene, const Shell& shell, Draw& draw) {
   const double middle_y = (shell.floor + shell.ceiling) / 2;
   const auto add = [&](const Vec3& at, const Vec3& half, Pose turn) {
     turn.position = at;
-    scene.things.push_back({.form = Form::kRectangle,
-                            .pose = turn,
-                            .half = half,
-                            .material = random_material(draw, 0.35)});
+    scene.objects.push_back({.shape = Shape::kRectangle,
+                             .pose = turn,
+                             .half = half,
+                             .material = random_material(draw, 0.35)});
   };
   const Pose level = turned(0, kQuarterTurn);
   const Pose sideways = turned(kQuarterTurn);
@@ -92,33 +92,34 @@ void build_shell(Scene& scene, const Shell& shell, Draw& draw) {
   add({middle_x, middle_y, shell.end}, {half_width, half_height, 0}, {});
 }
 
-// A thing within the shell, or none where the cameras would be too near.
-std::optional<Thing> random_thing(const Shell& shell, Draw& draw) {
-  constexpr std::array<Form, 4> kForms{Form::kBox, Form::kCylinder, Form::kEllipsoid,
-                                       Form::kRectangle};
-  Thing thing{.form = kForms[static_cast<std::size_t>(draw.below(4))],
-              .pose = turned(draw.between(-0.6, 0.6)),
-              .half = {draw.between(0.08, 0.45), draw.between(0.08, 0.6), draw.between(0.08, 0.4)},
-              .material = random_material(draw, 0.25)};
+// An object within the shell, or none where the cameras would be too near.
+std::optional<SceneObject> random_object(const Shell& shell, Draw& draw) {
+  constexpr std::array<Shape, 4> kShapes{Shape::kBox, Shape::kCylinder, Shape::kEllipsoid,
+                                         Shape::kRectangle};
+  SceneObject object{
+      .shape = kShapes[static_cast<std::size_t>(draw.below(4))],
+      .pose = turned(draw.between(-0.6, 0.6)),
+      .half = {draw.between(0.08, 0.45), draw.between(0.08, 0.6), draw.between(0.08, 0.4)},
+      .material = random_material(draw, 0.25)};
   if (draw.chance(0.3)) {  // it leans
     const double pitch = draw.between(-0.3, 0.3);
-    thing.pose = thing.pose * turned(0, pitch, draw.between(-0.3, 0.3));
+    object.pose = object.pose * turned(0, pitch, draw.between(-0.3, 0.3));
   }
-  const double reach = length(thing.half);
+  const double reach = length(object.half);
   // Above the middle of the floor that is in the picture, more or less.
   const double z = draw.between(kNearest + reach, std::max(shell.end - 0.2, kNearest + reach));
   const double x = draw.between(-0.5, 0.5) * z;
   const bool stands = draw.chance(0.6);
   const double y =
-      stands ? shell.floor - thing.half.y
+      stands ? shell.floor - object.half.y
              : draw.between(std::max(shell.ceiling, -0.4 * z), std::min(shell.floor, 0.4 * z));
-  thing.pose.position = {std::clamp(x, shell.left, shell.right), y, z};
-  // All cameras are within 0.2 m of the head.
+  object.pose.position = {std::clamp(x, shell.left, shell.right), y, z};
+  // All cameras are within 0.2 m of the left one.
   constexpr double kRigReach = 0.2;
-  if (length(thing.pose.position) < kNearest + kRigReach + reach) {
+  if (length(object.pose.position) < kNearest + kRigReach + reach) {
     return std::nullopt;
   }
-  return thing;
+  return object;
 }
 
 void build_lights(Scene& scene, const Shell& shell, Draw& draw) {
@@ -154,7 +155,7 @@ Rig random_rig(Draw& draw) {
   rig.pmd_to_stereo.translation_m = {rig.stereo.baseline_m / 2 + draw.between(-0.03, 0.03), above,
                                      draw.between(-0.02, 0.02)};
   const Vec3 looks{draw.between(-6, 3), draw.between(-8, 8), draw.between(-2, 2)};
-  rig.head = turned(looks.y * kDegree, looks.x * kDegree, looks.z * kDegree);
+  rig.left_camera_pose = turned(looks.y * kDegree, looks.x * kDegree, looks.z * kDegree);
   rig.pmd.signal_e = 600'000;
   rig.pmd.ambient_e = 7'500;
   rig.pmd.read_noise_e = 80;
@@ -171,10 +172,10 @@ Room random_room(std::uint32_t seed) {
   Room room{.scene = {}, .rig = random_rig(draw)};
   const Shell shell = random_shell(draw);
   build_shell(room.scene, shell, draw);
-  const int things = 5 + draw.below(6);
-  for (int placed = 0; placed < things;) {
-    if (const std::optional<Thing> thing = random_thing(shell, draw)) {
-      room.scene.things.push_back(*thing);
+  const int objects = 5 + draw.below(6);
+  for (int placed = 0; placed < objects;) {
+    if (const std::optional<SceneObject> object = random_object(shell, draw)) {
+      room.scene.objects.push_back(*object);
       ++placed;
     }
   }

@@ -12,9 +12,9 @@ struct Room {
   Rig rig;
 };
 
-// A closed room of random size with 5 to 10 random things in it, and a random rig that looks at
+// A closed room of random size with 5 to 10 random objects in it, and a random rig that looks at
 // them; each seed another one, the same on every machine. Everything seen is 0.8 to 7 m away
-// and no camera is inside of a thing. Walls and things have noise of several periods, stripes,
+// and no camera is inside of an object. Walls and objects have noise of several periods, stripes,
 // checks or one colour; some reflect infrared as they reflect light.
 // The rig: 640x480, 52 to 61 degrees wide, baseline 0.08 to 0.16 m; a 176x144 PMD camera at 20
 // MHz, up to 9 cm beside the middle of the baseline and turned by up to 2 degrees about each axis,

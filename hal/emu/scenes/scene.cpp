@@ -84,10 +84,10 @@ double brightness(const Material& material, const Vec3& local) noexcept {
 
 }  // namespace
 
-void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
+void add(Scene& scene, Shape shape, const Vec3& at, const Vec3& half, const Material& material,
          Pose turn) {
   turn.position = at;
-  scene.things.push_back({.form = form, .pose = turn, .half = half, .material = material});
+  scene.objects.push_back({.shape = shape, .pose = turn, .half = half, .material = material});
 }
 
 double visible_albedo(const Material& material, const Vec3& local) noexcept {
@@ -102,7 +102,7 @@ double infrared_albedo(const Material& material, const Vec3& local) noexcept {
 }
 
 Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexcept {
-  const Material& material = scene.things[static_cast<std::size_t>(hit.thing)].material;
+  const Material& material = scene.objects[static_cast<std::size_t>(hit.object)].material;
   const Vec3 to_eye = unit(viewpoint - hit.point);
   Lighting out{.diffuse = scene.ambient, .mirrored = 0};
   for (const Light& light : scene.lights) {
@@ -130,7 +130,7 @@ Lighting lighting(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noe
 }
 
 double radiance(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexcept {
-  const Material& material = scene.things[static_cast<std::size_t>(hit.thing)].material;
+  const Material& material = scene.objects[static_cast<std::size_t>(hit.object)].material;
   const Lighting light = lighting(scene, hit, viewpoint);
   return visible_albedo(material, hit.local) * light.diffuse + light.mirrored;
 }
@@ -138,7 +138,7 @@ double radiance(const Scene& scene, const Hit& hit, const Vec3& viewpoint) noexc
 Scene wall(double distance_m, const Material& material) {
   Scene scene;
   scene.ambient = 0.7;
-  add(scene, Form::kRectangle, {0, 0, distance_m}, {20, 20, 0}, material);
+  add(scene, Shape::kRectangle, {0, 0, distance_m}, {20, 20, 0}, material);
   return scene;
 }
 

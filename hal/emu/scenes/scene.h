@@ -7,14 +7,14 @@
 
 #include "hal/emu/scenes/vec3.h"
 
-// A world made of a few solid things. Metres; x right, y down, z forward, floor at y = 0.
+// A world made of a few solid objects. Metres; x right, y down, z forward, floor at y = 0.
 // Everything is computed with +, -, *, / and sqrt alone, so that every machine gets the same bits.
 namespace stof::hal::emu {
 
 enum class Texture : std::uint8_t {
   kPlain,
   kNoise,    // value noise in five octaves, the coarsest with cells of `period_m`
-  kStripes,  // along the thing's x axis, so vertical stripes: repetitive for stereo
+  kStripes,  // along the object's x axis, so vertical stripes: repetitive for stereo
   kChecks,   // along its x and y axis
   kSpeckle,  // value noise in ten octaves of equal weight: fine grain, faint clouds
 };
@@ -26,25 +26,25 @@ struct Material {
   double period_m = 0.1;
   std::uint32_t seed = 0;       // of kNoise and kSpeckle
   std::optional<double> nir{};  // albedo in the PMD camera's infrared, untextured; none: as visible
-  // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2). What
-  // it shows depends on where the viewpoint is: the two cameras see it at different places.
+  // A glossy coat: mirrors this share of the lights, each widened to cos^(2^gloss_log2).
+  // Its image depends on the viewpoint: the two cameras see it at different places.
   double gloss = 0;  // 0..1
   int gloss_log2 = 6;
-  // A pane: the share of light that it lets through each way. What is behind it is seen through it,
-  // but for other panes.
-  double clear = 0;  // 0..1
+  // A pane: the share of light that it lets through each way. Objects behind it are seen through
+  // it, other panes are not.
+  double transmittance = 0;  // 0..1
 };
 
-enum class Form : std::uint8_t {
-  kRectangle,  // half.x by half.y in the thing's plane z = 0, visible from both sides
+enum class Shape : std::uint8_t {
+  kRectangle,  // half.x by half.y in the object's plane z = 0, visible from both sides
   kBox,        // half sizes
   kCylinder,   // axis along y: radii half.x and half.z, half height half.y, closed
   kEllipsoid,  // radii
 };
 
-struct Thing {
-  Form form = Form::kBox;
-  Pose pose{};  // of the thing in the world; its origin is the form's centre
+struct SceneObject {
+  Shape shape = Shape::kBox;
+  Pose pose{};  // of the object in the world; its origin is the shape's centre
   Vec3 half{0.5, 0.5, 0.5};
   Material material{};
 };
@@ -55,18 +55,19 @@ struct Light {
 };
 
 struct Scene {
-  std::vector<Thing> things;
+  std::vector<SceneObject> objects;
   std::vector<Light> lights;
   double ambient = 0.4;  // irradiance from everywhere
 };
 
-// One thing more, its centre at `at`, turned as `turn`.
-void add(Scene& scene, Form form, const Vec3& at, const Vec3& half, const Material& material,
+// One object more, its centre at `at`, turned as `turn`.
+void add(Scene& scene, Shape shape, const Vec3& at, const Vec3& half, const Material& material,
          Pose turn = {});
 
 // The book chapter's Figure 21: white walls, floor and ceiling, an end wall at 6.6 m, a column, a
 // person in a checked shirt, a low carton; skirting boards, doors, a picture, a speckled and
-// slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a head at (0, -1, 0).
+// slightly glossy floor. Depths from 2 to 6.7 m for corridor_rig(). Made for a left camera at (0,
+// -1, 0).
 Scene corridor();
 Scene empty_corridor();  // without the person
 
@@ -80,27 +81,19 @@ Scene wall(double distance_m, const Material& material = {});
 
 // Where a ray meets the scene.
 struct Hit {
-  double t = 0;    // origin + t * direction
-  int thing = -1;  // index in Scene::things; -1: nothing
-  int face = 0;    // of that thing: points with the same one lie on one smooth surface
-  Vec3 point;      // world
-  Vec3 normal;     // world, unit, towards the viewpoint
-  Vec3 local;      // the point in the thing's frame
+  double t = 0;     // origin + t * direction
+  int object = -1;  // index in Scene::objects; -1: nothing
+  int face = 0;     // of that object: points with the same one lie on one smooth surface
+  Vec3 point;       // world
+  Vec3 normal;      // world, unit, towards the viewpoint
+  Vec3 local;       // the point in the object's frame
 };
 
-// Where the ray meets one form at t > 1e-6, in the thing's frame; t < 0: it does not.
-struct LocalHit {
-  double t = -1;
-  Vec3 normal;  // unit, against the ray
-  int face = 0;
-};
-LocalHit intersect(Form form, const Vec3& half, const Vec3& origin, const Vec3& direction) noexcept;
-
-// Reflectance 0..1 at a point of the thing's frame.
+// Reflectance 0..1 at a point of the object's frame.
 double visible_albedo(const Material& material, const Vec3& local) noexcept;
 double infrared_albedo(const Material& material, const Vec3& local) noexcept;
 
-// What reaches a hit and leaves it towards the viewpoint; no shadows.
+// The light that reaches a hit and leaves it towards the viewpoint; no shadows.
 struct Lighting {
   double diffuse = 0;   // irradiance, Lambert's law and ambient: times the albedo
   double mirrored = 0;  // by the coat

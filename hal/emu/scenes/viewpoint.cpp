@@ -8,7 +8,7 @@
 namespace stof::hal::emu {
 namespace {
 
-constexpr double kBehind = 0.01;  // metres: a thing that reaches nearer has no bounds
+constexpr double kBehind = 0.01;  // metres: an object that reaches nearer has no bounds
 constexpr double kEverywhere = std::numeric_limits<double>::infinity();
 constexpr int kCells = 64;  // a side, for rays from -1 to 1
 constexpr int kBits = 64;   // of a word
@@ -18,31 +18,31 @@ double cell(double ray) noexcept { return std::floor((ray + 1) * (kCells * 0.5))
 }  // namespace
 
 Viewpoint::Viewpoint(const Scene& scene, const Pose& pose)
-    : scene_(scene), pose_(pose), words_((scene.things.size() + kBits - 1) / kBits) {
+    : scene_(scene), pose_(pose), words_((scene.objects.size() + kBits - 1) / kBits) {
   cells_.resize(words_ * (kCells * kCells + 1));
-  for (const Thing& thing : scene.things) {
+  for (const SceneObject& object : scene.objects) {
     Pose turn;
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t j = 0; j < 3; ++j) {
         double sum = 0;
         for (std::size_t k = 0; k < 3; ++k) {
-          sum += thing.pose.rotation[3 * k + i] * pose.rotation[3 * k + j];
+          sum += object.pose.rotation[3 * k + i] * pose.rotation[3 * k + j];
         }
         turn.rotation[3 * i + j] = sum;
       }
     }
-    Seen seen{.origin = thing.pose.undo(pose.position),
+    Seen seen{.origin = object.pose.undo(pose.position),
               .turn = turn,
               .window = {.x_min = kEverywhere,
                          .x_max = -kEverywhere,
                          .y_min = kEverywhere,
                          .y_max = -kEverywhere}};
     Window& window = seen.window;
-    const double depth = thing.form == Form::kRectangle ? 0 : thing.half.z;
-    for (const double x : {-thing.half.x, thing.half.x}) {
-      for (const double y : {-thing.half.y, thing.half.y}) {
+    const double depth = object.shape == Shape::kRectangle ? 0 : object.half.z;
+    for (const double x : {-object.half.x, object.half.x}) {
+      for (const double y : {-object.half.y, object.half.y}) {
         for (const double z : {-depth, depth}) {
-          const Vec3 corner = pose.undo(thing.pose.apply({x, y, z}));
+          const Vec3 corner = pose.undo(object.pose.apply({x, y, z}));
           const bool bounded = corner.z > kBehind;
           window.x_min = std::min(window.x_min, bounded ? corner.x / corner.z : -kEverywhere);
           window.x_max = std::max(window.x_max, bounded ? corner.x / corner.z : kEverywhere);
@@ -56,10 +56,10 @@ Viewpoint::Viewpoint(const Scene& scene, const Pose& pose)
   }
 }
 
-void Viewpoint::note_cells(std::size_t thing) {
-  const std::size_t word = thing / kBits;
-  const std::uint64_t bit = std::uint64_t{1} << (thing % kBits);
-  const Window& window = seen_[thing].window;
+void Viewpoint::note_cells(std::size_t object) {
+  const std::size_t word = object / kBits;
+  const std::uint64_t bit = std::uint64_t{1} << (object % kBits);
+  const Window& window = seen_[object].window;
   // What lies beyond the cells is noted at their border, where it does no harm.
   const auto nearest = [](double ray) {
     return static_cast<int>(std::clamp(cell(ray), 0.0, kCells - 1.0));
@@ -84,7 +84,7 @@ std::span<const std::uint64_t> Viewpoint::candidates(double x, double y) const n
 Hit Viewpoint::look_past(int absent, double x, double y) const noexcept {
   const Vec3 direction{x, y, 1};
   LocalHit nearest;
-  int thing = -1;
+  int object = -1;
   std::size_t base = 0;
   for (std::uint64_t word : candidates(x, y)) {
     for (; word != 0; word &= word - 1) {
@@ -93,17 +93,17 @@ Hit Viewpoint::look_past(int absent, double x, double y) const noexcept {
       if (!seen.window.holds(x, y) || static_cast<int>(i) == absent) {
         continue;
       }
-      const Thing& candidate = scene_.things[i];
+      const SceneObject& candidate = scene_.objects[i];
       const LocalHit hit =
-          intersect(candidate.form, candidate.half, seen.origin, seen.turn.turn(direction));
-      if (hit.t > 0 && (thing < 0 || hit.t < nearest.t)) {
+          intersect(candidate.shape, candidate.half, seen.origin, seen.turn.turn(direction));
+      if (hit.t > 0 && (object < 0 || hit.t < nearest.t)) {
         nearest = hit;
-        thing = static_cast<int>(i);
+        object = static_cast<int>(i);
       }
     }
     base += kBits;
   }
-  return complete(thing, nearest, direction);
+  return complete(object, nearest, direction);
 }
 
 bool Viewpoint::may_show(int first, const Window& part) const noexcept {
@@ -117,24 +117,24 @@ bool Viewpoint::may_show(int first, const Window& part) const noexcept {
   return false;
 }
 
-Hit Viewpoint::look_at(int thing, double x, double y) const noexcept {
+Hit Viewpoint::look_at(int object, double x, double y) const noexcept {
   const Vec3 direction{x, y, 1};
-  const std::size_t i = static_cast<std::size_t>(thing);
-  const LocalHit hit = intersect(scene_.things[i].form, scene_.things[i].half, seen_[i].origin,
+  const std::size_t i = static_cast<std::size_t>(object);
+  const LocalHit hit = intersect(scene_.objects[i].shape, scene_.objects[i].half, seen_[i].origin,
                                  seen_[i].turn.turn(direction));
-  return complete(hit.t > 0 ? thing : -1, hit, direction);
+  return complete(hit.t > 0 ? object : -1, hit, direction);
 }
 
-Hit Viewpoint::complete(int thing, const LocalHit& local, const Vec3& direction) const noexcept {
-  if (thing < 0) {
+Hit Viewpoint::complete(int object, const LocalHit& local, const Vec3& direction) const noexcept {
+  if (object < 0) {
     return {};
   }
-  const std::size_t i = static_cast<std::size_t>(thing);
+  const std::size_t i = static_cast<std::size_t>(object);
   return {.t = local.t,
-          .thing = thing,
+          .object = object,
           .face = local.face,
           .point = pose_.apply(local.t * direction),
-          .normal = scene_.things[i].pose.turn(local.normal),
+          .normal = scene_.objects[i].pose.turn(local.normal),
           .local = seen_[i].origin + local.t * seen_[i].turn.turn(direction)};
 }
 
@@ -155,10 +155,10 @@ void widen(Run& run, int begin, int end) noexcept {
 
 }  // namespace
 
-std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first) {
+std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first) {
   std::vector<Run> runs(static_cast<std::size_t>(lens.height));
-  for (int thing = first; thing < viewpoint.things(); ++thing) {
-    const Viewpoint::Window& window = viewpoint.window(thing);
+  for (int object = first; object < viewpoint.objects(); ++object) {
+    const Viewpoint::Window& window = viewpoint.window(object);
     const int begin = clamped(std::floor(window.x_min * lens.fx + lens.cx - kReach), lens.width);
     const int end = clamped(std::ceil(window.x_max * lens.fx + lens.cx + kReach) + 1, lens.width);
     const int top = clamped(std::floor(window.y_min * lens.fy + lens.cy - kReach), lens.height);
@@ -171,13 +171,13 @@ std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& 
   return runs;
 }
 
-std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
-                                std::span<const Vec3> rays, int first) {
+std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+                                 std::span<const Vec3> rays, int first) {
   std::vector<Run> runs(static_cast<std::size_t>(lens.height));
   const double dx = kReachDistorted / lens.fx;
   const double dy = kReachDistorted / lens.fy;
-  for (int thing = first; thing < viewpoint.things(); ++thing) {
-    const Viewpoint::Window& seen = viewpoint.window(thing);
+  for (int object = first; object < viewpoint.objects(); ++object) {
+    const Viewpoint::Window& seen = viewpoint.window(object);
     const Viewpoint::Window window{.x_min = seen.x_min - dx,
                                    .x_max = seen.x_max + dx,
                                    .y_min = seen.y_min - dy,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "dsp/calib/pinhole.h"
+#include "hal/emu/scenes/intersect.h"
 #include "hal/emu/scenes/scene.h"
 
 namespace stof::hal::emu {
@@ -24,15 +25,15 @@ class Viewpoint {
   Viewpoint(const Scene& scene, const Pose& pose);
 
   const Pose& pose() const noexcept { return pose_; }
-  int things() const noexcept { return static_cast<int>(seen_.size()); }
-  // The nearest thing.
+  int objects() const noexcept { return static_cast<int>(seen_.size()); }
+  // The nearest object.
   Hit look(double x, double y) const noexcept { return look_past(-1, x, y); }
   // The same if `absent` were not there.
   Hit look_past(int absent, double x, double y) const noexcept;
-  // The same if `thing` were alone in the world.
-  Hit look_at(int thing, double x, double y) const noexcept;
+  // The same if `object` were alone in the world.
+  Hit look_at(int object, double x, double y) const noexcept;
 
-  // No ray outside meets the thing. May be infinite.
+  // No ray outside meets the object. May be infinite.
   struct Window {
     double x_min;
     double x_max;
@@ -42,38 +43,38 @@ class Viewpoint {
       return x >= x_min && x <= x_max && y >= y_min && y <= y_max;
     }
   };
-  const Window& window(int thing) const noexcept {
-    return seen_[static_cast<std::size_t>(thing)].window;
+  const Window& window(int object) const noexcept {
+    return seen_[static_cast<std::size_t>(object)].window;
   }
-  // Whether thing `first` or a later one may be seen within the part of the field.
+  // Whether object `first` or a later one may be seen within the part of the field.
   bool may_show(int first, const Window& part) const noexcept;
 
  private:
-  // A thing as seen from here.
+  // An object as seen from here.
   struct Seen {
-    Vec3 origin;  // of the viewpoint, in the thing's frame
-    Pose turn;    // from the viewpoint's frame into the thing's; rotation only
+    Vec3 origin;  // of the viewpoint, in the object's frame
+    Pose turn;    // from the viewpoint's frame into the object's; rotation only
     Window window;
   };
-  Hit complete(int thing, const LocalHit& local, const Vec3& direction) const noexcept;
-  void note_cells(std::size_t thing);
+  Hit complete(int object, const LocalHit& local, const Vec3& direction) const noexcept;
+  void note_cells(std::size_t object);
   std::span<const std::uint64_t> candidates(double x, double y) const noexcept;
 
   const Scene& scene_;
   Pose pose_;
   std::vector<Seen> seen_;
-  // For cells of rays, row by row: one bit for each thing whose window reaches into the cell. The
-  // last entry is for rays outside of all cells: every thing.
+  // For cells of rays, row by row: one bit for each object whose window reaches into the cell. The
+  // last entry is for rays outside of all cells: every object.
   std::vector<std::uint64_t> cells_;
   std::size_t words_;  // of an entry
 };
 
-// Of each row the pixels, from the first to the last, into which thing `first` or a later one may
-// reach: all others look the same without these things. For a lens without distortion.
-std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first);
+// The pixels of each row, from the first to the last, into which object `first` or a later one may
+// reach: all others look the same without these objects. For a lens without distortion.
+std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first);
 // The same for any lens; rays: of the pixel centres, row by row.
-std::vector<Run> runs_of_things(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
-                                std::span<const Vec3> rays, int first);
+std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+                                 std::span<const Vec3> rays, int first);
 // Every pixel.
 std::vector<Run> whole_picture(const dsp::Pinhole& lens);
 

@@ -30,39 +30,39 @@ class Walker {
       arm(side, -side * swing * kArmSwing);
     }
     const Pose upright;
-    add(Form::kCylinder, upright, {0, -1.18, 0}, {0.205, 0.28, 0.125}, kShirt);
-    add(Form::kEllipsoid, upright, {0, -1.44, 0}, {0.24, 0.07, 0.12}, kShirt);
-    add(Form::kCylinder, upright, {0, -1.53, 0}, {0.055, 0.06, 0.06}, kSkin);
-    add(Form::kEllipsoid, upright, {0, -1.66, 0}, {0.08, 0.12, 0.1}, kSkin);
-    add(Form::kEllipsoid, upright, {0, -1.7, 0.025}, {0.088, 0.1, 0.1}, kHair);
+    add(Shape::kCylinder, upright, {0, -1.18, 0}, {0.205, 0.28, 0.125}, kShirt);
+    add(Shape::kEllipsoid, upright, {0, -1.44, 0}, {0.24, 0.07, 0.12}, kShirt);
+    add(Shape::kCylinder, upright, {0, -1.53, 0}, {0.055, 0.06, 0.06}, kSkin);
+    add(Shape::kEllipsoid, upright, {0, -1.66, 0}, {0.08, 0.12, 0.1}, kSkin);
+    add(Shape::kEllipsoid, upright, {0, -1.7, 0.025}, {0.088, 0.1, 0.1}, kHair);
   }
 
-  std::vector<Thing> take() { return std::move(things_); }
+  std::vector<SceneObject> take() { return std::move(objects_); }
 
  private:
-  void add(Form form, const Pose& limb, const Vec3& at, const Vec3& half,
+  void add(Shape shape, const Pose& limb, const Vec3& at, const Vec3& half,
            const Material& material) {
     Pose local = limb;
     local.position = limb.apply(at);
-    things_.push_back({.form = form, .pose = pose_ * local, .half = half, .material = material});
+    objects_.push_back({.shape = shape, .pose = pose_ * local, .half = half, .material = material});
   }
 
   void leg(double side, double half_tangent) {
     Pose limb = turned(0, half_tangent);
     limb.position = {0.1 * side, -0.9, 0};
-    add(Form::kEllipsoid, limb, {0, 0.86, -0.05}, {0.05, 0.045, 0.14}, kBlack);
-    add(Form::kCylinder, limb, {0, 0.43, 0}, {0.085, 0.43, 0.095}, kTrousers);
+    add(Shape::kEllipsoid, limb, {0, 0.86, -0.05}, {0.05, 0.045, 0.14}, kBlack);
+    add(Shape::kCylinder, limb, {0, 0.43, 0}, {0.085, 0.43, 0.095}, kTrousers);
   }
 
   void arm(double side, double half_tangent) {
     Pose limb = turned(0, half_tangent);
     limb.position = {0.27 * side, -1.42, 0};
-    add(Form::kCylinder, limb, {0, 0.23, 0}, {0.055, 0.25, 0.06}, kShirt);
-    add(Form::kEllipsoid, limb, {0, 0.56, -0.01}, {0.045, 0.1, 0.05}, kSkin);
+    add(Shape::kCylinder, limb, {0, 0.23, 0}, {0.055, 0.25, 0.06}, kShirt);
+    add(Shape::kEllipsoid, limb, {0, 0.56, -0.01}, {0.045, 0.1, 0.05}, kSkin);
   }
 
   Pose pose_;
-  std::vector<Thing> things_;
+  std::vector<SceneObject> objects_;
 };
 
 }  // namespace

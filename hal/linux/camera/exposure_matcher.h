@@ -14,14 +14,14 @@ struct MatchedExposure {
 };
 
 // Finds the exposure behind each picture of one camera by its stamp, and does not believe it
-// blindly: a picture that was held up until the next exposure looks like one of that. What gives it
-// away is the count. As long as the camera's numbers advance as exposures do, all is well; after a
+// blindly: a picture that was held up until the next exposure looks like one of that. The count
+// reveals it. As long as the camera's numbers advance as exposures do, all is well; after a
 // step that differs (an exposure without a picture, two pictures for one exposure) nothing is
 // matched until a picture again follows the one before it, exposure by exposure, and comes as soon
 // after it as those that were believed. So the first picture is never believed, a lost or late one
 // costs one or two more, and an old one is not taken for new.
-// Not to be told apart: a camera that from its first picture on, or from one moment on for ever and
-// at the same time of the period, is late by whole periods.
+// Not detected: a camera that is always late by whole periods, from its first picture on or from
+// one moment on.
 class ExposureMatcher {
  public:
   // So many doubtful pictures in a row, and the camera should be opened anew: it may lag for good.
@@ -31,8 +31,8 @@ class ExposureMatcher {
   ExposureMatcher(Exposures& exposures, Duration most_delay) noexcept
       : exposures_(exposures), most_delay_(most_delay) {}
 
-  // Of each picture in the camera's order, also of damaged ones. `number` advances by one with each
-  // picture that the camera, or its driver, knows of.
+  // To be called for each picture in the camera's order, also for damaged ones. `number` advances
+  // by one with each picture that the camera, or its driver, knows of.
   MatchedExposure match(Time stamp, std::uint32_t number) noexcept;
   bool hopeless() const noexcept { return doubtful_ >= kHopeless; }
   // The camera was opened anew.

@@ -41,7 +41,7 @@ class EdgeLog {
     return Time(Duration(edges_[number % kDepth].load(std::memory_order_relaxed)));
   }
 
-  // Who looks while an edge is noted finds the newest in place of the oldest, or not: both are so.
+  // A reader during note() may see the oldest or the newest edge in that slot; both are valid.
   std::array<std::atomic<Duration::rep>, kDepth> edges_{};
   std::atomic<std::size_t> count_{0};
 };

@@ -65,8 +65,9 @@ std::expected<void, OpenError> check(const GpioTriggerOptions& options) {
     return std::unexpected(OpenError{"GPIO trigger: give 1 to 3 outputs and up to 2 strobes"});
   }
   if (options.width < kLeastWidth || options.width > kMostWidth ||
-      options.most_doubt <= Duration::zero()) {
-    return std::unexpected(OpenError{"GPIO trigger: give a pulse of 1 us to 10 ms and some doubt"});
+      options.max_uncertainty <= Duration::zero()) {
+    return std::unexpected(
+        OpenError{"GPIO trigger: give a pulse of 1 us to 10 ms and some uncertainty"});
   }
   return {};
 }
@@ -190,14 +191,14 @@ Result<Time> GpioTrigger::pulse() noexcept {
   }
   // Also where raising failed: one of the lines may be high.
   const bool lowered = set_outputs(false);
-  doubt_ = after - before;
+  uncertainty_ = after - before;
   const Duration longer = clock.now() - after - options_.width;
   if (!raised || !lowered) {
     lost_ = true;
     return fail(Status::kDeviceLost);
   }
-  if (doubt_ > options_.most_doubt ||
-      (options_.width_is_exposure && longer > options_.most_doubt)) {
+  if (uncertainty_ > options_.max_uncertainty ||
+      (options_.width_is_exposure && longer > options_.max_uncertainty)) {
     return fail(Status::kDeviceError);
   }
   edges_.note(before);

@@ -32,14 +32,14 @@ struct GpioTriggerOptions {
   Duration width = std::chrono::microseconds(100);  // of a pulse, 1 us to 10 ms
   bool width_is_exposure = false;  // the sensors expose as long as the pulse is (IMX296's XTR)
   // An edge whose time is known to no better than this is a kDeviceError.
-  Duration most_doubt = std::chrono::milliseconds(1);
+  Duration max_uncertainty = std::chrono::milliseconds(1);
 };
 
 // A pulse on all outputs through the kernel's GPIO lines, which one call raises, in their order,
 // within microseconds of each other. pulse() returns the time right before that call: the edge
-// comes at or after it, by at most doubt(), usually microseconds. The pulse is as long as `width`
-// or, where the scheduler is late, longer. For one thread. pulse() and read_strobes() allocate
-// nothing.
+// comes at or after it, by at most uncertainty(), usually microseconds. The pulse is as long as
+// `width` or, where the scheduler is late, longer. For one thread. pulse() and read_strobes()
+// allocate nothing.
 class GpioTrigger final : public hal::Trigger {
  public:
   static constexpr std::size_t kMostOutputs = 3;
@@ -53,16 +53,16 @@ class GpioTrigger final : public hal::Trigger {
   GpioTrigger(const GpioTrigger&) = delete;
   GpioTrigger& operator=(const GpioTrigger&) = delete;
 
-  // kDeviceError: an edge went out, but when is not known to `most_doubt`, or the exposure that it
-  // began was longer than that. kDeviceLost: reopen().
+  // kDeviceError: an edge went out, but when is not known to `max_uncertainty`, or the exposure
+  // that it began was longer than that. kDeviceLost: reopen().
   Result<Time> pulse() noexcept override;
   // In place; nothing where it was not lost. kDeviceLost: not back yet; trouble() says why.
   Status reopen() noexcept;
   // One line, why reopen() failed last; empty: it did not.
   const std::string& trouble() const noexcept { return trouble_; }
 
-  // Of the last pulse.
-  Duration doubt() const noexcept { return doubt_; }
+  // The uncertainty of the last pulse.
+  Duration uncertainty() const noexcept { return uncertainty_; }
   // Edges that went out at a known time.
   const EdgeLog& edges() const noexcept { return edges_; }
   // Takes in what the strobe lines have told. Does not block.
@@ -83,7 +83,7 @@ class GpioTrigger final : public hal::Trigger {
   std::array<unsigned, kMostStrobes> strobe_offsets_{};
   std::array<StrobeLog, kMostStrobes> strobes_;
   EdgeLog edges_;
-  Duration doubt_{};
+  Duration uncertainty_{};
   bool lost_ = false;
   std::string trouble_;
 };

@@ -9,7 +9,7 @@
 
 namespace stof::hal::linux {
 
-// What a camera tells about a filled buffer.
+// A camera's report of a filled buffer.
 struct LibcameraArrival {
   Time stamp;
   std::uint32_t sequence = 0;
@@ -33,7 +33,7 @@ class LibcameraBufferQueue {
 
   // The loop's thread. The oldest that waits.
   std::optional<int> take() noexcept;
-  // Of a slot that is taken.
+  // slot: taken.
   const LibcameraArrival& arrival(int slot) const noexcept {
     return arrivals_[static_cast<std::size_t>(slot)];
   }

@@ -56,7 +56,7 @@ class LibcameraPairs {
 
   LibcameraBufferQueue& queue(std::size_t side) noexcept { return queues_[side]; }
 
-  // The oldest pair that is here. Of two frames that do not belong together the older goes back; a
+  // The oldest pair that is here. The older of two frames that do not belong together goes back; a
   // frame without an exposure goes back. kWouldBlock: none yet. kCorrupt: a damaged frame went
   // back. kDeviceLost: too many in a row that nobody can place: open the cameras anew.
   Result<Pair> next() noexcept;

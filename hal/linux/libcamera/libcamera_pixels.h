@@ -30,7 +30,7 @@ class LibcameraPixels {
   bool add(const libcamera::FrameBuffer& buffer);
   // Fetches what the camera wrote (cache, 16 to 8 bits).
   dsp::ImageView<const std::uint8_t> read(int slot) noexcept;
-  // Of a slot that goes to the camera, whether it was read or not.
+  // slot: it goes to the camera, whether it was read or not.
   void end_reading(int slot) noexcept;
 
  private:

@@ -26,8 +26,8 @@ struct LibcameraOptions {
   Duration exposure{0};
   Duration period{0};  // from frame to frame; with an external trigger longer than any pause
   float gain = 0;      // analogue, a factor
-  // What a frame's stamp belongs to; must outlive the camera. Null: the cameras run freely, and the
-  // exposure is `exposure` long and ends at the stamp.
+  // The exposures that stamps belong to; must outlive the camera. Null: the cameras run freely, and
+  // the exposure is `exposure` long and ends at the stamp.
   Exposures* exposures = nullptr;
   Duration most_delay{0};  // from the end of an exposure to its stamp; frames beyond are dropped
   Duration most_skew{0};   // between the begins of two exposures that are one pair

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "hal/linux/open_error.h"
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 #include "posix/udp_socket.h"
 
 namespace stof::hal::linux {

@@ -57,7 +57,7 @@ class UdpPort final : public hal::DatagramPort {
   int send_buffer_ = 0;
   int receive_buffer_ = 0;
 
-  // Of the receiving thread.
+  // The receiving thread's.
   posix::DatagramBatch batch_;
   std::size_t read_ = 0;  // datagrams in batch_
   std::size_t next_ = 0;  // of these, to hand out

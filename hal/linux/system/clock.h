@@ -2,7 +2,8 @@
 
 #include "hal/clock.h"
 
-// Devices of a Linux host. The folder is `linux`, the namespace `posix`: `linux` is a macro.
+// Devices of a Linux machine. Sources are compiled as standard C++: with GNU extensions `linux`
+// would be a macro.
 namespace stof::hal::linux {
 
 // CLOCK_MONOTONIC. Waits sleep; any thread may use it.

@@ -8,8 +8,9 @@
 namespace stof::hal::linux {
 
 // A file. New contents are written beside it (NAME.new), flushed to the medium and renamed, and the
-// folder is flushed: after a power cut the file is the old or the new one. What is set aside
-// becomes NAME.bad. A name that the system finds too long, with those endings, is a kDeviceError.
+// folder is flushed: after a power cut the file is the old or the new one. A file that
+// is set aside becomes NAME.bad. A name that the system finds too long, with those endings, is a
+// kDeviceError.
 class FileStore final : public Store {
  public:
   // Opens nothing; alone of all allocates.

@@ -28,7 +28,7 @@ class MarkedHeap {
   MarkedHeap& operator=(const MarkedHeap&) = delete;
 };
 
-// Of heap_wrap.cpp, before each call.
+// heap_wrap.cpp calls it before each call.
 void note_heap_call() noexcept;
 
 }  // namespace stof::hal::linux

@@ -6,7 +6,7 @@
 
 namespace stof::hal::linux {
 
-// What a thread with deadlines asks of the system. A refusal is never fatal: it is a note, one
+// Requests of a thread with deadlines to the system. A refusal is never fatal: it is a note, one
 // line that says what, why and what to do. All of them may allocate and block: at start only.
 using RealtimeNote = std::optional<std::string>;  // nothing: granted
 

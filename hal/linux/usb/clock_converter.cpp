@@ -28,18 +28,18 @@ void ClockConverter::sync(Time before, std::uint64_t theirs, Time after) noexcep
     return;
   }
   const Time middle = before + (after - before) / 2;
-  const Duration doubt = (after - before + Duration(1)) / 2;
+  const Duration new_uncertainty = (after - before + Duration(1)) / 2;
   if (const std::optional<Time> believed = convert(theirs)) {
     const Duration present = *uncertainty(theirs);
-    const bool explained = std::chrono::abs(middle - *believed) <= present + doubt;
-    if (explained && present < doubt) {
+    const bool explained = std::chrono::abs(middle - *believed) <= present + new_uncertainty;
+    if (explained && present < new_uncertainty) {
       return;
     }
   }
   known_ = true;
   theirs_ = theirs;
   ours_ = middle;
-  doubt_ = doubt;
+  uncertainty_ = new_uncertainty;
 }
 
 std::optional<Time> ClockConverter::convert(std::uint64_t theirs) const noexcept {
@@ -47,7 +47,7 @@ std::optional<Time> ClockConverter::convert(std::uint64_t theirs) const noexcept
   return span ? std::optional(ours_ + *span) : std::nullopt;
 }
 
-bool ClockConverter::follow(Time ours, std::uint64_t theirs) noexcept {
+bool ClockConverter::correct_by_event(Time ours, std::uint64_t theirs) noexcept {
   const std::optional<Time> believed = convert(theirs);
   if (!believed) {
     return false;
@@ -57,15 +57,15 @@ bool ClockConverter::follow(Time ours, std::uint64_t theirs) noexcept {
   const Duration step = std::clamp(error, -kMostStep, kMostStep);
   theirs_ = theirs;
   ours_ = *believed + step;
-  // What is left of an error is doubt, and does not hide what was in doubt before.
-  doubt_ =
-      std::max(kEdgeDoubt + std::chrono::abs(error - step), step == error ? kEdgeDoubt : present);
+  // What is left of an error is uncertainty, and does not hide what was uncertain before.
+  uncertainty_ = std::max(kEdgeUncertainty + std::chrono::abs(error - step),
+                          step == error ? kEdgeUncertainty : present);
   return true;
 }
 
 std::optional<Duration> ClockConverter::uncertainty(std::uint64_t theirs) const noexcept {
   const std::optional<Duration> span = since(theirs);
-  return span ? std::optional(doubt_ + drift_in(*span)) : std::nullopt;
+  return span ? std::optional(uncertainty_ + drift_in(*span)) : std::nullopt;
 }
 
 }  // namespace stof::hal::linux

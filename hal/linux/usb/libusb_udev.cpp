@@ -1,5 +1,5 @@
 // Debian's libusb-1.0.a refers to libudev, which has no static library. Nothing of it is called
-// with LIBUSB_OPTION_NO_DEVICE_DISCOVERY (usb_link.cpp); who calls it all the same learns so here.
+// with LIBUSB_OPTION_NO_DEVICE_DISCOVERY (usb_link.cpp). A call aborts with a message.
 
 #include <cstdio>
 #include <cstdlib>

@@ -282,7 +282,7 @@ bool UsbPmd::accept(int buffer, std::size_t bytes) noexcept {
   }
   const std::optional<Time> nearest = edges_.nearest(*edge);
   if (nearest && std::chrono::abs(*nearest - *edge) <= options_.edge_tolerance) {
-    static_cast<void>(clock_.clock().follow(*nearest, header->edge));
+    static_cast<void>(clock_.clock().correct_by_event(*nearest, header->edge));
     edge = nearest;
   }
   last_sequence_ = header->sequence;

@@ -75,12 +75,12 @@ class UsbPmd final : public hal::PmdCamera, private SlotOwner {
     int buffer = -1;  // that it fills; -1: idle
   };
 
-  // What became of it since it was set going.
+  // The state of the stream since it was started.
   struct Stream {
     bool lost = false;
     bool stalled = false;
     bool closing = false;
-    int damaged = 0;         // to be told
+    int damaged = 0;         // to be reported
     int damaged_in_row = 0;  // since the last good frame
   };
 

@@ -11,8 +11,8 @@
 
 namespace stof::hal::linux {
 
-// What V4L2 cameras ask of the kernel; tests put a driver of their own here. As the system calls of
-// these names: what fails leaves its reason in errno.
+// The system calls of V4L2 cameras; tests put a driver of their own here. As the calls of these
+// names: one that fails leaves its reason in errno.
 class V4l2Calls {
  public:
   virtual ~V4l2Calls() = default;

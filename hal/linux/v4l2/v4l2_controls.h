@@ -12,7 +12,7 @@
 namespace stof::hal::linux {
 
 // Exposes by hand for `exposure`, in the units of V4L2_CID_EXPOSURE_ABSOLUTE, 100 us, at a rate
-// that does not follow the light. What the driver made of it, at most a step away; nullopt: the
+// that does not follow the light. Returns the driver's value, at most a step away; nullopt: the
 // device has no such control, as sensors behind a bridge.
 std::expected<std::optional<Duration>, std::string> set_v4l2_exposure(V4l2Calls& calls, int fd,
                                                                       Duration exposure);

@@ -61,8 +61,8 @@ class V4l2Device {
   std::expected<void, OpenError> open();
   void shut() noexcept;
 
-  // kOk; kWouldBlock: nothing has come; kCorrupt: a damaged picture came and was given back, of
-  // `out` its sequence and stamp are told; kDeviceLost: from now on, until open().
+  // kOk; kWouldBlock: nothing has come; kCorrupt: a damaged picture came and was given back,
+  // `out` has its sequence and stamp; kDeviceLost: from now on, until open().
   Status dequeue(V4l2Buffer& out) noexcept;
   // Each dequeued buffer once.
   void release(const V4l2Buffer& buffer) noexcept;
@@ -73,7 +73,7 @@ class V4l2Device {
   void lose() noexcept { lost_ = true; }
 
   const V4l2Format& format() const noexcept { return format_; }
-  // What the driver made of the one that was asked; none where it does not tell.
+  // The exposure that the driver set; none where it does not report it.
   std::optional<Duration> exposure() const noexcept { return exposure_; }
   const V4l2Counters& counters() const noexcept { return counters_; }
   // For messages: "camera 'card:X' (/dev/video0)".

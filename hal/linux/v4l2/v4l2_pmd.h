@@ -21,7 +21,7 @@ struct V4l2PmdOptions {
   int height = 0;
   // Where exposures are looked up, each of all four samples. Outlives the camera.
   Exposures* exposures = nullptr;
-  // Of all four samples together, from the exposure's begin. 0: as long as the exposure.
+  // The time of all four samples, from the exposure's begin. 0: as long as the exposure.
   Duration integration{};
   // As V4l2StereoOptions::most_delay.
   Duration most_delay = std::chrono::milliseconds(25);
@@ -68,7 +68,7 @@ class V4l2Pmd final : public hal::PmdCamera, private SlotOwner {
   std::vector<std::uint16_t> samples_;  // of all slots
   std::array<bool, kSlots> taken_{};
   int out_ = 0;
-  bool corrupt_ = false;  // to be told
+  bool corrupt_ = false;  // to be reported
 };
 
 }  // namespace stof::hal::linux

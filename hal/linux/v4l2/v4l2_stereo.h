@@ -68,12 +68,12 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   // After kDeviceLost every call returns it at once, until reopen().
   Result<BorrowedFrame<StereoFrame>> wait_frame(Time deadline) noexcept override;
 
-  // Opens the cameras anew, wherever they are now. What was not handed out is lost; lent frames
-  // stay readable. May allocate and takes as long as the drivers do. kOk, or kDeviceLost: not yet
-  // back.
+  // Opens the cameras anew, wherever they are now. Frames that were not handed out are lost; lent
+  // ones stay readable. May allocate and takes as long as the drivers do. kOk, or kDeviceLost: not
+  // yet back.
   Status reopen() noexcept;
 
-  // What the drivers made of the exposure; none where they do not tell.
+  // The exposure that the drivers set; none where they do not report it.
   std::optional<Duration> exposure() const noexcept { return feeds_[0]->device().exposure(); }
   V4l2StereoCounters counters() const noexcept;
 
@@ -106,8 +106,8 @@ class V4l2Stereo final : public hal::StereoCamera, private SlotOwner {
   std::size_t used_ = 2;  // feeds
   std::array<Slot, kSlots> slots_;
   int out_ = 0;
-  bool corrupt_ = false;  // to be told
-  Time corrupt_at_;       // the exposure that was told last
+  bool corrupt_ = false;  // to be reported
+  Time corrupt_at_;       // the exposure that was reported last
   V4l2StereoCounters counters_;
 };
 

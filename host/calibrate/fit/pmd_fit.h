@@ -17,7 +17,7 @@ struct WallData {
   std::vector<Wall> walls;
   SampleNoise noise;  // weighs the readings
   double min_amplitude_lsb = 4;
-  // Of this many pixels one is looked at: constants that all pixels share need no more than a few
+  // One pixel of this many is looked at: constants that all pixels share need no more than a few
   // thousand.
   int every = 1;
 };
@@ -57,8 +57,8 @@ struct Observation {
 std::vector<Observation> observations(const WallData& data, bool phase_falls);
 
 // Levenberg-Marquardt from `begin` (Ceres), Huber's loss. Each pixel's pattern is eliminated from
-// the normal equations. What the walls do not tell stays small: weak priors on scale and harmonics,
-// and on the pattern one of the size that the pattern turns out to have.
+// the normal equations. Constants that the walls do not determine stay small: weak priors on scale
+// and harmonics, and on the pattern one of the size that the pattern turns out to have.
 FitResult fit_model(const WallData& data, const FitParts& parts, const PmdModel& begin);
 
 }  // namespace stof::host

@@ -4,7 +4,7 @@
 
 #include "host/calibrate/fit/pmd_fit.h"
 
-// What follows from walls, or from walls and a fitted model, without fitting constants.
+// Measures of walls, or of walls and a fitted model, without fitting constants.
 namespace stof::host {
 
 // Takes out the walls without a usable pixel, and says how many they were.

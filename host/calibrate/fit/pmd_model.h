@@ -8,10 +8,10 @@
 
 #include "dsp/calib/pmd_sensor.h"
 
-// What a PMD sensor measures, in double precision: the appliance's conversion (dsp/pmd) read
+// The model of a PMD sensor, in double precision: the appliance's conversion (dsp/pmd) read
 // backwards. A pixel that sees a surface at radial distance D:
 //   path  = mean over the lights e of (|D r - e| + D) / 2, weighted by what comes back from each
-//           (dsp/calib/pmd/near_table.h), D without lights
+//           (dsp/calib/pmd/emitter_offset_table.h), D without lights
 //   phi2  = (path - shift) / (scale turn), turn = c / (2 f)
 //   phi1  - W(phi1) = phi2
 //   I + jQ = A exp(+-2 pi j (phi1 + offset + pattern)) + stray; minus where the phase falls

@@ -10,8 +10,8 @@
 // How much the readings of a PMD sensor vary from frame to frame.
 namespace stof::host {
 
-// Of one sample: variance = (level + suppressed exposure) / g + n^2 + 1/12, LSB^2; the last is
-// rounding to whole LSB.
+// The noise of one sample: variance = (level + suppressed exposure) / g + n^2 + 1/12, LSB^2; the
+// last is rounding to whole LSB.
 struct SampleNoise {
   double electrons_per_lsb = 60;  // g
   double noise_lsb = 5;           // n

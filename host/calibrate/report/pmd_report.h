@@ -8,7 +8,7 @@
 #include "host/calibrate/wall_view.h"
 #include "host/calibrate/walls/wall_folder.h"
 
-// What a calibration is worth.
+// The quality of a calibration.
 namespace stof::host {
 
 struct WallRow {

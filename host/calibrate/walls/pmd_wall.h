@@ -28,7 +28,7 @@ struct WallRecording {
   dataset::PmdRecording recording;
 };
 
-// What a pixel saw in one recording, over the chosen frames. LSB of a sample.
+// The reading of a pixel in one recording, over the chosen frames. LSB of a sample.
 struct Reading {
   double i = 0;            // mean of A0 - A2
   double q = 0;            // mean of A3 - A1

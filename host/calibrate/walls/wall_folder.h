@@ -9,7 +9,7 @@ struct WallFolder {
   std::vector<std::filesystem::path> prefixes;
   std::vector<double> exposures;  // of each, relative to the longest integration time
   std::vector<Wall> walls;        // of the chosen frames
-  // What the recordings know of the camera; stereo and pmd_to_stereo where one has a rig.
+  // The camera as the recordings know it; stereo and pmd_to_stereo where one has a rig.
   dsp::Calibration calibration;
   bool has_rig = false;
 };

@@ -22,7 +22,7 @@ Json settings_from_words(std::span<const std::string> words);
 // leaves. Throws Failure where one leaf alone is longer.
 std::vector<std::string> settings_pieces(const Json& document, std::size_t most);
 
-// What the path names, "depth.match", or all of it where it is empty. Throws Failure.
+// The settings that the path names, "depth.match", or all where it is empty. Throws Failure.
 Json settings_at(const Json& document, std::string_view path);
 
 struct SettingsChange {

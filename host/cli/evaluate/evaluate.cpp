@@ -9,7 +9,7 @@
 namespace stof::host {
 
 void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
-  MatchOptions& match = options.match;
+  MatchRequest& match = options.match;
   command.add_option("--preset", match.preset,
                      "Matching preset: fast, quality or chapter; what follows changes it (default: "
                      "a method alone, dense and integer). --NAME{VALUE}: the name alone is that "

@@ -10,11 +10,11 @@
 
 #include "host/evaluate/stereo/match.h"
 
-// What `stof evaluate stereo`, `fusion` and `floor` share.
+// The common part of `stof evaluate stereo`, `fusion` and `floor`.
 namespace stof::host {
 
 struct EvaluateOptions {
-  MatchOptions match;
+  MatchRequest match;
   bool json = false;
   std::filesystem::path out;  // empty: nothing is written
 };

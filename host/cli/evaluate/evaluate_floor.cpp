@@ -29,8 +29,8 @@ struct FloorRow {
 };
 
 // Every preset where the command line names nothing.
-std::vector<MatchOptions> matchers(const MatchOptions& asked) {
-  std::vector<MatchOptions> out;
+std::vector<MatchRequest> matchers(const MatchRequest& asked) {
+  std::vector<MatchRequest> out;
   if (asked.preset.empty() && asked.settings.empty()) {
     for (const char* const preset : {"fast", "quality", "chapter"}) {
       out.push_back(asked);
@@ -39,7 +39,7 @@ std::vector<MatchOptions> matchers(const MatchOptions& asked) {
   } else {
     out.push_back(asked);
   }
-  for (const MatchOptions& matcher : out) {
+  for (const MatchRequest& matcher : out) {
     value_or_fail(fusion_params(matcher, 1));  // options first: they are wrong for every scene
   }
   return out;
@@ -167,7 +167,7 @@ void add_evaluate_floor(CLI::App& evaluate, EvaluateFloorOptions& options) {
 }
 
 void evaluate_floor(const EvaluateFloorOptions& options) {
-  const std::vector<MatchOptions> asked = matchers(options.match);
+  const std::vector<MatchRequest> asked = matchers(options.match);
   const FusionOptions fusion{.runs = 1, .threads = options.match.threads};
   std::vector<FloorRow> rows;
   std::set<std::string> names;

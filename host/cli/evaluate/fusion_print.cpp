@@ -54,7 +54,7 @@ ordered_json counts(const std::array<const char*, kCount>& names,
   return report;
 }
 
-ordered_json to_json(const FusionCase& fused, const MatchOptions& match) {
+ordered_json to_json(const FusionCase& fused, const MatchRequest& match) {
   const FusionResult& result = fused.result;
   ordered_json report{
       {"scene", fused.scene},
@@ -131,7 +131,7 @@ void print_chapter(std::span<const FusionCase> cases) {
   }
   std::printf("\nE5 of the chapter's geometry (a scaled PMD map), and of what replaces it\n");
   std::printf("%-12s %-9s %15s %15s %15s %15s\n", "", "", "scaled pmd", "scaled, fused",
-              "full geometry", "and settled");
+              "full geometry", "and resolved");
   for (const FusionCase& fused : cases) {
     print_chapter_row(fused.scene, fused.sensor(), fused.scores);
   }
@@ -142,7 +142,7 @@ void print_chapter(std::span<const FusionCase> cases) {
 
 }  // namespace
 
-void print_fusion_text(const FusionCase& fused, const MatchOptions& match) {
+void print_fusion_text(const FusionCase& fused, const MatchRequest& match) {
   const FusionResult& result = fused.result;
   std::printf("%s with %s (%s); %s; ms: match %.2f, convert %.2f, fuse %.2f\n", fused.scene.c_str(),
               fused.recording.c_str(), fused.sensor().c_str(), describe(match).c_str(),
@@ -159,11 +159,11 @@ void print_fusion_text(const FusionCase& fused, const MatchOptions& match) {
   print_chapter({&fused, 1});
 }
 
-void print_fusion_json(const FusionCase& fused, const MatchOptions& match) {
+void print_fusion_json(const FusionCase& fused, const MatchRequest& match) {
   std::printf("%s\n", to_json(fused, match).dump(2).c_str());
 }
 
-void print_fusion_text(std::span<const FusionCase> cases, const MatchOptions& match) {
+void print_fusion_text(std::span<const FusionCase> cases, const MatchRequest& match) {
   std::printf("%s\n%s\n", describe(match).c_str(), kE5);
   print_scene_head();
   for (const FusionCase& fused : cases) {
@@ -183,7 +183,7 @@ void print_fusion_text(std::span<const FusionCase> cases, const MatchOptions& ma
   print_chapter(cases);
 }
 
-void print_fusion_json(std::span<const FusionCase> cases, const MatchOptions& match) {
+void print_fusion_json(std::span<const FusionCase> cases, const MatchRequest& match) {
   ordered_json report{{"scenes", ordered_json::array()}};
   for (const FusionCase& fused : cases) {
     report["scenes"].push_back(to_json(fused, match));

@@ -81,7 +81,7 @@ std::string write_others(const std::filesystem::path& folder,
 
 void FrameCopy::keep(const client::Frame& frame) {
   copy(frame.depth, depth_);
-  copy(frame.width, width_);
+  copy(frame.interval_width, width_);
   copy(frame.source, source_);
   copy(frame.received, received_);
   copy(frame.disparity, disparity_);
@@ -102,7 +102,7 @@ void FrameCopy::keep(const client::Frame& frame) {
 client::Frame FrameCopy::frame() const {
   client::Frame frame = frame_;
   frame.depth = view(depth_);
-  frame.width = view(width_);
+  frame.interval_width = view(width_);
   frame.source = view(source_);
   frame.received = view(received_);
   frame.disparity = view(disparity_);

@@ -22,7 +22,7 @@ double coverage(const client::Frame& frame);
 // empty without any.
 std::string drift_text(const wire::FrameInfo& info);
 
-// What the line of each second is made of.
+// Collects the figures of each second's line.
 class StatusLine {
  public:
   void count(const client::Frame& frame);

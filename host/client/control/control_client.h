@@ -63,11 +63,11 @@ class ControlClient {
   static std::expected<ControlClient, ControlError> open(std::string_view sensor,
                                                          const ControlOptions& options = {});
 
-  // Any result is an answer, also a refusal. `document` and its text count for get, which collects
-  // a document of any length (and starts again where it changed meanwhile); `text` for the others.
-  // A request that was repeated after a lost answer may be served twice: set, stage, commit, save,
-  // revert and reset are the same done twice. kTimeout: no answer; kTooLarge: text above kMaxText;
-  // kCorrupt: the answer contradicts itself; kDeviceLost: open again.
+  // Any result is an answer, also a refusal. `document` is used by get only, `text` by the others.
+  // get collects a document of any length, and starts again if it changes meanwhile. A request may
+  // be served twice after a lost answer: repeating set, stage, commit, save, revert or reset has no
+  // further effect. kTimeout: no answer; kTooLarge: text above kMaxText; kCorrupt: the answer
+  // contradicts itself; kDeviceLost: open again.
   std::expected<ControlAnswer, ControlError> request(wire::SettingsOperation operation,
                                                      wire::SettingsDocument document,
                                                      std::string_view text);

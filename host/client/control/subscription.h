@@ -18,7 +18,7 @@ struct SubscriptionOptions {
   std::optional<std::uint32_t> device_id{};
 };
 
-// What to send to one sensor, and when, so that its streams come and go on coming: asks every
+// Decides what to send to one sensor, and when, so that its streams keep coming: asks every
 // 200 ms until it is answered, shows the cookie it is given, asks again after a third of the lease,
 // once a second while the sensor is full, and anew when nothing was heard for half a second, as
 // after a restart of the sensor. No clock and no socket: `now` is the caller's, and must not go

@@ -34,10 +34,10 @@ inline constexpr std::uint8_t kHasSource = mark_of(wire::Stream::kSource);
 
 // One point of the cloud stream: of its block the pixel whose near bound is nearest.
 struct CloudPoint {
-  std::int16_t x_mm = 0;     // to the right
-  std::int16_t y_mm = 0;     // down
-  dsp::QuarterMm depth = 0;  // forward; 0 = no point
-  dsp::QuarterMm width = 0;  // of the interval depth +- width / 2
+  std::int16_t x_mm = 0;              // to the right
+  std::int16_t y_mm = 0;              // down
+  dsp::QuarterMm depth = 0;           // forward; 0 = no point
+  dsp::QuarterMm interval_width = 0;  // depth -+ interval_width / 2
 
   friend bool operator==(const CloudPoint&, const CloudPoint&) = default;
 };
@@ -54,16 +54,16 @@ struct Frame {
 
   // These five have one size, or are empty.
   dsp::ImageView<const dsp::QuarterMm> depth{};  // Z in the rectified left camera; 0 = none
-  dsp::ImageView<const dsp::QuarterMm> width{};  // of the interval depth +- width / 2
-  dsp::ImageView<const dsp::Source> source{};    // values above kConflict are of a newer sensor
-  dsp::ImageView<const dsp::Cause> cause{};      // arrives with source; values above kContradiction
-                                                 // likewise
+  dsp::ImageView<const dsp::QuarterMm> interval_width{};  // depth -+ interval_width / 2
+  dsp::ImageView<const dsp::Source> source{};  // values above kConflict are of a newer sensor
+  // Arrives with source; values above kContradiction are of a newer sensor.
+  dsp::ImageView<const dsp::Cause> cause{};
   dsp::ImageView<const std::uint8_t> received{};  // kHasDepth, kHasWidth, kHasSource
 
   dsp::ImageView<const dsp::Disparity> disparity{};  // of stereo alone, rectified left picture
   // The samples A0 to A3 as the camera gave them. What did not arrive is 0, as a dark sample is.
   std::array<dsp::ImageView<const std::uint16_t>, 4> pmd{};
-  dsp::ImageView<const std::uint8_t> left{};  // grey; likewise
+  dsp::ImageView<const std::uint8_t> left{};  // grey; what did not arrive is 0
   dsp::ImageView<const std::uint8_t> right{};
   dsp::ImageView<const CloudPoint> cloud{};  // one for each block of FrameInfo::cloud_step pixels
 

@@ -145,7 +145,7 @@ bool FramePixels::decode_source(const wire::PacketView& tile, std::size_t first,
   if (!read(tile, both)) {
     return false;
   }
-  if (wire::in_steps(tile.header)) {
+  if (wire::is_xor_delta(tile.header)) {
     const std::size_t width = tile.header.image_width;
     for (std::size_t i = 1; i < count; ++i) {
       const bool begins_row = (first + i) % width == 0;
@@ -208,7 +208,7 @@ dsp::ImageView<const T> FramePixels::image(Stream stream,
 
 void FramePixels::view(Frame& frame) const {
   frame.depth = image(Stream::kDepth, depth_);
-  frame.width = image(Stream::kWidth, width_);
+  frame.interval_width = image(Stream::kWidth, width_);
   frame.source = image(Stream::kSource, source_);
   frame.cause = image(Stream::kSource, cause_);
   frame.received = masks_[0].marks();

@@ -13,7 +13,7 @@
 
 namespace stof::client {
 
-// What became of one packet in its frame.
+// The outcome of one packet in its frame.
 enum class Placed : std::uint8_t {
   kStored,
   kIgnored,  // of a newer kind; counted for completeness, nothing to keep
@@ -27,8 +27,8 @@ class FramePixels {
  public:
   void begin() noexcept;
 
-  // What frame info says: which streams were sent, and the size of the depth image. False: that is
-  // not the one of the tiles.
+  // Takes frame info: which streams were sent, and the size of the depth image. False: that is not
+  // the one of the tiles.
   bool expect(const wire::Header& header, const wire::FrameInfo& info);
 
   // A tile that is consistent_tile() or of an unknown kind. Never kDuplicate.

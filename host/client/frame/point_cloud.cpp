@@ -13,7 +13,7 @@ float width_of(const Frame& frame, int v, std::size_t column, double unit) {
   if ((frame.received.row(v)[column] & kHasWidth) == 0) {
     return kUnknownWidth;
   }
-  return static_cast<float>(frame.width.row(v)[column] * unit);
+  return static_cast<float>(frame.interval_width.row(v)[column] * unit);
 }
 
 dsp::Source source_of(const Frame& frame, int v, std::size_t column) {
@@ -69,7 +69,7 @@ void cloud_points(const Frame& frame, std::vector<Point>& points) {
       points.push_back({.x = static_cast<float>(point.x_mm) * kMillimetres,
                         .y = static_cast<float>(point.y_mm) * kMillimetres,
                         .z = static_cast<float>(point.depth) * kUnit,
-                        .z_width = static_cast<float>(point.width) * kUnit});
+                        .z_width = static_cast<float>(point.interval_width) * kUnit});
     }
   }
 }

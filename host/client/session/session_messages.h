@@ -12,7 +12,7 @@
 
 namespace stof::client {
 
-// What became of a packet outside the frames.
+// The outcome of a packet outside the frames.
 enum class MessageOutcome : std::uint8_t {
   kTaken,  // also the repetition of an event, which is not delivered again
   kDuplicate,
@@ -20,7 +20,7 @@ enum class MessageOutcome : std::uint8_t {
   kContradicting,
 };
 
-// What one session says beside its frames.
+// The messages of one session beside its frames.
 class SessionMessages {
  public:
   // A session begins. Returns the events that nobody took.

@@ -10,7 +10,7 @@
 namespace stof::host {
 
 dataset::Loaded<FloorCase> run_floor_case(const std::filesystem::path& folder,
-                                          std::span<const MatchOptions> matchers,
+                                          std::span<const MatchRequest> matchers,
                                           const FusionOptions& options) {
   dataset::Loaded<RecordedPair> recorded = read_recorded_pair(folder, folder / "pmd");
   if (!recorded) {
@@ -31,7 +31,7 @@ dataset::Loaded<FloorCase> run_floor_case(const std::filesystem::path& folder,
                                  .visible = *pair.visible,
                                  .depth = done.truth,
                                  .lens = recorded->recording.calibration.stereo.left};
-  for (const MatchOptions& matcher : matchers) {
+  for (const MatchRequest& matcher : matchers) {
     const std::expected<lab::MatchParams, dataset::Problem> params =
         fusion_params(matcher, pair.ndisp);
     if (!params) {

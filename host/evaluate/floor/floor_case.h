@@ -12,7 +12,7 @@
 
 namespace stof::host {
 
-// What became of a scene above a floor, matched in one way.
+// The result for a scene above a floor, matched in one way.
 struct FloorRun {
   std::string matcher;           // in words
   dataset::Image<float> stereo;  // Z in metres, +inf = none
@@ -33,10 +33,10 @@ struct FloorCase {
 // Reads the folder and its recording `pmd`, fuses and scores. One line when a file is missing or
 // says nothing of a floor, or when the options mean nothing.
 dataset::Loaded<FloorCase> run_floor_case(const std::filesystem::path& folder,
-                                          std::span<const MatchOptions> matchers,
+                                          std::span<const MatchRequest> matchers,
                                           const FusionOptions& options);
 
-// Of each pixel (depth - truth) / truth; +inf where one of them is unknown.
+// (depth - truth) / truth of each pixel; +inf where one of them is unknown.
 dataset::Image<float> relative_error(const dataset::Image<float>& depth,
                                      const dataset::Image<float>& truth);
 

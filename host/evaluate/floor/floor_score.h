@@ -19,7 +19,7 @@ struct SurfaceScore {
   std::size_t pixels = 0;
   std::optional<double> off;      // share that is off by more than kLargestRelativeError
   std::optional<double> missing;  // share that has no depth
-  // Of the others.
+  // The errors of the others.
   std::optional<double> median_error_m;
   std::optional<double> p95_error_m;  // 95 percent of them err less
 };
@@ -38,7 +38,7 @@ struct FloorScore {
   }
 };
 
-// What the truth says of a scene above a floor; all pictures of one size.
+// The truth of a scene above a floor; all pictures of one size.
 struct FloorReference {
   const dataset::FloorTruth& floor;
   const dataset::Image<std::uint8_t>& visible;  // not 0: both cameras see it

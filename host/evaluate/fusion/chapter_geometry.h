@@ -25,7 +25,7 @@ void splat_by_scaling(const dsp::PmdMaps& maps, const dsp::Calibration& calibrat
 void splat_by_geometry(const dsp::PmdMaps& maps, const dsp::Calibration& calibration,
                        const dsp::SplattedView& view);
 
-// The interval rule alone (intersect.h), nothing settled afterwards. stereo: as published by a
+// The interval rule alone (intersect.h), nothing resolved afterwards. stereo: as published by a
 // Fuser without PMD; ratio: peak ratio of its matches; empty `ratio`: no stereo at all. All images
 // have the left view's size and all of `out` is written.
 void fuse_by_interval(const dsp::DepthMap& stereo, dsp::ImageView<const std::uint8_t> ratio,

@@ -45,12 +45,12 @@ DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& t
 // gives an empty score.
 DepthScore mean_score(std::span<const DepthScore> scores);
 
-// What the truth says of one published interval.
+// One published interval against the truth.
 struct IntervalCheck {
   double width_m = 0;  // high - low
   bool hit = false;    // the truth lies in it
 };
-// Of all pixels that have truth and a depth, row by row.
+// The checks of all pixels that have truth and a depth, row by row.
 std::vector<IntervalCheck> check_intervals(const DepthPlanes& planes,
                                            const dataset::Image<float>& truth);
 // The share of hits in each of `parts` equal parts of the intervals ordered by width, narrowest

@@ -144,9 +144,9 @@ std::array<std::size_t, kCount> count(const dataset::Image<Value>& image) {
 
 }  // namespace
 
-std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchRequest& request,
                                                                 int disparities) {
-  MatchOptions asked = options;
+  MatchRequest asked = request;
   if (asked.preset.empty()) {
     asked.settings.insert(asked.settings.begin(), {"lr", "1"});
   }
@@ -193,7 +193,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   const std::optional<dsp::MatchParams> of_the_appliance = lab::appliance_params(match);
   dsp::DepthParams params{
       .match = of_the_appliance.value_or(match), .fusion = {}, .guided = options.guided};
-  params.match.search = lab::sums_paths(match) ? dsp::Search::kPaths : dsp::Search::kBlocks;
+  params.match.search = lab::sums_paths(match) ? dsp::Search::kSemiGlobal : dsp::Search::kBlocks;
   params.fusion.max_range = options.max_range;
   params.fusion.trust = dsp::trust_of(params.match);
   posix::WorkerThreads workers({.threads = options.threads});

@@ -26,9 +26,9 @@ struct FusionOptions {
 
 // The parameters a scene of `disparities` candidates is matched with. A preset means what the
 // appliance makes of it (for_depth()); a method named alone has whole disparities and the
-// left-right check. What the options say comes on top. Refused in one line: what match_plan()
+// left-right check. The request's settings come on top. Refused in one line: what match_plan()
 // refuses, annealing, filled and unchecked disparities.
-std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchOptions& options,
+std::expected<lab::MatchParams, dataset::Problem> fusion_params(const MatchRequest& request,
                                                                 int disparities);
 
 // The same sensors with less effort, to see what the effort gains (chapter_geometry.h).
@@ -63,7 +63,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
 std::array<std::size_t, dsp::kSources> count_sources(const dataset::Image<dsp::Source>& source);
 std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cause>& cause);
 
-// What DepthScore says of each part of a result.
+// The DepthScore of each part of a result.
 struct FusionScores {
   DepthScore pmd;
   DepthScore stereo;

@@ -62,7 +62,7 @@ std::expected<void, dataset::Problem> calibrate(const dsp::PmdSensor& found,
 
 dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
                                             const std::filesystem::path& prefix,
-                                            const MatchOptions& match,
+                                            const MatchRequest& match,
                                             const FusionOptions& options) {
   dataset::Loaded<RecordedPair> recorded = read_recorded_pair(scene, prefix);
   if (!recorded) {

@@ -42,7 +42,7 @@ struct FusionCase {
 // options mean nothing.
 dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
                                             const std::filesystem::path& prefix,
-                                            const MatchOptions& match,
+                                            const MatchRequest& match,
                                             const FusionOptions& options);
 
 // "64x16", ... in the order they come.

@@ -11,7 +11,7 @@ struct FrameCloud {
   dataset::Image<float> x, y, z;  // metres; NaN where the camera has no distance
 };
 
-// Of two clouds, per pixel: the length of the difference, metres.
+// The length of the difference of two clouds, per pixel, metres.
 struct CloudDifference {
   double largest_m = 0;
   double median_m = 0;

@@ -16,7 +16,7 @@ struct FrameInfo {
   double unit_m = 0;
 };
 
-// What lies beside info.json, and the buffer.
+// The files beside info.json, and the buffer.
 struct CameraFrame {
   FrameInfo info;
   dataset::Image<std::uint16_t> radial;

@@ -3,7 +3,7 @@
 #include "dsp/pmd/converter.h"
 #include "host/evaluate/pmd/recordings/find.h"
 
-// What the converter says where two surfaces meet inside a pixel, and what where they do not.
+// The converter where two surfaces meet inside a pixel, and where they do not.
 namespace stof::host {
 
 // Pixels of all frames. Shares are of the pixels that carry a distance.
@@ -44,7 +44,7 @@ struct EdgeStudy {
   std::filesystem::path folder;
   std::vector<EdgeRow> rows;
   EdgeCounts all;
-  // Of the first recording with most mixed pixels: the row with most of them, and pictures.
+  // The first recording with most mixed pixels: the row with most of them, and pictures.
   EdgeSection section;
   dataset::Image<float> z_m;               // +inf = none
   dataset::Image<std::uint8_t> amplitude;  // its root, 255 the brightest

@@ -6,7 +6,7 @@
 
 #include "host/evaluate/pmd/recordings/find.h"
 
-// What it brings to know where the lights stand that are not at the lens.
+// The gain from knowing where the lights stand that are not at the lens.
 namespace stof::host {
 
 // One distance of a wall lit from the side.

@@ -9,8 +9,8 @@
 // minimiser. C are the block costs of MatchParams; lambda is the small step of their smoothness.
 namespace stof::host {
 
-// Of a map matched with params; its disparities are rounded to whole pixels. Missing ones count for
-// nothing, so only dense maps can be compared.
+// The energy of a map matched with params; its disparities are rounded to whole pixels. Missing
+// ones count for nothing, so only dense maps can be compared.
 std::uint64_t energy_of(const dataset::StereoScene& scene, const lab::MatchParams& params,
                         const dataset::Image<dsp::Disparity>& disparity);
 

@@ -16,26 +16,26 @@ namespace {
 using dataset::Problem;
 
 // The value given for an option, or empty.
-std::string setting(const MatchOptions& options, const std::string& name) {
+std::string setting(const MatchRequest& request, const std::string& name) {
   const auto found =
-      std::ranges::find(options.settings, name, &std::pair<std::string, std::string>::first);
-  return found == options.settings.end() ? std::string() : found->second;
+      std::ranges::find(request.settings, name, &std::pair<std::string, std::string>::first);
+  return found == request.settings.end() ? std::string() : found->second;
 }
 
-bool wants_annealing(const MatchOptions& options) { return setting(options, "method") == "sa"; }
+bool wants_annealing(const MatchRequest& request) { return setting(request, "method") == "sa"; }
 
 // Where the settings begin: the preset, or what suits the method.
-std::expected<lab::MatchParams, Problem> starting_params(const MatchOptions& options) {
-  const std::string method = setting(options, "method");
-  if (!options.preset.empty()) {
-    const dsp::Preset* const preset = dsp::find_preset(options.preset);
+std::expected<lab::MatchParams, Problem> starting_params(const MatchRequest& request) {
+  const std::string method = setting(request, "method");
+  if (!request.preset.empty()) {
+    const dsp::Preset* const preset = dsp::find_preset(request.preset);
     if (preset == nullptr) {
-      return dataset::refuse("--preset " + options.preset + ": unknown: use one of " +
+      return dataset::refuse("--preset " + request.preset + ": unknown: use one of " +
                              std::string(dsp::preset_names()));
     }
     return lab::as_the_appliance(preset->params);
   }
-  if (wants_annealing(options)) {
+  if (wants_annealing(request)) {
     lab::MatchParams params = lab::method_defaults(lab::Method::kScanlineOptimisation);
     params.method = lab::Method::kWinnerTakesAll;
     return params;
@@ -49,21 +49,21 @@ std::expected<lab::MatchParams, Problem> starting_params(const MatchOptions& opt
 
 }  // namespace
 
-std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int disparities) {
-  const std::expected<lab::MatchParams, Problem> start = starting_params(options);
+std::expected<MatchPlan, Problem> match_plan(const MatchRequest& request, int disparities) {
+  const std::expected<lab::MatchParams, Problem> start = starting_params(request);
   if (!start) {
     return std::unexpected(start.error());
   }
   MatchPlan plan{.params = *start,
-                 .seed = options.seed,
-                 .energy = options.energy,
-                 .runs = options.runs,
-                 .threads = options.threads};
+                 .seed = request.seed,
+                 .energy = request.energy,
+                 .runs = request.runs,
+                 .threads = request.threads};
   plan.params.disparities = disparities;
-  for (const auto& [name, value] : options.settings) {
+  for (const auto& [name, value] : request.settings) {
     if (name == "method" && value == "sa") {
       plan.annealing =
-          options.hill_climbing ? lab::Acceptance::kHillClimbing : lab::Acceptance::kMetropolis;
+          request.hill_climbing ? lab::Acceptance::kHillClimbing : lab::Acceptance::kMetropolis;
       continue;
     }
     const lab::MatchOption* const option = lab::find_match_option(name);
@@ -77,20 +77,20 @@ std::expected<MatchPlan, Problem> match_plan(const MatchOptions& options, int di
   if (const char* const why = lab::problem(plan.params); *why != '\0') {
     return dataset::refuse(why);
   }
-  if (options.runs < 1) {
-    return dataset::refuse("--runs " + std::to_string(options.runs) + ": too few: use 1 or more");
+  if (request.runs < 1) {
+    return dataset::refuse("--runs " + std::to_string(request.runs) + ": too few: use 1 or more");
   }
-  if (options.threads < 1 || options.threads > dsp::ThreadTeam::kMost) {
-    return dataset::refuse("--threads " + std::to_string(options.threads) + ": use 1 to " +
+  if (request.threads < 1 || request.threads > dsp::ThreadTeam::kMost) {
+    return dataset::refuse("--threads " + std::to_string(request.threads) + ": use 1 to " +
                            std::to_string(dsp::ThreadTeam::kMost));
   }
   return plan;
 }
 
-std::string describe(const MatchOptions& options) {
-  std::string text = options.preset.empty() ? "" : "preset " + options.preset;
+std::string describe(const MatchRequest& request) {
+  std::string text = request.preset.empty() ? "" : "preset " + request.preset;
   const auto add = [&](const std::string& part) { text += (text.empty() ? "" : ", ") + part; };
-  for (const auto& [name, value] : options.settings) {
+  for (const auto& [name, value] : request.settings) {
     if (name == "method" || name == "cost" || name == "block") {
       add(value);
     } else {

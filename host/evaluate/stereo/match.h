@@ -16,8 +16,8 @@
 
 namespace stof::host {
 
-// What `stof evaluate` was asked for, as text from the command line.
-struct MatchOptions {
+// A request to `stof evaluate`, as text from the command line.
+struct MatchRequest {
   std::string preset;  // of dsp/stereo/match_params.h; empty: a method alone, dense and integer
   // Options of dsp/stereo/match_options.h and their values. "method" may also be "sa".
   std::vector<std::pair<std::string, std::string>> settings;
@@ -28,7 +28,7 @@ struct MatchOptions {
   int threads = 1;             // that match, 1 .. dsp::ThreadTeam::kMost; not those of sa
 };
 
-// What the options come to for one scene.
+// The parameters that follow from a request for one scene.
 struct MatchPlan {
   lab::MatchParams params;
   // Simulated annealing, which begins with the map of params.
@@ -41,10 +41,10 @@ struct MatchPlan {
 
 // The plan for a scene of `disparities` candidates, or one line that says which option is unknown,
 // out of range or does not go with another.
-std::expected<MatchPlan, dataset::Problem> match_plan(const MatchOptions& options, int disparities);
+std::expected<MatchPlan, dataset::Problem> match_plan(const MatchRequest& request, int disparities);
 
-// Options in words, such as "wta, sad 16x16, lr 1".
-std::string describe(const MatchOptions& options);
+// The request in words, such as "wta, sad 16x16, lr 1".
+std::string describe(const MatchRequest& request);
 
 struct MatchResult {
   dataset::Image<dsp::Disparity> disparity;  // of the left view

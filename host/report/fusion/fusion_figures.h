@@ -18,7 +18,7 @@ struct FusionScales {
 };
 FusionScales scales_of(const FusionCase& fused);
 
-// What does not depend on the PMD camera: left picture, truth, stereo alone, its errors.
+// Figures that do not depend on the PMD camera: left picture, truth, stereo alone, its errors.
 std::vector<Figure> stereo_figures(const FusionCase& fused);
 // PMD alone, fused, errors of both, sources, causes, where the interval holds the truth.
 std::vector<Figure> fused_figures(const FusionCase& fused);

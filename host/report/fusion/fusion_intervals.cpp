@@ -103,7 +103,8 @@ void add_fusion_geometry(std::span<const FusionCase> cases, Page& page) {
   page.paragraph(
       "The chapter scales the PMD map by factors until it fits the left picture. Here it is also "
       "carried there by the rotation and translation between the cameras and both camera models. "
-      "Both are then fused by the interval rule alone; the appliance goes on and settles what only "
+      "Both are then fused by the interval rule alone; the appliance goes on and resolves what "
+      "only "
       "one sensor saw.");
   Table table{.caption = "E5 in percent",
               .header = {"Scene", "PMD camera", "stereo alone", "PMD alone, scaled",

@@ -32,7 +32,7 @@ void add_fusion_scene(std::span<const FusionCase> cases, const FusionCase& first
 std::vector<std::string> lead(std::span<const FusionCase> cases, const std::string& matcher) {
   return {
       "Stereo pairs and PMD (time-of-flight) recordings with known depth, fused by the code of "
-      "the stof appliance as in the 2007 book chapter of Kuhnert & Stommel: each sensor gives "
+      "the stof appliance as in the 2006 book chapter of Kuhnert & Stommel: each sensor gives "
       "an interval of depth for a pixel, the result is their intersection.",
       "Matching: " + matcher + ". Pairs of scene and PMD camera: " + std::to_string(cases.size()) +
           ". E5 is the share of pixels with truth that are missing or off by more than 5 "

@@ -7,7 +7,7 @@
 #include "host/evaluate/fusion/fusion_case.h"
 #include "host/report/page/page.h"
 
-// What `stof evaluate fusion` found, as one self-contained HTML page: no scripts, no network,
+// The results of `stof evaluate fusion` as one self-contained HTML page: no scripts, no network,
 // pictures inside.
 namespace stof::host {
 

@@ -24,7 +24,7 @@ struct KeyEntry {
   std::string meaning;  // text
 };
 std::string finding_legend(const std::vector<KeyEntry>& entries);
-// Of a difference map, and of what a filter removed.
+// The legend of a difference map, and of what a filter removed.
 std::string difference_legend();
 std::string removal_legend();
 // Swatches of any colours.

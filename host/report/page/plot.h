@@ -35,7 +35,7 @@ struct Plot {
   std::string y_label;
   std::vector<PlotSeries> series;
   bool from_zero = false;  // the y axis begins at 0
-  // What the y axis shows at most, whatever the series say; points outside are cut.
+  // The most that the y axis shows, whatever the series have; points outside are cut.
   double y_least = -std::numeric_limits<double>::infinity();
   double y_most = std::numeric_limits<double>::infinity();
 };

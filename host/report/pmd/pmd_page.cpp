@@ -216,7 +216,7 @@ std::expected<void, dataset::Problem> write_pmd_page(const PmdEvaluation& evalua
   Page page;
   add_sections(evaluation, page);
   const std::vector<std::string> lead{
-      "The time-of-flight half of the 2007 book chapter on fusing stereo and PMD depth for mobile "
+      "The time-of-flight half of the 2006 book chapter on fusing stereo and PMD depth for mobile "
       "robots (Kuhnert & Stommel), measured with the converter of the stof appliance, which "
       "computes in integers. Recordings come from a simulator unless a section says otherwise.",
       "Phase of " + std::to_string(evaluation.phase.pixels) + " random samples: off by " +

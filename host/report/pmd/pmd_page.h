@@ -9,7 +9,7 @@ namespace stof::host {
 std::expected<void, dataset::Problem> write_pmd_page(const PmdEvaluation& evaluation,
                                                      const std::filesystem::path& file);
 
-// What a calibration found and what it is worth, as such a page.
+// The results and the quality of a calibration, as such a page.
 std::expected<void, dataset::Problem> write_calibration_page(const PmdReport& report,
                                                              const PmdCalibration& calibration,
                                                              const std::filesystem::path& file);

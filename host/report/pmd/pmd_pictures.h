@@ -5,7 +5,7 @@
 #include "host/evaluate/pmd/figures.h"
 #include "host/report/page/page.h"
 
-// PMD figures as maps and 2.5D views. What a study has no data for is left out.
+// PMD figures as maps and 2.5D views. Figures without data are left out.
 namespace stof::host {
 
 std::vector<Figure> mask_figures(const WallStudy& study);  // ratio and valid pixels of a far wall

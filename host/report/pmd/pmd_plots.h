@@ -5,7 +5,7 @@
 #include "host/evaluate/pmd/figures.h"
 #include "host/report/page/page.h"
 
-// PMD figures as lines and points over two axes. What a study has no data for is left out.
+// PMD figures as lines and points over two axes. Figures without data are left out.
 namespace stof::host {
 
 // Sigma over distance.

@@ -2,8 +2,8 @@
 
 #include "host/report/stereo/study.h"
 
-// The sections of the report, each from its own experiments. What the matcher refuses and what has
-// no truth is left out of tables and figures.
+// The sections of the report, each from its own experiments. Tables and figures leave out what
+// the matcher refuses and what has no truth.
 namespace stof::host {
 
 void add_scenes(const Study& study, Page& page);

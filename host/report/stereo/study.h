@@ -13,7 +13,7 @@
 #include "lab/match_params.h"
 #include "lab/search/annealing.h"
 
-// What the sections of the report share: scenes, and one way to run a method on them.
+// The common part of the report's sections: scenes, and one way to run a method on them.
 namespace stof::host {
 
 // A scene, and how all of its maps are drawn.
@@ -85,7 +85,7 @@ lab::MatchParams block_match(const dataset::StereoScene& scene, lab::Cost cost, 
 // A preset for the scene's candidates; none of that name: none.
 std::optional<lab::MatchParams> preset(const dataset::StereoScene& scene, std::string_view name);
 
-// What a filter or a check took away from a map, by what the truth says of it. Pixels with truth.
+// The pixels that a filter or a check took from a map, right or wrong by the truth they have.
 struct Removal {
   double removed = 0;  // share of the pixels that had a disparity
   std::optional<double> wrong_of_removed;

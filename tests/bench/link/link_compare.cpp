@@ -38,7 +38,7 @@ Pixels copy(const Frame& frame) {
                 .received = {}};
   for (int y = 0; y < pixels.height; ++y) {
     for (int x = 0; x < pixels.width; ++x) {
-      pixels.depth_width.push_back(at(frame.depth, x, y) << 16U | at(frame.width, x, y));
+      pixels.depth_width.push_back(at(frame.depth, x, y) << 16U | at(frame.interval_width, x, y));
       pixels.source.push_back(
           static_cast<std::uint16_t>(at(frame.source, x, y) << 8U | at(frame.cause, x, y)));
       pixels.received.push_back(static_cast<std::uint8_t>(at(frame.received, x, y)));

@@ -15,12 +15,12 @@ namespace stof::dsp {
 class ConverterRig {
  public:
   explicit ConverterRig(const PmdSensor& sensor)
-      : converter_([&](Arena& arena) { return Converter(sensor, arena); }) {}
+      : converter_([&](Arena& arena) { return PmdConverter(sensor, arena); }) {}
 
-  Converter& converter() { return *converter_; }
+  PmdConverter& converter() { return *converter_; }
 
  private:
-  test::GuardedPart<Converter> converter_;
+  test::GuardedPart<PmdConverter> converter_;
 };
 
 // Four planes of samples of a sensor with dark 100, 12 bits unless said otherwise.

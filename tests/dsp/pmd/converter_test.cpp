@@ -38,7 +38,7 @@ class Rig {
   Planes planes_;
 };
 
-TEST(Converter, ReadsAPlaneAtTwoMetres) {
+TEST(PmdConverter, ReadsAPlaneAtTwoMetres) {
   Rig rig(sensor_of(64, 16));
   for (std::size_t i = 0; i < 64 * 16; ++i) {
     rig.show(i, 2.0, 1500, 600);
@@ -57,7 +57,7 @@ TEST(Converter, ReadsAPlaneAtTwoMetres) {
   }
 }
 
-TEST(Converter, SaysWhatItsReadingsMean) {
+TEST(PmdConverter, SaysWhatItsReadingsMean) {
   Rig rig(sensor_of(3, 2));
   const PmdMaps& maps = rig.convert();
   EXPECT_EQ(maps.range, 29979U);
@@ -69,7 +69,7 @@ TEST(Converter, SaysWhatItsReadingsMean) {
 }
 
 // The columns outside of the picture are what the interval kernel reads there.
-TEST(Converter, KeepsThePaddingOfItsRowsEmpty) {
+TEST(PmdConverter, KeepsThePaddingOfItsRowsEmpty) {
   Rig rig(sensor_of(9, 4));
   for (std::size_t i = 0; i < 36; ++i) {
     rig.show(i, 2.5, 1500, 600);
@@ -83,9 +83,9 @@ TEST(Converter, KeepsThePaddingOfItsRowsEmpty) {
   }
 }
 
-TEST(Converter, TakesMemoryForWhatTheSensorHas) {
+TEST(PmdConverter, TakesMemoryForWhatTheSensorHas) {
   const auto bytes = [](const PmdSensor& sensor) {
-    return bytes_taken([&](Arena& arena) { Converter(sensor, arena); });
+    return bytes_taken([&](Arena& arena) { PmdConverter(sensor, arena); });
   };
   PmdSensor sensor = sensor_of(64, 16);
   const std::size_t plain = bytes(sensor);
@@ -98,7 +98,7 @@ TEST(Converter, TakesMemoryForWhatTheSensorHas) {
   EXPECT_LT(bytes(sensor), with_lights + 5U * 64 * 16);
 }
 
-TEST(Converter, WorksFromOnePixelUp) {
+TEST(PmdConverter, WorksFromOnePixelUp) {
   for (const auto& [w, h] : {std::pair{1, 1}, {1, 9}, {2, 1}, {7, 3}, {8, 2}, {17, 5}}) {
     Rig rig(sensor_of(w, h));
     const std::size_t count = static_cast<std::size_t>(w) * static_cast<std::size_t>(h);
@@ -111,7 +111,7 @@ TEST(Converter, WorksFromOnePixelUp) {
   }
 }
 
-TEST(Converter, SaysWhyBlackSaturatedAndFlatFramesHoldNothing) {
+TEST(PmdConverter, SaysWhyBlackSaturatedAndFlatFramesHoldNothing) {
   for (const auto& [value, reason] : {std::pair{0, kPmdUnderRange},
                                       {4095, kPmdSaturated},
                                       {65535, kPmdSaturated},
@@ -133,7 +133,7 @@ TEST(Converter, SaysWhyBlackSaturatedAndFlatFramesHoldNothing) {
   }
 }
 
-TEST(Converter, CarriesNoDistanceWhereAMissingFlagIsSet) {
+TEST(PmdConverter, CarriesNoDistanceWhereAMissingFlagIsSet) {
   Rig rig(sensor_of(33, 9));
   test::Random random(5);
   for (std::size_t k = 0; k < 4; ++k) {
@@ -155,7 +155,7 @@ TEST(Converter, CarriesNoDistanceWhereAMissingFlagIsSet) {
   EXPECT_GT(some, 0);
 }
 
-TEST(Converter, GivesBothSidesOfTheWrapNoDistance) {
+TEST(PmdConverter, GivesBothSidesOfTheWrapNoDistance) {
   Rig rig(sensor_of(8, 1));
   for (std::size_t i = 0; i < 8; ++i) {
     rig.show(i, i < 4 ? 0.3 : 7.4, 1500, 600);
@@ -169,7 +169,7 @@ TEST(Converter, GivesBothSidesOfTheWrapNoDistance) {
 }
 
 // Odd harmonics (wiggling) cancel in A0 + A2 - A1 - A3; noise of the model stays under 6 sigma.
-TEST(Converter, CallsAStaticSceneEvenAndAMovingOneNot) {
+TEST(PmdConverter, CallsAStaticSceneEvenAndAMovingOneNot) {
   Rig rig(sensor_of(64, 16));
   test::Random random(11);
   for (std::size_t i = 0; i < 64 * 16; ++i) {

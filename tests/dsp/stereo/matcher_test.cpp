@@ -87,7 +87,7 @@ TEST(Matcher, KeepsForEveryPresetWhatItsChecksDropped) {
         ASSERT_TRUE(!dropped || !map.at(x, y).valid() || params.median) << name;
       }
     }
-    EXPECT_TRUE(weak > 0 || params.search == Search::kPaths);  // which hardly match noise
+    EXPECT_TRUE(weak > 0 || params.search == Search::kSemiGlobal);  // which hardly match noise
     EXPECT_FALSE(matcher->ratio().empty());
   }
 }
@@ -99,9 +99,9 @@ TEST(MatchParams, SayWhatCannotBeMatched) {
   EXPECT_EQ(check({.prefilter_cap = std::nullopt}, 640, 480), Status::kInvalidArgument);
   EXPECT_EQ(check({.block_width = 17}, 640, 480), Status::kInvalidArgument);
   EXPECT_EQ(check({.block_width = 17, .prefilter_cap = 14}, 640, 480), Status::kOk);
-  EXPECT_EQ(check({.search = Search::kPaths, .prefilter_cap = std::nullopt}, 640, 480),
+  EXPECT_EQ(check({.search = Search::kSemiGlobal, .prefilter_cap = std::nullopt}, 640, 480),
             Status::kOk);
-  EXPECT_EQ(check({.search = Search::kPaths,
+  EXPECT_EQ(check({.search = Search::kSemiGlobal,
                    .smoothness = Smoothness{.small_step = 4, .large_step = kMaxStep + 1}},
                   640, 480),
             Status::kInvalidArgument);

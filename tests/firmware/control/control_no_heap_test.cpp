@@ -17,10 +17,10 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
   {
     closed = hal::linux::UdpPort::open({}).value()->port();
   }
-  firmware::Subscribers subscribers;
+  firmware::LeaseTable subscribers;
   firmware::RequestHandler handler({.device_id = 1}, firmware::CookieSecret{}, subscribers,
                                    nullptr);
-  firmware::SubscriberRing ring;
+  firmware::ReceiverRing ring;
   firmware::ControlServer control(
       {.port = **port, .handler = handler, .subscribers = subscribers, .ring = ring});
   const firmware::Cookies cookies(firmware::CookieSecret{});

@@ -12,11 +12,11 @@ namespace {
 using namespace std::chrono_literals;
 using firmware::ControlServer;
 using firmware::CookieSecret;
+using firmware::LeaseTable;
 using firmware::PeriodicTask;
+using firmware::ReceiverList;
+using firmware::ReceiverRing;
 using firmware::RequestHandler;
-using firmware::SubscriberList;
-using firmware::SubscriberRing;
-using firmware::Subscribers;
 
 constexpr hal::Time kStart{1'000s};
 
@@ -54,9 +54,9 @@ class ControlServerTest : public testing::Test {
   }
 
   hal::emu::DatagramPort port_{600};
-  Subscribers subscribers_;
+  LeaseTable subscribers_;
   RequestHandler handler_{{.device_id = 1}, CookieSecret{}, subscribers_, nullptr};
-  SubscriberRing ring_;
+  ReceiverRing ring_;
   CountedTask task_;
   std::array<PeriodicTask*, 1> tasks_{&task_};
   ControlServer control_{{.port = port_,
@@ -82,7 +82,7 @@ TEST_F(ControlServerTest, TellsTheLoopWhenTheListChangesAndNotOtherwise) {
   join(peer(1));
   join(peer(2));
   control_.tick(kStart);
-  const std::optional<SubscriberList> list = ring_.pop();
+  const std::optional<ReceiverList> list = ring_.pop();
   ASSERT_TRUE(list);
   EXPECT_EQ(list->count, 2U);
   EXPECT_EQ(list->peers[1], peer(2));
@@ -105,7 +105,7 @@ TEST_F(ControlServerTest, AFullRingGetsTheNewestListLater) {
   while (ring_.pop()) {
   }
   control_.tick(kStart);
-  const std::optional<SubscriberList> list = ring_.pop();
+  const std::optional<ReceiverList> list = ring_.pop();
   ASSERT_TRUE(list);
   EXPECT_EQ(list->all()[0], peer(7));
 }

@@ -9,9 +9,9 @@ namespace {
 
 using namespace std::chrono_literals;
 using firmware::CookieSecret;
+using firmware::LeaseTable;
 using firmware::RequestHandler;
 using firmware::SettingsService;
-using firmware::Subscribers;
 using wire::PacketType;
 using wire::SettingsResult;
 using wire::SubscribeResult;
@@ -53,7 +53,7 @@ class RequestHandlerTest : public testing::Test {
         .value();
   }
 
-  Subscribers subscribers_;
+  LeaseTable subscribers_;
   Echo echo_;
   RequestHandler handler_{
       {.device_id = kDevice, .session_id = 77}, CookieSecret{}, subscribers_, &echo_};

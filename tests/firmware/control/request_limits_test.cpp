@@ -10,8 +10,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using firmware::CookieSecret;
+using firmware::LeaseTable;
 using firmware::RequestHandler;
-using firmware::Subscribers;
 using firmware::TokenBucket;
 using wire::PacketType;
 
@@ -25,7 +25,7 @@ void fill(Bytes& bytes, Random& random) {
 
 class RequestLimits : public testing::Test {
  protected:
-  Subscribers subscribers_;
+  LeaseTable subscribers_;
   RequestHandler handler_{{.device_id = 1}, CookieSecret{}, subscribers_, nullptr};
 };
 

@@ -27,8 +27,8 @@ class Sensor {
                    .port = *port, .handler = handler, .subscribers = subscribers, .ring = ring}) {}
 
   // As the loop: the newest list.
-  const firmware::SubscriberList& list() {
-    while (const std::optional<firmware::SubscriberList> next = ring.pop()) {
+  const firmware::ReceiverList& list() {
+    while (const std::optional<firmware::ReceiverList> next = ring.pop()) {
       list_ = *next;
     }
     return list_;
@@ -52,9 +52,9 @@ class Sensor {
   std::uint16_t number() const { return port->port(); }
 
   std::unique_ptr<hal::linux::UdpPort> port;
-  firmware::Subscribers subscribers;
+  firmware::LeaseTable subscribers;
   firmware::RequestHandler handler;
-  firmware::SubscriberRing ring;
+  firmware::ReceiverRing ring;
   std::optional<firmware::ControlThread> thread;
 
  private:
@@ -67,7 +67,7 @@ class Sensor {
     return std::move(*port);
   }
 
-  firmware::SubscriberList list_;
+  firmware::ReceiverList list_;
 };
 
 inline hal::Peer loopback(std::uint16_t port) {

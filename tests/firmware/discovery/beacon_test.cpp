@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "hal/emu/devices/network.h"
+#include "hal/emu/devices/network_interfaces.h"
 #include "tests/firmware/discovery/mdns_support.h"
 
 namespace stof::firmware::test {
@@ -31,7 +31,7 @@ class SentPort final : public hal::DatagramPort {
 };
 
 TEST(Beacon, TellsEveryLinkOnceASecond) {
-  hal::emu::Network network;
+  hal::emu::NetworkInterfaces network;
   std::array addresses{
       hal::InterfaceAddress{.interface = 1,
                             .address = hal::from_ipv4(127, 0, 0, 1),

@@ -9,7 +9,7 @@
 #include "firmware/discovery/mdns_agent.h"
 #include "firmware/wire/messages/discover.h"
 #include "hal/linux/ports/mdns_port.h"
-#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/network_interfaces.h"
 #include "hal/linux/ports/udp_port.h"
 #include "hal/linux/system/clock.h"
 
@@ -51,7 +51,7 @@ int main(int argc, char** argv) {
   }
   std::signal(SIGTERM, [](int) { stopping = 1; });
   hal::linux::Clock clock;
-  hal::linux::Network network;
+  hal::linux::NetworkInterfaces network;
   auto port = hal::linux::UdpPort::open(
       {.port = static_cast<std::uint16_t>(std::strtol(argv[3], nullptr, 10))});
   auto mdns = hal::linux::MdnsPort::open();
@@ -65,7 +65,7 @@ int main(int argc, char** argv) {
   put_text(service.announce.name, argv[2]);
   put_text(service.announce.version, "0.1.0");
   put_text(service.announce.board, "emu");
-  service.announce.rate_mhz = 29'970;
+  service.announce.rate_millihertz = 29'970;
   const wire::Origin origin{.device_id = service.device_id, .session_id = 1};
   firmware::Beacon beacon(**port, network);
   beacon.set(service.announce, origin, kStamp);

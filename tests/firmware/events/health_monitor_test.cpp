@@ -21,14 +21,15 @@ std::vector<wire::EventReport> events(HealthMonitor& monitor, hal::Duration now)
   return all;
 }
 
-Event happened(EventKind kind, Part part, hal::Duration when, std::uint32_t value = 0) {
-  return {.at = at(when), .kind = kind, .part = part, .status = Status::kOk, .value = value};
+Event happened(EventKind kind, Component component, hal::Duration when, std::uint32_t value = 0) {
+  return {
+      .at = at(when), .kind = kind, .component = component, .status = Status::kOk, .value = value};
 }
 
 TEST(HealthMonitor, TellsEachChangeAtOnceAndOnceMoreASecondLater) {
   HealthMonitor monitor(at(0s));
   EXPECT_TRUE(events(monitor, 0s).empty());
-  monitor.observe(happened(EventKind::kLost, Part::kPmd, 1s));
+  monitor.observe(happened(EventKind::kLost, Component::kPmd, 1s));
   const auto first = events(monitor, 1s);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].condition, static_cast<std::uint8_t>(Condition::kPmdLost));
@@ -43,7 +44,7 @@ TEST(HealthMonitor, TellsEachChangeAtOnceAndOnceMoreASecondLater) {
   EXPECT_EQ(again[0].sequence, first[0].sequence);
   EXPECT_TRUE(events(monitor, 10s).empty());
 
-  monitor.observe(happened(EventKind::kBack, Part::kPmd, 11s));
+  monitor.observe(happened(EventKind::kBack, Component::kPmd, 11s));
   const auto ended = events(monitor, 11s);
   ASSERT_EQ(ended.size(), 1U);
   EXPECT_EQ(ended[0].active, 0);
@@ -54,7 +55,7 @@ TEST(HealthMonitor, TellsEachChangeAtOnceAndOnceMoreASecondLater) {
 TEST(HealthMonitor, AConditionThatGoesOnIsNoNews) {
   HealthMonitor monitor(at(0s));
   for (int i = 0; i < 5; ++i) {
-    monitor.observe(happened(EventKind::kUnpaired, Part::kStereo, 1s, 3));
+    monitor.observe(happened(EventKind::kUnpaired, Component::kStereo, 1s, 3));
   }
   EXPECT_EQ(events(monitor, 1s).size(), 1U);
 }
@@ -62,12 +63,12 @@ TEST(HealthMonitor, AConditionThatGoesOnIsNoNews) {
 TEST(HealthMonitor, SumsUpWhatIsActive) {
   HealthMonitor monitor(at(0s));
   EXPECT_EQ(monitor.summary(), wire::Health::kOk);
-  monitor.observe(happened(EventKind::kLate, Part::kLoop, 1s, 2));
+  monitor.observe(happened(EventKind::kLate, Component::kLoop, 1s, 2));
   EXPECT_EQ(monitor.summary(), wire::Health::kDegraded);
-  monitor.observe(happened(EventKind::kLost, Part::kTrigger, 1s));
+  monitor.observe(happened(EventKind::kLost, Component::kTrigger, 1s));
   EXPECT_EQ(monitor.summary(), wire::Health::kFault);
-  monitor.observe(happened(EventKind::kBack, Part::kTrigger, 2s));
-  monitor.observe(happened(EventKind::kInTime, Part::kLoop, 2s));
+  monitor.observe(happened(EventKind::kBack, Component::kTrigger, 2s));
+  monitor.observe(happened(EventKind::kInTime, Component::kLoop, 2s));
   EXPECT_EQ(monitor.summary(), wire::Health::kOk);
   monitor.set(Condition::kRestartNeeded, true, 0, at(3s));
   EXPECT_EQ(monitor.summary(), wire::Health::kOk) << "nothing to worry about";
@@ -83,8 +84,8 @@ TEST(HealthMonitor, HealthComesOnceASecondAndOnChange) {
   }
   EXPECT_GE(reports, 10);
   EXPECT_LE(reports, 11);
-  EXPECT_NEAR(monitor.rate_mhz(), 30'300, 1000);
-  monitor.observe(happened(EventKind::kLost, Part::kStereo, 9901ms));
+  EXPECT_NEAR(monitor.rate_millihertz(), 30'300, 1000);
+  monitor.observe(happened(EventKind::kLost, Component::kStereo, 9901ms));
   const auto health = monitor.next_health(counters, {}, false, at(9902ms));
   ASSERT_TRUE(health);
   EXPECT_EQ(health->active, 1U << static_cast<unsigned>(Condition::kStereoLost));
@@ -119,7 +120,7 @@ TEST(HealthMonitor, ASecondOfDropsOrRefusalsIsACondition) {
 TEST(HealthMonitor, WhoCannotBeReachedIsNoFullLink) {
   HealthMonitor monitor(at(0s));
   Counters counters;
-  monitor.observe(happened(EventKind::kSendFailed, Part::kLink, 500ms));
+  monitor.observe(happened(EventKind::kSendFailed, Component::kLink, 500ms));
   counters.packets_dropped = 500;
   const auto health = monitor.next_health(counters, {}, false, at(1s));
   ASSERT_TRUE(health);

@@ -62,7 +62,7 @@ TEST(FrameCollector, WithoutOneSensorThereIsNoShotAndTheOthersFrameIsDropped) {
   EXPECT_FALSE(collection.next().shot);
   EXPECT_EQ(collection.now(), collection.edge() + kPeriod) << "waits until the deadline";
   EXPECT_EQ(of(collection.counters().pmd_dropped, Drop::kUnpartnered), 1U);
-  EXPECT_EQ(of(collection.counters().timeouts, Part::kStereo), 1U);
+  EXPECT_EQ(of(collection.counters().timeouts, Component::kStereo), 1U);
   EXPECT_FALSE(collection.next().shot);
   EXPECT_EQ(of(collection.counters().stereo_dropped, Drop::kUnpartnered), 1U);
   const Collected collected = collection.next();
@@ -80,7 +80,7 @@ TEST(FrameCollector, ADamagedOrRepeatedFrameIsNotTheEdges) {
   EXPECT_EQ(of(collection.counters().stereo_dropped, Drop::kStale), 1U);
   EXPECT_TRUE(collection.next().shot);
   EXPECT_FALSE(collection.next().shot);
-  EXPECT_EQ(of(collection.counters().errors, Part::kPmd), 1U);
+  EXPECT_EQ(of(collection.counters().errors, Component::kPmd), 1U);
 }
 
 TEST(FrameCollector, ALostCameraIsToldAndMayCountAnewWhenItIsBack) {

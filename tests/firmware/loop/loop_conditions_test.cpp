@@ -31,39 +31,39 @@ class LoopConditionsTest : public testing::Test {
 
 TEST_F(LoopConditionsTest, ALossIsOneEventAndEachAnswerIsCounted) {
   for (int i = 0; i < 3; ++i) {
-    conditions_.note_device_status(Part::kPmd, Status::kDeviceLost);
+    conditions_.note_device_status(Component::kPmd, Status::kDeviceLost);
   }
   EXPECT_EQ(noted(), Kinds{EventKind::kLost});
-  EXPECT_EQ(last_.part, Part::kPmd);
-  EXPECT_TRUE(conditions_.lost(Part::kPmd));
-  EXPECT_FALSE(conditions_.lost(Part::kStereo));
-  EXPECT_EQ(of(counters_.losses, Part::kPmd), 3U);
+  EXPECT_EQ(last_.component, Component::kPmd);
+  EXPECT_TRUE(conditions_.lost(Component::kPmd));
+  EXPECT_FALSE(conditions_.lost(Component::kStereo));
+  EXPECT_EQ(of(counters_.losses, Component::kPmd), 3U);
   EXPECT_EQ(monitor_.summary(), wire::Health::kFault);
-  conditions_.note_device_status(Part::kPmd, Status::kTimeout);
+  conditions_.note_device_status(Component::kPmd, Status::kTimeout);
   EXPECT_EQ(noted(), Kinds{EventKind::kBack}) << "it answers, if only that it has nothing";
-  EXPECT_FALSE(conditions_.lost(Part::kPmd));
+  EXPECT_FALSE(conditions_.lost(Component::kPmd));
   EXPECT_EQ(monitor_.summary(), wire::Health::kOk);
 }
 
 TEST_F(LoopConditionsTest, ErrorsAndTimeoutsAreCountedAndNoNews) {
-  conditions_.note_device_status(Part::kStereo, Status::kTimeout);
-  conditions_.note_device_status(Part::kStereo, Status::kCorrupt);
-  conditions_.note_device_status(Part::kStereo, Status::kDeviceError);
-  conditions_.note_device_status(Part::kStereo, Status::kOk);
+  conditions_.note_device_status(Component::kStereo, Status::kTimeout);
+  conditions_.note_device_status(Component::kStereo, Status::kCorrupt);
+  conditions_.note_device_status(Component::kStereo, Status::kDeviceError);
+  conditions_.note_device_status(Component::kStereo, Status::kOk);
   EXPECT_TRUE(noted().empty());
-  EXPECT_EQ(of(counters_.timeouts, Part::kStereo), 1U);
-  EXPECT_EQ(of(counters_.errors, Part::kStereo), 2U);
-  EXPECT_EQ(of(counters_.losses, Part::kStereo), 0U);
+  EXPECT_EQ(of(counters_.timeouts, Component::kStereo), 1U);
+  EXPECT_EQ(of(counters_.errors, Component::kStereo), 2U);
+  EXPECT_EQ(of(counters_.losses, Component::kStereo), 0U);
 }
 
 TEST_F(LoopConditionsTest, AFullLinkIsNoErrorAndAnUnreachableReceiverOneEvent) {
   conditions_.note_link_status(Status::kWouldBlock);
   EXPECT_TRUE(noted().empty());
-  EXPECT_EQ(of(counters_.errors, Part::kLink), 0U);
+  EXPECT_EQ(of(counters_.errors, Component::kLink), 0U);
   conditions_.note_link_status(Status::kDeviceError);
   conditions_.note_link_status(Status::kDeviceError);
   EXPECT_EQ(noted(), Kinds{EventKind::kSendFailed});
-  EXPECT_EQ(of(counters_.errors, Part::kLink), 2U);
+  EXPECT_EQ(of(counters_.errors, Component::kLink), 2U);
   conditions_.note_link_status(Status::kOk);
   EXPECT_EQ(noted(), Kinds{EventKind::kSending});
 }
@@ -71,16 +71,16 @@ TEST_F(LoopConditionsTest, AFullLinkIsNoErrorAndAnUnreachableReceiverOneEvent) {
 TEST_F(LoopConditionsTest, ThreeEdgesWithoutAFrameAreAConditionFewerAreCounted) {
   conditions_.note_frame();
   EXPECT_EQ(noted(), Kinds{EventKind::kPublishing});
-  conditions_.note_no_frame(Part::kStereo, Status::kTimeout);
-  conditions_.note_no_frame(Part::kStereo, Status::kTimeout);
+  conditions_.note_no_frame(Component::kStereo, Status::kTimeout);
+  conditions_.note_no_frame(Component::kStereo, Status::kTimeout);
   conditions_.note_frame();
   EXPECT_TRUE(noted().empty());
   EXPECT_EQ(conditions_.edges_without_frame(), 0U);
   for (int i = 0; i < 5; ++i) {
-    conditions_.note_no_frame(Part::kPmd, Status::kCorrupt);
+    conditions_.note_no_frame(Component::kPmd, Status::kCorrupt);
   }
   EXPECT_EQ(noted(), Kinds{EventKind::kUnpaired});
-  EXPECT_EQ(last_.part, Part::kPmd);
+  EXPECT_EQ(last_.component, Component::kPmd);
   EXPECT_EQ(last_.status, Status::kCorrupt);
   EXPECT_EQ(last_.value, 3U);
   EXPECT_EQ(conditions_.edges_without_frame(), 5U);

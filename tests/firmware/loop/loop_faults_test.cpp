@@ -182,7 +182,7 @@ TEST(LoopFaults, DroppedFramesAreCountedByCause) {
   Receiver nothing;
   run(lonely, nothing, 12);
   EXPECT_EQ(of(lonely.events.counters.pmd_dropped, Drop::kUnpartnered), 1U);
-  EXPECT_EQ(of(lonely.events.counters.timeouts, Part::kStereo), 1U);
+  EXPECT_EQ(of(lonely.events.counters.timeouts, Component::kStereo), 1U);
   Rig rig({.faults = {.pmd = once({emu::FaultKind::kTear, 0ms}, 5)}});
   Receiver receiver;
   run(rig, receiver, 12);
@@ -198,7 +198,7 @@ TEST(LoopFaults, ADamagedFrameThatWasLeftOverDoesNotHideTheRightOne) {
                       .pmd = {}}});
   Receiver receiver;
   run(rig, receiver, 8);
-  ASSERT_EQ(of(rig.events.counters.errors, Part::kStereo), 1U);
+  ASSERT_EQ(of(rig.events.counters.errors, Component::kStereo), 1U);
   EXPECT_EQ(rig.events.counters.unpaired_edges, 0U);
 }
 

@@ -122,8 +122,8 @@ Datagrams frame_of(emu::DatagramPort& port) {
 }
 
 // At ports 1 to `count`.
-SubscriberList receivers_at_ports(std::size_t count) {
-  SubscriberList list{.count = count};
+ReceiverList receivers_at_ports(std::size_t count) {
+  ReceiverList list{.count = count};
   for (std::size_t i = 0; i < count; ++i) {
     list.peers[i].port = static_cast<std::uint16_t>(i + 1);
   }
@@ -183,7 +183,8 @@ void expect_frame(const Datagrams& sent, Scene& scene, const wire::StreamChoice&
 }
 
 TEST(Publisher, AFrameLargerThanItsMemoryIsSentWhole) {
-  for (const wire::Coding coding : {wire::Coding::kRaw, wire::Coding::kRvl, wire::Coding::kFit}) {
+  for (const wire::Coding coding :
+       {wire::Coding::kRaw, wire::Coding::kRvl, wire::Coding::kQuantised}) {
     for (const bool parity : {false, true}) {
       const wire::StreamChoice choice = everything(coding, parity);
       Sender sender(choice);
@@ -204,7 +205,7 @@ TEST(Publisher, AFrameLargerThanItsMemoryIsSentWhole) {
 TEST(Publisher, EveryReceiverGetsALargeFrameWhole) {
   const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
   Sender sender(choice);
-  const SubscriberList receivers = receivers_at_ports(2);
+  const ReceiverList receivers = receivers_at_ports(2);
   sender.publisher.set_receivers(receivers);
   Scene scene(5);
   ASSERT_EQ(sender.publish(scene), Status::kOk);
@@ -295,7 +296,7 @@ TEST(Publisher, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
   Sender all(choice);
   ASSERT_EQ(all.publish(scene), Status::kOk);
   const std::uint64_t whole = all.events.counters.packets_sent;
-  const SubscriberList receivers = receivers_at_ports(3);
+  const ReceiverList receivers = receivers_at_ports(3);
   for (const std::size_t datagrams : {0U, 1U, 9U, 90U}) {
     LostPort port(datagrams);
     Sender sender(choice, 1, {}, &port);
@@ -308,7 +309,7 @@ TEST(Publisher, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
 
 // Nothing of it is sent, and its number is missing.
 TEST(Publisher, PicturesLargerThanSaidAreRefusedWhole) {
-  const wire::StreamChoice choice = everything(wire::Coding::kFit, true);
+  const wire::StreamChoice choice = everything(wire::Coding::kQuantised, true);
   Sender sender(choice);
   Scene larger(1, kSizes.width + 1);
   EXPECT_EQ(sender.publish(larger), Status::kTooLarge);

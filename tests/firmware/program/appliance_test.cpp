@@ -122,7 +122,7 @@ TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {
 
 TEST(Appliance, ADestinationThatIsSilentIsToldAndSentToNevertheless) {
   ApplianceRig box;
-  SubscriberList list;
+  ReceiverList list;
   list.peers[0] = {.address = {}, .port = 1};
   list.count = 1;
   list.refused = true;

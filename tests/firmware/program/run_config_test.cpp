@@ -40,7 +40,7 @@ RigInfo rig_of(int pmd_width, int pmd_height) {
 
 settings::Settings quality() {
   settings::Settings settings;
-  settings.depth.preset = settings::Search::kQuality;
+  settings.depth.preset = settings::DepthPreset::kQuality;
   return settings;
 }
 

@@ -437,7 +437,7 @@ TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {
                     settings, why))
       << why.text();
   const dsp::DepthParams quality = depth_params(settings, 64);
-  EXPECT_EQ(quality.match.search, dsp::Search::kPaths);
+  EXPECT_EQ(quality.match.search, dsp::Search::kSemiGlobal);
   EXPECT_EQ(quality.match.disparities, 96);
   EXPECT_EQ(quality.match.left_right_tolerance, std::nullopt);
   EXPECT_EQ(quality.match.smoothness->large_step, 9);

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "firmware/wire/crc32c_variants.h"
+#include "firmware/wire/crc32c_hardware.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/random.h"
 

@@ -249,9 +249,9 @@ TEST(Tile, OnlyDepthAndWidthHaveAScaleAndOnlySourceHasSteps) {
     packet.header.pixel_count = 1;
     for (unsigned flags = 0; flags < 256; ++flags) {  // bits 5 to 7 are ignored
       packet.header.flags = static_cast<std::uint8_t>(flags);
-      const bool steps = (flags & kStepsFlag) != 0;
+      const bool xor_delta = (flags & kXorDeltaFlag) != 0;
       EXPECT_EQ(consistent_tile(packet),
-                (allowed || flags % 16 == 0) && (!steps || stream == Stream::kSource))
+                (allowed || flags % 16 == 0) && (!xor_delta || stream == Stream::kSource))
           << flags;
     }
   }

@@ -24,7 +24,7 @@ GpioTriggerOptions options_of(const FakeGpioChip& chip) {
   options.devices = chip.devices();
   options.outputs = {"GPIO1", "9030000.pl061:5", "gpiochip0:6"};
   options.strobes = {"GPIO2", "GPIO3"};
-  options.most_doubt = 1s;  // of a busy machine
+  options.max_uncertainty = 1s;  // of a busy machine
   return options;
 }
 
@@ -63,7 +63,7 @@ TEST(GpioTrigger, RaisesAllOutputsAtOnceAndLowersThemAfterTheWidth) {
   }
   EXPECT_FALSE(chip.levels[0].high.at(0));
   EXPECT_LE(*edge, chip.levels[0].at);
-  EXPECT_LE(chip.levels[0].at, *edge + trigger->doubt());
+  EXPECT_LE(chip.levels[0].at, *edge + trigger->uncertainty());
   EXPECT_GE(chip.levels[1].at - chip.levels[0].at, 100us);
   EXPECT_EQ(trigger->edges().at_or_before(*edge), *edge);
   EXPECT_TRUE(chip.tells_edges.at(2) && chip.tells_edges.at(3));
@@ -83,7 +83,7 @@ TEST(GpioTrigger, ActiveLowPullsThePinsDown) {
 TEST(GpioTrigger, EdgeAtAnUnknownTimeIsAnErrorAndNotInTheLog) {
   FakeGpioChip chip;
   GpioTriggerOptions options = options_of(chip);
-  options.most_doubt = 1ms;
+  options.max_uncertainty = 1ms;
   const auto trigger = open_trigger(options);
   chip.set_takes = 2ms;
   const auto edge = trigger->pulse();

@@ -64,10 +64,10 @@ TEST(RenderGrey, EdgesAreSampledByArea) {
     Scene scene = wall(2, {.albedo = 1});
     scene.ambient = 0.5;
     const double edge_x = (edge_u - kLens.cx) / kLens.fx;
-    scene.things.push_back({.form = Form::kRectangle,
-                            .pose = {.position = {edge_x - 1, 0, 1}},
-                            .half = {1, 1, 0},
-                            .material = {.albedo = 0}});
+    scene.objects.push_back({.shape = Shape::kRectangle,
+                             .pose = {.position = {edge_x - 1, 0, 1}},
+                             .half = {1, 1, 0},
+                             .material = {.albedo = 0}});
     const auto image = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
     EXPECT_EQ(level(image, 59, 15), 0);
     EXPECT_EQ(level(image, 63, 15), 100);
@@ -91,7 +91,7 @@ TEST(RenderGrey, HighlightsDoNotLieOnTheSurface) {
 TEST(RenderGrey, PaneShowsWhatIsBehindItAndALittleOfItself) {
   Scene scene = wall(2, kTextured);
   const auto behind = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
-  add(scene, Form::kRectangle, {0, 0, 1}, {5, 5, 0}, {.albedo = 0.1, .clear = 0.5});
+  add(scene, Shape::kRectangle, {0, 0, 1}, {5, 5, 0}, {.albedo = 0.1, .transmittance = 0.5});
   const auto image = render_grey(scene, Viewpoint(scene, {}), kLens, {.gain = 200, .black = 0});
   for (int x = 0; x < kLens.width; ++x) {
     // 36 rays a pixel in place of 9 of a fine texture.
@@ -100,13 +100,13 @@ TEST(RenderGrey, PaneShowsWhatIsBehindItAndALittleOfItself) {
   }
 }
 
-TEST(RenderThings, NamesTheThingAtEachCentre) {
+TEST(RenderObjects, NamesTheObjectAtEachCentre) {
   Scene scene = wall(2);
-  add(scene, Form::kRectangle, {0.5, 0, 1}, {0.5, 1, 0}, {});
-  const dataset::Image<int> things = render_things(Viewpoint(scene, {}), kLens);
-  EXPECT_EQ(things.view().at(59, 3), 0);
-  EXPECT_EQ(things.view().at(60, 3), 1);
-  EXPECT_EQ(render_things(Viewpoint(Scene{}, {}), kLens).view().at(60, 3), -1);
+  add(scene, Shape::kRectangle, {0.5, 0, 1}, {0.5, 1, 0}, {});
+  const dataset::Image<int> objects = render_objects(Viewpoint(scene, {}), kLens);
+  EXPECT_EQ(objects.view().at(59, 3), 0);
+  EXPECT_EQ(objects.view().at(60, 3), 1);
+  EXPECT_EQ(render_objects(Viewpoint(Scene{}, {}), kLens).view().at(60, 3), -1);
 }
 
 TEST(RenderDepth, IsExactAtPixelCentres) {
@@ -128,11 +128,11 @@ TEST(RenderDepth, IsExactAtPixelCentres) {
   }
 }
 
-TEST(RenderVisible, WhatTheNearThingHidesIsAsWideAsTheDisparityStep) {
+TEST(RenderVisible, WhatTheNearObjectHidesIsAsWideAsTheDisparityStep) {
   Scene scene = wall(2);
-  scene.things.push_back({.form = Form::kRectangle,
-                          .pose = {.position = {0.06, 0, 1}},
-                          .half = {0.02, 1, 0}});  // columns 79.5 .. 99.5, seen 60 px to the left
+  scene.objects.push_back({.shape = Shape::kRectangle,
+                           .pose = {.position = {0.06, 0, 1}},
+                           .half = {0.02, 1, 0}});  // columns 79.5 .. 99.5, seen 60 px to the left
   const Viewpoint left(scene, {});
   const Viewpoint right(scene, right_of({}));
   const auto visible = render_visible(left, kLens, right, kLens);

@@ -39,7 +39,8 @@ TEST(MovingScene, ShowsWhatItsSceneWouldShowAlone) {
 
 TEST(MovingScene, IsSeenThroughAPane) {
   Motion motion{.background = wall(4), .poses = {}, .exposures_per_pose = 1};
-  add(motion.background, Form::kRectangle, {0, -1, 1}, {5, 5, 0}, {.albedo = 0.05, .clear = 0.8});
+  add(motion.background, Shape::kRectangle, {0, -1, 1}, {5, 5, 0},
+      {.albedo = 0.05, .transmittance = 0.8});
   for (const double x : {-0.5, 0.5}) {
     motion.poses.push_back({{.pose = {.position = {x, -1, 3}}, .half = {0.3, 0.3, 0.3}}});
   }

@@ -81,14 +81,15 @@ TEST(RenderPmd, EmitterBesideTheLensLengthensThePath) {
 }
 
 TEST(RenderPmd, PaneAddsItsEchoToWhatComesBackThroughIt) {
-  constexpr double kClear = 0.8;
+  constexpr double kTransmittance = 0.8;
   const PmdModel model = plain_model();
   Scene scene = wall(3);
-  add(scene, Form::kRectangle, {0, 0, 1.5}, {5, 5, 0}, {.albedo = 0.05, .clear = kClear});
+  add(scene, Shape::kRectangle, {0, 0, 1.5}, {5, 5, 0},
+      {.albedo = 0.05, .transmittance = kTransmittance});
   const CleanSamples both = render(scene, model);
   const CleanSamples far = render(wall(3), model);
   const CleanSamples near = render(wall(1.5, {.albedo = 0.05}), model);
-  const double back = kClear * kClear;  // there and back
+  const double back = kTransmittance * kTransmittance;  // there and back
   EXPECT_NEAR(in_phase(both), back * in_phase(far) + in_phase(near), 0.05);
   EXPECT_NEAR(quadrature(both), back * quadrature(far) + quadrature(near), 0.05);
 }
@@ -115,11 +116,11 @@ TEST(RenderPmd, EdgePixelIsTheMeanOfBothPhasors) {
   model.rays_per_side = 4;
   const Scene far = wall(3);
   Scene near;  // covers the left half of the pixel at the principal point
-  near.things.push_back(
-      {.form = Form::kRectangle, .pose = {.position = {0, 0, 1.5}}, .half = {5, 5, 0}});
+  near.objects.push_back(
+      {.shape = Shape::kRectangle, .pose = {.position = {0, 0, 1.5}}, .half = {5, 5, 0}});
   Scene both = far;
-  both.things.push_back(
-      {.form = Form::kRectangle, .pose = {.position = {-5, 0, 1.5}}, .half = {5, 5, 0}});
+  both.objects.push_back(
+      {.shape = Shape::kRectangle, .pose = {.position = {-5, 0, 1.5}}, .half = {5, 5, 0}});
   const CleanSamples mixed = render(both, model);
   const CleanSamples a = render(near, model);
   const CleanSamples b = render(far, model);

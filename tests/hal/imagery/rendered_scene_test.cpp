@@ -126,7 +126,8 @@ TEST(Corridor, PmdSamplesHoldTheTruthOfItsOwnRays) {
   const Exposed exposed = expose(scene, 1);
   const Scene world = corridor();
   const std::array<double, 3>& t = rig.pmd_to_stereo.translation_m;
-  const Viewpoint viewpoint(world, rig.head * Pose{rig.pmd_to_stereo.rotation, {t[0], t[1], t[2]}});
+  const Viewpoint viewpoint(
+      world, rig.left_camera_pose * Pose{rig.pmd_to_stereo.rotation, {t[0], t[1], t[2]}});
   int usable = 0;
   int near = 0;
   for (std::size_t i = 0; i < sensor.fixed_pattern.size(); ++i) {

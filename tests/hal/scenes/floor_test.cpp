@@ -32,10 +32,11 @@ std::string name(const FloorView& view) {
 }
 
 dataset::Image<Surface> surfaces(const FloorScene& floor, const Rig& rig) {
-  const dataset::Image<int> things = render_things({floor.scene, rig.head}, rig.stereo.left);
-  dataset::Image<Surface> out(things.width, things.height);
-  std::ranges::transform(things.pixels, out.pixels.begin(), [&](int thing) {
-    return thing < 0 ? Surface::kOther : floor.surfaces.at(static_cast<std::size_t>(thing));
+  const dataset::Image<int> objects =
+      render_objects({floor.scene, rig.left_camera_pose}, rig.stereo.left);
+  dataset::Image<Surface> out(objects.width, objects.height);
+  std::ranges::transform(objects.pixels, out.pixels.begin(), [&](int object) {
+    return object < 0 ? Surface::kOther : floor.surfaces.at(static_cast<std::size_t>(object));
   });
   return out;
 }
@@ -56,7 +57,7 @@ TEST(Floor, DepthIsThatOfItsPlanesByFormula) {
     const dataset::Image<Surface> surface = surfaces(floor, rig);
     const RenderedScene rendered(floor.scene, rig);
     const double tilt = view.tilt_degrees * std::numbers::pi / 180;
-    const double wall = floor.scene.things.back().pose.position.z;
+    const double wall = floor.scene.objects.back().pose.position.z;
     for (int y = 0; y < surface.height; ++y) {
       const Formula formula{.sine = std::sin(tilt),
                             .cosine = std::cos(tilt),
@@ -88,8 +89,8 @@ TEST(Floor, DepthIsThatOfItsPlanesByFormula) {
 
 TEST(Floor, CameraIsWhereItsNameSays) {
   const Rig rig = floor_scene({.height_m = 0.9, .tilt_degrees = 30}).rig;
-  const Vec3 ahead = rig.head.turn({0, 0, 1});
-  EXPECT_EQ(rig.head.position.y, -0.9);  // y points down
+  const Vec3 ahead = rig.left_camera_pose.turn({0, 0, 1});
+  EXPECT_EQ(rig.left_camera_pose.position.y, -0.9);  // y points down
   EXPECT_NEAR(ahead.x, 0, 1e-12);
   EXPECT_NEAR(ahead.y, 0.5, 1e-12);
   EXPECT_NEAR(ahead.z, std::sqrt(0.75), 1e-12);
@@ -132,8 +133,9 @@ TEST(Floor, HasATextureOfAFewGreyLevels) {
                                 FloorView{}, FloorView{.height_m = kMaxFloorHeightM}}) {
     const FloorScene floor = floor_scene(view);
     const dataset::Image<Surface> surface = surfaces(floor, floor.rig);
-    const dataset::Image<std::uint16_t> left = render_grey(
-        floor.scene, {floor.scene, floor.rig.head}, floor.rig.stereo.left, floor.rig.grey);
+    const dataset::Image<std::uint16_t> left =
+        render_grey(floor.scene, {floor.scene, floor.rig.left_camera_pose}, floor.rig.stereo.left,
+                    floor.rig.grey);
     double sum = 0;
     int windows = 0;
     for (int y = 0; y + kWindow <= left.height; y += kWindow) {
@@ -166,12 +168,13 @@ TEST(Floor, HasATextureOfAFewGreyLevels) {
 TEST(Floor, GlassIsSomethingElseForEachSensor) {
   const FloorScene floor = floor_scene({});
   const Rig rig = small(floor.rig);
-  const Viewpoint left(floor.scene, rig.head);
-  const Viewpoint pmd(floor.scene, rig.head * true_pmd_pose(rig));
+  const Viewpoint left(floor.scene, rig.left_camera_pose);
+  const Viewpoint pmd(floor.scene, rig.left_camera_pose * true_pmd_pose(rig));
   const Sensors sensors(rig);
   const CleanViews views = sensors.render(floor.scene);
   const auto is_glass = [&](const Hit& hit) {
-    return hit.thing >= 0 && floor.surfaces[static_cast<std::size_t>(hit.thing)] == Surface::kGlass;
+    return hit.object >= 0 &&
+           floor.surfaces[static_cast<std::size_t>(hit.object)] == Surface::kGlass;
   };
   int seen = 0;
   int apart = 0;
@@ -182,7 +185,7 @@ TEST(Floor, GlassIsSomethingElseForEachSensor) {
       if (!is_glass(pane)) {
         continue;
       }
-      const Hit behind = pmd.look_past(pane.thing, ray.x, ray.y);
+      const Hit behind = pmd.look_past(pane.object, ray.x, ray.y);
       const double nearer = pane.t * length(ray);
       const double farther = behind.t * length(ray);
       if (farther < 1.2 * nearer) {
@@ -200,7 +203,7 @@ TEST(Floor, GlassIsSomethingElseForEachSensor) {
   EXPECT_GT(apart, seen * 8 / 10);
   const Hit pane = left.look(-0.24, 0);
   ASSERT_TRUE(is_glass(pane));
-  const Hit behind = left.look_past(pane.thing, -0.24, 0);
+  const Hit behind = left.look_past(pane.object, -0.24, 0);
   EXPECT_GT(behind.t, 1.2 * pane.t);
 }
 

@@ -15,7 +15,7 @@ using namespace hal::emu;
 
 const double kTurnM = dsp::kLightMetresPerSecond / (2.0 * 20e6);
 
-// A pixel of the PMD camera that sees one surface of one thing.
+// A pixel of the PMD camera that sees one surface of one object.
 struct Surface {
   int x = 0;
   int y = 0;
@@ -25,23 +25,23 @@ struct Surface {
 };
 
 std::vector<Surface> surfaces(const Scene& scene, const Rig& rig) {
-  const Viewpoint viewpoint(scene, rig.head * true_pmd_pose(rig));
+  const Viewpoint viewpoint(scene, rig.left_camera_pose * true_pmd_pose(rig));
   const dsp::Pinhole& lens = rig.pmd_lens;
   std::vector<Surface> out;
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
       const Vec3 ray = undistorted_ray(lens, x, y);
       const Hit centre = viewpoint.look(ray.x, ray.y);
-      bool alone = centre.thing >= 0;
+      bool alone = centre.object >= 0;
       for (const double dx : {-0.6, 0.0, 0.6}) {
         for (const double dy : {-0.6, 0.0, 0.6}) {
           const Vec3 beside = undistorted_ray(lens, x + dx, y + dy);
           const Hit hit = viewpoint.look(beside.x, beside.y);
-          alone = alone && hit.thing == centre.thing && hit.face == centre.face;
+          alone = alone && hit.object == centre.object && hit.face == centre.face;
         }
       }
       if (alone) {
-        const Material& material = scene.things[static_cast<std::size_t>(centre.thing)].material;
+        const Material& material = scene.objects[static_cast<std::size_t>(centre.object)].material;
         const Vec3 back = viewpoint.pose().turn(-1.0 / length(ray) * ray);
         out.push_back({.x = x,
                        .y = y,
@@ -127,7 +127,7 @@ TEST(Hall, PhasesAreTheTruthOfItsRaysInEveryPeriod) {
 
 TEST(Hall, WhiteAtTwoMetresDoesNotSaturate) {
   Rig rig = small(hall_rig());
-  rig.head = {};
+  rig.left_camera_pose = {};
   RenderedScene rendered(wall(2, {.albedo = 0.85}), rig);
   const Exposed exposed = expose(rendered, 1);
   for (const auto& sample : exposed.samples) {

@@ -60,11 +60,11 @@ TEST(Misplacement, IsInTheWorldAndNotInTheCalibration) {
 // many pixels further left.
 TEST(Misplacement, MovesThePictureByItsAngle) {
   Rig rig = straight_rig();
-  rig.head = {};
+  rig.left_camera_pose = {};
   rig.pmd_lens = {.width = 80, .height = 3, .fx = 100, .fy = 100, .cx = 39.5, .cy = 1};
   Scene scene = wall(3);
-  scene.things.push_back(
-      {.form = Form::kRectangle, .pose = {.position = {5, 0, 2}}, .half = {4.8, 3, 0}});
+  scene.objects.push_back(
+      {.shape = Shape::kRectangle, .pose = {.position = {5, 0, 2}}, .half = {4.8, 3, 0}});
   const auto first_near = [&](const Rig& seen) {  // left edge of the step: x = 0.2 m at 2 m
     const Sensors sensors(seen);
     const CleanViews views = sensors.render(scene);
@@ -84,7 +84,7 @@ TEST(Misplacement, MovesThePictureByItsAngle) {
 
 TEST(Misplacement, RangeOffsetIsWhatIsMeasuredTooMuch) {
   Rig rig = straight_rig();
-  rig.head = {};
+  rig.left_camera_pose = {};
   rig.pmd.kappa3 = 0;
   rig.pmd.kappa5 = 0;
   for (const double offset : {-0.05, 0.03}) {

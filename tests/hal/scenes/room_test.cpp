@@ -18,8 +18,9 @@ using namespace hal::emu;
 constexpr std::uint32_t kRooms = 100;
 
 std::array<Pose, 3> cameras(const Rig& rig) {
-  return {rig.head, rig.head * Pose{.position = {rig.stereo.baseline_m, 0, 0}},
-          rig.head * true_pmd_pose(rig)};
+  return {rig.left_camera_pose,
+          rig.left_camera_pose * Pose{.position = {rig.stereo.baseline_m, 0, 0}},
+          rig.left_camera_pose * true_pmd_pose(rig)};
 }
 
 // Distance of whatever the camera sees through a field that is a little wider than its own.
@@ -31,7 +32,7 @@ std::pair<double, double> nearest_and_farthest(const Scene& scene, const Pose& c
     for (double x = -0.62; x <= 0.62; x += 0.02) {
       const Hit hit = viewpoint.look(x, y);
       const double range =
-          hit.thing < 0 ? std::numeric_limits<double>::infinity() : hit.t * length({x, y, 1});
+          hit.object < 0 ? std::numeric_limits<double>::infinity() : hit.t * length({x, y, 1});
       nearest = std::min(nearest, range);
       farthest = std::max(farthest, range);
     }
@@ -39,21 +40,21 @@ std::pair<double, double> nearest_and_farthest(const Scene& scene, const Pose& c
   return {nearest, farthest};
 }
 
-// A ray that leaves the inside of a solid form hits nothing of it; from outside, one of these
-// around a sphere of directions would. Inside is where the form's own inequality says so.
-bool is_inside(const Thing& thing, const Vec3& world) {
-  const Vec3 p = thing.pose.undo(world);
-  const Vec3& h = thing.half;
+// A ray that leaves the inside of a solid shape hits nothing of it; from outside, one of these
+// around a sphere of directions would. Inside is where the shape's own inequality says so.
+bool is_inside(const SceneObject& object, const Vec3& world) {
+  const Vec3 p = object.pose.undo(world);
+  const Vec3& h = object.half;
   const double x = p.x / h.x;
   const double y = p.y / h.y;
-  switch (thing.form) {
-    case Form::kRectangle:
+  switch (object.shape) {
+    case Shape::kRectangle:
       return false;
-    case Form::kBox:
+    case Shape::kBox:
       return std::abs(x) <= 1 && std::abs(y) <= 1 && std::abs(p.z) <= h.z;
-    case Form::kCylinder:
+    case Shape::kCylinder:
       return x * x + p.z * p.z / (h.z * h.z) <= 1 && std::abs(y) <= 1;
-    case Form::kEllipsoid:
+    case Shape::kEllipsoid:
       return x * x + y * y + p.z * p.z / (h.z * h.z) <= 1;
   }
   return false;
@@ -66,8 +67,8 @@ TEST(RandomRoom, IsClosedAndNeitherTooNearNorTooFar) {
       const auto [nearest, farthest] = nearest_and_farthest(room.scene, camera);
       EXPECT_GT(nearest, 0.8) << "room " << seed;
       EXPECT_LT(farthest, 7.1) << "room " << seed;
-      for (const Thing& thing : room.scene.things) {
-        EXPECT_FALSE(is_inside(thing, camera.position)) << "room " << seed;
+      for (const SceneObject& object : room.scene.objects) {
+        EXPECT_FALSE(is_inside(object, camera.position)) << "room " << seed;
       }
     }
   }
@@ -77,24 +78,24 @@ TEST(RandomRoom, IsAnotherOneForEachSeedAndTheSameForOne) {
   const Room a = random_room(3);
   const Room b = random_room(3);
   const Room c = random_room(4);
-  ASSERT_EQ(a.scene.things.size(), b.scene.things.size());
+  ASSERT_EQ(a.scene.objects.size(), b.scene.objects.size());
   EXPECT_EQ(a.rig.stereo.baseline_m, b.rig.stereo.baseline_m);
-  EXPECT_EQ(a.scene.things.back().pose.position.z, b.scene.things.back().pose.position.z);
+  EXPECT_EQ(a.scene.objects.back().pose.position.z, b.scene.objects.back().pose.position.z);
   EXPECT_NE(a.rig.stereo.baseline_m, c.rig.stereo.baseline_m);
-  EXPECT_NE(a.scene.things.back().pose.position.z, c.scene.things.back().pose.position.z);
+  EXPECT_NE(a.scene.objects.back().pose.position.z, c.scene.objects.back().pose.position.z);
 }
 
 TEST(RandomRoom, HasThingsOfManyKindsInTheEnd) {
-  std::array<int, 4> forms{};
+  std::array<int, 4> shapes{};
   std::array<int, 4> textures{};
   for (std::uint32_t seed = 0; seed < kRooms; ++seed) {
-    for (const Thing& thing : random_room(seed).scene.things) {
-      ++forms[static_cast<std::size_t>(thing.form)];
-      ++textures[static_cast<std::size_t>(thing.material.texture)];
+    for (const SceneObject& object : random_room(seed).scene.objects) {
+      ++shapes[static_cast<std::size_t>(object.shape)];
+      ++textures[static_cast<std::size_t>(object.material.texture)];
     }
   }
   for (std::size_t i = 0; i < 4; ++i) {
-    EXPECT_GT(forms[i], 100) << i;
+    EXPECT_GT(shapes[i], 100) << i;
     EXPECT_GT(textures[i], 50) << i;
   }
 }
@@ -125,7 +126,7 @@ TEST(RandomRoom, PmdReadingsAreTheTruthOfTheirRays) {
     const Sensors sensors(rig);
     const CleanViews views = sensors.render(room.scene);
     const dsp::PmdSensor& sensor = sensors.calibration().pmd;
-    const Viewpoint viewpoint(room.scene, rig.head * true_pmd_pose(rig));
+    const Viewpoint viewpoint(room.scene, rig.left_camera_pose * true_pmd_pose(rig));
     for (int y = 0; y < rig.pmd_lens.height; ++y) {
       for (int x = 0; x < rig.pmd_lens.width; ++x) {
         const Vec3 ray = undistorted_ray(rig.pmd_lens, x, y);

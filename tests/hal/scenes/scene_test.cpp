@@ -7,6 +7,7 @@
 
 #include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/phasor.h"
+#include "hal/emu/scenes/intersect.h"
 #include "hal/emu/scenes/viewpoint.h"
 
 namespace stof::test {
@@ -42,61 +43,61 @@ TEST(Pose, ProductAppliesTheRightOneFirst) {
 
 TEST(Intersect, RectangleIsHitFromBothSidesAndInsideOnly) {
   const Vec3 half{1, 2, 0};
-  EXPECT_DOUBLE_EQ(intersect(Form::kRectangle, half, {0.5, 1, -3}, {0, 0, 1}).t, 3);
-  expect_near(intersect(Form::kRectangle, half, {0, 0, -3}, {0, 0, 1}).normal, {0, 0, -1});
-  expect_near(intersect(Form::kRectangle, half, {0, 0, 3}, {0, 0, -1}).normal, {0, 0, 1});
-  EXPECT_LT(intersect(Form::kRectangle, half, {1.01, 0, -3}, {0, 0, 1}).t, 0);
-  EXPECT_LT(intersect(Form::kRectangle, half, {0, 0, -3}, {1, 0, 0}).t, 0);
-  EXPECT_LT(intersect(Form::kRectangle, half, {0, 0, 3}, {0, 0, 1}).t, 0) << "behind";
+  EXPECT_DOUBLE_EQ(intersect(Shape::kRectangle, half, {0.5, 1, -3}, {0, 0, 1}).t, 3);
+  expect_near(intersect(Shape::kRectangle, half, {0, 0, -3}, {0, 0, 1}).normal, {0, 0, -1});
+  expect_near(intersect(Shape::kRectangle, half, {0, 0, 3}, {0, 0, -1}).normal, {0, 0, 1});
+  EXPECT_LT(intersect(Shape::kRectangle, half, {1.01, 0, -3}, {0, 0, 1}).t, 0);
+  EXPECT_LT(intersect(Shape::kRectangle, half, {0, 0, -3}, {1, 0, 0}).t, 0);
+  EXPECT_LT(intersect(Shape::kRectangle, half, {0, 0, 3}, {0, 0, 1}).t, 0) << "behind";
 }
 
 TEST(Intersect, BoxShowsTheFaceThatIsHit) {
   const Vec3 half{1, 2, 3};
-  const LocalHit front = intersect(Form::kBox, half, {0.2, 0.3, -10}, {0, 0, 2});
+  const LocalHit front = intersect(Shape::kBox, half, {0.2, 0.3, -10}, {0, 0, 2});
   EXPECT_DOUBLE_EQ(front.t, 3.5);
   expect_near(front.normal, {0, 0, -1});
-  const LocalHit side = intersect(Form::kBox, half, {11, 0, 0}, {-1, 0, 0});
+  const LocalHit side = intersect(Shape::kBox, half, {11, 0, 0}, {-1, 0, 0});
   EXPECT_DOUBLE_EQ(side.t, 10);
   expect_near(side.normal, {1, 0, 0});
   EXPECT_NE(front.face, side.face);
-  EXPECT_LT(intersect(Form::kBox, half, {1.5, 0, -10}, {0, 0, 1}).t, 0);
+  EXPECT_LT(intersect(Shape::kBox, half, {1.5, 0, -10}, {0, 0, 1}).t, 0);
 }
 
 TEST(Intersect, CylinderHasASideAndCaps) {
   const Vec3 half{0.5, 1, 0.25};
-  const LocalHit side = intersect(Form::kCylinder, half, {0, 0, -2}, {0, 0, 1});
+  const LocalHit side = intersect(Shape::kCylinder, half, {0, 0, -2}, {0, 0, 1});
   EXPECT_DOUBLE_EQ(side.t, 1.75);
   expect_near(side.normal, {0, 0, -1});
-  const LocalHit top = intersect(Form::kCylinder, half, {0.1, -5, 0.1}, {0, 1, 0});
+  const LocalHit top = intersect(Shape::kCylinder, half, {0.1, -5, 0.1}, {0, 1, 0});
   EXPECT_DOUBLE_EQ(top.t, 4);
   expect_near(top.normal, {0, -1, 0});
-  EXPECT_LT(intersect(Form::kCylinder, half, {0.51, 0, -2}, {0, 0, 1}).t, 0);
-  EXPECT_LT(intersect(Form::kCylinder, half, {0.4, -5, 0.2}, {0, 1, 0}).t, 0) << "beside the cap";
+  EXPECT_LT(intersect(Shape::kCylinder, half, {0.51, 0, -2}, {0, 0, 1}).t, 0);
+  EXPECT_LT(intersect(Shape::kCylinder, half, {0.4, -5, 0.2}, {0, 1, 0}).t, 0) << "beside the cap";
 }
 
 TEST(Intersect, EllipsoidHasItsRadii) {
   const Vec3 half{0.5, 1, 2};
-  EXPECT_DOUBLE_EQ(intersect(Form::kEllipsoid, half, {-3, 0, 0}, {1, 0, 0}).t, 2.5);
-  EXPECT_DOUBLE_EQ(intersect(Form::kEllipsoid, half, {0, -3, 0}, {0, 1, 0}).t, 2);
-  EXPECT_DOUBLE_EQ(intersect(Form::kEllipsoid, half, {0, 0, -3}, {0, 0, 1}).t, 1);
-  expect_near(intersect(Form::kEllipsoid, half, {0, 0, -3}, {0, 0, 1}).normal, {0, 0, -1});
-  EXPECT_LT(intersect(Form::kEllipsoid, half, {0.6, 0, -3}, {0, 0, 1}).t, 0);
+  EXPECT_DOUBLE_EQ(intersect(Shape::kEllipsoid, half, {-3, 0, 0}, {1, 0, 0}).t, 2.5);
+  EXPECT_DOUBLE_EQ(intersect(Shape::kEllipsoid, half, {0, -3, 0}, {0, 1, 0}).t, 2);
+  EXPECT_DOUBLE_EQ(intersect(Shape::kEllipsoid, half, {0, 0, -3}, {0, 0, 1}).t, 1);
+  expect_near(intersect(Shape::kEllipsoid, half, {0, 0, -3}, {0, 0, 1}).normal, {0, 0, -1});
+  EXPECT_LT(intersect(Shape::kEllipsoid, half, {0.6, 0, -3}, {0, 0, 1}).t, 0);
 }
 
 TEST(Viewpoint, SeesTheNearestThingAndItsDepth) {
   Scene scene = wall(4);
-  scene.things.push_back(
-      {.form = Form::kBox, .pose = {.position = {1, 0, 3}}, .half = {0.5, 0.5, 1}});
+  scene.objects.push_back(
+      {.shape = Shape::kBox, .pose = {.position = {1, 0, 3}}, .half = {0.5, 0.5, 1}});
   Pose pose = turned(0);
   pose.position = {0, 0, 1};
   const Viewpoint viewpoint(scene, pose);
   EXPECT_DOUBLE_EQ(viewpoint.look(0, 0).t, 3);
-  EXPECT_EQ(viewpoint.look(0, 0).thing, 0);
+  EXPECT_EQ(viewpoint.look(0, 0).object, 0);
   EXPECT_DOUBLE_EQ(viewpoint.look(0.9, 0).t, 1);
-  EXPECT_EQ(viewpoint.look(0.9, 0).thing, 1);
+  EXPECT_EQ(viewpoint.look(0.9, 0).object, 1);
   expect_near(viewpoint.look(0.9, 0).point, {0.9, 0, 2});
-  EXPECT_EQ(viewpoint.look_at(0, 0.9, 0).thing, 0);
-  EXPECT_EQ(viewpoint.look_at(1, 0, 0).thing, -1);
+  EXPECT_EQ(viewpoint.look_at(0, 0.9, 0).object, 0);
+  EXPECT_EQ(viewpoint.look_at(1, 0, 0).object, -1);
 }
 
 TEST(Viewpoint, SkipsNothingThatALookWithoutBoundsWouldHit) {
@@ -110,25 +111,25 @@ TEST(Viewpoint, SkipsNothingThatALookWithoutBoundsWouldHit) {
     const double x = (column - 40) / 50.0;
     const double y = (row - 25) / 40.0;
     double nearest = -1;
-    for (int thing = 0; thing < static_cast<int>(scene.things.size()); ++thing) {
-      const Hit hit = viewpoint.look_at(thing, x, y);
-      if (hit.thing >= 0 && (nearest < 0 || hit.t < nearest)) {
+    for (int object = 0; object < static_cast<int>(scene.objects.size()); ++object) {
+      const Hit hit = viewpoint.look_at(object, x, y);
+      if (hit.object >= 0 && (nearest < 0 || hit.t < nearest)) {
         nearest = hit.t;
       }
     }
     const Hit seen = viewpoint.look(x, y);
-    ASSERT_EQ(seen.thing < 0 ? -1 : seen.t, nearest) << x << " " << y;
+    ASSERT_EQ(seen.object < 0 ? -1 : seen.t, nearest) << x << " " << y;
   }
 }
 
 TEST(Viewpoint, LooksPastAThingAsIfItWereNotThere) {
   Scene scene = wall(4);
-  add(scene, Form::kRectangle, {0, 0, 2}, {1, 1, 0}, {});
+  add(scene, Shape::kRectangle, {0, 0, 2}, {1, 1, 0}, {});
   const Viewpoint viewpoint(scene, {});
-  EXPECT_EQ(viewpoint.look(0.1, 0).thing, 1);
-  EXPECT_EQ(viewpoint.look_past(1, 0.1, 0).thing, 0);
+  EXPECT_EQ(viewpoint.look(0.1, 0).object, 1);
+  EXPECT_EQ(viewpoint.look_past(1, 0.1, 0).object, 0);
   EXPECT_DOUBLE_EQ(viewpoint.look_past(1, 0.1, 0).t, 4);
-  EXPECT_EQ(viewpoint.look_past(0, 3, 0).thing, -1);
+  EXPECT_EQ(viewpoint.look_past(0, 3, 0).object, -1);
 }
 
 TEST(Texture, RepetitiveOnesRepeatAndNoiseDoesNot) {

@@ -25,7 +25,7 @@ TEST(ClockConverter, KnowsNothingBeforeItWasSynchronised) {
   ClockConverter clock;
   EXPECT_FALSE(clock.convert(kTheirs));
   EXPECT_FALSE(clock.uncertainty(kTheirs));
-  EXPECT_FALSE(clock.follow(kStart, kTheirs));
+  EXPECT_FALSE(clock.correct_by_event(kStart, kTheirs));
   clock.sync(kStart, kTheirs, kStart - 1ns);
   clock.sync(kStart, kTheirs, kStart + 2s);
   EXPECT_FALSE(clock.convert(kTheirs));
@@ -70,7 +70,7 @@ TEST(ClockConverter, HostileStampsConvertToNothing) {
        {std::uint64_t{1} << 63, (std::uint64_t{1} << 63) + kTheirs, std::uint64_t{1} << 62,
         std::numeric_limits<std::uint64_t>::max() - (std::uint64_t{1} << 50)}) {
     EXPECT_FALSE(clock.convert(stamp));
-    EXPECT_FALSE(clock.follow(kStart, stamp));
+    EXPECT_FALSE(clock.correct_by_event(kStart, stamp));
   }
 }
 
@@ -82,14 +82,14 @@ TEST(ClockConverter, FollowsDriftInBoundedSteps) {
     const std::uint64_t theirs = kTheirs + static_cast<std::uint64_t>(i) * 100'015'000;
     const Duration error = ours - *clock.convert(theirs);
     EXPECT_LE(std::chrono::abs(error), 20us);
-    EXPECT_TRUE(clock.follow(ours, theirs));
+    EXPECT_TRUE(clock.correct_by_event(ours, theirs));
   }
 }
 
 TEST(ClockConverter, OneWrongEdgeCostsOneStep) {
   ClockConverter clock;
   clock.sync(kStart, kTheirs, kStart);
-  EXPECT_TRUE(clock.follow(kStart + 1s + 2ms, kTheirs + 1'000'000'000));
+  EXPECT_TRUE(clock.correct_by_event(kStart + 1s + 2ms, kTheirs + 1'000'000'000));
   EXPECT_EQ(clock.convert(kTheirs + 1'000'000'000), kStart + 1s + ClockConverter::kMostStep);
   EXPECT_GE(*clock.uncertainty(kTheirs + 1'000'000'000), 1980us) << "and it says so";
 }

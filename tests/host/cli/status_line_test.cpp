@@ -123,7 +123,7 @@ TEST(EventLine, SaysWhatToDo) {
 TEST(HealthLine, NamesWhatIsActive) {
   EXPECT_EQ(health_line({.uptime_ms = 12'345,
                          .subscribers = 2,
-                         .rate_mhz = 29'970,
+                         .rate_millihertz = 29'970,
                          .latency_us = 21'040,
                          .longest_latency_us = 33'100}),
             "health: good, up 12 s, 30.0 frames/s, latency 21.0 ms mean 33.1 ms longest, 2 "

@@ -104,7 +104,7 @@ class Journey {
       ++outcome_.delivered;
       outcome_.complete += frame->complete() ? 1U : 0U;
       for (const auto& [image, stream] : {std::pair(frame->depth.empty(), Stream::kDepth),
-                                          std::pair(frame->width.empty(), Stream::kWidth),
+                                          std::pair(frame->interval_width.empty(), Stream::kWidth),
                                           std::pair(frame->source.empty(), Stream::kSource)}) {
         outcome_.arrived_pixels += image ? 0 : kPixels / 3 - frame->missing_pixels(stream);
       }

@@ -16,7 +16,7 @@ struct Scene {
                                   dsp::Source::kNone,     dsp::Source::kResolved};
   std::vector<std::uint8_t> received = std::vector<std::uint8_t>(6, 7);
   Frame frame{.depth = {depth.data(), 3, 2},
-              .width = {width.data(), 3, 2},
+              .interval_width = {width.data(), 3, 2},
               .source = {source.data(), 3, 2},
               .received = {received.data(), 3, 2},
               .info = {},

@@ -138,7 +138,7 @@ class ExpectedImages {
   // An image of which nothing arrived, and that frame info did not tell of, is empty.
   bool equal(const client::Frame& frame) const {
     return same(frame.depth, depth_, client::kHasDepth) &&
-           same(frame.width, width_, client::kHasWidth) &&
+           same(frame.interval_width, width_, client::kHasWidth) &&
            same(frame.source, source_, client::kHasSource) &&
            same(frame.cause, cause_, client::kHasSource) && same_pixels(frame.received, received_);
   }

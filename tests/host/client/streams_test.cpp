@@ -60,17 +60,18 @@ TEST(Streams, AllEightArrivePixelForPixel) {
 
 TEST(Streams, RoundedDepthAndWidthArriveAsTheyWereSent) {
   Reassembler reassembler;
-  const std::optional<Frame> frame =
-      push_all(reassembler,
-               pattern_datagrams(frame_spec(7), {}, test::every_stream(Coding::kFit, false, 8)));
+  const std::optional<Frame> frame = push_all(
+      reassembler,
+      pattern_datagrams(frame_spec(7), {}, test::every_stream(Coding::kQuantised, false, 8)));
   ASSERT_TRUE(frame);
   EXPECT_TRUE(frame->complete());
   for (int y = 0; y < 48; ++y) {
     for (int x = 0; x < 64; ++x) {
       const auto place = static_cast<std::size_t>(64 * y + x);
       const std::uint16_t depth = test::pattern16(7, place, 4);
-      ASSERT_EQ(frame->depth.at(x, y), test::fit_depth_of(depth));
-      ASSERT_EQ(frame->width.at(x, y), test::fit_width_of(depth, test::pattern16(7, place, 1)));
+      ASSERT_EQ(frame->depth.at(x, y), test::quantised_depth_of(depth));
+      ASSERT_EQ(frame->interval_width.at(x, y),
+                test::quantised_width_of(depth, test::pattern16(7, place, 1)));
     }
   }
   EXPECT_EQ(judge(*frame).wrong, 2 * kMapPixels - 2 * 48);  // all others: one of 32 is a multiple
@@ -130,7 +131,7 @@ TEST(Streams, TheCloudIsThatOfItsFrame) {
       EXPECT_FLOAT_EQ(metres.x, static_cast<float>(point.x_mm) / 1000);
       EXPECT_FLOAT_EQ(metres.y, static_cast<float>(point.y_mm) / 1000);
       EXPECT_FLOAT_EQ(metres.z, static_cast<float>(point.depth) / 4000);
-      EXPECT_FLOAT_EQ(metres.z_width, static_cast<float>(point.width) / 4000);
+      EXPECT_FLOAT_EQ(metres.z_width, static_cast<float>(point.interval_width) / 4000);
     }
   }
 }

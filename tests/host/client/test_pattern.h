@@ -46,12 +46,13 @@ inline wire::StreamChoice every_stream(wire::Coding coding, bool parity, int clo
   return choice;
 }
 
-// What kFit makes of pixels as above: their widths are 1,000 and more, which gives steps of 32.
-constexpr dsp::QuarterMm fit_depth_of(dsp::QuarterMm depth) noexcept {
+// What kQuantised makes of pixels as above: their widths are 1,000 and more, which gives steps
+// of 32.
+constexpr dsp::QuarterMm quantised_depth_of(dsp::QuarterMm depth) noexcept {
   return static_cast<dsp::QuarterMm>((depth + 16) / 32 * 32);
 }
-constexpr dsp::QuarterMm fit_width_of(dsp::QuarterMm depth, dsp::QuarterMm width) noexcept {
-  const int moved = std::abs(fit_depth_of(depth) - depth);
+constexpr dsp::QuarterMm quantised_width_of(dsp::QuarterMm depth, dsp::QuarterMm width) noexcept {
+  const int moved = std::abs(quantised_depth_of(depth) - depth);
   return static_cast<dsp::QuarterMm>((width + 2 * moved + 31) / 32 * 32);
 }
 
@@ -101,8 +102,8 @@ class PatternFrame {
   }
 
   // All streams in the order of their numbers, each as docs/WIRE.md says that it travels when raw;
-  // or depth and width as they are after kFit.
-  std::vector<std::byte> bytes(bool fit = false) const {
+  // or depth and width as they are after kQuantised.
+  std::vector<std::byte> bytes(bool quantised = false) const {
     std::vector<std::byte> out;
     const auto add8 = [&out](unsigned value) { out.push_back(static_cast<std::byte>(value)); };
     const auto add16 = [&add8](unsigned value) {
@@ -110,10 +111,10 @@ class PatternFrame {
       add8(value / 256 % 256);
     };
     for (const dsp::QuarterMm depth : depth_) {
-      add16(fit ? fit_depth_of(depth) : depth);
+      add16(quantised ? quantised_depth_of(depth) : depth);
     }
     for (std::size_t i = 0; i < width_.size(); ++i) {
-      add16(fit ? fit_width_of(depth_[i], width_[i]) : width_[i]);
+      add16(quantised ? quantised_width_of(depth_[i], width_[i]) : width_[i]);
     }
     for (std::size_t i = 0; i < source_.size(); ++i) {
       add8(static_cast<unsigned>(source_[i]) + 16 * static_cast<unsigned>(cause_[i]));
@@ -131,7 +132,7 @@ class PatternFrame {
         add16(static_cast<std::uint16_t>(one.x_mm));
         add16(static_cast<std::uint16_t>(one.y_mm));
         add16(one.depth);
-        add16(one.width);
+        add16(one.interval_width);
       }
     }
     return out;
@@ -152,7 +153,7 @@ class PatternFrame {
           point = {.x_mm = wire::point_mm(x, depth_[at], 65536, 0),
                    .y_mm = wire::point_mm(y, depth_[at], 65536, 0),
                    .depth = depth_[at],
-                   .width = width_[at]};
+                   .interval_width = width_[at]};
         }
       }
     }
@@ -225,7 +226,7 @@ inline Judgement judge(const client::Frame& frame, std::uint32_t n) {
   Judgement all =
       judge(frame, Stream::kDepth, frame.depth, dsp::kNoDepth,
             [n](std::size_t i) { return pattern16(n, i, 4); }) +
-      judge(frame, Stream::kWidth, frame.width, dsp::QuarterMm{0},
+      judge(frame, Stream::kWidth, frame.interval_width, dsp::QuarterMm{0},
             [n](std::size_t i) { return pattern16(n, i, 1); }) +
       judge(frame, Stream::kSource, frame.source, dsp::Source::kNone,
             [n](std::size_t i) { return static_cast<dsp::Source>(pattern8(n, i, 0) % 16); }) +

@@ -15,7 +15,7 @@ namespace dns = wire::dns;
 std::vector<std::byte> announcement(const char* serial, std::uint16_t port = 7560) {
   wire::Announce announce{.port = port, .subscribers = 1, .most_subscribers = 4};
   std::ranges::copy(std::string_view(serial), announce.serial.begin());
-  announce.rate_mhz = 30'000;
+  announce.rate_millihertz = 30'000;
   wire::DatagramBuffer buffer;
   wire::encode_announce(announce, wire::payload_space(buffer).first<wire::kAnnounceBytes>());
   const auto packet = wire::seal_packet({.type = wire::PacketType::kAnnounce,
@@ -54,22 +54,22 @@ TEST(FoundSensors, KnowsASensorByEveryWayAsOne) {
   found.take_mdns(mdns_answer(), "fe80::1%eth0");
   EXPECT_TRUE(found.take_silent().empty());
   EXPECT_FALSE(found.sorted()[0].health);
-  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.2", Way::kBeacon));
-  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.3", Way::kDirect));
-  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.4", Way::kBeacon));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.2", DiscoveryMethod::kBeacon));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.3", DiscoveryMethod::kDirect));
+  EXPECT_TRUE(found.take_packet(announcement("A17"), "192.0.2.4", DiscoveryMethod::kBeacon));
   const auto sensors = found.sorted();
   ASSERT_EQ(sensors.size(), 1U);
-  EXPECT_EQ(sensors[0].endpoint(), "192.0.2.3:7560");  // of the surest way
+  EXPECT_EQ(sensors[0].endpoint(), "192.0.2.3:7560");  // of the surest method
   EXPECT_EQ(sensors[0].health, wire::Health::kFault);
-  EXPECT_EQ(sensors[0].rate_mhz, 30'000U);
-  EXPECT_EQ(sensors[0].ways, (std::array{true, true, true}));
+  EXPECT_EQ(sensors[0].rate_millihertz, 30'000U);
+  EXPECT_EQ(sensors[0].methods, (std::array{true, true, true}));
 }
 
 TEST(FoundSensors, TellsSensorsApart) {
   FoundSensors found;
   for (const auto& packet :
        {announcement("B"), announcement("A"), announcement("A", 7570), announcement("A")}) {
-    EXPECT_TRUE(found.take_packet(packet, "192.0.2.2", Way::kBeacon));
+    EXPECT_TRUE(found.take_packet(packet, "192.0.2.2", DiscoveryMethod::kBeacon));
   }
   const auto sensors = found.sorted();
   ASSERT_EQ(sensors.size(), 3U);
@@ -78,7 +78,7 @@ TEST(FoundSensors, TellsSensorsApart) {
 
 TEST(FoundSensors, KeepsATerminalSafe) {
   FoundSensors found;
-  EXPECT_TRUE(found.take_packet(announcement("\x1b[2J\n"), "192.0.2.2", Way::kBeacon));
+  EXPECT_TRUE(found.take_packet(announcement("\x1b[2J\n"), "192.0.2.2", DiscoveryMethod::kBeacon));
   EXPECT_EQ(found.sorted()[0].serial, "?[2J?");
 }
 
@@ -92,7 +92,7 @@ TEST(FoundSensors, BearsAnyBytes) {
     bytes.resize(static_cast<std::size_t>(random.between(0, static_cast<int>(bytes.size()))));
     found.take_mdns(bytes, "192.0.2.2");
     static_cast<void>(found.take_silent());
-    static_cast<void>(found.take_packet(bytes, "192.0.2.2", Way::kBeacon));
+    static_cast<void>(found.take_packet(bytes, "192.0.2.2", DiscoveryMethod::kBeacon));
   }
   EXPECT_LE(found.sorted().size(), 1000U);
 }

@@ -11,7 +11,7 @@
 namespace stof::host {
 namespace {
 
-MatchOptions preset(const std::string& name,
+MatchRequest preset(const std::string& name,
                     std::vector<std::pair<std::string, std::string>> settings = {}) {
   return {.preset = name, .settings = std::move(settings)};
 }

@@ -9,13 +9,13 @@
 namespace stof::host {
 namespace {
 
-MatchOptions with(std::vector<std::pair<std::string, std::string>> settings) {
-  MatchOptions options;
+MatchRequest with(std::vector<std::pair<std::string, std::string>> settings) {
+  MatchRequest options;
   options.settings = std::move(settings);
   return options;
 }
 
-TEST(MatchOptions, BecomeAnIntegerDenseSearchByDefault) {
+TEST(MatchRequest, BecomeAnIntegerDenseSearchByDefault) {
   const std::expected<MatchPlan, dataset::Problem> plan = match_plan({}, 48);
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_EQ(plan->params.min_disparity, 0);
@@ -28,7 +28,7 @@ TEST(MatchOptions, BecomeAnIntegerDenseSearchByDefault) {
   EXPECT_FALSE(plan->annealing);
 }
 
-TEST(MatchOptions, AddWhatWasAskedFor) {
+TEST(MatchRequest, AddWhatWasAskedFor) {
   const auto plan =
       match_plan(with({{"block", "60x20"}, {"lr", "1"}, {"subpixel", "equiangular"}}), 16);
   ASSERT_TRUE(plan) << plan.error().message;
@@ -38,8 +38,8 @@ TEST(MatchOptions, AddWhatWasAskedFor) {
   EXPECT_EQ(plan->params.subpixel, dsp::Subpixel::kEquiangular);
 }
 
-TEST(MatchOptions, ChangeAPreset) {
-  MatchOptions options = with({{"fill", "on"}, {"speckle", "off"}});
+TEST(MatchRequest, ChangeAPreset) {
+  MatchRequest options = with({{"fill", "on"}, {"speckle", "off"}});
   options.preset = "quality";
   const auto plan = match_plan(options, 64);
   ASSERT_TRUE(plan) << plan.error().message;
@@ -48,7 +48,7 @@ TEST(MatchOptions, ChangeAPreset) {
   EXPECT_FALSE(plan->params.speckle_pixels);
 }
 
-TEST(MatchOptions, RefuseEveryImpossibleBlock) {
+TEST(MatchRequest, RefuseEveryImpossibleBlock) {
   for (const char* block : {"", "x", "16", "16x", "x16", "0x16", "16x0", "65x16", "16x65", "-1x16",
                             "16x16x16", "16 x16", "16X16", "1e1x16", "99999999999x16", "+1x1"}) {
     const auto plan = match_plan(with({{"block", block}}), 16);
@@ -58,19 +58,19 @@ TEST(MatchOptions, RefuseEveryImpossibleBlock) {
   }
 }
 
-TEST(MatchOptions, RefuseWhatIsUnknownOrDoesNotGoTogether) {
+TEST(MatchRequest, RefuseWhatIsUnknownOrDoesNotGoTogether) {
   EXPECT_FALSE(match_plan(with({{"method", "bm"}}), 16));
   EXPECT_FALSE(match_plan(with({{"shape", "region"}, {"method", "sgm"}}), 16));
   EXPECT_FALSE(match_plan(with({{"interest", "maxima"}, {"prefilter", "off"}}), 16));
-  MatchOptions options;
+  MatchRequest options;
   options.preset = "best";
   EXPECT_FALSE(match_plan(options, 16));
 }
 
-TEST(MatchOptions, TakeOneThreadUnlessTheySayMore) {
+TEST(MatchRequest, TakeOneThreadUnlessTheySayMore) {
   EXPECT_EQ(match_plan({}, 16)->threads, 1);
   for (const int threads : {-1, 0, 9}) {
-    MatchOptions options;
+    MatchRequest options;
     options.threads = threads;
     const auto plan = match_plan(options, 16);
     ASSERT_FALSE(plan);
@@ -81,7 +81,7 @@ TEST(MatchOptions, TakeOneThreadUnlessTheySayMore) {
 TEST(MatchScene, IsTheSameForAnyNumberOfThreads) {
   const dataset::StereoScene scene = test::shifted_scene();
   for (const char* const name : {"fast", "quality", "chapter"}) {
-    MatchOptions options = with({{"fill", "on"}});
+    MatchRequest options = with({{"fill", "on"}});
     options.preset = name;
     const MatchResult alone = *match_scene(scene, *match_plan(options, scene.ndisp));
     for (options.threads = 2; options.threads <= dsp::ThreadTeam::kMost; ++options.threads) {

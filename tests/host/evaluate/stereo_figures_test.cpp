@@ -24,15 +24,15 @@ using Share = std::optional<double> DisparityScore::*;
 constexpr std::array<const char*, 4> kScenes{"Cones", "Teddy", "Tsukuba", "Venus"};
 using Percents = std::array<double, kScenes.size()>;
 
-MatchOptions method(Settings settings) {
+MatchRequest method(Settings settings) {
   return {.preset = "", .settings = std::move(settings), .runs = 1};
 }
 
-MatchOptions preset(const std::string& name, Settings settings = {}) {
+MatchRequest preset(const std::string& name, Settings settings = {}) {
   return {.preset = name, .settings = std::move(settings), .runs = 1};
 }
 
-MatchResult match(const StereoScene& scene, const MatchOptions& options) {
+MatchResult match(const StereoScene& scene, const MatchRequest& options) {
   const std::expected<MatchPlan, dataset::Problem> plan = match_plan(options, scene.ndisp);
   if (!plan) {
     ADD_FAILURE() << plan.error().message;
@@ -46,7 +46,7 @@ MatchResult match(const StereoScene& scene, const MatchOptions& options) {
   return *std::move(result);
 }
 
-DisparityScore score(const StereoScene& scene, const MatchOptions& options) {
+DisparityScore score(const StereoScene& scene, const MatchRequest& options) {
   const MatchResult result = match(scene, options);
   return score_disparity(to_pixels(result.disparity.view()), scene, 1);
 }
@@ -92,7 +92,7 @@ class StereoFigures : public test::RecordedScenes {
 
   const StereoScene& tsukuba() const { return scenes_[2]; }
 
-  void expect_at_most(const Percents& limits, const MatchOptions& options, Share share) const {
+  void expect_at_most(const Percents& limits, const MatchRequest& options, Share share) const {
     std::printf("%s:", describe(options).c_str());
     for (std::size_t i = 0; i < kScenes.size(); ++i) {
       const double measured = percent(score(scenes_[i], options).*share);
@@ -102,7 +102,7 @@ class StereoFigures : public test::RecordedScenes {
     std::printf("\n");
   }
 
-  void expect_density(double at_least, const MatchOptions& options,
+  void expect_density(double at_least, const MatchRequest& options,
                       std::span<const std::size_t> scenes) const {
     std::printf("%s, density:", describe(options).c_str());
     for (const std::size_t i : scenes) {
@@ -114,7 +114,7 @@ class StereoFigures : public test::RecordedScenes {
   }
 
   // By how much the bad share of what both cameras see rises when the right picture darkens.
-  void expect_rise_at_most(double limit, const MatchOptions& options) const {
+  void expect_rise_at_most(double limit, const MatchRequest& options) const {
     std::printf("%s, darkened:", describe(options).c_str());
     for (const StereoScene& scene : scenes_) {
       const double rise =
@@ -195,7 +195,7 @@ TEST_F(StereoFigures, ChaptersReadingOfBadPixelsStandsBesideTheUsualOne) {
 }
 
 TEST_F(StereoFigures, AnnealingEndsNotAboveScanlineOptimisation) {
-  MatchOptions scanline = method({{"method", "so"}});
+  MatchRequest scanline = method({{"method", "so"}});
   scanline.energy = true;
   const std::optional<std::uint64_t> rows = match(tsukuba(), scanline).energy;
   const std::optional<std::uint64_t> annealed = match(tsukuba(), method({{"method", "sa"}})).energy;
@@ -209,7 +209,7 @@ TEST_F(StereoFigures, AnnealingRepeatsItselfForASeedAndBeatsHillClimbing) {
   StereoScene part = tsukuba();
   part.left = upper_left(part.left, 160, 100);
   part.right = upper_left(part.right, 160, 100);
-  MatchOptions options = method({{"method", "sa"}});
+  MatchRequest options = method({{"method", "sa"}});
   options.seed = 7;
   const MatchResult first = match(part, options);
   const MatchResult second = match(part, options);
@@ -220,7 +220,7 @@ TEST_F(StereoFigures, AnnealingRepeatsItselfForASeedAndBeatsHillClimbing) {
   const MatchResult climbed = match(part, options);
   ASSERT_TRUE(first.energy && climbed.energy);
   EXPECT_LT(*first.energy, *climbed.energy);
-  MatchOptions start = method({{"block", "5x5"}});
+  MatchRequest start = method({{"block", "5x5"}});
   start.energy = true;
   EXPECT_LT(*climbed.energy, match(part, start).energy);
 }
@@ -286,7 +286,7 @@ StereoScene noise(int width, int height, int disparities) {
   return scene;
 }
 
-void expect_sound(const StereoScene& scene, const MatchOptions& options) {
+void expect_sound(const StereoScene& scene, const MatchRequest& options) {
   const MatchResult result = match(scene, options);
   ASSERT_EQ(result.disparity.width, scene.left.width);
   ASSERT_EQ(result.disparity.height, scene.left.height);

@@ -71,7 +71,7 @@ TEST(Lib, GivesEveryStreamOfAFrame) {
   EXPECT_EQ(frame->exposure_middle(), 5ms);
   const stof_frame& c = frame->c();
   for (const stof_plane* const plane :
-       {&c.depth, &c.width, &c.source, &c.cause, &c.disparity, &c.left, &c.right}) {
+       {&c.depth, &c.interval_width, &c.source, &c.cause, &c.disparity, &c.left, &c.right}) {
     EXPECT_EQ(plane->width, 64U);
     EXPECT_EQ(plane->height, 48U);
     EXPECT_EQ(plane->stride, 64 * plane->pixel_bytes);
@@ -141,7 +141,7 @@ TEST(Lib, MarksWhatDidNotArrive) {
   EXPECT_EQ(frame->depth().missing(), 300U);
   EXPECT_FALSE(frame->depth().arrived(0, 0));
   EXPECT_TRUE(frame->depth().arrived(0, 1));
-  EXPECT_TRUE(frame->width().arrived(0, 0));
+  EXPECT_TRUE(frame->interval_width().arrived(0, 0));
 }
 
 TEST(Lib, CallsBackOnAThreadOfItsOwn) {
@@ -187,7 +187,7 @@ TEST(Lib, TellsHealthAndEvents) {
   EXPECT_FALSE(client.health());
   std::array<std::byte, stof::wire::kHealthReportBytes> health{};
   stof::wire::encode_health_report(
-      {.uptime_ms = 5000, .active = 4, .rate_mhz = 29'500, .latency_us = 40'000}, health);
+      {.uptime_ms = 5000, .active = 4, .rate_millihertz = 29'500, .latency_us = 40'000}, health);
   std::array<std::byte, stof::wire::kEventReportBytes> event{};
   stof::wire::encode_event_report({.sequence = 3,
                                    .condition = 2,

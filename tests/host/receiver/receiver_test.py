@@ -10,6 +10,7 @@ import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 sys.path[:0] = [str(ROOT / "tests/host/receiver"), str(ROOT / "scripts")]
+import packets  # noqa: E402
 import receiver  # noqa: E402
 from wire import samples  # noqa: E402
 
@@ -65,24 +66,24 @@ class ReceiverTest(unittest.TestCase):
         self.assertIn("frame 7 4x2 packets 4/4 crc", raw[0])
 
     def test_every_stream_of_every_codec_is_placed(self):
-        kinds = [(stream, codec) for stream, (_, _, codecs) in receiver.STREAMS.items() for codec in codecs]
+        kinds = [(stream, codec) for stream, (_, _, codecs) in packets.STREAMS.items() for codec in codecs]
         for stream, codec in kinds:
             with self.subTest(stream=stream, codec=codec):
-                size = receiver.STREAMS[stream][1]
+                size = packets.STREAMS[stream][1]
                 pixels = bytes(random.Random(stream).randrange(256) for _ in range(8 * size))
                 payload = pixels
-                if codec in (receiver.RVL16, receiver.RVL8):
+                if codec in (packets.RVL16, packets.RVL8):
                     payload = samples.rvl(struct.unpack(f"<8{'H' if size == 2 else 'B'}", pixels), 8 * size)
                 frames = receiver.Receiver().push(samples.tile(stream, codec, payload, 0, 1))
                 self.assertEqual(bytes(frames[0].images[stream][2]), pixels)
 
     def test_depth_and_width_have_a_scale_and_nothing_else_has(self):
-        for stream, (_, size, codecs) in receiver.STREAMS.items():
+        for stream, (_, size, codecs) in packets.STREAMS.items():
             for codec in codecs:
                 with self.subTest(stream=stream, codec=codec):
                     values = [0, 1, 2, 3, 0, 100, 2047, 7] if size == 2 else [1] * 8
                     payload = struct.pack("<8H", *values) if size == 2 else bytes(8 * size)
-                    if codec in (receiver.RVL16, receiver.RVL8):
+                    if codec in (packets.RVL16, packets.RVL8):
                         payload = samples.rvl(values, 8 * size)
                     taker = receiver.Receiver()
                     frames = taker.push(samples.tile(stream, codec, payload, 0, 1, flags=0xA5))
@@ -107,7 +108,7 @@ class ReceiverTest(unittest.TestCase):
                 coded = samples.rvl(values, bits)
                 self.assertEqual(names["rvl"](coded, len(values), bits), values)
                 packed = struct.pack(f"<{len(values)}{'H' if bits == 16 else 'B'}", *values)
-                self.assertEqual(receiver.rvl(coded, len(values), bits // 8), packed)
+                self.assertEqual(packets.rvl(coded, len(values), bits // 8), packed)
 
     def test_rvl_that_is_not_the_code_of_the_tile_is_refused(self):
         good = samples.rvl(samples.DEPTH, 16)
@@ -115,8 +116,8 @@ class ReceiverTest(unittest.TestCase):
                    "without end": b"\xff" * 12, "run too long": samples.rvl([0] * 9, 16),
                    "two empty runs": struct.pack("<I", 0x00080000), "no fill": struct.pack("<I", 0x80000001)}
         for what, payload in hostile.items():
-            with self.subTest(what), self.assertRaises(receiver.Refused):
-                receiver.rvl(payload, 8, 2)
+            with self.subTest(what), self.assertRaises(packets.Refused):
+                packets.rvl(payload, 8, 2)
 
     def test_each_lost_packet_comes_back_from_parity(self):
         parts = with_parity(long_frame())
@@ -157,7 +158,7 @@ class ReceiverTest(unittest.TestCase):
         event = wire.EventReport(sequence=5, condition=wire.Condition.LINK_FULL, severity=2, reaction=2, active=1, count=3, value=9)
         for _ in range(2):
             taker.push(samples.seal(wire.PacketType.EVENT, event.pack()))
-        health = wire.HealthReport(uptime_ms=10, active=1 << 7, severity=2, reaction=2, subscribers=1, rate_mhz=29970)
+        health = wire.HealthReport(uptime_ms=10, active=1 << 7, severity=2, reaction=2, subscribers=1, rate_millihertz=29970)
         taker.push(samples.seal(wire.PacketType.HEALTH, health.pack()))
         health.uptime_ms = 9
         taker.push(samples.seal(wire.PacketType.HEALTH, health.pack()))

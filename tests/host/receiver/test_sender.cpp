@@ -56,7 +56,7 @@ std::vector<Datagram> lossy(std::vector<Datagram> packets, std::uint16_t parts, 
 
 bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
   const FrameSpec spec{.number = kFirstNumber + frame, .freshness = 1 + frame};
-  constexpr std::array kCodings{wire::Coding::kRvl, wire::Coding::kRaw, wire::Coding::kFit};
+  constexpr std::array kCodings{wire::Coding::kRvl, wire::Coding::kRaw, wire::Coding::kQuantised};
   const wire::Coding coding = kCodings[frame % kCodings.size()];
   std::vector<Datagram> packets =
       pattern_datagrams(spec, kSizes, every_stream(coding, true, kSizes.cloud_step));
@@ -71,9 +71,10 @@ bool send_frame(LoopbackSender& sender, std::uint32_t frame) {
       return false;
     }
   }
-  std::printf("frame %u %dx%d packets %u/%u recovered 1 crc %08x\n", spec.number, kSizes.width,
-              kSizes.height, unsigned{parts}, unsigned{parts},
-              wire::crc32c(PatternFrame(spec.number, kSizes).bytes(coding == wire::Coding::kFit)));
+  std::printf(
+      "frame %u %dx%d packets %u/%u recovered 1 crc %08x\n", spec.number, kSizes.width,
+      kSizes.height, unsigned{parts}, unsigned{parts},
+      wire::crc32c(PatternFrame(spec.number, kSizes).bytes(coding == wire::Coding::kQuantised)));
   std::fflush(stdout);
   return std::getchar() != EOF;
 }

@@ -152,7 +152,7 @@ TEST(PatchStrips, SearchingAQuarterIsEverySecondPixelOfSearchingAll) {
       using Map = test::GuardedImage<std::int16_t>;
       Map all(width, kRows, width), quarter((width + 1) / 2, kRows / 2, (width + 1) / 2);
       const std::vector<std::int16_t> candidates{0, 1, 2, 5, 6, 13, 20};
-      for (int t = 0; t < lab::PatchStrips::patchs(width); ++t) {
+      for (int t = 0; t < lab::PatchStrips::patches(width); ++t) {
         strips.search({0, kRows}, t, candidates, {all.view(), {}});
         strips.search_quarter({0, 4}, t, candidates, quarter.view());
         strips.search_quarter({4, kRows}, t, candidates, quarter.view());
@@ -189,14 +189,14 @@ TEST(PatchStrips, SearchingEverythingIsWhatPatchSearchFinds) {
         all[i] = static_cast<std::int16_t>(i);
       }
       run.template operator()<lab::PatchStrips>([&](lab::PatchStrips& strips) {
-        for (int t = 0; t < lab::PatchStrips::patchs(width); ++t) {
+        for (int t = 0; t < lab::PatchStrips::patches(width); ++t) {
           strips.search({0, kRows}, t, all, {found.view(), met.view()});
         }
       });
       using Plain = lab::PatchSearch<std::uint16_t>;
       run.template operator()<Plain>([&](Plain& search) {
         const std::vector<lab::CandidateRange> ranges(
-            static_cast<std::size_t>(Plain::patchs(width)), lab::CandidateRange{0, 48});
+            static_cast<std::size_t>(Plain::patches(width)), lab::CandidateRange{0, 48});
         search.search({0, kRows}, ranges, {expected.view(), expected_met.view()});
       });
       for (int y = 0; y < kRows; ++y) {

@@ -17,8 +17,8 @@ namespace stof::dsp {
 inline constexpr std::int8_t kDimmed = 2;   // within some slope, and amplitude at most doubles
 inline constexpr std::int8_t kBlurred = 3;  // their noise hides any edge
 inline constexpr std::int8_t kBroken = 4;
-using Link = std::int8_t;
-constexpr bool goes_on(Link link) noexcept { return link < kDimmed; }
+using SurfaceLink = std::int8_t;
+constexpr bool goes_on(SurfaceLink link) noexcept { return link < kDimmed; }
 
 // Pixels around a pixel that see the same surface: those in the rows which its column reaches
 // without a break, as far as these reach without one, up to kArm pixels each way. Counted by what
@@ -34,17 +34,17 @@ class SurfaceVotes {
 
   // To be filled for every row: links of its pixels to the right and to the row below; kBroken in
   // the last column, the last row.
-  std::span<Link> right_row(int y) const noexcept { return row_of(right_, y); }
-  std::span<Link> below_row(int y) const noexcept { return row_of(below_, y); }
-  Link right(std::size_t pixel) const noexcept { return right_[pixel]; }
-  Link below(std::size_t pixel) const noexcept { return below_[pixel]; }
+  std::span<SurfaceLink> right_row(int y) const noexcept { return row_of(right_, y); }
+  std::span<SurfaceLink> below_row(int y) const noexcept { return row_of(below_, y); }
+  SurfaceLink right(std::size_t pixel) const noexcept { return right_[pixel]; }
+  SurfaceLink below(std::size_t pixel) const noexcept { return below_[pixel]; }
 
   // After all rows: sums up votes for wrap counts 0 .. wrap_counts - 1, below 0 = none.
   void sum(std::span<const std::int8_t> votes, int wrap_counts) noexcept;
   Counts around(int x, int y) const noexcept;
 
  private:
-  std::span<Link> row_of(std::span<Link> links, int y) const noexcept {
+  std::span<SurfaceLink> row_of(std::span<SurfaceLink> links, int y) const noexcept {
     const std::size_t row = index(width_);
     return links.subspan(index(y) * row, row);
   }
@@ -53,8 +53,8 @@ class SurfaceVotes {
 
   int width_;
   int height_;
-  std::span<Link> right_;
-  std::span<Link> below_;
+  std::span<SurfaceLink> right_;
+  std::span<SurfaceLink> below_;
   std::span<std::uint8_t> left_arm_;
   std::span<std::uint8_t> right_arm_;
   std::span<std::uint8_t> upper_arm_;

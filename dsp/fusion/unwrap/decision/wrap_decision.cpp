@@ -17,7 +17,8 @@ constexpr int kClear = 8;
 // How each reading goes on in the one opposite. Without branches, in 32 bits, so that compilers
 // make vectors of it.
 void link_row(std::span<const Reading> from, std::span<const Reading> to,
-              std::span<const std::int32_t> slants, int turn, std::span<Link> links) noexcept {
+              std::span<const std::int32_t> slants, int turn,
+              std::span<SurfaceLink> links) noexcept {
   constexpr std::int32_t kMostAmplitude = 1 << 21;
   constexpr int kMostSigma = 4095;  // beyond it all is blurred
   const int turn_q16 = (256 << 16) / turn;
@@ -41,7 +42,7 @@ void link_row(std::span<const Reading> from, std::span<const Reading> to,
     link = noise > turn / kClear ? int{kBlurred} : link;
     link = from[i].distance == kNoDepth ? int{kBroken} : link;
     link = to[i].distance == kNoDepth ? int{kBroken} : link;
-    links[i] = static_cast<Link>(link);
+    links[i] = static_cast<SurfaceLink>(link);
   }
 }
 
@@ -64,8 +65,8 @@ void WrapDecision::link_all(const WrapMaps& maps) noexcept {
       const int wraps = std::max<int>(maps.vote[first + x], 0);
       slants_[x] = static_cast<std::int32_t>(maps.distance(first + x, wraps) / slant_divisor_);
     }
-    const std::span<Link> right = surfaces_.right_row(y);
-    const std::span<Link> below = surfaces_.below_row(y);
+    const std::span<SurfaceLink> right = surfaces_.right_row(y);
+    const std::span<SurfaceLink> below = surfaces_.below_row(y);
     link_row(readings.subspan(first, row - 1), readings.subspan(first + 1, row - 1), slants_,
              static_cast<int>(maps.range), right);
     right.back() = kBroken;
@@ -143,16 +144,16 @@ void WrapDecision::join_regions(const WrapMaps& maps) noexcept {
   regions_.clear();
   const std::size_t all = maps.pixels();
   const std::size_t row = index(maps.width);
-  const auto join = [&](std::size_t a, std::size_t b, Link link) {
+  const auto join = [&](std::size_t a, std::size_t b, SurfaceLink link) {
     if (maps.wraps[a] == kUnknownWraps || maps.wraps[b] == kUnknownWraps) {
       regions_.unite(a, b, link);
     }
   };
   for (std::size_t i = 0; i < all; ++i) {
-    if (const Link right = surfaces_.right(i); goes_on(right)) {
+    if (const SurfaceLink right = surfaces_.right(i); goes_on(right)) {
       join(i, i + 1, right);
     }
-    if (const Link below = surfaces_.below(i); goes_on(below)) {
+    if (const SurfaceLink below = surfaces_.below(i); goes_on(below)) {
       join(i, i + row, below);
     }
   }
@@ -204,14 +205,14 @@ bool WrapDecision::may_be_mixed(const WrapMaps& maps, int x, int y) const noexce
   if (!open_left && !open_right && !open_above && !open_below) {
     return false;
   }
-  const Link worst = maps.seen[i] ? kDimmed : Link{1};
-  const auto torn = [&](bool open_here, Link here, bool open_there, Link there) {
+  const SurfaceLink worst = maps.seen[i] ? kDimmed : SurfaceLink{1};
+  const auto torn = [&](bool open_here, SurfaceLink here, bool open_there, SurfaceLink there) {
     return open_here && here != kBlurred && (there > worst || open_there);
   };
-  const Link left = x > 0 ? surfaces_.right(i - 1) : kBroken;
-  const Link above = y > 0 ? surfaces_.below(i - row) : kBroken;
-  const Link right = surfaces_.right(i);
-  const Link below = surfaces_.below(i);
+  const SurfaceLink left = x > 0 ? surfaces_.right(i - 1) : kBroken;
+  const SurfaceLink above = y > 0 ? surfaces_.below(i - row) : kBroken;
+  const SurfaceLink right = surfaces_.right(i);
+  const SurfaceLink below = surfaces_.below(i);
   return torn(open_left, left, open_right, right) || torn(open_right, right, open_left, left) ||
          torn(open_above, above, open_below, below) || torn(open_below, below, open_above, above);
 }

@@ -40,8 +40,7 @@ class WrapDecision {
   DistanceVotes window_;
   SurfaceVotes surfaces_;
   WrapRegions regions_;
-  // A surface that runs away two units for each across gains distance / this from one pixel to the
-  // next.
+  // On a surface of slope 2, distance changes by distance / slant_divisor_ per pixel.
   std::uint32_t slant_divisor_;
   std::span<std::int32_t> slants_;  // of a row
 };

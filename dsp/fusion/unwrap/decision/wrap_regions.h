@@ -40,7 +40,7 @@ class WrapRegions {
 
   std::span<std::int32_t> parent_;
   std::span<std::int16_t> gain_;  // to the parent
-  // Of roots. base_: the wrap count by the proofs; kTwisted: it can have none.
+  // For roots alone. base_: the wrap count by the proofs; kTwisted: it can have none.
   std::span<std::int16_t> base_;
   std::span<std::int32_t> size_;
   std::span<std::int32_t> proofs_;

@@ -31,7 +31,7 @@ class AmplitudeBound {
   // Without white_lsb: learns from readings whose distance is known, and what then is too bright.
   void learn(const Reading& reading, std::uint32_t distance) noexcept;
   bool outshines(const Reading& reading, std::uint32_t distance) const noexcept;
-  // Of the brightest but one in 64 of what was learnt; 0: nothing was.
+  // Sets the bound to the 63/64 quantile of the learnt reflectances; 0 if none.
   void end_learning() noexcept;
 
  private:

@@ -23,7 +23,7 @@ class StereoSamples {
   StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_disparity, int disparities,
                 int width, int height, double footprint, Arena& arena) noexcept;
 
-  // Of the constructor's size, or empty: nothing is known.
+  // disparity: as large as the constructor's size, or empty: nothing is known.
   void take(ImageView<const Disparity> disparity) noexcept;
   const SampleGrid& grid() const noexcept { return grid_; }
 

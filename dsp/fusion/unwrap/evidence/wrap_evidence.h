@@ -20,12 +20,13 @@
 
 namespace stof::dsp {
 
-// What amplitude and stereo say about every reading alone.
+// Evidence of amplitude and stereo about every reading alone.
 class WrapEvidence {
  public:
   // Fewer disparities than that around a place say nothing.
   static constexpr int kLeastKnown = 6;
-  // Of a reading: the last wrap count with five eighths, and how many have more than a quarter.
+  // For a reading: the last wrap count that at least 5/8 of the samples support; how many counts
+  // more than 1/4 support.
   struct Support {
     std::int16_t wraps = kUnknownWraps;
     std::int16_t comparable = 0;

@@ -62,7 +62,7 @@ class Sorter {
 
   void finish() {
     for (const auto& [prefix, pair] : first_frequencies_) {
-      const auto other = std::ranges::find(second_frequencies_, pair, &FrameTables::second);
+      const auto other = std::ranges::find(second_frequencies_, pair, &PrefixWithPair::second);
       if (other == second_frequencies_.end()) {
         out_.notes.push_back(prefix.string() + ": its second frequency is absent; skipped");
         continue;
@@ -88,7 +88,7 @@ class Sorter {
   }
 
  private:
-  using FrameTables = std::pair<fs::path, std::array<double, 2>>;
+  using PrefixWithPair = std::pair<fs::path, std::array<double, 2>>;
 
   std::vector<fs::path>& set_of(PmdKind kind) {
     for (PmdSet& set : out_.sets) {
@@ -104,8 +104,8 @@ class Sorter {
   std::optional<long> camera_;
   bool frame_ = false;
   std::vector<fs::path> patterns_;
-  std::vector<FrameTables> first_frequencies_;
-  std::vector<FrameTables> second_frequencies_;
+  std::vector<PrefixWithPair> first_frequencies_;
+  std::vector<PrefixWithPair> second_frequencies_;
 };
 
 std::expected<void, dataset::Problem> look_into(const fs::path& folder, int levels,

@@ -6,7 +6,7 @@
 
 #include "host/evaluate/pmd/recordings/truth.h"
 
-// What a folder holds of PMD recordings, told from files and json fields.
+// The PMD recordings of a folder, found by files and json fields.
 namespace stof::host {
 
 enum class PmdKind : std::uint8_t {

@@ -14,7 +14,7 @@
 // and the truth beside it, which it never sees.
 namespace stof::host {
 
-// Of PREFIX.json, beyond the constants of the camera.
+// The fields of PREFIX.json beyond the constants of the camera.
 struct PmdSetup {
   std::optional<double> z_m;                  // a wall that faces the camera
   std::optional<double> edge_m;               // x of a board's edge: "x_edge_m"

@@ -140,7 +140,7 @@ typedef struct stof_calibration {
   double doff; /* cx of the right camera less that of the left */
   double k[9]; /* [fx 0 cx; 0 fy cy; 0 0 1], row by row */
   double baseline_m;
-  double depth_unit_m; /* of one step of depth and width */
+  double depth_unit_m; /* of one step of depth and interval_width */
   double max_range_m;
   double period_s;    /* of the trigger */
   uint32_t pmd_width; /* 0: no PMD camera */
@@ -168,7 +168,7 @@ typedef struct stof_cloud_point { /* a pixel of the plane `cloud` */
   int16_t x_mm;
   int16_t y_mm;
   uint16_t depth; /* depth units; 0: no point */
-  uint16_t width;
+  uint16_t interval_width;
 } stof_cloud_point;
 
 typedef struct stof_frame {
@@ -188,8 +188,9 @@ typedef struct stof_frame {
   uint8_t has_info;
   uint8_t has_calibration;
   uint8_t reserved;
-  stof_plane depth;     /* uint16_t, depth units, Z; 0: none */
-  stof_plane width;     /* uint16_t, depth units: the truth lies in depth -+ width / 2 (95 %) */
+  stof_plane depth; /* uint16_t, depth units, Z; 0: none */
+  /* uint16_t, depth units: the truth lies in depth -+ interval_width / 2 (95 %) */
+  stof_plane interval_width;
   stof_plane source;    /* uint8_t, stof_source */
   stof_plane cause;     /* uint8_t, stof_cause */
   stof_plane disparity; /* int16_t, 1/16 pixel, stereo alone; INT16_MIN: none */

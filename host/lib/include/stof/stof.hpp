@@ -70,7 +70,9 @@ class Frame {
   }
 
   Image<std::uint16_t> depth() const noexcept { return Image<std::uint16_t>(c_.depth); }
-  Image<std::uint16_t> width() const noexcept { return Image<std::uint16_t>(c_.width); }
+  Image<std::uint16_t> interval_width() const noexcept {
+    return Image<std::uint16_t>(c_.interval_width);
+  }
   Image<std::uint8_t> source() const noexcept { return Image<std::uint8_t>(c_.source); }
   Image<std::uint8_t> cause() const noexcept { return Image<std::uint8_t>(c_.cause); }
   Image<std::int16_t> disparity() const noexcept { return Image<std::int16_t>(c_.disparity); }

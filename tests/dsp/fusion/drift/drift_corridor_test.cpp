@@ -32,8 +32,8 @@ DriftEstimate watch_corridor(const hal::emu::Misplacement& misplacement) {
   test::GuardedPart<Matcher> matcher(
       [&, w = width, h = height](Arena& arena) { return Matcher(params, w, h, arena); });
   const Calibration& calibration = world.calibration();
-  test::GuardedPart<Converter> converter(
-      [&](Arena& arena) { return Converter(calibration.pmd, arena); });
+  test::GuardedPart<PmdConverter> converter(
+      [&](Arena& arena) { return PmdConverter(calibration.pmd, arena); });
   test::GuardedPart<DriftMonitor> monitor(
       [&](Arena& arena) { return DriftMonitor(calibration, {}, arena); });
 

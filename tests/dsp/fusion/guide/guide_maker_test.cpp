@@ -253,8 +253,8 @@ TEST_F(GuideOnRecordedScenes, HoldsTheTruth) {
       const auto recording = dataset::read_pmd(prefix);
       ASSERT_TRUE(scene && recording) << name << sensor;
       const Calibration& rig = recording->calibration;
-      test::GuardedPart<Converter> converter(
-          [&](Arena& arena) { return Converter(rig.pmd, arena); });
+      test::GuardedPart<PmdConverter> converter(
+          [&](Arena& arena) { return PmdConverter(rig.pmd, arena); });
       Maker maker(rig, {}, scene->left.width, scene->left.height, 0, scene->ndisp);
       const Guide guide = maker(converter->convert(recording->samples(0)));
       int guided = 0;

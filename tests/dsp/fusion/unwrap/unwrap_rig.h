@@ -35,7 +35,7 @@ inline Calibration unwrap_calibration(int pmd_width, int pmd_height) {
   return rig;
 }
 
-// Maps as Converter::measure() leaves them.
+// Maps as PmdConverter::measure() leaves them.
 struct UnwrapMaps {
   UnwrapMaps(int w, int h)
       : distance(elements(w + 2, h)),

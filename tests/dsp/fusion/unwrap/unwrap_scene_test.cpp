@@ -64,19 +64,19 @@ void build_shell(Scene& scene, Draw& draw, double half_width, double height, dou
   const double half_length = (end - kBegin) / 2;
   const Pose sideways = turned(kQuarterTurn);
   const Pose level = turned(0, kQuarterTurn);
-  add(scene, Form::kRectangle, {0, 0, middle}, {half_width, half_length, 0},
+  add(scene, Shape::kRectangle, {0, 0, middle}, {half_width, half_length, 0},
       random_material(draw, 0.15, 9), level);
-  add(scene, Form::kRectangle, {0, -height, middle}, {half_width, half_length, 0},
+  add(scene, Shape::kRectangle, {0, -height, middle}, {half_width, half_length, 0},
       random_material(draw, 0.6, 9), level);
   for (const double side : {-half_width, half_width}) {
-    add(scene, Form::kRectangle, {side, -height / 2, middle}, {half_length, height / 2, 0},
+    add(scene, Shape::kRectangle, {side, -height / 2, middle}, {half_length, height / 2, 0},
         random_material(draw, 0.15, 9), sideways);
   }
-  add(scene, Form::kRectangle, {0, -height / 2, end}, {half_width, height / 2, 0},
+  add(scene, Shape::kRectangle, {0, -height / 2, end}, {half_width, height / 2, 0},
       random_material(draw, 0.1, end));
 }
 
-void build_things(Scene& scene, Draw& draw, double half_width, double height, double end) {
+void build_objects(Scene& scene, Draw& draw, double half_width, double height, double end) {
   const int count = 8 + static_cast<int>(draw.between(0, 10));
   for (int i = 0; i < count; ++i) {
     const double z = draw.between(2.4, end - 0.5);
@@ -85,11 +85,11 @@ void build_things(Scene& scene, Draw& draw, double half_width, double height, do
     const double wide = size * draw.between(0.5, 1.3);
     const Vec3 half{wide, size * draw.between(0.6, 1.6), size * draw.between(0.4, 1)};
     const double y = draw.chance(0.6) ? -half.y : -draw.between(0.3, height - 0.3);
-    constexpr std::array<Form, 4> kForms{Form::kBox, Form::kCylinder, Form::kEllipsoid,
-                                         Form::kRectangle};
-    const Form form = kForms[static_cast<std::size_t>(draw.between(0, 3.99))];
+    constexpr std::array<Shape, 4> kShapes{Shape::kBox, Shape::kCylinder, Shape::kEllipsoid,
+                                           Shape::kRectangle};
+    const Shape shape = kShapes[static_cast<std::size_t>(draw.between(0, 3.99))];
     const Material material = random_material(draw, 0.25, z);
-    add(scene, form, {x, y, z}, half, material, turned(draw.between(-0.3, 0.3)));
+    add(scene, shape, {x, y, z}, half, material, turned(draw.between(-0.3, 0.3)));
   }
 }
 
@@ -100,7 +100,7 @@ Scene random_hall(Draw& draw) {
   const double end = draw.between(9, 13.9);
   scene.ambient = 0.4;
   build_shell(scene, draw, half_width, height, end);
-  build_things(scene, draw, half_width, height, end);
+  build_objects(scene, draw, half_width, height, end);
   for (const double z : {0.5, 4.0, 7.5, 11.0}) {
     scene.lights.push_back({.position = {0, -height + 0.3, z}, .power = 2.2});
   }
@@ -155,8 +155,8 @@ class TruthOfPmd {
       : scene_(scene),
         rig_(rig),
         disparity_(disparity),
-        pmd_(scene, rig.head * true_pmd_pose(rig)),
-        left_(scene, rig.head) {}
+        pmd_(scene, rig.left_camera_pose * true_pmd_pose(rig)),
+        left_(scene, rig.left_camera_pose) {}
 
   Truth at(int x, int y) const {
     const Vec3 ray = undistorted_ray(rig_.pmd_lens, x, y);
@@ -172,7 +172,7 @@ class TruthOfPmd {
         farthest = std::max(farthest, other);
       }
     }
-    const Material& material = scene_.things[static_cast<std::size_t>(hit.thing)].material;
+    const Material& material = scene_.objects[static_cast<std::size_t>(hit.object)].material;
     const bool textured = material.texture == Texture::kNoise;
     return {metres, nearest, farthest,
             textured && farthest - nearest < 0.3 * metres && matched(hit.point)};
@@ -182,7 +182,7 @@ class TruthOfPmd {
   // Within a pixel.
   bool matched(const Vec3& point) const {
     const dsp::Pinhole& lens = rig_.stereo.left;
-    const Vec3 p = rig_.head.undo(point);
+    const Vec3 p = rig_.left_camera_pose.undo(point);
     const double u = std::floor(lens.fx * p.x / p.z + lens.cx + 0.5);
     const double v = std::floor(lens.fy * p.y / p.z + lens.cy + 0.5);
     if (!(u >= 0 && u < lens.width && v >= 0 && v < lens.height) ||
@@ -249,8 +249,8 @@ Count run(const Scene& scene, const Rig& rig, std::string_view preset) {
   const dsp::FusionParams fusion{.max_range = 64000};
   test::GuardedPart<dsp::Matcher> matcher(
       [&](dsp::Arena& own) { return dsp::Matcher(match, size.width, size.height, own); });
-  test::GuardedPart<dsp::Converter> converter(
-      [&](dsp::Arena& own) { return dsp::Converter(calibration.pmd, own); });
+  test::GuardedPart<dsp::PmdConverter> converter(
+      [&](dsp::Arena& own) { return dsp::PmdConverter(calibration.pmd, own); });
   test::GuardedPart<dsp::Unwrapper> unwrapper([&](dsp::Arena& own) {
     return dsp::Unwrapper(calibration, fusion, 0, match.disparities, size.width, size.height, own);
   });

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "dsp/pmd/pmd_maps.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 #include "tests/support/kernel_check.h"
 
 namespace stof::dsp {

@@ -23,8 +23,8 @@ namespace {
 std::filesystem::path recordings() { return test::recorded_scenes() / "tof" / "sim"; }
 
 // A whole frame of one frequency, as one row.
-struct FrameTables {
-  explicit FrameTables(std::size_t n)
+struct FrequencyRow {
+  explicit FrequencyRow(std::size_t n)
       : phase(n), corrected(n), amp2(n), offset(n), sigma(n), ratio(n), flags(n) {}
 
   void measure(const PmdSensor& sensor, const PmdFrequency& frequency,
@@ -74,7 +74,7 @@ Count count_of(const char* name, double min_ratio) {
       make_frequency_pair(sensor.frequency.modulation, sensor.second->modulation);
   const double turn_m = 299792458.0 / 2 / sensor.frequency.modulation.value;
   const std::size_t n = truth->pixels.size();
-  FrameTables first(n), second(n);
+  FrequencyRow first(n), second(n);
   std::vector<std::uint32_t> distance(n);
   for (std::size_t k = 0; k < recording->frames.size(); ++k) {
     first.measure(sensor, sensor.frequency, recording->frames[k].pixels);

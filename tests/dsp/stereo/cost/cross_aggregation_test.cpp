@@ -31,7 +31,8 @@ TEST(CrossAggregation, SumsReachTheNeighboursThatAreJoined) {
 }
 
 TEST(CrossAggregation, LargestCostsFit) {
-  const Bytes costs = lanes_of({kLargestCrossedCost, kLargestCrossedCost, kLargestCrossedCost});
+  const Bytes costs =
+      lanes_of({kLargestAggregatedInput, kLargestAggregatedInput, kLargestAggregatedInput});
   Bytes sums(costs.size()), means(costs.size());
   best::sum_alike(costs, Bytes{0, 1, 1, 0}, kLanes, sums);
   EXPECT_EQ(sums, lanes_of({170, 255, 170}));
@@ -58,7 +59,7 @@ TEST(CrossAggregation, EqualsReferenceForEveryWidthAndLaneCount) {
     test::check_kernel(
         std::array<std::size_t, 7>{0, 1, 2, 9, 16, 17, 20}, [&](test::KernelCase& c) {
           const std::size_t n = c.length(), step = static_cast<std::size_t>(lanes);
-          const auto costs = c.array<std::uint8_t>(n * step, 0, kLargestCrossedCost);
+          const auto costs = c.array<std::uint8_t>(n * step, 0, kLargestAggregatedInput);
           const auto joined = c.array<std::uint8_t>(n + 1, 0, 1);
           joined.front() = joined.back() = 0;
           const auto sums = c.array<std::uint8_t>(n * step);

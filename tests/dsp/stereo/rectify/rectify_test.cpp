@@ -109,7 +109,7 @@ TEST(RemapRow, EqualsReferenceForEveryLengthAndPlace) {
   }
 }
 
-TEST(RemapRow, LeavesPixelsOfPatchsThatDoNotServe) {
+TEST(RemapRow, LeavesPixelsOfPatchesThatDoNotServe) {
   test::GuardedImage<std::uint8_t> source(40, 40, 40, 9);
   std::array<PlacePatch, 2> patches{};
   std::vector<std::uint8_t> out(64, 5);

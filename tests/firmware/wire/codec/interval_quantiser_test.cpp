@@ -169,9 +169,9 @@ void expect_honest(const dsp::DepthMap& map, bool scaled) {
   const auto pixels = static_cast<std::size_t>(sizes.width * sizes.height);
   const std::span<const std::uint16_t> depth(map.depth.data(), pixels);
   const std::span<const std::uint16_t> width(map.width.data(), pixels);
-  for (const Coding first : {Coding::kOff, Coding::kRaw, Coding::kRvl, Coding::kFit}) {
-    for (const Coding second : {Coding::kOff, Coding::kRaw, Coding::kRvl, Coding::kFit}) {
-      if (first != Coding::kFit && second != Coding::kFit) {
+  for (const Coding first : {Coding::kOff, Coding::kRaw, Coding::kRvl, Coding::kQuantised}) {
+    for (const Coding second : {Coding::kOff, Coding::kRaw, Coding::kRvl, Coding::kQuantised}) {
+      if (first != Coding::kQuantised && second != Coding::kQuantised) {
         continue;
       }
       const auto datagrams = coder->code({}, {}, {.map = map}, choice_of(first, second)).value();
@@ -182,14 +182,14 @@ void expect_honest(const dsp::DepthMap& map, bool scaled) {
       const std::span<const std::uint16_t> d = first == Coding::kOff ? depth : depths.values;
       for (std::size_t i = 0; i < widths.values.size(); ++i) {
         ASSERT_TRUE(holds(depth[i], width[i], d[i], widths.values[i])) << i;
-        ASSERT_TRUE(second == Coding::kFit ||
+        ASSERT_TRUE(second == Coding::kQuantised ||
                     widths.values[i] == width[i] + 2 * std::abs(d[i] - depth[i]));
       }
-      ASSERT_TRUE(first == Coding::kFit || std::ranges::equal(d, depth));
-      if (scaled && first == Coding::kFit) {
+      ASSERT_TRUE(first == Coding::kQuantised || std::ranges::equal(d, depth));
+      if (scaled && first == Coding::kQuantised) {
         expect_scales(map, depths);
       }
-      if (scaled && second == Coding::kFit) {
+      if (scaled && second == Coding::kQuantised) {
         expect_scales(map, widths);
       }
     }
@@ -258,7 +258,7 @@ TEST(FitTest, NoiseTakesNoMorePacketsThanRaw) {
   expect_honest(map.view(), false);
   test::CoderInMemory coder(test::kOrigin, {.width = 640, .height = 480}, {.fx = 1, .fy = 1});
   const auto datagrams =
-      coder->code({}, {}, {.map = map.view()}, choice_of(Coding::kFit, Coding::kFit));
+      coder->code({}, {}, {.map = map.view()}, choice_of(Coding::kQuantised, Coding::kQuantised));
   const Sent depths = sent(datagrams.value(), Stream::kDepth);
   EXPECT_LE(depths.tiles, raw_tiles(640, 480, 2));
   EXPECT_EQ(std::ranges::max(depths.scales), 0);

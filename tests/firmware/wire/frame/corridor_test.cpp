@@ -73,8 +73,8 @@ TEST(CorridorTest, RoundedDepthAndWidthAreAThird) {
   test::CorridorFrame frame;
   test::CoderInMemory coder({}, frame.sizes(), {.fx = 65'536, .fy = 65'536});
   StreamChoice choice;
-  choice.of(Stream::kDepth) = Coding::kFit;
-  choice.of(Stream::kWidth) = Coding::kFit;
+  choice.of(Stream::kDepth) = Coding::kQuantised;
+  choice.of(Stream::kWidth) = Coding::kQuantised;
   const auto datagrams = coder->code({}, {}, frame.images(), choice).value();
   const auto ratio = [&datagrams](Stream stream) {
     return 2.0 * 640 * 480 / static_cast<double>(payloads(datagrams, stream));

@@ -118,7 +118,7 @@ StreamChoice everything(Coding coding) {
 
 // What is told in steps, as it was.
 std::vector<int> summed(std::vector<std::uint8_t> values, const Header& header) {
-  for (std::size_t i = 1; i < values.size() && in_steps(header); ++i) {
+  for (std::size_t i = 1; i < values.size() && is_xor_delta(header); ++i) {
     if ((header.first_column + i) % header.image_width != 0) {
       values[i] ^= values[i - 1];
     }
@@ -304,7 +304,7 @@ TEST(FrameCoderTest, LittleMemorySendsTheSame) {
                                   FrameSizes{1280, 9, 0, 0}, FrameSizes{320, 100, 64, 40}}) {
     for (const int most : {2, 30, 2000, 65'535}) {  // from steps to noise, which goes raw
       Images images(sizes, static_cast<std::uint64_t>(sizes.width + most), most);
-      for (const Coding coding : {Coding::kRaw, Coding::kRvl, Coding::kFit}) {
+      for (const Coding coding : {Coding::kRaw, Coding::kRvl, Coding::kQuantised}) {
         for (const std::size_t packets : {0U, 8U, 9U, 33U}) {
           StreamChoice choice = everything(coding);
           expect_same_in_little(sizes, images, choice, packets);
@@ -321,7 +321,7 @@ TEST(FrameCoderTest, HardlyEnoughMemorySendsTheSame) {
   for (const FrameSizes& sizes : {FrameSizes{640, 31, 0, 0}, FrameSizes{1280, 40, 0, 0}}) {
     for (const int most : {30, 2000, 65'535}) {
       Images images(sizes, static_cast<std::uint64_t>(sizes.width + most), most);
-      for (const Coding coding : {Coding::kRvl, Coding::kFit}) {
+      for (const Coding coding : {Coding::kRvl, Coding::kQuantised}) {
         for (const Stream last : {Stream::kDepth, Stream::kWidth, Stream::kSource}) {
           StreamChoice choice;
           for (Stream stream = Stream::kDepth; stream <= last;

@@ -1,4 +1,4 @@
-#include "dsp/pmd/range/near_lights.h"
+#include "dsp/pmd/range/emitter_offset.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "dsp/calib/pmd/near_table.h"
+#include "dsp/calib/pmd/emitter_offset_table.h"
 #include "dsp/calib/pmd/ray_table.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 #include "tests/support/kernel_check.h"
 
 namespace stof::dsp {
@@ -29,7 +29,7 @@ PmdSensor sensor_with(std::vector<Emitter> lights) {
 struct Tables {
   Tables(const PmdSensor& sensor, double units)
       : half(size(sensor)), area(size(sensor)), pole(size(sensor)) {
-    fill_near_table(sensor, units, {half, area, pole});
+    fill_emitter_offset_table(sensor, units, {half, area, pole});
     shortest = shortest_way(sensor, units);
   }
   static std::size_t size(const PmdSensor& sensor) {
@@ -37,9 +37,9 @@ struct Tables {
            static_cast<std::size_t>(sensor.lens.height);
   }
   std::uint32_t correct(std::size_t pixel, std::uint32_t measured) const {
-    best::near_lights({std::span(half).subspan(pixel, 1), std::span(area).subspan(pixel, 1),
-                       std::span(pole).subspan(pixel, 1)},
-                      shortest, {&measured, 1});
+    best::emitter_offset({std::span(half).subspan(pixel, 1), std::span(area).subspan(pixel, 1),
+                          std::span(pole).subspan(pixel, 1)},
+                         shortest, {&measured, 1});
     return measured;
   }
   std::vector<std::int16_t> half;
@@ -85,7 +85,7 @@ double worst_mm(const PmdSensor& sensor, double d, double power, double units) {
 
 // d = ((ct)^2 - |e|^2) / (2 (ct - e . r)): 0.125 mm each of the reading's and the result's
 // rounding, and of the table's.
-TEST(NearLights, OfOneLightAreExactAtEveryDistance) {
+TEST(EmitterOffset, OfOneLightAreExactAtEveryDistance) {
   for (const Emitter& light :
        {Emitter{0.12, 0, 0}, Emitter{-0.12, 0, 0}, Emitter{0.05, -0.2, 0.04}, Emitter{0, 0, 0}}) {
     const PmdSensor sensor = sensor_with({light});
@@ -97,7 +97,7 @@ TEST(NearLights, OfOneLightAreExactAtEveryDistance) {
 }
 
 // Two lights 12 cm to either side leave 21 mm at 0.5 m and 14 mm at 1 m without correction.
-TEST(NearLights, OfTwoLightsLeaveOneMillimetreFromHalfAMetreOn) {
+TEST(EmitterOffset, OfTwoLightsLeaveOneMillimetreFromHalfAMetreOn) {
   for (const std::vector<Emitter>& lights :
        {std::vector<Emitter>{{-0.12, 0, 0}, {0.12, 0, 0}},
         std::vector<Emitter>{{0, -0.12, 0}, {0.12, 0, 0}},
@@ -111,7 +111,7 @@ TEST(NearLights, OfTwoLightsLeaveOneMillimetreFromHalfAMetreOn) {
 }
 
 // Lobes are not all alike: Lambert's, and one that falls to half at 30 degrees.
-TEST(NearLights, OfTwoLightsOfAnotherLobeGainMostOfTheWay) {
+TEST(EmitterOffset, OfTwoLightsOfAnotherLobeGainMostOfTheWay) {
   const PmdSensor sensor = sensor_with({{-0.12, 0, 0}, {0.12, 0, 0}});
   PmdSensor none = sensor;
   none.emitters = {};  // both at the lens
@@ -125,7 +125,7 @@ TEST(NearLights, OfTwoLightsOfAnotherLobeGainMostOfTheWay) {
   }
 }
 
-TEST(NearLights, KeepTheirCorrectionBelowTheShortestWay) {
+TEST(EmitterOffset, KeepTheirCorrectionBelowTheShortestWay) {
   const PmdSensor sensor = sensor_with({{-0.12, 0, 0}, {0.12, 0, 0}});
   const Tables tables(sensor, kQuartersPerMetre);
   EXPECT_EQ(tables.shortest, 2400U);
@@ -134,7 +134,7 @@ TEST(NearLights, KeepTheirCorrectionBelowTheShortestWay) {
   EXPECT_EQ(static_cast<int>(tables.correct(0, 100)) - 100, there);
 }
 
-TEST(NearLights, NeverEndAtNothing) {
+TEST(EmitterOffset, NeverEndAtNothing) {
   const Tables tables(sensor_with({{-0.3, 0, 0}}), kQuartersPerMetre);
   for (std::size_t pixel = 0; pixel < tables.half.size(); ++pixel) {
     for (const std::uint32_t d : {0U, 1U, 2U, 100U, 0xFFFFFFFFU}) {
@@ -143,7 +143,7 @@ TEST(NearLights, NeverEndAtNothing) {
   }
 }
 
-TEST(NearTable, IsZeroWhereAPixelHasNoRay) {
+TEST(EmitterOffsetTable, IsZeroWhereAPixelHasNoRay) {
   PmdSensor sensor = sensor_with({{0.12, 0, 0}});
   sensor.lens.k1 = -1;  // folds over long before the border
   const Tables tables(sensor, kQuartersPerMetre);
@@ -153,11 +153,11 @@ TEST(NearTable, IsZeroWhereAPixelHasNoRay) {
   EXPECT_NE(tables.area[10 * 64 + 33], 0);
 }
 
-TEST(NearLights, EqualReferenceForEveryLengthAndExtreme) {
+TEST(EmitterOffset, EqualReferenceForEveryLengthAndExtreme) {
   for (int variant = 0; variant < 5; ++variant) {
     test::check_kernel([&](test::KernelCase& c) {
       const std::size_t n = c.length();
-      const NearRow table{
+      const EmitterOffsetRow table{
           c.array<std::int16_t>(n, -32768, 32767),
           c.array<std::int32_t>(n, variant == 0 ? -2147483647 : -30000000, 30000000),
           c.array<std::int32_t>(n, 1 - (1 << 20), (1 << 20) - 1)};
@@ -165,7 +165,7 @@ TEST(NearLights, EqualReferenceForEveryLengthAndExtreme) {
       for (std::uint32_t& d : distance) {
         d >>= static_cast<unsigned>(variant * 5);
       }
-      c.run([&] { best::near_lights(table, variant == 1 ? 2 * kMostUnits : 1200, distance); });
+      c.run([&] { best::emitter_offset(table, variant == 1 ? 2 * kMostUnits : 1200, distance); });
     });
   }
 }

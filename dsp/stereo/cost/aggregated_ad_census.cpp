@@ -1,4 +1,4 @@
-#include "dsp/stereo/cost/cross_costs.h"
+#include "dsp/stereo/cost/aggregated_ad_census.h"
 
 #include <algorithm>
 #include <array>
@@ -17,8 +17,8 @@ constexpr std::uint32_t kLargestArea = 9;
 constexpr auto kReciprocals = [] {
   std::array<std::int16_t, kLargestArea + 1> table{};
   for (std::uint32_t area = 1; area <= kLargestArea; ++area) {
-    const std::uint32_t divisor = area * kCrossDivisor;
-    table[area] = static_cast<std::int16_t>((32768 * kCrossScale + divisor / 2) / divisor);
+    const std::uint32_t divisor = area * kMeanDivisor;
+    table[area] = static_cast<std::int16_t>((32768 * kMeanScale + divisor / 2) / divisor);
   }
   return table;
 }();
@@ -37,7 +37,7 @@ void join(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b,
 
 }  // namespace
 
-CrossCosts::CrossCosts(const MatchParams& params, int width, Arena& arena) noexcept
+AggregatedAdCensus::AggregatedAdCensus(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
       lanes_(index(lanes_of(params))),
       pixels_(PixelCost::kAdCensus, params, width, {}, arena) {
@@ -50,24 +50,24 @@ CrossCosts::CrossCosts(const MatchParams& params, int width, Arena& arena) noexc
   columns_ = arena.take<CrossColumn>(n);
 }
 
-void CrossCosts::start(ImageView<const std::uint8_t> left,
-                       ImageView<const std::uint8_t> right) noexcept {
+void AggregatedAdCensus::start(ImageView<const std::uint8_t> left,
+                               ImageView<const std::uint8_t> right) noexcept {
   STOF_CHECK(same_size(left, right) && index(left.width()) <= columns_.size());
   left_ = left;
   pixels_.start({.left = left, .right = right});
   kept_ = {};
 }
 
-std::span<std::uint8_t> CrossCosts::sums(int y) const noexcept {
+std::span<std::uint8_t> AggregatedAdCensus::sums(int y) const noexcept {
   const std::size_t n = width() * lanes_;
   return sums_.subspan(index(y % kKept) * n, n);
 }
 
-std::span<std::uint8_t> CrossCosts::counts(int y) const noexcept {
+std::span<std::uint8_t> AggregatedAdCensus::counts(int y) const noexcept {
   return counts_.subspan(index(y % kKept) * width(), width());
 }
 
-void CrossCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
+void AggregatedAdCensus::row(int y, std::span<std::uint8_t> costs) noexcept {
   STOF_CHECK(y >= 0 && y < left_.height() && costs.size() == width() * lanes_);
   const int first = std::max(y - 1, 0);
   const int last = std::min(y + 1, left_.height() - 1);
@@ -104,7 +104,7 @@ void CrossCosts::row(int y, std::span<std::uint8_t> costs) noexcept {
 }
 
 // Row y enters the rings.
-void CrossCosts::add_row(int y) noexcept {
+void AggregatedAdCensus::add_row(int y) noexcept {
   const std::span<std::uint8_t> joined = joined_.first(width() + 1);
   const std::span<std::uint8_t> costs = costs_.first(width() * lanes_);
   const std::span<const std::uint8_t> grey = left_.row(y);

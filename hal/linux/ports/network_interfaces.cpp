@@ -1,4 +1,4 @@
-#include "hal/linux/ports/network.h"
+#include "hal/linux/ports/network_interfaces.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -88,7 +88,7 @@ std::optional<InterfaceAddress> parse_address(std::span<const std::byte> body) n
 
 }  // namespace
 
-Network::Network() noexcept
+NetworkInterfaces::NetworkInterfaces() noexcept
     : netlink_(socket(AF_NETLINK, SOCK_RAW | SOCK_CLOEXEC, NETLINK_ROUTE)),
       any_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)) {
   // The kernel answers at once or not at all.
@@ -96,7 +96,7 @@ Network::Network() noexcept
   static_cast<void>(setsockopt(netlink_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience));
 }
 
-Network::~Network() {
+NetworkInterfaces::~NetworkInterfaces() {
   for (const int fd : {netlink_, any_}) {
     if (fd >= 0) {
       close(fd);
@@ -104,7 +104,7 @@ Network::~Network() {
   }
 }
 
-bool Network::request() noexcept {
+bool NetworkInterfaces::request() noexcept {
   struct {
     nlmsghdr head;
     ifaddrmsg body;
@@ -117,7 +117,7 @@ bool Network::request() noexcept {
   return ::send(netlink_, &message, sizeof message, 0) == static_cast<ssize_t>(sizeof message);
 }
 
-bool Network::interface_flags(unsigned index, unsigned& flags) const noexcept {
+bool NetworkInterfaces::interface_flags(unsigned index, unsigned& flags) const noexcept {
   ifreq request{};
   request.ifr_ifindex = static_cast<int>(index);
   if (ioctl(any_, SIOCGIFNAME, &request) != 0 || ioctl(any_, SIOCGIFFLAGS, &request) != 0) {
@@ -127,7 +127,7 @@ bool Network::interface_flags(unsigned index, unsigned& flags) const noexcept {
   return true;
 }
 
-std::size_t Network::addresses(std::span<InterfaceAddress> space) noexcept {
+std::size_t NetworkInterfaces::addresses(std::span<InterfaceAddress> space) noexcept {
   if (!request()) {
     return 0;
   }

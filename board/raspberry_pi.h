@@ -2,7 +2,7 @@
 
 #include "board/config.h"
 
-// What boards with a Raspberry Pi's 40-pin header have in common. Net names as in docs/HARDWARE.md,
+// The common part of boards with a Raspberry Pi's 40-pin header. Net names as in docs/HARDWARE.md,
 // lines as the kernel calls those of pinctrl-bcm2711 and of RP1.
 namespace stof::board {
 

@@ -1,4 +1,4 @@
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
 #include <cmath>
 
@@ -12,16 +12,16 @@ namespace {
 
 std::uint32_t turned(std::uint32_t turn, Phase phase) {
   std::uint32_t out = 0;
-  best::range({&phase, 1}, turn, {&out, 1});
+  best::phase_to_distance({&phase, 1}, turn, {&out, 1});
   return out;
 }
 
-std::uint32_t on_line(const StraightLine& line, std::uint32_t distance) {
-  best::straight_line(line, {&distance, 1});
+std::uint32_t on_line(const LinearDistanceCorrection& line, std::uint32_t distance) {
+  best::correct_distance(line, {&distance, 1});
   return distance;
 }
 
-TEST(Range, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
+TEST(PhaseToDistance, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
   const std::uint32_t turn = frequency_tables({}, {}).turn;
   EXPECT_EQ(turn, 29979U);
   EXPECT_EQ(turned(turn, 32768), 14990U);  // half of it, rounded up
@@ -31,7 +31,7 @@ TEST(Range, OneTurnAtTwentyMegahertzIs29979QuarterMillimetres) {
 }
 
 // Above 16.38 m a turn is counted in 0.1 mm: 4 MHz, 37.474 m.
-TEST(Range, CountsLongTurnsInTenthsOfAMillimetre) {
+TEST(PhaseToDistance, CountsLongTurnsInTenthsOfAMillimetre) {
   PmdSensor sensor;
   sensor.frequency.modulation = {9'160'000};
   EXPECT_FALSE(has_long_range(sensor));
@@ -47,7 +47,7 @@ TEST(Range, CountsLongTurnsInTenthsOfAMillimetre) {
   EXPECT_EQ(turned(frequency_tables(sensor, sensor.frequency).turn, 65535), 1498939U);
 }
 
-TEST(StraightLine, ChangesNothingWhereScaleIsOneAndShiftZero) {
+TEST(LinearDistanceCorrection, ChangesNothingWhereScaleIsOneAndShiftZero) {
   EXPECT_TRUE(changes_nothing({}));
   EXPECT_TRUE(changes_nothing(range_tables({}, 7.49481145).line));
   for (const std::uint32_t d : {1U, 2U, 29979U, kMostUnits}) {
@@ -57,7 +57,7 @@ TEST(StraightLine, ChangesNothingWhereScaleIsOneAndShiftZero) {
 
 // The chapter's eq. 14, z = -5.4022 phi + 672.5 cm for a count of 138.7 a turn: a falling phase,
 // (5.4022 * 138.7) / 749.48 of the scale, and an offset of 672.5 cm less a whole turn of it.
-TEST(StraightLine, IsTheChaptersFit) {
+TEST(LinearDistanceCorrection, IsTheChaptersFit) {
   PmdSensor sensor;
   sensor.phase_falls = true;
   sensor.scale = 5.4022 * 138.7 / 749.48;
@@ -77,26 +77,26 @@ TEST(StraightLine, IsTheChaptersFit) {
   EXPECT_NEAR(on_line(tables.line, d) / 40.0, -5.4022 * 130 + 672.5 + 5.4022 * 138.7, 0.05);
 }
 
-TEST(StraightLine, NeverEndsAtNothing) {
+TEST(LinearDistanceCorrection, NeverEndsAtNothing) {
   EXPECT_EQ(on_line({.shift = -500, .turn = 0}, 499), 1U);
   EXPECT_EQ(on_line({.shift = -500, .turn = 100}, 300), 1U);
   EXPECT_EQ(on_line({.shift = -500, .turn = 29979}, 500), 29979U);
   EXPECT_EQ(on_line({.shift = -500, .turn = 29979}, 501), 1U);
   EXPECT_EQ(on_line({.scale_q15 = 0}, 12345), 1U);
-  EXPECT_EQ(on_line({.scale_q15 = StraightLine::kMostScale}, 0xFFFFFFFF), kMostUnits);
+  EXPECT_EQ(on_line({.scale_q15 = LinearDistanceCorrection::kMostScale}, 0xFFFFFFFF), kMostUnits);
 }
 
-TEST(Range, EqualsReferenceForEveryLengthAndExtreme) {
+TEST(PhaseToDistance, EqualsReferenceForEveryLengthAndExtreme) {
   for (const std::uint32_t turn : {0U, 1U, 29979U, 65535U, 65536U, 1498962U, kMostUnits}) {
     test::check_kernel([&](test::KernelCase& c) {
       const auto phase = c.array<Phase>(c.length(), 0, 65535);
       const auto distance = c.array<std::uint32_t>(c.length());
-      c.run([&] { best::range(phase, turn, distance); });
+      c.run([&] { best::phase_to_distance(phase, turn, distance); });
     });
   }
 }
 
-TEST(StraightLine, EqualsReferenceForEveryLengthAndExtreme) {
+TEST(LinearDistanceCorrection, EqualsReferenceForEveryLengthAndExtreme) {
   constexpr int kMost = kMostUnits;
   for (int variant = 0; variant < 6; ++variant) {
     test::check_kernel([&](test::KernelCase& c) {
@@ -104,11 +104,11 @@ TEST(StraightLine, EqualsReferenceForEveryLengthAndExtreme) {
       for (std::uint32_t& d : distance) {
         d >>= static_cast<unsigned>(variant * 6);
       }
-      const StraightLine line{
-          .scale_q15 = static_cast<std::uint32_t>(c.draw(0, StraightLine::kMostScale)),
+      const LinearDistanceCorrection line{
+          .scale_q15 = static_cast<std::uint32_t>(c.draw(0, LinearDistanceCorrection::kMostScale)),
           .shift = c.draw(-kMost, kMost) / (1 << (variant * 3)),
           .turn = static_cast<std::uint32_t>(c.draw(0, variant < 3 ? kMost : 40000))};
-      c.run([&] { best::straight_line(line, distance); });
+      c.run([&] { best::correct_distance(line, distance); });
     });
   }
 }

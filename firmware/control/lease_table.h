@@ -5,16 +5,16 @@
 #include <cstdint>
 #include <optional>
 
-#include "firmware/control/subscriber_list.h"
+#include "firmware/control/receiver_list.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
 
 namespace stof::firmware {
 
-// Who gets the streams, and until when. The control thread owns it and hands the loop a list of
-// peers whenever that changes: there is one table and one set of rules. No clock: `now` is the
-// caller's, and must not go back.
-class Subscribers {
+// The receivers of the streams, each with the end of its lease. The control thread owns it and
+// hands the loop a list of peers whenever that changes: there is one table and one set of rules. No
+// clock: `now` is the caller's, and must not go back.
+class LeaseTable {
  public:
   static constexpr hal::Duration kLease = std::chrono::seconds(3);  // where none is asked for
   static constexpr hal::Duration kShortestLease = std::chrono::milliseconds(500);
@@ -22,7 +22,7 @@ class Subscribers {
   // So long after its last refusal a fixed destination counts as silent.
   static constexpr hal::Duration kRefusal = std::chrono::milliseconds(3500);
 
-  // What a request for `lease_ms` gets.
+  // The lease that a request for `lease_ms` gets.
   static hal::Duration granted(std::uint16_t lease_ms) noexcept;
 
   // A destination without a lease, which takes one of the places; before the first subscription.
@@ -39,7 +39,7 @@ class Subscribers {
 
   std::size_t count() const noexcept { return count_; }
   // As the loop is to have it. In order of arrival.
-  SubscriberList list() const noexcept;
+  ReceiverList list() const noexcept;
 
  private:
   struct Entry {

@@ -1,4 +1,4 @@
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
 #include <cstddef>
 
@@ -22,7 +22,7 @@ uint32x4_t turned_short(uint16x4_t phase, uint16x4_t turn) noexcept {
   return vrshrq_n_u32(vmull_u16(phase, turn), 16);
 }
 
-uint32x4_t on_line(uint32x4_t distance, const StraightLine& line) noexcept {
+uint32x4_t on_line(uint32x4_t distance, const LinearDistanceCorrection& line) noexcept {
   const uint32x4_t most = vdupq_n_u32(kMostUnits);
   const uint32x4_t d = vminq_u32(distance, most);
   const uint32x2_t scale = vdup_n_u32(line.scale_q15);
@@ -38,8 +38,8 @@ uint32x4_t on_line(uint32x4_t distance, const StraightLine& line) noexcept {
 
 }  // namespace
 
-void range(std::span<const Phase> phase, std::uint32_t turn,
-           std::span<std::uint32_t> distance) noexcept {
+void phase_to_distance(std::span<const Phase> phase, std::uint32_t turn,
+                       std::span<std::uint32_t> distance) noexcept {
   STOF_CHECK(distance.size() == phase.size() && turn <= kMostUnits);
   std::size_t x = 0;
   if (turn <= kShortTurn) {
@@ -52,16 +52,17 @@ void range(std::span<const Phase> phase, std::uint32_t turn,
       vst1q_u32(distance.data() + x, turned(vld1_u16(phase.data() + x), turn));
     }
   }
-  ref::range(phase.subspan(x), turn, distance.subspan(x));
+  ref::phase_to_distance(phase.subspan(x), turn, distance.subspan(x));
 }
 
-void straight_line(const StraightLine& line, std::span<std::uint32_t> distance) noexcept {
+void correct_distance(const LinearDistanceCorrection& line,
+                      std::span<std::uint32_t> distance) noexcept {
   STOF_CHECK(usable(line));
   std::size_t x = 0;
   for (; x + kLanes <= distance.size(); x += kLanes) {
     vst1q_u32(distance.data() + x, on_line(vld1q_u32(distance.data() + x), line));
   }
-  ref::straight_line(line, distance.subspan(x));
+  ref::correct_distance(line, distance.subspan(x));
 }
 
 }  // namespace stof::dsp::neon

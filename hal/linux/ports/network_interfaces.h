@@ -3,17 +3,17 @@
 #include <array>
 #include <cstddef>
 
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 
 namespace stof::hal::linux {
 
 // Asks the kernel (rtnetlink). Without sockets of that kind there are no addresses.
-class Network final : public hal::Network {
+class NetworkInterfaces final : public hal::NetworkInterfaces {
  public:
-  Network() noexcept;
-  ~Network() override;
-  Network(const Network&) = delete;
-  Network& operator=(const Network&) = delete;
+  NetworkInterfaces() noexcept;
+  ~NetworkInterfaces() override;
+  NetworkInterfaces(const NetworkInterfaces&) = delete;
+  NetworkInterfaces& operator=(const NetworkInterfaces&) = delete;
 
   std::size_t addresses(std::span<InterfaceAddress> space) noexcept override;
 

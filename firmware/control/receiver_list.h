@@ -13,18 +13,18 @@ inline constexpr std::size_t kMostSubscribers = 4;
 
 // The receivers of all streams, from the control thread to the loop. Each list replaces the one
 // before; nothing in it expires: a lease that ends makes a new list.
-struct SubscriberList {
+struct ReceiverList {
   std::array<hal::Peer, kMostSubscribers> peers{};
   std::size_t count = 0;
   // A fixed destination says that nobody listens there; it stays in the list.
   bool refused = false;
 
   std::span<const hal::Peer> all() const noexcept { return std::span(peers).first(count); }
-  friend bool operator==(const SubscriberList&, const SubscriberList&) = default;
+  friend bool operator==(const ReceiverList&, const ReceiverList&) = default;
 };
 
 // The control thread pushes a list whenever it changes, and again later where the ring was full;
 // the loop takes all that wait before each frame and keeps the last.
-using SubscriberRing = SpscRing<SubscriberList, 8>;
+using ReceiverRing = SpscRing<ReceiverList, 8>;
 
 }  // namespace stof::firmware

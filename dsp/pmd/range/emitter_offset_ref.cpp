@@ -1,11 +1,11 @@
-#include "dsp/pmd/range/near_lights.h"
+#include "dsp/pmd/range/emitter_offset.h"
 
 #include <algorithm>
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/fixed.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
 namespace stof::dsp::ref {
 namespace {
@@ -18,8 +18,8 @@ int nearest_even(float v) noexcept { return static_cast<int>(v + 12582912.0F) - 
 
 }  // namespace
 
-void near_lights(const NearRow& table, std::uint32_t shortest,
-                 std::span<std::uint32_t> distance) noexcept {
+void emitter_offset(const EmitterOffsetRow& table, std::uint32_t shortest,
+                    std::span<std::uint32_t> distance) noexcept {
   const std::size_t n = distance.size();
   STOF_CHECK(table.half_q2.size() == n && table.twice_area.size() == n && table.pole.size() == n);
   STOF_CHECK(shortest <= 2 * kMostUnits);

@@ -1,10 +1,10 @@
-#include "firmware/control/subscribers.h"
+#include "firmware/control/lease_table.h"
 
 #include <algorithm>
 
 namespace stof::firmware {
 
-hal::Duration Subscribers::granted(std::uint16_t lease_ms) noexcept {
+hal::Duration LeaseTable::granted(std::uint16_t lease_ms) noexcept {
   if (lease_ms == 0) {
     return kLease;
   }
@@ -12,7 +12,7 @@ hal::Duration Subscribers::granted(std::uint16_t lease_ms) noexcept {
                                    kLongestLease);
 }
 
-bool Subscribers::fix(const hal::Peer& peer) noexcept {
+bool LeaseTable::fix(const hal::Peer& peer) noexcept {
   if (count_ == kMostSubscribers) {
     return false;
   }
@@ -20,7 +20,7 @@ bool Subscribers::fix(const hal::Peer& peer) noexcept {
   return true;
 }
 
-bool Subscribers::subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time now) noexcept {
+bool LeaseTable::subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time now) noexcept {
   const std::size_t at = find(peer);
   if (at < count_) {
     entries_[at].until = std::max(entries_[at].until, now + lease);
@@ -33,14 +33,14 @@ bool Subscribers::subscribe(const hal::Peer& peer, hal::Duration lease, hal::Tim
   return true;
 }
 
-void Subscribers::unsubscribe(const hal::Peer& peer) noexcept {
+void LeaseTable::unsubscribe(const hal::Peer& peer) noexcept {
   const std::size_t at = find(peer);
   if (at < count_ && !entries_[at].fixed) {
     remove(at);
   }
 }
 
-void Subscribers::refused(const hal::Peer& peer, hal::Time now) noexcept {
+void LeaseTable::refused(const hal::Peer& peer, hal::Time now) noexcept {
   const std::size_t at = find(peer);
   if (at == count_) {
     return;
@@ -52,7 +52,7 @@ void Subscribers::refused(const hal::Peer& peer, hal::Time now) noexcept {
   }
 }
 
-void Subscribers::expire(hal::Time now) noexcept {
+void LeaseTable::expire(hal::Time now) noexcept {
   for (std::size_t at = count_; at-- > 0;) {
     if (!entries_[at].fixed && entries_[at].until <= now) {
       remove(at);
@@ -63,21 +63,21 @@ void Subscribers::expire(hal::Time now) noexcept {
   }
 }
 
-SubscriberList Subscribers::list() const noexcept {
-  SubscriberList list{.count = count_, .refused = refused_until_.has_value()};
+ReceiverList LeaseTable::list() const noexcept {
+  ReceiverList list{.count = count_, .refused = refused_until_.has_value()};
   for (std::size_t i = 0; i < count_; ++i) {
     list.peers[i] = entries_[i].peer;
   }
   return list;
 }
 
-std::size_t Subscribers::find(const hal::Peer& peer) const noexcept {
+std::size_t LeaseTable::find(const hal::Peer& peer) const noexcept {
   const auto found = std::find_if(entries_.begin(), entries_.begin() + count_,
                                   [&](const Entry& entry) { return entry.peer == peer; });
   return static_cast<std::size_t>(found - entries_.begin());
 }
 
-void Subscribers::remove(std::size_t index) noexcept {
+void LeaseTable::remove(std::size_t index) noexcept {
   std::ranges::move(entries_.begin() + index + 1, entries_.begin() + count_,
                     entries_.begin() + index);
   --count_;

@@ -1,4 +1,4 @@
-#include "dsp/calib/pmd/near_table.h"
+#include "dsp/calib/pmd/emitter_offset_table.h"
 
 #include <algorithm>
 #include <array>
@@ -87,8 +87,8 @@ T rounded(double value, double limit) noexcept {
 
 }  // namespace
 
-void fill_near_table(const PmdSensor& sensor, double units_per_metre,
-                     const NearTable& table) noexcept {
+void fill_emitter_offset_table(const PmdSensor& sensor, double units_per_metre,
+                               const EmitterOffsetTable& table) noexcept {
   const std::size_t count = pixel_count(sensor.lens.width, sensor.lens.height);
   STOF_CHECK(sensor.emitter_count > 0 && sensor.emitter_count <= kMaxEmitters);
   STOF_CHECK(table.half_q2.size() == count && table.twice_area.size() == count &&
@@ -106,12 +106,13 @@ void fill_near_table(const PmdSensor& sensor, double units_per_metre,
   }
 }
 
-NearTable make_near_table(const PmdSensor& sensor, double units_per_metre, Arena& arena) noexcept {
+EmitterOffsetTable make_emitter_offset_table(const PmdSensor& sensor, double units_per_metre,
+                                             Arena& arena) noexcept {
   const std::size_t count = pixel_count(sensor.lens.width, sensor.lens.height);
-  const NearTable table{arena.take<std::int16_t>(count), arena.take<std::int32_t>(count),
-                        arena.take<std::int32_t>(count)};
+  const EmitterOffsetTable table{arena.take<std::int16_t>(count), arena.take<std::int32_t>(count),
+                                 arena.take<std::int32_t>(count)};
   if (!arena.is_measuring()) {
-    fill_near_table(sensor, units_per_metre, table);
+    fill_emitter_offset_table(sensor, units_per_metre, table);
   }
   return table;
 }

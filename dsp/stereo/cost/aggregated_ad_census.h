@@ -16,23 +16,23 @@ namespace stof::dsp {
 
 // AD-Census (ad_census.h) of two grey pictures, averaged over those of the 3x3 pixels that look
 // like the one in the middle (cross_aggregation.h): rows of u8, kNoCost for candidates outside the
-// right picture and for unused lanes, all others at most kLargestCrossCost. Keeps sums of the rows
+// right picture and for unused lanes, all others at most kLargestMeanCost. Keeps sums of the rows
 // that a region can reach, no volume.
 //
 // Larger regions believe that what looks alike lies at one disparity. They help bare walls that
 // face the camera and break slanted surfaces into steps (docs/DESIGN.md).
 inline constexpr int kAlike = 5;  // grey levels
 // A mean counts as so much: four paths of it, with what their steps cost, fit u8.
-inline constexpr int kCrossScale = 10;
-inline constexpr int kCrossDivisor = 27;
-inline constexpr int kLargestCrossCost =
-    (kLargestAdCensusCost * kCrossScale + kCrossDivisor / 2) / kCrossDivisor;
-static_assert(kLargestAdCensusCost <= kLargestCrossedCost);
+inline constexpr int kMeanScale = 10;
+inline constexpr int kMeanDivisor = 27;
+inline constexpr int kLargestMeanCost =
+    (kLargestAdCensusCost * kMeanScale + kMeanDivisor / 2) / kMeanDivisor;
+static_assert(kLargestAdCensusCost <= kLargestAggregatedInput);
 
-class CrossCosts final : public CostSource<std::uint8_t> {
+class AggregatedAdCensus final : public CostSource<std::uint8_t> {
  public:
-  // Of params the range of disparities.
-  CrossCosts(const MatchParams& params, int width, Arena& arena) noexcept;
+  // Uses the range of disparities of params.
+  AggregatedAdCensus(const MatchParams& params, int width, Arena& arena) noexcept;
 
   // New pictures of equal size, at most the constructor's width.
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;

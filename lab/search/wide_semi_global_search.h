@@ -4,8 +4,8 @@
 #include <span>
 
 #include "dsp/base/arena.h"
-#include "dsp/stereo/cost/cross_costs.h"
-#include "dsp/stereo/row_judge.h"
+#include "dsp/stereo/cost/aggregated_ad_census.h"
+#include "dsp/stereo/row_checks.h"
 #include "dsp/stereo/row_search.h"
 #include "dsp/stereo/search/semi_global.h"
 #include "lab/cost/cost_rows.h"
@@ -16,17 +16,17 @@
 namespace stof::lab {
 
 // The costs that paths go through: the appliance's, or those of blocks on a scale of their own.
-class RegionSource {
+class AdCensusSource {
  public:
   using Cost = std::uint8_t;
 
-  RegionSource(const MatchParams& params, int width, Arena& arena) noexcept
+  AdCensusSource(const MatchParams& params, int width, Arena& arena) noexcept
       : costs_(params, width, arena) {}
   static PathParams<Cost> path_params(const MatchParams& params) noexcept;
   CostSource<Cost>& start(const PreparedPair& pair) noexcept;
 
  private:
-  CrossCosts costs_;
+  AggregatedAdCensus costs_;
 };
 
 class BlockSource {
@@ -47,11 +47,11 @@ class BlockSource {
 // Method::kSemiGlobal with sums of u16, which any directions and penalties fit. Source is one of
 // the above.
 template <typename Source>
-class PathSearch final : public RowSearch {
+class WideSemiGlobalSearch final : public RowSearch {
  public:
   using Paths = SemiGlobal<typename Source::Cost, std::uint16_t>;
 
-  PathSearch(const MatchParams& params, int width, Arena& arena) noexcept;
+  WideSemiGlobalSearch(const MatchParams& params, int width, Arena& arena) noexcept;
 
   void start(const PreparedPair& pair, Guide guide) noexcept override;
   void match(int y, const MatchedRow& out) noexcept override;
@@ -60,13 +60,13 @@ class PathSearch final : public RowSearch {
   MatchParams params_;
   Source source_;
   Paths paths_;
-  RowJudge<std::uint16_t> judge_;
+  RowChecks<std::uint16_t> checks_;
   std::span<std::int16_t> winners_;
   const PreparedPair* pair_ = nullptr;
   Guide guide_;
 };
 
-extern template class PathSearch<RegionSource>;
-extern template class PathSearch<BlockSource>;
+extern template class WideSemiGlobalSearch<AdCensusSource>;
+extern template class WideSemiGlobalSearch<BlockSource>;
 
 }  // namespace stof::lab

@@ -13,7 +13,7 @@ namespace stof::hal {
 struct InterfaceAddress {
   std::uint32_t interface = 0;               // its index, as Peer::scope
   std::array<std::uint8_t, 16> address{};    // as Peer::address
-  std::array<std::uint8_t, 16> broadcast{};  // likewise; all 0: none
+  std::array<std::uint8_t, 16> broadcast{};  // as Peer::address; all 0: none
   std::uint8_t prefix_bits = 0;              // that all of its link share, of the 128
   bool multicast = false;                    // the interface carries it
 
@@ -36,10 +36,10 @@ constexpr std::array<std::uint8_t, 16> from_ipv4(std::uint8_t a, std::uint8_t b,
   return {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff, a, b, c, d};
 }
 
-// What this machine's network looks like now.
-class Network {
+// The network interfaces of this machine.
+class NetworkInterfaces {
  public:
-  virtual ~Network() = default;
+  virtual ~NetworkInterfaces() = default;
   // The addresses of the interfaces that are up, as many as fit; how many. Does not allocate and
   // waits for nobody but the system.
   virtual std::size_t addresses(std::span<InterfaceAddress> space) noexcept = 0;

@@ -5,12 +5,12 @@
 #include <cstddef>
 #include <span>
 
-#include "hal/network.h"
+#include "hal/network_interfaces.h"
 
 namespace stof::hal::emu {
 
-// A network that looks as it is told to.
-class Network final : public hal::Network {
+// Network interfaces as a test sets them.
+class NetworkInterfaces final : public hal::NetworkInterfaces {
  public:
   // Those beyond kMost are left out.
   void set(std::span<const InterfaceAddress> addresses) noexcept {

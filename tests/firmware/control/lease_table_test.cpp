@@ -1,4 +1,4 @@
-#include "firmware/control/subscribers.h"
+#include "firmware/control/lease_table.h"
 
 #include <gtest/gtest.h>
 
@@ -8,27 +8,27 @@ namespace stof::test {
 namespace {
 
 using namespace std::chrono_literals;
-using firmware::SubscriberList;
-using firmware::Subscribers;
+using firmware::LeaseTable;
+using firmware::ReceiverList;
 
 constexpr hal::Time kStart{100s};
 
-std::vector<hal::Peer> peers(const Subscribers& subscribers) {
-  const SubscriberList list = subscribers.list();
+std::vector<hal::Peer> peers(const LeaseTable& subscribers) {
+  const ReceiverList list = subscribers.list();
   return {list.all().begin(), list.all().end()};
 }
 using Peers = std::vector<hal::Peer>;
 
-TEST(Subscribers, GrantsWithinLimits) {
-  EXPECT_EQ(Subscribers::granted(0), 3s);
-  EXPECT_EQ(Subscribers::granted(1), 500ms);
-  EXPECT_EQ(Subscribers::granted(499), 500ms);
-  EXPECT_EQ(Subscribers::granted(2345), 2345ms);
-  EXPECT_EQ(Subscribers::granted(65535), 10s);
+TEST(LeaseTable, GrantsWithinLimits) {
+  EXPECT_EQ(LeaseTable::granted(0), 3s);
+  EXPECT_EQ(LeaseTable::granted(1), 500ms);
+  EXPECT_EQ(LeaseTable::granted(499), 500ms);
+  EXPECT_EQ(LeaseTable::granted(2345), 2345ms);
+  EXPECT_EQ(LeaseTable::granted(65535), 10s);
 }
 
-TEST(Subscribers, TakesFourAndRenewsTheseWhileFull) {
-  Subscribers subscribers;
+TEST(LeaseTable, TakesFourAndRenewsTheseWhileFull) {
+  LeaseTable subscribers;
   for (std::uint8_t i = 1; i <= 4; ++i) {
     EXPECT_TRUE(subscribers.subscribe(peer(i), 3s, kStart));
   }
@@ -41,8 +41,8 @@ TEST(Subscribers, TakesFourAndRenewsTheseWhileFull) {
   EXPECT_TRUE(subscribers.subscribe(peer(5), 3s, kStart + 3s));
 }
 
-TEST(Subscribers, LeaseEndsWhenItsTimeIsOver) {
-  Subscribers subscribers;
+TEST(LeaseTable, LeaseEndsWhenItsTimeIsOver) {
+  LeaseTable subscribers;
   EXPECT_TRUE(subscribers.subscribe(peer(1), 3s, kStart));
   subscribers.expire(kStart + 3s - 1ns);
   EXPECT_EQ(subscribers.count(), 1U);
@@ -50,16 +50,16 @@ TEST(Subscribers, LeaseEndsWhenItsTimeIsOver) {
   EXPECT_EQ(subscribers.count(), 0U);
 }
 
-TEST(Subscribers, ALaterShorterLeaseTakesNothingAway) {
-  Subscribers subscribers;
+TEST(LeaseTable, ALaterShorterLeaseTakesNothingAway) {
+  LeaseTable subscribers;
   EXPECT_TRUE(subscribers.subscribe(peer(1), 10s, kStart));
   EXPECT_TRUE(subscribers.subscribe(peer(1), 500ms, kStart + 1s));
   subscribers.expire(kStart + 9s);
   EXPECT_EQ(subscribers.count(), 1U);
 }
 
-TEST(Subscribers, WhoLeavesLeavesTheOthersInOrder) {
-  Subscribers subscribers;
+TEST(LeaseTable, WhoLeavesLeavesTheOthersInOrder) {
+  LeaseTable subscribers;
   for (std::uint8_t i = 1; i <= 4; ++i) {
     EXPECT_TRUE(subscribers.subscribe(peer(i), 3s, kStart));
   }
@@ -71,8 +71,8 @@ TEST(Subscribers, WhoLeavesLeavesTheOthersInOrder) {
   EXPECT_FALSE(subscribers.list().refused);
 }
 
-TEST(Subscribers, FixedOnesStay) {
-  Subscribers subscribers;
+TEST(LeaseTable, FixedOnesStay) {
+  LeaseTable subscribers;
   EXPECT_TRUE(subscribers.fix(peer(1)));
   subscribers.unsubscribe(peer(1));
   subscribers.expire(kStart + 1000s);
@@ -86,16 +86,16 @@ TEST(Subscribers, FixedOnesStay) {
   EXPECT_FALSE(subscribers.subscribe(peer(5), 3s, kStart));
 }
 
-TEST(Subscribers, ASilentFixedDestinationIsToldWhileItRefuses) {
-  Subscribers subscribers;
+TEST(LeaseTable, ASilentFixedDestinationIsToldWhileItRefuses) {
+  LeaseTable subscribers;
   EXPECT_TRUE(subscribers.fix(peer(1)));
   EXPECT_FALSE(subscribers.list().refused);
   subscribers.refused(peer(1), kStart);
   EXPECT_TRUE(subscribers.list().refused);
   EXPECT_EQ(subscribers.count(), 1U);
-  subscribers.expire(kStart + Subscribers::kRefusal - 1ns);
+  subscribers.expire(kStart + LeaseTable::kRefusal - 1ns);
   EXPECT_TRUE(subscribers.list().refused);
-  subscribers.expire(kStart + Subscribers::kRefusal);
+  subscribers.expire(kStart + LeaseTable::kRefusal);
   EXPECT_FALSE(subscribers.list().refused);
 }
 

@@ -8,9 +8,9 @@
 
 namespace stof::dsp {
 
-// What kernel near_lights (dsp/pmd/range/near_lights.h) wants to know about each pixel, row by row:
+// The input of kernel emitter_offset (dsp/pmd/range/emitter_offset.h) for each pixel, row by row:
 // width x height elements each. 0 everywhere for a pixel without a ray.
-struct NearTable {
+struct EmitterOffsetTable {
   std::span<std::int16_t> half_q2;
   std::span<std::int32_t> twice_area;
   std::span<std::int32_t> pole;
@@ -27,10 +27,11 @@ struct NearTable {
 // Two lights 12 cm to either side of a lens of 70 degrees, the largest error over the picture:
 //   0.3 m 4 mm, from 0.5 m on below 0.6 mm; uncorrected 23, 20 mm, 13 mm at 1 m
 //   lobes of cos^1 to cos^5 (60 to 30 degrees): below 6.5 mm from 0.5 m on
-void fill_near_table(const PmdSensor& sensor, double units_per_metre,
-                     const NearTable& table) noexcept;
+void fill_emitter_offset_table(const PmdSensor& sensor, double units_per_metre,
+                               const EmitterOffsetTable& table) noexcept;
 // The same in memory of an arena.
-NearTable make_near_table(const PmdSensor& sensor, double units_per_metre, Arena& arena) noexcept;
+EmitterOffsetTable make_emitter_offset_table(const PmdSensor& sensor, double units_per_metre,
+                                             Arena& arena) noexcept;
 
 // The shortest way (twice a distance) that the table of this sensor is good for, same units.
 std::uint32_t shortest_way(const PmdSensor& sensor, double units_per_metre) noexcept;

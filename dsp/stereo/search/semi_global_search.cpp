@@ -1,4 +1,4 @@
-#include "dsp/stereo/search/path_search.h"
+#include "dsp/stereo/search/semi_global_search.h"
 
 #include <algorithm>
 
@@ -13,13 +13,14 @@ namespace {
 constexpr int kEdge = 6;
 
 // What SemiGlobal asks of u8 costs.
-constexpr int kLargestStep = (255 - 1 - kLargestCrossCost) / 2;
+constexpr int kLargestStep = (255 - 1 - kLargestMeanCost) / 2;
 static_assert(kMaxStep <= kLargestStep);
-static_assert(PathSearch::kDirections * (kLargestCrossCost + kMaxStep) < kNoCost<std::uint8_t>);
+static_assert(SemiGlobalSearch::kDirections * (kLargestMeanCost + kMaxStep) <
+              kNoCost<std::uint8_t>);
 
 }  // namespace
 
-PathParams<std::uint8_t> region_path_params(const MatchParams& params, int directions) noexcept {
+PathParams<std::uint8_t> ad_census_path_params(const MatchParams& params, int directions) noexcept {
   const Smoothness smoothness = params.smoothness.value_or(kDefaultSmoothness);
   const auto step = [](int cost) noexcept {
     return static_cast<std::uint8_t>(std::min(cost, kLargestStep));
@@ -33,27 +34,28 @@ PathParams<std::uint8_t> region_path_params(const MatchParams& params, int direc
                         .strong_edge = 2 * kEdge}};
 }
 
-PathSearch::PathSearch(const MatchParams& params, int width, Arena& arena) noexcept
+SemiGlobalSearch::SemiGlobalSearch(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params),
       costs_(params, width, arena),
-      paths_(region_path_params(params, kDirections), width, arena),
-      judge_(params, kRegionScale, width, arena),
+      paths_(ad_census_path_params(params, kDirections), width, arena),
+      checks_(params, kAdCensusScale, width, arena),
       winners_(arena.take<std::int16_t>(index(width))) {}
 
-void PathSearch::start(const PreparedPair& pair, Guide guide) noexcept {
+void SemiGlobalSearch::start(const PreparedPair& pair, Guide guide) noexcept {
   pair_ = &pair;
   guide_ = guide;
   costs_.start(pair.left_grey(), pair.right_grey());
   paths_.start(pair.left_grey(), costs_, guide);
 }
 
-void PathSearch::match(int y, const MatchedRow& out) noexcept {
+void SemiGlobalSearch::match(int y, const MatchedRow& out) noexcept {
   const std::span<const std::uint8_t> sums = paths_.sums(y);
   const std::span<std::int16_t> winners = winners_.first(out.disparity.size());
   best::winners(sums, lanes_of(params_), winners);
   finish_winners(params_, row_of(guide_, y), winners);
-  judge_.judge(FoundRow<std::uint8_t>{.costs = paths_.costs(y), .judged = sums, .winners = winners},
-               *pair_, y, out);
+  checks_.apply(
+      FoundRow<std::uint8_t>{.costs = paths_.costs(y), .judged = sums, .winners = winners}, *pair_,
+      y, out);
 }
 
 }  // namespace stof::dsp

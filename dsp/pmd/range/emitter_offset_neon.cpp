@@ -1,10 +1,10 @@
-#include "dsp/pmd/range/near_lights.h"
+#include "dsp/pmd/range/emitter_offset.h"
 
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/simd.h"
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
 namespace stof::dsp::neon {
 namespace {
@@ -34,8 +34,8 @@ uint32x4_t corrected(uint32x4_t distance, int32x4_t shortest, const Lights& ligh
 
 }  // namespace
 
-void near_lights(const NearRow& table, std::uint32_t shortest,
-                 std::span<std::uint32_t> distance) noexcept {
+void emitter_offset(const EmitterOffsetRow& table, std::uint32_t shortest,
+                    std::span<std::uint32_t> distance) noexcept {
   const std::size_t n = distance.size();
   STOF_CHECK(table.half_q2.size() == n && table.twice_area.size() == n && table.pole.size() == n);
   STOF_CHECK(shortest <= 2 * kMostUnits);
@@ -46,8 +46,9 @@ void near_lights(const NearRow& table, std::uint32_t shortest,
                         vld1q_s32(table.twice_area.data() + x), vld1q_s32(table.pole.data() + x)};
     vst1q_u32(distance.data() + x, corrected(vld1q_u32(distance.data() + x), least, lights));
   }
-  ref::near_lights({table.half_q2.subspan(x), table.twice_area.subspan(x), table.pole.subspan(x)},
-                   shortest, distance.subspan(x));
+  ref::emitter_offset(
+      {table.half_q2.subspan(x), table.twice_area.subspan(x), table.pole.subspan(x)}, shortest,
+      distance.subspan(x));
 }
 
 }  // namespace stof::dsp::neon

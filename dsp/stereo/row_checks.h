@@ -22,28 +22,28 @@
 
 namespace stof::dsp {
 
-// What a search found in one row; layouts of cost/sad.h and search/winner.h.
+// The result of a search in one row; layouts of cost/sad.h and search/winner.h.
 template <typename Cost, typename Sum = Cost>
 struct FoundRow {
   std::span<const Cost> costs;  // for all candidates, whatever a guide says
-  // What the winners are the lowest of: the costs, or sums over paths, of the candidates that a
-  // guide leaves.
+  // The values that the winners minimise: costs or path sums, only of candidates that the guide
+  // allows.
   std::span<const Sum> judged;
   std::span<std::int16_t> winners;
 };
 
-// What distinctness has to know of costs (validation/winner_margin.h).
+// The scale of costs, for distinctness (validation/winner_margin.h).
 struct CostScale {
   std::int64_t largest = 0;  // cost
   int margin_percent = kMarginPercent;
 };
 
 // Drops winners of a row that the row itself speaks against, and fits the others. Its steps may be
-// called one by one, in the order of judge(). Sum is u8, u16 or u32.
+// called one by one, in the order of apply(). Sum is u8, u16 or u32.
 template <typename Sum>
-class RowJudge {
+class RowChecks {
  public:
-  RowJudge(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
+  RowChecks(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
       : params_(params),
         lanes_(lanes_of(params)),
         percent_(scale.margin_percent),
@@ -59,7 +59,7 @@ class RowJudge {
   }
 
   template <typename Cost>
-  void judge(const FoundRow<Cost, Sum>& found, const PreparedPair& pair, int y,
+  void apply(const FoundRow<Cost, Sum>& found, const PreparedPair& pair, int y,
              const MatchedRow& out) noexcept {
     compare_rivals(found, out);
     check_left_right(found.judged, found.winners);

@@ -1,4 +1,4 @@
-#include "board/pi_header.h"
+#include "board/raspberry_pi.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 namespace stof::board {
 namespace {
 
-TEST(PiHeader, PairIsFoundByWhatLibcameraCallsIt) {
+TEST(RaspberryPi, PairIsFoundByWhatLibcameraCallsIt) {
   const std::vector<hal::linux::LibcameraName> cameras{
       {.id = "/base/soc/i2c0mux/i2c@0/imx296@1a", .model = "imx296"},
       {.id = "/base/soc/i2c0mux/i2c@1/imx296@1a", .model = "imx296"}};
@@ -21,14 +21,14 @@ TEST(PiHeader, PairIsFoundByWhatLibcameraCallsIt) {
 }
 
 // Exposure = low time + 14.26 us.
-TEST(PiHeader, XtrIsLowForTheExposureLessWhatTheSensorAdds) {
+TEST(RaspberryPi, XtrIsLowForTheExposureLessWhatTheSensorAdds) {
   EXPECT_TRUE(kPiDevices.libcamera.active_low);
   EXPECT_EQ(pulse_length(kPiDevices.libcamera, std::chrono::milliseconds(4)) +
                 std::chrono::nanoseconds(14'260),
             std::chrono::milliseconds(4));
 }
 
-TEST(PiHeader, APulseOfNothingIsNoTrigger) {
+TEST(RaspberryPi, APulseOfNothingIsNoTrigger) {
   DeviceConfig devices = kPiDevices;
   EXPECT_TRUE(valid(devices, kPiTiming));
   devices.libcamera.pulse_lag = kPiTiming.stereo_exposure;

@@ -1,4 +1,4 @@
-#include "dsp/pmd/range/range.h"
+#include "dsp/pmd/range/phase_to_distance.h"
 
 #include <algorithm>
 #include <cstddef>
@@ -7,15 +7,16 @@
 
 namespace stof::dsp::ref {
 
-void range(std::span<const Phase> phase, std::uint32_t turn,
-           std::span<std::uint32_t> distance) noexcept {
+void phase_to_distance(std::span<const Phase> phase, std::uint32_t turn,
+                       std::span<std::uint32_t> distance) noexcept {
   STOF_CHECK(distance.size() == phase.size() && turn <= kMostUnits);
   for (std::size_t x = 0; x < phase.size(); ++x) {
     distance[x] = static_cast<std::uint32_t>(round_shift(std::uint64_t{phase[x]} * turn, 16));
   }
 }
 
-void straight_line(const StraightLine& line, std::span<std::uint32_t> distance) noexcept {
+void correct_distance(const LinearDistanceCorrection& line,
+                      std::span<std::uint32_t> distance) noexcept {
   STOF_CHECK(usable(line));
   for (std::uint32_t& d : distance) {
     const std::uint64_t stretched =
