@@ -50,11 +50,17 @@ TEST(SocketAddress, SaysWhatItIs) {
   EXPECT_FALSE(test::loopback_address(1) == make_address(in6addr_loopback, 1));
 }
 
-TEST(Resolve, FindsAddressesAndNames) {
+TEST(Resolve, FindsNames) {
+  if (!test::knows_localhost()) {
+    GTEST_SKIP() << test::kNoLocalhost;
+  }
+  EXPECT_TRUE(resolve({.host = "localhost", .port = 5}, Names::kLookUp));
+}
+
+TEST(Resolve, FindsAddresses) {
   const auto literal = resolve({.host = "127.0.0.1", .port = 5}, Names::kAddressesOnly);
   ASSERT_TRUE(literal);
   EXPECT_EQ(literal->front(), test::loopback_address(5));
-  EXPECT_TRUE(resolve({.host = "localhost", .port = 5}, Names::kLookUp));
   const auto name = resolve({.host = "localhost", .port = 5}, Names::kAddressesOnly);
   ASSERT_FALSE(name);
   EXPECT_FALSE(name.error().empty());
