@@ -23,10 +23,10 @@ inline constexpr int kSources = 6;
 enum class Cause : std::uint8_t {
   kNone = 0,
   kMixedPixel = 1,       // the PMD pixel sees two surfaces
-  kStereoAmbiguous = 2,  // the match has rivals
+  kStereoAmbiguous = 2,  // the match has rivals; with kNone: nothing but the match spoke for it
   kRangeAmbiguous = 3,   // the sensors differ by about one unambiguous range of the PMD
   kOccluded = 4,         // only the left camera sees the surface; the PMD confirms the background
-  kContradiction = 5,    // both are well supported: stray light, calibration, glass
+  kContradiction = 5,    // the PMD excludes the match, or both are sound: stray light, glass
 };
 inline constexpr int kCauses = 6;
 

@@ -41,7 +41,8 @@ struct PmdFrame {
 class PmdConverter {
  public:
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
-  // 24 bytes a pixel, 10 more with lights beside the lens, 4 more where there is a long_distance.
+  // 20 bytes a pixel, 4 more where readings are averaged, 10 more with lights beside the lens, 4
+  // more where there is a long_distance.
   PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept;
 
   // Samples of the sensor's size. The result is valid until the next call; integration times scale

@@ -28,6 +28,7 @@ ordered_json to_json(const DepthScore& score) {
           {"median_error_mm", json_number(score.median_error_m, kMm)},
           {"median_error_relative", json_number(score.median_relative)},
           {"hit_rate", json_number(score.hit_rate)},
+          {"collisions", json_number(score.collisions)},
           {"hit_rate_by_width", std::move(by_width)},
           {"median_width_mm", json_number(score.median_width_m, kMm)},
           {"median_width_relative", json_number(score.median_width_relative)}};
@@ -37,6 +38,13 @@ void add_scores(const FusionScores& scores, ordered_json& report) {
   report["pmd"] = to_json(scores.pmd);
   report["stereo"] = to_json(scores.stereo);
   report["fused"] = to_json(scores.fused);
+  for (std::size_t k = 0; k < scores.by_source.size(); ++k) {
+    const SourceScore& score = scores.by_source[k];
+    report["by_source"][client::kSourceNames[k]] = {{"share", score.share},
+                                                    {"off", json_number(score.off)},
+                                                    {"hit_rate", json_number(score.hit_rate)},
+                                                    {"collisions", json_number(score.collisions)}};
+  }
   if (scores.chapter_fused) {
     report["chapter_pmd"] = to_json(*scores.chapter_pmd);
     report["chapter_fused"] = to_json(*scores.chapter_fused);
@@ -95,6 +103,30 @@ void print_shares(const char* what, const std::array<const char*, kCount>& names
     std::printf("%s %s %s %%", i == 0 ? "" : ",", names[i], percent_text(share, 1).c_str());
   }
   std::printf("\n");
+}
+
+void print_source(const char* name, const SourceScore& score) {
+  std::printf("%-9s %s %%  %s %%  %s %%  %s %%\n", name, percent_text(score.share, 6).c_str(),
+              percent_text(score.hit_rate, 7).c_str(), percent_text(score.off, 9).c_str(),
+              percent_text(score.collisions, 9).c_str());
+}
+
+// Sources without a depth are left out.
+void print_sources(const FusionScores& scores) {
+  std::printf("\n%-9s %8s  %9s  %11s  %s\n", "fused", "share", "hit rate", "off by 5 %",
+              "nearer than told by over 1 m");
+  for (std::size_t k = 0; k < scores.by_source.size(); ++k) {
+    if (scores.by_source[k].share > 0) {
+      print_source(client::kSourceNames[k], scores.by_source[k]);
+    }
+  }
+  const DepthScore& all = scores.fused;
+  print_source("all",
+               {.share = all.coverage,
+                .off = all.coverage > 0 ? std::optional((all.e5 - 1 + all.coverage) / all.coverage)
+                                        : std::nullopt,
+                .hit_rate = all.hit_rate,
+                .collisions = all.collisions});
 }
 
 void print_scene_head() {
@@ -156,6 +188,7 @@ void print_fusion_text(const FusionCase& fused, const MatchRequest& match) {
   const std::size_t pixels = result.source.pixels.size();
   print_shares("\nsources:", client::kSourceNames, count_sources(result.source), pixels);
   print_shares("causes: ", client::kCauseNames, count_causes(result.cause), pixels);
+  print_sources(fused.scores);
   print_chapter({&fused, 1});
 }
 
@@ -180,6 +213,7 @@ void print_fusion_text(std::span<const FusionCase> cases, const MatchRequest& ma
       cases, [](const FusionCase& fused) { return fused.scores.fused_is_best(); });
   const std::string tally = std::to_string(best) + " of " + std::to_string(cases.size());
   print_scene_row("mean", "", mean_of_sensor(cases, ""), tally.c_str());
+  print_sources(mean_of_sensor(cases, ""));
   print_chapter(cases);
 }
 

@@ -24,6 +24,7 @@ DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& t
   std::vector<double> widths;
   std::vector<double> relative_widths;
   std::size_t bad = 0;
+  std::size_t collisions = 0;
   for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
     const double z = static_cast<double>(truth.pixels[i]);
     if (!std::isfinite(z)) {
@@ -39,6 +40,7 @@ DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& t
     const double low = static_cast<double>(planes.low.pixels[i]);
     const double high = static_cast<double>(planes.high.pixels[i]);
     bad += error > kLargestRelativeError * z ? 1U : 0U;
+    collisions += depth - z > kCollisionM ? 1U : 0U;
     errors.push_back(error);
     relative.push_back(error / z);
     widths.push_back(high - low);
@@ -47,6 +49,9 @@ DepthScore score_depth(const DepthPlanes& planes, const dataset::Image<float>& t
   if (score.truth_pixels > 0) {
     score.e5 = static_cast<double>(bad) / static_cast<double>(score.truth_pixels);
     score.coverage = static_cast<double>(errors.size()) / static_cast<double>(score.truth_pixels);
+  }
+  if (!errors.empty()) {
+    score.collisions = static_cast<double>(collisions) / static_cast<double>(errors.size());
   }
   const std::vector<IntervalCheck> checks = check_intervals(planes, truth);
   score.hit_rate = hit_rates_by_width(checks, 1).front();
@@ -68,6 +73,7 @@ DepthScore mean_score(std::span<const DepthScore> scores) {
   mean.median_error_m = mean_of(scores, &DepthScore::median_error_m);
   mean.median_relative = mean_of(scores, &DepthScore::median_relative);
   mean.hit_rate = mean_of(scores, &DepthScore::hit_rate);
+  mean.collisions = mean_of(scores, &DepthScore::collisions);
   mean.median_width_m = mean_of(scores, &DepthScore::median_width_m);
   mean.median_width_relative = mean_of(scores, &DepthScore::median_width_relative);
   for (std::size_t k = 0; k < mean.hit_rate_by_width.size(); ++k) {

@@ -15,6 +15,9 @@ namespace stof::host {
 // E5 counts what is off by more than this share of the depth.
 inline constexpr double kLargestRelativeError = 0.05;
 
+// A thing that is nearer than told by more than this, metres: a robot drives into it.
+inline constexpr double kCollisionM = 1;
+
 // A depth map with its interval: Z in metres in the left view, +inf = none in all three.
 struct DepthPlanes {
   dataset::Image<float> depth;
@@ -30,9 +33,10 @@ struct DepthScore {
   double coverage = 0;  // pixels with truth that have a depth
   std::size_t truth_pixels = 0;
   std::optional<double> median_error_m;
-  std::optional<double> median_relative;        // of |error| / truth
-  std::optional<double> hit_rate;               // covered pixels whose truth lies in [low, high]
-  std::optional<double> median_width_m;         // of high - low
+  std::optional<double> median_relative;  // of |error| / truth
+  std::optional<double> hit_rate;         // covered pixels whose truth lies in [low, high]
+  std::optional<double> collisions;      // covered pixels told farther than they are by kCollisionM
+  std::optional<double> median_width_m;  // of high - low
   std::optional<double> median_width_relative;  // of (high - low) / truth
   // hit_rate of each quarter of the intervals, narrowest quarter first.
   std::array<std::optional<double>, kWidthParts> hit_rate_by_width;

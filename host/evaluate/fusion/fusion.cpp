@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "dataset/files/file.h"
 #include "dsp/fusion/interval/disparity_sigma.h"
@@ -235,10 +236,74 @@ std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cau
   return count<dsp::kCauses>(cause);
 }
 
+namespace {
+
+SourceScores score_sources(const FusionResult& result, const dataset::Image<float>& truth) {
+  struct Count {
+    std::size_t all = 0;
+    std::size_t off = 0;
+    std::size_t hits = 0;
+    std::size_t collisions = 0;
+  };
+  std::array<Count, dsp::kSources> counts{};
+  std::size_t known = 0;
+  for (std::size_t i = 0; i < truth.pixels.size(); ++i) {
+    const double z = truth.pixels[i];
+    known += std::isfinite(z) ? 1U : 0U;
+    const double depth = result.fused.depth.pixels[i];
+    if (!std::isfinite(z) || !std::isfinite(depth)) {
+      continue;
+    }
+    Count& count = counts.at(static_cast<std::size_t>(result.source.pixels[i]));
+    const double low = result.fused.low.pixels[i];
+    const double high = result.fused.high.pixels[i];
+    ++count.all;
+    count.off += std::abs(depth - z) > kLargestRelativeError * z ? 1U : 0U;
+    count.hits += low <= z && z <= high ? 1U : 0U;
+    count.collisions += depth - z > kCollisionM ? 1U : 0U;
+  }
+  const auto share = [](std::size_t part, std::size_t whole) {
+    return whole == 0 ? std::nullopt
+                      : std::optional(static_cast<double>(part) / static_cast<double>(whole));
+  };
+  SourceScores scores;
+  for (std::size_t k = 0; k < scores.size(); ++k) {
+    scores[k] = {.share = share(counts[k].all, known).value_or(0),
+                 .off = share(counts[k].off, counts[k].all),
+                 .hit_rate = share(counts[k].hits, counts[k].all),
+                 .collisions = share(counts[k].collisions, counts[k].all)};
+  }
+  return scores;
+}
+
+SourceScore mean_source(std::span<const FusionScores> scores, std::size_t source) {
+  SourceScore mean;
+  double off = 0;
+  double hits = 0;
+  double collisions = 0;
+  for (const FusionScores& each : scores) {
+    const SourceScore& score = each.by_source[source];
+    mean.share += score.share;
+    off += score.share * score.off.value_or(0);
+    hits += score.share * score.hit_rate.value_or(0);
+    collisions += score.share * score.collisions.value_or(0);
+  }
+  if (mean.share > 0) {
+    mean.off = off / mean.share;
+    mean.hit_rate = hits / mean.share;
+    mean.collisions = collisions / mean.share;
+    mean.share /= static_cast<double>(scores.size());
+  }
+  return mean;
+}
+
+}  // namespace
+
 FusionScores score_fusion(const FusionResult& result, const dataset::Image<float>& truth) {
   FusionScores scores{.pmd = score_depth(result.pmd, truth),
                       .stereo = score_depth(result.stereo, truth),
                       .fused = score_depth(result.fused, truth),
+                      .by_source = score_sources(result, truth),
                       .chapter_pmd = std::nullopt,
                       .chapter_fused = std::nullopt,
                       .reprojected = std::nullopt};
@@ -264,9 +329,14 @@ FusionScores mean_scores(std::span<const FusionScores> scores) {
     const std::vector<DepthScore> parts = mean(part);
     return parts.empty() ? std::nullopt : std::optional(mean_score(parts));
   };
+  SourceScores by_source;
+  for (std::size_t k = 0; k < by_source.size(); ++k) {
+    by_source[k] = mean_source(scores, k);
+  }
   return {.pmd = mean_score(mean(&FusionScores::pmd)),
           .stereo = mean_score(mean(&FusionScores::stereo)),
           .fused = mean_score(mean(&FusionScores::fused)),
+          .by_source = by_source,
           .chapter_pmd = optional_mean(&FusionScores::chapter_pmd),
           .chapter_fused = optional_mean(&FusionScores::chapter_fused),
           .reprojected = optional_mean(&FusionScores::reprojected)};

@@ -63,11 +63,21 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
 std::array<std::size_t, dsp::kSources> count_sources(const dataset::Image<dsp::Source>& source);
 std::array<std::size_t, dsp::kCauses> count_causes(const dataset::Image<dsp::Cause>& cause);
 
+// The fused pixels of one source that have truth and a depth.
+struct SourceScore {
+  double share = 0;                  // of the pixels with truth
+  std::optional<double> off;         // by more than kLargestRelativeError
+  std::optional<double> hit_rate;    // as in DepthScore
+  std::optional<double> collisions;  // as in DepthScore
+};
+using SourceScores = std::array<SourceScore, dsp::kSources>;
+
 // The DepthScore of each part of a result.
 struct FusionScores {
   DepthScore pmd;
   DepthScore stereo;
   DepthScore fused;
+  SourceScores by_source;  // of fused; a mean of several results weighs each by its share
   std::optional<DepthScore> chapter_pmd;
   std::optional<DepthScore> chapter_fused;
   std::optional<DepthScore> reprojected;

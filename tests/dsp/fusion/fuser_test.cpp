@@ -167,7 +167,11 @@ TEST(Fuser, WeighsAConflictByWhatSupportsEachSensor) {
   fill(ratio.view(), std::uint8_t{20});
   rig.fuser.fuse(rivals, &flat.maps, rig.out());
   EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kConflict}));
+  // A sure match against a mixed reading: it may lie behind what was read, not before it.
   rig.fuser.fuse(rivals, &edge.maps, rig.out());
+  EXPECT_EQ(at(rig, 40, 20), (At{0, 0, Source::kConflict}));
+  Sphere before(20, 10, 6500, 200, kPmdEdge);
+  rig.fuser.fuse(rivals, &before.maps, rig.out());
   EXPECT_EQ(at(rig, 40, 20).source, Source::kResolved);
   EXPECT_NEAR(at(rig, 40, 20).depth, 8000, 8);
 }

@@ -89,7 +89,7 @@ TEST(PmdConverter, TakesMemoryForWhatTheSensorHas) {
   };
   PmdSensor sensor = sensor_of(64, 16);
   const std::size_t plain = bytes(sensor);
-  EXPECT_LE(plain, 17U * 64 * 16 + 4096);
+  EXPECT_LE(plain, 21U * 64 * 16 + 4096);
   sensor.emitter_count = 2;
   EXPECT_EQ(bytes(sensor), plain + 10U * 64 * 16);
   const std::size_t with_lights = bytes(sensor);

@@ -54,16 +54,19 @@ struct Row {
     }
   }
   FusedRow out() { return {depth, width, source, cause}; }
-  void resolve(int reach_px = 1000, QuarterMm pmd_range = 0) {
+  void resolve(int reach_px = 1000, QuarterMm pmd_range = 0, int doubt_px = 0) {
     ref::intersect({stereo_low, stereo_high}, {pmd_low, pmd_high}, {ratio, flags}, 40000, out());
-    resolve_ambiguities(
-        {.disparity = disparity,
-         .weak = weak,
-         .stereo = {stereo_low, stereo_high},
-         .pmd = {pmd_low, pmd_high},
-         .support = {ratio, flags}},
-        {.infinity_raw = 0, .max_range = 40000, .pmd_range = pmd_range, .reach_px = reach_px},
-        table, out());
+    resolve_ambiguities({.disparity = disparity,
+                         .weak = weak,
+                         .stereo = {stereo_low, stereo_high},
+                         .pmd = {pmd_low, pmd_high},
+                         .support = {ratio, flags}},
+                        {.infinity_raw = 0,
+                         .max_range = 40000,
+                         .pmd_range = pmd_range,
+                         .reach_px = reach_px,
+                         .doubt_px = doubt_px},
+                        table, out());
   }
   void expect(std::size_t x, Source want, Cause why, int near_depth) {
     EXPECT_EQ(source[x], want) << x;
@@ -85,12 +88,50 @@ TEST(AmbiguityResolver, WhatOnlyTheLeftCameraSeesBelongsToTheBackground) {
   Row row(200);
   row.match(0, 100, 25);    // 4 m
   row.match(125, 200, 50);  // 2 m; 25 px of shadow to its left
-  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.see(0, 200, 7000, 18000);
   row.resolve();
   for (std::size_t x = 100; x < 125; ++x) {
     row.expect(x, Source::kResolved, Cause::kOccluded, 16000);
     EXPECT_LT(row.width[x], 3000);  // the PMD alone: 11000
   }
+}
+
+TEST(AmbiguityResolver, AGuessAtAnEdgeHoldsTheSurfaceThatWasNotChosen) {
+  Row row(200);
+  row.match(0, 100, 25);
+  row.match(125, 200, 50);
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.resolve();
+  for (std::size_t x = 100; x < 125; ++x) {
+    row.expect(x, Source::kResolved, Cause::kOccluded, 16000);
+    EXPECT_LE(row.depth[x] - row.width[x] / 2, 7000) << x;
+  }
+}
+
+TEST(AmbiguityResolver, AGuessIsDroppedBesideAMuchNearerSurface) {
+  Row row(200);
+  row.match(0, 100, 25);    // 4 m
+  row.match(125, 200, 50);  // 2 m
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.resolve(1000, 0, 3);
+  row.expect(121, Source::kResolved, Cause::kOccluded, 16000);
+  row.expect(122, Source::kConflict, Cause::kMixedPixel, 0);
+  row.expect(124, Source::kConflict, Cause::kMixedPixel, 0);
+}
+
+TEST(AmbiguityResolver, AMatchWithRivalsAtAnEdgeSaysHowWrongItMayBe) {
+  Row row(200);
+  row.match(0, 200, 25, kVagueRatio);
+  row.see(0, 100, 12000, 18000, kPmdEdge);
+  row.see(100, 200, 7000, 18000, kPmdEdge);
+  row.resolve();
+  row.expect(50, Source::kBoth, Cause::kNone, 16000);
+  EXPECT_LE(row.depth[50] - row.width[50] / 2, 12000);
+  row.expect(150, Source::kConflict, Cause::kMixedPixel, 0);  // may be 2.2 m nearer
+  row.match(0, 200, 25, kVagueRatio - 1);
+  row.resolve();
+  row.expect(150, Source::kBoth, Cause::kNone, 16000);
+  EXPECT_LT(row.width[150], 3000);
 }
 
 TEST(AmbiguityResolver, NothingIsMadeUpWithoutThePmd) {
@@ -164,7 +205,7 @@ TEST(AmbiguityResolver, AtAnEdgeTheNearestSurfaceWithinReachCounts) {
   row.resolve(30);
   row.expect(110, Source::kResolved, Cause::kMixedPixel, 8000);
   row.expect(190, Source::kResolved, Cause::kMixedPixel, 16000);
-  row.expect(150, Source::kPmd, Cause::kNone, 12500);  // too far from both
+  row.expect(150, Source::kConflict, Cause::kMixedPixel, 0);  // too far from both
 }
 
 TEST(AmbiguityResolver, MatchesWithRivalsAreNoSurfaces) {
@@ -172,14 +213,17 @@ TEST(AmbiguityResolver, MatchesWithRivalsAreNoSurfaces) {
   row.match(0, 100, 50, kNeighbourRatio);
   row.see(100, 200, 7000, 18000, kPmdEdge);
   row.resolve();
-  row.expect(110, Source::kPmd, Cause::kNone, 12500);
+  row.expect(110, Source::kConflict, Cause::kMixedPixel, 0);  // anything from 1.7 to 4.5 m
+  row.see(100, 200, 10000, 17000, kPmdEdge);
+  row.resolve();
+  row.expect(110, Source::kPmd, Cause::kNone, 13500);
 }
 
 TEST(AmbiguityResolver, AConflictAtAnEdgeIsResolvedAndOneOfSoundSensorsIsNot) {
   Row row(200);
   row.match(0, 200, 25);
   row.match(100, 110, 80, 250);  // 1.25 m, with rivals
-  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.see(0, 200, 12000, 18000, kPmdEdge);
   row.match(150, 160, 80);  // sure
   row.see(150, 160, 7000, 18000);
   row.resolve();
