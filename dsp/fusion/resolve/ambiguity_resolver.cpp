@@ -19,7 +19,7 @@ namespace {
 constexpr int kPartBits = 20;
 // Matches that alone speak for a pixel, so near each other, have one verdict.
 constexpr std::size_t kJudgedTogether = 8;  // px
-constexpr int kJudgedStep = 4;              // 1/16 px
+constexpr int kJudgedStep = 12;             // 1/16 px
 // Half of the widest interval.
 constexpr int kMostHalf = kMaxQuarterMm / 2;
 

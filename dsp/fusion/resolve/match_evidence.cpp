@@ -56,42 +56,42 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
   return {.reading = hidden ? Reading::kAgrees : Reading::kDiffers};
 }
 
-bool MatchEvidence::supported(const Match& match, ImageView<const Disparity> disparity,
-                              int enough) const noexcept {
+int MatchEvidence::supporters(const Match& match,
+                              ImageView<const Disparity> disparity) const noexcept {
   const int raw = match.disparity.raw;
   const int most = std::max((raw - infinity_raw_) / kSupportShare, kLeastSupportStep);
   int count = 0;
   for (const int step : kSupportRings) {
-    for (int y = match.y - step; y <= match.y + step; y += step) {
+    const int left = match.x >= step ? match.x - step : match.x;
+    const int right = match.x + step < disparity.width() ? match.x + step : match.x;
+    for (const int y : {match.y - step, match.y, match.y + step}) {
       if (y < 0 || y >= disparity.height()) {
         continue;
       }
       const std::span<const Disparity> row = disparity.row(y);
-      for (int x = match.x - step; x <= match.x + step; x += step) {
-        if (x < 0 || x >= disparity.width()) {
-          continue;
-        }
-        const Disparity other = row[index(x)];
-        count += other.valid() && std::abs(other.raw - raw) <= most ? 1 : 0;
-      }
+      const auto supports = [&](int x) noexcept {  // none is far from every disparity
+        return std::abs(row[index(x)].raw - raw) <= most ? 1 : 0;
+      };
+      count += left != match.x ? supports(left) : 0;
+      count += right != match.x ? supports(right) : 0;
+      count += y != match.y ? supports(match.x) : 0;
     }
-    if (count - 1 >= enough) {  // it has counted itself
-      return true;
-    }
-    --count;
   }
-  return false;
+  return count;
 }
 
 MatchEvidence::Result MatchEvidence::judge(const Match& match,
                                            ImageView<const Disparity> disparity) const noexcept {
+  const int support = supporters(match, disparity);
+  if (support < kEnoughOutside) {
+    return {Verdict::kUnsupported, {}};
+  }
   const auto [low, high] = match.interval;
   const float depth = static_cast<float>(low + high) / 2;
   const float half = static_cast<float>(high - low) / 2;
   const PmdView::Place place = view_.of(match.x, match.y, depth);
   if (!place.seen()) {
-    const bool enough = supported(match, disparity, kEnoughOutside);
-    return {enough ? Verdict::kKept : Verdict::kUnsupported, {}};
+    return {Verdict::kKept, {}};
   }
   bool known = false;
   bool agrees = false;
@@ -109,7 +109,7 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   }
   const Said own = ask(place.column, place.row, place.distance, half);
   const bool sure = own.folded || match.ratio < kSureRatio;
-  if (!supported(match, disparity, sure ? kEnoughWhereSure : kEnoughSupport)) {
+  if (support < (sure ? kEnoughWhereSure : kEnoughSupport)) {
     return {Verdict::kUnsupported, {}};
   }
   if (!own.folded || own.reading != Reading::kAgrees) {

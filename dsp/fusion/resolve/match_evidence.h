@@ -45,15 +45,15 @@ class MatchEvidence {
   // Whether anything is judged at all.
   bool judges() const noexcept { return pmd_ != nullptr; }
 
-  // A match is contradicted where the PMD pixel that sees it (3x3 of them, where they are wide) has
-  // a reading, and neither
+  // Of the 16 matches 4 and 8 px around it, those within 3/4 px or a 24th of the parallax support a
+  // match. With fewer than 3 it is unsupported.
+  // It is contradicted where the PMD pixel that sees it (3x3 of them, where they are wide) has a
+  // reading, and neither
   //   its interval ends at the match or before it (something nearer may hide the match), nor
   //   its folded reading plus any number of ranges is within 2 sigma and the match's own half
   //   width, at most a twentieth of the distance, of it.
-  // It is confirmed where the folded reading itself agrees. Otherwise, of the 16 matches 4 and 8 px
-  // around it, those within 3/4 px or a 24th of the parallax support it. Enough are 12, or 6 of a
-  // match with a peak ratio below kSureRatio; 6 where a folded reading agrees; 3 where no PMD pixel
-  // sees it.
+  // Where a PMD pixel sees it, 12 are needed, or 6 of a match with a peak ratio below kSureRatio or
+  // with a folded reading. It is confirmed where the folded reading itself agrees.
   Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
 
  private:
@@ -66,9 +66,8 @@ class MatchEvidence {
     float sigma = 0;  // folded
   };
   Said ask(int column, int row, float distance, float half) const noexcept;
-  // Whether so many of the 16 support it.
-  bool supported(const Match& match, ImageView<const Disparity> disparity,
-                 int enough) const noexcept;
+  // How many of the 16 support it.
+  int supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
 
   PmdView view_;
   std::int16_t infinity_raw_ = 0;

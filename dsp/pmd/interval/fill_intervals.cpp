@@ -26,25 +26,6 @@ IntervalRows rows_around(const ImageView<QuarterMm>& distance, const ImageView<Q
           padded_row(sigma, y - 1),    padded_row(sigma, y),    padded_row(sigma, y + 1)};
 }
 
-// What wrapped pixels of a row have read; those that lost it before keep what is there.
-void keep_folded(const PmdMaps& maps, int y) noexcept {
-  if (maps.folded.empty()) {
-    return;
-  }
-  const std::span<const std::uint8_t> flags = maps.flags.row(y);
-  const std::span<const QuarterMm> distance = maps.distance.row(y);
-  const std::span<const QuarterMm> sigma = maps.sigma.row(y);
-  const std::span<QuarterMm> folded = maps.folded.row(y);
-  const std::span<QuarterMm> folded_sigma = maps.folded_sigma.row(y);
-  for (std::size_t x = 0; x < flags.size(); ++x) {
-    const bool wrapped = (flags[x] & kPmdWrapped) != 0;
-    if (wrapped && distance[x] != kNoDepth) {
-      folded[x] = static_cast<QuarterMm>(distance[x] % maps.range);
-      folded_sigma[x] = sigma[x];
-    }
-  }
-}
-
 }  // namespace
 
 void smooth_readings(const PmdMaps& maps) noexcept {
@@ -85,26 +66,28 @@ void fill_intervals(const PmdMaps& maps, Rows rows) noexcept {
 }
 
 void drop_wrapped(const PmdMaps& maps) noexcept {
-  const auto drop = [](std::span<const std::uint8_t> flags, const auto& image, int y) noexcept {
-    if (image.empty()) {
-      return;
-    }
-    const auto row = image.row(y);
-    for (std::size_t x = 0; x < flags.size(); ++x) {
-      row[x] = (flags[x] & kPmdWrapped) != 0 ? 0 : row[x];
+  const auto clear = [](const auto& image, std::size_t x, int y) noexcept {
+    if (!image.empty()) {
+      image.row(y)[x] = 0;
     }
   };
   for (int y = 0; y < maps.flags.height(); ++y) {
     const std::span<const std::uint8_t> flags = maps.flags.row(y);
-    if (std::ranges::none_of(flags, [](unsigned f) { return (f & kPmdWrapped) != 0; })) {
-      continue;
+    for (std::size_t x = 0; x < flags.size(); ++x) {
+      if ((flags[x] & kPmdWrapped) == 0) {
+        continue;
+      }
+      const QuarterMm distance = maps.distance.row(y)[x];
+      if (distance != kNoDepth && !maps.folded.empty()) {
+        maps.folded.row(y)[x] = static_cast<QuarterMm>(distance % maps.range);
+        maps.folded_sigma.row(y)[x] = maps.sigma.row(y)[x];
+      }
+      clear(maps.distance, x, y);
+      clear(maps.sigma, x, y);
+      clear(maps.smoothed, x, y);
+      clear(maps.smoothed_sigma, x, y);
+      clear(maps.long_distance, x, y);
     }
-    keep_folded(maps, y);
-    drop(flags, maps.distance, y);
-    drop(flags, maps.sigma, y);
-    drop(flags, maps.smoothed, y);
-    drop(flags, maps.smoothed_sigma, y);
-    drop(flags, maps.long_distance, y);
   }
 }
 
