@@ -44,8 +44,8 @@ constexpr std::size_t matcher_bytes(const board::StereoConfig& stereo, int threa
          static_cast<std::size_t>(threads) * search + 8192;
 }
 
-// Fourteen maps of up to 4 bytes a pixel, some with a border column on both sides, tables of lights and
-// the fixed pattern; rows; constants.
+// Fourteen maps of up to 4 bytes a pixel, some with a border column on both sides, tables of lights
+// and the fixed pattern; rows; constants.
 constexpr std::size_t converter_bytes(const board::PmdConfig& pmd) noexcept {
   return 38 * pixels(pmd.width + 2, pmd.height) + 32 * static_cast<std::size_t>(pmd.width) + 8192;
 }

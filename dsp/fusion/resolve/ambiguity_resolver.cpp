@@ -161,7 +161,7 @@ class AmbiguityResolver {
     const int depth = out_.depth[x];
     const Range seen = pmd(x);
     const int half = std::max({out_.width[x] / 2, depth - seen.low, seen.high - depth});
-    out_.width[x] = static_cast<QuarterMm>(2 * std::min(half, std::min(depth - 1, kMostHalf)));
+    out_.width[x] = static_cast<QuarterMm>(2 * std::min({half, depth - 1, kMostHalf}));
   }
 
   // Whether a surface beside the pixel, as possible as the published one, is much nearer.
