@@ -339,8 +339,10 @@ class Evaluate(Program):
         self.assertTrue(text.startswith("<!DOCTYPE html>") and text.endswith("</html>\n"))
         for section in ("summary", "intervals", "geometry", "scene-1", "scene-2"):
             self.assertEqual(text.count(f'<section id="{section}">'), 1, section)
-        lines = self.succeed("evaluate", "fusion", *pairs, "--runs", 1).splitlines()
-        self.assertEqual([line.split()[0] for line in lines[-3:]], ["First", "Second", "mean"])
+        scenes, sources = self.succeed("evaluate", "fusion", *pairs, "--runs", 1).split("\n\n")[-2:]
+        self.assertEqual([line.split()[0] for line in scenes.splitlines()[-3:]], ["First", "Second", "mean"])
+        self.assertEqual(sources.split()[0], "fused")
+        self.assertEqual(sources.splitlines()[-1].split()[0], "all")
 
     def test_fusion_takes_the_options_of_the_appliance(self):
         arguments = ["evaluate", "fusion", self.write_scene(), self.write_recording(), "--json"]
