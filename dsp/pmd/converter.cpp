@@ -31,14 +31,6 @@ std::uint16_t slope_of(const Pinhole& lens) noexcept {
   return static_cast<std::uint16_t>(std::clamp(std::round(two_pixels * 65536), 0.0, 65535.0));
 }
 
-// Whether neighbouring pixels of this lens see the same surfaces often enough: 80 px of focal
-// length are 0.7 degrees a pixel. The chapter's 64x16 pixels are 1.3 degrees wide: averaging them
-// made intervals of four scenes narrower, and wrong.
-bool smooths(const Pinhole& lens) noexcept {
-  constexpr double kShortestFocal = 80;
-  return std::min(lens.fx, lens.fy) >= kShortestFocal;
-}
-
 }  // namespace
 
 // What a second frequency adds.
@@ -107,7 +99,7 @@ PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept {
   maps_.flags = arena.take_image<std::uint8_t>(w, h);
   maps_.distance = take_padded(arena, w, h);
   maps_.sigma = take_padded(arena, w, h);
-  if (smooths(sensor.lens)) {
+  if (is_fine(sensor.lens)) {
     maps_.smoothed = take_padded(arena, w, h);
     maps_.smoothed_sigma = take_padded(arena, w, h);
   }

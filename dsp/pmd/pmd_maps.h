@@ -4,6 +4,7 @@
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
+#include "dsp/calib/pinhole.h"
 
 namespace stof::dsp {
 
@@ -26,6 +27,14 @@ inline constexpr std::uint8_t kPmdMissing =
 using IntegrationQ8 = std::uint16_t;
 inline constexpr IntegrationQ8 kReferenceIntegration = 256;
 
+// Whether neighbouring pixels of a lens mostly see one surface: 80 px of focal length are 0.7
+// degrees a pixel. The chapter's 64x16 pixels are 1.3 degrees wide: averaging them made intervals
+// of four scenes narrower, and wrong.
+constexpr bool is_fine(const Pinhole& lens) noexcept {
+  constexpr double kShortestFocal = 80;
+  return lens.fx >= kShortestFocal && lens.fy >= kShortestFocal;
+}
+
 // Everything one PMD frame becomes. All images have the sensor's size; with two frequencies, phase
 // to ratio are those of the first.
 struct PmdMaps {
@@ -44,7 +53,8 @@ struct PmdMaps {
   ImageView<QuarterMm> smoothed;
   ImageView<QuarterMm> smoothed_sigma;
   // Of pixels with kPmdWrapped, which have no distance: what was read, less than `range`, and its
-  // sigma. It lies at this, or any number of ranges further. 0 elsewhere. May be empty.
+  // sigma. It lies at this, or any number of ranges away. 0 elsewhere, and where neighbours are an
+  // edge and more than `widest` apart: there it may be mixed, and tell neither. May be empty.
   ImageView<QuarterMm> folded;
   ImageView<QuarterMm> folded_sigma;
   ImageView<QuarterMm> low;       // radial interval from the 3x3 neighbourhood, with 2 sigma;

@@ -91,6 +91,7 @@ class AmbiguityResolver {
          alone_.words(n), vague_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
     judge_alone();
+    judge_vague();
     each_run([this](const Run& run) noexcept {
       resolve_shadow(run);
       confirm_weak(run);
@@ -100,7 +101,7 @@ class AmbiguityResolver {
       resolve_gap(run);
       resolve_edges(run);
     });
-    judge_edges();
+    drop_wide_edges();
     for (std::size_t x = disputed_.next(0, n); params_.pmd_range != 0 && x < n;
          x = disputed_.next(x + 1, n)) {
       if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
@@ -186,7 +187,7 @@ class AmbiguityResolver {
     MatchEvidence::Result said{};
     std::size_t judged = n;
     for (std::size_t x = alone_.next(0, n); x < n; x = alone_.next(x + 1, n)) {
-      if (judged == n || x >= judged + kJudgedTogether ||
+      if (judged == n || x >= judged + kJudgedTogether || is_sure(x) != is_sure(judged) ||
           std::abs(row_.disparity[x].raw - row_.disparity[judged].raw) > kJudgedStep) {
         judged = x;
         said = row_.evidence->judge({.x = static_cast<int>(x),
@@ -202,17 +203,16 @@ class AmbiguityResolver {
 
   void finish_alone(std::size_t x, const MatchEvidence::Result& said) noexcept {
     switch (said.verdict) {
-      case MatchEvidence::Verdict::kConfirmed: {
-        const auto [low, high] = published(x);
-        const Range both = common({low, high}, {said.reading.low, said.reading.high});
-        if (!both.empty()) {
-          put(x, both, Source::kBoth, Cause::kNone);
-        }
-        return;
-      }
+      case MatchEvidence::Verdict::kConfirmed:
       case MatchEvidence::Verdict::kKept:
-        if (edge_.has(x) && out_.source[x] == Source::kResolved) {
+        if (out_.source[x] == Source::kResolved) {  // against a mixed reading
           cover_pmd(x);
+        } else if (said.verdict == MatchEvidence::Verdict::kConfirmed) {
+          const auto [low, high] = published(x);
+          const Range both = common({low, high}, {said.reading.low, said.reading.high});
+          if (!both.empty()) {
+            put(x, both, Source::kBoth, Cause::kNone);
+          }
         }
         return;
       case MatchEvidence::Verdict::kContradicted:
@@ -225,23 +225,30 @@ class AmbiguityResolver {
     matched_.remove(x);
   }
 
+  bool is_sure(std::size_t x) const noexcept { return row_.support.ratio[x] < kSureRatio; }
+
   DepthInterval published(std::size_t x) const noexcept {
     const int half = out_.width[x] / 2;
     return {static_cast<QuarterMm>(std::max(out_.depth[x] - half, 1)),
             static_cast<QuarterMm>(std::min(out_.depth[x] + half, int{kMaxQuarterMm}))};
   }
 
-  // What is left at edges of the PMD: matches that may be of the other surface, and readings that
-  // no match around explains.
-  void judge_edges() noexcept {
+  // Matches that may be of the other surface of an edge of the PMD.
+  void judge_vague() noexcept {
     const std::size_t n = row_.disparity.size();
     for (std::size_t x = vague_.next(0, n); x < n; x = vague_.next(x + 1, n)) {
       if (out_.depth[x] - pmd(x).low > kLargestVagueGuess) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
+        matched_.remove(x);
       } else {
         cover_pmd(x);
       }
     }
+  }
+
+  // Readings at edges of the PMD that no match around explains.
+  void drop_wide_edges() noexcept {
+    const std::size_t n = row_.disparity.size();
     for (std::size_t x = open_.next(0, n); x < n; x = open_.next(x + 1, n)) {
       if (edge_.has(x) && out_.source[x] == Source::kPmd &&
           out_.depth[x] - pmd(x).low > kLargestGuess) {
@@ -302,7 +309,8 @@ class AmbiguityResolver {
   void confirm_weak(const Run& run) noexcept {
     for (std::size_t x = weak_.next(run.begin, run.end); x < run.end;
          x = weak_.next(x + 1, run.end)) {
-      if (open_.has(x) && publish(x, run, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone)) {
+      if (open_.has(x) && publish(x, run, surface(row_.weak[x].raw), Source::kBoth, Cause::kNone) &&
+          out_.source[x] == Source::kBoth) {
         confirmed_.add(x);
       }
     }

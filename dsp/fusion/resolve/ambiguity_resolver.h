@@ -59,8 +59,8 @@ inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
 inline constexpr int kShadowMargin = 3;
 
-// First, pixels that only their match speaks for are judged by MatchEvidence, up to
-// kJudgedTogether of one surface side by side together: kept, confirmed (kBoth, what both allow),
+// First, pixels that only their match speaks for are judged by MatchEvidence, some that are near
+// each other and alike together: kept, confirmed (a kStereo becomes kBoth, what both allow),
 // contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous).
 //
 // Then each pixel whose source is kPmd with (high - low) kNarrowShare > low, or kConflict by
@@ -82,12 +82,13 @@ inline constexpr int kShadowMargin = 3;
 // slanted ray) gets kRangeAmbiguous. All of one length.
 //
 // At an edge of the PMD (kPmdEdge) such a depth is a guess between two surfaces. Its interval is
-// widened about it until it holds the PMD's. It is dropped (kConflict, kMixedPixel) where
+// widened about it, at most to twice the depth, until it holds the PMD's. It is dropped (kConflict,
+// kMixedPixel) where
 //   L or R within doubt_px, as possible as what was chosen, is nearer by more than kLargestGuess;
 //   or it lies between L and R, and the PMD's near end is nearer by more than kLargestVagueGuess;
 //   or the PMD alone is left of it, and its near end is nearer by more than kLargestGuess.
 // A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
-// kLargestVagueGuess, likewise.
+// kLargestVagueGuess, likewise; then it is no neighbour of others.
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
                          const DisparityTable& table, const FusedRow& out) noexcept;
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,

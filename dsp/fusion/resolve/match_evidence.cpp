@@ -11,9 +11,6 @@
 namespace stof::dsp {
 namespace {
 
-// Wider PMD pixels see several surfaces: what one beside it has read may be of the match.
-constexpr double kFineFocal = 80;
-
 constexpr std::array<int, 2> kSupportRings{4, 8};  // px
 constexpr int kSupportShare = 24;                  // of the parallax
 constexpr int kLeastSupportStep = 12;              // 1/16 px
@@ -21,6 +18,7 @@ constexpr int kEnoughSupport = 12;
 constexpr int kEnoughWhereSure = 6;
 constexpr int kEnoughOutside = 3;
 
+constexpr float kChanceShare = 8;         // of the range: agreement by chance is one in four
 constexpr float kAgreementShare = 0.05F;  // of the distance
 constexpr float kFoldedMargin = 0.01F;    // of the distance
 
@@ -31,7 +29,7 @@ MatchEvidence::MatchEvidence(const Calibration& calibration, std::int16_t infini
   const Pinhole& lens = calibration.pmd.lens;
   if (lens.width > 0) {
     view_ = PmdView(calibration);
-    around_ = std::min(lens.fx, lens.fy) < kFineFocal ? 1 : 0;
+    around_ = is_fine(lens) ? 0 : 1;
   }
 }
 
@@ -45,22 +43,27 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
     const float off = apart - range * std::floor(apart / range + 0.5F);
     const float sigma = static_cast<float>(pmd_->folded_sigma.row(row)[x]);
     const float reach = 2 * sigma + std::min(half, kAgreementShare * distance);
-    const Reading reading = std::abs(off) <= reach ? Reading::kAgrees : Reading::kDiffers;
-    return {.reading = reading, .folded = true, .off = off, .sigma = sigma};
+    if (reach > range / kChanceShare) {
+      return {};
+    }
+    const Opinion opinion = std::abs(off) <= reach ? Opinion::kAgrees : Opinion::kDiffers;
+    return {.opinion = opinion, .folded = true, .off = off, .sigma = sigma};
   }
   const QuarterMm low = pmd_->low.row(row)[x];
-  if (low == 0) {
-    return {};
+  const unsigned flags = pmd_->flags.row(row)[x];
+  if (low == 0) {  // silent, but for what it sees beyond kMaxQuarterMm
+    const bool beyond = (flags & kPmdOutOfRange) != 0 && (flags & kPmdMissing) == 0;
+    return {.opinion = beyond ? Opinion::kDiffers : Opinion::kNone};
   }
   const bool hidden = distance + half >= static_cast<float>(low);
-  return {.reading = hidden ? Reading::kAgrees : Reading::kDiffers};
+  return {.opinion = hidden ? Opinion::kAgrees : Opinion::kDiffers};
 }
 
-int MatchEvidence::supporters(const Match& match,
-                              ImageView<const Disparity> disparity) const noexcept {
+MatchEvidence::Support MatchEvidence::supporters(
+    const Match& match, ImageView<const Disparity> disparity) const noexcept {
   const int raw = match.disparity.raw;
   const int most = std::max((raw - infinity_raw_) / kSupportShare, kLeastSupportStep);
-  int count = 0;
+  Support support;
   for (const int step : kSupportRings) {
     const int left = match.x >= step ? match.x - step : match.x;
     const int right = match.x + step < disparity.width() ? match.x + step : match.x;
@@ -69,21 +72,23 @@ int MatchEvidence::supporters(const Match& match,
         continue;
       }
       const std::span<const Disparity> row = disparity.row(y);
-      const auto supports = [&](int x) noexcept {  // none is far from every disparity
-        return std::abs(row[index(x)].raw - raw) <= most ? 1 : 0;
+      const auto ask_match = [&](int x, bool other) noexcept {
+        // None is far from every disparity.
+        support.there += other ? 1 : 0;
+        support.count += other && std::abs(row[index(x)].raw - raw) <= most ? 1 : 0;
       };
-      count += left != match.x ? supports(left) : 0;
-      count += right != match.x ? supports(right) : 0;
-      count += y != match.y ? supports(match.x) : 0;
+      ask_match(left, left != match.x);
+      ask_match(right, right != match.x);
+      ask_match(match.x, y != match.y);
     }
   }
-  return count;
+  return support;
 }
 
 MatchEvidence::Result MatchEvidence::judge(const Match& match,
                                            ImageView<const Disparity> disparity) const noexcept {
-  const int support = supporters(match, disparity);
-  if (support < kEnoughOutside) {
+  const Support support = supporters(match, disparity);
+  if (!support.is_enough(kEnoughOutside)) {
     return {Verdict::kUnsupported, {}};
   }
   const auto [low, high] = match.interval;
@@ -100,19 +105,20 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
     for (int column = std::max(place.column - around_, 0);
          column <= std::min(place.column + around_, pmd_->low.width() - 1); ++column) {
       const Said said = ask(column, row, place.distance, half);
-      known = known || said.reading != Reading::kNone;
-      agrees = agrees || said.reading == Reading::kAgrees;
+      known = known || said.opinion != Opinion::kNone;
+      agrees = agrees || said.opinion == Opinion::kAgrees;
     }
   }
   if (known && !agrees) {
     return {Verdict::kContradicted, {}};
   }
   const Said own = ask(place.column, place.row, place.distance, half);
-  const bool sure = own.folded || match.ratio < kSureRatio;
-  if (support < (sure ? kEnoughWhereSure : kEnoughSupport)) {
+  const bool folded = own.folded && own.opinion == Opinion::kAgrees;
+  const bool sure = folded || match.ratio < kSureRatio;
+  if (!support.is_enough(sure ? kEnoughWhereSure : kEnoughSupport)) {
     return {Verdict::kUnsupported, {}};
   }
-  if (!own.folded || own.reading != Reading::kAgrees) {
+  if (!folded) {
     return {Verdict::kKept, {}};
   }
   // From a distance along the PMD's ray to Z of the left camera.

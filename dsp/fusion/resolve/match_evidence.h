@@ -46,28 +46,34 @@ class MatchEvidence {
   bool judges() const noexcept { return pmd_ != nullptr; }
 
   // Of the 16 matches 4 and 8 px around it, those within 3/4 px or a 24th of the parallax support a
-  // match. With fewer than 3 it is unsupported.
-  // It is contradicted where the PMD pixel that sees it (3x3 of them, where they are wide) has a
-  // reading, and neither
-  //   its interval ends at the match or before it (something nearer may hide the match), nor
+  // match; bounds hold for 16, and for as many as the picture has there in proportion. With fewer
+  // than 3 it is unsupported.
+  // It is contradicted where the PMD pixel that sees it (3x3 of them, where they are wide) says
+  // something, and none of this:
+  //   its interval begins before the match's far end (something nearer may hide the match);
   //   its folded reading plus any number of ranges is within 2 sigma and the match's own half
-  //   width, at most a twentieth of the distance, of it.
+  //   width, at most a twentieth of the distance, of it. Where that is more than an eighth of the
+  //   range to either side, a folded reading says nothing: it would agree by chance.
   // Where a PMD pixel sees it, 12 are needed, or 6 of a match with a peak ratio below kSureRatio or
-  // with a folded reading. It is confirmed where the folded reading itself agrees.
+  // with a folded reading that agrees; such a reading confirms it.
   Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
 
  private:
-  enum class Reading : std::uint8_t { kNone, kAgrees, kDiffers };
+  enum class Opinion : std::uint8_t { kNone, kAgrees, kDiffers };
   // What a PMD pixel says.
   struct Said {
-    Reading reading = Reading::kNone;
+    Opinion opinion = Opinion::kNone;
     bool folded = false;
     float off = 0;    // folded: by how much it is off
     float sigma = 0;  // folded
   };
   Said ask(int column, int row, float distance, float half) const noexcept;
-  // How many of the 16 support it.
-  int supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
+  struct Support {
+    int count = 0;  // of matches that support it
+    int there = 0;  // pixels of the picture that might
+    bool is_enough(int of_sixteen) const noexcept { return 16 * count >= of_sixteen * there; }
+  };
+  Support supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
 
   PmdView view_;
   std::int16_t infinity_raw_ = 0;

@@ -11,9 +11,9 @@
 namespace stof::dsp {
 
 // Readings and neighbours with a larger sigma are not averaged.
-inline constexpr QuarterMm kSmoothestSigma = 2047;
+inline constexpr QuarterMm kMaxAveragedSigma = 2047;
 // Farthest that a pair may pull a reading, quarter mm.
-inline constexpr QuarterMm kFarthestPull = 2047;
+inline constexpr QuarterMm kMaxPull = 2047;
 
 // Sigma of a mean of 1 + 2 p readings as a share of the mean sigma, Q15, by the number of pairs p:
 // 1.4 / sqrt(1 + 2 p). The 1.4 is what surfaces that are not planes add, measured on 27 scenes.
@@ -25,8 +25,8 @@ inline constexpr std::array<std::uint16_t, 5> kPairShare{0, 21845, 13107, 9362, 
 // each other, (x - i, y - j) and (x + i, y + j): their mean lies on any plane through the reading,
 // so that slopes stay. With distances a, b and sigmas s_a, s_b of a pair, d and s of the reading,
 //   mean = (a + b + 1) / 2, noise = (s_a + s_b + 1) / 2,
-// a pair counts where both are there, all three sigmas are at most kSmoothestSigma, and
-//   |mean - d| <= min(2 s + noise, kFarthestPull)   and   |a - b| <= 6 noise + slope,
+// a pair counts where both are there, all three sigmas are at most kMaxAveragedSigma, and
+//   |mean - d| <= min(2 s + noise, kMaxPull)   and   |a - b| <= 6 noise + slope,
 // slope = (d slope_q16) >> 16. Over the p pairs that count:
 //   out_distance = d + round(sum (mean - d) 2 / (1 + 2 p))
 //   out_sigma    = max(min(s, round((s + 2 sum noise) / (1 + 2 p) kSmoothShare[p])), 1)

@@ -33,7 +33,7 @@ uint16x8_t high_halves(uint16x8_t v, std::uint16_t factor) noexcept {
 }
 
 Here look(const Readings& reading, std::uint16_t slope_q16) noexcept {
-  const uint16x8_t quiet = vcleq_u16(reading.sigma, vdupq_n_u16(kSmoothestSigma));
+  const uint16x8_t quiet = vcleq_u16(reading.sigma, vdupq_n_u16(kMaxAveragedSigma));
   return {reading, vandq_u16(vtstq_u16(reading.distance, reading.distance), quiet),
           high_halves(reading.distance, slope_q16)};
 }
@@ -44,12 +44,12 @@ void add_pair(const Here& here, const Readings& a, const Readings& b, Sums& sums
   const uint16x8_t mean = vrhaddq_u16(a.distance, b.distance);
   const uint16x8_t noise = vrhaddq_u16(a.sigma, b.sigma);
   const uint16x8_t twice = vqaddq_u16(noise, noise);
-  const uint16x8_t reach =
-      vminq_u16(vqaddq_u16(vqaddq_u16(s, s), noise), vdupq_n_u16(kFarthestPull));
+  const uint16x8_t reach = vminq_u16(vqaddq_u16(vqaddq_u16(s, s), noise), vdupq_n_u16(kMaxPull));
   const uint16x8_t step = vqaddq_u16(vqaddq_u16(vqaddq_u16(twice, twice), twice), here.slope);
   const uint16x8_t nearest = vminq_u16(a.distance, b.distance);
   uint16x8_t counts = vandq_u16(here.there, vtstq_u16(nearest, nearest));
-  counts = vandq_u16(counts, vcleq_u16(vmaxq_u16(a.sigma, b.sigma), vdupq_n_u16(kSmoothestSigma)));
+  counts =
+      vandq_u16(counts, vcleq_u16(vmaxq_u16(a.sigma, b.sigma), vdupq_n_u16(kMaxAveragedSigma)));
   counts = vandq_u16(counts, vcleq_u16(vabdq_u16(mean, d), reach));
   counts = vandq_u16(counts, vcleq_u16(vabdq_u16(a.distance, b.distance), step));
   sums.pairs = vsubq_u16(sums.pairs, counts);

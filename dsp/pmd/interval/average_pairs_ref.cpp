@@ -15,7 +15,7 @@ constexpr int kShareBits = 15;
 struct Reading {
   int distance;
   int sigma;
-  bool there() const noexcept { return distance != kNoDepth && sigma <= kSmoothestSigma; }
+  bool there() const noexcept { return distance != kNoDepth && sigma <= kMaxAveragedSigma; }
 };
 
 }  // namespace
@@ -49,7 +49,7 @@ void average_pairs(const IntervalRows& rows, std::uint16_t slope_q16,
       const Reading b = reading(8 - k);
       const int mean = (a.distance + b.distance + 1) / 2;
       const int noise = (a.sigma + b.sigma + 1) / 2;
-      const int reach = std::min<int>(2 * here.sigma + noise, kFarthestPull);
+      const int reach = std::min<int>(2 * here.sigma + noise, kMaxPull);
       if (a.there() && b.there() && std::abs(mean - here.distance) <= reach &&
           std::abs(a.distance - b.distance) <= 6 * noise + slope) {
         ++pairs;

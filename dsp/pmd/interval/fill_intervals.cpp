@@ -78,7 +78,7 @@ void drop_wrapped(const PmdMaps& maps) noexcept {
         continue;
       }
       const QuarterMm distance = maps.distance.row(y)[x];
-      if (distance != kNoDepth && !maps.folded.empty()) {
+      if (distance != kNoDepth && (flags[x] & kPmdEdge) == 0 && !maps.folded.empty()) {
         maps.folded.row(y)[x] = static_cast<QuarterMm>(distance % maps.range);
         maps.folded_sigma.row(y)[x] = maps.sigma.row(y)[x];
       }

@@ -17,8 +17,9 @@ struct FusionOptions {
   dsp::QuarterMm max_range = dsp::FusionParams{}.max_range;
   bool guided = false;            // PMD intervals narrow the search
   bool chapter_geometry = false;  // adds FusionResult::chapter
-  // What a calibration found of the PMD camera, in place of what the recording's json says: all but
-  // the lens, and the fixed pattern where its picture has the recording's size.
+  // What a calibration found of the PMD camera, in place of what the recording's json says. The
+  // lens stays the recording's, and so does the fixed pattern where the calibrated picture has
+  // another size. Of run_fusion_case().
   std::optional<dsp::PmdSensor> camera = std::nullopt;
   int runs = 1;     // of which the median time is taken
   int threads = 1;  // that match and fuse; no result depends on it

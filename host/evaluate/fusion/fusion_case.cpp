@@ -38,9 +38,9 @@ dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& sc
       .pair = std::move(*pair), .recording = std::move(*recording), .depth = std::move(depth)};
 }
 
-std::expected<void, dataset::Problem> calibrate(const dsp::PmdSensor& found,
-                                                const std::filesystem::path& prefix,
-                                                dataset::PmdRecording& recording) {
+std::expected<void, dataset::Problem> apply_calibration(const dsp::PmdSensor& found,
+                                                        const std::filesystem::path& prefix,
+                                                        dataset::PmdRecording& recording) {
   dsp::PmdSensor& camera = recording.calibration.pmd;
   const double calibrated = found.frequency.modulation.value;
   const double recorded = camera.frequency.modulation.value;
@@ -69,7 +69,7 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
     return std::unexpected(std::move(recorded.error()));
   }
   if (options.camera) {
-    if (auto done = calibrate(*options.camera, prefix, recorded->recording); !done) {
+    if (auto done = apply_calibration(*options.camera, prefix, recorded->recording); !done) {
       return std::unexpected(std::move(done.error()));
     }
   }

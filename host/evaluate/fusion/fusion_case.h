@@ -20,9 +20,9 @@ dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& sc
                                                  const std::filesystem::path& prefix);
 
 // FusionOptions::camera. One line when it is of another modulation frequency.
-std::expected<void, dataset::Problem> calibrate(const dsp::PmdSensor& found,
-                                                const std::filesystem::path& prefix,
-                                                dataset::PmdRecording& recording);
+std::expected<void, dataset::Problem> apply_calibration(const dsp::PmdSensor& found,
+                                                        const std::filesystem::path& prefix,
+                                                        dataset::PmdRecording& recording);
 
 // A stereo pair with truth, its PMD recording, and what became of them.
 struct FusionCase {

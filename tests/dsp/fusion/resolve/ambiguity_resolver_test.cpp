@@ -119,6 +119,21 @@ TEST(AmbiguityResolver, AGuessIsDroppedBesideAMuchNearerSurface) {
   row.expect(124, Source::kConflict, Cause::kMixedPixel, 0);
 }
 
+TEST(AmbiguityResolver, ADroppedMatchIsNoNeighbour) {
+  Row row(200);
+  row.match(160, 200, 50);  // 2 m
+  row.see(0, 200, 7000, 18000, kPmdEdge);
+  row.weak[158] = Disparity::from_pixels(25);  // 4 m, beside it
+  row.resolve(1000, 0, 8);
+  row.expect(158, Source::kConflict, Cause::kMixedPixel, 0);
+  row.expect(156, Source::kResolved, Cause::kMixedPixel, 8000);
+  row.weak[158] = Disparity::none();
+  row.match(55, 56, 25, kVagueRatio);  // may be 2.2 m nearer
+  row.resolve(100);
+  row.expect(55, Source::kConflict, Cause::kMixedPixel, 0);
+  EXPECT_EQ(row.source[58], Source::kConflict);
+}
+
 TEST(AmbiguityResolver, AMatchWithRivalsAtAnEdgeSaysHowWrongItMayBe) {
   Row row(200);
   row.match(0, 200, 25, kVagueRatio);

@@ -34,11 +34,13 @@ class Scene {
   explicit Scene(double focal = 150)
       : evidence(rig(focal), 0),
         disparity_(kWidth * kHeight, Disparity::from_pixels(20)),
-        images_(4, std::vector<QuarterMm>(kWidth * kHeight / kFour / kFour)) {
+        images_(4, std::vector<QuarterMm>(kWidth * kHeight / kFour / kFour)),
+        flags_(kWidth * kHeight / kFour / kFour) {
     maps.low = image(0);
     maps.high = image(1);
     maps.folded = image(2);
     maps.folded_sigma = image(3);
+    maps.flags = {flags_.data(), kWidth / kFour, kHeight / kFour};
     maps.range = kRange;
     evidence.look_at(&maps);
   }
@@ -72,6 +74,7 @@ class Scene {
   }
   std::vector<Disparity> disparity_;
   std::vector<std::vector<QuarterMm>> images_;
+  std::vector<std::uint8_t> flags_;
 };
 
 using enum MatchEvidence::Verdict;
@@ -126,6 +129,32 @@ TEST(MatchEvidence, AFoldedReadingOfAnotherSurfaceContradicts) {
   EXPECT_EQ(scene.judge(0).verdict, kContradicted);
   scene.read(9000, 1600);  // so noisy that it may be the same
   EXPECT_NE(scene.judge(0).verdict, kContradicted);
+}
+
+TEST(MatchEvidence, AReadingThatWouldAgreeByChanceSaysNothing) {
+  Scene scene;
+  scene.maps.range = 10'000;  // 60 MHz
+  scene.read(2100, 20);
+  EXPECT_EQ(scene.judge().verdict, kConfirmed);
+  scene.read(2100, 600);  // 2 sigma to either side are a quarter of the range
+  EXPECT_EQ(scene.judge().verdict, kKept);
+  scene.read(7000, 600);
+  EXPECT_EQ(scene.judge().verdict, kKept);
+}
+
+TEST(MatchEvidence, WhatThePmdSeesBeyondSixteenMetresIsNoMatchBeforeIt) {
+  Scene scene;
+  scene.maps.flags.at(8, 6) = kPmdOutOfRange;
+  EXPECT_EQ(scene.judge().verdict, kContradicted);
+  scene.maps.flags.at(8, 6) = kPmdOutOfRange | kPmdLowAmplitude;
+  EXPECT_EQ(scene.judge().verdict, kKept);
+}
+
+TEST(MatchEvidence, AtTheBorderAsManyAreAskedAsThereAre) {
+  Scene scene;
+  for (const auto& [x, y] : {std::pair{0, 0}, {63, 47}, {0, 24}, {5, 47}}) {
+    EXPECT_EQ(scene.judge(200, x, y).verdict, kKept) << x << "," << y;
+  }
 }
 
 TEST(MatchEvidence, WhatLiesBeforeTheMatchMayHideItAndWhatLiesBehindContradicts) {

@@ -65,8 +65,8 @@ TEST(AveragePairs, ALonelyReadingStaysAndAMissingOneStaysMissing) {
   sigma[4] = 300;
   EXPECT_EQ(mean_of(distance, sigma), (Mean{9000, 300}));
   distance.fill(9000);
-  sigma.fill(kSmoothestSigma + 1);  // too noisy for a mean to mean anything
-  EXPECT_EQ(mean_of(distance, sigma), (Mean{9000, kSmoothestSigma + 1}));
+  sigma.fill(kMaxAveragedSigma + 1);  // too noisy for a mean to mean anything
+  EXPECT_EQ(mean_of(distance, sigma), (Mean{9000, kMaxAveragedSigma + 1}));
 }
 
 TEST(AveragePairs, SharesAreThoseOfAMean) {
