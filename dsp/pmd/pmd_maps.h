@@ -29,7 +29,7 @@ inline constexpr IntegrationQ8 kReferenceIntegration = 256;
 
 // Whether neighbouring pixels of a lens mostly see one surface: 80 px of focal length are 0.7
 // degrees a pixel. The chapter's 64x16 pixels are 1.3 degrees wide: averaging them made intervals
-// of four scenes narrower, and wrong.
+// of five scenes narrower, and wrong.
 constexpr bool is_fine(const Pinhole& lens) noexcept {
   constexpr double kShortestFocal = 80;
   return lens.fx >= kShortestFocal && lens.fy >= kShortestFocal;

@@ -173,7 +173,7 @@ class AmbiguityResolver {
       }
       const DepthInterval interval = surface(match.raw).at(x);
       const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
-      return !both.empty() && out_.depth[x] - middle_of(both.low, both.high) > kLargestGuess;
+      return !both.empty() && out_.depth[x] - middle_of(both.low, both.high) > kMaxGuess;
     };
     return nearer(run.left, run.to_left(x)) || nearer(run.right, run.to_right(x));
   }
@@ -237,7 +237,7 @@ class AmbiguityResolver {
   void judge_vague() noexcept {
     const std::size_t n = row_.disparity.size();
     for (std::size_t x = vague_.next(0, n); x < n; x = vague_.next(x + 1, n)) {
-      if (out_.depth[x] - pmd(x).low > kLargestVagueGuess) {
+      if (out_.depth[x] - pmd(x).low > kMaxVagueGuess) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
         matched_.remove(x);
       } else {
@@ -251,7 +251,7 @@ class AmbiguityResolver {
     const std::size_t n = row_.disparity.size();
     for (std::size_t x = open_.next(0, n); x < n; x = open_.next(x + 1, n)) {
       if (edge_.has(x) && out_.source[x] == Source::kPmd &&
-          out_.depth[x] - pmd(x).low > kLargestGuess) {
+          out_.depth[x] - pmd(x).low > kMaxGuess) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
       }
     }
@@ -268,7 +268,7 @@ class AmbiguityResolver {
     open_.remove(x);
     if (edge_.has(x)) {
       if (may_be_nearer(x, run) ||
-          (cause == Cause::kStereoAmbiguous && out_.depth[x] - pmd(x).low > kLargestVagueGuess)) {
+          (cause == Cause::kStereoAmbiguous && out_.depth[x] - pmd(x).low > kMaxVagueGuess)) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
       } else {
         cover_pmd(x);

@@ -52,8 +52,8 @@ inline constexpr std::uint8_t kVagueRatio = 144;
 // Who takes the farther of two surfaces is wrong by at most that, or publishes nothing; quarter mm.
 // At an edge without any match around, or of a vague match, the PMD's interval is what may be
 // nearer.
-inline constexpr int kLargestGuess = 4000;
-inline constexpr int kLargestVagueGuess = 6000;
+inline constexpr int kMaxGuess = 4000;
+inline constexpr int kMaxVagueGuess = 6000;
 // Neighbours this far apart, 1/16 px, are two surfaces.
 inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
@@ -84,11 +84,11 @@ inline constexpr int kShadowMargin = 3;
 // At an edge of the PMD (kPmdEdge) such a depth is a guess between two surfaces. Its interval is
 // widened about it, at most to twice the depth, until it holds the PMD's. It is dropped (kConflict,
 // kMixedPixel) where
-//   L or R within doubt_px, as possible as what was chosen, is nearer by more than kLargestGuess;
-//   or it lies between L and R, and the PMD's near end is nearer by more than kLargestVagueGuess;
-//   or the PMD alone is left of it, and its near end is nearer by more than kLargestGuess.
+//   L or R within doubt_px, as possible as what was chosen, is nearer by more than kMaxGuess;
+//   or it lies between L and R, and the PMD's near end is nearer by more than kMaxVagueGuess;
+//   or the PMD alone is left of it, and its near end is nearer by more than kMaxGuess.
 // A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
-// kLargestVagueGuess, likewise; then it is no neighbour of others.
+// kMaxVagueGuess, likewise; then it is no neighbour of others.
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,
                          const DisparityTable& table, const FusedRow& out) noexcept;
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,

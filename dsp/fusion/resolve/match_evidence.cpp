@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::array<int, 2> kSupportRings{4, 8};  // px
 constexpr int kSupportShare = 24;                  // of the parallax
-constexpr int kLeastSupportStep = 12;              // 1/16 px
+constexpr int kMinSupportStep = 12;                // 1/16 px
 constexpr int kEnoughSupport = 12;
 constexpr int kEnoughWhereSure = 6;
 constexpr int kEnoughOutside = 3;
@@ -62,7 +62,7 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
 MatchEvidence::Support MatchEvidence::supporters(
     const Match& match, ImageView<const Disparity> disparity) const noexcept {
   const int raw = match.disparity.raw;
-  const int most = std::max((raw - infinity_raw_) / kSupportShare, kLeastSupportStep);
+  const int most = std::max((raw - infinity_raw_) / kSupportShare, kMinSupportStep);
   Support support;
   for (const int step : kSupportRings) {
     const int left = match.x >= step ? match.x - step : match.x;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
@@ -12,9 +11,9 @@
 
 namespace stof::dsp {
 
-// A match that no PMD interval confirms has to earn its place: what the PMD pixel that would see it
-// has read speaks for it or against it, also where that reading has no distance, because it may
-// have wrapped; and the matches around it do.
+// Judges a match that no PMD interval confirms. Two things are asked: what the PMD pixel that would
+// see it has read, even if that reading may have wrapped and so has no distance; and whether the
+// matches around it lie on the same surface.
 class MatchEvidence {
  public:
   enum class Verdict : std::uint8_t {
@@ -39,12 +38,13 @@ class MatchEvidence {
   // infinity_raw: the disparity of infinity, 1/16 px.
   MatchEvidence(const Calibration& calibration, std::int16_t infinity_raw) noexcept;
 
-  // pmd: nullptr: every match is kept. disparity: of the left view. Both stay until the next call.
+  // What judge() asks, valid until the next call; nullptr: there are no PMD data.
   void look_at(const PmdMaps* pmd) noexcept { pmd_ = pmd; }
 
-  // Whether anything is judged at all.
+  // Whether judge() may be called: there are PMD data.
   bool judges() const noexcept { return pmd_ != nullptr; }
 
+  // disparity: of the left view, which holds the match.
   // Of the 16 matches 4 and 8 px around it, those within 3/4 px or a 24th of the parallax support a
   // match; bounds hold for 16, and for as many as the picture has there in proportion. With fewer
   // than 3 it is unsupported.

@@ -15,14 +15,14 @@ void smooth_readings(const PmdMaps& maps) noexcept;
 // others keep their flags and have low = high = 0. Neither distance nor sigma changes, so rows can
 // be split in any way.
 //
-// Who moves readings by whole ranges (distance += k * maps.range, where stereo knows better) does
-// so between PmdConverter::measure() and this, in any pixels (and long_distance alike, where it is
-// there); readings beyond maps.range count as moved: they are not out of range.
+// To add whole ranges to readings (distance += k * maps.range), do it after PmdConverter::measure()
+// and before smooth_readings(), in any pixels, and in long_distance where it is there. Readings
+// beyond maps.range count as moved: they are not out of range.
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept;
 
 // A wrapped pixel carries no distance: distance, sigma, smoothed, smoothed_sigma and long_distance
-// are 0 where flags has kPmdWrapped; what was read is kept in folded. After fill_intervals() of all
-// rows, because neighbours are judged by them.
+// are 0 where flags has kPmdWrapped; what was read is kept in folded, but for kPmdEdge. After
+// fill_intervals() of all rows, because neighbours are judged by them.
 void drop_wrapped(const PmdMaps& maps) noexcept;
 
 // All three for the whole picture. May be called again after distances have changed, or flags of
