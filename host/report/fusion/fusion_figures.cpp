@@ -33,7 +33,8 @@ constexpr std::array<Swatch, dsp::kCauses> kCauseSwatches{
      {{238, 155, 40}, "the match has rivals"},
      {{20, 150, 170}, "one PMD range apart"},
      {{66, 133, 200}, "only the left camera sees it"},
-     {{206, 44, 52}, "both well supported"}}};
+     {{206, 44, 52}, "both well supported"},
+     {{196, 190, 90}, "interpolated between surfaces"}}};
 
 template <std::size_t kCount>
 std::string swatches(const std::array<Swatch, kCount>& all, std::size_t first) {

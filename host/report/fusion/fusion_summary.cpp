@@ -142,11 +142,11 @@ void add_sources(std::span<const FusionCase> cases, Page& page) {
               .header = {"Scene", "PMD camera", "both agree", "stereo alone", "PMD alone",
                          "resolved", "conflict", "none"},
               .text_columns = 2};
-  Table causes{
-      .caption = "Why depths were resolved or left out; percent of all pixels",
-      .header = {"Scene", "PMD camera", "PMD pixel sees two surfaces", "the match has rivals",
-                 "one PMD range apart", "only the left camera sees it", "both well supported"},
-      .text_columns = 2};
+  Table causes{.caption = "Why depths were resolved or left out; percent of all pixels",
+               .header = {"Scene", "PMD camera", "PMD pixel sees two surfaces",
+                          "the match has rivals", "one PMD range apart",
+                          "only the left camera sees it", "both well supported", "interpolated"},
+               .text_columns = 2};
   int rare = 0;
   double most = 0;
   for (const FusionCase& fused : cases) {
