@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
-#include <functional>
 
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
@@ -14,7 +13,8 @@
 namespace stof::dsp {
 namespace {
 
-constexpr int kCell = 4;          // px
+constexpr int kCell = 8;  // px
+constexpr int kQuarter = kCell / 2;
 constexpr int kSurfaceShare = 6;  // width of a surface, of its depth
 constexpr int kOneSurface = 14;   // of the depth, what lies within a cell
 constexpr std::size_t kRank = 3;
@@ -22,7 +22,7 @@ constexpr int kBeside = 2;          // cells
 constexpr std::size_t kFewest = 3;  // surfaces that may be meant, of a guess without a reading
 constexpr int kGuessPercent = 25;
 constexpr int kFarthestGuess = 4 * kMaxGuess;
-constexpr int kSameShare = 64;  // of the depth: surfaces this near each other have one verdict
+constexpr int kSameShare = 32;  // of the depth: surfaces this near each other have one verdict
 
 struct Step {
   int x;
@@ -91,6 +91,22 @@ class OpenRow {
   std::span<const QuarterMm> high_;
 };
 
+// Marks what may be open in a row of the map, of columns without branches.
+void mark_open(const DepthMap& map, int y, std::span<std::uint8_t> open) noexcept {
+  const std::span<const QuarterMm> depth = map.depth.row(y);
+  const std::span<const QuarterMm> width = map.width.row(y);
+  const std::span<const Source> source = map.source.row(y);
+  const std::span<const Cause> cause = map.cause.row(y);
+  for (std::size_t x = 0; x < depth.size(); ++x) {
+    const unsigned mixed = cause[x] == Cause::kMixedPixel ? 1 : 0;
+    const unsigned disputed = source[x] == Source::kConflict || source[x] == Source::kResolved;
+    const unsigned wide = width[x] * kNarrowShare > depth[x] - width[x] / 2 ? 1 : 0;
+    const unsigned pmd = source[x] == Source::kPmd ? 1 : 0;
+    const unsigned none = source[x] == Source::kNone ? 1 : 0;
+    open[x] = static_cast<std::uint8_t>(open[x] | none | (mixed & disputed) | (pmd & wide));
+  }
+}
+
 }  // namespace
 
 // The surfaces around one cell.
@@ -126,11 +142,7 @@ class HoleFiller::Search {
       return {};
     }
     if (read) {
-      const auto [low, high] = chosen.said.reading;
-      return {.depth = middle_of(low, high),
-              .half = width_of(low, high) / 2,
-              .read = true,
-              .fills = true};
+      return {.depth = chosen.depth, .half = 0, .read = true, .fills = true};
     }
     const int depth = chosen.depth;
     return {.depth = chosen.depth,
@@ -212,10 +224,13 @@ void HoleFiller::gather(Rows cells, const DepthMap& map) const noexcept {
     for (int y = row * kCell; y < std::min((row + 1) * kCell, height_); ++y) {
       const std::span<const QuarterMm> depth = map.depth.row(y);
       const std::span<const QuarterMm> width = map.width.row(y);
-      for (std::size_t x = 0; x < depth.size(); ++x) {
-        const bool surface = width[x] < depth[x] / kSurfaceShare;
-        nearest[x] = std::min(nearest[x], surface ? depth[x] : kMaxQuarterMm);
-        farthest[x] = std::max(farthest[x], surface ? depth[x] : kNoDepth);
+      for (std::size_t x = 0; x < depth.size(); ++x) {  // values, not references: vectors
+        const QuarterMm there = depth[x];
+        const bool surface = width[x] < there / kSurfaceShare;
+        const QuarterMm low = surface ? there : kMaxQuarterMm;
+        const QuarterMm high = surface ? there : kNoDepth;
+        nearest[x] = low < nearest[x] ? low : nearest[x];
+        farthest[x] = high > farthest[x] ? high : farthest[x];
       }
     }
     const std::span<QuarterMm> near = near_.row(row);
@@ -237,38 +252,60 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
   STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
   STOF_CHECK(same_size(view.disparity, map.depth) && same_size(view.pmd_low, map.depth) &&
              same_size(view.pmd_high, map.depth) && same_size(map.cause, map.depth));
-  std::array<bool, kMaxImageWidth> open;
+  std::array<std::uint8_t, kMaxImageWidth> open;
+  std::array<std::array<Guess, kMaxImageWidth / kQuarter>, 2> guesses;
   for (int row = cells.begin; row < cells.end; ++row) {
-    std::ranges::fill(open, false);
+    std::ranges::fill(open, std::uint8_t{0});
     const Rows rows{row * kCell, std::min((row + 1) * kCell, height_)};
     for (int y = rows.begin; y < rows.end; ++y) {
-      const OpenRow pixels(map, view, y);
-      for (std::size_t x = 0; x < index(width_); ++x) {
-        open[x] = open[x] || pixels.is_hole(x) || pixels.is_loose(x);
-      }
+      mark_open(map, y, open);
     }
     for (int x = 0; x < near_.width(); ++x) {
-      if (std::ranges::any_of(std::span(open).subspan(index(x * kCell)).first<kCell>(),
-                              std::identity{})) {
-        fill_cell(x, rows, Search(*this, evidence, x, row).guess(), view, map);
+      const std::size_t at = index(2 * x);
+      const bool any = std::ranges::any_of(std::span(open).subspan(at * kQuarter).first<kCell>(),
+                                           [](std::uint8_t mark) noexcept { return mark != 0; });
+      const Guess guess = any ? Search(*this, evidence, x, row).guess() : Guess{};
+      for (int k = 0; k < 4; ++k) {
+        guesses[index(k / 2)][at + index(k % 2)] =
+            guess.read ? read(guess, evidence, 2 * x + k % 2, 2 * row + k / 2) : guess;
       }
+    }
+    for (int y = rows.begin; y < rows.end; ++y) {
+      fill_row(y,
+               std::span(guesses[index(y - rows.begin) / kQuarter]).first(2 * index(near_.width())),
+               view, map);
     }
   }
 }
 
-void HoleFiller::fill_cell(int column, Rows rows, const Guess& guess, const HoleView& view,
-                           const DepthMap& map) const noexcept {
-  if (guess.depth == kNoDepth) {
-    return;
+HoleFiller::Guess HoleFiller::read(const Guess& guess, const MatchEvidence& evidence, int column,
+                                   int row) const noexcept {
+  const MatchEvidence::Result said =
+      evidence.judge_surface(std::min(column * kQuarter + kQuarter / 2, width_ - 1),
+                             std::min(row * kQuarter + kQuarter / 2, height_ - 1), guess.depth);
+  if (said.verdict != MatchEvidence::Verdict::kConfirmed) {
+    return {};
   }
-  const std::size_t begin = index(column * kCell);
-  const std::size_t end = std::min(begin + kCell, index(width_));
-  for (int y = rows.begin; y < rows.end; ++y) {
-    const OpenRow pixels(map, view, y);
-    for (std::size_t x = begin; x < end; ++x) {
-      if (guess.fills && pixels.is_hole(x)) {
-        pixels.put(x, guess.depth, guess.half,
-                   guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated);
+  const auto [low, high] = said.reading;
+  return {
+      .depth = middle_of(low, high), .half = width_of(low, high) / 2, .read = true, .fills = true};
+}
+
+void HoleFiller::fill_row(int y, std::span<const Guess> guesses, const HoleView& view,
+                          const DepthMap& map) const noexcept {
+  const OpenRow pixels(map, view, y);
+  for (std::size_t quarter = 0; quarter < guesses.size(); ++quarter) {
+    const Guess& guess = guesses[quarter];
+    if (guess.depth == kNoDepth) {
+      continue;
+    }
+    const std::size_t end = std::min((quarter + 1) * kQuarter, index(width_));
+    for (std::size_t x = quarter * kQuarter; x < end; ++x) {
+      if (pixels.is_hole(x)) {
+        if (guess.fills) {
+          pixels.put(x, guess.depth, guess.half,
+                     guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated);
+        }
       } else if (pixels.is_loose(x) && pixels.is_allowed(x, guess.depth, max_range_)) {
         pixels.put(x, guess.depth, pixels.half_over_pmd(x, guess.depth, max_range_),
                    pixels.is_mixed(x) ? Cause::kMixedPixel : Cause::kStereoAmbiguous);

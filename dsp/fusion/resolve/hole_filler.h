@@ -23,7 +23,7 @@ struct HoleView {
 // does not see something else there. Such a depth is a guess, so its interval holds every surface
 // that it might be; where these leave more than a metre open, there is none.
 //
-// A map is divided into cells of 4x4 px. Pixels whose width is at most a sixth of their depth are
+// A map is divided into cells of 8x8 px. Pixels whose width is at most a sixth of their depth are
 // the surfaces of a cell, as far as they are told: from the nearest to the farthest of them, or
 // their middle, where the nearest is within a fourteenth of the farthest. Each of the cells with
 // open pixels looks in eight directions for the nearest cell with a surface, and asks MatchEvidence
@@ -33,16 +33,16 @@ struct HoleView {
 //
 // Open pixels, and what they become:
 //   kNone, or kConflict by kMixedPixel  kResolved; kRangeAmbiguous where a folded reading confirms
-//       the guess: what it reads, 2 sigma and 3 percent; else kInterpolated: an interval that holds
-//       all surfaces that may be meant, of at least three, and a quarter of the depth to either
-//       side; up to 4 m, where that is a metre
+//       the guess (in that quarter of the cell): what it reads, 2 sigma and 3 percent; else
+//       kInterpolated: an interval that holds all surfaces that may be meant, of at least three,
+//       and a quarter of the depth to either side; up to 4 m, where that is a metre
 //   kPmd whose interval is wider than a twelfth, and kResolved by kMixedPixel without a match: if
 //       the PMD's interval holds the guess, it is taken, with an interval that holds the PMD's;
 //       kResolved, kMixedPixel where that was the cause, else kStereoAmbiguous
 // Others stay as they are, as do those where what might be there, or any surface up to two cells
 // away, is nearer than the guess by more than a metre: the pixel may be of its edge.
 //
-// Holds 1/4 byte a pixel.
+// Holds a sixteenth of a byte a pixel.
 class HoleFiller {
  public:
   // Maps of this size, depths up to max_range.
@@ -66,8 +66,11 @@ class HoleFiller {
     bool fills = false;  // holes
   };
   class Search;
-  void fill_cell(int column, Rows rows, const Guess& guess, const HoleView& view,
-                 const DepthMap& map) const noexcept;
+  // What a quarter of a cell reads of a confirmed guess.
+  Guess read(const Guess& guess, const MatchEvidence& evidence, int column, int row) const noexcept;
+  // guesses: of the row's quarters of cells.
+  void fill_row(int y, std::span<const Guess> guesses, const HoleView& view,
+                const DepthMap& map) const noexcept;
 
   // Of each cell, 0 without a surface.
   ImageView<QuarterMm> near_;

@@ -152,7 +152,7 @@ MatchEvidence::Result MatchEvidence::judge_surface(int x, int y, QuarterMm depth
     return said.opinion == Opinion::kAgrees && !said.hidden;
   };
   const Said own = ask(place.column, place.row, place.distance, half);
-  if (own.folded && own.opinion == Opinion::kAgrees) {
+  if (own.folded && own.opinion == Opinion::kAgrees && around_ == 0) {
     return {Verdict::kConfirmed,
             reading_at(place.distance - own.off, 2 * own.sigma + kSurfaceMargin * place.distance,
                        z / place.distance)};

@@ -62,9 +62,9 @@ class MatchEvidence {
 
   // Whether a surface at Z `depth`, quarter mm, may be what pixel (x, y) of the left view shows:
   //   kConfirmed     the folded reading there is one of it, within 2 sigma and a twentieth of the
-  //                  distance; the margin is 3 percent
-  //   kKept          so is the interval there (or one of 3x3, where PMD pixels are wide), or there
-  //                  is none
+  //                  distance; the margin is 3 percent. Not of wide PMD pixels, which see several
+  //   kKept          so is what is read there (or in one of 3x3, where PMD pixels are wide), or
+  //                  nothing is
   //   kContradicted  the PMD sees something else there, behind it or before it
   Result judge_surface(int x, int y, QuarterMm depth) const noexcept;
 

@@ -140,6 +140,14 @@ TEST(MatchEvidence, ASurfaceIsConfirmedByAFoldedReadingOfIt) {
   EXPECT_EQ(scene.evidence.judge_surface(32, 24, 31000).verdict, kContradicted);
 }
 
+TEST(MatchEvidence, AWidePixelConfirmsNoSurface) {
+  Scene scene(70);
+  scene.read(12100, 20);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
+  scene.read(9000, 20);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kContradicted);
+}
+
 TEST(MatchEvidence, ASurfaceIsContradictedByWhatThePmdSeesBehindOrBeforeIt) {
   Scene scene;
   EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
