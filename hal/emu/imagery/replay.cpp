@@ -15,18 +15,16 @@ void copy_pixels(dsp::ImageView<const T> from, dsp::ImageView<T> to) noexcept {
   }
 }
 
-dsp::Calibration assumed_rig(const dataset::StereoScene& scene) {
-  dsp::Calibration out;
+dsp::StereoRig assumed_rig(const dataset::StereoScene& scene) {
   const double width = scene.left.width;
-  out.stereo = {.left = {.width = scene.left.width,
-                         .height = scene.left.height,
-                         .fx = width,
-                         .fy = width,
-                         .cx = (width - 1) / 2,
-                         .cy = (scene.left.height - 1) / 2.0},
-                .baseline_m = Replay::kAssumedBaseline,
-                .doff_px = 0};
-  return out;
+  return {.left = {.width = scene.left.width,
+                   .height = scene.left.height,
+                   .fx = width,
+                   .fy = width,
+                   .cx = (width - 1) / 2,
+                   .cy = (scene.left.height - 1) / 2.0},
+          .baseline_m = Replay::kAssumedBaseline,
+          .doff_px = 0};
 }
 
 }  // namespace
@@ -38,7 +36,13 @@ dataset::Loaded<std::unique_ptr<Replay>> Replay::open(
     return std::unexpected(scene.error());
   }
   if (!pmd_prefix) {
-    return std::unique_ptr<Replay>(new Replay(std::move(*scene), std::nullopt));
+    std::unique_ptr<Replay> alone(new Replay(std::move(*scene), std::nullopt));
+    if (const std::string wrong = dsp::problem(alone->calibration_); !wrong.empty()) {
+      return std::unexpected(dataset::Problem{
+          (dir / "meta.txt").string() + ": " + wrong +
+          ": correct f_px, baseline_m and doff_px, or leave them out and a rig is assumed"});
+    }
+    return alone;
   }
   dataset::Loaded<dataset::PmdRecording> pmd = dataset::read_pmd(*pmd_prefix);
   if (!pmd) {
@@ -61,7 +65,11 @@ dataset::Loaded<std::unique_ptr<Replay>> Replay::open(
 
 Replay::Replay(dataset::StereoScene scene, std::optional<dataset::PmdRecording> pmd)
     : scene_(std::move(scene)), pmd_(std::move(pmd)) {
-  calibration_ = pmd_ ? pmd_->calibration : assumed_rig(scene_);
+  if (pmd_) {
+    calibration_ = pmd_->calibration;
+  } else {
+    calibration_.stereo = scene_.rig.value_or(assumed_rig(scene_));
+  }
   calibration_.stereo.left.width = scene_.left.width;
   calibration_.stereo.left.height = scene_.left.height;
 }
