@@ -36,13 +36,7 @@ dataset::Loaded<std::unique_ptr<Replay>> Replay::open(
     return std::unexpected(scene.error());
   }
   if (!pmd_prefix) {
-    std::unique_ptr<Replay> alone(new Replay(std::move(*scene), std::nullopt));
-    if (const std::string wrong = dsp::problem(alone->calibration_); !wrong.empty()) {
-      return std::unexpected(dataset::Problem{
-          (dir / "meta.txt").string() + ": " + wrong +
-          ": correct f_px, baseline_m and doff_px, or leave them out and a rig is assumed"});
-    }
-    return alone;
+    return std::unique_ptr<Replay>(new Replay(std::move(*scene), std::nullopt));
   }
   dataset::Loaded<dataset::PmdRecording> pmd = dataset::read_pmd(*pmd_prefix);
   if (!pmd) {
