@@ -139,6 +139,21 @@ class BadInput(Program):
         self.refuse(2, [self.folder / "absent", "is not a folder"], "evaluate", "stereo", self.folder / "absent")
         self.refuse(2, ["absent", "is not a folder"], "evaluate", "fusion", "absent", self.write_recording())
 
+    def test_what_is_no_file(self):
+        """A folder, and a device that never ends, wherever the program reads a file."""
+        scene, prefix = self.write_scene(), self.write_recording()
+        walls = self.folder / "walls"
+        walls.mkdir()
+        wall = pathlib.Path(f"{self.write_recording('walls/z2000')}.json")
+        wall.write_text(json.dumps({**json.loads(wall.read_text()), "z_m": 2.0}))
+        for what in (self.folder, pathlib.Path("/dev/zero")):
+            for arguments in (["evaluate", "fusion", scene, prefix, "--calibration", what],
+                              ["evaluate", "pmd", walls, "--calibration", what],
+                              ["calib", "pmd", walls, "--out", "found.cal", "--start", what],
+                              ["config", "127.0.0.1:9", "set", what]):
+                with self.subTest(arguments):
+                    self.refuse(2, [f"{what}: is not a regular file"], *arguments)
+
     def test_a_truncated_picture(self):
         scene = self.write_scene()
         picture = scene / "right.pgm"
