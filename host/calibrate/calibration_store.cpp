@@ -1,6 +1,7 @@
 #include "host/calibrate/calibration_store.h"
 
 #include "dataset/files/file.h"
+#include "dataset/files/json_fields.h"
 #include "firmware/wire/calibration/calibration_file.h"
 
 namespace stof::host {
@@ -11,6 +12,14 @@ namespace {
 
 // A fixed pattern of 4096 x 4096 pixels, and what is beside it.
 constexpr std::size_t kMaxBytes = std::size_t{1} << 26;
+
+// Empty, or what cannot be computed with. The file of a PMD camera alone has no baseline.
+std::string problem_of_file(dsp::Calibration calibration) {
+  if (const char* const why = dsp::complete(calibration.stereo); *why != '\0') {
+    return why;
+  }
+  return dataset::problem_of(calibration, calibration.stereo.baseline_m != 0);
+}
 
 }  // namespace
 
@@ -28,6 +37,9 @@ dataset::Loaded<StoredCalibration> read_calibration(const std::filesystem::path&
     return decoded.error() == Status::kUnsupported
                ? refuse(file, "a calibration of a later version", "use a later stof")
                : refuse(file, "not a calibration file, or damaged", "export it again");
+  }
+  if (const std::string why = problem_of_file(*decoded); !why.empty()) {
+    return refuse(file, why, "calibrate the rig anew");
   }
   stored.calibration = *decoded;
   return stored;

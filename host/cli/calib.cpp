@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "dataset/files/json_fields.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
@@ -32,6 +33,15 @@ void put_lens(const std::vector<double>& numbers, dsp::Pinhole& lens) {
                                   &lens.k2, &lens.k3, &lens.p1, &lens.p2};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     *to[i] = numbers[i];
+  }
+}
+
+// What files say was judged when they were read: what is wrong now comes from this flag.
+void refuse_unusable(const dsp::PmdSensor& camera, const char* flag) {
+  if (const std::string why =
+          dataset::problem_of({.stereo = {}, .pmd = camera, .pmd_to_stereo = {}}, false);
+      !why.empty()) {
+    throw Failure(Exit::kBadInput, std::string(flag) + ": " + why + ": correct its numbers");
   }
 }
 
@@ -85,13 +95,9 @@ dsp::PmdSensor camera_of(const CalibPmdOptions& options, const WallFolder& folde
     }
   }
   put_lens(options.lens, camera.lens);
+  refuse_unusable(camera, "--lens");
   put_emitters(options, camera);
-  dsp::Calibration judged{
-      .stereo = {.left = camera.lens, .baseline_m = 1}, .pmd = camera, .pmd_to_stereo = {}};
-  judged.stereo.left.k1 = judged.stereo.left.k2 = 0;
-  if (const std::string why = dsp::problem(judged); !why.empty()) {
-    throw Failure(Exit::kBadInput, why + ": correct the recordings' json or --lens");
-  }
+  refuse_unusable(camera, "--emitters");
   return camera;
 }
 

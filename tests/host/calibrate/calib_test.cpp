@@ -1,5 +1,6 @@
 #include "host/cli/calib.h"
 
+#include <cmath>
 #include <fstream>
 
 #include "dataset/files/file.h"
@@ -138,6 +139,31 @@ TEST_F(CalibPmd, RefusesTheCalibrationOfAnotherCamera) {
   options_.start = folder() / "start.cal";
   ASSERT_TRUE(write_calibration(options_.start, rig));
   expect_refused("its PMD camera is 64x24");
+}
+
+TEST_F(CalibPmd, RefusesNumbersThatCannotBeComputedWithWhereTheyStand) {
+  put_walls({1, 2, 3});
+  const dsp::PmdSensor good = record(camera_, 1, 1, 1).recording.calibration.pmd;
+  options_.start = folder() / "start.cal";
+  dsp::Calibration rig{.stereo = {}, .pmd = good, .pmd_to_stereo = {}};
+  rig.pmd.dark_lsb = std::nan("");
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("start.cal: the dark level of a PMD sample");
+  rig.pmd = good;
+  rig.pmd.scale = 0;
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("start.cal: the straight line of PMD distances has a scale");
+  rig.pmd = good;
+  rig.stereo.left = {.width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240};
+  rig.stereo.baseline_m = std::nan("");
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("start.cal: the baseline");
+  options_.start.clear();
+  options_.lens = {std::nan(""), 40, 16, 12};
+  expect_refused("--lens: the PMD lens has");
+  options_.lens.clear();
+  options_.emitters = {0.1, 0, 5};
+  expect_refused("--emitters: a light of the PMD camera is more than 2 m from its lens");
 }
 
 TEST_F(CalibPmd, RefusesEmittersThatAreNoPlaces) {
