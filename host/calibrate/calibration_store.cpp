@@ -45,6 +45,14 @@ dataset::Loaded<StoredCalibration> read_calibration(const std::filesystem::path&
   return stored;
 }
 
+dataset::Loaded<StoredCalibration> read_pmd_calibration(const std::filesystem::path& file) {
+  dataset::Loaded<StoredCalibration> stored = read_calibration(file);
+  if (stored && stored->calibration.pmd.lens.width == 0) {
+    return refuse(file, "holds no PMD camera", "give what stof calib pmd wrote");
+  }
+  return stored;
+}
+
 std::expected<void, dataset::Problem> write_calibration(const std::filesystem::path& file,
                                                         const dsp::Calibration& calibration) {
   std::vector<std::byte> bytes(wire::calibration_file_bytes(calibration));

@@ -8,6 +8,7 @@
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
 #include "host/cli/failure.h"
+#include "host/evaluate/other_camera.h"
 #include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {
@@ -73,10 +74,9 @@ void refuse_other_camera(const CalibPmdOptions& options, const dsp::PmdSensor& s
                       ", the recordings are " + std::to_string(camera.lens.width) + "x" +
                       std::to_string(camera.lens.height) + ": use the calibration of this rig");
   }
-  if (start.frequency.modulation.value != camera.frequency.modulation.value) {
-    throw Failure(Exit::kBadInput, options.start.string() +
-                                       ": has another modulation frequency than the recordings: "
-                                       "use the calibration of this rig");
+  if (const std::string why = other_camera(start, camera); !why.empty()) {
+    throw Failure(Exit::kBadInput,
+                  options.start.string() + ": " + why + ": use the calibration of this rig");
   }
 }
 

@@ -1,6 +1,7 @@
 #include "host/cli/evaluate/evaluate_fusion.h"
 
 #include <cmath>
+#include <cstdio>
 #include <set>
 
 #include "host/calibrate/calibration_store.h"
@@ -36,6 +37,16 @@ void refuse_what_means_nothing(const EvaluateFusionOptions& options) {
       throw Failure(Exit::kBadInput, options.pairs[i].string() +
                                          ": a second recording of this name: its maps would "
                                          "overwrite the first one's");
+    }
+  }
+}
+
+// Each once, beside the result.
+void print_notes(std::span<const FusionCase> cases) {
+  std::set<std::string> notes;
+  for (const FusionCase& fused : cases) {
+    if (!fused.note.empty() && notes.insert(fused.note).second) {
+      std::fprintf(stderr, "stof: note: %s\n", fused.note.c_str());
     }
   }
 }
@@ -81,7 +92,7 @@ void evaluate_fusion(const EvaluateFusionOptions& options) {
   FusionOptions how = fusion_options(options);
   StoredCalibration stored;
   if (!options.calibration.empty()) {
-    stored = value_or_fail(read_calibration(options.calibration));
+    stored = value_or_fail(read_pmd_calibration(options.calibration));
     how.camera = stored.calibration.pmd;
   }
   std::vector<FusionCase> cases;
@@ -89,6 +100,7 @@ void evaluate_fusion(const EvaluateFusionOptions& options) {
     cases.push_back(
         value_or_fail(run_fusion_case(options.pairs[i], options.pairs[i + 1], options.match, how)));
   }
+  print_notes(cases);
   const bool several = cases.size() > 1;
   for (const FusionCase& fused : cases) {
     if (!options.out.empty()) {

@@ -139,6 +139,15 @@ TEST_F(CalibPmd, RefusesTheCalibrationOfAnotherCamera) {
   options_.start = folder() / "start.cal";
   ASSERT_TRUE(write_calibration(options_.start, rig));
   expect_refused("its PMD camera is 64x24");
+  rig.pmd.lens.width = 32;
+  rig.pmd.frequency.modulation.value = 15'000'000;
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("the recording's modulation frequency is 30 MHz, the calibration's 15 MHz");
+  rig.pmd.frequency.modulation.value = camera_.f_mod_hz;
+  rig.pmd.integration_us = 500;
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  put_walls({1, 2, 3}, ", \"integration_us\": 1000");
+  expect_refused("the recording's integration time is 1000 us, the calibration's 500 us");
 }
 
 TEST_F(CalibPmd, RefusesNumbersThatCannotBeComputedWithWhereTheyStand) {
