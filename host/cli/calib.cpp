@@ -140,16 +140,27 @@ void calib_pmd(const CalibPmdOptions& options) {
 
   dsp::Calibration rig = options.start.empty() ? folder.calibration : start.calibration;
   rig.pmd = found->sensor;
-  value_or_fail(write_calibration(options.out, rig));
+  const bool written = options.force || found->explains_the_walls();
+  if (written) {
+    value_or_fail(write_calibration(options.out, rig));
+  }
   if (!options.plots.empty()) {
     value_or_fail(write_calibration_page(report, *found, options.plots / "calibration.html"));
   }
   if (options.json) {
     std::printf("%s\n", report_json(report, *found).c_str());
-    return;
+  } else {
+    std::printf("%s", report_text(report, *found).c_str());
   }
-  std::printf("%s%s%s\n", report_text(report, *found).c_str(), missing_rig(rig).c_str(),
-              options.out.c_str());
+  if (!written) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() +
+                      ": the model does not explain these walls, no file is written: check their "
+                      "distances, that they face the camera, and reflections; or give --force");
+  }
+  if (!options.json) {
+    std::printf("%s%s\n", missing_rig(rig).c_str(), options.out.c_str());
+  }
 }
 
 void add_calib(CLI::App& app, CalibPmdOptions& options) {
@@ -183,6 +194,8 @@ void add_calib(CLI::App& app, CalibPmdOptions& options) {
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
   pmd.add_option("--plots", options.plots, "Folder for calibration.html, a page with plots");
+  pmd.add_flag("--force", options.force,
+               "Write the file although the model does not explain the walls");
   pmd.add_flag("--json", options.json, "Print JSON");
   pmd.callback([&options] { calib_pmd(options); });
 }

@@ -93,6 +93,35 @@ TEST_F(CalibPmd, TakesTheRigOfTheRecordings) {
   EXPECT_EQ(stored->calibration.pmd_to_stereo.translation_m[1], 0.3);
 }
 
+TEST_F(CalibPmd, WritesNoFileOfAModelThatDoesNotExplainTheWallsUnlessForced) {
+  put_walls({0.7, 1.1, 1.5, 2, 2.5, 3});
+  WallRecording mistyped = record(camera_, 1.3, 4, 5);
+  mistyped.z_m = 1.8;
+  write_wall(options_.folder, mistyped);
+  options_.plots = folder() / "plots";
+  expect_refused("walls: the model does not explain these walls, no file is written");
+  const auto page = [this] {
+    return dataset::read_whole(options_.plots / "calibration.html", 10'000'000).value_or("");
+  };
+  EXPECT_EQ(page().find("frames that were not fitted to"), std::string::npos);
+  EXPECT_NE(page().find("in all frames"), std::string::npos);
+  options_.frames = "even";
+  options_.force = true;
+  calib_pmd(options_);
+  EXPECT_TRUE(std::filesystem::exists(options_.out));
+  EXPECT_NE(page().find("frames that were not fitted to"), std::string::npos);
+}
+
+TEST_F(CalibPmd, SaysOneDirectionOfThePhase) {
+  put_walls({1.5, 2, 2.5, 3});
+  options_.json = false;
+  ::testing::internal::CaptureStdout();
+  calib_pmd(options_);
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(text.find("of this camera rises with distance"), std::string::npos) << text;
+  EXPECT_EQ(text.find("fall"), std::string::npos) << text;
+}
+
 TEST_F(CalibPmd, RefusesTooFewDistances) {
   put_walls({1, 2});
   expect_refused("2 distance(s)");
