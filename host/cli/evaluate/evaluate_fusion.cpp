@@ -4,11 +4,13 @@
 #include <cstdio>
 #include <set>
 
+#include "dsp/depth/max_range.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/cli/evaluate/fusion_print.h"
 #include "host/cli/failure.h"
 #include "host/evaluate/fusion/fusion_case.h"
 #include "host/report/fusion/fusion_page.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -67,7 +69,6 @@ FusionOptions fusion_options(const EvaluateFusionOptions& options) {
 }  // namespace
 
 void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
-  constexpr double kFarthestM = 16.38;
   command
       .add_option("STEREO_DIR_PREFIX", options.pairs,
                   "Folder of a stereo pair and its PMD recording (PREFIX.json, PREFIX_raw.pgm); "
@@ -77,7 +78,7 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
   command
       .add_option("--max-range", options.max_range_m,
                   "Metres beyond which nothing is measured (default: the appliance's)")
-      ->check(CLI::Range(0.1, kFarthestM));
+      ->check(CLI::Range(dsp::kLeastMaxRangeMm / kMm, dsp::kMostMaxRangeMm / kMm));
   command.add_option("--calibration", options.calibration,
                      "What stof calib pmd found of the PMD camera, in place of its json");
   command.add_flag("--guided", options.guided, "PMD intervals narrow the search");

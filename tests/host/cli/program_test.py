@@ -154,6 +154,20 @@ class BadInput(Program):
                 with self.subTest(arguments):
                     self.refuse(2, [f"{what}: is not a regular file"], *arguments)
 
+    def test_numbers_that_are_none(self):
+        """Every option that takes a real number, of every command."""
+        commands = {"evaluate fusion": ["a", "b"], "calib pmd": ["a", "--out", "b"], "view": [], "discover": [],
+                    "proxy": ["--listen", "0", "--to", "127.0.0.1:9"], "config": ["127.0.0.1:9", "get"]}
+        found = 0
+        for command, needed in commands.items():
+            text = self.succeed(*command.split(), "--help")
+            for option in re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+) FLOAT", text):
+                found += 1
+                for number in ("nan", "NaN", "-nan", "inf", "-inf", "1e999"):
+                    with self.subTest(f"{command} {option} {number}"):
+                        self.refuse(2, [option], *command.split(), *needed, f"{option}={number}")
+        self.assertGreater(found, 10)
+
     def test_a_truncated_picture(self):
         scene = self.write_scene()
         picture = scene / "right.pgm"
@@ -188,7 +202,7 @@ class BadInput(Program):
         self.refuse(2, ["Scene", "no PREFIX"], "evaluate", "fusion", scene, prefix, scene)
         self.refuse(2, ["second recording"], "evaluate", "fusion", scene, prefix, scene, prefix, "--out", "out")
         self.refuse(2, ["--chapter-geometry"], "evaluate", "fusion", scene, prefix, "--guided", "--chapter-geometry")
-        for metres in ("0", "17", "far"):
+        for metres in ("0", "0.49", "17", "far", "nan", "inf"):
             self.refuse(2, ["--max-range"], "evaluate", "fusion", scene, prefix, "--max-range", metres)
         self.refuse(2, ["cannot be written"], "evaluate", "fusion", scene, prefix, "--html", scene / "left.pgm" / "p")
 
