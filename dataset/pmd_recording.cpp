@@ -7,6 +7,7 @@
 
 #include "dataset/files/file.h"
 #include "dataset/files/json_fields.h"
+#include "dataset/files/json_file.h"
 #include "dataset/files/pgm.h"
 #include "dsp/base/units.h"
 

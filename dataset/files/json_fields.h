@@ -86,7 +86,4 @@ Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
                                     const std::optional<std::filesystem::path>& fixed_pattern,
                                     double usual_ratio);
 
-// A JSON object of at most 1 MiB.
-Loaded<nlohmann::json> read_object(const std::filesystem::path& file);
-
 }  // namespace stof::dataset

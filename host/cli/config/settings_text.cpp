@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "dataset/files/file.h"
+#include "dataset/files/json_file.h"
 #include "host/cli/failure.h"
 
 namespace stof::host {
@@ -52,16 +52,11 @@ Json value_of(const std::string& text) {
 }
 
 Json read_document(const std::string& name) {
-  constexpr std::size_t kMaxBytes = 1U << 20;
-  const dataset::Loaded<std::string> text = dataset::read_whole(name, kMaxBytes);
+  const dataset::Loaded<std::string> text = dataset::read_object_text(name);
   if (!text) {
     throw Failure(Exit::kBadInput, text.error().message + "; or give PATH=VALUE");
   }
-  Json document = Json::parse(*text, nullptr, false);
-  if (!document.is_object()) {
-    throw Failure(Exit::kBadInput, name + ": not a JSON object: write {\"name\": value, ...}");
-  }
-  return document;
+  return Json::parse(*text, nullptr, false);
 }
 
 std::string dump(const Json& document) {
