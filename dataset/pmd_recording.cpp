@@ -17,7 +17,6 @@ namespace {
 using nlohmann::json;
 using Done = std::expected<void, Problem>;
 
-constexpr int kMaxSide = 4096;
 constexpr int kMaxFrames = 65536;
 constexpr double kMaxWiggleRad = 1;
 

@@ -115,8 +115,9 @@ std::string problem_of(dsp::Calibration calibration, bool has_rig) {
     calibration.stereo = {.left = {.fx = 1, .fy = 1}, .baseline_m = 1};
     calibration.pmd_to_stereo = {};
   }
-  calibration.stereo.left.width = 1;
-  calibration.stereo.left.height = 1;
+  if (calibration.stereo.left.width == 0 || calibration.stereo.left.height == 0) {
+    calibration.stereo.left.width = calibration.stereo.left.height = kMaxSide;
+  }
   return dsp::problem(calibration);
 }
 

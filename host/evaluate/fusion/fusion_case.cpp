@@ -33,6 +33,13 @@ dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& sc
   if (!pair->truth) {
     return dataset::refuse(scene.string() + ": has no gt_left.pgm: give a scene with ground truth");
   }
+  dsp::Calibration whole = recording->calibration;
+  whole.stereo.left.width = pair->left.width;
+  whole.stereo.left.height = pair->left.height;
+  if (const std::string wrong = dsp::problem(whole); !wrong.empty()) {
+    return dataset::refuse(dataset::file_of(prefix, ".json"), wrong + " with " + scene.string(),
+                           "give the pair that it was recorded with, or correct the file");
+  }
   dataset::Image<float> depth = depth_from_disparity(*pair->truth, recording->calibration.stereo);
   return RecordedPair{
       .pair = std::move(*pair), .recording = std::move(*recording), .depth = std::move(depth)};
