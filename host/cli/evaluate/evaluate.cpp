@@ -28,7 +28,7 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
         [&match, name](const std::string& value) { match.settings.emplace_back(name, value); });
   }
   command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
-  command.add_option("--seed", match.seed, "sa: of its random numbers")->capture_default_str();
+  command.add_option("--seed", match.seed, "sa: of its random numbers, 1 without");
   command.add_flag("--energy", match.energy,
                    "Print the map's energy: costs and changes of disparity; slow");
   command.add_option("--runs", match.runs, "Runs of which the median time is printed")

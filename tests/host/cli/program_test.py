@@ -128,6 +128,22 @@ class BadInput(Program):
             with self.subTest(arguments):
                 self.refuse(2, [], "evaluate", "stereo", scene, *arguments)
 
+    def test_options_that_do_nothing(self):
+        scene = self.write_scene()
+        for option, arguments in (("--block", ["--preset", "quality", "--block=5x5"]),
+                                  ("--prefilter", ["--method", "sgm", "--cost", "mixed", "--prefilter", "20"]),
+                                  ("--penalties", ["--preset", "fast", "--penalties", "3,20"]),
+                                  ("--directions", ["--preset", "fast", "--directions", "8"]),
+                                  ("--directions", ["--method", "so", "--directions", "8"]),
+                                  ("--hill-climbing", ["--preset", "fast", "--hill-climbing"]),
+                                  ("--seed", ["--method", "so", "--seed", "7"])):
+            with self.subTest(arguments):
+                self.refuse(2, [f"{option}: does nothing", "it belongs to"], "evaluate", "stereo", scene, *arguments)
+                self.refuse(2, [f"{option}: does nothing"], "evaluate", "fusion", scene, "a", *arguments)
+        for arguments in (["--preset", "quality", "--subpixel=least-squares", "--block=5x5"],
+                          ["--method", "wta", "--energy", "--penalties", "3,20"]):
+            self.succeed("evaluate", "stereo", scene, "--runs", 1, *arguments)
+
     def test_options_that_are_unknown_or_out_of_range(self):
         scene = self.write_scene()
         for arguments in (["--method", "best"], ["--cost", "ncc"], ["--preset", "best"], ["--directions", "3"],
