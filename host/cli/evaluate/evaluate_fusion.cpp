@@ -105,7 +105,7 @@ void evaluate_fusion(const EvaluateFusionOptions& options) {
   const bool several = cases.size() > 1;
   for (const FusionCase& fused : cases) {
     if (!options.out.empty()) {
-      write_maps(fused.result.fused, several ? options.out / fused.recording : options.out);
+      write_maps(fused.result.fused, options.out / fused.recording);
     }
   }
   if (!options.html.empty()) {

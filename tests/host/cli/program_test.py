@@ -139,7 +139,8 @@ class BadInput(Program):
                                   ("--seed", ["--method", "so", "--seed", "7"])):
             with self.subTest(arguments):
                 self.refuse(2, [f"{option}: does nothing", "it belongs to"], "evaluate", "stereo", scene, *arguments)
-                self.refuse(2, [f"{option}: does nothing"], "evaluate", "fusion", scene, "a", *arguments)
+                if option not in ("--hill-climbing", "--seed"):  # fusion has none
+                    self.refuse(2, [f"{option}: does nothing"], "evaluate", "fusion", scene, "a", *arguments)
         for arguments in (["--preset", "quality", "--subpixel=least-squares", "--block=5x5"],
                           ["--method", "wta", "--energy", "--penalties", "3,20"]):
             self.succeed("evaluate", "stereo", scene, "--runs", 1, *arguments)
@@ -346,7 +347,7 @@ class Evaluate(Program):
                 self.assertIn(key, report[sensor])
         self.assertLessEqual(report["fused"]["median_width_mm"], report["stereo"]["median_width_mm"])
         self.assertLess(report["fused"]["median_error_mm"], 100)
-        depth, low, high = (self.read_pfm(out / name) for name in ("depth.pfm", "lo.pfm", "hi.pfm"))
+        depth, low, high = (self.read_pfm(out / "Scene_4x2" / name) for name in ("depth.pfm", "lo.pfm", "hi.pfm"))
         self.assertEqual((len(depth), len(depth[0])), (30, 40))
         covered = 0
         for z_row, low_row, high_row in zip(depth, low, high):
@@ -356,6 +357,15 @@ class Evaluate(Program):
                 covered += math.isfinite(z)
         self.assertAlmostEqual(report["fused"]["coverage"], covered / 1200)
 
+
+    def test_fusion_says_why_the_pmd_camera_covers_nothing(self):
+        prefix = self.write_recording()
+        raw = pathlib.Path(f"{prefix}_raw.pgm")
+        raw.write_bytes(b"P5\n4 8\n4095\n" + b"\x0f\xff" * 32)
+        text = self.succeed("evaluate", "fusion", self.write_scene(), prefix, "--runs", 1)
+        self.assertIn("Scene_4x2: the PMD camera covers nothing: 100.00 % of its pixels are saturated", text)
+        text = self.succeed("evaluate", "fusion", self.folder / "Scene", self.write_recording("far_4x2"), "--runs", 1)
+        self.assertNotIn("covers nothing", text)
 
     def test_fusion_says_what_its_intervals_are_worth_and_where_depths_come_from(self):
         report = json.loads(self.succeed("evaluate", "fusion", self.write_scene(), self.write_recording(), "--json"))
