@@ -38,7 +38,7 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options, Judged judg
   }
   if (disparity) {
     command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
-    command.add_option("--seed", match.seed, "sa: of its random numbers")->capture_default_str();
+    command.add_option("--seed", match.seed, "sa: of its random numbers, 1 without");
     command.add_flag("--energy", match.energy,
                      "Print the map's energy: costs and changes of disparity; slow");
   }
