@@ -26,6 +26,11 @@ enum class EventKind : std::uint8_t {
   kSending,     // datagrams leave again
   kLate,        // value: whole periods that were skipped because the loop came too late
   kInTime,      // the loop has been in time for a while again
+  kSilent,  // component: a camera that is there, and several edges in a row got nothing usable of
+            // it
+  kFrozen,  // the same, because it repeats what it sent; value: as of the condition
+  kDark,    // the same, because the light of its lamp has gone
+  kSupplying,  // component: edges have its frames again
 };
 
 struct Event {

@@ -26,6 +26,21 @@ constexpr std::array<const char*, kDrops> kDropNames{"used",       "left over", 
                                                      "torn",       "bad stamp",      "repeated",
                                                      "wrong size", "without partner"};
 
+// What comes again.
+const char* frozen_text(const Event& event) {
+  if (event.component == Component::kPmd) {
+    return "the same set of samples";
+  }
+  switch (event.value) {
+    case 1:
+      return "the same left picture";
+    case 2:
+      return "the same right picture";
+    default:
+      return "the same pair";
+  }
+}
+
 // " (3 repeated, 1 torn)", or nothing.
 std::string causes(const std::array<std::uint64_t, kDrops>& dropped) {
   std::string text;
@@ -66,6 +81,17 @@ std::string describe(const Event& event) {
              " period(s) skipped, this machine is too slow or too busy for the period";
     case EventKind::kInTime:
       return "in time again";
+    case EventKind::kSilent:
+      return std::string(name(event.component)) +
+             " silent: it is there, but sends nothing that belongs to an edge";
+    case EventKind::kFrozen:
+      return std::string(name(event.component)) + " frozen: " + frozen_text(event) +
+             " comes again and again";
+    case EventKind::kDark:
+      return std::string(name(event.component)) +
+             " dark: its samples have lost all light of its lamp at once";
+    case EventKind::kSupplying:
+      return std::string(name(event.component)) + ": frames are used again";
   }
   return "unknown event";
 }

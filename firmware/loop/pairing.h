@@ -14,6 +14,9 @@
 // taken for hostile: they are compared, never added or subtracted, until they were found to fit.
 namespace stof::firmware {
 
+// A camera that answers at once with frames of other edges is drained by so many a period.
+inline constexpr int kMaxFramesPerEdge = 16;
+
 // Exposures that an edge can have caused begin within `tolerance` of it and last `exposure` at
 // most, with `tolerance` on top.
 struct ExposureWindow {

@@ -128,6 +128,7 @@ struct RigOptions {
   bool still = false;  // every edge shows the first one's wall, the PMD camera's noise is its own
   bool temporal = false;  // depth is averaged over frames
   DeviceLending* lending = nullptr;
+  bool require_both = false;  // no frame without one of the sensors
 };
 
 Setup small_setup(bool with_pmd);
@@ -170,8 +171,8 @@ struct Received {
     return packets == std::size_t{1} + info.tiles[0] + info.tiles[1] + info.tiles[2];
   }
   std::size_t count(dsp::Source which) const;
-  // The median of the pixels that both sensors saw, in metres; 0 without any.
-  double depth_m() const;
+  // The median of the pixels of that source, in metres; 0 without any.
+  double depth_m(dsp::Source of = dsp::Source::kBoth) const;
 };
 
 class Receiver {
@@ -193,8 +194,8 @@ class Receiver {
 // Runs `steps` periods.
 void run(Rig& rig, Receiver& receiver, int steps);
 
-// That every complete frame came from one edge, each from a later one than the frame before it.
-// Returns the edges, in order.
+// That every complete frame came from one edge, each from a later one than the frame before it, and
+// shows what the sensors that it names saw there. Returns the edges, in order.
 std::vector<std::size_t> expect_true_frames(const Rig& rig, const Receiver& receiver);
 
 }  // namespace stof::firmware::test
