@@ -48,11 +48,12 @@ enum class Drop : std::uint8_t {
   kNewerEdge,    // begins after the window of this edge
   kTorn,         // its parts belong to different exposures
   kBadStamp,     // ends before it begins, or later than this exposure can
-  kStale,        // its sequence number does not advance: repeated or frozen
+  kStale,        // its sequence number does not advance, or its pixels are those of before
   kWrongSize,    // not the size of the calibration
   kUnpartnered,  // it was good, its partner never came
+  kDark,         // of the PMD camera: its lamp gives no light any more
 };
-inline constexpr std::size_t kDrops = 8;
+inline constexpr std::size_t kDrops = 9;
 
 enum class Stage : std::uint8_t { kMatch, kConvert, kFuse, kPublish };
 inline constexpr std::size_t kStages = 4;

@@ -235,7 +235,8 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
 wire::LoopCounters loop_counters(const Counters& counters) noexcept {
   std::uint64_t mispaired = 0;
   for (std::size_t cause = 0; cause < kDrops; ++cause) {
-    if (cause != static_cast<std::size_t>(Drop::kUnpartnered)) {
+    if (cause != static_cast<std::size_t>(Drop::kUnpartnered) &&
+        cause != static_cast<std::size_t>(Drop::kDark)) {
       mispaired += counters.stereo_dropped[cause] + counters.pmd_dropped[cause];
     }
   }

@@ -22,9 +22,9 @@ const char* name(Component component) noexcept {
   return "unknown part";
 }
 
-constexpr std::array<const char*, kDrops> kDropNames{"used",       "left over",      "too early",
-                                                     "torn",       "bad stamp",      "repeated",
-                                                     "wrong size", "without partner"};
+constexpr std::array<const char*, kDrops> kDropNames{"used",       "left over",       "too early",
+                                                     "torn",       "bad stamp",       "repeated",
+                                                     "wrong size", "without partner", "dark"};
 
 // What comes again.
 const char* frozen_text(const Event& event) {

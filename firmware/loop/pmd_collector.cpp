@@ -12,6 +12,8 @@ PmdCollector::PmdCollector(board::Board& board, const Setup& setup, LoopConditio
       conditions_(conditions),
       lending_(lending),
       pairing_(setup.calibration.pmd.lens.width, setup.calibration.pmd.lens.height),
+      samples_(setup.calibration.pmd.under_lsb, setup.calibration.pmd.saturation_lsb),
+      light_(setup.calibration.pmd),
       absence_{.why = Absence::Why::kSilent} {}
 
 Status PmdCollector::next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept {
@@ -44,7 +46,7 @@ Status PmdCollector::collect(hal::Time edge, hal::Time deadline,
     }
     conditions_.note_device_status(Component::kPmd, status);
     if (frame) {
-      judge(std::move(*frame));
+      take(std::move(*frame));
       continue;
     }
     last = status;
@@ -55,8 +57,23 @@ Status PmdCollector::collect(hal::Time edge, hal::Time deadline,
   return last;
 }
 
-void PmdCollector::judge(Borrowed&& frame) noexcept {
-  const PmdVerdict verdict = pairing_.judge(std::span(windows_).first(window_count_), *frame);
+PmdVerdict PmdCollector::judge(const hal::PmdFrame& frame) noexcept {
+  bool repeats = pairing_.repeating(frame);
+  PmdVerdict verdict = pairing_.judge(std::span(windows_).first(window_count_), frame);
+  if (verdict.drop == Drop::kNone && !board_.recorded && samples_.repeats(frame.samples)) {
+    verdict.drop = Drop::kStale;
+    repeats = true;
+  } else if (verdict.drop == Drop::kNone && light_.gone(frame)) {
+    verdict.drop = Drop::kDark;
+  }
+  absence_.why = verdict.drop == Drop::kDark ? Absence::Why::kDark
+                 : repeats                   ? Absence::Why::kFrozen
+                                             : Absence::Why::kSilent;
+  return verdict;
+}
+
+void PmdCollector::take(Borrowed&& frame) noexcept {
+  const PmdVerdict verdict = judge(*frame);
   if (verdict.drop != Drop::kNone) {
     ++of(conditions_.counters().pmd_dropped, verdict.drop);
     return;

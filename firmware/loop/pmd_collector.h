@@ -8,8 +8,10 @@
 #include "board/timing.h"
 #include "dsp/base/status.h"
 #include "firmware/loop/device_lending.h"
+#include "firmware/loop/light_guard.h"
 #include "firmware/loop/loop_conditions.h"
 #include "firmware/loop/pairing.h"
+#include "firmware/loop/repeat_detector.h"
 #include "firmware/pipeline/pipeline.h"
 #include "hal/borrowed_frame.h"
 #include "hal/pmd_camera.h"
@@ -17,7 +19,9 @@
 
 namespace stof::firmware {
 
-// Takes from the PMD camera the samples of an edge. Those of other edges are dropped and counted.
+// Takes from the PMD camera the samples of an edge. Those of other edges are dropped and counted,
+// and so are samples of this edge that came before, unless they are recorded, or whose light has
+// gone.
 // Of a camera at every k-th edge, k > 1, the last samples serve the edges between. These are at
 // most 2 k - 2 periods old, because an integration may take k periods.
 class PmdCollector {
@@ -45,13 +49,17 @@ class PmdCollector {
 
  private:
   Status next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept;
-  void judge(Borrowed&& frame) noexcept;
+  // Keeps a frame that belongs to one of the last edges; absence_ says why another is dropped.
+  void take(Borrowed&& frame) noexcept;
+  PmdVerdict judge(const hal::PmdFrame& frame) noexcept;
   void remember_edge(hal::Time edge, const board::TimingConfig& timing) noexcept;
 
   board::Board& board_;
   LoopConditions& conditions_;
   const DeviceLending* lending_;
   PmdPairing pairing_;
+  RepeatDetector<std::uint16_t> samples_;
+  LightGuard light_;
   // The windows of the last edges, newest first.
   std::array<ExposureWindow, 2 * board::kMostPmdEvery - 1> windows_{};
   std::size_t window_count_ = 0;

@@ -7,6 +7,7 @@
 #include "firmware/loop/device_lending.h"
 #include "firmware/loop/loop_conditions.h"
 #include "firmware/loop/pairing.h"
+#include "firmware/loop/repeat_detector.h"
 #include "firmware/pipeline/pipeline.h"
 #include "hal/borrowed_frame.h"
 #include "hal/stereo_camera.h"
@@ -14,7 +15,8 @@
 
 namespace stof::firmware {
 
-// Takes from the pair of cameras the frame of an edge. All others are dropped and counted.
+// Takes from the pair of cameras the frame of an edge. All others are dropped and counted, and so
+// is a frame of this edge that shows a picture of before, unless the pictures are recorded.
 class StereoCollector {
  public:
   using Borrowed = hal::BorrowedFrame<hal::StereoFrame>;
@@ -31,12 +33,16 @@ class StereoCollector {
   const Absence& absence() const noexcept { return absence_; }
 
  private:
+  // Judges a frame; where it is dropped because an eye repeats, absence_ says so.
+  Drop judge(const ExposureWindow& window, const hal::StereoFrame& frame) noexcept;
   Status next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept;
 
   board::Board& board_;
   LoopConditions& conditions_;
   const DeviceLending* lending_;
   StereoPairing pairing_;
+  RepeatDetector<std::uint8_t> left_;
+  RepeatDetector<std::uint8_t> right_;
   Absence absence_;
 };
 

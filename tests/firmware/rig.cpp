@@ -34,6 +34,20 @@ void paint_view(dsp::ImageView<std::uint8_t> out, std::size_t edge, int shift) {
   }
 }
 
+void paint_black(dsp::ImageView<std::uint8_t> out) {
+  for (int y = 0; y < out.height(); ++y) {
+    std::ranges::fill(out.row(y), std::uint8_t{0});
+  }
+}
+
+void paint_noise(dsp::ImageView<std::uint16_t> out, std::size_t seed) {
+  for (int y = 0; y < out.height(); ++y) {
+    for (int x = 0; x < out.width(); ++x) {
+      out.at(x, y) = static_cast<std::uint16_t>(500 + texture(x, y, seed) % 4);
+    }
+  }
+}
+
 void paint_sample(dsp::ImageView<std::uint16_t> out, double depth_m, int k,
                   const dsp::Pinhole& lens) {
   for (int y = 0; y < out.height(); ++y) {
@@ -90,10 +104,17 @@ Result<hal::BorrowedFrame<hal::StereoFrame>> PaintedStereo::wait_frame(
   latest_deadline = std::max(latest_deadline, deadline);
   Result<hal::BorrowedFrame<hal::StereoFrame>> frame = camera_.wait_frame(deadline);
   if (frame) {
-    const std::size_t left = log_.scene((*frame)->left_exposure.begin);
-    const std::size_t right = log_.scene((*frame)->right_exposure.begin);
-    paint_view(writable((*frame)->left), left, 0);
-    paint_view(writable((*frame)->right), right, disparity_of(right));
+    const auto paint = [](dsp::ImageView<const std::uint8_t> view, const PixelFault& fault,
+                          std::size_t edge, bool shifted) {
+      const std::size_t shown = fault.shown(edge);
+      if (fault.dark && fault.strikes(edge)) {
+        paint_black(writable(view));
+      } else {
+        paint_view(writable(view), shown, shifted ? disparity_of(shown) : 0);
+      }
+    };
+    paint((*frame)->left, faults_.left, log_.scene((*frame)->left_exposure.begin), false);
+    paint((*frame)->right, faults_.right, log_.scene((*frame)->right_exposure.begin), true);
   }
   return frame;
 }
@@ -106,7 +127,13 @@ Result<hal::BorrowedFrame<hal::PmdFrame>> PaintedPmd::wait_frame(hal::Time deadl
     for (int k = 0; k < 4; ++k) {
       const auto i = static_cast<std::size_t>(k);
       const hal::Time edge = (*frame)->exposures[i].begin - integration_ * k / 4;
-      paint_sample(writable((*frame)->samples[i]), log_.pmd_depth(edge), k, lens);
+      const bool faulty = fault_.strikes(log_.scene(edge));
+      const double depth = faulty ? depth_of(fault_.shown(log_.scene(edge))) : log_.pmd_depth(edge);
+      if (faulty && fault_.dark) {
+        paint_noise(writable((*frame)->samples[i]), 4 * log_.scene(edge) + i);
+      } else {
+        paint_sample(writable((*frame)->samples[i]), depth, k, lens);
+      }
     }
   }
   return frame;
@@ -137,8 +164,8 @@ Rig::Rig(const RigOptions& options)
     : log(options.still),
       stereo(clock, imagery, {.exposure = options.timing.stereo_exposure}, options.faults.stereo),
       pmd(clock, imagery, pmd_timing(options), options.faults.pmd),
-      painted_stereo(stereo, log),
-      painted_pmd(pmd, log, options.timing.pmd_integration),
+      painted_stereo(stereo, log, options.pixels),
+      painted_pmd(pmd, log, options.timing.pmd_integration, options.pixels),
       trigger(clock, 50us, {&log, &stereo, &pmd}, options.faults.trigger),
       port(256, options.faults.link),
       board{.clock = clock,
@@ -153,6 +180,7 @@ Rig::Rig(const RigOptions& options)
             .calibration = small_setup(options.with_pmd).calibration,
             .disparities = kDisparities,
             .emulated_time = true,
+            .recorded = options.still,
             .notes = {}},
       setup(setup_of(options)),
       memory(bytes(setup)),

@@ -78,11 +78,28 @@ class NoImagery final : public emu::Imagery {
   void pmd(std::uint32_t, int, dsp::ImageView<std::uint16_t>) noexcept override {}
 };
 
+// Edges at which a sensor's pixels are not those of its exposure, whatever its stamps say.
+struct PixelFault {
+  std::size_t first = 0;
+  std::size_t edges = 0;
+  bool dark = false;  // black, or samples without light; else those of the edge before `first`
+
+  bool strikes(std::size_t edge) const noexcept { return edge - first < edges; }
+  std::size_t shown(std::size_t edge) const noexcept { return strikes(edge) ? first - 1 : edge; }
+};
+
+struct PixelFaults {
+  PixelFault left{};
+  PixelFault right{};
+  PixelFault pmd{};
+};
+
 // Paint into each view what stood before the cameras at the edge that the view's own stamp names:
 // a depth map made of views from different edges shows it. Also write down the deadlines they get.
 class PaintedStereo final : public hal::StereoCamera {
  public:
-  PaintedStereo(hal::StereoCamera& camera, const EdgeLog& log) : camera_(camera), log_(log) {}
+  PaintedStereo(hal::StereoCamera& camera, const EdgeLog& log, const PixelFaults& faults)
+      : camera_(camera), log_(log), faults_(faults) {}
   Result<hal::BorrowedFrame<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override;
 
   hal::Time latest_deadline{};
@@ -90,12 +107,14 @@ class PaintedStereo final : public hal::StereoCamera {
  private:
   hal::StereoCamera& camera_;
   const EdgeLog& log_;
+  PixelFaults faults_;
 };
 
 class PaintedPmd final : public hal::PmdCamera {
  public:
-  PaintedPmd(hal::PmdCamera& camera, const EdgeLog& log, hal::Duration integration)
-      : camera_(camera), log_(log), integration_(integration) {}
+  PaintedPmd(hal::PmdCamera& camera, const EdgeLog& log, hal::Duration integration,
+             const PixelFaults& faults)
+      : camera_(camera), log_(log), integration_(integration), fault_(faults.pmd) {}
   Result<hal::BorrowedFrame<hal::PmdFrame>> wait_frame(hal::Time deadline) noexcept override;
 
   hal::Time latest_deadline{};
@@ -104,6 +123,7 @@ class PaintedPmd final : public hal::PmdCamera {
   hal::PmdCamera& camera_;
   const EdgeLog& log_;
   hal::Duration integration_;
+  PixelFault fault_;
 };
 
 class NoNetwork final : public hal::NetworkInterfaces {
@@ -120,6 +140,7 @@ struct Faults {
 
 struct RigOptions {
   Faults faults{};
+  PixelFaults pixels{};
   board::TimingConfig timing = test::timing();
   bool with_pmd = true;
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
