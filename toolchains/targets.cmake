@@ -90,6 +90,7 @@ set(STOF_TEST_OPTIONS -O1)
 # cases ctest runs one by one, through the emulator where the build is a cross build.
 # LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h).
 # LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu).
+# LABELS scenes: renders scenes, in floating point; left out of qemu. What is called ...OnEveryMachine runs there too.
 function(stof_add_test)
   cmake_parse_arguments(ARG "" "NAME;LABELS" "SOURCES;LIBRARIES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
@@ -109,7 +110,13 @@ function(stof_add_test)
     # Begins early: what takes long would end alone.
     list(APPEND properties LABELS ${ARG_LABELS} COST 10)
   endif()
-  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 PROPERTIES ${properties})
+  set(all)
+  if(ARG_LABELS STREQUAL "scenes")
+    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER *OnEveryMachine
+      TEST_LIST ${ARG_NAME}_ON_EVERY_MACHINE PROPERTIES TIMEOUT 300)
+    set(all TEST_FILTER -*OnEveryMachine)
+  endif()
+  gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 ${all} PROPERTIES ${properties})
   if(ARG_LABELS STREQUAL "kernel")
     add_dependencies(stof_kernel_tests ${ARG_NAME})
   endif()
