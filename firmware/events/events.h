@@ -31,6 +31,7 @@ enum class EventKind : std::uint8_t {
   kFrozen,  // the same, because it repeats what it sent; value: as of the condition
   kDark,    // the same, because the light of its lamp has gone
   kSupplying,  // component: edges have its frames again
+  kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
 };
 
 struct Event {

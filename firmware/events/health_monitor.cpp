@@ -80,6 +80,8 @@ void HealthMonitor::observe(const Event& event) noexcept {
     case EventKind::kSupplying:
       observe_supply(event);
       break;
+    case EventKind::kStandsOn:  // what is missing is a condition of its own
+      break;
     case EventKind::kSendFailed:
     case EventKind::kSending:
       set(wire::Condition::kUnreachable, event.kind == EventKind::kSendFailed, 0, event.at);

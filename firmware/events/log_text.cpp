@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "firmware/wire/frame_info.h"
+
 namespace stof::firmware {
 namespace {
 
@@ -38,6 +40,17 @@ const char* frozen_text(const Event& event) {
       return "the same right picture";
     default:
       return "the same pair";
+  }
+}
+
+const char* standing_text(std::uint32_t sensors) {
+  switch (sensors) {
+    case wire::kStereoSensor:
+      return "frames stand on the stereo pair alone";
+    case wire::kPmdSensor:
+      return "frames stand on the PMD camera alone";
+    default:
+      return "frames stand on both sensors";
   }
 }
 
@@ -90,6 +103,8 @@ std::string describe(const Event& event) {
     case EventKind::kDark:
       return std::string(name(event.component)) +
              " dark: its samples have lost all light of its lamp at once";
+    case EventKind::kStandsOn:
+      return standing_text(event.value);
     case EventKind::kSupplying:
       return std::string(name(event.component)) + ": frames are used again";
   }

@@ -33,7 +33,7 @@ Collected FrameCollector::collect(hal::Time edge, hal::Time deadline,
       .lost = stereo_status == Status::kDeviceLost || pmd_status == Status::kDeviceLost};
   if (gives_shot(stereo.has_value(), pmd)) {
     collected.shot.emplace(make_shot(edge, std::move(stereo), pmd));
-    conditions_.note_frame();
+    conditions_.note_frame(collected.shot->sensors());
   } else {
     if (search_first != nullptr) {
       search_first->forget_match();

@@ -77,12 +77,20 @@ void LoopConditions::note_lateness(const Schedule::Lateness& lateness, hal::Time
   }
 }
 
-void LoopConditions::note_frame() noexcept {
+void LoopConditions::note_frame(Sensors sensors) noexcept {
   if (!std::exchange(publishing_, true)) {
     note({clock_.now(), EventKind::kPublishing, Component::kLoop, Status::kOk,
           edges_without_frame_});
   }
   edges_without_frame_ = 0;
+  alike_ = std::exchange(sensors_, sensors) == sensors ? alike_ + 1 : 1;
+  // Those at the start are no news: a line at the start, or a lost camera's, tells them.
+  if (alike_ >= kSilentEdges) {
+    const Sensors before = std::exchange(told_sensors_, sensors);
+    if (before != kNoSensor && before != sensors) {
+      note({clock_.now(), EventKind::kStandsOn, Component::kLoop, Status::kOk, sensors});
+    }
+  }
 }
 
 void LoopConditions::note_no_frame(Component missing, Status why) noexcept {

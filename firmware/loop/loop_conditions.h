@@ -7,6 +7,7 @@
 #include "firmware/events/events.h"
 #include "firmware/events/health_monitor.h"
 #include "firmware/loop/schedule.h"
+#include "firmware/pipeline/shot.h"
 #include "hal/clock.h"
 
 namespace stof::firmware {
@@ -36,8 +37,8 @@ class LoopConditions {
   void note_link_status(Status status) noexcept;
   // How late the loop was for an edge, at `now`.
   void note_lateness(const Schedule::Lateness& lateness, hal::Time now) noexcept;
-  // An edge that has a frame.
-  void note_frame() noexcept;
+  // An edge that has a frame, of these sensors.
+  void note_frame(Sensors sensors) noexcept;
   // One that has none: which component was missing, and what it said last.
   void note_no_frame(Component missing, Status why) noexcept;
 
@@ -70,6 +71,9 @@ class LoopConditions {
   std::array<Supply, kComponents> supplies_{};  // of cameras
   bool unreachable_ = false;                    // no receiver
   bool publishing_ = false;
+  Sensors told_sensors_ = kNoSensor;  // that frames stand on
+  Sensors sensors_ = kNoSensor;       // of the last frame
+  std::uint32_t alike_ = 0;           // frames in a row with these sensors
   std::uint32_t edges_without_frame_ = 0;
   std::uint32_t edges_in_time_ = kInTimeEdges;  // since the loop was late, up to kInTimeEdges
 };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "firmware/wire/frame_info.h"
 #include "hal/borrowed_frame.h"
 #include "hal/pmd_camera.h"
 #include "hal/stereo_camera.h"
@@ -10,8 +11,11 @@
 
 namespace stof::firmware {
 
-// What a frame of depth stands on; the values that the frame info's `sensors` sums up.
-enum Sensors : std::uint8_t { kStereoSensor = 1, kPmdSensor = 2, kBothSensors = 3 };
+using wire::kBothSensors;
+using wire::kNoSensor;
+using wire::kPmdSensor;
+using wire::kStereoSensor;
+using wire::Sensors;
 
 // The verified frames of one trigger edge: of both sensors, or of the one that there is. The slots
 // go home with it.
@@ -27,7 +31,8 @@ struct Shot {
   std::uint64_t stereo_losses = 0;       // of the camera, so far
 
   Sensors sensors() const noexcept {
-    return static_cast<Sensors>((stereo ? kStereoSensor : 0) | (pmd_exposed ? kPmdSensor : 0));
+    return static_cast<Sensors>((stereo ? kStereoSensor : kNoSensor) |
+                                (pmd_exposed ? kPmdSensor : kNoSensor));
   }
 };
 
