@@ -397,7 +397,8 @@ class Header(Layout):
     # nothing; 1 the time of an emulated rig
     clock: int = 0
     number: int = 0  # of the frame: advances by one with each frame sent, wraps from 2^32 - 1 to 0
-    exposure_middle_ns: int = 0  # ns: middle of the exposure of the stereo pair
+    # ns: middle of the exposure of the stereo pair; of the PMD camera in a frame of it alone
+    exposure_middle_ns: int = 0
     freshness: int = 0  # see "Freshness"
     index: int = 0  # of the packet, from 0, below the count
     count: int = 1  # packets of the frame, at least 1

@@ -182,7 +182,7 @@ layouts.header = {
   {name = "health", size = 1, count = 1, kind = "uint8", title = "Health", base = base.DEC, names = "Health", doc = "summary of the sensor: 0 good, 1 degraded, 2 fault"},
   {name = "clock", size = 1, count = 1, kind = "uint8", title = "Clock", base = base.DEC, names = "ClockState", doc = "what times count from: 0 the sensor's own monotonic clock, synchronised with nothing; 1 the time of an emulated rig"},
   {name = "number", size = 4, count = 1, kind = "uint32", title = "Number", base = base.DEC, doc = "of the frame: advances by one with each frame sent, wraps from 2^32 - 1 to 0"},
-  {name = "exposure_middle_ns", size = 8, count = 1, kind = "int64", title = "Exposure middle ns", base = base.DEC, doc = "ns: middle of the exposure of the stereo pair"},
+  {name = "exposure_middle_ns", size = 8, count = 1, kind = "int64", title = "Exposure middle ns", base = base.DEC, doc = "ns: middle of the exposure of the stereo pair; of the PMD camera in a frame of it alone"},
   {name = "freshness", size = 4, count = 1, kind = "uint32", title = "Freshness", base = base.DEC, doc = "see \"Freshness\""},
   {name = "index", size = 2, count = 1, kind = "uint16", title = "Index", base = base.DEC, doc = "of the packet, from 0, below the count"},
   {name = "count", size = 2, count = 1, kind = "uint16", title = "Count", base = base.DEC, doc = "packets of the frame, at least 1"},

@@ -167,6 +167,21 @@ INSTANTIATE_TEST_SUITE_P(Outages, LostSensor, testing::ValuesIn(outages()), [](c
   return name;
 });
 
+// To the bit, also after frames of both.
+TEST(LostSensors, ThePairAloneGivesTheDepthOfARigWithoutAPmdCamera) {
+  const OutageRun lost(with_fault(&Faults::pmd, emu::FaultKind::kVanish));
+  const OutageRun without(RigOptions{.with_pmd = false});
+  ASSERT_EQ(lost.receiver.frames.size(), without.receiver.frames.size());
+  for (std::uint32_t number = kFirst; number < kFirst + kEdges; ++number) {
+    const Received& frame = lost.receiver.frames.at(number);
+    const Received& alone = without.receiver.frames.at(number);
+    ASSERT_EQ(frame.info.exposure_begin_ns, alone.info.exposure_begin_ns);
+    EXPECT_EQ(frame.depth, alone.depth) << number;
+    EXPECT_EQ(frame.source, alone.source) << number;
+    EXPECT_EQ(alone.stamp.health, wire::Health::kOk) << "it is all that this rig has";
+  }
+}
+
 // Of which nothing can be said: no noise, no depth either. The sensors stay in use.
 TEST(LostSensors, ACoveredPairIsNotFrozen) {
   RigOptions options = with_pixels(&PixelFaults::left, true);
