@@ -107,8 +107,7 @@ Status Loop::publish_waiting() noexcept {
   }
   // Shot n shall be out in this period as well, so the packets of this one wait for nothing. What
   // it waited for was a sensor, unless that came.
-  const bool whole = held_->pmd_exposed || board_.pmd == nullptr;
-  return publish_held(board_.clock.now(), whole);
+  return publish_held(board_.clock.now(), is_whole(*held_));
 }
 
 Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
@@ -139,6 +138,10 @@ Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
   return sent;
 }
 
+bool Loop::is_whole(const Shot& shot) const noexcept {
+  return shot.sensors() == (board_.pmd == nullptr ? kStereoSensor : kBothSensors);
+}
+
 void Loop::note_gap(const Shot& shot) noexcept {
   // A camera that was lost may expose otherwise than before, however soon it is back.
   if (!last_edge_ || schedule_.gap(*last_edge_, shot.edge) ||
@@ -165,8 +168,10 @@ Status Loop::collect(hal::Time edge) noexcept {
   const bool search_first = schedule_.same_period() && pipeline_.may_match_first();
   Collected collected = collector_.collect(edge, schedule_.next(), schedule_.timing(),
                                            search_first ? &pipeline_ : nullptr);
-  schedule_.note_fetch(edge, begin, board_.clock.now());
   if (collected.shot) {
+    if (is_whole(*collected.shot)) {  // else it waited for what did not come
+      schedule_.note_fetch(edge, begin, board_.clock.now());
+    }
     held_.emplace(std::move(*collected.shot));
   }
   return collected.lost ? Status::kDeviceLost : Status::kOk;

@@ -50,6 +50,8 @@ class Loop {
   Status publish_waiting() noexcept;
   // latest: when its last packet leaves. usual: its delay is what frames like it take.
   Status publish_held(hal::Time latest, bool usual) noexcept;
+  // Of all sensors of this rig.
+  bool is_whole(const Shot& shot) const noexcept;
   // Tells the pipeline where this shot does not follow the one that was computed before it, or has
   // other sensors than that.
   void note_gap(const Shot& shot) noexcept;
