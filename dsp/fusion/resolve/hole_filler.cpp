@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdlib>
+#include <optional>
 
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
@@ -252,28 +253,33 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
   STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
   STOF_CHECK(same_size(view.disparity, map.depth) && same_size(view.pmd_low, map.depth) &&
              same_size(view.pmd_high, map.depth) && same_size(map.cause, map.depth));
-  std::array<std::uint8_t, kMaxImageWidth> open;
+  std::array<std::array<std::uint8_t, kMaxImageWidth>, 2> open;
   std::array<std::array<Guess, kMaxImageWidth / kQuarter>, 2> guesses;
+  const auto is_open = [&](int k, std::size_t at) noexcept {
+    return std::ranges::any_of(std::span(open[index(k)]).subspan(at * kQuarter).first<kQuarter>(),
+                               [](std::uint8_t mark) noexcept { return mark != 0; });
+  };
   for (int row = cells.begin; row < cells.end; ++row) {
-    std::ranges::fill(open, std::uint8_t{0});
     const Rows rows{row * kCell, std::min((row + 1) * kCell, height_)};
+    open = {};
     for (int y = rows.begin; y < rows.end; ++y) {
-      mark_open(map, y, open);
+      mark_open(map, y, open[index(y - rows.begin) / kQuarter]);
     }
     for (int x = 0; x < near_.width(); ++x) {
-      const std::size_t at = index(2 * x);
-      const bool any = std::ranges::any_of(std::span(open).subspan(at * kQuarter).first<kCell>(),
-                                           [](std::uint8_t mark) noexcept { return mark != 0; });
-      const Guess guess = any ? Search(*this, evidence, x, row).guess() : Guess{};
+      std::optional<Guess> guess;  // of the cell
       for (int k = 0; k < 4; ++k) {
-        guesses[index(k / 2)][at + index(k % 2)] =
-            guess.read ? read(guess, evidence, 2 * x + k % 2, 2 * row + k / 2) : guess;
+        const int column = 2 * x + k % 2;
+        Guess& quarter = guesses[index(k / 2)][index(column)];
+        quarter = {};
+        if (is_open(k / 2, index(column))) {
+          guess = guess ? guess : Search(*this, evidence, x, row).guess();
+          quarter = guess->read ? read(*guess, evidence, column, 2 * row + k / 2) : *guess;
+        }
       }
     }
     for (int y = rows.begin; y < rows.end; ++y) {
-      fill_row(y,
-               std::span(guesses[index(y - rows.begin) / kQuarter]).first(2 * index(near_.width())),
-               view, map);
+      const std::span<const Guess> of_row = guesses[index(y - rows.begin) / kQuarter];
+      fill_row(y, of_row.first(2 * index(near_.width())), view, map);
     }
   }
 }
