@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "dsp/base/thread_team.h"
+#include "dsp/depth/max_range.h"
 
 namespace stof::settings {
 namespace {
@@ -107,7 +108,8 @@ constexpr std::array kBefore{
     choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kDepthPresets,
                                                             "how the stereo pair is matched"),
     whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(
-        "depth", "max_range_mm", 500, 16'380, "mm", "nothing is further away"),
+        "depth", "max_range_mm", dsp::kLeastMaxRangeMm, dsp::kMostMaxRangeMm, "mm",
+        "nothing is further away"),
     whole<[](auto& s) -> auto& { return s.depth.disparities; }>(
         "depth", "disparities", 0, dsp::kMaxDisparities, "px",
         "candidates of the search; 0: what the rig asks for"),

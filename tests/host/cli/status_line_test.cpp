@@ -158,6 +158,13 @@ TEST(HealthLine, NamesWhatIsActive) {
   EXPECT_NE(health_line(ill).find("; slow down"), std::string::npos);
 }
 
+TEST(HealthLine, HasNoFigureThatIsNotKnownYet) {
+  EXPECT_EQ(health_line({.uptime_ms = 900, .subscribers = 1}),
+            "health: good, up 0 s, 1 subscribers");
+  EXPECT_EQ(health_line({.uptime_ms = 90'000, .subscribers = 1}),
+            "health: good, up 90 s, 0.0 frames/s, 1 subscribers");
+}
+
 TEST(SummaryLine, NamesEveryCauseOfLoss) {
   using client::Statistics;
   constexpr std::uint64_t Statistics::* kCauses[] = {
