@@ -7,6 +7,7 @@ namespace {
 
 // Rows that a thread rectifies or fuses at once: a row looks at few others.
 constexpr int kTaskRows = 16;
+constexpr int kTaskCells = 2;  // rows of cells
 
 constexpr double kMetresPerQuarterMm = 1.0 / kQuarterMmPerMetre;
 
@@ -118,6 +119,12 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
   team_.run_rows(out.depth.rows(), kTaskRows, [&](Rows rows, int thread) noexcept {
     fuser_.fuse_rows(stereo(), rows, thread, out);
   });
+  if (fuser_.fills_holes(stereo(), out)) {
+    team_.run_rows(fuser_.cell_rows(), kTaskCells,
+                   [&](Rows cells, int) noexcept { fuser_.gather_surfaces(cells, out); });
+    team_.run_rows(fuser_.cell_rows(), kTaskCells,
+                   [&](Rows cells, int) noexcept { fuser_.fill_holes(stereo(), cells, out); });
+  }
   if (temporal_) {
     temporal_->apply(left_, out);
   }

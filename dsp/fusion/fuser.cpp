@@ -12,6 +12,7 @@
 #include "dsp/fusion/interval/stereo_interval.h"
 #include "dsp/fusion/project/reproject.h"
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
+#include "dsp/fusion/resolve/hole_filler.h"
 #include "dsp/fusion/resolve/match_evidence.h"
 #include "dsp/stereo/match_params.h"
 
@@ -56,6 +57,7 @@ struct Fuser::Tables {
   MatchEvidence evidence;
   Reprojector reprojector;
   SplattedView splatted;
+  HoleFiller filler;
   std::span<std::uint8_t> ratio;  // of matches without one
   std::span<Disparity> nothing;   // a row without stereo
   std::span<Scratch> scratch;     // of each thread
@@ -74,6 +76,7 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
            .evidence = MatchEvidence(calibration, infinity_of(calibration.stereo)),
            .reprojector = {},
            .splatted = {},
+           .filler = HoleFiller(width, height, params.max_range, arena),
            .ratio = {},
            .nothing = {},
            .scratch = {}};
@@ -172,9 +175,28 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
   }
 }
 
+bool Fuser::fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept {
+  return tables_->evidence.judges() && !stereo.disparity.empty() && !out.cause.empty();
+}
+
+Rows Fuser::cell_rows() const noexcept { return tables_->filler.cell_rows(); }
+
+void Fuser::gather_surfaces(Rows cells, const DepthMap& out) noexcept {
+  tables_->filler.gather(cells, out);
+}
+
+void Fuser::fill_holes(const StereoMaps& stereo, Rows cells, const DepthMap& out) noexcept {
+  const Tables& t = *tables_;
+  t.filler.fill(cells, {stereo.disparity, t.splatted.low, t.splatted.high}, t.evidence, out);
+}
+
 void Fuser::fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept {
   prepare(pmd);
   fuse_rows(stereo, out.depth.rows(), 0, out);
+  if (fills_holes(stereo, out)) {
+    gather_surfaces(cell_rows(), out);
+    fill_holes(stereo, cell_rows(), out);
+  }
 }
 
 }  // namespace stof::dsp

@@ -33,7 +33,8 @@ struct StereoMaps {
 
 // Carries the PMD intervals into the left camera and intersects them with the stereo intervals,
 // which come from the disparity alone, or from both columns where the rig's axes converge; then
-// resolves what only one of both saw (resolve/ambiguity_resolver.h).
+// resolves what only one of both saw (resolve/ambiguity_resolver.h), and where both sensors are
+// there, what neither could tell (resolve/hole_filler.h).
 class Fuser {
  public:
   // Stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
@@ -48,7 +49,14 @@ class Fuser {
   void prepare(const PmdMaps* pmd) noexcept;
   void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out) noexcept;
 
-  // Both. pmd: nullptr for stereo only. out: all of its images are written.
+  // Where fills_holes(), two steps follow, each of all rows of cells, in any order and by any
+  // split.
+  bool fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept;
+  Rows cell_rows() const noexcept;
+  void gather_surfaces(Rows cells, const DepthMap& out) noexcept;
+  void fill_holes(const StereoMaps& stereo, Rows cells, const DepthMap& out) noexcept;
+
+  // All of these. pmd: nullptr for stereo only. out: all of its images are written.
   void fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept;
 
  private:
