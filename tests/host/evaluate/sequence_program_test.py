@@ -47,11 +47,20 @@ class EvaluateSequence(unittest.TestCase):
                          [(scene, *kind) for scene in ("still", "leaving") for kind in kinds])
         still, filtered = rows[0], rows[1]
         self.assertLess(filtered["noise_mm"], still["noise_mm"] / 2)
+        self.assertLess(filtered["flicker_percent"], still["flicker_percent"] / 1.5)
+        self.assertLess(filtered["jumps_percent"], still["jumps_percent"] / 3)
+        self.assertLess(filtered["e5_percent"], still["e5_percent"])
+        self.assertGreater(filtered["coverage_percent"], still["coverage_percent"])
         self.assertIsNone(still["moving_e5_percent"])
         self.assertEqual(still["stays_percent"], [None] * 3)
         self.assertIsNotNone(rows[4]["stays_percent"][2])
         for row in rows:
             self.assertGreater(row["coverage_percent"], 50)
+
+    def test_on_the_move_the_filter_changes_nothing(self):
+        still, filtered = json.loads(self.succeed("drive", "--preset", "fast", "--warm-up", 2, "--json"))["rows"]
+        for name in ("e5_percent", "inside_percent", "nearer_percent"):
+            self.assertAlmostEqual(filtered[name], still[name], delta=0.05)
 
     def test_what_has_left_is_gone_two_frames_later(self):
         for row in json.loads(self.succeed("leaving", "--json", "--warm-up", 8))["rows"]:
