@@ -7,6 +7,7 @@
 
 #include "dataset/files/file.h"
 #include "dataset/files/json_fields.h"
+#include "dataset/files/json_file.h"
 #include "dataset/files/pgm.h"
 #include "dsp/base/units.h"
 
@@ -16,7 +17,6 @@ namespace {
 using nlohmann::json;
 using Done = std::expected<void, Problem>;
 
-constexpr int kMaxSide = 4096;
 constexpr int kMaxFrames = 65536;
 constexpr double kMaxWiggleRad = 1;
 

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 
 #include "dataset/files/file.h"
 #include "dataset/files/pgm.h"
+#include "dsp/base/parse_number.h"
 
 namespace stof::dataset {
 namespace {
@@ -16,26 +16,25 @@ namespace {
 constexpr std::size_t kMaxMetaBytes = 1U << 20;
 constexpr int kMaxNdisp = 4096;
 
-// The number behind `key` at the beginning of a line of meta.txt.
-std::optional<double> meta_number(std::string_view text, std::string_view key) {
+// What stands behind `key` at the beginning of a line of meta.txt, for each of these lines.
+std::vector<std::string_view> meta_values(std::string_view text, std::string_view key) {
+  std::vector<std::string_view> values;
   while (!text.empty()) {
     const std::size_t end = std::min(text.find('\n'), text.size());
     std::string_view line = text.substr(0, end);
     text.remove_prefix(std::min(end + 1, text.size()));
-    if (!line.starts_with(key) || line.size() <= key.size() ||
-        (line[key.size()] != ' ' && line[key.size()] != '\t')) {
-      continue;
-    }
-    line.remove_prefix(std::min(line.find_first_not_of(" \t", key.size()), line.size()));
-    line = line.substr(0, line.find_last_not_of(" \t\r") + 1);
-    double value = 0;
-    const std::from_chars_result result =
-        std::from_chars(line.data(), line.data() + line.size(), value);
-    if (result.ec == std::errc{} && result.ptr == line.data() + line.size()) {
-      return value;
+    if (line.starts_with(key) && line.size() > key.size() &&
+        (line[key.size()] == ' ' || line[key.size()] == '\t')) {
+      line.remove_prefix(std::min(line.find_first_not_of(" \t", key.size()), line.size()));
+      values.push_back(line.substr(0, line.find_last_not_of(" \t\r") + 1));
     }
   }
-  return std::nullopt;
+  return values;
+}
+
+std::optional<double> meta_number(std::string_view text, std::string_view key) {
+  const std::vector<std::string_view> values = meta_values(text, key);
+  return values.empty() ? std::nullopt : dsp::parse_number<double>(values.front());
 }
 
 std::string folder_name(const std::filesystem::path& dir) {
@@ -53,6 +52,28 @@ std::expected<void, Problem> same_size_as_left(const std::filesystem::path& file
                   "is " + size_text(image.width, image.height) + " but left.pgm is " +
                       size_text(scene.left.width, scene.left.height),
                   "use pictures of one size");
+  }
+  return {};
+}
+
+// Every key that is read stands there once, and a size is that of the pictures.
+std::expected<void, Problem> check_meta(const std::filesystem::path& file, std::string_view meta,
+                                        const StereoScene& scene) {
+  for (const char* const key : {"ndisp", "gt_scale", "f_px", "baseline_m", "doff_px", "width",
+                                "height", "camera_height_m", "camera_tilt_degrees"}) {
+    if (meta_values(meta, key).size() > 1) {
+      return refuse(file, std::string("has ") + key + " twice", "keep one of the lines");
+    }
+  }
+  for (const auto& [key, side] :
+       {std::pair("width", scene.left.width), std::pair("height", scene.left.height)}) {
+    const std::vector<std::string_view> values = meta_values(meta, key);
+    if (!values.empty() && dsp::parse_number<int>(values.front()) != side) {
+      return refuse(file,
+                    std::string("says ") + key + " " + std::string(values.front()) +
+                        ", left.pgm is " + size_text(scene.left.width, scene.left.height),
+                    "give the pictures that it describes, or take the line out");
+    }
   }
   return {};
 }
@@ -210,6 +231,9 @@ Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
   const Loaded<std::string> meta = read_whole(dir / "meta.txt", kMaxMetaBytes);
   if (!meta) {
     return std::unexpected(meta.error());
+  }
+  if (std::expected<void, Problem> checked = check_meta(dir / "meta.txt", *meta, scene); !checked) {
+    return std::unexpected(std::move(checked.error()));
   }
   const std::optional<double> ndisp = meta_number(*meta, "ndisp");
   if (!ndisp || !(*ndisp >= 1) || !(*ndisp <= kMaxNdisp) || *ndisp != static_cast<int>(*ndisp)) {

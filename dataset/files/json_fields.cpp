@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "dataset/files/file.h"
-
 namespace stof::dataset {
 
 using nlohmann::json;
@@ -117,22 +115,10 @@ std::string problem_of(dsp::Calibration calibration, bool has_rig) {
     calibration.stereo = {.left = {.fx = 1, .fy = 1}, .baseline_m = 1};
     calibration.pmd_to_stereo = {};
   }
-  calibration.stereo.left.width = 1;
-  calibration.stereo.left.height = 1;
+  if (calibration.stereo.left.width == 0 || calibration.stereo.left.height == 0) {
+    calibration.stereo.left.width = calibration.stereo.left.height = kMaxSide;
+  }
   return dsp::problem(calibration);
-}
-
-Loaded<json> read_object(const std::filesystem::path& file) {
-  constexpr std::size_t kMaxBytes = 1U << 20;
-  const Loaded<std::string> text = read_whole(file, kMaxBytes);
-  if (!text) {
-    return std::unexpected(text.error());
-  }
-  json root = json::parse(*text, nullptr, false);
-  if (!root.is_object()) {
-    return refuse(file, "is not a JSON object", "correct the file");
-  }
-  return root;
 }
 
 }  // namespace stof::dataset

@@ -12,6 +12,8 @@
 // The common part of readers and writers of PMD recordings.
 namespace stof::dataset {
 
+inline constexpr int kMaxSide = 4096;  // of a picture
+
 // Takes numbers out of one JSON document and remembers the first that was missing or wrong; from
 // then on every number is 0.
 class Fields {
@@ -44,9 +46,8 @@ class Fields {
   std::string wrong_;
 };
 
-// Whether the numbers can be computed with, whatever picture they are used with: the size of the
-// left one, which a file need not know, and a missing rig are stood in for. Empty, or what is
-// wrong.
+// dsp::problem(). The size of the left picture, which a file need not know, and a missing rig are
+// stood in for. Empty, or what is wrong.
 std::string problem_of(dsp::Calibration calibration, bool has_rig);
 
 // Numbers by their keys, in the order of the file.
@@ -85,8 +86,5 @@ inline constexpr std::array<const char*, 3> kPatternUnits{"1/8 mm", "1/65536 tur
 Loaded<PmdRecording> read_recording(const std::filesystem::path& prefix,
                                     const std::optional<std::filesystem::path>& fixed_pattern,
                                     double usual_ratio);
-
-// A JSON object of at most 1 MiB.
-Loaded<nlohmann::json> read_object(const std::filesystem::path& file);
 
 }  // namespace stof::dataset

@@ -1,6 +1,7 @@
 #include "dsp/calib/calibration.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -14,14 +15,29 @@ namespace {
 
 bool finite_positive(double value) noexcept { return std::isfinite(value) && value > 0; }
 
-bool usable(const Pinhole& lens) noexcept {
-  return lens.width > 0 && lens.height > 0 && finite_positive(lens.fx) &&
-         finite_positive(lens.fy) && std::isfinite(lens.cx) && std::isfinite(lens.cy) &&
-         std::isfinite(lens.k1) && std::isfinite(lens.k2) && std::isfinite(lens.k3) &&
-         std::isfinite(lens.p1) && std::isfinite(lens.p2);
-}
+// What no rig goes beyond. docs: docs/CALIBRATION.md.
+constexpr double kMostPixels = 1e5;  // of a focal length; of a centre from the picture's corner
+constexpr double kMostDistortion = 1000;
+constexpr double kLeastBaselineM = 1e-3;
+constexpr double kMostBaselineM = 100;
+constexpr double kLeastElectrons = 1e-3;  // per LSB
+constexpr double kMostElectrons = 1e6;
+constexpr double kMostNoiseLsb = 65535;
+constexpr double kMostLightLsb = 1e7;  // suppressed, or of a white surface at 1 m
 
 bool within(double value, double limit) noexcept { return std::abs(value) <= limit; }
+
+bool between(double value, double low, double high) noexcept {
+  return value >= low && value <= high;
+}
+
+bool usable(const Pinhole& lens) noexcept {
+  return lens.width > 0 && lens.height > 0 && between(lens.fx, 1, kMostPixels) &&
+         between(lens.fy, 1, kMostPixels) && within(lens.cx, kMostPixels) &&
+         within(lens.cy, kMostPixels) &&
+         std::ranges::all_of(std::array{lens.k1, lens.k2, lens.k3, lens.p1, lens.p2},
+                             [](double k) { return within(k, kMostDistortion); });
+}
 
 // A mirror is not a rotation.
 bool orthonormal(const std::array<double, 9>& r) noexcept {
@@ -45,7 +61,8 @@ bool near_home(const std::array<double, 3>& translation_m) noexcept {
 
 const char* raw_problem(const RawPair& raw) noexcept {
   if (!usable(raw.left) || !usable(raw.right)) {
-    return "a raw camera has a size, focal length or centre that is not usable";
+    return "a raw camera has no size, a focal length outside 1 to 100000 px, or a centre or "
+           "distortion that is not usable";
   }
   if (!orthonormal(raw.left_to_right.rotation)) {
     return "the rotation from left to right is not orthonormal";
@@ -56,6 +73,12 @@ const char* raw_problem(const RawPair& raw) noexcept {
   return problem_of(raw);
 }
 
+const char* baseline_problem(const StereoRig& rig) noexcept {
+  return between(rig.baseline_m, kLeastBaselineM, kMostBaselineM)
+             ? ""
+             : "the baseline of the stereo pair is outside 1 mm to 100 m";
+}
+
 const char* converging_problem(const StereoRig& rig) noexcept {
   const Converging& c = *rig.converging;
   if (!(std::abs(c.alpha_rad) < kSteepestRad) || !(std::abs(c.beta_rad) < kSteepestRad) ||
@@ -63,8 +86,8 @@ const char* converging_problem(const StereoRig& rig) noexcept {
       !std::isfinite(c.cx_left) || !std::isfinite(c.cx_right)) {
     return "the converging axes have an angle, focal length, pixel or centre that is not usable";
   }
-  if (!(rig.baseline_m >= 1e-3) || !(rig.baseline_m <= 100)) {
-    return "the cameras are nearer to each other than 1 mm, or further away than 100 m";
+  if (const char* const why = baseline_problem(rig); *why != '\0') {
+    return why;
   }
   for (const double x : {0.0, rig.left.width - 1.0}) {
     if (std::isnan(left_tangent(rig, x)) || std::isnan(right_tangent(rig, x))) {
@@ -83,6 +106,17 @@ const char* both_problem(const StereoRig& rig) noexcept {
     return raw_problem(*rig.raw);
   }
   return rig.converging ? converging_problem(rig) : "";
+}
+
+const char* pair_problem(const StereoRig& rig) noexcept {
+  if (const char* const why = baseline_problem(rig); *why != '\0') {
+    return why;
+  }
+  const bool parallel = !rig.raw && !rig.converging;
+  if (!std::isfinite(rig.doff_px) || (parallel && !within(rig.doff_px, rig.left.width))) {
+    return "the disparity offset is larger than the left picture is wide";
+  }
+  return both_problem(rig);
 }
 
 const char* frequency_problem(const PmdFrequency& frequency) noexcept {
@@ -108,21 +142,26 @@ const char* samples_problem(const PmdSensor& pmd) noexcept {
   if (pmd.saturation_lsb < 1 || pmd.under_lsb >= pmd.saturation_lsb) {
     return "a PMD sample saturates below 1 LSB, or where it is under range";
   }
+  if (!(pmd.dark_lsb < pmd.saturation_lsb)) {
+    return "the dark level of a PMD sample is not below its saturation";
+  }
   if (pmd.min_amplitude_lsb < 0) {
     return "the least amplitude of the PMD camera is negative";
   }
-  if (!finite_positive(pmd.electrons_per_lsb) || !(pmd.noise_lsb >= 0) ||
-      !std::isfinite(pmd.noise_lsb) || !(pmd.suppressed_lsb >= 0) ||
-      !std::isfinite(pmd.suppressed_lsb)) {
-    return "the PMD noise model (electrons per LSB, noise or suppressed light) is not usable";
+  if (!between(pmd.electrons_per_lsb, kLeastElectrons, kMostElectrons)) {
+    return "the PMD noise model has electrons per LSB outside 0.001 to 1000000";
+  }
+  if (!between(pmd.noise_lsb, 0, kMostNoiseLsb) || !between(pmd.suppressed_lsb, 0, kMostLightLsb)) {
+    return "the PMD noise model has noise outside 0 to 65535 LSB, or suppressed light outside 0 to "
+           "10000000 LSB";
   }
   if (!finite_positive(pmd.asymmetry_sigmas)) {
     return "the greatest asymmetry of PMD samples is not positive";
   }
-  if (!(pmd.white_lsb >= 0) || !std::isfinite(pmd.white_lsb)) {
-    return "the PMD amplitude of a white surface is not usable";
+  if (!between(pmd.white_lsb, 0, kMostLightLsb)) {
+    return "the PMD amplitude of a white surface is outside 0 to 10000000 LSB";
   }
-  if (!(pmd.integration_us >= 0) || !(pmd.integration_us <= 1e7)) {
+  if (!between(pmd.integration_us, 0, 1e7)) {
     return "the PMD integration time is outside 0 to 10 s";
   }
   return "";
@@ -177,7 +216,8 @@ const char* second_problem(const PmdSensor& pmd) noexcept {
 
 const char* pmd_problem(const PmdSensor& pmd) noexcept {
   if (!usable(pmd.lens)) {
-    return "the PMD lens has a size, focal length or centre that is not usable";
+    return "the PMD lens has no size, a focal length outside 1 to 100000 px, or a centre or "
+           "distortion that is not usable";
   }
   for (const char* const why :
        {frequency_problem(pmd.frequency), pmd.second ? second_problem(pmd) : "",
@@ -228,13 +268,10 @@ const char* complete(StereoRig& rig) noexcept {
 
 const char* problem(const Calibration& calibration) noexcept {
   if (!usable(calibration.stereo.left)) {
-    return "the left camera has a size, focal length or centre that is not usable";
+    return "the left camera has no size, a focal length outside 1 to 100000 px, or a centre or "
+           "distortion that is not usable";
   }
-  if (!finite_positive(calibration.stereo.baseline_m) ||
-      !std::isfinite(calibration.stereo.doff_px)) {
-    return "the baseline or the disparity offset is not usable";
-  }
-  if (const char* const why = both_problem(calibration.stereo); *why != '\0') {
+  if (const char* const why = pair_problem(calibration.stereo); *why != '\0') {
     return why;
   }
   const Pinhole& pmd = calibration.pmd.lens;

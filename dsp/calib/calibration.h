@@ -64,8 +64,8 @@ struct Calibration {
 // second call changes nothing. Empty, or what is wrong with the rig, for a message.
 const char* complete(StereoRig& rig) noexcept;
 
-// Empty ("") when every number of a complete() calibration can be computed with (finite, positive
-// focal lengths and baseline, rotations that are orthonormal within 1e-3, ...), else what is wrong,
+// Empty ("") when every number of a complete() calibration can be computed with (rotations that are
+// orthonormal within 1e-3, ...) and lies in the range of docs/CALIBRATION.md, else what is wrong,
 // for a message.
 const char* problem(const Calibration& calibration) noexcept;
 

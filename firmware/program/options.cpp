@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "dsp/base/parse_number.h"
+#include "dsp/depth/max_range.h"
 #include "dsp/stereo/match_options.h"
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
@@ -75,12 +76,15 @@ MatchFlag find_match_flag(std::string_view flag) noexcept {
 
 // Metres, into millimetres.
 std::string take_max_range(std::string_view text, Options& options) {
-  const std::optional<double> metres = dsp::parse_number_in<double>(text, 0.5, 16.38);
+  static_assert(dsp::kLeastMaxRangeMm == 500 && dsp::kMostMaxRangeMm == 16'380, "as the texts say");
+  constexpr double kMmPerMetre = 1000;
+  const std::optional<double> metres = dsp::parse_number_in<double>(
+      text, dsp::kLeastMaxRangeMm / kMmPerMetre, dsp::kMostMaxRangeMm / kMmPerMetre);
   if (!metres) {
     return "--max-range takes metres from 0.5 to 16.38, not \"" + std::string(text) + "\"";
   }
   options.assignments.push_back({.path = "depth.max_range_mm",
-                                 .value = std::to_string(std::lround(*metres * 1000)),
+                                 .value = std::to_string(std::lround(*metres * kMmPerMetre)),
                                  .flag = "--max-range"});
   return {};
 }
@@ -259,7 +263,7 @@ std::string options_usage() {
       "                       is computed; chapter: as the book chapter matches\n"
       "  --max-range METRES   nothing is further away, 0.5 to 16.38 (default 10)\n"
       "  --guided             PMD intervals narrow the search where they can be trusted\n"
-      "  --temporal           depth is averaged over frames where nothing moves\n"
+      "  --temporal           frames before count where nothing moves: depth is steadier, and averaged\n"
       "  --threads N          that compute depth, 1..8; 0 (default): the board's processors, at "
       "most 4\n"
       "  --device N           device number in every packet (default 1)\n"

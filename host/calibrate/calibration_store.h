@@ -19,8 +19,11 @@ struct StoredCalibration {
   StoredCalibration& operator=(const StoredCalibration&) = delete;
 };
 
-// One line where the file cannot be read, is no calibration or a later version's.
+// One line where the file cannot be read, is no calibration or a later version's, or holds a number
+// that cannot be computed with. A file may lack the stereo pair.
 dataset::Loaded<StoredCalibration> read_calibration(const std::filesystem::path& file);
+// The same; refused is also a file without a PMD camera.
+dataset::Loaded<StoredCalibration> read_pmd_calibration(const std::filesystem::path& file);
 
 std::expected<void, dataset::Problem> write_calibration(const std::filesystem::path& file,
                                                         const dsp::Calibration& calibration);

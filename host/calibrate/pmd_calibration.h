@@ -36,6 +36,9 @@ struct StrayReport {
   double explains = 0;    // share of the misfit that is gone with it
 };
 
+// Residuals of more standard deviations than this are not what the model leaves.
+inline constexpr double kLargestMisfit = 2;
+
 struct PmdCalibration {
   dsp::PmdSensor sensor;  // fixed_pattern refers to `pattern`
   std::vector<std::int16_t> pattern;
@@ -51,6 +54,8 @@ struct PmdCalibration {
   double widest_gap = 0;  // of the phases that the walls cover, turns
   std::size_t readings = 0;
   WallData data;
+
+  bool explains_the_walls() const noexcept { return misfit <= kLargestMisfit; }
 
   PmdCalibration() = default;
   PmdCalibration(PmdCalibration&&) = default;  // keeps pattern's storage

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "dataset/files/json_fields.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/report/pmd_json.h"
 #include "host/calibrate/report/pmd_report.h"
 #include "host/cli/failure.h"
+#include "host/evaluate/other_camera.h"
 #include "host/report/pmd/pmd_page.h"
 
 namespace stof::host {
@@ -32,6 +34,15 @@ void put_lens(const std::vector<double>& numbers, dsp::Pinhole& lens) {
                                   &lens.k2, &lens.k3, &lens.p1, &lens.p2};
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     *to[i] = numbers[i];
+  }
+}
+
+// What files say was judged when they were read: what is wrong now comes from this flag.
+void refuse_unusable(const dsp::PmdSensor& camera, const char* flag) {
+  if (const std::string why =
+          dataset::problem_of({.stereo = {}, .pmd = camera, .pmd_to_stereo = {}}, false);
+      !why.empty()) {
+    throw Failure(Exit::kBadInput, std::string(flag) + ": " + why + ": correct its numbers");
   }
 }
 
@@ -63,10 +74,9 @@ void refuse_other_camera(const CalibPmdOptions& options, const dsp::PmdSensor& s
                       ", the recordings are " + std::to_string(camera.lens.width) + "x" +
                       std::to_string(camera.lens.height) + ": use the calibration of this rig");
   }
-  if (start.frequency.modulation.value != camera.frequency.modulation.value) {
-    throw Failure(Exit::kBadInput, options.start.string() +
-                                       ": has another modulation frequency than the recordings: "
-                                       "use the calibration of this rig");
+  if (const std::string why = other_camera(start, camera); !why.empty()) {
+    throw Failure(Exit::kBadInput,
+                  options.start.string() + ": " + why + ": use the calibration of this rig");
   }
 }
 
@@ -85,13 +95,9 @@ dsp::PmdSensor camera_of(const CalibPmdOptions& options, const WallFolder& folde
     }
   }
   put_lens(options.lens, camera.lens);
+  refuse_unusable(camera, "--lens");
   put_emitters(options, camera);
-  dsp::Calibration judged{
-      .stereo = {.left = camera.lens, .baseline_m = 1}, .pmd = camera, .pmd_to_stereo = {}};
-  judged.stereo.left.k1 = judged.stereo.left.k2 = 0;
-  if (const std::string why = dsp::problem(judged); !why.empty()) {
-    throw Failure(Exit::kBadInput, why + ": correct the recordings' json or --lens");
-  }
+  refuse_unusable(camera, "--emitters");
   return camera;
 }
 
@@ -134,16 +140,27 @@ void calib_pmd(const CalibPmdOptions& options) {
 
   dsp::Calibration rig = options.start.empty() ? folder.calibration : start.calibration;
   rig.pmd = found->sensor;
-  value_or_fail(write_calibration(options.out, rig));
+  const bool written = options.force || found->explains_the_walls();
+  if (written) {
+    value_or_fail(write_calibration(options.out, rig));
+  }
   if (!options.plots.empty()) {
     value_or_fail(write_calibration_page(report, *found, options.plots / "calibration.html"));
   }
   if (options.json) {
     std::printf("%s\n", report_json(report, *found).c_str());
-    return;
+  } else {
+    std::printf("%s", report_text(report, *found).c_str());
   }
-  std::printf("%s%s%s\n", report_text(report, *found).c_str(), missing_rig(rig).c_str(),
-              options.out.c_str());
+  if (!written) {
+    throw Failure(Exit::kBadInput,
+                  options.folder.string() +
+                      ": the model does not explain these walls, no file is written: check their "
+                      "distances, that they face the camera, and reflections; or give --force");
+  }
+  if (!options.json) {
+    std::printf("%s%s\n", missing_rig(rig).c_str(), options.out.c_str());
+  }
 }
 
 void add_calib(CLI::App& app, CalibPmdOptions& options) {
@@ -177,6 +194,8 @@ void add_calib(CLI::App& app, CalibPmdOptions& options) {
       ->check(CLI::Range(0.01, 1.0))
       ->capture_default_str();
   pmd.add_option("--plots", options.plots, "Folder for calibration.html, a page with plots");
+  pmd.add_flag("--force", options.force,
+               "Write the file although the model does not explain the walls");
   pmd.add_flag("--json", options.json, "Print JSON");
   pmd.callback([&options] { calib_pmd(options); });
 }

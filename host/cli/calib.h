@@ -21,13 +21,15 @@ struct CalibPmdOptions {
   std::vector<double> emitters;  // x y z of each light, metres
   bool no_emitters = false;
   double albedo = 0.9;
+  bool force = false;  // write the file of a model that does not explain the walls
   bool json = false;
 };
 
 // Adds the command and its flags; it runs when the command line was parsed.
 void add_calib(CLI::App& app, CalibPmdOptions& options);
 
-// Prints to stdout, writes the files. Throws Failure.
+// Prints to stdout, writes the files. Throws Failure, behind the report where the model does not
+// explain the walls.
 void calib_pmd(const CalibPmdOptions& options);
 
 }  // namespace stof::host

@@ -12,6 +12,7 @@
 #include "host/cli/evaluate/evaluate_sequence.h"
 #include "host/cli/evaluate/evaluate_stereo.h"
 #include "host/cli/failure.h"
+#include "host/cli/finite_numbers.h"
 #include "host/cli/proxy.h"
 #include "host/cli/report.h"
 #include "host/cli/view/view.h"
@@ -47,7 +48,8 @@ void add_evaluate(CLI::App& app, Commands& commands) {
   CLI::App& pair =
       *evaluate.add_subcommand("stereo", "Match stereo pairs: time, bad pixels, density");
   pair.add_option("DIR", stereo.scenes, "Folders with left.pgm, right.pgm, meta.txt")->required();
-  add_evaluate_flags(pair, stereo);
+  add_evaluate_flags(pair, stereo, Judged::kDisparity);
+  add_runs_flag(pair, stereo);
   pair.callback([&stereo] { evaluate_stereo(stereo); });
 
   EvaluateFusionOptions& fusion = commands.fusion;
@@ -116,6 +118,7 @@ int run(int argc, char** argv) {
   add_calib(app, commands.calib_pmd);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
+  require_finite_numbers(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

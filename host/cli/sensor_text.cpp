@@ -39,6 +39,20 @@ std::string name_of(std::uint8_t condition) {
   return info != nullptr ? info->name : "condition " + std::to_string(condition);
 }
 
+// Of the sensor's last second: nothing before its first one has passed, no latency without a frame.
+std::string last_second(const wire::HealthReport& health) {
+  constexpr std::uint32_t kFirstMs = 2000;
+  std::string text;
+  if (health.rate_millihertz != 0 || health.uptime_ms >= kFirstMs) {
+    text += printed("%.1f frames/s, ", health.rate_millihertz / 1e3);
+  }
+  if (health.latency_us != 0) {
+    text += printed("latency %.1f ms mean %.1f ms longest, ", health.latency_us / 1e3,
+                    health.longest_latency_us / 1e3);
+  }
+  return text;
+}
+
 template <typename T>
 void add_stream(std::string& line, const char* name, dsp::ImageView<const T> image,
                 const char* more = "") {
@@ -76,15 +90,23 @@ std::string active_text(const wire::HealthReport& health) {
 
 std::string health_line(const wire::HealthReport& health) {
   std::string line = std::string("health: ") + word(health.severity) + ", up " +
-                     std::to_string(health.uptime_ms / 1000) + " s, " +
-                     printed("%.1f", health.rate_millihertz / 1e3) + " frames/s, latency " +
-                     printed("%.1f", health.latency_us / 1e3) + " ms mean " +
-                     printed("%.1f", health.longest_latency_us / 1e3) + " ms longest, " +
+                     std::to_string(health.uptime_ms / 1000) + " s, " + last_second(health) +
                      std::to_string(health.subscribers) + " subscribers" + active_text(health);
   if (health.active != 0) {
     line += std::string("; ") + advice(health.reaction);
   }
   return line;
+}
+
+const char* alone_text(wire::Sensors sensors) {
+  switch (sensors) {
+    case wire::kStereoSensor:
+      return "the stereo pair alone";
+    case wire::kPmdSensor:
+      return "the PMD camera alone";
+    default:
+      return "";
+  }
 }
 
 std::string streams_line(const client::Frame& frame) {

@@ -77,7 +77,9 @@ std::vector<double> ColourScale::ticks() const {
       }
     }
   }
-  return result;
+  constexpr std::size_t kEnough = 3;
+  constexpr int kAbout = 8;
+  return result.size() < kEnough ? round_ticks(near_m, far_m, kAbout) : result;
 }
 
 Rgb mixed(Rgb a, Rgb b, double share_of_b) {

@@ -16,7 +16,8 @@ struct ColourScale {
   // 0 at near_m and before, 1 at far_m and beyond. depth_m > 0.
   double position(double depth_m) const;
   Rgb colour(double depth_m) const;
-  // Round distances (1, 1.5, 2, 3, 5, 7 times a power of ten) inside the scale, near first.
+  // Round distances inside the scale, near first: 1, 1.5, 2, 3, 5, 7 times a power of ten; where
+  // those are fewer than three, some that are equally far apart.
   std::vector<double> ticks() const;
 };
 

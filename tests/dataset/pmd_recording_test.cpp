@@ -1,3 +1,4 @@
+#include <array>
 #include <cmath>
 
 #include "dataset/dataset.h"
@@ -286,6 +287,24 @@ TEST_F(PmdRecordings, AreRefusedWithUnusableNumbers) {
   for (const auto& [what, with] : kBad) {
     put("cam.json", replaced(with_rig(), what, with));
     expect_refused("cam.json", "");
+  }
+}
+
+TEST_F(PmdRecordings, AreRefusedWithWhatNoCameraHas) {
+  constexpr std::array<std::array<const char*, 3>, 8> kBad{{
+      {"\"dark_lsb\": 100.5", "\"dark_lsb\": 4000", "dark level"},
+      {"\"fx\": 40.0", "\"fx\": 1e-9", "focal length"},
+      {"\"cx\": 0.5", "\"cx\": 1e9", "centre"},
+      {"\"lsb_e\": 50.0", "\"lsb_e\": 1e12", "electrons per LSB"},
+      {"\"baseline_m\": 0.2", "\"baseline_m\": 500", "baseline"},
+      {"\"doff_px\": 30.0", "\"width\": 450, \"height\": 375, \"doff_px\": -1000",
+       "disparity offset"},
+      {"\"k1\": -0.1", "\"k1\": -0.1, \"k1\": -0.1", "has \"k1\" twice"},
+      {"\"cx\": 200.0", "\"cx\": 200.0, \"cx\": 100.0", "has \"cx\" twice"},
+  }};
+  for (const auto& [what, with, fact] : kBad) {
+    put("cam.json", replaced(with_rig(), what, with));
+    expect_refused("cam.json", fact);
   }
 }
 

@@ -88,6 +88,24 @@ TEST_F(StereoScenes, AreRefusedWithoutAUsableSearchRange) {
   }
 }
 
+TEST_F(StereoScenes, AreRefusedWithTheSizeOfOtherPictures) {
+  for (const char* line : {"width 0", "width -5", "width 321", "width abc", "width ", "width 3.5",
+                           "height 0", "height 3"}) {
+    put("Little/meta.txt", std::string("ndisp 16\n") + line + "\n");
+    expect_refused(dir() / "meta.txt", line);
+  }
+  put("Little/meta.txt", "ndisp 16\nwidth 3\nheight 1\nnote width 7\n");
+  EXPECT_TRUE(read_stereo_scene(dir()));
+}
+
+TEST_F(StereoScenes, AreRefusedWithAKeyTwice) {
+  for (const char* line : {"ndisp 8", "ndisp x", "gt_scale 4", "width 3"}) {
+    const std::string twice = std::string(line) + "\n" + line + "\n";
+    put("Little/meta.txt", (line[0] == 'n' ? "" : "ndisp 16\n") + twice);
+    expect_refused(dir() / "meta.txt", "twice");
+  }
+}
+
 TEST_F(StereoScenes, AreRefusedWithTruthOfUnknownScale) {
   put("Little/gt_left.pgm", "P5\n3 1\n255\n123"sv);
   for (const char* meta : {"ndisp 16\n", "ndisp 16\ngt_scale 0\n", "ndisp 16\ngt_scale inf\n",

@@ -89,37 +89,50 @@ KernelCase made_by(const KernelBody& body, Vectors level, std::size_t length, st
 
 // A build with STOF_MUTATE_STORES mutates what each level but the reference stores: a test must
 // have seen it in each array that the kernel wrote, in one of its comparisons.
-Judgement& judgement_of_test() {
-  static Judgement judgement;
-  return judgement;
-}
+struct ComparedLevel {
+  Vectors level;
+  Judgement judgement;
+};
 bool survived = false;
 
+// What this run of the program compares with the reference.
+std::vector<ComparedLevel>& compared() {
+  static std::vector<ComparedLevel> levels;
+  return levels;
+}
+
 void judge_mutation() {
-  const Judgement judged = std::exchange(judgement_of_test(), {});
-  for (std::size_t k = 0; kMutated && k < judged.written.size(); ++k) {
-    if (dsp::vectors() != Vectors::kRef && judged.written[k] && !judged.different[k]) {
-      std::printf("survived: %s, array %zu of %s is wrong and equals the reference\n",
-                  name_of(dsp::vectors()), k, this_test().c_str());
-      survived = true;
+  for (auto& [level, judgement] : compared()) {
+    const Judgement judged = std::exchange(judgement, {});
+    for (std::size_t k = 0; kMutated && k < judged.written.size(); ++k) {
+      if (judged.written[k] && !judged.different[k]) {
+        std::printf("survived: %s, array %zu of %s is wrong and equals the reference\n",
+                    name_of(level), k, this_test().c_str());
+        survived = true;
+      }
     }
   }
 }
 
 // False where the rest need not be looked at.
 bool compare(const KernelBody& body, std::size_t length, std::uint64_t seed, Draw draw) {
-  const Vectors level = dsp::vectors();
   const KernelCase reference = made_by(body, Vectors::kRef, length, seed, draw, false);
-  const KernelCase other = made_by(body, level, length, seed, draw, false);
-  judgement_of_test().add(reference, other);
-  const std::string where = difference(reference, other);
-  if (kMutated || where.empty()) {
-    return true;
+  for (auto& [level, judgement] : compared()) {
+    const KernelCase other = made_by(body, level, length, seed, draw, false);
+    judgement.add(reference, other);
+    const std::string where = difference(reference, other);
+    if (!kMutated && !where.empty()) {
+      ADD_FAILURE() << name_of(level) << " differs from the reference in " << where << ": length "
+                    << length << ", seed " << seed << ", draw " << static_cast<int>(draw);
+      return false;
+    }
   }
-  ADD_FAILURE() << name_of(level) << " differs from the reference in " << where << ": length "
-                << length << ", seed " << seed << ", draw " << static_cast<int>(draw);
-  return false;
+  return true;
 }
+
+// Every level is compared in the run at the first of them, so that the reference, which takes
+// longest, runs once.
+bool compares_now() { return !compared().empty() && dsp::vectors() == compared().front().level; }
 
 void note_time(const KernelBody& body, std::size_t length) {
   if (timed()) {
@@ -183,24 +196,26 @@ bool KernelCase::changed(std::size_t k) const {
   return k < before_.size() && !std::ranges::equal(before_[k], buffers_[k].span());
 }
 
-void check_kernel(std::span<const std::size_t> lengths, const KernelBody& body) {
+bool check_kernel(std::span<const std::size_t> lengths, const KernelBody& body) {
+  note_time(body, lengths.back());
   for (const std::size_t length : lengths) {
     for (const Draw draw : kDraws) {
-      if (!compare(body, length, length + 1, draw)) {
-        return;
+      if (!compares_now() || !compare(body, length, length + 1, draw)) {
+        return compares_now();
       }
     }
   }
-  note_time(body, lengths.back());
+  return true;
 }
 
-void check_kernel_rounds(std::size_t rounds, const KernelBody& body) {
+bool check_kernel_rounds(std::size_t rounds, const KernelBody& body) {
+  note_time(body, rounds - 1);
   for (std::size_t round = 0; round < rounds; ++round) {
-    if (!compare(body, round, round + 1, kDraws[round % 8 == 7 ? 1 : 0])) {
-      return;
+    if (!compares_now() || !compare(body, round, round + 1, kDraws[round % 8 == 7 ? 1 : 0])) {
+      return compares_now();
     }
   }
-  note_time(body, rounds - 1);
+  return true;
 }
 
 }  // namespace stof::test
@@ -218,6 +233,10 @@ int main(int argc, char** argv) {
   }
   GTEST_FLAG_SET(repeat, only == nullptr ? levels : 1);
   testing::UnitTest::GetInstance()->listeners().Append(new stof::test::EveryLevel(first));
+  const int last = only == nullptr ? levels - 1 : first;
+  for (int level = std::max(first, 1); level <= last; ++level) {
+    stof::test::compared().push_back({static_cast<Vectors>(level), {}});
+  }
   const int result = RUN_ALL_TESTS();
   for (int level = levels; level <= static_cast<int>(stof::dsp::kWidestBuilt); ++level) {
     std::printf("[  SKIPPED ] level %s: this processor lacks it\n",

@@ -14,7 +14,7 @@
 
 // Every program of label `kernel` runs all of its tests once at each level of dsp/base/target.h
 // that the processor has, the reference included (kernel_check.cpp holds its main): a test calls
-// best:: and names no level. check_kernel() compares with the reference.
+// best:: and names no level. check_kernel() compares all levels with the reference at once.
 //   STOF_KERNEL_TIMES=1 build/emu/tests/phase_test     ends with the time of each kernel at each
 //   level
 namespace stof::test {
@@ -87,12 +87,13 @@ class KernelCase {
   double nanoseconds_ = 0;
 };
 
-// Runs `body` with the reference and with the level of this run, on the same contents: every
-// length, every way to draw. Expects the same bytes in every array. The longest length is timed.
+// Runs `body` with the reference and with each other level, on the same contents: every length,
+// every way to draw. Expects the same bytes in every array. Does so, and returns true, in the first
+// of the program's runs that is not the reference's. The longest length is timed in all of them.
 using KernelBody = std::function<void(KernelCase&)>;
-void check_kernel(std::span<const std::size_t> lengths, const KernelBody& body);
-inline void check_kernel(const KernelBody& body) { check_kernel(kHostileLengths, body); }
+bool check_kernel(std::span<const std::size_t> lengths, const KernelBody& body);
+inline bool check_kernel(const KernelBody& body) { return check_kernel(kHostileLengths, body); }
 // Where the body chooses its own sizes from random(): `rounds` of them.
-void check_kernel_rounds(std::size_t rounds, const KernelBody& body);
+bool check_kernel_rounds(std::size_t rounds, const KernelBody& body);
 
 }  // namespace stof::test

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "dsp/base/thread_team.h"
+#include "dsp/depth/max_range.h"
 
 namespace stof::settings {
 namespace {
@@ -17,6 +18,7 @@ constexpr std::array<std::string_view, 3> kCodings{"off", "raw", "rvl"};
 constexpr std::array<std::string_view, 4> kMapCodings{"off", "raw", "rvl", "fit"};
 constexpr std::array<std::string_view, 2> kOffOrOn{"off", "on"};
 constexpr std::array<std::string_view, 3> kModes{"off", "stof", "mavlink"};
+constexpr std::array<std::string_view, 2> kRequiredSensors{"any", "both"};
 constexpr std::array<std::string_view, 3> kProfiles{"sectors", "coarse", "medium"};
 
 // kMember: what a field of the table is in Settings, const or not.
@@ -106,14 +108,19 @@ constexpr std::array kBefore{
     choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kDepthPresets,
                                                             "how the stereo pair is matched"),
     whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(
-        "depth", "max_range_mm", 500, 16'380, "mm", "nothing is further away"),
+        "depth", "max_range_mm", dsp::kLeastMaxRangeMm, dsp::kMostMaxRangeMm, "mm",
+        "nothing is further away"),
     whole<[](auto& s) -> auto& { return s.depth.disparities; }>(
         "depth", "disparities", 0, dsp::kMaxDisparities, "px",
         "candidates of the search; 0: what the rig asks for"),
     yes_or_no<[](auto& s) -> auto& { return s.depth.guided; }>(
         "depth", "guided", "PMD intervals narrow the search where they can be trusted"),
     yes_or_no<[](auto& s) -> auto& { return s.depth.temporal; }>(
-        "depth", "temporal", "depth is averaged over frames where nothing moves"),
+        "depth", "temporal", "frames before count where nothing moves: depth is steadier, and averaged"),
+    choice<[](auto& s) -> auto& { return s.depth.require; }>(
+        "depth", "require", kRequiredSensors,
+        "the sensors without which there is no frame: any: where one is missing, the other goes on "
+        "alone; both: none without the pair and, where there is one, the PMD camera"),
 };
 
 constexpr std::array kAfter{

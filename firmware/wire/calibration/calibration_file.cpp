@@ -92,9 +92,14 @@ class Reader {
 
   std::uint16_t version() const noexcept { return version_; }
   bool is_short() const noexcept { return is_short_; }
+  bool is_wrong() const noexcept { return is_wrong_; }  // a truth value that is neither 0 nor 1
   std::span<const std::byte> rest() const noexcept { return rest_; }
   void field(int& value) noexcept { value = get_i32(take<4>()); }
-  void field(bool& value) noexcept { value = get_u32(take<4>()) != 0; }
+  void field(bool& value) noexcept {
+    const std::uint32_t number = get_u32(take<4>());
+    is_wrong_ |= number > 1;
+    value = number != 0;
+  }
   void field(double& value) noexcept { value = std::bit_cast<double>(get_u64(take<8>())); }
   void field(std::int16_t& value) noexcept {
     value = static_cast<std::int16_t>(get_u16(take<2>()));
@@ -118,6 +123,7 @@ class Reader {
   std::span<const std::byte> rest_;
   std::uint16_t version_;
   bool is_short_ = false;
+  bool is_wrong_ = false;
 };
 
 template <typename Walker>
@@ -192,7 +198,8 @@ Result<dsp::Calibration> decode_calibration_file(std::span<const std::byte> file
   std::uint32_t pixels = 0;
   reader.field(pixels);
   const std::span<const std::byte> pattern = reader.rest();
-  if (reader.is_short() || pattern.size() != sizeof(std::int16_t) * std::size_t{pixels}) {
+  if (reader.is_short() || reader.is_wrong() ||
+      pattern.size() != sizeof(std::int16_t) * std::size_t{pixels}) {
     return fail(Status::kCorrupt);
   }
   if (pixels > fixed_pattern.size()) {

@@ -45,8 +45,8 @@ void add_line(const PmdCalibration& calibration, std::string& text) {
   text += printed("straight line   z = %.5f d %+.4f m; at worst %.2f %% of walls from %.2f m on\n",
                   line.a, line.b_m, line.worst_relative * kPercent, line.from_m);
   text += printed(
-      "                z[cm] = %.4f phi + %.1f, phi in counts of 138.7 a turn, falling "
-      "(the chapter: -5.4022 phi + 672.5)\n",
+      "                as the chapter counts phi, down with distance and 138.7 a turn: z[cm] = "
+      "%.4f phi + %.1f (the chapter: -5.4022 phi + 672.5)\n",
       line.slope_cm, line.intercept_cm);
 }
 
@@ -188,11 +188,12 @@ std::string report_text(const PmdReport& report, const PmdCalibration& calibrati
   text += printed("\ncalibrated      at worst %.3f %% of walls from %.1f m on\n",
                   report.worst_relative * kPercent, kLineFromM);
   add_line(calibration, text);
-  text += printed("phase           %s with distance; offset %.1f mm%s; scale %.5f%s\n",
-                  calibration.model.phase_falls ? "falls" : "rises",
-                  calibration.model.offset * calibration.model.turn_m * kMm,
-                  calibration.parts.offset ? "" : ", kept", calibration.model.scale,
-                  calibration.parts.scale ? "" : " (the walls ask for no other)");
+  text +=
+      printed("phase           of this camera %s with distance; offset %.1f mm%s; scale %.5f%s\n",
+              calibration.model.phase_falls ? "falls" : "rises",
+              calibration.model.offset * calibration.model.turn_m * kMm,
+              calibration.parts.offset ? "" : ", kept", calibration.model.scale,
+              calibration.parts.scale ? "" : " (the walls ask for no other)");
   add_wiggling(calibration, text);
   add_pattern(calibration, text);
   add_stray(calibration, text);
@@ -200,9 +201,10 @@ std::string report_text(const PmdReport& report, const PmdCalibration& calibrati
   add_noise(calibration, text);
   text +=
       printed("white           a white surface at 1 m has amplitude %.0f LSB\n", sensor.white_lsb);
-  text += printed("misfit          %.2f standard deviations of %zu readings%s\n",
-                  calibration.misfit, calibration.readings,
-                  calibration.misfit > 2 ? ": the model does not explain these walls" : "");
+  text +=
+      printed("misfit          %.2f standard deviations of %zu readings%s\n", calibration.misfit,
+              calibration.readings,
+              calibration.explains_the_walls() ? "" : ": the model does not explain these walls");
   return text;
 }
 

@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/files/file.h"
-#include "dataset/files/json_fields.h"
+#include "dataset/files/json_file.h"
 
 namespace stof::host {
 namespace {

@@ -1,10 +1,9 @@
 #include "host/cli/config/settings_text.h"
 
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <utility>
 
+#include "dataset/files/json_file.h"
 #include "host/cli/failure.h"
 
 namespace stof::host {
@@ -53,17 +52,11 @@ Json value_of(const std::string& text) {
 }
 
 Json read_document(const std::string& name) {
-  const std::ifstream file(name, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) {
-    throw Failure(Exit::kBadInput,
-                  name + ": cannot be read: give PATH=VALUE, or the name of a file of settings");
+  const dataset::Loaded<std::string> text = dataset::read_object_text(name);
+  if (!text) {
+    throw Failure(Exit::kBadInput, text.error().message + "; or give PATH=VALUE");
   }
-  Json document = Json::parse(text.str(), nullptr, false);
-  if (!document.is_object()) {
-    throw Failure(Exit::kBadInput, name + ": not a JSON object: write {\"name\": value, ...}");
-  }
-  return document;
+  return Json::parse(*text, nullptr, false);
 }
 
 std::string dump(const Json& document) {

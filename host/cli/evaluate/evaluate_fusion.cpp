@@ -1,13 +1,16 @@
 #include "host/cli/evaluate/evaluate_fusion.h"
 
 #include <cmath>
+#include <cstdio>
 #include <set>
 
+#include "dsp/depth/max_range.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/cli/evaluate/fusion_print.h"
 #include "host/cli/failure.h"
 #include "host/evaluate/fusion/fusion_case.h"
 #include "host/report/fusion/fusion_page.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
@@ -40,6 +43,16 @@ void refuse_what_means_nothing(const EvaluateFusionOptions& options) {
   }
 }
 
+// Each once, beside the result.
+void print_notes(std::span<const FusionCase> cases) {
+  std::set<std::string> notes;
+  for (const FusionCase& fused : cases) {
+    if (!fused.note.empty() && notes.insert(fused.note).second) {
+      std::fprintf(stderr, "stof: note: %s\n", fused.note.c_str());
+    }
+  }
+}
+
 FusionOptions fusion_options(const EvaluateFusionOptions& options) {
   FusionOptions result;
   if (options.max_range_m) {
@@ -56,7 +69,6 @@ FusionOptions fusion_options(const EvaluateFusionOptions& options) {
 }  // namespace
 
 void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
-  constexpr double kFarthestM = 16.38;
   command
       .add_option("STEREO_DIR_PREFIX", options.pairs,
                   "Folder of a stereo pair and its PMD recording (PREFIX.json, PREFIX_raw.pgm); "
@@ -66,14 +78,15 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
   command
       .add_option("--max-range", options.max_range_m,
                   "Metres beyond which nothing is measured (default: the appliance's)")
-      ->check(CLI::Range(0.1, kFarthestM));
+      ->check(CLI::Range(dsp::kLeastMaxRangeMm / kMm, dsp::kMostMaxRangeMm / kMm));
   command.add_option("--calibration", options.calibration,
                      "What stof calib pmd found of the PMD camera, in place of its json");
   command.add_flag("--guided", options.guided, "PMD intervals narrow the search");
   command.add_flag("--chapter-geometry", options.chapter_geometry,
                    "Adds the chapter's fusion of a scaled PMD map, for comparison");
   command.add_option("--html", options.html, "A page with all maps and tables");
-  add_evaluate_flags(command, options);
+  add_evaluate_flags(command, options, Judged::kDepth);
+  add_runs_flag(command, options);
 }
 
 void evaluate_fusion(const EvaluateFusionOptions& options) {
@@ -81,7 +94,7 @@ void evaluate_fusion(const EvaluateFusionOptions& options) {
   FusionOptions how = fusion_options(options);
   StoredCalibration stored;
   if (!options.calibration.empty()) {
-    stored = value_or_fail(read_calibration(options.calibration));
+    stored = value_or_fail(read_pmd_calibration(options.calibration));
     how.camera = stored.calibration.pmd;
   }
   std::vector<FusionCase> cases;
@@ -89,10 +102,11 @@ void evaluate_fusion(const EvaluateFusionOptions& options) {
     cases.push_back(
         value_or_fail(run_fusion_case(options.pairs[i], options.pairs[i + 1], options.match, how)));
   }
+  print_notes(cases);
   const bool several = cases.size() > 1;
   for (const FusionCase& fused : cases) {
     if (!options.out.empty()) {
-      write_maps(fused.result.fused, several ? options.out / fused.recording : options.out);
+      write_maps(fused.result.fused, options.out / fused.recording);
     }
   }
   if (!options.html.empty()) {

@@ -106,7 +106,7 @@ void add_evaluate_sequence(CLI::App& evaluate, EvaluateSequenceOptions& options)
   command.add_option("--max-range", options.max_range_m, "Metres beyond which nothing is measured")
       ->check(CLI::Range(0.1, kFarthestM))
       ->capture_default_str();
-  add_evaluate_flags(command, options);
+  add_evaluate_flags(command, options, Judged::kDepth);
   command.callback([&options] { evaluate_sequence(options); });
 }
 

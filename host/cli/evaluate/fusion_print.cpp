@@ -79,6 +79,10 @@ ordered_json to_json(const FusionCase& fused, const MatchRequest& match) {
   report["fused_is_best"] = fused.scores.fused_is_best();
   report["sources"] = counts(client::kSourceNames, count_sources(result.source));
   report["causes"] = counts(client::kCauseNames, count_causes(result.cause));
+  if (result.pmd_loss) {
+    report["pmd_loss"] = {{"cause", result.pmd_loss->cause},
+                          {"percent", json_number(result.pmd_loss->share, kPercent)}};
+  }
   return report;
 }
 
@@ -127,6 +131,24 @@ void print_sources(const FusionScores& scores) {
                                         : std::nullopt,
                 .hit_rate = all.hit_rate,
                 .collisions = all.collisions});
+}
+
+// Why the PMD camera covers nothing, where it does not.
+void print_loss(const FusionCase& fused) {
+  constexpr double kNothing = 0.005;
+  if (fused.scores.pmd.coverage >= kNothing) {
+    return;
+  }
+  const PmdLoss loss = fused.result.pmd_loss.value_or(PmdLoss{});
+  if (loss.share < 1.0 / 2) {
+    std::printf(
+        "%s: the PMD camera covers nothing: its distances lie outside of the left picture, "
+        "or beyond --max-range\n",
+        fused.recording.c_str());
+    return;
+  }
+  std::printf("%s: the PMD camera covers nothing: %s %% of its pixels are %s\n",
+              fused.recording.c_str(), percent_text(loss.share, 1).c_str(), loss.cause);
 }
 
 void print_scene_head() {
@@ -185,6 +207,7 @@ void print_fusion_text(const FusionCase& fused, const MatchRequest& match) {
   print_row("pmd", fused.scores.pmd);
   print_row("stereo", fused.scores.stereo);
   print_row("fused", fused.scores.fused);
+  print_loss(fused);
   const std::size_t pixels = result.source.pixels.size();
   print_shares("\nsources:", client::kSourceNames, count_sources(result.source), pixels);
   print_shares("causes: ", client::kCauseNames, count_causes(result.cause), pixels);
@@ -213,6 +236,7 @@ void print_fusion_text(std::span<const FusionCase> cases, const MatchRequest& ma
       cases, [](const FusionCase& fused) { return fused.scores.fused_is_best(); });
   const std::string tally = std::to_string(best) + " of " + std::to_string(cases.size());
   print_scene_row("mean", "", mean_of_sensor(cases, ""), tally.c_str());
+  std::ranges::for_each(cases, print_loss);
   print_sources(mean_of_sensor(cases, ""));
   print_chapter(cases);
 }

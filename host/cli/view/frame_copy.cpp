@@ -1,7 +1,6 @@
 #include "host/cli/view/frame_copy.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 
 #include "host/cli/evaluate/evaluate.h"
@@ -10,6 +9,7 @@
 #include "host/client/frame/point_cloud.h"
 #include "host/picture/depth_picture.h"
 #include "host/picture/disparity_picture.h"
+#include "host/picture/source_colours.h"
 
 namespace stof::host {
 namespace {
@@ -30,15 +30,13 @@ dsp::ImageView<const T> view(const dataset::Image<T>& image) {
   return image.pixels.empty() ? dsp::ImageView<const T>{} : image.view();
 }
 
-// none, stereo, PMD, both, resolved, conflict; a newer sensor's are white.
+// A newer sensor's sources are white.
 dataset::Image<Rgb> source_picture(const dataset::Image<dsp::Source>& source) {
-  constexpr std::array<Rgb, 6> kColours{
-      {{24, 24, 24}, {60, 120, 216}, {230, 140, 40}, {70, 170, 90}, {240, 220, 90}, {200, 40, 50}}};
   constexpr Rgb kNewer{255, 255, 255};
   dataset::Image<Rgb> picture(source.width, source.height);
   std::ranges::transform(source.pixels, picture.pixels.begin(), [&](dsp::Source one) {
     const auto index = static_cast<std::size_t>(one);
-    return index < kColours.size() ? kColours[index] : kNewer;
+    return index < kSourceColours.size() ? kSourceColours[index] : kNewer;
   });
   return picture;
 }
@@ -58,21 +56,24 @@ std::string write_others(const std::filesystem::path& folder,
                          const dataset::Image<std::uint8_t>& left,
                          const dataset::Image<std::uint8_t>& right) {
   std::string names;
-  const auto write = [&](const char* name, const dataset::Image<Rgb>& picture, const char* title) {
-    value_or_fail(write_png(folder / name, picture, {{"Title", title}}));
+  const auto write = [&](const char* name, const dataset::Image<Rgb>& picture,
+                         const PngTexts& texts) {
+    value_or_fail(write_png(folder / name, picture, texts));
     names += ", " + (folder / name).string();
   };
   if (!source.pixels.empty()) {
-    write("source.png", source_picture(source), "Sources of the depth");
+    write("source.png", source_picture(source),
+          {{"Title", "Sources of the depth"}, {"Description", kSourceColoursInWords}});
   }
   if (!disparity.pixels.empty()) {
-    write("disparity.png", disparity_picture(in_pixels(disparity), {}), "Disparity, 0 to 64 px");
+    write("disparity.png", disparity_picture(in_pixels(disparity), {}),
+          {{"Title", "Disparity, 0 to 64 px"}});
   }
   if (!left.pixels.empty()) {
-    write("left.png", as_colour(left, false), "Left picture");
+    write("left.png", as_colour(left, false), {{"Title", "Left picture"}});
   }
   if (!right.pixels.empty()) {
-    write("right.png", as_colour(right, false), "Right picture");
+    write("right.png", as_colour(right, false), {{"Title", "Right picture"}});
   }
   return names.empty() ? names : names.substr(2);
 }

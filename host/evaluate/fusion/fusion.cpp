@@ -58,6 +58,30 @@ struct Run {
   }
 };
 
+std::optional<PmdLoss> largest_loss(dsp::ImageView<const std::uint8_t> flags) {
+  constexpr std::array<std::pair<dsp::PmdFlag, const char*>, 7> kCauses{
+      {{dsp::kPmdSaturated, "saturated"},
+       {dsp::kPmdUnderRange, "under range"},
+       {dsp::kPmdLowAmplitude, "too dark"},
+       {dsp::kPmdLowRatio, "hardly modulated"},
+       {dsp::kPmdAsymmetric, "of moving things or changing light"},
+       {dsp::kPmdOutOfRange, "beyond 16.38 m"},
+       {dsp::kPmdWrapped, "of an unknown number of turns"}}};
+  PmdLoss largest;
+  const double pixels = static_cast<double>(flags.width()) * flags.height();
+  for (const auto& [flag, cause] : kCauses) {
+    std::size_t marked = 0;
+    for (int y = 0; y < flags.height(); ++y) {
+      marked += static_cast<std::size_t>(std::ranges::count_if(
+          flags.row(y), [flag](std::uint8_t one) { return (one & flag) != 0; }));
+    }
+    if (const double share = static_cast<double>(marked) / pixels; share > largest.share) {
+      largest = {.cause = cause, .share = share};
+    }
+  }
+  return largest.share > 0 ? std::optional(largest) : std::nullopt;
+}
+
 // What the appliance does for every frame.
 void fuse_both(Run& run, int runs, FusionResult& result) {
   std::vector<double> convert;
@@ -154,11 +178,19 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
     return std::unexpected(std::move(made.error()));
   }
   dsp::DepthMaker& maker = ***made;
+  FusionResult result;
+  if ((*made)->calibration().pmd.lens.width == 0) {
+    DepthImages alone(width, height);
+    maker.match(scene.left.view(), scene.right.view());
+    maker.fuse(alone.map());
+    result.stereo = alone.planes();
+    return result;
+  }
   const FirstFrame first(recording);
   Run run{
       .scene = scene, .frame = first.frame(), .maker = maker, .images = DepthImages(width, height)};
-  FusionResult result;
   maker.convert(run.frame);
+  result.pmd_loss = largest_loss(maker.pmd()->flags);
   result.pmd = run.fuse();
   maker.forget_pmd();
   run.match();

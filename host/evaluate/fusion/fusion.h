@@ -39,6 +39,12 @@ struct ChapterPlanes {
   DepthPlanes reprojected;  // the interval rule alone, on readings where they belong
 };
 
+// What most of the PMD pixels without a distance lack it for.
+struct PmdLoss {
+  const char* cause = "";
+  double share = 0;  // of all PMD pixels
+};
+
 // Depth of one scene from each sensor alone and from both, in the left view.
 struct FusionResult {
   DepthPlanes pmd;     // nothing of the stereo pair in it
@@ -47,6 +53,7 @@ struct FusionResult {
   DepthPlanes fused;
   dataset::Image<dsp::Source> source;  // of fused
   dataset::Image<dsp::Cause> cause;
+  std::optional<PmdLoss> pmd_loss;  // none where every PMD pixel has a distance
   std::optional<ChapterPlanes> chapter;
   double match_ms = 0;  // medians
   double convert_ms = 0;
@@ -54,7 +61,8 @@ struct FusionResult {
 };
 
 // The scene's pair and the recording's first frame through the appliance's own DepthMaker. The
-// recording needs a rig. One line when they do not fit together.
+// recording needs a rig; where its PMD camera has 0x0 pixels the result is `stereo` alone. One line
+// when they do not fit together.
 dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
                                          const dataset::PmdRecording& recording,
                                          const lab::MatchParams& match,

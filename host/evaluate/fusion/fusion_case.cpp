@@ -1,20 +1,20 @@
 #include "host/evaluate/fusion/fusion_case.h"
 
-#include <cmath>
+#include <algorithm>
 
 #include "dataset/files/file.h"
+#include "host/evaluate/other_camera.h"
 
 namespace stof::host {
 namespace {
 
-constexpr double kFrequencyTolerance = 1e-3;  // of one camera
-constexpr double kHertzPerMegahertz = 1e6;
+std::string size_of(const dsp::Pinhole& lens) {
+  return dataset::size_text(lens.width, lens.height);
+}
 
 }  // namespace
 
-std::string FusionCase::sensor() const {
-  return std::to_string(lens.width) + "x" + std::to_string(lens.height);
-}
+std::string FusionCase::sensor() const { return size_of(lens); }
 
 dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& scene,
                                                  const std::filesystem::path& prefix) {
@@ -33,31 +33,39 @@ dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& sc
   if (!pair->truth) {
     return dataset::refuse(scene.string() + ": has no gt_left.pgm: give a scene with ground truth");
   }
+  dsp::Calibration whole = recording->calibration;
+  whole.stereo.left.width = pair->left.width;
+  whole.stereo.left.height = pair->left.height;
+  if (const std::string wrong = dsp::problem(whole); !wrong.empty()) {
+    return dataset::refuse(dataset::file_of(prefix, ".json"), wrong + " with " + scene.string(),
+                           "give the pair that it was recorded with, or correct the file");
+  }
   dataset::Image<float> depth = depth_from_disparity(*pair->truth, recording->calibration.stereo);
   return RecordedPair{
       .pair = std::move(*pair), .recording = std::move(*recording), .depth = std::move(depth)};
 }
 
-std::expected<void, dataset::Problem> apply_calibration(const dsp::PmdSensor& found,
-                                                        const std::filesystem::path& prefix,
-                                                        dataset::PmdRecording& recording) {
+dataset::Loaded<std::string> apply_calibration(const dsp::PmdSensor& found,
+                                               const std::filesystem::path& prefix,
+                                               dataset::PmdRecording& recording) {
   dsp::PmdSensor& camera = recording.calibration.pmd;
-  const double calibrated = found.frequency.modulation.value;
-  const double recorded = camera.frequency.modulation.value;
-  if (std::abs(calibrated - recorded) > kFrequencyTolerance * recorded) {
-    return dataset::refuse(
-        prefix.string() + ".json: modulated at " + std::to_string(recorded / kHertzPerMegahertz) +
-        " MHz, the calibration is for " + std::to_string(calibrated / kHertzPerMegahertz) +
-        " MHz: give the calibration of this camera");
+  if (const std::string why = other_camera(found, camera); !why.empty()) {
+    return dataset::refuse(dataset::file_of(prefix, ".json"), why,
+                           "give the calibration of this camera");
   }
+  const std::string known = size_of(found.lens);
+  const std::string own = size_of(camera.lens);
   dsp::PmdSensor sensor = found;
   sensor.lens = camera.lens;
-  if (found.fixed_pattern.empty() || found.lens.width != camera.lens.width ||
-      found.lens.height != camera.lens.height) {
+  sensor.second = std::nullopt;  // the recording has one frequency
+  if (found.fixed_pattern.empty() || known != own) {
     sensor.fixed_pattern = camera.fixed_pattern;
   }
   camera = sensor;
-  return {};
+  return known == own ? std::string()
+                      : "a calibration of " + known + " pixels for recordings of " + own +
+                            ": phase, lights and noise are carried over; the lens and the fixed "
+                            "pattern stay those of the recordings";
 }
 
 dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
@@ -68,9 +76,11 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
   if (!recorded) {
     return std::unexpected(std::move(recorded.error()));
   }
+  dataset::Loaded<std::string> note;
   if (options.camera) {
-    if (auto done = apply_calibration(*options.camera, prefix, recorded->recording); !done) {
-      return std::unexpected(std::move(done.error()));
+    note = apply_calibration(*options.camera, prefix, recorded->recording);
+    if (!note) {
+      return std::unexpected(std::move(note.error()));
     }
   }
   dataset::StereoScene& pair = recorded->pair;
@@ -89,6 +99,7 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
                   .rig = calibration.stereo,
                   .left = std::move(pair.left),
                   .truth = std::move(recorded->depth),
+                  .note = std::move(*note),
                   .result = std::move(*result),
                   .scores = {}};
   done.scores = score_fusion(done.result, done.truth);

@@ -19,10 +19,11 @@ struct RecordedPair {
 dataset::Loaded<RecordedPair> read_recorded_pair(const std::filesystem::path& scene,
                                                  const std::filesystem::path& prefix);
 
-// FusionOptions::camera. One line when it is of another modulation frequency.
-std::expected<void, dataset::Problem> apply_calibration(const dsp::PmdSensor& found,
-                                                        const std::filesystem::path& prefix,
-                                                        dataset::PmdRecording& recording);
+// FusionOptions::camera. Refused is that of another camera (other_camera.h). The text says what is
+// carried over to a picture of another size; empty where sizes agree.
+dataset::Loaded<std::string> apply_calibration(const dsp::PmdSensor& found,
+                                               const std::filesystem::path& prefix,
+                                               dataset::PmdRecording& recording);
 
 // A stereo pair with truth, its PMD recording, and what became of them.
 struct FusionCase {
@@ -32,6 +33,7 @@ struct FusionCase {
   dsp::StereoRig rig;     // of the recording
   dataset::Image<std::uint8_t> left;
   dataset::Image<float> truth;  // Z in metres of the left view, +inf = unknown
+  std::string note;             // of apply_calibration()
   FusionResult result;
   FusionScores scores;
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <functional>
-#include <sstream>
 
 #include <nlohmann/json.hpp>
 
 #include "dataset/files/file.h"
+#include "dataset/files/json_file.h"
 
 namespace stof::host {
 namespace {
@@ -20,17 +19,15 @@ constexpr unsigned kInvalid = 1;  // bit of the confidence
 constexpr unsigned kExposureBit = 4;
 constexpr unsigned kExposureMask = 3;
 constexpr std::size_t kMetadata = 48;  // of a chunk's header: JSON from here on
-
-std::string bytes_of(const fs::path& file) {
-  const std::ifstream stream(file, std::ios::binary);
-  std::stringstream bytes;
-  bytes << stream.rdbuf();
-  return bytes.str();
-}
+constexpr std::size_t kMaxBufferBytes = std::size_t{1} << 26;
 
 dataset::Loaded<FrameInfo> read_info(const fs::path& file) {
-  const json root = json::parse(bytes_of(file), nullptr, false);
-  const json lens = root.is_object() ? root.value("intrinsics", json()) : json();
+  const dataset::Loaded<json> read = dataset::read_object(file);
+  if (!read) {
+    return std::unexpected(read.error());
+  }
+  const json& root = *read;
+  const json lens = root.value("intrinsics", json());
   const json k = lens.is_object() ? lens.value("k", json()) : json();
   const auto number = [](const json& of, const char* key) {
     const json value = of.value(key, json());
@@ -163,7 +160,11 @@ dataset::Loaded<CameraFrame> read_camera_frame(const fs::path& folder) {
   const fs::path file = folder / "O3RBuffer.data";
   std::error_code error;
   if (fs::exists(file, error)) {
-    frame.buffer = bytes_of(file);
+    dataset::Loaded<std::string> buffer = dataset::read_whole(file, kMaxBufferBytes);
+    if (!buffer) {
+      return std::unexpected(std::move(buffer.error()));
+    }
+    frame.buffer = std::move(*buffer);
     dataset::Loaded<std::vector<PcicChunk>> chunks = pcic_chunks(frame.buffer, file);
     if (!chunks) {
       return std::unexpected(std::move(chunks.error()));

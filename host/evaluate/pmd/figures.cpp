@@ -42,6 +42,27 @@ Done add_set(const PmdSet& set, const PmdSources& sources, Frames fitted, PmdEva
   return {};
 }
 
+// The recordings that a calibration is given for, and cannot be used with.
+Done note_other_cameras(const PmdFolders& folders, std::vector<std::string>& notes) {
+  const std::optional<dsp::PmdSensor>& known = folders.sources.calibration;
+  for (const PmdSet& set : folders.sets) {
+    std::size_t others = 0;
+    for (const std::filesystem::path& prefix : set.prefixes) {
+      const dataset::Loaded<PmdSetup> setup = read_setup(prefix);
+      if (!setup) {
+        return std::unexpected(setup.error());
+      }
+      others += known && !setup->is_of(*known) ? 1 : 0;
+    }
+    if (others > 0) {
+      notes.push_back(set.folder.string() + ": " + std::to_string(others) +
+                      " recordings are of another size or modulation frequency than the "
+                      "calibration: it is not used with them");
+    }
+  }
+  return {};
+}
+
 void note_absent(const std::vector<PmdSet>& sets, std::vector<std::string>& notes) {
   struct Kind {
     PmdKind kind;
@@ -69,7 +90,7 @@ dataset::Loaded<PmdEvaluation> evaluate_pmd(const PmdOptions& options) {
   }
   StoredCalibration stored;
   if (!options.calibration.empty()) {
-    dataset::Loaded<StoredCalibration> read = read_calibration(options.calibration);
+    dataset::Loaded<StoredCalibration> read = read_pmd_calibration(options.calibration);
     if (!read) {
       return std::unexpected(std::move(read.error()));
     }
@@ -79,6 +100,9 @@ dataset::Loaded<PmdEvaluation> evaluate_pmd(const PmdOptions& options) {
   PmdEvaluation out;
   out.folder = options.folder;
   out.notes = std::move(folders->notes);
+  if (Done noted = note_other_cameras(*folders, out.notes); !noted) {
+    return std::unexpected(std::move(noted.error()));
+  }
   out.phase = score_phase(options.phase_samples);
   for (const PmdSet& set : folders->sets) {
     if (Done done = add_set(set, folders->sources, options.fitted, out); !done) {

@@ -1,6 +1,7 @@
 #include "host/evaluate/stereo/match.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 
 #include "dataset/files/file.h"
@@ -47,6 +48,38 @@ std::expected<lab::MatchParams, Problem> starting_params(const MatchRequest& req
   return params;
 }
 
+// Empty, or a line about an option that does nothing with what was chosen beside it.
+std::string unused_option(const MatchRequest& request, const MatchPlan& plan) {
+  struct Use {
+    const char* option;
+    bool given;
+    bool used;
+    const char* belongs_to;
+  };
+  const auto given = [&request](const char* option) { return !setting(request, option).empty(); };
+  const lab::MatchParams& params = plan.params;
+  const bool mixed = params.cost == lab::Cost::kAdCensus;
+  const bool has_energy = plan.annealing || plan.energy;
+  const std::array<Use, 6> uses{{
+      {"block", given("block"), !mixed || params.subpixel == dsp::Subpixel::kLeastSquares,
+       "the costs sad, ssd and census, and to --subpixel=least-squares"},
+      {"prefilter", given("prefilter"), !mixed || params.min_texture,
+       "the costs sad, ssd and census, and to --texture"},
+      {"penalties", given("penalties"), params.method != lab::Method::kWinnerTakesAll || has_energy,
+       "the methods dp, so, sgm and sa, and to --energy"},
+      {"directions", given("directions"), params.method == lab::Method::kSemiGlobal,
+       "the method sgm"},
+      {"hill-climbing", request.hill_climbing, plan.annealing.has_value(), "the method sa"},
+      {"seed", request.seed.has_value(), plan.annealing.has_value(), "the method sa"},
+  }};
+  const Use* const idle =
+      std::ranges::find_if(uses, [](const Use& use) { return use.given && !use.used; });
+  return idle == uses.end() ? std::string()
+                            : std::string("--") + idle->option +
+                                  ": does nothing with this method and cost, it belongs to " +
+                                  idle->belongs_to + ": leave it out";
+}
+
 }  // namespace
 
 std::expected<MatchPlan, Problem> match_plan(const MatchRequest& request, int disparities) {
@@ -55,7 +88,7 @@ std::expected<MatchPlan, Problem> match_plan(const MatchRequest& request, int di
     return std::unexpected(start.error());
   }
   MatchPlan plan{.params = *start,
-                 .seed = request.seed,
+                 .seed = request.seed.value_or(MatchPlan{}.seed),
                  .energy = request.energy,
                  .runs = request.runs,
                  .threads = request.threads};
@@ -76,6 +109,9 @@ std::expected<MatchPlan, Problem> match_plan(const MatchRequest& request, int di
   }
   if (const char* const why = lab::problem(plan.params); *why != '\0') {
     return dataset::refuse(why);
+  }
+  if (std::string idle = unused_option(request, plan); !idle.empty()) {
+    return dataset::refuse(std::move(idle));
   }
   if (request.runs < 1) {
     return dataset::refuse("--runs " + std::to_string(request.runs) + ": too few: use 1 or more");

@@ -21,11 +21,11 @@ struct MatchRequest {
   std::string preset;  // of dsp/stereo/match_params.h; empty: a method alone, dense and integer
   // Options of dsp/stereo/match_options.h and their values. "method" may also be "sa".
   std::vector<std::pair<std::string, std::string>> settings;
-  bool hill_climbing = false;  // of sa
-  std::uint64_t seed = 1;      // of sa
-  bool energy = false;         // of the map, on the cost it was matched with
-  int runs = 5;                // of which the median time is taken
-  int threads = 1;             // that match, 1 .. dsp::ThreadTeam::kMost; not those of sa
+  bool hill_climbing = false;                        // of sa
+  std::optional<std::uint64_t> seed = std::nullopt;  // of sa; without it MatchPlan's
+  bool energy = false;                               // of the map, on the cost it was matched with
+  int runs = 5;                                      // of which the median time is taken
+  int threads = 1;  // that match, 1 .. dsp::ThreadTeam::kMost; not those of sa
 };
 
 // The parameters that follow from a request for one scene.
@@ -40,7 +40,7 @@ struct MatchPlan {
 };
 
 // The plan for a scene of `disparities` candidates, or one line that says which option is unknown,
-// out of range or does not go with another.
+// out of range, does not go with another or does nothing with the method and cost.
 std::expected<MatchPlan, dataset::Problem> match_plan(const MatchRequest& request, int disparities);
 
 // The request in words, such as "wta, sad 16x16, lr 1".

@@ -8,6 +8,7 @@
 #include "host/evaluate/stereo/median.h"
 #include "host/picture/disparity_picture.h"
 #include "host/picture/height_field.h"
+#include "host/picture/source_colours.h"
 #include "host/report/page/legend.h"
 
 namespace stof::host {
@@ -19,21 +20,20 @@ struct Swatch {
   Rgb colour;
   const char* meaning;
 };
-constexpr Rgb kNoColour{14, 15, 18};
+constexpr Rgb kNoColour = kSourceColours[0];
 constexpr std::array<Swatch, dsp::kSources> kSourceSwatches{
     {{kNoColour, "none"},
-     {{66, 133, 200}, "stereo alone"},
-     {{238, 155, 40}, "PMD alone"},
-     {{58, 158, 92}, "both agree"},
-     {{150, 96, 190}, "resolved: the better supported sensor"},
-     {{206, 44, 52}, "conflict: no depth"}}};
-constexpr std::array<Swatch, dsp::kCauses> kCauseSwatches{
-    {{kNoColour, "no disagreement"},
-     {{150, 96, 190}, "the PMD pixel sees two surfaces"},
-     {{238, 155, 40}, "the match has rivals"},
-     {{20, 150, 170}, "one PMD range apart"},
-     {{66, 133, 200}, "only the left camera sees it"},
-     {{206, 44, 52}, "both well supported"}}};
+     {kSourceColours[1], "stereo alone"},
+     {kSourceColours[2], "PMD alone"},
+     {kSourceColours[3], "both agree"},
+     {kSourceColours[4], "resolved: the better supported sensor"},
+     {kSourceColours[5], "conflict: no depth"}}};
+constexpr std::array<Swatch, dsp::kCauses> kCauseSwatches{{{kNoColour, kCauseMeanings[0]},
+                                                           {{150, 96, 190}, kCauseMeanings[1]},
+                                                           {{238, 155, 40}, kCauseMeanings[2]},
+                                                           {{20, 150, 170}, kCauseMeanings[3]},
+                                                           {{66, 133, 200}, kCauseMeanings[4]},
+                                                           {{206, 44, 52}, kCauseMeanings[5]}}};
 
 template <std::size_t kCount>
 std::string swatches(const std::array<Swatch, kCount>& all, std::size_t first) {
@@ -73,6 +73,12 @@ Figure depth_figure(const FusionCase& fused, const dataset::Image<float>& depth,
   const ColourScale scale = scales_of(fused).depth;
   return figure(metric_picture(depth, scale), std::move(title), std::move(caption),
                 depth_legend(scale));
+}
+
+// ", 1.65 to 2.90 in colours"
+std::string range_text(const FusionCase& fused) {
+  const ColourScale scale = scales_of(fused).depth;
+  return ", " + number(scale.near_m, 2) + " to " + number(scale.far_m, 2) + " in colours";
 }
 
 std::string in_words(const DepthScore& score) {
@@ -179,7 +185,7 @@ std::vector<Figure> stereo_figures(const FusionCase& fused) {
   return {
       figure(fused.left, "Left picture",
              std::to_string(fused.left.width) + " × " + std::to_string(fused.left.height) + " px."),
-      depth_figure(fused, fused.truth, "True depth", "Z in metres."),
+      depth_figure(fused, fused.truth, "True depth", "Z in metres" + range_text(fused) + "."),
       depth_figure(fused, result.stereo.depth, "Stereo alone",
                    "Checked from both sides, nothing filled."),
       error_figure(fused, result.stereo, fused.scores.stereo, "Stereo alone, errors")};
@@ -189,7 +195,7 @@ std::vector<Figure> fused_figures(const FusionCase& fused) {
   const FusionResult& result = fused.result;
   return {depth_figure(fused, result.pmd.depth, "PMD alone", "Carried into the left picture."),
           error_figure(fused, result.pmd, fused.scores.pmd, "PMD alone, errors"),
-          depth_figure(fused, result.fused.depth, "Fused", "Z in metres."),
+          depth_figure(fused, result.fused.depth, "Fused", "Z in metres" + range_text(fused) + "."),
           error_figure(fused, result.fused, fused.scores.fused, "Fused, errors"),
           source_figure(fused),
           cause_figure(fused),

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,15 @@
 
 // Pictures of one fused scene. Depths of one scene have the same colours in all of them.
 namespace stof::host {
+
+// As docs/WIRE.md explains the causes.
+inline constexpr std::array<const char*, dsp::kCauses> kCauseMeanings{
+    "no disagreement",
+    "the PMD pixel sees two surfaces",
+    "the match has rivals",
+    "one unambiguous range of the PMD apart",
+    "only the left camera sees it",
+    "contradiction: the PMD excludes the match, or both are sound"};
 
 // How a scene is drawn.
 struct FusionScales {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "host/report/fusion/fusion_figures.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
@@ -142,11 +143,10 @@ void add_sources(std::span<const FusionCase> cases, Page& page) {
               .header = {"Scene", "PMD camera", "both agree", "stereo alone", "PMD alone",
                          "resolved", "conflict", "none"},
               .text_columns = 2};
-  Table causes{
-      .caption = "Why depths were resolved or left out; percent of all pixels",
-      .header = {"Scene", "PMD camera", "PMD pixel sees two surfaces", "the match has rivals",
-                 "one PMD range apart", "only the left camera sees it", "both well supported"},
-      .text_columns = 2};
+  Table causes{.caption = "Why depths were resolved or left out; percent of all pixels",
+               .header = {"Scene", "PMD camera"},
+               .text_columns = 2};
+  causes.header.insert(causes.header.end(), kCauseMeanings.begin() + 1, kCauseMeanings.end());
   int rare = 0;
   double most = 0;
   for (const FusionCase& fused : cases) {

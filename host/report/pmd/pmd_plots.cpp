@@ -150,8 +150,10 @@ std::vector<Figure> calibration_figures(const PmdReport& report,
                    .series = {residual, full},
                    .y_least = -kMost,
                    .y_most = kMost},
-                  "Mean error of Z over the middle of the picture, in frames that were not fitted "
-                  "to. All constants: offset, wiggling, fixed pattern, lights, stray light.")};
+                  std::string("Mean error of Z over the middle of the picture, ") +
+                      (report.judged == Frames::kAll ? "in all frames"
+                                                     : "in frames that were not fitted to") +
+                      ". All constants: offset, wiggling, fixed pattern, lights, stray light.")};
 }
 
 std::vector<Figure> wiggling_figures(const PmdCalibration& calibration) {

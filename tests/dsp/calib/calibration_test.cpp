@@ -79,6 +79,14 @@ TEST(Calibration, EveryUnusableNumberOfThePmdCameraIsNamed) {
       {[](PmdSensor& s) { s.dark_lsb = -1; }, "dark"},
       {[](PmdSensor& s) { s.saturation_lsb = 0; }, "saturates"},
       {[](PmdSensor& s) { s.under_lsb = 4095; }, "saturates"},
+      {[](PmdSensor& s) { s.dark_lsb = 4095; }, "not below its saturation"},
+      {[](PmdSensor& s) { s.electrons_per_lsb = 1e12; }, "noise model"},
+      {[](PmdSensor& s) { s.noise_lsb = 65536; }, "noise model"},
+      {[](PmdSensor& s) { s.suppressed_lsb = 1e8; }, "noise model"},
+      {[](PmdSensor& s) { s.white_lsb = 1e8; }, "white"},
+      {[](PmdSensor& s) { s.lens.fx = 1e-9; }, "lens has no size, a focal length"},
+      {[](PmdSensor& s) { s.lens.cx = 1e9; }, "lens"},
+      {[](PmdSensor& s) { s.lens.k1 = -1e9; }, "lens"},
       {[](PmdSensor& s) { s.min_amplitude_lsb = -1; }, "amplitude"},
       {[](PmdSensor& s) { s.electrons_per_lsb = 0; }, "noise model"},
       {[](PmdSensor& s) { s.noise_lsb = kEndless; }, "noise model"},
@@ -102,6 +110,25 @@ TEST(Calibration, EveryUnusableNumberOfThePmdCameraIsNamed) {
   for (const auto& [change, fact] : kBad) {
     Calibration c = good;
     change(c.pmd);
+    EXPECT_NE(std::string(problem(c)).find(fact), std::string::npos) << fact << ": " << problem(c);
+  }
+}
+
+TEST(Calibration, EveryUnusableNumberOfThePairIsNamed) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  using Change = void (*)(StereoRig&);
+  constexpr std::pair<Change, const char*> kBad[] = {
+      {[](StereoRig& r) { r.baseline_m = 500; }, "baseline"},
+      {[](StereoRig& r) { r.baseline_m = 1e-9; }, "baseline"},
+      {[](StereoRig& r) { r.baseline_m = kNan; }, "baseline"},
+      {[](StereoRig& r) { r.doff_px = -1000; }, "disparity offset"},
+      {[](StereoRig& r) { r.doff_px = kNan; }, "disparity offset"},
+      {[](StereoRig& r) { r.left.cy = 1e9; }, "left camera"},
+      {[](StereoRig& r) { r.left.fx = 1e9; }, "left camera"},
+  };
+  for (const auto& [change, fact] : kBad) {
+    Calibration c = usable();
+    change(c.stereo);
     EXPECT_NE(std::string(problem(c)).find(fact), std::string::npos) << fact << ": " << problem(c);
   }
 }

@@ -1,5 +1,6 @@
 #include "host/cli/calib.h"
 
+#include <cmath>
 #include <fstream>
 
 #include "dataset/files/file.h"
@@ -92,6 +93,35 @@ TEST_F(CalibPmd, TakesTheRigOfTheRecordings) {
   EXPECT_EQ(stored->calibration.pmd_to_stereo.translation_m[1], 0.3);
 }
 
+TEST_F(CalibPmd, WritesNoFileOfAModelThatDoesNotExplainTheWallsUnlessForced) {
+  put_walls({0.7, 1.1, 1.5, 2, 2.5, 3});
+  WallRecording mistyped = record(camera_, 1.3, 4, 5);
+  mistyped.z_m = 1.8;
+  write_wall(options_.folder, mistyped);
+  options_.plots = folder() / "plots";
+  expect_refused("walls: the model does not explain these walls, no file is written");
+  const auto page = [this] {
+    return dataset::read_whole(options_.plots / "calibration.html", 10'000'000).value_or("");
+  };
+  EXPECT_EQ(page().find("frames that were not fitted to"), std::string::npos);
+  EXPECT_NE(page().find("in all frames"), std::string::npos);
+  options_.frames = "even";
+  options_.force = true;
+  calib_pmd(options_);
+  EXPECT_TRUE(std::filesystem::exists(options_.out));
+  EXPECT_NE(page().find("frames that were not fitted to"), std::string::npos);
+}
+
+TEST_F(CalibPmd, SaysOneDirectionOfThePhase) {
+  put_walls({1.5, 2, 2.5, 3});
+  options_.json = false;
+  ::testing::internal::CaptureStdout();
+  calib_pmd(options_);
+  const std::string text = ::testing::internal::GetCapturedStdout();
+  EXPECT_NE(text.find("of this camera rises with distance"), std::string::npos) << text;
+  EXPECT_EQ(text.find("fall"), std::string::npos) << text;
+}
+
 TEST_F(CalibPmd, RefusesTooFewDistances) {
   put_walls({1, 2});
   expect_refused("2 distance(s)");
@@ -138,6 +168,40 @@ TEST_F(CalibPmd, RefusesTheCalibrationOfAnotherCamera) {
   options_.start = folder() / "start.cal";
   ASSERT_TRUE(write_calibration(options_.start, rig));
   expect_refused("its PMD camera is 64x24");
+  rig.pmd.lens.width = 32;
+  rig.pmd.frequency.modulation.value = 15'000'000;
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("the recording's modulation frequency is 30 MHz, the calibration's 15 MHz");
+  rig.pmd.frequency.modulation.value = camera_.f_mod_hz;
+  rig.pmd.integration_us = 500;
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  put_walls({1, 2, 3}, ", \"integration_us\": 1000");
+  expect_refused("the recording's integration time is 1000 us, the calibration's 500 us");
+}
+
+TEST_F(CalibPmd, RefusesNumbersThatCannotBeComputedWithWhereTheyStand) {
+  put_walls({1, 2, 3});
+  const dsp::PmdSensor good = record(camera_, 1, 1, 1).recording.calibration.pmd;
+  options_.start = folder() / "start.cal";
+  dsp::Calibration rig{.stereo = {}, .pmd = good, .pmd_to_stereo = {}};
+  rig.pmd.dark_lsb = std::nan("");
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("start.cal: the dark level of a PMD sample");
+  rig.pmd = good;
+  rig.pmd.scale = 0;
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("start.cal: the straight line of PMD distances has a scale");
+  rig.pmd = good;
+  rig.stereo.left = {.width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 320, .cy = 240};
+  rig.stereo.baseline_m = std::nan("");
+  ASSERT_TRUE(write_calibration(options_.start, rig));
+  expect_refused("start.cal: the baseline");
+  options_.start.clear();
+  options_.lens = {std::nan(""), 40, 16, 12};
+  expect_refused("--lens: the PMD lens has");
+  options_.lens.clear();
+  options_.emitters = {0.1, 0, 5};
+  expect_refused("--emitters: a light of the PMD camera is more than 2 m from its lens");
 }
 
 TEST_F(CalibPmd, RefusesEmittersThatAreNoPlaces) {

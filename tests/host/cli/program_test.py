@@ -128,6 +128,23 @@ class BadInput(Program):
             with self.subTest(arguments):
                 self.refuse(2, [], "evaluate", "stereo", scene, *arguments)
 
+    def test_options_that_do_nothing(self):
+        scene = self.write_scene()
+        for option, arguments in (("--block", ["--preset", "quality", "--block=5x5"]),
+                                  ("--prefilter", ["--method", "sgm", "--cost", "mixed", "--prefilter", "20"]),
+                                  ("--penalties", ["--preset", "fast", "--penalties", "3,20"]),
+                                  ("--directions", ["--preset", "fast", "--directions", "8"]),
+                                  ("--directions", ["--method", "so", "--directions", "8"]),
+                                  ("--hill-climbing", ["--preset", "fast", "--hill-climbing"]),
+                                  ("--seed", ["--method", "so", "--seed", "7"])):
+            with self.subTest(arguments):
+                self.refuse(2, [f"{option}: does nothing", "it belongs to"], "evaluate", "stereo", scene, *arguments)
+                if option not in ("--hill-climbing", "--seed"):  # fusion has none
+                    self.refuse(2, [f"{option}: does nothing"], "evaluate", "fusion", scene, "a", *arguments)
+        for arguments in (["--preset", "quality", "--subpixel=least-squares", "--block=5x5"],
+                          ["--method", "wta", "--energy", "--penalties", "3,20"]):
+            self.succeed("evaluate", "stereo", scene, "--runs", 1, *arguments)
+
     def test_options_that_are_unknown_or_out_of_range(self):
         scene = self.write_scene()
         for arguments in (["--method", "best"], ["--cost", "ncc"], ["--preset", "best"], ["--directions", "3"],
@@ -138,6 +155,35 @@ class BadInput(Program):
     def test_a_missing_folder(self):
         self.refuse(2, [self.folder / "absent", "is not a folder"], "evaluate", "stereo", self.folder / "absent")
         self.refuse(2, ["absent", "is not a folder"], "evaluate", "fusion", "absent", self.write_recording())
+
+    def test_what_is_no_file(self):
+        """A folder, and a device that never ends, wherever the program reads a file."""
+        scene, prefix = self.write_scene(), self.write_recording()
+        walls = self.folder / "walls"
+        walls.mkdir()
+        wall = pathlib.Path(f"{self.write_recording('walls/z2000')}.json")
+        wall.write_text(json.dumps({**json.loads(wall.read_text()), "z_m": 2.0}))
+        for what in (self.folder, pathlib.Path("/dev/zero")):
+            for arguments in (["evaluate", "fusion", scene, prefix, "--calibration", what],
+                              ["evaluate", "pmd", walls, "--calibration", what],
+                              ["calib", "pmd", walls, "--out", "found.cal", "--start", what],
+                              ["config", "127.0.0.1:9", "set", what]):
+                with self.subTest(arguments):
+                    self.refuse(2, [f"{what}: is not a regular file"], *arguments)
+
+    def test_numbers_that_are_none(self):
+        """Every option that takes a real number, of every command."""
+        commands = {"evaluate fusion": ["a", "b"], "calib pmd": ["a", "--out", "b"], "view": [], "discover": [],
+                    "proxy": ["--listen", "0", "--to", "127.0.0.1:9"], "config": ["127.0.0.1:9", "get"]}
+        found = 0
+        for command, needed in commands.items():
+            text = self.succeed(*command.split(), "--help")
+            for option in re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+) FLOAT", text):
+                found += 1
+                for number in ("nan", "NaN", "-nan", "inf", "-inf", "1e999"):
+                    with self.subTest(f"{command} {option} {number}"):
+                        self.refuse(2, [option], *command.split(), *needed, f"{option}={number}")
+        self.assertGreater(found, 10)
 
     def test_a_truncated_picture(self):
         scene = self.write_scene()
@@ -173,7 +219,7 @@ class BadInput(Program):
         self.refuse(2, ["Scene", "no PREFIX"], "evaluate", "fusion", scene, prefix, scene)
         self.refuse(2, ["second recording"], "evaluate", "fusion", scene, prefix, scene, prefix, "--out", "out")
         self.refuse(2, ["--chapter-geometry"], "evaluate", "fusion", scene, prefix, "--guided", "--chapter-geometry")
-        for metres in ("0", "17", "far"):
+        for metres in ("0", "0.49", "17", "far", "nan", "inf"):
             self.refuse(2, ["--max-range"], "evaluate", "fusion", scene, prefix, "--max-range", metres)
         self.refuse(2, ["cannot be written"], "evaluate", "fusion", scene, prefix, "--html", scene / "left.pgm" / "p")
 
@@ -301,7 +347,7 @@ class Evaluate(Program):
                 self.assertIn(key, report[sensor])
         self.assertLessEqual(report["fused"]["median_width_mm"], report["stereo"]["median_width_mm"])
         self.assertLess(report["fused"]["median_error_mm"], 100)
-        depth, low, high = (self.read_pfm(out / name) for name in ("depth.pfm", "lo.pfm", "hi.pfm"))
+        depth, low, high = (self.read_pfm(out / "Scene_4x2" / name) for name in ("depth.pfm", "lo.pfm", "hi.pfm"))
         self.assertEqual((len(depth), len(depth[0])), (30, 40))
         covered = 0
         for z_row, low_row, high_row in zip(depth, low, high):
@@ -311,6 +357,15 @@ class Evaluate(Program):
                 covered += math.isfinite(z)
         self.assertAlmostEqual(report["fused"]["coverage"], covered / 1200)
 
+
+    def test_fusion_says_why_the_pmd_camera_covers_nothing(self):
+        prefix = self.write_recording()
+        raw = pathlib.Path(f"{prefix}_raw.pgm")
+        raw.write_bytes(b"P5\n4 8\n4095\n" + b"\x0f\xff" * 32)
+        text = self.succeed("evaluate", "fusion", self.write_scene(), prefix, "--runs", 1)
+        self.assertIn("Scene_4x2: the PMD camera covers nothing: 100.00 % of its pixels are saturated", text)
+        text = self.succeed("evaluate", "fusion", self.folder / "Scene", self.write_recording("far_4x2"), "--runs", 1)
+        self.assertNotIn("covers nothing", text)
 
     def test_fusion_says_what_its_intervals_are_worth_and_where_depths_come_from(self):
         report = json.loads(self.succeed("evaluate", "fusion", self.write_scene(), self.write_recording(), "--json"))

@@ -88,6 +88,28 @@ TEST(StatusLine, CountsTheTimeBetweenTwoLinesFramesToo) {
   EXPECT_NE(meter.line(kStart + 2s, {}, std::nullopt).find("  2.0 frames/s"), std::string::npos);
 }
 
+TEST(StatusLine, NamesTheFramesThatStandOnOneSensor) {
+  StatusLine meter;
+  SmallFrame small;
+  small.frame.info = wire::FrameInfo{.pmd_present = 1, .sensors = wire::kBothSensors};
+  small.frame.calibration = wire::CalibrationPacket{.pmd_width = 176};
+  meter.count(small.frame);
+  EXPECT_EQ(meter.line(kStart + 1s, {}, std::nullopt).find("alone"), std::string::npos);
+  small.frame.info->sensors = wire::kPmdSensor;
+  meter.count(small.frame);
+  meter.count(small.frame);
+  small.frame.info = wire::FrameInfo{};  // of an older sensor, whose PMD camera took no part
+  meter.count(small.frame);
+  EXPECT_NE(
+      meter.line(kStart + 2s, {}, std::nullopt)
+          .find(", 1 frames of the stereo pair alone, 2 frames of the PMD camera alone, lost"),
+      std::string::npos);
+  EXPECT_EQ(meter.line(kStart + 3s, {}, std::nullopt).find("alone"), std::string::npos);
+  small.frame.calibration->pmd_width = 0;  // a rig with one sensor
+  meter.count(small.frame);
+  EXPECT_EQ(meter.line(kStart + 4s, {}, std::nullopt).find("alone"), std::string::npos);
+}
+
 TEST(SummaryLine, SaysThatNothingWasLost) {
   client::Statistics statistics;
   statistics.packets_ok = 900;
@@ -134,6 +156,13 @@ TEST(HealthLine, NamesWhatIsActive) {
   EXPECT_EQ(active_text(ill), ", active: late condition 31");
   EXPECT_NE(health_line(ill).find("major trouble"), std::string::npos);
   EXPECT_NE(health_line(ill).find("; slow down"), std::string::npos);
+}
+
+TEST(HealthLine, HasNoFigureThatIsNotKnownYet) {
+  EXPECT_EQ(health_line({.uptime_ms = 900, .subscribers = 1}),
+            "health: good, up 0 s, 1 subscribers");
+  EXPECT_EQ(health_line({.uptime_ms = 90'000, .subscribers = 1}),
+            "health: good, up 90 s, 0.0 frames/s, 1 subscribers");
 }
 
 TEST(SummaryLine, NamesEveryCauseOfLoss) {

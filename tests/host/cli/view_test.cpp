@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "dataset/dataset.h"
+#include "dataset/files/file.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
@@ -188,6 +189,9 @@ TEST_F(View, ShowsTheStreamsThatCome) {
     EXPECT_TRUE(std::filesystem::exists(out() / name)) << name;
     EXPECT_TRUE(said(name)) << printed_;
   }
+  EXPECT_NE(
+      dataset::read_whole(out() / "source.png", 100'000).value_or("").find("violet: resolved"),
+      std::string::npos);
 }
 
 TEST_F(View, SaysWhatParityMadeGood) {

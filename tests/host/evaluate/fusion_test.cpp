@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "host/evaluate/fusion/chapter_geometry.h"
+#include "host/evaluate/fusion/fusion_case.h"
 #include "tests/host/evaluate/fusion_scene.h"
 
 namespace stof::host {
@@ -14,6 +15,48 @@ namespace {
 MatchRequest preset(const std::string& name,
                     std::vector<std::pair<std::string, std::string>> settings = {}) {
   return {.preset = name, .settings = std::move(settings)};
+}
+
+TEST(ApplyCalibration, RefusesThatOfAnotherCamera) {
+  const dataset::PmdRecording told = test::flat_recording(2);
+  const auto refused = [](const dsp::PmdSensor& found, const std::string& fact) {
+    dataset::PmdRecording recording = test::flat_recording(2);
+    const auto applied = apply_calibration(found, "wall", recording);
+    ASSERT_FALSE(applied) << fact;
+    EXPECT_EQ(applied.error().message.find("wall.json: the recording's " + fact), 0U)
+        << applied.error().message;
+  };
+  dsp::PmdSensor found = told.calibration.pmd;
+  found.frequency.modulation.value = 15'000'000;
+  refused(found, "modulation frequency is 20 MHz, the calibration's 15 MHz: give");
+  found = told.calibration.pmd;
+  found.saturation_lsb = 1023;
+  refused(found, "saturation is 4095 LSB, the calibration's 1023 LSB");
+  found = told.calibration.pmd;
+  found.integration_us = 500;
+  dataset::PmdRecording recording = test::flat_recording(2);
+  EXPECT_TRUE(apply_calibration(found, "wall", recording));  // the recording does not tell
+  recording.calibration.pmd.integration_us = 1000;
+  EXPECT_FALSE(apply_calibration(found, "wall", recording));
+}
+
+TEST(ApplyCalibration, SaysWhatItCarriesToAPictureOfAnotherSize) {
+  const dataset::PmdRecording told = test::flat_recording(2);
+  dsp::PmdSensor found = told.calibration.pmd;
+  found.frequency.offset_m = 0.1;
+  const std::vector<std::int16_t> pattern(8, 5);
+  found.fixed_pattern = pattern;
+  dataset::PmdRecording recording = test::flat_recording(2);
+  EXPECT_EQ(apply_calibration(found, "wall", recording).value_or("refused"), "");
+  EXPECT_EQ(recording.calibration.pmd.fixed_pattern.data(), pattern.data());
+  found.lens.width = 8;
+  recording = test::flat_recording(2);
+  const std::string note = apply_calibration(found, "wall", recording).value_or("refused");
+  EXPECT_NE(note.find("8x2 pixels for recordings of 4x2"), std::string::npos) << note;
+  EXPECT_NE(note.find("the fixed pattern stay"), std::string::npos) << note;
+  EXPECT_EQ(recording.calibration.pmd.frequency.offset_m, 0.1);
+  EXPECT_EQ(recording.calibration.pmd.lens.width, 4);
+  EXPECT_TRUE(recording.calibration.pmd.fixed_pattern.empty());
 }
 
 TEST(FusionParams, OfAPresetAreThoseOfTheAppliance) {

@@ -42,6 +42,11 @@ TEST(ColourScale, HasRoundDistancesAsTicks) {
   EXPECT_EQ((ColourScale{.near_m = 1, .far_m = 8}).ticks(),
             (std::vector<double>{1, 1.5, 2, 3, 5, 7}));
   EXPECT_EQ((ColourScale{.near_m = 6, .far_m = 20}).ticks(), (std::vector<double>{7, 10, 15, 20}));
+  // Only 2 is one of those.
+  const std::vector<double> narrow = ColourScale{.near_m = 1.61, .far_m = 2.9}.ticks();
+  ASSERT_EQ(narrow.size(), 6U);
+  EXPECT_NEAR(narrow.front(), 1.8, 1e-12);
+  EXPECT_NEAR(narrow.back(), 2.8, 1e-12);
 }
 
 TEST(RoundTicks, AreRoundAndWithin) {

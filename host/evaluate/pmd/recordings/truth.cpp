@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "dataset/files/file.h"
-#include "dataset/files/json_fields.h"
+#include "dataset/files/json_file.h"
 
 namespace stof::host {
 namespace {
@@ -74,6 +74,13 @@ dataset::Loaded<dataset::Image<float>> read_map(const std::filesystem::path& fil
 
 }  // namespace
 
+bool PmdSetup::is_of(const dsp::PmdSensor& sensor) const noexcept {
+  return width == sensor.lens.width && height == sensor.lens.height &&
+         pair.has_value() == sensor.second.has_value() &&
+         (modulation_hz == sensor.frequency.modulation.value ||
+          (sensor.second && modulation_hz == sensor.second->modulation.value));
+}
+
 dataset::Loaded<PmdSetup> read_setup(const std::filesystem::path& prefix) {
   const std::filesystem::path file = dataset::file_of(prefix, ".json");
   const dataset::Loaded<json> read = dataset::read_object(file);
@@ -84,6 +91,8 @@ dataset::Loaded<PmdSetup> read_setup(const std::filesystem::path& prefix) {
   PmdSetup setup{.z_m = number(root, "z_m"),
                  .edge_m = number(root, "x_edge_m"),
                  .pair = pair_of(root),
+                 .width = number(root, "width").value_or(0),
+                 .height = number(root, "height").value_or(0),
                  .modulation_hz = number(root, "f_mod_hz").value_or(0),
                  .camera = std::nullopt,
                  .exposure = number(root, "int_scale").value_or(1),

@@ -19,11 +19,16 @@ struct PmdSetup {
   std::optional<double> z_m;                  // a wall that faces the camera
   std::optional<double> edge_m;               // x of a board's edge: "x_edge_m"
   std::optional<std::array<double, 2>> pair;  // modulation frequencies, Hz
+  double width = 0;                           // pixels
+  double height = 0;
   double modulation_hz = 0;
   std::optional<long> camera;  // "camera_seed": recordings of one camera have the same
   double exposure = 1;         // "int_scale": integration time over the reference's
   double truth_unit_m = 1.0 / 8000;
   bool lights_aside = false;  // the middle of the lights is beside the lens by over a centimetre
+
+  // Whether the sensor has the size and a modulation frequency of this recording.
+  bool is_of(const dsp::PmdSensor& sensor) const noexcept;
 };
 dataset::Loaded<PmdSetup> read_setup(const std::filesystem::path& prefix);
 

@@ -356,6 +356,17 @@ TEST(CalibrationFile, AnotherVersionAndAnUnknownOptionAreUnsupported) {
   }
 }
 
+TEST(CalibrationFile, ATruthValueThatIsNeitherIsCorrupt) {
+  constexpr std::size_t kFallsAt = 196;  // docs/WIRE.md
+  dsp::Calibration falls = newest_calibration({});
+  falls.pmd.phase_falls = true;
+  File file = encoded(falls);
+  ASSERT_EQ(file[kFallsAt], std::byte{1});
+  file[kFallsAt] = std::byte{7};
+  reseal(file);
+  EXPECT_EQ(decode_calibration_file(file, {}).error(), Status::kCorrupt);
+}
+
 TEST(CalibrationFile, AShortFileWithARightCrcIsCorrupt) {
   expect_short_ones_corrupt(encoded(newest_calibration({}, true)));
 }
