@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 
@@ -67,10 +68,10 @@ class DepthMaker {
   // What watch() has found so far; about 0.3 ms.
   DriftEstimate drift() const noexcept;
 
-  // On how many frames the last map stands, itself included (SteadyFilter::frames()); 1 without
-  // DepthParams::temporal, where frames do not count for each other.
+  // On how many frames the last map stands, itself included (SteadyFilter::frames()); 1 without a
+  // pair or DepthParams::temporal, where frames do not count for each other.
   std::uint16_t frames() const noexcept {
-    return past_ ? past_->steady.frames() : std::uint16_t{1};
+    return past_ ? std::max(past_->steady.frames(), std::uint16_t{1}) : std::uint16_t{1};
   }
 
   // What came of the last frame: empty, or nullptr, without. The pictures are those that were

@@ -49,7 +49,7 @@ TEST(CellChange, IsASumOfMoreThanFourLevelsAPixelOrNineOneByOne) {
 TEST(CellChange, EqualsReferenceForEveryLength) {
   int changed_cells = 0;
   int others = 0;
-  test::check_kernel([&](test::KernelCase& c) {
+  const bool compared = test::check_kernel([&](test::KernelCase& c) {
     const std::size_t n = c.length();
     CellRows now;
     CellRows then;
@@ -64,8 +64,10 @@ TEST(CellChange, EqualsReferenceForEveryLength) {
       (each != 0 ? changed_cells : others) += 1;
     }
   });
-  EXPECT_GT(changed_cells, 100);
-  EXPECT_GT(others, 100);
+  if (compared) {
+    EXPECT_GT(changed_cells, 100);
+    EXPECT_GT(others, 100);
+  }
 }
 
 }  // namespace
