@@ -85,13 +85,21 @@ std::expected<std::uint32_t, std::string> count(std::string_view flag, std::stri
   return *out;
 }
 
+// What a flag with a number sets; nullptr: it takes none.
+std::uint32_t* number_of(std::string_view flag, WritePairOptions& options) {
+  if (flag == "--frames") {
+    return &options.frames;
+  }
+  if (flag == "--sequence") {
+    return &options.sequence;
+  }
+  return flag == "--exposure" ? &options.exposure : nullptr;
+}
+
 // One flag and its value.
 std::expected<void, std::string> take(std::string_view flag, std::string_view value,
                                       WritePairOptions& options) {
-  std::uint32_t* const counted = flag == "--frames"     ? &options.frames
-                                 : flag == "--sequence" ? &options.sequence
-                                 : flag == "--exposure" ? &options.exposure
-                                                        : nullptr;
+  std::uint32_t* const counted = number_of(flag, options);
   if (counted != nullptr) {
     const std::expected<std::uint32_t, std::string> number =
         flag == "--exposure" ? count(flag, value, 0, 1'000'000) : count(flag, value, 1, kMaxFrames);

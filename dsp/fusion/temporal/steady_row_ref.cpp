@@ -95,7 +95,8 @@ Memory next(const SteadyRow& row, const SteadyLimits& limits, std::size_t x,
   int votes = old.votes;
   if (depth != kNoDepth) {
     votes = std::min(votes + (near ? kNearVotes : 1), kMostTally);
-    const int enough = near ? kVotesToNear : confirmed ? kVotesToFarAgainst : kVotesToFar;
+    const int to_far = confirmed ? kVotesToFarAgainst : kVotesToFar;
+    const int enough = near ? kVotesToNear : to_far;
     if (!settled || (stereo.excludes() && pmd.excludes()) || votes >= enough) {
       return begun(depth);
     }

@@ -1,16 +1,16 @@
 #include "hal/emu/imagery/driven_scene.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "dsp/base/check.h"
 #include "hal/emu/scenes/drive.h"
 
 namespace stof::hal::emu {
 
-DrivenScene::DrivenScene(const Scene& scene, const Rig& rig, double speed,
-                         const ExposureTimes& times)
+DrivenScene::DrivenScene(Scene scene, const Rig& rig, double speed, const ExposureTimes& times)
     : SensorImagery(rig),
-      scene_(scene),
+      scene_(std::move(scene)),
       start_(rig.left_camera_pose),
       speed_(speed),
       times_(times) {

@@ -24,7 +24,7 @@ struct ExposureTimes {
 // which takes as long as a RenderedScene and allocates: for emulated time.
 class DrivenScene final : public SensorImagery {
  public:
-  DrivenScene(const Scene& scene, const Rig& rig, double speed, const ExposureTimes& times);
+  DrivenScene(Scene scene, const Rig& rig, double speed, const ExposureTimes& times);
   void left(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept override;
   void right(std::uint32_t number, dsp::ImageView<std::uint8_t> out) noexcept override;
   void pmd(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> out) noexcept override;

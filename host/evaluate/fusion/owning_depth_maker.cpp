@@ -1,23 +1,22 @@
 #include "host/evaluate/fusion/owning_depth_maker.h"
 
-#include <utility>
-
 #include "dataset/files/file.h"
 #include "dsp/fusion/interval/disparity_sigma.h"
 #include "host/evaluate/stereo/match.h"
 
 namespace stof::host {
 
-OwningDepthMaker::OwningDepthMaker(dsp::Calibration calibration, const lab::MatchParams& match,
-                                   int threads)
-    : calibration_(std::move(calibration)),
+OwningDepthMaker::OwningDepthMaker(const dsp::Calibration& calibration,
+                                   const lab::MatchParams& match, int threads)
+    : calibration_(calibration),
       match_(match),
       workers_({.threads = threads}),
       continued_(calibration_.stereo.left.width, calibration_.stereo.left.height) {}
 
 dataset::Loaded<std::unique_ptr<OwningDepthMaker>> OwningDepthMaker::make(
-    const std::string& scene, dsp::Calibration calibration, int width, int height,
+    const std::string& scene, const dsp::Calibration& rig, int width, int height,
     const lab::MatchParams& match, const DepthMakerOptions& options) {
+  dsp::Calibration calibration = rig;
   calibration.stereo.left.width = width;
   calibration.stereo.left.height = height;
   if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
@@ -29,8 +28,7 @@ dataset::Loaded<std::unique_ptr<OwningDepthMaker>> OwningDepthMaker::make(
                            " disparities are more than this version matches: use a smaller "
                            "picture");
   }
-  std::unique_ptr<OwningDepthMaker> made(
-      new OwningDepthMaker(std::move(calibration), match, options.threads));
+  std::unique_ptr<OwningDepthMaker> made(new OwningDepthMaker(calibration, match, options.threads));
   if (made->workers_.threads() < options.threads) {
     return dataset::refuse(too_few_threads(made->workers_.threads(), options.threads));
   }

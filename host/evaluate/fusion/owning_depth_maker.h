@@ -23,10 +23,10 @@ struct DepthMakerOptions {
 // A DepthMaker with its memory and threads, which may use the searches of lab/.
 class OwningDepthMaker {
  public:
-  // calibration: of a recording with a rig, for pictures of width x height. One line when they do
+  // rig: of a recording, for pictures of width x height. One line when they do
   // not go together, are too large, or the system has no such number of threads.
   static dataset::Loaded<std::unique_ptr<OwningDepthMaker>> make(const std::string& scene,
-                                                                 dsp::Calibration calibration,
+                                                                 const dsp::Calibration& rig,
                                                                  int width, int height,
                                                                  const lab::MatchParams& match,
                                                                  const DepthMakerOptions& options);
@@ -38,7 +38,7 @@ class OwningDepthMaker {
   dsp::DepthMaker* operator->() { return &*maker_; }
 
  private:
-  OwningDepthMaker(dsp::Calibration calibration, const lab::MatchParams& match, int threads);
+  OwningDepthMaker(const dsp::Calibration& calibration, const lab::MatchParams& match, int threads);
 
   dsp::Calibration calibration_;
   lab::MatchParams match_;

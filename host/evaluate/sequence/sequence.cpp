@@ -133,6 +133,7 @@ dataset::Loaded<std::vector<SequenceResult>> run_sequence(const fs::path& folder
     }
   }
   std::vector<SequenceResult> results;
+  results.reserve(runners.size());
   for (Runner& runner : runners) {
     results.push_back(
         {.score = runner.scorer.score(), .fuse_ms = median(std::move(runner.fuse_ms)).value_or(0)});
