@@ -103,8 +103,8 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   tables_ = arena.put(t);
 }
 
-void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
-                     const DepthMap& out) noexcept {
+FusedRow Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                         const DepthMap& out) noexcept {
   Tables& t = *tables_;
   AmbiguityRow row{.disparity = t.nothing,
                    .weak = {},
@@ -140,6 +140,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     resolve_ambiguities(row, t.ambiguity, t.intervals.disparity, fused);
   }
+  return fused;
 }
 
 void Fuser::prepare(const PmdMaps* pmd) noexcept {
@@ -151,8 +152,8 @@ void Fuser::prepare(const PmdMaps* pmd) noexcept {
   }
 }
 
-void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
-                      const DepthMap& out) noexcept {
+void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out,
+                      FusedRowFilter* filter) noexcept {
   const Tables& t = *tables_;
   STOF_CHECK(same_size(out.depth, t.splatted.low) && same_size(out.width, out.depth) &&
              same_size(out.source, out.depth) &&
@@ -170,7 +171,11 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
     const Rows some{y, std::min(y + kStripeRows, rows.end)};
     t.reprojector.splat(some, splatted);
     for (int row = some.begin; row < some.end; ++row) {
-      fuse_row(stereo, row, scratch, out);
+      const FusedRow fused = fuse_row(stereo, row, scratch, out);
+      if (filter != nullptr) {
+        filter->filter(row, thread, {scratch.stereo_low, scratch.stereo_high},
+                       {t.splatted.low.row(row), t.splatted.high.row(row)}, fused);
+      }
     }
   }
 }

@@ -47,6 +47,7 @@ struct Output {
   dsp::ImageView<const std::uint8_t> right;
   dsp::DriftEstimate drift;  // of the last second
   Stats stats;
+  std::uint16_t steady_frames = 1;  // that the map stands on (dsp::DepthMaker::frames())
 };
 
 // One shot to one depth map, by the dsp::DepthMaker that evaluation on the host uses too.
