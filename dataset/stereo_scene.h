@@ -15,7 +15,7 @@ namespace stof::dataset {
 enum class Surface : std::uint8_t {
   kOther = 0,
   kFloor = 1,
-  kLowerFloor = 2,  // behind a step down
+  kLowerFloor = 2,  // below the floor, from an edge on
   kBox = 3,
   kGlass = 4,
   kWall = 5,

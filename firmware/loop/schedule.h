@@ -16,9 +16,10 @@ constexpr void decay_peak(hal::Duration& peak, hal::Duration now) noexcept {
 //
 // Edges lie on a fixed grid, the first at once. A loop that comes later than an eighth of a period
 // skips to the next point of the grid, and no edge follows another sooner than 7/8 of a period.
-// A frame goes out in the period of its own edge where the last frames were cheap enough for that;
-// where it fails several times, it is tried again after two seconds, then after twice as long each
-// time, a minute at most. Knows no clock: `now` is the caller's.
+// A frame goes out in the period of its own edge where the last frames were cheap enough for that
+// (from then on; one edge may be left out between both ways); where it fails several times, it is
+// tried again after two seconds, then after twice as long each time, a minute at most. Knows no
+// clock: `now` is the caller's.
 class Schedule {
  public:
   // board::problem(timing) must be empty.

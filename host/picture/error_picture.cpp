@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "host/picture/colour_scale.h"
+#include "host/picture/legend.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 
@@ -31,6 +34,17 @@ dataset::Image<Rgb> error_picture(const dataset::Image<float>& values, double mo
   std::ranges::transform(values.pixels, picture.pixels.begin(),
                          [most](float value) { return error_colour(value / most); });
   return picture;
+}
+
+dataset::Image<Rgb> depth_error_picture(const dataset::Image<float>& values, double most) {
+  return with_legend(
+      error_picture(values, most),
+      {.colour = [](double place) { return error_colour(2 * place - 1); },
+       .ticks = {{0, printed("%g%% near", kPercent * most)},
+                 {0.5, "0"},
+                 {1, printed("%g%% far", kPercent * most)}},
+       .none = [](int /*x*/,
+                  int /*y*/) { return error_colour(std::numeric_limits<double>::quiet_NaN()); }});
 }
 
 }  // namespace stof::host

@@ -15,4 +15,8 @@ double largest_error(const dataset::Image<float>& values);
 // Each error in the colour of error / most.
 dataset::Image<Rgb> error_picture(const dataset::Image<float>& values, double most);
 
+// The same of relative errors of depth, with a legend beside it: so many percent too near, 0, so
+// many too far, none.
+dataset::Image<Rgb> depth_error_picture(const dataset::Image<float>& values, double most);
+
 }  // namespace stof::host

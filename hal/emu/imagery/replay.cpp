@@ -15,18 +15,16 @@ void copy_pixels(dsp::ImageView<const T> from, dsp::ImageView<T> to) noexcept {
   }
 }
 
-dsp::Calibration assumed_rig(const dataset::StereoScene& scene) {
-  dsp::Calibration out;
+dsp::StereoRig assumed_rig(const dataset::StereoScene& scene) {
   const double width = scene.left.width;
-  out.stereo = {.left = {.width = scene.left.width,
-                         .height = scene.left.height,
-                         .fx = width,
-                         .fy = width,
-                         .cx = (width - 1) / 2,
-                         .cy = (scene.left.height - 1) / 2.0},
-                .baseline_m = Replay::kAssumedBaseline,
-                .doff_px = 0};
-  return out;
+  return {.left = {.width = scene.left.width,
+                   .height = scene.left.height,
+                   .fx = width,
+                   .fy = width,
+                   .cx = (width - 1) / 2,
+                   .cy = (scene.left.height - 1) / 2.0},
+          .baseline_m = Replay::kAssumedBaseline,
+          .doff_px = 0};
 }
 
 }  // namespace
@@ -61,7 +59,11 @@ dataset::Loaded<std::unique_ptr<Replay>> Replay::open(
 
 Replay::Replay(dataset::StereoScene scene, std::optional<dataset::PmdRecording> pmd)
     : scene_(std::move(scene)), pmd_(std::move(pmd)) {
-  calibration_ = pmd_ ? pmd_->calibration : assumed_rig(scene_);
+  if (pmd_) {
+    calibration_ = pmd_->calibration;
+  } else {
+    calibration_.stereo = scene_.rig.value_or(assumed_rig(scene_));
+  }
   calibration_.stereo.left.width = scene_.left.width;
   calibration_.stereo.left.height = scene_.left.height;
 }

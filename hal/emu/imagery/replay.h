@@ -27,10 +27,10 @@ class Replay final : public Imagery {
   void pmd(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> out) noexcept override;
 
   const std::string& name() const noexcept { return scene_.name; }
-  // From the PMD recording. Stereo folders carry none: without a PMD recording a rig is assumed
-  // (kAssumedBaseline, focal length = image width), depth then has an arbitrary scale.
+  // From the PMD recording, else from the stereo folder's meta.txt. Where neither has a rig, one is
+  // assumed (kAssumedBaseline, focal length = image width); depth then has an arbitrary scale.
   const dsp::Calibration& calibration() const noexcept { return calibration_; }
-  bool rig_is_assumed() const noexcept { return !pmd_.has_value(); }
+  bool rig_is_assumed() const noexcept { return !pmd_ && !scene_.rig; }
   static constexpr double kAssumedBaseline = 0.16;  // metres
   int disparities() const noexcept { return scene_.ndisp; }
   // Z in metres of the left view by the calibration, +inf = unknown; none without ground truth.

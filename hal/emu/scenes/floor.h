@@ -20,9 +20,9 @@ inline constexpr double kMaxFloorHeightM = 1.2;
 inline constexpr double kMaxFloorTilt = 30;
 
 // A level floor of weak texture up to a bare wall. Where the camera sees them within 4 m: a pane of
-// glass, a box, and on the right an edge behind which the floor lies 10 cm lower. Through the glass
-// both sensors see what is behind it; the PMD camera also sees the glass, and reads a distance
-// between the two.
+// glass, a box, and on the right an edge behind which the lower floor lies, 10 cm down. Through the
+// glass both sensors see what is behind it; the PMD camera also sees the glass, and reads a
+// distance between the two.
 struct FloorScene {
   Scene scene;
   std::vector<dataset::Surface> surfaces;  // what each object of the scene is

@@ -8,17 +8,26 @@
 
 namespace stof::host {
 
-void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
+void add_runs_flag(CLI::App& command, EvaluateOptions& options) {
+  command.add_option("--runs", options.match.runs, "Runs of which the median time is printed")
+      ->capture_default_str();
+}
+
+void add_evaluate_flags(CLI::App& command, EvaluateOptions& options, Judged judged) {
   MatchRequest& match = options.match;
+  const bool disparity = judged == Judged::kDisparity;
   command.add_option("--preset", match.preset,
                      "Matching preset: fast, quality or chapter; what follows changes it (default: "
                      "a method alone, dense and integer). --NAME{VALUE}: the name alone is that "
                      "value, another one follows \"=\", such as --lr=2");
   for (const lab::MatchOption& option : lab::match_options()) {
     const std::string name(option.name);
+    if (name == "fill" && !disparity) {
+      continue;
+    }
     const std::string help =
         std::string(option.meaning) + ": " + std::string(option.values) +
-        (option.name == "method" ? ", or sa (simulated annealing, offline)" : "");
+        (name == "method" && disparity ? ", or sa (simulated annealing, offline)" : "");
     // Where the name alone has a meaning a value follows "=": what comes next is a scene.
     CLI::Option* const added =
         option.alone.empty()
@@ -27,15 +36,16 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options) {
     added->each(
         [&match, name](const std::string& value) { match.settings.emplace_back(name, value); });
   }
-  command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
-  command.add_option("--seed", match.seed, "sa: of its random numbers, 1 without");
-  command.add_flag("--energy", match.energy,
-                   "Print the map's energy: costs and changes of disparity; slow");
-  command.add_option("--runs", match.runs, "Runs of which the median time is printed")
-      ->capture_default_str();
+  if (disparity) {
+    command.add_flag("--hill-climbing", match.hill_climbing, "sa: no rise of energy is accepted");
+    command.add_option("--seed", match.seed, "sa: of its random numbers, 1 without");
+    command.add_flag("--energy", match.energy,
+                     "Print the map's energy: costs and changes of disparity; slow");
+  }
   command
       .add_option("--threads", match.threads,
-                  "Threads that compute, 1 to 8; times depend on it, results do not (sa has one)")
+                  std::string("Threads that compute, 1 to 8; times depend on it, results do not") +
+                      (disparity ? " (sa has one)" : ""))
       ->capture_default_str();
   command.add_flag("--json", options.json, "Machine-readable result on stdout");
   command.add_option("--out", options.out, "Folder for the maps, made where missing");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -19,8 +20,14 @@ struct EvaluateOptions {
   std::filesystem::path out;  // empty: nothing is written
 };
 
+// What a command judges. Depth is of what enters the fusion: disparities that are filled, or of an
+// offline search, do not.
+enum class Judged : std::uint8_t { kDisparity, kDepth };
+
 // Adds the flags that these commands share.
-void add_evaluate_flags(CLI::App& command, EvaluateOptions& options);
+void add_evaluate_flags(CLI::App& command, EvaluateOptions& options, Judged judged);
+// Adds --runs.
+void add_runs_flag(CLI::App& command, EvaluateOptions& options);
 // Makes the folder where it is missing. Throws Failure.
 void make_folder(const std::filesystem::path& folder);
 

@@ -49,14 +49,13 @@ void write_maps(const FloorCase& floor, const std::filesystem::path& folder) {
   for (const FloorRun& run : floor.runs) {
     std::string matcher = run.matcher;
     std::ranges::replace(matcher, ' ', '_');
-    for (const auto& [name, depth] :
-         {std::pair("stereo", &run.stereo), std::pair("fused", &run.fused)}) {
-      const std::filesystem::path to = folder / floor.scene / matcher / name;
+    for (const FloorDepth& made : run.depths) {
+      const std::filesystem::path to = folder / floor.scene / matcher / made.source;
       make_folder(to);
-      value_or_fail(dataset::write_pfm(to / "depth.pfm", *depth));
-      const dataset::Image<float> error = relative_error(*depth, floor.truth);
+      value_or_fail(dataset::write_pfm(to / "depth.pfm", made.depth));
+      const dataset::Image<float> error = relative_error(made.depth, floor.truth);
       value_or_fail(write_png(
-          to / "error.png", error_picture(error, kLargestRelativeError),
+          to / "error.png", depth_error_picture(error, kLargestRelativeError),
           {{"Description", "blue: too near, red: too far, 5 percent or more; grey: none"}}));
     }
   }
@@ -104,10 +103,10 @@ void print_head() {
   std::printf(
       "Percent of the pixels that both cameras see, floor up to 4 m. off: by more than 5 percent\n"
       "of depth; any: missing, also where one camera sees it; >3cm: an obstacle above the floor;\n"
-      "flat: behind the edge, less than half as low as it is; conf: the sensors contradict\n"
+      "flat: lower floor that seems less than half as low as it is; conf: the sensors contradict\n"
       "each other. Of glass, missing is right and off is wrong.\n\n");
   std::printf("%-41s%-48s%-14s%-14s%-21s%s\n", "", "   floor", "   box", "   wall",
-              "   behind the edge", "   glass");
+              "   lower floor", "   glass");
   std::printf("%-16s %-16s %-7s%7s%7s%7s%7s%10s%10s", "scene", "matcher", "source", "off", "miss",
               "any", ">3cm", "median mm", "p95 mm");
   for (const char* const head :
@@ -136,17 +135,25 @@ void print_row(const FloorRow& row) {
   std::printf("%s%s\n", line.c_str(), share(score.conflict).c_str());
 }
 
-// One for each matcher and source, in the order of the first scene.
-std::vector<FloorRow> mean_rows(const std::vector<FloorRow>& rows, std::size_t of_a_scene) {
+// One for each matcher and source, in the order of the rows.
+std::vector<FloorRow> mean_rows(const std::vector<FloorRow>& rows) {
   std::vector<FloorRow> means;
-  for (std::size_t k = 0; k < of_a_scene; ++k) {
+  for (const FloorRow& first : rows) {
+    const auto same = [&first](const FloorRow& row) {
+      return row.matcher == first.matcher && row.source == std::string_view(first.source);
+    };
+    if (std::ranges::any_of(means, same)) {
+      continue;
+    }
     std::vector<FloorScore> scores;
-    for (std::size_t i = k; i < rows.size(); i += of_a_scene) {
-      scores.push_back(rows[i].score);
+    for (const FloorRow& row : rows) {
+      if (same(row)) {
+        scores.push_back(row.score);
+      }
     }
     means.push_back({.scene = "mean",
-                     .matcher = rows[k].matcher,
-                     .source = rows[k].source,
+                     .matcher = first.matcher,
+                     .source = first.source,
                      .score = mean_score(std::span<const FloorScore>(scores))});
   }
   return means;
@@ -159,10 +166,11 @@ void add_evaluate_floor(CLI::App& evaluate, EvaluateFloorOptions& options) {
       "floor", "Scenes above a floor: what a robot would take for an obstacle, a drop, a way");
   command
       .add_option("DIR", options.folders,
-                  "Folders that stof_emu_pair DIR --scene floor wrote; without --preset and "
-                  "settings each is matched with every preset")
+                  "Folders of scenes above a floor, as stof_emu_pair DIR --scene floor writes "
+                  "them; without a PMD recording (pmd.json) stereo alone is scored. Without "
+                  "--preset and settings each is matched with every preset")
       ->required();
-  add_evaluate_flags(command, options);
+  add_evaluate_flags(command, options, Judged::kDepth);
   command.callback([&options] { evaluate_floor(options); });
 }
 
@@ -178,12 +186,11 @@ void evaluate_floor(const EvaluateFloorOptions& options) {
                                          " for --out: give another folder name");
     }
     for (const FloorRun& run : floor.runs) {
-      for (const auto& [source, score] :
-           {std::pair("stereo", &run.stereo_score), std::pair("fused", &run.fused_score)}) {
+      for (const FloorDepth& made : run.depths) {
         rows.push_back({.scene = floor.scene,
                         .matcher = run.matcher,
-                        .source = source,
-                        .score = *score,
+                        .source = made.source,
+                        .score = made.score,
                         .height_m = floor.height_m,
                         .tilt_degrees = floor.tilt_degrees});
       }
@@ -192,7 +199,7 @@ void evaluate_floor(const EvaluateFloorOptions& options) {
       write_maps(floor, options.out);
     }
   }
-  const std::vector<FloorRow> means = mean_rows(rows, 2 * asked.size());
+  const std::vector<FloorRow> means = mean_rows(rows);
   if (options.json) {
     print_json(rows, means);
     return;

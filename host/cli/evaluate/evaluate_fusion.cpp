@@ -85,7 +85,8 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
   command.add_flag("--chapter-geometry", options.chapter_geometry,
                    "Adds the chapter's fusion of a scaled PMD map, for comparison");
   command.add_option("--html", options.html, "A page with all maps and tables");
-  add_evaluate_flags(command, options);
+  add_evaluate_flags(command, options, Judged::kDepth);
+  add_runs_flag(command, options);
 }
 
 void evaluate_fusion(const EvaluateFusionOptions& options) {

@@ -12,16 +12,20 @@
 
 namespace stof::host {
 
-// The result for a scene above a floor, matched in one way.
-struct FloorRun {
-  std::string matcher;           // in words
-  dataset::Image<float> stereo;  // Z in metres, +inf = none
-  dataset::Image<float> fused;
-  FloorScore stereo_score;
-  FloorScore fused_score;
+// A depth map of a scene above a floor.
+struct FloorDepth {
+  const char* source;           // "stereo" alone or "fused"
+  dataset::Image<float> depth;  // Z in metres, +inf = none
+  FloorScore score;
 };
 
-// A pair above a floor, with its PMD recording.
+// The results for such a scene, matched in one way.
+struct FloorRun {
+  std::string matcher;             // in words
+  std::vector<FloorDepth> depths;  // fused only where there is a PMD recording
+};
+
+// A pair above a floor.
 struct FloorCase {
   std::string scene;  // name of the folder
   double height_m = 0;
@@ -30,8 +34,9 @@ struct FloorCase {
   std::vector<FloorRun> runs;   // one for each matcher
 };
 
-// Reads the folder and its recording `pmd`, fuses and scores. One line when a file is missing or
-// says nothing of a floor, or when the options mean nothing.
+// Reads the folder and its recording `pmd`, where there is one, fuses and scores. One line when a
+// file is missing or says nothing of a floor, when the floor is not where the pose says, or when
+// the options mean nothing.
 dataset::Loaded<FloorCase> run_floor_case(const std::filesystem::path& folder,
                                           std::span<const MatchRequest> matchers,
                                           const FusionOptions& options);

@@ -63,6 +63,18 @@ class HeightAboveFloor {
 
 }  // namespace
 
+std::optional<double> floor_above_pose(const FloorReference& reference) {
+  const HeightAboveFloor height(reference.floor, reference.lens);
+  std::vector<double> above;
+  for (std::size_t i = 0; i < reference.depth.pixels.size(); ++i) {
+    const double truth = static_cast<double>(reference.depth.pixels[i]);
+    if (reference.floor.surface.pixels[i] == Surface::kFloor && truth <= kFloorReachM) {
+      above.push_back(height.of(static_cast<int>(i) / reference.depth.width, truth));
+    }
+  }
+  return median(std::move(above));
+}
+
 FloorScore score_floor(const dataset::Image<float>& depth, std::span<const dsp::Source> source,
                        const FloorReference& reference) {
   const HeightAboveFloor height(reference.floor, reference.lens);

@@ -46,6 +46,10 @@ struct FloorReference {
   const dsp::Pinhole& lens;                     // of the left camera
 };
 
+// How far above the floor, as the pose and the lens put it, the true floor lies: the median, in
+// metres. None where no floor is near enough to count.
+std::optional<double> floor_above_pose(const FloorReference& reference);
+
 // Z in metres, +inf = none; source: of each pixel, or empty.
 FloorScore score_floor(const dataset::Image<float>& depth, std::span<const dsp::Source> source,
                        const FloorReference& reference);

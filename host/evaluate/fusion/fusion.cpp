@@ -235,10 +235,17 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   Workspace space(dsp::bytes_taken(make));
   dsp::Arena arena = space.arena();
   dsp::DepthMaker maker = make(arena);
+  FusionResult result;
+  if (calibration.pmd.lens.width == 0) {
+    DepthImages alone(width, height);
+    maker.match(scene.left.view(), scene.right.view());
+    maker.fuse(alone.map());
+    result.stereo = alone.planes();
+    return result;
+  }
   const FirstFrame first(recording);
   Run run{
       .scene = scene, .frame = first.frame(), .maker = maker, .images = DepthImages(width, height)};
-  FusionResult result;
   maker.convert(run.frame);
   result.pmd_loss = largest_loss(maker.pmd()->flags);
   result.pmd = run.fuse();

@@ -61,7 +61,8 @@ struct FusionResult {
 };
 
 // The scene's pair and the recording's first frame through the appliance's own DepthMaker. The
-// recording needs a rig. One line when they do not fit together.
+// recording needs a rig; where its PMD camera has 0x0 pixels the result is `stereo` alone. One line
+// when they do not fit together.
 dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
                                          const dataset::PmdRecording& recording,
                                          const lab::MatchParams& match,

@@ -110,6 +110,20 @@ TEST(Schedule, SamePeriodFollowsFromWhatTheFirstFrameCost) {
   }
 }
 
+// 5 ms each for search and the rest; the frame before went out in the period of the edge after it.
+TEST(Schedule, WhereTheRestOfThePeriodIsTooShortTheChangeLeavesOutOneEdgeAndNothingIsLate) {
+  for (const auto& [took, left_out] : {std::pair{hal::Duration(22ms), 0}, {22ms + 1us, 1}}) {
+    Schedule schedule(kTiming, true, kStart);
+    const hal::Time first = schedule.advance();
+    const hal::Time second = schedule.advance();
+    schedule.note_sent(first, kCheap, second + took);
+    ASSERT_TRUE(schedule.same_period());
+    EXPECT_EQ(schedule.next(), second + (1 + left_out) * kPeriod);
+    EXPECT_EQ(schedule.arrive(second + took + 10ms).skipped, 0U);
+    EXPECT_EQ(schedule.advance(), second + (1 + left_out) * kPeriod);
+  }
+}
+
 TEST(Schedule, WhatTheDriversTakeCountsWhereNothingWasWaitedFor) {
   for (const hal::Duration asked : {16ms, 17ms}) {
     Schedule schedule(kTiming, true, kStart);

@@ -17,13 +17,13 @@ using hal::emu::Replay;
 
 class ReplayTest : public Scratch {
  protected:
-  std::filesystem::path put_scene(const std::string& gt) const {
+  std::filesystem::path put_scene(const std::string& gt, const std::string& rig = "") const {
     put("scene/left.pgm", "P5\n3 2\n255\nabcdef");
     put("scene/right.pgm", "P5\n3 2\n255\nuvwxyz");
     if (!gt.empty()) {
       put("scene/gt_left.pgm", "P5\n3 2\n255\n" + gt);
     }
-    put("scene/meta.txt", "scene scene\nwidth 3\nheight 2\ngt_scale 4\nndisp 16\n");
+    put("scene/meta.txt", "scene scene\nwidth 3\nheight 2\ngt_scale 4\nndisp 16\n" + rig);
     return folder() / "scene";
   }
 };
@@ -50,6 +50,20 @@ TEST_F(ReplayTest, WithoutPmdRecordingTheRigIsAssumedAndUsable) {
   EXPECT_TRUE((*replay)->rig_is_assumed());
   EXPECT_STREQ(dsp::problem((*replay)->calibration()), "");
   EXPECT_FALSE((*replay)->depth());
+}
+
+TEST_F(ReplayTest, WithoutPmdRecordingTheRigIsThatOfTheScene) {
+  const auto replay = Replay::open(put_scene(std::string("\x04\x08\x10\x28\x00\x02", 6),
+                                             "f_px 600\nbaseline_m 0.12\ndoff_px 1\n"),
+                                   std::nullopt);
+  ASSERT_TRUE(replay) << replay.error().message;
+  EXPECT_FALSE((*replay)->rig_is_assumed());
+  const dsp::StereoRig& rig = (*replay)->calibration().stereo;
+  EXPECT_EQ(rig.left.fx, 600);
+  EXPECT_EQ(rig.baseline_m, 0.12);
+  EXPECT_EQ(rig.doff_px, 1);
+  EXPECT_STREQ(dsp::problem((*replay)->calibration()), "");
+  EXPECT_FLOAT_EQ((*replay)->depth()->pixels[1], 600 * 0.12F / (2 + 1));
 }
 
 TEST_F(ReplayTest, TruthIsDepthByTheCalibration) {

@@ -6,6 +6,7 @@ words separated by |."""
 import json
 import os
 import pathlib
+import re
 import shutil
 import subprocess
 import sys
@@ -92,16 +93,40 @@ class EvaluateFloor(unittest.TestCase):
         self.refuse("--preset", "low", "--preset", "best")
         self.refuse("--fill", "low", "--preset", "fast", "--fill")
         self.refuse("second scene", "low", self.folder / "low", "--out", "maps")
-        for name, fact in (("surfaces.pgm", "surfaces.pgm"), ("gt_left.pgm", "gt_left.pgm"),
-                           ("nonocc.pgm", "nonocc.pgm"), ("pmd.json", "pmd.json")):
+        self.refuse("--method", "low", "--method", "sa")
+        for name in ("surfaces.pgm", "gt_left.pgm", "nonocc.pgm", "pmd_raw.pgm"):
             copy = self.copy_of_low("without")
             (copy / name).unlink()
-            self.refuse(fact, copy)
+            self.refuse(name, copy)
             self.doCleanups()
         copy = self.copy_of_low("broken")
         meta = (copy / "meta.txt").read_text()
         (copy / "meta.txt").write_text(meta.replace("camera_height_m 0.", "camera_height_m -0."))
         self.refuse("camera_height_m", copy)
+
+    def test_without_a_pmd_recording_stereo_alone_is_scored(self):
+        copy = self.copy_of_low("pair")
+        for file in copy.glob("pmd*"):
+            file.unlink()
+        rows = json.loads(self.succeed("low", "pair", "--preset", "fast", "--json"))
+        self.assertEqual([(row["scene"], row["source"]) for row in rows["rows"]],
+                         [("low", "stereo"), ("low", "fused"), ("pair", "stereo")])
+        low, fused, pair = rows["rows"]
+        self.assertEqual({**low, "scene": ""}, {**pair, "scene": ""})
+        self.assertEqual(rows["mean"][0]["floor"]["off_percent"], low["floor"]["off_percent"])
+        self.assertEqual(rows["mean"][1]["floor"], fused["floor"])
+        meta = copy / "meta.txt"
+        meta.write_text(re.sub("f_px .*", "", meta.read_text()))
+        self.refuse("f_px", copy)
+
+    def test_a_pose_that_does_not_fit_the_depths_is_refused(self):
+        for key in ("camera_height_m", "camera_tilt_degrees", "baseline_m"):
+            copy = self.copy_of_low("moved")
+            (copy / "pmd.json").unlink()  # the rig is that of meta.txt
+            meta = copy / "meta.txt"
+            meta.write_text(re.sub(f"({key}) (.*)", lambda told: f"{told[1]} {1.3 * float(told[2])}", meta.read_text()))
+            self.refuse("by its depths the floor is", copy)
+            self.doCleanups()
 
 
 def main():

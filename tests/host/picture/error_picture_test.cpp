@@ -1,8 +1,11 @@
 #include "host/picture/error_picture.h"
 
+#include <algorithm>
 #include <limits>
 
 #include <gtest/gtest.h>
+
+#include "host/picture/legend.h"
 
 namespace stof::host {
 namespace {
@@ -20,6 +23,15 @@ TEST(ErrorPicture, ShowsSignsAsColours) {
   const Rgb unknown = nothing.pixels[1];
   EXPECT_EQ(unknown.red, unknown.blue);
   EXPECT_NE(unknown, kWhite);
+}
+
+TEST(DepthErrorPicture, SaysBesideTheMapWhatItsColoursMean) {
+  const dataset::Image<Rgb> picture = depth_error_picture(dataset::Image<float>(120, 130), 0.05);
+  ASSERT_EQ(picture.width, 120 + kLegendWidth);
+  EXPECT_EQ(picture.height, 130);
+  for (const double error : {-1.0, 1.0, std::numeric_limits<double>::infinity()}) {
+    EXPECT_NE(std::ranges::find(picture.pixels, error_colour(error)), picture.pixels.end());
+  }
 }
 
 TEST(LargestError, LeavesOutWhatIsNotFinite) {
