@@ -207,7 +207,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   calibration.stereo.left.width = width;
   calibration.stereo.left.height = height;
   if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
-    return dataset::refuse(scene.name + ": " + wrong + ": correct the recording's json");
+    return dataset::refuse(scene.name + ": " + wrong + ": correct the rig");
   }
   if (lab::check(match, width, height) != Status::kOk) {
     return dataset::refuse(
