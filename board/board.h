@@ -47,6 +47,7 @@ struct Board {
   int disparities;                         // search range that the rig asks for
   hal::Duration least_period{};            // with a shorter one frames cannot be told apart
   bool emulated_time;                      // the clock is not this machine's
+  bool recorded = false;                   // what cameras see comes of files, and again and again
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing
 };

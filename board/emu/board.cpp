@@ -31,6 +31,7 @@ struct World {
   std::unique_ptr<emu::Imagery> imagery;
   dsp::Calibration calibration;
   int disparities = 0;
+  bool recorded = false;
   std::optional<dataset::Image<float>> depth;  // Z in metres, +inf = unknown
   std::vector<std::string> notes;
 };
@@ -85,6 +86,7 @@ std::expected<World, Refusal> replay(const EmuOptions& options) {
   }
   world.calibration = recorded.calibration();
   world.disparities = recorded.disparities();
+  world.recorded = true;
   world.depth = recorded.depth();
   world.imagery = std::move(*opened);
   return world;
@@ -144,6 +146,7 @@ struct Rig {
                         .calibration = world.calibration,
                         .disparities = world.disparities,
                         .emulated_time = options.free_run,
+                        .recorded = world.recorded,
                         .notes = world.notes});
     board->notes.insert(board->notes.end(), connections.notes.begin(), connections.notes.end());
   }

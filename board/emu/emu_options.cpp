@@ -11,8 +11,8 @@ namespace {
 namespace emu = hal::emu;
 
 constexpr std::array<std::string_view, kDeviceCount> kDeviceNames{"trigger", "stereo", "pmd"};
-constexpr std::array<std::string_view, 7> kFaultNames{"none", "drop",    "delay", "repeat",
-                                                      "tear", "corrupt", "vanish"};
+constexpr std::array<std::string_view, 9> kFaultNames{
+    "none", "drop", "delay", "repeat", "tear", "corrupt", "vanish", "freeze", "dark"};
 
 std::unexpected<Refusal> refuse(std::string message) {
   return std::unexpected(Refusal{std::move(message)});
@@ -29,7 +29,22 @@ std::optional<std::size_t> find(const std::array<std::string_view, N>& names,
   return std::nullopt;
 }
 
-// DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30 or pmd:repeat:10:10.
+// N or N+CALLS.
+bool parse_calls(std::string_view text, emu::Fault& fault) {
+  const std::size_t plus = text.find('+');
+  const auto first = dsp::parse_number<std::uint32_t>(text.substr(0, plus));
+  const auto calls = plus == std::string_view::npos
+                         ? std::optional(fault.calls)
+                         : dsp::parse_number<std::uint32_t>(text.substr(plus + 1));
+  if (!first || !calls || *calls == 0) {
+    return false;
+  }
+  fault.call = *first;
+  fault.calls = *calls;
+  return true;
+}
+
+// DEVICE:KIND:CALL[+CALLS][:EVERY], such as stereo:drop:30, pmd:vanish:30+300 or pmd:repeat:10:10.
 bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>& plans) {
   std::array<std::string_view, 4> parts{};
   std::size_t count = 0;
@@ -43,21 +58,14 @@ bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>
   }
   const auto device = find(kDeviceNames, parts[0]);
   const auto kind = find(kFaultNames, parts[1]);
-  std::array<std::uint32_t, 2> numbers{};
-  for (std::size_t i = 2; i < count; ++i) {
-    const auto number = dsp::parse_number<std::uint32_t>(parts[i]);
-    if (!number) {
-      return false;
-    }
-    numbers[i - 2] = *number;
-  }
-  if (count < 3 || !device || !kind) {
+  const auto every = count > 3 ? dsp::parse_number<std::uint32_t>(parts[3]) : std::optional(0U);
+  emu::Fault fault{.duration = std::chrono::milliseconds(25)};
+  if (count < 3 || !device || !kind || !every || !parse_calls(parts[2], fault)) {
     return false;
   }
-  plans[*device] = {emu::Fault{.kind = static_cast<emu::FaultKind>(*kind),
-                               .call = numbers[0],
-                               .every = numbers[1],
-                               .duration = std::chrono::milliseconds(25)}};
+  fault.kind = static_cast<emu::FaultKind>(*kind);
+  fault.every = *every;
+  plans[*device] = {fault};
   return true;
 }
 
@@ -123,8 +131,9 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
       scene_flag = flag;
     } else if (flag == "--fault") {
       if (!parse_fault(value, options.faults)) {
-        return refuse("--fault takes DEVICE:KIND:CALL[:EVERY], such as stereo:drop:30, not \"" +
-                      std::string(value) + "\"; try --help");
+        return refuse(
+            "--fault takes DEVICE:KIND:CALL[+CALLS][:EVERY], such as stereo:drop:30, not \"" +
+            std::string(value) + "\"; try --help");
       }
     } else if (!take_value(flag, value, options)) {
       return refuse("unknown argument \"" + flag + "\"; try --help");
@@ -159,8 +168,14 @@ std::string_view usage() noexcept {
       "  --truth FILE         write the exact depth as PFM: Z in metres, left view, inf = "
       "unknown\n"
       "  --free-run           emulated time, as fast as this machine computes\n"
-      "  --fault D:KIND:N[:M] fault at call N (and every M calls) of D = trigger, stereo, pmd;\n"
-      "                       KIND = drop, delay, repeat, tear, corrupt, vanish\n";
+      "  --fault D:KIND:N[+K][:M]\n"
+      "                       fault at call N, and at those behind it until there are K (and again "
+      "every M\n"
+      "                       calls), of D = trigger, stereo, pmd; KIND = drop, delay, repeat, "
+      "tear, "
+      "corrupt,\n"
+      "                       vanish, freeze (old pixels: of the right picture, of all samples), "
+      "dark (no lamp)\n";
   static const std::string text = [] {
     std::string all(scene_usage());
     all += kRest;

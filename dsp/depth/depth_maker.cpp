@@ -93,6 +93,12 @@ void DepthMaker::match(ImageView<const std::uint8_t> left,
                  disparity_);
 }
 
+void DepthMaker::forget_pair() noexcept {
+  left_ = {};
+  right_ = {};
+  unwatched_ = false;
+}
+
 StereoMaps DepthMaker::stereo() const noexcept {
   return left_.empty() ? StereoMaps{} : StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()};
 }

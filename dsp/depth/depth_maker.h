@@ -46,6 +46,9 @@ class DepthMaker {
 
   // Pictures of the calibration's size, as the cameras give them. A guide uses the PMD's last data.
   void match(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
+  // Until the next match() there is no pair: depth comes from the PMD alone, and its samples are
+  // not compared with a pair of later.
+  void forget_pair() noexcept;
 
   // After a gap in time: the next frame is averaged with none before it. The drift that watch()
   // has found stays: what has moved in a rig does not move back.
@@ -78,7 +81,7 @@ class DepthMaker {
   std::optional<TemporalFilter> temporal_;
   std::optional<DriftMonitor> monitor_;
   ImageView<Disparity> disparity_;
-  ImageView<const std::uint8_t> left_;  // empty before the first match()
+  ImageView<const std::uint8_t> left_;  // empty: there is no pair
   ImageView<const std::uint8_t> right_;
   const PmdMaps* pmd_ = nullptr;
   bool unresolved_ = false;  // readings whose wrap counts are not known yet

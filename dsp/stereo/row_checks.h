@@ -83,6 +83,18 @@ class RowChecks {
     }
   }
 
+  // Where a rival costs no more than the winner, or nothing was compared, the winner is chance: a
+  // pattern that repeats is as good a match one period on. Only where the ratio is known.
+  void drop_ties(std::span<const std::uint8_t> ratio,
+                 std::span<std::int16_t> winners) const noexcept {
+    if (!params_.distinct || !params_.confidence) {
+      return;
+    }
+    for (std::size_t x = 0; x < winners.size(); ++x) {
+      winners[x] = ratio[x] == kRatioOfTie ? kNoWinner : winners[x];
+    }
+  }
+
   void check_left_right(std::span<const Sum> judged, std::span<std::int16_t> winners) noexcept {
     if (params_.left_right_tolerance) {
       const std::size_t n = winners.size() + index(lanes_) - 1;

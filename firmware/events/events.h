@@ -26,6 +26,12 @@ enum class EventKind : std::uint8_t {
   kSending,     // datagrams leave again
   kLate,        // value: whole periods that were skipped because the loop came too late
   kInTime,      // the loop has been in time for a while again
+  kSilent,  // component: a camera that is there, and several edges in a row got nothing usable of
+            // it
+  kFrozen,  // the same, because it repeats what it sent; value: as of the condition
+  kDark,    // the same, because the light of its lamp has gone
+  kSupplying,  // component: edges have its frames again
+  kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
 };
 
 struct Event {
@@ -43,11 +49,12 @@ enum class Drop : std::uint8_t {
   kNewerEdge,    // begins after the window of this edge
   kTorn,         // its parts belong to different exposures
   kBadStamp,     // ends before it begins, or later than this exposure can
-  kStale,        // its sequence number does not advance: repeated or frozen
+  kStale,        // its sequence number does not advance, or its pixels are those of before
   kWrongSize,    // not the size of the calibration
   kUnpartnered,  // it was good, its partner never came
+  kDark,         // of the PMD camera: its lamp gives no light any more
 };
-inline constexpr std::size_t kDrops = 8;
+inline constexpr std::size_t kDrops = 9;
 
 enum class Stage : std::uint8_t { kMatch, kConvert, kFuse, kPublish };
 inline constexpr std::size_t kStages = 4;

@@ -40,6 +40,20 @@ std::optional<wire::Condition> lost(Component component) noexcept {
   return std::nullopt;
 }
 
+// What may be wrong with a camera that is there.
+struct SupplyCondition {
+  Component camera;
+  EventKind begins;
+  wire::Condition condition;
+};
+constexpr std::array<SupplyCondition, 5> kSupplyConditions{{
+    {Component::kStereo, EventKind::kSilent, wire::Condition::kStereoSilent},
+    {Component::kStereo, EventKind::kFrozen, wire::Condition::kStereoFrozen},
+    {Component::kPmd, EventKind::kSilent, wire::Condition::kPmdSilent},
+    {Component::kPmd, EventKind::kFrozen, wire::Condition::kPmdFrozen},
+    {Component::kPmd, EventKind::kDark, wire::Condition::kPmdDark},
+}};
+
 }  // namespace
 
 std::uint32_t microseconds(hal::Duration time) noexcept {
@@ -58,6 +72,15 @@ void HealthMonitor::observe(const Event& event) noexcept {
       if (const std::optional<wire::Condition> which = lost(event.component)) {
         set(*which, event.kind == EventKind::kLost, 0, event.at);
       }
+      observe_supply(event);
+      break;
+    case EventKind::kSilent:
+    case EventKind::kFrozen:
+    case EventKind::kDark:
+    case EventKind::kSupplying:
+      observe_supply(event);
+      break;
+    case EventKind::kStandsOn:  // what is missing is a condition of its own
       break;
     case EventKind::kSendFailed:
     case EventKind::kSending:
@@ -67,6 +90,14 @@ void HealthMonitor::observe(const Event& event) noexcept {
     case EventKind::kInTime:
       set(wire::Condition::kLate, event.kind == EventKind::kLate, event.value, event.at);
       break;
+  }
+}
+
+void HealthMonitor::observe_supply(const Event& event) noexcept {
+  for (const SupplyCondition& possible : kSupplyConditions) {
+    if (possible.camera == event.component) {
+      set(possible.condition, possible.begins == event.kind, event.value, event.at);
+    }
   }
 }
 
@@ -206,7 +237,8 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
 wire::LoopCounters loop_counters(const Counters& counters) noexcept {
   std::uint64_t mispaired = 0;
   for (std::size_t cause = 0; cause < kDrops; ++cause) {
-    if (cause != static_cast<std::size_t>(Drop::kUnpartnered)) {
+    if (cause != static_cast<std::size_t>(Drop::kUnpartnered) &&
+        cause != static_cast<std::size_t>(Drop::kDark)) {
       mispaired += counters.stereo_dropped[cause] + counters.pmd_dropped[cause];
     }
   }

@@ -63,6 +63,8 @@ class HealthMonitor {
     hal::Time at{};
   };
 
+  // Begins and ends the conditions of a camera that is there.
+  void observe_supply(const Event& event) noexcept;
   wire::EventReport report(std::size_t condition) const noexcept;
   void judge_second(const Counters& counters, const ControlStatus& control, hal::Time now) noexcept;
 

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "firmware/wire/frame_info.h"
+
 namespace stof::firmware {
 namespace {
 
@@ -22,9 +24,35 @@ const char* name(Component component) noexcept {
   return "unknown part";
 }
 
-constexpr std::array<const char*, kDrops> kDropNames{"used",       "left over",      "too early",
-                                                     "torn",       "bad stamp",      "repeated",
-                                                     "wrong size", "without partner"};
+constexpr std::array<const char*, kDrops> kDropNames{"used",       "left over",       "too early",
+                                                     "torn",       "bad stamp",       "repeated",
+                                                     "wrong size", "without partner", "dark"};
+
+// What comes again.
+const char* frozen_text(const Event& event) {
+  if (event.component == Component::kPmd) {
+    return "the same set of samples";
+  }
+  switch (event.value) {
+    case 1:
+      return "the same left picture";
+    case 2:
+      return "the same right picture";
+    default:
+      return "the same pair";
+  }
+}
+
+const char* standing_text(std::uint32_t sensors) {
+  switch (sensors) {
+    case wire::kStereoSensor:
+      return "frames stand on the stereo pair alone";
+    case wire::kPmdSensor:
+      return "frames stand on the PMD camera alone";
+    default:
+      return "frames stand on both sensors";
+  }
+}
 
 // " (3 repeated, 1 torn)", or nothing.
 std::string causes(const std::array<std::uint64_t, kDrops>& dropped) {
@@ -66,6 +94,19 @@ std::string describe(const Event& event) {
              " period(s) skipped, this machine is too slow or too busy for the period";
     case EventKind::kInTime:
       return "in time again";
+    case EventKind::kSilent:
+      return std::string(name(event.component)) +
+             " silent: it is there, but sends nothing that belongs to an edge";
+    case EventKind::kFrozen:
+      return std::string(name(event.component)) + " frozen: " + frozen_text(event) +
+             " comes again and again";
+    case EventKind::kDark:
+      return std::string(name(event.component)) +
+             " dark: its samples have lost all light of its lamp at once";
+    case EventKind::kStandsOn:
+      return standing_text(event.value);
+    case EventKind::kSupplying:
+      return std::string(name(event.component)) + ": frames are used again";
   }
   return "unknown event";
 }

@@ -39,13 +39,13 @@ Status Loop::step() noexcept {
 Status Loop::run_period() noexcept {
   wait_for_edge();
   const Result<hal::Time> edge = pulse();  // shot n begins to expose
-  Status status = publish_held();          // shot n - 1, if it had to wait for its turn
+  Status status = publish_waiting();       // shot n - 1, if it had to wait for its turn
   if (!edge) {
     return lost_or_ok(edge.error(), status);
   }
   status = lost_or_ok(status, collect(*edge));  // pairs stereo and PMD with this edge
-  if (schedule_.same_period()) {
-    status = lost_or_ok(status, publish_held());
+  if (schedule_.same_period() && board_.clock.now() < schedule_.next()) {
+    status = lost_or_ok(status, publish_held(schedule_.send_deadline(), true));
   }
   return status;
 }
@@ -59,13 +59,14 @@ void Loop::lend_lost_devices() noexcept {
     lending_->after_round(device, conditions_.lost(component), borrowed, now);
   };
   lend(board::Device::kTrigger, Component::kTrigger, false);
-  lend(board::Device::kStereo, Component::kStereo, held_.has_value());
+  lend(board::Device::kStereo, Component::kStereo, held_ && held_->stereo);
   lend(board::Device::kPmd, Component::kPmd, collector_.holds_pmd() || (held_ && held_->pmd));
 }
 
 void Loop::restart(const board::TimingConfig& timing) noexcept {
   schedule_.restart(timing, board_.clock.now());
   pipeline_.forget_match();
+  collector_.forget_pmd();
   last_edge_.reset();
 }
 
@@ -97,7 +98,19 @@ Result<hal::Time> Loop::pulse() noexcept {
   return edge;
 }
 
-Status Loop::publish_held() noexcept {
+Status Loop::publish_waiting() noexcept {
+  if (!held_) {
+    return Status::kOk;
+  }
+  if (!schedule_.same_period()) {
+    return publish_held(schedule_.send_deadline(), true);
+  }
+  // Shot n shall be out in this period as well, so the packets of this one wait for nothing. What
+  // it waited for was a sensor, unless that came.
+  return publish_held(board_.clock.now(), is_whole(*held_));
+}
+
+Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
   if (!held_) {
     return Status::kOk;
   }
@@ -105,31 +118,39 @@ Status Loop::publish_held() noexcept {
   Counters& counters = conditions_.counters();
   if (schedule_.expired(held_->edge, board_.clock.now())) {
     ++counters.expired;
+    collector_.forget_pmd();  // the pipeline has not seen its samples
   } else {
     note_gap(*held_);
     const Output& output = pipeline_.compute(*held_, board_.clock);
     const hal::Time computed = board_.clock.now();
     ++counters.published;
-    sent = publisher_.publish(*held_, output, schedule_.send_deadline());
+    sent = publisher_.publish(*held_, output, latest);
     conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;
     pipeline_.watch(board_.clock);
     count_stages(output.stats, published, counters);
-    update_schedule(output.stats, held_->edge);
+    if (usual && held_->stereo) {  // without a pair it costs less than usual
+      update_schedule(output.stats, held_->edge);
+    }
   }
   pipeline_.forget_match();
   held_.reset();  // its slots go home
   return sent;
 }
 
+bool Loop::is_whole(const Shot& shot) const noexcept {
+  return shot.sensors() == (board_.pmd == nullptr ? kStereoSensor : kBothSensors);
+}
+
 void Loop::note_gap(const Shot& shot) noexcept {
   // A camera that was lost may expose otherwise than before, however soon it is back.
   if (!last_edge_ || schedule_.gap(*last_edge_, shot.edge) ||
-      shot.stereo_losses != stereo_losses_) {
+      shot.stereo_losses != stereo_losses_ || shot.sensors() != sensors_) {
     pipeline_.forget_past();
   }
   last_edge_ = shot.edge;
   stereo_losses_ = shot.stereo_losses;
+  sensors_ = shot.sensors();
 }
 
 void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {
@@ -147,8 +168,10 @@ Status Loop::collect(hal::Time edge) noexcept {
   const bool search_first = schedule_.same_period() && pipeline_.may_match_first();
   Collected collected = collector_.collect(edge, schedule_.next(), schedule_.timing(),
                                            search_first ? &pipeline_ : nullptr);
-  schedule_.note_fetch(edge, begin, board_.clock.now());
   if (collected.shot) {
+    if (is_whole(*collected.shot)) {  // else it waited for what did not come
+      schedule_.note_fetch(edge, begin, board_.clock.now());
+    }
     held_.emplace(std::move(*collected.shot));
   }
   return collected.lost ? Status::kDeviceLost : Status::kOk;

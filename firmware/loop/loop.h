@@ -20,8 +20,9 @@ namespace stof::firmware {
 // The one loop. Where a frame can be computed before the next edge, it pulses the trigger for n,
 // searches while the PMD camera still integrates, collects, fuses and publishes n: the last packet
 // leaves before the next edge. Where the computer is too slow for that, it pulses for n + 1,
-// computes and publishes n, and collects n + 1: a period later, at the same rate. Allocates
-// nothing.
+// computes and publishes n, and collects n + 1: a period later, at the same rate. So does a frame
+// that had to wait until the next edge for a sensor which then gave nothing: no edge comes late for
+// it. Allocates nothing.
 class Loop {
  public:
   // board::problem(timing) must be empty; pipeline was built for frames of the setup's sizes.
@@ -34,6 +35,9 @@ class Loop {
   // kOk: whether or not there was a frame. kDeviceLost: a device is lost.
   Status step() noexcept;
 
+  // From now on there is no frame without one of the rig's sensors, or there is.
+  void require_both(bool both) noexcept { collector_.require_both(both); }
+
   // After a pause, with another timing perhaps; board::problem(timing) must be empty.
   void restart(const board::TimingConfig& timing) noexcept;
 
@@ -42,8 +46,14 @@ class Loop {
   void lend_lost_devices() noexcept;
   void wait_for_edge() noexcept;
   Result<hal::Time> pulse() noexcept;
-  Status publish_held() noexcept;
-  // Tells the pipeline where this shot does not follow the one that was computed before it.
+  // A shot that was collected before this period.
+  Status publish_waiting() noexcept;
+  // latest: when its last packet leaves. usual: its delay is what frames like it take.
+  Status publish_held(hal::Time latest, bool usual) noexcept;
+  // Of all sensors of this rig.
+  bool is_whole(const Shot& shot) const noexcept;
+  // Tells the pipeline where this shot does not follow the one that was computed before it, or has
+  // other sensors than that.
   void note_gap(const Shot& shot) noexcept;
   // By what this frame has cost.
   void update_schedule(const Stats& stats, hal::Time edge) noexcept;
@@ -59,6 +69,7 @@ class Loop {
   std::optional<Shot> held_;
   std::optional<hal::Time> last_edge_;  // of the shot that was computed last; none: a gap follows
   std::uint64_t stereo_losses_ = 0;     // of the camera, up to that shot
+  Sensors sensors_ = kBothSensors;      // of that shot
 };
 
 }  // namespace stof::firmware

@@ -3,6 +3,23 @@
 #include <utility>
 
 namespace stof::firmware {
+namespace {
+
+EventKind event_of(Absence::Why why) noexcept {
+  switch (why) {
+    case Absence::Why::kFrozen:
+      return EventKind::kFrozen;
+    case Absence::Why::kDark:
+      return EventKind::kDark;
+    case Absence::Why::kSilent:
+      return EventKind::kSilent;
+    case Absence::Why::kNone:
+      break;
+  }
+  return EventKind::kSupplying;
+}
+
+}  // namespace
 
 void LoopConditions::note(const Event& event) noexcept {
   events_.note(event);
@@ -21,6 +38,19 @@ void LoopConditions::note_device_status(Component component, Status status) noex
     ++of(counters.timeouts, component);
   } else if (status != Status::kOk) {
     ++of(counters.errors, component);
+  }
+}
+
+void LoopConditions::note_camera(Component camera, const Absence& absence) noexcept {
+  Supply& supply = supplies_[static_cast<std::size_t>(camera)];
+  if (lost(camera)) {
+    supply = {};
+    return;
+  }
+  supply.edges = absence.why == Absence::Why::kNone ? 0 : supply.edges + 1;
+  const bool news = supply.edges == 0 || supply.edges >= kSilentEdges;
+  if (news && std::exchange(supply.told, absence.why) != absence.why) {
+    note({clock_.now(), event_of(absence.why), camera, Status::kOk, absence.value});
   }
 }
 
@@ -47,12 +77,20 @@ void LoopConditions::note_lateness(const Schedule::Lateness& lateness, hal::Time
   }
 }
 
-void LoopConditions::note_frame() noexcept {
+void LoopConditions::note_frame(Sensors sensors) noexcept {
   if (!std::exchange(publishing_, true)) {
     note({clock_.now(), EventKind::kPublishing, Component::kLoop, Status::kOk,
           edges_without_frame_});
   }
   edges_without_frame_ = 0;
+  alike_ = std::exchange(sensors_, sensors) == sensors ? alike_ + 1 : 1;
+  // Those at the start are no news: a line at the start, or a lost camera's, tells them.
+  if (alike_ >= kSilentEdges) {
+    const Sensors before = std::exchange(told_sensors_, sensors);
+    if (before != kNoSensor && before != sensors) {
+      note({clock_.now(), EventKind::kStandsOn, Component::kLoop, Status::kOk, sensors});
+    }
+  }
 }
 
 void LoopConditions::note_no_frame(Component missing, Status why) noexcept {

@@ -14,6 +14,9 @@
 // taken for hostile: they are compared, never added or subtracted, until they were found to fit.
 namespace stof::firmware {
 
+// A camera that answers at once with frames of other edges is drained by so many a period.
+inline constexpr int kMaxFramesPerEdge = 16;
+
 // Exposures that an edge can have caused begin within `tolerance` of it and last `exposure` at
 // most, with `tolerance` on top.
 struct ExposureWindow {
@@ -37,6 +40,8 @@ class SequenceGuard {
   // Whether `sequence` belongs to an exposure that was not accepted before.
   bool advances(std::uint32_t sequence) noexcept;
   void accept(std::uint32_t sequence) noexcept;
+  // It is the number that was accepted last: the same exposure once more.
+  bool repeats(std::uint32_t sequence) const noexcept { return accepted_ == sequence; }
   // The device was lost: whatever number comes next is new.
   void forget() noexcept { *this = {}; }
 
@@ -46,12 +51,23 @@ class SequenceGuard {
   int run_ = 0;  // refused numbers that followed each other, up to refused_
 };
 
+// Cameras of the pair, as a sum; the value of condition `stereo frozen`.
+enum Eyes : std::uint8_t { kNoEye = 0, kLeftEye = 1, kRightEye = 2 };
+
+constexpr Eyes eyes(bool left, bool right) noexcept {
+  return static_cast<Eyes>((left ? kLeftEye : 0) | (right ? kRightEye : 0));
+}
+
 // Judges stereo frames: size, sequences, both exposures.
 class StereoPairing {
  public:
   StereoPairing(int width, int height) noexcept : width_(width), height_(height) {}
   // kNone: the frame is of this edge, and new. Remembers its numbers then.
   Drop judge(const ExposureWindow& window, const hal::StereoFrame& frame) noexcept;
+  // The eyes whose exposure was accepted before.
+  Eyes repeating(const hal::StereoFrame& frame) const noexcept {
+    return eyes(left_.repeats(frame.left_sequence), right_.repeats(frame.right_sequence));
+  }
   void forget() noexcept;
 
  private:
@@ -74,6 +90,10 @@ class PmdPairing {
   PmdPairing(int width, int height) noexcept : width_(width), height_(height) {}
   // windows: the edges that may have caused it, the newest first; at least one.
   PmdVerdict judge(std::span<const ExposureWindow> windows, const hal::PmdFrame& frame) noexcept;
+  // Its exposures were accepted before.
+  bool repeating(const hal::PmdFrame& frame) const noexcept {
+    return sequence_.repeats(frame.sequence);
+  }
   void forget() noexcept { sequence_.forget(); }
 
  private:

@@ -1,7 +1,6 @@
 #include "firmware/pipeline/pipeline.h"
 
 #include <algorithm>
-#include <utility>
 
 namespace stof::firmware {
 namespace {
@@ -57,12 +56,17 @@ const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
   if (shot.pmd) {
     const dsp::PmdExposure exposure{.samples = (*shot.pmd)->samples};
     maker_.convert({.first = {&exposure, 1}});
+  } else if (!shot.pmd_exposed) {
+    maker_.forget_pmd();
   }
   stats.convert = clock.now() - start;
-  if (!std::exchange(matched_, false)) {
-    match(*shot.stereo, clock);
-    matched_ = false;
+  if (!shot.stereo) {
+    maker_.forget_pair();
+    stats.match = {};
+  } else if (!matched_) {
+    match(**shot.stereo, clock);
   }
+  matched_ = false;
   const hal::Time matched = clock.now();
   maker_.fuse(output_.map);
   stats.fuse = clock.now() - matched;

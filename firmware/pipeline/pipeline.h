@@ -18,7 +18,8 @@ namespace stof::firmware {
 struct Setup {
   dsp::Calibration calibration;
   dsp::DepthParams depth;
-  int threads = 1;  // that compute it
+  int threads = 1;            // that compute it
+  bool require_both = false;  // there is no frame without one of the rig's sensors
 
   bool has_pmd() const noexcept { return calibration.pmd.lens.width > 0; }
 };
@@ -62,10 +63,12 @@ class Pipeline {
   // That frame does not become a part of any shot.
   void forget_match() noexcept { matched_ = false; }
 
-  // After a gap in the frames: depth is averaged with none before it.
+  // After a gap in the frames, or with another set of sensors: depth is averaged with none before
+  // it.
   void forget_past() noexcept { maker_.forget_past(); }
 
-  // Frames of the calibration's sizes; matches them where match() has not. The result is valid
+  // Frames of the calibration's sizes; matches a pair where match() has not. Depth is what the
+  // shot's sensors say; without a pair there is no disparity and no picture. The result is valid
   // until the next call of compute() or match().
   const Output& compute(const Shot& shot, hal::Clock& clock) noexcept;
   // Compares the sensors for drift of the rig, after compute(); the next output tells what came of

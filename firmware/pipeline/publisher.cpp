@@ -16,6 +16,17 @@ constexpr hal::Duration kCalibrationInterval = std::chrono::seconds(1);
 // Datagrams that go to one receiver at once: its socket holds a fraction of a frame only.
 constexpr std::size_t kBurst = 8;
 
+// The exposure that the frame is named by.
+hal::Exposure exposure_of(const Shot& shot) noexcept {
+  if (shot.stereo) {
+    const hal::StereoFrame& stereo = **shot.stereo;
+    return {std::min(stereo.left_exposure.begin, stereo.right_exposure.begin),
+            std::max(stereo.left_exposure.end, stereo.right_exposure.end)};
+  }
+  const hal::PmdFrame& pmd = **shot.pmd;
+  return {pmd.exposures.front().begin, pmd.exposures.back().end};
+}
+
 wire::FrameImages images_of(const Shot& shot, const Output& output) noexcept {
   wire::FrameImages images{.map = output.map,
                            .disparity = output.stereo.disparity,
@@ -61,12 +72,12 @@ void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
 }
 
 Status Publisher::publish(const Shot& shot, const Output& output, hal::Time latest) noexcept {
+  const bool whole = shot.sensors() == rig_sensors() && shot.missed_edges == 0;
   stamp_ = wire::FrameStamp{
       .number = stamp_ ? stamp_->number + 1 : 0,
       .freshness = shot.freshness,
       .exposure_middle_ns = shot.exposed.time_since_epoch().count(),
-      .health = std::max(health_.summary(),
-                         shot.missed_edges == 0 ? wire::Health::kOk : wire::Health::kDegraded),
+      .health = std::max(health_.summary(), whole ? wire::Health::kOk : wire::Health::kDegraded),
       .clock = setup_.clock};
   const wire::FrameInfo info = describe(shot, output);
   if (listener_ != nullptr) {
@@ -210,14 +221,15 @@ wire::Header Publisher::header(wire::PacketType type) const noexcept {
           .image_height = setup_.calibration.image_height};
 }
 
+Sensors Publisher::rig_sensors() const noexcept {
+  return setup_.calibration.pmd_width > 0 ? kBothSensors : kStereoSensor;
+}
+
 wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) const noexcept {
-  const hal::StereoFrame& stereo = *shot.stereo;
+  const hal::Exposure exposure = exposure_of(shot);
   wire::FrameInfo info{
-      .exposure_begin_ns = std::min(stereo.left_exposure.begin, stereo.right_exposure.begin)
-                               .time_since_epoch()
-                               .count(),
-      .exposure_end_ns =
-          std::max(stereo.left_exposure.end, stereo.right_exposure.end).time_since_epoch().count(),
+      .exposure_begin_ns = exposure.begin.time_since_epoch().count(),
+      .exposure_end_ns = exposure.end.time_since_epoch().count(),
       .pmd_age_ns = shot.pmd_exposed ? (shot.exposed - *shot.pmd_exposed).count() : 0,
       .compute_ns = output.stats.total().count(),
       .latency_ns = (clock_.now() - shot.exposed).count(),
@@ -226,6 +238,7 @@ wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) cons
       .pixels_by_cause = output.stats.causes,
       .drift_patches = output.drift.patches,
       .pmd_present = static_cast<std::uint8_t>(shot.pmd_exposed ? 1 : 0),
+      .sensors = shot.sensors(),
       .settings_revision = params_.revision,
       .stage_us = {microseconds(output.stats.convert), microseconds(output.stats.match),
                    microseconds(output.stats.fuse), microseconds(output.stats.watch),

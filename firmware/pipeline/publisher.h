@@ -82,6 +82,7 @@ class Publisher {
   using Datagrams = wire::Datagrams;
   class Paced;  // a frame's datagrams on their way, spread over time
 
+  Sensors rig_sensors() const noexcept;
   wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
   wire::Header header(wire::PacketType type) const noexcept;
   Status send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,

@@ -62,6 +62,7 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
   if (rebuilt || run_config.timing != run_config_.timing) {
     loop_->restart(run_config.timing);
   }
+  loop_->require_both(run_config.setup.require_both);
   run_config_ = run_config;
 }
 

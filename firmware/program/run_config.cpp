@@ -207,7 +207,8 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   RunConfig run_config{
       .setup = {.calibration = rig.calibration,
                 .depth = settings::depth_params(settings, rig.disparities),
-                .threads = rig.threads},
+                .threads = rig.threads,
+                .require_both = settings.depth.require == settings::RequiredSensors::kBoth},
       .timing = config.timing,
       .publisher = {.choice = settings.streams, .pace_percent = settings.pace_percent},
       .serial = serial_params(settings)};

@@ -44,12 +44,16 @@ enum class DepthPreset : std::uint8_t { kFast, kQuality, kChapter };
 inline constexpr int kMostThreads = 8;
 inline constexpr int kUsualThreads = 4;
 
+// The sensors without which there is no frame.
+enum class RequiredSensors : std::uint8_t { kAny, kBoth };
+
 struct DepthSettings {
   DepthPreset preset = DepthPreset::kFast;
   int max_range_mm = 10000;
   int disparities = 0;  // 0: what the rig asks for
   bool guided = false;
   bool temporal = false;
+  RequiredSensors require = RequiredSensors::kAny;
   // By the place in dsp::match_options(); empty: as the preset has it.
   std::array<Text<kMatchBytes + 1>, kMatchSlots> match{};
 

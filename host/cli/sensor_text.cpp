@@ -98,6 +98,17 @@ std::string health_line(const wire::HealthReport& health) {
   return line;
 }
 
+const char* alone_text(wire::Sensors sensors) {
+  switch (sensors) {
+    case wire::kStereoSensor:
+      return "the stereo pair alone";
+    case wire::kPmdSensor:
+      return "the PMD camera alone";
+    default:
+      return "";
+  }
+}
+
 std::string streams_line(const client::Frame& frame) {
   std::string line;
   add_stream(line, "depth", frame.depth);

@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "firmware/wire/frame_info.h"
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
@@ -17,6 +18,9 @@ std::string active_text(const wire::HealthReport& health);
 
 // "health: good, up 12 s, 30.0 frames/s, latency 21.0 ms mean 33.1 ms longest, 2 subscribers".
 std::string health_line(const wire::HealthReport& health);
+
+// "the stereo pair alone", "the PMD camera alone"; empty: both.
+const char* alone_text(wire::Sensors sensors);
 
 // "streams: depth 640x480, source 640x480, pmd 224x172 x 4".
 std::string streams_line(const client::Frame& frame);

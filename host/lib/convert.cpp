@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 
+#include "firmware/wire/frame_info.h"
 #include "firmware/wire/messages/conditions.h"
 
 namespace stof::lib {
@@ -55,6 +56,7 @@ stof_info to_info(const wire::FrameInfo& info) noexcept {
   out.settings_revision = info.settings_revision;
   out.pmd_present = info.pmd_present;
   out.cloud_step = info.cloud_step;
+  out.sensors = wire::sensors_of(info);
   return out;
 }
 

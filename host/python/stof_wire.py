@@ -159,6 +159,17 @@ class Condition(enum.IntEnum):
     # settings named what this version has not: these fields are as the preset has them, until the
     # settings are saved; value: 0
     SETTINGS_FELL_BACK = 14
+    # the stereo pair is there, but several edges in a row gave no pictures that belong to them;
+    # value: 0
+    STEREO_SILENT = 15
+    # a stereo camera sends its last picture again and again; value: the sum of: 1 the left camera,
+    # 2 the right one
+    STEREO_FROZEN = 16
+    # the PMD camera is there, but several edges in a row gave no samples that belong to them;
+    # value: 0
+    PMD_SILENT = 17
+    PMD_FROZEN = 18  # the PMD camera sends its last samples again and again; value: 0
+    PMD_DARK = 19  # the PMD camera's samples have lost all light of its lamp at once; value: 0
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -178,10 +189,10 @@ CONDITIONS = {
         Severity.CRITICAL, Reaction.STOP),
     Condition.STEREO_LOST: ConditionInfo(
         "a stereo camera is gone",
-        Severity.CRITICAL, Reaction.STOP),
+        Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_LOST: ConditionInfo(
         "the PMD camera is gone",
-        Severity.CRITICAL, Reaction.STOP),
+        Severity.MAJOR, Reaction.SLOW),
     Condition.LATE: ConditionInfo(
         "the computer is too slow: periods were skipped",
         Severity.MAJOR, Reaction.SLOW),
@@ -215,6 +226,21 @@ CONDITIONS = {
     Condition.SETTINGS_FELL_BACK: ConditionInfo(
         "settings named what this version has not: these fields are as the preset has them, until the settings are saved",
         Severity.MINOR, Reaction.WATCH),
+    Condition.STEREO_SILENT: ConditionInfo(
+        "the stereo pair is there, but several edges in a row gave no pictures that belong to them",
+        Severity.MAJOR, Reaction.SLOW),
+    Condition.STEREO_FROZEN: ConditionInfo(
+        "a stereo camera sends its last picture again and again",
+        Severity.MAJOR, Reaction.SLOW),
+    Condition.PMD_SILENT: ConditionInfo(
+        "the PMD camera is there, but several edges in a row gave no samples that belong to them",
+        Severity.MAJOR, Reaction.SLOW),
+    Condition.PMD_FROZEN: ConditionInfo(
+        "the PMD camera sends its last samples again and again",
+        Severity.MAJOR, Reaction.SLOW),
+    Condition.PMD_DARK: ConditionInfo(
+        "the PMD camera's samples have lost all light of its lamp at once",
+        Severity.MAJOR, Reaction.SLOW),
 }
 # made: end
 
@@ -371,7 +397,8 @@ class Header(Layout):
     # nothing; 1 the time of an emulated rig
     clock: int = 0
     number: int = 0  # of the frame: advances by one with each frame sent, wraps from 2^32 - 1 to 0
-    exposure_middle_ns: int = 0  # ns: middle of the exposure of the stereo pair
+    # ns: middle of the exposure of the stereo pair; of the PMD camera in a frame of it alone
+    exposure_middle_ns: int = 0
     freshness: int = 0  # see "Freshness"
     index: int = 0  # of the packet, from 0, below the count
     count: int = 1  # packets of the frame, at least 1
@@ -412,10 +439,12 @@ class Header(Layout):
 class FrameInfo(Layout):
     """Type 2, one a frame."""
 
-    exposure_begin_ns: int = 0  # begin of the stereo exposure, ns, same clock as the header
+    # begin of the stereo exposure, of the PMD camera's in a frame of it alone; ns, same clock as
+    # the header
+    exposure_begin_ns: int = 0
     exposure_end_ns: int = 0  # end of it
     # age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0
-    # without
+    # without either
     pmd_age_ns: int = 0
     compute_ns: int = 0  # what the frame took to compute, ns
     latency_ns: int = 0  # from the exposure middle to the sending of this packet, ns
@@ -431,6 +460,9 @@ class FrameInfo(Layout):
     # packets of parity that go with this frame, 255: so many or more; 0: none
     parity_groups: int = 0
     cloud_step: int = 0  # side of a cloud's block, px; 0: no cloud
+    # that this frame stands on, the sum of: 1 the stereo pair, 2 the PMD camera; see "Sensors of a
+    # frame"
+    sensors: int = 0
     # of the settings this frame was made with: advances with every change
     settings_revision: int = 0
     # what each stage took, us: convert, match, fuse, watch; of the frame before: code, send
@@ -453,7 +485,7 @@ class FrameInfo(Layout):
         ("pmd_present", "B", 1),
         ("parity_groups", "B", 1),
         ("cloud_step", "B", 1),
-        ("", "x", 1),
+        ("sensors", "B", 1),
         ("settings_revision", "I", 1),
         ("stage_us", "I", 6),
     )

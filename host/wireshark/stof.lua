@@ -126,6 +126,11 @@ names.Condition = {
   [12] = "restart needed",
   [13] = "flooded",
   [14] = "settings fell back",
+  [15] = "stereo silent",
+  [16] = "stereo frozen",
+  [17] = "pmd silent",
+  [18] = "pmd frozen",
+  [19] = "pmd dark",
 }
 
 layouts.Origin = {
@@ -177,7 +182,7 @@ layouts.header = {
   {name = "health", size = 1, count = 1, kind = "uint8", title = "Health", base = base.DEC, names = "Health", doc = "summary of the sensor: 0 good, 1 degraded, 2 fault"},
   {name = "clock", size = 1, count = 1, kind = "uint8", title = "Clock", base = base.DEC, names = "ClockState", doc = "what times count from: 0 the sensor's own monotonic clock, synchronised with nothing; 1 the time of an emulated rig"},
   {name = "number", size = 4, count = 1, kind = "uint32", title = "Number", base = base.DEC, doc = "of the frame: advances by one with each frame sent, wraps from 2^32 - 1 to 0"},
-  {name = "exposure_middle_ns", size = 8, count = 1, kind = "int64", title = "Exposure middle ns", base = base.DEC, doc = "ns: middle of the exposure of the stereo pair"},
+  {name = "exposure_middle_ns", size = 8, count = 1, kind = "int64", title = "Exposure middle ns", base = base.DEC, doc = "ns: middle of the exposure of the stereo pair; of the PMD camera in a frame of it alone"},
   {name = "freshness", size = 4, count = 1, kind = "uint32", title = "Freshness", base = base.DEC, doc = "see \"Freshness\""},
   {name = "index", size = 2, count = 1, kind = "uint16", title = "Index", base = base.DEC, doc = "of the packet, from 0, below the count"},
   {name = "count", size = 2, count = 1, kind = "uint16", title = "Count", base = base.DEC, doc = "packets of the frame, at least 1"},
@@ -192,9 +197,9 @@ layouts.header = {
 layouts.frame_info = {
   message = "frame info",
   bytes = 232,
-  {name = "exposure_begin_ns", size = 8, count = 1, kind = "int64", title = "Exposure begin ns", base = base.DEC, doc = "begin of the stereo exposure, ns, same clock as the header"},
+  {name = "exposure_begin_ns", size = 8, count = 1, kind = "int64", title = "Exposure begin ns", base = base.DEC, doc = "begin of the stereo exposure, of the PMD camera's in a frame of it alone; ns, same clock as the header"},
   {name = "exposure_end_ns", size = 8, count = 1, kind = "int64", title = "Exposure end ns", base = base.DEC, doc = "end of it"},
-  {name = "pmd_age_ns", size = 8, count = 1, kind = "int64", title = "Pmd age ns", base = base.DEC, doc = "age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0 without"},
+  {name = "pmd_age_ns", size = 8, count = 1, kind = "int64", title = "Pmd age ns", base = base.DEC, doc = "age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0 without either"},
   {name = "compute_ns", size = 8, count = 1, kind = "int64", title = "Compute ns", base = base.DEC, doc = "what the frame took to compute, ns"},
   {name = "latency_ns", size = 8, count = 1, kind = "int64", title = "Latency ns", base = base.DEC, doc = "from the exposure middle to the sending of this packet, ns"},
   {name = "pixels_by_source", size = 4, count = 6, kind = "uint32", title = "Pixels by source", base = base.DEC, doc = "pixels by source: none, stereo, PMD, both, resolved, conflict"},
@@ -207,7 +212,7 @@ layouts.frame_info = {
   {name = "pmd_present", size = 1, count = 1, kind = "uint8", title = "Pmd present", base = base.DEC, doc = "1: PMD data took part in this frame, 0: not"},
   {name = "parity_groups", size = 1, count = 1, kind = "uint8", title = "Parity groups", base = base.DEC, doc = "packets of parity that go with this frame, 255: so many or more; 0: none"},
   {name = "cloud_step", size = 1, count = 1, kind = "uint8", title = "Cloud step", base = base.DEC, doc = "side of a cloud's block, px; 0: no cloud"},
-  {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "sensors", size = 1, count = 1, kind = "uint8", title = "Sensors", base = base.DEC, doc = "that this frame stands on, the sum of: 1 the stereo pair, 2 the PMD camera; see \"Sensors of a frame\""},
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "of the settings this frame was made with: advances with every change"},
   {name = "stage_us", size = 4, count = 6, kind = "uint32", title = "Stage us", base = base.DEC, doc = "what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (without the waits of pacing)"},
 }

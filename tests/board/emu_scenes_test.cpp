@@ -49,6 +49,21 @@ TEST(EmuOptions, TakesSceneFlags) {
   EXPECT_EQ(parsed({"--no-tof"}).scene.pmd, hal::emu::Size{});
 }
 
+TEST(EmuOptions, TakesFaultsOfOneOrMoreCalls) {
+  const board::EmuOptions options =
+      parsed({"--fault", "pmd:vanish:30+300", "--fault", "stereo:freeze:7:10"});
+  const hal::emu::FaultPlan& pmd = options.faults_of(board::Device::kPmd);
+  for (const std::uint32_t call : {0U, 29U, 330U, 1000U}) {
+    EXPECT_EQ(pmd.at(call).kind, hal::emu::FaultKind::kNone) << call;
+  }
+  EXPECT_EQ(pmd.at(30).kind, hal::emu::FaultKind::kVanish);
+  EXPECT_EQ(pmd.at(329).kind, hal::emu::FaultKind::kVanish);
+  const hal::emu::FaultPlan& stereo = options.faults_of(board::Device::kStereo);
+  EXPECT_EQ(stereo.at(7).kind, hal::emu::FaultKind::kFreeze);
+  EXPECT_EQ(stereo.at(8).kind, hal::emu::FaultKind::kNone);
+  EXPECT_EQ(stereo.at(17).kind, hal::emu::FaultKind::kFreeze);
+}
+
 TEST(EmuOptions, FindsThePmdRecordingBesideTheDataset) {
   namespace fs = std::filesystem;
   const fs::path data = fs::path(testing::TempDir()) / "recording_beside";

@@ -78,11 +78,28 @@ class NoImagery final : public emu::Imagery {
   void pmd(std::uint32_t, int, dsp::ImageView<std::uint16_t>) noexcept override {}
 };
 
+// Edges at which a sensor's pixels are not those of its exposure, whatever its stamps say.
+struct PixelFault {
+  std::size_t first = 0;
+  std::size_t edges = 0;
+  bool dark = false;  // black, or samples without light; else those of the edge before `first`
+
+  bool strikes(std::size_t edge) const noexcept { return edge - first < edges; }
+  std::size_t shown(std::size_t edge) const noexcept { return strikes(edge) ? first - 1 : edge; }
+};
+
+struct PixelFaults {
+  PixelFault left{};
+  PixelFault right{};
+  PixelFault pmd{};
+};
+
 // Paint into each view what stood before the cameras at the edge that the view's own stamp names:
 // a depth map made of views from different edges shows it. Also write down the deadlines they get.
 class PaintedStereo final : public hal::StereoCamera {
  public:
-  PaintedStereo(hal::StereoCamera& camera, const EdgeLog& log) : camera_(camera), log_(log) {}
+  PaintedStereo(hal::StereoCamera& camera, const EdgeLog& log, const PixelFaults& faults)
+      : camera_(camera), log_(log), faults_(faults) {}
   Result<hal::BorrowedFrame<hal::StereoFrame>> wait_frame(hal::Time deadline) noexcept override;
 
   hal::Time latest_deadline{};
@@ -90,12 +107,14 @@ class PaintedStereo final : public hal::StereoCamera {
  private:
   hal::StereoCamera& camera_;
   const EdgeLog& log_;
+  PixelFaults faults_;
 };
 
 class PaintedPmd final : public hal::PmdCamera {
  public:
-  PaintedPmd(hal::PmdCamera& camera, const EdgeLog& log, hal::Duration integration)
-      : camera_(camera), log_(log), integration_(integration) {}
+  PaintedPmd(hal::PmdCamera& camera, const EdgeLog& log, hal::Duration integration,
+             const PixelFaults& faults)
+      : camera_(camera), log_(log), integration_(integration), fault_(faults.pmd) {}
   Result<hal::BorrowedFrame<hal::PmdFrame>> wait_frame(hal::Time deadline) noexcept override;
 
   hal::Time latest_deadline{};
@@ -104,6 +123,7 @@ class PaintedPmd final : public hal::PmdCamera {
   hal::PmdCamera& camera_;
   const EdgeLog& log_;
   hal::Duration integration_;
+  PixelFault fault_;
 };
 
 class NoNetwork final : public hal::NetworkInterfaces {
@@ -120,6 +140,7 @@ struct Faults {
 
 struct RigOptions {
   Faults faults{};
+  PixelFaults pixels{};
   board::TimingConfig timing = test::timing();
   bool with_pmd = true;
   hal::DatagramPort* port = nullptr;  // in place of the emulated one
@@ -128,6 +149,7 @@ struct RigOptions {
   bool still = false;  // every edge shows the first one's wall, the PMD camera's noise is its own
   bool temporal = false;  // depth is averaged over frames
   DeviceLending* lending = nullptr;
+  bool require_both = false;  // no frame without one of the sensors
 };
 
 Setup small_setup(bool with_pmd);
@@ -170,8 +192,8 @@ struct Received {
     return packets == std::size_t{1} + info.tiles[0] + info.tiles[1] + info.tiles[2];
   }
   std::size_t count(dsp::Source which) const;
-  // The median of the pixels that both sensors saw, in metres; 0 without any.
-  double depth_m() const;
+  // The median of the pixels of that source, in metres; 0 without any.
+  double depth_m(dsp::Source of = dsp::Source::kBoth) const;
 };
 
 class Receiver {
@@ -193,8 +215,8 @@ class Receiver {
 // Runs `steps` periods.
 void run(Rig& rig, Receiver& receiver, int steps);
 
-// That every complete frame came from one edge, each from a later one than the frame before it.
-// Returns the edges, in order.
+// That every complete frame came from one edge, each from a later one than the frame before it, and
+// shows what the sensors that it names saw there. Returns the edges, in order.
 std::vector<std::size_t> expect_true_frames(const Rig& rig, const Receiver& receiver);
 
 }  // namespace stof::firmware::test

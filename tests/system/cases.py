@@ -11,6 +11,9 @@ import triggered_camera
 
 BACK_BAR_S = 2.0  # from a camera's return, or the program's end, to the next frame
 UNPLUGGED_S = 0.5
+OUT_S = 10.0
+TOLD_BAR_S = 3 * system_rig.PERIOD_S
+MOST_PERIODS = 3  # between two frames, whatever is unplugged
 PRIORITY = 45
 FIFO = 1
 WORKERS = "stof-depth"  # what their names begin with
@@ -154,8 +157,13 @@ def broken_frame(rig, report):
             recovers(rig, report, lambda kind=kind, name=name: rig.cameras[name].fail_next(kind), lost=3)
 
 
+def whole(frame):
+    """It arrived as it was sent, and stands on both sensors."""
+    return frame["missing"] == 0 and frame.get("sensors") == system_rig.BOTH
+
+
 def replug(rig, report, name, bar=BACK_BAR_S):
-    """Seconds from the camera's return to the next frame."""
+    """Seconds from the camera's return to the next frame of both sensors."""
     camera = rig.cameras[name]
     since = rig.receiver.count()
     camera.unplug()
@@ -164,8 +172,7 @@ def replug(rig, report, name, bar=BACK_BAR_S):
     begin = time.monotonic()
     camera.plug()
     number = rig.receiver.count()
-    rig.receiver.wait(lambda frame: frame["missing"] == 0, number, timeout=20,
-                      what=f"frame after the {name} camera's return")
+    rig.receiver.wait(whole, number, timeout=20, what=f"frame after the {name} camera's return")
     seconds = time.monotonic() - begin
     report.at_most(f"{name} camera plugged in to next frame", seconds, bar, "s")
     checks.check(rig.steps() > steps, "the trigger stood still")
@@ -184,10 +191,38 @@ def pmd_stall(rig, report):
     time.sleep(1.0)
     rig.cameras["pmd"].stall(False)
     begin, number = time.monotonic(), rig.receiver.count()
-    rig.receiver.wait(lambda frame: frame["missing"] == 0, number, timeout=20,
-                      what="frame after the PMD camera's stall")
+    rig.receiver.wait(whole, number, timeout=20, what="frame after the PMD camera's stall")
     report.at_most("PMD camera answers again to next frame", time.monotonic() - begin, BACK_BAR_S, "s")
     shown(rig, report, since, 4, 4)
+
+
+def outage(rig, report, name, goes_on, condition):
+    """One sensor is out for ten seconds: frames go on with the other one."""
+    camera = rig.cameras[name]
+    since, events = rig.receiver.count(), len(rig.receiver.events)
+    begin = time.monotonic()
+    camera.unplug()
+    time.sleep(OUT_S)
+    alone = [frame for frame in rig.receiver.frames[since:] if frame.get("sensors") == goes_on]
+    camera.plug()
+    back, number = time.monotonic(), rig.receiver.count()
+    rig.receiver.wait(whole, number, timeout=20, what=f"frame after the {name} camera's return")
+    report.at_most(f"{name} camera plugged in to next frame of both", time.monotonic() - back, BACK_BAR_S, "s")
+    seen = [begin, *(frame["seen"] for frame in rig.receiver.frames[since:]), time.monotonic()]
+    gap = max(after - before for before, after in zip(seen, seen[1:]))
+    report.at_most(f"longest time between two frames, {name} camera out", gap / system_rig.PERIOD_S, MOST_PERIODS,
+                   "periods")
+    checks.check(len(alone) >= 0.9 * OUT_S / system_rig.PERIOD_S, f"{len(alone)} frames of what was left in {OUT_S} s")
+    told = [event["at_ns"] * 1e-9 - begin for event in rig.receiver.events[events:]
+            if event["event"] == condition and event["active"]]
+    checks.check(bool(told), f"nobody said {condition}")
+    report.at_most(f"{name} camera unplugged to {condition}", told[0], TOLD_BAR_S, "s")
+    shown(rig, report, since, 4, 3)
+
+
+def outages(rig, report):
+    outage(rig, report, "pmd", 1, "pmd_lost")
+    outage(rig, report, "left", 2, "stereo_lost")
 
 
 def killed(rig, report):
@@ -232,4 +267,4 @@ def ends_as_asked(rig, report):
 
 
 SHORT = (first_frame, edges_give_frames, subscribed, controls, real_time, lost_edge, late_frame, broken_frame, replugs,
-         pmd_stall, killed, serial, ends_as_asked)
+         pmd_stall, outages, killed, serial, ends_as_asked)

@@ -61,11 +61,11 @@ void print(const stof::Frame& frame) {
   if (const auto info = frame.info()) {
     std::printf(", \"begin_ns\": %" PRId64 ", \"end_ns\": %" PRId64 ", \"latency_ns\": %" PRId64
                 ", \"compute_ns\": %" PRId64 ", \"pmd_age_ns\": %" PRId64
-                ", \"pmd\": %d, \"sources\": [%u, %u, %u, %u, %u, %u]",
+                ", \"pmd\": %d, \"sensors\": %d, \"sources\": [%u, %u, %u, %u, %u, %u]",
                 info->exposure_begin_ns, info->exposure_end_ns, info->latency_ns, info->compute_ns,
-                info->pmd_age_ns, int{info->pmd_present}, info->pixels_by_source[0],
-                info->pixels_by_source[1], info->pixels_by_source[2], info->pixels_by_source[3],
-                info->pixels_by_source[4], info->pixels_by_source[5]);
+                info->pmd_age_ns, int{info->pmd_present}, int{info->sensors},
+                info->pixels_by_source[0], info->pixels_by_source[1], info->pixels_by_source[2],
+                info->pixels_by_source[3], info->pixels_by_source[4], info->pixels_by_source[5]);
   }
   std::printf("}\n");
 }

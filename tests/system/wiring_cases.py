@@ -30,7 +30,8 @@ def strobes(bench, report):
     of 12 ms must be dropped, and so are one or two that follow it, until pictures and exposures are counted alike
     again. So half of the edges must give a frame in the best of a few rounds, which says that strobes are used, not
     how good they are on a board; a wrong frame is one too many in every round."""
-    lines = ["--left-strobe", f"{CHIP}:{system_rig.LEFT_STROBE}", "--right-strobe",
+    # A frame says that both strobes were there.
+    lines = ["--set", "depth.require=both", "--left-strobe", f"{CHIP}:{system_rig.LEFT_STROBE}", "--right-strobe",
              f"{CHIP}:{system_rig.RIGHT_STROBE}"]
     with bench.rig("strobes", arguments=lines) as rig:
         for name in ("left", "right"):

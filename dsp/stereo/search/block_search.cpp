@@ -59,6 +59,9 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
   }
   finish_winners(params_, guide, winners);
   checks_.compare_rivals(found, out);
+  if (!narrowed) {  // a guide may leave one candidate, which has no rival
+    checks_.drop_ties(out.ratio, winners);
+  }
   checks_.check_left_right(found.judged, winners);
   if (narrowed) {
     checks_.fit_costs(found.judged, winners, out.disparity);

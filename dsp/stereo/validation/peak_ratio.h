@@ -18,6 +18,8 @@ template <typename Sum>
 using PeakRatio = void(std::span<const Sum> costs, int lanes, std::span<const std::int16_t> winners,
                        std::span<std::uint8_t> ratio) noexcept;
 
+inline constexpr std::uint8_t kRatioOfTie = 255;
+
 STOF_KERNELS(PeakRatio, peak_ratio, Avx2<std::uint8_t>, Avx2<std::uint16_t>, Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

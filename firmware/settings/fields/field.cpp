@@ -18,6 +18,7 @@ constexpr std::array<std::string_view, 3> kCodings{"off", "raw", "rvl"};
 constexpr std::array<std::string_view, 4> kMapCodings{"off", "raw", "rvl", "fit"};
 constexpr std::array<std::string_view, 2> kOffOrOn{"off", "on"};
 constexpr std::array<std::string_view, 3> kModes{"off", "stof", "mavlink"};
+constexpr std::array<std::string_view, 2> kRequiredSensors{"any", "both"};
 constexpr std::array<std::string_view, 3> kProfiles{"sectors", "coarse", "medium"};
 
 // kMember: what a field of the table is in Settings, const or not.
@@ -116,6 +117,10 @@ constexpr std::array kBefore{
         "depth", "guided", "PMD intervals narrow the search where they can be trusted"),
     yes_or_no<[](auto& s) -> auto& { return s.depth.temporal; }>(
         "depth", "temporal", "depth is averaged over frames where nothing moves"),
+    choice<[](auto& s) -> auto& { return s.depth.require; }>(
+        "depth", "require", kRequiredSensors,
+        "the sensors without which there is no frame: any: where one is missing, the other goes on "
+        "alone; both: none without the pair and, where there is one, the PMD camera"),
 };
 
 constexpr std::array kAfter{

@@ -33,6 +33,8 @@ class ExposureSimulator final : private SlotOwner {
     Made second;
     Time ready{};
     bool corrupt = false;
+    std::uint32_t frozen = 0;  // the exposure whose pixels it has; 0: its own
+    bool dark = false;
   };
   ExposureSimulator(Duration readout, const FaultPlan& faults) noexcept
       : readout_(readout), faults_(faults) {}
@@ -94,7 +96,7 @@ class ExposureSimulator final : private SlotOwner {
 
   // The shot that arrives for last_made_; nothing when it never arrives.
   std::optional<Shot> arriving(const Made& before, const Fault& fault) const noexcept {
-    Shot shot{last_made_, last_made_, last_made_.end() + readout_, false};
+    Shot shot{.first = last_made_, .second = last_made_, .ready = last_made_.end() + readout_};
     switch (fault.kind) {
       case FaultKind::kDrop:
         return std::nullopt;
@@ -113,6 +115,15 @@ class ExposureSimulator final : private SlotOwner {
         break;
       case FaultKind::kCorrupt:
         shot.corrupt = true;
+        break;
+      case FaultKind::kFreeze:
+        if (last_arrived_) {
+          shot.frozen =
+              last_arrived_->frozen != 0 ? last_arrived_->frozen : last_arrived_->second.number;
+        }
+        break;
+      case FaultKind::kDark:
+        shot.dark = true;
         break;
       case FaultKind::kNone:
       case FaultKind::kVanish:

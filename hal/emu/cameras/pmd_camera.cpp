@@ -1,8 +1,25 @@
 #include "hal/emu/cameras/pmd_camera.h"
 
 #include "dsp/base/check.h"
+#include "hal/emu/imagery/noise.h"
 
 namespace stof::hal::emu {
+namespace {
+
+// Samples without light: the sensor's dark level and the noise of reading it.
+void read_dark(std::uint32_t number, int index, dsp::ImageView<std::uint16_t> out) noexcept {
+  constexpr int kDarkLevel = 100;
+  constexpr int kSigmaBits = 1;  // 2 LSB
+  GaussianNoise noise(4 * std::uint64_t{number} + static_cast<std::uint64_t>(index));
+  for (int y = 0; y < out.height(); ++y) {
+    for (std::uint16_t& value : out.row(y)) {
+      value =
+          static_cast<std::uint16_t>(kDarkLevel + (noise.next() >> (kGaussianBits - kSigmaBits)));
+    }
+  }
+}
+
+}  // namespace
 
 PmdCamera::PmdCamera(hal::Clock& clock, Imagery& imagery, const PmdTiming& timing,
                      const FaultPlan& faults)
@@ -45,7 +62,11 @@ PmdFrame PmdCamera::fill(const Sets::Shot& shot, int buffer) noexcept {
     const Set& set = k < 2 ? shot.first : shot.second;
     const dsp::ImageView<std::uint16_t> out(samples_.data() + plane * (4 * buffer + k), size.width,
                                             size.height);
-    imagery_.pmd(set.number, k, out);
+    if (shot.dark) {
+      read_dark(set.number, k, out);
+    } else {
+      imagery_.pmd(shot.frozen != 0 ? shot.frozen : set.number, k, out);
+    }
     frame.samples[index] = out;
     frame.exposures[index] = set.exposures[index];
   }

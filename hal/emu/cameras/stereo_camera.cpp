@@ -33,7 +33,7 @@ StereoFrame StereoCamera::fill(const Views::Shot& shot, int buffer) noexcept {
   const dsp::ImageView<std::uint8_t> left(at, size.width, size.height);
   const dsp::ImageView<std::uint8_t> right(at + view, size.width, size.height);
   imagery_.left(shot.first.number, left);
-  imagery_.right(shot.second.number, right);
+  imagery_.right(shot.frozen != 0 ? shot.frozen : shot.second.number, right);
   return {.left = left,
           .right = right,
           .left_exposure = shot.first.exposure,

@@ -31,10 +31,25 @@ namespace stof::hal::emu {
 // kVanish   no exposure; all that waited    no edge: kDeviceLost        not taken: kDeviceError
 //           is gone: kDeviceLost until an
 //           edge without this fault
-enum class FaultKind : std::uint8_t { kNone, kDrop, kDelay, kRepeat, kTear, kCorrupt, kVanish };
-inline constexpr std::array kAllFaultKinds{FaultKind::kDrop,    FaultKind::kDelay,
-                                           FaultKind::kRepeat,  FaultKind::kTear,
-                                           FaultKind::kCorrupt, FaultKind::kVanish};
+// kFreeze   the pixels of the frame that    none                        none
+//           arrived before, under the
+//           stamps and numbers of this one;
+//           stereo: in the right view alone
+// kDark     PMD: the lamp gives no light    none                        none
+enum class FaultKind : std::uint8_t {
+  kNone,
+  kDrop,
+  kDelay,
+  kRepeat,
+  kTear,
+  kCorrupt,
+  kVanish,
+  kFreeze,
+  kDark
+};
+inline constexpr std::array kAllFaultKinds{
+    FaultKind::kDrop,    FaultKind::kDelay,  FaultKind::kRepeat, FaultKind::kTear,
+    FaultKind::kCorrupt, FaultKind::kVanish, FaultKind::kFreeze, FaultKind::kDark};
 
 struct Fault {
   static constexpr std::uint32_t kForever = std::numeric_limits<std::uint32_t>::max();

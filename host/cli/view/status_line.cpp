@@ -3,6 +3,7 @@
 #include <numbers>
 #include <utility>
 
+#include "host/cli/sensor_text.h"
 #include "host/evaluate/stereo/median.h"
 #include "host/text/printed.h"
 
@@ -65,6 +66,9 @@ std::string drift_text(const wire::FrameInfo& info) {
 void StatusLine::count(const client::Frame& frame) {
   if (frame.info) {
     drift_ = drift_text(*frame.info);
+    if (frame.calibration && frame.calibration->pmd_width > 0) {
+      ++by_sensors_[wire::sensors_of(*frame.info)];
+    }
   }
   if (began_) {
     ++intervals_;
@@ -95,6 +99,12 @@ std::string StatusLine::line(client::Time now, const client::Statistics& statist
   if (frames_ > 0) {
     result += printed(", coverage %.1f %%", 100 * coverage_ / static_cast<double>(frames_));
   }
+  for (const wire::Sensors sensors : {wire::kStereoSensor, wire::kPmdSensor}) {
+    if (const std::uint64_t frames = by_sensors_[sensors]; frames > 0) {
+      result += printed(", %llu frames of %s", static_cast<unsigned long long>(frames),
+                        alone_text(sensors));
+    }
+  }
   if (score) {
     result += error_text(*score);
   }
@@ -109,6 +119,7 @@ std::string StatusLine::line(client::Time now, const client::Statistics& statist
   counted_from_ = newest_;
   intervals_ = 0;
   frames_ = 0;
+  by_sensors_ = {};
   coverage_ = 0;
   latencies_ms_.clear();
   return result;

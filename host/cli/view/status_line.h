@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "firmware/wire/frame_info.h"
 #include "host/client/frame/frame.h"
 #include "host/client/statistics.h"
 #include "host/evaluate/fusion/depth_score.h"
@@ -46,6 +48,8 @@ class StatusLine {
   std::uint64_t intervals_ = 0;        // between arrivals since then
   std::uint64_t frames_ = 0;
   double coverage_ = 0;  // sum over frames_
+  // Of frames_, by what they stand on; empty where the rig has one sensor.
+  std::array<std::uint64_t, wire::kBothSensors + 1> by_sensors_{};
   std::vector<double> latencies_ms_;
   std::string drift_;  // of the newest frame; empty: nothing to say
 };

@@ -16,6 +16,7 @@ using Pixels = std::vector<std::uint8_t>;
 
 constexpr int kWidth = 70;
 constexpr int kHeight = 50;
+constexpr int kStripesWidth = 160;  // more than the candidates of a search
 
 Pixels noise(std::uint64_t seed) {
   Pixels out(kWidth * kHeight);
@@ -89,6 +90,48 @@ TEST(Matcher, KeepsForEveryPresetWhatItsChecksDropped) {
     }
     EXPECT_TRUE(weak > 0 || params.search == Search::kSemiGlobal);  // which hardly match noise
     EXPECT_FALSE(matcher->ratio().empty());
+  }
+}
+
+// Steep stripes, whose derivatives reach the cap of the prefilter everywhere, so that one period on
+// nothing differs at all.
+TEST(Matcher, FindsNoMatchForStripesThatRepeat) {
+  constexpr int kShift = 6;
+  constexpr std::size_t kFrom = 24;  // before, the right picture holds less than a period
+  const MatchParams params = for_depth(*find_preset("fast"));
+  test::GuardedPart<Matcher> matcher(
+      [&](Arena& arena) { return Matcher(params, kStripesWidth, kHeight, arena); });
+  for (const bool repeats : {true, false}) {
+    const Pixels noisy = noise(1);
+    const auto texture = [&](int x, int y) {
+      const int column = repeats ? x % 8 : x;
+      return repeats ? std::uint8_t(column < 4 ? 40 * column : 40 * (8 - column))
+                     : noisy[static_cast<std::size_t>(37 * x + 91 * y) % noisy.size()];
+    };
+    Pixels left(kStripesWidth * kHeight);
+    Pixels right(left.size());
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kStripesWidth; ++x) {
+        const std::size_t at = static_cast<std::size_t>(y * kStripesWidth + x);
+        left[at] = texture(x, y);
+        right[at] = texture(x + kShift, y);
+      }
+    }
+    std::vector<Disparity> out(left.size());
+    const ImageView<Disparity> map(out.data(), kStripesWidth, kHeight);
+    matcher->match({.left = {left.data(), kStripesWidth, kHeight},
+                    .right = {right.data(), kStripesWidth, kHeight}},
+                   map);
+    std::ptrdiff_t matched = 0;
+    for (int y = 0; y < kHeight; ++y) {
+      matched +=
+          std::ranges::count_if(map.row(y).subspan(kFrom), [](Disparity d) { return d.valid(); });
+    }
+    if (repeats) {
+      EXPECT_EQ(matched, 0);
+    } else {
+      EXPECT_GT(matched, kStripesWidth * kHeight / 3);
+    }
   }
 }
 

@@ -33,8 +33,8 @@ TEST(HealthMonitor, TellsEachChangeAtOnceAndOnceMoreASecondLater) {
   const auto first = events(monitor, 1s);
   ASSERT_EQ(first.size(), 1U);
   EXPECT_EQ(first[0].condition, static_cast<std::uint8_t>(Condition::kPmdLost));
-  EXPECT_EQ(first[0].severity, wire::Severity::kCritical);
-  EXPECT_EQ(first[0].reaction, wire::Reaction::kStop);
+  EXPECT_EQ(first[0].severity, wire::Severity::kMajor);
+  EXPECT_EQ(first[0].reaction, wire::Reaction::kSlow);
   EXPECT_EQ(first[0].active, 1);
   EXPECT_EQ(first[0].count, 1U);
   EXPECT_EQ(first[0].at_ns, 1'000'000'000);
@@ -89,8 +89,8 @@ TEST(HealthMonitor, HealthComesOnceASecondAndOnChange) {
   const auto health = monitor.next_health(counters, {}, false, at(9902ms));
   ASSERT_TRUE(health);
   EXPECT_EQ(health->active, 1U << static_cast<unsigned>(Condition::kStereoLost));
-  EXPECT_EQ(health->severity, wire::Severity::kCritical);
-  EXPECT_EQ(health->reaction, wire::Reaction::kStop);
+  EXPECT_EQ(health->severity, wire::Severity::kMajor);
+  EXPECT_EQ(health->reaction, wire::Reaction::kSlow);
   EXPECT_EQ(health->uptime_ms, 9902U);
   EXPECT_EQ(health->latency_us, 20'000U);
   EXPECT_FALSE(monitor.next_health(counters, {}, false, at(9903ms)));

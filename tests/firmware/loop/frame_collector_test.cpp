@@ -47,7 +47,7 @@ TEST(FrameCollector, AShotHasTheFramesOfItsEdge) {
     const Shot& shot = *collected.shot;
     EXPECT_EQ(shot.edge, collection.edge());
     EXPECT_EQ(shot.exposed, collection.edge() + 2ms);
-    EXPECT_EQ(shot.stereo->left_exposure.begin, collection.edge());
+    EXPECT_EQ((*shot.stereo)->left_exposure.begin, collection.edge());
     ASSERT_TRUE(shot.pmd);
     EXPECT_EQ(shot.pmd_exposed, collection.edge() + 8ms);
     EXPECT_EQ(shot.freshness, freshness);
@@ -55,9 +55,10 @@ TEST(FrameCollector, AShotHasTheFramesOfItsEdge) {
   }
 }
 
-TEST(FrameCollector, WithoutOneSensorThereIsNoShotAndTheOthersFrameIsDropped) {
+TEST(FrameCollector, WithBothRequiredThereIsNoShotWithoutOneAndTheOthersFrameIsDropped) {
   Collection collection({.faults = {.stereo = fault(emu::FaultKind::kDrop, 1),
-                                    .pmd = fault(emu::FaultKind::kDrop, 2)}});
+                                    .pmd = fault(emu::FaultKind::kDrop, 2)},
+                         .require_both = true});
   EXPECT_TRUE(collection.next().shot);
   EXPECT_FALSE(collection.next().shot);
   EXPECT_EQ(collection.now(), collection.edge() + kPeriod) << "waits until the deadline";
@@ -74,7 +75,8 @@ TEST(FrameCollector, WithoutOneSensorThereIsNoShotAndTheOthersFrameIsDropped) {
 
 TEST(FrameCollector, ADamagedOrRepeatedFrameIsNotTheEdges) {
   Collection collection({.faults = {.stereo = fault(emu::FaultKind::kRepeat, 1),
-                                    .pmd = fault(emu::FaultKind::kCorrupt, 3)}});
+                                    .pmd = fault(emu::FaultKind::kCorrupt, 3)},
+                         .require_both = true});
   EXPECT_TRUE(collection.next().shot);
   EXPECT_FALSE(collection.next().shot);
   EXPECT_EQ(of(collection.counters().stereo_dropped, Drop::kStale), 1U);
@@ -87,6 +89,7 @@ TEST(FrameCollector, ALostCameraIsToldAndMayCountAnewWhenItIsBack) {
   for (emu::FaultPlan Faults::* const camera : {&Faults::stereo, &Faults::pmd}) {
     RigOptions options;
     options.faults.*camera = fault(emu::FaultKind::kVanish, 1, 2);
+    options.require_both = true;
     Collection collection(options);
     EXPECT_TRUE(collection.next().shot);
     for (int i = 0; i < 2; ++i) {
@@ -103,6 +106,7 @@ TEST(FrameCollector, ASlowPmdCamerasDataServeTheEdgesThatFollow) {
   options.timing.pmd_every = 3;
   options.timing.pmd_integration = 80ms;
   options.faults.pmd = fault(emu::FaultKind::kDrop, 2, 2);
+  options.require_both = true;
   Collection collection(options);
   int fresh = 0;
   int shots = 0;
@@ -120,6 +124,71 @@ TEST(FrameCollector, ASlowPmdCamerasDataServeTheEdgesThatFollow) {
   EXPECT_EQ(fresh, 4);
   EXPECT_EQ(shots, 10) << "edges 2 to 4, 5 to 7, 14 to 16, and 17";
   EXPECT_EQ(of(collection.counters().pmd_dropped, Drop::kUnpartnered), 0U);
+}
+
+TEST(FrameCollector, WithoutThePmdCamerasSamplesThePairIsAShot) {
+  for (const emu::FaultKind kind :
+       {emu::FaultKind::kDrop, emu::FaultKind::kCorrupt, emu::FaultKind::kVanish}) {
+    Collection collection({.faults = {.pmd = fault(kind, 1)}});
+    EXPECT_EQ(collection.next().shot->sensors(), kBothSensors);
+    const Collected collected = collection.next();
+    ASSERT_TRUE(collected.shot);
+    EXPECT_EQ(collected.shot->sensors(), kStereoSensor);
+    EXPECT_FALSE(collected.shot->pmd);
+    EXPECT_EQ(collected.shot->exposed, collection.edge() + 2ms);
+    EXPECT_EQ(collected.shot->freshness, 2U);
+    EXPECT_LE(collection.now(), collection.edge() + kPeriod);
+    EXPECT_EQ(collection.next().shot->sensors(), kBothSensors);
+    EXPECT_EQ(of(collection.counters().stereo_dropped, Drop::kUnpartnered), 0U);
+    EXPECT_EQ(collection.counters().unpaired_edges, 0U);
+  }
+}
+
+TEST(FrameCollector, WithoutAPairThePmdCamerasSamplesAreAShotOfTheirOwnTime) {
+  for (const emu::FaultKind kind : {emu::FaultKind::kDrop, emu::FaultKind::kRepeat,
+                                    emu::FaultKind::kTear, emu::FaultKind::kVanish}) {
+    Collection collection({.faults = {.stereo = fault(kind, 1)}});
+    EXPECT_TRUE(collection.next().shot);
+    const Collected collected = collection.next();
+    ASSERT_TRUE(collected.shot);
+    EXPECT_EQ(collected.shot->sensors(), kPmdSensor);
+    EXPECT_TRUE(collected.shot->pmd);
+    EXPECT_EQ(collected.shot->exposed, collection.edge() + 8ms);
+    EXPECT_EQ(collected.shot->pmd_exposed, collected.shot->exposed);
+    EXPECT_EQ(collected.shot->freshness, 2U);
+    EXPECT_EQ(collection.next().shot->sensors(), kBothSensors);
+    EXPECT_EQ(of(collection.counters().pmd_dropped, Drop::kUnpartnered), 0U);
+  }
+}
+
+// Alone it has something new at every third edge only, and the edges between are no failures.
+TEST(FrameCollector, ASlowPmdCameraAloneGivesAShotForEachOfItsExposures) {
+  RigOptions options;
+  options.timing.pmd_every = 3;
+  options.timing.pmd_integration = 80ms;
+  options.faults.stereo = fault(emu::FaultKind::kDrop, 7, 12);
+  Collection collection(options);
+  std::vector<hal::Time> exposed;
+  int alone = 0;
+  for (int i = 0; i < 22; ++i) {
+    const Collected collected = collection.next();
+    if (collected.shot) {
+      EXPECT_TRUE(exposed.empty() || collected.shot->exposed > exposed.back());
+      exposed.push_back(collected.shot->exposed);
+      alone += collected.shot->sensors() == kPmdSensor ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(alone, 4) << "one of three edges";
+  EXPECT_EQ(collection.counters().unpaired_edges, 0U);
+}
+
+TEST(FrameCollector, WithoutAnythingThereIsNoShot) {
+  Collection collection({.faults = {.stereo = fault(emu::FaultKind::kDrop, 1),
+                                    .pmd = fault(emu::FaultKind::kDrop, 1)}});
+  EXPECT_TRUE(collection.next().shot);
+  EXPECT_FALSE(collection.next().shot);
+  EXPECT_EQ(collection.counters().unpaired_edges, 1U);
+  EXPECT_EQ(collection.next().shot->missed_edges, 1U);
 }
 
 TEST(FrameCollector, WithoutPmdCameraThePairIsAShot) {

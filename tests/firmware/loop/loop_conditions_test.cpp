@@ -38,7 +38,7 @@ TEST_F(LoopConditionsTest, ALossIsOneEventAndEachAnswerIsCounted) {
   EXPECT_TRUE(conditions_.lost(Component::kPmd));
   EXPECT_FALSE(conditions_.lost(Component::kStereo));
   EXPECT_EQ(of(counters_.losses, Component::kPmd), 3U);
-  EXPECT_EQ(monitor_.summary(), wire::Health::kFault);
+  EXPECT_EQ(monitor_.summary(), wire::Health::kDegraded) << "the other sensor may go on";
   conditions_.note_device_status(Component::kPmd, Status::kTimeout);
   EXPECT_EQ(noted(), Kinds{EventKind::kBack}) << "it answers, if only that it has nothing";
   EXPECT_FALSE(conditions_.lost(Component::kPmd));
@@ -69,11 +69,11 @@ TEST_F(LoopConditionsTest, AFullLinkIsNoErrorAndAnUnreachableReceiverOneEvent) {
 }
 
 TEST_F(LoopConditionsTest, ThreeEdgesWithoutAFrameAreAConditionFewerAreCounted) {
-  conditions_.note_frame();
+  conditions_.note_frame(kBothSensors);
   EXPECT_EQ(noted(), Kinds{EventKind::kPublishing});
   conditions_.note_no_frame(Component::kStereo, Status::kTimeout);
   conditions_.note_no_frame(Component::kStereo, Status::kTimeout);
-  conditions_.note_frame();
+  conditions_.note_frame(kBothSensors);
   EXPECT_TRUE(noted().empty());
   EXPECT_EQ(conditions_.edges_without_frame(), 0U);
   for (int i = 0; i < 5; ++i) {
@@ -84,10 +84,65 @@ TEST_F(LoopConditionsTest, ThreeEdgesWithoutAFrameAreAConditionFewerAreCounted) 
   EXPECT_EQ(last_.status, Status::kCorrupt);
   EXPECT_EQ(last_.value, 3U);
   EXPECT_EQ(conditions_.edges_without_frame(), 5U);
-  conditions_.note_frame();
+  conditions_.note_frame(kBothSensors);
   EXPECT_EQ(noted(), Kinds{EventKind::kPublishing});
   EXPECT_EQ(last_.value, 5U);
   EXPECT_EQ(counters_.unpaired_edges, 7U);
+}
+
+TEST_F(LoopConditionsTest, ThreeEdgesWithoutACamerasFrameAreAConditionByTheirCause) {
+  using Why = Absence::Why;
+  const auto note = [&](Why why, int edges) {
+    for (int i = 0; i < edges; ++i) {
+      conditions_.note_camera(Component::kPmd, {.why = why, .value = 2});
+    }
+  };
+  note(Why::kNone, 1);
+  note(Why::kSilent, 2);
+  note(Why::kNone, 1);
+  EXPECT_TRUE(noted().empty());
+  note(Why::kDark, 5);
+  EXPECT_EQ(noted(), Kinds{EventKind::kDark});
+  EXPECT_EQ(last_.component, Component::kPmd);
+  EXPECT_EQ(last_.value, 2U);
+  note(Why::kFrozen, 1);
+  EXPECT_EQ(noted(), Kinds{EventKind::kFrozen}) << "it goes on, for another cause";
+  EXPECT_EQ(monitor_.summary(), wire::Health::kDegraded);
+  note(Why::kNone, 2);
+  EXPECT_EQ(noted(), Kinds{EventKind::kSupplying});
+  EXPECT_EQ(monitor_.summary(), wire::Health::kOk);
+}
+
+TEST_F(LoopConditionsTest, TheLossOfACameraIsItsOnlyCondition) {
+  conditions_.note_device_status(Component::kStereo, Status::kDeviceLost);
+  for (int i = 0; i < 5; ++i) {
+    conditions_.note_camera(Component::kStereo, {.why = Absence::Why::kSilent});
+  }
+  EXPECT_EQ(noted(), Kinds{EventKind::kLost});
+  conditions_.note_device_status(Component::kStereo, Status::kOk);
+  conditions_.note_camera(Component::kStereo, {});
+  EXPECT_EQ(noted(), Kinds{EventKind::kBack});
+  EXPECT_EQ(monitor_.summary(), wire::Health::kOk);
+}
+
+TEST_F(LoopConditionsTest, OtherSensorsThanBeforeAreNewsOnceThreeFramesStandOnThem) {
+  const auto note = [&](Sensors sensors, int frames) {
+    for (int i = 0; i < frames; ++i) {
+      conditions_.note_frame(sensors);
+    }
+  };
+  note(kBothSensors, 5);
+  EXPECT_EQ(noted(), Kinds{EventKind::kPublishing});
+  note(kStereoSensor, 2);
+  note(kBothSensors, 1);
+  note(kStereoSensor, 2);
+  EXPECT_TRUE(noted().empty());
+  note(kStereoSensor, 5);
+  EXPECT_EQ(noted(), Kinds{EventKind::kStandsOn});
+  EXPECT_EQ(last_.value, static_cast<std::uint32_t>(kStereoSensor));
+  note(kPmdSensor, 3);
+  note(kBothSensors, 3);
+  EXPECT_EQ(noted(), (Kinds{EventKind::kStandsOn, EventKind::kStandsOn}));
 }
 
 TEST_F(LoopConditionsTest, ALateLoopIsOneEventUntil32EdgesWereInTime) {

@@ -49,12 +49,13 @@ double longest_gap(const Rig& rig, const std::vector<std::size_t>& edges) {
 // One fault at every call number: only true frames, and never more than three periods without one,
 // on top of the time that a trigger blocks against its promise.
 template <emu::FaultPlan Faults::* kDevice>
-void strike_each_call() {
+void strike_each_call(bool require_both) {
   for (const Case& fault : kCases) {
     for (std::uint32_t call = 0; call < kCalls; ++call) {
       SCOPED_TRACE(name(fault, call));
       RigOptions options;
       options.faults.*kDevice = once(fault, call);
+      options.require_both = require_both;
       Rig rig(options);
       Receiver receiver;
       run(rig, receiver, kSteps);
@@ -70,13 +71,16 @@ void strike_each_call() {
 }
 
 TEST(LoopFaults, TriggerFaultsAtEveryCallCostAFewPeriodsAndNoTruth) {
-  strike_each_call<&Faults::trigger>();
+  strike_each_call<&Faults::trigger>(false);
+  strike_each_call<&Faults::trigger>(true);
 }
 TEST(LoopFaults, StereoFaultsAtEveryCallCostAFewPeriodsAndNoTruth) {
-  strike_each_call<&Faults::stereo>();
+  strike_each_call<&Faults::stereo>(false);
+  strike_each_call<&Faults::stereo>(true);
 }
 TEST(LoopFaults, PmdFaultsAtEveryCallCostAFewPeriodsAndNoTruth) {
-  strike_each_call<&Faults::pmd>();
+  strike_each_call<&Faults::pmd>(false);
+  strike_each_call<&Faults::pmd>(true);
 }
 
 // The detector that the tests above rely on.
@@ -169,7 +173,7 @@ TEST(LoopFaults, ALostDeviceIsReportedUpwardsUntilItIsBack) {
 
 TEST(LoopFaults, DroppedFramesAreCountedByCause) {
   const auto stereo = [](emu::FaultKind kind, hal::Duration duration, Drop cause) {
-    Rig rig({.faults = {.stereo = once({kind, duration}, 5)}});
+    Rig rig({.faults = {.stereo = once({kind, duration}, 5)}, .require_both = true});
     Receiver receiver;
     run(rig, receiver, 12);
     return of(rig.events.counters.stereo_dropped, cause);
@@ -178,12 +182,12 @@ TEST(LoopFaults, DroppedFramesAreCountedByCause) {
   EXPECT_EQ(stereo(emu::FaultKind::kRepeat, 0ms, Drop::kStale), 1U);
   EXPECT_EQ(stereo(emu::FaultKind::kDelay, 40ms, Drop::kOlderEdge), 1U);
   EXPECT_EQ(stereo(emu::FaultKind::kDrop, 0ms, Drop::kOlderEdge), 0U);
-  Rig lonely({.faults = {.stereo = once({emu::FaultKind::kDrop, 0ms}, 5)}});
+  Rig lonely({.faults = {.stereo = once({emu::FaultKind::kDrop, 0ms}, 5)}, .require_both = true});
   Receiver nothing;
   run(lonely, nothing, 12);
   EXPECT_EQ(of(lonely.events.counters.pmd_dropped, Drop::kUnpartnered), 1U);
   EXPECT_EQ(of(lonely.events.counters.timeouts, Component::kStereo), 1U);
-  Rig rig({.faults = {.pmd = once({emu::FaultKind::kTear, 0ms}, 5)}});
+  Rig rig({.faults = {.pmd = once({emu::FaultKind::kTear, 0ms}, 5)}, .require_both = true});
   Receiver receiver;
   run(rig, receiver, 12);
   EXPECT_EQ(of(rig.events.counters.pmd_dropped, Drop::kTorn), 1U);
@@ -220,6 +224,7 @@ TEST(LoopFaults, WithoutPmdCameraStereoAloneIsPublishedAndSaidSo) {
 // Every frame has a new exposure of the pair, and is fresh.
 TEST(LoopFaults, ASlowPmdCameraLendsItsDataWithTheirAge) {
   RigOptions options;
+  options.require_both = true;
   options.timing.pmd_every = 3;
   options.timing.pmd_integration = 80ms;
   Rig rig(options);
@@ -247,12 +252,13 @@ TEST(LoopFaults, ASlowPmdCameraLendsItsDataWithTheirAge) {
   EXPECT_NEAR(static_cast<double>(uses.size()), 12, 1);
 }
 
-TEST(LoopFaults, ASlowPmdCameraThatFailsStopsPublishingUntilItsNextFrame) {
+TEST(LoopFaults, WithBothRequiredASlowPmdCameraThatFailsStopsPublishingUntilItsNextFrame) {
   for (const emu::FaultKind kind : emu::kAllFaultKinds) {
     RigOptions options;
     options.timing.pmd_every = 3;
     options.timing.pmd_integration = 80ms;
     options.faults.pmd = once({kind, 30ms}, 3, 2);
+    options.require_both = true;
     Rig rig(options);
     Receiver receiver;
     run(rig, receiver, 60);

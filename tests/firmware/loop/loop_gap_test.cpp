@@ -11,8 +11,11 @@ constexpr int kSteps = 40;
 
 // Depth of the last frame of a rig before which nothing moves, which is asked to `act` at kGap.
 template <typename Act>
-std::vector<std::uint16_t> last_depth(const Faults& faults, Act act) {
-  Rig rig({.faults = faults, .still = true, .temporal = true});
+std::vector<std::uint16_t> last_depth(const RigOptions& of, Act act) {
+  RigOptions options = of;
+  options.still = true;
+  options.temporal = true;
+  Rig rig(options);
   Receiver receiver;
   run(rig, receiver, kGap);
   act(rig.loop);
@@ -21,8 +24,13 @@ std::vector<std::uint16_t> last_depth(const Faults& faults, Act act) {
   return receiver.frames.rbegin()->second.depth;
 }
 
-std::vector<std::uint16_t> last_depth(const Faults& faults) {
-  return last_depth(faults, [](Loop&) {});
+std::vector<std::uint16_t> last_depth(const RigOptions& options) {
+  return last_depth(options, [](Loop&) {});
+}
+
+// Where a frame needs both sensors.
+std::vector<std::uint16_t> last_depth_of_both(const Faults& faults) {
+  return last_depth({.faults = faults, .require_both = true});
 }
 
 emu::Fault no_frame(std::uint32_t first, std::uint32_t edges) {
@@ -31,22 +39,34 @@ emu::Fault no_frame(std::uint32_t first, std::uint32_t edges) {
 
 // Of a rig whose first frame is that of this edge.
 std::vector<std::uint16_t> without_past(std::uint32_t first) {
-  return last_depth({.stereo = {no_frame(0, first)}});
+  return last_depth_of_both({.stereo = {no_frame(0, first)}});
 }
 
 TEST(LoopGap, TheNoiseOfThisRigIsAveraged) { EXPECT_NE(last_depth({}), without_past(kGap)); }
 
 TEST(LoopGap, ThreeEdgesWithoutAFrameAreAGapFewerAreNot) {
-  EXPECT_EQ(last_depth({.stereo = {no_frame(kGap, 3)}}), without_past(kGap + 3));
-  EXPECT_EQ(last_depth({.pmd = {no_frame(kGap, 3)}}), without_past(kGap + 3));
-  EXPECT_EQ(last_depth({.stereo = {no_frame(kGap, 15)}}), without_past(kGap + 15));
-  EXPECT_NE(last_depth({.stereo = {no_frame(kGap, 2)}}), without_past(kGap + 2));
+  EXPECT_EQ(last_depth_of_both({.stereo = {no_frame(kGap, 3)}}), without_past(kGap + 3));
+  EXPECT_EQ(last_depth_of_both({.pmd = {no_frame(kGap, 3)}}), without_past(kGap + 3));
+  EXPECT_EQ(last_depth_of_both({.stereo = {no_frame(kGap, 15)}}), without_past(kGap + 15));
+  EXPECT_NE(last_depth_of_both({.stereo = {no_frame(kGap, 2)}}), without_past(kGap + 2));
 }
 
 TEST(LoopGap, ALostStereoCameraIsAGapHoweverSoonItIsBack) {
   const emu::Fault lost{.kind = emu::FaultKind::kVanish, .call = kGap};
-  EXPECT_EQ(last_depth({.stereo = {lost}}), without_past(kGap + 1));
-  EXPECT_NE(last_depth({.pmd = {lost}}), without_past(kGap + 1));
+  EXPECT_EQ(last_depth_of_both({.stereo = {lost}}), without_past(kGap + 1));
+  EXPECT_NE(last_depth_of_both({.pmd = {lost}}), without_past(kGap + 1));
+}
+
+// With other sensors than before nothing is averaged with what was before, however soon the missing
+// one is back.
+TEST(LoopGap, AnotherSetOfSensorsIsAGap) {
+  for (emu::FaultPlan Faults::* const sensor : {&Faults::stereo, &Faults::pmd}) {
+    for (const std::uint32_t edges : {1U, 2U, 5U}) {
+      Faults faults;
+      faults.*sensor = {no_frame(kGap, edges)};
+      EXPECT_EQ(last_depth({.faults = faults}), without_past(kGap + edges)) << edges;
+    }
+  }
 }
 
 TEST(LoopGap, ARestartIsAGap) {

@@ -58,7 +58,7 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
   frame.right = right.view();
   const Shot shot{.edge = {},
                   .exposed = {},
-                  .stereo = {frame, owner, 0},
+                  .stereo = hal::BorrowedFrame<hal::StereoFrame>(frame, owner, 0),
                   .pmd = std::nullopt,
                   .pmd_exposed = std::nullopt};
   const Output& output = pipeline->compute(shot, clock);

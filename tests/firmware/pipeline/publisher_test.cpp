@@ -72,7 +72,7 @@ struct Scene {
   Shot shot() {
     return {.edge = {},
             .exposed = {},
-            .stereo = {stereo, owner, 0},
+            .stereo = hal::BorrowedFrame<hal::StereoFrame>(stereo, owner, 0),
             .pmd = hal::BorrowedFrame<hal::PmdFrame>(pmd, owner, 0),
             .pmd_exposed = hal::Time{}};
   }

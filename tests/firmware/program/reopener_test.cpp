@@ -110,7 +110,7 @@ TEST(Reopener, TheLoopKeepsItsGridWhileADeviceIsBeingOpened) {
     EXPECT_EQ(edges[i] - edges[i - 1], 33ms) << "the loop waited at edge " << i;
   }
   EXPECT_EQ(lent.rig.events.counters.skipped_periods, 0U);
-  EXPECT_EQ(lent.rig.events.counters.published, 5U);
+  EXPECT_EQ(lent.rig.events.counters.published, edges.size()) << "of the PMD camera alone";
   board::comes_back = true;
   board::hangs = false;
   board::hangs.notify_all();
@@ -118,7 +118,7 @@ TEST(Reopener, TheLoopKeepsItsGridWhileADeviceIsBeingOpened) {
   for (int i = 0; i < 10; ++i) {
     static_cast<void>(lent.step());
   }
-  EXPECT_GE(lent.rig.events.counters.published, 14U);
+  EXPECT_EQ(lent.rig.events.counters.published, edges.size());
   int lost = 0;
   int back = 0;
   while (const auto event = lent.rig.events.take()) {

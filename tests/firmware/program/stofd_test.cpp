@@ -130,7 +130,8 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
   expect_refused({"--scene", "moon"}, "moon");
   expect_refused({"--tof", "x"}, "--tof");
   for (const char* const value : {"stereo", "stereo:drop", "moon:drop:1", "stereo:moon:1",
-                                  "stereo:drop:x", "stereo:drop:1:2:3"}) {
+                                  "stereo:drop:x", "stereo:drop:1:2:3", "stereo:drop:1+",
+                                  "stereo:drop:1+0", "stereo:drop:+3", "stereo:drop:1+2+3"}) {
     expect_refused({"--fault", value}, "--fault");
   }
   expect_refused({"--scene", "corridor", "--dataset", "x"}, "exclude");

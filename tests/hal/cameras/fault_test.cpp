@@ -96,6 +96,47 @@ TEST(StereoFaults, RepeatedFrameIsThePreviousOneToTheLastBit) {
   EXPECT_EQ((*third)->left_sequence, 3U);
 }
 
+TEST(StereoFaults, AFrozenRightViewIsThePreviousOneUnderNewStamps) {
+  Stereo rig({{.kind = FaultKind::kFreeze, .call = 1, .calls = 2}});
+  ASSERT_TRUE(period(rig));
+  for (std::uint32_t number = 2; number < 5; ++number) {
+    hal::Time edge{};
+    const auto frame = period(rig, &edge);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ((*frame)->left_sequence, number);
+    EXPECT_EQ((*frame)->right_sequence, number);
+    EXPECT_EQ((*frame)->right_exposure.begin, edge);
+    EXPECT_EQ((*frame)->left.at(0, 0), FakeImagery::left_value(number));
+    EXPECT_EQ((*frame)->right.at(0, 0), FakeImagery::right_value(number < 4 ? 1 : number));
+  }
+}
+
+TEST(PmdFaults, FrozenSamplesAreThePreviousOnesUnderNewStamps) {
+  Pmd rig({{.kind = FaultKind::kFreeze, .call = 1}});
+  const auto first = period(rig);
+  hal::Time edge{};
+  const auto frozen = period(rig, &edge);
+  ASSERT_TRUE(first && frozen);
+  EXPECT_EQ((*frozen)->sequence, (*first)->sequence + 1);
+  EXPECT_EQ((*frozen)->exposures[0].begin, edge);
+  EXPECT_EQ(Pmd::bytes(**frozen), Pmd::bytes(**first));
+}
+
+TEST(PmdFaults, WithoutItsLampThereIsTheDarkLevelAndNoise) {
+  Pmd rig({{.kind = FaultKind::kDark, .call = 0, .calls = 2}});
+  const auto first = period(rig);
+  const auto second = period(rig);
+  ASSERT_TRUE(first && second);
+  EXPECT_NE(Pmd::bytes(**first), Pmd::bytes(**second));
+  for (const auto& sample : (*first)->samples) {
+    for (int y = 0; y < sample.height(); ++y) {
+      for (const std::uint16_t value : sample.row(y)) {
+        EXPECT_NEAR(value, 100, 10);
+      }
+    }
+  }
+}
+
 TEST(StereoFaults, RepeatAtTheFirstCallHasNothingToRepeat) {
   Stereo rig({{.kind = FaultKind::kRepeat, .call = 0}});
   EXPECT_EQ(period(rig).error(), Status::kTimeout);

@@ -88,6 +88,28 @@ TEST(StatusLine, CountsTheTimeBetweenTwoLinesFramesToo) {
   EXPECT_NE(meter.line(kStart + 2s, {}, std::nullopt).find("  2.0 frames/s"), std::string::npos);
 }
 
+TEST(StatusLine, NamesTheFramesThatStandOnOneSensor) {
+  StatusLine meter;
+  SmallFrame small;
+  small.frame.info = wire::FrameInfo{.pmd_present = 1, .sensors = wire::kBothSensors};
+  small.frame.calibration = wire::CalibrationPacket{.pmd_width = 176};
+  meter.count(small.frame);
+  EXPECT_EQ(meter.line(kStart + 1s, {}, std::nullopt).find("alone"), std::string::npos);
+  small.frame.info->sensors = wire::kPmdSensor;
+  meter.count(small.frame);
+  meter.count(small.frame);
+  small.frame.info = wire::FrameInfo{};  // of an older sensor, whose PMD camera took no part
+  meter.count(small.frame);
+  EXPECT_NE(
+      meter.line(kStart + 2s, {}, std::nullopt)
+          .find(", 1 frames of the stereo pair alone, 2 frames of the PMD camera alone, lost"),
+      std::string::npos);
+  EXPECT_EQ(meter.line(kStart + 3s, {}, std::nullopt).find("alone"), std::string::npos);
+  small.frame.calibration->pmd_width = 0;  // a rig with one sensor
+  meter.count(small.frame);
+  EXPECT_EQ(meter.line(kStart + 4s, {}, std::nullopt).find("alone"), std::string::npos);
+}
+
 TEST(SummaryLine, SaysThatNothingWasLost) {
   client::Statistics statistics;
   statistics.packets_ok = 900;

@@ -97,7 +97,8 @@ TEST(Lib, GivesEveryStreamOfAFrame) {
   EXPECT_EQ(frame->calibration()->fx, 1.0);
   EXPECT_EQ(frame->calibration()->k[8], 1.0);
   EXPECT_EQ(frame->calibration()->depth_unit_m, 250e-6);
-  EXPECT_TRUE(frame->info());
+  ASSERT_TRUE(frame->info());
+  EXPECT_EQ(frame->info()->sensors, STOF_SENSOR_STEREO) << "of a sensor that does not say";
 }
 
 TEST(Lib, MakesPointsOfDepth) {

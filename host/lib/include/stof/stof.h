@@ -150,10 +150,15 @@ typedef struct stof_calibration {
   double t[3]; /* metres */
 } stof_calibration;
 
+/* What a frame stands on: the sum of these. Where a sensor is missing, the other one goes on. */
+#define STOF_SENSOR_STEREO 1
+#define STOF_SENSOR_PMD 2
+
 typedef struct stof_info { /* how the frame was made */
+  /* Of the stereo pair; in a frame of the PMD camera alone, of that. */
   int64_t exposure_begin_ns;
   int64_t exposure_end_ns;
-  int64_t pmd_age_ns; /* how much older the PMD data are */
+  int64_t pmd_age_ns; /* how much older the PMD data are than the pair's */
   int64_t compute_ns;
   int64_t latency_ns; /* from the middle of the exposure to the sending of the first packet */
   uint32_t pixels_by_source[6];
@@ -161,7 +166,8 @@ typedef struct stof_info { /* how the frame was made */
   uint32_t settings_revision;
   uint8_t pmd_present; /* PMD data took part */
   uint8_t cloud_step;  /* side of a cloud's block, pixels; 0: no cloud */
-  uint8_t reserved[2];
+  uint8_t sensors;     /* STOF_SENSOR_..., the sum; 0: the library is older than this field */
+  uint8_t reserved;
 } stof_info;
 
 typedef struct stof_cloud_point { /* a pixel of the plane `cloud` */
