@@ -72,6 +72,12 @@ constexpr std::size_t monitor_bytes(const board::PmdConfig& pmd) noexcept {
   return 13 * pixels(pmd.width, pmd.height) + 8192;
 }
 
+// What frames before tell of each pixel, beside what the search's 48 rows leave.
+constexpr std::size_t steady_bytes(const board::StereoConfig& stereo,
+                                   const board::PmdConfig& pmd) noexcept {
+  return 3 * pixels(stereo.width, stereo.height) + 5 * pixels(pmd.width, pmd.height) + 4096;
+}
+
 // Disparity, depth, interval width, source, cause.
 constexpr std::size_t image_bytes(const board::StereoConfig& stereo) noexcept {
   return (2 + 2 + 2 + 1 + 1) * pixels(stereo.width, stereo.height) + 5 * dsp::Arena::kAlign;
@@ -82,7 +88,7 @@ struct Share {
   const char* part;
   std::size_t bytes;
 };
-constexpr std::array<Share, 7> shares(const board::StereoConfig& stereo,
+constexpr std::array<Share, 8> shares(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
   return {{{"rectifier", rectifier_bytes(stereo)},
            {"matcher", matcher_bytes(stereo)},
@@ -90,6 +96,7 @@ constexpr std::array<Share, 7> shares(const board::StereoConfig& stereo,
            {"fuser", fuser_bytes(stereo, pmd)},
            {"unwrapper", unwrapper_bytes(stereo, pmd)},
            {"monitor", monitor_bytes(pmd)},
+           {"steady", steady_bytes(stereo, pmd)},
            {"images", image_bytes(stereo)}}};
 }
 constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,

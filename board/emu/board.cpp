@@ -39,15 +39,21 @@ struct World {
 World rendered(const EmuOptions& options) {
   constexpr std::uint32_t kFirst = 1;  // exposures count from 1
   SceneOptions wanted = options.scene;
-  wanted.pmd_every = kConfig.timing.pmd_every;
-  SceneWorld scene = render_world(wanted, kFirst);
+  const auto seconds = [](hal::Duration time) {
+    return std::chrono::duration<double>(time).count();
+  };
+  wanted.times = {.period = seconds(kConfig.timing.period),
+                  .pair = seconds(kConfig.timing.stereo_exposure),
+                  .pmd = seconds(kConfig.timing.pmd_integration),
+                  .pmd_every = kConfig.timing.pmd_every};
+  SceneWorld scene = render_world(wanted);
   World world;
-  world.imagery = std::move(scene.imagery);
-  world.calibration = scene.calibration;
-  world.disparities = scene.disparities;
-  if (!scene.moves) {
-    world.depth = std::move(scene.depth);
+  world.calibration = scene.imagery->calibration();
+  world.disparities = scene.imagery->disparities();
+  if (!moves(wanted)) {
+    world.depth = scene.imagery->depth(kFirst);
   }
+  world.imagery = std::move(scene.imagery);
   if (world.imagery->pmd_size() == emu::Size{}) {
     world.notes.emplace_back("no PMD camera (--no-tof): depth from stereo alone");
   }

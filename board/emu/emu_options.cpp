@@ -151,8 +151,13 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
   if (options.no_tof) {
     options.scene.pmd = emu::Size{};
   }
-  if (options.truth && !options.dataset && options.scene.name == "walking") {
-    return refuse("--truth: the scene walking moves: leave --truth out, or take another scene");
+  if (options.truth && !options.dataset && moves(options.scene)) {
+    return refuse("--truth: the scene " + options.scene.name +
+                  " moves: leave --truth out, or take another scene");
+  }
+  if (renders_as_it_goes(options.scene) && !options.free_run) {
+    return refuse("--scene " + options.scene.name +
+                  ": its pictures take longer than real time: add --free-run");
   }
   return options;
 }

@@ -9,6 +9,7 @@
 #include "hal/emu/imagery/grey.h"
 #include "hal/emu/imagery/moving_scene.h"
 #include "hal/emu/imagery/rendered_scene.h"
+#include "hal/emu/scenes/drive.h"
 #include "hal/emu/scenes/floor.h"
 #include "hal/emu/scenes/room.h"
 #include "hal/emu/scenes/scene.h"
@@ -20,6 +21,7 @@ namespace emu = hal::emu;
 
 constexpr std::string_view kRoom = "room:";
 constexpr std::string_view kFloor = "floor:";
+constexpr std::string_view kDrive = "drive:";
 constexpr int kSmallest = 16;  // pixels a side
 constexpr int kLargest = 2048;
 constexpr double kMaxTurn = 10;      // degrees
@@ -67,9 +69,28 @@ std::optional<emu::FloorView> floor_view(std::string_view name) {
   return emu::FloorView{.height_m = *height_cm / 100, .tilt_degrees = *tilt, .seed = *seed};
 }
 
+// drive:SCENE,SPEED.
+struct DriveThrough {
+  std::string scene;  // one that stands still
+  double speed = 0;   // metres a second
+};
+
+std::optional<DriveThrough> drive_through(std::string_view name) {
+  const std::size_t comma = name.rfind(',');
+  if (!name.starts_with(kDrive) || comma == std::string_view::npos) {
+    return std::nullopt;
+  }
+  const std::string_view scene = name.substr(kDrive.size(), comma - kDrive.size());
+  const auto speed = dsp::parse_number_in<double>(name.substr(comma + 1), 0, emu::kMaxDriveSpeed);
+  if (!speed || !(scene == "corridor" || scene == "hall" || room_seed(scene))) {
+    return std::nullopt;
+  }
+  return DriveThrough{.scene = std::string(scene), .speed = *speed};
+}
+
 bool is_scene(std::string_view name) {
-  return name == "corridor" || name == "walking" || name == "hall" || room_seed(name) ||
-         floor_view(name);
+  return name == "corridor" || name == "walking" || name == "leaving" || name == "hall" ||
+         room_seed(name) || floor_view(name) || drive_through(name);
 }
 
 // AXIS:DEGREES, such as pitch:0.1.
@@ -123,21 +144,27 @@ emu::Rig changed(emu::Rig rig, const SceneOptions& options) {
   return rig;
 }
 
-SceneWorld still_world(const emu::Scene& scene, const emu::Rig& rig) {
-  auto rendered = std::make_unique<emu::RenderedScene>(scene, rig);
-  SceneWorld world{.imagery = nullptr,
-                   .calibration = rendered->calibration(),
-                   .disparities = rendered->disparities(),
-                   .depth = rendered->depth(),
-                   .visible = rendered->visible()};
-  world.imagery = std::move(rendered);
-  return world;
+// What stands still, and who looks at it.
+struct StillScene {
+  emu::Scene scene;
+  emu::Rig rig;
+};
+
+StillScene still_scene(std::string_view name, const SceneOptions& options) {
+  if (name == "hall") {
+    return {emu::hall(), changed(emu::hall_rig(), options)};
+  }
+  if (const std::optional<std::uint32_t> seed = room_seed(name)) {
+    const emu::Room room = emu::random_room(*seed);
+    return {room.scene, changed(room.rig, options)};
+  }
+  return {emu::corridor(), changed(emu::corridor_rig(), options)};
 }
 
 SceneWorld floor_world(const emu::FloorView& view, const SceneOptions& options) {
   const emu::FloorScene floor = emu::floor_scene(view);
   const emu::Rig rig = changed(floor.rig, options);
-  SceneWorld world = still_world(floor.scene, rig);
+  SceneWorld world{.imagery = std::make_unique<emu::RenderedScene>(floor.scene, rig)};
   const dataset::Image<int> objects =
       emu::render_objects({floor.scene, rig.left_camera_pose}, rig.stereo.left);
   dataset::FloorTruth truth{.height_m = view.height_m,
@@ -150,18 +177,6 @@ SceneWorld floor_world(const emu::FloorView& view, const SceneOptions& options) 
   return world;
 }
 
-SceneWorld moving_world(const emu::Motion& motion, const emu::Rig& rig, std::uint32_t exposure) {
-  auto rendered = std::make_unique<emu::MovingScene>(motion, rig);
-  SceneWorld world{.imagery = nullptr,
-                   .calibration = rendered->calibration(),
-                   .disparities = rendered->disparities(),
-                   .moves = true,
-                   .depth = rendered->depth(exposure),
-                   .visible = rendered->visible(exposure)};
-  world.imagery = std::move(rendered);
-  return world;
-}
-
 }  // namespace
 
 std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::string_view value,
@@ -171,8 +186,9 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
       std::string line = "there is no scene \"";
       line += value;
       line +=
-          "\"; the scenes are corridor, walking, hall, room:SEED, floor and "
-          "floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm, 0 to 30 degrees)";
+          "\"; the scenes are corridor, walking, leaving, hall, room:SEED, floor, "
+          "floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm, 0 to 30 degrees) and "
+          "drive:SCENE,SPEED (corridor, hall or room:SEED, 0 to 1.5 metres a second)";
       return std::unexpected(std::move(line));
     }
     options.name = value;
@@ -214,7 +230,12 @@ std::string_view scene_usage() noexcept {
          "or\n"
          "                       floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm above a floor, "
          "0 to\n"
-         "                       30 degrees downwards; default 60,15)\n"
+         "                       30 degrees downwards; default 60,15), leaving (a box is taken "
+         "away, "
+         "a\n"
+         "                       door opens), drive:SCENE,SPEED (the rig drives through corridor, "
+         "hall or\n"
+         "                       room:SEED, to and fro, at up to 1.5 m/s)\n"
          "  --size WxH           of the stereo pictures (default 640x480)\n"
          "  --pmd WxH            of the PMD camera's pictures (default 176x144), or none\n"
          "  --seed N             of the noise\n"
@@ -226,23 +247,29 @@ std::string_view scene_usage() noexcept {
          "  --range-offset MM    the PMD camera measures so much too far\n";
 }
 
-SceneWorld render_world(const SceneOptions& options, std::uint32_t exposure) {
-  if (options.name == "walking") {
-    emu::Motion motion = emu::walking();
-    motion.pmd_every = options.pmd_every;
-    return moving_world(motion, changed(emu::corridor_rig(), options), exposure);
-  }
-  if (options.name == "hall") {
-    return still_world(emu::hall(), changed(emu::hall_rig(), options));
-  }
-  if (const std::optional<std::uint32_t> seed = room_seed(options.name)) {
-    const emu::Room room = emu::random_room(*seed);
-    return still_world(room.scene, changed(room.rig, options));
-  }
+bool moves(const SceneOptions& options) {
+  return options.name == "walking" || options.name == "leaving" || renders_as_it_goes(options);
+}
+
+bool renders_as_it_goes(const SceneOptions& options) { return options.name.starts_with(kDrive); }
+
+SceneWorld render_world(const SceneOptions& options) {
   if (const std::optional<emu::FloorView> view = floor_view(options.name)) {
     return floor_world(*view, options);
   }
-  return still_world(emu::corridor(), changed(emu::corridor_rig(), options));
+  if (const std::optional<DriveThrough> drive = drive_through(options.name)) {
+    const StillScene still = still_scene(drive->scene, options);
+    return {.imagery = std::make_unique<emu::DrivenScene>(still.scene, still.rig, drive->speed,
+                                                          options.times)};
+  }
+  if (moves(options)) {
+    emu::Motion motion = options.name == "walking" ? emu::walking() : emu::leaving();
+    motion.pmd_every = options.times.pmd_every;
+    return {.imagery =
+                std::make_unique<emu::MovingScene>(motion, changed(emu::corridor_rig(), options))};
+  }
+  const StillScene still = still_scene(options.name, options);
+  return {.imagery = std::make_unique<emu::RenderedScene>(still.scene, still.rig)};
 }
 
 }  // namespace stof::board

@@ -9,7 +9,8 @@
 
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
-#include "hal/emu/imagery/imagery.h"
+#include "hal/emu/imagery/driven_scene.h"
+#include "hal/emu/imagery/sensors.h"
 #include "hal/emu/scenes/rig.h"
 
 // The rendered scenes by their names, and the flags that say how they are seen: what the emulated
@@ -22,7 +23,7 @@ struct SceneOptions {
   std::optional<hal::emu::Size> pmd;   // 0x0: no PMD camera
   std::optional<std::uint32_t> seed;   // of all noise
   hal::emu::Misplacement misplacement;
-  int pmd_every = 1;  // the PMD camera exposes at every so many edges
+  hal::emu::ExposureTimes times;  // of which only pmd_every matters where the rig stands
 };
 
 // Takes one of the flags of scene_usage(). false: the flag is none of them. A line: its value
@@ -35,18 +36,16 @@ std::string_view scene_usage() noexcept;
 
 // A rendered scene before its cameras.
 struct SceneWorld {
-  std::unique_ptr<hal::emu::Imagery> imagery;
-  dsp::Calibration calibration;  // its fixed pattern lives in the imagery
-  int disparities = 0;
-  bool moves = false;
-  // The truth of the chosen exposure: Z in metres in the left view, +inf = nothing there; 255 =
-  // seen by both cameras.
-  dataset::Image<float> depth;
-  dataset::Image<std::uint8_t> visible;
+  std::unique_ptr<hal::emu::SensorImagery> imagery;
   std::optional<dataset::FloorTruth> floor = std::nullopt;  // of a scene above a floor
 };
 
+// The scene's truth is not that of another exposure.
+bool moves(const SceneOptions& options);
+// Its pictures take long to render, each anew: for emulated time.
+bool renders_as_it_goes(const SceneOptions& options);
+
 // Half a second to four seconds at 640x480.
-SceneWorld render_world(const SceneOptions& options, std::uint32_t exposure);
+SceneWorld render_world(const SceneOptions& options);
 
 }  // namespace stof::board

@@ -1,8 +1,10 @@
 #include "board/emu/write_pair.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -23,11 +25,12 @@ struct WritePairOptions {
   std::filesystem::path folder;
   std::uint32_t exposure = 0;
   std::uint32_t frames = 1;
+  std::uint32_t sequence = 0;  // exposures, a folder each; 0: one, without
   bool help = false;
 };
 
-dataset::StereoScene stereo_scene(SceneWorld& world, const WritePairOptions& options) {
-  const dsp::StereoRig& rig = world.calibration.stereo;
+dataset::StereoScene stereo_scene(const SceneWorld& world, const WritePairOptions& options) {
+  const dsp::StereoRig& rig = world.imagery->calibration().stereo;
   const emu::Size size = world.imagery->stereo_size();
   dataset::StereoScene scene;
   scene.name = options.scene.name;
@@ -35,11 +38,11 @@ dataset::StereoScene stereo_scene(SceneWorld& world, const WritePairOptions& opt
   scene.right = {size.width, size.height};
   world.imagery->left(options.exposure, scene.left.view());
   world.imagery->right(options.exposure, scene.right.view());
-  scene.ndisp = world.disparities;
-  scene.visible = world.visible;
+  scene.ndisp = world.imagery->disparities();
+  scene.visible = world.imagery->visible(options.exposure);
   scene.rig = rig;
   scene.floor = world.floor;
-  scene.truth = world.depth;
+  scene.truth = world.imagery->depth(options.exposure);
   for (float& value : scene.truth->pixels) {
     const double disparity = rig.left.fx * rig.baseline_m / value - rig.doff_px;
     value = disparity > 0 ? static_cast<float>(disparity) : std::numeric_limits<float>::infinity();
@@ -50,9 +53,9 @@ dataset::StereoScene stereo_scene(SceneWorld& world, const WritePairOptions& opt
 dataset::PmdRecording recording(const SceneWorld& world, const WritePairOptions& options) {
   const emu::Size size = world.imagery->pmd_size();
   dataset::PmdRecording out;
-  out.calibration = world.calibration;
+  out.calibration = world.imagery->calibration();
   out.has_rig = true;
-  const std::span<const std::int16_t> pattern = world.calibration.pmd.fixed_pattern;
+  const std::span<const std::int16_t> pattern = out.calibration.pmd.fixed_pattern;
   out.fixed_pattern.assign(pattern.begin(), pattern.end());
   out.calibration.pmd.fixed_pattern = out.fixed_pattern;
   for (std::uint32_t frame = 0; frame < options.frames; ++frame) {
@@ -82,17 +85,28 @@ std::expected<std::uint32_t, std::string> count(std::string_view flag, std::stri
   return *out;
 }
 
+// What a flag with a number sets; nullptr: it takes none.
+std::uint32_t* number_of(std::string_view flag, WritePairOptions& options) {
+  if (flag == "--frames") {
+    return &options.frames;
+  }
+  if (flag == "--sequence") {
+    return &options.sequence;
+  }
+  return flag == "--exposure" ? &options.exposure : nullptr;
+}
+
 // One flag and its value.
 std::expected<void, std::string> take(std::string_view flag, std::string_view value,
                                       WritePairOptions& options) {
-  const bool frames = flag == "--frames";
-  if (frames || flag == "--exposure") {
+  std::uint32_t* const counted = number_of(flag, options);
+  if (counted != nullptr) {
     const std::expected<std::uint32_t, std::string> number =
-        frames ? count(flag, value, 1, kMaxFrames) : count(flag, value, 0, 1'000'000);
+        flag == "--exposure" ? count(flag, value, 0, 1'000'000) : count(flag, value, 1, kMaxFrames);
     if (!number) {
       return std::unexpected(number.error());
     }
-    (frames ? options.frames : options.exposure) = *number;
+    *counted = *number;
     return {};
   }
   const std::expected<bool, std::string> taken = take_scene_flag(flag, value, options.scene);
@@ -130,8 +144,11 @@ std::expected<WritePairOptions, std::string> parse(std::span<const std::string_v
   if (options.folder.empty()) {
     return std::unexpected("takes the folder to write the emulated scene to; try --help");
   }
-  if (options.scene.name == "walking" && options.frames > 1) {
-    return std::unexpected("--frames: the scene moves: write one exposure at a time (--exposure)");
+  if (options.frames > 1 && moves(options.scene)) {
+    return std::unexpected("--frames: the scene moves: write a --sequence of exposures");
+  }
+  if (options.frames > 1 && options.sequence > 0) {
+    return std::unexpected("--frames: each exposure of a --sequence has one: leave it out");
   }
   return options;
 }
@@ -149,17 +166,55 @@ void print_help() {
       "(`stof evaluate fusion DIR DIR/pmd`).\n"
       "  --exposure N         which exposure (default 0): its noise, and where things that move "
       "are\n"
-      "  --frames N           of the PMD recording (default 1)\n%.*s",
+      "  --frames N           of the PMD recording (default 1)\n"
+      "  --sequence N         so many exposures from there on, each in a folder DIR/0000 that is "
+      "its\n"
+      "                       number (`stof evaluate sequence DIR`)\n%.*s",
       static_cast<int>(usage.size()), usage.data());
 }
 
-std::expected<void, dataset::Problem> write(const WritePairOptions& options) {
-  SceneWorld world = render_world(options.scene, options.exposure);
-  auto written = dataset::write_stereo_scene(options.folder, stereo_scene(world, options));
+std::expected<void, dataset::Problem> make_folder(const std::filesystem::path& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!std::filesystem::is_directory(folder, error)) {
+    return std::unexpected(dataset::Problem{
+        folder.string() + ": cannot be made a folder: check the path and its permissions"});
+  }
+  return {};
+}
+
+// One exposure.
+std::expected<void, dataset::Problem> write(const SceneWorld& world,
+                                            const WritePairOptions& options) {
+  auto written = make_folder(options.folder);
+  if (written) {
+    written = dataset::write_stereo_scene(options.folder, stereo_scene(world, options));
+  }
   if (written && world.imagery->pmd_size() != emu::Size{}) {
     written = dataset::write_pmd(options.folder / "pmd", recording(world, options));
   }
   return written;
+}
+
+std::expected<void, dataset::Problem> write(const WritePairOptions& options) {
+  if (auto made = make_folder(options.folder); !made) {
+    return made;
+  }
+  const SceneWorld world = render_world(options.scene);
+  if (options.sequence == 0) {
+    return write(world, options);
+  }
+  for (std::uint32_t i = 0; i < options.sequence; ++i) {
+    WritePairOptions one = options;
+    one.exposure += i;
+    std::string number = std::to_string(one.exposure);
+    number.insert(0, std::max<std::size_t>(number.size(), 4) - number.size(), '0');
+    one.folder /= number;
+    if (auto written = write(world, one); !written) {
+      return written;
+    }
+  }
+  return {};
 }
 
 }  // namespace
@@ -172,12 +227,6 @@ int write_pair(std::span<const std::string_view> arguments) {
   if (options->help) {
     print_help();
     return 0;
-  }
-  std::error_code error;
-  std::filesystem::create_directories(options->folder, error);
-  if (!std::filesystem::is_directory(options->folder, error)) {
-    return complain(options->folder.string() +
-                    ": cannot be made a folder: check the path and its permissions");
   }
   const std::expected<void, dataset::Problem> written = write(*options);
   return written ? 0 : complain(written.error().message);

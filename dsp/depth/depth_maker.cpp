@@ -7,6 +7,7 @@ namespace {
 
 // Rows that a thread rectifies or fuses at once: a row looks at few others.
 constexpr int kTaskRows = 16;
+constexpr int kTaskCells = 2;  // rows of cells
 
 constexpr double kMetresPerQuarterMm = 1.0 / kQuarterMmPerMetre;
 
@@ -55,15 +56,16 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
                          match.disparities, w, h, arena);
   }
   if (has_pmd(calibration)) {
-    converter_.emplace(calibration.pmd, arena);
+    converter_.emplace(calibration.pmd, arena, params.temporal);
     monitor_.emplace(calibration, DriftParams{}, arena);
   }
   if (unwraps(calibration, params)) {
     unwrapper_.emplace(calibration, params.fusion, match.min_disparity, match.disparities, w, h,
-                       arena);
+                       arena, params.temporal);
   }
   if (params.temporal) {
-    temporal_.emplace(w, h, TemporalParams{}, arena);
+    past_.emplace(SteadyFilter(w, h, params.fusion.max_range, arena, team.threads()),
+                  TemporalFilter(w, h, TemporalParams{}, arena));
   }
 }
 
@@ -104,8 +106,35 @@ StereoMaps DepthMaker::stereo() const noexcept {
 }
 
 void DepthMaker::forget_past() noexcept {
-  if (temporal_) {
-    temporal_->forget();
+  if (past_) {
+    past_->steady.forget();
+    forget_readings();
+  }
+}
+
+// What filters this frame's rows by frames before.
+FusedRowFilter* DepthMaker::look() noexcept {
+  if (!past_) {
+    return nullptr;
+  }
+  if (left_.empty()) {
+    forget_past();
+    return nullptr;
+  }
+  past_->steady.look(left_);
+  if (past_->steady.frames() == 1) {  // the camera moved
+    forget_readings();
+  }
+  return &past_->steady;
+}
+
+void DepthMaker::forget_readings() noexcept {
+  past_->mean.forget();
+  if (converter_) {
+    converter_->forget_past();
+  }
+  if (unwrapper_) {
+    unwrapper_->forget_past();
   }
 }
 
@@ -114,12 +143,19 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
     unwrapper_->resolve(*pmd_, stereo().disparity);
     unresolved_ = false;
   }
+  FusedRowFilter* const filter = look();
   fuser_.prepare(pmd_);
   team_.run_rows(out.depth.rows(), kTaskRows, [&](Rows rows, int thread) noexcept {
-    fuser_.fuse_rows(stereo(), rows, thread, out);
+    fuser_.fuse_rows(stereo(), rows, thread, out, filter);
   });
-  if (temporal_) {
-    temporal_->apply(left_, out);
+  if (fuser_.fills_holes(stereo(), out)) {
+    team_.run_rows(fuser_.cell_rows(), kTaskCells,
+                   [&](Rows cells, int) noexcept { fuser_.gather_surfaces(cells, out); });
+    team_.run_rows(fuser_.cell_rows(), kTaskCells,
+                   [&](Rows cells, int) noexcept { fuser_.fill_holes(stereo(), cells, out); });
+  }
+  if (past_) {
+    past_->mean.apply(left_, out, &past_->steady.change());
   }
 }
 

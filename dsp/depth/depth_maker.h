@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cstdint>
 #include <optional>
 
 #include "dsp/base/arena.h"
@@ -9,6 +11,7 @@
 #include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/fusion/fuser.h"
 #include "dsp/fusion/guide/guide_maker.h"
+#include "dsp/fusion/temporal/steady_filter.h"
 #include "dsp/fusion/temporal/temporal_filter.h"
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
@@ -21,9 +24,11 @@ namespace stof::dsp {
 // How pictures and samples become depth.
 struct DepthParams {
   MatchParams match;
-  FusionParams fusion;    // fusion.trust suits the search: trust_of(match)
-  bool guided = false;    // PMD intervals narrow the search (guide_maker.h)
-  bool temporal = false;  // depth is averaged over frames where nothing moves (temporal_filter.h)
+  FusionParams fusion;  // fusion.trust suits the search: trust_of(match)
+  bool guided = false;  // PMD intervals narrow the search (guide_maker.h)
+  // Frames before count where nothing moves: they decide what is published (steady_filter.h), which
+  // is averaged (temporal_filter.h).
+  bool temporal = false;
 
   friend bool operator==(const DepthParams&, const DepthParams&) = default;
 };
@@ -50,7 +55,7 @@ class DepthMaker {
   // not compared with a pair of later.
   void forget_pair() noexcept;
 
-  // After a gap in time: the next frame is averaged with none before it. The drift that watch()
+  // After a gap in time: no frame before it counts for the next. The drift that watch()
   // has found stays: what has moved in a rig does not move back.
   void forget_past() noexcept;
 
@@ -63,6 +68,12 @@ class DepthMaker {
   // What watch() has found so far; about 0.3 ms.
   DriftEstimate drift() const noexcept;
 
+  // On how many frames the last map stands, itself included (SteadyFilter::frames()); 1 without a
+  // pair or DepthParams::temporal, where frames do not count for each other.
+  std::uint16_t frames() const noexcept {
+    return past_ ? std::max(past_->steady.frames(), std::uint16_t{1}) : std::uint16_t{1};
+  }
+
   // What came of the last frame: empty, or nullptr, without. The pictures are those that were
   // matched: rectified where the rig asks for it.
   StereoMaps stereo() const noexcept;
@@ -71,6 +82,14 @@ class DepthMaker {
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
  private:
+  // What frames before count for.
+  struct Past {
+    SteadyFilter steady;
+    TemporalFilter mean;
+  };
+  FusedRowFilter* look() noexcept;
+  void forget_readings() noexcept;
+
   ThreadTeam team_;
   std::optional<Rectifier> rectifier_;
   std::optional<GuideMaker> guide_maker_;
@@ -78,7 +97,7 @@ class DepthMaker {
   std::optional<PmdConverter> converter_;
   std::optional<Unwrapper> unwrapper_;
   Fuser fuser_;
-  std::optional<TemporalFilter> temporal_;
+  std::optional<Past> past_;
   std::optional<DriftMonitor> monitor_;
   ImageView<Disparity> disparity_;
   ImageView<const std::uint8_t> left_;  // empty: there is no pair

@@ -12,6 +12,7 @@
 #include "dsp/fusion/interval/stereo_interval.h"
 #include "dsp/fusion/project/reproject.h"
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
+#include "dsp/fusion/resolve/hole_filler.h"
 #include "dsp/fusion/resolve/match_evidence.h"
 #include "dsp/stereo/match_params.h"
 
@@ -56,6 +57,7 @@ struct Fuser::Tables {
   MatchEvidence evidence;
   Reprojector reprojector;
   SplattedView splatted;
+  HoleFiller filler;
   std::span<std::uint8_t> ratio;  // of matches without one
   std::span<Disparity> nothing;   // a row without stereo
   std::span<Scratch> scratch;     // of each thread
@@ -74,6 +76,7 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
            .evidence = MatchEvidence(calibration, infinity_of(calibration.stereo)),
            .reprojector = {},
            .splatted = {},
+           .filler = HoleFiller(width, height, params.max_range, arena),
            .ratio = {},
            .nothing = {},
            .scratch = {}};
@@ -100,8 +103,8 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   tables_ = arena.put(t);
 }
 
-void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
-                     const DepthMap& out) noexcept {
+FusedRow Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                         const DepthMap& out) noexcept {
   Tables& t = *tables_;
   AmbiguityRow row{.disparity = t.nothing,
                    .weak = {},
@@ -137,6 +140,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     resolve_ambiguities(row, t.ambiguity, t.intervals.disparity, fused);
   }
+  return fused;
 }
 
 void Fuser::prepare(const PmdMaps* pmd) noexcept {
@@ -148,8 +152,8 @@ void Fuser::prepare(const PmdMaps* pmd) noexcept {
   }
 }
 
-void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
-                      const DepthMap& out) noexcept {
+void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out,
+                      FusedRowFilter* filter) noexcept {
   const Tables& t = *tables_;
   STOF_CHECK(same_size(out.depth, t.splatted.low) && same_size(out.width, out.depth) &&
              same_size(out.source, out.depth) &&
@@ -167,14 +171,37 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
     const Rows some{y, std::min(y + kStripeRows, rows.end)};
     t.reprojector.splat(some, splatted);
     for (int row = some.begin; row < some.end; ++row) {
-      fuse_row(stereo, row, scratch, out);
+      const FusedRow fused = fuse_row(stereo, row, scratch, out);
+      if (filter != nullptr) {
+        filter->filter(row, thread, {scratch.stereo_low, scratch.stereo_high},
+                       {t.splatted.low.row(row), t.splatted.high.row(row)}, fused);
+      }
     }
   }
+}
+
+bool Fuser::fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept {
+  return tables_->evidence.judges() && !stereo.disparity.empty() && !out.cause.empty();
+}
+
+Rows Fuser::cell_rows() const noexcept { return tables_->filler.cell_rows(); }
+
+void Fuser::gather_surfaces(Rows cells, const DepthMap& out) noexcept {
+  tables_->filler.gather(cells, out);
+}
+
+void Fuser::fill_holes(const StereoMaps& stereo, Rows cells, const DepthMap& out) noexcept {
+  const Tables& t = *tables_;
+  t.filler.fill(cells, {stereo.disparity, t.splatted.low, t.splatted.high}, t.evidence, out);
 }
 
 void Fuser::fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept {
   prepare(pmd);
   fuse_rows(stereo, out.depth.rows(), 0, out);
+  if (fills_holes(stereo, out)) {
+    gather_surfaces(cell_rows(), out);
+    fill_holes(stereo, cell_rows(), out);
+  }
 }
 
 }  // namespace stof::dsp

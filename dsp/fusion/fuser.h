@@ -9,6 +9,7 @@
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/depth_map.h"
 #include "dsp/fusion/interval/disparity_sigma.h"
+#include "dsp/fusion/interval/intersect.h"
 #include "dsp/pmd/converter.h"
 
 namespace stof::dsp {
@@ -31,9 +32,21 @@ struct StereoMaps {
   ImageView<const Disparity> weak = {};      // believed only where the PMD agrees
 };
 
+// Changes rows as soon as they are fused.
+class FusedRowFilter {
+ public:
+  // stereo, pmd: what each sensor said of row y. thread: as in Fuser::fuse_rows().
+  virtual void filter(int y, int thread, const IntervalRow& stereo, const IntervalRow& pmd,
+                      const FusedRow& fused) noexcept = 0;
+
+ protected:
+  ~FusedRowFilter() = default;
+};
+
 // Carries the PMD intervals into the left camera and intersects them with the stereo intervals,
 // which come from the disparity alone, or from both columns where the rig's axes converge; then
-// resolves what only one of both saw (resolve/ambiguity_resolver.h).
+// resolves what only one of both saw (resolve/ambiguity_resolver.h), and where both sensors are
+// there, what neither could tell (resolve/hole_filler.h).
 class Fuser {
  public:
   // Stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
@@ -44,18 +57,26 @@ class Fuser {
 
   // First where the PMD's readings lie, then rows of the result, in any order and by any split:
   // the same thread number (0 .. threads - 1) not twice at the same time. stereo and out as in
-  // fuse(), the same for all rows.
+  // fuse(), the same for all rows; each row goes through the filter, if there is one.
   void prepare(const PmdMaps* pmd) noexcept;
-  void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out) noexcept;
+  void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out,
+                 FusedRowFilter* filter = nullptr) noexcept;
 
-  // Both. pmd: nullptr for stereo only. out: all of its images are written.
+  // Where fills_holes(), two steps follow, each of all rows of cells, in any order and by any
+  // split.
+  bool fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept;
+  Rows cell_rows() const noexcept;
+  void gather_surfaces(Rows cells, const DepthMap& out) noexcept;
+  void fill_holes(const StereoMaps& stereo, Rows cells, const DepthMap& out) noexcept;
+
+  // All of these. pmd: nullptr for stereo only. out: all of its images are written.
   void fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept;
 
  private:
   struct Tables;
   struct Scratch;
-  void fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
-                const DepthMap& out) noexcept;
+  FusedRow fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                    const DepthMap& out) noexcept;
 
   Tables* tables_;
 };

@@ -16,6 +16,7 @@
 #include "dsp/pmd/range/combine_frequencies.h"
 #include "dsp/pmd/range/emitter_offset.h"
 #include "dsp/pmd/range/to_quarter_mm.h"
+#include "dsp/pmd/reading_memory.h"
 
 namespace stof::dsp {
 namespace {
@@ -53,6 +54,7 @@ struct PmdConverter::Tables {
   MergeRows spare;
   std::span<Phase> corrected;
   std::span<std::uint32_t> reading;  // where no long_distance holds it
+  std::optional<ReadingMemory> memory;
 
   std::span<const std::int16_t> fixed_pattern_row(int y, std::size_t n) const noexcept {
     return fixed_pattern.empty() ? fixed_pattern : fixed_pattern.subspan(index(y) * n, n);
@@ -64,7 +66,7 @@ struct PmdConverter::Tables {
   }
 };
 
-PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept {
+PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena, bool remembers) noexcept {
   const int w = sensor.lens.width;
   const int h = sensor.lens.height;
   const std::size_t row = index(w);
@@ -108,14 +110,23 @@ PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept {
   maps_.low = arena.take_image<QuarterMm>(w, h);
   maps_.high = arena.take_image<QuarterMm>(w, h);
   maps_.ratio = arena.take_image<std::uint8_t>(w, h);
+  if (remembers) {
+    t.memory.emplace(w, h, t.first.frequency.limits.ratio_q16, arena);
+  }
   if (has_long_range(sensor)) {
     maps_.long_distance = arena.take_image<std::uint32_t>(w, h);
   }
   tables_ = arena.put(t);
 }
 
+void PmdConverter::forget_past() noexcept {
+  if (tables_->memory) {
+    tables_->memory->forget();
+  }
+}
+
 void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
-  const Tables& t = *tables_;
+  Tables& t = *tables_;
   const PmdMaps& m = maps_;
   const std::size_t n = index(m.phase.width());
   const ExposureRow row{.phase = m.phase.row(y),
@@ -128,6 +139,9 @@ void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   const std::span<std::uint32_t> reading =
       m.long_distance.empty() ? t.reading : m.long_distance.row(y);
   measure_phases(frame.first, y, t.first, t.spare, row);
+  if (t.memory) {
+    t.memory->admit(y, row.ratio, row.offset, row.flags);
+  }
   best::correct_phase(row.phase, pattern, t.first.correction, t.corrected);
   const RangeTables* range = &t.one_frequency;
   if (frame.second.empty()) {
@@ -152,6 +166,9 @@ void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   if (t.curve) {
     best::curve_sigma(m.distance.row(y), *t.curve, row.sigma);
   }
+  if (t.memory) {
+    t.memory->settle(y, row.flags, m.distance.row(y), row.sigma);
+  }
 }
 
 const PmdMaps& PmdConverter::measure(const PmdFrame& frame) noexcept {
@@ -166,6 +183,9 @@ const PmdMaps& PmdConverter::measure(const PmdFrame& frame) noexcept {
     check_exposures(frame.second, width, height);
     prepare_frame_tables(frame.second, frame.temperature_q8, t.second->tables);
     range = &t.second->both;
+  }
+  if (t.memory) {
+    t.memory->begin_frame();
   }
   maps_.range = range->range;
   maps_.widest = range->widest;

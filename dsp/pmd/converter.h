@@ -42,8 +42,9 @@ class PmdConverter {
  public:
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
   // 20 bytes a pixel, 4 more where readings are averaged, 10 more with lights beside the lens, 4
-  // more where there is a long_distance.
-  PmdConverter(const PmdSensor& sensor, Arena& arena) noexcept;
+  // more where there is a long_distance. remembers: readings of the frame before count, too
+  // (reading_memory.h), until forget_past(); 2 bytes a pixel.
+  PmdConverter(const PmdSensor& sensor, Arena& arena, bool remembers = false) noexcept;
 
   // Samples of the sensor's size. The result is valid until the next call; integration times scale
   // stray and suppressed light.
@@ -54,6 +55,7 @@ class PmdConverter {
   // The same without intervals: low, high and flags that come from neighbours are not there yet.
   // For who changes readings before refresh_intervals() (fill_intervals.h); convert() is both.
   const PmdMaps& measure(const PmdFrame& frame) noexcept;
+  void forget_past() noexcept;
 
  private:
   struct Tables;

@@ -55,7 +55,7 @@ class SequenceGuard {
 enum Eyes : std::uint8_t { kNoEye = 0, kLeftEye = 1, kRightEye = 2 };
 
 constexpr Eyes eyes(bool left, bool right) noexcept {
-  return static_cast<Eyes>((left ? kLeftEye : 0) | (right ? kRightEye : 0));
+  return static_cast<Eyes>((left ? kLeftEye : kNoEye) | (right ? kRightEye : kNoEye));
 }
 
 // Judges stereo frames: size, sequences, both exposures.

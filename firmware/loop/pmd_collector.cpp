@@ -58,17 +58,18 @@ Status PmdCollector::collect(hal::Time edge, hal::Time deadline,
 }
 
 PmdVerdict PmdCollector::judge(const hal::PmdFrame& frame) noexcept {
-  bool repeats = pairing_.repeating(frame);
+  absence_.why = pairing_.repeating(frame) ? Absence::Why::kFrozen : Absence::Why::kSilent;
   PmdVerdict verdict = pairing_.judge(std::span(windows_).first(window_count_), frame);
-  if (verdict.drop == Drop::kNone && !board_.recorded && samples_.repeats(frame.samples)) {
-    verdict.drop = Drop::kStale;
-    repeats = true;
-  } else if (verdict.drop == Drop::kNone && light_.gone(frame)) {
-    verdict.drop = Drop::kDark;
+  if (verdict.drop != Drop::kNone) {
+    return verdict;
   }
-  absence_.why = verdict.drop == Drop::kDark ? Absence::Why::kDark
-                 : repeats                   ? Absence::Why::kFrozen
-                                             : Absence::Why::kSilent;
+  if (!board_.recorded && samples_.repeats(frame.samples)) {
+    verdict.drop = Drop::kStale;
+    absence_.why = Absence::Why::kFrozen;
+  } else if (light_.gone(frame)) {
+    verdict.drop = Drop::kDark;
+    absence_.why = Absence::Why::kDark;
+  }
   return verdict;
 }
 

@@ -70,6 +70,7 @@ const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
   const hal::Time matched = clock.now();
   maker_.fuse(output_.map);
   stats.fuse = clock.now() - matched;
+  output_.steady_frames = maker_.frames();
   output_.stereo = maker_.stereo();
   output_.left = maker_.left();
   output_.right = maker_.right();

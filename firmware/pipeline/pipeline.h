@@ -33,7 +33,8 @@ struct Stats {
   hal::Duration fuse{};                                // and the periods of readings
   hal::Duration watch{};                               // comparing the sensors, of the frame before
   std::array<std::uint32_t, dsp::kSources> sources{};  // pixels of each
-  std::array<std::uint32_t, dsp::kCauses> causes{};
+  // Likewise, but kInterpolated: that is what the others leave of the picture.
+  std::array<std::uint32_t, dsp::kCauses - 1> causes{};
 
   hal::Duration total() const noexcept { return match + convert + fuse + watch; }
 };
@@ -46,6 +47,7 @@ struct Output {
   dsp::ImageView<const std::uint8_t> right;
   dsp::DriftEstimate drift;  // of the last second
   Stats stats;
+  std::uint16_t steady_frames = 1;  // that the map stands on (dsp::DepthMaker::frames())
 };
 
 // One shot to one depth map, by the dsp::DepthMaker that evaluation on the host uses too.

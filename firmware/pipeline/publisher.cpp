@@ -242,7 +242,8 @@ wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) cons
       .settings_revision = params_.revision,
       .stage_us = {microseconds(output.stats.convert), microseconds(output.stats.match),
                    microseconds(output.stats.fuse), microseconds(output.stats.watch),
-                   microseconds(times_.code), microseconds(times_.send)}};
+                   microseconds(times_.code), microseconds(times_.send)},
+      .steady_frames = output.steady_frames};
   static_assert(wire::kDrifts == dsp::kDriftParameters);
   for (std::size_t i = 0; i < wire::kDrifts; ++i) {
     const dsp::Drift& drift = output.drift.drifts[i];

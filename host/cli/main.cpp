@@ -9,6 +9,7 @@
 #include "host/cli/evaluate/evaluate_floor.h"
 #include "host/cli/evaluate/evaluate_fusion.h"
 #include "host/cli/evaluate/evaluate_pmd.h"
+#include "host/cli/evaluate/evaluate_sequence.h"
 #include "host/cli/evaluate/evaluate_stereo.h"
 #include "host/cli/failure.h"
 #include "host/cli/finite_numbers.h"
@@ -29,6 +30,7 @@ struct Commands {
   EvaluateFusionOptions fusion;
   EvaluatePmdOptions pmd;
   EvaluateFloorOptions floor;
+  EvaluateSequenceOptions sequence;
   ViewOptions view;
   ReportOptions report;
   CalibPmdOptions calib_pmd;
@@ -58,6 +60,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
 
   add_evaluate_pmd(evaluate, commands.pmd);
   add_evaluate_floor(evaluate, commands.floor);
+  add_evaluate_sequence(evaluate, commands.sequence);
 }
 
 void add_view(CLI::App& app, ViewOptions& options) {

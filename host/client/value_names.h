@@ -8,7 +8,8 @@ namespace stof::client {
 
 inline constexpr std::array kSourceNames{"none", "stereo", "pmd", "both", "resolved", "conflict"};
 inline constexpr std::array kCauseNames{
-    "none", "mixed_pixel", "stereo_ambiguous", "range_ambiguous", "occluded", "contradiction"};
+    "none",     "mixed_pixel",   "stereo_ambiguous", "range_ambiguous",
+    "occluded", "contradiction", "interpolated"};
 inline constexpr std::array kHealthNames{"ok", "degraded", "fault"};
 
 // "unknown" for a value that only a newer sensor knows.

@@ -468,6 +468,9 @@ class FrameInfo(Layout):
     # what each stage took, us: convert, match, fuse, watch; of the frame before: code, send
     # (without the waits of pacing)
     stage_us: tuple = (0,) * 6
+    # frames in a row that this depth stands on, itself included: for how many the camera stood; 1:
+    # it stands alone
+    steady_frames: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("exposure_begin_ns", "q", 1),
@@ -488,6 +491,7 @@ class FrameInfo(Layout):
         ("sensors", "B", 1),
         ("settings_revision", "I", 1),
         ("stage_us", "I", 6),
+        ("steady_frames", "I", 1),
     )
 
 

@@ -84,10 +84,31 @@ TEST(EmuOptions, FindsThePmdRecordingBesideTheDataset) {
 }
 
 TEST(EmuOptions, RefusesWhatMeansNothingInOneLine) {
-  for (const char* const name :
-       {"moon", "room:", "room:x", "room:-1", "room:4294967296", "floor:", "floor:60", "floor:60,",
-        "floor:19,15", "floor:121,15", "floor:60,-1", "floor:60,31", "floor:60,15,",
-        "floor:60,15,x", "floor:60,15,1,1", "floor:nan,15", "floors", "floor60,15"}) {
+  for (const char* const name : {"moon",
+                                 "room:",
+                                 "room:x",
+                                 "room:-1",
+                                 "room:4294967296",
+                                 "floor:",
+                                 "floor:60",
+                                 "floor:60,",
+                                 "floor:19,15",
+                                 "floor:121,15",
+                                 "floor:60,-1",
+                                 "floor:60,31",
+                                 "floor:60,15,",
+                                 "floor:60,15,x",
+                                 "floor:60,15,1,1",
+                                 "floor:nan,15",
+                                 "floors",
+                                 "floor60,15",
+                                 "drive:",
+                                 "drive:hall",
+                                 "drive:hall,",
+                                 "drive:hall,1.6",
+                                 "drive:hall,-1",
+                                 "drive:walking,1",
+                                 "drive:drive:hall,1,1"}) {
     expect_refused({"--scene", name}, name);
   }
   for (const char* const size : {"640", "x", "640x", "8x640", "640x480x3", "4000x3000", "none"}) {
@@ -103,6 +124,8 @@ TEST(EmuOptions, RefusesWhatMeansNothingInOneLine) {
   }
   expect_refused({"--turn", "yaw:1", "--dataset", "x"}, "exclude");
   expect_refused({"--scene", "walking", "--truth", "x.pfm"}, "moves");
+  expect_refused({"--scene", "drive:hall,1", "--truth", "x.pfm", "--free-run"}, "moves");
+  expect_refused({"--scene", "drive:hall,1"}, "--free-run");
 }
 
 TEST(RenderWorld, ChangesTheRigAsAsked) {
@@ -111,17 +134,18 @@ TEST(RenderWorld, ChangesTheRigAsAsked) {
   options.size = hal::emu::Size{160, 100};
   options.pmd = hal::emu::Size{64, 48};
   options.misplacement.yaw_degrees = 0.5;
-  const board::SceneWorld world = board::render_world(options, 1);
+  const board::SceneWorld world = board::render_world(options);
   EXPECT_EQ(world.imagery->stereo_size(), (hal::emu::Size{160, 100}));
   EXPECT_EQ(world.imagery->pmd_size(), (hal::emu::Size{64, 48}));
-  EXPECT_EQ(world.depth.width, 160);
-  EXPECT_EQ(world.calibration.pmd.fixed_pattern.size(), std::size_t{64} * 48);
-  EXPECT_STREQ(dsp::problem(world.calibration), "");
-  EXPECT_EQ(world.calibration.pmd_to_stereo.rotation, hal::emu::hall_rig().pmd_to_stereo.rotation);
+  EXPECT_EQ(world.imagery->depth(1).width, 160);
+  EXPECT_EQ(world.imagery->calibration().pmd.fixed_pattern.size(), std::size_t{64} * 48);
+  EXPECT_STREQ(dsp::problem(world.imagery->calibration()), "");
+  EXPECT_EQ(world.imagery->calibration().pmd_to_stereo.rotation,
+            hal::emu::hall_rig().pmd_to_stereo.rotation);
   options.seed = 77;
-  const board::SceneWorld other = board::render_world(options, 1);
+  const board::SceneWorld other = board::render_world(options);
   EXPECT_NE(hash(expose(*world.imagery, 1)), hash(expose(*other.imagery, 1)));
-  EXPECT_EQ(world.depth.pixels, other.depth.pixels);
+  EXPECT_EQ(world.imagery->depth(1).pixels, other.imagery->depth(1).pixels);
 }
 
 TEST(RenderWorld, KnowsWhatIsSeenAboveAFloor) {
@@ -132,7 +156,7 @@ TEST(RenderWorld, KnowsWhatIsSeenAboveAFloor) {
     ASSERT_EQ(board::take_scene_flag("--scene", name, options), true) << name;
     options.size = hal::emu::Size{160, 120};
     options.pmd = hal::emu::Size{};
-    const board::SceneWorld world = board::render_world(options, 0);
+    const board::SceneWorld world = board::render_world(options);
     ASSERT_TRUE(world.floor) << name;
     EXPECT_EQ(world.floor->height_m, height);
     EXPECT_EQ(world.floor->tilt_degrees, tilt);
@@ -142,7 +166,7 @@ TEST(RenderWorld, KnowsWhatIsSeenAboveAFloor) {
   }
   board::SceneOptions options;
   options.size = hal::emu::Size{64, 48};
-  EXPECT_FALSE(board::render_world(options, 0).floor);
+  EXPECT_FALSE(board::render_world(options).floor);
 }
 
 class Pair : public ::testing::Test {
@@ -169,27 +193,28 @@ TEST_F(Pair, IsWhatTheCamerasOfTheSceneExpose) {
   options.name = "room:5";
   options.size = hal::emu::Size{160, 120};
   options.pmd = hal::emu::Size{44, 36};
-  const board::SceneWorld world = board::render_world(options, 3);
+  const board::SceneWorld world = board::render_world(options);
   const auto scene = dataset::read_stereo_scene(folder_);
   ASSERT_TRUE(scene) << scene.error().message;
   const Exposed exposed = expose(*world.imagery, 3);
   EXPECT_EQ(scene->left.pixels, exposed.left.pixels);
   EXPECT_EQ(scene->right.pixels, exposed.right.pixels);
-  EXPECT_EQ(scene->ndisp, world.disparities);
+  EXPECT_EQ(scene->ndisp, world.imagery->disparities());
   ASSERT_TRUE(scene->truth);
   ASSERT_TRUE(scene->rig);
-  EXPECT_EQ(scene->rig->baseline_m, world.calibration.stereo.baseline_m);
+  EXPECT_EQ(scene->rig->baseline_m, world.imagery->calibration().stereo.baseline_m);
   const double focal = scene->rig->left.fx * scene->rig->baseline_m;
-  for (std::size_t i = 0; i < world.depth.pixels.size(); i += 97) {
+  const dataset::Image<float> depth = world.imagery->depth(3);
+  for (std::size_t i = 0; i < depth.pixels.size(); i += 97) {
     EXPECT_NEAR(static_cast<double>(scene->truth->pixels[i]),
-                focal / static_cast<double>(world.depth.pixels[i]), 1.0 / 256);
+                focal / static_cast<double>(depth.pixels[i]), 1.0 / 256);
   }
   const auto recording = dataset::read_pmd(folder_ / "pmd");
   ASSERT_TRUE(recording) << recording.error().message;
   ASSERT_EQ(recording->frames.size(), 2U);
   EXPECT_TRUE(recording->has_rig);
   EXPECT_EQ(recording->calibration.pmd_to_stereo.rotation,
-            world.calibration.pmd_to_stereo.rotation);
+            world.imagery->calibration().pmd_to_stereo.rotation);
   const std::size_t plane = exposed.samples[0].pixels.size();
   for (std::uint32_t frame = 0; frame < 2; ++frame) {
     const Exposed expected = expose(*world.imagery, 3 + frame);
@@ -203,12 +228,36 @@ TEST_F(Pair, IsWhatTheCamerasOfTheSceneExpose) {
   }
 }
 
+// Each folder is what a run of its own for that exposure writes.
+TEST_F(Pair, SequenceIsExposureAfterExposure) {
+  const Words drive{"--scene", "drive:corridor,1.5", "--size", "64x48", "--pmd", "44x36"};
+  Words words = drive;
+  words.insert(words.end(), {"--exposure", "7", "--sequence", "3"});
+  ASSERT_EQ(run(words), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "left.pgm"));
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "0010"));
+  board::SceneOptions options;
+  for (std::size_t i = 0; i < drive.size(); i += 2) {
+    ASSERT_EQ(board::take_scene_flag(drive[i], drive[i + 1], options), true);
+  }
+  const board::SceneWorld world = board::render_world(options);
+  for (const std::uint32_t number : {8U, 7U}) {
+    const std::filesystem::path folder = folder_ / ("000" + std::to_string(number));
+    const Exposed expected = expose(*world.imagery, number);
+    EXPECT_EQ(dataset::read_stereo_scene(folder)->left.pixels, expected.left.pixels);
+    const auto recording = dataset::read_pmd(folder / "pmd");
+    ASSERT_TRUE(recording) << recording.error().message;
+    ASSERT_EQ(recording->frames.size(), 1U);
+    EXPECT_EQ(recording->frames[0].pixels.front(), expected.samples[0].pixels.front());
+  }
+}
+
 TEST_F(Pair, AboveAFloorHasItsTruth) {
   ASSERT_EQ(run({"--scene", "floor:40,20", "--size", "160x120", "--pmd", "none"}), 0);
   board::SceneOptions options;
   options.name = "floor:40,20";
   options.size = hal::emu::Size{160, 120};
-  const board::SceneWorld world = board::render_world(options, 0);
+  const board::SceneWorld world = board::render_world(options);
   const auto scene = dataset::read_stereo_scene(folder_);
   ASSERT_TRUE(scene) << scene.error().message;
   ASSERT_TRUE(scene->floor && world.floor);
@@ -225,9 +274,10 @@ TEST_F(Pair, WithoutPmdCameraHasNoRecording) {
 
 TEST_F(Pair, RefusesWhatItCannotDo) {
   EXPECT_EQ(board::write_pair({}), 2);
-  for (const Words& words : {Words{"another"}, Words{"--scene"}, Words{"--scene", "moon"},
-                             Words{"--frames", "0"}, Words{"--frames", "x"}, Words{"--moon", "1"},
-                             Words{"--scene", "walking", "--frames", "2"}}) {
+  for (const Words& words :
+       {Words{"another"}, Words{"--scene"}, Words{"--scene", "moon"}, Words{"--frames", "0"},
+        Words{"--frames", "x"}, Words{"--moon", "1"}, Words{"--scene", "walking", "--frames", "2"},
+        Words{"--sequence", "2", "--frames", "2"}}) {
     EXPECT_EQ(run(words), 2) << words.front();
   }
   EXPECT_FALSE(std::filesystem::exists(folder_));

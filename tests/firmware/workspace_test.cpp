@@ -124,6 +124,7 @@ firmware::Setup largest_setup(const Sizes& board, const dsp::MatchParams& match)
   firmware::Setup setup;  // gtest has a Setup too
   setup.calibration = largest_rig(board);
   setup.depth.match = match;
+  setup.depth.temporal = true;
   return setup;
 }
 
@@ -163,6 +164,10 @@ TEST(Workspace, OfAVgaBoardStaysWithin24MiBWithEveryPreset) {
     EXPECT_LE(coded_bytes_of(setup), coded_bytes(vga.stereo, vga.pmd));
     most = std::max(most, images);
   }
+  // A guide and the past go together with the default preset.
+  firmware::Setup guided = largest_setup(vga, preset("fast", vga.stereo));
+  guided.depth.guided = true;
+  EXPECT_LE(image_bytes_of(guided), workspace_bytes(vga.stereo, vga.pmd));
   EXPECT_GE(most, workspace_bytes(vga.stereo, vga.pmd) / 10 * 8);  // the bound is a near one
 }
 

@@ -20,7 +20,15 @@ constexpr int kEnoughOutside = 3;
 
 constexpr float kChanceShare = 8;         // of the range: agreement by chance is one in four
 constexpr float kAgreementShare = 0.05F;  // of the distance
-constexpr float kFoldedMargin = 0.01F;    // of the distance
+constexpr float kFoldedMargin = 0.01F;    // of the distance, of a match
+constexpr float kSurfaceMargin = 0.03F;   // of a surface
+
+// From a distance along the PMD's ray to Z of the left camera.
+DepthInterval reading_at(float centre, float reach, float scale) noexcept {
+  const float last = static_cast<float>(kMaxQuarterMm);
+  return {static_cast<QuarterMm>(std::clamp((centre - reach) * scale, 1.0F, last)),
+          static_cast<QuarterMm>(std::clamp(std::ceil((centre + reach) * scale), 1.0F, last))};
+}
 
 }  // namespace
 
@@ -55,8 +63,20 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
     const bool beyond = (flags & kPmdOutOfRange) != 0 && (flags & kPmdMissing) == 0;
     return {.opinion = beyond ? Opinion::kDiffers : Opinion::kNone};
   }
-  const bool hidden = distance + half >= static_cast<float>(low);
-  return {.opinion = hidden ? Opinion::kAgrees : Opinion::kDiffers};
+  const bool differs = distance + half < static_cast<float>(low);
+  return {.opinion = differs ? Opinion::kDiffers : Opinion::kAgrees,
+          .hidden = distance - half > static_cast<float>(pmd_->high.row(row)[x])};
+}
+
+template <typename Hear>
+void MatchEvidence::ask_around(const PmdView::Place& place, float half, Hear hear) const noexcept {
+  for (int row = std::max(place.row - around_, 0);
+       row <= std::min(place.row + around_, pmd_->low.height() - 1); ++row) {
+    for (int column = std::max(place.column - around_, 0);
+         column <= std::min(place.column + around_, pmd_->low.width() - 1); ++column) {
+      hear(ask(column, row, place.distance, half));
+    }
+  }
 }
 
 MatchEvidence::Support MatchEvidence::supporters(
@@ -100,15 +120,10 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   }
   bool known = false;
   bool agrees = false;
-  for (int row = std::max(place.row - around_, 0);
-       row <= std::min(place.row + around_, pmd_->low.height() - 1); ++row) {
-    for (int column = std::max(place.column - around_, 0);
-         column <= std::min(place.column + around_, pmd_->low.width() - 1); ++column) {
-      const Said said = ask(column, row, place.distance, half);
-      known = known || said.opinion != Opinion::kNone;
-      agrees = agrees || said.opinion == Opinion::kAgrees;
-    }
-  }
+  ask_around(place, half, [&](const Said& said) noexcept {
+    known = known || said.opinion != Opinion::kNone;
+    agrees = agrees || said.opinion == Opinion::kAgrees;
+  });
   if (known && !agrees) {
     return {Verdict::kContradicted, {}};
   }
@@ -121,14 +136,32 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   if (!folded) {
     return {Verdict::kKept, {}};
   }
-  // From a distance along the PMD's ray to Z of the left camera.
-  const float scale = depth / place.distance;
-  const float centre = (place.distance - own.off) * scale;
-  const float reach = (2 * own.sigma + kFoldedMargin * place.distance) * scale;
-  const float last = static_cast<float>(kMaxQuarterMm);
   return {Verdict::kConfirmed,
-          {static_cast<QuarterMm>(std::clamp(centre - reach, 1.0F, last)),
-           static_cast<QuarterMm>(std::clamp(std::ceil(centre + reach), 1.0F, last))}};
+          reading_at(place.distance - own.off, 2 * own.sigma + kFoldedMargin * place.distance,
+                     depth / place.distance)};
+}
+
+MatchEvidence::Result MatchEvidence::judge_surface(int x, int y, QuarterMm depth) const noexcept {
+  const float z = static_cast<float>(depth);
+  const PmdView::Place place = view_.of(x, y, z);
+  if (!place.seen()) {
+    return {Verdict::kKept, {}};
+  }
+  const float half = kAgreementShare * place.distance;
+  const auto allows = [](const Said& said) noexcept {
+    return said.opinion == Opinion::kAgrees && !said.hidden;
+  };
+  const Said own = ask(place.column, place.row, place.distance, half);
+  if (own.folded && own.opinion == Opinion::kAgrees && around_ == 0) {
+    return {Verdict::kConfirmed,
+            reading_at(place.distance - own.off, 2 * own.sigma + kSurfaceMargin * place.distance,
+                       z / place.distance)};
+  }
+  bool kept = own.opinion == Opinion::kNone || allows(own);
+  if (!kept && around_ > 0) {
+    ask_around(place, half, [&](const Said& said) noexcept { kept = kept || allows(said); });
+  }
+  return {kept ? Verdict::kKept : Verdict::kContradicted, {}};
 }
 
 }  // namespace stof::dsp

@@ -11,9 +11,10 @@
 
 namespace stof::dsp {
 
-// Judges a match that no PMD interval confirms. Two things are asked: what the PMD pixel that would
-// see it has read, even if that reading may have wrapped and so has no distance; and whether the
-// matches around it lie on the same surface.
+// Judges a match that no PMD interval confirms, or a surface that somebody else supposes. Two
+// things are asked: what the PMD pixel that would see it has read, even if that reading may have
+// wrapped and so has no distance; and, of a match, whether the matches around it lie on the same
+// surface.
 class MatchEvidence {
  public:
   enum class Verdict : std::uint8_t {
@@ -32,7 +33,7 @@ class MatchEvidence {
   };
   struct Result {
     Verdict verdict;
-    DepthInterval reading;  // of kConfirmed: where the PMD's reading lies, 2 sigma and a percent
+    DepthInterval reading;  // of kConfirmed: where the PMD's reading lies, 2 sigma and a margin
   };
 
   // infinity_raw: the disparity of infinity, 1/16 px.
@@ -56,7 +57,16 @@ class MatchEvidence {
   //   range to either side, a folded reading says nothing: it would agree by chance.
   // Where a PMD pixel sees it, 12 are needed, or 6 of a match with a peak ratio below kSureRatio or
   // with a folded reading that agrees; such a reading confirms it.
+  // The margin of a reading that confirms it is a percent.
   Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
+
+  // Whether a surface at Z `depth`, quarter mm, may be what pixel (x, y) of the left view shows:
+  //   kConfirmed     the folded reading there is one of it, within 2 sigma and a twentieth of the
+  //                  distance; the margin is 3 percent. Not of wide PMD pixels, which see several
+  //   kKept          so is what is read there (or in one of 3x3, where PMD pixels are wide), or
+  //                  nothing is
+  //   kContradicted  the PMD sees something else there, behind it or before it
+  Result judge_surface(int x, int y, QuarterMm depth) const noexcept;
 
  private:
   enum class Opinion : std::uint8_t { kNone, kAgrees, kDiffers };
@@ -64,10 +74,14 @@ class MatchEvidence {
   struct Said {
     Opinion opinion = Opinion::kNone;
     bool folded = false;
-    float off = 0;    // folded: by how much it is off
-    float sigma = 0;  // folded
+    bool hidden = false;  // agrees, if what the interval holds hides it
+    float off = 0;        // folded: by how much it is off
+    float sigma = 0;      // folded
   };
   Said ask(int column, int row, float distance, float half) const noexcept;
+  // What place and those around it say, that are asked too.
+  template <typename Hear>
+  void ask_around(const PmdView::Place& place, float half, Hear hear) const noexcept;
   struct Support {
     int count = 0;  // of matches that support it
     int there = 0;  // pixels of the picture that might

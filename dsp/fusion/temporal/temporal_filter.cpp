@@ -44,17 +44,22 @@ void TemporalFilter::forget() noexcept {
 }
 
 // Must be asked for before the row's state is written. Holds until row y + 3.
-std::span<const std::uint8_t> TemporalFilter::change_in(ImageView<const std::uint8_t> left,
-                                                        int y) noexcept {
+std::span<const std::uint8_t> TemporalFilter::change_in(ImageView<const std::uint8_t> left, int y,
+                                                        const PictureChange* change) noexcept {
   if (y >= left.height()) {
     return change_.row(kUnchanged);
   }
   const std::span<std::uint8_t> row = change_.row(y % kHeldRows);
-  best::grey_change(left.row(y), grey_.row(y), row.subspan(1, row.size() - 2));
+  const std::span<std::uint8_t> pixels = row.subspan(1, row.size() - 2);
+  best::grey_change(left.row(y), grey_.row(y), pixels);
+  if (change != nullptr) {
+    change->add_to(y, pixels);
+  }
   return row;
 }
 
-void TemporalFilter::apply(ImageView<const std::uint8_t> left, const DepthMap& map) noexcept {
+void TemporalFilter::apply(ImageView<const std::uint8_t> left, const DepthMap& map,
+                           const PictureChange* change) noexcept {
   STOF_CHECK(same_size(map.depth, mean_) && same_size(map.width, mean_) &&
              same_size(map.source, mean_));
   if (left.empty()) {
@@ -62,11 +67,12 @@ void TemporalFilter::apply(ImageView<const std::uint8_t> left, const DepthMap& m
     return;
   }
   STOF_CHECK(same_size(left, mean_));
-  ChangeRows change{.above = change_.row(kUnchanged), .here = change_in(left, 0), .below = {}};
+  ChangeRows rows{
+      .above = change_.row(kUnchanged), .here = change_in(left, 0, change), .below = {}};
   for (int y = 0; y < left.height(); ++y) {
-    change.below = change_in(left, y + 1);
+    rows.below = change_in(left, y + 1, change);
     best::temporal_row({.grey = left.row(y),
-                        .change = change,
+                        .change = rows,
                         .source = map.source.row(y),
                         .depth = map.depth.row(y),
                         .width = map.width.row(y)},
@@ -76,8 +82,8 @@ void TemporalFilter::apply(ImageView<const std::uint8_t> left, const DepthMap& m
                         .tally = tally_.row(y),
                         .kind = kind_.row(y),
                         .grey = grey_.row(y)});
-    change.above = change.here;
-    change.here = change.below;
+    rows.above = rows.here;
+    rows.here = rows.below;
   }
 }
 

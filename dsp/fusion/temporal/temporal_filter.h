@@ -9,6 +9,7 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
+#include "dsp/fusion/temporal/picture_change.h"
 #include "dsp/fusion/temporal/temporal_row.h"
 
 namespace stof::dsp {
@@ -54,12 +55,15 @@ class TemporalFilter {
 
   // Filters map.depth and map.width in place. left: the picture in whose axes the map is (rectified
   // where the rig asks for it), of the map's size; an empty one cannot tell motion: the map stays
-  // as it is and the past is forgotten. Call it for every frame; forget() after a gap.
-  void apply(ImageView<const std::uint8_t> left, const DepthMap& map) noexcept;
+  // as it is and the past is forgotten. change: where else it changed, if that is known. Call it
+  // for every frame; forget() after a gap.
+  void apply(ImageView<const std::uint8_t> left, const DepthMap& map,
+             const PictureChange* change = nullptr) noexcept;
   void forget() noexcept;
 
  private:
-  std::span<const std::uint8_t> change_in(ImageView<const std::uint8_t> left, int y) noexcept;
+  std::span<const std::uint8_t> change_in(ImageView<const std::uint8_t> left, int y,
+                                          const PictureChange* change) noexcept;
 
   TemporalParams params_;
   ImageView<QuarterMm> mean_;

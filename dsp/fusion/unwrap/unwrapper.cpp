@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "dsp/base/check.h"
 #include "dsp/base/units.h"
 #include "dsp/fusion/unwrap/decision/wrap_decision.h"
+#include "dsp/fusion/unwrap/decision/wrap_memory.h"
 #include "dsp/fusion/unwrap/evidence/amplitude_bound.h"
 #include "dsp/fusion/unwrap/evidence/wrap_evidence.h"
 #include "dsp/fusion/unwrap/wrap_maps.h"
@@ -71,6 +73,7 @@ struct Unwrapper::Parts {
   AmplitudeBound bound;
   WrapEvidence evidence;
   WrapDecision decision;
+  std::optional<WrapMemory> memory;
 };
 
 bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noexcept {
@@ -78,15 +81,27 @@ bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noex
 }
 
 Unwrapper::Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
-                     int disparities, int width, int height, Arena& arena) noexcept {
+                     int disparities, int width, int height, Arena& arena,
+                     bool remembers) noexcept {
   const Pinhole& pmd = calibration.pmd.lens;
-  parts_ = arena.put(Parts{.max_range = params.max_range,
-                           .maps = WrapMaps(pmd.width, pmd.height, arena),
-                           .bound = AmplitudeBound(calibration.pmd.white_lsb),
-                           .evidence = WrapEvidence(calibration, params, min_disparity, disparities,
-                                                    width, height, arena),
-                           .decision = WrapDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
-                                                    turn_of(calibration.pmd), arena)});
+  Parts parts{.max_range = params.max_range,
+              .maps = WrapMaps(pmd.width, pmd.height, arena),
+              .bound = AmplitudeBound(calibration.pmd.white_lsb),
+              .evidence = WrapEvidence(calibration, params, min_disparity, disparities, width,
+                                       height, arena),
+              .decision = WrapDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
+                                       turn_of(calibration.pmd), arena),
+              .memory = std::nullopt};
+  if (remembers) {
+    parts.memory.emplace(pixel_count(pmd.width, pmd.height), arena);
+  }
+  parts_ = arena.put(parts);
+}
+
+void Unwrapper::forget_past() noexcept {
+  if (parts_->memory) {
+    parts_->memory->forget();
+  }
 }
 
 void Unwrapper::resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity) noexcept {
@@ -104,6 +119,9 @@ void Unwrapper::resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity
   parts_->bound.start(pmd);
   parts_->evidence.collect(pmd, disparity, parts_->bound, maps);
   parts_->decision.decide(parts_->bound, maps);
+  if (parts_->memory) {
+    parts_->memory->steady(maps);
+  }
   apply(maps, pmd);
   refresh_intervals(pmd);
   mark_edges(pmd);

@@ -35,15 +35,17 @@ class Unwrapper {
   // Whether a reading of this sensor has more than one candidate; else there is nothing to do.
   static bool needed(const PmdSensor& sensor, const FusionParams& params) noexcept;
 
-  // Stereo size width x height, as the Fuser's.
+  // Stereo size width x height, as the Fuser's. remembers: wrap counts of earlier frames count, too
+  // (decision/wrap_memory.h), until forget_past().
   Unwrapper(const Calibration& calibration, const FusionParams& params, int min_disparity,
-            int disparities, int width, int height, Arena& arena) noexcept;
+            int disparities, int width, int height, Arena& arena, bool remembers = false) noexcept;
 
   // pmd: of PmdConverter::measure(). Adds range times wrap count to distance, or sets kPmdWrapped
   // and distance = sigma = 0; then low, high and the flags that come from neighbours
   // (refresh_intervals()). disparity: of the same moment, left size, or empty: then amplitude alone
   // decides.
   void resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity) noexcept;
+  void forget_past() noexcept;
 
  private:
   struct Parts;

@@ -116,7 +116,8 @@ constexpr std::array kBefore{
     yes_or_no<[](auto& s) -> auto& { return s.depth.guided; }>(
         "depth", "guided", "PMD intervals narrow the search where they can be trusted"),
     yes_or_no<[](auto& s) -> auto& { return s.depth.temporal; }>(
-        "depth", "temporal", "depth is averaged over frames where nothing moves"),
+        "depth", "temporal",
+        "frames before count where nothing moves: depth is steadier, and averaged"),
     choice<[](auto& s) -> auto& { return s.depth.require; }>(
         "depth", "require", kRequiredSensors,
         "the sensors without which there is no frame: any: where one is missing, the other goes on "

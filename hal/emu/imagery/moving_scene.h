@@ -25,6 +25,10 @@ struct Motion {
 // towards the cameras to 2.6 m, back to 5.2 m, 0.64 m across.
 Motion walking();
 
+// The corridor without the person: a box before a door; the box alone is taken away; the door is
+// open. 12 exposures each, round and round.
+Motion leaving();
+
 // A picture of which each pose replaces a part.
 template <typename T>
 class Poses {
@@ -57,9 +61,8 @@ class MovingScene final : public SensorImagery {
   // The scene of exposure `number` of the stereo camera, which is exposure
   // (number - 1) / pmd_every + 1 of the PMD camera.
   Scene scene(std::uint32_t number) const;
-  // As RenderedScene has them, for that scene. These two render, and allocate.
-  dataset::Image<float> depth(std::uint32_t number) const;
-  dataset::Image<std::uint8_t> visible(std::uint32_t number) const;
+  dataset::Image<float> depth(std::uint32_t number) const override;
+  dataset::Image<std::uint8_t> visible(std::uint32_t number) const override;
 
  private:
   std::size_t pose_of(std::uint32_t number) const noexcept;

@@ -24,6 +24,8 @@ class RenderedScene final : public SensorImagery {
   const dataset::Image<float>& depth() const noexcept { return depth_; }
   // 255 = the right camera sees the same point, 0 = not.
   const dataset::Image<std::uint8_t>& visible() const noexcept { return visible_; }
+  dataset::Image<float> depth(std::uint32_t) const override { return depth_; }
+  dataset::Image<std::uint8_t> visible(std::uint32_t) const override { return visible_; }
 
  private:
   CleanViews views_;

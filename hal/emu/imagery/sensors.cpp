@@ -67,16 +67,25 @@ PmdCameraModel Sensors::pmd_camera() const noexcept {
 }
 
 CleanViews Sensors::render(const Scene& scene) const {
-  const dsp::Pinhole& lens = rig_.stereo.left;
-  CleanViews views{.left = render_grey(scene, left_viewpoint(scene), lens, rig_.grey),
-                   .right = render_grey(scene, right_viewpoint(scene), right_lens_, rig_.grey),
-                   .pmd = {}};
-  const Size size = pmd_size();
-  if (size.width > 0) {
-    views.pmd = {.mean = {size.width, 4 * size.height}, .sigma = {size.width, 4 * size.height}};
-    render_pmd(scene, pmd_viewpoint(scene), pmd_camera(), whole_picture(rig_.pmd_lens), views.pmd);
+  CleanViews views;
+  render_pair(scene, views);
+  if (pmd_size().width > 0) {
+    views.pmd = render_samples(scene);
   }
   return views;
+}
+
+void Sensors::render_pair(const Scene& scene, CleanViews& views) const {
+  views.left = render_grey(scene, left_viewpoint(scene), rig_.stereo.left, rig_.grey);
+  views.right = render_grey(scene, right_viewpoint(scene), right_lens_, rig_.grey);
+}
+
+CleanSamples Sensors::render_samples(const Scene& scene) const {
+  const Size size = pmd_size();
+  CleanSamples samples{.mean = {size.width, 4 * size.height},
+                       .sigma = {size.width, 4 * size.height}};
+  render_pmd(scene, pmd_viewpoint(scene), pmd_camera(), whole_picture(rig_.pmd_lens), samples);
+  return samples;
 }
 
 Parts Sensors::render_over(const Scene& scene, int first, CleanViews& views) const {

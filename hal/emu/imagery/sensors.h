@@ -44,6 +44,10 @@ class Sensors {
   Size pmd_size() const noexcept;
 
   CleanViews render(const Scene& scene) const;
+  // Parts of that: the pictures of the pair, put into `views`; the samples of the PMD camera, which
+  // the rig has.
+  void render_pair(const Scene& scene, CleanViews& views) const;
+  CleanSamples render_samples(const Scene& scene) const;
   // Where pictures of the scene differ from those of the same scene without object `first` and all
   // after it. Renders these parts over `views` of the latter.
   Parts render_over(const Scene& scene, int first, CleanViews& views) const;
@@ -76,7 +80,7 @@ class Sensors {
   dsp::Calibration calibration_;
 };
 
-// Imagery of what the sensors of a rig see.
+// Imagery of what the sensors of a rig see, with its truth.
 class SensorImagery : public Imagery {
  public:
   explicit SensorImagery(const Rig& rig) : sensors_(rig) {}
@@ -86,6 +90,10 @@ class SensorImagery : public Imagery {
   // As Sensors has it.
   const dsp::Calibration& calibration() const noexcept { return sensors_.calibration(); }
   int disparities() const noexcept { return sensors_.disparities(); }
+
+  // As Sensors has them, for exposure `number` of the stereo camera. They allocate, and may render.
+  virtual dataset::Image<float> depth(std::uint32_t number) const = 0;
+  virtual dataset::Image<std::uint8_t> visible(std::uint32_t number) const = 0;
 
  protected:
   const Sensors& sensors() const noexcept { return sensors_; }

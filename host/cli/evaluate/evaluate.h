@@ -11,7 +11,8 @@
 
 #include "host/evaluate/stereo/match.h"
 
-// The common part of `stof evaluate stereo`, `fusion` and `floor`.
+// The common part of `stof evaluate stereo`, `fusion`, `floor` and
+// `sequence`.
 namespace stof::host {
 
 struct EvaluateOptions {

@@ -56,7 +56,7 @@ struct Frame {
   dsp::ImageView<const dsp::QuarterMm> depth{};  // Z in the rectified left camera; 0 = none
   dsp::ImageView<const dsp::QuarterMm> interval_width{};  // depth -+ interval_width / 2
   dsp::ImageView<const dsp::Source> source{};  // values above kConflict are of a newer sensor
-  // Arrives with source; values above kContradiction are of a newer sensor.
+  // Arrives with source; values above kInterpolated are of a newer sensor.
   dsp::ImageView<const dsp::Cause> cause{};
   dsp::ImageView<const std::uint8_t> received{};  // kHasDepth, kHasWidth, kHasSource
 

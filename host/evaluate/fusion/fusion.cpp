@@ -5,28 +5,16 @@
 #include <cmath>
 
 #include "dataset/files/file.h"
-#include "dsp/fusion/interval/disparity_sigma.h"
 #include "host/evaluate/fusion/chapter_geometry.h"
+#include "host/evaluate/fusion/depth_images.h"
+#include "host/evaluate/fusion/owning_depth_maker.h"
 #include "host/evaluate/stereo/median.h"
 #include "lab/match_options.h"
-#include "lab/searches.h"
-#include "posix/worker_threads.h"
 
 namespace stof::host {
 namespace {
 
 using Clock = std::chrono::steady_clock;
-
-struct DepthImages {
-  dataset::Image<dsp::QuarterMm> depth;
-  dataset::Image<dsp::QuarterMm> width;
-  dataset::Image<dsp::Source> source;
-  dataset::Image<dsp::Cause> cause;
-
-  DepthImages(int w, int h) : depth(w, h), width(w, h), source(w, h), cause(w, h) {}
-  dsp::DepthMap map() { return {depth.view(), width.view(), source.view(), cause.view()}; }
-  DepthPlanes planes() const { return to_metres(depth.view(), width.view()); }
-};
 
 struct SplattedImages {
   dataset::Image<dsp::QuarterMm> nearest;
@@ -55,26 +43,6 @@ const char* why_not_fused(const MatchPlan& plan) {
 double ms_since(Clock::time_point begin) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
 }
-
-// The recording's first frame as the converter takes it.
-class FirstFrame {
- public:
-  explicit FirstFrame(const dataset::PmdRecording& recording) : first_{recording.samples(0)} {
-    frame_.first = {&first_, 1};
-    if (!recording.second_frames.empty()) {
-      second_.samples = recording.second_samples(0);
-      frame_.second = {&second_, 1};
-    }
-  }
-  FirstFrame(const FirstFrame&) = delete;
-  FirstFrame& operator=(const FirstFrame&) = delete;
-  const dsp::PmdFrame& frame() const { return frame_; }
-
- private:
-  dsp::PmdExposure first_;
-  dsp::PmdExposure second_;
-  dsp::PmdFrame frame_;
-};
 
 // One scene on its way through the appliance's objects.
 struct Run {
@@ -203,40 +171,15 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
                                          const FusionOptions& options) {
   const int width = scene.left.width;
   const int height = scene.left.height;
-  dsp::Calibration calibration = recording.calibration;
-  calibration.stereo.left.width = width;
-  calibration.stereo.left.height = height;
-  if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
-    return dataset::refuse(scene.name + ": " + wrong + ": correct the rig");
+  dataset::Loaded<std::unique_ptr<OwningDepthMaker>> made = OwningDepthMaker::make(
+      scene.name, recording.calibration, width, height, match,
+      {.max_range = options.max_range, .guided = options.guided, .threads = options.threads});
+  if (!made) {
+    return std::unexpected(std::move(made.error()));
   }
-  if (lab::check(match, width, height) != Status::kOk) {
-    return dataset::refuse(
-        scene.name + ": " + std::to_string(width) + "x" + std::to_string(height) + " pixels with " +
-        std::to_string(match.disparities) +
-        " disparities are more than this version matches: use a smaller picture");
-  }
-  const std::optional<dsp::MatchParams> of_the_appliance = lab::appliance_params(match);
-  dsp::DepthParams params{
-      .match = of_the_appliance.value_or(match), .fusion = {}, .guided = options.guided};
-  params.match.search = lab::sums_paths(match) ? dsp::Search::kSemiGlobal : dsp::Search::kBlocks;
-  params.fusion.max_range = options.max_range;
-  params.fusion.trust = dsp::trust_of(params.match);
-  posix::WorkerThreads workers({.threads = options.threads});
-  if (workers.threads() < options.threads) {
-    return dataset::refuse(too_few_threads(workers.threads(), options.threads));
-  }
-  dataset::Image<std::uint8_t> continued(width, height);
-  const dsp::ThreadTeam team(workers, options.threads);
-  const auto make = [&](dsp::Arena& arena) {
-    lab::Searches searches(match, continued.view());
-    return dsp::DepthMaker(calibration, params, arena, team,
-                           of_the_appliance ? nullptr : &searches);
-  };
-  Workspace space(dsp::bytes_taken(make));
-  dsp::Arena arena = space.arena();
-  dsp::DepthMaker maker = make(arena);
+  dsp::DepthMaker& maker = ***made;
   FusionResult result;
-  if (calibration.pmd.lens.width == 0) {
+  if ((*made)->calibration().pmd.lens.width == 0) {
     DepthImages alone(width, height);
     maker.match(scene.left.view(), scene.right.view());
     maker.fuse(alone.map());
@@ -255,7 +198,7 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
   DepthImages stereo = run.images;
   fuse_both(run, options.runs, result);
   if (options.chapter_geometry) {
-    result.chapter = with_less_effort(maker, calibration, stereo, options.max_range);
+    result.chapter = with_less_effort(maker, (*made)->calibration(), stereo, options.max_range);
   }
   return result;
 }

@@ -33,7 +33,8 @@ constexpr std::array<Swatch, dsp::kCauses> kCauseSwatches{{{kNoColour, kCauseMea
                                                            {{238, 155, 40}, kCauseMeanings[2]},
                                                            {{20, 150, 170}, kCauseMeanings[3]},
                                                            {{66, 133, 200}, kCauseMeanings[4]},
-                                                           {{206, 44, 52}, kCauseMeanings[5]}}};
+                                                           {{206, 44, 52}, kCauseMeanings[5]},
+                                                           {{196, 190, 90}, kCauseMeanings[6]}}};
 
 template <std::size_t kCount>
 std::string swatches(const std::array<Swatch, kCount>& all, std::size_t first) {

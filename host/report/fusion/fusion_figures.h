@@ -19,7 +19,8 @@ inline constexpr std::array<const char*, dsp::kCauses> kCauseMeanings{
     "the match has rivals",
     "one unambiguous range of the PMD apart",
     "only the left camera sees it",
-    "contradiction: the PMD excludes the match, or both are sound"};
+    "contradiction: the PMD excludes the match, or both are sound",
+    "interpolated: no sensor told it, the surfaces around did"};
 
 // How a scene is drawn.
 struct FusionScales {

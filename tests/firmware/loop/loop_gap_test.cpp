@@ -69,6 +69,22 @@ TEST(LoopGap, AnotherSetOfSensorsIsAGap) {
   }
 }
 
+// Of the last frame of a rig whose first one is that of edge `first`.
+std::uint32_t steady_frames(bool temporal, std::uint32_t first, std::uint32_t lost) {
+  Rig rig({.faults = {.stereo = {no_frame(first, lost)}}, .still = true, .temporal = temporal});
+  Receiver receiver;
+  run(rig, receiver, kSteps);
+  return receiver.frames.rbegin()->second.info.steady_frames;
+}
+
+TEST(LoopGap, AFrameSaysOnHowManyItStands) {
+  const std::uint32_t all = steady_frames(true, 0, 0);
+  EXPECT_GE(all + 2, std::uint32_t{kSteps});
+  EXPECT_EQ(steady_frames(true, kGap, 3), all - kGap - 3);
+  EXPECT_EQ(steady_frames(true, kGap, 1), all - 1);
+  EXPECT_EQ(steady_frames(false, 0, 0), 1U);
+}
+
 TEST(LoopGap, ARestartIsAGap) {
   const auto depth = last_depth({}, [](Loop& loop) { loop.restart(timing()); });
   EXPECT_EQ(depth, without_past(kGap));

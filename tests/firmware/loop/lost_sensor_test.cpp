@@ -23,7 +23,7 @@ struct Outage {
   std::uint32_t value;
   RigOptions options;
 };
-void PrintTo(const Outage& outage, std::ostream* out) { *out << outage.name; }
+std::ostream& operator<<(std::ostream& out, const Outage& outage) { return out << outage.name; }
 
 RigOptions with_fault(emu::FaultPlan Faults::* device, emu::FaultKind kind) {
   RigOptions options;
@@ -161,11 +161,13 @@ TEST_P(LostSensor, WithBothRequiredThereIsNoFrameAndTheRobotStops) {
   EXPECT_GE(stopping, 9) << "once a second";
 }
 
-INSTANTIATE_TEST_SUITE_P(Outages, LostSensor, testing::ValuesIn(outages()), [](const auto& info) {
+std::string name_of(const testing::TestParamInfo<Outage>& info) {
   std::string name = info.param.name;
   std::ranges::replace(name, ' ', '_');
   return name;
-});
+}
+
+INSTANTIATE_TEST_SUITE_P(Outages, LostSensor, testing::ValuesIn(outages()), name_of);
 
 // To the bit, also after frames of both.
 TEST(LostSensors, ThePairAloneGivesTheDepthOfARigWithoutAPmdCamera) {

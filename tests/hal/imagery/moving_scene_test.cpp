@@ -125,5 +125,30 @@ TEST(Walking, GivesTheSameBitsOnEveryMachine) {
   EXPECT_EQ(hash(expose(small_walk(), 61)), 7953651522127901166ULL);
 }
 
+// The truth of `leaving` is another where the box was, then where the door was, and only there.
+TEST(MovingScene, ThingsLeave) {
+  const MovingScene scene(leaving(), small(corridor_rig()));
+  const auto farther = [&](std::uint32_t now, std::uint32_t before) {
+    const dataset::Image<float> a = scene.depth(now);
+    const dataset::Image<float> b = scene.depth(before);
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+      EXPECT_GE(a.pixels[i], b.pixels[i]);
+      count += a.pixels[i] > b.pixels[i] + 0.5F ? 1U : 0U;
+    }
+    return static_cast<double>(count) / static_cast<double>(a.pixels.size());
+  };
+  EXPECT_EQ(scene.depth(11).pixels, scene.depth(0).pixels);
+  EXPECT_GT(farther(12, 11), 0.02);
+  EXPECT_EQ(scene.depth(23).pixels, scene.depth(12).pixels);
+  const dataset::Image<float> closed = scene.depth(23);
+  const dataset::Image<float> open = scene.depth(24);
+  std::size_t behind = 0;
+  for (std::size_t i = 0; i < open.pixels.size(); ++i) {
+    behind += open.pixels[i] > closed.pixels[i] + 0.5F ? 1U : 0U;
+  }
+  EXPECT_GT(behind, open.pixels.size() / 50);
+}
+
 }  // namespace
 }  // namespace stof::test

@@ -108,7 +108,7 @@ typedef enum stof_source {
   STOF_SOURCE_STEREO = 1,
   STOF_SOURCE_PMD = 2,
   STOF_SOURCE_BOTH = 3,
-  STOF_SOURCE_RESOLVED = 4, /* the sensors disagreed, one was clearly better supported */
+  STOF_SOURCE_RESOLVED = 4, /* no agreement: one sensor, or the surfaces around, decided */
   STOF_SOURCE_CONFLICT = 5  /* they disagreed: no depth */
 } stof_source;
 
@@ -118,7 +118,8 @@ typedef enum stof_cause { /* why a depth was resolved or is missing */
                           STOF_CAUSE_STEREO_AMBIGUOUS = 2,
                           STOF_CAUSE_RANGE_AMBIGUOUS = 3,
                           STOF_CAUSE_OCCLUDED = 4,
-                          STOF_CAUSE_CONTRADICTION = 5
+                          STOF_CAUSE_CONTRADICTION = 5,
+                          STOF_CAUSE_INTERPOLATED = 6 /* no sensor told it, surfaces around did */
 } stof_cause;
 
 typedef enum stof_health_state {

@@ -1,82 +1,19 @@
 #include "dsp/fusion/resolve/match_evidence.h"
 
 #include <algorithm>
-#include <vector>
 
 #include <gtest/gtest.h>
+
+#include "tests/dsp/fusion/resolve/evidence_scene.h"
 
 namespace stof::dsp {
 namespace {
 
-// f b = 60 px m. The PMD camera sees the same picture, four pixels in one, from the same place.
-constexpr int kWidth = 64;
-constexpr int kHeight = 48;
-constexpr int kFour = 4;
-constexpr std::uint32_t kRange = 29979;
-
-Calibration rig(double focal = 150) {
-  Calibration calibration;
-  calibration.stereo = {
-      .left = {.width = kWidth, .height = kHeight, .fx = 600, .fy = 600, .cx = 31.5, .cy = 23.5},
-      .baseline_m = 0.1};
-  calibration.pmd.lens = {.width = kWidth / kFour,
-                          .height = kHeight / kFour,
-                          .fx = focal,
-                          .fy = focal,
-                          .cx = 7.5,
-                          .cy = 5.5};
-  return calibration;
-}
-
-// A wall matched at 20 px, 3 m away, and a PMD picture without any reading.
-class Scene {
- public:
-  explicit Scene(double focal = 150)
-      : evidence(rig(focal), 0),
-        disparity_(kWidth * kHeight, Disparity::from_pixels(20)),
-        images_(4, std::vector<QuarterMm>(kWidth * kHeight / kFour / kFour)),
-        flags_(kWidth * kHeight / kFour / kFour) {
-    maps.low = image(0);
-    maps.high = image(1);
-    maps.folded = image(2);
-    maps.folded_sigma = image(3);
-    maps.flags = {flags_.data(), kWidth / kFour, kHeight / kFour};
-    maps.range = kRange;
-    evidence.look_at(&maps);
-  }
-
-  ImageView<Disparity> view() { return {disparity_.data(), kWidth, kHeight}; }
-  void unmatched() { std::ranges::fill(disparity_, Disparity::none()); }
-  void read(QuarterMm folded, QuarterMm sigma) {
-    std::ranges::fill(images_[2], folded);
-    std::ranges::fill(images_[3], sigma);
-  }
-  void see(QuarterMm low, QuarterMm high) {
-    std::ranges::fill(images_[0], low);
-    std::ranges::fill(images_[1], high);
-  }
-  MatchEvidence::Result judge(std::uint8_t ratio = 200, int x = 32, int y = 24,
-                              DepthInterval interval = {11800, 12200}) {
-    return evidence.judge({.x = x,
-                           .y = y,
-                           .disparity = Disparity::from_pixels(20),
-                           .ratio = ratio,
-                           .interval = interval},
-                          view());
-  }
-
-  MatchEvidence evidence;
-  PmdMaps maps;
-
- private:
-  ImageView<QuarterMm> image(std::size_t k) {
-    return {images_[k].data(), kWidth / kFour, kHeight / kFour};
-  }
-  std::vector<Disparity> disparity_;
-  std::vector<std::vector<QuarterMm>> images_;
-  std::vector<std::uint8_t> flags_;
-};
-
+using test::kHeight;
+using test::kRange;
+using test::kWidth;
+using test::rig;
+using Scene = test::EvidenceScene;
 using enum MatchEvidence::Verdict;
 
 TEST(MatchEvidence, NothingIsJudgedWithoutAPmdFrame) {
@@ -191,6 +128,45 @@ TEST(MatchEvidence, OutsideOfThePmdPictureLessIsAsked) {
   EXPECT_EQ(evidence.judge(match, scene.view()).verdict, kKept);
   scene.unmatched();
   EXPECT_EQ(evidence.judge(match, scene.view()).verdict, kUnsupported);
+}
+
+TEST(MatchEvidence, ASurfaceIsConfirmedByAFoldedReadingOfIt) {
+  Scene scene;
+  scene.read(35000 - kRange, 20);
+  const MatchEvidence::Result result = scene.evidence.judge_surface(32, 24, 34000);
+  EXPECT_EQ(result.verdict, kConfirmed);                   // a twentieth of the distance
+  EXPECT_NEAR(result.reading.low, 35000 - 40 - 1020, 40);  // 2 sigma and 3 percent
+  EXPECT_NEAR(result.reading.high, 35000 + 40 + 1020, 40);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 31000).verdict, kContradicted);
+}
+
+TEST(MatchEvidence, AWidePixelConfirmsNoSurface) {
+  Scene scene(70);
+  scene.read(12100, 20);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
+  scene.read(9000, 20);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kContradicted);
+}
+
+TEST(MatchEvidence, ASurfaceIsContradictedByWhatThePmdSeesBehindOrBeforeIt) {
+  Scene scene;
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
+  scene.see(11000, 13000);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
+  scene.see(14000, 15000);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kContradicted);
+  scene.see(8000, 9000);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kContradicted);
+}
+
+TEST(MatchEvidence, AWidePixelBesideMayBeTheOneThatSeesASurface) {
+  for (const bool wide : {false, true}) {
+    Scene scene(wide ? 70 : 150);
+    scene.see(14000, 15000);
+    const PmdView::Place place = PmdView(rig(wide ? 70 : 150)).of(32, 24, 12000);
+    scene.maps.low.at(place.column + 1, place.row) = 11000;
+    EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, wide ? kKept : kContradicted);
+  }
 }
 
 }  // namespace

@@ -1,0 +1,323 @@
+#include "dsp/fusion/resolve/hole_filler.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdlib>
+#include <optional>
+
+#include "dsp/base/check.h"
+#include "dsp/base/index.h"
+#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/resolve/ambiguity_resolver.h"
+#include "dsp/stereo/match_params.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr int kCell = 8;  // px
+constexpr int kQuarter = kCell / 2;
+constexpr int kSurfaceShare = 6;  // width of a surface, of its depth
+constexpr int kOneSurface = 14;   // of the depth, what lies within a cell
+constexpr std::size_t kRank = 3;
+constexpr int kBeside = 2;          // cells
+constexpr std::size_t kFewest = 3;  // surfaces that may be meant, of a guess without a reading
+constexpr int kGuessPercent = 25;
+constexpr int kFarthestGuess = 4 * kMaxGuess;
+constexpr int kSameShare = 32;  // of the depth: surfaces this near each other have one verdict
+
+struct Step {
+  int x;
+  int y;
+};
+constexpr std::array<Step, 8> kDirections{
+    {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
+
+// A depth that may be there, and what the PMD says of it.
+struct Surface {
+  QuarterMm depth = 0;
+  MatchEvidence::Result said{};
+};
+
+// An element for each column of a row of cells.
+using Columns = std::array<QuarterMm, kMaxImageWidth>;
+
+constexpr bool is_one_surface(QuarterMm near, QuarterMm far) noexcept {
+  return near * kOneSurface > far * (kOneSurface - 1);
+}
+
+// A row of the map, for whoever fills it.
+class OpenRow {
+ public:
+  OpenRow(const DepthMap& map, const HoleView& view, int y) noexcept
+      : depth_(map.depth.row(y)),
+        width_(map.width.row(y)),
+        source_(map.source.row(y)),
+        cause_(map.cause.row(y)),
+        disparity_(view.disparity.row(y)),
+        low_(view.pmd_low.row(y)),
+        high_(view.pmd_high.row(y)) {}
+
+  bool is_mixed(std::size_t x) const noexcept { return cause_[x] == Cause::kMixedPixel; }
+  bool is_hole(std::size_t x) const noexcept {
+    return source_[x] == Source::kNone || (source_[x] == Source::kConflict && is_mixed(x));
+  }
+  // Published by a PMD interval that a surface around it might make narrower.
+  bool is_loose(std::size_t x) const noexcept {
+    const int low = depth_[x] - width_[x] / 2;
+    return (source_[x] == Source::kPmd && width_[x] * kNarrowShare > low) ||
+           (source_[x] == Source::kResolved && is_mixed(x) && !disparity_[x].valid());
+  }
+  bool is_allowed(std::size_t x, int depth, QuarterMm max_range) const noexcept {
+    return depth >= low_[x] && depth <= std::min(high_[x], max_range) &&
+           depth - low_[x] <= kMaxGuess;
+  }
+  int half_over_pmd(std::size_t x, int depth, QuarterMm max_range) const noexcept {
+    return std::max(depth - low_[x], std::min(high_[x], max_range) - depth);
+  }
+
+  void put(std::size_t x, QuarterMm depth, int half, Cause cause) const noexcept {
+    depth_[x] = depth;
+    width_[x] = static_cast<QuarterMm>(2 * std::min({half, depth - 1, kMaxQuarterMm / 2}));
+    source_[x] = Source::kResolved;
+    cause_[x] = cause;
+  }
+
+ private:
+  std::span<QuarterMm> depth_;
+  std::span<QuarterMm> width_;
+  std::span<Source> source_;
+  std::span<Cause> cause_;
+  std::span<const Disparity> disparity_;
+  std::span<const QuarterMm> low_;
+  std::span<const QuarterMm> high_;
+};
+
+// Marks what may be open in a row of the map, of columns without branches.
+void mark_open(const DepthMap& map, int y, std::span<std::uint8_t> open) noexcept {
+  const std::span<const QuarterMm> depth = map.depth.row(y);
+  const std::span<const QuarterMm> width = map.width.row(y);
+  const std::span<const Source> source = map.source.row(y);
+  const std::span<const Cause> cause = map.cause.row(y);
+  for (std::size_t x = 0; x < depth.size(); ++x) {
+    const unsigned mixed = cause[x] == Cause::kMixedPixel ? 1 : 0;
+    const unsigned disputed = source[x] == Source::kConflict || source[x] == Source::kResolved;
+    const unsigned wide = width[x] * kNarrowShare > depth[x] - width[x] / 2 ? 1 : 0;
+    const unsigned pmd = source[x] == Source::kPmd ? 1 : 0;
+    const unsigned none = source[x] == Source::kNone ? 1 : 0;
+    open[x] = static_cast<std::uint8_t>(open[x] | none | (mixed & disputed) | (pmd & wide));
+  }
+}
+
+}  // namespace
+
+// The surfaces around one cell.
+class HoleFiller::Search {
+ public:
+  Search(const HoleFiller& filler, const MatchEvidence& evidence, int x, int y) noexcept
+      : filler_(filler),
+        evidence_(evidence),
+        x_(std::min(x * kCell + kCell / 2, filler.width_ - 1)),
+        y_(std::min(y * kCell + kCell / 2, filler.height_ - 1)) {
+    add_beside(x, y);
+    for (const Step& step : kDirections) {
+      look(x, y, step);
+    }
+  }
+
+  Guess guess() noexcept {
+    const bool read = std::ranges::any_of(all(), is_read);
+    const auto end = std::partition(far_.begin(), far_.begin() + count_,
+                                    [&](const Surface& s) noexcept { return counts(s, read); });
+    const std::size_t found = static_cast<std::size_t>(end - far_.begin());
+    if (found == 0) {
+      return {};
+    }
+    std::sort(far_.begin(), end,
+              [](const Surface& a, const Surface& b) noexcept { return a.depth > b.depth; });
+    const Surface& chosen = far_[std::min(kRank, found - 1)];
+    int nearest = far_[found - 1].depth;
+    for (const Surface& s : std::span(near_).first(count_)) {
+      nearest = counts(s, read) ? std::min<int>(nearest, s.depth) : nearest;
+    }
+    if (chosen.depth - std::min(nearest, beside_) > kMaxGuess) {
+      return {};
+    }
+    if (read) {
+      return {.depth = chosen.depth, .half = 0, .read = true, .fills = true};
+    }
+    const int depth = chosen.depth;
+    return {.depth = chosen.depth,
+            .half = std::max({depth - nearest, far_[0].depth - depth, depth * kGuessPercent / 100}),
+            .read = false,
+            .fills = found >= kFewest && depth <= kFarthestGuess};
+  }
+
+ private:
+  using Verdict = MatchEvidence::Verdict;
+
+  std::span<const Surface> all() const noexcept { return std::span(far_).first(count_); }
+  static bool is_read(const Surface& s) noexcept { return s.said.verdict == Verdict::kConfirmed; }
+  static bool counts(const Surface& s, bool read) noexcept {
+    return is_read(s) || (!read && s.said.verdict == Verdict::kKept);
+  }
+
+  // The nearest cell with a surface on the way from (x, y).
+  void look(int x, int y, const Step& step) noexcept {
+    const ImageView<QuarterMm>& cells = filler_.near_;
+    int steps = 0;
+    do {
+      x += step.x;
+      y += step.y;
+      ++steps;
+      if (x < 0 || y < 0 || x >= cells.width() || y >= cells.height()) {
+        return;
+      }
+    } while (cells.at(x, y) == kNoDepth);
+    if (steps <= kBeside) {
+      add_beside(x, y);
+    }
+    const QuarterMm far = filler_.far_.at(x, y);
+    const QuarterMm near = cells.at(x, y);
+    far_[count_] = {far, verdict(far)};
+    near_[count_] = {near, is_one_surface(near, far) ? far_[count_].said : verdict(near)};
+    ++count_;
+  }
+
+  void add_beside(int x, int y) noexcept {
+    const QuarterMm near = filler_.near_.at(x, y);
+    beside_ = near == kNoDepth ? beside_ : std::min<int>(beside_, near);
+  }
+
+  MatchEvidence::Result verdict(QuarterMm depth) const noexcept {
+    for (const Surface& s : all()) {
+      if (std::abs(s.depth - depth) * kSameShare <= depth) {
+        return s.said;
+      }
+    }
+    return evidence_.judge_surface(x_, y_, depth);
+  }
+
+  const HoleFiller& filler_;
+  const MatchEvidence& evidence_;
+  int x_;
+  int y_;
+  std::array<Surface, kDirections.size()> far_{};
+  std::array<Surface, kDirections.size()> near_{};
+  std::size_t count_ = 0;
+  int beside_ = kMaxQuarterMm;  // the nearest surface in the cell or beside it
+};
+
+HoleFiller::HoleFiller(int width, int height, QuarterMm max_range, Arena& arena) noexcept
+    : width_(width), height_(height), max_range_(max_range) {
+  const int columns = (width + kCell - 1) / kCell;
+  const int rows = (height + kCell - 1) / kCell;
+  near_ = arena.take_image<QuarterMm>(columns, rows);
+  far_ = arena.take_image<QuarterMm>(columns, rows);
+}
+
+void HoleFiller::gather(Rows cells, const DepthMap& map) const noexcept {
+  STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
+  Columns nearest;
+  Columns farthest;
+  for (int row = cells.begin; row < cells.end; ++row) {
+    std::ranges::fill(nearest, kMaxQuarterMm);
+    std::ranges::fill(farthest, kNoDepth);
+    for (int y = row * kCell; y < std::min((row + 1) * kCell, height_); ++y) {
+      const std::span<const QuarterMm> depth = map.depth.row(y);
+      const std::span<const QuarterMm> width = map.width.row(y);
+      for (std::size_t x = 0; x < depth.size(); ++x) {  // values, not references: vectors
+        const QuarterMm there = depth[x];
+        const bool surface = width[x] < there / kSurfaceShare;
+        const QuarterMm low = surface ? there : kMaxQuarterMm;
+        const QuarterMm high = surface ? there : kNoDepth;
+        nearest[x] = low < nearest[x] ? low : nearest[x];
+        farthest[x] = high > farthest[x] ? high : farthest[x];
+      }
+    }
+    const std::span<QuarterMm> near = near_.row(row);
+    const std::span<QuarterMm> far = far_.row(row);
+    for (std::size_t x = 0; x < near.size(); ++x) {
+      near[x] = std::ranges::min(std::span(nearest).subspan(x * kCell).first<kCell>());
+      far[x] = std::ranges::max(std::span(farthest).subspan(x * kCell).first<kCell>());
+      if (far[x] == kNoDepth) {
+        near[x] = kNoDepth;
+      } else if (is_one_surface(near[x], far[x])) {
+        far[x] = middle_of(near[x], far[x]);
+      }
+    }
+  }
+}
+
+void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evidence,
+                      const DepthMap& map) const noexcept {
+  STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
+  STOF_CHECK(same_size(view.disparity, map.depth) && same_size(view.pmd_low, map.depth) &&
+             same_size(view.pmd_high, map.depth) && same_size(map.cause, map.depth));
+  std::array<std::array<std::uint8_t, kMaxImageWidth>, 2> open;
+  std::array<std::array<Guess, kMaxImageWidth / kQuarter>, 2> guesses;
+  const auto is_open = [&](int k, std::size_t at) noexcept {
+    return std::ranges::any_of(std::span(open[index(k)]).subspan(at * kQuarter).first<kQuarter>(),
+                               [](std::uint8_t mark) noexcept { return mark != 0; });
+  };
+  for (int row = cells.begin; row < cells.end; ++row) {
+    const Rows rows{row * kCell, std::min((row + 1) * kCell, height_)};
+    open = {};
+    for (int y = rows.begin; y < rows.end; ++y) {
+      mark_open(map, y, open[index(y - rows.begin) / kQuarter]);
+    }
+    for (int x = 0; x < near_.width(); ++x) {
+      std::optional<Guess> guess;  // of the cell
+      for (int k = 0; k < 4; ++k) {
+        const int column = 2 * x + k % 2;
+        Guess& quarter = guesses[index(k / 2)][index(column)];
+        quarter = {};
+        if (is_open(k / 2, index(column))) {
+          guess = guess ? guess : Search(*this, evidence, x, row).guess();
+          quarter = guess->read ? read(*guess, evidence, column, 2 * row + k / 2) : *guess;
+        }
+      }
+    }
+    for (int y = rows.begin; y < rows.end; ++y) {
+      const std::span<const Guess> of_row = guesses[index(y - rows.begin) / kQuarter];
+      fill_row(y, of_row.first(2 * index(near_.width())), view, map);
+    }
+  }
+}
+
+HoleFiller::Guess HoleFiller::read(const Guess& guess, const MatchEvidence& evidence, int column,
+                                   int row) const noexcept {
+  const MatchEvidence::Result said =
+      evidence.judge_surface(std::min(column * kQuarter + kQuarter / 2, width_ - 1),
+                             std::min(row * kQuarter + kQuarter / 2, height_ - 1), guess.depth);
+  if (said.verdict != MatchEvidence::Verdict::kConfirmed) {
+    return {};
+  }
+  const auto [low, high] = said.reading;
+  return {
+      .depth = middle_of(low, high), .half = width_of(low, high) / 2, .read = true, .fills = true};
+}
+
+void HoleFiller::fill_row(int y, std::span<const Guess> guesses, const HoleView& view,
+                          const DepthMap& map) const noexcept {
+  const OpenRow pixels(map, view, y);
+  for (std::size_t quarter = 0; quarter < guesses.size(); ++quarter) {
+    const Guess& guess = guesses[quarter];
+    if (guess.depth == kNoDepth) {
+      continue;
+    }
+    const std::size_t end = std::min((quarter + 1) * kQuarter, index(width_));
+    for (std::size_t x = quarter * kQuarter; x < end; ++x) {
+      if (pixels.is_hole(x)) {
+        if (guess.fills) {
+          pixels.put(x, guess.depth, guess.half,
+                     guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated);
+        }
+      } else if (pixels.is_loose(x) && pixels.is_allowed(x, guess.depth, max_range_)) {
+        pixels.put(x, guess.depth, pixels.half_over_pmd(x, guess.depth, max_range_),
+                   pixels.is_mixed(x) ? Cause::kMixedPixel : Cause::kStereoAmbiguous);
+      }
+    }
+  }
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,101 @@
+#include "dsp/pmd/reading_memory.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include "dsp/base/index.h"
+#include "dsp/pmd/pmd_maps.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr int kChangedPixels = 2;  // one may change by chance
+
+int cells(int size) noexcept { return (size + ReadingMemory::kCell - 1) / ReadingMemory::kCell; }
+
+template <typename T>
+void fill(const ImageView<T>& image, T value) noexcept {
+  for (int y = 0; y < image.height(); ++y) {
+    std::ranges::fill(image.row(y), value);
+  }
+}
+
+}  // namespace
+
+bool is_same_reading(QuarterMm now, QuarterMm sigma, QuarterMm before) noexcept {
+  return std::abs(now - before) <= 3 * sigma + now / 64;
+}
+
+ReadingMemory::ReadingMemory(int width, int height, std::uint32_t ratio_q16, Arena& arena) noexcept
+    : least_ratio_(static_cast<int>(ratio_q16 / 512 * 5 / 8)),
+      distance_(arena.take_image<QuarterMm>(width, height)),
+      offset_(arena.take_image<std::uint16_t>(width, height)),
+      admitted_(arena.take<std::uint8_t>(index(width))),
+      changes_(arena.take_image<std::uint8_t>(cells(width), cells(height))),
+      quiet_(arena.take_image<std::uint8_t>(cells(width), cells(height))) {
+  if (!arena.is_measuring()) {
+    fill(offset_, std::uint16_t{0});
+    forget();
+  }
+}
+
+void ReadingMemory::forget() noexcept {
+  fill(distance_, kNoDepth);
+  fill(changes_, std::uint8_t{0});
+  fill(quiet_, std::uint8_t{0});
+}
+
+void ReadingMemory::begin_frame() noexcept {
+  for (int y = 0; y < quiet_.height(); ++y) {
+    for (int x = 0; x < quiet_.width(); ++x) {
+      quiet_.at(x, y) = static_cast<std::uint8_t>(std::min(quiet_.at(x, y) + 1, kQuietFrames));
+    }
+  }
+  for (int y = 0; y < changes_.height(); ++y) {
+    for (int x = 0; x < changes_.width(); ++x) {
+      if (changes_.at(x, y) < kChangedPixels) {
+        continue;
+      }
+      for (int v = std::max(y - 1, 0); v <= std::min(y + 1, quiet_.height() - 1); ++v) {
+        for (int u = std::max(x - 1, 0); u <= std::min(x + 1, quiet_.width() - 1); ++u) {
+          quiet_.at(u, v) = 0;
+        }
+      }
+    }
+  }
+  fill(changes_, std::uint8_t{0});
+}
+
+void ReadingMemory::admit(int y, std::span<const std::uint8_t> ratio,
+                          std::span<const std::uint16_t> offset,
+                          std::span<std::uint8_t> flags) noexcept {
+  const std::span<const QuarterMm> before = distance_.row(y);
+  const std::span<std::uint16_t> offset_before = offset_.row(y);
+  const std::span<const std::uint8_t> quiet = quiet_.row(y / kCell);
+  const std::span<std::uint8_t> changes = changes_.row(y / kCell);
+  for (std::size_t x = 0; x < flags.size(); ++x) {
+    const std::size_t cell = x / kCell;
+    const bool same = std::abs(offset[x] - offset_before[x]) <= offset[x] / 16 + 3;
+    const bool admits = (flags[x] & kPmdLowRatio) != 0 && before[x] != kNoDepth && same &&
+                        quiet[cell] >= kQuietFrames && ratio[x] >= least_ratio_;
+    changes[cell] = static_cast<std::uint8_t>(changes[cell] + (same ? 0 : 1));
+    offset_before[x] = offset[x];
+    admitted_[x] = admits ? 1 : 0;
+    flags[x] = static_cast<std::uint8_t>(flags[x] & ~(admits ? unsigned{kPmdLowRatio} : 0U));
+  }
+}
+
+void ReadingMemory::settle(int y, std::span<std::uint8_t> flags, std::span<QuarterMm> distance,
+                           std::span<QuarterMm> sigma) noexcept {
+  const std::span<QuarterMm> before = distance_.row(y);
+  for (std::size_t x = 0; x < flags.size(); ++x) {
+    if (admitted_[x] != 0 && !is_same_reading(distance[x], sigma[x], before[x])) {
+      flags[x] = static_cast<std::uint8_t>(flags[x] | unsigned{kPmdLowRatio});
+      distance[x] = kNoDepth;
+      sigma[x] = 0;
+    }
+    before[x] = distance[x];
+  }
+}
+
+}  // namespace stof::dsp

@@ -1,0 +1,223 @@
+#include "dsp/fusion/temporal/steady_row.h"
+
+#include <algorithm>
+#include <cstdlib>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/kernel_check.h"
+
+namespace stof::dsp {
+namespace {
+
+struct Interval {
+  QuarterMm low = 0;
+  QuarterMm high = 0;
+};
+constexpr Interval kSilent{};
+
+// One pixel, frame after frame.
+class Pixel {
+ public:
+  struct Seen {
+    int depth = 0;
+    int width = 0;
+    Source source = Source::kNone;
+    Cause cause = Cause::kNone;
+  };
+
+  Seen run(int depth, Interval stereo, Interval pmd, bool changed = false) {
+    const std::uint8_t mark = changed ? 255 : 0;
+    QuarterMm d = static_cast<QuarterMm>(depth);
+    QuarterMm w = depth == 0 ? QuarterMm{0} : QuarterMm{400};
+    Source source = depth == 0 ? Source::kNone : Source::kBoth;
+    Cause cause = Cause::kNone;
+    best::steady_row({.changed = {&mark, 1},
+                      .stereo = {{&stereo.low, 1}, {&stereo.high, 1}},
+                      .pmd = {{&pmd.low, 1}, {&pmd.high, 1}},
+                      .fused = {{&d, 1}, {&w, 1}, {&source, 1}, {&cause, 1}}},
+                     {}, {.depth = {&depth_, 1}, .tally = {&tally_, 1}});
+    return {d, w, source, cause};
+  }
+  Seen run_still(int frames, int depth = 8000) {
+    Seen seen;
+    for (int i = 0; i < frames; ++i) {
+      seen = run(depth, kSilent, kSilent);
+    }
+    return seen;
+  }
+
+ private:
+  QuarterMm depth_ = 0;
+  std::uint8_t tally_ = 0;
+};
+
+TEST(SteadyRow, PublishesWhatAgreesAsItIs) {
+  Pixel pixel;
+  for (const int depth : {8000, 8290, 8000, 7900, 8200}) {
+    const Pixel::Seen seen = pixel.run(depth, kSilent, kSilent);
+    EXPECT_EQ(seen.depth, depth);
+    EXPECT_EQ(seen.width, 400);
+    EXPECT_EQ(seen.source, Source::kBoth);
+  }
+}
+
+// Remembered is 8000; a sixteenth of that is 500.
+TEST(SteadyRow, ADoubtedReadingCountsWhereItConfirmsWhatWasSeen) {
+  struct Case {
+    Interval stereo;
+    Interval pmd;
+    int depth;
+    int width;
+    Source source;
+  };
+  for (const Case& c : {Case{{7900, 8400}, kSilent, 8000, 800, Source::kStereo},
+                        Case{kSilent, {8400, 8600}, 8400, 400, Source::kPmd},
+                        Case{{9000, 9500}, {7000, 8100}, 8000, 2000, Source::kPmd},
+                        Case{{8400, 8500}, {7900, 8100}, 8400, 200, Source::kStereo},
+                        Case{{8501, 9000}, kSilent, 0, 0, Source::kNone},
+                        Case{{9000, 8000}, kSilent, 0, 0, Source::kNone},
+                        Case{kSilent, kSilent, 0, 0, Source::kNone}}) {
+    Pixel pixel;
+    pixel.run_still(3);
+    const Pixel::Seen seen = pixel.run(0, c.stereo, c.pmd);
+    EXPECT_EQ(seen.depth, c.depth);
+    EXPECT_EQ(seen.width, c.width);
+    EXPECT_EQ(seen.source, c.source);
+  }
+}
+
+TEST(SteadyRow, NothingIsConfirmedThatWasNotSeenForThreeFramesOrWherePictureChanged) {
+  for (const int frames : {0, 1, 2}) {
+    Pixel pixel;
+    pixel.run_still(frames);
+    EXPECT_EQ(pixel.run(0, {7900, 8100}, {7900, 8100}).depth, 0) << frames;
+  }
+  Pixel pixel;
+  pixel.run_still(10);
+  EXPECT_EQ(pixel.run(0, {7900, 8100}, kSilent, true).depth, 0);
+  EXPECT_EQ(pixel.run(0, {7900, 8100}, kSilent).depth, 0);
+}
+
+TEST(SteadyRow, WhatBothSensorsExcludeOrThePictureShowsIsGoneAtOnce) {
+  for (const int depth : {6000, 20000}) {
+    const Interval there{static_cast<QuarterMm>(depth - 200), static_cast<QuarterMm>(depth + 200)};
+    Pixel both;
+    both.run_still(20);
+    EXPECT_EQ(both.run(depth, there, there).depth, depth);
+    Pixel picture;
+    picture.run_still(20);
+    EXPECT_EQ(picture.run(depth, there, kSilent, true).depth, depth);
+  }
+}
+
+TEST(SteadyRow, WhatOneSensorSaysElsewhereIsNotBelievedUntilItWasSeenThreeTimes) {
+  for (const int depth : {6000, 20000}) {
+    const Interval there{static_cast<QuarterMm>(depth - 200), static_cast<QuarterMm>(depth + 200)};
+    Pixel pixel;
+    pixel.run_still(20);
+    for (int frame = 0; frame < 2; ++frame) {
+      const Pixel::Seen seen = pixel.run(depth, there, kSilent);
+      EXPECT_EQ(seen.depth, kNoDepth);
+      EXPECT_EQ(seen.width, 0);
+      EXPECT_EQ(seen.source, Source::kConflict);
+      EXPECT_EQ(seen.cause, Cause::kContradiction);
+    }
+    EXPECT_EQ(pixel.run(depth, there, kSilent).depth, depth);
+    EXPECT_EQ(pixel.run(8000, kSilent, kSilent).depth, 8000);  // it was not yet settled
+  }
+}
+
+// The PMD's interval holds both; stereo goes from one to the other.
+TEST(SteadyRow, ANearerDepthWinsSoonAFartherOneLate) {
+  for (const auto& [depth, frames] : {std::pair(6000, 3), std::pair(10000, 12)}) {
+    const Interval there{static_cast<QuarterMm>(depth - 200), static_cast<QuarterMm>(depth + 200)};
+    Pixel pixel;
+    pixel.run_still(20);
+    for (int frame = 1; frame < frames; ++frame) {
+      EXPECT_EQ(pixel.run(depth, there, {5000, 11000}).source, Source::kPmd) << frame;
+    }
+    EXPECT_EQ(pixel.run(depth, there, {5000, 11000}).depth, depth);
+  }
+}
+
+TEST(SteadyRow, WhatIsNotSeenIsForgotten) {
+  Pixel pixel;
+  pixel.run_still(20);
+  for (int frame = 0; frame < 15; ++frame) {
+    EXPECT_EQ(pixel.run(0, kSilent, kSilent).depth, 0);
+  }
+  EXPECT_EQ(pixel.run(20000, {19000, 21000}, kSilent).depth, 20000);
+}
+
+enum class World { kAnything, kStill };
+
+SteadyRow next_frame(World world, test::KernelCase& c) {
+  const std::size_t n = c.length();
+  const SteadyRow row{
+      .changed = c.array<std::uint8_t>(n, 0, world == World::kAnything ? 1 : 0),
+      .stereo = {c.array<QuarterMm>(n), c.array<QuarterMm>(n)},
+      .pmd = {c.array<QuarterMm>(n), c.array<QuarterMm>(n)},
+      .fused = {c.array<QuarterMm>(n), c.array<QuarterMm>(n), c.array<Source>(n, 0, kSources - 1),
+                c.array<Cause>(n, 0, kCauses - 1)}};
+  if (world == World::kAnything) {
+    return row;
+  }
+  const auto near = [&](std::size_t x, int reach) {
+    const int base = x % 5 == 0 ? 65000 : 700 * static_cast<int>(x % 80) + 60;
+    const int jump = c.random().between(0, 5) == 0 ? 3000 : 0;
+    return static_cast<QuarterMm>(
+        std::clamp(base + jump + c.random().between(-reach, reach), 0, 65535));
+  };
+  const auto fill = [&](std::span<const QuarterMm> low, std::span<const QuarterMm> high) {
+    for (std::size_t x = 0; x < n; ++x) {
+      const_cast<QuarterMm&>(low[x]) = near(x, 600);    // NOLINT: this test's own array
+      const_cast<QuarterMm&>(high[x]) = near(x, 1200);  // NOLINT
+    }
+  };
+  fill(row.stereo.low, row.stereo.high);
+  fill(row.pmd.low, row.pmd.high);
+  for (std::size_t x = 0; x < n; ++x) {
+    row.fused.depth[x] = c.random().between(0, 3) == 0 ? kNoDepth : near(x, 300);
+    row.fused.width[x] = static_cast<QuarterMm>(c.random().between(0, 900));
+  }
+  return row;
+}
+
+TEST(SteadyRow, EqualsReferenceForEveryLengthOverManyFrames) {
+  int found = 0;
+  int withheld = 0;
+  bool compared = false;
+  for (const World world : {World::kAnything, World::kStill}) {
+    compared = test::check_kernel([&](test::KernelCase& c) {
+      const std::size_t n = c.length();
+      const SteadyLimits limits{
+          .max_step = static_cast<QuarterMm>(n % 3 == 0 ? c.draw(0, 65535) : 1200),
+          .max_range = static_cast<QuarterMm>(n % 4 == 0 ? c.draw(1, 65535) : 65535)};
+      const SteadyState state{.depth = c.array<QuarterMm>(n, 0, 0),
+                              .tally = c.array<std::uint8_t>(n, 0, 0)};
+      for (int frame = 0; frame < 12; ++frame) {
+        const SteadyRow row = next_frame(world, c);
+        const std::vector<QuarterMm> depth(row.fused.depth.begin(), row.fused.depth.end());
+        c.run([&] { best::steady_row(row, limits, state); });
+        for (std::size_t x = 0; x < n; ++x) {
+          found += depth[x] == kNoDepth && row.fused.depth[x] != kNoDepth ? 1 : 0;
+          withheld += depth[x] != kNoDepth && row.fused.depth[x] == kNoDepth ? 1 : 0;
+          // Never what no sensor allows: a depth that fused has not lies in an interval.
+          if (row.fused.depth[x] != depth[x] && row.fused.depth[x] != kNoDepth) {
+            const IntervalRow& from = row.fused.source[x] == Source::kStereo ? row.stereo : row.pmd;
+            ASSERT_GE(row.fused.depth[x], from.low[x]);
+            ASSERT_LE(row.fused.depth[x], from.high[x]);
+          }
+        }
+      }
+    });
+  }
+  if (compared) {
+    EXPECT_GT(found, 100);
+    EXPECT_GT(withheld, 100);
+  }
+}
+
+}  // namespace
+}  // namespace stof::dsp
