@@ -174,7 +174,8 @@ class BadInput(Program):
     def test_numbers_that_are_none(self):
         """Every option that takes a real number, of every command."""
         commands = {"evaluate fusion": ["a", "b"], "calib pmd": ["a", "--out", "b"], "view": [], "discover": [],
-                    "proxy": ["--listen", "0", "--to", "127.0.0.1:9"], "config": ["127.0.0.1:9", "get"]}
+                    "evaluate sequence": ["a"], "config": ["127.0.0.1:9", "get"],
+                    "proxy": ["--listen", "0", "--to", "127.0.0.1:9"]}
         for command, needed in commands.items():
             options = re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+) FLOAT", self.succeed(*command.split(), "--help"))
             self.assertGreater(len(options), 0, command)
