@@ -71,7 +71,10 @@ TEST(LoopGap, AnotherSetOfSensorsIsAGap) {
 
 // Of the last frame of a rig whose first one is that of edge `first`.
 std::uint32_t steady_frames(bool temporal, std::uint32_t first, std::uint32_t lost) {
-  Rig rig({.faults = {.stereo = {no_frame(first, lost)}}, .still = true, .temporal = temporal});
+  Rig rig({.faults = {.stereo = {no_frame(first, lost)}},
+           .still = true,
+           .temporal = temporal,
+           .require_both = true});
   Receiver receiver;
   run(rig, receiver, kSteps);
   return receiver.frames.rbegin()->second.info.steady_frames;

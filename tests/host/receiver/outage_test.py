@@ -20,8 +20,8 @@ import packets
 import receiver
 
 COMMAND = []
-PERIOD_S = 0.04
-FIRST, EDGES, AFTER = 60, 250, 60  # edges before, during and after the outage
+PERIOD_S = 0.06
+FIRST, EDGES, AFTER = 40, 167, 40  # edges before, during and after the outage
 STEREO, PMD, BOTH = 1, 2, 3
 DEPTH, WIDTH, SOURCE, DISPARITY, LEFT, RIGHT = 1, 2, 3, 4, 6, 7
 OF_THE_PAIR = {DISPARITY, LEFT, RIGHT}

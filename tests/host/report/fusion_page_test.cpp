@@ -25,6 +25,7 @@ FusionCase wall(double pmd_m, bool chapter) {
                    .rig = recording.calibration.stereo,
                    .left = scene.left,
                    .truth = depth_from_disparity(*scene.truth, recording.calibration.stereo),
+                   .note = {},
                    .result = std::move(result),
                    .scores = {}};
   fused.scores = score_fusion(fused.result, fused.truth);

@@ -22,16 +22,16 @@ constexpr QuarterMm kMaxRange = 64000;
 // A map of a wall that both sensors see, and a PMD picture without any reading.
 class Map {
  public:
-  explicit Map(int width = kWidth, int height = kHeight, QuarterMm wall = 12000)
-      : depth(width, height, width, wall),
-        width(width, height, width, 200),
-        source(width, height, width, Source::kBoth),
-        cause(width, height, width, Cause::kNone),
-        disparity(width, height, width),
-        low(width, height, width, 1),
-        high(width, height, width, 0),
-        filler_([&](Arena& arena) { return HoleFiller(width, height, kMaxRange, arena); }) {
-    for (int y = 0; y < height; ++y) {
+  explicit Map(int w = kWidth, int h = kHeight, QuarterMm wall = 12000)
+      : depth(w, h, w, wall),
+        width(w, h, w, 200),
+        source(w, h, w, Source::kBoth),
+        cause(w, h, w, Cause::kNone),
+        disparity(w, h, w),
+        low(w, h, w, 1),
+        high(w, h, w, 0),
+        filler_([&](Arena& arena) { return HoleFiller(w, h, kMaxRange, arena); }) {
+    for (int y = 0; y < h; ++y) {
       std::ranges::fill(disparity.view().row(y), Disparity::none());
     }
   }
