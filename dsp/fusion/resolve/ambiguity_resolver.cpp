@@ -205,6 +205,7 @@ class AmbiguityResolver {
     switch (said.verdict) {
       case MatchEvidence::Verdict::kConfirmed:
       case MatchEvidence::Verdict::kKept:
+      case MatchEvidence::Verdict::kAllowed:
         if (out_.source[x] == Source::kResolved) {  // against a mixed reading
           cover_pmd(x);
         } else if (said.verdict == MatchEvidence::Verdict::kConfirmed) {

@@ -149,7 +149,8 @@ class HoleFiller::Search {
     return {.depth = chosen.depth,
             .half = std::max({depth - nearest, far_[0].depth - depth, depth * kGuessPercent / 100}),
             .read = false,
-            .fills = found >= kFewest && depth <= kFarthestGuess};
+            .fills = chosen.said.verdict == Verdict::kAllowed && found >= kFewest &&
+                     depth <= kFarthestGuess};
   }
 
  private:
@@ -158,7 +159,7 @@ class HoleFiller::Search {
   std::span<const Surface> all() const noexcept { return std::span(far_).first(count_); }
   static bool is_read(const Surface& s) noexcept { return s.said.verdict == Verdict::kConfirmed; }
   static bool counts(const Surface& s, bool read) noexcept {
-    return is_read(s) || (!read && s.said.verdict == Verdict::kKept);
+    return is_read(s) || (!read && s.said.verdict != Verdict::kContradicted);
   }
 
   // The nearest cell with a surface on the way from (x, y).

@@ -34,8 +34,10 @@ struct HoleView {
 // Open pixels, and what they become:
 //   kNone, or kConflict by kMixedPixel  kResolved; kRangeAmbiguous where a folded reading confirms
 //       the guess (in that quarter of the cell): what it reads, 2 sigma and 3 percent; else
-//       kInterpolated: an interval that holds all surfaces that may be meant, of at least three,
-//       and a quarter of the depth to either side; up to 4 m, where that is a metre
+//       kInterpolated, where the PMD sees something there that may be the guess: an interval that
+//       holds all surfaces that may be meant, of at least three, and a quarter of the depth to
+//       either side; up to 4 m, where that is a metre. What reflects no light and has no texture
+//       may stand before all of them
 //   kPmd whose interval is wider than a twelfth, and kResolved by kMixedPixel without a match: if
 //       the PMD's interval holds the guess, it is taken, with an interval that holds the PMD's;
 //       kResolved, kMixedPixel where that was the cause, else kStereoAmbiguous

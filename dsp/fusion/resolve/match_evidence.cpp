@@ -157,11 +157,14 @@ MatchEvidence::Result MatchEvidence::judge_surface(int x, int y, QuarterMm depth
             reading_at(place.distance - own.off, 2 * own.sigma + kSurfaceMargin * place.distance,
                        z / place.distance)};
   }
-  bool kept = own.opinion == Opinion::kNone || allows(own);
-  if (!kept && around_ > 0) {
-    ask_around(place, half, [&](const Said& said) noexcept { kept = kept || allows(said); });
+  if (own.opinion == Opinion::kNone) {
+    return {Verdict::kKept, {}};
   }
-  return {kept ? Verdict::kKept : Verdict::kContradicted, {}};
+  bool allowed = allows(own);
+  if (!allowed && around_ > 0) {
+    ask_around(place, half, [&](const Said& said) noexcept { allowed = allowed || allows(said); });
+  }
+  return {allowed ? Verdict::kAllowed : Verdict::kContradicted, {}};
 }
 
 }  // namespace stof::dsp

@@ -18,7 +18,8 @@ namespace stof::dsp {
 class MatchEvidence {
  public:
   enum class Verdict : std::uint8_t {
-    kKept,          // enough speaks for it
+    kKept,          // nothing speaks against it; of a match: enough speaks for it
+    kAllowed,       // of a surface: the PMD's reading may be one of it
     kConfirmed,     // the PMD's reading is one of it, a number of ranges away
     kContradicted,  // the PMD sees something else there
     kUnsupported,   // nothing but the match speaks for it
@@ -63,8 +64,8 @@ class MatchEvidence {
   // Whether a surface at Z `depth`, quarter mm, may be what pixel (x, y) of the left view shows:
   //   kConfirmed     the folded reading there is one of it, within 2 sigma and a twentieth of the
   //                  distance; the margin is 3 percent. Not of wide PMD pixels, which see several
-  //   kKept          so is what is read there (or in one of 3x3, where PMD pixels are wide), or
-  //                  nothing is
+  //   kAllowed       so is what is read there (or in one of 3x3, where PMD pixels are wide)
+  //   kKept          nothing is read there, or too little to tell
   //   kContradicted  the PMD sees something else there, behind it or before it
   Result judge_surface(int x, int y, QuarterMm depth) const noexcept;
 

@@ -19,7 +19,8 @@ using test::kWidth;
 
 constexpr QuarterMm kMaxRange = 64000;
 
-// A map of a wall that both sensors see, and a PMD picture without any reading.
+// A map of a wall that both sensors see, and a PMD picture whose readings are too vague to be
+// published: between 2 m and 4.25 m.
 class Map {
  public:
   explicit Map(int w = kWidth, int h = kHeight, QuarterMm wall = 12000)
@@ -34,6 +35,7 @@ class Map {
     for (int y = 0; y < h; ++y) {
       std::ranges::fill(disparity.view().row(y), Disparity::none());
     }
+    scene.see(8000, 17000);
   }
 
   DepthMap map() { return {depth.view(), width.view(), source.view(), cause.view()}; }
@@ -145,6 +147,16 @@ TEST(HoleFiller, AGuessWithoutAReadingNeedsThreeSurfaces) {
     map.fill();
     EXPECT_EQ(map.source_at(33, 25), surfaces == 3 ? Source::kResolved : Source::kNone);
   }
+}
+
+// Such as a black box before a wall, which neither reflects light nor has any texture.
+TEST(HoleFiller, WhereThePmdSeesNothingNothingIsFilled) {
+  Map map;
+  map.open();
+  map.scene.see(kNoDepth, kNoDepth);
+  map.fill();
+  EXPECT_EQ(map.source_at(32, 24), Source::kNone);
+  EXPECT_EQ(map.depth_at(32, 24), kNoDepth);
 }
 
 TEST(HoleFiller, WhatThePmdSeesElsewhereIsNotFilled) {

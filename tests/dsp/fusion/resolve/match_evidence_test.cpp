@@ -143,16 +143,16 @@ TEST(MatchEvidence, ASurfaceIsConfirmedByAFoldedReadingOfIt) {
 TEST(MatchEvidence, AWidePixelConfirmsNoSurface) {
   Scene scene(70);
   scene.read(12100, 20);
-  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kAllowed);
   scene.read(9000, 20);
   EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kContradicted);
 }
 
-TEST(MatchEvidence, ASurfaceIsContradictedByWhatThePmdSeesBehindOrBeforeIt) {
+TEST(MatchEvidence, ASurfaceIsAllowedOrContradictedByWhatThePmdSees) {
   Scene scene;
   EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
   scene.see(11000, 13000);
-  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kKept);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kAllowed);
   scene.see(14000, 15000);
   EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kContradicted);
   scene.see(8000, 9000);
@@ -165,7 +165,7 @@ TEST(MatchEvidence, AWidePixelBesideMayBeTheOneThatSeesASurface) {
     scene.see(14000, 15000);
     const PmdView::Place place = PmdView(rig(wide ? 70 : 150)).of(32, 24, 12000);
     scene.maps.low.at(place.column + 1, place.row) = 11000;
-    EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, wide ? kKept : kContradicted);
+    EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, wide ? kAllowed : kContradicted);
   }
 }
 
