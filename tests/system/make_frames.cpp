@@ -52,9 +52,10 @@ int write_calibration(const std::filesystem::path& file, std::string_view stereo
       return complain(taken.error());
     }
   }
-  const board::SceneWorld world = board::render_world(options, 1);
-  std::vector<std::byte> bytes(stof::wire::calibration_file_bytes(world.calibration));
-  const auto written = stof::wire::encode_calibration_file(world.calibration, bytes);
+  const board::SceneWorld world = board::render_world(options);
+  const stof::dsp::Calibration& rig = world.imagery->calibration();
+  std::vector<std::byte> bytes(stof::wire::calibration_file_bytes(rig));
+  const auto written = stof::wire::encode_calibration_file(rig, bytes);
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));
