@@ -53,9 +53,8 @@ int write_calibration(const std::filesystem::path& file, std::string_view stereo
     }
   }
   const board::SceneWorld world = board::render_world(options);
-  const stof::dsp::Calibration& rig = world.imagery->calibration();
-  std::vector<std::byte> bytes(stof::wire::calibration_file_bytes(rig));
-  const auto written = stof::wire::encode_calibration_file(rig, bytes);
+  std::vector<std::byte> bytes(stof::wire::calibration_file_bytes(world.imagery->calibration()));
+  const auto written = stof::wire::encode_calibration_file(world.imagery->calibration(), bytes);
   std::ofstream out(file, std::ios::binary);
   out.write(reinterpret_cast<const char*>(bytes.data()),
             static_cast<std::streamsize>(bytes.size()));

@@ -5,6 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "dsp/depth/max_range.h"
 #include "host/cli/failure.h"
 #include "host/evaluate/fusion/fusion.h"
 #include "host/evaluate/sequence/sequence.h"
@@ -14,8 +15,6 @@ namespace stof::host {
 namespace {
 
 using nlohmann::ordered_json;
-
-constexpr double kFarthestM = 16.38;
 
 // With every matcher, without the temporal filter and with it. `fast` and `quality` where the
 // command line names nothing.
@@ -104,7 +103,7 @@ void add_evaluate_sequence(CLI::App& evaluate, EvaluateSequenceOptions& options)
       ->check(CLI::Range(0, 100000))
       ->capture_default_str();
   command.add_option("--max-range", options.max_range_m, "Metres beyond which nothing is measured")
-      ->check(CLI::Range(0.1, kFarthestM))
+      ->check(CLI::Range(dsp::kLeastMaxRangeMm / kMm, dsp::kMostMaxRangeMm / kMm))
       ->capture_default_str();
   add_evaluate_flags(command, options, Judged::kDepth);
   command.callback([&options] { evaluate_sequence(options); });

@@ -33,7 +33,7 @@ struct FusionCase {
   dsp::StereoRig rig;     // of the recording
   dataset::Image<std::uint8_t> left;
   dataset::Image<float> truth;  // Z in metres of the left view, +inf = unknown
-  std::string note;             // of apply_calibration()
+  std::string note{};           // of apply_calibration()
   FusionResult result;
   FusionScores scores;
 

@@ -20,7 +20,7 @@ dataset::Loaded<std::unique_ptr<OwningDepthMaker>> OwningDepthMaker::make(
   calibration.stereo.left.width = width;
   calibration.stereo.left.height = height;
   if (const std::string wrong = dsp::problem(calibration); !wrong.empty()) {
-    return dataset::refuse(scene + ": " + wrong + ": correct the recording's json");
+    return dataset::refuse(scene + ": " + wrong + ": correct the rig");
   }
   if (lab::check(match, width, height) != Status::kOk) {
     return dataset::refuse(scene + ": " + std::to_string(width) + "x" + std::to_string(height) +

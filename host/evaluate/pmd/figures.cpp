@@ -55,9 +55,9 @@ Done note_other_cameras(const PmdFolders& folders, std::vector<std::string>& not
       others += known && !setup->is_of(*known) ? 1 : 0;
     }
     if (others > 0) {
-      notes.push_back(set.folder.string() + ": " + std::to_string(others) +
-                      " recordings are of another size or modulation frequency than the "
-                      "calibration: it is not used with them");
+      notes.push_back(set.folder.string() + ": the calibration is not used with " +
+                      std::to_string(others) +
+                      " of its recordings: another size or modulation frequency");
     }
   }
   return {};

@@ -31,13 +31,18 @@ Table wall_table(const PmdReport& report) {
   return table;
 }
 
+std::string judged_by(const WallStudy& study) {
+  if (study.given) {
+    return "those of the calibration file, judged on all frames";
+  }
+  return study.report.judged == Frames::kAll
+             ? "fitted to all frames and judged on the same"
+             : "fitted to some of the frames and judged on the others";
+}
+
 void add_wall(const WallStudy& study, const std::string& id, std::size_t studies, Page& page) {
   page.begin_section(id, named("Walls at known distances", study.folder, studies));
-  page.paragraph(std::string("A wall facing the camera. Constants are ") +
-                 (study.given ? "those of the calibration file, judged on all frames"
-                  : study.report.judged == Frames::kAll
-                      ? "fitted to all frames and judged on the same"
-                      : "fitted to some of the frames and judged on the others") +
+  page.paragraph("A wall facing the camera. Constants are " + judged_by(study) +
                  "; every figure is of the appliance's own fixed-point conversion.");
   page.table(wall_table(study.report));
   page.figures(noise_figures(study.report, study.calibration), Width::kLarge);

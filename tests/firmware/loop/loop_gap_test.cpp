@@ -69,7 +69,7 @@ TEST(LoopGap, AnotherSetOfSensorsIsAGap) {
   }
 }
 
-// Of the last frame of a rig whose first one is that of edge `first`.
+// Of the last frame of a rig that needs both sensors and whose first frame is that of edge `first`.
 std::uint32_t steady_frames(bool temporal, std::uint32_t first, std::uint32_t lost) {
   Rig rig({.faults = {.stereo = {no_frame(first, lost)}},
            .still = true,

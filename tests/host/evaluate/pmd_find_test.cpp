@@ -1,5 +1,7 @@
 #include <algorithm>
 
+#include "host/calibrate/calibration_store.h"
+#include "host/evaluate/pmd/figures.h"
 #include "host/evaluate/pmd/recordings/find.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/evaluate/pmd_recordings.h"
@@ -52,6 +54,29 @@ TEST_F(PmdFind, TellsKindsFromFilesAndFields) {
   EXPECT_EQ(std::ranges::count(found->sets, PmdKind::kWalls, &PmdSet::kind), 2);
   EXPECT_EQ(found->sources.patterns.at({"32x24", 3}), folder() / "walls" / "32x24_fppn.pgm");
   EXPECT_TRUE(found->notes.empty());
+}
+
+TEST_F(PmdFind, NamesWhatACalibrationIsNotUsedWith) {
+  test::write_wall(in("walls"), record(camera_, 1, 1, 1));
+  dsp::Calibration rig;
+  rig.pmd = record(camera_, 1, 1, 1).recording.calibration.pmd;
+  const auto notes = [this, &rig] {
+    EXPECT_TRUE(write_calibration(folder() / "some.cal", rig));
+    const auto found = evaluate_pmd(
+        {.folder = folder(), .calibration = folder() / "some.cal", .phase_samples = 1000});
+    std::string all = found ? "" : found.error().message;
+    for (const std::string& note : found ? found->notes : std::vector<std::string>()) {
+      all += note + "\n";
+    }
+    return all;
+  };
+  EXPECT_EQ(notes().find("the calibration is not used"), std::string::npos) << notes();
+  rig.pmd.lens.width = 64;
+  EXPECT_NE(notes().find("walls: the calibration is not used with 1 of"), std::string::npos)
+      << notes();
+  rig.pmd.lens.width = 0;
+  rig.pmd.lens.height = 0;
+  EXPECT_NE(notes().find("some.cal: holds no PMD camera"), std::string::npos) << notes();
 }
 
 TEST_F(PmdFind, NamesWhatHasNoSceneOrNoSecondFrequency) {
