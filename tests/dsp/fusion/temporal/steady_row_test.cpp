@@ -187,6 +187,7 @@ SteadyRow next_frame(World world, test::KernelCase& c) {
 TEST(SteadyRow, EqualsReferenceForEveryLengthOverManyFrames) {
   int found = 0;
   int withheld = 0;
+  int outside = 0;
   bool compared = false;
   for (const World world : {World::kAnything, World::kStill}) {
     compared = test::check_kernel([&](test::KernelCase& c) {
@@ -206,8 +207,7 @@ TEST(SteadyRow, EqualsReferenceForEveryLengthOverManyFrames) {
           // Never what no sensor allows: a depth that fused has not lies in an interval.
           if (row.fused.depth[x] != depth[x] && row.fused.depth[x] != kNoDepth) {
             const IntervalRow& from = row.fused.source[x] == Source::kStereo ? row.stereo : row.pmd;
-            ASSERT_GE(row.fused.depth[x], from.low[x]);
-            ASSERT_LE(row.fused.depth[x], from.high[x]);
+            outside += row.fused.depth[x] < from.low[x] || row.fused.depth[x] > from.high[x] ? 1 : 0;
           }
         }
       }
@@ -216,6 +216,7 @@ TEST(SteadyRow, EqualsReferenceForEveryLengthOverManyFrames) {
   if (compared) {
     EXPECT_GT(found, 100);
     EXPECT_GT(withheld, 100);
+    EXPECT_EQ(outside, 0);
   }
 }
 
