@@ -32,12 +32,6 @@ struct Step {
 constexpr std::array<Step, 8> kDirections{
     {{-1, 0}, {1, 0}, {0, -1}, {0, 1}, {-1, -1}, {1, -1}, {-1, 1}, {1, 1}}};
 
-// A depth that may be there, and what the PMD says of it.
-struct Surface {
-  QuarterMm depth = 0;
-  MatchEvidence::Result said{};
-};
-
 // An element for each column of a row of cells.
 using Columns = std::array<QuarterMm, kMaxImageWidth>;
 
@@ -155,6 +149,12 @@ class HoleFiller::Search {
 
  private:
   using Verdict = MatchEvidence::Verdict;
+
+  // A depth that may be there, and what the PMD says of it.
+  struct Surface {
+    QuarterMm depth = 0;
+    MatchEvidence::Result said{};
+  };
 
   std::span<const Surface> all() const noexcept { return std::span(far_).first(count_); }
   static bool is_read(const Surface& s) noexcept { return s.said.verdict == Verdict::kConfirmed; }

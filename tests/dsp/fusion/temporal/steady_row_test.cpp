@@ -207,7 +207,8 @@ TEST(SteadyRow, EqualsReferenceForEveryLengthOverManyFrames) {
           // Never what no sensor allows: a depth that fused has not lies in an interval.
           if (row.fused.depth[x] != depth[x] && row.fused.depth[x] != kNoDepth) {
             const IntervalRow& from = row.fused.source[x] == Source::kStereo ? row.stereo : row.pmd;
-            outside += row.fused.depth[x] < from.low[x] || row.fused.depth[x] > from.high[x] ? 1 : 0;
+            outside +=
+                row.fused.depth[x] < from.low[x] || row.fused.depth[x] > from.high[x] ? 1 : 0;
           }
         }
       }
