@@ -7,7 +7,7 @@
 namespace stof::firmware {
 namespace {
 
-constexpr int kRowStep = 4;
+constexpr int kWatchedRowStep = 4;
 constexpr int kPixelsForEachLit = 8;      // of a picture with much light
 constexpr int kPixelsForEachStray = 256;  // of one without any
 constexpr int kVariances = 40;
@@ -33,7 +33,7 @@ LightGuard::LightGuard(const dsp::PmdSensor& sensor) noexcept
 bool LightGuard::gone(const hal::PmdFrame& frame) noexcept {
   int lit = 0;
   int all = 0;
-  for (int y = 0; y < frame.samples[0].height(); y += kRowStep) {
+  for (int y = 0; y < frame.samples[0].height(); y += kWatchedRowStep) {
     const auto a0 = frame.samples[0].row(y);
     const auto a1 = frame.samples[1].row(y);
     const auto a2 = frame.samples[2].row(y);

@@ -7,7 +7,7 @@
 namespace stof::firmware {
 namespace {
 
-constexpr int kRowStep = 16;
+constexpr int kComparedRowStep = 16;
 // One in so many pixels must have noise.
 constexpr std::ptrdiff_t kPixelsForEachNoisy = 64;
 // Four sums run side by side, each with its own odd factor.
@@ -46,7 +46,7 @@ template <typename Pixel>
 bool RepeatDetector<Pixel>::repeats(std::span<const dsp::ImageView<const Pixel>> images) noexcept {
   std::uint64_t digest = 0;
   for (const dsp::ImageView<const Pixel>& image : images) {
-    for (int y = 0; y < image.height(); y += kRowStep) {
+    for (int y = 0; y < image.height(); y += kComparedRowStep) {
       digest = digest_row(std::as_bytes(image.row(y)), digest);
     }
   }
@@ -61,7 +61,7 @@ bool RepeatDetector<Pixel>::proves(
   std::ptrdiff_t noisy = 0;
   std::ptrdiff_t all = 0;
   for (const dsp::ImageView<const Pixel>& image : images) {
-    for (int y = 0; y < image.height(); y += kRowStep) {
+    for (int y = 0; y < image.height(); y += kComparedRowStep) {
       noisy += std::ranges::count_if(
           image.row(y), [this](Pixel value) { return value > dark_ && value < bright_; });
       all += image.width();

@@ -62,7 +62,7 @@ ordered_json to_json(const std::string& scene, const SequenceRun& run,
           {"fuse_ms", result.fuse_ms}};
 }
 
-void print_head() {
+void print_sequence_head() {
   std::printf(
       "Percent of pixels, mean of the frames. Where nothing moves in six frames: flick: with a "
       "depth\n"
@@ -116,7 +116,7 @@ void evaluate_sequence(const EvaluateSequenceOptions& options) {
   const std::vector<SequenceRun> runs = runs_of(options);
   ordered_json rows = ordered_json::array();
   if (!options.json) {
-    print_head();
+    print_sequence_head();
   }
   for (const std::filesystem::path& folder : options.folders) {
     const std::vector<SequenceResult> results =

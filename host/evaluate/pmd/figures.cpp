@@ -52,7 +52,7 @@ Done note_other_cameras(const PmdFolders& folders, std::vector<std::string>& not
       if (!setup) {
         return std::unexpected(setup.error());
       }
-      others += known && !setup->is_of(*known) ? 1 : 0;
+      others += known && !setup->is_of(*known) ? 1U : 0U;
     }
     if (others > 0) {
       notes.push_back(set.folder.string() + ": the calibration is not used with " +
