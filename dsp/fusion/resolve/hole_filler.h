@@ -19,8 +19,8 @@ struct HoleView {
   ImageView<const QuarterMm> pmd_high;
 };
 
-// Gives pixels that neither sensor could tell the depth of a surface around them, where the PMD
-// does not see something else there. Such a depth is a guess, so its interval holds every surface
+// Gives pixels that neither sensor could tell the depth of a surface around them, where what the
+// PMD reads there, too weak to be published, allows it. Such a depth is a guess, so its interval holds every surface
 // that it might be; where these leave more than a metre open, there is none.
 //
 // A map is divided into cells of 8x8 px. Pixels whose width is at most a sixth of their depth are

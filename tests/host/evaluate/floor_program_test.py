@@ -4,44 +4,24 @@ scenes that `stof_emu_pair` renders: table, JSON, maps, and refusals in one line
 words separated by |."""
 
 import json
-import os
-import pathlib
 import re
 import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
-COMMAND = []
-PAIR = [word for word in os.environ.get("STOF_EMU_PAIR", "").split("|") if word]
+import rendered_scenes
+
 PRESETS = ("fast", "quality", "chapter")
 
 
-class EvaluateFloor(unittest.TestCase):
+class EvaluateFloor(rendered_scenes.RenderedScenes):
+    SUBCOMMAND = "floor"
+
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="stof_")
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = pathlib.Path(folder.name)
+        super().setUpClass()
         for name, scene in (("low", "floor:30,10"), ("high", "floor:90,20,5")):
-            subprocess.run([*PAIR, name, "--scene", scene, "--size", "320x240", "--pmd", "88x72"], check=True,
-                           cwd=cls.folder, timeout=240)
-
-    def run_stof(self, *arguments):
-        return subprocess.run([*COMMAND, "evaluate", "floor", *map(str, arguments)], capture_output=True, text=True,
-                              timeout=240, cwd=self.folder)
-
-    def succeed(self, *arguments):
-        ended = self.run_stof(*arguments)
-        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
-        return ended.stdout
-
-    def refuse(self, fact, *arguments):
-        ended = self.run_stof(*arguments)
-        self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stdout + ended.stderr)
-        self.assertTrue(ended.stderr.startswith("stof: "), ended.stderr)
-        self.assertIn(str(fact), ended.stderr)
+            cls.render(name, "--scene", scene, "--size", "320x240")
 
     def copy_of_low(self, name):
         copy = self.folder / name
@@ -130,8 +110,8 @@ class EvaluateFloor(unittest.TestCase):
 
 
 def main():
-    COMMAND.extend(sys.argv[sys.argv.index("--") + 1:])
-    if not PAIR:
+    rendered_scenes.RenderedScenes.COMMAND.extend(sys.argv[sys.argv.index("--") + 1:])
+    if not rendered_scenes.PAIR:
         print("no emulated board in this build: Skipped")
         sys.exit(77)
     unittest.main(argv=[sys.argv[0]], verbosity=2)

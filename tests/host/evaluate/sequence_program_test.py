@@ -4,41 +4,21 @@ build) on scenes that `stof_emu_pair` renders: table, JSON, refusals in one line
 words separated by |."""
 
 import json
-import os
-import pathlib
 import shutil
-import subprocess
 import sys
-import tempfile
 import unittest
 
-COMMAND = []
-PAIR = [word for word in os.environ.get("STOF_EMU_PAIR", "").split("|") if word]
+import rendered_scenes
 
 
-class EvaluateSequence(unittest.TestCase):
+class EvaluateSequence(rendered_scenes.RenderedScenes):
+    SUBCOMMAND = "sequence"
+
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory(prefix="stof_")
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = pathlib.Path(folder.name)
+        super().setUpClass()
         for name, scene, frames in (("still", "corridor", 18), ("leaving", "leaving", 18), ("drive", "drive:hall,1.5", 8)):
-            subprocess.run([*PAIR, name, "--scene", scene, "--size", "160x120", "--pmd", "88x72", "--sequence",
-                            str(frames)], check=True, cwd=cls.folder, timeout=240)
-
-    def run_stof(self, *arguments):
-        return subprocess.run([*COMMAND, "evaluate", "sequence", *map(str, arguments)], capture_output=True, text=True,
-                              timeout=240, cwd=self.folder)
-
-    def succeed(self, *arguments):
-        ended = self.run_stof(*arguments)
-        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
-        return ended.stdout
-
-    def refuse(self, fact, *arguments):
-        ended = self.run_stof(*arguments)
-        self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stdout + ended.stderr)
-        self.assertIn(str(fact), ended.stderr)
+            cls.render(name, "--scene", scene, "--size", "160x120", "--sequence", frames)
 
     def test_json_has_each_preset_without_and_with_the_filter(self):
         rows = json.loads(self.succeed("still", "leaving", "--json"))["rows"]
@@ -85,8 +65,8 @@ class EvaluateSequence(unittest.TestCase):
 
 
 def main():
-    COMMAND.extend(sys.argv[sys.argv.index("--") + 1:])
-    if not PAIR:
+    rendered_scenes.RenderedScenes.COMMAND.extend(sys.argv[sys.argv.index("--") + 1:])
+    if not rendered_scenes.PAIR:
         print("no emulated board in this build: Skipped")
         sys.exit(77)
     unittest.main(argv=[sys.argv[0]], verbosity=2)
