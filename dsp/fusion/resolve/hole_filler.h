@@ -20,8 +20,8 @@ struct HoleView {
 };
 
 // Gives pixels that neither sensor could tell the depth of a surface around them, where what the
-// PMD reads there, too weak to be published, allows it. Such a depth is a guess, so its interval holds every surface
-// that it might be; where these leave more than a metre open, there is none.
+// PMD reads there, too weak to be published, allows it. Such a depth is a guess, so its interval
+// holds every surface that it might be; where these leave more than a metre open, there is none.
 //
 // A map is divided into cells of 8x8 px. Pixels whose width is at most a sixth of their depth are
 // the surfaces of a cell, as far as they are told: from the nearest to the farthest of them, or
