@@ -47,10 +47,42 @@ std::uint64_t mask(u8x32 v) noexcept {
   return static_cast<std::uint32_t>(_mm256_movemask_epi8(bits(v)));
 }
 
+__m256i at_most(u16x16 a, u16x16 b) noexcept {
+  return _mm256_cmpeq_epi16(bits(smaller(a, b)), bits(a));
+}
+u16x16 less_by(u16x16 a, u16x16 b) noexcept {
+  return as<u16x16>(_mm256_subs_epu16(bits(a), bits(b)));
+}
+
+// Whether both intervals meet once the PMD's is moved by a range. Sums saturate on the right side:
+// no low is 0.
+__m256i meet_when_moved(const MaskRow& row, std::size_t x) noexcept {
+  const u16x16 one = all(std::uint16_t{1});
+  const u16x16 near = larger(load<u16x16>(&row.stereo.low[x]), one);
+  const u16x16 far = smaller(load<u16x16>(&row.stereo.high[x]), all(row.max_range));
+  const u16x16 low = larger(load<u16x16>(&row.pmd.low[x]), one);
+  const u16x16 high = smaller(load<u16x16>(&row.pmd.high[x]), all(row.max_range));
+  const u16x16 range = all(row.pmd_range);
+  const u16x16 less = all(least_moved(row.pmd_range));
+  const __m256i farther =
+      _mm256_and_si256(at_most(less_by(near, range), high), at_most(low, less_by(far, less)));
+  const __m256i nearer =
+      _mm256_and_si256(at_most(near, less_by(high, less)), at_most(less_by(low, range), far));
+  return _mm256_or_si256(farther, nearer);
+}
+
+// Few pixels of a picture are in conflict.
+std::uint64_t folded(const MaskRow& row, std::size_t x, std::uint64_t conflict) noexcept {
+  if (row.pmd_range == 0 || conflict == 0) {
+    return 0;
+  }
+  return conflict & mask(narrowed(meet_when_moved(row, x), meet_when_moved(row, x + 16)));
+}
+
 struct Bits {
   std::uint64_t open;
   std::uint64_t matched;
-  std::uint64_t disputed;
+  std::uint64_t folded;
   std::uint64_t weak;
   std::uint64_t edge;
   std::uint64_t alone;
@@ -76,7 +108,7 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
   const std::uint64_t edge = mask(as<u8x32>(flags));
   return {mask((equals(source, Source::kPmd) & ~narrow) | (conflict & mixed)),
           mask(published & ~alike & ~none),
-          mask(conflict),
+          folded(row, x, mask(conflict)),
           mask(weak),
           edge,
           mask(alone),
@@ -98,7 +130,7 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
     const Bits b = mark(row, x + kLanes);
     store_word(a.open, b.open, &masks.open[x / kWord]);
     store_word(a.matched, b.matched, &masks.matched[x / kWord]);
-    store_word(a.disputed, b.disputed, &masks.disputed[x / kWord]);
+    store_word(a.folded, b.folded, &masks.folded[x / kWord]);
     store_word(a.weak, b.weak, &masks.weak[x / kWord]);
     store_word(a.edge, b.edge, &masks.edge[x / kWord]);
     store_word(a.alone, b.alone, &masks.alone[x / kWord]);

@@ -41,12 +41,38 @@ uint8x16_t missing(const Disparity* disparity) noexcept {
                      vmovn_u16(vceqq_s16(vld1q_s16(&disparity[8].raw), none)));
 }
 
+// Whether both intervals meet once the PMD's is moved by a range. Sums saturate on the right side:
+// no low is 0.
+uint8x8_t meet_when_moved(const MaskRow& row, std::size_t x) noexcept {
+  const uint16x8_t one = vdupq_n_u16(1);
+  const uint16x8_t last = vdupq_n_u16(row.max_range);
+  const uint16x8_t near = vmaxq_u16(vld1q_u16(&row.stereo.low[x]), one);
+  const uint16x8_t far = vminq_u16(vld1q_u16(&row.stereo.high[x]), last);
+  const uint16x8_t low = vmaxq_u16(vld1q_u16(&row.pmd.low[x]), one);
+  const uint16x8_t high = vminq_u16(vld1q_u16(&row.pmd.high[x]), last);
+  const uint16x8_t range = vdupq_n_u16(row.pmd_range);
+  const uint16x8_t less = vdupq_n_u16(least_moved(row.pmd_range));
+  const uint16x8_t farther =
+      vandq_u16(vcleq_u16(vqsubq_u16(near, range), high), vcgeq_u16(vqsubq_u16(far, less), low));
+  const uint16x8_t nearer =
+      vandq_u16(vcgeq_u16(vqsubq_u16(high, less), near), vcleq_u16(vqsubq_u16(low, range), far));
+  return vmovn_u16(vorrq_u16(farther, nearer));
+}
+
+// Few pixels of a picture are in conflict.
+uint8x16_t folded(const MaskRow& row, std::size_t x, uint8x16_t conflict) noexcept {
+  if (row.pmd_range == 0 || vmaxvq_u8(conflict) == 0) {
+    return vdupq_n_u8(0);
+  }
+  return vandq_u8(conflict, vcombine_u8(meet_when_moved(row, x), meet_when_moved(row, x + 8)));
+}
+
 // Of 64 pixels.
 using Mask = std::array<uint8x16_t, kWord / kLanes>;
 struct Masks {
   Mask open;
   Mask matched;
-  Mask disputed;
+  Mask folded;
   Mask weak;
   Mask edge;
   Mask alone;
@@ -70,7 +96,7 @@ void mark(const MaskRow& row, std::size_t x, std::size_t k, Masks& masks) noexce
   masks.open[k] =
       vorrq_u8(vandq_u8(equals(source, Source::kPmd), broad), vandq_u8(conflict, mixed));
   masks.matched[k] = vbicq_u8(vandq_u8(published, distinct), none);
-  masks.disputed[k] = conflict;
+  masks.folded[k] = folded(row, x, conflict);
   masks.weak[k] = row.weak.empty() ? vdupq_n_u8(0) : vbicq_u8(none, missing(&row.weak[x]));
   masks.edge[k] = edge;
   masks.alone[k] = alone;
@@ -105,7 +131,7 @@ void ambiguity_masks(const MaskRow& row, const PixelMasks& marks) noexcept {
     }
     store_word(packed(masks.open), &marks.open[x / kWord]);
     store_word(packed(masks.matched), &marks.matched[x / kWord]);
-    store_word(packed(masks.disputed), &marks.disputed[x / kWord]);
+    store_word(packed(masks.folded), &marks.folded[x / kWord]);
     store_word(packed(masks.weak), &marks.weak[x / kWord]);
     store_word(packed(masks.edge), &marks.edge[x / kWord]);
     store_word(packed(masks.alone), &marks.alone[x / kWord]);

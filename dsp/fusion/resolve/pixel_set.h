@@ -28,12 +28,27 @@ class PixelSet {
       words_[word] |= other.words_[word];
     }
   }
+  void intersect(const PixelSet& other, std::size_t n) noexcept {
+    for (std::size_t word = 0; word * kWord < n; ++word) {
+      words_[word] &= other.words_[word];
+    }
+  }
   bool has(std::size_t x) const noexcept { return ((words_[x / kWord] >> (x % kWord)) & 1) != 0; }
 
   // The first pixel at x or behind that is in the set (or not in it); n where there is none.
   std::size_t next(std::size_t x, std::size_t n) const noexcept { return find(x, n, 0); }
   std::size_t next_without(std::size_t x, std::size_t n) const noexcept {
     return find(x, n, ~std::uint64_t{0});
+  }
+  // Calls visit(x) for those of n pixels, from the first on. It may take out pixels that were
+  // visited.
+  template <typename Visit>
+  void each(std::size_t n, Visit visit) const noexcept {
+    for (std::size_t word = 0; word * kWord < n; ++word) {
+      for (std::uint64_t bits = words_[word]; bits != 0; bits &= bits - 1) {
+        visit(word * kWord + static_cast<std::size_t>(std::countr_zero(bits)));
+      }
+    }
   }
   // The last pixel before x that is in the set; x where there is none.
   std::size_t before(std::size_t x) const noexcept {

@@ -16,35 +16,7 @@ double footprint_of(const Calibration& calibration) noexcept {
   return std::max(left.fx / pmd.fx, left.fy / pmd.fy);
 }
 
-// One wrap count at a time, without branches, so that compilers make vectors of it.
-void add_support(std::span<const Votes> votes, int k,
-                 std::span<WrapEvidence::Support> support) noexcept {
-  for (std::size_t x = 0; x < support.size(); ++x) {
-    const int known = std::max(votes[x].known(), WrapEvidence::kLeastKnown);
-    const int agree = votes[x].agree();
-    const int comparable = 4 * agree > known ? 1 : 0;
-    support[x].wraps =
-        static_cast<std::int16_t>(8 * agree >= 5 * known ? k : int{support[x].wraps});
-    support[x].comparable = static_cast<std::int16_t>(support[x].comparable + comparable);
-  }
-}
-
 }  // namespace
-
-// Bit k: within the range; much of what stereo sees lies far off it.
-void WrapEvidence::mark_candidates(const Candidates& c, int k, QuarterMm max_range,
-                                   std::span<std::uint16_t> possible,
-                                   std::span<std::uint16_t> mixed) noexcept {
-  const int bit = 1 << k;
-  for (std::size_t x = 0; x < possible.size(); ++x) {
-    const int known = std::max(c.votes[x].known(), kLeastKnown);
-    // No depth, less one, is beyond any range.
-    const bool within = static_cast<QuarterMm>(c.depth[x] - 1) < max_range;
-    const bool apart = 4 * c.votes[x].apart() >= known;
-    possible[x] = static_cast<std::uint16_t>(possible[x] | (within ? bit : 0));
-    mixed[x] = static_cast<std::uint16_t>(mixed[x] | (apart ? bit : 0));
-  }
-}
 
 WrapEvidence::WrapEvidence(const Calibration& calibration, const FusionParams& params,
                            int min_disparity, int disparities, int width, int height,
@@ -55,11 +27,10 @@ WrapEvidence::WrapEvidence(const Calibration& calibration, const FusionParams& p
       projection_(projection_of(calibration)),
       rays_(make_ray_table(calibration, arena)) {
   const std::size_t row = index(calibration.pmd.lens.width);
-  support_ = arena.take<Support>(row);
-  for (Candidates& c : candidates_) {
-    c = {arena.take<QuarterMm>(row), arena.take<std::int32_t>(row), arena.take<std::int32_t>(row),
-         arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),    arena.take<Votes>(row)};
-  }
+  support_ = {arena.take<std::int16_t>(row), arena.take<std::uint16_t>(row)};
+  candidates_ = {arena.take<QuarterMm>(row),    arena.take<std::int32_t>(row),
+                 arena.take<std::int32_t>(row), arena.take<QuarterMm>(row),
+                 arena.take<QuarterMm>(row),    arena.take<Votes>(row)};
 }
 
 void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
@@ -76,50 +47,82 @@ void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bou
   }
 }
 
-// Where the readings of a row would lie by each wrap count that their amplitude allows, and what
-// stereo says there.
-void WrapEvidence::place_row(int y, QuarterMm far_off, const AmplitudeBound& bound,
-                             WrapMaps& maps) noexcept {
-  const std::size_t n = index(maps.width);
+// The distances of a row's readings if they wrapped k times, where their amplitude allows that;
+// empty where it does for none.
+std::span<const QuarterMm> WrapEvidence::candidates(const PmdMaps& pmd, int y, int k,
+                                                    const AmplitudeBound& bound,
+                                                    const WrapMaps& maps) noexcept {
+  const std::span<const QuarterMm> distance = pmd.distance.row(y);
+  if (k == 0) {
+    return distance;
+  }
   const std::size_t first = maps.place(0, y);
-  const RayRow rays = ray_row(rays_, maps.width, y);
-  for (int k = 0; k < maps.wrap_counts; ++k) {
-    const Candidates& c = candidates_[index(k)];
-    for (std::size_t x = 0; x < n; ++x) {
-      const std::size_t i = first + x;
-      const Reading& reading = maps.readings[i];
-      const std::uint32_t distance = maps.distance(i, k);
-      const bool allowed =
-          reading.distance != kNoDepth && distance <= kMaxQuarterMm &&
-          (k == 0 || (!maps.bright[i] && (k == 1 || !bound.excludes(reading, distance))));
-      c.distance[x] = allowed ? static_cast<QuarterMm>(distance) : kNoDepth;
-    }
-    best::project(rays, c.distance, projection_, c.u, c.v, c.depth);
-    for (std::size_t x = 0; x < n; ++x) {
-      // Two sigma, and what the calibration of both cameras may be off by.
-      const int tolerance = 2 * maps.readings[first + x].sigma + c.depth[x] / 64;
-      c.tolerance[x] = static_cast<QuarterMm>(std::min<int>(tolerance, kMaxQuarterMm));
-    }
-    best::count_votes({c.u, c.v, c.depth, c.tolerance}, samples_.grid(), far_off, c.votes);
+  const std::uint32_t more = static_cast<std::uint32_t>(k) * maps.range;
+  const QuarterMm turns = static_cast<QuarterMm>(more);
+  const QuarterMm room = static_cast<QuarterMm>(kMaxQuarterMm - more);
+  const std::span<QuarterMm> out = candidates_.distance;
+  QuarterMm any = 0;
+  for (std::size_t x = 0; x < distance.size(); ++x) {
+    // No depth, less one, is beyond any room.
+    const bool fits = static_cast<QuarterMm>(distance[x] - 1) < room && !maps.bright[first + x];
+    const QuarterMm there = static_cast<QuarterMm>(distance[x] + turns);
+    out[x] = fits ? there : kNoDepth;
+    any = static_cast<QuarterMm>(any | out[x]);
+  }
+  for (std::size_t x = 0; k > 1 && any != 0 && x < distance.size(); ++x) {
+    const bool excluded = out[x] != kNoDepth && bound.excludes(maps.readings[first + x], out[x]);
+    out[x] = excluded ? kNoDepth : out[x];
+  }
+  return out.first(any == 0 ? 0 : distance.size());
+}
+
+// Where they lie in the left view, and what stereo says there.
+void WrapEvidence::place_row(std::span<const QuarterMm> distance, const PmdMaps& pmd,
+                             int y) noexcept {
+  const Candidates& c = candidates_;
+  best::project(ray_row(rays_, pmd.distance.width(), y), distance, projection_, c.u, c.v, c.depth);
+  const std::span<const QuarterMm> sigma = pmd.sigma.row(y);
+  for (std::size_t x = 0; x < sigma.size(); ++x) {
+    // Two sigma, and what the calibration of both cameras may be off by.
+    const int tolerance = 2 * sigma[x] + c.depth[x] / 64;
+    c.tolerance[x] = static_cast<QuarterMm>(std::min<int>(tolerance, kMaxQuarterMm));
+  }
+  best::count_votes({c.u, c.v, c.depth, c.tolerance}, samples_.grid(), pmd.widest, c.votes);
+}
+
+// Without branches and in 16 bits, so that compilers make vectors of it.
+void WrapEvidence::judge_row(int y, int k, WrapMaps& maps) noexcept {
+  const std::size_t first = maps.place(0, y);
+  const std::span<std::uint16_t> possible = maps.possible.subspan(first, index(maps.width));
+  const std::span<std::uint16_t> mixed = maps.mixed.subspan(first, possible.size());
+  const std::span<const Votes> votes = candidates_.votes;
+  const std::span<const QuarterMm> depth = candidates_.depth;
+  const auto [wraps, comparable] = support_;
+  const std::int16_t now = static_cast<std::int16_t>(k);
+  const std::uint16_t bit = static_cast<std::uint16_t>(1U << static_cast<unsigned>(k));
+  const QuarterMm range = max_range_;
+  for (std::size_t x = 0; x < possible.size(); ++x) {
+    const std::uint16_t known =
+        static_cast<std::uint16_t>(std::max(votes[x].known(), kLeastKnown));
+    const std::uint16_t agree = static_cast<std::uint16_t>(votes[x].agree());
+    const std::uint16_t apart = static_cast<std::uint16_t>(votes[x].apart());
+    const bool supported = static_cast<std::uint16_t>(8 * agree) >= static_cast<std::uint16_t>(5 * known);
+    const bool some = static_cast<std::uint16_t>(4 * agree) > known;
+    wraps[x] = supported ? now : wraps[x];
+    comparable[x] = static_cast<std::uint16_t>(comparable[x] + (some ? 1 : 0));
+    // No depth, less one, is beyond any range.
+    const bool within = static_cast<QuarterMm>(depth[x] - 1) < range;
+    possible[x] = static_cast<std::uint16_t>(possible[x] | (within ? bit : 0));
+    const bool far = static_cast<std::uint16_t>(4 * apart) >= known;
+    mixed[x] = static_cast<std::uint16_t>(mixed[x] | (far ? bit : 0));
   }
 }
 
-void WrapEvidence::judge_row(int y, WrapMaps& maps) noexcept {
-  const std::size_t n = index(maps.width);
+void WrapEvidence::vote_row(int y, WrapMaps& maps) noexcept {
   const std::size_t first = maps.place(0, y);
-  const std::span<std::uint16_t> possible = maps.possible.subspan(first, n);
-  const std::span<std::uint16_t> mixed = maps.mixed.subspan(first, n);
-  std::ranges::fill(possible, std::uint16_t{1});
-  std::ranges::fill(mixed, std::uint16_t{0});
-  std::ranges::fill(support_, Support{});
-  for (int k = 0; k < maps.wrap_counts; ++k) {
-    const Candidates& c = candidates_[index(k)];
-    add_support(c.votes, k, support_);
-    mark_candidates(c, k, max_range_, possible, mixed);
-  }
-  for (std::size_t x = 0; x < n; ++x) {
+  for (std::size_t x = 0; x < index(maps.width); ++x) {
     // What is supported is comparable too.
-    int vote = support_[x].comparable == 1 ? int{support_[x].wraps} : int{kUnknownWraps};
+    int vote = support_.comparable[x] == 1 ? int{support_.wraps[x]} : int{kUnknownWraps};
     vote = maps.bright[first + x] ? 0 : vote;
     vote = maps.readings[first + x].distance == kNoDepth ? int{kNoReading} : vote;
     maps.vote[first + x] = static_cast<std::int8_t>(vote);
@@ -129,10 +132,20 @@ void WrapEvidence::judge_row(int y, WrapMaps& maps) noexcept {
 void WrapEvidence::collect(const PmdMaps& pmd, ImageView<const Disparity> disparity,
                            const AmplitudeBound& bound, WrapMaps& maps) noexcept {
   samples_.take(disparity);
+  std::ranges::fill(maps.possible, std::uint16_t{1});
+  std::ranges::fill(maps.mixed, std::uint16_t{0});
   for (int y = 0; y < maps.height; ++y) {
     read_row(pmd, y, bound, maps);
-    place_row(y, pmd.widest, bound, maps);
-    judge_row(y, maps);
+    std::ranges::fill(support_.wraps, std::int16_t{kUnknownWraps});
+    std::ranges::fill(support_.comparable, std::uint16_t{0});
+    for (int k = 0; k < maps.wrap_counts; ++k) {
+      const std::span<const QuarterMm> distance = candidates(pmd, y, k, bound, maps);
+      if (!distance.empty()) {
+        place_row(distance, pmd, y);
+        judge_row(y, k, maps);
+      }
+    }
+    vote_row(y, maps);
   }
 }
 
