@@ -85,11 +85,10 @@ class AmbiguityResolver {
 
   void run() noexcept {
     const std::size_t n = row_.disparity.size();
-    best::ambiguity_masks(
-        {row_.disparity, row_.weak, row_.support, row_.stereo, row_.pmd, out_.source, out_.cause,
-         params_.max_range, params_.pmd_range},
-        {open_.words(n), matched_.words(n), folded_.words(n), weak_.words(n), edge_.words(n),
-         alone_.words(n), vague_.words(n)});
+    best::ambiguity_masks({row_.disparity, row_.weak, row_.support, row_.stereo, row_.pmd,
+                           out_.source, out_.cause, params_.max_range, params_.pmd_range},
+                          {open_.words(n), matched_.words(n), folded_.words(n), weak_.words(n),
+                           edge_.words(n), alone_.words(n), vague_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
     judge_alone();
     judge_vague();
@@ -189,8 +188,7 @@ class AmbiguityResolver {
     bool sure = false;
     int raw = 0;
     alone_.each(n, [&](std::size_t x) noexcept {
-      if (x >= end || is_sure(x) != sure ||
-          std::abs(row_.disparity[x].raw - raw) > kJudgedStep) {
+      if (x >= end || is_sure(x) != sure || std::abs(row_.disparity[x].raw - raw) > kJudgedStep) {
         end = x + kJudgedTogether;
         sure = is_sure(x);
         raw = row_.disparity[x].raw;

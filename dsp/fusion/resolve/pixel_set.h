@@ -21,6 +21,10 @@ class PixelSet {
   std::span<std::uint64_t> words(std::size_t n) noexcept {
     return std::span(words_).first((n + kWord - 1) / kWord);
   }
+  // Pixels x .. x + 7, the first lowest; x a multiple of 8.
+  unsigned eight(std::size_t x) const noexcept {
+    return static_cast<unsigned>(words_[x / kWord] >> (x % kWord)) & 0xFFU;
+  }
   void add(std::size_t x) noexcept { words_[x / kWord] |= std::uint64_t{1} << (x % kWord); }
   void remove(std::size_t x) noexcept { words_[x / kWord] &= ~(std::uint64_t{1} << (x % kWord)); }
   void unite(const PixelSet& other, std::size_t n) noexcept {

@@ -47,41 +47,60 @@ void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bou
   }
 }
 
-// The distances of a row's readings if they wrapped k times, where their amplitude allows that;
-// empty where it does for none.
-std::span<const QuarterMm> WrapEvidence::candidates(const PmdMaps& pmd, int y, int k,
-                                                    const AmplitudeBound& bound,
-                                                    const WrapMaps& maps) noexcept {
+// The distances of a row's readings if they wrapped k times, where their amplitude allows that.
+void WrapEvidence::place_row(const PmdMaps& pmd, int y, int k, const AmplitudeBound& bound,
+                             const WrapMaps& maps) noexcept {
   const std::span<const QuarterMm> distance = pmd.distance.row(y);
-  if (k == 0) {
-    return distance;
-  }
   const std::size_t first = maps.place(0, y);
   const std::uint32_t more = static_cast<std::uint32_t>(k) * maps.range;
   const QuarterMm turns = static_cast<QuarterMm>(more);
   const QuarterMm room = static_cast<QuarterMm>(kMaxQuarterMm - more);
   const std::span<QuarterMm> out = candidates_.distance;
-  QuarterMm any = 0;
   for (std::size_t x = 0; x < distance.size(); ++x) {
     // No depth, less one, is beyond any room.
     const bool fits = static_cast<QuarterMm>(distance[x] - 1) < room && !maps.bright[first + x];
     const QuarterMm there = static_cast<QuarterMm>(distance[x] + turns);
     out[x] = fits ? there : kNoDepth;
-    any = static_cast<QuarterMm>(any | out[x]);
   }
-  for (std::size_t x = 0; k > 1 && any != 0 && x < distance.size(); ++x) {
-    const bool excluded = out[x] != kNoDepth && bound.excludes(maps.readings[first + x], out[x]);
-    out[x] = excluded ? kNoDepth : out[x];
+  for (std::size_t x = 0; k > 1 && x < distance.size(); ++x) {
+    if (out[x] != kNoDepth && bound.excludes(maps.readings[first + x], out[x])) {
+      out[x] = kNoDepth;
+    }
   }
-  return out.first(any == 0 ? 0 : distance.size());
+}
+
+// The next columns behind `end` with such a distance, as whole blocks.
+WrapEvidence::Columns WrapEvidence::next_columns(std::size_t end) const noexcept {
+  constexpr std::size_t kBlock = 16;
+  const std::span<const QuarterMm> distance = candidates_.distance;
+  const auto is_empty = [&](std::size_t x) noexcept {
+    const auto block = distance.subspan(x, std::min(kBlock, distance.size() - x));
+    QuarterMm any = 0;
+    for (const QuarterMm there : block) {
+      any = static_cast<QuarterMm>(any | there);
+    }
+    return any == kNoDepth;
+  };
+  std::size_t begin = end;
+  while (begin < distance.size() && is_empty(begin)) {
+    begin += kBlock;
+  }
+  end = begin;
+  while (end < distance.size() && !is_empty(end)) {
+    end += kBlock;
+  }
+  return {std::min(begin, distance.size()), std::min(end, distance.size())};
 }
 
 // Where they lie in the left view, and what stereo says there.
-void WrapEvidence::place_row(std::span<const QuarterMm> distance, const PmdMaps& pmd,
-                             int y) noexcept {
-  const Candidates& c = candidates_;
-  best::project(ray_row(rays_, pmd.distance.width(), y), distance, projection_, c.u, c.v, c.depth);
-  const std::span<const QuarterMm> sigma = pmd.sigma.row(y);
+void WrapEvidence::look_up(std::span<const QuarterMm> distance, const PmdMaps& pmd, int y,
+                           std::size_t begin) noexcept {
+  const std::size_t n = distance.size();
+  const Candidates c = candidates_.first(n);
+  const RayRow rays = ray_row(rays_, pmd.distance.width(), y);
+  best::project({rays.x.subspan(begin, n), rays.y.subspan(begin, n), rays.z.subspan(begin, n)},
+                distance, projection_, c.u, c.v, c.depth);
+  const std::span<const QuarterMm> sigma = pmd.sigma.row(y).subspan(begin, n);
   for (std::size_t x = 0; x < sigma.size(); ++x) {
     // Two sigma, and what the calibration of both cameras may be off by.
     const int tolerance = 2 * sigma[x] + c.depth[x] / 64;
@@ -91,22 +110,24 @@ void WrapEvidence::place_row(std::span<const QuarterMm> distance, const PmdMaps&
 }
 
 // Without branches and in 16 bits, so that compilers make vectors of it.
-void WrapEvidence::judge_row(int y, int k, WrapMaps& maps) noexcept {
-  const std::size_t first = maps.place(0, y);
-  const std::span<std::uint16_t> possible = maps.possible.subspan(first, index(maps.width));
-  const std::span<std::uint16_t> mixed = maps.mixed.subspan(first, possible.size());
+void WrapEvidence::judge(int y, int k, const Columns& columns, WrapMaps& maps) noexcept {
+  const std::size_t first = maps.place(0, y) + columns.begin;
+  const std::size_t n = columns.end - columns.begin;
+  const std::span<std::uint16_t> possible = maps.possible.subspan(first, n);
+  const std::span<std::uint16_t> mixed = maps.mixed.subspan(first, n);
   const std::span<const Votes> votes = candidates_.votes;
   const std::span<const QuarterMm> depth = candidates_.depth;
-  const auto [wraps, comparable] = support_;
+  const std::span<std::int16_t> wraps = support_.wraps.subspan(columns.begin, n);
+  const std::span<std::uint16_t> comparable = support_.comparable.subspan(columns.begin, n);
   const std::int16_t now = static_cast<std::int16_t>(k);
   const std::uint16_t bit = static_cast<std::uint16_t>(1U << static_cast<unsigned>(k));
   const QuarterMm range = max_range_;
   for (std::size_t x = 0; x < possible.size(); ++x) {
-    const std::uint16_t known =
-        static_cast<std::uint16_t>(std::max(votes[x].known(), kLeastKnown));
+    const std::uint16_t known = static_cast<std::uint16_t>(std::max(votes[x].known(), kLeastKnown));
     const std::uint16_t agree = static_cast<std::uint16_t>(votes[x].agree());
     const std::uint16_t apart = static_cast<std::uint16_t>(votes[x].apart());
-    const bool supported = static_cast<std::uint16_t>(8 * agree) >= static_cast<std::uint16_t>(5 * known);
+    const bool supported =
+        static_cast<std::uint16_t>(8 * agree) >= static_cast<std::uint16_t>(5 * known);
     const bool some = static_cast<std::uint16_t>(4 * agree) > known;
     wraps[x] = supported ? now : wraps[x];
     comparable[x] = static_cast<std::uint16_t>(comparable[x] + (some ? 1 : 0));
@@ -138,11 +159,13 @@ void WrapEvidence::collect(const PmdMaps& pmd, ImageView<const Disparity> dispar
     read_row(pmd, y, bound, maps);
     std::ranges::fill(support_.wraps, std::int16_t{kUnknownWraps});
     std::ranges::fill(support_.comparable, std::uint16_t{0});
-    for (int k = 0; k < maps.wrap_counts; ++k) {
-      const std::span<const QuarterMm> distance = candidates(pmd, y, k, bound, maps);
-      if (!distance.empty()) {
-        place_row(distance, pmd, y);
-        judge_row(y, k, maps);
+    look_up(pmd.distance.row(y), pmd, y, 0);
+    judge(y, 0, {0, index(maps.width)}, maps);
+    for (int k = 1; k < maps.wrap_counts; ++k) {
+      place_row(pmd, y, k, bound, maps);
+      for (Columns c = next_columns(0); c.begin < c.end; c = next_columns(c.end)) {
+        look_up(candidates_.distance.subspan(c.begin, c.end - c.begin), pmd, y, c.begin);
+        judge(y, k, c, maps);
       }
     }
     vote_row(y, maps);

@@ -35,7 +35,7 @@ class WrapEvidence {
                const AmplitudeBound& bound, WrapMaps& maps) noexcept;
 
  private:
-  // A row of readings, as if all had the same wrap count.
+  // Some readings of a row, as if all had the same wrap count; `distance` of all of the row.
   struct Candidates {
     std::span<QuarterMm> distance;
     std::span<std::int32_t> u;
@@ -43,6 +43,13 @@ class WrapEvidence {
     std::span<QuarterMm> depth;
     std::span<QuarterMm> tolerance;
     std::span<Votes> votes;
+    Candidates first(std::size_t n) const noexcept {
+      return {distance, u.first(n), v.first(n), depth.first(n), tolerance.first(n), votes.first(n)};
+    }
+  };
+  struct Columns {
+    std::size_t begin;
+    std::size_t end;
   };
   // Of a row's readings: the last wrap count that at least 5/8 of the samples support; how many
   // counts more than 1/4 support.
@@ -52,11 +59,12 @@ class WrapEvidence {
   };
   static void read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
                        WrapMaps& maps) noexcept;
-  std::span<const QuarterMm> candidates(const PmdMaps& pmd, int y, int k,
-                                        const AmplitudeBound& bound,
-                                        const WrapMaps& maps) noexcept;
-  void place_row(std::span<const QuarterMm> distance, const PmdMaps& pmd, int y) noexcept;
-  void judge_row(int y, int k, WrapMaps& maps) noexcept;
+  void place_row(const PmdMaps& pmd, int y, int k, const AmplitudeBound& bound,
+                 const WrapMaps& maps) noexcept;
+  Columns next_columns(std::size_t end) const noexcept;
+  void look_up(std::span<const QuarterMm> distance, const PmdMaps& pmd, int y,
+               std::size_t begin) noexcept;
+  void judge(int y, int k, const Columns& columns, WrapMaps& maps) noexcept;
   void vote_row(int y, WrapMaps& maps) noexcept;
 
   QuarterMm max_range_;
