@@ -43,9 +43,20 @@ constexpr bool is_one_surface(QuarterMm near, QuarterMm far) noexcept {
   return near * kOneSurface > far * (kOneSurface - 1);
 }
 
+// Calls visit(x + i) for each bit i.
+template <typename Visit>
+void each_bit(unsigned bits, std::size_t x, Visit visit) noexcept {
+  for (; bits != 0; bits &= bits - 1) {
+    visit(x + static_cast<std::size_t>(std::countr_zero(bits)));
+  }
+}
+
+}  // namespace
+
 // A row of the map, for whoever fills it.
-class OpenRow {
+class HoleFiller::OpenRow {
  public:
+  OpenRow() noexcept = default;
   OpenRow(const DepthMap& map, const HoleView& view, int y) noexcept
       : depth_(map.depth.row(y)),
         width_(map.width.row(y)),
@@ -78,16 +89,6 @@ class OpenRow {
   std::span<const QuarterMm> low_;
   std::span<const QuarterMm> high_;
 };
-
-// Calls visit(x + i) for each bit i.
-template <typename Visit>
-void each_bit(unsigned bits, std::size_t x, Visit visit) noexcept {
-  for (; bits != 0; bits &= bits - 1) {
-    visit(x + static_cast<std::size_t>(std::countr_zero(bits)));
-  }
-}
-
-}  // namespace
 
 // The surfaces around one cell.
 class HoleFiller::Search {
@@ -239,12 +240,14 @@ struct HoleFiller::OpenCells {
   std::array<PixelSet, kCell> hole;
   std::array<PixelSet, kCell> loose;
   PixelSet any;  // of all its rows
+  std::array<OpenRow, kCell> pixels;
 
   void mark(const DepthMap& map, const HoleView& view, Rows rows) noexcept {
     const std::size_t n = index(map.depth.width());
     std::ranges::fill(any.words(n), 0U);
     for (int y = rows.begin; y < rows.end; ++y) {
       const std::size_t k = index(y - rows.begin);
+      pixels[k] = OpenRow(map, view, y);
       best::hole_masks({map.depth.row(y), map.width.row(y), map.source.row(y), map.cause.row(y),
                         view.disparity.row(y)},
                        {hole[k].words(n), loose[k].words(n)});
@@ -267,7 +270,7 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
       const int column = static_cast<int>(x) / kCell;
       const Guess guess = Search(*this, evidence, column, row).guess();
       if (guess.depth != kNoDepth) {
-        fill_cell(column, row, guess, open, view, evidence, map);
+        fill_cell(column, row, guess, open, evidence);
       }
       x = index(column + 1) * kCell;
     }
@@ -275,16 +278,15 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
 }
 
 void HoleFiller::fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
-                           const HoleView& view, const MatchEvidence& evidence,
-                           const DepthMap& map) const noexcept {
+                           const MatchEvidence& evidence) const noexcept {
   const std::size_t x = index(column) * kCell;
   for (int k = 0; k < 4; ++k) {
     const unsigned here = 0xFU << static_cast<unsigned>(k % 2 * kQuarter);
-    const int begin = row * kCell + k / 2 * kQuarter;
-    const Rows rows{begin, std::min(begin + kQuarter, height_)};
+    const int begin = k / 2 * kQuarter;
+    const int end = std::min(begin + kQuarter, height_ - row * kCell);
     std::optional<Guess> quarter;  // where something is open
-    for (int y = rows.begin; y < rows.end; ++y) {
-      const std::size_t at = index(y - row * kCell);
+    for (int y = begin; y < end; ++y) {
+      const std::size_t at = index(y);
       const OpenBits bits{x, open.hole[at].eight(x) & here, open.loose[at].eight(x) & here};
       if ((bits.hole | bits.loose) == 0) {
         continue;
@@ -292,7 +294,7 @@ void HoleFiller::fill_cell(int column, int row, const Guess& guess, const OpenCe
       if (!quarter) {
         quarter = guess.read ? read(guess, evidence, 2 * column + k % 2, 2 * row + k / 2) : guess;
       }
-      fill_row(y, *quarter, bits, view, map);
+      fill_row(*quarter, bits, open.pixels[at]);
     }
   }
 }
@@ -310,12 +312,11 @@ HoleFiller::Guess HoleFiller::read(const Guess& guess, const MatchEvidence& evid
       .depth = middle_of(low, high), .half = width_of(low, high) / 2, .read = true, .fills = true};
 }
 
-void HoleFiller::fill_row(int y, const Guess& guess, const OpenBits& open, const HoleView& view,
-                          const DepthMap& map) const noexcept {
+void HoleFiller::fill_row(const Guess& guess, const OpenBits& open,
+                          const OpenRow& pixels) const noexcept {
   if (guess.depth == kNoDepth) {
     return;
   }
-  const OpenRow pixels(map, view, y);
   const Cause cause = guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated;
   each_bit(guess.fills ? open.hole : 0U, open.x,
            [&](std::size_t x) noexcept { pixels.put(x, guess.depth, guess.half, cause); });

@@ -69,18 +69,17 @@ class HoleFiller {
   class Search;
   // What a quarter of a cell reads of a confirmed guess.
   Guess read(const Guess& guess, const MatchEvidence& evidence, int column, int row) const noexcept;
+  class OpenRow;
   struct OpenCells;
   void fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
-                 const HoleView& view, const MatchEvidence& evidence,
-                 const DepthMap& map) const noexcept;
+                 const MatchEvidence& evidence) const noexcept;
   // Open pixels x .. x + 7 of a row, the first lowest.
   struct OpenBits {
     std::size_t x;
     unsigned hole;
     unsigned loose;
   };
-  void fill_row(int y, const Guess& guess, const OpenBits& open, const HoleView& view,
-                const DepthMap& map) const noexcept;
+  void fill_row(const Guess& guess, const OpenBits& open, const OpenRow& pixels) const noexcept;
 
   // Of each cell, 0 without a surface.
   ImageView<QuarterMm> near_;
