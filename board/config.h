@@ -1,10 +1,8 @@
 #pragma once
 
-#include <array>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <string_view>
 
 #include "board/timing.h"
 #include "hal/time.h"
@@ -77,22 +75,6 @@ struct DeviceConfig {
   // interrupts have: frames are stamped by them.
   int priority = 0;
 };
-
-// Names of serial lines that settings may name: they begin with one of these, and have no folder
-// behind it. Not pseudo-terminals: somebody may sit there.
-inline constexpr std::array<std::string_view, 6> kSerialLines{
-    "/dev/ttyAMA", "/dev/ttyS",          "/dev/ttyUSB",
-    "/dev/ttyACM", "/dev/serial/by-id/", "/dev/serial/by-path/"};
-
-constexpr bool takes_serial_line(std::string_view device) noexcept {
-  for (const std::string_view line : kSerialLines) {
-    if (device.starts_with(line) && device.size() > line.size() &&
-        device.find('/', line.size()) == std::string_view::npos) {
-      return true;
-    }
-  }
-  return device.empty();
-}
 
 // The rig as it is drawn, before anything was measured: lenses in pixels of the largest pictures,
 // metres.

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "board/serial_lines.h"
+
 namespace stof::firmware {
 namespace {
 

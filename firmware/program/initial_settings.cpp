@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
 
 namespace stof::firmware {

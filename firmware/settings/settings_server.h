@@ -37,7 +37,7 @@ bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept
 
 // Keeps the documents active, staged and saved, and answers requests about them. Staged are
 // fields and their values: fields that were not staged stay as they are active at the
-// commit. No heap; for the control thread alone. One member a document, and what is told of them.
+// commit. No heap; for the control thread alone.
 class SettingsServer final : public firmware::SettingsService {
  public:
   struct Parts {
