@@ -208,6 +208,10 @@ typedef struct stof_frame {
   stof_info info;
   stof_calibration calibration;
   const void* self; /* the library's */
+  /* Of the settings it was made with: another one, other settings. 0: unknown, or the library is
+   * older than this field. */
+  uint32_t settings_fingerprint;
+  uint32_t reserved_end;
 } stof_frame;
 
 /* The next frame, also an incomplete one (missing_packets). Blocks for timeout_ms at most, 0 only
