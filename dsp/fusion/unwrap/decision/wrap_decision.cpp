@@ -56,7 +56,7 @@ WrapDecision::WrapDecision(int pmd_width, int pmd_height, double focal, std::uin
       slant_divisor_(static_cast<std::uint32_t>(std::max(focal / 2, 1.0))),
       slants_(arena.take<std::int32_t>(index(pmd_width))),
       open_(arena.take_filled(pixel_count(pmd_width, pmd_height + 2), std::uint8_t{0})),
-      beside_(arena.take<std::uint8_t>(pixel_count(pmd_width, pmd_height))) {}
+      beside_(arena.take<std::uint8_t>(index(pmd_width))) {}
 
 void WrapDecision::link_all(const WrapMaps& maps) noexcept {
   const std::size_t row = index(maps.width);
@@ -230,15 +230,19 @@ void WrapDecision::drop_mixed(WrapMaps& maps) noexcept {
   for (std::size_t i = 0; i < all; ++i) {
     open[row + i] = wraps[i] < 0 && wraps[i] != kNoReading ? 1 : 0;
   }
-  for (std::size_t i = 0; i < all; ++i) {
-    beside[i] = static_cast<std::uint8_t>(open[i + 2 * row] | open[i] | open[row + i + 1] |
-                                          open[row + i - 1]);
-  }
   std::ranges::copy(maps.wraps, maps.vote.begin());
   for (int y = 0; y < maps.height; ++y) {
+    const std::size_t first = maps.place(0, y);
+    const std::span<const std::uint8_t> above = open.subspan(first, row);
+    const std::span<const std::uint8_t> below = open.subspan(first + 2 * row, row);
+    const std::span<const std::uint8_t> before = open.subspan(first + row - 1, row);
+    const std::span<const std::uint8_t> behind = open.subspan(first + row + 1, row);
+    for (std::size_t x = 0; x < row; ++x) {
+      beside[x] = static_cast<std::uint8_t>(above[x] | below[x] | before[x] | behind[x]);
+    }
     for (int x = 0; x < maps.width; ++x) {
-      const std::size_t i = maps.place(x, y);
-      if (beside[i] != 0 && wraps[i] >= 0 && may_be_mixed(maps, x, y)) {
+      const std::size_t i = first + index(x);
+      if (beside[index(x)] != 0 && wraps[i] >= 0 && may_be_mixed(maps, x, y)) {
         maps.vote[i] = kRefutedWraps;
       }
     }

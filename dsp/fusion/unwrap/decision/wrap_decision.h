@@ -44,9 +44,10 @@ class WrapDecision {
   // On a surface of slope 2, distance changes by distance / slant_divisor_ per pixel.
   std::uint32_t slant_divisor_;
   std::span<std::int32_t> slants_;  // of a row
-  std::span<std::uint8_t> open_;    // readings of unknown wrap count, a row of 0 before and behind
-  std::span<std::uint8_t>
-      beside_;  // whether one of them is beside a pixel, or at a row's other end
+  // Readings of unknown wrap count, a row of 0 before and behind; of a row, what has one beside it,
+  // or what is at an end of it and has one at the other end of a row.
+  std::span<std::uint8_t> open_;
+  std::span<std::uint8_t> beside_;
 };
 
 }  // namespace stof::dsp
