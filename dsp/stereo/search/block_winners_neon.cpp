@@ -1,5 +1,7 @@
 #include "dsp/stereo/search/block_winners.h"
 
+#include <memory>
+
 #include "dsp/base/simd.h"
 #include "dsp/stereo/search/block_fits_body.h"
 
@@ -48,11 +50,36 @@ void find_lowest(const std::uint16_t* eights, uint16x8_t& lowest, uint16x8_t& wh
 #endif
 }
 
+// a / b without its fraction, lane by lane, where that is below 9: other processors than ARM divide
+// floats, of which a quotient that is no whole number lies 2^-16 from one at least. 0 / 0 is 0.
+uint16x8_t small_quotient(uint16x8_t a, uint16x8_t b) noexcept {
+#if defined(__SSE4_1__)
+  const __m128i zero = _mm_setzero_si128();
+  const auto quotient = [](__m128i of, __m128i by) noexcept {
+    return _mm_cvttps_epi32(_mm_div_ps(_mm_cvtepi32_ps(of), _mm_cvtepi32_ps(by)));
+  };
+  const __m128i n = std::bit_cast<__m128i>(a);
+  const __m128i d = std::bit_cast<__m128i>(b);
+  const __m128i low = quotient(_mm_unpacklo_epi16(n, zero), _mm_unpacklo_epi16(d, zero));
+  const __m128i high = quotient(_mm_unpackhi_epi16(n, zero), _mm_unpackhi_epi16(d, zero));
+  return vbicq_u16(std::bit_cast<uint16x8_t>(_mm_packs_epi32(low, high)),
+                   vceqq_u16(b, vdupq_n_u16(0)));
+#else
+  uint16x8_t bound = b;
+  uint16x8_t count = vdupq_n_u16(0);
+  for (int k = 0; k < 8; ++k) {
+    count = vsubq_u16(count, vcgeq_u16(a, bound));  // a true mask is -1
+    bound = vqaddq_u16(bound, b);
+  }
+  return vandq_u16(count, vcgtq_u16(b, vdupq_n_u16(0)));
+#endif
+}
+
 struct Neon {
   using V = uint16x8_t;
   static constexpr std::size_t kLanes = 8;
 
-  static V load(const std::uint16_t* p) noexcept { return vld1q_u16(p); }
+  static V load(const std::uint16_t* p) noexcept { return vld1q_u16(std::assume_aligned<16>(p)); }
   static void store(std::uint16_t* p, V v) noexcept {
     vst1q_u16(p, v);
     unmutate(p);
@@ -159,20 +186,13 @@ struct Neon {
     }
   }
 
-  // 0..8: 16 |before - after| reaches (2 k - 1) rises for k = 1.. once for each of them, which is
-  // when 8 |before - after| + rise / 2 reaches k rises.
+  // 0..8: (16 |before - after| + rise) / (2 rise).
   static V sixteenths(V before, V best, V after, CostFit fit) noexcept {
     const V higher = vsubq_u16(vmaxq_u16(before, after), best);
     const V lower = vsubq_u16(vminq_u16(before, after), best);
     const V rise = fit == CostFit::kEquiangular ? higher : vqaddq_u16(higher, lower);
     const V reach = vaddq_u16(vshlq_n_u16(vsubq_u16(higher, lower), 3), vshrq_n_u16(rise, 1));
-    V bound = rise;
-    V count = vdupq_n_u16(0);
-    for (int k = 0; k < 8; ++k) {
-      count = vsubq_u16(count, vcgeq_u16(reach, bound));  // a true mask is -1
-      bound = vqaddq_u16(bound, rise);
-    }
-    return vandq_u16(count, vcgtq_u16(rise, vdupq_n_u16(0)));
+    return small_quotient(reach, rise);
   }
 };
 
