@@ -158,6 +158,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
   if (frame.info) {
     out.has_info = 1;
     out.info = to_info(*frame.info);
+    out.steady_frames = frame.info->steady_frames;
   }
   if (frame.calibration) {
     out.has_calibration = 1;

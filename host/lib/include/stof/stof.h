@@ -208,6 +208,10 @@ typedef struct stof_frame {
   stof_info info;
   stof_calibration calibration;
   const void* self; /* the library's */
+  /* On how many frames in a row this depth stands, itself included: for how many the sensor stood.
+   * 1: it stands alone; 0: nobody says (an older sensor or library, or no info arrived). */
+  uint32_t steady_frames;
+  uint32_t reserved_end;
 } stof_frame;
 
 /* The next frame, also an incomplete one (missing_packets). Blocks for timeout_ms at most, 0 only
