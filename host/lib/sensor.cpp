@@ -156,12 +156,10 @@ int stof_due_ms(const stof_sensor* sensor) {
   return static_cast<int>(left.count());
 }
 
-// A caller may know less of a frame, but not less than that.
-static constexpr std::size_t kLeastFrame = offsetof(stof_frame, self) + sizeof(stof_frame::self);
-
 stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capacity,
                         size_t* count) {
-  if (frame == nullptr || frame->struct_size < kLeastFrame || frame->self == nullptr ||
+  constexpr std::size_t kLeast = offsetof(stof_frame, self) + sizeof frame->self;
+  if (frame == nullptr || frame->struct_size < kLeast || frame->self == nullptr ||
       count == nullptr || (points == nullptr && capacity != 0)) {
     return STOF_BAD_ARGUMENT;
   }

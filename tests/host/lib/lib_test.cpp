@@ -100,6 +100,7 @@ TEST(Lib, GivesEveryStreamOfAFrame) {
   EXPECT_EQ(frame->calibration()->depth_unit_m, 250e-6);
   ASSERT_TRUE(frame->info());
   EXPECT_EQ(frame->info()->sensors, STOF_SENSOR_STEREO) << "of a sensor that does not say";
+  EXPECT_EQ(frame->settings_fingerprint(), 0U) << "likewise";
 }
 
 TEST(Lib, SaysOnHowManyFramesADepthStands) {

@@ -92,6 +92,9 @@ class Frame {
     return c_.has_calibration != 0 ? std::optional<Calibration>(c_.calibration) : std::nullopt;
   }
 
+  // Of the settings it was made with; 0: unknown.
+  std::uint32_t settings_fingerprint() const noexcept { return c_.settings_fingerprint; }
+
   // Into `points`, which keeps its memory. STOF_NOT_YET: no calibration yet.
   stof_status points(std::vector<Point>& points) const {
     points.resize(points.capacity());
