@@ -47,6 +47,7 @@ struct Board {
   int disparities;                         // search range that the rig asks for
   hal::Duration least_period{};            // with a shorter one frames cannot be told apart
   bool emulated_time;                      // the clock is not this machine's
+  bool other_port = false;                 // than the one that was asked for
   bool recorded = false;                   // what cameras see comes of files, and again and again
   std::vector<std::string>
       notes;  // lines that whoever started it should read, such as what is missing
@@ -61,6 +62,10 @@ struct Connections {
   bool flow_control = false;  // of the serial line, RTS and CTS
   int dscp = 0;               // of every datagram, 0..63
   bool mdns = false;
+  // Who named it stands before it, and is told where it cannot be had. Else another port is taken,
+  // and the serial line is opened as soon as it can be.
+  bool port_required = true;
+  bool serial_required = true;
 };
 
 // Options that a board could not fulfil: one line, what, where and what to do.

@@ -230,6 +230,7 @@ void Rig::assemble() {
             .disparities = kConfig.stereo.disparities,
             .least_period = least_period(pair, kTiming),
             .emulated_time = false,
+            .other_port = connections_.other_port,
             .notes = notes_});
 }
 

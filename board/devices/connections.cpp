@@ -1,14 +1,54 @@
 #include "board/devices/connections.h"
 
+#include <cstdint>
+#include <memory>
+#include <string>
 #include <utility>
 
 #include "hal/linux/ports/peer_address.h"
 
 namespace stof::board {
 
+namespace {
+
+using hal::linux::UdpPort;
+
+// Where nobody insists: the usual port instead, then any free one.
+std::expected<std::unique_ptr<UdpPort>, hal::linux::OpenError> open_port(
+    const Connections& wanted, OpenConnections& connections) {
+  auto port = UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp});
+  if (port || wanted.port_required) {
+    return port;
+  }
+  const std::string why = port.error().message;
+  for (const std::uint16_t other : {Connections{}.udp_port, std::uint16_t{0}}) {
+    port = UdpPort::open({.port = other});
+    if (port) {
+      connections.other_port = true;
+      connections.notes.push_back(why + "; port " + std::to_string((*port)->port()) + " instead");
+      break;
+    }
+  }
+  return port;
+}
+
+std::expected<hal::linux::SerialTty, std::string> open_serial(const Connections& wanted,
+                                                              OpenConnections& connections) {
+  const hal::linux::SerialOptions options{
+      .device = wanted.serial, .baud = wanted.baud, .flow_control = wanted.flow_control};
+  auto serial = hal::linux::SerialTty::open(options);
+  if (serial || wanted.serial_required) {
+    return serial;
+  }
+  connections.notes.push_back("waiting for the serial line: " + serial.error());
+  return hal::linux::SerialTty::closed(options);
+}
+
+}  // namespace
+
 std::expected<OpenConnections, Refusal> open_connections(const Connections& wanted) {
   OpenConnections connections;
-  auto port = hal::linux::UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp});
+  auto port = open_port(wanted, connections);
   if (!port) {
     return std::unexpected(Refusal{port.error().message});
   }
@@ -21,8 +61,7 @@ std::expected<OpenConnections, Refusal> open_connections(const Connections& want
     connections.to = *peer;
   }
   if (!wanted.serial.empty()) {
-    auto serial = hal::linux::SerialTty::open(
-        {.device = wanted.serial, .baud = wanted.baud, .flow_control = wanted.flow_control});
+    auto serial = open_serial(wanted, connections);
     if (!serial) {
       return std::unexpected(Refusal{serial.error()});
     }

@@ -22,6 +22,7 @@ struct OpenConnections {
   std::unique_ptr<hal::linux::NetworkInterfaces> network =
       std::make_unique<hal::linux::NetworkInterfaces>();
   std::unique_ptr<hal::linux::MdnsPort> mdns;
+  bool other_port = false;  // than the one that was wanted
   std::vector<std::string> notes;
 };
 

@@ -152,6 +152,7 @@ struct Rig {
                         .calibration = world.calibration,
                         .disparities = world.disparities,
                         .emulated_time = options.free_run,
+                        .other_port = connections.other_port,
                         .recorded = world.recorded,
                         .notes = world.notes});
     board->notes.insert(board->notes.end(), connections.notes.begin(), connections.notes.end());

@@ -13,6 +13,7 @@
 #include "hal/emu/scenes/floor.h"
 #include "hal/emu/scenes/room.h"
 #include "hal/emu/scenes/scene.h"
+#include "hal/emu/scenes/targets.h"
 
 namespace stof::board {
 namespace {
@@ -90,7 +91,8 @@ std::optional<DriveThrough> drive_through(std::string_view name) {
 
 bool is_scene(std::string_view name) {
   return name == "corridor" || name == "walking" || name == "leaving" || name == "hall" ||
-         room_seed(name) || floor_view(name) || drive_through(name);
+         room_seed(name) || floor_view(name) || drive_through(name) || emu::parse_bars(name) ||
+         emu::parse_stripes(name);
 }
 
 // AXIS:DEGREES, such as pitch:0.1.
@@ -158,6 +160,14 @@ StillScene still_scene(std::string_view name, const SceneOptions& options) {
     const emu::Room room = emu::random_room(*seed);
     return {room.scene, changed(room.rig, options)};
   }
+  const std::optional<emu::Bars> bars = emu::parse_bars(name);
+  const std::optional<emu::Stripes> stripes = emu::parse_stripes(name);
+  if (bars || stripes) {
+    const emu::Rig rig = changed(emu::target_rig(), options);
+    return {bars ? emu::bars_scene(*bars, rig.stereo.left)
+                 : emu::stripes_scene(*stripes, rig.stereo.left),
+            rig};
+  }
   return {emu::corridor(), changed(emu::corridor_rig(), options)};
 }
 
@@ -187,7 +197,9 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
       line += value;
       line +=
           "\"; the scenes are corridor, walking, leaving, hall, room:SEED, floor, "
-          "floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm, 0 to 30 degrees) and "
+          "floor:HEIGHT_CM,TILT_DEGREES[,SEED] (20 to 120 cm, 0 to 30 degrees), "
+          "bars:WIDTH_PX,upright, bars:WIDTH_PX,level (0.5 to 100 px), "
+          "stripes:PERIOD_PX[,PERCENT] (2 to 200 px, 0 to 100 percent) and "
           "drive:SCENE,SPEED (corridor, hall or room:SEED, 0 to 1.5 metres a second)";
       return std::unexpected(std::move(line));
     }
@@ -235,7 +247,11 @@ std::string_view scene_usage() noexcept {
          "a\n"
          "                       door opens), drive:SCENE,SPEED (the rig drives through corridor, "
          "hall or\n"
-         "                       room:SEED, to and fro, at up to 1.5 m/s)\n"
+         "                       room:SEED, to and fro, at up to 1.5 m/s), bars:WIDTH_PX,upright, "
+         "or\n"
+         "                       level (thin bars before a wall), stripes:PERIOD_PX[,PERCENT] (a "
+         "wall of\n"
+         "                       stripes, and their contrast)\n"
          "  --size WxH           of the stereo pictures (default 640x480)\n"
          "  --pmd WxH            of the PMD camera's pictures (default 176x144), or none\n"
          "  --seed N             of the noise\n"

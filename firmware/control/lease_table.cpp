@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "firmware/control/source_limiter.h"
+
 namespace stof::firmware {
 
 hal::Duration LeaseTable::granted(std::uint16_t lease_ms) noexcept {
@@ -26,7 +28,7 @@ bool LeaseTable::subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time
     entries_[at].until = std::max(entries_[at].until, now + lease);
     return true;
   }
-  if (count_ == kMostSubscribers) {
+  if (count_ == kMostSubscribers || count_of_host(peer) >= kMostOfHost) {
     return false;
   }
   entries_[count_++] = {.peer = peer, .until = now + lease, .fixed = false};
@@ -42,13 +44,8 @@ void LeaseTable::unsubscribe(const hal::Peer& peer) noexcept {
 
 void LeaseTable::refused(const hal::Peer& peer, hal::Time now) noexcept {
   const std::size_t at = find(peer);
-  if (at == count_) {
-    return;
-  }
-  if (entries_[at].fixed) {
+  if (at < count_ && entries_[at].fixed) {
     refused_until_ = now + kRefusal;
-  } else {
-    remove(at);
   }
 }
 
@@ -75,6 +72,13 @@ std::size_t LeaseTable::find(const hal::Peer& peer) const noexcept {
   const auto found = std::find_if(entries_.begin(), entries_.begin() + count_,
                                   [&](const Entry& entry) { return entry.peer == peer; });
   return static_cast<std::size_t>(found - entries_.begin());
+}
+
+std::size_t LeaseTable::count_of_host(const hal::Peer& peer) const noexcept {
+  const hal::Peer host = host_of(peer);
+  return static_cast<std::size_t>(
+      std::count_if(entries_.begin(), entries_.begin() + count_,
+                    [&](const Entry& entry) { return host_of(entry.peer) == host; }));
 }
 
 void LeaseTable::remove(std::size_t index) noexcept {

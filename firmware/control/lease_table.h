@@ -28,11 +28,13 @@ class LeaseTable {
   // A destination without a lease, which takes one of the places; before the first subscription.
   // False: all places are taken.
   bool fix(const hal::Peer& peer) noexcept;
-  // Adds a peer, or lengthens its lease to now + lease; never shortens what it had. False: full.
+  // Adds a peer, or lengthens its lease to now + lease; never shortens what it had. False: full, or
+  // its host has kMostOfHost.
   bool subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time now) noexcept;
   // Fixed ones stay.
   void unsubscribe(const hal::Peer& peer) noexcept;
-  // Nobody listens there any more: a subscriber leaves, a fixed destination stays and is noted.
+  // Somebody says that nobody listens there (ICMP, which anybody can send): of a fixed destination
+  // it is noted, and nothing changes; a lease ends by its time alone.
   void refused(const hal::Peer& peer, hal::Time now) noexcept;
   // Removes those whose lease has ended at `now`.
   void expire(hal::Time now) noexcept;
@@ -48,6 +50,7 @@ class LeaseTable {
     bool fixed = false;
   };
   std::size_t find(const hal::Peer& peer) const noexcept;  // count_: not here
+  std::size_t count_of_host(const hal::Peer& peer) const noexcept;
   void remove(std::size_t index) noexcept;
 
   std::array<Entry, kMostSubscribers> entries_{};

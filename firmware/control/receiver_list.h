@@ -10,6 +10,8 @@
 namespace stof::firmware {
 
 inline constexpr std::size_t kMostSubscribers = 4;
+// Of one host, which may run a viewer, a recorder and a bridge: it never has all places.
+inline constexpr std::size_t kMostOfHost = 3;
 
 // The receivers of all streams, from the control thread to the loop. Each list replaces the one
 // before; nothing in it expires: a lease that ends makes a new list.

@@ -9,7 +9,12 @@ using wire::PacketType;
 
 RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& secret,
                                LeaseTable& subscribers, SettingsService* settings) noexcept
-    : origin_(origin), cookies_(secret), subscribers_(subscribers), settings_(settings) {}
+    : origin_(origin),
+      cookies_(secret),
+      subscribers_(subscribers),
+      settings_(settings),
+      unproven_hosts_(secret, kUnprovenPerHost),
+      proven_hosts_(secret, kProvenPerHost) {}
 
 void RequestHandler::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
   announce_ = announce;
@@ -53,6 +58,9 @@ RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcep
     out.result = wire::SubscribeResult::kCookie;
     return answer(request, out);
   }
+  if (!may_serve(request)) {
+    return {};
+  }
   count(Count::kAccepted);
   if (request.packet.header.type == PacketType::kUnsubscribe) {
     subscribers_.unsubscribe(request.from);
@@ -84,6 +92,8 @@ RequestHandler::Answer RequestHandler::serve_settings(const Request& request) no
     }
     count(Count::kCookies);
     out.result = wire::SettingsResult::kCookie;
+  } else if (!may_serve(request)) {
+    return {};
   } else {
     count(Count::kAccepted);
     if (settings_ == nullptr) {
@@ -92,7 +102,7 @@ RequestHandler::Answer RequestHandler::serve_settings(const Request& request) no
       const std::span<std::byte> text =
           wire::payload_space(buffer_).subspan<wire::kSettingsAnswerBytes>();
       out = settings_->serve(*asked, request.packet.payload.subspan(wire::kSettingsRequestBytes),
-                             text, text_bytes);
+                             {.peer = request.from, .now = request.now}, text, text_bytes);
       text_bytes = std::min(text_bytes, text.size());
     }
   }
@@ -124,11 +134,20 @@ bool RequestHandler::may_answer_unproven(const Request& request,
     count(Count::kTooShort);
     return false;
   }
-  if (!unproven_.take(request.now)) {
+  // The host first: what it is refused takes nothing of what all share.
+  if (!unproven_hosts_.take(request.from, request.now) || !unproven_.take(request.now)) {
     count(Count::kBusy);
     return false;
   }
   return true;
+}
+
+bool RequestHandler::may_serve(const Request& request) noexcept {
+  const bool served = proven_hosts_.take(request.from, request.now);
+  if (!served) {
+    count(Count::kBusy);
+  }
+  return served;
 }
 
 RequestHandler::Answer RequestHandler::answer(const Request& request,

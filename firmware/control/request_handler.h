@@ -10,6 +10,7 @@
 #include "firmware/control/cookie.h"
 #include "firmware/control/lease_table.h"
 #include "firmware/control/settings_service.h"
+#include "firmware/control/source_limiter.h"
 #include "firmware/control/token_bucket.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/discover.h"
@@ -25,11 +26,14 @@ namespace stof::firmware {
 //
 // Without a valid cookie a source gets one answer a request, never longer than that request, and no
 // more than kUnprovenPerSecond of them leave in a second to all sources together: whoever writes
-// somebody else's address on its requests cannot make us send more than it sends itself.
+// somebody else's address on its requests cannot make us send more than it sends itself. And no
+// host gets more than its share: one that floods keeps nobody else out.
 // No clock, no socket, no heap; for one thread, except counters().
 class RequestHandler {
  public:
   static constexpr std::uint32_t kUnprovenPerSecond = 1000;
+  static constexpr std::uint32_t kUnprovenPerHost = 200;  // of these
+  static constexpr std::uint32_t kProvenPerHost = 1000;
 
   // `subscribers` and `settings` outlive the handler; settings nullptr: every request for them is
   // answered with kUnsupported.
@@ -79,6 +83,8 @@ class RequestHandler {
   Answer discover(const Request& request) noexcept;
   // Whether an answer of `payload_bytes` may go to a source that has proven nothing.
   bool may_answer_unproven(const Request& request, std::size_t payload_bytes) noexcept;
+  // Whether a source that showed a valid cookie is served now.
+  bool may_serve(const Request& request) noexcept;
   Answer answer(const Request& request, const wire::Subscribed& subscribed) noexcept;
   Answer answer(const wire::SettingsAnswer& settings, std::size_t text_bytes) noexcept;
   Answer seal(wire::PacketType type, std::size_t payload_bytes) noexcept;
@@ -91,6 +97,8 @@ class RequestHandler {
   LeaseTable& subscribers_;
   SettingsService* settings_;
   TokenBucket unproven_{kUnprovenPerSecond};
+  SourceLimiter unproven_hosts_;
+  SourceLimiter proven_hosts_;
   wire::Announce announce_{};
   wire::Health health_ = wire::Health::kOk;
   wire::DatagramBuffer buffer_{};

@@ -1,16 +1,25 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "firmware/wire/packet.h"
+#include "hal/datagram_port.h"
+#include "hal/time.h"
 
 namespace stof::firmware {
 
 // Room for the text of an answer, bytes.
 inline constexpr std::size_t kSettingsTextBytes = wire::kMaxPayload - wire::kSettingsAnswerBytes;
+
+// Who asks, and when.
+struct Requester {
+  std::optional<hal::Peer> peer;  // proven by its cookie; none: the serial line
+  hal::Time now{};
+};
 
 // Answers requests for settings. For the control thread alone.
 class SettingsService {
@@ -20,7 +29,7 @@ class SettingsService {
   // `answer_text` (kSettingsTextBytes) and its length into `answer_bytes`. The caller fills in
   // request_id and cookie of the answer. May block for as long as saving a file takes.
   virtual wire::SettingsAnswer serve(const wire::SettingsRequest& request,
-                                     std::span<const std::byte> text,
+                                     std::span<const std::byte> text, const Requester& by,
                                      std::span<std::byte> answer_text,
                                      std::size_t& answer_bytes) noexcept = 0;
 };

@@ -7,17 +7,21 @@
 
 namespace stof::firmware {
 
-// At most `per_second` in any second after a rest, evenly refilled: full at the start.
+// Lets `most` pass after a rest, then one each time that `refill` has passed: full at the start.
 class TokenBucket {
  public:
+  constexpr TokenBucket() noexcept = default;
+  constexpr TokenBucket(std::uint32_t most, hal::Duration refill) noexcept
+      : step_(refill), depth_(most * refill) {}
+  // As many as pass in a second.
   explicit constexpr TokenBucket(std::uint32_t per_second) noexcept
-      : step_(hal::Duration(std::chrono::seconds(1)) / per_second) {}
+      : TokenBucket(per_second, hal::Duration(std::chrono::seconds(1)) / per_second) {}
 
   // Whether one more may pass at `now`, which must not go back.
   constexpr bool take(hal::Time now) noexcept {
     // full_at_ is when the bucket would be full again; each token taken moves it by a step.
     const hal::Time after = std::max(full_at_, now) + step_;
-    if (after - now > std::chrono::seconds(1)) {
+    if (after - now > depth_) {
       return false;
     }
     full_at_ = after;
@@ -25,7 +29,8 @@ class TokenBucket {
   }
 
  private:
-  hal::Duration step_;
+  hal::Duration step_{};
+  hal::Duration depth_{};
   hal::Time full_at_ = hal::Time::min();
 };
 

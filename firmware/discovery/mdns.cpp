@@ -144,7 +144,7 @@ std::optional<Responder::Datagram> Responder::take(std::span<const std::byte> me
     return std::nullopt;
   }
   if ((header->flags & dns::kResponse) == 0) {
-    return take_query(reader, *header, from, *link, now);
+    return take_query(reader, *header, from, *link, message.size(), now);
   }
   if (from.port == kPort) {
     take_response(reader, *header, now);
@@ -214,6 +214,7 @@ std::optional<Responder::Asked> Responder::read_questions(dns::Reader& reader, u
 std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
                                                          const dns::Header& header,
                                                          const hal::Peer& from, MdnsLink& link,
+                                                         std::size_t bytes,
                                                          hal::Time now) noexcept {
   const bool legacy = from.port != kPort;
   const bool probe = header.authorities > 0;
@@ -254,6 +255,15 @@ std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
   }
   all = static_cast<RecordSet>(all & ~known);
   alone = static_cast<RecordSet>(alone & ~known);
+  std::optional<Datagram> answer;
+  if (alone != 0 && alone_.take(now)) {
+    using Questions = std::span<const dns::Question>;
+    answer = answer_alone(legacy ? Questions(&*asked->first, 1) : Questions{}, alone,
+                          legacy ? header.id : std::uint16_t{0}, from, bytes);
+  }
+  if (alone != 0 && !answer && !legacy) {
+    all |= alone;  // who speaks multicast DNS hears it there as well
+  }
   if (all != 0) {
     const bool more = (header.flags & dns::kTruncated) != 0;
     hal::Duration delay{};
@@ -263,10 +273,7 @@ std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
     schedule(link, all, now + delay);
     link.more_from = more ? std::optional(from) : std::nullopt;
   }
-  return alone == 0 ? std::nullopt
-                    : answer_alone(
-                          legacy ? std::span(&*asked->first, 1) : std::span<const dns::Question>{},
-                          alone, legacy ? header.id : std::uint16_t{0}, from);
+  return answer;
 }
 
 void Responder::schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexcept {
@@ -276,17 +283,23 @@ void Responder::schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexc
 
 std::optional<Responder::Datagram> Responder::answer_alone(std::span<const dns::Question> questions,
                                                            RecordSet answers, std::uint16_t id,
-                                                           const hal::Peer& to) noexcept {
+                                                           const hal::Peer& to,
+                                                           std::size_t most) noexcept {
   const ResponseKind response =
       questions.empty() ? ResponseKind::kMulticast : ResponseKind::kLegacy;
-  dns::Writer writer(buffer_, id, dns::kResponse | dns::kAuthoritative);
+  if (most < dns::kHeaderBytes) {
+    return std::nullopt;
+  }
+  dns::Writer writer(std::span(buffer_).first(std::min(most, buffer_.size())), id,
+                     dns::kResponse | dns::kAuthoritative);
   for (const dns::Question& question : questions) {
     static_cast<void>(writer.question(question.name, question.type, dns::kInternet));
   }
   records_.write(writer, answers, Section::kAnswer, to.scope, response);
+  const bool room = writer.complete();
   records_.write(writer, records_.additionals(answers, to.scope), Section::kAdditional, to.scope,
-                 response);
-  return Datagram{.to = to, .bytes = writer.message()};
+                 response);  // as many as fit
+  return room ? std::optional(Datagram{.to = to, .bytes = writer.message()}) : std::nullopt;
 }
 
 std::optional<Responder::Datagram> Responder::step(const MdnsLink& link) noexcept {
@@ -329,7 +342,16 @@ std::optional<Responder::Datagram> Responder::flush(MdnsLink& link, hal::Time no
   return Datagram{.to = group_of(link.interface, link.ipv6), .bytes = writer.message()};
 }
 
+// Whoever claimed our name may be gone, or was nobody.
+void Responder::take_back_name(hal::Time now) noexcept {
+  if (phase_ == Phase::kSteady && suffix_ > 1 && now - conflicts_since_ >= kRenamed) {
+    replacement_ = service_;
+    enter(Phase::kGoodbye, now);
+  }
+}
+
 std::optional<Responder::Datagram> Responder::next(hal::Time now) noexcept {
+  take_back_name(now);
   while (phase_ != Phase::kSteady && phase_ != Phase::kStopped && now >= step_due_) {
     if (step_link_ < links_.all().size()) {
       return step(links_.all()[step_link_++]);

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "firmware/control/token_bucket.h"
 #include "firmware/discovery/mdns_links.h"
 #include "firmware/discovery/mdns_records.h"
 #include "firmware/wire/dns.h"
@@ -18,11 +19,18 @@ namespace stof::firmware {
 // answers questions, takes another name where someone else has it. Datagrams and time in, datagrams
 // out: no socket, no clock, no heap. Peers carry their interface in `scope`, also those of IPv4.
 //
+// Anybody can forge a question or a rival. Whoever asks from another port than 5353, or for an
+// answer to itself alone, gets one that is no longer than its question, or none, and all together
+// kAlonePerSecond of them; else the answer goes to all. A name that was given up is tried again
+// after kRenamed.
+//
 // Not done: RFC 6762 section 7.4 (silence when another one has answered) and section 6.5 beyond
 // A, AAAA, SRV and TXT. A record is not multicast again within a second.
 class Responder {
  public:
   static constexpr std::uint16_t kPort = 5353;
+  static constexpr std::uint32_t kAlonePerSecond = 50;
+  static constexpr hal::Duration kRenamed = std::chrono::minutes(10);
 
   struct Datagram {
     hal::Peer to;
@@ -67,10 +75,13 @@ class Responder {
   std::optional<Asked> read_questions(wire::dns::Reader& reader, unsigned count,
                                       std::uint32_t interface, bool legacy) const noexcept;
   std::optional<Datagram> take_query(wire::dns::Reader& reader, const wire::dns::Header& header,
-                                     const hal::Peer& from, MdnsLink& link, hal::Time now) noexcept;
+                                     const hal::Peer& from, MdnsLink& link, std::size_t bytes,
+                                     hal::Time now) noexcept;
+  // None where it would be longer than `most` bytes.
   std::optional<Datagram> answer_alone(std::span<const wire::dns::Question> questions,
-                                       RecordSet answers, std::uint16_t id,
-                                       const hal::Peer& to) noexcept;
+                                       RecordSet answers, std::uint16_t id, const hal::Peer& to,
+                                       std::size_t most) noexcept;
+  void take_back_name(hal::Time now) noexcept;
   static void schedule(MdnsLink& link, RecordSet answers, hal::Time due) noexcept;
   void break_tie(wire::dns::Reader& reader, const wire::dns::Header& header,
                  hal::Time now) noexcept;
@@ -92,6 +103,7 @@ class Responder {
   unsigned conflicts_ = 0;     // since conflicts_since_
   hal::Time conflicts_since_{};
   std::uint32_t random_;
+  TokenBucket alone_{kAlonePerSecond};
   wire::DatagramBuffer buffer_{};
 };
 

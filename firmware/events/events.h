@@ -32,6 +32,7 @@ enum class EventKind : std::uint8_t {
   kDark,    // the same, because the light of its lamp has gone
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
+  kSettingsChanged,  // value: who, as of the condition
 };
 
 struct Event {

@@ -8,6 +8,7 @@ namespace stof::firmware {
 namespace {
 
 constexpr hal::Duration kSecond = std::chrono::seconds(1);
+constexpr hal::Duration kChangeLasts = std::chrono::seconds(10);
 constexpr std::uint64_t kFlood = 1000;  // refused requests in a second
 
 constexpr std::size_t index_of(wire::Condition condition) noexcept {
@@ -80,6 +81,9 @@ void HealthMonitor::observe(const Event& event) noexcept {
     case EventKind::kSupplying:
       observe_supply(event);
       break;
+    case EventKind::kSettingsChanged:
+      begin(wire::Condition::kSettingsChanged, event.value, event.at);
+      break;
     case EventKind::kStandsOn:  // what is missing is a condition of its own
       break;
     case EventKind::kSendFailed:
@@ -104,9 +108,16 @@ void HealthMonitor::observe_supply(const Event& event) noexcept {
 void HealthMonitor::set(wire::Condition condition, bool active, std::uint32_t value,
                         hal::Time now) noexcept {
   Entry& entry = entries_[index_of(condition)];
-  if (entry.active == active) {
-    return;
+  if (entry.active != active) {
+    change(entry, active, value, now);
   }
+}
+
+void HealthMonitor::begin(wire::Condition condition, std::uint32_t value, hal::Time now) noexcept {
+  change(entries_[index_of(condition)], true, value, now);
+}
+
+void HealthMonitor::change(Entry& entry, bool active, std::uint32_t value, hal::Time now) noexcept {
   entry.active = active;
   entry.value = value;
   entry.at = now;
@@ -117,11 +128,40 @@ void HealthMonitor::set(wire::Condition condition, bool active, std::uint32_t va
   changed_ = true;
 }
 
+void HealthMonitor::note_blinding(std::uint32_t by_settings, hal::Time now) noexcept {
+  set_blindness((blindness_ & kNoCoverage) | by_settings, now);
+}
+
+void HealthMonitor::set_blindness(std::uint32_t blindness, hal::Time now) noexcept {
+  if (std::exchange(blindness_, blindness) == blindness) {
+    return;
+  }
+  if (blindness == 0) {
+    set(wire::Condition::kNoDepth, false, 0, now);
+  } else {
+    begin(wire::Condition::kNoDepth, blindness, now);
+  }
+}
+
+// By the share of pixels that have a depth: it must be twice as large to end the condition.
+void HealthMonitor::judge_coverage(hal::Time now) noexcept {
+  constexpr std::uint64_t kLeastPercent = 2;
+  if (sums_.pixels == 0) {
+    return;  // without frames there is another condition
+  }
+  const bool blind = (blindness_ & kNoCoverage) != 0;
+  const std::uint64_t least = kLeastPercent * (blind ? 2 : 1);
+  const bool covered = sums_.with_depth * 100 >= sums_.pixels * least;
+  if (covered == blind) {
+    set_blindness(blindness_ ^ kNoCoverage, now);
+  }
+}
+
 void HealthMonitor::frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
                                hal::Time now) noexcept {
-  ++frames_;
-  latency_ += latency;
-  longest_ = std::max(longest_, latency);
+  ++sums_.frames;
+  sums_.latency += latency;
+  sums_.longest = std::max(sums_.longest, latency);
   set(wire::Condition::kDrift, drifted, drifts, now);
 }
 
@@ -173,26 +213,25 @@ std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexce
 // What only a whole second can tell.
 void HealthMonitor::judge_second(const Counters& counters, const ControlStatus& control,
                                  hal::Time now) noexcept {
-  const std::int64_t passed = (now - second_).count();
-  rate_millihertz_ = static_cast<std::uint32_t>(std::int64_t{frames_} * 1'000'000'000'000 / passed);
-  latency_us_ = frames_ == 0 ? 0 : microseconds(latency_ / frames_);
-  longest_us_ = microseconds(longest_);
-  const std::uint32_t dropped = less(counters.packets_dropped, dropped_);
-  const std::uint32_t serial = less(control.serial_dropped, serial_dropped_);
-  const std::uint32_t flood = less(refused(control.requests), refused_);
+  const std::int64_t passed = (now - sums_.begin).count();
+  rate_millihertz_ =
+      static_cast<std::uint32_t>(std::int64_t{sums_.frames} * 1'000'000'000'000 / passed);
+  latency_us_ = sums_.frames == 0 ? 0 : microseconds(sums_.latency / sums_.frames);
+  longest_us_ = microseconds(sums_.longest);
+  const std::uint32_t dropped = less(counters.packets_dropped, sums_.dropped);
+  const std::uint32_t serial = less(control.serial_dropped, sums_.serial_dropped);
+  const std::uint32_t flood = less(refused(control.requests), sums_.refused);
   // Whoever cannot be reached at all is another matter.
   const bool full = dropped > 0 && !entries_[index_of(wire::Condition::kUnreachable)].active &&
                     !entries_[index_of(wire::Condition::kLinkLost)].active;
   set(wire::Condition::kLinkFull, full, dropped, now);
   set(wire::Condition::kSerialFull, serial > 0, serial, now);
   set(wire::Condition::kFlooded, flood > kFlood, flood, now);
-  second_ = now;
-  frames_ = 0;
-  latency_ = {};
-  longest_ = {};
-  dropped_ = counters.packets_dropped;
-  serial_dropped_ = control.serial_dropped;
-  refused_ = refused(control.requests);
+  judge_coverage(now);
+  sums_ = {.begin = now,
+           .dropped = counters.packets_dropped,
+           .serial_dropped = control.serial_dropped,
+           .refused = refused(control.requests)};
 }
 
 std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& counters,
@@ -202,7 +241,14 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
   set(wire::Condition::kSettingsUnsaved, control.settings_unsaved, 0, now);
   set(wire::Condition::kSettingsFellBack, control.settings_fell_back, 0, now);
   set(wire::Condition::kRestartNeeded, control.restart_needed, 0, now);
-  const bool second = now - second_ >= kSecond;
+  set(wire::Condition::kSettingsDropped, control.settings_dropped != 0, control.settings_dropped,
+      now);
+  set(wire::Condition::kConnectionReplaced, control.connection_replaced != 0,
+      control.connection_replaced, now);
+  if (now - entries_[index_of(wire::Condition::kSettingsChanged)].at >= kChangeLasts) {
+    set(wire::Condition::kSettingsChanged, false, 0, now);
+  }
+  const bool second = now - sums_.begin >= kSecond;
   if (second) {
     judge_second(counters, control, now);
   }

@@ -20,6 +20,9 @@ struct ControlStatus {
   std::uint64_t serial_dropped = 0;
   std::uint64_t serial_refused = 0;
   std::uint32_t settings_revision = 0;
+  std::uint32_t settings_changed_by = 0;  // value of condition settings_changed
+  std::uint32_t settings_dropped = 0;     // of the condition; 0: not
+  std::uint32_t connection_replaced = 0;  // likewise
   std::uint8_t subscribers = 0;
   bool serial_lost = false;
   bool settings_unsaved = false;
@@ -32,13 +35,23 @@ struct ControlStatus {
 // loop's thread; no heap.
 class HealthMonitor {
  public:
-  explicit HealthMonitor(hal::Time start) noexcept : start_(start), second_(start) {}
+  // Why there is no depth, the sum: the value of the condition.
+  enum Blindness : std::uint32_t { kNoCoverage = 1, kNoDepthStream = 2, kShortRange = 4 };
+
+  explicit HealthMonitor(hal::Time start) noexcept : start_(start), sums_{.begin = start} {}
 
   // Takes an event that the loop noted.
   void observe(const Event& event) noexcept;
   void set(wire::Condition condition, bool active, std::uint32_t value, hal::Time now) noexcept;
   void frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
                   hal::Time now) noexcept;
+  // Of a frame: its pixels, and those that have a depth.
+  void note_coverage(std::uint64_t pixels, std::uint64_t with_depth) noexcept {
+    sums_.pixels += pixels;
+    sums_.with_depth += with_depth;
+  }
+  // What of the settings makes the sensor blind: Blindness, the sum.
+  void note_blinding(std::uint32_t by_settings, hal::Time now) noexcept;
 
   // The health that the active conditions make.
   wire::Health summary() const noexcept;
@@ -63,6 +76,24 @@ class HealthMonitor {
     hal::Time at{};
   };
 
+  // Since `begin`, for what only a whole second can tell.
+  struct Sums {
+    hal::Time begin{};
+    std::uint32_t frames = 0;
+    hal::Duration latency{};
+    hal::Duration longest{};
+    std::uint64_t pixels = 0;
+    std::uint64_t with_depth = 0;
+    std::uint64_t dropped = 0;  // counters as they were at its begin, as the next two
+    std::uint64_t serial_dropped = 0;
+    std::uint64_t refused = 0;
+  };
+
+  // Begins a condition, once more where it is active.
+  void begin(wire::Condition condition, std::uint32_t value, hal::Time now) noexcept;
+  void change(Entry& entry, bool active, std::uint32_t value, hal::Time now) noexcept;
+  void set_blindness(std::uint32_t blindness, hal::Time now) noexcept;
+  void judge_coverage(hal::Time now) noexcept;
   // Begins and ends the conditions of a camera that is there.
   void observe_supply(const Event& event) noexcept;
   wire::EventReport report(std::size_t condition) const noexcept;
@@ -73,16 +104,11 @@ class HealthMonitor {
   std::uint32_t sequence_ = 0;
   bool changed_ = true;
 
-  hal::Time second_;  // begin of the one that runs
-  std::uint32_t frames_ = 0;
-  hal::Duration latency_{};
-  hal::Duration longest_{};
+  Sums sums_;                    // of the second that runs
+  std::uint32_t blindness_ = 0;  // the sum
   std::uint32_t rate_millihertz_ = 0;
   std::uint32_t latency_us_ = 0;
   std::uint32_t longest_us_ = 0;
-  std::uint64_t dropped_ = 0;  // counters as they were at its begin
-  std::uint64_t serial_dropped_ = 0;
-  std::uint64_t refused_ = 0;
 };
 
 // As they travel; held to 0 .. 2^32 - 1.

@@ -54,6 +54,17 @@ const char* standing_text(std::uint32_t sensors) {
   }
 }
 
+std::string requester_text(std::uint32_t who) {
+  if (who == 0) {
+    return "over the serial line";
+  }
+  std::string text = "by the address that ends with ";
+  for (int shift = 24; shift >= 0; shift -= 8) {
+    text += std::to_string(who >> shift & 0xFF) + (shift > 0 ? "." : "");
+  }
+  return text;
+}
+
 // " (3 repeated, 1 torn)", or nothing.
 std::string causes(const std::array<std::uint64_t, kDrops>& dropped) {
   std::string text;
@@ -105,6 +116,8 @@ std::string describe(const Event& event) {
              " dark: its samples have lost all light of its lamp at once";
     case EventKind::kStandsOn:
       return standing_text(event.value);
+    case EventKind::kSettingsChanged:
+      return "settings changed " + requester_text(event.value);
     case EventKind::kSupplying:
       return std::string(name(event.component)) + ": frames are used again";
   }

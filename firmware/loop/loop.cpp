@@ -30,6 +30,15 @@ Loop::Loop(board::Board& board, const board::TimingConfig& timing, const Setup& 
       schedule_(timing, board.pmd != nullptr, board.clock.now()),
       collector_(board, setup, conditions_, lending) {}
 
+bool Loop::wait_part() noexcept {
+  const hal::Time now = board_.clock.now();
+  if (schedule_.next() - now <= 2 * kWaitPart) {
+    return true;
+  }
+  board_.clock.wait_until(now + kWaitPart);
+  return false;
+}
+
 Status Loop::step() noexcept {
   const Status status = run_period();
   lend_lost_devices();
@@ -166,7 +175,7 @@ void Loop::update_schedule(const Stats& stats, hal::Time edge) noexcept {
 Status Loop::collect(hal::Time edge) noexcept {
   const hal::Time begin = board_.clock.now();
   const bool search_first = schedule_.same_period() && pipeline_.may_match_first();
-  Collected collected = collector_.collect(edge, schedule_.next(), schedule_.timing(),
+  Collected collected = collector_.collect(edge, schedule_.frame_deadline(edge), schedule_.timing(),
                                            search_first ? &pipeline_ : nullptr);
   if (collected.shot) {
     if (is_whole(*collected.shot)) {  // else it waited for what did not come

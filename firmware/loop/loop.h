@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <optional>
 
@@ -30,6 +31,12 @@ class Loop {
   Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
        Pipeline& pipeline, Publisher& publisher, Events& events,
        DeviceLending* lending = nullptr) noexcept;
+
+  // Waits for the next edge, but no longer than kWaitPart: whoever runs the loop can look after
+  // other things meanwhile. True: the edge is near, it is step()'s turn; without waiting where it
+  // was near from the start.
+  bool wait_part() noexcept;
+  static constexpr hal::Duration kWaitPart = std::chrono::milliseconds(20);
 
   // One period. Blocks until the next point of the grid, and there computes and publishes.
   // kOk: whether or not there was a frame. kDeviceLost: a device is lost.

@@ -14,6 +14,9 @@ constexpr int kOverrunWeight = 16;
 constexpr int kMostOverruns = 3 * kOverrunWeight;
 constexpr hal::Duration kLeastBackoff = std::chrono::seconds(2);
 constexpr hal::Duration kMostBackoff = std::chrono::minutes(1);
+// From the end of an exposure to the frame in hand, of the slowest camera: a board's `most_delay`
+// and its driver.
+constexpr hal::Duration kFrameDelay = std::chrono::milliseconds(250);
 constexpr int kExpiredPeriods = 3;
 constexpr int kMostPeriodsApart = 3;
 
@@ -25,7 +28,13 @@ Schedule::Schedule(const board::TimingConfig& timing, bool has_pmd, hal::Time st
 }
 
 void Schedule::restart(const board::TimingConfig& timing, hal::Time now) noexcept {
-  *this = Schedule(timing, has_pmd_, std::max(next_, now));
+  const hal::Time sooner = next_ - timing_.period + timing.period;
+  *this = Schedule(timing, has_pmd_, std::max(std::min(next_, sooner), now));
+}
+
+hal::Time Schedule::frame_deadline(hal::Time edge) const noexcept {
+  const hal::Duration exposed = std::max(timing_.stereo_exposure, timing_.pmd_integration);
+  return std::min(next_, edge + exposed + kFrameDelay);
 }
 
 bool Schedule::expired(hal::Time edge, hal::Time now) const noexcept {

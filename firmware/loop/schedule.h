@@ -25,13 +25,16 @@ class Schedule {
   // board::problem(timing) must be empty.
   Schedule(const board::TimingConfig& timing, bool has_pmd, hal::Time start) noexcept;
 
-  // After a pause, perhaps with another timing: the grid begins anew, at `now` at the earliest, and
-  // nothing is known about what frames cost.
+  // After a pause, perhaps with another timing: the grid begins anew, at `now` at the earliest, a
+  // period after the last edge at the latest, and nothing is known about what frames cost.
   void restart(const board::TimingConfig& timing, hal::Time now) noexcept;
 
   const board::TimingConfig& timing() const noexcept { return timing_; }
   // The next edge; until then frames of the edge before it may come.
   hal::Time next() const noexcept { return next_; }
+  // Frames of `edge` that have not come by then will not come: the next edge, or some time before
+  // it where the period is long.
+  hal::Time frame_deadline(hal::Time edge) const noexcept;
   // The last packet leaves by then: well before the next edge, for a thread that wakes up late.
   hal::Time send_deadline() const noexcept { return next_ - timing_.period / 8; }
   // Whether frames go out in the period of their own edge.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <numeric>
 #include <utility>
 
 #include "dsp/base/check.h"
@@ -15,6 +16,12 @@ namespace {
 constexpr hal::Duration kCalibrationInterval = std::chrono::seconds(1);
 // Datagrams that go to one receiver at once: its socket holds a fraction of a frame only.
 constexpr std::size_t kBurst = 8;
+// However long the period is, nobody waits longer for the end of a frame.
+constexpr hal::Duration kLongestSpread = std::chrono::milliseconds(50);
+// A frame whose sending takes longer than three periods, within these bounds, is not sent on; nor
+// one that is three periods old, or a second where that is more: the program stood still.
+constexpr hal::Duration kLeastSending = std::chrono::milliseconds(300);
+constexpr hal::Duration kMostSending = std::chrono::seconds(1);
 
 // The exposure that the frame is named by.
 hal::Exposure exposure_of(const Shot& shot) noexcept {
@@ -59,6 +66,7 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
     setup_.calibration.max_range = params.max_range;
   }
   calibration_due_.reset();  // receivers go by it
+  health_.note_blinding(params.blinding, clock_.now());
 }
 
 void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
@@ -100,6 +108,11 @@ Status Publisher::publish(const Shot& shot, const Output& output, hal::Time late
     status = Status::kDeviceError;  // sent nevertheless: whoever begins to listen misses nothing
   }
   const hal::Time now = clock_.now();
+  const auto& sources = output.stats.sources;
+  const auto pixels = std::accumulate(sources.begin(), sources.end(), std::uint64_t{0});
+  const auto blind =
+      std::uint64_t{of(sources, dsp::Source::kNone)} + of(sources, dsp::Source::kConflict);
+  health_.note_coverage(pixels, pixels - blind);
   health_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
   return status;
 }
@@ -108,13 +121,19 @@ Status Publisher::publish(const Shot& shot, const Output& output, hal::Time late
 // between them.
 class Publisher::Paced final : public wire::DatagramSink {
  public:
-  Paced(Publisher& publisher, hal::Time latest) noexcept : publisher_(publisher), latest_(latest) {}
+  // latest: when it ends; expiry: when what is left shows the past.
+  Paced(Publisher& publisher, hal::Time latest, hal::Time expiry) noexcept
+      : publisher_(publisher), latest_(latest), expiry_(expiry) {}
 
   void take(Datagrams datagrams, std::size_t all) noexcept override {
     hal::Clock& clock = publisher_.clock_;
+    if (abandoned_) {
+      publisher_.drop(datagrams.size());
+      return;
+    }
     if (sent_ == 0) {
       start_ = clock.now();
-      budget_ = std::max(latest_ - start_, hal::Duration::zero());
+      budget_ = std::clamp(latest_ - start_, hal::Duration::zero(), kLongestSpread);
     }
     const std::size_t burst = budget_ > hal::Duration::zero() ? kBurst : datagrams.size();
     for (std::size_t at = 0; at < datagrams.size(); at += burst) {
@@ -127,6 +146,10 @@ class Publisher::Paced final : public wire::DatagramSink {
       }
       const hal::Time begin = clock.now();
       publisher_.times_.waited += begin - ready;
+      if (begin > expiry_ || begin - start_ > publisher_.longest_sending()) {
+        abandon(datagrams.size() - at);
+        return;
+      }
       const Status sent = publisher_.send(some);
       publisher_.times_.send += clock.now() - begin;
       status_ = status_ == Status::kOk || sent == Status::kDeviceLost ? sent : status_;
@@ -137,21 +160,40 @@ class Publisher::Paced final : public wire::DatagramSink {
   Status status() const noexcept { return status_; }
 
  private:
+  // What is left of the frame has become old: who gets it later would take it for new.
+  void abandon(std::size_t datagrams) noexcept {
+    abandoned_ = true;
+    status_ = Status::kWouldBlock;
+    ++publisher_.events_.counters.expired;
+    publisher_.drop(datagrams);
+  }
+
   Publisher& publisher_;
   hal::Time latest_;
+  hal::Time expiry_;
   hal::Time start_{};
   hal::Duration budget_{};
   std::size_t sent_ = 0;
   Status status_ = Status::kOk;
+  bool abandoned_ = false;
 };
 
 Status Publisher::send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
                              hal::Time latest) noexcept {
   const hal::Time start = clock_.now();
-  Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest));
+  Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest),
+              shot.edge + std::max<hal::Duration>(3 * params_.period, kMostSending));
   const Status coded = coder_.code(*stamp_, info, images_of(shot, output), params_.choice, paced);
   times_.code = clock_.now() - start - times_.send - times_.waited;
   return coded == Status::kOk ? paced.status() : coded;
+}
+
+hal::Duration Publisher::longest_sending() const noexcept {
+  return std::clamp(3 * params_.period, kLeastSending, kMostSending);
+}
+
+void Publisher::drop(std::size_t datagrams) noexcept {
+  events_.counters.packets_dropped += datagrams * receivers_.count;
 }
 
 // kDeviceError only where nobody at all could be reached.
@@ -243,7 +285,8 @@ wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) cons
       .stage_us = {microseconds(output.stats.convert), microseconds(output.stats.match),
                    microseconds(output.stats.fuse), microseconds(output.stats.watch),
                    microseconds(times_.code), microseconds(times_.send)},
-      .steady_frames = output.steady_frames};
+      .steady_frames = output.steady_frames,
+      .settings_fingerprint = params_.fingerprint};
   static_assert(wire::kDrifts == dsp::kDriftParameters);
   for (std::size_t i = 0; i < wire::kDrifts; ++i) {
     const dsp::Drift& drift = output.drift.drifts[i];

@@ -29,10 +29,12 @@ struct PublisherSetup {
 // May change between frames.
 struct PublisherParams {
   wire::StreamChoice choice{};
-  int pace_percent = 60;         // of the period: frames are spread over at most that; 0: at once
-  hal::Duration period{};        // of the trigger
-  std::uint32_t revision = 0;    // of the settings
-  dsp::QuarterMm max_range = 0;  // sent with the calibration, as the period; 0: as at start
+  int pace_percent = 60;          // of the period: frames are spread over at most that; 0: at once
+  hal::Duration period{};         // of the trigger
+  std::uint32_t revision = 0;     // of the settings
+  std::uint32_t fingerprint = 0;  // of them
+  std::uint32_t blinding = 0;     // by them: HealthMonitor::Blindness, the sum
+  dsp::QuarterMm max_range = 0;   // sent with the calibration, as the period; 0: as at start
 };
 
 // The times of a frame's way out.
@@ -67,7 +69,8 @@ class Publisher {
   void set_receivers(const ReceiverList& receivers) noexcept;
 
   // Sends one frame, paced so that it ends at `latest` at most, or at once when that has passed.
-  // Counts packets. Never blocks longer than until `latest`. kWouldBlock: some were dropped.
+  // Counts packets. Never blocks longer than until `latest`, nor longer than 50 ms; a frame that
+  // became old meanwhile, as the program stood still, is abandoned. kWouldBlock: some were dropped.
   // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
   // Health and events that are due. Each period, also where there is no frame.
@@ -87,6 +90,8 @@ class Publisher {
   wire::Header header(wire::PacketType type) const noexcept;
   Status send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
                     hal::Time latest) noexcept;
+  hal::Duration longest_sending() const noexcept;
+  void drop(std::size_t datagrams) noexcept;
   // To everybody, now.
   Status send(Datagrams datagrams) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;

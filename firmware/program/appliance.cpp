@@ -1,6 +1,7 @@
 #include "firmware/program/appliance.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "dsp/base/check.h"
 
@@ -66,6 +67,16 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
   run_config_ = run_config;
 }
 
+void Appliance::note_change(const ControlStatus& control) noexcept {
+  const std::uint32_t before = std::exchange(revision_, control.settings_revision);
+  if (before != 0 && before != revision_) {
+    const Event event{parts_.board.clock.now(), EventKind::kSettingsChanged, Component::kLoop,
+                      Status::kOk, control.settings_changed_by};
+    parts_.events.note(event);
+    publisher_.health().observe(event);
+  }
+}
+
 Status Appliance::step(const ControlStatus& control) noexcept {
   while (const std::optional<ReceiverList> receivers = parts_.receivers.pop()) {
     publisher_.set_receivers(*receivers);
@@ -77,7 +88,8 @@ Status Appliance::step(const ControlStatus& control) noexcept {
   if (newest) {
     apply(*newest);
   }
-  const Status status = loop_->step();
+  note_change(control);
+  const Status status = loop_->wait_part() ? loop_->step() : Status::kOk;
   publisher_.report(control);
   if (serial_) {
     serial_->sender.tick(parts_.board.clock.now(), publisher_.health().summary());

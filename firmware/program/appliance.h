@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -49,7 +50,8 @@ class Appliance {
   Appliance(const Appliance&) = delete;
   Appliance& operator=(const Appliance&) = delete;
 
-  // One period: new receivers and settings, Loop::step(), health and events.
+  // New receivers and settings, then a period, Loop::step(), or, where the next edge is far, a part
+  // of the wait for it; health and events.
   Status step(const ControlStatus& control) noexcept;
 
   const Publisher& publisher() const noexcept { return publisher_; }
@@ -80,6 +82,7 @@ class Appliance {
   };
 
   void apply(const RunConfig& run_config) noexcept;
+  void note_change(const ControlStatus& control) noexcept;
   void build(const RunConfig& run_config) noexcept;
 
   Parts parts_;
@@ -90,6 +93,7 @@ class Appliance {
   std::span<std::byte> images_;
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;
+  std::uint32_t revision_ = 0;  // of the settings; 0: not known yet
 };
 
 }  // namespace stof::firmware

@@ -2,19 +2,40 @@
 
 #include <algorithm>
 
+#include "board/serial_lines.h"
+
 namespace stof::firmware {
+namespace {
+
+// The values of conditions settings_dropped and settings_changed.
+std::uint32_t dropped_value(const settings::StartSettings& start) noexcept {
+  constexpr std::uint32_t kGood = 16;
+  return static_cast<std::uint32_t>(start.dropped) + (start.good ? kGood : 0);
+}
+
+std::uint32_t who(const std::optional<hal::Peer>& peer) noexcept {
+  std::uint32_t last = 0;
+  for (std::size_t i = 12; peer && i < peer->address.size(); ++i) {
+    last = last << 8U | peer->address[i];
+  }
+  return last;
+}
+
+}  // namespace
 
 void put_text(std::string_view text, std::span<char> to) noexcept {
   std::ranges::fill(to, '\0');
   std::ranges::copy(text.substr(0, to.size()), to.begin());
 }
 
-ControlServices::ControlServices(const Parts& parts, const settings::Settings& active,
-                                 const settings::Settings& saved)
+ControlServices::ControlServices(const Parts& parts, const settings::Settings& active)
     : parts_(parts),
-      settings_server_(
-          active, saved,
-          {.limits = *this, .sink = *this, .store = parts.store, .fell_back = parts.fell_back}),
+      settings_server_(active, parts.saved.settings,
+                       {.limits = *this,
+                        .sink = *this,
+                        .store = parts.store,
+                        .fell_back = parts.saved.fell_back,
+                        .dropped = parts.saved.dropped != settings::Dropped::kNot}),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
@@ -35,6 +56,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
     serial_->set(active.serial.mode, static_cast<std::uint32_t>(active.serial.baud));
   }
   update_announce(started_);  // nobody is answered before
+  publish_status();
   thread_.emplace(
       ControlParts{.port = parts_.board.port,
                    .handler = handler_,
@@ -51,6 +73,9 @@ ControlServices::~ControlServices() {
   if (mdns_ && mdns_on_) {
     mdns_->stop(control_now());
   }
+  if (parts_.trial != nullptr) {
+    parts_.trial->end(parts_.loop_status.published.load(std::memory_order_relaxed));
+  }
 }
 
 wire::Announce ControlServices::make_announce() const noexcept {
@@ -63,10 +88,14 @@ wire::Announce ControlServices::make_announce() const noexcept {
 }
 
 void ControlServices::publish_status() noexcept {
-  published_.revision.store(settings_server_.revision(), std::memory_order_relaxed);
   published_.unsaved.store(settings_server_.unsaved(), std::memory_order_relaxed);
   published_.fell_back.store(settings_server_.fell_back(), std::memory_order_relaxed);
   published_.restart_needed.store(settings_server_.restart_needed(), std::memory_order_relaxed);
+  published_.dropped.store(settings_server_.dropped() ? dropped_value(parts_.saved) : 0,
+                           std::memory_order_relaxed);
+  published_.changed_by.store(who(settings_server_.changed_by()), std::memory_order_relaxed);
+  // After who changed them.
+  published_.revision.store(settings_server_.revision(), std::memory_order_release);
   published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
                                std::memory_order_relaxed);
 }
@@ -85,6 +114,10 @@ wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
 
 void ControlServices::tick(hal::Time now) noexcept {
   publish_status();
+  if (parts_.trial != nullptr) {
+    parts_.trial->tick(now, parts_.loop_status.published.load(std::memory_order_relaxed),
+                       settings_server_.revision() > 1);
+  }
   const settings::Settings& active = settings_server_.active();
   const wire::Announce announce = update_announce(now);
   if (active.discovery.beacon) {
@@ -112,6 +145,14 @@ void ControlServices::tick(hal::Time now) noexcept {
 
 bool ControlServices::accepts(const settings::Settings& settings,
                               settings::PagedWriter& why) noexcept {
+  const auto& line = settings.serial.device;
+  if (line != settings_server_.active().serial.device && !board::takes_serial_line(line.view())) {
+    why << "serial.device: takes a line of board " << board::kConfig.name << ":";
+    for (const std::string_view known : board::kSerialLines) {
+      why << " " << known;
+    }
+    return false;
+  }
   const auto run_config = make_run_config(parts_.rig, board::kConfig, settings);
   if (!run_config) {
     why << run_config.error();
@@ -136,7 +177,10 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
 
 ControlStatus ControlServices::status(const SerialSender::Counters& made) const noexcept {
   ControlStatus status{.requests = control_counters(handler_, parts_.board.port),
-                       .settings_revision = published_.revision.load(std::memory_order_relaxed),
+                       .settings_revision = published_.revision.load(std::memory_order_acquire),
+                       .settings_changed_by = published_.changed_by.load(std::memory_order_relaxed),
+                       .settings_dropped = published_.dropped.load(std::memory_order_relaxed),
+                       .connection_replaced = parts_.connection_replaced,
                        .subscribers = published_.subscribers.load(std::memory_order_relaxed),
                        .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
                        .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),

@@ -19,7 +19,9 @@
 #include "firmware/serial/line/byte_ring.h"
 #include "firmware/serial/line/serial_link.h"
 #include "firmware/serial/line/serial_request_handler.h"
+#include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings_server.h"
+#include "firmware/settings/settings_trial.h"
 
 namespace stof::firmware {
 
@@ -27,6 +29,7 @@ namespace stof::firmware {
 struct LoopStatus {
   std::atomic<std::uint32_t> rate_millihertz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
+  std::atomic<std::uint64_t> published = 0;  // frames
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
 };
 
@@ -39,8 +42,10 @@ class ControlServices final : public settings::Limits,
   struct Parts {
     board::Board& board;
     const RigInfo& rig;
-    hal::Store* store;  // of settings; nullptr: nothing is kept
-    bool fell_back;     // of load_settings()
+    hal::Store* store;                     // of settings; nullptr: nothing is kept
+    const settings::StartSettings& saved;  // that the start found there
+    settings::SettingsTrial* trial;        // of these; nullptr: they are not on trial
+    std::uint32_t connection_replaced;     // the value of the condition; 0: none was
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
     RunConfigRing& run_configs;
@@ -50,8 +55,7 @@ class ControlServices final : public settings::Limits,
   };
 
   // active: what the loop begins with, as revision 1. The thread starts at once.
-  ControlServices(const Parts& parts, const settings::Settings& active,
-                  const settings::Settings& saved);
+  ControlServices(const Parts& parts, const settings::Settings& active);
   // Ends the thread; says goodbye where it was announced.
   ~ControlServices() override;
   ControlServices(const ControlServices&) = delete;
@@ -90,6 +94,8 @@ class ControlServices final : public settings::Limits,
     std::atomic<bool> unsaved = false;
     std::atomic<bool> fell_back = false;
     std::atomic<bool> restart_needed = false;
+    std::atomic<std::uint32_t> changed_by = 0;
+    std::atomic<std::uint32_t> dropped = 0;
   } published_;
 
   std::optional<ControlThread> thread_;

@@ -1,28 +1,72 @@
 #include "firmware/program/initial_settings.h"
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
+#include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
-#include "firmware/settings/saved_settings.h"
 
 namespace stof::firmware {
+namespace {
+
+constexpr std::size_t kLineBytes = 512;
+
+// Of a board whose rig is known.
+class RigLimits final : public settings::Limits {
+ public:
+  explicit RigLimits(const RigInfo& rig) : rig_(rig) {}
+  bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override {
+    const auto run_config = make_run_config(rig_, board::kConfig, settings);
+    if (!run_config) {
+      why << run_config.error();
+    }
+    return run_config.has_value();
+  }
+
+ private:
+  const RigInfo& rig_;
+};
+
+void say(const settings::PagedWriter& line) {
+  if (!line.text().empty()) {
+    print_line(std::string(line.text()));
+  }
+}
+
+// Puts the command line's settings on top of the saved ones. Empty, or which flag takes what.
+std::string activate(const Options& options, InitialSettings& initial, std::string& notes) {
+  initial.active = initial.saved.settings;
+  const std::string_view line = initial.active.serial.device.view();
+  initial.serial_dropped = !board::takes_serial_line(line);
+  if (initial.serial_dropped) {
+    print_line(options.settings + ": serial.device: board " + board::kConfig.name +
+               " has no line " + std::string(line) + " for settings, it is left alone");
+    initial.active.serial.device = {};
+  }
+  return apply(options.assignments, initial.active, notes);
+}
+
+}  // namespace
+
+bool names(const Options& options, std::string_view path) {
+  return std::ranges::find(options.assignments, path, &Assignment::path) !=
+         options.assignments.end();
+}
 
 std::expected<InitialSettings, std::string> read_settings(const Options& options) {
   InitialSettings initial;
   if (!options.settings.empty()) {
     initial.store = board::make_store(options.settings);
-    std::array<char, 512> space{};
+    initial.good = board::make_store(options.settings + ".good");
+    initial.trial = board::make_store(options.settings + ".trial");
+    std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
-    initial.saved = settings::load_settings(*initial.store, options.settings, nullptr, line,
-                                            &initial.fell_back);
-    if (!line.text().empty()) {
-      print_line(std::string(line.text()));
-    }
+    initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
+    say(line);
   }
-  initial.active = initial.saved;
   std::string notes;
-  if (std::string why = apply(options.assignments, initial.active, notes); !why.empty()) {
+  if (std::string why = activate(options, initial, notes); !why.empty()) {
     return std::unexpected(std::move(why));
   }
   if (!notes.empty()) {
@@ -31,22 +75,34 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
   return initial;
 }
 
-std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {
+void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {
   if (initial.store == nullptr) {
-    return {};
+    return;
   }
-  const auto run_config = make_run_config(rig, board::kConfig, initial.saved);
-  if (run_config) {
-    return {};
-  }
-  print_line(options.settings +
-             ": not for this sensor, set aside, the defaults hold: " + run_config.error());
-  static_cast<void>(initial.store->set_aside());  // the next save replaces it in any case
-  initial.saved = {};
-  initial.active = {};
-  initial.fell_back = false;
+  RigLimits limits(rig);
   std::string told_at_first;
-  return apply(options.assignments, initial.active, told_at_first);
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter why(space);
+  if (!limits.accepts(initial.saved.settings, why)) {
+    std::array<char, kLineBytes> line_space{};
+    settings::PagedWriter line(line_space);
+    initial.saved = settings::reload_settings(initial.stores(), options.settings, limits, line);
+    say(line);
+    static_cast<void>(activate(options, initial, told_at_first));
+  }
+  settings::PagedWriter clash(space);
+  if (limits.accepts(initial.active, clash)) {
+    return;
+  }
+  settings::Settings plain;
+  std::array<char, kLineBytes> unused_space{};
+  settings::PagedWriter unused(unused_space);
+  if (apply(options.assignments, plain, told_at_first).empty() && limits.accepts(plain, unused)) {
+    print_line(options.settings + ": " + std::string(clash.text()) +
+               ", with this command line: the defaults hold");
+    initial.saved = {.dropped = settings::Dropped::kUnusable};
+    initial.active = plain;
+  }
 }
 
 }  // namespace stof::firmware

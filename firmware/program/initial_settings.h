@@ -3,9 +3,11 @@
 #include <expected>
 #include <memory>
 #include <string>
+#include <string_view>
 
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
+#include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings.h"
 #include "hal/store.h"
 
@@ -13,17 +15,25 @@ namespace stof::firmware {
 
 // The settings at start: the saved ones, and on top of them those of the command line.
 struct InitialSettings {
-  std::unique_ptr<hal::Store> store;  // may be empty
-  settings::Settings saved;
+  // Of a file, and beside it NAME.good and NAME.trial; empty: nothing is kept.
+  std::unique_ptr<hal::Store> store;
+  std::unique_ptr<hal::Store> good;
+  std::unique_ptr<hal::Store> trial;
+  settings::StartSettings saved;
   settings::Settings active;
-  bool fell_back = false;  // of load_settings()
+  bool serial_dropped = false;  // the saved line is none of the board's
+
+  settings::SettingsStores stores() const { return {*store, *good, *trial}; }
 };
 
 // Opens the store where one is named. Error: one line, which flag takes what.
 std::expected<InitialSettings, std::string> read_settings(const Options& options);
 
-// Settings that were saved for another rig must not keep a sensor out of reach: they are set aside
-// and the defaults hold. Empty, or what is wrong with the command line.
-std::string drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial);
+// Settings that were saved for another rig must not keep a sensor out of reach, not even together
+// with a command line: others hold. What is wrong then is the command line.
+void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial);
+
+// The command line names this setting: it is not what was saved.
+bool names(const Options& options, std::string_view path);
 
 }  // namespace stof::firmware

@@ -28,6 +28,7 @@
 #include "firmware/program/reopener.h"
 #include "firmware/program/run_config.h"
 #include "firmware/settings/fields/schema.h"
+#include "firmware/settings/settings_trial.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/workspace.h"
 #include "posix/worker_threads.h"
@@ -74,7 +75,8 @@ int help() {
   std::printf(
       "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
       "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
-      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input.\n",
+      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input; nothing that was "
+      "saved ends it.\n",
       board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
       static_cast<int>(board::usage().size()), board::usage().data());
   return kExitOk;
@@ -138,6 +140,10 @@ int threads_of(const settings::Settings& settings) {
 void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
               const RunConfig& run_config, const InitialSettings& start,
               const wire::CalibrationPacket& calibration, posix::WorkerThreads& workers) {
+  std::optional<settings::SettingsTrial> trial;
+  if (start.saved.on_trial) {
+    trial.emplace(start.stores(), start.saved.settings);
+  }
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};
   DeviceLending lending(board.emulated_time);
@@ -156,17 +162,20 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
       run_config, {.images = workspace.memory, .coded = workspace.coded});
-  const ControlServices control({.board = board,
-                                 .rig = rig,
-                                 .store = start.store.get(),
-                                 .fell_back = start.fell_back,
-                                 .origin = origin,
-                                 .announce = make_announce(board, rig, options),
-                                 .run_configs = run_configs,
-                                 .receivers = receivers,
-                                 .serial = line,
-                                 .loop_status = loop_status},
-                                start.active, start.saved);
+  const ControlServices control(
+      {.board = board,
+       .rig = rig,
+       .store = start.store.get(),
+       .saved = start.saved,
+       .trial = trial ? &*trial : nullptr,
+       .connection_replaced = (board.other_port ? 1U : 0U) | (start.serial_dropped ? 2U : 0U),
+       .origin = origin,
+       .announce = make_announce(board, rig, options),
+       .run_configs = run_configs,
+       .receivers = receivers,
+       .serial = line,
+       .loop_status = loop_status},
+      start.active);
   const EventPrinter printer(events);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
   // Only now: what the other threads do can wait.
@@ -178,6 +187,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
     watchdog.after_round();
     loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
                                       std::memory_order_relaxed);
+    loop_status.published.store(events.counters.published, std::memory_order_relaxed);
     loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
   if (watchdog.end() != Status::kOk) {
@@ -201,9 +211,7 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   if (!rig) {
     return refuse(rig.error());
   }
-  if (const std::string why = drop_unusable(*rig, options, start); !why.empty()) {
-    return refuse(why);
-  }
+  drop_unusable(*rig, options, start);
   say_refusal(board::lock_memory());
   // The threads that help to compute inherit it.
   say_refusal(board::set_realtime_priority(true));
@@ -267,7 +275,9 @@ int start_and_run(std::span<const std::string_view> arguments) {
                    .baud = static_cast<std::uint32_t>(active.serial.baud),
                    .flow_control = active.serial.flow_control,
                    .dscp = active.dscp,
-                   .mdns = true},
+                   .mdns = true,
+                   .port_required = options->port || names(*options, "udp.port"),
+                   .serial_required = names(*options, "serial.device")},
                   options->board);
   if (!board) {
     return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);

@@ -2,13 +2,16 @@
 
 #include <array>
 #include <chrono>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <utility>
 
 #include "dsp/stereo/matcher.h"
+#include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/settings/depth_settings.h"
+#include "firmware/settings/fields/document.h"
 #include "firmware/wire/calibration/calibration_file.h"
 #include "firmware/workspace.h"
 
@@ -131,6 +134,17 @@ std::string limits(const Setup& setup, const board::Config& config) {
   return {};
 }
 
+// What of the settings leaves a robot without depth.
+std::uint32_t blinding(const settings::Settings& settings) {
+  constexpr int kShortRangeMm = 1000;
+  const wire::StreamChoice& streams = settings.streams;
+  const bool sent = streams.of(wire::Stream::kDepth) != wire::Coding::kOff ||
+                    streams.of(wire::Stream::kCloud) != wire::Coding::kOff ||
+                    settings.serial.mode != settings::SerialMode::kOff;
+  return (sent ? 0U : HealthMonitor::kNoDepthStream) |
+         (settings.depth.max_range_mm < kShortRangeMm ? HealthMonitor::kShortRange : 0U);
+}
+
 // As many threads as there is memory for; each searches in memory of its own.
 std::string share_memory(RunConfig& run_config, const board::Config& config) {
   Setup& setup = run_config.setup;
@@ -210,7 +224,10 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
                 .threads = rig.threads,
                 .require_both = settings.depth.require == settings::RequiredSensors::kBoth},
       .timing = config.timing,
-      .publisher = {.choice = settings.streams, .pace_percent = settings.pace_percent},
+      .publisher = {.choice = settings.streams,
+                    .pace_percent = settings.pace_percent,
+                    .fingerprint = settings::fingerprint(settings),
+                    .blinding = blinding(settings)},
       .serial = serial_params(settings)};
   if (settings.period_ms > 0) {
     run_config.timing.period = std::chrono::milliseconds(settings.period_ms);

@@ -1,6 +1,8 @@
 #include "firmware/settings/saved_settings.h"
 
+#include <algorithm>
 #include <array>
+#include <charconv>
 #include <cstddef>
 #include <span>
 
@@ -12,49 +14,149 @@ namespace {
 
 // Room for a file that somebody wrote by hand.
 constexpr std::size_t kMostFile = 4 * kMostDocumentBytes;
+// "1a2b3c4d 2": the fingerprint of the settings on trial, and their failed starts.
+constexpr std::size_t kTrialBytes = 10;
+constexpr std::size_t kFingerprintDigits = 8;
 
-bool understand(std::span<const std::byte> bytes, Limits* limits, Settings& settings,
-                PagedWriter& why) noexcept {
-  // Bytes may be looked at as char.
-  const auto* const text = reinterpret_cast<const char*>(bytes.data());
-  if (!parse({text, bytes.size()}, settings, why)) {
-    return false;
+// Bytes may be looked at as char.
+std::string_view as_text(std::span<const std::byte> bytes) noexcept {
+  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
+}
+
+// One document of a store.
+struct Loaded {
+  std::optional<Settings> settings;  // none: `why` says why not, or there is none
+  Dropped dropped = Dropped::kNot;
+};
+
+// why: also of settings that were loaded: which fields fell back.
+Loaded load(hal::Store& store, Limits* limits, PagedWriter& why) noexcept {
+  std::array<std::byte, kMostFile> bytes;
+  const Result<std::optional<std::size_t>> loaded = store.load(bytes);
+  if (!loaded && loaded.error() == Status::kTooLarge) {
+    why << "longer than " << kMostFile << " bytes";
+    return {.settings = {}, .dropped = Dropped::kUnusable};
+  }
+  if (!loaded && loaded.error() == Status::kUnsupported) {
+    why << "no regular file, it is left alone";
+    return {.settings = {}, .dropped = Dropped::kNoFile};
+  }
+  if (!loaded) {
+    why << "cannot be read, it is left alone";
+    return {.settings = {}, .dropped = Dropped::kUnreadable};
+  }
+  if (!*loaded) {
+    return {};
+  }
+  if (**loaded == 0) {
+    why << "empty";
+    return {.settings = {}, .dropped = Dropped::kEmpty};
+  }
+  Settings settings;
+  if (!parse(as_text(std::span(bytes).first(**loaded)), settings, why)) {
+    return {.settings = {}, .dropped = Dropped::kUnusable};
   }
   fit_blocks(settings, why);
-  return usable(settings, limits, why);
+  std::array<char, kWhyBytes> space;
+  PagedWriter refusal(space);
+  if (!usable(settings, limits, refusal)) {
+    why << (why.text().empty() ? "" : "; ") << refusal.text();
+    return {.settings = {}, .dropped = Dropped::kUnusable};
+  }
+  return {.settings = settings, .dropped = Dropped::kNot};
+}
+
+std::optional<Settings> load_good(hal::Store& store, Limits* limits) noexcept {
+  std::array<char, kWhyBytes> space;
+  PagedWriter unused(space);
+  return load(store, limits, unused).settings;
+}
+
+// In place of the current settings, of which `why` says what is wrong.
+StartSettings replace(const SettingsStores& stores, std::string_view place, Limits* limits,
+                      Dropped dropped, std::string_view why, PagedWriter& line) noexcept {
+  const bool damaged = dropped == Dropped::kEmpty || dropped == Dropped::kUnusable;
+  const bool aside = damaged && stores.current.set_aside() == Status::kOk;
+  const std::optional<Settings> good = load_good(stores.good, limits);
+  line << place << ": " << why << (good ? ": the last good settings hold" : ": the defaults hold")
+       << (aside ? ", the file is kept as .bad" : "");
+  return {.settings = good.value_or(Settings{}), .dropped = dropped, .good = good.has_value()};
 }
 
 }  // namespace
 
-Settings load_settings(hal::Store& store, std::string_view place, Limits* limits, PagedWriter& line,
-                       bool* fell_back) noexcept {
-  std::array<std::byte, kMostFile> bytes;
-  const Result<std::size_t> loaded = store.load(bytes);
-  if (loaded && *loaded == 0) {
-    return {};
+int failed_starts(hal::Store& trial, const Settings& settings) noexcept {
+  std::array<std::byte, kTrialBytes> bytes;
+  const Result<std::optional<std::size_t>> loaded = trial.load(bytes);
+  if (!loaded || *loaded != kTrialBytes) {
+    return 0;
   }
+  const std::string_view text = as_text(bytes);
+  std::uint32_t of = 0;
+  const auto read = std::from_chars(text.data(), text.data() + kFingerprintDigits, of, 16);
+  const int count = text.back() - '0';
+  const bool whole = read.ec == std::errc() && read.ptr == text.data() + kFingerprintDigits;
+  return whole && of == fingerprint(settings) && count >= 0 && count <= kMaxFailedStarts ? count
+                                                                                         : 0;
+}
+
+Status count_failed_starts(hal::Store& trial, const Settings& settings, int count) noexcept {
+  std::array<char, kTrialBytes> text;
+  text.fill('0');
+  std::array<char, kFingerprintDigits> digits;
+  const auto written =
+      std::to_chars(digits.data(), digits.data() + digits.size(), fingerprint(settings), 16);
+  std::copy_backward(digits.data(), written.ptr, text.data() + kFingerprintDigits);
+  text[kFingerprintDigits] = ' ';
+  text.back() = static_cast<char>('0' + count);
+  return trial.save(std::as_bytes(std::span(text)));
+}
+
+Status save_document(hal::Store& store, const Settings& settings) noexcept {
+  std::array<char, kMostDocumentBytes> space;
+  PagedWriter document(space);
+  write_document(settings, document);
+  return document.complete() ? store.save(std::as_bytes(std::span(document.text())))
+                             : Status::kTooLarge;
+}
+
+StartSettings load_settings(const SettingsStores& stores, std::string_view place, Limits* limits,
+                            PagedWriter& line) noexcept {
   std::array<char, kWhyBytes> space;
   PagedWriter why(space);
-  if (!loaded && loaded.error() == Status::kTooLarge) {
-    why << "longer than " << kMostFile << " bytes";
-  } else if (!loaded) {
-    why << "cannot be read";
-  } else {
-    Settings settings;
-    if (understand(std::span(bytes).first(*loaded), limits, settings, why)) {
-      if (!why.text().empty()) {
-        line << place << ": " << why.text();
-      }
-      if (fell_back != nullptr) {
-        *fell_back = !why.text().empty();
-      }
-      return settings;
+  const Loaded current = load(stores.current, limits, why);
+  if (!current.settings) {
+    if (current.dropped != Dropped::kNot) {
+      return replace(stores, place, limits, current.dropped, why.text(), line);
     }
+    return load_good(stores.good, limits)
+               ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
+               : StartSettings{};
   }
-  const bool aside = store.set_aside() == Status::kOk;
-  line << place << ": " << why.text() << ": the defaults hold"
-       << (aside ? ", the file is kept as .bad" : "");
-  return {};
+  StartSettings start{.settings = *current.settings, .fell_back = !why.text().empty()};
+  if (start.settings != load_good(stores.good, nullptr)) {
+    const int failed = failed_starts(stores.trial, start.settings);
+    if (failed >= kMaxFailedStarts) {
+      return replace(stores, place, limits, Dropped::kFailedStarts,
+                     "two starts with these settings have failed", line);
+    }
+    start.on_trial = true;
+    static_cast<void>(count_failed_starts(stores.trial, start.settings, failed + 1));
+  }
+  if (start.fell_back) {
+    line << place << ": " << why.text();
+  }
+  return start;
+}
+
+StartSettings reload_settings(const SettingsStores& stores, std::string_view place, Limits& limits,
+                              PagedWriter& line) noexcept {
+  std::array<char, kWhyBytes> space;
+  PagedWriter why(space);
+  const Loaded current = load(stores.current, &limits, why);
+  return replace(stores, place, &limits,
+                 current.dropped == Dropped::kNot ? Dropped::kUnusable : current.dropped,
+                 why.text(), line);
 }
 
 }  // namespace stof::settings

@@ -8,6 +8,7 @@
 #include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/fields/schema.h"
+#include "firmware/settings/saved_settings.h"
 
 namespace stof::settings {
 namespace {
@@ -37,7 +38,8 @@ SettingsServer::SettingsServer(const Settings& active, const Settings& saved,
       started_(active),
       active_(active),
       saved_(saved),
-      fell_back_(parts.fell_back) {}
+      fell_back_(parts.fell_back),
+      dropped_(parts.dropped) {}
 
 bool SettingsServer::restart_needed() const noexcept {
   const std::size_t count = field_count();
@@ -63,11 +65,13 @@ Settings SettingsServer::staged() const noexcept {
 
 wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
                                            std::span<const std::byte> text,
+                                           const firmware::Requester& by,
                                            std::span<std::byte> answer_text,
                                            std::size_t& answer_bytes) noexcept {
   using Operation = wire::SettingsOperation;
   const bool reads = request.operation == Operation::kGet;
   PagedWriter out(as_text(answer_text), reads ? request.offset : 0);
+  const std::uint32_t before = revision_;
   Result result = Result::kUnsupported;
   switch (request.operation) {
     case Operation::kGet:
@@ -80,7 +84,7 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
       result = stage(as_text(text), out);
       break;
     case Operation::kCommit:
-      result = commit(out);
+      result = commit(by.now, out);
       break;
     case Operation::kRevert:
       staged_fields_.reset();
@@ -91,11 +95,14 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
       result = preset(as_text(text), out);
       break;
     case Operation::kSave:
-      result = save(out);
+      result = save(by.now, out);
       break;
     case Operation::kReset:
       result = become({}, out);
       break;
+  }
+  if (revision_ != before) {
+    changed_by_ = by.peer;
   }
   answer_bytes = out.text().size();
   return {.result = result,
@@ -135,14 +142,14 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter&
   return Result::kOk;
 }
 
-SettingsServer::Result SettingsServer::commit(PagedWriter& why) noexcept {
+SettingsServer::Result SettingsServer::commit(hal::Time now, PagedWriter& why) noexcept {
   const Result result = become(staged(), why);
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
   staged_fields_.reset();
   fell_back_ = std::exchange(staged_fell_back_, false) || fell_back_;
-  return save(why);
+  return save(now, why);
 }
 
 SettingsServer::Result SettingsServer::preset(std::string_view name, PagedWriter& why) noexcept {
@@ -154,27 +161,32 @@ SettingsServer::Result SettingsServer::preset(std::string_view name, PagedWriter
   return Result::kInvalid;
 }
 
-SettingsServer::Result SettingsServer::save(PagedWriter& why) noexcept {
-  if (active_ == saved_ && !unsaved_ && !fell_back_) {
+SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noexcept {
+  if (active_ == saved_ && !unsaved_ && !fell_back_ && !dropped_) {
     return Result::kOk;  // a repeated request does not wear the medium
   }
-  std::array<char, kMostDocumentBytes> space;
-  PagedWriter document(space);
-  write_document(active_, document);
   unsaved_ = true;
   const std::string_view joint = why.text().empty() ? "" : "; ";
   if (parts_.store == nullptr) {
     why << joint << "active, but not saved: the sensor was started without a file for its settings";
     return Result::kNotSaved;
   }
-  if (!document.complete() ||
-      parts_.store->save(std::as_bytes(std::span(document.text()))) != Status::kOk) {
-    why << joint << "active, but not saved: the file cannot be written";
+  if (!saves_.take(now)) {
+    why << joint << "active, but not saved: " << kMostSaves
+        << " saves at once, then one a minute: save again later";
+    return Result::kNotSaved;
+  }
+  const Status status = save_document(*parts_.store, active_);
+  if (status != Status::kOk) {
+    why << joint << "active, but not saved: "
+        << (status == Status::kUnsupported ? "what has the file's name is no file"
+                                           : "the file cannot be written");
     return Result::kNotSaved;
   }
   saved_ = active_;
   unsaved_ = false;
   fell_back_ = false;
+  dropped_ = false;
   return Result::kOk;
 }
 

@@ -2,10 +2,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include "firmware/control/settings_service.h"
+#include "firmware/control/token_bucket.h"
 #include "firmware/settings/fields/field.h"
 #include "firmware/settings/settings.h"
 #include "firmware/settings/text/paged_writer.h"
@@ -43,7 +45,13 @@ class SettingsServer final : public firmware::SettingsService {
     SettingsSink& sink;
     hal::Store* store = nullptr;  // nullptr: nothing can be saved
     bool fell_back = false;       // of load_settings()
+    bool dropped = false;         // what is in the store is not `saved`, and of no use
   };
+
+  // Saves that a rest allows, and the time until one more may follow: each writes some tens of
+  // kilobytes of flash.
+  static constexpr std::uint32_t kMostSaves = 10;
+  static constexpr hal::Duration kSaveRefill = std::chrono::minutes(1);
 
   // active: what the sensor was started with, already applied, as revision 1. saved: what is in the
   // store (load_settings()), which a command line may have changed into active.
@@ -52,7 +60,7 @@ class SettingsServer final : public firmware::SettingsService {
   // A text that is longer than `answer_text` is cut off there. request_id and cookie are the
   // caller's.
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
-                             std::span<std::byte> answer_text,
+                             const firmware::Requester& by, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override;
 
   const Settings& active() const noexcept { return active_; }
@@ -64,15 +72,19 @@ class SettingsServer final : public firmware::SettingsService {
   // Since the last save, or in what was saved, fields were named that are as the preset has them
   // now. Without a file to save to: in the last change.
   bool fell_back() const noexcept { return fell_back_; }
+  // What the start found in the store is still there, and of no use.
+  bool dropped() const noexcept { return dropped_; }
+  // Who made the active settings what they are: none: the serial line, or nobody since the start.
+  const std::optional<hal::Peer>& changed_by() const noexcept { return changed_by_; }
 
  private:
   using Result = wire::SettingsResult;
 
   Result get(wire::SettingsDocument document, PagedWriter& out) const noexcept;
   Result stage(std::string_view text, PagedWriter& why) noexcept;
-  Result commit(PagedWriter& why) noexcept;
+  Result commit(hal::Time now, PagedWriter& why) noexcept;
   Result preset(std::string_view name, PagedWriter& why) noexcept;
-  Result save(PagedWriter& why) noexcept;
+  Result save(hal::Time now, PagedWriter& why) noexcept;
   Result change(std::string_view json, PagedWriter& why) noexcept;
   Result become(Settings next, PagedWriter& why) noexcept;
   Settings staged() const noexcept;
@@ -87,6 +99,9 @@ class SettingsServer final : public firmware::SettingsService {
   bool unsaved_ = false;
   bool fell_back_;
   bool staged_fell_back_ = false;
+  bool dropped_;
+  firmware::TokenBucket saves_{kMostSaves, kSaveRefill};
+  std::optional<hal::Peer> changed_by_;
 };
 
 }  // namespace stof::settings

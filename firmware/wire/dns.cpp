@@ -222,6 +222,7 @@ bool Writer::question(const Name& name, Type type, std::uint16_t klass) noexcept
     size_ = kept_;
     places_count_ = places_kept_;
     full_ = false;
+    complete_ = false;
     return false;
   }
   ++counts_[0];
@@ -264,6 +265,7 @@ bool Writer::finish(Section section) noexcept {
     size_ = kept_;
     places_count_ = places_kept_;
     full_ = false;
+    complete_ = false;
     return false;
   }
   const std::size_t length = size_ - length_at_ - 2;

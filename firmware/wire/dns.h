@@ -126,7 +126,8 @@ class Writer {
 
   // The message up to the last thing that fitted.
   std::span<const std::byte> message() noexcept;
-  bool empty() const noexcept;  // neither questions nor records
+  bool empty() const noexcept;                          // neither questions nor records
+  bool complete() const noexcept { return complete_; }  // nothing was left out
 
  private:
   static constexpr std::size_t kPlaces = 48;
@@ -141,6 +142,7 @@ class Writer {
   std::size_t kept_ = kHeaderBytes;
   std::size_t length_at_ = 0;  // of the open record
   bool full_ = false;
+  bool complete_ = true;
   std::array<std::uint16_t, 4> counts_{};        // of the sections, questions first
   std::array<std::uint16_t, kPlaces> places_{};  // where labels begin that names may end with
   std::size_t places_count_ = 0;

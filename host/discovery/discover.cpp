@@ -39,12 +39,23 @@ std::vector<std::byte> seal_question(std::uint32_t request_id) {
   return {packet.begin(), packet.end()};
 }
 
-// From a port of our own, so that everybody answers us alone.
+// From a port of our own, so that everybody answers us alone. A sensor answers with no more bytes
+// than it was asked with: padding (RFC 7830) makes room.
 std::vector<std::byte> mdns_question() {
   std::array<std::byte, 512> buffer{};
   dns::Writer writer(buffer, 0, 0);
   static_cast<void>(
       writer.question({"_stof", "_udp", "local"}, dns::Type::kPtr, dns::kInternet | dns::kTopBit));
+  constexpr auto kOpt = static_cast<dns::Type>(41);
+  constexpr std::uint16_t kPadding = 12;
+  constexpr std::size_t kOptBytes = 15;  // without its padding
+  constexpr std::uint16_t kUdpBytes = 1440;
+  const std::vector<std::byte> padding(buffer.size() - writer.message().size() - kOptBytes);
+  writer.begin_record({}, kOpt, kUdpBytes, 0);
+  writer.data_u16(kPadding);
+  writer.data_u16(static_cast<std::uint16_t>(padding.size()));
+  writer.data(padding);
+  static_cast<void>(writer.finish(dns::Writer::Section::kAdditional));
   const auto message = writer.message();
   return {message.begin(), message.end()};
 }

@@ -1,6 +1,7 @@
 #include "host/lib/sensor.h"
 
 #include <chrono>
+#include <cstddef>
 #include <limits>
 #include <system_error>
 #include <utility>
@@ -157,7 +158,8 @@ int stof_due_ms(const stof_sensor* sensor) {
 
 stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capacity,
                         size_t* count) {
-  if (frame == nullptr || frame->struct_size < sizeof *frame || frame->self == nullptr ||
+  constexpr std::size_t kLeast = offsetof(stof_frame, self) + sizeof frame->self;
+  if (frame == nullptr || frame->struct_size < kLeast || frame->self == nullptr ||
       count == nullptr || (points == nullptr && capacity != 0)) {
     return STOF_BAD_ARGUMENT;
   }

@@ -170,6 +170,22 @@ class Condition(enum.IntEnum):
     PMD_SILENT = 17
     PMD_FROZEN = 18  # the PMD camera sends its last samples again and again; value: 0
     PMD_DARK = 19  # the PMD camera's samples have lost all light of its lamp at once; value: 0
+    # the saved settings could not be used at the start: the last good ones hold, or the defaults,
+    # until settings are saved; value: 1 missing, 2 no regular file, 3 unreadable, 4 empty, 5
+    # damaged or not for this sensor, 6 two starts with them failed; 16 more where the last good
+    # ones hold
+    SETTINGS_DROPPED = 20
+    # a port or line of the settings could not be had at the start: another port or no line is used
+    # until the next; value: the sum of: 1 the UDP port, 2 the serial line, which is none of the
+    # board's
+    CONNECTION_REPLACED = 21
+    # frames go out, but the sensor is blind, or its settings blind it; value: the sum of: 1 fewer
+    # than 2 percent of the last second's pixels have a depth, 2 no stream and no serial line
+    # carries depth, 4 the maximal range is below 1 m
+    NO_DEPTH = 22
+    # somebody changed the settings in the last ten seconds; each change is an event of its own;
+    # value: who: the last four bytes of the address, its first the highest; 0: over the serial line
+    SETTINGS_CHANGED = 23
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -241,6 +257,18 @@ CONDITIONS = {
     Condition.PMD_DARK: ConditionInfo(
         "the PMD camera's samples have lost all light of its lamp at once",
         Severity.MAJOR, Reaction.SLOW),
+    Condition.SETTINGS_DROPPED: ConditionInfo(
+        "the saved settings could not be used at the start: the last good ones hold, or the defaults, until settings are saved",
+        Severity.MINOR, Reaction.WATCH),
+    Condition.CONNECTION_REPLACED: ConditionInfo(
+        "a port or line of the settings could not be had at the start: another port or no line is used until the next",
+        Severity.MINOR, Reaction.WATCH),
+    Condition.NO_DEPTH: ConditionInfo(
+        "frames go out, but the sensor is blind, or its settings blind it",
+        Severity.CRITICAL, Reaction.STOP),
+    Condition.SETTINGS_CHANGED: ConditionInfo(
+        "somebody changed the settings in the last ten seconds; each change is an event of its own",
+        Severity.INFO, Reaction.WATCH),
 }
 # made: end
 
@@ -471,6 +499,8 @@ class FrameInfo(Layout):
     # frames in a row that this depth stands on, itself included: for how many the camera stood; 1:
     # it stands alone
     steady_frames: int = 0
+    # CRC-32C of the document of the settings this frame was made with, see "Settings"; 0: not told
+    settings_fingerprint: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("exposure_begin_ns", "q", 1),
@@ -492,6 +522,7 @@ class FrameInfo(Layout):
         ("settings_revision", "I", 1),
         ("stage_us", "I", 6),
         ("steady_frames", "I", 1),
+        ("settings_fingerprint", "I", 1),
     )
 
 

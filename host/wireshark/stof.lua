@@ -131,6 +131,10 @@ names.Condition = {
   [17] = "pmd silent",
   [18] = "pmd frozen",
   [19] = "pmd dark",
+  [20] = "settings dropped",
+  [21] = "connection replaced",
+  [22] = "no depth",
+  [23] = "settings changed",
 }
 
 layouts.Origin = {
@@ -196,7 +200,7 @@ layouts.header = {
 
 layouts.frame_info = {
   message = "frame info",
-  bytes = 236,
+  bytes = 240,
   {name = "exposure_begin_ns", size = 8, count = 1, kind = "int64", title = "Exposure begin ns", base = base.DEC, doc = "begin of the stereo exposure, of the PMD camera's in a frame of it alone; ns, same clock as the header"},
   {name = "exposure_end_ns", size = 8, count = 1, kind = "int64", title = "Exposure end ns", base = base.DEC, doc = "end of it"},
   {name = "pmd_age_ns", size = 8, count = 1, kind = "int64", title = "Pmd age ns", base = base.DEC, doc = "age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0 without either"},
@@ -216,6 +220,7 @@ layouts.frame_info = {
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "of the settings this frame was made with: advances with every change"},
   {name = "stage_us", size = 4, count = 6, kind = "uint32", title = "Stage us", base = base.DEC, doc = "what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (without the waits of pacing)"},
   {name = "steady_frames", size = 4, count = 1, kind = "uint32", title = "Steady frames", base = base.DEC, doc = "frames in a row that this depth stands on, itself included: for how many the camera stood; 1: it stands alone"},
+  {name = "settings_fingerprint", size = 4, count = 1, kind = "uint32", title = "Settings fingerprint", base = base.DEC, doc = "CRC-32C of the document of the settings this frame was made with, see \"Settings\"; 0: not told"},
 }
 
 layouts.calibration = {

@@ -79,6 +79,7 @@ class Bench {
     }
     sensors();
     corridor();
+    temporal();
     if (!quick_) {
       growth();
     }
@@ -180,6 +181,22 @@ class Bench {
                         {"RVL decode depth", step(&CorridorWork::decode), kDenseBm},
                         {"CRC of 600 KiB", step(&CorridorWork::check), kDenseBm},
                         {kDenseBm, stereo_bm_work(work->pictures(), 64, true), ""}}});
+  }
+
+  // What earlier frames of a view that stands still cost.
+  void temporal() {
+    const auto with = std::make_shared<CorridorWork>(preset_params("fast", 64), true);
+    const auto without = std::make_shared<CorridorWork>(preset_params("fast", 64));
+    const Group group{
+        .name = "temporal filter, 640x480",
+        .threads = 1,
+        .contenders = {{"convert, fuse, temporal", [with] { with->stand(); }, kDenseBm},
+                       {"convert, fuse", [without] { without->stand(); }, kDenseBm},
+                       {kDenseBm, stereo_bm_work(with->pictures(), 64, true), ""}}};
+    const std::size_t first = outcomes_.size();
+    add(group, 61);  // a difference of two times
+    outcomes_.push_back(difference("temporal filter", outcomes_[first], outcomes_[first + 1],
+                                   outcomes_[first + 2]));
   }
 
   // Time over size and over candidates.

@@ -42,7 +42,7 @@ void decode(Frame payload, Result<T> (*read)(Frame) noexcept,
 // Whatever it is, the answer to it is a packet.
 void ask(Frame frame) {
   firmware::SerialRequestHandler requests({.device_id = 0x0A0B0C0D, .session_id = 1}, nullptr);
-  const Frame answer = requests.take(frame);
+  const Frame answer = requests.take(frame, hal::Time{});
   fuzz::require(answer.empty() || wire::parse_packet(answer).has_value());
   fuzz::require(requests.counters().answered + requests.counters().refused == 1);
 }

@@ -15,16 +15,20 @@ struct MaskRow {
   std::span<const Disparity> disparity;
   std::span<const Disparity> weak;  // or empty
   SupportRow support;
+  IntervalRow stereo;
   IntervalRow pmd;
   std::span<const Source> source;
   std::span<const Cause> cause;
+  QuarterMm max_range = kMaxQuarterMm;
+  QuarterMm pmd_range = 0;  // unambiguous range of the PMD; 0 = not to be considered
 };
 
 // One bit for each pixel, 64 a word, the first lowest; bits behind the last pixel are 0.
 //   open      kPmd with (high - low) kNarrowShare > low, or kConflict by kMixedPixel
 //   matched   kStereo, kBoth or kResolved by kMixedPixel, with a disparity and a peak ratio below
 //             kNeighbourRatio
-//   disputed  kConflict
+//   folded    kConflict whose intervals, low at least 1 and high at most max_range, meet once the
+//             PMD's is moved by one pmd_range, or up to a sixteenth less, to either side
 //   weak      a weak match, and no disparity
 //   edge      kPmdEdge
 //   alone     kStereo, or kResolved by kMixedPixel: the match and nothing else
@@ -32,7 +36,7 @@ struct MaskRow {
 struct PixelMasks {
   std::span<std::uint64_t> open;
   std::span<std::uint64_t> matched;
-  std::span<std::uint64_t> disputed;
+  std::span<std::uint64_t> folded;
   std::span<std::uint64_t> weak;
   std::span<std::uint64_t> edge;
   std::span<std::uint64_t> alone;
@@ -52,12 +56,19 @@ inline MaskRow behind(const MaskRow& row, std::size_t x) noexcept {
   return {row.disparity.subspan(x),
           row.weak.empty() ? row.weak : row.weak.subspan(x),
           {row.support.ratio.subspan(x), row.support.pmd_flags.subspan(x)},
+          {row.stereo.low.subspan(x), row.stereo.high.subspan(x)},
           {row.pmd.low.subspan(x), row.pmd.high.subspan(x)},
           row.source.subspan(x),
-          row.cause.subspan(x)};
+          row.cause.subspan(x),
+          row.max_range,
+          row.pmd_range};
+}
+// What a range is moved by at least.
+constexpr QuarterMm least_moved(QuarterMm pmd_range) noexcept {
+  return static_cast<QuarterMm>(pmd_range - pmd_range / 16);
 }
 inline PixelMasks behind(const PixelMasks& masks, std::size_t x) noexcept {
-  return {masks.open.subspan(x / 64), masks.matched.subspan(x / 64), masks.disputed.subspan(x / 64),
+  return {masks.open.subspan(x / 64), masks.matched.subspan(x / 64), masks.folded.subspan(x / 64),
           masks.weak.subspan(x / 64), masks.edge.subspan(x / 64),    masks.alone.subspan(x / 64),
           masks.vague.subspan(x / 64)};
 }

@@ -4,53 +4,57 @@
 #include <span>
 
 #include "dsp/base/avx2.h"
+#include "dsp/fusion/resolve/pixel_masks_avx2.h"
 #include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp::avx2 {
 namespace {
 
-constexpr std::size_t kLanes = 32;
-constexpr std::size_t kWord = 64;
-
-template <typename Value>
-u8x32 equals(u8x32 values, Value value) noexcept {
-  return as<u8x32>(_mm256_cmpeq_epi8(bits(values), bits(all(static_cast<std::uint8_t>(value)))));
-}
-
-// Of masks of 16 bits, in order.
-u8x32 narrowed(__m256i first, __m256i second) noexcept {
-  return as<u8x32>(_mm256_permute4x64_epi64(_mm256_packs_epi16(first, second), 0xD8));
-}
-
-// high - low > low / 12, the quotient rounded down: low * 43691 / 2^19 for every u16.
-__m256i wide(const QuarterMm* low, const QuarterMm* high) noexcept {
-  static_assert(kNarrowShare == 12);
-  const __m256i from = bits(load<u16x16>(low));
-  const __m256i twelfth = bits(all(std::uint16_t{43691}));
-  const __m256i share = _mm256_srli_epi16(_mm256_mulhi_epu16(from, twelfth), 3);
-  const __m256i length = _mm256_subs_epu16(bits(load<u16x16>(high)), from);
-  // Not above: length less share saturates to 0.
-  return _mm256_cmpeq_epi16(_mm256_subs_epu16(length, share), _mm256_setzero_si256());
-}
-
-u8x32 missing(const Disparity* disparity) noexcept {
-  const __m256i none = bits(all(Disparity::none().raw));
-  return narrowed(_mm256_cmpeq_epi16(bits(load<i16x16>(&disparity->raw)), none),
-                  _mm256_cmpeq_epi16(bits(load<i16x16>(&disparity[16].raw)), none));
-}
-
 u8x32 at_least(u8x32 values, std::uint8_t limit) noexcept {
   return as<u8x32>(_mm256_cmpeq_epi8(bits(larger(values, all(limit))), bits(values)));
 }
 
-std::uint64_t mask(u8x32 v) noexcept {
-  return static_cast<std::uint32_t>(_mm256_movemask_epi8(bits(v)));
+__m256i narrow_ones(const QuarterMm* low, const QuarterMm* high) noexcept {
+  const __m256i from = bits(load<u16x16>(low));
+  return is_narrow(from, _mm256_subs_epu16(bits(load<u16x16>(high)), from));
+}
+
+__m256i at_most(u16x16 a, u16x16 b) noexcept {
+  return _mm256_cmpeq_epi16(bits(smaller(a, b)), bits(a));
+}
+u16x16 less_by(u16x16 a, u16x16 b) noexcept {
+  return as<u16x16>(_mm256_subs_epu16(bits(a), bits(b)));
+}
+
+// Whether both intervals meet once the PMD's is moved by a range. Sums saturate on the right side:
+// no low is 0.
+__m256i meet_when_moved(const MaskRow& row, std::size_t x) noexcept {
+  const u16x16 one = all(std::uint16_t{1});
+  const u16x16 near = larger(load<u16x16>(&row.stereo.low[x]), one);
+  const u16x16 far = smaller(load<u16x16>(&row.stereo.high[x]), all(row.max_range));
+  const u16x16 low = larger(load<u16x16>(&row.pmd.low[x]), one);
+  const u16x16 high = smaller(load<u16x16>(&row.pmd.high[x]), all(row.max_range));
+  const u16x16 range = all(row.pmd_range);
+  const u16x16 less = all(least_moved(row.pmd_range));
+  const __m256i farther =
+      _mm256_and_si256(at_most(less_by(near, range), high), at_most(low, less_by(far, less)));
+  const __m256i nearer =
+      _mm256_and_si256(at_most(near, less_by(high, less)), at_most(less_by(low, range), far));
+  return _mm256_or_si256(farther, nearer);
+}
+
+// Few pixels of a picture are in conflict.
+std::uint64_t folded(const MaskRow& row, std::size_t x, std::uint64_t conflict) noexcept {
+  if (row.pmd_range == 0 || conflict == 0) {
+    return 0;
+  }
+  return conflict & mask(narrowed(meet_when_moved(row, x), meet_when_moved(row, x + 16)));
 }
 
 struct Bits {
   std::uint64_t open;
   std::uint64_t matched;
-  std::uint64_t disputed;
+  std::uint64_t folded;
   std::uint64_t weak;
   std::uint64_t edge;
   std::uint64_t alone;
@@ -61,8 +65,8 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
   const u8x32 source = load<u8x32>(&row.source[x]);
   const u8x32 mixed = equals(load<u8x32>(&row.cause[x]), Cause::kMixedPixel);
   const u8x32 conflict = equals(source, Source::kConflict);
-  const u8x32 narrow = narrowed(wide(&row.pmd.low[x], &row.pmd.high[x]),
-                                wide(&row.pmd.low[x + 16], &row.pmd.high[x + 16]));
+  const u8x32 narrow = narrowed(narrow_ones(&row.pmd.low[x], &row.pmd.high[x]),
+                                narrow_ones(&row.pmd.low[x + 16], &row.pmd.high[x + 16]));
   const u8x32 alone = equals(source, Source::kStereo) | (equals(source, Source::kResolved) & mixed);
   const u8x32 both = equals(source, Source::kBoth);
   const u8x32 published = alone | both;
@@ -76,16 +80,11 @@ Bits mark(const MaskRow& row, std::size_t x) noexcept {
   const std::uint64_t edge = mask(as<u8x32>(flags));
   return {mask((equals(source, Source::kPmd) & ~narrow) | (conflict & mixed)),
           mask(published & ~alike & ~none),
-          mask(conflict),
+          folded(row, x, mask(conflict)),
           mask(weak),
           edge,
           mask(alone),
           mask(both & ~none & at_least(ratio, kVagueRatio)) & edge};
-}
-
-void store_word(std::uint64_t first, std::uint64_t second, std::uint64_t* word) noexcept {
-  *word = first | (second << kLanes);
-  mutate(word);
 }
 
 }  // namespace
@@ -93,16 +92,16 @@ void store_word(std::uint64_t first, std::uint64_t second, std::uint64_t* word) 
 void ambiguity_masks(const MaskRow& row, const PixelMasks& masks) noexcept {
   check_ambiguity_masks(row, masks);
   std::size_t x = 0;
-  for (; x + kWord <= row.disparity.size(); x += kWord) {
+  for (; x + kMaskWord <= row.disparity.size(); x += kMaskWord) {
     const Bits a = mark(row, x);
-    const Bits b = mark(row, x + kLanes);
-    store_word(a.open, b.open, &masks.open[x / kWord]);
-    store_word(a.matched, b.matched, &masks.matched[x / kWord]);
-    store_word(a.disputed, b.disputed, &masks.disputed[x / kWord]);
-    store_word(a.weak, b.weak, &masks.weak[x / kWord]);
-    store_word(a.edge, b.edge, &masks.edge[x / kWord]);
-    store_word(a.alone, b.alone, &masks.alone[x / kWord]);
-    store_word(a.vague, b.vague, &masks.vague[x / kWord]);
+    const Bits b = mark(row, x + kMaskLanes);
+    store_word(a.open, b.open, &masks.open[x / kMaskWord]);
+    store_word(a.matched, b.matched, &masks.matched[x / kMaskWord]);
+    store_word(a.folded, b.folded, &masks.folded[x / kMaskWord]);
+    store_word(a.weak, b.weak, &masks.weak[x / kMaskWord]);
+    store_word(a.edge, b.edge, &masks.edge[x / kMaskWord]);
+    store_word(a.alone, b.alone, &masks.alone[x / kMaskWord]);
+    store_word(a.vague, b.vague, &masks.vague[x / kMaskWord]);
   }
   ref::ambiguity_masks(behind(row, x), behind(masks, x));
 }

@@ -85,11 +85,12 @@ class AmbiguityResolver {
 
   void run() noexcept {
     const std::size_t n = row_.disparity.size();
-    best::ambiguity_masks(
-        {row_.disparity, row_.weak, row_.support, row_.pmd, out_.source, out_.cause},
-        {open_.words(n), matched_.words(n), disputed_.words(n), weak_.words(n), edge_.words(n),
-         alone_.words(n), vague_.words(n)});
+    best::ambiguity_masks({row_.disparity, row_.weak, row_.support, row_.stereo, row_.pmd,
+                           out_.source, out_.cause, params_.max_range, params_.pmd_range},
+                          {open_.words(n), matched_.words(n), folded_.words(n), weak_.words(n),
+                           edge_.words(n), alone_.words(n), vague_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
+    drop_far_matches();
     judge_alone();
     judge_vague();
     each_run([this](const Run& run) noexcept {
@@ -102,12 +103,11 @@ class AmbiguityResolver {
       resolve_edges(run);
     });
     drop_wide_edges();
-    for (std::size_t x = disputed_.next(0, n); params_.pmd_range != 0 && x < n;
-         x = disputed_.next(x + 1, n)) {
-      if (out_.source[x] == Source::kConflict && differs_by_a_range(x)) {
+    folded_.each(n, [this](std::size_t x) noexcept {
+      if (out_.source[x] == Source::kConflict) {
         out_.cause[x] = Cause::kRangeAmbiguous;
       }
-    }
+    });
   }
 
  private:
@@ -178,6 +178,18 @@ class AmbiguityResolver {
     return nearer(run.left, run.to_left(x)) || nearer(run.right, run.to_right(x));
   }
 
+  // Matches against a mixed reading that may be of what is far behind it.
+  void drop_far_matches() noexcept {
+    const std::size_t n = row_.disparity.size();
+    alone_.each(n, [this](std::size_t x) noexcept {
+      if (out_.source[x] == Source::kResolved && out_.depth[x] - pmd(x).low > kMaxSureGuess) {
+        drop(x, Source::kConflict, Cause::kMixedPixel);
+        matched_.remove(x);
+        alone_.remove(x);
+      }
+    });
+  }
+
   // Where nothing but the match was known.
   void judge_alone() noexcept {
     const std::size_t n = row_.disparity.size();
@@ -185,11 +197,14 @@ class AmbiguityResolver {
       return;
     }
     MatchEvidence::Result said{};
-    std::size_t judged = n;
-    for (std::size_t x = alone_.next(0, n); x < n; x = alone_.next(x + 1, n)) {
-      if (judged == n || x >= judged + kJudgedTogether || is_sure(x) != is_sure(judged) ||
-          std::abs(row_.disparity[x].raw - row_.disparity[judged].raw) > kJudgedStep) {
-        judged = x;
+    std::size_t end = 0;  // of what may be judged together
+    bool sure = false;
+    int raw = 0;
+    alone_.each(n, [&](std::size_t x) noexcept {
+      if (x >= end || is_sure(x) != sure || std::abs(row_.disparity[x].raw - raw) > kJudgedStep) {
+        end = x + kJudgedTogether;
+        sure = is_sure(x);
+        raw = row_.disparity[x].raw;
         said = row_.evidence->judge({.x = static_cast<int>(x),
                                      .y = row_.y,
                                      .disparity = row_.disparity[x],
@@ -198,7 +213,7 @@ class AmbiguityResolver {
                                     row_.view);
       }
       finish_alone(x, said);
-    }
+    });
   }
 
   void finish_alone(std::size_t x, const MatchEvidence::Result& said) noexcept {
@@ -237,25 +252,25 @@ class AmbiguityResolver {
   // Matches that may be of the other surface of an edge of the PMD.
   void judge_vague() noexcept {
     const std::size_t n = row_.disparity.size();
-    for (std::size_t x = vague_.next(0, n); x < n; x = vague_.next(x + 1, n)) {
+    vague_.each(n, [this](std::size_t x) noexcept {
       if (out_.depth[x] - pmd(x).low > kMaxVagueGuess) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
         matched_.remove(x);
       } else {
         cover_pmd(x);
       }
-    }
+    });
   }
 
   // Readings at edges of the PMD that no match around explains.
   void drop_wide_edges() noexcept {
     const std::size_t n = row_.disparity.size();
-    for (std::size_t x = open_.next(0, n); x < n; x = open_.next(x + 1, n)) {
-      if (edge_.has(x) && out_.source[x] == Source::kPmd &&
-          out_.depth[x] - pmd(x).low > kMaxGuess) {
+    edge_.intersect(open_, n);
+    edge_.each(n, [this](std::size_t x) noexcept {
+      if (out_.source[x] == Source::kPmd && out_.depth[x] - pmd(x).low > kMaxGuess) {
         drop(x, Source::kConflict, Cause::kMixedPixel);
       }
-    }
+    });
   }
 
   bool publish(std::size_t x, const Run& run, const Surface<Table>& where, Source source,
@@ -356,16 +371,6 @@ class AmbiguityResolver {
     }
   }
 
-  bool differs_by_a_range(std::size_t x) const noexcept {
-    const int range = params_.pmd_range;
-    const Range stereo{std::max<int>(row_.stereo.low[x], 1),
-                       std::min<int>(row_.stereo.high[x], params_.max_range)};
-    const Range here = pmd(x);
-    const int less = range - range / 16;
-    return !common(stereo, {here.low + less, here.high + range}).empty() ||
-           !common(stereo, {here.low - range, here.high - less}).empty();
-  }
-
   const AmbiguityRow& row_;
   const AmbiguityParams& params_;
   const Table& table_;
@@ -373,7 +378,7 @@ class AmbiguityResolver {
   PixelSet open_;       // that have yet to be resolved
   PixelSet matched_;    // whose match was published and stands for a surface
   PixelSet confirmed_;  // by their weak match
-  PixelSet disputed_;   // kConflict at first
+  PixelSet folded_;     // kConflict at first, and a range apart
   PixelSet weak_;       // with a weak match alone
   PixelSet edge_;       // where the PMD says that there is an edge
   PixelSet alone_;      // by their match and nothing else

@@ -1,6 +1,8 @@
 #include "dsp/fusion/resolve/hole_filler.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdlib>
 #include <optional>
@@ -9,6 +11,8 @@
 #include "dsp/base/index.h"
 #include "dsp/fusion/interval/intersect.h"
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
+#include "dsp/fusion/resolve/hole_masks.h"
+#include "dsp/fusion/resolve/pixel_set.h"
 #include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
@@ -39,28 +43,29 @@ constexpr bool is_one_surface(QuarterMm near, QuarterMm far) noexcept {
   return near * kOneSurface > far * (kOneSurface - 1);
 }
 
+// Calls visit(x + i) for each bit i.
+template <typename Visit>
+void each_bit(unsigned bits, std::size_t x, Visit visit) noexcept {
+  for (; bits != 0; bits &= bits - 1) {
+    visit(x + static_cast<std::size_t>(std::countr_zero(bits)));
+  }
+}
+
+}  // namespace
+
 // A row of the map, for whoever fills it.
-class OpenRow {
+class HoleFiller::OpenRow {
  public:
+  OpenRow() noexcept = default;
   OpenRow(const DepthMap& map, const HoleView& view, int y) noexcept
       : depth_(map.depth.row(y)),
         width_(map.width.row(y)),
         source_(map.source.row(y)),
         cause_(map.cause.row(y)),
-        disparity_(view.disparity.row(y)),
         low_(view.pmd_low.row(y)),
         high_(view.pmd_high.row(y)) {}
 
   bool is_mixed(std::size_t x) const noexcept { return cause_[x] == Cause::kMixedPixel; }
-  bool is_hole(std::size_t x) const noexcept {
-    return source_[x] == Source::kNone || (source_[x] == Source::kConflict && is_mixed(x));
-  }
-  // Published by a PMD interval that a surface around it might make narrower.
-  bool is_loose(std::size_t x) const noexcept {
-    const int low = depth_[x] - width_[x] / 2;
-    return (source_[x] == Source::kPmd && width_[x] * kNarrowShare > low) ||
-           (source_[x] == Source::kResolved && is_mixed(x) && !disparity_[x].valid());
-  }
   bool is_allowed(std::size_t x, int depth, QuarterMm max_range) const noexcept {
     return depth >= low_[x] && depth <= std::min(high_[x], max_range) &&
            depth - low_[x] <= kMaxGuess;
@@ -81,28 +86,9 @@ class OpenRow {
   std::span<QuarterMm> width_;
   std::span<Source> source_;
   std::span<Cause> cause_;
-  std::span<const Disparity> disparity_;
   std::span<const QuarterMm> low_;
   std::span<const QuarterMm> high_;
 };
-
-// Marks what may be open in a row of the map, of columns without branches.
-void mark_open(const DepthMap& map, int y, std::span<std::uint8_t> open) noexcept {
-  const std::span<const QuarterMm> depth = map.depth.row(y);
-  const std::span<const QuarterMm> width = map.width.row(y);
-  const std::span<const Source> source = map.source.row(y);
-  const std::span<const Cause> cause = map.cause.row(y);
-  for (std::size_t x = 0; x < depth.size(); ++x) {
-    const unsigned mixed = cause[x] == Cause::kMixedPixel ? 1 : 0;
-    const unsigned disputed = source[x] == Source::kConflict || source[x] == Source::kResolved;
-    const unsigned wide = width[x] * kNarrowShare > depth[x] - width[x] / 2 ? 1 : 0;
-    const unsigned pmd = source[x] == Source::kPmd ? 1 : 0;
-    const unsigned none = source[x] == Source::kNone ? 1 : 0;
-    open[x] = static_cast<std::uint8_t>(open[x] | none | (mixed & disputed) | (pmd & wide));
-  }
-}
-
-}  // namespace
 
 // The surfaces around one cell.
 class HoleFiller::Search {
@@ -216,6 +202,10 @@ HoleFiller::HoleFiller(int width, int height, QuarterMm max_range, Arena& arena)
   far_ = arena.take_image<QuarterMm>(columns, rows);
 }
 
+Rows HoleFiller::map_rows(Rows cells) const noexcept {
+  return {std::min(cells.begin * kCell, height_), std::min(cells.end * kCell, height_)};
+}
+
 void HoleFiller::gather(Rows cells, const DepthMap& map) const noexcept {
   STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
   Columns nearest;
@@ -249,38 +239,66 @@ void HoleFiller::gather(Rows cells, const DepthMap& map) const noexcept {
   }
 }
 
+// The open pixels of a row of cells, one set for each row of pixels.
+struct HoleFiller::OpenCells {
+  std::array<PixelSet, kCell> hole;
+  std::array<PixelSet, kCell> loose;
+  PixelSet any;  // of all its rows
+  std::array<OpenRow, kCell> pixels;
+
+  void mark(const DepthMap& map, const HoleView& view, Rows rows) noexcept {
+    const std::size_t n = index(map.depth.width());
+    std::ranges::fill(any.words(n), 0U);
+    for (int y = rows.begin; y < rows.end; ++y) {
+      const std::size_t k = index(y - rows.begin);
+      pixels[k] = OpenRow(map, view, y);
+      best::hole_masks({map.depth.row(y), map.width.row(y), map.source.row(y), map.cause.row(y),
+                        view.disparity.row(y)},
+                       {hole[k].words(n), loose[k].words(n)});
+      any.unite(hole[k], n);
+      any.unite(loose[k], n);
+    }
+  }
+};
+
 void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evidence,
                       const DepthMap& map) const noexcept {
   STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
   STOF_CHECK(same_size(view.disparity, map.depth) && same_size(view.pmd_low, map.depth) &&
              same_size(view.pmd_high, map.depth) && same_size(map.cause, map.depth));
-  std::array<std::array<std::uint8_t, kMaxImageWidth>, 2> open;
-  std::array<std::array<Guess, kMaxImageWidth / kQuarter>, 2> guesses;
-  const auto is_open = [&](int k, std::size_t at) noexcept {
-    return std::ranges::any_of(std::span(open[index(k)]).subspan(at * kQuarter).first<kQuarter>(),
-                               [](std::uint8_t mark) noexcept { return mark != 0; });
-  };
+  const std::size_t n = index(width_);
+  OpenCells open;
   for (int row = cells.begin; row < cells.end; ++row) {
-    const Rows rows{row * kCell, std::min((row + 1) * kCell, height_)};
-    open = {};
-    for (int y = rows.begin; y < rows.end; ++y) {
-      mark_open(map, y, open[index(y - rows.begin) / kQuarter]);
-    }
-    for (int x = 0; x < near_.width(); ++x) {
-      std::optional<Guess> guess;  // of the cell
-      for (int k = 0; k < 4; ++k) {
-        const int column = 2 * x + k % 2;
-        Guess& quarter = guesses[index(k / 2)][index(column)];
-        quarter = {};
-        if (is_open(k / 2, index(column))) {
-          guess = guess ? guess : Search(*this, evidence, x, row).guess();
-          quarter = guess->read ? read(*guess, evidence, column, 2 * row + k / 2) : *guess;
-        }
+    open.mark(map, view, {row * kCell, std::min((row + 1) * kCell, height_)});
+    for (std::size_t x = open.any.next(0, n); x < n; x = open.any.next(x, n)) {
+      const int column = static_cast<int>(x) / kCell;
+      const Guess guess = Search(*this, evidence, column, row).guess();
+      if (guess.depth != kNoDepth) {
+        fill_cell(column, row, guess, open, evidence);
       }
+      x = index(column + 1) * kCell;
     }
-    for (int y = rows.begin; y < rows.end; ++y) {
-      const std::span<const Guess> of_row = guesses[index(y - rows.begin) / kQuarter];
-      fill_row(y, of_row.first(2 * index(near_.width())), view, map);
+  }
+}
+
+void HoleFiller::fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
+                           const MatchEvidence& evidence) const noexcept {
+  const std::size_t x = index(column) * kCell;
+  for (int k = 0; k < 4; ++k) {
+    const unsigned here = 0xFU << static_cast<unsigned>(k % 2 * kQuarter);
+    const int begin = k / 2 * kQuarter;
+    const int end = std::min(begin + kQuarter, height_ - row * kCell);
+    std::optional<Guess> quarter;  // where something is open
+    for (int y = begin; y < end; ++y) {
+      const std::size_t at = index(y);
+      const OpenBits bits{x, open.hole[at].eight(x) & here, open.loose[at].eight(x) & here};
+      if ((bits.hole | bits.loose) == 0) {
+        continue;
+      }
+      if (!quarter) {
+        quarter = guess.read ? read(guess, evidence, 2 * column + k % 2, 2 * row + k / 2) : guess;
+      }
+      fill_row(*quarter, bits, open.pixels[at]);
     }
   }
 }
@@ -298,27 +316,20 @@ HoleFiller::Guess HoleFiller::read(const Guess& guess, const MatchEvidence& evid
       .depth = middle_of(low, high), .half = width_of(low, high) / 2, .read = true, .fills = true};
 }
 
-void HoleFiller::fill_row(int y, std::span<const Guess> guesses, const HoleView& view,
-                          const DepthMap& map) const noexcept {
-  const OpenRow pixels(map, view, y);
-  for (std::size_t quarter = 0; quarter < guesses.size(); ++quarter) {
-    const Guess& guess = guesses[quarter];
-    if (guess.depth == kNoDepth) {
-      continue;
-    }
-    const std::size_t end = std::min((quarter + 1) * kQuarter, index(width_));
-    for (std::size_t x = quarter * kQuarter; x < end; ++x) {
-      if (pixels.is_hole(x)) {
-        if (guess.fills) {
-          pixels.put(x, guess.depth, guess.half,
-                     guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated);
-        }
-      } else if (pixels.is_loose(x) && pixels.is_allowed(x, guess.depth, max_range_)) {
-        pixels.put(x, guess.depth, pixels.half_over_pmd(x, guess.depth, max_range_),
-                   pixels.is_mixed(x) ? Cause::kMixedPixel : Cause::kStereoAmbiguous);
-      }
-    }
+void HoleFiller::fill_row(const Guess& guess, const OpenBits& open,
+                          const OpenRow& pixels) const noexcept {
+  if (guess.depth == kNoDepth) {
+    return;
   }
+  const Cause cause = guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated;
+  each_bit(guess.fills ? open.hole : 0U, open.x,
+           [&](std::size_t x) noexcept { pixels.put(x, guess.depth, guess.half, cause); });
+  each_bit(open.loose, open.x, [&](std::size_t x) noexcept {
+    if (pixels.is_allowed(x, guess.depth, max_range_)) {
+      pixels.put(x, guess.depth, pixels.half_over_pmd(x, guess.depth, max_range_),
+                 pixels.is_mixed(x) ? Cause::kMixedPixel : Cause::kStereoAmbiguous);
+    }
+  });
 }
 
 }  // namespace stof::dsp

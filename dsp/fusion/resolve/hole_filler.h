@@ -1,8 +1,7 @@
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/fixed.h"
@@ -52,6 +51,8 @@ class HoleFiller {
 
   // Rows of cells, for who splits them.
   Rows cell_rows() const noexcept { return near_.rows(); }
+  // Rows of the map in them.
+  Rows map_rows(Rows cells) const noexcept;
 
   // First gather() all rows of cells of a map, then fill() them; either in any order and by any
   // split. map: with causes.
@@ -70,9 +71,17 @@ class HoleFiller {
   class Search;
   // What a quarter of a cell reads of a confirmed guess.
   Guess read(const Guess& guess, const MatchEvidence& evidence, int column, int row) const noexcept;
-  // guesses: of the row's quarters of cells.
-  void fill_row(int y, std::span<const Guess> guesses, const HoleView& view,
-                const DepthMap& map) const noexcept;
+  class OpenRow;
+  struct OpenCells;
+  void fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
+                 const MatchEvidence& evidence) const noexcept;
+  // Open pixels x .. x + 7 of a row, the first lowest.
+  struct OpenBits {
+    std::size_t x;
+    unsigned hole;
+    unsigned loose;
+  };
+  void fill_row(const Guess& guess, const OpenBits& open, const OpenRow& pixels) const noexcept;
 
   // Of each cell, 0 without a surface.
   ImageView<QuarterMm> near_;

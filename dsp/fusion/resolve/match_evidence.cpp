@@ -79,10 +79,34 @@ void MatchEvidence::ask_around(const PmdView::Place& place, float half, Hear hea
   }
 }
 
+// Where the picture has all of them.
+MatchEvidence::Support MatchEvidence::inner_supporters(
+    const Match& match, int most, ImageView<const Disparity> disparity) noexcept {
+  const Disparity* const here = &disparity.row(match.y)[index(match.x)];
+  const int first = match.disparity.raw - most;
+  const auto is_near = [=](const Disparity* other) noexcept {
+    return static_cast<unsigned>(other->raw - first) <= static_cast<unsigned>(2 * most) ? 1 : 0;
+  };
+  Support support{.count = 0, .there = 8 * int{kSupportRings.size()}};
+  for (const int step : kSupportRings) {
+    const Disparity* const above = here - step * disparity.stride();
+    const Disparity* const below = here + step * disparity.stride();
+    support.count += is_near(above - step) + is_near(above) + is_near(above + step) +
+                     is_near(here - step) + is_near(here + step) + is_near(below - step) +
+                     is_near(below) + is_near(below + step);
+  }
+  return support;
+}
+
 MatchEvidence::Support MatchEvidence::supporters(
     const Match& match, ImageView<const Disparity> disparity) const noexcept {
   const int raw = match.disparity.raw;
   const int most = std::max((raw - infinity_raw_) / kSupportShare, kMinSupportStep);
+  constexpr int kFarthest = kSupportRings.back();
+  if (match.x >= kFarthest && match.x + kFarthest < disparity.width() && match.y >= kFarthest &&
+      match.y + kFarthest < disparity.height()) {
+    return inner_supporters(match, most, disparity);
+  }
   Support support;
   for (const int step : kSupportRings) {
     const int left = match.x >= step ? match.x - step : match.x;

@@ -89,6 +89,8 @@ class MatchEvidence {
     bool is_enough(int of_sixteen) const noexcept { return 16 * count >= of_sixteen * there; }
   };
   Support supporters(const Match& match, ImageView<const Disparity> disparity) const noexcept;
+  static Support inner_supporters(const Match& match, int most,
+                                  ImageView<const Disparity> disparity) noexcept;
 
   PmdView view_;
   std::int16_t infinity_raw_ = 0;

@@ -21,11 +21,20 @@ class PixelSet {
   std::span<std::uint64_t> words(std::size_t n) noexcept {
     return std::span(words_).first((n + kWord - 1) / kWord);
   }
+  // Pixels x .. x + 7, the first lowest; x a multiple of 8.
+  unsigned eight(std::size_t x) const noexcept {
+    return static_cast<unsigned>(words_[x / kWord] >> (x % kWord)) & 0xFFU;
+  }
   void add(std::size_t x) noexcept { words_[x / kWord] |= std::uint64_t{1} << (x % kWord); }
   void remove(std::size_t x) noexcept { words_[x / kWord] &= ~(std::uint64_t{1} << (x % kWord)); }
   void unite(const PixelSet& other, std::size_t n) noexcept {
     for (std::size_t word = 0; word * kWord < n; ++word) {
       words_[word] |= other.words_[word];
+    }
+  }
+  void intersect(const PixelSet& other, std::size_t n) noexcept {
+    for (std::size_t word = 0; word * kWord < n; ++word) {
+      words_[word] &= other.words_[word];
     }
   }
   bool has(std::size_t x) const noexcept { return ((words_[x / kWord] >> (x % kWord)) & 1) != 0; }
@@ -34,6 +43,16 @@ class PixelSet {
   std::size_t next(std::size_t x, std::size_t n) const noexcept { return find(x, n, 0); }
   std::size_t next_without(std::size_t x, std::size_t n) const noexcept {
     return find(x, n, ~std::uint64_t{0});
+  }
+  // Calls visit(x) for those of n pixels, from the first on. It may take out pixels that were
+  // visited.
+  template <typename Visit>
+  void each(std::size_t n, Visit visit) const noexcept {
+    for (std::size_t word = 0; word * kWord < n; ++word) {
+      for (std::uint64_t bits = words_[word]; bits != 0; bits &= bits - 1) {
+        visit(word * kWord + static_cast<std::size_t>(std::countr_zero(bits)));
+      }
+    }
   }
   // The last pixel before x that is in the set; x where there is none.
   std::size_t before(std::size_t x) const noexcept {

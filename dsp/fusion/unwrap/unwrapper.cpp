@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "dsp/base/check.h"
+#include "dsp/base/index.h"
 #include "dsp/base/units.h"
 #include "dsp/fusion/unwrap/decision/wrap_decision.h"
 #include "dsp/fusion/unwrap/decision/wrap_memory.h"
@@ -46,21 +47,21 @@ void apply(const WrapMaps& maps, const PmdMaps& pmd) noexcept {
   }
 }
 
-// Beside a reading that tells nothing there may be an edge.
-void mark_edges(const PmdMaps& pmd) noexcept {
+// Beside a reading that tells nothing there may be an edge. wrapped: of a row, with one more at
+// either end, which are 0.
+void mark_edges(const PmdMaps& pmd, std::span<std::uint8_t> wrapped) noexcept {
   for (int y = 0; y < pmd.flags.height(); ++y) {
     const std::span<std::uint8_t> flags = pmd.flags.row(y);
     const std::span<const std::uint8_t> above = pmd.flags.row_clamped(y - 1);
     const std::span<const std::uint8_t> below = pmd.flags.row_clamped(y + 1);
     const std::span<const QuarterMm> distance = pmd.distance.row(y);
-    int before = 0;
-    int here = above[0] | flags[0] | below[0];
     for (std::size_t x = 0; x < flags.size(); ++x) {
-      const int after = x + 1 < flags.size() ? above[x + 1] | flags[x + 1] | below[x + 1] : 0;
-      const bool beside = ((before | here | after) & kPmdWrapped) != 0 && distance[x] != kNoDepth;
+      wrapped[x + 1] = static_cast<std::uint8_t>((above[x] | flags[x] | below[x]) & kPmdWrapped);
+    }
+    for (std::size_t x = 0; x < flags.size(); ++x) {
+      const int around = wrapped[x] | wrapped[x + 1] | wrapped[x + 2];
+      const bool beside = around != 0 && distance[x] != kNoDepth;
       flags[x] = static_cast<std::uint8_t>(flags[x] | (beside ? unsigned{kPmdEdge} : 0U));
-      before = here;
-      here = after;
     }
   }
 }
@@ -74,6 +75,7 @@ struct Unwrapper::Parts {
   WrapEvidence evidence;
   WrapDecision decision;
   std::optional<WrapMemory> memory;
+  std::span<std::uint8_t> wrapped;  // for mark_edges()
 };
 
 bool Unwrapper::needed(const PmdSensor& sensor, const FusionParams& params) noexcept {
@@ -91,7 +93,8 @@ Unwrapper::Unwrapper(const Calibration& calibration, const FusionParams& params,
                                        height, arena),
               .decision = WrapDecision(pmd.width, pmd.height, std::min(pmd.fx, pmd.fy),
                                        turn_of(calibration.pmd), arena),
-              .memory = std::nullopt};
+              .memory = std::nullopt,
+              .wrapped = arena.take_filled(index(pmd.width + 2), std::uint8_t{0})};
   if (remembers) {
     parts.memory.emplace(pixel_count(pmd.width, pmd.height), arena);
   }
@@ -124,7 +127,7 @@ void Unwrapper::resolve(const PmdMaps& pmd, ImageView<const Disparity> disparity
   }
   apply(maps, pmd);
   refresh_intervals(pmd);
-  mark_edges(pmd);
+  mark_edges(pmd, parts_->wrapped);
 }
 
 }  // namespace stof::dsp

@@ -38,7 +38,7 @@ std::span<const std::byte> LineReader::take(settings::SerialMode mode, hal::Time
       mavlink::note_message(*message, now, autopilot_);
     }
   } else if (const std::optional<std::span<const std::byte>> frame = packets_.take(unread_)) {
-    answer = requests_.take(*frame);
+    answer = requests_.take(*frame, now);
   }
   refused_.store(requests_.counters().refused + packets_.counters().broken +
                      packets_.counters().too_long + messages_.counters().damaged,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <expected>
+#include <optional>
 
 #include "firmware/wire/messages/discover.h"
 
@@ -15,7 +16,8 @@ void SerialRequestHandler::set_announce(const wire::Announce& announce,
   health_ = health;
 }
 
-std::span<const std::byte> SerialRequestHandler::take(std::span<const std::byte> bytes) noexcept {
+std::span<const std::byte> SerialRequestHandler::take(std::span<const std::byte> bytes,
+                                                      hal::Time now) noexcept {
   const std::expected<wire::PacketView, wire::PacketFault> packet = wire::parse_packet(bytes);
   if (!packet) {
     return refuse();
@@ -28,7 +30,7 @@ std::span<const std::byte> SerialRequestHandler::take(std::span<const std::byte>
     case PacketType::kDiscover:
       return discover(packet->payload);
     case PacketType::kSettingsRequest:
-      return serve_settings(packet->payload);
+      return serve_settings(packet->payload, now);
     default:
       return refuse();
   }
@@ -45,8 +47,8 @@ std::span<const std::byte> SerialRequestHandler::discover(
   return seal(PacketType::kAnnounce, wire::kAnnounceBytes);
 }
 
-std::span<const std::byte> SerialRequestHandler::serve_settings(
-    std::span<const std::byte> payload) noexcept {
+std::span<const std::byte> SerialRequestHandler::serve_settings(std::span<const std::byte> payload,
+                                                                hal::Time now) noexcept {
   const Result<wire::SettingsRequest> asked = wire::decode_settings_request(payload);
   if (!asked) {
     return refuse();
@@ -56,8 +58,8 @@ std::span<const std::byte> SerialRequestHandler::serve_settings(
   std::size_t text_bytes = 0;
   wire::SettingsAnswer answer{.result = wire::SettingsResult::kUnsupported};
   if (settings_ != nullptr) {
-    answer =
-        settings_->serve(*asked, payload.subspan(wire::kSettingsRequestBytes), text, text_bytes);
+    answer = settings_->serve(*asked, payload.subspan(wire::kSettingsRequestBytes),
+                              {.peer = std::nullopt, .now = now}, text, text_bytes);
   }
   answer.request_id = asked->request_id;
   wire::encode_settings_answer(answer,

@@ -8,6 +8,7 @@
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "firmware/wire/packet.h"
+#include "hal/time.h"
 
 namespace stof::firmware {
 
@@ -29,13 +30,14 @@ class SerialRequestHandler {
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
 
   // Any bytes. The answer, valid until the next call; empty: none.
-  std::span<const std::byte> take(std::span<const std::byte> bytes) noexcept;
+  std::span<const std::byte> take(std::span<const std::byte> bytes, hal::Time now) noexcept;
 
   const Counters& counters() const noexcept { return counters_; }
 
  private:
   std::span<const std::byte> discover(std::span<const std::byte> payload) noexcept;
-  std::span<const std::byte> serve_settings(std::span<const std::byte> payload) noexcept;
+  std::span<const std::byte> serve_settings(std::span<const std::byte> payload,
+                                            hal::Time now) noexcept;
   std::span<const std::byte> seal(wire::PacketType type, std::size_t payload_bytes) noexcept;
   std::span<const std::byte> refuse() noexcept;
 

@@ -7,6 +7,7 @@
 #include "firmware/settings/fields/field_tree.h"
 #include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/text/json.h"
+#include "firmware/wire/crc32c.h"
 
 namespace stof::settings {
 namespace {
@@ -185,6 +186,13 @@ void write_document(const Settings& settings, PagedWriter& out) noexcept {
   DocumentWriter writer(settings, out);
   visit_field_tree(writer);
   out << "\n}\n";
+}
+
+std::uint32_t fingerprint(const Settings& settings) noexcept {
+  std::array<char, kMostDocumentBytes> space;
+  PagedWriter document(space);
+  write_document(settings, document);
+  return wire::crc32c(std::as_bytes(std::span(document.text())));
 }
 
 }  // namespace stof::settings

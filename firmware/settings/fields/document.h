@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <string_view>
 
@@ -34,5 +35,8 @@ inline constexpr std::string_view kNotInThisVersion = "not in this version";
 
 // All fields, one a line.
 void write_document(const Settings& settings, PagedWriter& out) noexcept;
+
+// CRC-32C of that document: two sensors of one version with one fingerprint have the same settings.
+std::uint32_t fingerprint(const Settings& settings) noexcept;
 
 }  // namespace stof::settings

@@ -5,9 +5,12 @@
 
 namespace stof::hal::emu {
 
-Result<std::size_t> Store::load(std::span<std::byte> space) noexcept {
+Result<std::optional<std::size_t>> Store::load(std::span<std::byte> space) noexcept {
   if (broken_) {
-    return fail(Status::kDeviceError);
+    return fail(why_);
+  }
+  if (!there_) {
+    return std::nullopt;
   }
   if (bytes_.size() > space.size()) {
     return fail(Status::kTooLarge);
@@ -18,18 +21,20 @@ Result<std::size_t> Store::load(std::span<std::byte> space) noexcept {
 
 Status Store::save(std::span<const std::byte> bytes) noexcept {
   if (broken_) {
-    return Status::kDeviceError;
+    return why_;
   }
   bytes_.assign(bytes.begin(), bytes.end());
+  there_ = true;
   ++saves_;
   return Status::kOk;
 }
 
 Status Store::set_aside() noexcept {
   if (broken_) {
-    return Status::kDeviceError;
+    return why_;
   }
   aside_ = std::exchange(bytes_, {});
+  there_ = false;
   return Status::kOk;
 }
 

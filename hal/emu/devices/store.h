@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -11,14 +12,20 @@ namespace stof::hal::emu {
 // Bytes in memory, and a medium that fails when asked to.
 class Store final : public hal::Store {
  public:
-  Result<std::size_t> load(std::span<std::byte> space) noexcept override;
+  Result<std::optional<std::size_t>> load(std::span<std::byte> space) noexcept override;
   Status save(std::span<const std::byte> bytes) noexcept override;
   Status set_aside() noexcept override;
 
-  // From now on the medium takes nothing and gives nothing.
-  void break_down(bool broken) noexcept { broken_ = broken; }
-  // The bytes that load() gives; for damaged documents.
-  std::vector<std::byte>& bytes() noexcept { return bytes_; }
+  // From now on the medium takes nothing and gives nothing, and says why.
+  void break_down(bool broken, Status why = Status::kDeviceError) noexcept {
+    broken_ = broken;
+    why_ = why;
+  }
+  // The bytes that load() gives, from now on there are some; for damaged documents.
+  std::vector<std::byte>& bytes() noexcept {
+    there_ = true;
+    return bytes_;
+  }
   const std::vector<std::byte>& aside() const noexcept { return aside_; }
   int saves() const noexcept { return saves_; }
 
@@ -26,7 +33,9 @@ class Store final : public hal::Store {
   std::vector<std::byte> bytes_;
   std::vector<std::byte> aside_;
   int saves_ = 0;
+  bool there_ = false;
   bool broken_ = false;
+  Status why_ = Status::kDeviceError;
 };
 
 }  // namespace stof::hal::emu

@@ -25,6 +25,8 @@ class SerialTty final : public SerialPort {
 
   // Does not wait for anything. An error is one line: what, why and what to do.
   static std::expected<SerialTty, std::string> open(const SerialOptions& options);
+  // As one that is lost: reopen() opens it.
+  static SerialTty closed(const SerialOptions& options) { return SerialTty(options); }
 
   SerialTty(SerialTty&&) noexcept = default;
   SerialTty& operator=(SerialTty&& other) noexcept {

@@ -72,14 +72,15 @@ int UdpPort::configure(const UdpPortOptions& options) noexcept {
     static_cast<void>(socket_.set({IPPROTO_IPV6, IPV6_RECVERR, 1}));
   }
   const int traffic_class = options.dscp << 2;  // the lower two bits are ECN's
+  // Never fragments, and never believes who says that a path takes less: anybody can (ICMP).
   const std::array both{
-      posix::SocketOption{IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO},
+      posix::SocketOption{IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_PROBE},
       posix::SocketOption{SOL_SOCKET, SO_BROADCAST, 1},
       posix::SocketOption{IPPROTO_IP, IP_TOS, traffic_class},
   };
   const std::array only_ipv6{
       posix::SocketOption{IPPROTO_IPV6, IPV6_V6ONLY, 0},  // IPv4 goes through this socket, too
-      posix::SocketOption{IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_DO},
+      posix::SocketOption{IPPROTO_IPV6, IPV6_MTU_DISCOVER, IPV6_PMTUDISC_PROBE},
       posix::SocketOption{IPPROTO_IPV6, IPV6_TCLASS, traffic_class},
   };
   // No class is the system's own: it is not asked for one.

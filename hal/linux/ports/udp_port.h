@@ -25,8 +25,9 @@ struct UdpPortOptions {
 };
 
 // A UDP port at every interface, IPv6 and IPv4 (IPv4 alone where the system has no IPv6), that
-// never sends IP fragments. Any thread may send, also several at once; one thread receives and
-// takes refusals. An answer "nobody listens there" to an earlier datagram never costs a later one.
+// never sends IP fragments, and takes no answer of the network (ICMP) for a smaller path. Any
+// thread may send, also several at once; one thread receives and takes refusals. An answer "nobody
+// listens there" to an earlier datagram never costs a later one.
 class UdpPort final : public hal::DatagramPort {
  public:
   static std::expected<std::unique_ptr<UdpPort>, OpenError> open(const UdpPortOptions& options);

@@ -38,6 +38,34 @@ bool flush_folder(const char* name) noexcept {
   return folder.is_open() && (::fsync(folder.get()) == 0 || errno == EINVAL);
 }
 
+// A regular file, open to be read; not open: there is none. kUnsupported: it is something else.
+Result<posix::Fd> open_file(const char* name) noexcept {
+  struct stat found{};
+  if (::lstat(name, &found) != 0) {
+    return errno == ENOENT || errno == ENOTDIR ? Result<posix::Fd>(posix::Fd())
+                                               : fail(Status::kDeviceError);
+  }
+  if (!S_ISREG(found.st_mode)) {
+    return fail(Status::kUnsupported);
+  }
+  // It may have become something else meanwhile: neither a link is followed, nor a device waited
+  // for.
+  posix::Fd file(::open(name, O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (!file.is_open() || ::fstat(file.get(), &found) != 0) {
+    return fail(Status::kDeviceError);
+  }
+  if (!S_ISREG(found.st_mode)) {
+    return fail(Status::kUnsupported);
+  }
+  return file;
+}
+
+// Nothing that is no regular file is in the way.
+bool free_for_file(const char* name) noexcept {
+  struct stat found{};
+  return ::lstat(name, &found) != 0 ? errno == ENOENT : S_ISREG(found.st_mode);
+}
+
 Status judge(bool good) noexcept { return good ? Status::kOk : Status::kDeviceError; }
 
 }  // namespace
@@ -48,17 +76,20 @@ FileStore::FileStore(std::string name)
       bad_(name_ + ".bad"),
       folder_(folder_of(name_)) {}
 
-Result<std::size_t> FileStore::load(std::span<std::byte> space) noexcept {
-  const posix::Fd file(::open(name_.c_str(), O_RDONLY | O_CLOEXEC));
-  if (!file.is_open()) {
-    return errno == ENOENT ? Result<std::size_t>(0) : fail(Status::kDeviceError);
+Result<std::optional<std::size_t>> FileStore::load(std::span<std::byte> space) noexcept {
+  const Result<posix::Fd> file = open_file(name_.c_str());
+  if (!file) {
+    return fail(file.error());
+  }
+  if (!file->is_open()) {
+    return std::nullopt;
   }
   std::size_t bytes = 0;
   std::byte more{};
   while (true) {
     const bool full = bytes == space.size();
     const ssize_t got =
-        ::read(file.get(), full ? &more : space.data() + bytes, full ? 1 : space.size() - bytes);
+        ::read(file->get(), full ? &more : space.data() + bytes, full ? 1 : space.size() - bytes);
     if (got == 0) {
       return bytes;
     }
@@ -75,20 +106,34 @@ Result<std::size_t> FileStore::load(std::span<std::byte> space) noexcept {
 
 Status FileStore::write_new(std::span<const std::byte> bytes) const noexcept {
   constexpr mode_t kReadable = 0644;
-  const posix::Fd file(::open(new_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, kReadable));
+  if (!free_for_file(new_.c_str())) {
+    return Status::kDeviceError;
+  }
+  ::unlink(new_.c_str());  // of a save that a power cut ended
+  const posix::Fd file(
+      ::open(new_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kReadable));
   return judge(file.is_open() && write_all(file.get(), bytes) && ::fsync(file.get()) == 0);
 }
 
 Status FileStore::save(std::span<const std::byte> bytes) noexcept {
+  if (const Result<posix::Fd> file = open_file(name_.c_str()); !file) {
+    return file.error();
+  }
   if (write_new(bytes) != Status::kOk || std::rename(new_.c_str(), name_.c_str()) != 0) {
-    ::unlink(new_.c_str());
+    if (free_for_file(new_.c_str())) {
+      ::unlink(new_.c_str());
+    }
     return Status::kDeviceError;
   }
   return judge(flush_folder(folder_.c_str()));
 }
 
 Status FileStore::set_aside() noexcept {
-  return judge(std::rename(name_.c_str(), bad_.c_str()) == 0 && flush_folder(folder_.c_str()));
+  if (const Result<posix::Fd> file = open_file(name_.c_str()); !file) {
+    return file.error();
+  }
+  return judge(free_for_file(bad_.c_str()) && std::rename(name_.c_str(), bad_.c_str()) == 0 &&
+               flush_folder(folder_.c_str()));
 }
 
 }  // namespace stof::hal::linux

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <string>
 
 #include "hal/store.h"
@@ -10,13 +11,14 @@ namespace stof::hal::linux {
 // A file. New contents are written beside it (NAME.new), flushed to the medium and renamed, and the
 // folder is flushed: after a power cut the file is the old or the new one. A file that
 // is set aside becomes NAME.bad. A name that the system finds too long, with those endings, is a
-// kDeviceError.
+// kDeviceError. Where NAME is a folder, a device, a link, anything but a regular file, it is
+// kUnsupported: never opened, renamed or replaced; so is nothing that has one of the endings.
 class FileStore final : public Store {
  public:
   // Opens nothing; alone of all allocates.
   explicit FileStore(std::string name);
 
-  Result<std::size_t> load(std::span<std::byte> space) noexcept override;
+  Result<std::optional<std::size_t>> load(std::span<std::byte> space) noexcept override;
   Status save(std::span<const std::byte> bytes) noexcept override;
   Status set_aside() noexcept override;
 

@@ -59,6 +59,9 @@ FusionOptions fusion_options(const EvaluateFusionOptions& options) {
     result.max_range =
         static_cast<dsp::QuarterMm>(std::lround(*options.max_range_m * dsp::kQuarterMmPerMetre));
   }
+  if (!options.truth_m.empty()) {
+    result.truth = {.nearest = options.truth_m[0], .farthest = options.truth_m[1]};
+  }
   result.guided = options.guided;
   result.chapter_geometry = options.chapter_geometry;
   result.runs = options.match.runs;
@@ -79,6 +82,12 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
       .add_option("--max-range", options.max_range_m,
                   "Metres beyond which nothing is measured (default: the appliance's)")
       ->check(CLI::Range(dsp::kLeastMaxRangeMm / kMm, dsp::kMostMaxRangeMm / kMm));
+  command
+      .add_option("--truth", options.truth_m,
+                  "Judges only pixels whose true depth lies between NEAR and FAR metres")
+      ->expected(2)
+      ->type_name("NEAR FAR")
+      ->check(CLI::NonNegativeNumber);
   command.add_option("--calibration", options.calibration,
                      "What stof calib pmd found of the PMD camera, in place of its json");
   command.add_flag("--guided", options.guided, "PMD intervals narrow the search");

@@ -12,6 +12,7 @@ namespace stof::host {
 struct EvaluateFusionOptions : EvaluateOptions {
   std::vector<std::filesystem::path> pairs;  // STEREO_DIR and PREFIX in turn
   std::optional<double> max_range_m;         // without it the appliance's
+  std::vector<float> truth_m;                // near and far end of what is judged; none: all
   bool guided = false;
   bool chapter_geometry = false;
   std::filesystem::path calibration;  // of the PMD cameras; empty: what their jsons say

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <expected>
+#include <limits>
 #include <optional>
 
 #include "dataset/dataset.h"
@@ -12,7 +13,13 @@
 
 namespace stof::host {
 
-// How a recorded scene is fused.
+// Metres, both ends included.
+struct DepthBand {
+  float nearest = 0;
+  float farthest = std::numeric_limits<float>::infinity();
+};
+
+// How a recorded scene is fused, and which of its pixels are judged.
 struct FusionOptions {
   dsp::QuarterMm max_range = dsp::FusionParams{}.max_range;
   bool guided = false;            // PMD intervals narrow the search
@@ -21,8 +28,9 @@ struct FusionOptions {
   // lens stays the recording's, and so does the fixed pattern where the calibrated picture has
   // another size. Of run_fusion_case().
   std::optional<dsp::PmdSensor> camera = std::nullopt;
-  int runs = 1;     // of which the median time is taken
-  int threads = 1;  // that match and fuse; no result depends on it
+  DepthBand truth = {};  // pixels of another true depth are not judged. Of run_fusion_case()
+  int runs = 1;          // of which the median time is taken
+  int threads = 1;       // that match and fuse; no result depends on it
 };
 
 // The parameters a scene of `disparities` candidates is matched with. A preset means what the

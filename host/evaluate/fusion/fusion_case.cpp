@@ -1,15 +1,30 @@
 #include "host/evaluate/fusion/fusion_case.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 #include "dataset/files/file.h"
 #include "host/evaluate/other_camera.h"
+#include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
 std::string size_of(const dsp::Pinhole& lens) {
   return dataset::size_text(lens.width, lens.height);
+}
+
+// Forgets the truth of other pixels. false: there is none of the band.
+bool keep_band(const DepthBand& band, dataset::Image<float>& truth) {
+  bool any = false;
+  for (float& depth : truth.pixels) {
+    if (depth < band.nearest || depth > band.farthest) {
+      depth = std::numeric_limits<float>::infinity();
+    }
+    any = any || std::isfinite(depth);
+  }
+  return any;
 }
 
 }  // namespace
@@ -75,6 +90,12 @@ dataset::Loaded<FusionCase> run_fusion_case(const std::filesystem::path& scene,
   dataset::Loaded<RecordedPair> recorded = read_recorded_pair(scene, prefix);
   if (!recorded) {
     return std::unexpected(std::move(recorded.error()));
+  }
+  if (!keep_band(options.truth, recorded->depth)) {
+    return dataset::refuse(scene.string(),
+                           printed("no true depth lies between %g and %g m",
+                                   double{options.truth.nearest}, double{options.truth.farthest}),
+                           "give another range");
   }
   dataset::Loaded<std::string> note;
   if (options.camera) {

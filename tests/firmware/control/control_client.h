@@ -52,10 +52,11 @@ class ControlClient {
     return space;
   }
   // Asks with the newest cookie, and once more where it was too old. kFull and the like as told.
-  std::optional<wire::SubscribeResult> ask(wire::PacketType type = wire::PacketType::kSubscribe) {
+  std::optional<wire::SubscribeResult> ask(wire::PacketType type = wire::PacketType::kSubscribe,
+                                           std::uint16_t lease_ms = 0) {
     for (int i = 0; i < 3; ++i) {
-      if (send(test::subscribe({.request_id = ++request_, .cookie = cookie_}, type)) !=
-          Status::kOk) {
+      if (send(test::subscribe({.request_id = ++request_, .lease_ms = lease_ms, .cookie = cookie_},
+                               type)) != Status::kOk) {
         return std::nullopt;
       }
       const std::optional<Bytes> bytes = receive();

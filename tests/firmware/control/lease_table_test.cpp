@@ -41,6 +41,18 @@ TEST(LeaseTable, TakesFourAndRenewsTheseWhileFull) {
   EXPECT_TRUE(subscribers.subscribe(peer(5), 3s, kStart + 3s));
 }
 
+TEST(LeaseTable, OneHostNeverHasAllPlaces) {
+  LeaseTable subscribers;
+  for (std::uint16_t port = 1; port <= 3; ++port) {
+    EXPECT_TRUE(subscribers.subscribe(peer(66, port), 10s, kStart));
+  }
+  EXPECT_FALSE(subscribers.subscribe(peer(66, 4), 10s, kStart));
+  EXPECT_TRUE(subscribers.subscribe(peer(66, 2), 10s, kStart)) << "renews";
+  EXPECT_TRUE(subscribers.subscribe(peer(7), 10s, kStart)) << "somebody new gets in";
+  subscribers.unsubscribe(peer(66, 1));
+  EXPECT_TRUE(subscribers.subscribe(peer(66, 4), 10s, kStart));
+}
+
 TEST(LeaseTable, LeaseEndsWhenItsTimeIsOver) {
   LeaseTable subscribers;
   EXPECT_TRUE(subscribers.subscribe(peer(1), 3s, kStart));
@@ -67,7 +79,7 @@ TEST(LeaseTable, WhoLeavesLeavesTheOthersInOrder) {
   subscribers.unsubscribe(peer(9));
   subscribers.refused(peer(4), kStart);
   subscribers.refused(peer(8), kStart);
-  EXPECT_EQ(peers(subscribers), (Peers{peer(1), peer(3)}));
+  EXPECT_EQ(peers(subscribers), (Peers{peer(1), peer(3), peer(4)}));
   EXPECT_FALSE(subscribers.list().refused);
 }
 

@@ -23,7 +23,7 @@ constexpr hal::Time kStart{1'000'000s};
 class Echo final : public SettingsService {
  public:
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
-                             std::span<std::byte> answer_text,
+                             const firmware::Requester& /*by*/, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override {
     ++served;
     last = request;

@@ -40,7 +40,7 @@ TEST_F(RequestLimits, AnswersNobodyUnprovenWithMoreThanItSent) {
       Bytes payload(size);
       fill(payload, random);
       const Bytes request = sealed(static_cast<PacketType>(type), payload);
-      now += 1ms;
+      now += 5ms;  // as many as one host may ask
       const std::span<const std::byte> answer = handler_.take(request, peer(1), now);
       ASSERT_LE(answer.size(), request.size()) << "type " << type << ", payload " << size;
       answers += answer.empty() ? 0 : 1;
@@ -69,7 +69,8 @@ TEST_F(RequestLimits, AnswersAThousandUnprovenSourcesASecondAndEveryProvenOne) {
   int answers = 0;
   constexpr int kRequests = 10'000;  // in a second
   for (int i = 0; i < kRequests; ++i) {
-    const hal::Peer source = peer(1, static_cast<std::uint16_t>(1 + i));
+    hal::Peer source = peer(static_cast<std::uint8_t>(i));
+    source.address[14] = static_cast<std::uint8_t>(i >> 8);
     const hal::Time now = kStart + 10s + i * 100us;
     answers += handler_.take(subscribe({}), source, now).empty() ? 0 : 1;
   }
@@ -81,6 +82,63 @@ TEST_F(RequestLimits, AnswersAThousandUnprovenSourcesASecondAndEveryProvenOne) {
       handler_.take(subscribe({.lease_ms = 3000, .cookie = cookie}), peer(200), kStart + 11s));
   ASSERT_TRUE(proven);
   EXPECT_EQ(proven->result, wire::SubscribeResult::kOk);
+}
+
+// 5,000 requests a second from one address and all of its ports, with somebody else beside them.
+TEST_F(RequestLimits, OneHostThatFloodsKeepsNobodyElseOut) {
+  int others = 0;
+  int answers = 0;
+  constexpr int kRequests = 50'000;  // in ten seconds
+  for (int i = 0; i < kRequests; ++i) {
+    const hal::Time now = kStart + i * 200us;
+    const hal::Peer attacker = peer(66, static_cast<std::uint16_t>(1 + i % 60'000));
+    answers += handler_.take(subscribe({}), attacker, now).empty() ? 0 : 1;
+    if (i % 5000 == 4999) {  // once a second
+      const auto answer = subscribed(handler_.take(subscribe({}), peer(7), now));
+      ASSERT_TRUE(answer) << i;
+      const auto proven =
+          subscribed(handler_.take(subscribe({.cookie = answer->cookie}), peer(7), now));
+      ASSERT_TRUE(proven) << i;
+      others += proven->result == wire::SubscribeResult::kOk ? 1 : 0;
+    }
+  }
+  EXPECT_EQ(others, 10);
+  EXPECT_LE(answers, 11 * static_cast<int>(RequestHandler::kUnprovenPerHost));
+}
+
+// Nor one that has proven its address, whatever it asks for.
+TEST_F(RequestLimits, AProvenHostIsServedAThousandTimesASecond) {
+  const std::uint64_t cookie =
+      subscribed(handler_.take(subscribe({}), peer(66), kStart)).value().cookie;
+  int served = 0;
+  for (int i = 0; i < 20'000; ++i) {
+    served +=
+        handler_.take(settings({.cookie = cookie}), peer(66), kStart + i * 100us).empty() ? 0 : 1;
+  }
+  EXPECT_GE(served, 2 * static_cast<int>(RequestHandler::kProvenPerHost));
+  EXPECT_LE(served, 3 * static_cast<int>(RequestHandler::kProvenPerHost));
+}
+
+TEST(SourceLimiter, AHostIsAnAddressOrAnIpv6Network) {
+  using firmware::host_of;
+  EXPECT_EQ(host_of(peer(1, 1)), host_of(peer(1, 2)));
+  EXPECT_NE(host_of(peer(1)), host_of(peer(2)));
+  const auto ipv6 = [](std::uint8_t first, std::uint8_t second, std::uint8_t network,
+                       std::uint8_t last) {
+    return hal::Peer{.address = {first, second, 0, 0, 0, 0, 0, network, 0, 0, 0, 0, 0, 0, 0, last}};
+  };
+  EXPECT_EQ(host_of(ipv6(0x20, 0x01, 5, 1)), host_of(ipv6(0x20, 0x01, 5, 2)));
+  EXPECT_NE(host_of(ipv6(0x20, 0x01, 5, 1)), host_of(ipv6(0x20, 0x01, 6, 1)));
+  EXPECT_NE(host_of(ipv6(0xFE, 0x80, 0, 1)), host_of(ipv6(0xFE, 0x80, 0, 2)));
+}
+
+TEST(TokenBucket, LetsSomePassThenOneAtATime) {
+  TokenBucket bucket(3, 60s);
+  int passed = 0;
+  for (int second = 0; second < 600; ++second) {
+    passed += bucket.take(kStart + second * 1s) ? 1 : 0;
+  }
+  EXPECT_EQ(passed, 3 + 9);
 }
 
 TEST(TokenBucket, LetsAFullSecondPassThenItsRate) {

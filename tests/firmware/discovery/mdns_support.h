@@ -110,9 +110,12 @@ class Message {
     static_cast<void>(writer_.finish(section));
     return *this;
   }
-  std::vector<std::byte> bytes() {
+  // padded: filled up to so many, so that there is room for a long answer.
+  std::vector<std::byte> bytes(std::size_t padded = 0) {
     const auto message = writer_.message();
-    return {message.begin(), message.end()};
+    std::vector<std::byte> all(message.begin(), message.end());
+    all.resize(std::max(all.size(), padded));
+    return all;
   }
 
  private:

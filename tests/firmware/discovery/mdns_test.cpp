@@ -82,7 +82,7 @@ TEST(Responder, AnswersForTheServiceWithAllThatIsNeededToConnect) {
 TEST(Responder, AnswersAnAddressInTheseBytes) {
   Bench bench;
   bench.settle();
-  const auto answer = bench.take(Message(0, 0x1234).ask(kHost, Type::kA).bytes(), kLegacyPeer);
+  const auto answer = bench.take(Message(0, 0x1234).ask(kHost, Type::kA).bytes(70), kLegacyPeer);
   ASSERT_TRUE(answer);
   const std::vector<int> expected{
       0x12, 0x34, 0x84, 0x00, 0,   1,   0,   1,   0,   0,  0,   1,                       // header
@@ -103,7 +103,7 @@ TEST(Responder, AnswersAloneWhoAsksForIt) {
   Bench bench;
   bench.settle();
   const auto answer =
-      bench.take(Message(0, 9).ask(kInstance, Type::kSrv, 0x8001).bytes(), kNeighbour);
+      bench.take(Message(0, 9).ask(kInstance, Type::kSrv, 0x8001).bytes(512), kNeighbour);
   ASSERT_TRUE(answer);
   EXPECT_EQ(answer->to, kNeighbour);
   EXPECT_EQ(answer->header.id, 0);
@@ -158,7 +158,7 @@ TEST(Responder, TellsAllTheSameOnceASecondAtMost) {
 TEST(Responder, AnswersNobodyBeyondItsLink) {
   Bench bench;
   bench.settle();
-  const auto question = Message().ask(kService, Type::kPtr, 0x8001).bytes();
+  const auto question = Message().ask(kService, Type::kPtr, 0x8001).bytes(512);
   hal::Peer stranger = kLegacyPeer;
   stranger.address = hal::from_ipv4(198, 51, 100, 1);
   EXPECT_FALSE(bench.take(question, stranger));
@@ -166,6 +166,66 @@ TEST(Responder, AnswersNobodyBeyondItsLink) {
   elsewhere.scope = 3;
   EXPECT_FALSE(bench.take(question, elsewhere));
   EXPECT_TRUE(bench.take(question, kLegacyPeer));
+}
+
+// Whoever writes a victim's address on its questions gets nothing larger sent there.
+TEST(Responder, AnswersAloneWithNoMoreThanItWasAsked) {
+  Bench bench;
+  bench.settle();
+  int answers = 0;
+  for (const auto& [name, type] : {std::pair(kService, Type::kPtr),
+                                   {kServices, Type::kPtr},
+                                   {kInstance, Type::kAny},
+                                   {kInstance, Type::kTxt},
+                                   {kHost, Type::kA},
+                                   {kHost, Type::kAaaa}}) {
+    for (std::size_t bytes = 0; bytes < 700; ++bytes) {
+      bench.now += 20ms;
+      const auto question = Message().ask(name, type, 0x8001).bytes(bytes);
+      for (const hal::Peer& peer : {kLegacyPeer, kNeighbour}) {
+        if (const auto answer = bench.take(question, peer)) {
+          EXPECT_LE(answer->bytes.size(), question.size());
+          EXPECT_GE(answer->header.answers, 1);
+          ++answers;
+        }
+      }
+    }
+  }
+  EXPECT_GT(answers, 1000);
+  // Who speaks multicast DNS gets the answer there, with everybody else.
+  static_cast<void>(bench.run(2s));
+  EXPECT_FALSE(bench.take(Message().ask(kInstance, Type::kSrv, 0x8001).bytes()));
+  EXPECT_EQ(bench.run(1s).size(), 1U);
+  EXPECT_FALSE(bench.take(Message().ask(kInstance, Type::kSrv).bytes(), kLegacyPeer));
+  EXPECT_TRUE(bench.run(1s).empty());
+}
+
+TEST(Responder, AnswersAloneFiftyTimesASecond) {
+  Bench bench;
+  bench.settle();
+  const auto question = Message().ask(kHost, Type::kA).bytes(512);
+  int answers = 0;
+  for (int i = 0; i < 10'000; ++i) {  // two seconds
+    bench.now += 200us;
+    answers += bench.take(question, kLegacyPeer) ? 1 : 0;
+  }
+  EXPECT_LE(answers, 3 * static_cast<int>(Responder::kAlonePerSecond));
+  EXPECT_GE(answers, 2 * static_cast<int>(Responder::kAlonePerSecond));
+}
+
+TEST(Responder, TakesItsNameBackWhenNobodyHasClaimedItForLong) {
+  Bench bench;
+  static_cast<void>(bench.run(300ms));
+  static_cast<void>(bench.take(Message(0x8400).address(kHost, kPeer4).bytes()));  // forged
+  bench.settle();
+  ASSERT_EQ(bench.responder.host(), (dns::Name{"stof-a17-2", "local"}));
+  static_cast<void>(bench.run(Responder::kRenamed - 10s));
+  EXPECT_EQ(bench.responder.host(), (dns::Name{"stof-a17-2", "local"}));
+  static_cast<void>(bench.run(20s));
+  EXPECT_EQ(bench.responder.host(), kHost);
+  EXPECT_TRUE(bench.responder.established());
+  static_cast<void>(bench.run(2 * Responder::kRenamed));
+  EXPECT_EQ(bench.responder.host(), kHost);
 }
 
 TEST(Responder, TakesAnotherNameWhereItsOwnIsTaken) {

@@ -136,6 +136,85 @@ TEST(HealthMonitor, DriftIsTakenFromFrames) {
   EXPECT_EQ(began[0].reaction, wire::Reaction::kWatch);
 }
 
+TEST(HealthMonitor, EachChangeOfTheSettingsIsAnEventAndEndsAfterTenSeconds) {
+  HealthMonitor monitor(at(0s));
+  const auto events = [&](hal::Time now) {
+    std::vector<wire::EventReport> all;
+    static_cast<void>(monitor.next_health({}, {}, false, now));
+    while (const auto event = monitor.next_event(now)) {
+      all.push_back(*event);
+    }
+    return all;
+  };
+  monitor.observe(happened(EventKind::kSettingsChanged, Component::kLoop, 1s, 0xC0A80107));
+  const auto first = events(at(1s));
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first[0].condition, static_cast<std::uint8_t>(Condition::kSettingsChanged));
+  EXPECT_EQ(first[0].value, 0xC0A80107U);
+  monitor.observe(happened(EventKind::kSettingsChanged, Component::kLoop, 5s, 7));
+  const auto second = events(at(5s));
+  ASSERT_EQ(second.size(), 1U);
+  EXPECT_EQ(second[0].count, 2U);
+  EXPECT_EQ(second[0].value, 7U);
+  EXPECT_GT(second[0].sequence, first[0].sequence);
+  EXPECT_EQ(monitor.summary(), wire::Health::kOk) << "a change is no fault";
+  EXPECT_EQ(events(at(6s)).size(), 1U) << "once more";
+  EXPECT_TRUE(events(at(14999ms)).empty());
+  const auto end = events(at(15s));
+  ASSERT_EQ(end.size(), 1U);
+  EXPECT_EQ(end[0].active, 0);
+}
+
+// What a robot has to know: frames come, and nothing is in them.
+TEST(HealthMonitor, BlindnessIsAConditionWhateverBlinds) {
+  HealthMonitor monitor(at(0s));
+  hal::Time now = at(0s);
+  const auto value = [&]() -> std::uint32_t {
+    std::uint32_t told = 0;
+    now += 1s;
+    const auto health = monitor.next_health({}, {}, true, now);
+    while (const auto event = monitor.next_event(now)) {
+      told = event->condition == static_cast<std::uint8_t>(Condition::kNoDepth) && event->active
+                 ? event->value
+                 : told;
+    }
+    const bool active = (health->active >> static_cast<unsigned>(Condition::kNoDepth) & 1U) != 0;
+    EXPECT_EQ(active, monitor.summary() == wire::Health::kFault);
+    EXPECT_EQ(active, health->reaction == wire::Reaction::kStop);
+    return active ? told : 0;
+  };
+  monitor.note_coverage(10'000, 200);
+  EXPECT_EQ(value(), 0U);
+  EXPECT_EQ(value(), 0U) << "no frames are another condition";
+  monitor.note_coverage(10'000, 199);
+  EXPECT_EQ(value(), HealthMonitor::kNoCoverage);
+  monitor.note_coverage(10'000, 399);
+  static_cast<void>(value());
+  EXPECT_EQ(monitor.summary(), wire::Health::kFault) << "it takes twice as much to end it";
+  monitor.note_blinding(HealthMonitor::kNoDepthStream, now);
+  EXPECT_EQ(value(), HealthMonitor::kNoCoverage | HealthMonitor::kNoDepthStream);
+  monitor.note_coverage(10'000, 400);
+  EXPECT_EQ(value(), HealthMonitor::kNoDepthStream);
+  monitor.note_blinding(HealthMonitor::kShortRange, now);
+  EXPECT_EQ(value(), HealthMonitor::kShortRange);
+  monitor.note_blinding(0, now);
+  EXPECT_EQ(value(), 0U);
+}
+
+TEST(HealthMonitor, TellsWhatTheStartCouldNotUse) {
+  HealthMonitor monitor(at(0s));
+  ControlStatus control{.settings_dropped = 22, .connection_replaced = 1};
+  const auto health = monitor.next_health({}, control, false, at(1s));
+  ASSERT_TRUE(health);
+  EXPECT_EQ(health->active, 1U << static_cast<unsigned>(Condition::kSettingsDropped) |
+                                1U << static_cast<unsigned>(Condition::kConnectionReplaced));
+  EXPECT_EQ(monitor.next_event(at(1s))->value, 22U);
+  EXPECT_EQ(monitor.next_event(at(1s))->value, 1U);
+  control.settings_dropped = 0;
+  EXPECT_EQ(monitor.next_health({}, control, true, at(2s))->active,
+            1U << static_cast<unsigned>(Condition::kConnectionReplaced));
+}
+
 TEST(Conditions, HaveANameATextAndAreKnown) {
   for (std::size_t i = 0; i < wire::kConditions; ++i) {
     const wire::ConditionInfo* const info = wire::info_of(static_cast<Condition>(i));

@@ -16,7 +16,8 @@ class SlowPort final : public hal::DatagramPort {
   Status send(const hal::Peer&, std::span<const std::span<const std::byte>> datagrams,
               std::size_t& sent) noexcept override {
     for (std::size_t i = 0; i < datagrams.size(); ++i) {
-      clock_->wait_until(clock_->now() + took);
+      const bool stalls = times.size() + 1 == stall_at;
+      clock_->wait_until(clock_->now() + took + (stalls ? stall : hal::Duration{}));
       times.push_back(clock_->now());
     }
     sent = status == Status::kOk ? datagrams.size() : 0;
@@ -29,7 +30,9 @@ class SlowPort final : public hal::DatagramPort {
   bool take_unreachable(hal::Peer&) noexcept override { return false; }
   std::uint16_t port() const noexcept override { return 1; }
 
-  hal::Duration took{};  // of each datagram
+  hal::Duration took{};      // of each datagram
+  std::size_t stall_at = 0;  // the one that takes so much longer; 0: none
+  hal::Duration stall{};
   Status status = Status::kOk;
   std::vector<hal::Time> times;
 
@@ -122,6 +125,83 @@ TEST(LoopSchedule, WhatALongStallLeftBehindIsNotPublished) {
   EXPECT_EQ(rig.events.counters.expired, 1U);
   EXPECT_EQ(rig.events.counters.published, 8U);
   EXPECT_EQ((rig.log.edges.back() - rig.log.edges.front()) % kPeriod, 0ms);
+}
+
+// A program that was stopped in the middle of a frame and goes on later: what is left of the frame
+// shows the past.
+TEST(LoopSchedule, AFrameThatGotOldInMidSendIsAbandoned) {
+  for (const hal::Duration period : {hal::Duration(33ms), hal::Duration(5s)}) {
+    hal::Clock* clock = nullptr;
+    SlowPort port(clock);
+    const wire::StreamChoice choice{
+        .coding = {wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw,
+                   wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw, wire::Coding::kRaw},
+        .cloud_step = 2};
+    board::TimingConfig slow = timing();
+    slow.period = period;
+    Rig rig({.timing = slow, .port = &port, .choice = choice});
+    clock = &rig.clock;
+    rig.publisher.set_params({.choice = choice, .pace_percent = 60, .period = period});
+    for (int i = 0; i < 4; ++i) {
+      static_cast<void>(rig.loop.step());
+    }
+    const std::uint64_t expired = rig.events.counters.expired;
+    const std::uint64_t dropped = rig.events.counters.packets_dropped;
+    port.times.clear();
+    port.stall_at = 3;
+    port.stall = 9s;
+    static_cast<void>(rig.loop.step());
+    EXPECT_LE(port.times.size(), 9U) << "calibration, and the burst that was on its way";
+    EXPECT_EQ(rig.events.counters.expired, expired + 1);
+    EXPECT_GT(rig.events.counters.packets_dropped, dropped);
+    port.stall_at = 0;
+    for (int i = 0; i < 2; ++i) {
+      port.times.clear();
+      static_cast<void>(rig.loop.step());
+    }
+    EXPECT_GT(port.times.size(), 10U) << "the next ones are whole";
+  }
+}
+
+// The same where it was stopped before the frame's first datagram, while it computed.
+TEST(LoopSchedule, AFrameThatIsOldWhenItsSendingBeginsIsAbandoned) {
+  hal::Clock* clock = nullptr;
+  SlowPort port(clock);
+  Rig rig({.port = &port});
+  clock = &rig.clock;
+  const PublisherParams params{.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw}},
+                               .pace_percent = 60,
+                               .period = kPeriod};
+  for (int i = 0; i < 4; ++i) {
+    static_cast<void>(rig.loop.step());
+  }
+  rig.publisher.set_params(params);  // the calibration goes out before the next frame
+  port.times.clear();
+  port.stall_at = 1;
+  port.stall = 9s;
+  static_cast<void>(rig.loop.step());
+  EXPECT_EQ(port.times.size(), 1U);
+  EXPECT_EQ(rig.events.counters.expired, 1U);
+}
+
+// However long the period is: nobody waits for the end of a frame for half a minute.
+TEST(LoopSchedule, NoFrameIsSpreadOverMoreThan50Milliseconds) {
+  hal::Clock* clock = nullptr;
+  SlowPort port(clock);
+  board::TimingConfig slow = timing();
+  slow.period = 60s;
+  Rig rig({.timing = slow, .port = &port});
+  clock = &rig.clock;
+  rig.publisher.set_params({.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw,
+                                                  wire::Coding::kRaw, wire::Coding::kRaw}},
+                            .pace_percent = 90,
+                            .period = slow.period});
+  for (int i = 0; i < 4; ++i) {
+    port.times.clear();
+    static_cast<void>(rig.loop.step());
+  }
+  ASSERT_GT(port.times.size(), 2U);
+  EXPECT_LE(port.times.back() - port.times.front(), 50ms);
 }
 
 // A frame of many packets leaves in bursts, within its share of the period, before the next edge.

@@ -1,7 +1,11 @@
 #include "firmware/program/appliance.h"
 
+#include <algorithm>
+#include <set>
+
 #include <gtest/gtest.h>
 
+#include "firmware/events/log_text.h"
 #include "posix/worker_threads.h"
 #include "tests/firmware/appliance_rig.h"
 
@@ -118,6 +122,127 @@ TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {
     EXPECT_EQ(box.rig.log.edges[i] - box.rig.log.edges[i - 1], 50ms);
   }
   EXPECT_EQ(box.rig.events.counters.skipped_periods, 0U);
+}
+
+RunConfig with_period(hal::Duration period) {
+  RunConfig run_config = small_run_config();
+  run_config.timing.period = period;
+  run_config.publisher.period = period;
+  return run_config;
+}
+
+TEST(Appliance, HealthComesOnceASecondAtAnyPeriod) {
+  ApplianceRig box;
+  box.subscribe(1);
+  box.run(5);
+  ASSERT_TRUE(box.run_configs.push(with_period(60s)));
+  Receiver receiver;
+  const hal::Time begin = box.rig.clock.now();
+  hal::Duration longest{};
+  while (box.rig.clock.now() - begin < 200s) {
+    const hal::Time before = box.rig.clock.now();
+    static_cast<void>(box.appliance.step({}));
+    longest = std::max(longest, box.rig.clock.now() - before);
+    receiver.drain(box.rig.port);
+  }
+  EXPECT_GE(receiver.healths.size(), 195U);
+  EXPECT_GE(receiver.frames.size(), 3U);
+  EXPECT_LE(longest, 100ms) << "so long it does not look whether it shall end";
+}
+
+TEST(Appliance, HealthComesOnceASecondAtAnyPeriodWithoutCameras) {
+  for (const hal::Duration period : {hal::Duration(1s), hal::Duration(7s)}) {
+    Rig rig({.faults = {.stereo = {emu::Fault{.kind = emu::FaultKind::kDrop, .every = 1}},
+                        .pmd = {emu::Fault{.kind = emu::FaultKind::kDrop, .every = 1}}},
+             .timing = with_period(period).timing});
+    hal::Duration longest{};
+    for (int i = 0; i < 2000; ++i) {
+      const hal::Time before = rig.clock.now();
+      if (rig.loop.wait_part()) {
+        static_cast<void>(rig.loop.step());
+      }
+      longest = std::max(longest, rig.clock.now() - before);
+    }
+    EXPECT_LE(longest, 350ms);
+    EXPECT_GT(rig.log.edges.size(), 4U);
+  }
+}
+
+// Whoever was slowed down to a frame a minute is brought back at once.
+TEST(Appliance, NewSettingsAreInForceWithinASecondAtAnyPeriod) {
+  ApplianceRig box;
+  box.subscribe(1);
+  box.run(5);
+  ASSERT_TRUE(box.run_configs.push(with_period(60s)));
+  box.run(200);  // 4 s into the first minute
+  ASSERT_TRUE(box.run_configs.push(with_period(timing().period)));
+  const hal::Time repaired = box.rig.clock.now();
+  const std::size_t before = box.rig.log.edges.size();
+  while (box.rig.log.edges.size() < before + 10 && box.rig.clock.now() < repaired + 120s) {
+    box.run(1);
+  }
+  EXPECT_LE(box.rig.log.edges[before] - repaired, 100ms);
+  EXPECT_LE(box.rig.log.edges.back() - repaired, 1s);
+  for (std::size_t i = 1; i < box.rig.log.edges.size(); ++i) {
+    EXPECT_GE(box.rig.log.edges[i] - box.rig.log.edges[i - 1], timing().period);
+  }
+}
+
+TEST(Appliance, WhoChangedTheSettingsIsTold) {
+  ApplianceRig box;
+  box.subscribe(1);
+  Receiver receiver;
+  for (int i = 0; i < 60; ++i) {
+    static_cast<void>(box.appliance.step({.settings_revision = i < 20   ? 1U
+                                                               : i < 40 ? 2U
+                                                                        : 3U,
+                                          .settings_changed_by = 0x7F000001}));
+    receiver.drain(box.rig.port);
+  }
+  std::set<std::uint32_t> told;
+  for (const wire::EventReport& event : receiver.events) {
+    if (event.condition == static_cast<std::uint8_t>(wire::Condition::kSettingsChanged)) {
+      EXPECT_EQ(event.value, 0x7F000001U);
+      told.insert(event.count);
+    }
+  }
+  EXPECT_EQ(told, (std::set<std::uint32_t>{1, 2}));
+  int lines = 0;
+  while (const auto event = box.rig.events.take()) {
+    lines += describe(*event) == "settings changed by the address that ends with 127.0.0.1" ? 1 : 0;
+  }
+  EXPECT_EQ(lines, 2);
+}
+
+TEST(Appliance, FramesCarryTheFingerprintOfTheirSettings) {
+  ApplianceRig box;
+  box.subscribe(1);
+  RunConfig run_config = small_run_config();
+  run_config.publisher.fingerprint = 0x12345678;
+  ASSERT_TRUE(box.run_configs.push(run_config));
+  for (const auto& [number, frame] : box.run(5).frames) {
+    EXPECT_EQ(frame.info.settings_fingerprint, 0x12345678U);
+  }
+}
+
+// Streams off, or nothing in them: a robot that goes by frames alone would drive on.
+TEST(Appliance, ABlindSensorSaysSoAndIsNotGood) {
+  ApplianceRig box;
+  box.subscribe(1);
+  const auto no_depth = [](const Receiver& receiver) {
+    return !receiver.healths.empty() &&
+           (receiver.healths.back().active >> static_cast<unsigned>(wire::Condition::kNoDepth) &
+            1U) != 0;
+  };
+  EXPECT_FALSE(no_depth(box.run(100)));
+  RunConfig run_config = small_run_config();
+  run_config.setup.depth.fusion.max_range = 4;  // a millimetre
+  ASSERT_TRUE(box.run_configs.push(run_config));
+  const Receiver blind = box.run(100);
+  EXPECT_TRUE(no_depth(blind));
+  EXPECT_EQ(blind.frames.rbegin()->second.stamp.health, wire::Health::kFault);
+  ASSERT_TRUE(box.run_configs.push(small_run_config()));
+  EXPECT_FALSE(no_depth(box.run(100)));
 }
 
 TEST(Appliance, ADestinationThatIsSilentIsToldAndSentToNevertheless) {

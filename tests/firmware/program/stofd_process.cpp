@@ -39,9 +39,11 @@ std::vector<std::string> command() {
 
 }  // namespace
 
-Stofd::Stofd(const std::vector<std::string>& arguments) {
+Stofd::Stofd(const std::vector<std::string>& arguments, bool any_port) {
   std::vector<std::string> words = command();
-  words.insert(words.end(), {"--port", "0"});  // several may run at a time
+  if (any_port) {
+    words.insert(words.end(), {"--port", "0"});
+  }
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
   for (std::string& word : words) {
@@ -76,7 +78,9 @@ Ended Stofd::end() const {
   return ended;
 }
 
-Ended run_stofd(const std::vector<std::string>& arguments) { return Stofd(arguments).end(); }
+Ended run_stofd(const std::vector<std::string>& arguments, bool any_port) {
+  return Stofd(arguments, any_port).end();
+}
 
 Socket::Socket() {
   EXPECT_EQ(socket_.bind(stof::test::loopback_address(0)), 0);

@@ -19,7 +19,8 @@ struct Ended {
 // A running stofd. STOFD_COMMAND is its file, behind an emulator in cross builds, words apart by |.
 class Stofd {
  public:
-  explicit Stofd(const std::vector<std::string>& arguments);
+  // any_port: else the one of the settings; several may run at a time.
+  explicit Stofd(const std::vector<std::string>& arguments, bool any_port = true);
   void signal(int number) const;
   // Waits for it. Both texts are short enough for a pipe, so one may be read after the other.
   Ended end() const;
@@ -30,7 +31,7 @@ class Stofd {
   int error_[2]{};
 };
 
-Ended run_stofd(const std::vector<std::string>& arguments);
+Ended run_stofd(const std::vector<std::string>& arguments, bool any_port = true);
 
 // A UDP socket on loopback that stofd sends to.
 class Socket {

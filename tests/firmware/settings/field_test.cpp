@@ -10,6 +10,7 @@
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/fields/schema.h"
+#include "firmware/wire/crc32c.h"
 
 namespace stof::settings {
 namespace {
@@ -254,6 +255,20 @@ TEST(Fields, MatchNumbersAreWrittenOneWay) {
   EXPECT_EQ(json_of(field(find_field("depth.match.lr")), settings), "7");
   EXPECT_EQ(told("depth.match.lr", "preset", settings), "");
   EXPECT_EQ(settings, Settings{});
+}
+
+// What every frame says of its settings is the check sum of what `get` reads.
+TEST(Documents, HaveTheFingerprintOfTheirText) {
+  Settings settings;
+  const auto crc = [&] {
+    const std::string text = document_of(settings);
+    return wire::crc32c(std::as_bytes(std::span(text)));
+  };
+  EXPECT_EQ(fingerprint(settings), crc());
+  const std::uint32_t before = fingerprint(settings);
+  settings.depth.max_range_mm = 500;
+  EXPECT_EQ(fingerprint(settings), crc());
+  EXPECT_NE(fingerprint(settings), before);
 }
 
 TEST(Documents, OfTheLargestValuesFit) {

@@ -1,80 +1,22 @@
 #include "hal/linux/system/file_store.h"
 
-#include <cerrno>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <optional>
 #include <string>
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
-// The linker leads open, write, fsync and rename here, so that power can be cut before each of
-// them.
-namespace {
-
-struct Power {
-  int calls_left = -1;  // -1: power stays on
-  int calls = 0;
-  bool cut = false;
-  bool flushed = true;      // what was written last
-  std::string unflushed{};  // name that rename gave to bytes not flushed yet
-} power;
-
-// Whether the call still happens.
-bool spend() {
-  ++power.calls;
-  if (power.calls_left == 0) {
-    power.cut = true;
-  } else if (power.calls_left > 0) {
-    --power.calls_left;
-  }
-  return !power.cut;
-}
-
-}  // namespace
-
-extern "C" {
-ssize_t __real_write(int fd, const void* bytes, size_t count);
-int __real_fsync(int fd);
-int __real_rename(const char* from, const char* to);
-
-ssize_t __wrap_write(int fd, const void* bytes, size_t count) {
-  if (fd <= 2) {
-    return __real_write(fd, bytes, count);
-  }
-  const bool on = spend();
-  power.flushed = false;
-  if (on) {
-    return __real_write(fd, bytes, count);
-  }
-  static_cast<void>(__real_write(fd, bytes, count / 2));  // torn
-  errno = EIO;
-  return -1;
-}
-
-int __wrap_fsync(int fd) {
-  if (!spend()) {
-    errno = EIO;
-    return -1;
-  }
-  power.flushed = true;
-  return __real_fsync(fd);
-}
-
-int __wrap_rename(const char* from, const char* to) {
-  if (!spend()) {
-    errno = EIO;
-    return -1;
-  }
-  if (!power.flushed) {
-    power.unflushed = to;
-  }
-  return __real_rename(from, to);
-}
-}
+#include "tests/support/power_cut.h"
 
 namespace stof::hal::linux {
 namespace {
+
+using stof::test::power;
 
 class FileStoreTest : public testing::Test {
  protected:
@@ -104,9 +46,9 @@ class FileStoreTest : public testing::Test {
   static std::string read(const std::string& name) {
     FileStore store(name);
     std::vector<std::byte> space(10'000);
-    const Result<std::size_t> bytes = store.load(space);
+    const Result<std::optional<std::size_t>> bytes = store.load(space);
     EXPECT_TRUE(bytes);
-    return {reinterpret_cast<const char*>(space.data()), bytes.value_or(0)};
+    return {reinterpret_cast<const char*>(space.data()), bytes.value_or(0).value_or(0)};
   }
 
   std::filesystem::path folder_;
@@ -132,7 +74,7 @@ TEST_F(FileStoreTest, PowerCutAtEveryCallLeavesOldOrNew) {
   power = {};
   ASSERT_EQ(save(store, after), Status::kOk);
   const int calls = power.calls;
-  ASSERT_GE(calls, 4);  // write, fsync, rename, fsync of the folder
+  ASSERT_GE(calls, 5);  // unlink, write, fsync, rename, fsync of the folder
   bool old_seen = false;
   for (int cut = 0; cut < calls; ++cut) {
     ASSERT_EQ(save(store, before), Status::kOk);
@@ -159,14 +101,86 @@ TEST_F(FileStoreTest, SaysWhatFails) {
   FileStore store(file_);
   ASSERT_EQ(save(store, "12345"), Status::kOk);
   std::array<std::byte, 5> exact{};
-  EXPECT_EQ(store.load(exact).value_or(0), 5U);
+  EXPECT_EQ(store.load(exact).value(), 5U);
   EXPECT_EQ(store.load(std::span(exact).first(4)).error(), Status::kTooLarge);
-  FileStore folder(folder_.string());
-  EXPECT_EQ(folder.load(exact).error(), Status::kDeviceError);
   FileStore nowhere((folder_ / "none" / "x.json").string());
-  EXPECT_EQ(nowhere.load(exact).value_or(9), 0U);
+  EXPECT_EQ(nowhere.load(exact).value(), std::nullopt);
   EXPECT_EQ(save(nowhere, "a"), Status::kDeviceError);
   EXPECT_FALSE(std::filesystem::exists(file_ + ".new"));
+}
+
+// Whoever names a folder, a device or a link by mistake finds it as it was.
+TEST_F(FileStoreTest, WhatIsNoRegularFileIsLeftAlone) {
+  std::filesystem::create_directory(folder_ / "folder");
+  std::ofstream(folder_ / "target") << "kept";
+  std::filesystem::create_symlink(folder_ / "target", folder_ / "link");
+  std::filesystem::create_symlink(folder_ / "nowhere", folder_ / "broken");
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);  // whoever opens it would wait
+  const auto entries = [this] {
+    std::map<std::string, std::filesystem::file_type> found;
+    for (const auto& entry : std::filesystem::directory_iterator(folder_)) {
+      found[entry.path().filename().string()] = entry.symlink_status().type();
+    }
+    return found;
+  };
+  const auto before = entries();
+  for (const std::string name : {"folder", "link", "broken", "pipe"}) {
+    FileStore store((folder_ / name).string());
+    std::array<std::byte, 10> space{};
+    EXPECT_EQ(store.load(space).error(), Status::kUnsupported) << name;
+    EXPECT_EQ(save(store, "new"), Status::kUnsupported) << name;
+    EXPECT_EQ(store.set_aside(), Status::kUnsupported) << name;
+  }
+  FileStore device("/dev/null");
+  std::array<std::byte, 10> space{};
+  EXPECT_EQ(device.load(space).error(), Status::kUnsupported);
+  EXPECT_EQ(save(device, "new"), Status::kUnsupported);
+  EXPECT_EQ(entries(), before);
+  EXPECT_EQ(read((folder_ / "target").string()), "kept");
+}
+
+// Nor is what has the name of one of its helpers.
+TEST_F(FileStoreTest, HelpersReplaceNoLinkAndNoFolder) {
+  FileStore store(file_);
+  ASSERT_EQ(save(store, "old"), Status::kOk);
+  std::ofstream(folder_ / "target") << "kept";
+  std::filesystem::create_symlink(folder_ / "target", file_ + ".new");
+  EXPECT_EQ(save(store, "new"), Status::kDeviceError);
+  std::filesystem::create_symlink(folder_ / "target", file_ + ".bad");
+  EXPECT_EQ(store.set_aside(), Status::kDeviceError);
+  EXPECT_EQ(read(file_), "old");
+  EXPECT_EQ(read((folder_ / "target").string()), "kept");
+  EXPECT_TRUE(std::filesystem::is_symlink(file_ + ".new"));
+  EXPECT_TRUE(std::filesystem::is_symlink(file_ + ".bad"));
+}
+
+TEST_F(FileStoreTest, AnEmptyFileIsNotNone) {
+  FileStore store(file_);
+  std::array<std::byte, 10> space{};
+  EXPECT_EQ(store.load(space).value(), std::nullopt);
+  std::ofstream(file_).close();
+  EXPECT_EQ(store.load(space).value(), 0U);
+}
+
+TEST_F(FileStoreTest, WhatCannotBeReadStaysWhereItIs) {
+  constexpr uid_t kNobody = 65'534;
+  const bool root = geteuid() == 0;  // who reads every file
+  if (root) {
+    std::filesystem::permissions(folder_, std::filesystem::perms::all);
+    ASSERT_EQ(seteuid(kNobody), 0);
+  }
+  FileStore store(file_);
+  ASSERT_EQ(save(store, "secret"), Status::kOk);
+  std::filesystem::permissions(file_, std::filesystem::perms::none);
+  std::array<std::byte, 10> space{};
+  EXPECT_EQ(store.load(space).error(), Status::kDeviceError);
+  EXPECT_EQ(save(store, "new"), Status::kDeviceError);
+  EXPECT_EQ(store.set_aside(), Status::kDeviceError);
+  std::filesystem::permissions(file_, std::filesystem::perms::owner_read);
+  EXPECT_EQ(read(file_), "secret");
+  if (root) {
+    ASSERT_EQ(seteuid(0), 0);
+  }
 }
 
 TEST_F(FileStoreTest, LongNamesAreUsedWholeOrRefused) {

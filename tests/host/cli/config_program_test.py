@@ -100,6 +100,36 @@ class Config(unittest.TestCase):
                       self.log.read_text(encoding="utf-8"))
         self.assertEqual(pathlib.Path(f"{self.file}.bad").read_text(encoding="utf-8"), damaged)
 
+    def test_a_stranger_cannot_keep_the_sensor_from_starting(self):
+        self.start()
+        before = self.ask("get")
+        for device in ("/dev/watchdog0", "/dev/nope", "/dev/pts/0"):
+            self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", f"serial.device={device}", "--timeout", "5")
+            self.refuse(2, "serial.device: takes a line of board emu", self.address, "set", "name=x", f"serial.device={device}")
+        self.assertEqual(self.ask("get"), before)
+        self.ask("set", "serial.device=/dev/ttyS99", "serial.mode=stof", "depth.max_range_mm=500")
+        self.ask("save")
+        for start in range(4):
+            self.cut_power()
+            self.start()
+            range_mm = self.ask("get", "depth.max_range_mm")
+            self.assertEqual(range_mm, "500\n" if start < 2 else "10000\n", self.log.read_text(encoding="utf-8"))
+        self.assertIn("two starts with these settings have failed", self.log.read_text(encoding="utf-8"))
+        self.assertEqual(self.ask("get", "depth.max_range_mm", "--document", "saved"), "10000\n")
+        self.ask("save")
+        self.assertEqual(json.loads(self.file.read_text(encoding="utf-8"))["depth"]["max_range_mm"], 10000)
+
+    def test_saves_have_a_limit(self):
+        self.start()
+        for number in range(10):
+            self.ask("set", f"name=n{number}")
+            self.ask("save")
+        self.ask("set", "name=late")
+        ended = self.run_config(self.address, "save", "--timeout", "5")
+        self.assertNotEqual(ended.returncode, 0)
+        self.assertIn("then one a minute", ended.stdout + ended.stderr)
+        self.assertEqual(json.loads(self.file.read_text(encoding="utf-8"))["name"], "n9")
+
     def test_what_the_board_cannot_do_is_refused_and_nothing_changes(self):
         self.start("--set", "name=bench")
         before = self.ask("get")

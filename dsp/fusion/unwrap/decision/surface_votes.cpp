@@ -11,8 +11,26 @@ constexpr std::size_t kPerWord = 4;
 constexpr std::size_t kBits = 16;  // of a count: at most (2 kArm + 1) times a height of 4096
 constexpr std::size_t kMostWords = kMostWrapCounts / kPerWord + 1;
 
-std::uint8_t one_more(std::uint8_t arm) noexcept {
-  return static_cast<std::uint8_t>(std::min(arm + 1, SurfaceVotes::kArm));
+// How many of the kArm first links are whole: 1 each, 0 where the surface ends. step: to the next.
+std::uint8_t unbroken(const std::uint8_t* link, std::ptrdiff_t step) noexcept {
+  std::uint8_t run = 1;
+  std::uint8_t arm = 0;
+  for (int i = 0; i < SurfaceVotes::kArm; ++i) {
+    run = static_cast<std::uint8_t>(run & link[i * step]);
+    arm = static_cast<std::uint8_t>(arm + run);
+  }
+  return arm;
+}
+
+// Those of pixels above or below, one longer where the link to them is whole.
+void lengthen(std::span<const SurfaceLink> links, std::span<const std::uint8_t> arms,
+              std::span<std::uint8_t> out) noexcept {
+  constexpr std::uint8_t kMost = SurfaceVotes::kArm;
+  for (std::size_t x = 0; x < out.size(); ++x) {
+    const std::uint8_t more = static_cast<std::uint8_t>(arms[x] + 1);
+    const std::uint8_t arm = more < kMost ? more : kMost;
+    out[x] = links[x] == 0 ? arm : std::uint8_t{0};
+  }
 }
 
 }  // namespace
@@ -26,22 +44,40 @@ SurfaceVotes::SurfaceVotes(int width, int height, Arena& arena) noexcept
       right_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
       upper_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
       lower_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
+      whole_(arena.take_filled(index(width) + 2 * index(kArm), std::uint8_t{0})),
       line_(arena.take<std::uint64_t>(kMostWords * index(width + 1))),
       columns_(arena.take<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
 
-// Arms end at the wrap: behind it the same surface has wrapped once more, or once less.
+// Arms end at the wrap: behind it the same surface has wrapped once more, or once less. Loops
+// without branches over local spans, which bytes that are written cannot change: so compilers make
+// vectors of them.
 void SurfaceVotes::reach() noexcept {
   const std::size_t row = index(width_);
-  const std::size_t all = pixel_count(width_, height_);
-  for (std::size_t i = 0; i < all; ++i) {
-    left_arm_[i] =
-        i % row != 0 && right_[i - 1] == 0 ? one_more(left_arm_[i - 1]) : std::uint8_t{0};
-    upper_arm_[i] =
-        i >= row && below_[i - row] == 0 ? one_more(upper_arm_[i - row]) : std::uint8_t{0};
+  const auto arms = [row](std::span<std::uint8_t> all, int y) noexcept {
+    return all.subspan(index(y) * row, row);
+  };
+  std::uint8_t* const whole = &whole_[index(kArm)];
+  for (int y = 0; y < height_; ++y) {
+    const std::span<const SurfaceLink> right = right_row(y);
+    const std::span<std::uint8_t> left_arm = arms(left_arm_, y);
+    const std::span<std::uint8_t> right_arm = arms(right_arm_, y);
+    for (std::size_t x = 0; x < row; ++x) {
+      whole[x] = right[x] == 0 ? 1 : 0;
+    }
+    for (std::size_t x = 0; x < row; ++x) {
+      left_arm[x] = unbroken(whole + x - 1, -1);
+    }
+    for (std::size_t x = 0; x < row; ++x) {
+      right_arm[x] = unbroken(whole + x, 1);
+    }
   }
-  for (std::size_t i = all; i-- > 0;) {
-    right_arm_[i] = right_[i] == 0 ? one_more(right_arm_[i + 1]) : std::uint8_t{0};
-    lower_arm_[i] = below_[i] == 0 ? one_more(lower_arm_[i + row]) : std::uint8_t{0};
+  std::ranges::fill(arms(upper_arm_, 0), std::uint8_t{0});
+  for (int y = 1; y < height_; ++y) {
+    lengthen(below_row(y - 1), arms(upper_arm_, y - 1), arms(upper_arm_, y));
+  }
+  std::ranges::fill(arms(lower_arm_, height_ - 1), std::uint8_t{0});
+  for (int y = height_ - 2; y >= 0; --y) {
+    lengthen(below_row(y), arms(lower_arm_, y + 1), arms(lower_arm_, y));
   }
 }
 

@@ -59,6 +59,7 @@ class SurfaceVotes {
   std::span<std::uint8_t> right_arm_;
   std::span<std::uint8_t> upper_arm_;
   std::span<std::uint8_t> lower_arm_;
+  std::span<std::uint8_t> whole_;  // of a row: 1 where it goes on to the right; a border of 0
   // Sums hold four counts of 16 bits in a word: the first of all pixels, then one for each
   // wrap count.
   std::size_t words_ = 1;             // of a pixel

@@ -54,7 +54,9 @@ WrapDecision::WrapDecision(int pmd_width, int pmd_height, double focal, std::uin
       surfaces_(pmd_width, pmd_height, arena),
       regions_(pixel_count(pmd_width, pmd_height), arena),
       slant_divisor_(static_cast<std::uint32_t>(std::max(focal / 2, 1.0))),
-      slants_(arena.take<std::int32_t>(index(pmd_width))) {}
+      slants_(arena.take<std::int32_t>(index(pmd_width))),
+      open_(arena.take_filled(pixel_count(pmd_width, pmd_height + 2), std::uint8_t{0})),
+      beside_(arena.take<std::uint8_t>(pixel_count(pmd_width, pmd_height))) {}
 
 void WrapDecision::link_all(const WrapMaps& maps) noexcept {
   const std::size_t row = index(maps.width);
@@ -217,6 +219,33 @@ bool WrapDecision::may_be_mixed(const WrapMaps& maps, int x, int y) const noexce
          torn(open_above, above, open_below, below) || torn(open_below, below, open_above, above);
 }
 
+// First which readings may be, while the wrap counts around are as they were decided.
+void WrapDecision::drop_mixed(WrapMaps& maps) noexcept {
+  const std::size_t all = maps.pixels();
+  const std::size_t row = index(maps.width);
+  // Local spans: bytes that are written cannot change them.
+  const std::span<const std::int8_t> wraps = maps.wraps;
+  const std::span<std::uint8_t> open = open_;
+  const std::span<std::uint8_t> beside = beside_;
+  for (std::size_t i = 0; i < all; ++i) {
+    open[row + i] = wraps[i] < 0 && wraps[i] != kNoReading ? 1 : 0;
+  }
+  for (std::size_t i = 0; i < all; ++i) {
+    beside[i] = static_cast<std::uint8_t>(open[i + 2 * row] | open[i] | open[row + i + 1] |
+                                          open[row + i - 1]);
+  }
+  std::ranges::copy(maps.wraps, maps.vote.begin());
+  for (int y = 0; y < maps.height; ++y) {
+    for (int x = 0; x < maps.width; ++x) {
+      const std::size_t i = maps.place(x, y);
+      if (beside[i] != 0 && wraps[i] >= 0 && may_be_mixed(maps, x, y)) {
+        maps.vote[i] = kRefutedWraps;
+      }
+    }
+  }
+  std::ranges::copy(maps.vote, maps.wraps.begin());
+}
+
 void WrapDecision::decide(AmplitudeBound& bound, WrapMaps& maps) noexcept {
   link_all(maps);
   decide_by_surfaces(maps);
@@ -231,19 +260,12 @@ void WrapDecision::decide(AmplitudeBound& bound, WrapMaps& maps) noexcept {
     bound.end_learning();
   }
   for (std::size_t i = 0; i < all; ++i) {
-    const std::int8_t wraps = decide_last(bound, maps, i);
+    const std::int8_t so_far = maps.wraps[i];
+    const std::int8_t wraps = so_far >= 0 ? so_far : decide_last(bound, maps, i);
     maps.seen[i] = wraps > 0 && maps.vote[i] == wraps;
     maps.wraps[i] = wraps >= 0 && has_bit(maps.mixed, i, wraps) ? kRefutedWraps : wraps;
   }
-  // In place of vote: may_be_mixed() looks at the wrap counts around.
-  for (int y = 0; y < maps.height; ++y) {
-    for (int x = 0; x < maps.width; ++x) {
-      const std::size_t i = maps.place(x, y);
-      const bool drop = maps.wraps[i] >= 0 && may_be_mixed(maps, x, y);
-      maps.vote[i] = drop ? kRefutedWraps : maps.wraps[i];
-    }
-  }
-  std::ranges::copy(maps.vote, maps.wraps.begin());
+  drop_mixed(maps);
 }
 
 }  // namespace stof::dsp

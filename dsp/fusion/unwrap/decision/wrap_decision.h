@@ -35,6 +35,7 @@ class WrapDecision {
   void join_regions(const WrapMaps& maps) noexcept;
   std::int8_t decide_last(const AmplitudeBound& bound, const WrapMaps& maps,
                           std::size_t i) noexcept;
+  void drop_mixed(WrapMaps& maps) noexcept;
   bool may_be_mixed(const WrapMaps& maps, int x, int y) const noexcept;
 
   DistanceVotes window_;
@@ -43,6 +44,9 @@ class WrapDecision {
   // On a surface of slope 2, distance changes by distance / slant_divisor_ per pixel.
   std::uint32_t slant_divisor_;
   std::span<std::int32_t> slants_;  // of a row
+  std::span<std::uint8_t> open_;    // readings of unknown wrap count, a row of 0 before and behind
+  std::span<std::uint8_t>
+      beside_;  // whether one of them is beside a pixel, or at a row's other end
 };
 
 }  // namespace stof::dsp

@@ -18,6 +18,23 @@ std::size_t grid_size(int columns, int rows) noexcept {
   return index(columns + 2 * kGridBorder) * index(rows + 2 * kGridBorder);
 }
 
+// The values of a row's samples; the last one stands for what is not there.
+template <typename T>
+void pick(std::span<const T> row, int step_bits, std::span<T> out) noexcept {
+  const std::size_t step = std::size_t{1} << static_cast<unsigned>(step_bits);
+  const std::size_t inside = (row.size() + step / 2 - 1) / step;  // of which the row has the place
+  if (step == 2) {
+    for (std::size_t i = 0; i < inside; ++i) {  // a constant: vectors
+      out[i] = row[2 * i + 1];
+    }
+  } else {
+    for (std::size_t i = 0; i < inside; ++i) {
+      out[i] = row[i * step + step / 2];
+    }
+  }
+  std::ranges::fill(out.subspan(inside), row.back());
+}
+
 int step_bits_for(double footprint) noexcept {
   int bits = kLeastStepBits;
   while (bits < kMostStepBits && kWindow << bits < footprint) {
@@ -37,9 +54,8 @@ StereoSamples::StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_d
   if (tables_.converging) {
     near_ = arena.take<QuarterMm>(row);
     far_ = arena.take<QuarterMm>(row);
-  } else {
-    some_ = arena.take<Disparity>(row);
   }
+  some_ = arena.take<Disparity>(row);
   half_ = arena.take_filled(row, static_cast<std::uint8_t>(2 * sigma));
   grid_.step_bits = step_bits_for(footprint);
   grid_.columns = samples(width, grid_.step_bits);
@@ -54,28 +70,23 @@ StereoSamples::StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_d
 
 void StereoSamples::take_row(std::span<const Disparity> disparity, std::span<QuarterMm> low,
                              std::span<QuarterMm> high) noexcept {
-  const std::size_t step = std::size_t{1} << grid_.step_bits;
-  const std::size_t last = disparity.size() - 1;
+  const std::span<Disparity> some = some_.first(low.size());
   if (tables_.converging) {
     best::column_interval(disparity, half_, tables_.columns, near_, far_);
+    pick<Disparity>(disparity, grid_.step_bits, some);
+    pick<QuarterMm>(near_, grid_.step_bits, low);
+    pick<QuarterMm>(far_, grid_.step_bits, high);
   } else {
-    const std::span<Disparity> some = some_.first(low.size());
-    for (std::size_t i = 0; i < some.size(); ++i) {
-      some[i] = disparity[std::min(i * step + step / 2, last)];
-    }
+    pick<Disparity>(disparity, grid_.step_bits, some);
     best::stereo_interval(some, half_.first(some.size()), tables_.disparity, low, high);
   }
+  // A disparity without an interval lies beyond the tables' range. Values, not references: vectors.
   for (std::size_t i = 0; i < low.size(); ++i) {
-    const std::size_t x = std::min(i * step + step / 2, last);
-    if (tables_.converging) {
-      low[i] = near_[x];
-      high[i] = far_[x];
-    }
-    if (high[i] == kNoDepth) {
-      // A disparity without an interval lies beyond the tables' range.
-      low[i] = kMaxQuarterMm;
-      high[i] = disparity[x].valid() ? kMaxQuarterMm : kNoDepth;
-    }
+    const QuarterMm near = low[i];
+    const QuarterMm far = high[i];
+    const QuarterMm beyond = some[i].valid() ? kMaxQuarterMm : kNoDepth;
+    low[i] = far == kNoDepth ? kMaxQuarterMm : near;
+    high[i] = far == kNoDepth ? beyond : far;
   }
 }
 

@@ -16,35 +16,7 @@ double footprint_of(const Calibration& calibration) noexcept {
   return std::max(left.fx / pmd.fx, left.fy / pmd.fy);
 }
 
-// One wrap count at a time, without branches, so that compilers make vectors of it.
-void add_support(std::span<const Votes> votes, int k,
-                 std::span<WrapEvidence::Support> support) noexcept {
-  for (std::size_t x = 0; x < support.size(); ++x) {
-    const int known = std::max(votes[x].known(), WrapEvidence::kLeastKnown);
-    const int agree = votes[x].agree();
-    const int comparable = 4 * agree > known ? 1 : 0;
-    support[x].wraps =
-        static_cast<std::int16_t>(8 * agree >= 5 * known ? k : int{support[x].wraps});
-    support[x].comparable = static_cast<std::int16_t>(support[x].comparable + comparable);
-  }
-}
-
 }  // namespace
-
-// Bit k: within the range; much of what stereo sees lies far off it.
-void WrapEvidence::mark_candidates(const Candidates& c, int k, QuarterMm max_range,
-                                   std::span<std::uint16_t> possible,
-                                   std::span<std::uint16_t> mixed) noexcept {
-  const int bit = 1 << k;
-  for (std::size_t x = 0; x < possible.size(); ++x) {
-    const int known = std::max(c.votes[x].known(), kLeastKnown);
-    // No depth, less one, is beyond any range.
-    const bool within = static_cast<QuarterMm>(c.depth[x] - 1) < max_range;
-    const bool apart = 4 * c.votes[x].apart() >= known;
-    possible[x] = static_cast<std::uint16_t>(possible[x] | (within ? bit : 0));
-    mixed[x] = static_cast<std::uint16_t>(mixed[x] | (apart ? bit : 0));
-  }
-}
 
 WrapEvidence::WrapEvidence(const Calibration& calibration, const FusionParams& params,
                            int min_disparity, int disparities, int width, int height,
@@ -55,11 +27,10 @@ WrapEvidence::WrapEvidence(const Calibration& calibration, const FusionParams& p
       projection_(projection_of(calibration)),
       rays_(make_ray_table(calibration, arena)) {
   const std::size_t row = index(calibration.pmd.lens.width);
-  support_ = arena.take<Support>(row);
-  for (Candidates& c : candidates_) {
-    c = {arena.take<QuarterMm>(row), arena.take<std::int32_t>(row), arena.take<std::int32_t>(row),
-         arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),    arena.take<Votes>(row)};
-  }
+  support_ = {arena.take<std::int16_t>(row), arena.take<std::uint16_t>(row)};
+  candidates_ = {arena.take<QuarterMm>(row),    arena.take<std::int32_t>(row),
+                 arena.take<std::int32_t>(row), arena.take<QuarterMm>(row),
+                 arena.take<QuarterMm>(row),    arena.take<Votes>(row)};
 }
 
 void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
@@ -76,63 +47,132 @@ void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bou
   }
 }
 
-// Where the readings of a row would lie by each wrap count that their amplitude allows, and what
-// stereo says there.
-void WrapEvidence::place_row(int y, QuarterMm far_off, const AmplitudeBound& bound,
-                             WrapMaps& maps) noexcept {
-  const std::size_t n = index(maps.width);
+// The distances of a row's readings if they wrapped k times, where their amplitude allows that.
+void WrapEvidence::place_row(const PmdMaps& pmd, int y, int k, const AmplitudeBound& bound,
+                             const WrapMaps& maps) noexcept {
+  const std::span<const QuarterMm> distance = pmd.distance.row(y);
   const std::size_t first = maps.place(0, y);
-  const RayRow rays = ray_row(rays_, maps.width, y);
-  for (int k = 0; k < maps.wrap_counts; ++k) {
-    const Candidates& c = candidates_[index(k)];
-    for (std::size_t x = 0; x < n; ++x) {
-      const std::size_t i = first + x;
-      const Reading& reading = maps.readings[i];
-      const std::uint32_t distance = maps.distance(i, k);
-      const bool allowed =
-          reading.distance != kNoDepth && distance <= kMaxQuarterMm &&
-          (k == 0 || (!maps.bright[i] && (k == 1 || !bound.excludes(reading, distance))));
-      c.distance[x] = allowed ? static_cast<QuarterMm>(distance) : kNoDepth;
+  const std::uint32_t more = static_cast<std::uint32_t>(k) * maps.range;
+  const QuarterMm turns = static_cast<QuarterMm>(more);
+  const QuarterMm room = static_cast<QuarterMm>(kMaxQuarterMm - more);
+  const std::span<QuarterMm> out = candidates_.distance;
+  for (std::size_t x = 0; x < distance.size(); ++x) {
+    // No depth, less one, is beyond any room.
+    const bool fits = static_cast<QuarterMm>(distance[x] - 1) < room && !maps.bright[first + x];
+    const QuarterMm there = static_cast<QuarterMm>(distance[x] + turns);
+    out[x] = fits ? there : kNoDepth;
+  }
+  for (std::size_t x = 0; k > 1 && x < distance.size(); ++x) {
+    if (out[x] != kNoDepth && bound.excludes(maps.readings[first + x], out[x])) {
+      out[x] = kNoDepth;
     }
-    best::project(rays, c.distance, projection_, c.u, c.v, c.depth);
-    for (std::size_t x = 0; x < n; ++x) {
-      // Two sigma, and what the calibration of both cameras may be off by.
-      const int tolerance = 2 * maps.readings[first + x].sigma + c.depth[x] / 64;
-      c.tolerance[x] = static_cast<QuarterMm>(std::min<int>(tolerance, kMaxQuarterMm));
-    }
-    best::count_votes({c.u, c.v, c.depth, c.tolerance}, samples_.grid(), far_off, c.votes);
   }
 }
 
-void WrapEvidence::judge_row(int y, WrapMaps& maps) noexcept {
-  const std::size_t n = index(maps.width);
-  const std::size_t first = maps.place(0, y);
+// The next columns behind `end` with such a distance, as whole blocks.
+WrapEvidence::Columns WrapEvidence::next_columns(std::size_t end) const noexcept {
+  constexpr std::size_t kBlock = 16;
+  const std::span<const QuarterMm> distance = candidates_.distance;
+  const auto is_empty = [&](std::size_t x) noexcept {
+    const auto block = distance.subspan(x, std::min(kBlock, distance.size() - x));
+    QuarterMm any = 0;
+    for (const QuarterMm there : block) {
+      any = static_cast<QuarterMm>(any | there);
+    }
+    return any == kNoDepth;
+  };
+  std::size_t begin = end;
+  while (begin < distance.size() && is_empty(begin)) {
+    begin += kBlock;
+  }
+  end = begin;
+  while (end < distance.size() && !is_empty(end)) {
+    end += kBlock;
+  }
+  return {std::min(begin, distance.size()), std::min(end, distance.size())};
+}
+
+// Where they lie in the left view, and what stereo says there.
+void WrapEvidence::look_up(std::span<const QuarterMm> distance, const PmdMaps& pmd, int y,
+                           std::size_t begin) noexcept {
+  const std::size_t n = distance.size();
+  const Candidates c = candidates_.first(n);
+  const RayRow rays = ray_row(rays_, pmd.distance.width(), y);
+  best::project({rays.x.subspan(begin, n), rays.y.subspan(begin, n), rays.z.subspan(begin, n)},
+                distance, projection_, c.u, c.v, c.depth);
+  const std::span<const QuarterMm> sigma = pmd.sigma.row(y).subspan(begin, n);
+  for (std::size_t x = 0; x < sigma.size(); ++x) {
+    // Two sigma, and what the calibration of both cameras may be off by.
+    const int tolerance = 2 * sigma[x] + c.depth[x] / 64;
+    c.tolerance[x] = static_cast<QuarterMm>(std::min<int>(tolerance, kMaxQuarterMm));
+  }
+  best::count_votes({c.u, c.v, c.depth, c.tolerance}, samples_.grid(), pmd.widest, c.votes);
+}
+
+// Without branches and in 16 bits, so that compilers make vectors of it.
+void WrapEvidence::judge(int y, int k, const Columns& columns, WrapMaps& maps) noexcept {
+  const std::size_t first = maps.place(0, y) + columns.begin;
+  const std::size_t n = columns.end - columns.begin;
   const std::span<std::uint16_t> possible = maps.possible.subspan(first, n);
   const std::span<std::uint16_t> mixed = maps.mixed.subspan(first, n);
-  std::ranges::fill(possible, std::uint16_t{1});
-  std::ranges::fill(mixed, std::uint16_t{0});
-  std::ranges::fill(support_, Support{});
-  for (int k = 0; k < maps.wrap_counts; ++k) {
-    const Candidates& c = candidates_[index(k)];
-    add_support(c.votes, k, support_);
-    mark_candidates(c, k, max_range_, possible, mixed);
+  const std::span<const Votes> votes = candidates_.votes;
+  const std::span<const QuarterMm> depth = candidates_.depth;
+  const std::span<std::int16_t> wraps = support_.wraps.subspan(columns.begin, n);
+  const std::span<std::uint16_t> comparable = support_.comparable.subspan(columns.begin, n);
+  const std::int16_t now = static_cast<std::int16_t>(k);
+  const std::uint16_t bit = static_cast<std::uint16_t>(1U << static_cast<unsigned>(k));
+  const QuarterMm range = max_range_;
+  for (std::size_t x = 0; x < possible.size(); ++x) {
+    const std::uint16_t known = static_cast<std::uint16_t>(std::max(votes[x].known(), kLeastKnown));
+    const std::uint16_t agree = static_cast<std::uint16_t>(votes[x].agree());
+    const std::uint16_t apart = static_cast<std::uint16_t>(votes[x].apart());
+    const bool supported =
+        static_cast<std::uint16_t>(8 * agree) >= static_cast<std::uint16_t>(5 * known);
+    const bool some = static_cast<std::uint16_t>(4 * agree) > known;
+    wraps[x] = supported ? now : wraps[x];
+    comparable[x] = static_cast<std::uint16_t>(comparable[x] + (some ? 1 : 0));
+    // No depth, less one, is beyond any range.
+    const bool within = static_cast<QuarterMm>(depth[x] - 1) < range;
+    possible[x] = static_cast<std::uint16_t>(possible[x] | (within ? bit : 0));
+    const bool far = static_cast<std::uint16_t>(4 * apart) >= known;
+    mixed[x] = static_cast<std::uint16_t>(mixed[x] | (far ? bit : 0));
   }
-  for (std::size_t x = 0; x < n; ++x) {
+}
+
+void WrapEvidence::vote_row(int y, WrapMaps& maps) noexcept {
+  const std::size_t first = maps.place(0, y);
+  const auto [wraps, comparable] = support_;
+  const std::span<const bool> bright = maps.bright.subspan(first, wraps.size());
+  const std::span<const Reading> readings = maps.readings.subspan(first, wraps.size());
+  const std::span<std::int8_t> votes = maps.vote.subspan(first, wraps.size());
+  for (std::size_t x = 0; x < votes.size(); ++x) {
     // What is supported is comparable too.
-    int vote = support_[x].comparable == 1 ? int{support_[x].wraps} : int{kUnknownWraps};
-    vote = maps.bright[first + x] ? 0 : vote;
-    vote = maps.readings[first + x].distance == kNoDepth ? int{kNoReading} : vote;
-    maps.vote[first + x] = static_cast<std::int8_t>(vote);
+    int vote = comparable[x] == 1 ? int{wraps[x]} : int{kUnknownWraps};
+    vote = bright[x] ? 0 : vote;
+    vote = readings[x].distance == kNoDepth ? int{kNoReading} : vote;
+    votes[x] = static_cast<std::int8_t>(vote);
   }
 }
 
 void WrapEvidence::collect(const PmdMaps& pmd, ImageView<const Disparity> disparity,
                            const AmplitudeBound& bound, WrapMaps& maps) noexcept {
   samples_.take(disparity);
+  std::ranges::fill(maps.possible, std::uint16_t{1});
+  std::ranges::fill(maps.mixed, std::uint16_t{0});
   for (int y = 0; y < maps.height; ++y) {
     read_row(pmd, y, bound, maps);
-    place_row(y, pmd.widest, bound, maps);
-    judge_row(y, maps);
+    std::ranges::fill(support_.wraps, std::int16_t{kUnknownWraps});
+    std::ranges::fill(support_.comparable, std::uint16_t{0});
+    look_up(pmd.distance.row(y), pmd, y, 0);
+    judge(y, 0, {0, index(maps.width)}, maps);
+    for (int k = 1; k < maps.wrap_counts; ++k) {
+      place_row(pmd, y, k, bound, maps);
+      for (Columns c = next_columns(0); c.begin < c.end; c = next_columns(c.end)) {
+        look_up(candidates_.distance.subspan(c.begin, c.end - c.begin), pmd, y, c.begin);
+        judge(y, k, c, maps);
+      }
+    }
+    vote_row(y, maps);
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,12 +24,6 @@ class WrapEvidence {
  public:
   // Fewer disparities than that around a place say nothing.
   static constexpr int kLeastKnown = 6;
-  // For a reading: the last wrap count that at least 5/8 of the samples support; how many counts
-  // more than 1/4 support.
-  struct Support {
-    std::int16_t wraps = kUnknownWraps;
-    std::int16_t comparable = 0;
-  };
 
   WrapEvidence(const Calibration& calibration, const FusionParams& params, int min_disparity,
                int disparities, int width, int height, Arena& arena) noexcept;
@@ -42,7 +35,7 @@ class WrapEvidence {
                const AmplitudeBound& bound, WrapMaps& maps) noexcept;
 
  private:
-  // A row of readings, as if all had the same wrap count.
+  // Some readings of a row, as if all had the same wrap count; `distance` of all of the row.
   struct Candidates {
     std::span<QuarterMm> distance;
     std::span<std::int32_t> u;
@@ -50,21 +43,36 @@ class WrapEvidence {
     std::span<QuarterMm> depth;
     std::span<QuarterMm> tolerance;
     std::span<Votes> votes;
+    Candidates first(std::size_t n) const noexcept {
+      return {distance, u.first(n), v.first(n), depth.first(n), tolerance.first(n), votes.first(n)};
+    }
+  };
+  struct Columns {
+    std::size_t begin;
+    std::size_t end;
+  };
+  // Of a row's readings: the last wrap count that at least 5/8 of the samples support; how many
+  // counts more than 1/4 support.
+  struct Support {
+    std::span<std::int16_t> wraps;
+    std::span<std::uint16_t> comparable;
   };
   static void read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
                        WrapMaps& maps) noexcept;
-  void place_row(int y, QuarterMm far_off, const AmplitudeBound& bound, WrapMaps& maps) noexcept;
-  void judge_row(int y, WrapMaps& maps) noexcept;
-  static void mark_candidates(const Candidates& c, int k, QuarterMm max_range,
-                              std::span<std::uint16_t> possible,
-                              std::span<std::uint16_t> mixed) noexcept;
+  void place_row(const PmdMaps& pmd, int y, int k, const AmplitudeBound& bound,
+                 const WrapMaps& maps) noexcept;
+  Columns next_columns(std::size_t end) const noexcept;
+  void look_up(std::span<const QuarterMm> distance, const PmdMaps& pmd, int y,
+               std::size_t begin) noexcept;
+  void judge(int y, int k, const Columns& columns, WrapMaps& maps) noexcept;
+  void vote_row(int y, WrapMaps& maps) noexcept;
 
   QuarterMm max_range_;
   StereoSamples samples_;
   Projection projection_;
   RayTable rays_;
-  std::array<Candidates, kMostWrapCounts> candidates_;
-  std::span<Support> support_;  // of a row
+  Candidates candidates_;
+  Support support_;
 };
 
 }  // namespace stof::dsp

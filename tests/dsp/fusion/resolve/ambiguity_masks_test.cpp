@@ -18,6 +18,9 @@ struct Pixel {
   Cause cause = Cause::kNone;
   QuarterMm low = 1200;
   QuarterMm high = 1300;
+  QuarterMm near = 5000;  // of stereo
+  QuarterMm far = 5100;
+  QuarterMm pmd_range = 4000;
   std::uint8_t ratio = 0;
   std::uint8_t flags = 0;
   Disparity disparity = kSome;
@@ -27,7 +30,7 @@ struct Pixel {
 struct Marked {
   bool open = false;
   bool matched = false;
-  bool disputed = false;
+  bool folded = false;
   bool weak = false;
   bool edge = false;
   bool alone = false;
@@ -41,9 +44,12 @@ Marked run(const Pixel& p) {
   best::ambiguity_masks({{&p.disparity, 1},
                          {&p.weak, 1},
                          {{&p.ratio, 1}, {&p.flags, 1}},
+                         {{&p.near, 1}, {&p.far, 1}},
                          {{&p.low, 1}, {&p.high, 1}},
                          {&p.source, 1},
-                         {&p.cause, 1}},
+                         {&p.cause, 1},
+                         60000,
+                         p.pmd_range},
                         {word(0), word(1), word(2), word(3), word(4), word(5), word(6)});
   for (const std::uint64_t bits : words) {
     EXPECT_LE(bits, 1U);
@@ -58,11 +64,48 @@ TEST(AmbiguityMasks, AWidePmdIntervalIsOpen) {
   EXPECT_EQ(run({.source = Source::kPmd, .high = 1300}), Marked{});
 }
 
-TEST(AmbiguityMasks, AConflictAtAnEdgeIsOpenAndAnyConflictDisputed) {
+TEST(AmbiguityMasks, AConflictAtAnEdgeIsOpen) {
   EXPECT_EQ(run({.source = Source::kConflict, .cause = Cause::kMixedPixel, .flags = kPmdEdge}),
-            (Marked{true, false, true, false, true}));
-  EXPECT_EQ(run({.source = Source::kConflict, .cause = Cause::kContradiction}),
-            (Marked{false, false, true, false, false}));
+            (Marked{.open = true, .folded = true, .edge = true}));
+}
+
+TEST(AmbiguityMasks, AConflictOfOneRangeIsFolded) {
+  const Pixel nearer{.source = Source::kConflict, .cause = Cause::kContradiction};
+  EXPECT_EQ(run(nearer), Marked{.folded = true});
+  Pixel other = nearer;
+  other.source = Source::kPmd;
+  EXPECT_EQ(run(other), Marked{});
+  other = nearer;
+  other.pmd_range = 0;
+  EXPECT_EQ(run(other), Marked{});
+}
+
+TEST(AmbiguityMasks, ARangeIsMovedByUpToASixteenthLess) {
+  Pixel pixel{.source = Source::kConflict};  // of the PMD: 1200 .. 1300
+  const auto is_folded = [&](QuarterMm near, QuarterMm far) {
+    pixel.near = near;
+    pixel.far = far;
+    return run(pixel).folded;
+  };
+  EXPECT_FALSE(is_folded(5301, 5400));
+  EXPECT_TRUE(is_folded(5300, 5400));
+  EXPECT_TRUE(is_folded(4900, 4950));
+  EXPECT_FALSE(is_folded(4900, 4949));
+  pixel.low = 6000;
+  pixel.high = 6100;
+  EXPECT_FALSE(is_folded(2351, 2400));
+  EXPECT_TRUE(is_folded(2350, 2400));
+  EXPECT_TRUE(is_folded(1900, 2000));
+  EXPECT_FALSE(is_folded(1900, 1999));
+}
+
+TEST(AmbiguityMasks, IntervalsEndAtTheMostRange) {
+  // Moved by a range it would begin at 59,750 or behind.
+  Pixel far{.source = Source::kConflict, .low = 56000, .high = 56100, .near = 59800, .far = 65535};
+  EXPECT_EQ(run(far), Marked{.folded = true});
+  far.low = 56251;
+  far.high = 56260;
+  EXPECT_EQ(run(far), Marked{});
 }
 
 TEST(AmbiguityMasks, PublishedMatchesThatStandOutStandForASurface) {
@@ -115,9 +158,12 @@ MaskRow random_row(test::KernelCase& c, bool with_weak) {
   return {disparity,
           weak,
           {c.array<std::uint8_t>(n, 0, 255), c.array<std::uint8_t>(n)},
+          {c.array<QuarterMm>(n), c.array<QuarterMm>(n)},
           {low, high},
           c.array<Source>(n, 0, 5),
-          c.array<Cause>(n, 0, kCauses - 1)};
+          c.array<Cause>(n, 0, kCauses - 1),
+          static_cast<QuarterMm>(c.random().between(0, 65535)),
+          static_cast<QuarterMm>(std::max(c.random().between(-20000, 65535), 0))};
 }
 
 TEST(AmbiguityMasks, EqualReferenceForEveryLength) {

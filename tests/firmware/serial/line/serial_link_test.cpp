@@ -36,7 +36,7 @@ constexpr wire::Origin kSensor{.device_id = 5, .session_id = 6};
 class Echo final : public SettingsService {
  public:
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
-                             std::span<std::byte> answer_text,
+                             const Requester& /*by*/, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override {
     std::ranges::copy(text, answer_text.begin());
     answer_bytes = text.size();

@@ -22,7 +22,7 @@ using wire::SettingsResult;
 class Library final : public firmware::SettingsService {
  public:
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
-                             std::span<std::byte> answer_text,
+                             const firmware::Requester& /*by*/, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override {
     ++served;
     if (request.operation == SettingsOperation::kSet) {

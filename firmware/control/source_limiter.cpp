@@ -1,0 +1,41 @@
+#include "firmware/control/source_limiter.h"
+
+#include <algorithm>
+#include <span>
+
+namespace stof::firmware {
+namespace {
+
+constexpr std::size_t kNetworkBytes = 8;  // of an IPv6 address
+
+bool is_ipv4(const hal::Peer& peer) noexcept {
+  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
+  return std::ranges::equal(std::span(peer.address).first<kMapped.size()>(), kMapped);
+}
+
+bool is_link_local(const hal::Peer& peer) noexcept {
+  return peer.address[0] == 0xFE && (peer.address[1] & 0xC0U) == 0x80;
+}
+
+}  // namespace
+
+hal::Peer host_of(const hal::Peer& peer) noexcept {
+  hal::Peer host{.address = peer.address, .scope = peer.scope};
+  if (!is_ipv4(peer) && !is_link_local(peer)) {
+    std::ranges::fill(std::span(host.address).subspan<kNetworkBytes>(), std::uint8_t{0});
+  }
+  return host;
+}
+
+SourceLimiter::SourceLimiter(const CookieSecret& secret, std::uint32_t per_second) noexcept
+    : secret_(secret) {
+  buckets_.fill(TokenBucket(per_second));
+}
+
+bool SourceLimiter::take(const hal::Peer& from, hal::Time now) noexcept {
+  const hal::Peer host = host_of(from);
+  const std::uint64_t place = siphash24(secret_, std::as_bytes(std::span(host.address))) % kPlaces;
+  return buckets_[place].take(now);
+}
+
+}  // namespace stof::firmware

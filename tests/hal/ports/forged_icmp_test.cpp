@@ -1,0 +1,130 @@
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <functional>
+#include <vector>
+
+#include <arpa/inet.h>
+#include <gtest/gtest.h>
+#include <net/if.h>
+#include <netinet/ip.h>
+#include <netinet/ip_icmp.h>
+#include <netinet/udp.h>
+#include <sched.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "hal/linux/ports/udp_port.h"
+#include "posix/fd.h"
+#include "tests/support/loopback.h"
+
+// Answers of the network that a stranger makes up.
+namespace stof::test {
+namespace {
+
+using hal::Peer;
+using hal::linux::UdpPort;
+
+constexpr int kSkipped = 77;
+
+// Runs it in a child with a network of its own, which is a loopback interface alone: what it does
+// to the system's routes stays there. Needs to be root; kSkipped where it may not.
+int in_own_network(const std::function<int()>& body) {
+  const pid_t child = fork();
+  if (child == 0) {
+    ifreq loopback{};
+    std::strncpy(loopback.ifr_name, "lo", IFNAMSIZ - 1);
+    loopback.ifr_flags = IFF_UP | IFF_RUNNING;
+    const posix::Fd any(unshare(CLONE_NEWNET) == 0 ? socket(AF_INET, SOCK_DGRAM, 0) : -1);
+    const bool up = any.is_open() && ioctl(any.get(), SIOCSIFFLAGS, &loopback) == 0;
+    _exit(up ? body() : kSkipped);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+std::uint16_t internet_checksum(const std::vector<std::uint8_t>& bytes) {
+  std::uint32_t sum = 0;
+  for (std::size_t i = 0; i + 1 < bytes.size(); i += 2) {
+    sum += static_cast<std::uint32_t>(bytes[i] << 8 | bytes[i + 1]);
+  }
+  while (sum > 0xFFFF) {
+    sum = (sum & 0xFFFF) + (sum >> 16);
+  }
+  return static_cast<std::uint16_t>(~sum);
+}
+
+void append_u16(std::vector<std::uint8_t>& bytes, unsigned value) {
+  bytes.push_back(static_cast<std::uint8_t>(value >> 8));
+  bytes.push_back(static_cast<std::uint8_t>(value));
+}
+
+// As a router would answer a datagram of 1,232 bytes from 127.0.0.1, `from`, to 127.0.0.1, `to`.
+bool forge(std::uint8_t code, unsigned mtu, std::uint16_t from, std::uint16_t to) {
+  const posix::Fd raw(socket(AF_INET, SOCK_RAW, IPPROTO_ICMP));
+  std::vector<std::uint8_t> icmp{ICMP_DEST_UNREACH, code, 0, 0};
+  append_u16(icmp, 0);
+  append_u16(icmp, mtu);
+  icmp.insert(icmp.end(), {0x45, 0});
+  append_u16(icmp, 20 + 8 + 1232);
+  icmp.insert(icmp.end(), {0, 1, 0x40, 0, 64, IPPROTO_UDP, 0, 0, 127, 0, 0, 1, 127, 0, 0, 1});
+  append_u16(icmp, from);
+  append_u16(icmp, to);
+  append_u16(icmp, 8 + 1232);
+  append_u16(icmp, 0);
+  const std::uint16_t sum = internet_checksum(icmp);
+  icmp[2] = static_cast<std::uint8_t>(sum >> 8);
+  icmp[3] = static_cast<std::uint8_t>(sum);
+  const posix::SocketAddress address = loopback_address(0);
+  return raw.is_open() && sendto(raw.get(), icmp.data(), icmp.size(), 0, address.generic(),
+                                 address.length) == static_cast<ssize_t>(icmp.size());
+}
+
+// How many of 100 large datagrams arrive after the forged answer.
+int arrive_after(std::uint8_t code, unsigned mtu) {
+  const auto sensor = UdpPort::open({});
+  const auto receiver = UdpPort::open({.ipv4_only = true});
+  if (!sensor || !receiver) {
+    return kSkipped;
+  }
+  const Peer to{.address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1},
+                .port = (*receiver)->port()};
+  const std::array<std::byte, 1232> datagram{};
+  const std::span<const std::byte> one(datagram);
+  std::size_t sent = 0;
+  static_cast<void>((*sensor)->send(to, std::span(&one, 1), sent));  // there is a route now
+  if (!forge(code, mtu, (*sensor)->port(), to.port)) {
+    return kSkipped;
+  }
+  int arrived = -1;  // the one before
+  for (int i = 0; i < 100; ++i) {
+    static_cast<void>((*sensor)->send(to, std::span(&one, 1), sent));
+  }
+  std::array<std::byte, 2000> space;
+  while ((*receiver)->receive(space, std::chrono::milliseconds(200))) {
+    ++arrived;
+  }
+  return arrived;
+}
+
+TEST(ForgedIcmp, ThatAPathTakesLessIsNotBelieved) {
+  const int arrived = in_own_network([] { return arrive_after(ICMP_FRAG_NEEDED, 552); });
+  if (arrived == kSkipped) {
+    GTEST_SKIP() << "this user may not have a network of its own";
+  }
+  EXPECT_EQ(arrived, 100);
+}
+
+TEST(ForgedIcmp, ThatNobodyListensCostsNoDatagram) {
+  const int arrived = in_own_network([] { return arrive_after(ICMP_PORT_UNREACH, 0); });
+  if (arrived == kSkipped) {
+    GTEST_SKIP() << "this user may not have a network of its own";
+  }
+  EXPECT_EQ(arrived, 100);
+}
+
+}  // namespace
+}  // namespace stof::test
