@@ -58,9 +58,18 @@ struct Neon {
     unmutate(p);
   }
   static void store_eight(std::uint16_t* p, V v) noexcept { store(p, v); }
+  static void store_parts(std::uint16_t* p, V v) noexcept { store(p, v); }
+  static void add_parts(const std::uint16_t* parts, std::size_t first,
+                        std::uint32_t* totals) noexcept {
+    const auto of = [&](int k) noexcept { return vpaddlq_u16(vld1q_u16(parts + 8 * k)); };
+    const uint32x4_t sums = vpaddq_u32(vpaddq_u32(of(0), of(1)), vpaddq_u32(of(2), of(3)));
+    vst1q_u32(totals, first == 0 ? sums : vaddq_u32(sums, vld1q_u32(totals)));
+    unmutate(totals);
+  }
   static V add(V a, V b) noexcept { return vaddq_u16(a, b); }
   static V sub(V a, V b) noexcept { return vsubq_u16(a, b); }
   static V smaller(V a, V b) noexcept { return vminq_u16(a, b); }
+  static V without(V a, V b) noexcept { return vbicq_u16(a, b); }
   static V either(V a, V b) noexcept { return vorrq_u16(a, b); }
   static V eighth(V a) noexcept { return vshrq_n_u16(a, 3); }
   static V numbers(std::size_t v) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(v)); }
@@ -79,30 +88,33 @@ struct Neon {
                           simd::difference_of_small(gone, vld1q_u8(old_right)), a, b);
   }
 
-  static void lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,
+  static constexpr std::size_t kColumns = 8;
+
+  static bool lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,
                      std::int16_t* winners) noexcept {
     V sums;
     V lane;
     find_lowest(eights, sums, lane);
     const V group = vshlq_n_u16(vandq_u16(sums, vdupq_n_u16(7)), 3);
-    const V winner =
-        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first)));
+    const int16x8_t winner = vreinterpretq_s16_u16(
+        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first))));
     const V cost = vshrq_n_u16(sums, 3);
+    int16x8_t best = winner;
     if (first == 0) {
       store(costs, cost);
-      store_winners(winners, vreinterpretq_s16_u16(winner));
-      return;
+    } else {
+      const V before = vld1q_u16(costs);
+      best = vbslq_s16(vcltq_u16(cost, before), winner, vld1q_s16(winners));
+      store(costs, vminq_u16(cost, before));
     }
-    const V before = vld1q_u16(costs);
-    const V better = vcltq_u16(cost, before);
-    store(costs, vminq_u16(cost, before));
-    store_winners(winners, vbslq_s16(better, vreinterpretq_s16_u16(winner), vld1q_s16(winners)));
+    store_winners(winners, best);
+    const uint8x8_t zeros = vmovn_u16(vceqq_s16(best, vdupq_n_s16(0)));
+    return vget_lane_u64(vreinterpret_u64_u8(zeros), 0) != 0;
   }
 
-  // around[k]: the sums of the candidates before and behind the k-th winner, and its own between.
   template <int kShift>
-  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[8],
-                  const std::uint16_t* costs, const std::int16_t* winners,
+  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[kColumns],
+                  const std::uint16_t* costs, const std::int16_t* winners, std::int16_t* kept,
                   std::int16_t* fitted) noexcept {
     const int16x8_t winner = vld1q_s16(winners);
     const int16x8_t none = vdupq_n_s16(kNoWinner);
@@ -127,8 +139,9 @@ struct Neon {
       out = vbslq_s16(vcltq_u16(before, after), vsubq_s16(out, signed_shift),
                       vaddq_s16(out, signed_shift));
     }
+    store_winners(kept, winner);
     out = vbslq_s16(vceqq_s16(winner, none), vdupq_n_s16(Disparity::none().raw), out);
-    vst1q_s16(fitted, out);
+    store_winners(fitted, out);
   }
 
  private:
