@@ -30,7 +30,7 @@ std::expected<std::size_t, int> DatagramBatch::read(int fd) noexcept {
   const std::size_t read = static_cast<std::size_t>(count);
   for (std::size_t i = 0; i < read; ++i) {
     from_[i].length = messages_[i].msg_hdr.msg_namelen;
-    note_drops(messages_[i].msg_hdr);
+    read_control(messages_[i].msg_hdr, i);
   }
   return read;
 }
@@ -39,14 +39,27 @@ std::span<const std::byte> DatagramBatch::datagram(std::size_t index) const noex
   return std::span(space_[index]).first(std::min(whole_size(index), kSpace));
 }
 
-void DatagramBatch::note_drops(const msghdr& message) noexcept {
-  // Only the first entry can be it: nothing else was asked for.
-  const cmsghdr* const entry = CMSG_FIRSTHDR(&message);
-  if (entry == nullptr || entry->cmsg_level != SOL_SOCKET || entry->cmsg_type != SO_RXQ_OVFL) {
-    return;
+void DatagramBatch::read_control(msghdr& message, std::size_t index) noexcept {
+  arrived_[index].reset();
+  for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr;
+       entry = CMSG_NXTHDR(&message, entry)) {
+    if (entry->cmsg_level != SOL_SOCKET) {
+      continue;
+    }
+    if (entry->cmsg_type == SO_RXQ_OVFL) {
+      note_drops(*entry);
+    } else if (entry->cmsg_type == SCM_TIMESTAMPNS) {
+      timespec stamp{};
+      std::memcpy(&stamp, CMSG_DATA(entry), sizeof stamp);
+      arrived_[index] =
+          std::chrono::seconds(stamp.tv_sec) + std::chrono::nanoseconds(stamp.tv_nsec);
+    }
   }
+}
+
+void DatagramBatch::note_drops(const cmsghdr& entry) noexcept {
   std::uint32_t count = 0;
-  std::memcpy(&count, CMSG_DATA(entry), sizeof count);
+  std::memcpy(&count, CMSG_DATA(&entry), sizeof count);
   dropped_.fetch_add(count - kernel_count_, std::memory_order_relaxed);
   kernel_count_ = count;
 }

@@ -2,9 +2,12 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <ctime>
 #include <expected>
+#include <optional>
 #include <span>
 
 #include <sys/socket.h>
@@ -33,6 +36,10 @@ class DatagramBatch {
   std::span<const std::byte> datagram(std::size_t index) const noexcept;  // up to kSpace bytes
   std::size_t whole_size(std::size_t index) const noexcept { return messages_[index].msg_len; }
   const SocketAddress& from(std::size_t index) const noexcept { return from_[index]; }
+  // When it reached this machine, by CLOCK_REALTIME; none: the socket does not stamp arrivals.
+  std::optional<std::chrono::nanoseconds> arrived(std::size_t index) const noexcept {
+    return arrived_[index];
+  }
 
   // Datagrams that found the buffer full, where the socket counts them. Any thread may ask.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
@@ -40,12 +47,15 @@ class DatagramBatch {
  private:
   static constexpr std::size_t kControlSpace = 64;
   static_assert(kControlSpace % alignof(cmsghdr) == 0);
+  static_assert(kControlSpace >= CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec)));
 
-  void note_drops(const msghdr& message) noexcept;
+  void read_control(msghdr& message, std::size_t index) noexcept;
+  void note_drops(const cmsghdr& entry) noexcept;
 
   std::array<std::array<std::byte, kSpace>, kMost> space_;
   alignas(cmsghdr) std::array<std::array<std::byte, kControlSpace>, kMost> control_;
   std::array<SocketAddress, kMost> from_;
+  std::array<std::optional<std::chrono::nanoseconds>, kMost> arrived_;
   std::array<iovec, kMost> vectors_;
   std::array<mmsghdr, kMost> messages_;
   std::uint32_t kernel_count_ = 0;  // of drops, wraps

@@ -39,6 +39,8 @@ int UdpSocket::set_buffer(Buffer which, int bytes) const noexcept {
 
 int UdpSocket::count_drops() const noexcept { return set({SOL_SOCKET, SO_RXQ_OVFL, 1}); }
 
+int UdpSocket::stamp_arrivals() const noexcept { return set({SOL_SOCKET, SO_TIMESTAMPNS, 1}); }
+
 int UdpSocket::bind(const SocketAddress& at) const noexcept {
   return error_of(::bind(fd(), at.generic(), at.length));
 }

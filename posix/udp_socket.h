@@ -37,6 +37,8 @@ class UdpSocket {
   int set_buffer(Buffer which, int bytes) const noexcept;
   // Has the system count datagrams that find the receive buffer full (DatagramBatch::dropped()).
   int count_drops() const noexcept;
+  // Has the system stamp each datagram when it arrives (DatagramBatch::arrived()).
+  int stamp_arrivals() const noexcept;
   // With port 0 any free one.
   int bind(const SocketAddress& at) const noexcept;
   // From now on send() goes there, and only what comes from there is received.

@@ -6,7 +6,9 @@ namespace stof::client {
 namespace {
 
 constexpr Duration kShortestTimeout = std::chrono::milliseconds(100);
-constexpr Duration kLongestTimeout = std::chrono::seconds(10);
+constexpr Duration kLongestPeriod = std::chrono::seconds(10);
+constexpr Duration kUnknownPeriod = std::chrono::milliseconds(100);
+constexpr Duration kAgeBeyondPeriod = std::chrono::milliseconds(100);
 
 using Counter = std::uint64_t Statistics::*;
 
@@ -15,8 +17,9 @@ constexpr std::array<Counter, 6> kFaults{&Statistics::truncated,   &Statistics::
                                          &Statistics::bad_version, &Statistics::bad_length,
                                          &Statistics::bad_crc,     &Statistics::bad_field};
 // By MessageOutcome.
-constexpr std::array<Counter, 4> kOutcomes{&Statistics::packets_ok, &Statistics::duplicate,
-                                           &Statistics::late, &Statistics::bad_field};
+constexpr std::array<Counter, 5> kOutcomes{&Statistics::packets_ok, &Statistics::duplicate,
+                                           &Statistics::late, &Statistics::bad_field,
+                                           &Statistics::implausible};
 // By Placed.
 constexpr std::array<Counter, 4> kParts{&Statistics::packets_ok, &Statistics::unknown,
                                         &Statistics::duplicate, &Statistics::bad_field};
@@ -36,14 +39,14 @@ bool contradicts_itself(const wire::PacketView& packet) {
 
 }  // namespace
 
-void Reassembler::push(std::span<const std::byte> datagram, Time now) {
+void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time now) {
   const auto packet = wire::parse_packet(datagram);
   if (!packet) {
     ++(statistics_.*kFaults[static_cast<std::size_t>(packet.error())]);
     return;
   }
   const wire::Header& header = packet->header;
-  switch (session_.judge(header.origin, now)) {
+  switch (session_.judge(header.origin, arrived)) {
     case SessionTracker::Verdict::kForeign:
       ++statistics_.foreign;
       return;
@@ -53,26 +56,77 @@ void Reassembler::push(std::span<const std::byte> datagram, Time now) {
     case SessionTracker::Verdict::kCurrent:
       break;
   }
-  if (wire::part_of_frame(header.type)) {
-    push_part(*packet, now);
-  } else if (header.type == wire::PacketType::kParity) {
-    push_parity(*packet, now);
+  const bool part = wire::part_of_frame(header.type);
+  const bool parity = header.type == wire::PacketType::kParity;
+  if ((part || parity) && now - arrived > max_age()) {
+    refuse_old(header, arrived);
+  } else if (part) {
+    push_part(*packet, arrived);
+  } else if (parity) {
+    push_parity(*packet, arrived);
   } else {
-    push_report(*packet);
+    push_report(*packet, arrived);
   }
 }
 
-void Reassembler::push_report(const wire::PacketView& packet) {
+// Its frame is not delivered, nor is one before it that is still open.
+void Reassembler::refuse_old(const wire::Header& header, Time arrived) {
+  ++statistics_.old;
+  const FrameSequence::Verdict verdict = judge(header, arrived);
+  if (verdict == FrameSequence::Verdict::kOver || verdict == FrameSequence::Verdict::kImplausible) {
+    return;
+  }
+  const std::uint32_t number = header.frame.number;
+  for (FrameSlot* slot = oldest(FrameSlot::State::kOpen);
+       slot != nullptr && number_distance(slot->number(), number) < 0;
+       slot = oldest(FrameSlot::State::kOpen)) {
+    statistics_.frames_lost += sequence_.close(slot->number());
+    drop(*slot, &Statistics::frames_old);
+  }
+  sequence_.begin(number, arrived);
+  statistics_.frames_lost += sequence_.close(number);
+  FrameSlot* const open = oldest(FrameSlot::State::kOpen);
+  if (open != nullptr && open->number() == number) {
+    drop(*open, &Statistics::frames_old);
+  } else {
+    ++statistics_.frames_old;
+  }
+}
+
+FrameSequence::Verdict Reassembler::judge(const wire::Header& header, Time arrived) {
+  const FrameSequence::Verdict verdict = sequence_.judge(header.frame, arrived);
+  if (verdict == FrameSequence::Verdict::kResynchronised) {
+    drop_open();
+    closed_count_ = 0;
+    ++statistics_.resynchronised;
+  }
+  return verdict;
+}
+
+void Reassembler::drop(FrameSlot& slot, Counter cause) {
+  slot.state = FrameSlot::State::kFree;
+  ++(statistics_.*cause);
+}
+
+void Reassembler::drop_open() {
+  for (FrameSlot& slot : slots_) {
+    if (slot.state == FrameSlot::State::kOpen) {
+      drop(slot, &Statistics::frames_dropped);
+    }
+  }
+}
+
+void Reassembler::push_report(const wire::PacketView& packet, Time arrived) {
   switch (packet.header.type) {
     case wire::PacketType::kCalibration:
-      count(messages_.push_calibration(packet));
+      count(messages_.push_calibration(packet, sequence_, arrived));
       break;
     case wire::PacketType::kHealth:
-      count(messages_.push_health(packet));
+      count(messages_.push_health(packet, arrived));
       break;
     case wire::PacketType::kEvent: {
       bool overflow = false;
-      count(messages_.push_event(packet, overflow));
+      count(messages_.push_event(packet, arrived, overflow));
       statistics_.events_dropped += overflow ? 1 : 0;
       break;
     }
@@ -87,25 +141,12 @@ void Reassembler::count(MessageOutcome outcome) {
 }
 
 void Reassembler::start_session() {
-  for (FrameSlot& slot : slots_) {
-    if (slot.state == FrameSlot::State::kOpen) {
-      slot.state = FrameSlot::State::kFree;
-      ++statistics_.frames_dropped;
-    }
-  }
+  drop_open();
   ++statistics_.sessions;
   statistics_.events_dropped += messages_.restart();
-  newest_.reset();
-  last_closed_.reset();
-  freshness_.reset();
+  sequence_ = {};
   closed_count_ = 0;
   parity_ = false;
-}
-
-// Two frames are in flight: with n seen, n - 1 may still begin.
-bool Reassembler::over(std::uint32_t number) const {
-  return (last_closed_ && number_distance(number, *last_closed_) <= 0) ||
-         (newest_ && number_distance(number, *newest_) < -1);
 }
 
 bool Reassembler::count(Placed placed) {
@@ -113,7 +154,7 @@ bool Reassembler::count(Placed placed) {
   return placed == Placed::kStored || placed == Placed::kIgnored;
 }
 
-void Reassembler::push_part(const wire::PacketView& packet, Time now) {
+void Reassembler::push_part(const wire::PacketView& packet, Time arrived) {
   const wire::Header& header = packet.header;
   if (contradicts_itself(packet)) {
     ++statistics_.bad_field;
@@ -123,40 +164,53 @@ void Reassembler::push_part(const wire::PacketView& packet, Time now) {
     ++statistics_.oversized;
     return;
   }
-  if (over(header.frame.number)) {
-    refuse_closed(header);
-    return;
+  switch (judge(header, arrived)) {
+    case FrameSequence::Verdict::kOver:
+      refuse_closed(header);
+      return;
+    case FrameSequence::Verdict::kImplausible:
+      ++statistics_.implausible;
+      return;
+    default:
+      break;
   }
-  FrameSlot& slot = open(header, now);
-  if (!count(slot.add(packet, now))) {
+  FrameSlot& slot = open(header, arrived);
+  if (!count(slot.add(packet, arrived))) {
     return;
   }
   parity_ = parity_ || slot.parity();
   if (slot.parity()) {
-    repair(slot, slot.group_of(header.index), now);
+    repair(slot, slot.group_of(header.index), arrived);
   }
   close_if_complete(slot);
 }
 
-void Reassembler::push_parity(const wire::PacketView& packet, Time now) {
+void Reassembler::push_parity(const wire::PacketView& packet, Time arrived) {
   const Result<wire::ParityFields> fields = wire::decode_parity_fields(packet.payload);
   if (!fields || fields->count == 0) {
     ++statistics_.bad_field;
     return;
   }
-  parity_ = true;
-  if (over(packet.header.frame.number)) {
-    count_closed_parity(packet.header);
-    return;
+  switch (judge(packet.header, arrived)) {
+    case FrameSequence::Verdict::kOver:
+      parity_ = true;
+      count_closed_parity(packet.header);
+      return;
+    case FrameSequence::Verdict::kImplausible:
+      ++statistics_.implausible;
+      return;
+    default:
+      break;
   }
+  parity_ = true;
   wire::Header part = packet.header;  // as one of the parts that are missing
   part.count = fields->count;
-  FrameSlot& slot = open(part, now);
-  if (!count(slot.add_parity(packet, now))) {
+  FrameSlot& slot = open(part, arrived);
+  if (!count(slot.add_parity(packet, arrived))) {
     return;
   }
   if (slot.parity()) {
-    repair(slot, packet.header.index, now);
+    repair(slot, packet.header.index, arrived);
   }
   close_if_complete(slot);
 }
@@ -218,8 +272,7 @@ FrameSlot& Reassembler::open(const wire::Header& header, Time now) {
       return slot;
     }
   }
-  if (!newest_ || number_distance(number, *newest_) > 0) {
-    newest_ = number;
+  if (sequence_.begin(number, now)) {
     close_older_than(number - 1);
   }
   FrameSlot* slot = nullptr;
@@ -247,10 +300,7 @@ void Reassembler::close_older_than(std::uint32_t number) {
 // Only ever of the oldest open frame: frames finish in the order of their numbers.
 void Reassembler::close(FrameSlot& slot) {
   const std::uint32_t number = slot.number();
-  if (last_closed_) {
-    statistics_.frames_lost += number - *last_closed_ - 1;
-  }
-  last_closed_ = number;
+  statistics_.frames_lost += sequence_.close(number);
   statistics_.packets_missing += slot.missing_packets();
   Closed& closed = closed_[closed_count_++ % kClosed];
   closed = {.number = number,
@@ -259,15 +309,10 @@ void Reassembler::close(FrameSlot& slot) {
             .parity_groups = wire::parity_groups(slot.count()),
             .whole = slot.complete()};
 
-  // The first verified exposure is number 1.
-  const bool fresh =
-      freshness_ ? number_distance(slot.freshness(), *freshness_) > 0 : slot.freshness() != 0;
-  if (!fresh) {
-    ++statistics_.frames_stale;
-    slot.state = FrameSlot::State::kFree;
+  if (!sequence_.advance(slot.freshness(), slot.last_packet())) {
+    drop(slot, &Statistics::frames_stale);
     return;
   }
-  freshness_ = slot.freshness();
   slot.finish();
   slot.keep_calibration(messages_.calibration());
   slot.order = ++finished_;
@@ -289,6 +334,15 @@ std::optional<Frame> Reassembler::take() {
   return slot->view();
 }
 
+std::optional<Frame> Reassembler::take(Time now) {
+  for (FrameSlot& slot : slots_) {
+    if (slot.state == FrameSlot::State::kFinished && now - slot.last_packet() > max_age()) {
+      drop(slot, &Statistics::frames_old);
+    }
+  }
+  return take();
+}
+
 // In the order of finishing, or, of those that are not finished, of their numbers.
 FrameSlot* Reassembler::oldest(FrameSlot::State state) {
   FrameSlot* found = nullptr;
@@ -305,13 +359,22 @@ FrameSlot* Reassembler::oldest(FrameSlot::State state) {
   return found;
 }
 
+Duration Reassembler::period() const {
+  const std::int64_t period_ns = calibration() ? calibration()->period_ns : 0;
+  return Duration(std::clamp<std::int64_t>(period_ns, 0, kLongestPeriod.count()));
+}
+
 Duration Reassembler::frame_timeout() const {
   if (options_.frame_timeout) {
     return *options_.frame_timeout;
   }
-  const std::int64_t period_ns = calibration() ? calibration()->period_ns : 0;
-  const std::int64_t bounded = std::clamp<std::int64_t>(period_ns, 0, kLongestTimeout.count());
-  return std::clamp(Duration(bounded + bounded / 2), kShortestTimeout, kLongestTimeout);
+  return std::clamp(period() + period() / 2, kShortestTimeout, kLongestPeriod);
+}
+
+Duration Reassembler::max_age() const {
+  const Duration assumed = period() > Duration(0) ? period() : kUnknownPeriod;
+  const Duration expired = assumed + assumed / 2 + kAgeBeyondPeriod / 2;
+  return options_.max_age.value_or(std::max(assumed + kAgeBeyondPeriod, expired));
 }
 
 std::optional<Time> Reassembler::next_expiry() const {

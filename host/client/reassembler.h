@@ -10,6 +10,7 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_slot.h"
+#include "host/client/session/frame_sequence.h"
 #include "host/client/session/session_messages.h"
 #include "host/client/session/session_tracker.h"
 #include "host/client/statistics.h"
@@ -26,6 +27,10 @@ struct ReassemblerOptions {
   // least 100 ms, so that a computer busy for a moment does not look like a lost packet. It decides
   // only where the stream has stopped: otherwise a later frame closes an earlier one.
   std::optional<Duration> frame_timeout{};
+  // What arrived longer ago is not delivered: packets of frames that waited for so long to be read,
+  // and frames whose last packet did. Without it one period of the sensor and 100 ms, or 50 ms more
+  // than a frame is waited for, if that is longer; 200 ms as long as the period is not known.
+  std::optional<Duration> max_age{};
 };
 
 // Datagrams in, frames out, in the order of their numbers. Two frames are in flight: packets of
@@ -37,30 +42,39 @@ struct ReassemblerOptions {
 // Where the sender adds parity, a part that is missing is made of the others and the group's parity
 // packet as soon as these are there: it counts as recovered, and not as missing. A stream that was
 // joined in the middle of a frame begins to be repaired with the next one.
-// No clock and no socket: `now` is the caller's, and must not go back.
+// No clock and no socket: times are the caller's, and must not go back.
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblerOptions& options = {})
       : options_(options), session_(options.device_id) {}
 
-  // Any bytes. take() until it returns nothing before the next push(): there is room for what one
-  // datagram can finish; older frames are dropped, and counted, when more is needed.
-  void push(std::span<const std::byte> datagram, Time now);
+  // Any bytes, that arrived then and are read now. take() until it returns nothing before the next
+  // push(): there is room for what one datagram can finish; older frames are dropped, and counted,
+  // when more is needed.
+  void push(std::span<const std::byte> datagram, Time arrived, Time now);
+  // Read when it arrived.
+  void push(std::span<const std::byte> datagram, Time now) { push(datagram, now, now); }
 
   // Closes the frames that waited too long. To be called when nothing is left to push.
   void expire(Time now);
   // When expire() will have something to do.
   std::optional<Time> next_expiry() const;
 
-  // The next finished frame, valid until the next take().
+  // The next finished frame, valid until the next take(). With a time: of those that are not too
+  // old.
   std::optional<Frame> take();
+  std::optional<Frame> take(Time now);
 
   const Statistics& statistics() const noexcept { return statistics_; }
+  // Of the sensor's trigger, at most 10 s; 0: not known.
+  Duration period() const;
   // The newest of the current session.
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return messages_.calibration();
   }
   const std::optional<wire::HealthReport>& health() const noexcept { return messages_.health(); }
+  // The same with their times of arrival.
+  const SessionMessages& messages() const noexcept { return messages_; }
 
   // Conditions that began or ended, in the order of arrival, each event once. 64 are kept.
   std::optional<wire::EventReport> take_event() { return messages_.take_event(); }
@@ -78,12 +92,13 @@ class Reassembler {
   };
 
   void start_session();
-  void push_report(const wire::PacketView& packet);
-  void push_part(const wire::PacketView& packet, Time now);
-  void push_parity(const wire::PacketView& packet, Time now);
+  void push_report(const wire::PacketView& packet, Time arrived);
+  void push_part(const wire::PacketView& packet, Time arrived);
+  void push_parity(const wire::PacketView& packet, Time arrived);
+  void refuse_old(const wire::Header& header, Time arrived);
+  FrameSequence::Verdict judge(const wire::Header& header, Time arrived);
   void count(MessageOutcome outcome);
   bool count(Placed placed);  // whether something was added
-  bool over(std::uint32_t number) const;
   Closed* closed(std::uint32_t number);
   void refuse_closed(const wire::Header& header);
   void count_closed_parity(const wire::Header& header);
@@ -92,8 +107,11 @@ class Reassembler {
   FrameSlot& open(const wire::Header& header, Time now);
   void close(FrameSlot& slot);
   void close_older_than(std::uint32_t number);
+  void drop(FrameSlot& slot, std::uint64_t Statistics::* cause);
+  void drop_open();
   FrameSlot* oldest(FrameSlot::State state);
   Duration frame_timeout() const;
+  Duration max_age() const;
 
   ReassemblerOptions options_;
   Statistics statistics_;
@@ -103,10 +121,8 @@ class Reassembler {
   SessionTracker session_;
 
   // The state of the session.
-  std::optional<std::uint32_t> newest_;       // frame number that a packet carried
-  std::optional<std::uint32_t> last_closed_;  // frame number
-  std::optional<std::uint32_t> freshness_;    // of the newest frame delivered
-  bool parity_ = false;                       // the sender uses it
+  FrameSequence sequence_;
+  bool parity_ = false;  // the sender uses it
   SessionMessages messages_;
   std::array<Closed, kClosed> closed_;
   std::size_t closed_count_ = 0;

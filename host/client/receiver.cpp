@@ -6,10 +6,13 @@
 #include <utility>
 
 #include "host/client/sensor_socket.h"
+#include "posix/datagram_batch.h"
 
 namespace stof::client {
 namespace {
 
+// Read before the time is looked at: a frame is up to 4,000 datagrams.
+constexpr std::size_t kLeastBatches = 4096 / posix::DatagramBatch::kMost;
 constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of times in range
 
 }  // namespace
@@ -18,7 +21,8 @@ struct Receiver::Parts {
   Parts(std::unique_ptr<SensorSocket> bound, const ReceiverOptions& options)
       : socket(std::move(bound)),
         reassembler(options.reassembler),
-        asked_buffer(options.socket_buffer) {
+        asked_buffer(options.socket_buffer),
+        watch(std::chrono::steady_clock::now()) {
     if (!options.sensor.empty()) {
       SubscriptionOptions terms = options.subscription;
       terms.device_id = terms.device_id ? terms.device_id : options.reassembler.device_id;
@@ -49,24 +53,37 @@ struct Receiver::Parts {
 
   // Pushes what was read until a frame is finished.
   std::optional<Frame> push_read() {
-    std::optional<Frame> frame = reassembler.take();
     const Time now = std::chrono::steady_clock::now();
+    std::optional<Frame> frame = reassembler.take(now);
     while (!frame && next < read) {
+      const Time arrived = socket->arrived(next);
       const std::span<const std::byte> datagram = socket->datagram(next++);
       if (subscription && subscription->take(datagram, now)) {
         ask(now);  // a cookie is shown at once
         continue;
       }
-      reassembler.push(datagram, now);
-      frame = reassembler.take();
+      reassembler.push(datagram, arrived, now);
+      frame = reassembler.take(now);
     }
     return frame;
+  }
+
+  Result<Frame> receive(Duration timeout);
+
+  std::optional<Time> next_due() const {
+    const std::optional<Time> expiry = reassembler.next_expiry();
+    if (!subscription) {
+      return expiry;
+    }
+    const Time asking = subscription->next_due();
+    return std::min(asking, expiry.value_or(asking));
   }
 
   std::unique_ptr<SensorSocket> socket;
   Reassembler reassembler;
   std::optional<Subscription> subscription;
   int asked_buffer;
+  LinkWatch watch;
   std::size_t read = 0;  // datagrams in the socket's space
   std::size_t next = 0;  // of these, to push
   mutable Statistics statistics;
@@ -87,40 +104,58 @@ Receiver::Receiver(Receiver&&) noexcept = default;
 Receiver& Receiver::operator=(Receiver&&) noexcept = default;
 Receiver::~Receiver() = default;
 
-Result<Frame> Receiver::next(Duration timeout) {
+Result<Frame> Receiver::Parts::receive(Duration timeout) {
   const Time deadline = std::chrono::steady_clock::now() + std::min(timeout, kForever);
-  while (true) {
-    parts_->ask(std::chrono::steady_clock::now());
-    if (const std::optional<Frame> frame = parts_->push_read()) {
+  for (std::size_t batches = 0;; ++batches) {
+    ask(std::chrono::steady_clock::now());
+    if (const std::optional<Frame> frame = push_read()) {
       return *frame;
     }
-    const Result<std::size_t> read = parts_->socket->receive();
-    if (!read) {
-      return fail(read.error());
+    if (batches >= kLeastBatches && std::chrono::steady_clock::now() >= deadline) {
+      return fail(Status::kTimeout);
     }
-    parts_->read = *read;
-    parts_->next = 0;
-    if (*read > 0) {
-      if (parts_->subscription) {
-        parts_->subscription->heard(std::chrono::steady_clock::now());
+    const Result<std::size_t> got = socket->receive();
+    if (!got) {
+      return fail(got.error());
+    }
+    read = *got;
+    next = 0;
+    if (read > 0) {
+      if (subscription) {
+        subscription->heard(std::chrono::steady_clock::now());
       }
       continue;
     }
     // Only now: while the socket held packets, no frame was known to wait in vain.
     const Time now = std::chrono::steady_clock::now();
-    parts_->reassembler.expire(now);
-    if (const std::optional<Frame> frame = parts_->reassembler.take()) {
+    reassembler.expire(now);
+    if (const std::optional<Frame> frame = reassembler.take(now)) {
       return *frame;
     }
     if (now >= deadline) {
       return fail(Status::kTimeout);
     }
     const Time until = std::min(deadline, next_due().value_or(deadline));
-    if (parts_->socket->wait(until - now) == Status::kDeviceLost) {
+    if (socket->wait(until - now) == Status::kDeviceLost) {
       return fail(Status::kDeviceLost);
     }
   }
 }
+
+Result<Frame> Receiver::next(Duration timeout) {
+  const Result<Frame> frame = parts_->receive(timeout);
+  parts_->watch.look(parts_->reassembler, std::chrono::steady_clock::now());
+  if (frame) {
+    parts_->watch.delivered(*frame);
+  }
+  return frame;
+}
+
+LinkState Receiver::link() const noexcept {
+  return parts_->watch.state(std::chrono::steady_clock::now());
+}
+
+const LinkWatch& Receiver::link_watch() const noexcept { return parts_->watch; }
 
 const Statistics& Receiver::statistics() const noexcept {
   parts_->statistics = parts_->reassembler.statistics();
@@ -150,14 +185,7 @@ bool Receiver::take_refusal() noexcept { return parts_->socket->take_refusal(); 
 
 int Receiver::fd() const noexcept { return parts_->socket->fd(); }
 
-std::optional<Time> Receiver::next_due() const noexcept {
-  const std::optional<Time> expiry = parts_->reassembler.next_expiry();
-  if (!parts_->subscription) {
-    return expiry;
-  }
-  const Time asking = parts_->subscription->next_due();
-  return std::min(asking, expiry.value_or(asking));
-}
+std::optional<Time> Receiver::next_due() const noexcept { return parts_->next_due(); }
 
 int Receiver::socket_buffer() const noexcept { return parts_->socket->buffer_bytes(); }
 

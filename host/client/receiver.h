@@ -13,6 +13,7 @@
 #include "host/client/frame/frame.h"
 #include "host/client/reassembler.h"
 #include "host/client/sensor_socket.h"
+#include "host/client/session/link_watch.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {
@@ -41,8 +42,11 @@ class Receiver {
   Receiver& operator=(Receiver&&) noexcept;
   ~Receiver();
 
-  // The next frame, valid until the next call. Blocks no longer than `timeout`; with 0 it only
-  // looks. kTimeout: none was finished; kDeviceLost: the socket failed, open again.
+  // The next frame, valid until the next call. Blocks no longer than `timeout`, and the time that
+  // 4,096 datagrams take where more than that lie in the socket; with 0 it only looks. kTimeout:
+  // none was finished; kDeviceLost: the socket failed, open again.
+  // What waited in the socket, or was finished, for longer than ReassemblerOptions::max_age is not
+  // delivered: after a pause the next frame is a new one.
   // Call it often: what the socket's buffer cannot hold in between is lost (socket_drops). It also
   // keeps the subscription alive, for which a call every second is enough.
   Result<Frame> next(Duration timeout);
@@ -50,6 +54,9 @@ class Receiver {
   // The newest of the session, as far as next() has read; absent until the first one arrived.
   const std::optional<wire::HealthReport>& health() const noexcept;
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept;
+  // What is known of the sensor by this machine's clock, now.
+  LinkState link() const noexcept;
+  const LinkWatch& link_watch() const noexcept;  // the same for other times and threads, as a copy
   // Conditions that began or ended, each event once. Look after every next().
   std::optional<wire::EventReport> take_event();
 

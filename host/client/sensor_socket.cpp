@@ -35,7 +35,9 @@ SensorSocket::SensorSocket(posix::UdpSocket socket, std::string place, int buffe
     : socket_(std::move(socket)),
       place_(std::move(place)),
       buffer_bytes_(socket_.set_buffer(posix::UdpSocket::Buffer::kReceive, buffer_bytes)) {
-  static_cast<void>(socket_.count_drops());  // without it drops are not told, nothing else
+  // Without these drops are not told, and what waits in the queue does not age.
+  static_cast<void>(socket_.count_drops());
+  static_cast<void>(socket_.stamp_arrivals());
 }
 
 std::expected<std::unique_ptr<SensorSocket>, OpenError> SensorSocket::open(
@@ -106,16 +108,36 @@ Status SensorSocket::send(std::span<const std::byte> datagram) {
 }
 
 Result<std::size_t> SensorSocket::receive() {
+  // Every error that answers an earlier datagram hides what lies in the queue behind it; whoever
+  // sends many of them must not make the queue look empty.
+  constexpr int kMostAnswers = 64;
+  const Time before = Time::clock::now();
   auto count = batch_.read(fd());
-  if (!count && passes(count.error())) {
+  for (int i = 0; i < kMostAnswers && !count && passes(count.error()); ++i) {
     count = batch_.read(fd());
   }
   if (count) {
+    note_arrivals(*count, before);
     return *count;
   }
   const int error = count.error();
+  if (error == EAGAIN) {
+    note_arrivals(0, before);
+  }
   const bool nothing = error == EAGAIN || error == EINTR || passes(error);
   return nothing ? Result<std::size_t>(0) : fail(Status::kDeviceLost);
+}
+
+void SensorSocket::note_arrivals(std::size_t count, Time before) {
+  const ArrivalClock::Now now = ArrivalClock::now();
+  clock_.read(now);
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto stamp = batch_.arrived(i);
+    arrived_[i] = stamp ? clock_.arrival(*stamp) : now.monotonic;
+  }
+  if (count < posix::DatagramBatch::kMost) {
+    clock_.emptied(before);
+  }
 }
 
 Status SensorSocket::wait(Duration timeout) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <expected>
@@ -11,6 +12,7 @@
 #include <vector>
 
 #include "dsp/base/status.h"
+#include "host/client/arrival_clock.h"
 #include "host/client/error.h"
 #include "host/client/frame/frame.h"
 #include "posix/datagram_batch.h"
@@ -46,6 +48,8 @@ class SensorSocket {
   // are valid until the next call. kDeviceLost: the socket failed.
   Result<std::size_t> receive();
   std::span<const std::byte> datagram(std::size_t index) const { return batch_.datagram(index); }
+  // When it reached this machine; when it was read, where the system does not stamp arrivals.
+  Time arrived(std::size_t index) const { return arrived_[index]; }
 
   // Blocks until something can be read (kOk) or the time is over (kTimeout). kDeviceLost.
   Status wait(Duration timeout) const;
@@ -62,12 +66,15 @@ class SensorSocket {
  private:
   SensorSocket(posix::UdpSocket socket, std::string place, int buffer_bytes);
   bool passes(int error);
+  void note_arrivals(std::size_t count, Time before);
 
   posix::UdpSocket socket_;
   std::string place_;
   int buffer_bytes_;
   bool refused_ = false;
   posix::DatagramBatch batch_;
+  ArrivalClock clock_{ArrivalClock::now()};
+  std::array<Time, posix::DatagramBatch::kMost> arrived_{};
 };
 
 }  // namespace stof::client

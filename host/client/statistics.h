@@ -20,11 +20,14 @@ struct Statistics {
   std::uint64_t foreign = 0;      // of another device, or of a session that has ended
   std::uint64_t duplicate = 0;    // had arrived already
   std::uint64_t late = 0;         // its frame was closed already
+  std::uint64_t old = 0;          // part of a frame that lay in this machine's queue for too long
+  std::uint64_t implausible = 0;  // ahead of what any sensor can have counted: forged, or a fault
 
   // Every frame is counted in exactly one of these.
   std::uint64_t frames_complete = 0;    // delivered whole
   std::uint64_t frames_incomplete = 0;  // delivered with missing packets
   std::uint64_t frames_stale = 0;       // freshness did not advance: not delivered
+  std::uint64_t frames_old = 0;         // older than ReassemblerOptions::max_age: not delivered
   std::uint64_t frames_lost = 0;        // number skipped: nothing of it arrived in time
   std::uint64_t frames_dropped = 0;     // cut off by a restart of the sender, or nobody took them
 
@@ -33,12 +36,14 @@ struct Statistics {
   std::uint64_t recovered = 0;
   std::uint64_t events_dropped = 0;  // nobody took them, or the sender started again before
   std::uint64_t sessions = 0;        // starts of the sender seen: 1 at the first packet
+  // How often the order of frames was found wrong and begun anew, see FrameSequence.
+  std::uint64_t resynchronised = 0;
   // Datagrams that found this machine's socket buffer full. They are missing above, too.
   std::uint64_t socket_drops = 0;
 
   constexpr std::uint64_t packets() const noexcept {
     return packets_ok + truncated + bad_magic + bad_version + bad_length + bad_crc + bad_field +
-           unknown + oversized + foreign + duplicate + late;
+           unknown + oversized + foreign + duplicate + late + old + implausible;
   }
   friend bool operator==(const Statistics&, const Statistics&) = default;
 };

@@ -23,7 +23,7 @@ inline constexpr int kCellPixelStep = 144;
 // 4 n pixels, any alignment; no overlap.
 using CellChange = void(const CellRows& now, const CellRows& then,
                         std::span<std::uint8_t> changed) noexcept;
-STOF_KERNEL(CellChange, cell_change, kAvx2)
+STOF_KERNEL(CellChange, cell_change, kNeon)
 
 // Lengths as above.
 void check_cell_change(const CellRows& now, const CellRows& then,

@@ -79,7 +79,9 @@ struct Frame {
   std::optional<wire::FrameInfo> info{};  // absent when its packet did not arrive
   // The session's newest; absent until the first one arrived (one a second).
   std::optional<wire::CalibrationPacket> calibration{};
-  Time first_packet{};  // when this machine read them
+  // When they reached this machine: the system's stamp, where it gives one, else when they were
+  // read.
+  Time first_packet{};
   Time last_packet{};
 
   bool complete() const noexcept { return missing_packets == 0; }

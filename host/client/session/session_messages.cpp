@@ -6,7 +6,20 @@
 namespace stof::client {
 namespace {
 
-constexpr std::int32_t kWindow = 64;  // sequences that are told apart
+constexpr std::int32_t kWindow = 64;           // sequences that are told apart
+constexpr std::int32_t kMostEvents = 1 << 16;  // that were all lost in a row
+// An event is sent again after a second.
+constexpr Duration kRepetition = std::chrono::milliseconds(500);
+
+constexpr std::uint64_t kUptimeSlackMs = 2000;
+constexpr Duration kHealthSilence = std::chrono::milliseconds(2500);  // one a second is sent
+
+// Whether an uptime follows one that was told at `then`.
+bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time now) noexcept {
+  const std::int64_t elapsed_ms = now <= then ? 0 : (now - then) / std::chrono::milliseconds(1);
+  const std::uint64_t most = static_cast<std::uint64_t>(elapsed_ms + elapsed_ms / 16);
+  return uptime_ms >= before_ms && uptime_ms - before_ms <= most + kUptimeSlackMs;
+}
 
 }  // namespace
 
@@ -16,47 +29,71 @@ std::size_t SessionMessages::restart() {
   return untaken;
 }
 
-MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet) {
+MessageOutcome SessionMessages::push_calibration(const wire::PacketView& packet,
+                                                 const FrameSequence& frames, Time arrived) {
   const Result<wire::CalibrationPacket> decoded = wire::read_calibration_packet(packet.payload);
   if (!decoded) {
     return MessageOutcome::kContradicting;
   }
   const std::uint32_t number = packet.header.frame.number;
-  if (calibration_ && number_distance(number, calibration_frame_) < 0) {
+  if (!frames.plausible(number, arrived)) {
+    return MessageOutcome::kImplausible;
+  }
+  const bool ordered = calibration_ && frames.plausible(calibration_frame_, arrived);
+  if (ordered && number_distance(number, calibration_frame_) < 0) {
     return MessageOutcome::kLate;
   }
   calibration_ = *decoded;
   calibration_frame_ = number;
+  calibration_at_ = arrived;
   return MessageOutcome::kTaken;
 }
 
 // Health goes on while no frame is sent: its order is that of the uptime.
-MessageOutcome SessionMessages::push_health(const wire::PacketView& packet) {
+MessageOutcome SessionMessages::push_health(const wire::PacketView& packet, Time arrived) {
   const Result<wire::HealthReport> decoded = wire::decode_health_report(packet.payload);
   if (!decoded) {
     return MessageOutcome::kContradicting;
   }
-  if (health_ && decoded->uptime_ms < health_->uptime_ms) {
-    return MessageOutcome::kLate;
+  if (!believes_uptime(decoded->uptime_ms, arrived)) {
+    refused_health_ = {.value = decoded->uptime_ms, .at = arrived};
+    return decoded->uptime_ms < health_->uptime_ms ? MessageOutcome::kLate
+                                                   : MessageOutcome::kImplausible;
   }
   health_ = *decoded;
+  health_at_ = arrived;
+  refused_health_.reset();
   return MessageOutcome::kTaken;
 }
 
-MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, bool& overflow) {
+bool SessionMessages::believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept {
+  if (!health_ || follows(uptime_ms, health_->uptime_ms, health_at_, arrived)) {
+    return true;
+  }
+  return arrived - health_at_ >= kHealthSilence && refused_health_ &&
+         uptime_ms > refused_health_->value &&
+         follows(uptime_ms, refused_health_->value, refused_health_->at, arrived);
+}
+
+MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, Time arrived,
+                                           bool& overflow) {
   overflow = false;
   const Result<wire::EventReport> event = wire::decode_event_report(packet.payload);
   if (!event) {
     return MessageOutcome::kContradicting;
   }
-  if (!event_seen_) {
+  const auto outside = [&] {
+    const std::int32_t ahead = number_distance(event->sequence, newest_event_);
+    return ahead <= -kWindow || ahead > kMostEvents;
+  };
+  if (!event_seen_ || (outside() && repeats_refused_event(event->sequence, arrived))) {
     event_seen_ = true;
     newest_event_ = event->sequence;
     older_events_ = 0;
   }
   const std::int32_t ahead = number_distance(event->sequence, newest_event_);
-  if (ahead <= -kWindow) {
-    return MessageOutcome::kLate;
+  if (outside()) {
+    return ahead < 0 ? MessageOutcome::kLate : MessageOutcome::kImplausible;
   }
   if (seen(event->sequence)) {
     return MessageOutcome::kTaken;
@@ -72,6 +109,14 @@ MessageOutcome SessionMessages::push_event(const wire::PacketView& packet, bool&
   }
   events_[events_in_++ % kEvents] = *event;
   return MessageOutcome::kTaken;
+}
+
+bool SessionMessages::repeats_refused_event(std::uint32_t sequence, Time arrived) noexcept {
+  if (refused_event_ && refused_event_->value == sequence) {
+    return arrived - refused_event_->at >= kRepetition;
+  }
+  refused_event_ = {.value = sequence, .at = arrived};
+  return false;
 }
 
 bool SessionMessages::seen(std::uint32_t sequence) const noexcept {

@@ -9,6 +9,8 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "firmware/wire/packet.h"
+#include "host/client/frame/frame.h"
+#include "host/client/session/frame_sequence.h"
 
 namespace stof::client {
 
@@ -18,23 +20,32 @@ enum class MessageOutcome : std::uint8_t {
   kDuplicate,
   kLate,  // a newer one arrived before
   kContradicting,
+  kImplausible,  // ahead of what any sensor can have counted
 };
 
-// The messages of one session beside its frames.
+// The messages of one session beside its frames. `arrived`: when the packet did; never earlier than
+// the one before. Each counter may advance as fast as the time that has passed, and a little more.
+// Where what is known is wrong nevertheless, it is replaced: health after 2.5 seconds without one
+// that was believed, by one whose uptime advances; events by one that is repeated.
 class SessionMessages {
  public:
   // A session begins. Returns the events that nobody took.
   std::size_t restart();
 
-  MessageOutcome push_calibration(const wire::PacketView& packet);
-  MessageOutcome push_health(const wire::PacketView& packet);
+  // frames: of the same session; a calibration tells the number of the frame it was sent beside.
+  MessageOutcome push_calibration(const wire::PacketView& packet, const FrameSequence& frames,
+                                  Time arrived);
+  MessageOutcome push_health(const wire::PacketView& packet, Time arrived);
   // overflow: an older event was given up for it.
-  MessageOutcome push_event(const wire::PacketView& packet, bool& overflow);
+  MessageOutcome push_event(const wire::PacketView& packet, Time arrived, bool& overflow);
 
   const std::optional<wire::CalibrationPacket>& calibration() const noexcept {
     return calibration_;
   }
   const std::optional<wire::HealthReport>& health() const noexcept { return health_; }
+  // When they arrived; only where there is one.
+  Time calibration_at() const noexcept { return calibration_at_; }
+  Time health_at() const noexcept { return health_at_; }
 
   // In the order of arrival, each once.
   std::optional<wire::EventReport> take_event();
@@ -42,11 +53,23 @@ class SessionMessages {
  private:
   static constexpr std::size_t kEvents = 64;  // kept until they are taken
 
+  // A counter that was not believed.
+  struct Refused {
+    std::uint64_t value = 0;
+    Time at;
+  };
+
   bool seen(std::uint32_t sequence) const noexcept;
+  bool believes_uptime(std::uint64_t uptime_ms, Time arrived) const noexcept;
+  bool repeats_refused_event(std::uint32_t sequence, Time arrived) noexcept;
 
   std::optional<wire::CalibrationPacket> calibration_;
   std::uint32_t calibration_frame_ = 0;
+  Time calibration_at_;
   std::optional<wire::HealthReport> health_;
+  Time health_at_;
+  std::optional<Refused> refused_health_;  // by its uptime
+  std::optional<Refused> refused_event_;   // by its sequence
   std::array<wire::EventReport, kEvents> events_;
   std::uint64_t events_in_ = 0;   // ever
   std::uint64_t events_out_ = 0;  // taken or given up

@@ -200,6 +200,10 @@ TEST(Hostile, RandomFieldsAreCountedOnceAndHarmless) {
   std::uint64_t taken = 0;
   for (int round = 0; round < 100'000; ++round) {
     Datagram packet = frame[static_cast<std::size_t>(random.between(0, 12))];
+    for (const std::size_t counter : {std::size_t{20}, std::size_t{32}}) {  // number, freshness
+      wire::put_u32(std::span(packet).subspan(counter).first<4>(),
+                    1 + static_cast<std::uint32_t>(round) / 20);
+    }
     const int changes = random.between(0, 3);
     for (int i = 0; i < changes; ++i) {
       const auto at = static_cast<std::size_t>(random.between(16, 55));

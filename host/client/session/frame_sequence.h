@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "firmware/wire/packet.h"
+#include "host/client/frame/frame.h"
+
+namespace stof::client {
+
+// The order of a session's frames, and how far their numbers and freshness may jump: a sensor
+// counts at most one frame a millisecond, and 128 more are let pass. So one packet that says
+// anything else, forged or of a faulty sensor, cannot make the frames that follow look old. Where
+// what is known is wrong nevertheless, because the first packet was the forged one, it is forgotten
+// after a second without a fresh frame, for a stream whose numbers and freshness both advance:
+// what repeats itself is never taken for new.
+class FrameSequence {
+ public:
+  static constexpr Duration kPatience = std::chrono::seconds(1);
+
+  enum class Verdict : std::uint8_t {
+    kBelieved,        // of a frame that is open or may begin
+    kOver,            // its frame was closed
+    kImplausible,     // too far ahead
+    kResynchronised,  // believed: what was known of the order is forgotten
+  };
+
+  // Of a packet of a frame that arrived then.
+  Verdict judge(const wire::FrameStamp& stamp, Time arrived) noexcept;
+  // Whether a frame number may be told then; any before the first frame.
+  bool plausible(std::uint32_t number, Time arrived) const noexcept;
+
+  // A packet of this frame is used; true: no newer frame was seen before.
+  bool begin(std::uint32_t number, Time arrived) noexcept;
+  // The frame, newer than all that were closed, gets no more packets: how many numbers before it
+  // were never seen.
+  std::uint32_t close(std::uint32_t number) noexcept;
+  // Whether a closed frame shows a newer exposure than every one before; it counts from now on.
+  bool advance(std::uint32_t freshness, Time arrived) noexcept;
+
+ private:
+  // What packets told of themselves, believed or not, since a fresh frame.
+  struct Trail {
+    std::uint32_t number = 0;
+    std::uint32_t freshness = 0;
+    int advances = 0;
+  };
+
+  bool over(std::uint32_t number) const noexcept;
+  bool fresh(std::uint32_t freshness) const noexcept;
+  void follow(const wire::FrameStamp& stamp) noexcept;
+
+  std::optional<std::uint32_t> newest_;  // number of a frame that was begun
+  Time newest_at_;
+  std::optional<std::uint32_t> closed_;     // number of the newest closed frame
+  std::optional<std::uint32_t> freshness_;  // of the newest fresh frame
+  std::optional<Time> fresh_at_;            // when it arrived; before the first: when we began
+  std::optional<Trail> trail_;
+};
+
+}  // namespace stof::client
