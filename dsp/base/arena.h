@@ -92,6 +92,12 @@ class Arena {
     const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     return ImageView<T>(take<T>(count).data(), width, height);
   }
+  // The same, each pixel `value`.
+  template <typename T>
+  ImageView<T> take_filled_image(int width, int height, T value) noexcept {
+    const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return ImageView<T>(take_filled(count, value).data(), width, height);
+  }
 
  private:
   // Above what x86-64 and AArch64 give a program, and not where tags of pointers are ignored.

@@ -51,6 +51,8 @@ template <typename T>
 using Neon = WidestOf<T, Vectors::kNeon>;
 template <typename T>
 using Avx2 = WidestOf<T, Vectors::kAvx2>;
+template <typename T>
+using Avx512 = WidestOf<T, Vectors::kAvx512>;
 
 template <typename... WidestOfTypes, typename VariantsOf>
 constexpr auto overloads(VariantsOf variants_of) noexcept {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -65,6 +66,35 @@ struct Lanes<std::uint8_t> : LanesOf<std::uint8_t, 32> {
 template <>
 struct Lanes<std::uint16_t> : LanesOf<std::uint16_t, 16> {
   static V add_saturated(V a, V b) noexcept { return as<V>(_mm256_adds_epu16(bits(a), bits(b))); }
+  static V select(V mask, V a, V b) noexcept {
+    return as<V>(_mm256_blendv_epi8(bits(b), bits(a), bits(mask)));
+  }
+  static V subtract_saturated(V a, V b) noexcept {
+    return as<V>(_mm256_subs_epu16(bits(a), bits(b)));
+  }
+  static V rounded_mean(V a, V b) noexcept { return as<V>(_mm256_avg_epu16(bits(a), bits(b))); }
+  // Signed: a / 16, rounded down; (a b + 2^14) >> 15.
+  static V signed_sixteenth(V a) noexcept { return as<V>(_mm256_srai_epi16(bits(a), 4)); }
+  static V signed_scaled_product(V a, V b) noexcept {
+    return as<V>(_mm256_mulhrs_epi16(bits(a), bits(b)));
+  }
+  // table[v] of values below 16.
+  static V look_up(const std::array<std::uint8_t, 16>& table, V v) noexcept {
+    const __m128i entries =
+        _mm_loadu_si128(reinterpret_cast<const __m128i*>(table.data()));  // NOLINT: any type
+    const __m256i found = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(entries), bits(v));
+    return as<V>(found) & all(255);
+  }
+  // Bytes, a lane each.
+  static V load_bytes(const std::uint8_t* p) noexcept {
+    return as<V>(
+        _mm256_cvtepu8_epi16(_mm_loadu_si128(reinterpret_cast<const __m128i*>(p))));  // NOLINT
+  }
+  static void store_bytes(std::uint8_t* p, V v) noexcept {
+    const __m256i packed = _mm256_packus_epi16(bits(v), bits(v));
+    store_bits(p, _mm256_castsi256_si128(_mm256_permute4x64_epi64(packed, 0x08)));
+  }
+  static bool any(V mask) noexcept { return _mm256_testz_si256(bits(mask), bits(mask)) == 0; }
   static V lowest(V v) noexcept {
     const __m128i half =
         _mm_min_epu16(_mm256_castsi256_si128(bits(v)), _mm256_extracti128_si256(bits(v), 1));

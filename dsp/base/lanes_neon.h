@@ -84,6 +84,28 @@ struct Lanes<std::uint16_t> {
   static V one_down(V v, V after) noexcept { return vextq_u16(v, after, 1); }
   static Lane smallest(V v) noexcept { return vminvq_u16(v); }
   static Lane largest(V v) noexcept { return vmaxvq_u16(v); }
+  static V subtract_saturated(V a, V b) noexcept { return vqsubq_u16(a, b); }
+  static V rounded_mean(V a, V b) noexcept { return vrhaddq_u16(a, b); }
+  // Signed: a / 16, rounded down; (a b + 2^14) >> 15.
+  static V signed_sixteenth(V a) noexcept {
+    return vreinterpretq_u16_s16(vshrq_n_s16(vreinterpretq_s16_u16(a), 4));
+  }
+  static V signed_scaled_product(V a, V b) noexcept {
+    return vreinterpretq_u16_s16(
+        simd::scaled_product(vreinterpretq_s16_u16(a), vreinterpretq_s16_u16(b)));
+  }
+  // table[v] of values below 16.
+  static V look_up(const std::array<std::uint8_t, 16>& table, V v) noexcept {
+    const uint8x16_t found = simd::look_up(vld1q_u8(table.data()), vreinterpretq_u8_u16(v));
+    return vandq_u16(vreinterpretq_u16_u8(found), vdupq_n_u16(255));
+  }
+  // Bytes, a lane each.
+  static V load_bytes(const std::uint8_t* p) noexcept { return vmovl_u8(vld1_u8(p)); }
+  static void store_bytes(std::uint8_t* p, V v) noexcept { vst1_u8(p, vmovn_u16(v)); }
+  static bool any(V mask) noexcept {
+    const uint64x2_t words = vreinterpretq_u64_u16(mask);
+    return (vgetq_lane_u64(words, 0) | vgetq_lane_u64(words, 1)) != 0;
+  }
   static V lowest(V v) noexcept {
 #if defined(__aarch64__)
     return all(smallest(v));

@@ -43,7 +43,8 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
       matcher_(search(calibration, params), calibration.stereo.left.width,
                calibration.stereo.left.height, arena, team, searches),
       fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
-             calibration.stereo.left.width, calibration.stereo.left.height, arena, team.threads()) {
+             calibration.stereo.left.width, calibration.stereo.left.height, arena, team.threads(),
+             params.temporal) {
   const int w = calibration.stereo.left.width;
   const int h = calibration.stereo.left.height;
   const MatchParams& match = params.match;
@@ -64,8 +65,7 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
                        arena, params.temporal);
   }
   if (params.temporal) {
-    past_.emplace(SteadyFilter(w, h, params.fusion.max_range, arena, team.threads()),
-                  TemporalFilter(w, h, TemporalParams{}, arena));
+    past_.emplace(w, h, params.fusion.max_range, arena, team.threads());
   }
 }
 
@@ -107,29 +107,19 @@ StereoMaps DepthMaker::stereo() const noexcept {
 
 void DepthMaker::forget_past() noexcept {
   if (past_) {
-    past_->steady.forget();
+    past_->forget();
     forget_readings();
   }
 }
 
-// What filters this frame's rows by frames before.
-FusedRowFilter* DepthMaker::look() noexcept {
-  if (!past_) {
-    return nullptr;
-  }
-  if (left_.empty()) {
-    forget_past();
-    return nullptr;
-  }
-  past_->steady.look(left_);
-  if (past_->steady.frames() == 1) {  // the camera moved
+void DepthMaker::look() noexcept {
+  past_->look(left_);
+  if (past_->frames() <= 1) {  // a gap, or the camera moved
     forget_readings();
   }
-  return &past_->steady;
 }
 
 void DepthMaker::forget_readings() noexcept {
-  past_->mean.forget();
   if (converter_) {
     converter_->forget_past();
   }
@@ -143,19 +133,28 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
     unwrapper_->resolve(*pmd_, stereo().disparity);
     unresolved_ = false;
   }
-  FusedRowFilter* const filter = look();
   fuser_.prepare(pmd_);
   team_.run_rows(out.depth.rows(), kTaskRows, [&](Rows rows, int thread) noexcept {
-    fuser_.fuse_rows(stereo(), rows, thread, out, filter);
+    fuser_.fuse_rows(stereo(), rows, thread, out);
   });
-  if (fuser_.fills_holes(stereo(), out)) {
+  const bool fills = fuser_.fills_holes(stereo(), out);
+  if (fills) {
     team_.run_rows(fuser_.cell_rows(), kTaskCells,
                    [&](Rows cells, int) noexcept { fuser_.gather_surfaces(cells, out); });
-    team_.run_rows(fuser_.cell_rows(), kTaskCells,
-                   [&](Rows cells, int) noexcept { fuser_.fill_holes(stereo(), cells, out); });
   }
   if (past_) {
-    past_->mean.apply(left_, out, &past_->steady.change());
+    look();
+  }
+  if (fills || past_) {
+    // Together, while rows are near.
+    team_.run_rows(fuser_.cell_rows(), kTaskCells, [&](Rows cells, int thread) noexcept {
+      if (fills) {
+        fuser_.fill_holes(stereo(), cells, out);
+      }
+      if (past_) {
+        past_->filter(fuser_.map_rows(cells), thread, fuser_.intervals(), out);
+      }
+    });
   }
 }
 

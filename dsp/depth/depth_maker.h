@@ -11,8 +11,7 @@
 #include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/fusion/fuser.h"
 #include "dsp/fusion/guide/guide_maker.h"
-#include "dsp/fusion/temporal/steady_filter.h"
-#include "dsp/fusion/temporal/temporal_filter.h"
+#include "dsp/fusion/temporal/past_frames.h"
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/match_params.h"
@@ -24,11 +23,9 @@ namespace stof::dsp {
 // How pictures and samples become depth.
 struct DepthParams {
   MatchParams match;
-  FusionParams fusion;  // fusion.trust suits the search: trust_of(match)
-  bool guided = false;  // PMD intervals narrow the search (guide_maker.h)
-  // Frames before count where nothing moves: they decide what is published (steady_filter.h), which
-  // is averaged (temporal_filter.h).
-  bool temporal = false;
+  FusionParams fusion;    // fusion.trust suits the search: trust_of(match)
+  bool guided = false;    // PMD intervals narrow the search (guide_maker.h)
+  bool temporal = false;  // frames before count where nothing moves (past_frames.h)
 
   friend bool operator==(const DepthParams&, const DepthParams&) = default;
 };
@@ -68,10 +65,10 @@ class DepthMaker {
   // What watch() has found so far; about 0.3 ms.
   DriftEstimate drift() const noexcept;
 
-  // On how many frames the last map stands, itself included (SteadyFilter::frames()); 1 without a
+  // On how many frames the last map stands, itself included (PastFrames::frames()); 1 without a
   // pair or DepthParams::temporal, where frames do not count for each other.
   std::uint16_t frames() const noexcept {
-    return past_ ? std::max(past_->steady.frames(), std::uint16_t{1}) : std::uint16_t{1};
+    return past_ ? std::max(past_->frames(), std::uint16_t{1}) : std::uint16_t{1};
   }
 
   // What came of the last frame: empty, or nullptr, without. The pictures are those that were
@@ -82,12 +79,7 @@ class DepthMaker {
   ImageView<const std::uint8_t> right() const noexcept { return right_; }
 
  private:
-  // What frames before count for.
-  struct Past {
-    SteadyFilter steady;
-    TemporalFilter mean;
-  };
-  FusedRowFilter* look() noexcept;
+  void look() noexcept;
   void forget_readings() noexcept;
 
   ThreadTeam team_;
@@ -97,7 +89,7 @@ class DepthMaker {
   std::optional<PmdConverter> converter_;
   std::optional<Unwrapper> unwrapper_;
   Fuser fuser_;
-  std::optional<Past> past_;
+  std::optional<PastFrames> past_;
   std::optional<DriftMonitor> monitor_;
   ImageView<Disparity> disparity_;
   ImageView<const std::uint8_t> left_;  // empty: there is no pair

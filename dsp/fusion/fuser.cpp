@@ -44,7 +44,7 @@ QuarterMm range_of(const PmdSensor& sensor) noexcept {
 
 // Rows of one thread.
 struct Fuser::Scratch {
-  std::span<QuarterMm> stereo_low;
+  std::span<QuarterMm> stereo_low;  // where the Fuser does not keep it
   std::span<QuarterMm> stereo_high;
   std::span<std::uint8_t> half;
   std::span<Cause> cause;  // where the caller wants none
@@ -57,6 +57,8 @@ struct Fuser::Tables {
   MatchEvidence evidence;
   Reprojector reprojector;
   SplattedView splatted;
+  ImageView<QuarterMm> stereo_low;  // empty: not kept
+  ImageView<QuarterMm> stereo_high;
   HoleFiller filler;
   std::span<std::uint8_t> ratio;  // of matches without one
   std::span<Disparity> nothing;   // a row without stereo
@@ -64,7 +66,8 @@ struct Fuser::Tables {
 };
 
 Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
-             int disparities, int width, int height, Arena& arena, int threads) noexcept {
+             int disparities, int width, int height, Arena& arena, int threads,
+             bool keeps_intervals) noexcept {
   STOF_CHECK(threads >= 1);
   STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
   const std::size_t row = index(width);
@@ -76,6 +79,8 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
            .evidence = MatchEvidence(calibration, infinity_of(calibration.stereo)),
            .reprojector = {},
            .splatted = {},
+           .stereo_low = {},
+           .stereo_high = {},
            .filler = HoleFiller(width, height, params.max_range, arena),
            .ratio = {},
            .nothing = {},
@@ -89,6 +94,10 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   t.splatted.low = arena.take_image<QuarterMm>(width, height);
   t.splatted.high = arena.take_image<QuarterMm>(width, height);
   t.splatted.flags = arena.take_image<std::uint8_t>(width, height);
+  if (keeps_intervals) {
+    t.stereo_low = arena.take_image<QuarterMm>(width, height);
+    t.stereo_high = arena.take_image<QuarterMm>(width, height);
+  }
   t.ratio = arena.take_filled(row, std::uint8_t{0});
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
@@ -103,12 +112,15 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   tables_ = arena.put(t);
 }
 
-FusedRow Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
-                         const DepthMap& out) noexcept {
+void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                     const DepthMap& out) noexcept {
   Tables& t = *tables_;
+  const bool keeps = !t.stereo_low.empty();
+  const std::span<QuarterMm> low = keeps ? t.stereo_low.row(y) : scratch.stereo_low;
+  const std::span<QuarterMm> high = keeps ? t.stereo_high.row(y) : scratch.stereo_high;
   AmbiguityRow row{.disparity = t.nothing,
                    .weak = {},
-                   .stereo = {scratch.stereo_low, scratch.stereo_high},
+                   .stereo = {low, high},
                    .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
                    .support = {t.ratio, t.splatted.flags.row(y)},
                    .view = stereo.disparity,
@@ -130,17 +142,14 @@ FusedRow Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
                        out.cause.empty() ? scratch.cause : out.cause.row(y)};
   if (t.intervals.converging) {
-    best::column_interval(row.disparity, scratch.half, t.intervals.columns, scratch.stereo_low,
-                          scratch.stereo_high);
+    best::column_interval(row.disparity, scratch.half, t.intervals.columns, low, high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     resolve_ambiguities(row, t.ambiguity, t.intervals.columns, fused);
   } else {
-    best::stereo_interval(row.disparity, scratch.half, t.intervals.disparity, scratch.stereo_low,
-                          scratch.stereo_high);
+    best::stereo_interval(row.disparity, scratch.half, t.intervals.disparity, low, high);
     best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     resolve_ambiguities(row, t.ambiguity, t.intervals.disparity, fused);
   }
-  return fused;
 }
 
 void Fuser::prepare(const PmdMaps* pmd) noexcept {
@@ -152,8 +161,8 @@ void Fuser::prepare(const PmdMaps* pmd) noexcept {
   }
 }
 
-void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out,
-                      FusedRowFilter* filter) noexcept {
+void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
+                      const DepthMap& out) noexcept {
   const Tables& t = *tables_;
   STOF_CHECK(same_size(out.depth, t.splatted.low) && same_size(out.width, out.depth) &&
              same_size(out.source, out.depth) &&
@@ -171,13 +180,14 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const Dep
     const Rows some{y, std::min(y + kStripeRows, rows.end)};
     t.reprojector.splat(some, splatted);
     for (int row = some.begin; row < some.end; ++row) {
-      const FusedRow fused = fuse_row(stereo, row, scratch, out);
-      if (filter != nullptr) {
-        filter->filter(row, thread, {scratch.stereo_low, scratch.stereo_high},
-                       {t.splatted.low.row(row), t.splatted.high.row(row)}, fused);
-      }
+      fuse_row(stereo, row, scratch, out);
     }
   }
+}
+
+SensorIntervals Fuser::intervals() const noexcept {
+  const Tables& t = *tables_;
+  return {t.stereo_low, t.stereo_high, t.splatted.low, t.splatted.high};
 }
 
 bool Fuser::fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept {
@@ -185,6 +195,8 @@ bool Fuser::fills_holes(const StereoMaps& stereo, const DepthMap& out) const noe
 }
 
 Rows Fuser::cell_rows() const noexcept { return tables_->filler.cell_rows(); }
+
+Rows Fuser::map_rows(Rows cells) const noexcept { return tables_->filler.map_rows(cells); }
 
 void Fuser::gather_surfaces(Rows cells, const DepthMap& out) noexcept {
   tables_->filler.gather(cells, out);

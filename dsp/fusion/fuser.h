@@ -9,7 +9,7 @@
 #include "dsp/calib/calibration.h"
 #include "dsp/fusion/depth_map.h"
 #include "dsp/fusion/interval/disparity_sigma.h"
-#include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/sensor_intervals.h"
 #include "dsp/pmd/converter.h"
 
 namespace stof::dsp {
@@ -32,17 +32,6 @@ struct StereoMaps {
   ImageView<const Disparity> weak = {};      // believed only where the PMD agrees
 };
 
-// Changes rows as soon as they are fused.
-class FusedRowFilter {
- public:
-  // stereo, pmd: what each sensor said of row y. thread: as in Fuser::fuse_rows().
-  virtual void filter(int y, int thread, const IntervalRow& stereo, const IntervalRow& pmd,
-                      const FusedRow& fused) noexcept = 0;
-
- protected:
-  ~FusedRowFilter() = default;
-};
-
 // Carries the PMD intervals into the left camera and intersects them with the stereo intervals,
 // which come from the disparity alone, or from both columns where the rig's axes converge; then
 // resolves what only one of both saw (resolve/ambiguity_resolver.h), and where both sensors are
@@ -51,32 +40,36 @@ class Fuser {
  public:
   // Stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
   // only). disparities: of the Matcher whose result will be fused. threads: how many fuse_rows()
-  // run at the same time.
+  // run at the same time. keeps_intervals: for intervals().
   Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
-        int disparities, int width, int height, Arena& arena, int threads = 1) noexcept;
+        int disparities, int width, int height, Arena& arena, int threads = 1,
+        bool keeps_intervals = false) noexcept;
 
   // First where the PMD's readings lie, then rows of the result, in any order and by any split:
   // the same thread number (0 .. threads - 1) not twice at the same time. stereo and out as in
-  // fuse(), the same for all rows; each row goes through the filter, if there is one.
+  // fuse(), the same for all rows.
   void prepare(const PmdMaps* pmd) noexcept;
-  void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out,
-                 FusedRowFilter* filter = nullptr) noexcept;
+  void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out) noexcept;
 
   // Where fills_holes(), two steps follow, each of all rows of cells, in any order and by any
   // split.
   bool fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept;
   Rows cell_rows() const noexcept;
+  Rows map_rows(Rows cells) const noexcept;  // of the result
   void gather_surfaces(Rows cells, const DepthMap& out) noexcept;
   void fill_holes(const StereoMaps& stereo, Rows cells, const DepthMap& out) noexcept;
 
   // All of these. pmd: nullptr for stereo only. out: all of its images are written.
   void fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept;
 
+  // What both sensors said of the rows that were fused.
+  SensorIntervals intervals() const noexcept;
+
  private:
   struct Tables;
   struct Scratch;
-  FusedRow fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
-                    const DepthMap& out) noexcept;
+  void fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
+                const DepthMap& out) noexcept;
 
   Tables* tables_;
 };

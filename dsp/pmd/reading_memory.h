@@ -39,10 +39,15 @@ class ReadingMemory {
               std::span<QuarterMm> sigma) noexcept;
 
  private:
+  void count_changes(int y) noexcept;
+
   int least_ratio_;
   ImageView<QuarterMm> distance_;  // kNoDepth: none
   ImageView<std::uint16_t> offset_;
+  std::span<std::uint8_t> changed_;   // of the row: its brightness is another than before
+  std::span<std::uint8_t> standing_;  // of the row: its cells are quiet
   std::span<std::uint8_t> admitted_;  // of the row
+  bool admits_ = false;               // one of the row
   ImageView<std::uint8_t> changes_;   // of each cell, in this frame
   ImageView<std::uint8_t> quiet_;     // frames since the last around each cell
 };

@@ -46,8 +46,7 @@ class RowChecks {
   RowChecks(const MatchParams& params, const CostScale& scale, int width, Arena& arena) noexcept
       : params_(params),
         lanes_(lanes_of(params)),
-        percent_(scale.margin_percent),
-        shift_(margin_shift(scale.largest, lanes_)) {
+        margin_{.percent = scale.margin_percent, .shift = margin_shift(scale.largest, lanes_)} {
     if (params.left_right_tolerance) {
       const std::size_t right = index(width + lanes_ - 1);
       lowest_ = arena.take<Sum>(right);
@@ -67,12 +66,13 @@ class RowChecks {
     fit_grey_values(pair, y, out.disparity);
   }
 
-  // Margins, peak ratio, uniqueness.
+  MarginScale margin() const noexcept { return margin_; }
+
+  // Margins, where `out` has room for them, peak ratio, uniqueness.
   template <typename Cost>
   void compare_rivals(const FoundRow<Cost, Sum>& found, const MatchedRow& out) noexcept {
-    if (params_.distinct) {
-      best::winner_margins(found.costs, lanes_, std::span<const std::int16_t>(found.winners),
-                           percent_, shift_, out.margins);
+    if (!out.margins.empty()) {
+      compare_costs(found.costs, found.winners, out.margins);
     }
     if (params_.confidence) {
       best::peak_ratio(found.judged, lanes_, std::span<const std::int16_t>(found.winners),
@@ -83,6 +83,13 @@ class RowChecks {
     }
   }
 
+  // The margins of some columns.
+  template <typename Cost>
+  void compare_costs(std::span<const Cost> costs, std::span<const std::int16_t> winners,
+                     std::span<std::int16_t> margins) const noexcept {
+    best::winner_margins(costs, lanes_, winners, margin_.percent, margin_.shift, margins);
+  }
+
   // Where a rival costs no more than the winner, or nothing was compared, the winner is chance: a
   // pattern that repeats is as good a match one period on. Only where the ratio is known.
   void drop_ties(std::span<const std::uint8_t> ratio,
@@ -90,8 +97,10 @@ class RowChecks {
     if (!params_.distinct || !params_.confidence) {
       return;
     }
+    const std::uint8_t* const of = ratio.data();
     for (std::size_t x = 0; x < winners.size(); ++x) {
-      winners[x] = ratio[x] == kRatioOfTie ? kNoWinner : winners[x];
+      const std::int16_t winner = winners[x];
+      winners[x] = of[x] == kRatioOfTie ? kNoWinner : winner;
     }
   }
 
@@ -135,8 +144,7 @@ class RowChecks {
 
   MatchParams params_;
   int lanes_;
-  int percent_;
-  int shift_;
+  MarginScale margin_;
   std::span<Sum> lowest_;
   std::span<std::int16_t> right_winners_;
   std::span<std::uint16_t> widened_;

@@ -257,8 +257,9 @@ std::optional<Responder::Datagram> Responder::take_query(dns::Reader& reader,
   alone = static_cast<RecordSet>(alone & ~known);
   std::optional<Datagram> answer;
   if (alone != 0 && alone_.take(now)) {
-    answer = answer_alone(legacy ? std::span(&*asked->first, 1) : std::span<const dns::Question>{},
-                          alone, legacy ? header.id : std::uint16_t{0}, from, bytes);
+    using Questions = std::span<const dns::Question>;
+    answer = answer_alone(legacy ? Questions(&*asked->first, 1) : Questions{}, alone,
+                          legacy ? header.id : std::uint16_t{0}, from, bytes);
   }
   if (alone != 0 && !answer && !legacy) {
     all |= alone;  // who speaks multicast DNS hears it there as well

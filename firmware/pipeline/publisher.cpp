@@ -18,7 +18,8 @@ constexpr hal::Duration kCalibrationInterval = std::chrono::seconds(1);
 constexpr std::size_t kBurst = 8;
 // However long the period is, nobody waits longer for the end of a frame.
 constexpr hal::Duration kLongestSpread = std::chrono::milliseconds(50);
-// A frame whose sending takes longer than three periods, within these bounds, is not sent on.
+// A frame whose sending takes longer than three periods, within these bounds, is not sent on; nor
+// one that is three periods old, or a second where that is more: the program stood still.
 constexpr hal::Duration kLeastSending = std::chrono::milliseconds(300);
 constexpr hal::Duration kMostSending = std::chrono::seconds(1);
 
@@ -120,7 +121,9 @@ Status Publisher::publish(const Shot& shot, const Output& output, hal::Time late
 // between them.
 class Publisher::Paced final : public wire::DatagramSink {
  public:
-  Paced(Publisher& publisher, hal::Time latest) noexcept : publisher_(publisher), latest_(latest) {}
+  // latest: when it ends; expiry: when what is left shows the past.
+  Paced(Publisher& publisher, hal::Time latest, hal::Time expiry) noexcept
+      : publisher_(publisher), latest_(latest), expiry_(expiry) {}
 
   void take(Datagrams datagrams, std::size_t all) noexcept override {
     hal::Clock& clock = publisher_.clock_;
@@ -143,7 +146,7 @@ class Publisher::Paced final : public wire::DatagramSink {
       }
       const hal::Time begin = clock.now();
       publisher_.times_.waited += begin - ready;
-      if (begin - start_ > publisher_.longest_sending()) {
+      if (begin > expiry_ || begin - start_ > publisher_.longest_sending()) {
         abandon(datagrams.size() - at);
         return;
       }
@@ -167,6 +170,7 @@ class Publisher::Paced final : public wire::DatagramSink {
 
   Publisher& publisher_;
   hal::Time latest_;
+  hal::Time expiry_;
   hal::Time start_{};
   hal::Duration budget_{};
   std::size_t sent_ = 0;
@@ -177,7 +181,8 @@ class Publisher::Paced final : public wire::DatagramSink {
 Status Publisher::send_frame(const Shot& shot, const Output& output, const wire::FrameInfo& info,
                              hal::Time latest) noexcept {
   const hal::Time start = clock_.now();
-  Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest));
+  Paced paced(*this, std::min(start + params_.period * params_.pace_percent / 100, latest),
+              shot.edge + std::max<hal::Duration>(3 * params_.period, kMostSending));
   const Status coded = coder_.code(*stamp_, info, images_of(shot, output), params_.choice, paced);
   times_.code = clock_.now() - start - times_.send - times_.waited;
   return coded == Status::kOk ? paced.status() : coded;

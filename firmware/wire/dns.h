@@ -32,8 +32,7 @@ inline constexpr std::uint16_t kTruncated = 0x0200;  // more known answers follo
 inline constexpr std::uint16_t kOpcode = 0x7800;
 inline constexpr std::uint16_t kInternet = 1;    // class
 inline constexpr std::uint16_t kAnyClass = 255;  // of a question
-// The top bit of a class: in a question "answer me alone", in a record "forget your others of
-// this".
+// The top bit of a class: of a question "answer me alone", of a record "forget your others".
 inline constexpr std::uint16_t kTopBit = 0x8000;
 
 // A domain name, uncompressed: labels of 1 to 63 bytes, each behind its length, and a 0.
@@ -106,8 +105,7 @@ class Reader {
   std::size_t at_ = 0;
 };
 
-// Writes a message into `space` of at least kHeaderBytes. A record that does not fit is left out
-// whole.
+// Writes a message into `space`, kHeaderBytes at least. What does not fit is left out whole.
 class Writer {
  public:
   Writer(std::span<std::byte> space, std::uint16_t id, std::uint16_t flags) noexcept;

@@ -159,6 +159,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
     out.has_info = 1;
     out.info = to_info(*frame.info);
     out.settings_fingerprint = frame.info->settings_fingerprint;
+    out.steady_frames = frame.info->steady_frames;
   }
   if (frame.calibration) {
     out.has_calibration = 1;

@@ -12,7 +12,7 @@ FLOORS = {
     ("WTA 15x15", "450x375x64"): 1 / 2.6, ("WTA 15x15", "1280x720x128"): 1 / 2.8,
     ("WTA 15x15", "640x480x64, two threads"): 1 / 1.8, ("quality", "450x375x64"): 1 / 1.5,
     ("coarse to fine, 2", "1280x720x128"): 1 / 2, ("phase", "176x144"): 1 / 1.3,
-    ("whole frame", "640x480x64, PMD 176x144"): 1.6,
+    ("whole frame", "640x480x64, PMD 176x144"): 1.6, ("temporal filter", "640x480"): 0.10,
 }
 ARM_FLOORS = {"wta": 0.8}  # of StereoBM
 WRONG = re.compile(r"error:|CMake Error|^E: ")

@@ -2,8 +2,8 @@
 """How fast this is beside OpenCV, on this machine and, estimated, on a board.
 
 Without --arm: the host's program times both in random turns in one process, with one thread and with two;
-growth.png shows time over size and over candidates. SCENE_DIR as in scripts/evaluate (default: Cones and
-Teddy in $STOF_DATA/stereo, else the emulated corridor). Ten minutes at most; --quick takes one.
+growth.png shows time over size and over candidates, and for each pixel and candidate. SCENE_DIR as in
+scripts/evaluate (default: Cones and Teddy in $STOF_DATA/stereo, else the emulated corridor). Ten minutes at most; --quick takes one.
 
 --arm: instructions of a frame as counted in qemu-user, ours and OpenCV's, and what a model of the
 processors makes of the loops.

@@ -1,4 +1,5 @@
-"""Time over the size of the picture and over the number of candidates, with the straight line nearest to it."""
+"""Time over the size of the picture and over the number of candidates, with the straight line nearest to it; and
+the time for each pixel and candidate, with one thread and with two."""
 
 import re
 
@@ -10,17 +11,19 @@ import numpy  # noqa: E402
 
 from common import kept  # noqa: E402
 
-SIZE = re.compile(r"growth (\d+)x(\d+)x(\d+)")
+SIZE = re.compile(r"(growth|together) (\d+)x(\d+)x(\d+)")
 USUAL_PIXELS, USUAL_CANDIDATES = 640 * 480, 64
 
 
-def curves(results):
-    """{name: [(pixels, candidates, ms)]}."""
+def curves(results, kind, threads=1):
+    """{name: [(pixels, candidates, ms)]}; by the clock where there are several threads."""
     found = {}
     for one in results:
-        if match := SIZE.match(one["group"]):
-            width, height, candidates = map(int, match.groups())
-            found.setdefault(one["name"], []).append((width * height, candidates, one["cpu_ms"]))
+        match = SIZE.match(one["group"])
+        if match and match[1] == kind and one["threads"] == threads:
+            width, height, candidates = map(int, match.groups()[1:])
+            time = one["cpu_ms"] if threads == 1 else one["least_ms"]
+            found.setdefault(one["name"], []).append((width * height, candidates, time))
     return found
 
 
@@ -45,19 +48,38 @@ def panel(axes, name, points, label):
           f"{100 * residual:.1f} % of it")
 
 
+def panel_of_each(axes, results):
+    """Nanoseconds for each pixel and candidate where both grow together."""
+    print("nanoseconds for each pixel and candidate:")
+    colours = {}
+    for threads, style in ((1, "o-"), (2, "s--")):
+        for name, points in curves(results, "together", threads).items():
+            xs = [pixels / 1e6 for pixels, _, _ in sorted(points)]
+            ys = [1e6 * ms / (pixels * candidates) for pixels, candidates, ms in sorted(points)]
+            label = f"{name}, {threads} thread{'s' if threads > 1 else ''}"
+            dots = axes.plot(xs, ys, style, markersize=4, linewidth=1, color=colours.get(name), label=label)[0]
+            colours[name] = dots.get_color()
+            print(f"  {label:<28} " + "  ".join(f"{y:.3f}" for y in ys))
+    axes.set_xlabel("megapixels, 32 to 128 candidates")
+    axes.set_ylabel("ns for each pixel and candidate")
+
+
 def draw(file, png):
-    figure, (left, right) = pyplot.subplots(1, 2, figsize=(11, 4.2), dpi=110)
+    figure, (left, right, each) = pyplot.subplots(1, 3, figsize=(16.5, 4.2), dpi=110)
+    results = kept(file, "scripts/bench")["results"]
     print("growth, a straight line:")
-    for name, points in curves(kept(file, "scripts/bench")["results"]).items():
+    for name, points in curves(results, "growth").items():
         by_size = [(pixels / 1e6, ms) for pixels, candidates, ms in points if candidates == USUAL_CANDIDATES]
         by_candidates = [(candidates, ms) for pixels, candidates, ms in points if pixels == USUAL_PIXELS]
         if min(len(by_size), len(by_candidates)) >= 3:
             panel(left, name, by_size, "megapixels")
             panel(right, name, by_candidates, "candidates")
+    panel_of_each(each, results)
     left.set_xlabel(f"megapixels, {USUAL_CANDIDATES} candidates")
     right.set_xlabel("candidates, 640x480")
     for axes in (left, right):
         axes.set_ylabel("ms, one thread")
+    for axes in (left, right, each):
         axes.set_xlim(left=0)
         axes.set_ylim(bottom=0)
         axes.grid(alpha=0.3)

@@ -43,6 +43,7 @@ def host(runs):
     lines += row(runs, "rectify", "rectify", "two of 640x480")
     for name in ("convert and fuse", "whole frame"):
         lines += row(runs, "frame", name, "640x480x64, PMD 176x144")
+    lines += row(runs, "temporal filter", "temporal filter", "640x480")
     return lines
 
 

@@ -22,8 +22,16 @@ namespace {
 constexpr wire::CalibrationPacket kLens{
     .fx = 615 << 16, .fy = 615 << 16, .cx = 320 << 16, .cy = 240 << 16};
 
-dsp::DepthParams depth_params(const dsp::MatchParams& match) {
-  dsp::DepthParams params{.match = match, .fusion = {}};
+constexpr std::size_t kExposures = 6;
+
+// What both cameras see by turns: the noise differs.
+struct Exposure {
+  dataset::Image<std::uint8_t> left;
+  std::vector<dataset::Image<std::uint16_t>> samples;
+};
+
+dsp::DepthParams depth_params(const dsp::MatchParams& match, bool temporal) {
+  dsp::DepthParams params{.match = match, .fusion = {}, .temporal = temporal};
   params.fusion.trust = dsp::trust_of(match);
   return params;
 }
@@ -47,9 +55,9 @@ wire::StreamChoice three_streams() {
 
 // All that a frame passes through, with what it leaves.
 struct CorridorWork::State {
-  State(hal::emu::RenderedScene& scene, const dsp::MatchParams& match)
+  State(hal::emu::RenderedScene& scene, const dsp::MatchParams& match, bool temporal)
       : calibration(scene.calibration()),
-        params(depth_params(match)),
+        params(depth_params(match, temporal)),
         pictures{.name = "corridor",
                  .left = {scene.stereo_size().width, scene.stereo_size().height},
                  .right = {scene.stereo_size().width, scene.stereo_size().height}},
@@ -67,11 +75,22 @@ struct CorridorWork::State {
               .pmd_height = scene.pmd_size().height},
         coder({}, sizes, kLens),
         coded(depth.pixels.size() * 4) {
-    scene.left(1, pictures.left.view());
     scene.right(1, pictures.right.view());
-    for (int k = 0; k < 4; ++k) {
-      scene.pmd(1, k, samples.emplace_back(sizes.pmd_width, sizes.pmd_height).view());
+    for (std::uint32_t number = 1; number <= kExposures; ++number) {
+      Exposure& exposure = exposures.emplace_back();
+      exposure.left = {depth.width, depth.height};
+      scene.left(number, exposure.left.view());
+      for (int k = 0; k < 4; ++k) {
+        scene.pmd(number, k,
+                  exposure.samples.emplace_back(sizes.pmd_width, sizes.pmd_height).view());
+      }
     }
+    show(0);
+  }
+
+  void show(std::size_t exposure) {
+    now = exposure;
+    pictures.left.pixels = exposures[now].left.pixels;
   }
 
   void code(const wire::StreamChoice& choice) {
@@ -83,7 +102,8 @@ struct CorridorWork::State {
   dsp::Calibration calibration;
   dsp::DepthParams params;
   Pictures pictures;
-  std::vector<dataset::Image<std::uint16_t>> samples;
+  std::vector<Exposure> exposures;
+  std::size_t now = 0;
   dataset::Image<dsp::QuarterMm> depth;
   dataset::Image<dsp::QuarterMm> width;
   dataset::Image<dsp::Source> source;
@@ -98,9 +118,9 @@ struct CorridorWork::State {
   std::uint32_t sum = 0;
 };
 
-CorridorWork::CorridorWork(const dsp::MatchParams& params) {
+CorridorWork::CorridorWork(const dsp::MatchParams& params, bool temporal) {
   hal::emu::RenderedScene scene(hal::emu::corridor(), hal::emu::corridor_rig());
-  state_ = std::make_unique<State>(scene, params);
+  state_ = std::make_unique<State>(scene, params, temporal);
   frame();
   encode();
 }
@@ -109,8 +129,9 @@ CorridorWork::~CorridorWork() = default;
 
 void CorridorWork::convert() {
   State& s = *state_;
-  const dsp::PmdExposure exposure{.samples = {s.samples[0].view(), s.samples[1].view(),
-                                              s.samples[2].view(), s.samples[3].view()}};
+  const std::vector<dataset::Image<std::uint16_t>>& samples = s.exposures[s.now].samples;
+  const dsp::PmdExposure exposure{
+      .samples = {samples[0].view(), samples[1].view(), samples[2].view(), samples[3].view()}};
   s.maker.convert({.first = {&exposure, 1}});
 }
 
@@ -126,6 +147,11 @@ void CorridorWork::fuse() {
 void CorridorWork::convert_and_fuse() {
   convert();
   fuse();
+}
+
+void CorridorWork::stand() {
+  state_->show((state_->now + 1) % kExposures);
+  convert_and_fuse();
 }
 
 void CorridorWork::code_depth() { state_->code(depth_alone()); }

@@ -79,6 +79,7 @@ class Bench {
     }
     sensors();
     corridor();
+    temporal();
     if (!quick_) {
       growth();
     }
@@ -182,21 +183,48 @@ class Bench {
                         {kDenseBm, stereo_bm_work(work->pictures(), 64, true), ""}}});
   }
 
+  // What earlier frames of a view that stands still cost.
+  void temporal() {
+    const auto with = std::make_shared<CorridorWork>(preset_params("fast", 64), true);
+    const auto without = std::make_shared<CorridorWork>(preset_params("fast", 64));
+    const Group group{
+        .name = "temporal filter, 640x480",
+        .threads = 1,
+        .contenders = {{"convert, fuse, temporal", [with] { with->stand(); }, kDenseBm},
+                       {"convert, fuse", [without] { without->stand(); }, kDenseBm},
+                       {kDenseBm, stereo_bm_work(with->pictures(), 64, true), ""}}};
+    const std::size_t first = outcomes_.size();
+    add(group, 61);  // a difference of two times
+    outcomes_.push_back(difference("temporal filter", outcomes_[first], outcomes_[first + 1],
+                                   outcomes_[first + 2]));
+  }
+
   // Time over size and over candidates.
   void growth() {
     for (const Size& size :
          {Size{320, 240, 64}, Size{480, 360, 64}, Size{640, 480, 64}, Size{800, 600, 64},
           Size{960, 720, 64}, Size{1280, 720, 64}, Size{640, 480, 16}, Size{640, 480, 32},
           Size{640, 480, 96}, Size{640, 480, 128}, Size{640, 480, 192}, Size{640, 480, 256}}) {
-      const Pictures both = pictures(size.width, size.height);
-      const int n = size.disparities;
-      add({.name = "growth " + size.text(),
-           .threads = 1,
-           .contenders = {{kBlocks, match_work(both, block_params(n)), kDenseBm},
-                          {"fast", match_work(both, preset_params("fast", n)), kDenseBm},
-                          {"quality", match_work(both, preset_params("quality", n)), kDenseBm},
-                          {kDenseBm, stereo_bm_work(both, n, true), ""}}});
+      grow("growth ", size, 1);
     }
+    // Pictures that become wider see the same depths with more candidates.
+    for (const Size& size : {Size{320, 240, 32}, Size{480, 360, 48}, Size{640, 480, 64},
+                             Size{800, 600, 80}, Size{960, 720, 96}, Size{1280, 720, 128}}) {
+      for (const int threads : {1, 2}) {
+        grow("together ", size, threads);
+      }
+    }
+  }
+  void grow(const char* what, const Size& size, int threads) {
+    const Pictures both = pictures(size.width, size.height);
+    const int n = size.disparities;
+    add({.name = what + size.text(),
+         .threads = threads,
+         .contenders = {
+             {kBlocks, match_work(both, block_params(n), threads), kDenseBm},
+             {"fast", match_work(both, preset_params("fast", n), threads), kDenseBm},
+             {"quality", match_work(both, preset_params("quality", n), threads), kDenseBm},
+             {kDenseBm, stereo_bm_work(both, n, true), ""}}});
   }
 
   bool quick_;

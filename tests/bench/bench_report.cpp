@@ -124,6 +124,21 @@ std::vector<Outcome> measure(const Group& group, int rounds) {
   return outcomes;
 }
 
+Outcome difference(const std::string& name, const Outcome& with, const Outcome& without,
+                   const Outcome& peer) {
+  Outcome out{.group = with.group,
+              .name = name,
+              .peer = peer.name,
+              .threads = with.threads,
+              .least_ms = with.least_ms - without.least_ms,
+              .median_ms = with.median_ms - without.median_ms,
+              .cpu_ms = with.cpu_ms - without.cpu_ms};
+  out.ratio = out.least_ms / peer.least_ms;
+  out.cpu_ratio = out.cpu_ms / peer.cpu_ms;
+  print(out);
+  return out;
+}
+
 const char* name_of(dsp::Vectors vectors) {
   switch (vectors) {
     case dsp::Vectors::kAvx512:

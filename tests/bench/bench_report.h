@@ -39,6 +39,10 @@ struct Outcome {
 // Runs every contender `rounds` times, in random turns, and prints a line for each.
 std::vector<Outcome> measure(const Group& group, int rounds);
 
+// What one of them takes more than the other, beside a peer of the same group; printed, too.
+Outcome difference(const std::string& name, const Outcome& with, const Outcome& without,
+                   const Outcome& peer);
+
 // "AVX-512", "AVX2" or "NEON source".
 const char* name_of(dsp::Vectors vectors);
 

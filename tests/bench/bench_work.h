@@ -54,11 +54,11 @@ Work phase_work(const Samples& samples);
 dsp::StereoRig raw_rig(int width, int height);
 Work rectify_work(const Pictures& pictures);
 
-// One frame of the emulated corridor, 640x480 with a 176x144 PMD camera, and what becomes of it.
+// The emulated corridor, 640x480 with a 176x144 PMD camera, and what becomes of a frame of it.
 class CorridorWork {
  public:
-  // Matches with `params`.
-  explicit CorridorWork(const dsp::MatchParams& params);
+  // Matches with `params`. temporal: as in DepthParams.
+  explicit CorridorWork(const dsp::MatchParams& params, bool temporal = false);
   ~CorridorWork();
   CorridorWork(const CorridorWork&) = delete;
   CorridorWork& operator=(const CorridorWork&) = delete;
@@ -67,6 +67,7 @@ class CorridorWork {
   void match();
   void fuse();  // both to depth; after match(). Once for each convert(): it also tells periods
   void convert_and_fuse();
+  void stand();       // convert_and_fuse() of the next exposure of the same view
   void code_depth();  // depth by RVL, as datagrams
   void code_three();  // depth, width and source as they are sent where nothing else is asked for
   void encode();      // depth as RVL

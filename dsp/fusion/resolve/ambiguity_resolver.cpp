@@ -90,6 +90,7 @@ class AmbiguityResolver {
                           {open_.words(n), matched_.words(n), folded_.words(n), weak_.words(n),
                            edge_.words(n), alone_.words(n), vague_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
+    drop_far_matches();
     judge_alone();
     judge_vague();
     each_run([this](const Run& run) noexcept {
@@ -175,6 +176,18 @@ class AmbiguityResolver {
       return !both.empty() && out_.depth[x] - middle_of(both.low, both.high) > kMaxGuess;
     };
     return nearer(run.left, run.to_left(x)) || nearer(run.right, run.to_right(x));
+  }
+
+  // Matches against a mixed reading that may be of what is far behind it.
+  void drop_far_matches() noexcept {
+    const std::size_t n = row_.disparity.size();
+    alone_.each(n, [this](std::size_t x) noexcept {
+      if (out_.source[x] == Source::kResolved && out_.depth[x] - pmd(x).low > kMaxSureGuess) {
+        drop(x, Source::kConflict, Cause::kMixedPixel);
+        matched_.remove(x);
+        alone_.remove(x);
+      }
+    });
   }
 
   // Where nothing but the match was known.

@@ -54,6 +54,9 @@ inline constexpr std::uint8_t kVagueRatio = 144;
 // nearer.
 inline constexpr int kMaxGuess = 4000;
 inline constexpr int kMaxVagueGuess = 6000;
+// The same of a match without rivals at an edge: a thin thing along the baseline has the matches of
+// what is behind it, and the PMD's reading alone tells of it.
+inline constexpr int kMaxSureGuess = 10000;
 // Neighbours this far apart, 1/16 px, are two surfaces.
 inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
@@ -86,7 +89,8 @@ inline constexpr int kShadowMargin = 3;
 // kMixedPixel) where
 //   L or R within doubt_px, as possible as what was chosen, is nearer by more than kMaxGuess;
 //   or it lies between L and R, and the PMD's near end is nearer by more than kMaxVagueGuess;
-//   or the PMD alone is left of it, and its near end is nearer by more than kMaxGuess.
+//   or the PMD alone is left of it, and its near end is nearer by more than kMaxGuess;
+//   or its match alone is left of it, and the PMD's near end is nearer by more than kMaxSureGuess.
 // A match at an edge with a ratio of kVagueRatio or more is widened, and dropped beyond
 // kMaxVagueGuess, likewise; then it is no neighbour of others.
 void resolve_ambiguities(const AmbiguityRow& row, const AmbiguityParams& params,

@@ -202,6 +202,10 @@ HoleFiller::HoleFiller(int width, int height, QuarterMm max_range, Arena& arena)
   far_ = arena.take_image<QuarterMm>(columns, rows);
 }
 
+Rows HoleFiller::map_rows(Rows cells) const noexcept {
+  return {std::min(cells.begin * kCell, height_), std::min(cells.end * kCell, height_)};
+}
+
 void HoleFiller::gather(Rows cells, const DepthMap& map) const noexcept {
   STOF_CHECK(map.depth.width() == width_ && map.depth.height() == height_);
   Columns nearest;

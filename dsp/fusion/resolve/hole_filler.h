@@ -51,6 +51,8 @@ class HoleFiller {
 
   // Rows of cells, for who splits them.
   Rows cell_rows() const noexcept { return near_.rows(); }
+  // Rows of the map in them.
+  Rows map_rows(Rows cells) const noexcept;
 
   // First gather() all rows of cells of a map, then fill() them; either in any order and by any
   // split. map: with causes.

@@ -1,11 +1,14 @@
 #include "dsp/fusion/temporal/picture_change.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/fusion/temporal/cell_change.h"
+#include "dsp/fusion/temporal/pixel_change.h"
+#include "dsp/stereo/match_params.h"
 
 namespace stof::dsp {
 namespace {
@@ -22,27 +25,58 @@ CellRows rows_of(const ImageView<T>& picture, int cell) noexcept {
   return rows;
 }
 
+// marks[x] = PictureChange::kPixel where one of 3x3 is not 0, else 0.
+void mark_around(const ImageView<std::uint8_t>& pixels, int y,
+                 std::span<std::uint8_t> marks) noexcept {
+  const std::span<const std::uint8_t> above = pixels.row_clamped(y - 1);
+  const std::span<const std::uint8_t> here = pixels.row(y);
+  const std::span<const std::uint8_t> below = pixels.row_clamped(y + 1);
+  std::array<std::uint8_t, kMaxImageWidth + 2> columns;  // one more at either end
+  const std::size_t n = marks.size();
+  columns[0] = 0;
+  columns[n + 1] = 0;
+  for (std::size_t x = 0; x < n; ++x) {
+    columns[x + 1] = static_cast<std::uint8_t>(above[x] | here[x] | below[x]);
+  }
+  for (std::size_t x = 0; x < n; ++x) {
+    marks[x] = static_cast<std::uint8_t>((columns[x] | columns[x + 1] | columns[x + 2]) &
+                                         PictureChange::kPixel);
+  }
+}
+
+template <typename T>
+void clear(const ImageView<T>& image) noexcept {
+  for (int y = 0; y < image.height(); ++y) {
+    std::ranges::fill(image.row(y), T{0});
+  }
+}
+
 }  // namespace
 
 PictureChange::PictureChange(int width, int height, Arena& arena) noexcept
     : before_(arena.take_image<std::uint8_t>(width, height)),
+      pixels_(arena.take_image<std::uint8_t>(width, height)),
       changed_(arena.take_image<std::uint8_t>(cells(width), cells(height))),
       around_(arena.take_image<std::uint8_t>(cells(width), cells(height))),
-      column_(arena.take_filled(index(cells(width) + 2 * kReach), std::uint8_t{0})) {}
+      column_(arena.take_filled(index(cells(width) + 2 * kReach), std::uint8_t{0})) {
+  STOF_CHECK(width <= kMaxImageWidth);
+}
 
 void PictureChange::take(ImageView<const std::uint8_t> picture) noexcept {
   for (int y = 0; y < picture.height(); ++y) {
     std::ranges::copy(picture.row(y), before_.row(y).begin());
   }
-  for (int y = 0; y < around_.height(); ++y) {
-    std::ranges::fill(around_.row(y), std::uint8_t{0});
-  }
+  clear(pixels_);
+  clear(around_);
 }
 
 void PictureChange::take_changed(ImageView<const std::uint8_t> picture) noexcept {
   for (int y = 0; y < picture.height(); ++y) {
     const std::span<const std::uint8_t> changed =
         changed_.row(std::min(y / kCellSize, changed_.height() - 1));
+    if (std::ranges::max(changed) == 0) {
+      continue;
+    }
     const std::span<const std::uint8_t> now = picture.row(y);
     const std::span<std::uint8_t> before = before_.row(y);
     for (std::size_t cell = 0; cell < changed.size(); ++cell) {
@@ -55,22 +89,29 @@ void PictureChange::take_changed(ImageView<const std::uint8_t> picture) noexcept
   }
 }
 
+// Tells how many cells have changed.
+int PictureChange::compare(ImageView<const std::uint8_t> picture) noexcept {
+  int count = 0;
+  for (int cell = 0; cell < changed_.height(); ++cell) {
+    const std::span<std::uint8_t> changed = changed_.row(cell);
+    best::cell_change(rows_of(picture, cell), rows_of(before_, cell), changed);
+    count +=
+        static_cast<int>(changed.size() - index(static_cast<int>(std::ranges::count(changed, 0))));
+    const bool last = cell + 1 == changed_.height();
+    const int end = last ? picture.height() : (cell + 1) * kCellSize;
+    for (int y = cell * kCellSize; y < end; ++y) {
+      best::pixel_change(picture.row(y), before_.row(y), pixels_.row(y));
+    }
+  }
+  return count;
+}
+
 bool PictureChange::look(ImageView<const std::uint8_t> picture) noexcept {
   STOF_CHECK(same_size(picture, before_));
   const bool too_small = picture.width() < kCellSize;
-  if (!knows_ || too_small) {
-    take(picture);
-    knows_ = true;
-    return false;
-  }
-  int count = 0;
-  for (int y = 0; y < changed_.height(); ++y) {
-    const std::span<std::uint8_t> changed = changed_.row(y);
-    best::cell_change(rows_of(picture, y), rows_of(before_, y), changed);
-    count +=
-        static_cast<int>(changed.size() - index(static_cast<int>(std::ranges::count(changed, 0))));
-  }
-  if (kMovedShare * count > changed_.width() * changed_.height()) {
+  const bool compares = knows_ && !too_small;
+  knows_ = true;
+  if (!compares || kMovedShare * compare(picture) > changed_.width() * changed_.height()) {
     take(picture);
     return false;
   }
@@ -80,31 +121,42 @@ bool PictureChange::look(ImageView<const std::uint8_t> picture) noexcept {
 }
 
 void PictureChange::widen() noexcept {
-  const std::span<std::uint8_t> middle = column_.subspan(kReach, index(changed_.width()));
+  const std::size_t n = index(changed_.width());
+  const std::span<std::uint8_t> column = column_;
+  const std::span<std::uint8_t> middle = column.subspan(kReach, n);
   for (int y = 0; y < changed_.height(); ++y) {
     std::ranges::fill(middle, std::uint8_t{0});
     for (int other = std::max(y - kReach, 0); other <= std::min(y + kReach, changed_.height() - 1);
          ++other) {
       const std::span<const std::uint8_t> changed = changed_.row(other);
-      for (std::size_t x = 0; x < changed.size(); ++x) {
+      for (std::size_t x = 0; x < n; ++x) {
         middle[x] = static_cast<std::uint8_t>(middle[x] | changed[x]);
       }
     }
     const std::span<std::uint8_t> around = around_.row(y);
-    for (std::size_t x = 0; x < around.size(); ++x) {
-      around[x] = std::ranges::max(column_.subspan(x, 2 * kReach + 1));
+    std::ranges::fill(around, std::uint8_t{0});
+    for (std::size_t shift = 0; shift <= 2 * kReach; ++shift) {
+      for (std::size_t x = 0; x < n; ++x) {
+        around[x] = static_cast<std::uint8_t>(around[x] | column[x + shift]);
+      }
     }
   }
 }
 
-void PictureChange::add_to(int y, std::span<std::uint8_t> row) const noexcept {
+void PictureChange::mark(int y, std::span<std::uint8_t> marks) const noexcept {
+  mark_around(pixels_, y, marks);
   const std::span<const std::uint8_t> around =
       around_.row(std::min(y / kCellSize, around_.height() - 1));
+  if (std::ranges::max(around) == 0) {
+    return;
+  }
   for (std::size_t cell = 0; cell < around.size(); ++cell) {
     if (around[cell] != 0) {
       const std::size_t begin = kCellSize * cell;
-      const std::size_t end = cell + 1 < around.size() ? begin + kCellSize : row.size();
-      std::ranges::fill(row.subspan(begin, end - begin), std::uint8_t{255});
+      const std::size_t end = cell + 1 < around.size() ? begin + kCellSize : marks.size();
+      for (std::uint8_t& mark : marks.subspan(begin, end - begin)) {
+        mark = static_cast<std::uint8_t>(mark | kCell);
+      }
     }
   }
 }

@@ -18,7 +18,8 @@ struct SteadyState {
 
 // What both sensors say in this frame, and what was made of it.
 struct SteadyRow {
-  std::span<const std::uint8_t> changed;  // not 0: the picture has changed around it
+  std::span<const std::uint8_t> changed;  // the picture has changed around it, if one of ..
+  std::uint8_t changes = 255;             // .. these bits is set
   IntervalRow stereo;
   IntervalRow pmd;
   FusedRow fused;
@@ -39,7 +40,8 @@ inline constexpr int kVotesToFar = 3;
 inline constexpr int kVotesToFarAgainst = 12;  // where one sensor still confirms what was seen
 
 // One frame of a row. A depth d is published as it is where nothing is known of its pixel, or the
-// picture has changed around it: then r = d is remembered. Else
+// picture has changed around it: then r = d is remembered. But one of kResolved that appears where
+// nothing was known, nor has the picture changed, waits for the next frame: kNone. Else
 //   it agrees with r where |d - r| <= min(3/4 width, max_step): published; r becomes the mean of r
 //     and the mean of both
 //   otherwise, where r is settled and a sensor's own interval comes within min(r / 16, max_step) of
@@ -55,7 +57,7 @@ inline constexpr int kVotesToFarAgainst = 12;  // where one sensor still confirm
 // sensor's. Equal lengths, any alignment; no overlap.
 using SteadyRowKernel = void(const SteadyRow& row, const SteadyLimits& limits,
                              const SteadyState& state) noexcept;
-STOF_KERNEL(SteadyRowKernel, steady_row, kNeon)
+STOF_KERNEL(SteadyRowKernel, steady_row, kAvx2)
 
 // Lengths as above; max_range at least 1.
 void check_steady_row(const SteadyRow& row, const SteadyLimits& limits,

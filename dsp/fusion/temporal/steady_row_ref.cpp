@@ -75,7 +75,11 @@ Memory begun(int depth) noexcept {
 Memory next(const SteadyRow& row, const SteadyLimits& limits, std::size_t x,
             const Memory& old) noexcept {
   const int depth = row.fused.depth[x];
-  if (old.known == 0 || row.changed[x] != 0) {
+  const bool changed = (row.changed[x] & row.changes) != 0;
+  if (old.known == 0 && !changed && row.fused.source[x] == Source::kResolved) {
+    put(row.fused, x, kNoDepth, 0, Source::kNone, Cause::kNone);
+  }
+  if (old.known == 0 || changed) {
     return begun(depth);
   }
   const int more = std::min(old.known + kSeenGain, kMostTally);

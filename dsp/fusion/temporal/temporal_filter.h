@@ -1,7 +1,5 @@
 #pragma once
 
-#include <array>
-#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -9,7 +7,6 @@
 #include "dsp/base/fixed.h"
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
-#include "dsp/fusion/temporal/picture_change.h"
 #include "dsp/fusion/temporal/temporal_row.h"
 
 namespace stof::dsp {
@@ -18,16 +15,13 @@ namespace stof::dsp {
 //   frames 8        a quarter of a second; noise falls to a third, the next third would take 72
 //   max_step 1200   0.3 m: 3 sigma of a reading with a sigma of 0.1 m; noisier ones begin anew more
 //                   often
-//   max_change 12   grey levels, 4 sigma of the difference of two pictures with a noise of 2 each,
-//                   so that one of 9 pixels exceeds it by chance in fewer than one frame in a
-//                   thousand
 using TemporalParams = TemporalLimits;
 
 // Averages a depth map over frames where nothing moved. Per pixel (temporal_row.h has the formula):
 //
 //   * No blend across motion. A mean goes on only while depth stays within 3 sigma of it (width = 4
-//     sigma), the left picture did not change in 3x3, since the mean began, and the source is the
-//     same; else the measurement is published as it is. So is a mean of fewer than four frames.
+//     sigma), the left picture did not change around it, and the source is the same; else the
+//     measurement is published as it is. So is a mean of fewer than four frames.
 //   * Nothing is held over: no depth in, no depth out, and the mean is gone.
 //   * Lag. The published depth is never further than width / 4 (one sigma) from this frame's own,
 //     so always in the middle half of this frame's interval, whatever moves. Residuals of more than
@@ -47,31 +41,21 @@ using TemporalParams = TemporalLimits;
 //
 // Not promised: that a displacement within the noise, without a change in the picture, is seen at
 // once; that a reading which the camera repeats (a PMD slower than the pictures) counts once.
-// Sources and causes stay as they are. 7 bytes a pixel.
+// Sources and causes stay as they are. 6 bytes a pixel.
 class TemporalFilter {
  public:
   // params.frames 1 .. kMostFrames, params.max_step <= kMostStep. Maps of this size.
   TemporalFilter(int width, int height, const TemporalParams& params, Arena& arena) noexcept;
 
-  // Filters map.depth and map.width in place. left: the picture in whose axes the map is (rectified
-  // where the rig asks for it), of the map's size; an empty one cannot tell motion: the map stays
-  // as it is and the past is forgotten. change: where else it changed, if that is known. Call it
-  // for every frame; forget() after a gap.
-  void apply(ImageView<const std::uint8_t> left, const DepthMap& map,
-             const PictureChange* change = nullptr) noexcept;
-  void forget() noexcept;
+  // Filters depth and width of a row of a frame in place. marks: as PictureChange has them.
+  void filter(int y, std::span<const std::uint8_t> marks, const DepthMap& map) noexcept;
 
  private:
-  std::span<const std::uint8_t> change_in(ImageView<const std::uint8_t> left, int y,
-                                          const PictureChange* change) noexcept;
-
   TemporalParams params_;
   ImageView<QuarterMm> mean_;
   ImageView<std::uint16_t> scatter_;
   ImageView<std::uint8_t> tally_;
   ImageView<std::uint8_t> kind_;
-  ImageView<std::uint8_t> grey_;
-  ImageView<std::uint8_t> change_;  // of three rows, and one that never changes
 };
 
 }  // namespace stof::dsp

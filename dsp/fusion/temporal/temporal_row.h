@@ -10,31 +10,16 @@
 
 namespace stof::dsp {
 
-// change[x] = |now[x] - then[x]|, grey levels. Equal lengths, any length, any alignment; no
-// overlap.
-using GreyChange = void(std::span<const std::uint8_t> now, std::span<const std::uint8_t> then,
-                        std::span<std::uint8_t> change) noexcept;
-
-// The state of each pixel of a row, 7 bytes. All zero: none.
+// The state of each pixel of a row, 6 bytes. All zero: none.
 struct TemporalState {
   std::span<QuarterMm> mean;         // whole quarter mm of the mean depth
   std::span<std::uint16_t> scatter;  // mean |residual|, 4 fraction bits
   std::span<std::uint8_t> tally;     // bits 0-3 frames in the mean, 4-7 fraction of the mean
   std::span<std::uint8_t> kind;  // bits 0-2 Source, 3-4 run, 5 the run goes away from the camera
-  std::span<std::uint8_t> grey;  // of the frame with which the mean began
-};
-
-// Changes of the left picture: rows above, of and below the pixels, element x + 1 for pixel x.
-// The first and last elements, and rows beyond the picture, are 0.
-struct ChangeRows {
-  std::span<const std::uint8_t> above;
-  std::span<const std::uint8_t> here;
-  std::span<const std::uint8_t> below;
 };
 
 struct TemporalRow {
-  std::span<const std::uint8_t> grey;
-  ChangeRows change;
+  std::span<const std::uint8_t> changed;  // not 0: the picture has changed there
   std::span<const Source> source;
   std::span<QuarterMm> depth;
   std::span<QuarterMm> width;
@@ -57,9 +42,8 @@ inline constexpr Reciprocals kReciprocals = [] {
 }();
 
 struct TemporalLimits {
-  std::uint8_t frames = 8;       // 1 .. kMostFrames
-  QuarterMm max_step = 1200;     // 0 .. kMostStep
-  std::uint8_t max_change = 12;  // grey levels
+  std::uint8_t frames = 8;    // 1 .. kMostFrames
+  QuarterMm max_step = 1200;  // 0 .. kMostStep
 };
 inline constexpr std::uint8_t kMostFrames = 15;
 inline constexpr QuarterMm kMostStep = 2000;  // with 4 fraction bits it fits int16
@@ -72,8 +56,8 @@ inline constexpr int kMeanOne = 1 << kMeanBits;
 
 // One frame of a row. With half = width / 2 (2 sigma), r = depth - whole quarter mm of mean:
 //   a residual is far where |r| > half / 4; run = far residuals in a row with the sign of this one
-//   the mean goes on where there is a depth and a mean, the source is the same, no change in 3x3 is
-//     above max_change, |r| <= min(half * 3 / 2, max_step), and run < kRestartRun;
+//   the mean goes on where there is a depth and a mean, the source is the same, the picture has
+//     not changed, |r| <= min(half * 3 / 2, max_step), and run < kRestartRun;
 //     else it begins with this depth, which is published as it is; without a depth it ends
 //   n = min(frames in the mean + 1, frames)
 //   mean += (depth - mean) / n
@@ -85,13 +69,12 @@ inline constexpr int kMeanOne = 1 << kMeanBits;
 //     would not; else this depth
 //   width -= 2 (half - half')
 // Every quotient is rounded down; products with kReciprocals to the nearest, halves up. Equal
-// lengths n, of changes n + 2, any length, any alignment; no overlap. Pixels do not depend on each
-// other's state. State: of earlier calls with the same limits, or zero.
+// lengths, any length, any alignment; no overlap. State: of earlier calls with the same limits, or
+// anything where the picture has changed.
 using TemporalRowKernel = void(const TemporalRow& row, const TemporalLimits& limits,
                                const TemporalState& state) noexcept;
 
-STOF_KERNEL(GreyChange, grey_change, kNeon)
-STOF_KERNEL(TemporalRowKernel, temporal_row, kNeon)
+STOF_KERNEL(TemporalRowKernel, temporal_row, kAvx2)
 
 // Lengths and limits as above.
 void check_temporal_row(const TemporalRow& row, const TemporalLimits& limits,

@@ -11,11 +11,9 @@ namespace stof::dsp {
 void check_temporal_row(const TemporalRow& row, const TemporalLimits& limits,
                         const TemporalState& state) noexcept {
   const std::size_t n = row.depth.size();
-  STOF_CHECK(row.grey.size() == n && row.source.size() == n && row.width.size() == n);
-  STOF_CHECK(row.change.above.size() == n + 2 && row.change.here.size() == n + 2 &&
-             row.change.below.size() == n + 2);
+  STOF_CHECK(row.changed.size() == n && row.source.size() == n && row.width.size() == n);
   STOF_CHECK(state.mean.size() == n && state.scatter.size() == n && state.tally.size() == n &&
-             state.kind.size() == n && state.grey.size() == n);
+             state.kind.size() == n);
   STOF_CHECK(limits.frames >= 1 && limits.frames <= kMostFrames && limits.max_step <= kMostStep);
 }
 
@@ -64,14 +62,6 @@ void store(const Memory& memory, const TemporalState& state, std::size_t x) noex
   state.kind[x] = static_cast<std::uint8_t>(memory.source + kSources * run);
 }
 
-int largest_change(const ChangeRows& change, std::size_t x) noexcept {
-  int largest = 0;
-  for (std::size_t i = x; i < x + 3; ++i) {
-    largest = std::max<int>({largest, change.above[i], change.here[i], change.below[i]});
-  }
-  return largest;
-}
-
 // The memory with the measurement in it; one frame in the mean where it began anew.
 Memory next(const Memory& old, const Measured& now, bool changed,
             const TemporalLimits& limits) noexcept {
@@ -116,30 +106,18 @@ int published(const Measured& now, int half, const Memory& memory) noexcept {
 
 }  // namespace
 
-void grey_change(std::span<const std::uint8_t> now, std::span<const std::uint8_t> then,
-                 std::span<std::uint8_t> change) noexcept {
-  STOF_CHECK(now.size() == change.size() && then.size() == change.size());
-  for (std::size_t x = 0; x < change.size(); ++x) {
-    change[x] = static_cast<std::uint8_t>(std::abs(now[x] - then[x]));
-  }
-}
-
 void temporal_row(const TemporalRow& row, const TemporalLimits& limits,
                   const TemporalState& state) noexcept {
   check_temporal_row(row, limits, state);
   for (std::size_t x = 0; x < row.depth.size(); ++x) {
     const Measured now{
         .depth = row.depth[x], .half = row.width[x] / 2, .source = static_cast<int>(row.source[x])};
-    const bool changed = largest_change(row.change, x) > limits.max_change;
-    const Memory memory = next(load(state, x), now, changed, limits);
+    const Memory memory = next(load(state, x), now, row.changed[x] != 0, limits);
     store(memory, state, x);
     if (memory.count != 0) {
       const int half = narrowed(now.half, memory);
       row.depth[x] = static_cast<QuarterMm>(published(now, half, memory));
       row.width[x] = static_cast<QuarterMm>(row.width[x] - 2 * (now.half - half));
-    }
-    if (memory.count <= 1) {  // later it stays: small changes shall not add up unseen
-      state.grey[x] = row.grey[x];
     }
   }
 }

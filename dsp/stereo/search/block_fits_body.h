@@ -16,26 +16,16 @@ inline bool all_tie(const std::uint16_t* sums, Limits exist, int shift) noexcept
 
 template <typename Isa>
 void Pass<Isa>::finish(std::size_t x, std::size_t count) noexcept {
-  if (suspicious(x, count)) {
+  // A tie of all has the first candidate for winner.
+  if (chunk_.has_first || !whole(row_, x, count)) {
     drop_ties(x, count);
   }
-  std::memcpy(out_.winners.data() + x, chunk_.winners.data(), count * sizeof(std::int16_t));
-  for (std::size_t p = 0; p < count; p += 8) {
-    keeps_costs() ? fit<0>(sums(x), p, count) : fit<3>(sums(x), p, count);
+  if (!out_.margins.empty()) {
+    find_margins(x, count);
   }
-  for (std::size_t p = 0; p < count; ++p) {
-    out_.fitted[x + p].raw = chunk_.fitted[p];
+  for (std::size_t p = 0; p < count; p += Isa::kColumns) {
+    keeps_costs() ? fit<0>(x, p, count) : fit<3>(x, p, count);
   }
-}
-
-// Whether a winner may be none: a tie of all has the first candidate for winner.
-template <typename Isa>
-bool Pass<Isa>::suspicious(std::size_t x, std::size_t count) const noexcept {
-  int least = 1;
-  for (const std::int16_t winner : chunk_.winners) {  // what is beyond count does no harm
-    least = std::min<int>(least, winner);
-  }
-  return least <= 0 || !whole(row_, x, count);
 }
 
 template <typename Isa>
@@ -51,27 +41,57 @@ void Pass<Isa>::drop_ties(std::size_t x, std::size_t count) noexcept {
   }
 }
 
-// Eight fits, of which those beyond `count` mean nothing.
+// Below 100 * 256 * 7710 < 2^31.
+template <typename Isa>
+void Pass<Isa>::find_margins(std::size_t x, std::size_t count) noexcept {
+  std::array<std::int32_t, kChunk> offered;
+  offered.fill(row_.lanes);
+  if (!whole(row_, x, count)) {
+    for (std::size_t p = 0; p < count; ++p) {
+      const Limits exist = limits(row_, x + p);
+      offered[p] = std::max(exist.end - exist.begin, 0);
+    }
+  }
+  std::array<std::int16_t, kChunk> margins;
+  for (std::size_t p = 0; p < kChunk; ++p) {
+    const std::int32_t lead = row_.margin.percent * static_cast<std::int32_t>(chunk_.totals[p]) -
+                              100 * offered[p] * chunk_.costs[p];
+    const std::int32_t margin = std::clamp(lead >> row_.margin.shift, -32767, 32767);
+    margins[p] = static_cast<std::int16_t>(chunk_.winners[p] == kNoWinner ? 0 : margin);
+  }
+  std::ranges::copy(std::span(margins).first(count), out_.margins.subspan(x).begin());
+}
+
 template <typename Isa>
 template <int kShift>
-void Pass<Isa>::fit(const std::uint16_t* sums, std::size_t p, std::size_t count) noexcept {
-  const std::uint16_t* around[8];
-  const auto fit_eight = [&] noexcept {
-    Isa::template fit<kShift>(row_, around, chunk_.costs.data() + p, chunk_.winners.data() + p,
-                              chunk_.fitted.data() + p);
-  };
-  if (p + 8 <= count) {
-    for (std::size_t k = 0; k < 8; ++k) {
-      around[k] = sums + (p + k) * lanes_ + chunk_.winners[p + k] - 1;
-    }
-    fit_eight();  // not shared with below: the compiler keeps the places in registers
+void Pass<Isa>::fit(std::size_t x, std::size_t p, std::size_t count) noexcept {
+  static_assert(sizeof(Disparity) == sizeof(std::int16_t));
+  std::int16_t* const winners = out_.winners.data() + x + p;
+  Disparity* const fitted = out_.fitted.data() + x + p;
+  if (p + Isa::kColumns <= count) {
+    fit_some<kShift, true>(x, p, Isa::kColumns, winners, &fitted->raw);
     return;
   }
-  for (std::size_t k = 0; k < 8; ++k) {  // nothing is read behind the last one
-    const std::size_t pixel = std::min(p + k, count - 1);
-    around[k] = sums + pixel * lanes_ + chunk_.winners[pixel] - 1;
+  const std::size_t some = count - p;
+  std::int16_t rest[2][Isa::kColumns];
+  fit_some<kShift, false>(x, p, some, rest[0], rest[1]);
+  std::memcpy(winners, rest[0], some * sizeof(std::int16_t));
+  std::memcpy(fitted, rest[1], some * sizeof(std::int16_t));
+}
+
+// Those beyond `count` mean nothing.
+template <typename Isa>
+template <int kShift, bool kAll>
+void Pass<Isa>::fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
+                         std::int16_t* fitted) noexcept {
+  const std::uint16_t* const first = sums(x) + p * lanes_;
+  const std::int16_t* const winners = chunk_.winners.data() + p;
+  const std::uint16_t* around[Isa::kColumns];
+  for (std::size_t k = 0; k < Isa::kColumns; ++k) {
+    const std::size_t pixel = kAll ? k : std::min(k, count - 1);  // the last that there is
+    around[k] = first + pixel * lanes_ + winners[pixel] - 1;
   }
-  fit_eight();
+  Isa::template fit<kShift>(row_, around, chunk_.costs.data() + p, winners, kept, fitted);
 }
 
 template <typename Isa>
@@ -84,12 +104,16 @@ void pass(const BlockPixels& pixels, const BlockRow& row, std::span<std::uint16_
   STOF_CHECK(out.winners.size() + static_cast<std::size_t>(row.block_width) == n + 1 &&
              out.fitted.size() == out.winners.size());
   STOF_CHECK(out.costs.empty() || out.costs.size() == out.winners.size() * lanes);
+  STOF_CHECK(out.margins.empty() ||
+             (out.margins.size() == out.winners.size() && !out.costs.empty() &&
+              row.margin.percent <= 100 && row.margin.shift >= 0 && row.margin.shift <= 30));
   STOF_CHECK(pixels.old_left.size() == n && pixels.new_right.size() == n + lanes - 1 &&
              pixels.old_right.size() == n + lanes - 1);
   Pass<Isa>(pixels, row, columns.data(), out).go();
   mutate(columns);
   mutate(out.winners);
   mutate(out.costs);
+  mutate(out.margins);
   if (!out.fitted.empty()) {
     mutate(&out.fitted.front().raw);
   }

@@ -48,18 +48,28 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
   const std::size_t n = out.disparity.size();
   const std::span<std::uint16_t> costs = costs_.empty() ? costs_ : costs_.first(n * index(lanes));
   const std::span<std::int16_t> winners = winners_.first(n);
-  blocks_.row(y, {.winners = winners, .fitted = out.disparity, .costs = costs});
-  FoundRow<std::uint16_t> found{.costs = costs, .judged = costs, .winners = winners};
   const GuideRow guide = row_of(guide_, y);
   const bool narrowed = narrows(guide, lanes);
+  MatchedRow rest = out;  // what the pass does not find
+  if (!narrowed) {
+    rest.margins = {};
+  }
+  blocks_.row(y, checks_.margin(),
+              {.winners = winners,
+               .fitted = out.disparity,
+               .costs = costs,
+               .margins = narrowed ? std::span<std::int16_t>() : out.margins});
+  FoundRow<std::uint16_t> found{.costs = costs, .judged = costs, .winners = winners};
   if (narrowed) {
     best::mask_candidates(found.costs, guide, lanes, masked_.first(costs.size()));
     found.judged = masked_.first(costs.size());
     best::winners(found.judged, lanes, winners);
   }
   finish_winners(params_, guide, winners);
-  checks_.compare_rivals(found, out);
-  if (!narrowed) {  // a guide may leave one candidate, which has no rival
+  checks_.compare_rivals(found, rest);
+  if (!narrowed) {
+    compare_border(found, out);
+    // A guide may leave one candidate, which has no rival.
     checks_.drop_ties(out.ratio, winners);
   }
   checks_.check_left_right(found.judged, winners);
@@ -71,19 +81,39 @@ void BlockSearch::match(int y, const MatchedRow& out) noexcept {
   checks_.fit_grey_values(*pair_, y, out.disparity);
 }
 
+// The columns at either end of the range, which have one candidate each.
+std::array<int, 2> BlockSearch::border_columns(int width) const noexcept {
+  return {params_.min_disparity, width + params_.min_disparity + params_.disparities - 2};
+}
+
+// Margins of border columns, whose winners came after the pass.
+void BlockSearch::compare_border(const FoundRow<std::uint16_t>& found,
+                                 const MatchedRow& out) noexcept {
+  const std::size_t lanes = index(lanes_of(params_));
+  const int width = static_cast<int>(found.winners.size());
+  for (const int x : border_columns(width)) {
+    if (!out.margins.empty() && x >= 0 && x < width) {
+      checks_.compare_costs(found.costs.subspan(index(x) * lanes, lanes),
+                            found.winners.subspan(index(x), 1), out.margins.subspan(index(x), 1));
+    }
+  }
+}
+
 // The fits that came with the winners, but for those that were dropped or finished since.
 void BlockSearch::drop_fits(std::span<const std::int16_t> winners,
                             std::span<Disparity> out) const noexcept {
   // What had one candidate has no neighbours to be fitted to.
   const int width = static_cast<int>(winners.size());
-  for (const int x :
-       {params_.min_disparity, width + params_.min_disparity + params_.disparities - 2}) {
+  for (const int x : border_columns(width)) {
     if (x >= 0 && x < width && winners[index(x)] != kNoWinner) {
       out[index(x)] = Disparity::from_pixels(params_.min_disparity + winners[index(x)]);
     }
   }
-  for (std::size_t x = 0; x < out.size(); ++x) {
-    out[x].raw = winners[x] == kNoWinner ? Disparity::none().raw : out[x].raw;
+  const std::int16_t* const winner = winners.data();
+  const std::size_t n = out.size();
+  for (std::size_t x = 0; x < n; ++x) {  // without a branch, so that compilers make vectors of it
+    const Disparity fit = out[x];
+    out[x] = winner[x] == kNoWinner ? Disparity::none() : fit;
   }
 }
 

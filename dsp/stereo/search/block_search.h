@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
@@ -19,6 +20,8 @@ class BlockSearch final : public RowSearch {
   void match(int y, const MatchedRow& out) noexcept override;
 
  private:
+  std::array<int, 2> border_columns(int width) const noexcept;
+  void compare_border(const FoundRow<std::uint16_t>& found, const MatchedRow& out) noexcept;
   void drop_fits(std::span<const std::int16_t> winners, std::span<Disparity> out) const noexcept;
 
   MatchParams params_;

@@ -15,12 +15,17 @@ namespace stof::dsp::block_winners_body {
 inline constexpr std::size_t kChunk = 32;
 inline constexpr std::size_t kMostLanes = 256;
 
-struct Chunk {
+struct alignas(64) Chunk {
   std::array<std::uint16_t, kChunk * 8> eights;  // lowest sums by lane number modulo 8
-  std::array<std::uint16_t, kChunk> costs;
+  std::array<std::uint16_t, kChunk * 8> parts;   // of totals, of 64 candidates at most
+  std::array<std::uint32_t, kChunk> totals;      // of the costs of all candidates
+  std::array<std::uint16_t, kChunk> costs;       // of the winners
   std::array<std::int16_t, kChunk> winners;
-  std::array<std::int16_t, kChunk> fitted;
+  bool has_first;  // a winner is candidate 0
 };
+
+// What becomes of the sums: they stay as they are, become costs, or are added up too.
+enum class Keep : std::uint8_t { kSums, kCosts, kTotals };
 
 // Candidates begin .. end - 1 exist.
 struct Limits {
@@ -107,29 +112,36 @@ struct Strip {
     }
   }
 
-  // Sums of candidates that exist go to memory, as costs or as they are, and the lowest of each
-  // lane number modulo 8 to `eights`.
-  template <bool kMasked, bool kCosts>
-  void keep(Limits exist, int first, std::uint16_t* to, std::uint16_t* eights) const noexcept {
+  // Sums of candidates that exist go to memory, as costs or as they are, the lowest of each lane
+  // number modulo 8 to `eights`, the costs' totals likewise to `parts`.
+  template <bool kMasked, Keep kKeep>
+  void keep(Limits exist, int first, std::uint16_t* to, std::uint16_t* eights,
+            std::uint16_t* parts) const noexcept {
     V kept[kVectors];
+    V counted[kVectors];
     for (std::size_t v = 0; v < kVectors; ++v) {
       kept[v] = sums[v];
-      const V wanted = kCosts ? Isa::eighth(sums[v]) : sums[v];
+      V wanted = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
+      counted[v] = wanted;
       if constexpr (kMasked) {
         const int candidate = first + static_cast<int>(v * Isa::kLanes);
         const V outside = Isa::outside(candidate, exist.begin, exist.end);
         kept[v] = Isa::either(kept[v], outside);
-        Isa::store(to + v * Isa::kLanes, Isa::either(wanted, outside));
-      } else {
-        Isa::store(to + v * Isa::kLanes, wanted);
+        counted[v] = Isa::without(wanted, outside);
+        wanted = Isa::either(wanted, outside);
       }
+      Isa::store(to + v * Isa::kLanes, wanted);
     }
     for (std::size_t n = kPairs; n > 0; n /= 2) {  // a tree: nothing waits for long
       for (std::size_t v = 0; v < n; ++v) {
         kept[v] = Isa::smaller(kept[v], kept[v + n]);
+        counted[v] = Isa::add(counted[v], counted[v + n]);
       }
     }
     Isa::store_eight(eights, kept[0]);
+    if constexpr (kKeep == Keep::kTotals) {
+      Isa::store_parts(parts, counted[0]);
+    }
   }
 
   // A column leaves the block.

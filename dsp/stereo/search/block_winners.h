@@ -7,6 +7,7 @@
 #include "dsp/base/kernel.h"
 #include "dsp/stereo/refine/subpixel.h"
 #include "dsp/stereo/search/winner.h"
+#include "dsp/stereo/validation/winner_margin.h"
 
 // Winner takes all on sums of absolute differences over blocks, with the fit of the costs, in one
 // pass over a row: column sums slide by a row of pixels, block sums stay in registers, and the sums
@@ -15,7 +16,7 @@
 //
 // Sums are eight times the sums of differences. Their low three bits then number groups of eight
 // candidates, so that the minimum itself tells which group it comes from, and of a tie is the group
-// of the smaller candidates.
+// of the smaller candidates. Margins (validation/winner_margin.h) come of the same pass.
 namespace stof::dsp {
 
 inline constexpr int kBlockSumScale = 8;
@@ -48,6 +49,7 @@ struct BlockRow {
   int x = 0;              // of the first column
   int right_width = 0;    // right columns 0 .. right_width - 1 can be met
   CostFit fit = CostFit::kNone;
+  MarginScale margin = {};
 };
 
 struct BlockMatches {
@@ -56,8 +58,10 @@ struct BlockMatches {
   // Empty, or the costs as sad.h has them, kNoCost where there is no candidate. Up to
   // kBlockCostMargin elements before and behind them are read.
   std::span<std::uint16_t> costs;
+  // Empty, or what winner_margins() finds of these winners and costs; not without costs.
+  std::span<std::int16_t> margins = {};
 };
-inline constexpr int kBlockCostMargin = 8;
+inline constexpr int kBlockCostMargin = 32;  // a cache line
 
 // columns: n x lanes, kBlockSumScale times the column sums of the row before; then of this row.
 using BlockWinners = void(const BlockPixels& pixels, const BlockRow& row,

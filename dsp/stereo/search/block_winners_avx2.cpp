@@ -17,6 +17,7 @@ struct Avx2 : Eights<Avx2> {
   static V add(V a, V b) noexcept { return _mm256_add_epi16(a, b); }
   static V sub(V a, V b) noexcept { return _mm256_sub_epi16(a, b); }
   static V smaller(V a, V b) noexcept { return _mm256_min_epu16(a, b); }
+  static V without(V a, V b) noexcept { return _mm256_andnot_si256(b, a); }
   static V either(V a, V b) noexcept { return _mm256_or_si256(a, b); }
   static V eighth(V a) noexcept { return _mm256_srli_epi16(a, 3); }
   static V numbers(std::size_t v) noexcept {
@@ -26,6 +27,9 @@ struct Avx2 : Eights<Avx2> {
   }
   static void store_eight(std::uint16_t* p, V v) noexcept {
     put(p, _mm_min_epu16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1)));
+  }
+  static void store_parts(std::uint16_t* p, V v) noexcept {
+    put(p, _mm_add_epi16(_mm256_castsi256_si128(v), _mm256_extracti128_si256(v, 1)));
   }
 
   static V outside(int first, int begin, int end) noexcept {
@@ -50,9 +54,10 @@ struct Avx2 : Eights<Avx2> {
   }
   static void exchange(V in, const std::uint8_t* new_right, V gone, const std::uint8_t* old_right,
                        V& a) noexcept {
-    const __m128i entering = _mm_abs_epi8(_mm_sub_epi8(_mm256_castsi256_si128(in), get(new_right)));
+    const __m128i entering =
+        _mm_abs_epi8(_mm_sub_epi8(_mm256_castsi256_si128(in), get_half(new_right)));
     const __m128i leaving =
-        _mm_abs_epi8(_mm_sub_epi8(_mm256_castsi256_si128(gone), get(old_right)));
+        _mm_abs_epi8(_mm_sub_epi8(_mm256_castsi256_si128(gone), get_half(old_right)));
     const V change = _mm256_cvtepi8_epi16(_mm_sub_epi8(entering, leaving));
     a = _mm256_add_epi16(a, _mm256_slli_epi16(change, 3));
   }

@@ -17,6 +17,7 @@ struct Avx512 : avx2::Eights<Avx512> {
   static V add(V a, V b) noexcept { return _mm512_add_epi16(a, b); }
   static V sub(V a, V b) noexcept { return _mm512_sub_epi16(a, b); }
   static V smaller(V a, V b) noexcept { return _mm512_min_epu16(a, b); }
+  static V without(V a, V b) noexcept { return _mm512_andnot_si512(b, a); }
   static V either(V a, V b) noexcept { return _mm512_or_si512(a, b); }
   static V eighth(V a) noexcept { return _mm512_srli_epi16(a, 3); }
   static V numbers(std::size_t v) noexcept {
@@ -29,6 +30,11 @@ struct Avx512 : avx2::Eights<Avx512> {
     const __m256i half =
         _mm256_min_epu16(_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64(v, 1));
     put(p, _mm_min_epu16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1)));
+  }
+  static void store_parts(std::uint16_t* p, V v) noexcept {
+    const __m256i half =
+        _mm256_add_epi16(_mm512_castsi512_si256(v), _mm512_extracti64x4_epi64(v, 1));
+    put(p, _mm_add_epi16(_mm256_castsi256_si128(half), _mm256_extracti128_si256(half, 1)));
   }
 
   static V outside(int first, int begin, int end) noexcept {

@@ -9,16 +9,22 @@
 // The pass over a row that the vector variants of block_winners() share. Isa is the
 // vocabulary of one of them:
 //   V, kLanes                      a vector of u16 sums
-//   load, store, add, sub, smaller, either (bitwise or), eighth (>> 3)
+//   load, store, add, sub, smaller, either (bitwise or), without (a and not b), eighth (>> 3)
 //   pixel(p)                       a left pixel in all lanes
 //   exchange(l, r, ol, or, a, b)   a, b += 8 (|l - r| - |ol - or|) of 2 kLanes candidates
 //   exchange(l, r, ol, or, a)      of kLanes, where these are 16
 //   numbers(v)                     what the groups of the v-th vector are numbered with
 //   outside(first, begin, end)     all ones in lanes whose candidate, first + lane, is none of
-//   these store_eight(p, v)              the lowest of each lane number modulo 8 lowest(eights,
-//   first, costs, winners)   winners of eight columns among candidates from `first`
-//                                  on and, where first > 0, those found before
-//   fit<kShift>(row, around, costs, winners, fitted)   eight fits
+//   these store_eight(p, v)              the lowest of each lane number modulo 8 store_parts(p, v)
+//   the sums of each lane number modulo 8 add_parts(parts, first, totals)
+//                                  what four columns have in eight parts, and had where first > 0
+//   kColumns                       columns that are finished at once, by
+//   lowest(eights, first, costs, winners)
+//                                  winners among candidates from `first` on and, where first > 0,
+//                                  those found before; returns whether one is 0
+//   fit<kShift>(row, around, costs, winners, kept, fitted)
+//                                  the winners again and their fits; around: the sums before each
+//                                  winner, its own and the one behind
 namespace stof::dsp::block_winners_body {
 
 // Above every cost, where sums have lost their three bits.
@@ -47,7 +53,7 @@ class Pass {
   }
 
  private:
-  static constexpr std::size_t kMargin = 16;
+  static constexpr std::size_t kMargin = kBlockCostMargin;
 
   // 64 candidates at a time keep their sums in registers; what is left is 32 or 16.
   template <typename Call>
@@ -92,20 +98,30 @@ class Pass {
 
   template <std::size_t kPairs>
   void search(std::size_t x, std::size_t count, std::size_t first) noexcept {
-    if (!whole(row_, x, count)) {
-      keeps_costs() ? run<kPairs, true, true>(x, count, first)
-                    : run<kPairs, true, false>(x, count, first);
-    } else {
-      keeps_costs() ? run<kPairs, false, true>(x, count, first)
-                    : run<kPairs, false, false>(x, count, first);
+    whole(row_, x, count) ? run_kept<kPairs, false>(x, count, first)
+                          : run_kept<kPairs, true>(x, count, first);
+    chunk_.has_first = false;
+    for (std::size_t p = 0; p < count; p += Isa::kColumns) {
+      chunk_.has_first |= Isa::lowest(chunk_.eights.data() + 8 * p, first, chunk_.costs.data() + p,
+                                      chunk_.winners.data() + p);
     }
-    for (std::size_t p = 0; p < count; p += 8) {
-      Isa::lowest(chunk_.eights.data() + 8 * p, first, chunk_.costs.data() + p,
-                  chunk_.winners.data() + p);
+    for (std::size_t p = 0; !out_.margins.empty() && p < count; p += 4) {
+      Isa::add_parts(chunk_.parts.data() + 8 * p, first, chunk_.totals.data() + p);
     }
   }
 
-  template <std::size_t kPairs, bool kMasked, bool kCosts>
+  template <std::size_t kPairs, bool kMasked>
+  void run_kept(std::size_t x, std::size_t count, std::size_t first) noexcept {
+    if (!out_.margins.empty()) {
+      run<kPairs, kMasked, Keep::kTotals>(x, count, first);
+    } else if (keeps_costs()) {
+      run<kPairs, kMasked, Keep::kCosts>(x, count, first);
+    } else {
+      run<kPairs, kMasked, Keep::kSums>(x, count, first);
+    }
+  }
+
+  template <std::size_t kPairs, bool kMasked, Keep kKeep>
   void run(std::size_t x, std::size_t count, std::size_t first) noexcept {
     // All in locals: the compiler must take vector stores for stores to members.
     const std::size_t lanes = lanes_;
@@ -113,26 +129,31 @@ class Pass {
     const std::uint16_t* leaving = columns_ + x * lanes + first;
     std::uint16_t* to = sums(x) + first;
     std::uint16_t* eights = chunk_.eights.data();
+    std::uint16_t* parts = chunk_.parts.data();
     Strip<Isa, kPairs> strip;
     strip.load(state_ + first);
     for (std::size_t p = 0; p < count; ++p) {
       strip.exchange(at);
       const Limits exist = kMasked ? limits(row_, x + p) : Limits{};
-      strip.template keep<kMasked, kCosts>(exist, static_cast<int>(first), to, eights);
+      strip.template keep<kMasked, kKeep>(exist, static_cast<int>(first), to, eights, parts);
       strip.leave(leaving);
       at.advance(lanes);
       leaving += lanes;
       to += lanes;
       eights += 8;
+      parts += 8;
     }
     strip.store(state_ + first);
   }
 
   void finish(std::size_t x, std::size_t count) noexcept;
-  bool suspicious(std::size_t x, std::size_t count) const noexcept;
   void drop_ties(std::size_t x, std::size_t count) noexcept;
+  void find_margins(std::size_t x, std::size_t count) noexcept;
   template <int kShift>
-  void fit(const std::uint16_t* sums, std::size_t p, std::size_t count) noexcept;
+  void fit(std::size_t x, std::size_t p, std::size_t count) noexcept;
+  template <int kShift, bool kAll>
+  void fit_some(std::size_t x, std::size_t p, std::size_t count, std::int16_t* kept,
+                std::int16_t* fitted) noexcept;
 
   BlockPixels pixels_;
   BlockRow row_;
@@ -140,8 +161,8 @@ class Pass {
   std::uint16_t* columns_;
   std::size_t lanes_;
   std::size_t block_;
-  alignas(32) std::uint16_t state_[kMostLanes];
-  alignas(32) std::uint16_t ring_[kChunk * kMostLanes + 2 * kMargin];
+  alignas(64) std::uint16_t state_[kMostLanes];
+  alignas(64) std::uint16_t ring_[kChunk * kMostLanes + 2 * kMargin];
   Chunk chunk_{};
 };
 

@@ -1,5 +1,7 @@
 #include "dsp/stereo/search/block_winners.h"
 
+#include <memory>
+
 #include "dsp/base/simd.h"
 #include "dsp/stereo/search/block_fits_body.h"
 
@@ -48,19 +50,53 @@ void find_lowest(const std::uint16_t* eights, uint16x8_t& lowest, uint16x8_t& wh
 #endif
 }
 
+// a / b without its fraction, lane by lane, where that is below 9: other processors than ARM divide
+// floats, of which a quotient that is no whole number lies 2^-16 from one at least. 0 / 0 is 0.
+uint16x8_t small_quotient(uint16x8_t a, uint16x8_t b) noexcept {
+#if defined(__SSE4_1__)
+  const __m128i zero = _mm_setzero_si128();
+  const auto quotient = [](__m128i of, __m128i by) noexcept {
+    return _mm_cvttps_epi32(_mm_div_ps(_mm_cvtepi32_ps(of), _mm_cvtepi32_ps(by)));
+  };
+  const __m128i n = std::bit_cast<__m128i>(a);
+  const __m128i d = std::bit_cast<__m128i>(b);
+  const __m128i low = quotient(_mm_unpacklo_epi16(n, zero), _mm_unpacklo_epi16(d, zero));
+  const __m128i high = quotient(_mm_unpackhi_epi16(n, zero), _mm_unpackhi_epi16(d, zero));
+  return vbicq_u16(std::bit_cast<uint16x8_t>(_mm_packs_epi32(low, high)),
+                   vceqq_u16(b, vdupq_n_u16(0)));
+#else
+  uint16x8_t bound = b;
+  uint16x8_t count = vdupq_n_u16(0);
+  for (int k = 0; k < 8; ++k) {
+    count = vsubq_u16(count, vcgeq_u16(a, bound));  // a true mask is -1
+    bound = vqaddq_u16(bound, b);
+  }
+  return vandq_u16(count, vcgtq_u16(b, vdupq_n_u16(0)));
+#endif
+}
+
 struct Neon {
   using V = uint16x8_t;
   static constexpr std::size_t kLanes = 8;
 
-  static V load(const std::uint16_t* p) noexcept { return vld1q_u16(p); }
+  static V load(const std::uint16_t* p) noexcept { return vld1q_u16(std::assume_aligned<16>(p)); }
   static void store(std::uint16_t* p, V v) noexcept {
     vst1q_u16(p, v);
     unmutate(p);
   }
   static void store_eight(std::uint16_t* p, V v) noexcept { store(p, v); }
+  static void store_parts(std::uint16_t* p, V v) noexcept { store(p, v); }
+  static void add_parts(const std::uint16_t* parts, std::size_t first,
+                        std::uint32_t* totals) noexcept {
+    const auto of = [&](int k) noexcept { return vpaddlq_u16(vld1q_u16(parts + 8 * k)); };
+    const uint32x4_t sums = vpaddq_u32(vpaddq_u32(of(0), of(1)), vpaddq_u32(of(2), of(3)));
+    vst1q_u32(totals, first == 0 ? sums : vaddq_u32(sums, vld1q_u32(totals)));
+    unmutate(totals);
+  }
   static V add(V a, V b) noexcept { return vaddq_u16(a, b); }
   static V sub(V a, V b) noexcept { return vsubq_u16(a, b); }
   static V smaller(V a, V b) noexcept { return vminq_u16(a, b); }
+  static V without(V a, V b) noexcept { return vbicq_u16(a, b); }
   static V either(V a, V b) noexcept { return vorrq_u16(a, b); }
   static V eighth(V a) noexcept { return vshrq_n_u16(a, 3); }
   static V numbers(std::size_t v) noexcept { return vdupq_n_u16(static_cast<std::uint16_t>(v)); }
@@ -79,30 +115,33 @@ struct Neon {
                           simd::difference_of_small(gone, vld1q_u8(old_right)), a, b);
   }
 
-  static void lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,
+  static constexpr std::size_t kColumns = 8;
+
+  static bool lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,
                      std::int16_t* winners) noexcept {
     V sums;
     V lane;
     find_lowest(eights, sums, lane);
     const V group = vshlq_n_u16(vandq_u16(sums, vdupq_n_u16(7)), 3);
-    const V winner =
-        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first)));
+    const int16x8_t winner = vreinterpretq_s16_u16(
+        vaddq_u16(vaddq_u16(group, lane), vdupq_n_u16(static_cast<std::uint16_t>(first))));
     const V cost = vshrq_n_u16(sums, 3);
+    int16x8_t best = winner;
     if (first == 0) {
       store(costs, cost);
-      store_winners(winners, vreinterpretq_s16_u16(winner));
-      return;
+    } else {
+      const V before = vld1q_u16(costs);
+      best = vbslq_s16(vcltq_u16(cost, before), winner, vld1q_s16(winners));
+      store(costs, vminq_u16(cost, before));
     }
-    const V before = vld1q_u16(costs);
-    const V better = vcltq_u16(cost, before);
-    store(costs, vminq_u16(cost, before));
-    store_winners(winners, vbslq_s16(better, vreinterpretq_s16_u16(winner), vld1q_s16(winners)));
+    store_winners(winners, best);
+    const uint8x8_t zeros = vmovn_u16(vceqq_s16(best, vdupq_n_s16(0)));
+    return vget_lane_u64(vreinterpret_u64_u8(zeros), 0) != 0;
   }
 
-  // around[k]: the sums of the candidates before and behind the k-th winner, and its own between.
   template <int kShift>
-  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[8],
-                  const std::uint16_t* costs, const std::int16_t* winners,
+  static void fit(const BlockRow& row, const std::uint16_t* const (&around)[kColumns],
+                  const std::uint16_t* costs, const std::int16_t* winners, std::int16_t* kept,
                   std::int16_t* fitted) noexcept {
     const int16x8_t winner = vld1q_s16(winners);
     const int16x8_t none = vdupq_n_s16(kNoWinner);
@@ -127,8 +166,9 @@ struct Neon {
       out = vbslq_s16(vcltq_u16(before, after), vsubq_s16(out, signed_shift),
                       vaddq_s16(out, signed_shift));
     }
+    store_winners(kept, winner);
     out = vbslq_s16(vceqq_s16(winner, none), vdupq_n_s16(Disparity::none().raw), out);
-    vst1q_s16(fitted, out);
+    store_winners(fitted, out);
   }
 
  private:
@@ -146,20 +186,13 @@ struct Neon {
     }
   }
 
-  // 0..8: 16 |before - after| reaches (2 k - 1) rises for k = 1.. once for each of them, which is
-  // when 8 |before - after| + rise / 2 reaches k rises.
+  // 0..8: (16 |before - after| + rise) / (2 rise).
   static V sixteenths(V before, V best, V after, CostFit fit) noexcept {
     const V higher = vsubq_u16(vmaxq_u16(before, after), best);
     const V lower = vsubq_u16(vminq_u16(before, after), best);
     const V rise = fit == CostFit::kEquiangular ? higher : vqaddq_u16(higher, lower);
     const V reach = vaddq_u16(vshlq_n_u16(vsubq_u16(higher, lower), 3), vshrq_n_u16(rise, 1));
-    V bound = rise;
-    V count = vdupq_n_u16(0);
-    for (int k = 0; k < 8; ++k) {
-      count = vsubq_u16(count, vcgeq_u16(reach, bound));  // a true mask is -1
-      bound = vqaddq_u16(bound, rise);
-    }
-    return vandq_u16(count, vcgtq_u16(rise, vdupq_n_u16(0)));
+    return small_quotient(reach, rise);
   }
 };
 

@@ -55,6 +55,10 @@ void block_winners(const BlockPixels& pixels, const BlockRow& row, std::span<std
     if (!out.costs.empty()) {
       std::ranges::copy(pixel, out.costs.subspan(x * lanes).begin());
     }
+    if (!out.margins.empty()) {
+      winner_margins(pixel, row.lanes, std::span<const std::int16_t>(out.winners.subspan(x, 1)),
+                     row.margin.percent, row.margin.shift, out.margins.subspan(x, 1));
+    }
   }
 }
 

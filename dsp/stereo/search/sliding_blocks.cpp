@@ -36,7 +36,7 @@ void SlidingBlocks::begin(int y, std::span<std::uint16_t> columns) noexcept {
   }
 }
 
-void SlidingBlocks::row(int y, const BlockMatches& out) noexcept {
+void SlidingBlocks::row(int y, MarginScale margin, const BlockMatches& out) noexcept {
   STOF_CHECK(y >= 0 && y < pictures_.left.height());
   const std::span<std::uint16_t> columns =
       columns_.first(index(pictures_.left.width() + params_.block_width - 1) * index(lanes_));
@@ -60,7 +60,8 @@ void SlidingBlocks::row(int y, const BlockMatches& out) noexcept {
                        .min_disparity = params_.min_disparity,
                        .x = 0,
                        .right_width = pictures_.left.width(),
-                       .fit = cost_fit(params_.subpixel)},
+                       .fit = cost_fit(params_.subpixel),
+                       .margin = margin},
                       columns, out);
 }
 

@@ -25,8 +25,8 @@ class SlidingBlocks {
   // stay below 2 cap + 1.
   void start(const CostPictures& pictures) noexcept;
 
-  // Row y, inside the picture. out: as block_winners() wants it, for the picture's width.
-  void row(int y, const BlockMatches& out) noexcept;
+  // Row y, inside the picture. margin, out: as block_winners() wants them, for the picture's width.
+  void row(int y, MarginScale margin, const BlockMatches& out) noexcept;
 
  private:
   void begin(int y, std::span<std::uint16_t> columns) noexcept;

@@ -30,7 +30,7 @@ using RightWinners = void(std::span<const Sum> costs, int lanes, std::span<Sum> 
                           std::span<std::int16_t> winners) noexcept;
 
 STOF_KERNELS(Winners, winners, Avx2<std::uint8_t>, Avx2<std::uint16_t>, Neon<std::uint32_t>)
-STOF_KERNELS(RightWinners, right_winners, Avx2<std::uint8_t>, Avx2<std::uint16_t>,
+STOF_KERNELS(RightWinners, right_winners, Avx512<std::uint8_t>, Avx512<std::uint16_t>,
              Neon<std::uint32_t>)
 
 }  // namespace stof::dsp

@@ -8,6 +8,7 @@
 
 #include "dsp/base/check.h"
 #include "dsp/base/lanes_avx2.h"
+#include "dsp/stereo/search/right_winners_body.h"
 
 namespace stof::dsp::avx2 {
 namespace {
@@ -75,87 +76,6 @@ void find_winners_of(std::span<const Sum> costs, std::size_t lanes,
   }
 }
 
-// A right pixel meets its candidates along a diagonal of the costs, its neighbour along the next
-// one: a vector of right pixels reads a vector of each column, and the lowest costs stay in
-// registers. Where only some of them have a candidate in a column, the others' lanes read what
-// belongs to the columns beside it, and are masked.
-template <typename V, typename Sum>
-class RightPixels {
- public:
-  static constexpr std::size_t kCount = sizeof(V) / sizeof(Sum);
-  static constexpr int kLanes = static_cast<int>(kCount);
-
-  struct Found {
-    V lowest;
-    V candidates;  // mean nothing where lowest is kNoCost
-  };
-
-  // lanes >= kLanes.
-  RightPixels(std::span<const Sum> costs, int lanes) noexcept
-      : costs_(costs.data()), lanes_(lanes), last_(static_cast<int>(costs.size()) / lanes - 1) {
-    first_column_.fill(kNoCost<Sum>);
-    last_column_.fill(kNoCost<Sum>);
-    std::ranges::copy(costs.first(kCount), first_column_.begin() + kLanes);
-    std::ranges::copy(costs.last(kCount), last_column_.begin());
-  }
-
-  // Of right pixels j .. j + kLanes - 1, of which the first one meets column last_ - j + i as its
-  // candidate i.
-  Found find(int j) const noexcept {
-    Found found{.lowest = all(kNoCost<Sum>), .candidates = V{}};
-    int i = std::max(j - last_, 1 - kLanes);
-    V candidates = load<V>(kNumbers.data()) + all(static_cast<Sum>(i));
-    const Sum* at = costs_ + static_cast<std::ptrdiff_t>(last_ - j + i) * lanes_ + i;
-    const auto meet = [&](V costs) noexcept {
-      const V lowest = smaller(found.lowest, costs);
-      const V kept = as<V>(bits(lowest == found.lowest));
-      found = {.lowest = lowest, .candidates = larger(found.candidates, candidates & ~kept)};
-      candidates += all(Sum{1});
-      at += lanes_ + 1;
-      ++i;
-    };
-    if (i < 0 && i == j - last_) {
-      meet(load<V>(first_column_.data() + kLanes + i));
-    }
-    while (i < 0) {
-      meet(load<V>(at) | load<V>(kMasks.data() + kLanes + i));
-    }
-    while (i <= std::min(j, lanes_ - kLanes)) {
-      meet(load<V>(at));
-    }
-    while (i < std::min(j, lanes_)) {
-      meet(load<V>(at) | load<V>(kMasks.data() + 2 * kLanes - (lanes_ - i)));
-    }
-    if (i == j && j < lanes_) {
-      meet(load<V>(last_column_.data() + kLanes - (lanes_ - i)));
-    }
-    return found;
-  }
-
- private:
-  static constexpr auto kNumbers = [] {
-    std::array<Sum, kCount> numbers{};
-    for (std::size_t k = 0; k < numbers.size(); ++k) {
-      numbers[k] = static_cast<Sum>(k);
-    }
-    return numbers;
-  }();
-  // Ends a vector of candidates on either side of the middle.
-  static constexpr auto kMasks = [] {
-    std::array<Sum, 3 * kCount> masks{};
-    std::ranges::fill_n(masks.begin(), kLanes, kNoCost<Sum>);
-    std::ranges::fill_n(masks.begin() + 2 * kLanes, kLanes, kNoCost<Sum>);
-    return masks;
-  }();
-
-  const Sum* costs_;
-  int lanes_;
-  int last_;  // column
-  // Beyond these there is no memory.
-  std::array<Sum, 2 * kCount> first_column_;
-  std::array<Sum, 2 * kCount> last_column_;
-};
-
 // kNoWinner where missing.
 void store_winners(u8x32 candidates, u8x32 missing, std::int16_t* winners) noexcept {
   const __m256i low = _mm256_cvtepu8_epi16(_mm256_castsi256_si128(bits(candidates)));
@@ -168,6 +88,24 @@ void store_winners(u8x32 candidates, u8x32 missing, std::int16_t* winners) noexc
 void store_winners(u16x16 candidates, u16x16 missing, std::int16_t* winners) noexcept {
   store(winners, as<i16x16>(bits(candidates | missing)));
 }
+
+template <typename Sum>
+struct RightLanes : Lanes<Sum> {
+  using V = typename Lanes<Sum>::V;
+
+  static V either(V a, V b) noexcept { return a | b; }
+  static V next(V v) noexcept { return v + avx2::all(Sum{1}); }
+  static void meet(V costs, V candidate, V& lowest, V& winner) noexcept {
+    const V least = smaller(lowest, costs);
+    const V kept = as<V>(bits(least == lowest));
+    lowest = least;
+    winner = larger(winner, candidate & ~kept);  // candidates come in ascending order
+  }
+  static void store(V lowest, V winner, Sum* to_lowest, std::int16_t* to_winners) noexcept {
+    avx2::store(to_lowest, lowest);
+    store_winners(winner, as<V>(bits(lowest == avx2::all(kNoCost<Sum>))), to_winners);
+  }
+};
 
 }  // namespace
 
@@ -191,25 +129,11 @@ void winners(std::span<const Sum> costs, int lanes, std::span<std::int16_t> winn
 template <typename Sum>
 void right_winners(std::span<const Sum> costs, int lanes, std::span<Sum> lowest,
                    std::span<std::int16_t> winners) noexcept {
-  using V = typename VectorOf<Sum>::type;
-  constexpr int kStep = static_cast<int>(Lanes<Sum>::kLanes);
-  if (lanes % kStep != 0) {
+  if (lanes % static_cast<int>(RightLanes<Sum>::kLanes) != 0) {
     neon::right_winners(costs, lanes, lowest, winners);
     return;
   }
-  const RightPixels<V, Sum> pixels(costs, lanes);
-  const int n = static_cast<int>(costs.size()) / lanes;
-  STOF_CHECK(n >= 1 &&
-             costs.size() == static_cast<std::size_t>(n) * static_cast<std::size_t>(lanes));
-  const int right = n + lanes - 1;
-  STOF_CHECK(lowest.size() == static_cast<std::size_t>(right) && winners.size() == lowest.size());
-  for (int next = 0; next < right; next += kStep) {
-    // The last vector repeats pixels of the one before rather than ending outside.
-    const int j = std::min(next, right - kStep);
-    const auto [least, candidates] = pixels.find(j);
-    store(lowest.data() + j, least);
-    store_winners(candidates, as<V>(bits(least == all(kNoCost<Sum>))), winners.data() + j);
-  }
+  right_winners_body::find<RightLanes<Sum>>(costs, lanes, lowest, winners);
 }
 
 STOF_INSTANTIATE(Winners, winners, std::uint8_t, std::uint16_t);

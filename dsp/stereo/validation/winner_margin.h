@@ -23,6 +23,12 @@ inline constexpr int kMarginPercent = 70;
 // winner costs nearer to the mean.
 inline constexpr int kAdCensusMarginPercent = 80;
 
+// percent and shift of winner_margins().
+struct MarginScale {
+  int percent = kMarginPercent;
+  int shift = 0;
+};
+
 // The smallest shift for which no margin of costs up to `largest_cost` is clipped.
 constexpr int margin_shift(std::int64_t largest_cost, int lanes) noexcept {
   int shift = 0;

@@ -128,7 +128,8 @@ class Encoder {
           std::span<std::byte> out) noexcept
       : values_(values), row_end_(first_row), row_(row), writer_(out) {}
 
-  RvlFit run() noexcept {
+  // All of it is compiled for the processor of who calls it.
+  [[gnu::always_inline]] RvlFit run() noexcept {
     while (at_ < values_.size() && add_zeros() && add_others()) {
     }
     writer_.flush();
@@ -137,7 +138,7 @@ class Encoder {
 
  private:
   // Each adds one run; false: not all of it fits.
-  bool add_zeros() noexcept {
+  [[gnu::always_inline]] bool add_zeros() noexcept {
     const auto rest = values_.subspan(at_);
     const auto count = static_cast<std::uint32_t>(run_of<true>(rest));
     const RvlPattern length = rvl_spread(count);
@@ -157,7 +158,7 @@ class Encoder {
     return true;
   }
 
-  bool add_others() noexcept {
+  [[gnu::always_inline]] bool add_others() noexcept {
     const std::size_t most = std::min<std::size_t>(values_.size() - at_, writer_.left());
     const auto rest = values_.subspan(at_, most);
     const std::size_t count = run_of<false>(rest);
@@ -191,7 +192,7 @@ class Encoder {
   }
 
   // The differences of values up to `end`, as many as fit; returns where that is.
-  std::size_t add_differences(std::size_t end) noexcept {
+  [[gnu::always_inline]] std::size_t add_differences(std::size_t end) noexcept {
     Writer writer = writer_;
     T before = before_;
     std::size_t at = at_;

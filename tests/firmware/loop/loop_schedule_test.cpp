@@ -163,6 +163,27 @@ TEST(LoopSchedule, AFrameThatGotOldInMidSendIsAbandoned) {
   }
 }
 
+// The same where it was stopped before the frame's first datagram, while it computed.
+TEST(LoopSchedule, AFrameThatIsOldWhenItsSendingBeginsIsAbandoned) {
+  hal::Clock* clock = nullptr;
+  SlowPort port(clock);
+  Rig rig({.port = &port});
+  clock = &rig.clock;
+  const PublisherParams params{.choice = {.coding = {wire::Coding::kRaw, wire::Coding::kRaw}},
+                               .pace_percent = 60,
+                               .period = kPeriod};
+  for (int i = 0; i < 4; ++i) {
+    static_cast<void>(rig.loop.step());
+  }
+  rig.publisher.set_params(params);  // the calibration goes out before the next frame
+  port.times.clear();
+  port.stall_at = 1;
+  port.stall = 9s;
+  static_cast<void>(rig.loop.step());
+  EXPECT_EQ(port.times.size(), 1U);
+  EXPECT_EQ(rig.events.counters.expired, 1U);
+}
+
 // However long the period is: nobody waits for the end of a frame for half a minute.
 TEST(LoopSchedule, NoFrameIsSpreadOverMoreThan50Milliseconds) {
   hal::Clock* clock = nullptr;

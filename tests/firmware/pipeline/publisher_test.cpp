@@ -70,7 +70,7 @@ struct Scene {
     pmd.samples = {samples[0].view(), samples[1].view(), samples[2].view(), samples[3].view()};
   }
   Shot shot() {
-    return {.edge = {},
+    return {.edge = emu::Clock::kStart,
             .exposed = {},
             .stereo = hal::BorrowedFrame<hal::StereoFrame>(stereo, owner, 0),
             .pmd = hal::BorrowedFrame<hal::PmdFrame>(pmd, owner, 0),

@@ -33,6 +33,7 @@ struct FrameSpec {
   int width = 300;
   int height = 5;
   bool parity = false;
+  std::uint32_t steady_frames = 0;
 };
 
 // The frame of this number, fresh, with pixels of its own.
@@ -53,9 +54,9 @@ class Coder {
       : coder_(origin, sizes, {.fx = 65536, .fy = 65536}) {}
 
   std::vector<Datagram> code(const wire::FrameStamp& stamp, const wire::FrameImages& images,
-                             const wire::StreamChoice& choice) {
+                             const wire::StreamChoice& choice, const wire::FrameInfo& info = {}) {
     std::vector<Datagram> packets;
-    const auto coded = coder_->code(stamp, {}, images, choice);
+    const auto coded = coder_->code(stamp, info, images, choice);
     if (coded) {
       for (const std::span<const std::byte> packet : *coded) {
         packets.emplace_back(packet.begin(), packet.end());

@@ -185,7 +185,7 @@ inline std::vector<Datagram> pattern_datagrams(const FrameSpec& spec, const Patt
                             .height = sizes.height,
                             .pmd_width = sizes.pmd_width,
                             .pmd_height = sizes.pmd_height});
-  return coder.code(stamp_of(spec), frame.images(), choice);
+  return coder.code(stamp_of(spec), frame.images(), choice, {.steady_frames = spec.steady_frames});
 }
 
 // What of a received frame is as it should be.

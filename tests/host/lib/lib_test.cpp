@@ -1,5 +1,6 @@
 // libstof's C interface against the network end of a sensor.
 #include <atomic>
+#include <cstddef>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -117,6 +118,46 @@ TEST(Lib, SaysHowOldItsNewestIs) {
   std::this_thread::sleep_for(300ms);
   EXPECT_EQ(client.link().conditions, STOF_LINK_SILENT);
   EXPECT_GT(client.link().frame_age_ns, link.frame_age_ns);
+}
+
+TEST(Lib, SaysOnHowManyFramesADepthStands) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  const auto send_standing_on = [&](std::uint32_t number, std::uint32_t frames) {
+    stof::test::FrameSpec spec = frame_spec(number);
+    spec.steady_frames = frames;
+    send(sensor, stof::test::pattern_datagrams(
+                     spec, {}, stof::test::every_stream(stof::wire::Coding::kRvl, false, 8)));
+  };
+  send_standing_on(5, 1234);
+  auto frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->steady_frames(), 1234U);
+  EXPECT_EQ(frame->c().steady_frames, 1234U);
+  send(sensor, all_streams(6));
+  frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->steady_frames(), 0U) << "of a sensor that does not say";
+}
+
+// A program that was built before the last fields of a frame were there.
+TEST(Lib, MakesPointsForAnOlderProgram) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  send(sensor, {calibration()});
+  send(sensor, all_streams(5));
+  const auto frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  stof_frame older = frame->c();
+  older.struct_size = offsetof(stof_frame, steady_frames);
+  std::vector<stof_point> points(64 * 48);
+  std::size_t count = 0;
+  EXPECT_EQ(stof_points(&older, points.data(), points.size(), &count), STOF_OK);
+  EXPECT_EQ(count, points.size());
+  older.struct_size = offsetof(stof_frame, self);
+  EXPECT_EQ(stof_points(&older, points.data(), points.size(), &count), STOF_BAD_ARGUMENT);
 }
 
 TEST(Lib, MakesPointsOfDepth) {

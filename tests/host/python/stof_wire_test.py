@@ -46,6 +46,11 @@ class StofWire(unittest.TestCase):
                 self.assertEqual(len(payload), message.size() + 4)
                 self.assertEqual(message.unpack(payload), value)
 
+    def test_frame_info_says_on_how_many_frames_a_depth_stands(self):
+        payload = wire.FrameInfo(steady_frames=1234).pack()
+        self.assertEqual(struct.unpack_from("<I", payload, 232), (1234,))  # as docs/WIRE.md has it
+        self.assertEqual(wire.FrameInfo.unpack(payload).steady_frames, 1234)
+
     def test_the_header_survives_being_sealed(self):
         header = dataclasses.replace(filled(wire.Header, self.random), magic=wire.Header.magic, version=1, index=6,
                                      count=7, header_length=52, payload_length=3)

@@ -49,23 +49,28 @@ SurfaceVotes::SurfaceVotes(int width, int height, Arena& arena) noexcept
       columns_(arena.take<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
 
 // Arms end at the wrap: behind it the same surface has wrapped once more, or once less. Loops
-// without branches, so that compilers make vectors of them.
+// without branches over local spans, which bytes that are written cannot change: so compilers make
+// vectors of them.
 void SurfaceVotes::reach() noexcept {
   const std::size_t row = index(width_);
-  std::uint8_t* const whole = &whole_[index(kArm)];
-  for (int y = 0; y < height_; ++y) {
-    const std::size_t first = pixel_count(width_, y);
-    for (std::size_t x = 0; x < row; ++x) {
-      whole[x] = right_[first + x] == 0 ? 1 : 0;
-    }
-    for (std::size_t x = 0; x < row; ++x) {
-      left_arm_[first + x] = unbroken(whole + x - 1, -1);
-      right_arm_[first + x] = unbroken(whole + x, 1);
-    }
-  }
   const auto arms = [row](std::span<std::uint8_t> all, int y) noexcept {
     return all.subspan(index(y) * row, row);
   };
+  std::uint8_t* const whole = &whole_[index(kArm)];
+  for (int y = 0; y < height_; ++y) {
+    const std::span<const SurfaceLink> right = right_row(y);
+    const std::span<std::uint8_t> left_arm = arms(left_arm_, y);
+    const std::span<std::uint8_t> right_arm = arms(right_arm_, y);
+    for (std::size_t x = 0; x < row; ++x) {
+      whole[x] = right[x] == 0 ? 1 : 0;
+    }
+    for (std::size_t x = 0; x < row; ++x) {
+      left_arm[x] = unbroken(whole + x - 1, -1);
+    }
+    for (std::size_t x = 0; x < row; ++x) {
+      right_arm[x] = unbroken(whole + x, 1);
+    }
+  }
   std::ranges::fill(arms(upper_arm_, 0), std::uint8_t{0});
   for (int y = 1; y < height_; ++y) {
     lengthen(below_row(y - 1), arms(upper_arm_, y - 1), arms(upper_arm_, y));

@@ -223,20 +223,22 @@ bool WrapDecision::may_be_mixed(const WrapMaps& maps, int x, int y) const noexce
 void WrapDecision::drop_mixed(WrapMaps& maps) noexcept {
   const std::size_t all = maps.pixels();
   const std::size_t row = index(maps.width);
+  // Local spans: bytes that are written cannot change them.
+  const std::span<const std::int8_t> wraps = maps.wraps;
+  const std::span<std::uint8_t> open = open_;
+  const std::span<std::uint8_t> beside = beside_;
   for (std::size_t i = 0; i < all; ++i) {
-    const std::int8_t wraps = maps.wraps[i];
-    open_[row + i] = wraps < 0 && wraps != kNoReading ? 1 : 0;
+    open[row + i] = wraps[i] < 0 && wraps[i] != kNoReading ? 1 : 0;
   }
-  const std::uint8_t* const open = &open_[row];
   for (std::size_t i = 0; i < all; ++i) {
-    beside_[i] = static_cast<std::uint8_t>(open[i + row] | *(open + i - row) | open[i + 1] |
-                                           *(open + i - 1));
+    beside[i] = static_cast<std::uint8_t>(open[i + 2 * row] | open[i] | open[row + i + 1] |
+                                          open[row + i - 1]);
   }
   std::ranges::copy(maps.wraps, maps.vote.begin());
   for (int y = 0; y < maps.height; ++y) {
     for (int x = 0; x < maps.width; ++x) {
       const std::size_t i = maps.place(x, y);
-      if (beside_[i] != 0 && maps.wraps[i] >= 0 && may_be_mixed(maps, x, y)) {
+      if (beside[i] != 0 && wraps[i] >= 0 && may_be_mixed(maps, x, y)) {
         maps.vote[i] = kRefutedWraps;
       }
     }

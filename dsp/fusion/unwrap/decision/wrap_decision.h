@@ -45,7 +45,8 @@ class WrapDecision {
   std::uint32_t slant_divisor_;
   std::span<std::int32_t> slants_;  // of a row
   std::span<std::uint8_t> open_;    // readings of unknown wrap count, a row of 0 before and behind
-  std::span<std::uint8_t> beside_;  // whether one of them is beside a pixel, or at a row's other end
+  std::span<std::uint8_t>
+      beside_;  // whether one of them is beside a pixel, or at a row's other end
 };
 
 }  // namespace stof::dsp

@@ -141,12 +141,16 @@ void WrapEvidence::judge(int y, int k, const Columns& columns, WrapMaps& maps) n
 
 void WrapEvidence::vote_row(int y, WrapMaps& maps) noexcept {
   const std::size_t first = maps.place(0, y);
-  for (std::size_t x = 0; x < index(maps.width); ++x) {
+  const auto [wraps, comparable] = support_;
+  const std::span<const bool> bright = maps.bright.subspan(first, wraps.size());
+  const std::span<const Reading> readings = maps.readings.subspan(first, wraps.size());
+  const std::span<std::int8_t> votes = maps.vote.subspan(first, wraps.size());
+  for (std::size_t x = 0; x < votes.size(); ++x) {
     // What is supported is comparable too.
-    int vote = support_.comparable[x] == 1 ? int{support_.wraps[x]} : int{kUnknownWraps};
-    vote = maps.bright[first + x] ? 0 : vote;
-    vote = maps.readings[first + x].distance == kNoDepth ? int{kNoReading} : vote;
-    maps.vote[first + x] = static_cast<std::int8_t>(vote);
+    int vote = comparable[x] == 1 ? int{wraps[x]} : int{kUnknownWraps};
+    vote = bright[x] ? 0 : vote;
+    vote = readings[x].distance == kNoDepth ? int{kNoReading} : vote;
+    votes[x] = static_cast<std::int8_t>(vote);
   }
 }
 

@@ -214,7 +214,9 @@ typedef struct stof_frame {
   /* Of the settings it was made with: another one, other settings. 0: unknown, or the library is
    * older than this field. */
   uint32_t settings_fingerprint;
-  uint32_t reserved_end;
+  /* On how many frames in a row this depth stands, itself included: for how many the sensor stood.
+   * 1: it stands alone; 0: nobody says (an older sensor or library, or no info arrived). */
+  uint32_t steady_frames;
 } stof_frame;
 
 /* The next frame, also an incomplete one (missing_packets). Blocks for timeout_ms at most, 0 only

@@ -84,6 +84,8 @@ class Frame {
   Image<std::uint8_t> right() const noexcept { return Image<std::uint8_t>(c_.right); }
   Image<stof_cloud_point> cloud() const noexcept { return Image<stof_cloud_point>(c_.cloud); }
 
+  // On how many frames in a row this depth stands, itself included; 0: nobody says.
+  std::uint32_t steady_frames() const noexcept { return c_.steady_frames; }
   std::optional<Info> info() const {
     return c_.has_info != 0 ? std::optional<Info>(c_.info) : std::nullopt;
   }

@@ -149,6 +149,22 @@ TEST(AmbiguityResolver, AMatchWithRivalsAtAnEdgeSaysHowWrongItMayBe) {
   EXPECT_LT(row.width[150], 3000);
 }
 
+TEST(AmbiguityResolver, AMatchFarBehindAnEdgeIsDropped) {
+  Row row(40);
+  row.match(0, 40, 25);                   // 4 m
+  row.see(10, 15, 5700, 7000, kPmdEdge);  // more than 2.5 m nearer
+  row.see(20, 25, 6600, 8000, kPmdEdge);  // less
+  row.resolve();
+  for (std::size_t x = 10; x < 15; ++x) {
+    EXPECT_EQ(row.depth[x], kNoDepth) << x;
+    EXPECT_EQ(row.source[x], Source::kConflict) << x;
+    EXPECT_EQ(row.cause[x], Cause::kMixedPixel) << x;
+  }
+  for (std::size_t x = 20; x < 25; ++x) {
+    row.expect(x, Source::kResolved, Cause::kMixedPixel, 16000);
+  }
+}
+
 TEST(AmbiguityResolver, NothingIsMadeUpWithoutThePmd) {
   Row row(200);
   row.match(0, 100, 25);

@@ -25,10 +25,15 @@ class Picture {
       }
     }
   }
+  // Which marks count; at first those of cells.
+  void ask_for(PictureChange::Mark mark) { mark_ = mark; }
   bool look() { return change_->look(grey()); }
   std::vector<std::uint8_t> row(int y) {
     std::vector<std::uint8_t> pixels(static_cast<std::size_t>(grey().width()));
-    change_->add_to(y, pixels);
+    change_->mark(y, pixels);
+    for (std::uint8_t& pixel : pixels) {
+      pixel &= mark_;
+    }
     return pixels;
   }
   int changed_pixels() {
@@ -44,6 +49,7 @@ class Picture {
  private:
   test::GuardedImage<std::uint8_t> grey_;
   test::GuardedPart<PictureChange> change_;
+  std::uint8_t mark_ = PictureChange::kCell;
 };
 
 TEST(PictureChange, IsFeltTwoCellsAround) {
@@ -61,6 +67,22 @@ TEST(PictureChange, IsFeltTwoCellsAround) {
   }
   EXPECT_TRUE(picture.look());  // it stays as it is now
   EXPECT_EQ(picture.changed_pixels(), 0);
+}
+
+TEST(PictureChange, OfOnePixelIsFeltBesideIt) {
+  Picture picture(80, 60);
+  picture.ask_for(PictureChange::kPixel);
+  picture.look();
+  for (const int level : {113, 126, 113}) {
+    picture.grey().at(79, 32) = static_cast<std::uint8_t>(level);
+    picture.grey().at(40, 0) = static_cast<std::uint8_t>(level);
+    EXPECT_TRUE(picture.look());
+    EXPECT_EQ(picture.changed_pixels(), 3 * 2 + 3 * 2);
+    EXPECT_NE(picture.row(31)[78], 0);
+    EXPECT_NE(picture.row(1)[41], 0);
+    EXPECT_TRUE(picture.look());
+    EXPECT_EQ(picture.changed_pixels(), 0);
+  }
 }
 
 TEST(PictureChange, SlowChangesAddUp) {

@@ -1,6 +1,7 @@
 #include "dsp/fusion/temporal/steady_row.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdlib>
 
 #include <gtest/gtest.h>
@@ -26,11 +27,13 @@ class Pixel {
     Cause cause = Cause::kNone;
   };
 
-  Seen run(int depth, Interval stereo, Interval pmd, bool changed = false) {
+  // source: of what was fused, with a depth.
+  Seen run(int depth, Interval stereo, Interval pmd, bool changed = false,
+           Source of = Source::kBoth) {
     const std::uint8_t mark = changed ? 255 : 0;
     QuarterMm d = static_cast<QuarterMm>(depth);
     QuarterMm w = depth == 0 ? QuarterMm{0} : QuarterMm{400};
-    Source source = depth == 0 ? Source::kNone : Source::kBoth;
+    Source source = depth == 0 ? Source::kNone : of;
     Cause cause = Cause::kNone;
     best::steady_row({.changed = {&mark, 1},
                       .stereo = {{&stereo.low, 1}, {&stereo.high, 1}},
@@ -60,6 +63,41 @@ TEST(SteadyRow, PublishesWhatAgreesAsItIs) {
     EXPECT_EQ(seen.width, 400);
     EXPECT_EQ(seen.source, Source::kBoth);
   }
+}
+
+// It flickers where what is around it does.
+TEST(SteadyRow, AGuessThatAppearsWaitsForTheNextFrame) {
+  Pixel pixel;
+  for (int round = 0; round < 4; ++round) {
+    const Pixel::Seen seen = pixel.run(8000, kSilent, kSilent, false, Source::kResolved);
+    EXPECT_EQ(seen.depth, 0);
+    EXPECT_EQ(seen.width, 0);
+    EXPECT_EQ(seen.source, Source::kNone);
+    for (int frame = 0; frame < 2; ++frame) {
+      pixel.run(0, kSilent, kSilent);
+    }
+  }
+  pixel.run(8000, kSilent, kSilent, false, Source::kResolved);
+  EXPECT_EQ(pixel.run(8000, kSilent, kSilent, false, Source::kResolved).depth, 8000);
+  Pixel other;
+  EXPECT_EQ(other.run(8000, kSilent, kSilent, true, Source::kResolved).depth, 8000);
+  Pixel read;
+  EXPECT_EQ(read.run(8000, kSilent, kSilent).depth, 8000);
+}
+
+TEST(SteadyRow, MarksOfOtherKindsAreNoChange) {
+  std::array<QuarterMm, 1> depth{20000}, width{400}, seen{8000}, nothing{0};
+  std::array<std::uint8_t, 1> tally{kMostTally}, mark{1};
+  std::array<Source, 1> source{Source::kBoth};
+  std::array<Cause, 1> cause{};
+  best::steady_row({.changed = mark,
+                    .changes = 2,
+                    .stereo = {nothing, nothing},
+                    .pmd = {nothing, nothing},
+                    .fused = {depth, width, source, cause}},
+                   {}, {.depth = seen, .tally = tally});
+  EXPECT_EQ(depth[0], 0);
+  EXPECT_EQ(seen[0], 8000);
 }
 
 // Remembered is 8000; a sixteenth of that is 500.

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "dsp/fusion/temporal/picture_change.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/guarded_part.h"
 #include "tests/support/random.h"
@@ -17,11 +18,12 @@ namespace {
 constexpr double kMmPerQuarter = 0.25;
 constexpr double kFramesPerSecond = 30;
 
-// A filter, the frame that goes through it and what was measured.
+// A filter, the pictures beside it, the frame that goes through it and what was measured.
 class Stage {
  public:
   Stage(int width, int height, const TemporalParams& params = {})
       : filter_([&](Arena& arena) { return TemporalFilter(width, height, params, arena); }),
+        change_([&](Arena& arena) { return PictureChange(width, height, arena); }),
         grey_(width, height, width + 3, 100),
         depth_(width, height, width + 5),
         width_(width, height, width),
@@ -33,7 +35,7 @@ class Stage {
   ImageView<QuarterMm> depth() { return depth_.view(); }
   ImageView<QuarterMm> width() { return width_.view(); }
   ImageView<Source> source() { return source_.view(); }
-  TemporalFilter& filter() { return *filter_; }
+  void forget() { change_->forget(); }
   int measured(int x, int y) { return measured_[index(x, y)]; }
   int measured_width(int x, int y) { return widths_[index(x, y)]; }
 
@@ -50,7 +52,14 @@ class Stage {
       measured_[index(x, y)] = depth().at(x, y);
       widths_[index(x, y)] = width().at(x, y);
     });
-    filter_->apply(grey(), {.depth = depth(), .width = width(), .source = source()});
+    const bool goes_on = change_->look(grey());
+    std::vector<std::uint8_t> marks(static_cast<std::size_t>(grey().width()), 255);
+    for (int y = 0; y < grey().height(); ++y) {
+      if (goes_on) {
+        change_->mark(y, marks);
+      }
+      filter_->filter(y, marks, {.depth = depth(), .width = width(), .source = source()});
+    }
   }
   void run_flat(int depth, int width = 400) {
     put(width, [depth](int, int) { return depth; });
@@ -75,6 +84,7 @@ class Stage {
   }
 
   test::GuardedPart<TemporalFilter> filter_;
+  test::GuardedPart<PictureChange> change_;
   test::GuardedImage<std::uint8_t> grey_;
   test::GuardedImage<QuarterMm> depth_, width_;
   test::GuardedImage<Source> source_;
@@ -255,19 +265,16 @@ TEST(TemporalFilter, AMissingDepthStaysMissingAndEndsTheMean) {
   EXPECT_EQ(stage.depth().at(7, 1), 8065);
 }
 
-TEST(TemporalFilter, AnotherSensorForgettingAndNoPictureBeginAnew) {
-  for (const int way : {0, 1, 2}) {
+TEST(TemporalFilter, AnotherSensorAndForgettingBeginAnew) {
+  for (const int way : {0, 1}) {
     Stage stage(20, 3);
     for (int frame = 0; frame < 20; ++frame) {
       stage.run_flat(8000 + frame % 2 * 40);
     }
     if (way == 0) {
       stage.each([&](int x, int y) { stage.source().at(x, y) = Source::kStereo; });
-    } else if (way == 1) {
-      stage.filter().forget();
     } else {
-      stage.filter().apply(
-          {}, {.depth = stage.depth(), .width = stage.width(), .source = stage.source()});
+      stage.forget();
     }
     for (const int depth : {8060, 8000, 8060}) {
       stage.run_flat(depth);
@@ -295,7 +302,7 @@ TEST(TemporalFilter, AfterForgettingTheNextFrameIsAFirstFrame) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     frame(used, seed);
   }
-  used.filter().forget();
+  used.forget();
   int averaged = 0;
   for (std::uint64_t seed = 100; seed < 120; ++seed) {
     frame(used, seed);
@@ -343,8 +350,7 @@ TEST(TemporalFilter, KeepsItsPromisesWithAnything) {
     const int most = random.between(0, 1) == 0 ? 300 : 65535;
     Stage stage(random.between(1, 40), random.between(1, 6),
                 {.frames = static_cast<std::uint8_t>(random.between(1, kMostFrames)),
-                 .max_step = static_cast<QuarterMm>(random.between(0, kMostStep)),
-                 .max_change = static_cast<std::uint8_t>(random.between(0, 255))});
+                 .max_step = static_cast<QuarterMm>(random.between(0, kMostStep))});
     for (int frame = 0; frame < 20; ++frame) {
       stage.put(0, [&](int, int) { return random.between(0, most); });
       stage.each([&](int x, int y) {

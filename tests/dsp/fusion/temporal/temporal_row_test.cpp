@@ -18,51 +18,30 @@ using Words = test::GuardedBuffer<std::uint16_t>;
 // A row and what is remembered of it, in memory that ends at an unreadable page.
 struct Row {
   explicit Row(std::size_t n)
-      : grey(n),
-        above(n + 2),
-        here(n + 2),
-        below(n + 2),
-        source(n),
-        depth(n),
-        width(n),
-        mean(n),
-        scatter(n),
-        tally(n),
-        kind(n),
-        then(n) {}
+      : changed(n), source(n), depth(n), width(n), mean(n), scatter(n), tally(n), kind(n) {}
 
   TemporalRow row() {
-    return {.grey = grey.span(),
-            .change = {above.span(), here.span(), below.span()},
+    return {.changed = changed.span(),
             .source = source.span(),
             .depth = depth.span(),
             .width = width.span()};
   }
   TemporalState state() {
-    return {.mean = mean.span(),
-            .scatter = scatter.span(),
-            .tally = tally.span(),
-            .kind = kind.span(),
-            .grey = then.span()};
+    return {
+        .mean = mean.span(), .scatter = scatter.span(), .tally = tally.span(), .kind = kind.span()};
   }
-  Bytes grey, above, here, below;
+  Bytes changed;
   test::GuardedBuffer<Source> source;
   Words depth, width, mean, scatter;
-  Bytes tally, kind, then;
+  Bytes tally, kind;
 };
 
 enum class Scene { kAnything, kStill, kCreeping };
 
 TemporalRow next_frame(Scene scene, int frame, test::KernelCase& c) {
   const std::size_t n = c.length();
-  const auto change = [&] {
-    const auto out = c.array<std::uint8_t>(n + 2, 0, scene == Scene::kAnything ? 255 : 12);
-    out.front() = 0;
-    out.back() = 0;
-    return out;
-  };
-  const TemporalRow row{.grey = c.array<std::uint8_t>(n),
-                        .change = {change(), change(), change()},
+  const auto changed = c.array<std::uint8_t>(n, 0, scene == Scene::kAnything ? 1 : 0);
+  const TemporalRow row{.changed = changed,
                         .source = c.array<Source>(n, scene == Scene::kAnything ? 0 : 3,
                                                   scene == Scene::kAnything ? 255 : 3),
                         .depth = c.array<QuarterMm>(n),
@@ -82,23 +61,6 @@ TemporalRow next_frame(Scene scene, int frame, test::KernelCase& c) {
     }
   }
   return row;
-}
-
-TEST(GreyChange, IsTheAmountInEitherDirection) {
-  const std::array<std::uint8_t, 4> now{0, 255, 10, 7};
-  const std::array<std::uint8_t, 4> then{255, 0, 14, 7};
-  std::array<std::uint8_t, 4> change{};
-  best::grey_change(now, then, change);
-  EXPECT_EQ(change, (std::array<std::uint8_t, 4>{255, 255, 4, 0}));
-}
-
-TEST(GreyChange, EqualsReferenceForEveryLength) {
-  test::check_kernel([](test::KernelCase& c) {
-    const auto now = c.array<std::uint8_t>(c.length(), 0, 255);
-    const auto then = c.array<std::uint8_t>(c.length(), 0, 255);
-    const auto change = c.array<std::uint8_t>(c.length());
-    c.run([&] { best::grey_change(now, then, change); });
-  });
 }
 
 // Worked by hand: width 800, so half 400; a mean of depths 8000, 8100, 7900, 8060.
@@ -145,13 +107,11 @@ TEST(TemporalRow, EqualsReferenceForEveryLengthOverManyFrames) {
       const std::size_t n = c.length();
       const TemporalLimits limits{
           .frames = static_cast<std::uint8_t>(n % 3 == 0 ? c.draw(1, kMostFrames) : 8),
-          .max_step = static_cast<QuarterMm>(n % 4 == 0 ? c.draw(0, kMostStep) : kMostStep),
-          .max_change = static_cast<std::uint8_t>(scene == Scene::kAnything ? 255 : 12)};
+          .max_step = static_cast<QuarterMm>(n % 4 == 0 ? c.draw(0, kMostStep) : kMostStep)};
       const TemporalState state{.mean = c.array<QuarterMm>(n, 0, 0),
                                 .scatter = c.array<std::uint16_t>(n, 0, 0),
                                 .tally = c.array<std::uint8_t>(n, 0, 0),
-                                .kind = c.array<std::uint8_t>(n, 0, 0),
-                                .grey = c.array<std::uint8_t>(n, 0, 0)};
+                                .kind = c.array<std::uint8_t>(n, 0, 0)};
       for (int frame = 0; frame < 16; ++frame) {
         const TemporalRow row = next_frame(scene, frame, c);
         const std::vector<QuarterMm> depth(row.depth.begin(), row.depth.end());

@@ -55,9 +55,10 @@ void expect_equals_reference(const Case& of) {
       const BlockPixels pixels{entering.left, entering.right, rows[y].left, rows[y].right};
       const auto winners = c.array<std::int16_t>(index(of.width));
       const auto fitted = c.array<Disparity>(index(of.width));
+      const auto margins = c.array<std::int16_t>(of.costs && y % 2 == 0 ? winners.size() : 0);
       c.run([&] {
         best::block_winners(pixels, of.row, columns,
-                            {winners, fitted, inner.first(of.costs ? inner.size() : 0)});
+                            {winners, fitted, inner.first(of.costs ? inner.size() : 0), margins});
       });
     }
   });
@@ -170,9 +171,9 @@ TEST(BlockWinners, SteepestFitsEqualReference) {
       c.run([&] {
         for (int y = 0; y < 16; ++y) {
           best::block_winners({left, right, none_left, none_right}, row, columns,
-                              {winners, fitted, {}});
+                              {winners, fitted, {}, {}});
         }
-        best::block_winners({left, right, left, right}, row, columns, {winners, fitted, {}});
+        best::block_winners({left, right, left, right}, row, columns, {winners, fitted, {}, {}});
       });
     });
   }

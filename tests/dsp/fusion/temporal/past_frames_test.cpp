@@ -1,4 +1,4 @@
-#include "dsp/fusion/temporal/steady_filter.h"
+#include "dsp/fusion/temporal/past_frames.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ constexpr int kThreads = 2;
 class Stage {
  public:
   Stage()
-      : filter_([](Arena& arena) { return SteadyFilter(kWidth, kHeight, 40000, arena, kThreads); }),
+      : filter_([](Arena& arena) { return PastFrames(kWidth, kHeight, 40000, arena, kThreads); }),
         grey_(kWidth, kHeight, kWidth, 100),
         depth_(kWidth, kHeight, kWidth),
         width_(kWidth, kHeight, kWidth),
@@ -26,7 +26,7 @@ class Stage {
         low_(kWidth, kHeight, kWidth),
         high_(kWidth, kHeight, kWidth) {}
 
-  SteadyFilter& filter() { return *filter_; }
+  PastFrames& filter() { return *filter_; }
   ImageView<std::uint8_t> grey() { return grey_.view(); }
   // depth: what was fused, or none; heard: what the PMD says, +-200.
   int run(int depth, int heard) {
@@ -41,10 +41,9 @@ class Stage {
     }
     filter_->look(grey());
     for (int y = kHeight - 1; y >= 0; --y) {  // in any order
-      filter_->filter(y, y % kThreads, {nothing_.view().row(y), nothing_.view().row(y)},
-                      {low_.view().row(y), high_.view().row(y)},
-                      {depth_.view().row(y), width_.view().row(y), source_.view().row(y),
-                       cause_.view().row(y)});
+      filter_->filter({y, y + 1}, y % kThreads,
+                      {nothing_.view(), nothing_.view(), low_.view(), high_.view()},
+                      {depth_.view(), width_.view(), source_.view(), cause_.view()});
     }
     return depth_.view().at(kWidth / 2, kHeight / 2);
   }
@@ -62,7 +61,7 @@ class Stage {
   }
 
  private:
-  test::GuardedPart<SteadyFilter> filter_;
+  test::GuardedPart<PastFrames> filter_;
   test::GuardedImage<std::uint8_t> grey_;
   test::GuardedImage<QuarterMm> depth_, width_;
   test::GuardedImage<Source> source_;
@@ -70,7 +69,7 @@ class Stage {
   test::GuardedImage<QuarterMm> nothing_, low_, high_;
 };
 
-TEST(SteadyFilter, ADoubtedReadingOfWhatStandsIsPublished) {
+TEST(PastFrames, ADoubtedReadingOfWhatStandsIsPublished) {
   Stage stage;
   EXPECT_EQ(stage.run(0, 8000), 0);
   stage.stand();
@@ -79,7 +78,7 @@ TEST(SteadyFilter, ADoubtedReadingOfWhatStandsIsPublished) {
   EXPECT_EQ(stage.run(0, 12000), 0);  // never against it
 }
 
-TEST(SteadyFilter, SaysForHowManyFramesTheCameraStood) {
+TEST(PastFrames, SaysForHowManyFramesTheCameraStood) {
   Stage stage;
   EXPECT_EQ(stage.filter().frames(), 0);
   stage.stand(7);
@@ -89,7 +88,7 @@ TEST(SteadyFilter, SaysForHowManyFramesTheCameraStood) {
   EXPECT_EQ(stage.filter().frames(), 1);
 }
 
-TEST(SteadyFilter, AMovedCameraAndAGapBeginAnew) {
+TEST(PastFrames, AMovedCameraAndAGapBeginAnew) {
   for (const int way : {0, 1}) {
     Stage stage;
     stage.stand();
@@ -104,8 +103,33 @@ TEST(SteadyFilter, AMovedCameraAndAGapBeginAnew) {
   }
 }
 
+// A moving camera remembers nothing; its maps stay as they are.
+TEST(PastFrames, CountFromTheFirstFrameInWhichTheCameraStandsAgain) {
+  Stage stage;
+  stage.stand();
+  for (int level = 120; level < 220; level += 20) {
+    stage.paint(0, kWidth, level);
+    EXPECT_EQ(stage.run(9000, 9000), 9000);
+    EXPECT_EQ(stage.filter().frames(), 1);
+  }
+  EXPECT_EQ(stage.run(0, 9000), 0);
+  for (int frame = 2; frame < 12; ++frame) {
+    EXPECT_EQ(stage.run(8000, 8000), 8000);
+    EXPECT_EQ(stage.filter().frames(), frame);
+  }
+  EXPECT_EQ(stage.run(0, 8100), 8000);
+}
+
+TEST(PastFrames, WithoutAPictureTheMapStaysAsItIs) {
+  Stage stage;
+  stage.stand();
+  stage.filter().look({});
+  EXPECT_EQ(stage.filter().frames(), 0);
+  EXPECT_EQ(stage.run(0, 8000), 0);
+}
+
 // The box's outline changes the picture; its own middle looks like the wall behind.
-TEST(SteadyFilter, WhatHasLeftIsGoneAtOnceWhereThePictureSaysSo) {
+TEST(PastFrames, WhatHasLeftIsGoneAtOnceWhereThePictureSaysSo) {
   Stage stage;
   stage.paint(28, 36, 130);
   stage.stand();

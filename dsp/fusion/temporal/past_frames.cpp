@@ -1,0 +1,68 @@
+#include "dsp/fusion/temporal/past_frames.h"
+
+#include <algorithm>
+#include <limits>
+#include <span>
+
+#include "dsp/base/check.h"
+
+namespace stof::dsp {
+namespace {
+
+constexpr std::uint8_t kChanged = PictureChange::kPixel | PictureChange::kCell;
+
+}  // namespace
+
+PastFrames::PastFrames(int width, int height, QuarterMm max_range, Arena& arena,
+                       int threads) noexcept
+    : change_(width, height, arena),
+      steady_(width, height, max_range, arena),
+      mean_(width, height, TemporalParams{}, arena),
+      marks_(arena.take_image<std::uint8_t>(width, threads)),
+      causes_(arena.take_filled_image(width, threads, Cause::kNone)) {}
+
+void PastFrames::forget() noexcept {
+  change_.forget();
+  memory_ = Memory::kNone;
+  frames_ = 0;
+}
+
+void PastFrames::look(ImageView<const std::uint8_t> left) noexcept {
+  if (left.empty()) {
+    forget();
+    return;
+  }
+  const bool moves = frames_ == 1;  // or it is the second frame after a gap
+  const bool known = memory_ != Memory::kNone;
+  if (change_.look(left)) {
+    memory_ = known ? Memory::kGoesOn : Memory::kBegins;
+    const int before = known ? frames_ : 0;
+    frames_ = static_cast<std::uint16_t>(
+        std::min<int>(before + 1, std::numeric_limits<std::uint16_t>::max()));
+    return;
+  }
+  memory_ = moves ? Memory::kNone : Memory::kBegins;
+  frames_ = 1;
+}
+
+void PastFrames::filter(Rows rows, int thread, const SensorIntervals& said,
+                        const DepthMap& map) noexcept {
+  if (memory_ == Memory::kNone) {
+    return;
+  }
+  STOF_CHECK(same_size(said.stereo_low, map.depth) && same_size(said.pmd_low, map.depth));
+  const std::span<std::uint8_t> marks = marks_.row(thread);
+  std::ranges::fill(marks, kChanged);
+  for (int y = rows.begin; y < rows.end; ++y) {
+    if (memory_ == Memory::kGoesOn) {
+      change_.mark(y, marks);
+    }
+    const std::span<Cause> cause = map.cause.empty() ? causes_.row(thread) : map.cause.row(y);
+    steady_.filter(y, marks, {said.stereo_low.row(y), said.stereo_high.row(y)},
+                   {said.pmd_low.row(y), said.pmd_high.row(y)},
+                   {map.depth.row(y), map.width.row(y), map.source.row(y), cause});
+    mean_.filter(y, marks, map);
+  }
+}
+
+}  // namespace stof::dsp
