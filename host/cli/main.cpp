@@ -130,12 +130,15 @@ int run(int argc, char** argv) {
 }
 
 // The program's last word is one line, whatever an exception's text holds.
-int complain(Exit code, std::string line) {
-  for (char& c : line) {
-    c = c == '\n' || c == '\r' ? ' ' : c;
-  }
+// Without memory: there may be none.
+int complain(Exit code, const char* line) noexcept {
   std::fflush(stdout);
-  std::fprintf(stderr, "stof: %s\n", line.c_str());
+  std::fputs("stof: ", stderr);
+  for (; *line != '\0'; ++line) {
+    const bool controls = static_cast<unsigned char>(*line) < ' ' || *line == '\x7f';
+    std::fputc(controls ? ' ' : *line, stderr);
+  }
+  std::fputc('\n', stderr);
   return static_cast<int>(code);
 }
 

@@ -88,6 +88,13 @@ std::string active_text(const wire::HealthReport& health) {
   return names.empty() ? names : ", active:" + names;
 }
 
+std::string link_text(const client::LinkState& link) {
+  const std::string text = std::string(link.silent ? " silent" : "") +
+                           (link.restarted ? " restarted" : "") +
+                           (link.forged_traffic ? " forged traffic" : "");
+  return text.empty() ? text : ", link:" + text;
+}
+
 std::string health_line(const wire::HealthReport& health) {
   std::string line = std::string("health: ") + word(health.severity) + ", up " +
                      std::to_string(health.uptime_ms / 1000) + " s, " + last_second(health) +

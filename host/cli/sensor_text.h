@@ -6,6 +6,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/frame.h"
+#include "host/client/session/link_watch.h"
 
 // Messages of a sensor about itself, in words.
 namespace stof::host {
@@ -15,6 +16,9 @@ std::string event_line(const wire::EventReport& event);
 
 // ", active: stereo_lost drift"; empty where nothing is wrong.
 std::string active_text(const wire::HealthReport& health);
+
+// ", link: silent restarted forged traffic"; empty where nothing is wrong.
+std::string link_text(const client::LinkState& link);
 
 // "health: good, up 12 s, 30.0 frames/s, latency 21.0 ms mean 33.1 ms longest, 2 subscribers".
 std::string health_line(const wire::HealthReport& health);

@@ -7,6 +7,7 @@
 
 #include "firmware/wire/dns.h"
 #include "firmware/wire/messages/announce.h"
+#include "host/client/printable.h"
 
 namespace stof::client {
 namespace {
@@ -16,19 +17,12 @@ namespace dns = wire::dns;
 constexpr std::size_t kMostSensors = 1000;  // bounds what strangers can make us keep
 constexpr unsigned kMostRecords = 256;
 
-// For a terminal: what controls it becomes a question mark.
-std::string printable(std::string_view text) {
-  std::string out(text.substr(0, text.find('\0')));
-  for (char& c : out) {
-    const unsigned char byte = static_cast<unsigned char>(c);
-    c = byte < 0x20 || byte == 0x7f ? '?' : c;
-  }
-  return out;
-}
+// Up to the first 0.
+std::string shown(std::string_view text) { return printable(text.substr(0, text.find('\0'))); }
 
 template <std::size_t kSize>
-std::string printable(const std::array<char, kSize>& text) {
-  return printable(std::string_view(text.data(), text.size()));
+std::string shown(const std::array<char, kSize>& text) {
+  return shown(std::string_view(text.data(), text.size()));
 }
 
 // The value of one key of a TXT record.
@@ -41,7 +35,7 @@ std::string text_value(std::span<const std::byte> data, std::string_view key) {
     }
     const std::string_view entry(reinterpret_cast<const char*>(data.data()), length);
     if (entry.size() > key.size() && entry.starts_with(key) && entry[key.size()] == '=') {
-      return printable(entry.substr(key.size() + 1));
+      return shown(entry.substr(key.size() + 1));
     }
     data = data.subspan(length);
   }
@@ -150,11 +144,11 @@ bool FoundSensors::take_packet(std::span<const std::byte> datagram, const std::s
     return false;
   }
   FoundSensor& sensor =
-      entry(packet->header.origin.device_id, printable(announce->serial), announce->port);
+      entry(packet->header.origin.device_id, shown(announce->serial), announce->port);
   found_by(sensor, from, method);
-  sensor.name = printable(announce->name);
-  sensor.version = printable(announce->version);
-  sensor.board = printable(announce->board);
+  sensor.name = shown(announce->name);
+  sensor.version = shown(announce->version);
+  sensor.board = shown(announce->board);
   sensor.health = packet->header.frame.health;
   sensor.rate_millihertz = announce->rate_millihertz;
   sensor.subscribers = announce->subscribers;

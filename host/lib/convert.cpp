@@ -185,6 +185,20 @@ stof_health to_health(const wire::HealthReport& report) noexcept {
   return out;
 }
 
+stof_link to_link(const client::LinkState& state) noexcept {
+  const auto age_ns = [](const std::optional<client::Duration>& age) {
+    return age ? std::chrono::nanoseconds(*age).count() : -1;
+  };
+  stof_link out{};
+  out.conditions = (state.silent ? STOF_LINK_SILENT : 0U) |
+                   (state.restarted ? STOF_LINK_RESTARTED : 0U) |
+                   (state.forged_traffic ? STOF_LINK_FORGED : 0U);
+  out.frame_age_ns = age_ns(state.frame_age);
+  out.health_age_ns = age_ns(state.health_age);
+  out.calibration_age_ns = age_ns(state.calibration_age);
+  return out;
+}
+
 stof_event to_event(const wire::EventReport& report) noexcept {
   stof_event out{};
   out.sequence = report.sequence;
@@ -219,6 +233,10 @@ stof_statistics to_statistics(const client::Statistics& statistics, int socket_b
   out.frames_dropped = statistics.frames_dropped;
   out.sessions = statistics.sessions;
   out.socket_drops = statistics.socket_drops;
+  out.packets_old = statistics.old;
+  out.packets_implausible = statistics.implausible;
+  out.frames_old = statistics.frames_old;
+  out.resynchronised = statistics.resynchronised;
   return out;
 }
 

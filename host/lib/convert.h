@@ -11,6 +11,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/point_cloud.h"
+#include "host/client/session/link_watch.h"
 #include "host/client/statistics.h"
 #include "host/lib/include/stof/stof.h"
 
@@ -53,6 +54,7 @@ stof_status to_status(Status status) noexcept;
 stof_frame to_frame(const Taken& taken) noexcept;
 stof_calibration to_calibration(const wire::CalibrationPacket& packet) noexcept;
 stof_health to_health(const wire::HealthReport& report) noexcept;
+stof_link to_link(const client::LinkState& state) noexcept;
 stof_event to_event(const wire::EventReport& report) noexcept;
 stof_statistics to_statistics(const client::Statistics& statistics, int socket_buffer) noexcept;
 

@@ -32,6 +32,9 @@ client::ReceiverOptions receiver_options(const stof_options& options) {
   if (options.max_pixels != 0) {
     out.reassembler.max_pixels = options.max_pixels;
   }
+  if (options.max_age_ms != 0) {
+    out.reassembler.max_age = std::chrono::milliseconds(options.max_age_ms);
+  }
   return out;
 }
 
@@ -43,6 +46,7 @@ void stof_sensor::share() {
   const std::scoped_lock lock(shared);
   statistics = now;
   advice = std::move(new_advice);
+  watch = receiver.link_watch();
   if (receiver.health()) {
     health = lib::to_health(*receiver.health());
   }
@@ -194,6 +198,15 @@ stof_status stof_get_health(stof_sensor* sensor, stof_health* health) {
     return STOF_NOT_YET;
   }
   return lib::give(health, *sensor->health) ? STOF_OK : STOF_BAD_ARGUMENT;
+}
+
+stof_status stof_get_link(stof_sensor* sensor, stof_link* link) {
+  if (sensor == nullptr) {
+    return STOF_BAD_ARGUMENT;
+  }
+  const std::scoped_lock lock(sensor->shared);
+  const client::LinkState state = sensor->watch.state(client::Time::clock::now());
+  return lib::give(link, lib::to_link(state)) ? STOF_OK : STOF_BAD_ARGUMENT;
 }
 
 stof_status stof_next_event(stof_sensor* sensor, stof_event* event) {

@@ -36,7 +36,7 @@ stof_status guarded(Work&& work) noexcept {
 // NOLINTNEXTLINE(readability-identifier-naming): a name of the C interface.
 struct stof_sensor {
   stof_sensor(stof::client::Receiver opened, std::string at)
-      : receiver(std::move(opened)), sensor(std::move(at)) {}
+      : receiver(std::move(opened)), sensor(std::move(at)), watch(receiver.link_watch()) {}
 
   stof::client::Receiver receiver;  // of the thread below while it runs, else of the caller
   std::string sensor;               // as given; empty: none
@@ -54,6 +54,7 @@ struct stof_sensor {
   stof_statistics statistics{};
   std::optional<stof_health> health{};
   std::string advice{};
+  stof::client::LinkWatch watch;
 
   std::mutex control_mutex{};
   std::unique_ptr<stof::client::ControlClient> control{};

@@ -4,6 +4,7 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <span>
 #include <string_view>
 #include <utility>
@@ -11,6 +12,7 @@
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
 #include "host/cli/serial_transport.h"
+#include "host/client/printable.h"
 
 namespace stof::host {
 namespace {
@@ -31,12 +33,18 @@ constexpr std::array<NamedDocument, 4> kDocuments{{{"active", Document::kActive}
                                                    {"saved", Document::kSaved},
                                                    {"defaults", Document::kDefaults}}};
 
+client::ControlOptions control_options(const ConfigOptions& options) {
+  client::ControlOptions control{.timeout = std::chrono::duration_cast<client::Duration>(
+                                     std::chrono::duration<double>(options.timeout_s))};
+  control.overall = std::max(control.overall, 2 * control.attempts * control.timeout);
+  return control;
+}
+
 class Session {
  public:
   Session(std::unique_ptr<client::ControlTransport> transport, const ConfigOptions& options)
       : place_(transport->place()),
-        client_(std::move(transport), {.timeout = std::chrono::duration_cast<client::Duration>(
-                                           std::chrono::duration<double>(options.timeout_s))}),
+        client_(std::move(transport), control_options(options)),
         json_(options.json) {}
 
   // An answer that is no refusal, or throws.
@@ -61,12 +69,12 @@ class Session {
   }
 
   Json read(Document document) {
-    Json parsed = Json::parse(ask(Operation::kGet, {}, document).text, nullptr, false);
-    if (!parsed.is_object()) {
+    std::optional<Json> parsed = read_json(ask(Operation::kGet, {}, document).text);
+    if (!parsed || !parsed->is_object()) {
       throw Failure(Exit::kFailure,
                     place_ + ": answers with what is no document: update the sensor");
     }
-    return parsed;
+    return *std::move(parsed);
   }
 
   std::string get(Words words, std::string_view name) {
@@ -228,7 +236,8 @@ std::string config_over(std::unique_ptr<client::ControlTransport> transport,
                         const std::vector<std::string>& words, const ConfigOptions& options) {
   judge_words(words);
   Session session(std::move(transport), options);
-  return act(session, words[0], Words(words).subspan(1), options.document);
+  return client::printable(act(session, words[0], Words(words).subspan(1), options.document),
+                           client::Lines::kSeveral);
 }
 
 void config(const ConfigOptions& options) {

@@ -46,9 +46,9 @@ void put(Json& document, std::string_view path, Json value) {
 
 // JSON where it reads as a number, a boolean or a string of JSON, else text.
 Json value_of(const std::string& text) {
-  const Json value = Json::parse(text, nullptr, false);
-  const bool scalar = value.is_number() || value.is_boolean() || value.is_string();
-  return scalar ? value : Json(text);
+  const std::optional<Json> value = read_json(text);
+  const bool scalar = value && (value->is_number() || value->is_boolean() || value->is_string());
+  return scalar ? *value : Json(text);
 }
 
 Json read_document(const std::string& name) {
@@ -56,7 +56,11 @@ Json read_document(const std::string& name) {
   if (!text) {
     throw Failure(Exit::kBadInput, text.error().message + "; or give PATH=VALUE");
   }
-  return Json::parse(*text, nullptr, false);
+  std::optional<Json> document = read_json(*text);
+  if (!document) {
+    throw Failure(Exit::kBadInput, name + ": is nested deeper than any settings are");
+  }
+  return *std::move(document);
 }
 
 std::string dump(const Json& document) {
@@ -65,6 +69,30 @@ std::string dump(const Json& document) {
 }
 
 }  // namespace
+
+std::optional<Json> read_json(std::string_view text) {
+  // Whoever walks through a document calls itself for each level.
+  constexpr int kDeepest = 16;
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      i += c == '\\' ? 1 : 0;
+      in_string = c != '"';
+    } else if (c == '"') {
+      in_string = true;
+    } else if (c == '{' || c == '[') {
+      if (++depth > kDeepest) {
+        return std::nullopt;
+      }
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
+  }
+  Json parsed = Json::parse(text, nullptr, false);
+  return parsed.is_discarded() ? std::nullopt : std::optional(std::move(parsed));
+}
 
 Json settings_from_words(std::span<const std::string> words) {
   if (words.empty()) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -13,6 +14,10 @@
 namespace stof::host {
 
 using Json = nlohmann::ordered_json;
+
+// The document of a text from anywhere. None: it is not JSON, or nested deeper than any settings
+// are.
+std::optional<Json> read_json(std::string_view text);
 
 // {"streams.depth=raw", "depth.match.lr=2", "rig.json"} as one document; what comes later changes
 // what came before. A word without "=" is the name of a file. Throws Failure.

@@ -1,5 +1,6 @@
 #include "host/cli/view/status_line.h"
 
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -25,8 +26,13 @@ std::optional<double> latency_ms(const client::Frame& frame) {
   if (frame.stamp.clock != wire::ClockState::kMonotonic) {
     return std::nullopt;
   }
+  // A stamp may hold any number: of other machines, of a faulty sensor, forged.
+  constexpr double kMostMs = 60'000;
   const std::chrono::nanoseconds arrived = frame.last_packet.time_since_epoch();
-  return static_cast<double>(arrived.count() - frame.stamp.exposure_middle_ns) / 1e6;
+  const double ms =
+      (static_cast<double>(arrived.count()) - static_cast<double>(frame.stamp.exposure_middle_ns)) /
+      1e6;
+  return std::abs(ms) <= kMostMs ? std::optional(ms) : std::nullopt;
 }
 
 double coverage(const client::Frame& frame) {
@@ -139,6 +145,7 @@ std::string summary_line(const client::Statistics& statistics) {
       {statistics.packets_missing, "packets missing"},
       {statistics.frames_lost, "frames lost whole"},
       {statistics.frames_stale, "frames stale"},
+      {statistics.frames_old, "frames too old"},
       {statistics.frames_dropped, "frames dropped"},
       {statistics.socket_drops, "datagrams dropped by a full socket"},
       {statistics.bad_crc, "packets damaged (CRC)"},
@@ -152,6 +159,8 @@ std::string summary_line(const client::Statistics& statistics) {
       {statistics.foreign, "packets of another sensor"},
       {statistics.duplicate, "packets twice"},
       {statistics.late, "packets late"},
+      {statistics.old, "packets too old"},
+      {statistics.implausible, "packets that no sensor can have sent (forged, or a fault)"},
       {statistics.events_dropped, "events dropped"}};
   std::string lost;
   for (const auto& [count, cause] : causes) {

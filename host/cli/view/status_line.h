@@ -14,7 +14,8 @@
 namespace stof::host {
 
 // Milliseconds from the middle of the exposure to the last packet of the frame, both on this
-// machine's CLOCK_MONOTONIC. None where the sender's clock is an emulated one.
+// machine's CLOCK_MONOTONIC. None where the sender's clock is an emulated one, or differs from ours
+// by more than a minute.
 std::optional<double> latency_ms(const client::Frame& frame);
 
 // Share of pixels that have a depth.

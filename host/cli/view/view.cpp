@@ -115,7 +115,8 @@ class View {
 
   std::string line(client::Time now) {
     return status_line_.line(now, receiver_.statistics(), score()) +
-           (receiver_.health() ? active_text(*receiver_.health()) : "");
+           (receiver_.health() ? active_text(*receiver_.health()) : "") +
+           link_text(receiver_.link());
   }
 
   void take(const Result<client::Frame>& frame) {

@@ -8,6 +8,7 @@
 
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
+#include "host/client/printable.h"
 #include "host/client/sensor_socket.h"
 
 namespace stof::client {
@@ -84,6 +85,7 @@ std::expected<ControlClient, ControlError> ControlClient::open(std::string_view 
 std::expected<ControlAnswer, ControlError> ControlClient::request(wire::SettingsOperation operation,
                                                                   wire::SettingsDocument document,
                                                                   std::string_view text) {
+  deadline_ = Time::clock::now() + options_.overall;
   if (operation == wire::SettingsOperation::kGet) {
     return get(document);
   }
@@ -92,7 +94,7 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
     return std::unexpected(std::move(part.error()));
   }
   return ControlAnswer{.result = part->answer.result,
-                       .text = std::move(part->text),
+                       .text = printable(part->text),
                        .revision = part->answer.revision,
                        .restart = part->answer.restart != 0};
 }
@@ -111,7 +113,7 @@ std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsDocu
       const wire::SettingsAnswer answer = part->answer;
       if (answer.result != wire::SettingsResult::kOk) {
         return ControlAnswer{.result = answer.result,
-                             .text = std::move(part->text),
+                             .text = printable(part->text),
                              .revision = answer.revision,
                              .restart = answer.restart != 0};
       }
@@ -149,6 +151,9 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
   for (int attempt = 0; attempt < options_.attempts;) {
+    if (Time::clock::now() >= deadline_) {
+      return std::unexpected(error(Status::kTimeout, "its answer takes too long: try again"));
+    }
     wire::DatagramBuffer buffer;
     const std::span<std::byte, wire::kMaxPayload> payload = wire::payload_space(buffer);
     wire::encode_settings_request({.request_id = request_id_,
@@ -196,9 +201,9 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
 // The answer to a request, none when the time is over. Anything else that comes is skipped.
 std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::await(
     std::uint32_t request_id) {
-  const Time deadline = std::chrono::steady_clock::now() + options_.timeout;
-  for (Time now = deadline - options_.timeout; now < deadline;
-       now = std::chrono::steady_clock::now()) {
+  const Time begin = Time::clock::now();
+  const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
+  for (Time now = begin; now < deadline; now = Time::clock::now()) {
     const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
     if (!bytes && bytes.error() == Status::kDeviceLost) {
       return std::unexpected(error(bytes.error(), "the connection failed: open it again"));

@@ -43,12 +43,16 @@ std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transpor
 struct ControlOptions {
   Duration timeout = std::chrono::milliseconds(300);  // of one attempt
   int attempts = 3;                                   // of each request
-  std::optional<std::uint32_t> device_id{};           // refuse any other sensor
+  // Of request() with all parts of a document and all repetitions, whatever is answered.
+  Duration overall = std::chrono::seconds(10);
+  std::optional<std::uint32_t> device_id{};  // refuse any other sensor
 };
 
 struct ControlAnswer {
   wire::SettingsResult result = wire::SettingsResult::kOk;  // never kCookie
-  std::string text;  // of get: the whole document; of a refusal: which field, what it takes
+  // Of get: the whole document, as the sensor gave it: any bytes, for a terminal see printable.h.
+  // Else one line that can be printed: of a refusal which field, and what it takes.
+  std::string text;
   std::uint32_t revision = 0;  // of the active settings
   bool restart = false;        // some of the active settings wait for the next start
 };
@@ -66,8 +70,8 @@ class ControlClient {
   // Any result is an answer, also a refusal. `document` is used by get only, `text` by the others.
   // get collects a document of any length, and starts again if it changes meanwhile. A request may
   // be served twice after a lost answer: repeating set, stage, commit, save, revert or reset has no
-  // further effect. kTimeout: no answer; kTooLarge: text above kMaxText; kCorrupt: the answer
-  // contradicts itself; kDeviceLost: open again.
+  // further effect. kTimeout: no answer, or not all of it in time; kTooLarge: text above kMaxText;
+  // kCorrupt: the answer contradicts itself; kDeviceLost: open again.
   std::expected<ControlAnswer, ControlError> request(wire::SettingsOperation operation,
                                                      wire::SettingsDocument document,
                                                      std::string_view text);
@@ -85,6 +89,7 @@ class ControlClient {
   ControlOptions options_;
   std::uint64_t cookie_ = 0;
   std::uint32_t request_id_;
+  Time deadline_;  // of the request that is asked now
 };
 
 }  // namespace stof::client

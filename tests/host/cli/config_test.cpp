@@ -189,6 +189,92 @@ TEST(Config, SaysThatNobodyAnswers) {
   }
 }
 
+// A sensor that means harm: it answers every request, with as many bytes at a time as it likes.
+class HostileTransport final : public client::ControlTransport {
+ public:
+  HostileTransport(std::string text, std::size_t bytes, wire::SettingsResult result = {})
+      : text_(std::move(text)), bytes_(bytes), result_(result) {}
+
+  Status send(std::span<const std::byte> packet) override {
+    const auto parsed = wire::parse_packet(packet);
+    request_ = *wire::decode_settings_request(parsed->payload);
+    return Status::kOk;
+  }
+  Result<std::vector<std::byte>> receive(client::Duration /*timeout*/) override {
+    wire::DatagramBuffer buffer;
+    const auto payload = wire::payload_space(buffer);
+    const std::string_view rest =
+        std::string_view(text_).substr(std::min<std::size_t>(request_.offset, text_.size()));
+    const std::string_view part = rest.substr(0, bytes_);
+    wire::encode_settings_answer({.request_id = request_.request_id,
+                                  .result = result_,
+                                  .total = static_cast<std::uint16_t>(text_.size())},
+                                 payload.first<wire::kSettingsAnswerBytes>());
+    std::ranges::copy(std::as_bytes(std::span(part)),
+                      payload.subspan<wire::kSettingsAnswerBytes>().begin());
+    const auto sealed = wire::seal_packet({.type = wire::PacketType::kSettingsAnswer},
+                                          wire::kSettingsAnswerBytes + part.size(), buffer);
+    return std::vector<std::byte>(sealed.begin(), sealed.end());
+  }
+  std::string place() const override { return "hostile"; }
+
+ private:
+  std::string text_;
+  std::size_t bytes_;
+  wire::SettingsResult result_;
+  wire::SettingsRequest request_;
+};
+
+// What `stof config` prints or ends with.
+std::string told_by(std::unique_ptr<HostileTransport> sensor, const std::string& action) {
+  try {
+    return config_over(std::move(sensor), {action}, {});
+  } catch (const Failure& failure) {
+    return failure.what();
+  }
+}
+
+TEST(HostileSensor, ADeeplyNestedDocumentIsRefused) {
+  const std::string nested = "{\"a\":" + std::string(60'000, '[') + "1";
+  std::string objects;
+  for (int i = 0; i < 9000; ++i) {
+    objects += "{\"a\":";
+  }
+  objects += "1" + std::string(9000, '}');
+  for (const std::string& text : {nested, objects}) {
+    for (const char* const action : {"get", "diff"}) {
+      EXPECT_NE(told_by(std::make_unique<HostileTransport>(text, 1000), action).find("no document"),
+                std::string::npos);
+    }
+  }
+}
+
+TEST(HostileSensor, NothingThatControlsATerminalIsPrinted) {
+  const std::string escape = "\x1b]0;owned\x07\x7f\xc2\x9b\xff";
+  const std::string document = R"({"name":")"
+                               "\x7f\xc2\x9b"
+                               R"(\u001b[2J"})";
+  for (const auto& [text, result] :
+       {std::pair(escape, wire::SettingsResult::kInvalid),
+        std::pair(escape, wire::SettingsResult{}), std::pair(document, wire::SettingsResult{})}) {
+    for (const char* const action : {"get", "schema", "save", "diff"}) {
+      const std::string told =
+          told_by(std::make_unique<HostileTransport>(text, 1000, result), action);
+      EXPECT_EQ(told.find_first_of("\x1b\x07\x7f\x9b\xff"), std::string::npos) << action;
+    }
+  }
+}
+
+TEST(HostileSensor, OneByteAtATimeEndsInTime) {
+  client::ControlClient client(std::make_unique<HostileTransport>(std::string(65'535, ' '), 1),
+                               {.overall = std::chrono::milliseconds(20)});
+  const auto begin = client::Time::clock::now();
+  const auto answer = client.request(wire::SettingsOperation::kGet, {}, {});
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().status, Status::kTimeout);
+  EXPECT_LT(client::Time::clock::now() - begin, std::chrono::seconds(2));
+}
+
 TEST(SettingsPieces, AreDocumentsThatMakeUpTheWhole) {
   Json document = Json::object();
   for (int k = 0; k < 100; ++k) {

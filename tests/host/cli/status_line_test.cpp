@@ -36,6 +36,14 @@ TEST(LatencyOfAFrame, IsUnknownWhereTheClockIsEmulated) {
   EXPECT_FALSE(latency_ms(small.frame).has_value());
 }
 
+TEST(LatencyOfAFrame, IsUnknownWhereTheStampIsForged) {
+  SmallFrame small(7ms);
+  for (const std::int64_t forged : {INT64_MIN, INT64_MAX, std::int64_t{-1} << 62}) {
+    small.frame.stamp.exposure_middle_ns = forged;
+    EXPECT_FALSE(latency_ms(small.frame).has_value()) << forged;
+  }
+}
+
 TEST(CoverageOfAFrame, IsTheShareOfPixelsWithDepth) {
   EXPECT_EQ(coverage(SmallFrame().frame), 0.75);
   EXPECT_EQ(coverage(client::Frame{}), 0);

@@ -103,6 +103,23 @@ TEST(Lib, GivesEveryStreamOfAFrame) {
   EXPECT_EQ(frame->settings_fingerprint(), 0U) << "likewise";
 }
 
+TEST(Lib, SaysHowOldItsNewestIs) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  EXPECT_EQ(client.link().frame_age_ns, -1);
+  subscribe(client, sensor);
+  send(sensor, {calibration()});
+  send(sensor, all_streams(5));
+  ASSERT_TRUE(client.next(10s));
+  const stof::Link link = client.link();
+  EXPECT_GE(link.frame_age_ns, 0);
+  EXPECT_GE(link.calibration_age_ns, 0);
+  EXPECT_EQ(link.health_age_ns, -1);
+  std::this_thread::sleep_for(300ms);
+  EXPECT_EQ(client.link().conditions, STOF_LINK_SILENT);
+  EXPECT_GT(client.link().frame_age_ns, link.frame_age_ns);
+}
+
 TEST(Lib, SaysOnHowManyFramesADepthStands) {
   stof::test::Sensor sensor;
   stof::Sensor client = open(sensor);

@@ -76,6 +76,9 @@ typedef struct stof_options {
   uint16_t reserved;      /* 0 */
   uint32_t socket_buffer; /* bytes asked of the system; 0: 4 MiB */
   uint32_t max_pixels;    /* of one image, bounds the memory; 0: 2 Mi */
+  uint32_t max_age_ms;    /* frames that arrived here longer ago are dropped and counted; 0: one
+                             period of the sensor and 100 ms */
+  uint32_t reserved2;     /* 0 */
 } stof_options;
 
 /* Does not wait for the sensor, but may block on a name server. `why` (may be NULL) gets one line
@@ -282,6 +285,22 @@ STOF_API const char* stof_source_name(unsigned source);
 STOF_API const char* stof_cause_name(unsigned cause);
 STOF_API const char* stof_health_name(unsigned health);
 
+/* What is known by this machine's clock, whatever the sensor says. */
+#define STOF_LINK_SILENT 1U    /* no frame for three periods and 20 ms */
+#define STOF_LINK_RESTARTED 2U /* for a second, and until the first frame after a start */
+#define STOF_LINK_FORGED 4U    /* in the last 2 s came what no sensor can have sent; not believed */
+
+typedef struct stof_link {
+  uint32_t struct_size;
+  uint32_t conditions;        /* the sum of STOF_LINK_... */
+  int64_t frame_age_ns;       /* since the newest frame arrived here; -1: there was none */
+  int64_t health_age_ns;      /* likewise of what stof_get_health() tells */
+  int64_t calibration_age_ns; /* likewise */
+} stof_link;
+
+/* As of now, also while nobody calls stof_next(). From any thread. */
+STOF_API stof_status stof_get_link(stof_sensor* sensor, stof_link* link);
+
 /* ---- A thread of its own ------------------------------------------------------------------- */
 
 /* Called on the sensor's thread, one at a time; any of them may be NULL. Return soon: while one
@@ -320,7 +339,11 @@ typedef struct stof_statistics { /* since stof_open() */
   uint64_t frames_lost;    /* nothing of them arrived */
   uint64_t frames_dropped; /* nobody took them, or the sensor started again */
   uint64_t sessions;
-  uint64_t socket_drops; /* found the socket's buffer full */
+  uint64_t socket_drops;        /* found the socket's buffer full */
+  uint64_t packets_old;         /* waited in this machine's queue for too long */
+  uint64_t packets_implausible; /* no sensor can have sent them: forged, or a fault */
+  uint64_t frames_old;          /* waited for too long: not delivered */
+  uint64_t resynchronised;      /* the order of frames was wrong and begun anew */
 } stof_statistics;
 
 /* From any thread. */

@@ -24,6 +24,7 @@ using Calibration = stof_calibration;
 using Info = stof_info;
 using Health = stof_health;
 using Event = stof_event;
+using Link = stof_link;
 using Statistics = stof_statistics;
 using Found = stof_found;
 
@@ -176,6 +177,11 @@ class Sensor {
     Health health = STOF_INIT(stof_health);
     return stof_get_health(sensor_.get(), &health) == STOF_OK ? std::optional<Health>(health)
                                                               : std::nullopt;
+  }
+  Link link() const {
+    Link link = STOF_INIT(stof_link);
+    static_cast<void>(stof_get_link(sensor_.get(), &link));
+    return link;
   }
   std::optional<Event> next_event() {
     Event event = STOF_INIT(stof_event);
