@@ -33,7 +33,6 @@ using stof::test::spend;
 
 extern "C" {
 ssize_t __real_write(int fd, const void* bytes, size_t count);
-int __real_fsync(int fd);
 int __real_rename(const char* from, const char* to);
 int __real_unlink(const char* name);
 
@@ -51,12 +50,13 @@ ssize_t __wrap_write(int fd, const void* bytes, size_t count) {
   return -1;
 }
 
-int __wrap_fsync(int fd) {
+// What is flushed is kept account of: the medium itself, which may take long, is not asked.
+int __wrap_fsync(int /*fd*/) {
   if (!spend()) {
     return -1;
   }
   power.flushed = true;
-  return __real_fsync(fd);
+  return 0;
 }
 
 int __wrap_rename(const char* from, const char* to) {
