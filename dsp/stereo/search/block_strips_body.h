@@ -121,16 +121,17 @@ struct Strip {
     V counted[kVectors];
     for (std::size_t v = 0; v < kVectors; ++v) {
       kept[v] = sums[v];
-      V wanted = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
+      const V wanted = kKeep == Keep::kSums ? sums[v] : Isa::eighth(sums[v]);
       counted[v] = wanted;
       if constexpr (kMasked) {
         const int candidate = first + static_cast<int>(v * Isa::kLanes);
         const V outside = Isa::outside(candidate, exist.begin, exist.end);
         kept[v] = Isa::either(kept[v], outside);
         counted[v] = Isa::without(wanted, outside);
-        wanted = Isa::either(wanted, outside);
+        Isa::store(to + v * Isa::kLanes, Isa::either(wanted, outside));
+      } else {
+        Isa::store(to + v * Isa::kLanes, wanted);
       }
-      Isa::store(to + v * Isa::kLanes, wanted);
     }
     for (std::size_t n = kPairs; n > 0; n /= 2) {  // a tree: nothing waits for long
       for (std::size_t v = 0; v < n; ++v) {

@@ -58,22 +58,22 @@ class RightPixels {
       Isa::meet(costs, candidates, found.lowest, found.candidates);
       candidates = Isa::next(candidates);
       at += lanes_ + 1;
-      ++i;
     };
-    const auto meet_some = [&](V costs, int mask) noexcept {
-      meet(Isa::either(costs, Isa::load(kMasks.data() + mask)));
+    const auto masked = [&](int mask) noexcept {
+      return Isa::either(Isa::load(at), Isa::load(kMasks.data() + mask));
     };
     if (i < 0 && i == j - last_) {
       meet(Isa::load(first_column_.data() + kLanes + i));
+      ++i;
     }
-    while (i < 0) {
-      meet_some(Isa::load(at), kLanes + i);
+    for (; i < 0; ++i) {
+      meet(masked(kLanes + i));
     }
-    while (i <= std::min(j, lanes_ - kLanes)) {
+    for (; i <= std::min(j, lanes_ - kLanes); ++i) {
       meet(Isa::load(at));
     }
-    while (i < std::min(j, lanes_)) {
-      meet_some(Isa::load(at), 2 * kLanes - (lanes_ - i));
+    for (; i < std::min(j, lanes_); ++i) {
+      meet(masked(2 * kLanes - (lanes_ - i)));
     }
     if (i == j && j < lanes_) {
       meet(Isa::load(last_column_.data() + kLanes - (lanes_ - i)));
