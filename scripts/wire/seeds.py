@@ -166,7 +166,33 @@ def discovery():
             "loop": record(header + b"\xc0\x0c" * 8, 0)}
 
 
-TARGETS = {"calibration": calibration, "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
+def config_answers():
+    wire = samples.wire
+
+    def answer(text, **fields):
+        fields = {"total": len(text), "revision": 1, **fields}
+        return samples.seal(wire.PacketType.SETTINGS_ANSWER, wire.SettingsAnswer(**fields).pack() + text)
+
+    document = b'{"name":"stof","udp":{"port":7560},"a":[1,true,null,"\\u001b[2J"]}'
+    parts = [answer(part, total=len(document)) for part in (document[:20], document[20:])]
+    return {"whole": records([answer(document)] * 2), "parts": records(parts),
+            "cookie": records([answer(b"", result=1, cookie=7), answer(document)]),
+            "refused": records([answer(b"name: \x1b[2J \xff", result=2)] * 2),
+            "nested": records([answer(b'{"a":' * 40)]), "text": document, "deep": b"[" * 2000}
+
+
+def subscription():
+    wire = samples.wire
+    answers = {}
+    for kind in wire.SubscribeResult:
+        answer = wire.Subscribed(request_id=1, result=kind, lease_ms=3000, cookie=9).pack()
+        answers[kind.name.lower()] = samples.seal(wire.PacketType.SUBSCRIBED, answer)
+    every = b"".join(record(packet, SEAL | SECONDS * 3) for packet in answers.values())
+    return {"every": every, "one": records([answers["ok"]]), "damaged": records(answers.values(), 0)}
+
+
+TARGETS = {"calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+           "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns}
 
 
