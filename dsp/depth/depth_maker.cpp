@@ -43,8 +43,7 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
       matcher_(search(calibration, params), calibration.stereo.left.width,
                calibration.stereo.left.height, arena, team, searches),
       fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
-             calibration.stereo.left.width, calibration.stereo.left.height, arena, team.threads(),
-             params.temporal) {
+             calibration.stereo.left.width, calibration.stereo.left.height, arena, team.threads()) {
   const int w = calibration.stereo.left.width;
   const int h = calibration.stereo.left.height;
   const MatchParams& match = params.match;
@@ -151,8 +150,11 @@ void DepthMaker::fuse(const DepthMap& out) noexcept {
       if (fills) {
         fuser_.fill_holes(stereo(), cells, out);
       }
-      if (past_) {
-        past_->filter(fuser_.map_rows(cells), thread, fuser_.intervals(), out);
+      if (past_ && past_->filters()) {
+        const Rows rows = fuser_.map_rows(cells);
+        for (int y = rows.begin; y < rows.end; ++y) {
+          past_->filter(y, thread, fuser_.intervals(stereo(), y, thread), out);
+        }
       }
     });
   }

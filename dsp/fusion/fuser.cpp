@@ -57,8 +57,6 @@ struct Fuser::Tables {
   MatchEvidence evidence;
   Reprojector reprojector;
   SplattedView splatted;
-  ImageView<QuarterMm> stereo_low;  // empty: not kept
-  ImageView<QuarterMm> stereo_high;
   HoleFiller filler;
   std::span<std::uint8_t> ratio;  // of matches without one
   std::span<Disparity> nothing;   // a row without stereo
@@ -66,8 +64,7 @@ struct Fuser::Tables {
 };
 
 Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
-             int disparities, int width, int height, Arena& arena, int threads,
-             bool keeps_intervals) noexcept {
+             int disparities, int width, int height, Arena& arena, int threads) noexcept {
   STOF_CHECK(threads >= 1);
   STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
   const std::size_t row = index(width);
@@ -79,8 +76,6 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
            .evidence = MatchEvidence(calibration, infinity_of(calibration.stereo)),
            .reprojector = {},
            .splatted = {},
-           .stereo_low = {},
-           .stereo_high = {},
            .filler = HoleFiller(width, height, params.max_range, arena),
            .ratio = {},
            .nothing = {},
@@ -94,10 +89,6 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   t.splatted.low = arena.take_image<QuarterMm>(width, height);
   t.splatted.high = arena.take_image<QuarterMm>(width, height);
   t.splatted.flags = arena.take_image<std::uint8_t>(width, height);
-  if (keeps_intervals) {
-    t.stereo_low = arena.take_image<QuarterMm>(width, height);
-    t.stereo_high = arena.take_image<QuarterMm>(width, height);
-  }
   t.ratio = arena.take_filled(row, std::uint8_t{0});
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
@@ -112,15 +103,33 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   tables_ = arena.put(t);
 }
 
+// Of the thread whose scratch it is.
+IntervalRow Fuser::stereo_row(const StereoMaps& stereo, int y, const Scratch& scratch) noexcept {
+  const Tables& t = *tables_;
+  const std::span<const Disparity> disparity =
+      stereo.disparity.empty() ? std::span<const Disparity>(t.nothing) : stereo.disparity.row(y);
+  if (stereo.ratio.empty()) {
+    std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
+  } else {
+    best::disparity_sigma(disparity, stereo.ratio.row(y), t.params.trust.sigma_by_ratio,
+                          t.ambiguity.infinity_raw, scratch.half);
+  }
+  if (t.intervals.converging) {
+    best::column_interval(disparity, scratch.half, t.intervals.columns, scratch.stereo_low,
+                          scratch.stereo_high);
+  } else {
+    best::stereo_interval(disparity, scratch.half, t.intervals.disparity, scratch.stereo_low,
+                          scratch.stereo_high);
+  }
+  return {scratch.stereo_low, scratch.stereo_high};
+}
+
 void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                      const DepthMap& out) noexcept {
   Tables& t = *tables_;
-  const bool keeps = !t.stereo_low.empty();
-  const std::span<QuarterMm> low = keeps ? t.stereo_low.row(y) : scratch.stereo_low;
-  const std::span<QuarterMm> high = keeps ? t.stereo_high.row(y) : scratch.stereo_high;
   AmbiguityRow row{.disparity = t.nothing,
                    .weak = {},
-                   .stereo = {low, high},
+                   .stereo = stereo_row(stereo, y, scratch),
                    .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
                    .support = {t.ratio, t.splatted.flags.row(y)},
                    .view = stereo.disparity,
@@ -132,22 +141,15 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   if (!stereo.weak.empty()) {
     row.weak = stereo.weak.row(y);
   }
-  if (stereo.ratio.empty()) {
-    std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
-  } else {
+  if (!stereo.ratio.empty()) {
     row.support.ratio = stereo.ratio.row(y);
-    best::disparity_sigma(row.disparity, row.support.ratio, t.params.trust.sigma_by_ratio,
-                          t.ambiguity.infinity_raw, scratch.half);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
                        out.cause.empty() ? scratch.cause : out.cause.row(y)};
+  best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
   if (t.intervals.converging) {
-    best::column_interval(row.disparity, scratch.half, t.intervals.columns, low, high);
-    best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     resolve_ambiguities(row, t.ambiguity, t.intervals.columns, fused);
   } else {
-    best::stereo_interval(row.disparity, scratch.half, t.intervals.disparity, low, high);
-    best::intersect(row.stereo, row.pmd, row.support, t.params.max_range, fused);
     resolve_ambiguities(row, t.ambiguity, t.intervals.disparity, fused);
   }
 }
@@ -185,9 +187,10 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
   }
 }
 
-SensorIntervals Fuser::intervals() const noexcept {
+SensorIntervals Fuser::intervals(const StereoMaps& stereo, int y, int thread) noexcept {
   const Tables& t = *tables_;
-  return {t.stereo_low, t.stereo_high, t.splatted.low, t.splatted.high};
+  return {.stereo = stereo_row(stereo, y, t.scratch[index(thread)]),
+          .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)}};
 }
 
 bool Fuser::fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept {

@@ -39,11 +39,10 @@ struct StereoMaps {
 class Fuser {
  public:
   // Stereo size width x height; the calibration is complete(), its PMD size may be 0x0 (stereo
-  // only). disparities: of the Matcher whose result will be fused. threads: how many fuse_rows()
-  // run at the same time. keeps_intervals: for intervals().
+  // only). disparities: of the Matcher whose result will be fused. threads: how many fuse_rows() or
+  // intervals() run at the same time.
   Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
-        int disparities, int width, int height, Arena& arena, int threads = 1,
-        bool keeps_intervals = false) noexcept;
+        int disparities, int width, int height, Arena& arena, int threads = 1) noexcept;
 
   // First where the PMD's readings lie, then rows of the result, in any order and by any split:
   // the same thread number (0 .. threads - 1) not twice at the same time. stereo and out as in
@@ -62,12 +61,14 @@ class Fuser {
   // All of these. pmd: nullptr for stereo only. out: all of its images are written.
   void fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept;
 
-  // What both sensors said of the rows that were fused.
-  SensorIntervals intervals() const noexcept;
+  // What both sensors said of a row that was fused, until this thread asks again. The pair's is
+  // computed anew: to keep it would take 4 bytes a pixel.
+  SensorIntervals intervals(const StereoMaps& stereo, int y, int thread) noexcept;
 
  private:
   struct Tables;
   struct Scratch;
+  IntervalRow stereo_row(const StereoMaps& stereo, int y, const Scratch& scratch) noexcept;
   void fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                 const DepthMap& out) noexcept;
 

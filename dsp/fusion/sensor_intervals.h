@@ -1,16 +1,13 @@
 #pragma once
 
-#include "dsp/base/fixed.h"
-#include "dsp/base/image.h"
+#include "dsp/fusion/interval/intersect.h"
 
 namespace stof::dsp {
 
-// What each sensor said of a frame, in the axes and size of its map: rows as IntervalRow has them.
+// What each sensor says of a row of a map.
 struct SensorIntervals {
-  ImageView<const QuarterMm> stereo_low;
-  ImageView<const QuarterMm> stereo_high;
-  ImageView<const QuarterMm> pmd_low;
-  ImageView<const QuarterMm> pmd_high;
+  IntervalRow stereo;
+  IntervalRow pmd;
 };
 
 }  // namespace stof::dsp

@@ -9,6 +9,7 @@
 #include "dsp/base/index.h"
 #include "dsp/base/target.h"
 #include "dsp/stereo/cost/cost_layout.h"
+#include "dsp/stereo/found_row.h"
 #include "dsp/stereo/match_params.h"
 #include "dsp/stereo/prepared_pair.h"
 #include "dsp/stereo/refine/least_squares.h"
@@ -21,16 +22,6 @@
 #include "dsp/stereo/validation/winner_margin.h"
 
 namespace stof::dsp {
-
-// The result of a search in one row; layouts of cost/sad.h and search/winner.h.
-template <typename Cost, typename Sum = Cost>
-struct FoundRow {
-  std::span<const Cost> costs;  // for all candidates, whatever a guide says
-  // The values that the winners minimise: costs or path sums, only of candidates that the guide
-  // allows.
-  std::span<const Sum> judged;
-  std::span<std::int16_t> winners;
-};
 
 // The scale of costs, for distinctness (validation/winner_margin.h).
 struct CostScale {

@@ -4,8 +4,6 @@
 #include <limits>
 #include <span>
 
-#include "dsp/base/check.h"
-
 namespace stof::dsp {
 namespace {
 
@@ -45,24 +43,21 @@ void PastFrames::look(ImageView<const std::uint8_t> left) noexcept {
   frames_ = 1;
 }
 
-void PastFrames::filter(Rows rows, int thread, const SensorIntervals& said,
+void PastFrames::filter(int y, int thread, const SensorIntervals& said,
                         const DepthMap& map) noexcept {
-  if (memory_ == Memory::kNone) {
+  if (!filters()) {
     return;
   }
-  STOF_CHECK(same_size(said.stereo_low, map.depth) && same_size(said.pmd_low, map.depth));
   const std::span<std::uint8_t> marks = marks_.row(thread);
-  std::ranges::fill(marks, kChanged);
-  for (int y = rows.begin; y < rows.end; ++y) {
-    if (memory_ == Memory::kGoesOn) {
-      change_.mark(y, marks);
-    }
-    const std::span<Cause> cause = map.cause.empty() ? causes_.row(thread) : map.cause.row(y);
-    steady_.filter(y, marks, {said.stereo_low.row(y), said.stereo_high.row(y)},
-                   {said.pmd_low.row(y), said.pmd_high.row(y)},
-                   {map.depth.row(y), map.width.row(y), map.source.row(y), cause});
-    mean_.filter(y, marks, map);
+  if (memory_ == Memory::kGoesOn) {
+    change_.mark(y, marks);
+  } else {
+    std::ranges::fill(marks, kChanged);
   }
+  const std::span<Cause> cause = map.cause.empty() ? causes_.row(thread) : map.cause.row(y);
+  steady_.filter(y, marks, said.stereo, said.pmd,
+                 {map.depth.row(y), map.width.row(y), map.source.row(y), cause});
+  mean_.filter(y, marks, map);
 }
 
 }  // namespace stof::dsp

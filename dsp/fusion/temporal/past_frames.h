@@ -26,9 +26,11 @@ class PastFrames {
   // not filtered.
   void look(ImageView<const std::uint8_t> left) noexcept;
   void forget() noexcept;
-  // Then rows of its map, in any order and by any split; the same thread number not twice at the
-  // same time. said: of this frame, of the map's size.
-  void filter(Rows rows, int thread, const SensorIntervals& said, const DepthMap& map) noexcept;
+  // Whether the map of this frame is filtered.
+  bool filters() const noexcept { return memory_ != Memory::kNone; }
+  // Then each of its rows, in any order; the same thread number not twice at the same time. said:
+  // of this row and frame.
+  void filter(int y, int thread, const SensorIntervals& said, const DepthMap& map) noexcept;
 
   // For how many frames, this one included, the camera stood: 1 where it began anew, 0 before the
   // first. At most 65535.

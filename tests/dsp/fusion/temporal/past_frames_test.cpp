@@ -41,8 +41,9 @@ class Stage {
     }
     filter_->look(grey());
     for (int y = kHeight - 1; y >= 0; --y) {  // in any order
-      filter_->filter({y, y + 1}, y % kThreads,
-                      {nothing_.view(), nothing_.view(), low_.view(), high_.view()},
+      filter_->filter(y, y % kThreads,
+                      {{nothing_.view().row(y), nothing_.view().row(y)},
+                       {low_.view().row(y), high_.view().row(y)}},
                       {depth_.view(), width_.view(), source_.view(), cause_.view()});
     }
     return depth_.view().at(kWidth / 2, kHeight / 2);
