@@ -65,8 +65,7 @@ bool parse_fault(std::string_view text, std::array<emu::FaultPlan, kDeviceCount>
   }
   fault.kind = static_cast<emu::FaultKind>(*kind);
   fault.every = *every;
-  plans[*device] = {fault};
-  return true;
+  return plans[*device].add(fault);
 }
 
 bool take_switch(std::string_view flag, EmuOptions& options) {
@@ -132,7 +131,8 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
     } else if (flag == "--fault") {
       if (!parse_fault(value, options.faults)) {
         return refuse(
-            "--fault takes DEVICE:KIND:CALL[+CALLS][:EVERY], such as stereo:drop:30, not \"" +
+            "--fault takes DEVICE:KIND:CALL[+CALLS][:EVERY], such as stereo:drop:30, eight of a "
+            "device, not \"" +
             std::string(value) + "\"; try --help");
       }
     } else if (!take_value(flag, value, options)) {
@@ -180,7 +180,8 @@ std::string_view usage() noexcept {
       "tear, "
       "corrupt,\n"
       "                       vanish, freeze (old pixels: of the right picture, of all samples), "
-      "dark (no lamp)\n";
+      "dark (no lamp);\n"
+      "                       up to eight of a device\n";
   static const std::string text = [] {
     std::string all(scene_usage());
     all += kRest;

@@ -290,7 +290,7 @@ std::optional<Responder::Datagram> Responder::answer_alone(std::span<const dns::
   if (most < dns::kHeaderBytes) {
     return std::nullopt;
   }
-  dns::Writer writer(std::span(buffer_).first(std::min(most, buffer_.size())), id,
+  dns::Writer writer(std::span<std::byte>(buffer_).first(std::min(most, buffer_.size())), id,
                      dns::kResponse | dns::kAuthoritative);
   for (const dns::Question& question : questions) {
     static_cast<void>(writer.question(question.name, question.type, dns::kInternet));

@@ -8,6 +8,7 @@
 
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
+#include "firmware/settings/text/as_text.h"
 
 namespace stof::settings {
 namespace {
@@ -17,11 +18,6 @@ constexpr std::size_t kMostFile = 4 * kMostDocumentBytes;
 // "1a2b3c4d 2": the fingerprint of the settings on trial, and their failed starts.
 constexpr std::size_t kTrialBytes = 10;
 constexpr std::size_t kFingerprintDigits = 8;
-
-// Bytes may be looked at as char.
-std::string_view as_text(std::span<const std::byte> bytes) noexcept {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
 
 // One document of a store.
 struct Loaded {

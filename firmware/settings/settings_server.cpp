@@ -9,20 +9,10 @@
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/saved_settings.h"
+#include "firmware/settings/text/as_text.h"
 
 namespace stof::settings {
-namespace {
-
-// Bytes may be looked at as char.
-std::string_view as_text(std::span<const std::byte> bytes) noexcept {
-  return {reinterpret_cast<const char*>(bytes.data()), bytes.size()};
-}
-
-std::span<char> as_text(std::span<std::byte> bytes) noexcept {
-  return {reinterpret_cast<char*>(bytes.data()), bytes.size()};
-}
-
-}  // namespace
+namespace {}  // namespace
 
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept {
   if (const char* const what = problem(settings); *what != '\0') {

@@ -64,6 +64,20 @@ TEST(EmuOptions, TakesFaultsOfOneOrMoreCalls) {
   EXPECT_EQ(stereo.at(17).kind, hal::emu::FaultKind::kFreeze);
 }
 
+TEST(EmuOptions, TakesEightFaultsOfADevice) {
+  Words words;
+  for (int i = 0; i < 7; ++i) {
+    words.insert(words.end(), {"--fault", "pmd:drop:5"});
+  }
+  words.insert(words.end(), {"--fault", "pmd:dark:7+2", "--fault", "stereo:drop:7"});
+  const board::EmuOptions options = parsed(words);
+  const hal::emu::FaultPlan& pmd = options.faults_of(board::Device::kPmd);
+  EXPECT_EQ(pmd.at(5).kind, hal::emu::FaultKind::kDrop);
+  EXPECT_EQ(pmd.at(8).kind, hal::emu::FaultKind::kDark);
+  words.insert(words.end(), {"--fault", "pmd:drop:50"});
+  expect_refused(words, "eight of a device");
+}
+
 TEST(EmuOptions, FindsThePmdRecordingBesideTheDataset) {
   namespace fs = std::filesystem;
   const fs::path data = fs::path(testing::TempDir()) / "recording_beside";

@@ -77,10 +77,18 @@ class FaultPlan {
 
   constexpr FaultPlan() noexcept = default;
   constexpr FaultPlan(std::initializer_list<Fault> faults) noexcept {
-    STOF_CHECK(faults.size() <= kMaxFaults);
     for (const Fault& fault : faults) {
-      faults_[count_++] = fault;
+      STOF_CHECK(add(fault));
     }
+  }
+
+  // One more; where two strike at a call, the first counts. false: there are kMaxFaults.
+  [[nodiscard]] constexpr bool add(const Fault& fault) noexcept {
+    if (count_ == kMaxFaults) {
+      return false;
+    }
+    faults_[count_++] = fault;
+    return true;
   }
 
   constexpr Fault at(std::uint32_t call) const noexcept {
