@@ -12,7 +12,6 @@
 #include "firmware/settings/text/as_text.h"
 
 namespace stof::settings {
-namespace {}  // namespace
 
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept {
   if (const char* const what = problem(settings); *what != '\0') {
