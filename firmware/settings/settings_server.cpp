@@ -59,7 +59,7 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
                                            std::size_t& answer_bytes) noexcept {
   using Operation = wire::SettingsOperation;
   const bool reads = request.operation == Operation::kGet;
-  PagedWriter out(as_text(answer_text), reads ? request.offset : 0);
+  PagedWriter out(as_writable_text(answer_text), reads ? request.offset : 0);
   const std::uint32_t before = revision_;
   Result result = Result::kUnsupported;
   switch (request.operation) {
