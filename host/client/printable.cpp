@@ -1,5 +1,6 @@
 #include "host/client/printable.h"
 
+#include <array>
 #include <cstddef>
 
 namespace stof::client {
@@ -15,7 +16,8 @@ std::size_t harmless(std::string_view text) {
   if (first < 0x80) {
     return first >= 0x20 && first != 0x7f ? 1 : 0;
   }
-  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  constexpr std::array<unsigned, 5> kLeast{0, 0, 0xa0, 0x800, 0x10000};  // below 0xa0: C1
+  const std::size_t length = 2 + (first >= 0xe0 ? 1U : 0U) + (first >= 0xf0 ? 1U : 0U);
   if (first < 0xc2 || first > 0xf4) {
     return 0;
   }
@@ -26,9 +28,8 @@ std::size_t harmless(std::string_view text) {
     }
     code = code << 6 | (byte(i) & 0x3f);
   }
-  const unsigned least = length == 4 ? 0x10000 : length == 3 ? 0x800 : 0xa0;  // below: C1
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  return code >= least && code <= 0x10ffff && !surrogate ? length : 0;
+  return code >= kLeast[length] && code <= 0x10ffff && !surrogate ? length : 0;
 }
 
 }  // namespace

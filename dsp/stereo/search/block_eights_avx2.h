@@ -12,7 +12,7 @@
 namespace stof::dsp::avx2 {
 
 template <typename Isa>
-struct Eights : BlockVectors<Isa> {
+struct Eights : BlockVectors<Isa> {  // NOLINT(bugprone-crtp-constructor-accessibility)
   static constexpr std::size_t kColumns = 16;
 
   static bool lowest(const std::uint16_t* eights, std::size_t first, std::uint16_t* costs,

@@ -49,7 +49,7 @@ void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bou
 
 // The distances of a row's readings if they wrapped k times, where their amplitude allows that.
 void WrapEvidence::place_row(const PmdMaps& pmd, int y, int k, const AmplitudeBound& bound,
-                             const WrapMaps& maps) noexcept {
+                             const WrapMaps& maps) const noexcept {
   const std::span<const QuarterMm> distance = pmd.distance.row(y);
   const std::size_t first = maps.place(0, y);
   const std::uint32_t more = static_cast<std::uint32_t>(k) * maps.range;
@@ -110,7 +110,7 @@ void WrapEvidence::look_up(std::span<const QuarterMm> distance, const PmdMaps& p
 }
 
 // Without branches and in 16 bits, so that compilers make vectors of it.
-void WrapEvidence::judge(int y, int k, const Columns& columns, WrapMaps& maps) noexcept {
+void WrapEvidence::judge(int y, int k, const Columns& columns, WrapMaps& maps) const noexcept {
   const std::size_t first = maps.place(0, y) + columns.begin;
   const std::size_t n = columns.end - columns.begin;
   const std::span<std::uint16_t> possible = maps.possible.subspan(first, n);

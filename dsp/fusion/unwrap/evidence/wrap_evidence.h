@@ -60,11 +60,11 @@ class WrapEvidence {
   static void read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
                        WrapMaps& maps) noexcept;
   void place_row(const PmdMaps& pmd, int y, int k, const AmplitudeBound& bound,
-                 const WrapMaps& maps) noexcept;
+                 const WrapMaps& maps) const noexcept;
   Columns next_columns(std::size_t end) const noexcept;
   void look_up(std::span<const QuarterMm> distance, const PmdMaps& pmd, int y,
                std::size_t begin) noexcept;
-  void judge(int y, int k, const Columns& columns, WrapMaps& maps) noexcept;
+  void judge(int y, int k, const Columns& columns, WrapMaps& maps) const noexcept;
   void vote_row(int y, WrapMaps& maps) noexcept;
 
   QuarterMm max_range_;
