@@ -140,7 +140,8 @@ std::uint32_t blinding(const settings::Settings& settings) {
   const wire::StreamChoice& streams = settings.streams;
   const bool sent = streams.of(wire::Stream::kDepth) != wire::Coding::kOff ||
                     streams.of(wire::Stream::kCloud) != wire::Coding::kOff ||
-                    settings.serial.mode != settings::SerialMode::kOff;
+                    (settings.serial.mode != settings::SerialMode::kOff &&
+                     !settings.serial.device.view().empty());
   return (sent ? 0U : HealthMonitor::kNoDepthStream) |
          (settings.depth.max_range_mm < kShortRangeMm ? HealthMonitor::kShortRange : 0U);
 }

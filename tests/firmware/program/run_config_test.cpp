@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/events/health_monitor.h"
 #include "firmware/events/log_text.h"
 #include "firmware/settings/depth_settings.h"
 #include "firmware/workspace.h"
@@ -157,6 +158,23 @@ TEST(MakePlan, TakesTheThreadsThatThereAre) {
     settings.compute.threads = threads;
     EXPECT_EQ(make_run_config(rig, board::kConfig, settings)->setup.threads, 2);
   }
+}
+
+TEST(MakePlan, ASerialLineThatIsNoneCarriesNoDepth) {
+  const auto blinding = [](const settings::Settings& settings) {
+    const auto config = make_run_config(rig_of(64, 48), board::kConfig, settings);
+    EXPECT_TRUE(config) << config.error();
+    return config ? config->publisher.blinding : 0;
+  };
+  settings::Settings settings;
+  EXPECT_EQ(blinding(settings), 0U);
+  settings.streams.of(wire::Stream::kDepth) = wire::Coding::kOff;
+  settings.streams.of(wire::Stream::kCloud) = wire::Coding::kOff;
+  EXPECT_EQ(blinding(settings), HealthMonitor::kNoDepthStream);
+  settings.serial.mode = settings::SerialMode::kStof;
+  EXPECT_EQ(blinding(settings), HealthMonitor::kNoDepthStream);
+  settings.serial.device = decltype(settings.serial.device)("/dev/ttyAMA0");
+  EXPECT_EQ(blinding(settings), 0U);
 }
 
 }  // namespace
