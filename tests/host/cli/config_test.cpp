@@ -5,6 +5,7 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <thread>
 #include <utility>
 
 #include <gtest/gtest.h>
@@ -189,11 +190,13 @@ TEST(Config, SaysThatNobodyAnswers) {
   }
 }
 
-// A sensor that means harm: it answers every request, with as many bytes at a time as it likes.
+// A sensor that means harm: it answers every request, with as many bytes at a time as it likes,
+// after a delay.
 class HostileTransport final : public client::ControlTransport {
  public:
-  HostileTransport(std::string text, std::size_t bytes, wire::SettingsResult result = {})
-      : text_(std::move(text)), bytes_(bytes), result_(result) {}
+  HostileTransport(std::string text, std::size_t bytes, wire::SettingsResult result = {},
+                   std::chrono::milliseconds delay = {})
+      : text_(std::move(text)), bytes_(bytes), result_(result), delay_(delay) {}
 
   Status send(std::span<const std::byte> packet) override {
     const auto parsed = wire::parse_packet(packet);
@@ -201,6 +204,7 @@ class HostileTransport final : public client::ControlTransport {
     return Status::kOk;
   }
   Result<std::vector<std::byte>> receive(client::Duration /*timeout*/) override {
+    std::this_thread::sleep_for(delay_);
     wire::DatagramBuffer buffer;
     const auto payload = wire::payload_space(buffer);
     const std::string_view rest =
@@ -222,6 +226,7 @@ class HostileTransport final : public client::ControlTransport {
   std::string text_;
   std::size_t bytes_;
   wire::SettingsResult result_;
+  std::chrono::milliseconds delay_;
   wire::SettingsRequest request_;
 };
 
@@ -266,8 +271,11 @@ TEST(HostileSensor, NothingThatControlsATerminalIsPrinted) {
 }
 
 TEST(HostileSensor, OneByteAtATimeEndsInTime) {
-  client::ControlClient client(std::make_unique<HostileTransport>(std::string(65'535, ' '), 1),
-                               {.overall = std::chrono::milliseconds(20)});
+  using std::chrono::milliseconds;
+  client::ControlClient client(
+      std::make_unique<HostileTransport>(std::string(65'535, ' '), 1, wire::SettingsResult{},
+                                         milliseconds(1)),
+      {.overall = milliseconds(20)});
   const auto begin = client::Time::clock::now();
   const auto answer = client.request(wire::SettingsOperation::kGet, {}, {});
   ASSERT_FALSE(answer);
