@@ -115,12 +115,12 @@ TEST_F(PmdRecordings, TakeTheNearestFixedPatternOrTheOneThatIsNamed) {
   put("cam_fppn.pgm", "P5\n2 1\n65535\n\x80\x10\x80\x00"sv);
   EXPECT_EQ(first_value(), 17);       // 2 mm
   EXPECT_EQ(first_value(named), 87);  // 10 mm
-  put("cam.json", replaced(kConstants, "\"k2\"", "\"fppn_unit\": \"1/65536 turn\", \"k2\""));
+  put("cam.json", replaced(kConstants, R"("k2")", R"("fppn_unit": "1/65536 turn", "k2")"));
   EXPECT_EQ(first_value(), 16);
   EXPECT_EQ(first_value(named), 87);
-  put("cam.json", replaced(kConstants, "\"k2\"", "\"fppn_unit\": \"none\", \"k2\""));
+  put("cam.json", replaced(kConstants, R"("k2")", R"("fppn_unit": "none", "k2")"));
   EXPECT_EQ(first_value(), 0);
-  put("cam.json", replaced(kConstants, "\"k2\"", "\"fppn_unit\": \"inch\", \"k2\""));
+  put("cam.json", replaced(kConstants, R"("k2")", R"("fppn_unit": "inch", "k2")"));
   expect_refused("cam.json", "\"fppn_unit\"");
   put("cam.json", kConstants);
   const Loaded<PmdRecording> absent = read_pmd(prefix(), folder() / "absent.pgm");
@@ -160,7 +160,7 @@ TEST_F(PmdRecordings, AreNotPairedUnlessTheyBelongTogether) {
   expect_no_pair(replaced(kConstants, "20000000.0", "18750001"), "whole numbers");
   expect_no_pair(replaced(other, "\"fx\": 40.0", "\"fx\": 40.5"), "not of the camera");
   expect_no_pair(replaced(other, "100.5", "101"), "not of the camera");
-  put("two.json", replaced(other, "\"width\"", "\"frames\": 2, \"width\""));
+  put("two.json", replaced(other, R"("width")", R"("frames": 2, "width")"));
   put("two_raw.pgm", "P5\n2 8\n255\n1234567812345678");
   const Loaded<PmdRecording> pair = read_pmd_pair(prefix(), folder() / "two");
   ASSERT_FALSE(pair);
@@ -182,7 +182,7 @@ TEST_F(PmdRecordings, SplitTheStackIntoFourSamples) {
 }
 
 TEST_F(PmdRecordings, HoldSeveralFrames) {
-  put("cam.json", replaced(kConstants, "\"width\"", "\"frames\": 2, \"width\""));
+  put("cam.json", replaced(kConstants, R"("width")", R"("frames": 2, "width")"));
   put("cam_raw.pgm", "P5\n2 8\n255\n" + std::string("abcdefghijklmnop"));
   const Loaded<PmdRecording> recording = read_pmd(prefix());
   ASSERT_TRUE(recording) << recording.error().message;
@@ -257,7 +257,7 @@ TEST_F(PmdRecordings, AreRefusedWithUnusableNumbers) {
       {"\"width\": 2", "\"width\": 2.5"},
       {"\"width\": 2", "\"width\": -2"},
       {"\"width\": 2", "\"width\": 1e300"},
-      {"\"width\": 2", "\"width\": \"2\""},
+      {R"("width": 2)", R"("width": "2")"},
       {"\"width\": 2", "\"width\": null"},
       {"20000000.0", "0"},
       {"20000000.0", "999999"},
@@ -271,7 +271,7 @@ TEST_F(PmdRecordings, AreRefusedWithUnusableNumbers) {
       {"\"kappa3\": 0.05", "\"wiggling\": [1, 2]"},
       {"\"kappa3\": 0.05", "\"emitters\": [[0, 1]]"},
       {"\"kappa3\": 0.05", "\"emitters\": 0.12"},
-      {"\"kappa3\": 0.05", "\"emitters\": [[0, 1, \"x\"]]"},
+      {R"("kappa3": 0.05)", R"("emitters": [[0, 1, "x"]])"},
       {"\"kappa3\": 0.05", "\"emitters\": [[0, 0, 3]]"},
       {"\"kappa3\": 0.05", "\"emitters\": [[0,0,0],[0,0,0],[0,0,0],[0,0,0],[0,0,0]]"},
       {"\"kappa3\": 0.05", "\"sigma_polynomial\": [1, 2]"},
@@ -297,10 +297,10 @@ TEST_F(PmdRecordings, AreRefusedWithWhatNoCameraHas) {
       {"\"cx\": 0.5", "\"cx\": 1e9", "centre"},
       {"\"lsb_e\": 50.0", "\"lsb_e\": 1e12", "electrons per LSB"},
       {"\"baseline_m\": 0.2", "\"baseline_m\": 500", "baseline"},
-      {"\"doff_px\": 30.0", "\"width\": 450, \"height\": 375, \"doff_px\": -1000",
+      {R"("doff_px": 30.0)", R"("width": 450, "height": 375, "doff_px": -1000)",
        "disparity offset"},
-      {"\"k1\": -0.1", "\"k1\": -0.1, \"k1\": -0.1", "has \"k1\" twice"},
-      {"\"cx\": 200.0", "\"cx\": 200.0, \"cx\": 100.0", "has \"cx\" twice"},
+      {R"("k1": -0.1)", R"("k1": -0.1, "k1": -0.1)", R"(has "k1" twice)"},
+      {R"("cx": 200.0)", R"("cx": 200.0, "cx": 100.0)", R"(has "cx" twice)"},
   }};
   for (const auto& [what, with, fact] : kBad) {
     put("cam.json", replaced(with_rig(), what, with));
@@ -311,7 +311,7 @@ TEST_F(PmdRecordings, AreRefusedWithWhatNoCameraHas) {
 TEST_F(PmdRecordings, AreRefusedWithWhatIsNotJson) {
   const std::string deep = std::string(100000, '[');
   for (const std::string_view text :
-       {""sv, "{"sv, "[]"sv, "7"sv, "\xff\xfe"sv, "{\"width\": NaN}"sv, "{\"width\": 1e999}"sv,
+       {""sv, "{"sv, "[]"sv, "7"sv, "\xff\xfe"sv, R"({"width": NaN})"sv, R"({"width": 1e999})"sv,
         std::string_view(deep)}) {
     put("cam.json", text);
     expect_refused("cam.json", "is not a JSON object");

@@ -272,9 +272,8 @@ namespace {
 void expect_depth_of_its_sensors(const Received& frame, double depth_m) {
   const bool stereo = (frame.info.sensors & kStereoSensor) != 0;
   const bool pmd = (frame.info.sensors & kPmdSensor) != 0;
-  const dsp::Source source = stereo && pmd ? dsp::Source::kBoth
-                             : stereo      ? dsp::Source::kStereo
-                                           : dsp::Source::kPmd;
+  const dsp::Source alone = stereo ? dsp::Source::kStereo : dsp::Source::kPmd;
+  const dsp::Source source = stereo && pmd ? dsp::Source::kBoth : alone;
   EXPECT_TRUE(stereo || pmd);
   EXPECT_EQ(frame.info.pmd_present, pmd ? 1 : 0);
   EXPECT_EQ(frame.info.exposure_end_ns - frame.info.exposure_begin_ns,

@@ -51,7 +51,11 @@ struct Row {
       return b != a + skipped ? kImpossible
                               : occluded + (skipped == 1 ? penalties.small : large[x]);
     }
-    return b > a ? kImpossible : (b == a ? 0U : (b == a - 1 ? penalties.small : large[x]));
+    if (b > a) {
+      return kImpossible;
+    }
+    const std::uint64_t step = b == a - 1 ? penalties.small : large[x];
+    return b == a ? 0U : step;
   }
   std::uint64_t energy(std::span<const std::int16_t> row) {
     std::uint64_t sum = 0;

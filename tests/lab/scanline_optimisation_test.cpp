@@ -63,7 +63,8 @@ struct Row {
       sum += cost;
       if (x > 0 && row[x - 1] != kNoWinner) {
         const int change = std::abs(row[x] - row[x - 1]);
-        sum += change == 0 ? 0U : (change == 1 ? std::min(small, large[x]) : large[x]);
+        const std::uint64_t step = change == 1 ? std::min(small, large[x]) : large[x];
+        sum += change == 0 ? 0U : step;
       }
     }
     return sum;

@@ -65,7 +65,10 @@ class KernelCase {
   }
   int draw(int low, int high) {
     const bool end = draw_ == Draw::kHighest || (draw_ == Draw::kEnds && (random_.next() & 1) != 0);
-    return draw_ == Draw::kAny ? random_.between(low, high) : end ? high : low;
+    if (draw_ == Draw::kAny) {
+      return random_.between(low, high);
+    }
+    return end ? high : low;
   }
 
   // Calls the kernel. Only what happens here is timed.

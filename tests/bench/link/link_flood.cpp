@@ -204,13 +204,13 @@ class Flood {
       std::ranges::for_each(sources_, drain);
     }
     std::uint64_t sent = 0;
-    std::printf("{\"seconds\":%.3f,\"reasons\":{", 1e-3 * milliseconds(took));
+    std::printf(R"({"seconds":%.3f,"reasons":{)", 1e-3 * milliseconds(took));
     for (std::size_t i = 0; i < kReasons; ++i) {
       sent += counts_[i];
       std::printf("%s\"%s\":%llu", i == 0 ? "" : ",", kNames[i],
                   static_cast<unsigned long long>(counts_[i]));
     }
-    std::printf("},\"sent\":%llu,\"sources\":[", static_cast<unsigned long long>(sent));
+    std::printf(R"(},"sent":%llu,"sources":[)", static_cast<unsigned long long>(sent));
     for (std::size_t i = 0; i < sources_.size(); ++i) {
       std::printf("%s[%llu,%llu,%llu]", i == 0 ? "" : ",",
                   static_cast<unsigned long long>(sources_[i].sent_bytes),

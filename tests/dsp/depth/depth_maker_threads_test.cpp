@@ -179,7 +179,7 @@ std::vector<Frame> run(const Rig& rig, Size size, const ThreadTeam& team) {
   const Pinhole& pmd = rig.calibration.pmd.lens;
   Picture<std::uint8_t> left(size.width, size.height);
   Picture<std::uint8_t> right(size.width, size.height);
-  Picture<std::uint16_t> sample(pmd.width, pmd.height);
+  const Picture<std::uint16_t> sample(pmd.width, pmd.height);
   std::array<Picture<std::uint16_t>, 4> samples{sample, sample, sample, sample};
   Picture<QuarterMm> depth(size.width, size.height);
   Picture<QuarterMm> width(size.width, size.height);

@@ -27,7 +27,7 @@ TEST(ControlThread, SubscribesOverTheNetwork) {
 }
 
 TEST(ControlThread, TheFourthOfAHostIsRefusedUntilAnotherLeaves) {
-  Sensor sensor;
+  const Sensor sensor;
   std::list<ControlClient> robots;
   for (int i = 0; i < 3; ++i) {
     EXPECT_EQ(robots.emplace_back(sensor).ask(), SubscribeResult::kOk);

@@ -91,10 +91,9 @@ TEST(Responder, AnswersAnAddressInTheseBytes) {
       0xc0, 12,   0,    1,    0,   1,   0,   0,   0,   10, 0,   4,   192,  0,   2,   2,  // A
       0xc0, 12,   0,    47,   0,   1,   0,   0,   0,   10, 0,   8,   0xc0, 12,  0,   4,
       0x40, 0,    0,    0};  // NSEC
-  std::vector<std::byte> bytes;
-  for (const int value : expected) {
-    bytes.push_back(static_cast<std::byte>(value));
-  }
+  std::vector<std::byte> bytes(std::size(expected));
+  std::ranges::transform(expected, bytes.begin(),
+                         [](int value) { return static_cast<std::byte>(value); });
   EXPECT_EQ(answer->bytes, bytes);
   EXPECT_EQ(answer->to, kLegacyPeer);
 }
@@ -297,7 +296,7 @@ TEST(Responder, AgreesWithATwinOnWhoIsCalledWhat) {
 TEST(Responder, YieldsToTheProbeWithTheGreaterAddress) {
   for (const std::uint8_t last : {std::uint8_t{1}, std::uint8_t{9}}) {
     Bench bench;
-    EXPECT_EQ(bench.run(300ms).size() > 0, true);
+    EXPECT_FALSE(bench.run(300ms).empty());
     const auto probe =
         Message()
             .ask(kHost, Type::kAny)
@@ -340,7 +339,7 @@ TEST(Responder, SpeaksOnEveryLinkWithTheAddressesOfThat) {
   hal::InterfaceAddress local6 = kEthernet4;
   local6.address = {0xfe, 0x80, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1};
   local6.prefix_bits = 64;
-  hal::InterfaceAddress loopback{.interface = 1, .address = hal::from_ipv4(127, 0, 0, 1)};
+  const hal::InterfaceAddress loopback{.interface = 1, .address = hal::from_ipv4(127, 0, 0, 1)};
   Bench bench({loopback, kEthernet4, wireless, local6});
   const auto heard = bench.run(4s);
   ASSERT_EQ(heard.size(), 15U);

@@ -46,6 +46,7 @@ Stofd::Stofd(const std::vector<std::string>& arguments, bool any_port) {
   }
   words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) {
     argv.push_back(word.data());
   }

@@ -266,6 +266,7 @@ int libusb_clear_halt(libusb_device_handle*, unsigned char endpoint) {
   ++camera->halts_cleared;
   return endpoint == stof::hal::linux::kPmdEndpoint ? 0 : LIBUSB_ERROR_NOT_FOUND;
 }
+// NOLINTNEXTLINE(readability-non-const-parameter): the library's declaration
 int libusb_handle_events_timeout_completed(libusb_context*, timeval* limit, int* completed) {
   stof::hal::linux::Clock clock;
   const stof::hal::Time end =

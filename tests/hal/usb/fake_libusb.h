@@ -10,7 +10,7 @@
 #include "hal/linux/system/clock.h"
 #include "hal/linux/usb/pmd_wire.h"
 
-struct libusb_transfer;
+struct libusb_transfer;  // NOLINT(readability-identifier-naming): the library's name
 
 namespace stof::test {
 

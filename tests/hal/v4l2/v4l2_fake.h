@@ -111,7 +111,7 @@ class FakeV4l2 final : public hal::linux::V4l2Calls {
   Node* live(int fd);
   static std::uint32_t stride(const Node& node);
   void settle(Node& node);
-  void fill(Node& node, const Shot& shot);
+  static void fill(Node& node, const Shot& shot);
   static void paint(const Node& node, std::uint32_t number, std::vector<std::uint8_t>& out);
   bool interrupted(bool& last) const;
   static int set_format(Node& node, v4l2_format& format, bool keep);

@@ -32,7 +32,7 @@ class V4l2Rig {
     kernel_.expose(edge, kExposure, kReadout);
     return edge;
   }
-  hal::Duration frame_time() { return std::chrono::milliseconds(3); }
+  static hal::Duration frame_time() { return std::chrono::milliseconds(3); }
 
  protected:
   // 8 bits, of exposure `number` of a view.

@@ -17,12 +17,12 @@ inline void write_wall(const std::filesystem::path& folder, const host::WallReco
   const dsp::PmdSensor& sensor = wall.recording.calibration.pmd;
   const dsp::Pinhole& lens = sensor.lens;
   std::ofstream(folder / (wall.name + ".json"))
-      << "{\"width\": " << lens.width << ", \"height\": " << lens.height
+      << R"({"width": )" << lens.width << ", \"height\": " << lens.height
       << ", \"frames\": " << wall.recording.frames.size() << ", \"z_m\": " << wall.z_m
       << ", \"f_mod_hz\": " << sensor.frequency.modulation.value
       << ", \"dark_lsb\": " << sensor.dark_lsb << ", \"sat_lsb\": " << sensor.saturation_lsb
       << ", \"fx\": " << lens.fx << ", \"fy\": " << lens.fy << ", \"cx\": " << lens.cx
-      << ", \"cy\": " << lens.cy << ", \"lsb_e\": 60, \"read_e\": 0" << more << "}\n";
+      << R"(, "cy": )" << lens.cy << R"(, "lsb_e": 60, "read_e": 0)" << more << "}\n";
   dataset::Image<std::uint16_t> all(
       lens.width, 4 * lens.height * static_cast<int>(wall.recording.frames.size()));
   std::size_t at = 0;

@@ -119,6 +119,7 @@ host::WallRecording record(const SimulatedCamera& camera, double z_m, int frames
 std::vector<host::Wall> record_walls(const SimulatedCamera& camera, const std::vector<double>& z_m,
                                      int frames, std::uint64_t seed) {
   std::vector<host::Wall> walls;
+  walls.reserve(z_m.size());
   for (std::size_t n = 0; n < z_m.size(); ++n) {
     walls.push_back(host::summarise(record(camera, z_m[n], frames, seed + n), host::Frames::kAll));
   }

@@ -116,8 +116,7 @@ TEST_F(Damage, EveryTruncationIsRefused) {
 }
 
 TEST_F(Damage, EveryTailIsRefused) {
-  for (std::size_t i = 0; i < packets().size(); ++i) {
-    Datagram packet = packets()[i];
+  for (Datagram packet : packets()) {
     for (int more = 0; more < 8; ++more) {
       packet.push_back(std::byte{0});
       push(packet);

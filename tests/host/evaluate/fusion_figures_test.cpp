@@ -147,6 +147,10 @@ TEST_F(FusionFigures, IntervalsAreNarrow) {
   }
 }
 
+std::string recording_of(const std::string& scene, const std::string& sensor) {
+  return scene + "_" + sensor;
+}
+
 TEST_F(FusionFigures, FullGeometryGainsOverAScaledMap) {
   for (const std::string& sensor : {kSmall, kLarge}) {
     double scaled = 0;
@@ -154,7 +158,7 @@ TEST_F(FusionFigures, FullGeometryGainsOverAScaledMap) {
     for (const std::string& scene : kFour) {
       const std::filesystem::path data = test::recorded_scenes();
       const dataset::Loaded<FusionCase> result = run_fusion_case(
-          data / "stereo" / scene, data / "tof" / "sim" / "scene" / (scene + "_" + sensor),
+          data / "stereo" / scene, data / "tof" / "sim" / "scene" / recording_of(scene, sensor),
           {.preset = "", .settings = {}, .runs = 1}, {.chapter_geometry = true});
       ASSERT_TRUE(result) << result.error().message;
       scaled += result->scores.chapter_fused->e5 / static_cast<double>(kFour.size());

@@ -1,8 +1,8 @@
 #include "host/picture/png.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
-#include <numeric>
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -51,7 +51,7 @@ class Png : public test::Scratch {};
 
 TEST_F(Png, HoldsEverySixteenBitValue) {
   dataset::Image<std::uint16_t> grey(256, 256);
-  std::iota(grey.pixels.begin(), grey.pixels.end(), std::uint16_t{0});
+  std::ranges::generate(grey.pixels, [value = std::uint16_t{0}]() mutable { return value++; });
   ASSERT_TRUE(write_png(folder() / "a.png", grey, {{"Description", "unit 0.25 mm"}}));
   const ReadBack back = read_back(folder() / "a.png");
   EXPECT_EQ(back.width, 256U);
@@ -124,7 +124,7 @@ TEST_F(Png, BytesAreThoseOfAFileWithAPaletteWhereItIsEnough) {
 
 TEST_F(Png, BytesOfGreyAreTheValues) {
   dataset::Image<std::uint8_t> grey(256, 1);
-  std::iota(grey.pixels.begin(), grey.pixels.end(), std::uint8_t{0});
+  std::ranges::generate(grey.pixels, [value = std::uint8_t{0}]() mutable { return value++; });
   const ReadBack back = read_back(put("grey.png", png_bytes(grey)));
   EXPECT_EQ(back.colour_type, PNG_COLOR_TYPE_GRAY);
   EXPECT_EQ(back.bytes, grey.pixels);

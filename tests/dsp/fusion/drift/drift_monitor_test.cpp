@@ -151,7 +151,7 @@ TEST(DriftMonitor, IgnoresWhatPassesBy) {
 
 TEST(DriftMonitor, NothingToSeeIsHarmless) {
   const Calibration rig = room_rig();
-  Room room(whole_room(), rig, {.pitch_deg = 0.2});
+  const Room room(whole_room(), rig, {.pitch_deg = 0.2});
   Room blank = room;
   std::ranges::fill(blank.distance, kNoDepth);
   EXPECT_EQ(watch(blank, rig).patches, 0U);
