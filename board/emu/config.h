@@ -15,7 +15,7 @@ inline constexpr Config kConfig{
                .pmd_integration = std::chrono::milliseconds(16),
                .edge_tolerance = std::chrono::microseconds(200),
                .pmd_every = 1},
-    .workspace_limit = 144U << 20,  // mostly a PMD camera as large as its test recordings
+    .workspace_limit = 74U << 20,  // mostly a PMD camera as large as its test recordings
 };
 static_assert(valid(kConfig));
 

@@ -18,7 +18,7 @@ inline constexpr Config kConfig{
                 .pmd_focal_px = 202,
                 .pmd_right_m = 0.06,
                 .pmd_below_m = -0.04},
-    .workspace_limit = 64U << 20,
+    .workspace_limit = 44U << 20,
 };
 static_assert(valid(kConfig));
 

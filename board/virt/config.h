@@ -41,7 +41,7 @@ inline constexpr Config kConfig{
                 .pmd_focal_px = 158.8,
                 .pmd_right_m = 0.06,
                 .pmd_below_m = -0.04},
-    .workspace_limit = 24U << 20,
+    .workspace_limit = 15U << 20,
 };
 static_assert(valid(kConfig));
 

@@ -19,11 +19,16 @@ namespace stof::dsp {
 //
 // A part takes its memory in its constructor, and no other code says how much that is:
 // bytes_taken() runs the same constructor with an arena that only measures.
+//
+// take() lasts: its contents stay from frame to frame. take_passing() is for contents that nobody
+// needs once a phase of the frame is over (arena_phase.h): the next phase writes over them. What
+// lasts grows from the beginning of the block, what passes from its end.
 class Arena {
  public:
   static constexpr std::size_t kAlign = 64;  // a cache line, and any vector register
 
-  constexpr explicit Arena(std::span<std::byte> memory) noexcept : memory_(memory) {}
+  constexpr explicit Arena(std::span<std::byte> memory) noexcept
+      : memory_(memory.first(memory.size() / kAlign * kAlign)), end_(memory_.size()) {}
 
   // An arena that never runs out, over addresses at which no process has memory: whoever touches
   // what it hands out faults. A constructor that also fills what it takes asks is_measuring().
@@ -53,7 +58,22 @@ class Arena {
     std::byte* const at = memory_.data();
     STOF_CHECK(reinterpret_cast<std::uintptr_t>(at) % kAlign == 0);  // NOLINT: address arithmetic
     memory_ = memory_.subspan(bytes);
-    return {reinterpret_cast<T*>(at), count};  // NOLINT: the one place where bytes become elements
+    end_ -= bytes;
+    return {reinterpret_cast<T*>(at), count};  // NOLINT: bytes become elements
+  }
+
+  // The same, shared with the phases that follow this one. Never filled at start: each frame writes
+  // what it reads.
+  template <typename T>
+  std::span<T> take_passing(std::size_t count) noexcept {
+    static_assert(std::is_trivially_copyable_v<T> && alignof(T) <= kAlign);
+    const std::size_t bytes = bytes_for<T>(count);
+    STOF_CHECK(bytes <= end_);
+    end_ -= bytes;
+    std::byte* const at = memory_.data() + end_;
+    STOF_CHECK(reinterpret_cast<std::uintptr_t>(at) % kAlign == 0);  // NOLINT: address arithmetic
+    memory_ = memory_.first(std::min(memory_.size(), end_));
+    return {reinterpret_cast<T*>(at), count};  // NOLINT: bytes become elements
   }
 
   // The same, each element `value`.
@@ -92,6 +112,11 @@ class Arena {
     const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
     return ImageView<T>(take<T>(count).data(), width, height);
   }
+  template <typename T>
+  ImageView<T> take_passing_image(int width, int height) noexcept {
+    const std::size_t count = static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+    return ImageView<T>(take_passing<T>(count).data(), width, height);
+  }
   // The same, each pixel `value`.
   template <typename T>
   ImageView<T> take_filled_image(int width, int height, T value) noexcept {
@@ -103,7 +128,10 @@ class Arena {
   // Above what x86-64 and AArch64 give a program, and not where tags of pointers are ignored.
   static constexpr std::uintptr_t kNobodys = std::uintptr_t{1} << 55;
 
-  std::span<std::byte> memory_;
+  friend class ArenaPhase;
+
+  std::span<std::byte> memory_;  // that nobody has, in any phase
+  std::size_t end_;              // where this phase's memory begins, from memory_.data()
 };
 
 // Bytes of an Arena that lay_out(Arena&) takes: construct a part there, or several.

@@ -1,5 +1,6 @@
 #include "dsp/depth/depth_maker.h"
 
+#include "dsp/base/arena_phase.h"
 #include "dsp/base/check.h"
 
 namespace stof::dsp {
@@ -37,13 +38,21 @@ GuideParams guide_params(const Calibration& calibration, const DepthParams& para
 
 }  // namespace
 
+// What lives when: a frame has four phases, one after the other, that share what they take in
+// passing. Each leaves behind:
+//   guide    which candidates each pixel has
+//   match    disparities, their peak ratio, and weak ones
+//   unwrap   the converter's maps, with wrap counts
+//   fuse     the caller's images
+// Pictures, the PMD's maps and all that is remembered from frame to frame last.
 DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params, Arena& arena,
                        const ThreadTeam& team, SearchMaker* searches) noexcept
     : team_(team),
       matcher_(search(calibration, params), calibration.stereo.left.width,
-               calibration.stereo.left.height, arena, team, searches),
+               calibration.stereo.left.height, ArenaPhase(arena), team, searches),
       fuser_(calibration, params.fusion, params.match.min_disparity, params.match.disparities,
-             calibration.stereo.left.width, calibration.stereo.left.height, arena, team.threads()) {
+             calibration.stereo.left.width, calibration.stereo.left.height, ArenaPhase(arena),
+             team.threads()) {
   const int w = calibration.stereo.left.width;
   const int h = calibration.stereo.left.height;
   const MatchParams& match = params.match;
@@ -53,7 +62,7 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
   }
   if (guides(calibration, params)) {
     guide_maker_.emplace(calibration, guide_params(calibration, params), match.min_disparity,
-                         match.disparities, w, h, arena);
+                         match.disparities, w, h, ArenaPhase(arena));
   }
   if (has_pmd(calibration)) {
     converter_.emplace(calibration.pmd, arena, params.temporal);
@@ -61,7 +70,7 @@ DepthMaker::DepthMaker(const Calibration& calibration, const DepthParams& params
   }
   if (unwraps(calibration, params)) {
     unwrapper_.emplace(calibration, params.fusion, match.min_disparity, match.disparities, w, h,
-                       arena, params.temporal);
+                       ArenaPhase(arena), params.temporal);
   }
   if (params.temporal) {
     past_.emplace(w, h, params.fusion.max_range, arena, team.threads());

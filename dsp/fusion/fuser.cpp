@@ -86,15 +86,15 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   }
   t.intervals = make_interval_tables(calibration.stereo, min_disparity, disparities, width,
                                      params.max_range, arena);
-  t.splatted.low = arena.take_image<QuarterMm>(width, height);
-  t.splatted.high = arena.take_image<QuarterMm>(width, height);
-  t.splatted.flags = arena.take_image<std::uint8_t>(width, height);
+  t.splatted.low = arena.take_passing_image<QuarterMm>(width, height);
+  t.splatted.high = arena.take_passing_image<QuarterMm>(width, height);
+  t.splatted.flags = arena.take_passing_image<std::uint8_t>(width, height);
   t.ratio = arena.take_filled(row, std::uint8_t{0});
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
   for (Scratch& scratch : t.scratch) {
-    const Scratch rows{arena.take<QuarterMm>(row), arena.take<QuarterMm>(row),
-                       arena.take<std::uint8_t>(row), arena.take<Cause>(row)};
+    const Scratch rows{arena.take_passing<QuarterMm>(row), arena.take_passing<QuarterMm>(row),
+                       arena.take_passing<std::uint8_t>(row), arena.take_passing<Cause>(row)};
     if (!arena.is_measuring()) {
       scratch = rows;
     }

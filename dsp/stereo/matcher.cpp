@@ -1,5 +1,6 @@
 #include "dsp/stereo/matcher.h"
 
+#include "dsp/base/arena_phase.h"
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/stereo/search/block_search.h"
@@ -36,6 +37,8 @@ class OwnSearches final : public SearchMaker {
 
 }  // namespace
 
+// The pictures live through both phases: rows are searched, all at the same time; then the map is
+// checked.
 Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena,
                  const ThreadTeam& team, SearchMaker* maker) noexcept
     : team_(team),
@@ -44,13 +47,14 @@ Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena,
                                : ImageView<std::int16_t>()),
       ratio_(params.confidence ? arena.take_image<std::uint8_t>(width, height)
                                : ImageView<std::uint8_t>()),
-      checks_(params, width, height, margins_, arena, team) {
+      checks_(params, width, height, margins_, ArenaPhase(arena), team) {
   STOF_CHECK(width >= 1 && height >= 1 && in_ranges(params) && fits(params, width, height));
   OwnSearches own(params);
   SearchMaker& searches = maker != nullptr ? *maker : own;
   rows_at_once_ = searches.rows_at_once(height);
+  const ArenaPhase all(arena);
   for (int thread = 0; thread < team.threads(); ++thread) {
-    searches_[index(thread)] = searches.make(params, width, height, arena);
+    searches_[index(thread)] = searches.make(params, width, height, all);
   }
 }
 

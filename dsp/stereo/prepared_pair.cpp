@@ -55,14 +55,14 @@ void derive_rows(ImageView<const std::uint8_t> in, Rows rows, int cap,
 PreparedPair::PreparedPair(const MatchParams& params, int width, int height, Arena& arena) noexcept
     : params_(params) {
   if (changes_left(params)) {
-    left_buffer_ = arena.take_image<std::uint8_t>(width, height);
+    left_buffer_ = arena.take_passing_image<std::uint8_t>(width, height);
   }
   if (changes_right(params)) {
-    right_buffer_ = arena.take_image<std::uint8_t>(width, height);
+    right_buffer_ = arena.take_passing_image<std::uint8_t>(width, height);
   }
   if (params.prefilter_cap) {
-    left_derivative_ = arena.take_image<std::uint8_t>(width, height);
-    right_derivative_ = arena.take_image<std::uint8_t>(width, height);
+    left_derivative_ = arena.take_passing_image<std::uint8_t>(width, height);
+    right_derivative_ = arena.take_passing_image<std::uint8_t>(width, height);
   }
 }
 

@@ -40,11 +40,11 @@ class RowChecks {
         margin_{.percent = scale.margin_percent, .shift = margin_shift(scale.largest, lanes_)} {
     if (params.left_right_tolerance) {
       const std::size_t right = index(width + lanes_ - 1);
-      lowest_ = arena.take<Sum>(right);
-      right_winners_ = arena.take<std::int16_t>(right);
+      lowest_ = arena.take_passing<Sum>(right);
+      right_winners_ = arena.take_passing<std::int16_t>(right);
     }
     if (kNarrow && cost_fit(params.subpixel) != CostFit::kNone) {
-      widened_ = arena.take<std::uint16_t>(index(width) * index(lanes_));
+      widened_ = arena.take_passing<std::uint16_t>(index(width) * index(lanes_));
     }
   }
 

@@ -13,7 +13,6 @@
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/wire/calibration/calibration_file.h"
-#include "firmware/workspace.h"
 
 namespace stof::firmware {
 namespace {
@@ -147,25 +146,24 @@ std::uint32_t blinding(const settings::Settings& settings) {
 }
 
 // As many threads as there is memory for; each searches in memory of its own.
-std::string share_memory(RunConfig& run_config, const board::Config& config) {
+std::string share_memory(RunConfig& run_config, const board::Config& config, std::size_t room) {
   Setup& setup = run_config.setup;
   const auto measure = [&setup] {
     return dsp::bytes_taken([&setup](dsp::Arena& arena) noexcept {
       Pipeline(setup, arena, dsp::ThreadTeam::standing_for(setup.threads));
     });
   };
-  constexpr std::size_t kRoom = sizeof(Workspace::memory);
   run_config.image_bytes = measure();
-  while (run_config.image_bytes > kRoom && setup.threads > 1) {
+  while (run_config.image_bytes > room && setup.threads > 1) {
     --setup.threads;
     run_config.image_bytes = measure();
   }
-  if (run_config.image_bytes > kRoom) {
+  if (run_config.image_bytes > room) {
     const dsp::Pinhole& left = setup.calibration.stereo.left;
     return "matching " + size_text(left.width, left.height) + " with " +
            std::to_string(setup.depth.match.disparities) + " disparities in this way takes " +
            std::to_string(run_config.image_bytes / kMiB + 1) + " MiB, board " + config.name +
-           " has " + std::to_string(kRoom / kMiB) +
+           " has " + std::to_string(room / kMiB) +
            ": use fewer disparities, fewer threads or another preset";
   }
   return {};
@@ -215,7 +213,8 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
 
 std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
                                                       const board::Config& config,
-                                                      const settings::Settings& settings) {
+                                                      const settings::Settings& settings,
+                                                      std::size_t room) {
   if (const char* const why = settings::problem(settings); *why != '\0') {
     return std::unexpected(std::string(why));
   }
@@ -244,7 +243,7 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   if (std::string why = limits(run_config.setup, config); !why.empty()) {
     return std::unexpected(std::move(why));
   }
-  if (std::string why = share_memory(run_config, config); !why.empty()) {
+  if (std::string why = share_memory(run_config, config, room); !why.empty()) {
     return std::unexpected(std::move(why));
   }
   return run_config;

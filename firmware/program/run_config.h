@@ -11,6 +11,7 @@
 #include "firmware/pipeline/publisher.h"
 #include "firmware/serial/serial_params.h"
 #include "firmware/settings/settings.h"
+#include "firmware/workspace.h"
 
 // From the board's table, the rig and the settings to what the loop runs with. Not for the loop's
 // thread; may allocate. Errors: one line, what, where and what to do.
@@ -39,10 +40,11 @@ struct RunConfig {
   std::size_t image_bytes = 0;  // of memory that the pipeline of this setup takes
 };
 
-// As many of the rig's threads as the board has memory for: each searches in memory of its own. An
-// error where the board has no room for these settings, or no use.
+// As many of the rig's threads as there is room for, bytes for images: each searches in memory of
+// its own. An error where the board has no room for these settings, or no use.
 std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
                                                       const board::Config& config,
-                                                      const settings::Settings& settings);
+                                                      const settings::Settings& settings,
+                                                      std::size_t room = sizeof(Workspace::memory));
 
 }  // namespace stof::firmware

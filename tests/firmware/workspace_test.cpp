@@ -9,6 +9,8 @@
 #include "dsp/base/arena.h"
 #include "dsp/fusion/drift/drift_monitor.h"
 #include "dsp/fusion/fuser.h"
+#include "dsp/fusion/guide/guide_maker.h"
+#include "dsp/fusion/temporal/past_frames.h"
 #include "dsp/fusion/unwrap/unwrapper.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/stereo/matcher.h"
@@ -95,28 +97,35 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
     const dsp::Calibration rig = largest_rig(board);
     if (rig.stereo.raw) {
       EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::Rectifier(rig.stereo, arena); }),
-                rectifier_bytes(s));
+                rectifier_share(s).bytes());
     }
     for (const dsp::MatchParams& params :
          {preset("fast", s), preset("quality", s), preset("chapter", s), large_blocks(s)}) {
       EXPECT_LE(dsp::bytes_taken(
                     [&](dsp::Arena& arena) { dsp::Matcher(params, s.width, s.height, arena); }),
-                matcher_bytes(s));
+                matcher_share(s).bytes());
     }
     EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::PmdConverter(rig.pmd, arena); }),
-              converter_bytes(board.pmd));
+              converter_share(board.pmd).bytes());
     for (const dsp::Calibration& each : {rig, converging(rig)}) {
       EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) {
                   dsp::Fuser(each, {}, 0, s.disparities, s.width, s.height, arena);
                 }),
-                fuser_bytes(s, board.pmd));
+                fuser_share(s, board.pmd).bytes());
       EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) {
                   dsp::Unwrapper(each, {}, 0, s.disparities, s.width, s.height, arena);
                 }),
-                unwrapper_bytes(s, board.pmd));
+                unwrapper_share(s, board.pmd).bytes());
     }
+    EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) {
+                dsp::GuideMaker(rig, {}, 0, s.disparities, s.width, s.height, arena);
+              }),
+              guide_share(s, board.pmd).bytes());
+    EXPECT_LE(dsp::bytes_taken(
+                  [&](dsp::Arena& arena) { dsp::PastFrames(s.width, s.height, 40000, arena); }),
+              past_share(s, board.pmd).lasting);
     EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::DriftMonitor(rig, {}, arena); }),
-              monitor_bytes(board.pmd));
+              monitor_share(board.pmd).bytes());
   }
 }
 
@@ -150,11 +159,11 @@ std::size_t coded_bytes_of(const firmware::Setup& setup) {
 
 // Whatever preset and streams: all static memory of a VGA board, as it is taken and as it is
 // reserved.
-TEST(Workspace, OfAVgaBoardStaysWithin24MiBWithEveryPreset) {
+TEST(Workspace, OfAVgaBoardStaysWithin17MiBWithEveryPreset) {
   const Sizes vga{kVga, kVgaPmd};
   const std::size_t reserved =
       workspace_bytes(vga.stereo, vga.pmd) + coded_bytes(vga.stereo, vga.pmd) + kOtherStaticBytes;
-  EXPECT_LE(reserved, 24 * kMiB);
+  EXPECT_LE(reserved, kVgaLimit);
   std::size_t most = 0;
   for (const char* const name : {"fast", "quality", "chapter"}) {
     SCOPED_TRACE(name);
@@ -164,10 +173,13 @@ TEST(Workspace, OfAVgaBoardStaysWithin24MiBWithEveryPreset) {
     EXPECT_LE(coded_bytes_of(setup), coded_bytes(vga.stereo, vga.pmd));
     most = std::max(most, images);
   }
-  // A guide and the past go together with the default preset.
-  firmware::Setup guided = largest_setup(vga, preset("fast", vga.stereo));
-  guided.depth.guided = true;
-  EXPECT_LE(image_bytes_of(guided), workspace_bytes(vga.stereo, vga.pmd));
+  // A guide and the past go together.
+  for (const char* const name : {"fast", "quality"}) {
+    SCOPED_TRACE(name);
+    firmware::Setup guided = largest_setup(vga, preset(name, vga.stereo));
+    guided.depth.guided = true;
+    EXPECT_LE(image_bytes_of(guided), workspace_bytes(vga.stereo, vga.pmd));
+  }
   EXPECT_GE(most, workspace_bytes(vga.stereo, vga.pmd) / 10 * 8);  // the bound is a near one
 }
 
@@ -184,7 +196,7 @@ TEST(Workspace, HoldsTheLargestFramesAndLittleMore) {
 
 TEST(Workspace, GrowsWithEveryDimension) {
   const std::size_t vga = workspace_bytes(kVga, kVgaPmd);
-  EXPECT_LE(vga, 24 * kMiB);
+  EXPECT_LE(vga, kVgaLimit);
   board::StereoConfig wider = kVga;
   ++wider.width;
   EXPECT_GT(workspace_bytes(wider, kVgaPmd), vga);

@@ -18,13 +18,15 @@ constexpr std::size_t kMostPlaces = 3;  // the reading and both ends of its inte
 
 Reprojector::Points Reprojector::take_points(Arena& arena, int count) noexcept {
   const std::size_t n = index(count);
-  return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<QuarterMm>(n)};
+  return {arena.take_passing<std::int32_t>(n), arena.take_passing<std::int32_t>(n),
+          arena.take_passing<QuarterMm>(n)};
 }
 
 Reprojector::Extents Reprojector::take_extents(Arena& arena, int count) noexcept {
   const std::size_t n = index(count);
-  return {arena.take<std::int32_t>(n), arena.take<std::int32_t>(n), arena.take<std::int16_t>(n),
-          arena.take<std::int16_t>(n), arena.take<std::int16_t>(n), arena.take<std::int16_t>(n)};
+  return {arena.take_passing<std::int32_t>(n), arena.take_passing<std::int32_t>(n),
+          arena.take_passing<std::int16_t>(n), arena.take_passing<std::int16_t>(n),
+          arena.take_passing<std::int16_t>(n), arena.take_passing<std::int16_t>(n)};
 }
 
 Reprojector::Reprojector(const Calibration& calibration, int left_width, int left_height,
@@ -44,8 +46,8 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   scale_.x = static_cast<float>(left.fx / pmd.fx / 2 * kPositionOne / kQ15One);
   scale_.y = static_cast<float>(left.fy / pmd.fy / 2 * kPositionOne / kQ15One);
   rays_ = make_ray_table(calibration, arena);
-  footprints_ = arena.take<Footprint>(kMostPlaces * pixel_count(width_, height_));
-  bands_ = arena.take<Band>(index(height_));
+  footprints_ = arena.take_passing<Footprint>(kMostPlaces * pixel_count(width_, height_));
+  bands_ = arena.take_passing<Band>(index(height_));
   low_ = take_points(arena, width_);
   centre_ = take_points(arena, width_);
   high_ = take_points(arena, width_);

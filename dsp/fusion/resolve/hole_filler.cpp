@@ -198,8 +198,8 @@ HoleFiller::HoleFiller(int width, int height, QuarterMm max_range, Arena& arena)
     : width_(width), height_(height), max_range_(max_range) {
   const int columns = (width + kCell - 1) / kCell;
   const int rows = (height + kCell - 1) / kCell;
-  near_ = arena.take_image<QuarterMm>(columns, rows);
-  far_ = arena.take_image<QuarterMm>(columns, rows);
+  near_ = arena.take_passing_image<QuarterMm>(columns, rows);
+  far_ = arena.take_passing_image<QuarterMm>(columns, rows);
 }
 
 Rows HoleFiller::map_rows(Rows cells) const noexcept {

@@ -33,13 +33,13 @@ inline bool has_bit(std::span<const std::uint16_t> bits, std::size_t i, int k) n
 // Findings about the pixels of a frame, row by row.
 struct WrapMaps {
   WrapMaps(int columns, int lines, Arena& arena) noexcept : width(columns), height(lines) {
-    readings = arena.take<Reading>(pixels());
-    vote = arena.take<std::int8_t>(pixels());
-    wraps = arena.take<std::int8_t>(pixels());
-    possible = arena.take<std::uint16_t>(pixels());
-    mixed = arena.take<std::uint16_t>(pixels());
-    bright = arena.take<bool>(pixels());
-    seen = arena.take<bool>(pixels());
+    readings = arena.take_passing<Reading>(pixels());
+    vote = arena.take_passing<std::int8_t>(pixels());
+    wraps = arena.take_passing<std::int8_t>(pixels());
+    possible = arena.take_passing<std::uint16_t>(pixels());
+    mixed = arena.take_passing<std::uint16_t>(pixels());
+    bright = arena.take_passing<bool>(pixels());
+    seen = arena.take_passing<bool>(pixels());
   }
 
   std::size_t pixels() const noexcept { return pixel_count(width, height); }

@@ -42,12 +42,12 @@ AggregatedAdCensus::AggregatedAdCensus(const MatchParams& params, int width, Are
       lanes_(index(lanes_of(params))),
       pixels_(PixelCost::kAdCensus, params, width, {}, arena) {
   const std::size_t n = index(width);
-  sums_ = arena.take<std::uint8_t>(index(kKept) * n * lanes_);
-  counts_ = arena.take<std::uint8_t>(index(kKept) * n);
-  costs_ = arena.take<std::uint8_t>(n * lanes_);
-  joined_ = arena.take<std::uint8_t>(n + 1);
-  below_ = arena.take<std::uint8_t>(n);
-  columns_ = arena.take<CrossColumn>(n);
+  sums_ = arena.take_passing<std::uint8_t>(index(kKept) * n * lanes_);
+  counts_ = arena.take_passing<std::uint8_t>(index(kKept) * n);
+  costs_ = arena.take_passing<std::uint8_t>(n * lanes_);
+  joined_ = arena.take_passing<std::uint8_t>(n + 1);
+  below_ = arena.take_passing<std::uint8_t>(n);
+  columns_ = arena.take_passing<CrossColumn>(n);
 }
 
 void AggregatedAdCensus::start(ImageView<const std::uint8_t> left,

@@ -46,8 +46,8 @@ void reverse_row(std::span<const std::uint8_t> row, CostColumns columns, int min
 
 RowPair RowPair::take(const MatchParams& params, int width, Arena& arena) noexcept {
   const int left = width + params.block_width - 1;
-  return {.left = arena.take<std::uint8_t>(index(left)),
-          .right = arena.take<std::uint8_t>(index(left + lanes_of(params) - 1))};
+  return {.left = arena.take_passing<std::uint8_t>(index(left)),
+          .right = arena.take_passing<std::uint8_t>(index(left + lanes_of(params) - 1))};
 }
 
 RowPair RowPair::load(const CostPictures& pictures, int y,

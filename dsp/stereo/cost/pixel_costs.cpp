@@ -58,15 +58,15 @@ PixelCosts::PixelCosts(PixelCost cost, const MatchParams& params, int width, Cos
   const std::size_t planes = planes_of(bits_of(cost));
   const std::size_t left = elements(width, columns);
   const std::size_t right = left + index(lanes_) - 1;
-  described_ = arena.take<std::uint8_t>(planes * index(width));
-  left_.planes = arena.take<std::uint8_t>(planes * left);
-  right_.planes = arena.take<std::uint8_t>(planes * right);
+  described_ = arena.take_passing<std::uint8_t>(planes * index(width));
+  left_.planes = arena.take_passing<std::uint8_t>(planes * left);
+  right_.planes = arena.take_passing<std::uint8_t>(planes * right);
   if (cost == PixelCost::kAdCensus) {
-    derived_ = arena.take<std::uint8_t>(index(width));
-    left_.grey = arena.take<std::uint8_t>(left);
-    left_.derivative = arena.take<std::uint8_t>(left);
-    right_.grey = arena.take<std::uint8_t>(right);
-    right_.derivative = arena.take<std::uint8_t>(right);
+    derived_ = arena.take_passing<std::uint8_t>(index(width));
+    left_.grey = arena.take_passing<std::uint8_t>(left);
+    left_.derivative = arena.take_passing<std::uint8_t>(left);
+    right_.grey = arena.take_passing<std::uint8_t>(right);
+    right_.derivative = arena.take_passing<std::uint8_t>(right);
   }
 }
 

@@ -27,13 +27,14 @@ BlockSearch::BlockSearch(const MatchParams& params, int width, Arena& arena) noe
     : params_(params),
       blocks_(params, width, arena),
       checks_(params, scale_of(params), width, arena),
-      winners_(arena.take<std::int16_t>(index(width))) {
+      winners_(arena.take_passing<std::int16_t>(index(width))) {
   const std::size_t row = index(width) * index(lanes_of(params));
   if (looks_at_costs(params)) {
-    costs_ = arena.take<std::uint16_t>(row + 2 * kBlockCostMargin).subspan(kBlockCostMargin, row);
+    costs_ = arena.take_passing<std::uint16_t>(row + 2 * kBlockCostMargin)
+                 .subspan(kBlockCostMargin, row);
   }
   if (params.guided) {
-    masked_ = arena.take<std::uint16_t>(row);
+    masked_ = arena.take_passing<std::uint16_t>(row);
   }
 }
 

@@ -18,9 +18,9 @@ SemiGlobal<Cost, Sum>::Fronts SemiGlobal<Cost, Sum>::take_fronts(int shifts, std
                                                                  Arena& arena) noexcept {
   Fronts fronts;
   for (int k = 0; k < shifts; ++k) {
-    fronts[index(k)].paths = arena.take<Cost>(row);
+    fronts[index(k)].paths = arena.take_passing<Cost>(row);
     if (k > 0) {
-      fronts[index(k)].next = arena.take<Cost>(row);
+      fronts[index(k)].next = arena.take_passing<Cost>(row);
     }
   }
   return fronts;
@@ -31,18 +31,18 @@ SemiGlobal<Cost, Sum>::SemiGlobal(const PathParams<Cost>& params, int width, Are
     : params_(params), down_(shifts_down(params.directions)), up_(shifts_up(params.directions)) {
   STOF_CHECK(valid(params.directions) && params.lanes % kCostLanes == 0);
   const std::size_t row = index(width) * index(params.lanes);
-  costs_ = arena.take<Cost>(row * index(kKept));
-  upwards_ = arena.take<Cost>(row * index(up_) * kStripe);
+  costs_ = arena.take_passing<Cost>(row * index(kKept));
+  upwards_ = arena.take_passing<Cost>(row * index(up_) * kStripe);
   downward_ = take_fronts(std::max(down_, up_), row, arena);
   ahead_ = take_fronts(std::max(down_, up_), row, arena);
   if (!in_place()) {
-    row_.from_left = arena.take<Cost>(row);
-    row_.from_right = arena.take<Cost>(row);
-    row_.sums = arena.take<Sum>(row);
+    row_.from_left = arena.take_passing<Cost>(row);
+    row_.from_right = arena.take_passing<Cost>(row);
+    row_.sums = arena.take_passing<Sum>(row);
   }
-  row_.large = arena.take<Cost>(index(width) + 1);
-  row_.across = arena.take<Cost>(index(width));
-  row_.masked = arena.take<Cost>(params.guided ? row : 0);
+  row_.large = arena.take_passing<Cost>(index(width) + 1);
+  row_.across = arena.take_passing<Cost>(index(width));
+  row_.masked = arena.take_passing<Cost>(params.guided ? row : 0);
 }
 
 template <typename Cost, typename Sum>

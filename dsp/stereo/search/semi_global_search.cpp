@@ -39,7 +39,7 @@ SemiGlobalSearch::SemiGlobalSearch(const MatchParams& params, int width, Arena& 
       costs_(params, width, arena),
       paths_(ad_census_path_params(params, kDirections), width, arena),
       checks_(params, kAdCensusScale, width, arena),
-      winners_(arena.take<std::int16_t>(index(width))) {}
+      winners_(arena.take_passing<std::int16_t>(index(width))) {}
 
 void SemiGlobalSearch::start(const PreparedPair& pair, Guide guide) noexcept {
   pair_ = &pair;

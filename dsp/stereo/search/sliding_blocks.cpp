@@ -12,7 +12,8 @@ namespace stof::dsp {
 SlidingBlocks::SlidingBlocks(const MatchParams& params, int width, Arena& arena) noexcept
     : params_(params), width_(width), lanes_(lanes_of(params)) {
   STOF_CHECK(blocks_fit(params));
-  columns_ = arena.take<std::uint16_t>(index(width + params.block_width - 1) * index(lanes_));
+  columns_ =
+      arena.take_passing<std::uint16_t>(index(width + params.block_width - 1) * index(lanes_));
   new_ = RowPair::take(params, width, arena);
   old_ = RowPair::take(params, width, arena);
 }

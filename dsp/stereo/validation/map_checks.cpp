@@ -38,7 +38,7 @@ MapChecks::MapChecks(const MatchParams& params, int width, int height,
                      ImageView<std::int16_t> margins, Arena& arena, const ThreadTeam& team) noexcept
     : params_(params), team_(team), margins_(margins) {
   if (params.median || keeps_weak(params)) {
-    spare_ = arena.take_image<Disparity>(width, height);
+    spare_ = arena.take_passing_image<Disparity>(width, height);
   }
   if (keeps_weak(params)) {
     // Margins are of no use once the indistinct ones are dropped.
@@ -53,7 +53,7 @@ MapChecks::MapChecks(const MatchParams& params, int width, int height,
     windows_[index(thread)] = WindowSums(width, arena);
   }
   if (params.histogram_permille) {
-    counts_ = arena.take<std::uint32_t>(index(params.disparities) + 1);
+    counts_ = arena.take_passing<std::uint32_t>(index(params.disparities) + 1);
   }
   if (params.speckle_pixels) {
     speckles_[0] = SpeckleScratch(width, height, arena);

@@ -203,13 +203,13 @@ class Patches {
 }  // namespace
 
 SpeckleScratch::SpeckleScratch(int width, int height, Arena& arena) noexcept
-    : links(arena.take<std::int32_t>(static_cast<std::size_t>(width) *
-                                     static_cast<std::size_t>(height))) {
+    : links(arena.take_passing<std::int32_t>(static_cast<std::size_t>(width) *
+                                             static_cast<std::size_t>(height))) {
   for (Line& line : lines) {
-    line = {.raw = arena.take<std::int16_t>(line_size(width)),
-            .valid = arena.take<Word>(words_of(width)),
-            .begins = arena.take<Word>(words_of(width)),
-            .runs = arena.take<std::int32_t>(words_of(width))};
+    line = {.raw = arena.take_passing<std::int16_t>(line_size(width)),
+            .valid = arena.take_passing<Word>(words_of(width)),
+            .begins = arena.take_passing<Word>(words_of(width)),
+            .runs = arena.take_passing<std::int32_t>(words_of(width))};
   }
 }
 

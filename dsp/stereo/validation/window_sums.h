@@ -23,9 +23,9 @@ class WindowSums {
   WindowSums() = default;
   // For rows of up to `width` columns.
   WindowSums(int width, Arena& arena) noexcept
-      : all_columns_(arena.take<std::int32_t>(index(width))),
-        padded_(arena.take<std::int32_t>(index(width) + kWindow - 1)),
-        values_(arena.take<std::int16_t>(index(width))) {}
+      : all_columns_(arena.take_passing<std::int32_t>(index(width))),
+        padded_(arena.take_passing<std::int32_t>(index(width) + kWindow - 1)),
+        values_(arena.take_passing<std::int16_t>(index(width))) {}
 
   // Forgets all rows; the next ones have so many columns.
   void start(int width) noexcept {

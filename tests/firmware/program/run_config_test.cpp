@@ -85,12 +85,27 @@ TEST(MakePlan, TakesAllThreadsWhereThereIsMemoryForThem) {
   }
 }
 
-// Searches of one kind that take more and more: as many threads as fit, then one, then a refusal.
+TEST(MakePlan, RefusesNothingThatTheBoardsTableAllows) {
+  const RigInfo rig = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
+  for (const settings::DepthPreset preset :
+       {settings::DepthPreset::kFast, settings::DepthPreset::kQuality}) {
+    settings::Settings settings;
+    settings.depth.preset = preset;
+    settings.depth.guided = true;
+    settings.depth.temporal = true;
+    const auto run_config = make_run_config(rig, board::kConfig, settings);
+    EXPECT_TRUE(run_config) << run_config.error();
+  }
+}
+
+// Searches of one kind that take more and more of less memory than the board's: as many threads as
+// fit, then one, then a refusal.
 TEST(MakePlan, RefusesOnlyWhatOneThreadHasNoMemoryFor) {
   RigInfo rig = rig_of(board::kConfig.pmd.width, board::kConfig.pmd.height);
   settings::Settings settings = quality();
   settings.depth.guided = true;
   settings.depth.temporal = true;
+  constexpr std::size_t kRoom = kMemory / 3 * 2;
   int alone = 0;
   int refused = 0;
   for (int width = 16; width <= board::kConfig.pmd.width; width += 16) {
@@ -100,15 +115,15 @@ TEST(MakePlan, RefusesOnlyWhatOneThreadHasNoMemoryFor) {
       firmware::Setup setup{.calibration = rig.calibration,
                             .depth = settings::depth_params(settings, rig.disparities)};
       const std::size_t one = bytes_of(setup, 1);
-      const auto run_config = make_run_config(rig, board::kConfig, settings);
-      ASSERT_EQ(run_config.has_value(), one <= kMemory) << width << "x" << height;
+      const auto run_config = make_run_config(rig, board::kConfig, settings, kRoom);
+      ASSERT_EQ(run_config.has_value(), one <= kRoom) << width << "x" << height;
       if (run_config) {
         alone += run_config->setup.threads == 1 ? 1 : 0;
         continue;
       }
       ++refused;
       const std::string figure = "takes " + std::to_string(one / kMiB + 1) + " MiB, board " +
-                                 board::kConfig.name + " has " + std::to_string(kMemory / kMiB) +
+                                 board::kConfig.name + " has " + std::to_string(kRoom / kMiB) +
                                  ": use fewer disparities";
       ASSERT_NE(run_config.error().find(figure), std::string::npos) << run_config.error();
     }

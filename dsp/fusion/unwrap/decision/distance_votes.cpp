@@ -23,9 +23,9 @@ DistanceVotes::DistanceVotes(int width, int height, std::uint32_t range, Arena& 
   }
   bin_bits_ = bits;
   bins_ = index(kMaxQuarterMm >> bits) + 3;
-  votes_ = arena.take<std::uint16_t>(elements(width, height, bins_));
-  sums_ = arena.take<std::uint16_t>(votes_.size());
-  line_ = arena.take<std::uint16_t>(elements(width, 1, bins_));
+  votes_ = arena.take_passing<std::uint16_t>(elements(width, height, bins_));
+  sums_ = arena.take_passing<std::uint16_t>(votes_.size());
+  line_ = arena.take_passing<std::uint16_t>(elements(width, 1, bins_));
 }
 
 std::size_t DistanceVotes::at(int cell_x, int cell_y) const noexcept {

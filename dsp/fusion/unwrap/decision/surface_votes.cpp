@@ -38,15 +38,15 @@ void lengthen(std::span<const SurfaceLink> links, std::span<const std::uint8_t> 
 SurfaceVotes::SurfaceVotes(int width, int height, Arena& arena) noexcept
     : width_(width),
       height_(height),
-      right_(arena.take<std::int8_t>(pixel_count(width, height))),
-      below_(arena.take<std::int8_t>(pixel_count(width, height))),
-      left_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
-      right_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
-      upper_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
-      lower_arm_(arena.take<std::uint8_t>(pixel_count(width, height))),
+      right_(arena.take_passing<std::int8_t>(pixel_count(width, height))),
+      below_(arena.take_passing<std::int8_t>(pixel_count(width, height))),
+      left_arm_(arena.take_passing<std::uint8_t>(pixel_count(width, height))),
+      right_arm_(arena.take_passing<std::uint8_t>(pixel_count(width, height))),
+      upper_arm_(arena.take_passing<std::uint8_t>(pixel_count(width, height))),
+      lower_arm_(arena.take_passing<std::uint8_t>(pixel_count(width, height))),
       whole_(arena.take_filled(index(width) + 2 * index(kArm), std::uint8_t{0})),
-      line_(arena.take<std::uint64_t>(kMostWords * index(width + 1))),
-      columns_(arena.take<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
+      line_(arena.take_passing<std::uint64_t>(kMostWords * index(width + 1))),
+      columns_(arena.take_passing<std::uint64_t>(kMostWords * pixel_count(width, height + 1))) {}
 
 // Arms end at the wrap: behind it the same surface has wrapped once more, or once less. Loops
 // without branches over local spans, which bytes that are written cannot change: so compilers make

@@ -54,9 +54,9 @@ WrapDecision::WrapDecision(int pmd_width, int pmd_height, double focal, std::uin
       surfaces_(pmd_width, pmd_height, arena),
       regions_(pixel_count(pmd_width, pmd_height), arena),
       slant_divisor_(static_cast<std::uint32_t>(std::max(focal / 2, 1.0))),
-      slants_(arena.take<std::int32_t>(index(pmd_width))),
+      slants_(arena.take_passing<std::int32_t>(index(pmd_width))),
       open_(arena.take_filled(pixel_count(pmd_width, pmd_height + 2), std::uint8_t{0})),
-      beside_(arena.take<std::uint8_t>(index(pmd_width))) {}
+      beside_(arena.take_passing<std::uint8_t>(index(pmd_width))) {}
 
 void WrapDecision::link_all(const WrapMaps& maps) noexcept {
   const std::size_t row = index(maps.width);

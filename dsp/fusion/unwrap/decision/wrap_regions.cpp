@@ -15,12 +15,12 @@ constexpr int kMostGain = 15;  // 16 wraps at most
 }  // namespace
 
 WrapRegions::WrapRegions(std::size_t pixels, Arena& arena) noexcept
-    : parent_(arena.take<std::int32_t>(pixels)),
-      gain_(arena.take<std::int16_t>(pixels)),
-      base_(arena.take<std::int16_t>(pixels)),
-      size_(arena.take<std::int32_t>(pixels)),
-      proofs_(arena.take<std::int32_t>(pixels)),
-      against_(arena.take<std::int32_t>(pixels)) {}
+    : parent_(arena.take_passing<std::int32_t>(pixels)),
+      gain_(arena.take_passing<std::int16_t>(pixels)),
+      base_(arena.take_passing<std::int16_t>(pixels)),
+      size_(arena.take_passing<std::int32_t>(pixels)),
+      proofs_(arena.take_passing<std::int32_t>(pixels)),
+      against_(arena.take_passing<std::int32_t>(pixels)) {}
 
 void WrapRegions::clear() noexcept {
   for (std::size_t i = 0; i < parent_.size(); ++i) {

@@ -52,17 +52,17 @@ StereoSamples::StereoSamples(const StereoRig& rig, std::int16_t sigma, int min_d
   STOF_CHECK(sigma >= 0 && sigma <= kMaxStereoSigma);
   const std::size_t row = index(width);
   if (tables_.converging) {
-    near_ = arena.take<QuarterMm>(row);
-    far_ = arena.take<QuarterMm>(row);
+    near_ = arena.take_passing<QuarterMm>(row);
+    far_ = arena.take_passing<QuarterMm>(row);
   }
-  some_ = arena.take<Disparity>(row);
+  some_ = arena.take_passing<Disparity>(row);
   half_ = arena.take_filled(row, static_cast<std::uint8_t>(2 * sigma));
   grid_.step_bits = step_bits_for(footprint);
   grid_.columns = samples(width, grid_.step_bits);
   grid_.rows = samples(height, grid_.step_bits);
   grid_.stride = grid_.columns + 2 * kGridBorder;
-  low_ = arena.take_filled(grid_size(grid_.columns, grid_.rows), kMaxQuarterMm);
-  high_ = arena.take_filled(low_.size(), kNoDepth);
+  low_ = arena.take_passing<QuarterMm>(grid_size(grid_.columns, grid_.rows));
+  high_ = arena.take_passing<QuarterMm>(low_.size());
   const std::ptrdiff_t origin = kGridBorder * grid_.stride + kGridBorder;
   grid_.low = low_.data() + origin;
   grid_.high = high_.data() + origin;
@@ -90,21 +90,30 @@ void StereoSamples::take_row(std::span<const Disparity> disparity, std::span<Qua
   }
 }
 
+// Nothing is known from element `begin` to `end`.
+void StereoSamples::clear(std::size_t begin, std::size_t end) noexcept {
+  std::ranges::fill(low_.subspan(begin, end - begin), kMaxQuarterMm);
+  std::ranges::fill(high_.subspan(begin, end - begin), kNoDepth);
+}
+
 void StereoSamples::take(ImageView<const Disparity> disparity) noexcept {
   if (disparity.empty()) {
-    std::ranges::fill(low_, kMaxQuarterMm);
-    std::ranges::fill(high_, kNoDepth);
+    clear(0, low_.size());
     return;
   }
   STOF_CHECK(samples(disparity.width(), grid_.step_bits) == grid_.columns &&
              samples(disparity.height(), grid_.step_bits) == grid_.rows);
   const std::size_t columns = index(grid_.columns);
   const int step = 1 << grid_.step_bits;
+  std::size_t done = 0;  // what lies between rows is the border
   for (int j = 0; j < grid_.rows; ++j) {
     const int y = std::min(j * step + step / 2, disparity.height() - 1);
     const std::size_t at = static_cast<std::size_t>((j + kGridBorder) * grid_.stride + kGridBorder);
+    clear(done, at);
     take_row(disparity.row(y), low_.subspan(at, columns), high_.subspan(at, columns));
+    done = at + columns;
   }
+  clear(done, low_.size());
 }
 
 }  // namespace stof::dsp

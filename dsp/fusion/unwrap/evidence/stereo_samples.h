@@ -30,6 +30,7 @@ class StereoSamples {
  private:
   void take_row(std::span<const Disparity> disparity, std::span<QuarterMm> low,
                 std::span<QuarterMm> high) noexcept;
+  void clear(std::size_t begin, std::size_t end) noexcept;
 
   SampleGrid grid_;
   IntervalTables tables_;

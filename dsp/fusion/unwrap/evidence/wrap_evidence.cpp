@@ -27,10 +27,10 @@ WrapEvidence::WrapEvidence(const Calibration& calibration, const FusionParams& p
       projection_(projection_of(calibration)),
       rays_(make_ray_table(calibration, arena)) {
   const std::size_t row = index(calibration.pmd.lens.width);
-  support_ = {arena.take<std::int16_t>(row), arena.take<std::uint16_t>(row)};
-  candidates_ = {arena.take<QuarterMm>(row),    arena.take<std::int32_t>(row),
-                 arena.take<std::int32_t>(row), arena.take<QuarterMm>(row),
-                 arena.take<QuarterMm>(row),    arena.take<Votes>(row)};
+  support_ = {arena.take_passing<std::int16_t>(row), arena.take_passing<std::uint16_t>(row)};
+  candidates_ = {arena.take_passing<QuarterMm>(row),    arena.take_passing<std::int32_t>(row),
+                 arena.take_passing<std::int32_t>(row), arena.take_passing<QuarterMm>(row),
+                 arena.take_passing<QuarterMm>(row),    arena.take_passing<Votes>(row)};
 }
 
 void WrapEvidence::read_row(const PmdMaps& pmd, int y, const AmplitudeBound& bound,
