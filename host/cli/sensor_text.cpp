@@ -39,6 +39,14 @@ std::string name_of(std::uint8_t condition) {
   return info != nullptr ? info->name : "condition " + std::to_string(condition);
 }
 
+// Who changed the settings, of the condition's value: an IPv4 address, or an IPv6 address's end.
+std::string changer(std::uint32_t value) {
+  if (value == 0) {
+    return "the serial line";
+  }
+  return printed("%u.%u.%u.%u", value >> 24, value >> 16 & 0xFF, value >> 8 & 0xFF, value & 0xFF);
+}
+
 // Of the sensor's last second: nothing before its first one has passed, no latency without a frame.
 std::string last_second(const wire::HealthReport& health) {
   constexpr std::uint32_t kFirstMs = 2000;
@@ -74,6 +82,9 @@ std::string event_line(const wire::EventReport& event) {
   line += " began";
   if (info != nullptr) {
     line += std::string(": ") + info->text;
+  }
+  if (static_cast<wire::Condition>(event.condition) == wire::Condition::kSettingsChanged) {
+    line += " (by " + changer(event.value) + ")";
   }
   return line + "; " + advice(event.reaction);
 }

@@ -6,6 +6,13 @@
 namespace stof::client {
 namespace {
 
+// Characters without a width, and those that turn the direction of what follows: a name with them
+// may look like another one (Unicode Standard Annex 9 and Technical Report 36).
+bool hidden(unsigned code) {
+  return (code >= 0x200b && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) ||
+         (code >= 0x2060 && code <= 0x206f) || code == 0x061c || code == 0xfeff;
+}
+
 // Bytes of the character of UTF-8 that the text begins with and that does not control a terminal;
 // 0: there is none.
 std::size_t harmless(std::string_view text) {
@@ -29,7 +36,7 @@ std::size_t harmless(std::string_view text) {
     code = code << 6 | (byte(i) & 0x3f);
   }
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  return code >= kLeast[length] && code <= 0x10ffff && !surrogate ? length : 0;
+  return code >= kLeast[length] && code <= 0x10ffff && !surrogate && !hidden(code) ? length : 0;
 }
 
 }  // namespace

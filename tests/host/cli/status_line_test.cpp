@@ -142,6 +142,10 @@ TEST(EventLine, SaysWhatToDo) {
       "event: drift began: the rig has drifted from its calibration: calibrate it anew; go on, "
       "and tell whoever maintains the robot");
   EXPECT_EQ(event_line({.condition = 8, .active = 0}), "event: drift ended");
+  EXPECT_NE(event_line({.condition = 23, .active = 1, .value = 0x0A000007}).find("(by 10.0.0.7)"),
+            std::string::npos);
+  EXPECT_NE(event_line({.condition = 23, .active = 1}).find("(by the serial line)"),
+            std::string::npos);
   // Of a newer sensor.
   EXPECT_EQ(event_line({.condition = 200, .reaction = wire::Reaction::kSlow, .active = 1}),
             "event: condition 200 began; slow down: expect gaps");
