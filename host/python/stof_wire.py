@@ -499,7 +499,7 @@ class FrameInfo(Layout):
     # (without the waits of pacing)
     stage_us: tuple = (0,) * 6
     # frames in a row that this depth stands on, itself included: for how many the camera stood; 1:
-    # it stands alone
+    # it stands alone, as each of the PMD camera alone does
     steady_frames: int = 0
     # CRC-32C of the document of the settings this frame was made with, see "Settings"; 0: not told
     settings_fingerprint: int = 0
