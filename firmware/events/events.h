@@ -29,7 +29,7 @@ enum class EventKind : std::uint8_t {
   kSilent,  // component: a camera that is there, and several edges in a row got nothing usable of
             // it
   kFrozen,  // the same, because it repeats what it sent; value: as of the condition
-  kDark,    // the same, because the light of its lamp has gone
+  kDark,    // the same, because its samples hold no light of its lamp
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
   kSettingsChanged,  // value: who, as of the condition
@@ -53,7 +53,7 @@ enum class Drop : std::uint8_t {
   kStale,        // its sequence number does not advance, or its pixels are those of before
   kWrongSize,    // not the size of the calibration
   kUnpartnered,  // it was good, its partner never came
-  kDark,         // of the PMD camera: its lamp gives no light any more
+  kDark,         // of the PMD camera: no light of its lamp
 };
 inline constexpr std::size_t kDrops = 9;
 

@@ -112,8 +112,7 @@ std::string describe(const Event& event) {
       return std::string(name(event.component)) + " frozen: " + frozen_text(event) +
              " comes again and again";
     case EventKind::kDark:
-      return std::string(name(event.component)) +
-             " dark: its samples have lost all light of its lamp at once";
+      return std::string(name(event.component)) + " dark: its samples hold no light of its lamp";
     case EventKind::kStandsOn:
       return standing_text(event.value);
     case EventKind::kSettingsChanged:

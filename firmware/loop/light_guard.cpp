@@ -1,18 +1,26 @@
 #include "firmware/loop/light_guard.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 
 namespace stof::firmware {
 namespace {
 
-constexpr int kWatchedRowStep = 4;
-constexpr int kPixelsForEachLit = 8;      // of a picture with much light
-constexpr int kPixelsForEachStray = 256;  // of one without any
+constexpr int kWatchedRows = 36;  // and less than twice as many
+constexpr int kPixelsForEachStray = 256;
+constexpr int kPixelsForEachReturned = 128;
 constexpr int kVariances = 40;
 constexpr int kSamples = 4;
 constexpr int kQ16 = 16;
+// The even sums have 4 variances. Their square is below 0.455 times that in half of the pixels;
+// with 1.5 times the variance that is 40 / 15 of one.
+constexpr int kMedianShare = 15;
+
+// By how much noise may exceed the calibration's: 4^level in variance.
+constexpr std::size_t kLevels = 5;
+using Counts = std::array<int, kLevels>;
 
 // 40 times a variance. Limited so that it can be computed with, whatever a calibration says.
 std::int64_t threshold_q16(double variance) noexcept {
@@ -21,6 +29,13 @@ std::int64_t threshold_q16(double variance) noexcept {
   return std::llround(std::clamp(kVariances * kOne * variance, -kLimit, kLimit));
 }
 
+int whole_lsb(double value) noexcept {
+  constexpr double kLimit = 65535;
+  return static_cast<int>(std::lround(std::clamp(value, -kLimit, kLimit)));
+}
+
+std::int64_t square_sum(std::int64_t a, std::int64_t b) noexcept { return a * a + b * b; }
+
 }  // namespace
 
 LightGuard::LightGuard(const dsp::PmdSensor& sensor) noexcept
@@ -28,29 +43,41 @@ LightGuard::LightGuard(const dsp::PmdSensor& sensor) noexcept
       noise_q16_(
           threshold_q16(sensor.noise_lsb * sensor.noise_lsb +
                         (sensor.suppressed_lsb - sensor.dark_lsb) / sensor.electrons_per_lsb)),
-      shot_q16_(threshold_q16(1 / (kSamples * sensor.electrons_per_lsb))) {}
+      shot_q16_(threshold_q16(1 / (kSamples * sensor.electrons_per_lsb))),
+      stray_i_(whole_lsb(sensor.frequency.stray_i_lsb)),
+      stray_q_(whole_lsb(sensor.frequency.stray_q_lsb)) {}
 
-bool LightGuard::gone(const hal::PmdFrame& frame) noexcept {
-  int lit = 0;
+bool LightGuard::is_lit(const hal::PmdFrame& frame) noexcept {
+  Counts lit{};
+  Counts spread{};  // even sums above what this level explains in half of the pixels
   int all = 0;
-  for (int y = 0; y < frame.samples[0].height(); y += kWatchedRowStep) {
+  const int height = frame.samples[0].height();
+  for (int y = 0; y < height; y += std::max(height / kWatchedRows, 1)) {
     const auto a0 = frame.samples[0].row(y);
     const auto a1 = frame.samples[1].row(y);
     const auto a2 = frame.samples[2].row(y);
     const auto a3 = frame.samples[3].row(y);
     for (std::size_t x = 0; x < a0.size(); ++x) {
-      const std::int64_t in_phase = int{a0[x]} - int{a2[x]};
-      const std::int64_t quadrature = int{a1[x]} - int{a3[x]};
-      const std::int64_t sum = int{a0[x]} + int{a1[x]} + int{a2[x]} + int{a3[x]};
-      const std::int64_t noise = (noise_q16_ + shot_q16_ * sum) >> kQ16;
-      lit += in_phase * in_phase + quadrature * quadrature > std::max(least_square_, noise) ? 1 : 0;
+      const int in_phase = int{a0[x]} - int{a2[x]};
+      const int quadrature = int{a3[x]} - int{a1[x]};
+      const std::int64_t even = int{a0[x]} + int{a2[x]};
+      const std::int64_t odd = int{a1[x]} + int{a3[x]};
+      const std::int64_t square = std::min(square_sum(in_phase, quadrature),
+                                           square_sum(in_phase - stray_i_, quadrature - stray_q_));
+      const std::int64_t uneven = (even - odd) * (even - odd) * kMedianShare;
+      std::int64_t noise =
+          std::max((noise_q16_ + shot_q16_ * (even + odd)) >> kQ16, std::int64_t{1});
+      for (std::size_t level = 0; level < kLevels; ++level, noise *= 4) {
+        lit[level] += square > std::max(least_square_, noise) ? 1 : 0;
+        spread[level] += uneven > noise ? 1 : 0;
+      }
     }
     all += static_cast<int>(a0.size());
   }
-  if (lit * kPixelsForEachStray > all) {
-    was_lit_ = lit * kPixelsForEachLit >= all;
-    return false;
-  }
+  const auto level = std::ranges::find_if(spread.begin(), spread.end() - 1,
+                                          [all](int wide) { return 2 * wide <= all; });
+  const int found = lit[static_cast<std::size_t>(level - spread.begin())];
+  was_lit_ = found * (was_lit_ ? kPixelsForEachStray : kPixelsForEachReturned) > all;
   return was_lit_;
 }
 

@@ -7,18 +7,26 @@
 
 namespace stof::firmware {
 
-// Tells when the light of a PMD camera's lamp goes out: an eighth of the pixels or more had light,
-// and in the next frame one in 256 has at most. What turns away from everything within its reach
-// loses light little by little; such a frame is no failure. It looks at every fourth row.
+// Tells whether the samples of a PMD camera hold light of its lamp. Those of a dark lamp, or of a
+// scene with nothing within reach, are noise, which must not become distances. It looks at up to 72
+// rows, at each frame by itself: a lamp that is dark from the start is no different.
 //
-// A pixel has light where twice its amplitude is above that of the sensor's least amplitude, and
-// its square above 40 times the variance of a sample, which noise exceeds once in 20,000 pixels.
+// A pixel is lit where twice its amplitude, with and without the stray light of the calibration,
+// is above that of the sensor's least amplitude, and its square above 40 times the variance of a
+// sample, which noise exceeds once in 20,000 pixels. A frame is lit where more than one pixel in
+// 256 is, in one in 128 where the frame before was not.
+//
+// The variance is the calibration's, but for what the frame itself contradicts: A0 + A2 - A1 - A3
+// is noise whatever the phase. Where half of the pixels have more of it than 1.5 times that
+// variance explains, the variance is taken for 4, 16, 64 or 256 times as large. Motion
+// raises it as well, but not to what the lamp gives. Ambient light that flickers may be taken for
+// the lamp's in a frame of six; its modulation ratio is too low for a distance.
 class LightGuard {
  public:
   explicit LightGuard(const dsp::PmdSensor& sensor) noexcept;
 
-  // Whether the light has gone, and has not come back yet.
-  bool gone(const hal::PmdFrame& frame) noexcept;
+  // Frames at the reference integration time.
+  bool is_lit(const hal::PmdFrame& frame) noexcept;
 
  private:
   std::int64_t least_square_;  // of twice the amplitude
@@ -26,7 +34,9 @@ class LightGuard {
   // light, for each LSB of the sum of four samples
   std::int64_t noise_q16_;
   std::int64_t shot_q16_;
-  bool was_lit_ = false;  // the last frame that had light had much
+  int stray_i_;  // LSB
+  int stray_q_;
+  bool was_lit_ = false;
 };
 
 }  // namespace stof::firmware

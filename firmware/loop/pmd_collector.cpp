@@ -66,7 +66,7 @@ PmdVerdict PmdCollector::judge(const hal::PmdFrame& frame) noexcept {
   if (!board_.recorded && samples_.repeats(frame.samples)) {
     verdict.drop = Drop::kStale;
     absence_.why = Absence::Why::kFrozen;
-  } else if (light_.gone(frame)) {
+  } else if (!light_.is_lit(frame)) {
     verdict.drop = Drop::kDark;
     absence_.why = Absence::Why::kDark;
   }

@@ -20,8 +20,8 @@
 namespace stof::firmware {
 
 // Takes from the PMD camera the samples of an edge. Those of other edges are dropped and counted,
-// and so are samples of this edge that came before, unless they are recorded, or whose light has
-// gone.
+// and so are samples of this edge that came before, unless they are recorded, or that hold no light
+// of the lamp.
 // Of a camera at every k-th edge, k > 1, the last samples serve the edges between. These are at
 // most 2 k - 2 periods old, because an integration may take k periods.
 class PmdCollector {

@@ -49,6 +49,7 @@ void add_evaluate(CLI::App& app, Commands& commands) {
       *evaluate.add_subcommand("stereo", "Match stereo pairs: time, bad pixels, density");
   pair.add_option("DIR", stereo.scenes, "Folders with left.pgm, right.pgm, meta.txt")->required();
   add_evaluate_flags(pair, stereo, Judged::kDisparity);
+  add_out_flag(pair, stereo);
   add_runs_flag(pair, stereo);
   pair.callback([&stereo] { evaluate_stereo(stereo); });
 

@@ -169,7 +169,9 @@ class Condition(enum.IntEnum):
     # value: 0
     PMD_SILENT = 17
     PMD_FROZEN = 18  # the PMD camera sends its last samples again and again; value: 0
-    PMD_DARK = 19  # the PMD camera's samples have lost all light of its lamp at once; value: 0
+    # the PMD camera's samples hold no light of its lamp: it is dark, or nothing is within its
+    # reach; value: 0
+    PMD_DARK = 19
     # the saved settings could not be used at the start: the last good ones hold, or the defaults,
     # until settings are saved; value: 1 missing, 2 no regular file, 3 unreadable, 4 empty, 5
     # damaged or not for this sensor, 6 two starts with them failed; 16 more where the last good
@@ -255,7 +257,7 @@ CONDITIONS = {
         "the PMD camera sends its last samples again and again",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_DARK: ConditionInfo(
-        "the PMD camera's samples have lost all light of its lamp at once",
+        "the PMD camera's samples hold no light of its lamp: it is dark, or nothing is within its reach",
         Severity.MAJOR, Reaction.SLOW),
     Condition.SETTINGS_DROPPED: ConditionInfo(
         "the saved settings could not be used at the start: the last good ones hold, or the defaults, until settings are saved",
@@ -497,7 +499,7 @@ class FrameInfo(Layout):
     # (without the waits of pacing)
     stage_us: tuple = (0,) * 6
     # frames in a row that this depth stands on, itself included: for how many the camera stood; 1:
-    # it stands alone
+    # it stands alone, as each of the PMD camera alone does
     steady_frames: int = 0
     # CRC-32C of the document of the settings this frame was made with, see "Settings"; 0: not told
     settings_fingerprint: int = 0

@@ -219,7 +219,7 @@ layouts.frame_info = {
   {name = "sensors", size = 1, count = 1, kind = "uint8", title = "Sensors", base = base.DEC, doc = "that this frame stands on, the sum of: 1 the stereo pair, 2 the PMD camera; see \"Sensors of a frame\""},
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "of the settings this frame was made with: advances with every change"},
   {name = "stage_us", size = 4, count = 6, kind = "uint32", title = "Stage us", base = base.DEC, doc = "what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (without the waits of pacing)"},
-  {name = "steady_frames", size = 4, count = 1, kind = "uint32", title = "Steady frames", base = base.DEC, doc = "frames in a row that this depth stands on, itself included: for how many the camera stood; 1: it stands alone"},
+  {name = "steady_frames", size = 4, count = 1, kind = "uint32", title = "Steady frames", base = base.DEC, doc = "frames in a row that this depth stands on, itself included: for how many the camera stood; 1: it stands alone, as each of the PMD camera alone does"},
   {name = "settings_fingerprint", size = 4, count = 1, kind = "uint32", title = "Settings fingerprint", base = base.DEC, doc = "CRC-32C of the document of the settings this frame was made with, see \"Settings\"; 0: not told"},
 }
 

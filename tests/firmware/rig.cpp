@@ -127,10 +127,11 @@ Result<hal::BorrowedFrame<hal::PmdFrame>> PaintedPmd::wait_frame(hal::Time deadl
     for (int k = 0; k < 4; ++k) {
       const auto i = static_cast<std::size_t>(k);
       const hal::Time edge = (*frame)->exposures[i].begin - integration_ * k / 4;
-      const bool faulty = fault_.strikes(log_.scene(edge));
+      const std::size_t number = log_.find(edge).value_or(0);
+      const bool faulty = fault_.strikes(number);
       const double depth = faulty ? depth_of(fault_.shown(log_.scene(edge))) : log_.pmd_depth(edge);
       if (faulty && fault_.dark) {
-        paint_noise(writable((*frame)->samples[i]), 4 * log_.scene(edge) + i);
+        paint_noise(writable((*frame)->samples[i]), 4 * number + i);
       } else {
         paint_sample(writable((*frame)->samples[i]), depth, k, lens);
       }

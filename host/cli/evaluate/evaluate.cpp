@@ -48,6 +48,9 @@ void add_evaluate_flags(CLI::App& command, EvaluateOptions& options, Judged judg
                       (disparity ? " (sa has one)" : ""))
       ->capture_default_str();
   command.add_flag("--json", options.json, "Machine-readable result on stdout");
+}
+
+void add_out_flag(CLI::App& command, EvaluateOptions& options) {
   command.add_option("--out", options.out, "Folder for the maps, made where missing");
 }
 

@@ -27,6 +27,8 @@ enum class Judged : std::uint8_t { kDisparity, kDepth };
 
 // Adds the flags that these commands share.
 void add_evaluate_flags(CLI::App& command, EvaluateOptions& options, Judged judged);
+// Adds --out, to a command that leaves maps.
+void add_out_flag(CLI::App& command, EvaluateOptions& options);
 // Adds --runs.
 void add_runs_flag(CLI::App& command, EvaluateOptions& options);
 // Makes the folder where it is missing. Throws Failure.

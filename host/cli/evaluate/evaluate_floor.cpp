@@ -171,6 +171,7 @@ void add_evaluate_floor(CLI::App& evaluate, EvaluateFloorOptions& options) {
                   "--preset and settings each is matched with every preset")
       ->required();
   add_evaluate_flags(command, options, Judged::kDepth);
+  add_out_flag(command, options);
   command.callback([&options] { evaluate_floor(options); });
 }
 

@@ -95,6 +95,7 @@ void add_fusion_flags(CLI::App& command, EvaluateFusionOptions& options) {
                    "Adds the chapter's fusion of a scaled PMD map, for comparison");
   command.add_option("--html", options.html, "A page with all maps and tables");
   add_evaluate_flags(command, options, Judged::kDepth);
+  add_out_flag(command, options);
   add_runs_flag(command, options);
 }
 

@@ -67,8 +67,10 @@ void print_sequence_head() {
       "Percent of pixels, mean of the frames. Where nothing moves in six frames: flick: with a "
       "depth\n"
       "in some and none in others; jump: by more than 0.5 m; noise: median deviation. >1m: nearer\n"
-      "than told by over 1 m. move: E5 where something has moved within six frames. stays: still\n"
-      "shown where it has left, in the frame when it left, one later, and two.\n\n");
+      "than told by over 1 m. move: E5 where something has moved within six frames. stays: of the\n"
+      "pixels that a surface has left, those whose depth is still nearer to it than to what is\n"
+      "behind, in the frame when it left, one later, and two. Beside the edge of what is still in\n"
+      "the picture a single frame shows such depth, too: compare with and without time.\n\n");
   std::printf("%-20s %-15s %-5s%7s%7s%9s%7s%7s%7s%7s%7s%22s%9s\n", "scene", "matcher", "time",
               "flick", "jump", "noise mm", "E5", "cover", "inside", ">1m", "move",
               "stays      0  1  2", "fuse ms");
@@ -110,9 +112,6 @@ void add_evaluate_sequence(CLI::App& evaluate, EvaluateSequenceOptions& options)
 }
 
 void evaluate_sequence(const EvaluateSequenceOptions& options) {
-  if (!options.out.empty()) {
-    throw Failure(Exit::kBadInput, "--out: a sequence leaves no maps: leave it out");
-  }
   const std::vector<SequenceRun> runs = runs_of(options);
   ordered_json rows = ordered_json::array();
   if (!options.json) {

@@ -25,19 +25,32 @@ dsp::PmdSensor sensor() {
 }
 
 // Samples with light in the first `lit` of all pixels, and ambient light in all of them.
+struct Light {
+  int lit = 0;
+  double ambient = 0;      // LSB
+  double noise_scale = 1;  // of what the calibration says
+  double stray_i = 0;      // LSB, in all pixels
+  double flicker = 0;      // share that the ambient light changes by from sample to sample
+};
+
 class Samples {
  public:
-  Samples(int lit, double amplitude, double ambient, std::uint32_t seed) {
+  Samples(const Light& light, std::uint32_t seed) {
+    constexpr double kAmplitude = 60;
     std::mt19937 random(seed);
-    const double shot = std::sqrt(2.5 * 2.5 + (ambient + amplitude) / sensor().electrons_per_lsb);
-    std::normal_distribution<double> noise(0, shot);
+    const double shot =
+        std::sqrt(2.5 * 2.5 + (light.ambient + kAmplitude) / sensor().electrons_per_lsb);
+    std::normal_distribution<double> noise(0, shot * light.noise_scale);
+    std::uniform_real_distribution<double> flicker(-light.flicker, light.flicker);
     for (int k = 0; k < 4; ++k) {
       std::vector<std::uint16_t>& plane = planes_[static_cast<std::size_t>(k)];
+      const double ambient = light.ambient * (1 + flicker(random));
+      const double stray = light.stray_i / 2 * std::cos(k * std::numbers::pi / 2);
       for (int i = 0; i < kWidth * kHeight; ++i) {
-        const double light =
-            i < lit ? amplitude * std::cos(0.3 + k * std::numbers::pi / 2) + amplitude : 0;
+        const double back =
+            i < light.lit ? kAmplitude * (1 + std::cos(0.3 + k * std::numbers::pi / 2)) : 0;
         plane.push_back(
-            static_cast<std::uint16_t>(std::lround(100 + ambient + light + noise(random))));
+            static_cast<std::uint16_t>(std::lround(200 + ambient + stray + back + noise(random))));
       }
       frame.samples[static_cast<std::size_t>(k)] = {plane.data(), kWidth, kHeight};
     }
@@ -51,37 +64,72 @@ class Samples {
 
 constexpr int kAll = kWidth * kHeight;
 
-bool gone(LightGuard& guard, int lit, double ambient = 0, std::uint32_t seed = 1) {
-  return guard.gone(Samples(lit, 60, ambient, seed).frame);
+bool is_lit(LightGuard& guard, const Light& light, std::uint32_t seed = 1) {
+  return guard.is_lit(Samples(light, seed).frame);
 }
 
-TEST(LightGuard, LightThatIsGoneAtOnceIsGoneUntilItIsBack) {
+TEST(LightGuard, WhatIsDarkFromTheStartHasNoLight) {
   LightGuard guard(sensor());
-  EXPECT_FALSE(gone(guard, kAll));
   for (std::uint32_t seed = 0; seed < 100; ++seed) {
-    EXPECT_TRUE(gone(guard, 0, 0, seed)) << seed;
+    EXPECT_FALSE(is_lit(guard, {}, seed)) << seed;
   }
-  EXPECT_FALSE(gone(guard, kAll / 4));
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll / 4}));
+}
+
+TEST(LightGuard, LightThatIsGoneIsGoneUntilItIsBack) {
+  LightGuard guard(sensor());
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll}));
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    EXPECT_FALSE(is_lit(guard, {}, seed)) << seed;
+  }
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll / 4}));
+}
+
+TEST(LightGuard, LightThatFadesIsThereAsLongAsAFewPixelsHaveIt) {
+  LightGuard guard(sensor());
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll}));
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll / 16})) << "the camera turns away";
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll / 192}));
+  EXPECT_FALSE(is_lit(guard, {})) << "nothing within its reach: noise is no distance";
+  EXPECT_FALSE(is_lit(guard, {.lit = kAll / 192})) << "it takes more to come back";
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll / 64}));
 }
 
 TEST(LightGuard, TheNoiseOfSunlightIsNoLight) {
   for (const double ambient : {0.0, 300.0, 1000.0, 2500.0}) {
     LightGuard guard(sensor());
-    EXPECT_FALSE(gone(guard, kAll, ambient));
+    EXPECT_TRUE(is_lit(guard, {.lit = kAll, .ambient = ambient}));
     for (std::uint32_t seed = 0; seed < 20; ++seed) {
-      EXPECT_TRUE(gone(guard, 0, ambient, seed)) << ambient;
+      EXPECT_FALSE(is_lit(guard, {.ambient = ambient}, seed)) << ambient;
     }
   }
 }
 
-TEST(LightGuard, LightThatFadesOrNeverWasIsNoFailure) {
+TEST(LightGuard, NoiseThatTheCalibrationDoesNotKnowIsNoLight) {
+  for (const double scale : {0.0, 0.5, 1.5, 2.0, 3.0, 5.0, 8.0, 16.0}) {
+    LightGuard guard(sensor());
+    for (std::uint32_t seed = 0; seed < 20; ++seed) {
+      EXPECT_FALSE(is_lit(guard, {.noise_scale = scale}, seed)) << scale;
+    }
+  }
+}
+
+TEST(LightGuard, AmbientLightThatFlickersIsSeldomTakenForLight) {
   LightGuard guard(sensor());
-  EXPECT_FALSE(gone(guard, 0)) << "nothing was ever lit";
-  EXPECT_FALSE(gone(guard, kAll));
-  EXPECT_FALSE(gone(guard, kAll / 2));
-  EXPECT_FALSE(gone(guard, kAll / 16)) << "the camera turns away";
-  EXPECT_FALSE(gone(guard, 0)) << "and sees nothing within its reach";
-  EXPECT_FALSE(gone(guard, kAll / 100));
+  int lit = 0;
+  for (std::uint32_t seed = 0; seed < 100; ++seed) {
+    lit += is_lit(guard, {.ambient = 300, .flicker = 0.1}, seed) ? 1 : 0;
+  }
+  EXPECT_LE(lit, 20) << "where it happens to change as light of the lamp does";
+}
+
+TEST(LightGuard, StrayLightIsNoLightThatComesBackAndItsAbsenceIsNone) {
+  dsp::PmdSensor stray = sensor();
+  stray.frequency.stray_i_lsb = 80;
+  LightGuard guard(stray);
+  EXPECT_FALSE(is_lit(guard, {.stray_i = 80})) << "the lamp shines, nothing is within its reach";
+  EXPECT_FALSE(is_lit(guard, {})) << "less the stray light, dark samples have an amplitude";
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll / 4, .stray_i = 80}));
 }
 
 TEST(LightGuard, AnyCalibrationCanBeComputedWith) {
@@ -89,10 +137,11 @@ TEST(LightGuard, AnyCalibrationCanBeComputedWith) {
     dsp::PmdSensor wild = sensor();
     wild.noise_lsb = value;
     wild.suppressed_lsb = value;
+    wild.frequency.stray_i_lsb = value;
     wild.electrons_per_lsb = value == 0 ? 1e-300 : value;
     LightGuard guard(wild);
-    static_cast<void>(gone(guard, kAll));
-    static_cast<void>(gone(guard, 0));
+    static_cast<void>(is_lit(guard, {.lit = kAll}));
+    static_cast<void>(is_lit(guard, {}));
   }
 }
 

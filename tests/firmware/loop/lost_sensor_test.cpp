@@ -184,6 +184,38 @@ TEST(LostSensors, ThePairAloneGivesTheDepthOfARigWithoutAPmdCamera) {
   }
 }
 
+// A lamp that never shone, with depth averaged over frames: nothing of its samples is published,
+// then or later.
+TEST(LostSensors, ALampThatIsDarkFromTheStartGivesNoDepthAndIsTold) {
+  RigOptions options;
+  options.still = true;
+  options.temporal = true;
+  options.pixels.pmd = {.first = 0, .edges = kFirst, .dark = true};
+  const OutageRun run(options);
+  const OutageRun without(RigOptions{.with_pmd = false, .still = true, .temporal = true});
+  RigOptions silent = options;
+  silent.pixels = {};
+  silent.faults.pmd = {emu::Fault{.kind = emu::FaultKind::kDrop, .call = 0, .calls = kFirst}};
+  const OutageRun never(silent);
+  const auto began = run.told(Condition::kPmdDark, true, 0);
+  ASSERT_TRUE(began);
+  EXPECT_LE(*began, 300ms);
+  const auto ended = run.told(Condition::kPmdDark, false, kFirst);
+  ASSERT_TRUE(ended);
+  EXPECT_LE(*ended, 2 * kPeriod);
+  ASSERT_GE(run.receiver.frames.size(), std::size_t{kFirst} + kAfter);
+  for (const auto& [number, frame] : run.receiver.frames) {
+    const bool dark = run.edge_of(frame) < kFirst;
+    ASSERT_EQ(frame.info.sensors, dark ? kStereoSensor : kBothSensors) << number;
+    const OutageRun& same = dark ? without : never;
+    const Received& alike = same.receiver.frames.at(number);
+    ASSERT_EQ(same.edge_of(alike), run.edge_of(frame));
+    EXPECT_EQ(frame.depth, alike.depth) << number;
+    EXPECT_EQ(frame.source, alike.source) << number;
+    EXPECT_EQ(frame.info.steady_frames, alike.info.steady_frames) << number;
+  }
+}
+
 // Of which nothing can be said: no noise, no depth either. The sensors stay in use.
 TEST(LostSensors, ACoveredPairIsNotFrozen) {
   RigOptions options = with_pixels(&PixelFaults::left, true);

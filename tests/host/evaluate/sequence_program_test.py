@@ -56,6 +56,7 @@ class EvaluateSequence(rendered_scenes.RenderedScenes):
         self.refuse("absent", "absent")
         self.refuse("holds 18 frames", "still", "--warm-up", 13)
         self.refuse("--preset", "still", "--preset", "best")
+        self.refuse("--out", "still", "--out", "maps")
         for name in ("0000/gt_left.pgm", "0000/pmd.json", "0003/left.pgm", "0003/pmd_raw.pgm"):
             copy = self.folder / "broken"
             shutil.copytree(self.folder / "drive", copy)
