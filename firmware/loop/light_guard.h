@@ -19,8 +19,8 @@ namespace stof::firmware {
 // The variance is the calibration's, but for what the frame itself contradicts: A0 + A2 - A1 - A3
 // is noise whatever the phase. Where half of the pixels have more of it than 1.5 times that
 // variance explains, the variance is taken for 4, 16, 64 or 256 times as large. Motion
-// raises it as well, but not to what the lamp gives. Ambient light that flickers may be taken for
-// the lamp's in a frame of six; its modulation ratio is too low for a distance.
+// raises it as well, but not to what the lamp gives. Ambient light that flickers by a tenth
+// from sample to sample is taken for the lamp's in a frame of six.
 class LightGuard {
  public:
   explicit LightGuard(const dsp::PmdSensor& sensor) noexcept;

@@ -39,12 +39,14 @@ std::string name_of(std::uint8_t condition) {
   return info != nullptr ? info->name : "condition " + std::to_string(condition);
 }
 
-// Who changed the settings, of the condition's value: an IPv4 address, or an IPv6 address's end.
+// Who changed the settings, of the condition's value: the last four bytes of an address, which are
+// all of an IPv4 address.
 std::string changer(std::uint32_t value) {
   if (value == 0) {
     return "the serial line";
   }
-  return printed("%u.%u.%u.%u", value >> 24, value >> 16 & 0xFF, value >> 8 & 0xFF, value & 0xFF);
+  return printed("the address that ends in %u.%u.%u.%u", value >> 24, value >> 16 & 0xFF,
+                 value >> 8 & 0xFF, value & 0xFF);
 }
 
 // Of the sensor's last second: nothing before its first one has passed, no latency without a frame.

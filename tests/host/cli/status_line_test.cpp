@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "firmware/wire/messages/conditions.h"
 #include "host/cli/sensor_text.h"
 
 namespace stof::host {
@@ -142,11 +143,20 @@ TEST(EventLine, SaysWhatToDo) {
       "event: drift began: the rig has drifted from its calibration: calibrate it anew; go on, "
       "and tell whoever maintains the robot");
   EXPECT_EQ(event_line({.condition = 8, .active = 0}), "event: drift ended");
-  EXPECT_NE(event_line({.condition = 23, .active = 1, .value = 0x0A000007}).find("(by 10.0.0.7)"),
+}
+
+TEST(EventLine, SaysWhoChangedTheSettings) {
+  const auto changed_by = [](std::uint32_t value) {
+    return event_line({.condition = static_cast<std::uint8_t>(wire::Condition::kSettingsChanged),
+                       .active = 1,
+                       .value = value});
+  };
+  EXPECT_NE(changed_by(0x0A000007).find("(by the address that ends in 10.0.0.7)"),
             std::string::npos);
-  EXPECT_NE(event_line({.condition = 23, .active = 1}).find("(by the serial line)"),
-            std::string::npos);
-  // Of a newer sensor.
+  EXPECT_NE(changed_by(0).find("(by the serial line)"), std::string::npos);
+}
+
+TEST(EventLine, OfANewerSensor) {
   EXPECT_EQ(event_line({.condition = 200, .reaction = wire::Reaction::kSlow, .active = 1}),
             "event: condition 200 began; slow down: expect gaps");
   EXPECT_NE(event_line({.condition = 200, .reaction = wire::Reaction{9}, .active = 1})
