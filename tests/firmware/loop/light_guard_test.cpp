@@ -40,7 +40,8 @@ class Samples {
     std::mt19937 random(seed);
     const double shot =
         std::sqrt(2.5 * 2.5 + (light.ambient + kAmplitude) / sensor().electrons_per_lsb);
-    std::normal_distribution<double> noise(0, shot * light.noise_scale);
+    std::normal_distribution<double> noise;
+    const double deviation = shot * light.noise_scale;
     std::uniform_real_distribution<double> flicker(-light.flicker, light.flicker);
     for (int k = 0; k < 4; ++k) {
       std::vector<std::uint16_t>& plane = planes_[static_cast<std::size_t>(k)];
@@ -49,8 +50,8 @@ class Samples {
       for (int i = 0; i < kWidth * kHeight; ++i) {
         const double back =
             i < light.lit ? kAmplitude * (1 + std::cos(0.3 + k * std::numbers::pi / 2)) : 0;
-        plane.push_back(
-            static_cast<std::uint16_t>(std::lround(200 + ambient + stray + back + noise(random))));
+        plane.push_back(static_cast<std::uint16_t>(
+            std::lround(200 + ambient + stray + back + deviation * noise(random))));
       }
       frame.samples[static_cast<std::size_t>(k)] = {plane.data(), kWidth, kHeight};
     }
