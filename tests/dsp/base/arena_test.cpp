@@ -63,7 +63,7 @@ struct Phases {
 };
 
 TEST(Arena, PhasesShareWhatTheyTakeInPassing) {
-  EXPECT_EQ(bytes_taken([](Arena& arena) noexcept { Phases all(arena); }), 192U);
+  EXPECT_EQ(bytes_taken([](Arena& arena) noexcept { const Phases all(arena); }), 192U);
   const auto whole = [](Arena& arena) noexcept {
     const Phases one{ArenaPhase(arena)};
     arena.take<std::uint8_t>(1);
