@@ -18,6 +18,7 @@ using nlohmann::json;
 using Done = std::expected<void, Problem>;
 
 constexpr int kMaxFrames = 65536;
+constexpr int kMostApartUs = 1'000'000'000;
 constexpr double kMaxWiggleRad = 1;
 
 // Those that the file has; `to` keeps the others.
@@ -140,6 +141,8 @@ Done read_constants(const std::filesystem::path& file, double usual_ratio, PmdRe
   Fields fields(root);
   recording.calibration.pmd = sensor_from(fields, usual_ratio);
   layout.frames = fields.integer_or("frames", 1, kMaxFrames, 1);
+  recording.after_pair_us =
+      fields.integer_or("after_pair_us", -kMostApartUs, kMostApartUs, recording.after_pair_us);
   if (fields.has("fppn_unit")) {
     layout.unit = static_cast<PatternUnit>(fields.word("fppn_unit", kPatternUnits));
   }

@@ -21,6 +21,8 @@ struct PmdRecording {
   // The camera's constants; `stereo` and `pmd_to_stereo` where the file has a rig.
   dsp::Calibration calibration;
   bool has_rig = false;
+  // From the middle of the pair's exposure to that of these samples, microseconds.
+  std::int32_t after_pair_us = 0;
 
   using Samples = std::array<dsp::ImageView<const std::uint16_t>, 4>;
   Samples samples(std::size_t frame) const;

@@ -104,6 +104,9 @@ Done write_pmd(const std::filesystem::path& prefix, const PmdRecording& recordin
   }
   ordered_json root;
   root["frames"] = recording.frames.size();
+  if (recording.after_pair_us != 0) {
+    root["after_pair_us"] = recording.after_pair_us;
+  }
   put_frequency(sensor.frequency, root);
   put_sensor(sensor, root);
   const PatternUnit unit = pattern.empty() ? PatternUnit::kNone : PatternUnit::kTurn;

@@ -1,6 +1,7 @@
 #include "board/emu/write_pair.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <limits>
@@ -55,6 +56,10 @@ dataset::PmdRecording recording(const SceneWorld& world, const WritePairOptions&
   dataset::PmdRecording out;
   out.calibration = world.imagery->calibration();
   out.has_rig = true;
+  if (renders_as_it_goes(options.scene)) {  // else the world stands still through an exposure
+    const emu::ExposureTimes& times = options.scene.times;
+    out.after_pair_us = static_cast<std::int32_t>(std::lround((times.pmd - times.pair) / 2 * 1e6));
+  }
   const std::span<const std::int16_t> pattern = out.calibration.pmd.fixed_pattern;
   out.fixed_pattern.assign(pattern.begin(), pattern.end());
   out.calibration.pmd.fixed_pattern = out.fixed_pattern;

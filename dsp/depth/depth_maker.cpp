@@ -136,12 +136,12 @@ void DepthMaker::forget_readings() noexcept {
   }
 }
 
-void DepthMaker::fuse(const DepthMap& out) noexcept {
+void DepthMaker::fuse(const DepthMap& out, std::int32_t pmd_lag_us) noexcept {
   if (unresolved_ && pmd_ != nullptr) {
     unwrapper_->resolve(*pmd_, stereo().disparity);
     unresolved_ = false;
   }
-  fuser_.prepare(pmd_);
+  fuser_.prepare(pmd_, pmd_lag_us);
   team_.run_rows(out.depth.rows(), kTaskRows, [&](Rows rows, int thread) noexcept {
     fuser_.fuse_rows(stereo(), rows, thread, out);
   });

@@ -56,8 +56,10 @@ class DepthMaker {
   // has found stays: what has moved in a rig does not move back.
   void forget_past() noexcept;
 
-  // Writes all images of `out`, of the stereo size, from what is there. Once a frame.
-  void fuse(const DepthMap& out) noexcept;
+  // Writes all images of `out`, of the stereo size, from what is there. Once a frame. pmd_lag_us:
+  // from the middle of the pair's exposure to that of the samples, microseconds; where something
+  // moves, intervals are longer by it (FusionParams::max_speed_mm_s).
+  void fuse(const DepthMap& out, std::int32_t pmd_lag_us = 0) noexcept;
 
   // Compares both sensors for drift of the rig, where the last frame had a pair and new samples:
   // about 0.3 ms. After fuse(); costs nothing where there is no PMD.

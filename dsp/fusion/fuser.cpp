@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <span>
 
 #include "dsp/base/check.h"
@@ -40,6 +41,19 @@ QuarterMm range_of(const PmdSensor& sensor) noexcept {
   return range < kMaxQuarterMm ? static_cast<QuarterMm>(std::lround(range)) : QuarterMm{0};
 }
 
+// By how much a surface that the PMD saw may lie nearer or further for the pair.
+QuarterMm margin_of(const PmdMaps& pmd, std::int32_t max_speed_mm_s,
+                    std::int32_t pmd_lag_us) noexcept {
+  if (!pmd.moved) {
+    return 0;
+  }
+  constexpr std::int64_t kUsPerS = 1'000'000;
+  constexpr std::int64_t kQuarterMmPerMm = 4;
+  const std::int64_t lag = std::abs(std::int64_t{pmd_lag_us});
+  const std::int64_t far = (kQuarterMmPerMm * max_speed_mm_s * lag + kUsPerS - 1) / kUsPerS;
+  return static_cast<QuarterMm>(std::min<std::int64_t>(far, kMaxQuarterMm));
+}
+
 }  // namespace
 
 // Rows of one thread.
@@ -66,6 +80,7 @@ struct Fuser::Tables {
 Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min_disparity,
              int disparities, int width, int height, Arena& arena, int threads) noexcept {
   STOF_CHECK(threads >= 1);
+  STOF_CHECK(params.max_speed_mm_s >= 0 && params.max_speed_mm_s <= kMaxSpeedMmS);
   STOF_CHECK(params.stereo_sigma >= 0 && params.stereo_sigma <= kMaxStereoSigma);
   const std::size_t row = index(width);
   Tables t{.params = params,
@@ -154,10 +169,10 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   }
 }
 
-void Fuser::prepare(const PmdMaps* pmd) noexcept {
+void Fuser::prepare(const PmdMaps* pmd, std::int32_t pmd_lag_us) noexcept {
   tables_->evidence.look_at(pmd);
   if (pmd != nullptr) {
-    tables_->reprojector.locate(*pmd);
+    tables_->reprojector.locate(*pmd, margin_of(*pmd, tables_->params.max_speed_mm_s, pmd_lag_us));
   } else {
     tables_->reprojector.forget();
   }

@@ -15,12 +15,17 @@
 namespace stof::dsp {
 
 inline constexpr std::int16_t kMaxStereoSigma = 127;  // 1/16 px
+inline constexpr std::int32_t kMaxSpeedMmS = 100'000;
 
 struct FusionParams {
   QuarterMm max_range = 40000;  // a missing sensor's interval is [0, max_range]; 10 m
   // sigma_d in 1/16 px, 0 .. kMaxStereoSigma, of matches that come without their peak ratio
   std::int16_t stereo_sigma = 8;
   MatchTrust trust = {};  // in the others
+  // No faster does the rig drive, nor does anything come towards it: where something moves, PMD
+  // intervals are longer by this times the time between the exposures of both sensors. mm/s,
+  // 0 .. 100000; 1.5 m/s
+  std::int32_t max_speed_mm_s = 1500;
 
   friend bool operator==(const FusionParams&, const FusionParams&) = default;
 };
@@ -46,8 +51,9 @@ class Fuser {
 
   // First where the PMD's readings lie, then rows of the result, in any order and by any split:
   // the same thread number (0 .. threads - 1) not twice at the same time. stereo and out as in
-  // fuse(), the same for all rows.
-  void prepare(const PmdMaps* pmd) noexcept;
+  // fuse(), the same for all rows. pmd_lag_us: from the middle of the pair's exposure to that of
+  // the PMD's, microseconds.
+  void prepare(const PmdMaps* pmd, std::int32_t pmd_lag_us = 0) noexcept;
   void fuse_rows(const StereoMaps& stereo, Rows rows, int thread, const DepthMap& out) noexcept;
 
   // Where fills_holes(), two steps follow, each of all rows of cells, in any order and by any

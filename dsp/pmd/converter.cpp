@@ -13,6 +13,7 @@
 #include "dsp/calib/pmd/pmd_tables.h"
 #include "dsp/pmd/interval/fill_intervals.h"
 #include "dsp/pmd/phase/frame_phases.h"
+#include "dsp/pmd/phase/motion_correction.h"
 #include "dsp/pmd/range/combine_frequencies.h"
 #include "dsp/pmd/range/emitter_offset.h"
 #include "dsp/pmd/range/to_quarter_mm.h"
@@ -53,7 +54,8 @@ struct PmdConverter::Tables {
   std::span<const std::int16_t> fixed_pattern;
   MergeRows spare;
   std::span<Phase> corrected;
-  std::span<std::uint32_t> reading;  // where no long_distance holds it
+  std::span<std::uint32_t> reading;        // where no long_distance holds it
+  std::optional<MotionCorrection> motion;  // always there
   std::optional<ReadingMemory> memory;
 
   std::span<const std::int16_t> fixed_pattern_row(int y, std::size_t n) const noexcept {
@@ -110,6 +112,7 @@ PmdConverter::PmdConverter(const PmdSensor& sensor, Arena& arena, bool remembers
   maps_.low = arena.take_image<QuarterMm>(w, h);
   maps_.high = arena.take_image<QuarterMm>(w, h);
   maps_.ratio = arena.take_image<std::uint8_t>(w, h);
+  t.motion.emplace(w, h, arena);
   if (remembers) {
     t.memory.emplace(w, h, t.first.frequency.limits.ratio_q16, arena);
   }
@@ -125,20 +128,30 @@ void PmdConverter::forget_past() noexcept {
   }
 }
 
+ExposureRow PmdConverter::first_row(int y) const noexcept {
+  const PmdMaps& m = maps_;
+  return {.phase = m.phase.row(y),
+          .amp2 = m.amp2.row(y),
+          .offset = m.offset.row(y),
+          .ratio = m.ratio.row(y),
+          .sigma = m.sigma.row(y),
+          .flags = m.flags.row(y)};
+}
+
+// After measure_phases() of all rows.
 void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   Tables& t = *tables_;
   const PmdMaps& m = maps_;
   const std::size_t n = index(m.phase.width());
-  const ExposureRow row{.phase = m.phase.row(y),
-                        .amp2 = m.amp2.row(y),
-                        .offset = m.offset.row(y),
-                        .ratio = m.ratio.row(y),
-                        .sigma = m.sigma.row(y),
-                        .flags = m.flags.row(y)};
+  const ExposureRow row = first_row(y);
   const std::span<const std::int16_t> pattern = t.fixed_pattern_row(y, n);
   const std::span<std::uint32_t> reading =
       m.long_distance.empty() ? t.reading : m.long_distance.row(y);
-  measure_phases(frame.first, y, t.first, t.spare, row);
+  const std::span<QuarterMm> more_sigma = m.low.row(y);  // intervals come later
+  if (m.moved) {
+    t.motion->correct(sample_rows(frame.first[0].samples, y), t.first, y, t.spare.shorter, row,
+                      more_sigma);
+  }
   if (t.memory) {
     t.memory->admit(y, row.ratio, row.offset, row.flags);
   }
@@ -166,6 +179,9 @@ void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   if (t.curve) {
     best::curve_sigma(m.distance.row(y), *t.curve, row.sigma);
   }
+  if (m.moved) {
+    t.motion->widen(y, more_sigma, row.sigma);
+  }
   if (t.memory) {
     t.memory->settle(y, row.flags, m.distance.row(y), row.sigma);
   }
@@ -189,6 +205,10 @@ const PmdMaps& PmdConverter::measure(const PmdFrame& frame) noexcept {
   }
   maps_.range = range->range;
   maps_.widest = range->widest;
+  for (int y = 0; y < height; ++y) {
+    measure_phases(frame.first, y, t.first, t.spare, first_row(y));
+  }
+  maps_.moved = frame.first.size() == 1 && frame.second.empty() && t.motion->look(maps_.flags);
   for (int y = 0; y < height; ++y) {
     measure_row(frame, y);
     std::ranges::fill(maps_.folded.row(y), kNoDepth);

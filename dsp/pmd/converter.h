@@ -9,6 +9,7 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "dsp/calib/calibration.h"
+#include "dsp/pmd/phase/merge_exposures.h"
 #include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp {
@@ -36,8 +37,9 @@ struct PmdFrame {
 
 // Samples to distance with an interval, by this sensor's tables: phase (stray light subtracted),
 // corrected phase, one turn or two frequencies to a distance, straight line, lights beside the
-// lens, sigma, interval. Holds its buffers, allocates nothing after construction. Every step is a
-// row kernel of this folder.
+// lens, sigma, interval. Where something moved while the samples of a frame of one exposure and one
+// frequency were taken, phases and sigma account for it (phase/motion_correction.h). Holds its
+// buffers, allocates nothing after construction. Every other step is a row kernel of this folder.
 class PmdConverter {
  public:
   // Builds the tables; sensor.lens gives the size. problem(calibration) must be empty. Takes about
@@ -59,6 +61,7 @@ class PmdConverter {
 
  private:
   struct Tables;
+  ExposureRow first_row(int y) const noexcept;
   void measure_row(const PmdFrame& frame, int y) noexcept;
   Tables* tables_;
   PmdMaps maps_;

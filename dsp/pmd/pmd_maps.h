@@ -73,6 +73,8 @@ struct PmdMaps {
   // Readings further apart than this tell nothing about what lies between them: half a turn of the
   // first frequency, quarter mm, whether or not a second one tells turns apart.
   QuarterMm widest = 0;
+  // Something moved while the samples were taken (phase/motion_correction.h).
+  bool moved = false;
   // What a surface tilted by 60 degrees gains over two pixels, as a share of its distance, Q16.
   std::uint16_t slope_q16 = 0;
 

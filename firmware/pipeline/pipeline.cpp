@@ -1,6 +1,7 @@
 #include "firmware/pipeline/pipeline.h"
 
 #include <algorithm>
+#include <chrono>
 
 namespace stof::firmware {
 namespace {
@@ -26,6 +27,14 @@ dsp::DepthMap take_map(const dsp::Pinhole& left, dsp::Arena& arena) noexcept {
           .width = arena.take_image<dsp::QuarterMm>(left.width, left.height),
           .source = arena.take_image<dsp::Source>(left.width, left.height),
           .cause = arena.take_image<dsp::Cause>(left.width, left.height)};
+}
+
+// From the middle of the pair's exposure to that of the PMD data in use.
+std::int32_t pmd_lag_us(const Shot& shot) noexcept {
+  const hal::Duration lag = shot.pmd_exposed ? *shot.pmd_exposed - shot.exposed : hal::Duration{};
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(lag).count();
+  constexpr std::int64_t kMost = 1'000'000'000;
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(us, -kMost, kMost));
 }
 
 }  // namespace
@@ -68,7 +77,7 @@ const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
   }
   matched_ = false;
   const hal::Time matched = clock.now();
-  maker_.fuse(output_.map);
+  maker_.fuse(output_.map, pmd_lag_us(shot));
   stats.fuse = clock.now() - matched;
   output_.steady_frames = maker_.frames();
   output_.stereo = maker_.stereo();

@@ -25,6 +25,7 @@ std::vector<Image<std::uint16_t>> some_frames(std::size_t count, std::uint64_t s
 PmdRecording some_recording() {
   PmdRecording recording;
   recording.frames = some_frames(3, 1);
+  recording.after_pair_us = -6001;
   test::Random random(2);
   recording.fixed_pattern.resize(kWidth * kHeight);
   random.fill(std::span(recording.fixed_pattern));
@@ -165,6 +166,7 @@ TEST_F(WrittenPmd, ReadsBackEqual) {
     expect_equal(again->frames, recording.frames);
     expect_equal(again->calibration.pmd, recording.calibration.pmd);
     ASSERT_EQ(again->has_rig, rig);
+    EXPECT_EQ(again->after_pair_us, -6001);
   }
   const dsp::Calibration got = read_pmd(prefix())->calibration;
   const dsp::Calibration& want = recording.calibration;

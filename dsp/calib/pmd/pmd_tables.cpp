@@ -81,6 +81,8 @@ FrequencyTables frequency_tables(const PmdSensor& sensor, const PmdFrequency& fr
           .stray_q_q8 = clamp_to<std::int32_t>(frequency.stray_q_lsb * kQ8),
           .asymmetry_dark = clamp_to<std::uint32_t>(squared * dark_variance(sensor)),
           .asymmetry_suppressed = clamp_to<std::uint32_t>(squared * suppressed),
+          .per_asymmetry_limit = static_cast<float>(1 / sensor.asymmetry_sigmas),
+          .sigma_unit = static_cast<float>(k),
           .noise = {.slope = static_cast<float>(k * k / sensor.electrons_per_lsb),
                     .base = static_cast<float>(k * k * dark_variance(sensor))},
           .noise_suppressed = static_cast<float>(k * k * suppressed),

@@ -21,6 +21,8 @@ struct FrequencyTables {
   std::int32_t stray_q_q8 = 0;
   std::uint32_t asymmetry_dark = 0;        // what asymmetry_base has without suppressed light
   std::uint32_t asymmetry_suppressed = 0;  // and what that adds
+  float per_asymmetry_limit = 0;           // what asks for kPmdAsymmetric, times this: one sigma
+  float sigma_unit = 0;                    // sigma of a distance: this, noise of a sample / amp2
   NoiseModel noise;                        // without suppressed light
   float noise_suppressed = 0;              // what that adds to its base
   PhaseCorrection correction;              // at the reference temperature

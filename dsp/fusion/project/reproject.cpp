@@ -61,7 +61,7 @@ bool Reprojector::ends_apart(std::size_t i) const noexcept {
          std::abs(low_.v[i] - high_.v[i]) > extents_.half_y[i];
 }
 
-void Reprojector::add_row(std::span<const std::uint8_t> flags) noexcept {
+void Reprojector::add_row(std::span<const std::uint8_t> flags, QuarterMm margin) noexcept {
   const std::span<Footprint> all = footprints_;
   std::size_t count = count_;
   const auto add = [&](PixelRange x, PixelRange y, QuarterMm depth,
@@ -76,8 +76,9 @@ void Reprojector::add_row(std::span<const std::uint8_t> flags) noexcept {
     const QuarterMm depth = centre_.depth[i];
     // A ray that runs towards the left camera meets the far end of its interval first.
     const auto [nearer, farther] = std::minmax(low_.depth[i], high_.depth[i]);
-    const FootprintValue value{visible_behind(depth), std::max<QuarterMm>(nearer, 1), farther,
-                               flags[i]};
+    const FootprintValue value{
+        visible_behind(depth), static_cast<QuarterMm>(std::max(nearer - margin, 1)),
+        static_cast<QuarterMm>(std::min<int>(farther + margin, kMaxQuarterMm)), flags[i]};
     add({extents_.x_begin[i], extents_.x_end[i]}, {extents_.y_begin[i], extents_.y_end[i]}, depth,
         value);
     if (!ends_apart(i)) {
@@ -103,7 +104,7 @@ Reprojector::Band Reprojector::band(std::size_t begin) const noexcept {
   return band;
 }
 
-void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
+void Reprojector::locate_row(const PmdMaps& maps, int y, QuarterMm margin) noexcept {
   const RayRow rays = ray_row(rays_, width_, y);
   const std::span<const QuarterMm> distance = maps.located().row(y);
   best::project(rays, maps.low.row(y), projection_, low_.u, low_.v, low_.depth);
@@ -115,17 +116,17 @@ void Reprojector::locate_row(const PmdMaps& maps, int y) noexcept {
   best::footprint_ranges(centre_.v, extents_.half_y, left_height_, extents_.y_begin,
                          extents_.y_end);
   const std::size_t before = count_;
-  add_row(maps.flags.row(y));
+  add_row(maps.flags.row(y), margin);
   bands_[index(y)] = band(before);
 }
 
-void Reprojector::locate(const PmdMaps& maps) noexcept {
+void Reprojector::locate(const PmdMaps& maps, QuarterMm margin) noexcept {
   STOF_CHECK(maps.distance.width() == width_ && maps.distance.height() == height_);
   STOF_CHECK(same_size(maps.low, maps.distance) && same_size(maps.high, maps.distance) &&
              same_size(maps.flags, maps.distance));
   count_ = 0;
   for (int y = 0; y < height_; ++y) {
-    locate_row(maps, y);
+    locate_row(maps, y, margin);
   }
 }
 

@@ -30,7 +30,9 @@ class Reprojector {
               Arena& arena) noexcept;
 
   // Computes the footprints of a frame, or forgets the last one's. maps of the calibration's size.
-  void locate(const PmdMaps& maps) noexcept;
+  // margin: by how much a surface may have come nearer or gone since; intervals are longer by it at
+  // both ends.
+  void locate(const PmdMaps& maps, QuarterMm margin = 0) noexcept;
   void forget() noexcept { count_ = 0; }
   std::span<const Footprint> footprints() const noexcept { return footprints_.first(count_); }
 
@@ -63,9 +65,9 @@ class Reprojector {
   };
   static Points take_points(Arena& arena, int count) noexcept;
   static Extents take_extents(Arena& arena, int count) noexcept;
-  void locate_row(const PmdMaps& maps, int y) noexcept;
+  void locate_row(const PmdMaps& maps, int y, QuarterMm margin) noexcept;
   bool ends_apart(std::size_t i) const noexcept;
-  void add_row(std::span<const std::uint8_t> flags) noexcept;
+  void add_row(std::span<const std::uint8_t> flags, QuarterMm margin) noexcept;
   Band band(std::size_t begin) const noexcept;
 
   int width_ = 0;

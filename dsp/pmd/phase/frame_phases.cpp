@@ -9,10 +9,6 @@
 namespace stof::dsp {
 namespace {
 
-SampleRows sample_rows(const PmdSamples& samples, int y) noexcept {
-  return {samples[0].row(y), samples[1].row(y), samples[2].row(y), samples[3].row(y)};
-}
-
 void measure_exposure(const PmdSamples& samples, int y, const ExposureTables& tables,
                       const ExposureRow& out) noexcept {
   best::phase(sample_rows(samples, y), tables.limits, {out.phase, out.amp2, out.offset, out.flags});
@@ -20,6 +16,10 @@ void measure_exposure(const PmdSamples& samples, int y, const ExposureTables& ta
 }
 
 }  // namespace
+
+SampleRows sample_rows(const PmdSamples& samples, int y) noexcept {
+  return {samples[0].row(y), samples[1].row(y), samples[2].row(y), samples[3].row(y)};
+}
 
 FrameTables make_frame_tables(const PmdSensor& sensor, const PmdFrequency& frequency) noexcept {
   const FrequencyTables tables = frequency_tables(sensor, frequency);

@@ -10,6 +10,7 @@
 #include "dsp/calib/pmd/pmd_tables.h"
 #include "dsp/pmd/converter.h"
 #include "dsp/pmd/phase/merge_exposures.h"
+#include "dsp/pmd/phase/phase.h"
 
 // From the exposures of one frequency to one row of phases with amplitude, offset, sigma and flags.
 // For PmdConverter alone.
@@ -47,6 +48,9 @@ struct MergeRows {
   ExposureRow shorter;
   std::span<std::uint8_t> taken;
 };
+
+// Row y of an exposure's samples.
+SampleRows sample_rows(const PmdSamples& samples, int y) noexcept;
 
 // Row y of one frequency: phase, amplitude, offset, ratio, flags, and sigma by the noise model.
 // amp2 and offset are those of the longest exposure.

@@ -49,11 +49,12 @@ struct Run {
   const dataset::StereoScene& scene;
   const dsp::PmdFrame& frame;
   dsp::DepthMaker& maker;
+  std::int32_t pmd_lag_us;
   DepthImages images;
 
   void match() { maker.match(scene.left.view(), scene.right.view()); }
   DepthPlanes fuse() {
-    maker.fuse(images.map());
+    maker.fuse(images.map(), pmd_lag_us);
     return images.planes();
   }
 };
@@ -95,7 +96,7 @@ void fuse_both(Run& run, int runs, FusionResult& result) {
     run.match();
     match.push_back(ms_since(begin));
     begin = Clock::now();
-    run.maker.fuse(run.images.map());
+    run.maker.fuse(run.images.map(), run.pmd_lag_us);
     fuse.push_back(ms_since(begin));
   }
   result.convert_ms = median(std::move(convert)).value_or(0);
@@ -187,8 +188,11 @@ dataset::Loaded<FusionResult> fuse_scene(const dataset::StereoScene& scene,
     return result;
   }
   const FirstFrame first(recording);
-  Run run{
-      .scene = scene, .frame = first.frame(), .maker = maker, .images = DepthImages(width, height)};
+  Run run{.scene = scene,
+          .frame = first.frame(),
+          .maker = maker,
+          .pmd_lag_us = recording.after_pair_us,
+          .images = DepthImages(width, height)};
   maker.convert(run.frame);
   result.pmd_loss = largest_loss(maker.pmd()->flags);
   result.pmd = run.fuse();

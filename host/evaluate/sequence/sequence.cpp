@@ -58,15 +58,17 @@ struct Runner {
   std::unique_ptr<OwningDepthMaker> maker;
   SequenceScorer scorer;
   std::vector<double> fuse_ms;
+  std::int32_t pmd_lag_us = 0;
 
   void take(const RecordedFrame& frame, const dataset::Image<float>& truth) {
     if (frame.recording) {
       (*maker)->convert(FirstFrame(*frame.recording).frame());
+      pmd_lag_us = frame.recording->after_pair_us;
     }
     DepthImages images(frame.pair.left.width, frame.pair.left.height);
     (*maker)->match(frame.pair.left.view(), frame.pair.right.view());
     const Clock::time_point begin = Clock::now();
-    (*maker)->fuse(images.map());
+    (*maker)->fuse(images.map(), pmd_lag_us);
     fuse_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - begin).count());
     scorer.add(images.planes(), truth);
   }
@@ -85,7 +87,10 @@ dataset::Loaded<Runner> start(const SequenceRun& run, const RecordedFrame& first
   if (!maker) {
     return std::unexpected(std::move(maker.error()));
   }
-  return Runner{.maker = std::move(*maker), .scorer = SequenceScorer(warm_up), .fuse_ms = {}};
+  return Runner{.maker = std::move(*maker),
+                .scorer = SequenceScorer(warm_up),
+                .fuse_ms = {},
+                .pmd_lag_us = 0};
 }
 
 }  // namespace

@@ -105,6 +105,27 @@ TEST(Fuser, NarrowsAPlaneAtTwoMetresToWhatBothAllow) {
   EXPECT_TRUE(rig.padding_untouched());
 }
 
+// 1.5 m/s for 6 ms are 9 mm, to either side; who stands still has not moved.
+TEST(Fuser, ALaterPmdExposureOfWhatMovesHasALongerInterval) {
+  Rig rig(simple_rig(80, 40, 20, 10), 80, 40);
+  fill(rig.disparity.view(), Disparity::none());
+  const auto width_at = [&](bool moved, std::int32_t lag_us) {
+    Sphere pmd(20, 10, 8200, 200);
+    pmd.maps.moved = moved;
+    const StereoMaps stereo{.disparity = rig.disparity.view()};
+    rig.fuser.prepare(&pmd.maps, lag_us);
+    rig.fuser.fuse_rows(stereo, {0, 40}, 0, rig.out());
+    return at(rig, 40, 20).width;
+  };
+  const int still = width_at(false, 0);
+  EXPECT_GE(still, 400);
+  EXPECT_EQ(width_at(false, 6000), still);
+  EXPECT_EQ(width_at(true, 0), still);
+  EXPECT_EQ(width_at(true, 6000), still + 2 * 36);
+  EXPECT_EQ(width_at(true, -6000), still + 2 * 36);
+  EXPECT_EQ(width_at(true, 1), still + 2);
+}
+
 TEST(Fuser, GivesStereoAloneItsOwnInterval) {
   Rig rig(simple_rig(33, 5, 0, 0), 33, 5);
   fill(rig.disparity.view(), Disparity::from_pixels(50));

@@ -9,6 +9,7 @@
 #include "dsp/stereo/rectify/rectifier.h"
 #include "dsp/stereo/rectify/rectify.h"
 #include "hal/emu/devices/clock.h"
+#include "tests/dsp/pmd/converter_rig.h"
 #include "tests/dsp/stereo/raw_pair_scene.h"
 #include "tests/support/guarded_memory.h"
 #include "tests/support/guarded_part.h"
@@ -85,6 +86,43 @@ TEST(Pipeline, MeasuresAPlaneWithRawCameras) {
   EXPECT_GT(measured, kWidth * kHeight * 7 / 10);
   EXPECT_GT(held, measured * 97 / 100);
   EXPECT_EQ(output.stats.sources[0], static_cast<std::uint32_t>(kWidth * kHeight - measured));
+}
+
+// 1.5 m/s for 6 ms: what moves while it is sampled may be 9 mm nearer or further for the pair.
+TEST(Pipeline, ALaterPmdExposureOfWhatMovesHasLongerIntervals) {
+  firmware::Setup setup;
+  setup.calibration.stereo.left = {
+      .width = kWidth, .height = kHeight, .fx = 200, .fy = 200, .cx = 119.5, .cy = 79.5};
+  setup.calibration.stereo.baseline_m = 0.1;
+  ASSERT_STREQ(dsp::complete(setup.calibration.stereo), "");
+  dsp::PmdSensor& sensor = setup.calibration.pmd;
+  sensor.lens = {.width = 64, .height = 48, .fx = 90, .fy = 90, .cx = 31.5, .cy = 23.5};
+  sensor.dark_lsb = 100;
+  ASSERT_STREQ(dsp::problem(setup.calibration), "");
+  dsp::Planes planes(64, 48);
+  planes.show_everywhere(3, 1500, 600);
+  for (std::size_t k = 0; k < 4; ++k) {
+    for (std::uint16_t& sample : planes.planes[k]) {  // grows brighter
+      sample = static_cast<std::uint16_t>(sample + 50 * k);
+    }
+  }
+  hal::emu::Clock clock;
+  stof::test::GuardedPart<Pipeline> pipeline(
+      [&](dsp::Arena& arena) { return Pipeline(setup, arena); });
+  NoOwner owner;
+  const auto width_with = [&](hal::Duration lag) {
+    hal::PmdFrame frame;
+    frame.samples = planes.samples();
+    const Shot shot{.edge = {},
+                    .exposed = {},
+                    .stereo = std::nullopt,
+                    .pmd = hal::BorrowedFrame<hal::PmdFrame>(frame, owner, 0),
+                    .pmd_exposed = hal::Time{} + lag};
+    return pipeline->compute(shot, clock).map.width.at(kWidth / 2, kHeight / 2);
+  };
+  const int at_once = width_with({});
+  EXPECT_GT(at_once, 0);
+  EXPECT_EQ(width_with(std::chrono::milliseconds(6)), at_once + 2 * 36);
 }
 
 }  // namespace

@@ -42,6 +42,19 @@ class EvaluateSequence(rendered_scenes.RenderedScenes):
         for name in ("e5_percent", "inside_percent", "nearer_percent"):
             self.assertAlmostEqual(filtered[name], still[name], delta=0.05)
 
+    def test_on_the_move_the_pmd_says_so_in_its_intervals(self):
+        # The time between both exposures is recorded; without it intervals are narrower and hold less.
+        told = json.loads(self.succeed("drive", "--preset", "fast", "--warm-up", 2, "--json"))["rows"][0]
+        copy = self.folder / "untold"
+        shutil.copytree(self.folder / "drive", copy)
+        for file in copy.glob("*/pmd.json"):
+            constants = json.loads(file.read_text())
+            self.assertEqual(constants.pop("after_pair_us"), 6000)
+            file.write_text(json.dumps(constants))
+        untold = json.loads(self.succeed(copy, "--preset", "fast", "--warm-up", 2, "--json"))["rows"][0]
+        self.assertGreater(told["inside_percent"], untold["inside_percent"] + 0.3)
+        self.assertFalse(any("after_pair_us" in file.read_text() for file in (self.folder / "still").glob("*/pmd.json")))
+
     def test_what_has_left_is_gone_two_frames_later(self):
         for row in json.loads(self.succeed("leaving", "--json", "--warm-up", 8))["rows"]:
             self.assertLess(row["stays_percent"][2], 2)
