@@ -10,6 +10,7 @@
 #include "dsp/calib/stereo/interval_tables.h"
 #include "dsp/fusion/interval/column_interval.h"
 #include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/interval/late_intervals.h"
 #include "dsp/fusion/interval/stereo_interval.h"
 #include "dsp/fusion/project/reproject.h"
 #include "dsp/fusion/resolve/ambiguity_resolver.h"
@@ -56,12 +57,27 @@ QuarterMm margin_of(const PmdMaps& pmd, std::int32_t max_speed_mm_s,
 
 }  // namespace
 
+// The pair's intervals of one row.
+struct Fuser::StereoRow : LateIntervals {
+  static constexpr std::size_t kPart = 64;  // pixels that are told at once
+  static_assert(kMaxImageWidth <= kPart * 64, "a bit for each part");
+
+  const Tables* tables;
+  std::span<const Disparity> disparity;
+  std::span<const std::uint8_t> ratio;  // may be empty
+  std::span<std::uint8_t> half;
+  std::span<QuarterMm> low;
+  std::span<QuarterMm> high;
+  std::uint64_t told;  // parts
+};
+
 // Rows of one thread.
 struct Fuser::Scratch {
   std::span<QuarterMm> stereo_low;  // where the Fuser does not keep it
   std::span<QuarterMm> stereo_high;
   std::span<std::uint8_t> half;
   std::span<Cause> cause;  // where the caller wants none
+  StereoRow stereo;
 };
 
 struct Fuser::Tables {
@@ -108,8 +124,11 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
   for (Scratch& scratch : t.scratch) {
-    const Scratch rows{arena.take_passing<QuarterMm>(row), arena.take_passing<QuarterMm>(row),
-                       arena.take_passing<std::uint8_t>(row), arena.take_passing<Cause>(row)};
+    const Scratch rows{arena.take_passing<QuarterMm>(row),
+                       arena.take_passing<QuarterMm>(row),
+                       arena.take_passing<std::uint8_t>(row),
+                       arena.take_passing<Cause>(row),
+                       {}};
     if (!arena.is_measuring()) {
       scratch = rows;
     }
@@ -118,25 +137,67 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   tables_ = arena.put(t);
 }
 
-// Of the thread whose scratch it is.
-IntervalRow Fuser::stereo_row(const StereoMaps& stereo, int y, const Scratch& scratch) noexcept {
-  const Tables& t = *tables_;
-  const std::span<const Disparity> disparity =
-      stereo.disparity.empty() ? std::span<const Disparity>(t.nothing) : stereo.disparity.row(y);
-  if (stereo.ratio.empty()) {
-    std::ranges::fill(scratch.half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
+// Fills pixels begin .. end - 1. Columns of converging axes are looked up by their numbers: there,
+// all of a row.
+void Fuser::tell(const StereoRow& row, std::size_t begin, std::size_t end) noexcept {
+  const Tables& t = *row.tables;
+  const std::size_t count = end - begin;
+  const std::span<const Disparity> disparity = row.disparity.subspan(begin, count);
+  const std::span<std::uint8_t> half = row.half.subspan(begin, count);
+  if (row.ratio.empty()) {
+    std::ranges::fill(half, static_cast<std::uint8_t>(2 * t.params.stereo_sigma));
   } else {
-    best::disparity_sigma(disparity, stereo.ratio.row(y), t.params.trust.sigma_by_ratio,
-                          t.ambiguity.infinity_raw, scratch.half);
+    best::disparity_sigma(disparity, row.ratio.subspan(begin, count), t.params.trust.sigma_by_ratio,
+                          t.ambiguity.infinity_raw, half);
   }
+  const std::span<QuarterMm> low = row.low.subspan(begin, count);
+  const std::span<QuarterMm> high = row.high.subspan(begin, count);
   if (t.intervals.converging) {
-    best::column_interval(disparity, scratch.half, t.intervals.columns, scratch.stereo_low,
-                          scratch.stereo_high);
+    best::column_interval(disparity, half, t.intervals.columns, low, high);
   } else {
-    best::stereo_interval(disparity, scratch.half, t.intervals.disparity, scratch.stereo_low,
-                          scratch.stereo_high);
+    best::stereo_interval(disparity, half, t.intervals.disparity, low, high);
   }
-  return {scratch.stereo_low, scratch.stereo_high};
+}
+
+void Fuser::tell_parts(LateIntervals& self, std::size_t begin, std::size_t end) noexcept {
+  StereoRow& row = static_cast<StereoRow&>(self);
+  const std::size_t n = row.disparity.size();
+  if (row.tables->intervals.converging) {
+    begin = 0;
+    end = n;
+  }
+  for (std::size_t part = begin / StereoRow::kPart; part * StereoRow::kPart < end; ++part) {
+    const std::uint64_t bit = std::uint64_t{1} << part;
+    if ((row.told & bit) != 0) {
+      continue;
+    }
+    if (row.tables->intervals.converging) {
+      tell(row, 0, n);
+      row.told = ~std::uint64_t{0};
+      return;
+    }
+    const std::size_t first = part * StereoRow::kPart;
+    tell(row, first, std::min(first + StereoRow::kPart, n));
+    row.told |= bit;
+  }
+}
+
+// Of the thread whose scratch it is.
+Fuser::StereoRow Fuser::stereo_row(const StereoMaps& stereo, int y,
+                                   const Scratch& scratch) const noexcept {
+  const Tables& t = *tables_;
+  StereoRow row{};
+  row.tell = &Fuser::tell_parts;
+  row.tables = tables_;
+  row.disparity =
+      stereo.disparity.empty() ? std::span<const Disparity>(t.nothing) : stereo.disparity.row(y);
+  if (!stereo.ratio.empty()) {
+    row.ratio = stereo.ratio.row(y);
+  }
+  row.half = scratch.half;
+  row.low = scratch.stereo_low;
+  row.high = scratch.stereo_high;
+  return row;
 }
 
 void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
@@ -144,7 +205,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   Tables& t = *tables_;
   AmbiguityRow row{.disparity = t.nothing,
                    .weak = {},
-                   .stereo = stereo_row(stereo, y, scratch),
+                   .stereo = {scratch.stereo_low, scratch.stereo_high},
                    .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
                    .support = {t.ratio, t.splatted.flags.row(y)},
                    .view = stereo.disparity,
@@ -153,6 +214,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   if (!stereo.disparity.empty()) {
     row.disparity = stereo.disparity.row(y);
   }
+  tell(stereo_row(stereo, y, scratch), 0, row.disparity.size());
   if (!stereo.weak.empty()) {
     row.weak = stereo.weak.row(y);
   }
@@ -204,8 +266,11 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
 
 SensorIntervals Fuser::intervals(const StereoMaps& stereo, int y, int thread) noexcept {
   const Tables& t = *tables_;
-  return {.stereo = stereo_row(stereo, y, t.scratch[index(thread)]),
-          .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)}};
+  Scratch& scratch = t.scratch[index(thread)];
+  scratch.stereo = stereo_row(stereo, y, scratch);
+  return {.stereo = {scratch.stereo_low, scratch.stereo_high},
+          .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
+          .late = &scratch.stereo};
 }
 
 bool Fuser::fills_holes(const StereoMaps& stereo, const DepthMap& out) const noexcept {

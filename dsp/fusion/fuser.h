@@ -68,13 +68,16 @@ class Fuser {
   void fuse(const StereoMaps& stereo, const PmdMaps* pmd, const DepthMap& out) noexcept;
 
   // What both sensors said of a row that was fused, until this thread asks again. The pair's is
-  // computed anew: to keep it would take 4 bytes a pixel.
+  // computed anew, where it is asked for: to keep it would take 4 bytes a pixel. stereo: as long.
   SensorIntervals intervals(const StereoMaps& stereo, int y, int thread) noexcept;
 
  private:
   struct Tables;
+  struct StereoRow;
   struct Scratch;
-  IntervalRow stereo_row(const StereoMaps& stereo, int y, const Scratch& scratch) noexcept;
+  static void tell(const StereoRow& row, std::size_t begin, std::size_t end) noexcept;
+  static void tell_parts(LateIntervals& self, std::size_t begin, std::size_t end) noexcept;
+  StereoRow stereo_row(const StereoMaps& stereo, int y, const Scratch& scratch) const noexcept;
   void fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                 const DepthMap& out) noexcept;
 

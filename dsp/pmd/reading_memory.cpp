@@ -1,7 +1,6 @@
 #include "dsp/pmd/reading_memory.h"
 
 #include <algorithm>
-#include <cstdlib>
 
 #include "dsp/base/index.h"
 #include "dsp/pmd/pmd_maps.h"
@@ -21,10 +20,6 @@ void fill(const ImageView<T>& image, T value) noexcept {
 }
 
 }  // namespace
-
-bool is_same_reading(QuarterMm now, QuarterMm sigma, QuarterMm before) noexcept {
-  return std::abs(now - before) <= 3 * sigma + now / 64;
-}
 
 ReadingMemory::ReadingMemory(int width, int height, std::uint32_t ratio_q16, Arena& arena) noexcept
     : least_ratio_(static_cast<int>(ratio_q16 / 512 * 5 / 8)),
@@ -122,8 +117,9 @@ void ReadingMemory::count_changes(int y) noexcept {
 void ReadingMemory::settle(int y, std::span<std::uint8_t> flags, std::span<QuarterMm> distance,
                            std::span<QuarterMm> sigma) noexcept {
   const std::span<QuarterMm> before = distance_.row(y);
+  const std::span<const std::uint8_t> admitted = admitted_;
   for (std::size_t x = 0; admits_ && x < flags.size(); ++x) {
-    if (admitted_[x] != 0 && !is_same_reading(distance[x], sigma[x], before[x])) {
+    if (admitted[x] != 0 && !is_same_reading(distance[x], sigma[x], before[x])) {
       flags[x] = static_cast<std::uint8_t>(flags[x] | unsigned{kPmdLowRatio});
       distance[x] = kNoDepth;
       sigma[x] = 0;

@@ -11,7 +11,10 @@
 namespace stof::dsp {
 
 // Whether a reading is the one that was seen there before: within 3 sigma and a 64th.
-bool is_same_reading(QuarterMm now, QuarterMm sigma, QuarterMm before) noexcept;
+constexpr bool is_same_reading(QuarterMm now, QuarterMm sigma, QuarterMm before) noexcept {
+  const int apart = now > before ? now - before : before - now;
+  return apart <= 3 * sigma + now / 64;
+}
 
 // Readings of the frame before, of a standing PMD camera. A reading whose modulation ratio lies
 // about the limit comes and goes by its noise. Where it was accepted before, it stays down to five

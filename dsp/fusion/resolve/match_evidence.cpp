@@ -142,16 +142,18 @@ MatchEvidence::Result MatchEvidence::judge(const Match& match,
   if (!place.seen()) {
     return {Verdict::kKept, {}};
   }
-  bool known = false;
-  bool agrees = false;
-  ask_around(place, half, [&](const Said& said) noexcept {
-    known = known || said.opinion != Opinion::kNone;
-    agrees = agrees || said.opinion == Opinion::kAgrees;
-  });
+  const Said own = ask(place.column, place.row, place.distance, half);
+  bool known = own.opinion != Opinion::kNone;
+  bool agrees = own.opinion == Opinion::kAgrees;
+  if (around_ > 0 && !agrees) {
+    ask_around(place, half, [&](const Said& said) noexcept {
+      known = known || said.opinion != Opinion::kNone;
+      agrees = agrees || said.opinion == Opinion::kAgrees;
+    });
+  }
   if (known && !agrees) {
     return {Verdict::kContradicted, {}};
   }
-  const Said own = ask(place.column, place.row, place.distance, half);
   const bool folded = own.folded && own.opinion == Opinion::kAgrees;
   const bool sure = folded || match.ratio < kSureRatio;
   if (!support.is_enough(sure ? kEnoughWhereSure : kEnoughSupport)) {

@@ -55,8 +55,7 @@ void PastFrames::filter(int y, int thread, const SensorIntervals& said,
     std::ranges::fill(marks, kChanged);
   }
   const std::span<Cause> cause = map.cause.empty() ? causes_.row(thread) : map.cause.row(y);
-  steady_.filter(y, marks, said.stereo, said.pmd,
-                 {map.depth.row(y), map.width.row(y), map.source.row(y), cause});
+  steady_.filter(y, marks, said, {map.depth.row(y), map.width.row(y), map.source.row(y), cause});
   mean_.filter(y, marks, map);
 }
 

@@ -44,6 +44,15 @@ void mark_around(const ImageView<std::uint8_t>& pixels, int y,
   }
 }
 
+// All bits that are set somewhere.
+std::uint8_t any_of(std::span<const std::uint8_t> values) noexcept {
+  std::uint8_t any = 0;
+  for (const std::uint8_t value : values) {
+    any = static_cast<std::uint8_t>(any | value);
+  }
+  return any;
+}
+
 template <typename T>
 void clear(const ImageView<T>& image) noexcept {
   for (int y = 0; y < image.height(); ++y) {
@@ -56,6 +65,7 @@ void clear(const ImageView<T>& image) noexcept {
 PictureChange::PictureChange(int width, int height, Arena& arena) noexcept
     : before_(arena.take_image<std::uint8_t>(width, height)),
       pixels_(arena.take_image<std::uint8_t>(width, height)),
+      rows_(arena.take_filled(index(height), std::uint8_t{0})),
       changed_(arena.take_image<std::uint8_t>(cells(width), cells(height))),
       around_(arena.take_image<std::uint8_t>(cells(width), cells(height))),
       column_(arena.take_filled(index(cells(width) + 2 * kReach), std::uint8_t{0})) {
@@ -67,6 +77,7 @@ void PictureChange::take(ImageView<const std::uint8_t> picture) noexcept {
     std::ranges::copy(picture.row(y), before_.row(y).begin());
   }
   clear(pixels_);
+  std::ranges::fill(rows_, std::uint8_t{0});
   clear(around_);
 }
 
@@ -101,6 +112,7 @@ int PictureChange::compare(ImageView<const std::uint8_t> picture) noexcept {
     const int end = last ? picture.height() : (cell + 1) * kCellSize;
     for (int y = cell * kCellSize; y < end; ++y) {
       best::pixel_change(picture.row(y), before_.row(y), pixels_.row(y));
+      rows_[index(y)] = any_of(pixels_.row(y));
     }
   }
   return count;
@@ -144,7 +156,13 @@ void PictureChange::widen() noexcept {
 }
 
 void PictureChange::mark(int y, std::span<std::uint8_t> marks) const noexcept {
-  mark_around(pixels_, y, marks);
+  const int last = pixels_.height() - 1;
+  const unsigned beside = rows_[index(std::max(y - 1, 0))] | rows_[index(std::min(y + 1, last))];
+  if ((beside | rows_[index(y)]) != 0) {
+    mark_around(pixels_, y, marks);
+  } else {
+    std::ranges::fill(marks, std::uint8_t{0});
+  }
   const std::span<const std::uint8_t> around =
       around_.row(std::min(y / kCellSize, around_.height() - 1));
   if (std::ranges::max(around) == 0) {

@@ -42,6 +42,7 @@ class PictureChange {
 
   ImageView<std::uint8_t> before_;
   ImageView<std::uint8_t> pixels_;   // that have changed
+  std::span<std::uint8_t> rows_;     // not 0: some of its pixels have
   ImageView<std::uint8_t> changed_;  // of each cell
   ImageView<std::uint8_t> around_;   // of each cell, by what has changed around it
   std::span<std::uint8_t> column_;   // of a row of cells, with kReach more at either end

@@ -11,13 +11,14 @@ SteadyFilter::SteadyFilter(int width, int height, QuarterMm max_range, Arena& ar
       seen_(arena.take_filled_image(width, height, kNoDepth)),
       tally_(arena.take_filled_image(width, height, std::uint8_t{0})) {}
 
-void SteadyFilter::filter(int y, std::span<const std::uint8_t> marks, const IntervalRow& stereo,
-                          const IntervalRow& pmd, const FusedRow& fused) noexcept {
+void SteadyFilter::filter(int y, std::span<const std::uint8_t> marks, const SensorIntervals& said,
+                          const FusedRow& fused) noexcept {
   best::steady_row({.changed = marks,
                     .changes = PictureChange::kCell,
-                    .stereo = stereo,
-                    .pmd = pmd,
-                    .fused = fused},
+                    .stereo = said.stereo,
+                    .pmd = said.pmd,
+                    .fused = fused,
+                    .late = said.late},
                    limits_, {.depth = seen_.row(y), .tally = tally_.row(y)});
 }
 

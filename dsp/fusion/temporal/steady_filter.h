@@ -6,6 +6,7 @@
 #include "dsp/base/arena.h"
 #include "dsp/base/image.h"
 #include "dsp/fusion/depth_map.h"
+#include "dsp/fusion/sensor_intervals.h"
 #include "dsp/fusion/temporal/steady_row.h"
 
 namespace stof::dsp {
@@ -25,8 +26,8 @@ class SteadyFilter {
   SteadyFilter(int width, int height, QuarterMm max_range, Arena& arena) noexcept;
 
   // A row of a frame. marks: as PictureChange has them.
-  void filter(int y, std::span<const std::uint8_t> marks, const IntervalRow& stereo,
-              const IntervalRow& pmd, const FusedRow& fused) noexcept;
+  void filter(int y, std::span<const std::uint8_t> marks, const SensorIntervals& said,
+              const FusedRow& fused) noexcept;
 
  private:
   SteadyLimits limits_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
@@ -7,6 +8,7 @@
 #include "dsp/base/kernel.h"
 #include "dsp/fusion/depth_map.h"
 #include "dsp/fusion/interval/intersect.h"
+#include "dsp/fusion/interval/late_intervals.h"
 
 namespace stof::dsp {
 
@@ -23,6 +25,10 @@ struct SteadyRow {
   IntervalRow stereo;
   IntervalRow pmd;
   FusedRow fused;
+  // Fills `stereo` where it is read: its element begin + x is x of these spans. Without it
+  // everything is there.
+  LateIntervals* late = nullptr;
+  std::size_t begin = 0;
 };
 
 struct SteadyLimits {

@@ -122,6 +122,9 @@ class Body {
     Heard stereo{all(0), all(0), all(0), all(0)};
     Heard pmd = stereo;
     if (Isa::any(is.other & settled)) {  // else nothing depends on them: they stay where they are
+      if (row.late != nullptr) {
+        row.late->tell(*row.late, row.begin + x, row.begin + x + Isa::kLanes);
+      }
       stereo = hear(row.stereo, x, p.seen, limits);
       pmd = hear(row.pmd, x, p.seen, limits);
     }
@@ -188,7 +191,9 @@ static void steady_row(const SteadyRow& row, const SteadyLimits& limits, const S
             .stereo = tail(row.stereo),
             .pmd = tail(row.pmd),
             .fused = {row.fused.depth.subspan(x), row.fused.width.subspan(x),
-                      row.fused.source.subspan(x), row.fused.cause.subspan(x)}},
+                      row.fused.source.subspan(x), row.fused.cause.subspan(x)},
+            .late = row.late,
+            .begin = row.begin + x},
            limits, {.depth = state.depth.subspan(x), .tally = state.tally.subspan(x)});
 }
 

@@ -91,9 +91,12 @@ Memory next(const SteadyRow& row, const SteadyLimits& limits, std::size_t x,
             .known = more,
             .votes = std::max(old.votes - 1, 0)};
   }
+  const bool settled = old.known >= kSettled;
+  if (settled && row.late != nullptr) {  // else nothing depends on them
+    row.late->tell(*row.late, row.begin + x, row.begin + x + 1);
+  }
   const Heard stereo(row.stereo, x, old, limits);
   const Heard pmd(row.pmd, x, old, limits);
-  const bool settled = old.known >= kSettled;
   const bool confirmed = settled && (stereo.confirms || pmd.confirms);
   const bool near = depth < old.depth;
   int votes = old.votes;

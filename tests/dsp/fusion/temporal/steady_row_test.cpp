@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "tests/support/kernel_check.h"
+#include "tests/support/random.h"
 
 namespace stof::dsp {
 namespace {
@@ -257,6 +259,77 @@ TEST(SteadyRow, EqualsReferenceForEveryLengthOverManyFrames) {
     EXPECT_GT(withheld, 100);
     EXPECT_EQ(outside, 0);
   }
+}
+
+// Fills what it is asked for, and nothing else.
+struct Teller : LateIntervals {
+  static void fill(LateIntervals& self, std::size_t begin, std::size_t end) noexcept {
+    Teller& teller = static_cast<Teller&>(self);
+    for (std::size_t x = begin; x < end; ++x) {
+      teller.low[x] = teller.says.low[x];
+      teller.high[x] = teller.says.high[x];
+      teller.asked[x] = 1;
+    }
+  }
+  explicit Teller(const IntervalRow& row)
+      : says(row), low(row.low.size(), 0), high(low), asked(low.size(), 0) {
+    tell = &Teller::fill;
+  }
+  IntervalRow says;
+  std::vector<QuarterMm> low;
+  std::vector<QuarterMm> high;
+  std::vector<std::uint8_t> asked;
+};
+
+TEST(SteadyRow, AsksLateIntervalsForFewPixelsAndDecidesAsWithAll) {
+  constexpr std::size_t kPixels = 333;  // whole vectors and a tail of each kind
+  test::Random random(7);
+  struct Row {
+    std::vector<QuarterMm> depth, width, seen;
+    std::vector<Source> source;
+    std::vector<Cause> cause;
+    std::vector<std::uint8_t> tally;
+  };
+  Row early{.depth = std::vector<QuarterMm>(kPixels, 8000),
+            .width = std::vector<QuarterMm>(kPixels, 400),
+            .seen = std::vector<QuarterMm>(kPixels, 8000),
+            .source = std::vector<Source>(kPixels, Source::kBoth),
+            .cause = std::vector<Cause>(kPixels),
+            .tally = std::vector<std::uint8_t>(kPixels, kMostTally)};
+  std::vector<QuarterMm> low(kPixels);
+  std::vector<QuarterMm> high(kPixels);
+  const std::vector<QuarterMm> nothing(kPixels, 0);
+  const std::vector<std::uint8_t> unchanged(kPixels, 0);
+  for (std::size_t x = 0; x < kPixels; ++x) {
+    low[x] = static_cast<QuarterMm>(random.between(7000, 9000));
+    high[x] = static_cast<QuarterMm>(low[x] + 300);
+    if (x >= 100 && x < 110) {
+      early.depth[x] = random.between(0, 1) == 0 ? kNoDepth : QuarterMm{12000};
+    }
+  }
+  early.depth[kPixels - 1] = 12000;
+  Row late = early;
+  Teller teller({low, high});
+  const auto run = [&](Row& row, const IntervalRow& stereo, LateIntervals* told) {
+    best::steady_row({.changed = unchanged,
+                      .stereo = stereo,
+                      .pmd = {nothing, nothing},
+                      .fused = {row.depth, row.width, row.source, row.cause},
+                      .late = told},
+                     {}, {.depth = row.seen, .tally = row.tally});
+  };
+  run(early, {low, high}, nullptr);
+  run(late, {teller.low, teller.high}, &teller);
+  EXPECT_EQ(early.depth, late.depth);
+  EXPECT_EQ(early.width, late.width);
+  EXPECT_EQ(early.source, late.source);
+  EXPECT_EQ(early.cause, late.cause);
+  EXPECT_EQ(early.seen, late.seen);
+  EXPECT_EQ(early.tally, late.tally);
+  const auto asked = std::ranges::count(teller.asked, std::uint8_t{1});
+  EXPECT_GE(asked, 11);
+  EXPECT_LE(asked, 11 + 3 * 16);
+  EXPECT_EQ(teller.asked[kPixels - 1], 1);
 }
 
 }  // namespace
