@@ -108,8 +108,9 @@ struct HeapCalls {
 void count_heap_calls() noexcept;
 HeapCalls heap_calls() noexcept;
 
-// Where settings are kept under that name; nothing is opened yet.
+// Where settings are kept under that name, or what its owner alone may read; nothing is opened yet.
 std::unique_ptr<hal::Store> make_store(std::string_view name);
+std::unique_ptr<hal::Store> make_secret_store(std::string_view name);
 
 // The board's own flags, one per line, for --help.
 std::string_view usage() noexcept;

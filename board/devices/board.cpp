@@ -260,6 +260,10 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
   return std::make_unique<linux::FileStore>(std::string(name));
 }
 
+std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
+  return std::make_unique<linux::FileStore>(std::string(name), linux::FileStore::Readers::kOwner);
+}
+
 Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }
 
 std::optional<std::string> lock_memory() {

@@ -189,6 +189,11 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
   return std::make_unique<hal::linux::FileStore>(std::string(name));
 }
 
+std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
+  return std::make_unique<hal::linux::FileStore>(std::string(name),
+                                                 hal::linux::FileStore::Readers::kOwner);
+}
+
 // An emulated rig shares a laptop with others.
 std::optional<std::string> lock_memory() { return std::nullopt; }
 std::optional<std::string> set_realtime_priority(bool) { return std::nullopt; }

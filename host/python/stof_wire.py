@@ -125,6 +125,13 @@ class SettingsDocument(enum.IntEnum):
     SCHEMA = 4  # the JSON Schema of all of these
 
 
+class Role(enum.IntEnum):
+    NONE = 0  # nobody's
+    VIEW = 1  # reads
+    TUNE = 2  # changes what SETTINGS.md marks so, within the installer's limits, and saves
+    ADMIN = 3  # changes everything, keys and limits too
+
+
 class SettingsResult(enum.IntEnum):
     OK = 0  # done; of get: the text is a part of the document
     COOKIE = 1  # repeat the request with this cookie

@@ -101,6 +101,13 @@ names.SettingsDocument = {
   [4] = "schema",
 }
 
+names.Role = {
+  [0] = "none",
+  [1] = "view",
+  [2] = "tune",
+  [3] = "admin",
+}
+
 names.SettingsResult = {
   [0] = "ok",
   [1] = "cookie",
