@@ -36,7 +36,9 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                         .store = parts.store,
                         .fell_back = parts.saved.fell_back,
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
-      handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
+      authenticator_(parts.keys),
+      handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_,
+               &authenticator_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
@@ -51,7 +53,8 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                   parts_.origin.session_id);
   }
   if (parts_.serial != nullptr) {
-    line_requests_.emplace(parts_.origin, &settings_server_);
+    line_requests_.emplace(parts_.origin, &settings_server_, &handler_);
+    line_requests_->set_remote(active.serial.remote);
     serial_.emplace(*parts_.board.serial, *parts_.serial, *line_requests_);
     serial_->set(active.serial.mode, static_cast<std::uint32_t>(active.serial.baud));
   }
@@ -94,6 +97,7 @@ void ControlServices::publish_status() noexcept {
   published_.dropped.store(settings_server_.dropped() ? dropped_value(parts_.saved) : 0,
                            std::memory_order_relaxed);
   published_.changed_by.store(who(settings_server_.changed_by()), std::memory_order_relaxed);
+  published_.pairing.store(parts_.keys.pairing(), std::memory_order_relaxed);
   // After who changed them.
   published_.revision.store(settings_server_.revision(), std::memory_order_release);
   published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
@@ -171,6 +175,7 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
   }
   if (serial_) {
     serial_->set(settings.serial.mode, static_cast<std::uint32_t>(settings.serial.baud));
+    line_requests_->set_remote(settings.serial.remote);
   }
   return true;
 }
@@ -185,6 +190,9 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
                        .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
                        .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),
                        .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
+  const keys::Pairing pairing = published_.pairing.load(std::memory_order_relaxed);
+  status.unpaired = pairing == keys::Pairing::kUnpaired;
+  status.keys_lost = pairing == keys::Pairing::kLost;
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();
     status.serial_sent = line.sent;

@@ -47,7 +47,19 @@ std::string activate(const Options& options, InitialSettings& initial, std::stri
   return apply(options.assignments, initial.active, notes);
 }
 
+std::string keys_file(const Options& options) {
+  return !options.keys.empty() || options.settings.empty() ? options.keys
+                                                           : options.settings + ".keys";
+}
+
 }  // namespace
+
+void read_keys(const Options& options, keys::Keyring& ring) {
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter line(space);
+  ring.load(keys_file(options), line);
+  say(line);
+}
 
 bool names(const Options& options, std::string_view path) {
   return std::ranges::find(options.assignments, path, &Assignment::path) !=
@@ -64,6 +76,10 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
     say(line);
+  }
+  if (const std::string keys = keys_file(options); !keys.empty()) {
+    initial.keys = board::make_secret_store(keys);
+    initial.damaged_keys = board::make_secret_store(keys + ".bad");
   }
   std::string notes;
   if (std::string why = activate(options, initial, notes); !why.empty()) {

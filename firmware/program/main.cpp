@@ -30,6 +30,7 @@
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/settings_trial.h"
 #include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/crypto/crypto.h"
 #include "firmware/workspace.h"
 #include "posix/worker_threads.h"
 
@@ -144,6 +145,8 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   if (start.saved.on_trial) {
     trial.emplace(start.stores(), start.saved.settings);
   }
+  keys::Keyring ring(start.keys.get(), start.damaged_keys.get());
+  read_keys(options, ring);
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};
   DeviceLending lending(board.emulated_time);
@@ -168,6 +171,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .store = start.store.get(),
        .saved = start.saved,
        .trial = trial ? &*trial : nullptr,
+       .keys = ring,
        .connection_replaced = (board.other_port ? 1U : 0U) | (start.serial_dropped ? 2U : 0U),
        .origin = origin,
        .announce = make_announce(board, rig, options),
@@ -261,6 +265,9 @@ int start_and_run(std::span<const std::string_view> arguments) {
   }
   if (options->settings_table) {
     return print(settings::settings_tables());
+  }
+  if (!wire::start_crypto()) {
+    return refuse("this system has no random numbers: keys cannot be used", kExitFailure);
   }
   watch_signals();
   auto start = read_settings(*options);

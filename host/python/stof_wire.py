@@ -37,6 +37,8 @@ class PacketType(enum.IntEnum):
     SETTINGS_REQUEST = 132  # to the sensor: read or change settings
     SETTINGS_ANSWER = 133  # answer to it
     DISCOVER = 134  # to the sensor, also by broadcast: who are you
+    SIGNED_REQUEST = 136  # to the sensor: a request that a key signs
+    SIGNED_ANSWER = 137  # answer to it, signed with the same key
 
 
 class Stream(enum.IntEnum):
@@ -139,6 +141,11 @@ class SettingsResult(enum.IntEnum):
     NOT_SAVED = 3  # active, but could not be saved; the text says why
     UNSUPPORTED = 4  # an operation or document this sensor does not know
     BUSY = 5  # another request is being served: repeat
+    # refused, nothing changed: it takes a key, or one with another role; the text says which field
+    # and what it takes
+    DENIED = 6
+    UNKNOWN_KEY = 7  # the signature is of no key that the sensor has; never signed
+    STALE = 8  # refused, nothing changed: the counter is not above `highest` of the answer
 
 
 class Condition(enum.IntEnum):
@@ -195,6 +202,11 @@ class Condition(enum.IntEnum):
     # somebody changed the settings in the last ten seconds; each change is an event of its own;
     # value: who: the last four bytes of the address, its first the highest; 0: over the serial line
     SETTINGS_CHANGED = 23
+    # no key is known: anybody on the network may change what docs/SECURITY.md calls harmless;
+    # value: 0
+    UNPAIRED = 24
+    # the keys could not be read at the start: nobody on the network may change anything; value: 0
+    KEYS_LOST = 25
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -278,6 +290,12 @@ CONDITIONS = {
     Condition.SETTINGS_CHANGED: ConditionInfo(
         "somebody changed the settings in the last ten seconds; each change is an event of its own",
         Severity.INFO, Reaction.WATCH),
+    Condition.UNPAIRED: ConditionInfo(
+        "no key is known: anybody on the network may change what docs/SECURITY.md calls harmless",
+        Severity.INFO, Reaction.NONE),
+    Condition.KEYS_LOST: ConditionInfo(
+        "the keys could not be read at the start: nobody on the network may change anything",
+        Severity.MINOR, Reaction.WATCH),
 }
 # made: end
 
@@ -395,6 +413,8 @@ class ControlCounters(Layout):
     cookies: int = 0  # answered with a cookie only: the source was not validated
     busy: int = 0  # refused: more requests at once than the sensor queues
     overrun: int = 0  # lost before they were read: the socket's buffer was full
+    forged: int = 0  # refused: signed with no key that is known here
+    replayed: int = 0  # refused: signed, but its counter is no higher than one before
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("accepted", "Q", 1),
@@ -410,6 +430,8 @@ class ControlCounters(Layout):
         ("cookies", "Q", 1),
         ("busy", "Q", 1),
         ("overrun", "Q", 1),
+        ("forged", "Q", 1),
+        ("replayed", "Q", 1),
     )
 
 
@@ -811,6 +833,25 @@ class SettingsAnswer(Layout):
 
 
 @dataclasses.dataclass
+class SignedFields(Layout):
+    """Types 136 and 137. After these fields the payload of the message that is signed, then the tag,
+    the last 16 bytes of the payload."""
+
+    key_id: int = 0  # of the key; in the answer the same
+    type: int = 0  # type of the message that is signed: 132, in the answer 133
+    counter: int = 0  # above all that this key has signed in this session; in the answer the same
+    highest: int = 0  # of the answer: the highest counter of this key so far; in requests 0
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("key_id", "I", 1),
+        ("type", "B", 1),
+        ("", "x", 3),
+        ("counter", "Q", 1),
+        ("highest", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
 class Discover(Layout):
     """Type 134, to the sensor, also by broadcast."""
 
@@ -836,6 +877,8 @@ MESSAGES = {
     PacketType.SUBSCRIBED: Subscribed,
     PacketType.SETTINGS_REQUEST: SettingsRequest,
     PacketType.SETTINGS_ANSWER: SettingsAnswer,
+    PacketType.SIGNED_REQUEST: SignedFields,
+    PacketType.SIGNED_ANSWER: SignedFields,
     PacketType.DISCOVER: Discover,
 }
 # made: end

@@ -27,6 +27,8 @@ names.PacketType = {
   [132] = "settings request",
   [133] = "settings answer",
   [134] = "discover",
+  [136] = "signed request",
+  [137] = "signed answer",
 }
 
 names.Stream = {
@@ -115,6 +117,9 @@ names.SettingsResult = {
   [3] = "not saved",
   [4] = "unsupported",
   [5] = "busy",
+  [6] = "denied",
+  [7] = "unknown key",
+  [8] = "stale",
 }
 
 names.Condition = {
@@ -142,6 +147,8 @@ names.Condition = {
   [21] = "connection replaced",
   [22] = "no depth",
   [23] = "settings changed",
+  [24] = "unpaired",
+  [25] = "keys lost",
 }
 
 layouts.Origin = {
@@ -177,6 +184,8 @@ layouts.ControlCounters = {
   {name = "cookies", size = 8, count = 1, kind = "uint64", title = "Cookies", base = base.DEC, doc = "answered with a cookie only: the source was not validated"},
   {name = "busy", size = 8, count = 1, kind = "uint64", title = "Busy", base = base.DEC, doc = "refused: more requests at once than the sensor queues"},
   {name = "overrun", size = 8, count = 1, kind = "uint64", title = "Overrun", base = base.DEC, doc = "lost before they were read: the socket's buffer was full"},
+  {name = "forged", size = 8, count = 1, kind = "uint64", title = "Forged", base = base.DEC, doc = "refused: signed with no key that is known here"},
+  {name = "replayed", size = 8, count = 1, kind = "uint64", title = "Replayed", base = base.DEC, doc = "refused: signed, but its counter is no higher than one before"},
 }
 
 layouts.header = {
@@ -254,7 +263,7 @@ layouts.calibration = {
 
 layouts.health = {
   message = "health",
-  bytes = 216,
+  bytes = 232,
   mask = 8,
   mask_names = "Condition",
   {name = "uptime_ms", size = 8, count = 1, kind = "uint64", title = "Uptime ms", base = base.DEC, doc = "since the sender's start, ms"},
@@ -269,7 +278,7 @@ layouts.health = {
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "as in the frame info"},
   {name = "counters", size = 48, count = 1, layout = "LoopCounters"},
   {name = "packets_sent", size = 8, count = 1, kind = "uint64", title = "Packets sent", base = base.DEC, doc = "datagrams to all subscribers"},
-  {name = "control", size = 104, count = 1, layout = "ControlCounters"},
+  {name = "control", size = 120, count = 1, layout = "ControlCounters"},
   {name = "serial_sent", size = 8, count = 1, kind = "uint64", title = "Serial sent", base = base.DEC, doc = "frames and messages on the serial line"},
   {name = "serial_dropped", size = 8, count = 1, kind = "uint64", title = "Serial dropped", base = base.DEC, doc = "of these, not sent: the line was busy"},
   {name = "serial_refused", size = 8, count = 1, kind = "uint64", title = "Serial refused", base = base.DEC, doc = "frames and messages from the serial line that were damaged or unknown"},
@@ -378,6 +387,17 @@ layouts.settings_answer = {
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "for the next request"},
 }
 
+layouts.signed_fields = {
+  message = "signed fields",
+  bytes = 24,
+  tail = "data",
+  {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key; in the answer the same"},
+  {name = "type", size = 1, count = 1, kind = "uint8", title = "Type", base = base.DEC, doc = "type of the message that is signed: 132, in the answer 133"},
+  {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "counter", size = 8, count = 1, kind = "uint64", title = "Counter", base = base.DEC, doc = "above all that this key has signed in this session; in the answer the same"},
+  {name = "highest", size = 8, count = 1, kind = "uint64", title = "Highest", base = base.DEC, doc = "of the answer: the highest counter of this key so far; in requests 0"},
+}
+
 layouts.discover = {
   message = "discover",
   bytes = 128,
@@ -398,6 +418,8 @@ local payload_of = {
   [129] = "subscribed",
   [132] = "settings_request",
   [133] = "settings_answer",
+  [136] = "signed_fields",
+  [137] = "signed_fields",
   [134] = "discover",
 }
 -- made: end
