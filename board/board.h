@@ -12,6 +12,7 @@
 
 #include "dsp/base/status.h"
 #include "dsp/calib/calibration.h"
+#include "hal/button.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
 #include "hal/network_interfaces.h"
@@ -41,6 +42,7 @@ struct Board {
   hal::NetworkInterfaces& network;
   hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
   hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
+  hal::Button* button = nullptr;      // that opens pairing and accepts its digits; nullptr: none
   dsp::Calibration calibration;
   bool nominal_calibration = false;        // of the drawing: nothing was measured
   bool allow_nominal_calibration = false;  // and whoever started it knows

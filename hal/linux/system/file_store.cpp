@@ -63,6 +63,14 @@ Result<posix::Fd> open_file(const char* name) noexcept {
   return file;
 }
 
+// A file system that cannot be written has private files too.
+bool make_private(int fd) noexcept {
+  constexpr mode_t kOthers = 0077;
+  struct stat found{};
+  return ::fstat(fd, &found) == 0 &&
+         ((found.st_mode & kOthers) == 0 || ::fchmod(fd, kOwnerAlone) == 0);
+}
+
 // Nothing that is no regular file is in the way.
 bool free_for_file(const char* name) noexcept {
   struct stat found{};
@@ -88,7 +96,7 @@ Result<std::optional<std::size_t>> FileStore::load(std::span<std::byte> space) n
   if (!file->is_open()) {
     return std::nullopt;
   }
-  if (readers_ == Readers::kOwner && ::fchmod(file->get(), kOwnerAlone) != 0) {
+  if (readers_ == Readers::kOwner && !make_private(file->get())) {
     return fail(Status::kDeviceError);
   }
   std::size_t bytes = 0;
