@@ -32,7 +32,7 @@ std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datag
   const wire::Header& header = packet->header;
   if (header.type != PacketType::kSubscribe && header.type != PacketType::kUnsubscribe &&
       header.type != PacketType::kSettingsRequest && header.type != PacketType::kSignedRequest &&
-      header.type != PacketType::kDiscover) {
+      header.type != PacketType::kPairRequest && header.type != PacketType::kDiscover) {
     return refuse(Count::kNotControl);
   }
   if (header.origin.device_id != 0 && header.origin.device_id != origin_.device_id) {
@@ -46,6 +46,8 @@ std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datag
       return serve_settings(request);
     case PacketType::kSignedRequest:
       return serve_signed(request);
+    case PacketType::kPairRequest:
+      return pair(request);
     default:
       return subscribe(request);
   }
@@ -102,7 +104,7 @@ RequestHandler::Answer RequestHandler::serve_settings(const Request& request) no
       authenticator_ == nullptr ? Access::kRead : authenticator_->unsigned_access();
   return seal(PacketType::kSettingsAnswer,
               serve(*asked, request.packet.payload.subspan(wire::kSettingsRequestBytes), request,
-                    access, wire::payload_space(buffer_)));
+                    access, 0, wire::payload_space(buffer_)));
 }
 
 // Whatever is cheap comes first: the cookie, the session, the host's share.
@@ -132,6 +134,7 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
     refusal.result = wire::SettingsResult::kUnknownKey;
     return answer(refusal, 0);
   }
+  wire::Key key = *signer.key;  // which may be none any more when the answer goes
   const std::span<std::byte> payload = wire::signed_space(buffer_);
   std::size_t bytes = wire::kSettingsAnswerBytes;
   if (signer.verdict == Verdict::kReplayed) {
@@ -141,27 +144,56 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
   } else {
     count(Count::kAccepted);
     bytes = serve(*asked, view->payload.subspan(wire::kSettingsRequestBytes), request,
-                  access_of(signer.key->role), payload);
+                  access_of(key.role), key.id, payload);
   }
-  return wire::seal_signed(
+  const Answer sealed = wire::seal_signed(
       {.type = PacketType::kSignedAnswer, .origin = origin_, .frame = {.health = health_}},
-      {.key_id = signer.key->id,
+      {.key_id = key.id,
        .type = static_cast<std::uint8_t>(PacketType::kSettingsAnswer),
        .counter = view->fields.counter,
        .highest = signer.highest},
-      bytes, signer.key->secret, buffer_);
+      bytes, key.secret, buffer_);
+  wire::wipe(key.secret);
+  return sealed;
+}
+
+RequestHandler::Answer RequestHandler::pair(const Request& request) noexcept {
+  const Result<wire::PairRequest> asked = wire::decode_pair_request(request.packet.payload);
+  if (!asked) {
+    return refuse(Count::kBadField);
+  }
+  wire::PairAnswer out{.result = wire::PairResult::kClosed};
+  if (!cookies_.valid(asked->cookie, request.from, request.now)) {
+    if (!may_answer_unproven(request, wire::kPairAnswerBytes)) {
+      return {};
+    }
+    count(Count::kCookies);
+    out.result = wire::PairResult::kCookie;
+  } else if (!may_serve(request)) {
+    return {};
+  } else {
+    count(Count::kAccepted);
+    if (pairing_ != nullptr) {
+      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now);
+    }
+  }
+  out.request_id = asked->request_id;
+  out.cookie = cookies_.make(request.from, request.now);
+  wire::encode_pair_answer(out, wire::payload_space(buffer_).first<wire::kPairAnswerBytes>());
+  return seal(PacketType::kPairAnswer, wire::kPairAnswerBytes);
 }
 
 std::size_t RequestHandler::serve(const wire::SettingsRequest& asked,
                                   std::span<const std::byte> text, const Request& request,
-                                  Access access, std::span<std::byte> payload) noexcept {
+                                  Access access, std::uint32_t key_id,
+                                  std::span<std::byte> payload) noexcept {
   wire::SettingsAnswer out{.result = wire::SettingsResult::kUnsupported};
   const std::span<std::byte> space = payload.subspan(wire::kSettingsAnswerBytes);
   std::size_t text_bytes = 0;
   if (settings_ != nullptr) {
-    out =
-        settings_->serve(asked, text, {.peer = request.from, .now = request.now, .access = access},
-                         space, text_bytes);
+    out = settings_->serve(
+        asked, text, {.peer = request.from, .now = request.now, .access = access, .key_id = key_id},
+        space, text_bytes);
     text_bytes = std::min(text_bytes, space.size());
   }
   out.request_id = asked.request_id;

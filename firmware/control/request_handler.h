@@ -13,6 +13,7 @@
 #include "firmware/control/source_limiter.h"
 #include "firmware/control/token_bucket.h"
 #include "firmware/keys/authenticator.h"
+#include "firmware/keys/pairing_server.h"
 #include "firmware/wire/keys/signed_packet.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/discover.h"
@@ -44,6 +45,8 @@ class RequestHandler {
   RequestHandler(const wire::Origin& origin, const CookieSecret& secret, LeaseTable& subscribers,
                  SettingsService* settings, keys::Authenticator* authenticator = nullptr) noexcept;
 
+  // Who serves requests to pair; outlives the handler. Before, all are answered with kClosed.
+  void set_pairing(keys::PairingServer* pairing) noexcept { pairing_ = pairing; }
   // The answer to a discover; request_id and subscribers are filled in here.
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
 
@@ -87,6 +90,7 @@ class RequestHandler {
   Answer subscribe(const Request& request) noexcept;
   Answer serve_settings(const Request& request) noexcept;
   Answer serve_signed(const Request& request) noexcept;
+  Answer pair(const Request& request) noexcept;
   Answer discover(const Request& request) noexcept;
   // Whether an answer of `payload_bytes` may go to a source that has proven nothing.
   bool may_answer_unproven(const Request& request, std::size_t payload_bytes) noexcept;
@@ -99,7 +103,8 @@ class RequestHandler {
   // Serves a request whose text follows it, and writes the answer and its text into `payload`.
   // Returns the bytes of both.
   std::size_t serve(const wire::SettingsRequest& asked, std::span<const std::byte> text,
-                    const Request& request, Access access, std::span<std::byte> payload) noexcept;
+                    const Request& request, Access access, std::uint32_t key_id,
+                    std::span<std::byte> payload) noexcept;
   Answer seal(wire::PacketType type, std::size_t payload_bytes) noexcept;
   Answer refuse(Count why) noexcept;
   void count(Count what) noexcept;
@@ -110,6 +115,7 @@ class RequestHandler {
   LeaseTable& subscribers_;
   SettingsService* settings_;
   keys::Authenticator* authenticator_;
+  keys::PairingServer* pairing_ = nullptr;
   TokenBucket unproven_{kUnprovenPerSecond};
   SourceLimiter unproven_hosts_;
   SourceLimiter proven_hosts_;

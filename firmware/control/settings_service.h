@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
@@ -21,6 +22,7 @@ struct Requester {
   std::optional<hal::Peer> peer;  // proven by its cookie; none: the serial line
   hal::Time now{};
   Access access = Access::kRead;
+  std::uint32_t key_id = 0;  // that signed; 0: none
 };
 
 // Answers requests for settings. For the control thread alone.

@@ -85,6 +85,13 @@ void HealthMonitor::observe(const Event& event) noexcept {
     case EventKind::kSettingsChanged:
       begin(wire::Condition::kSettingsChanged, event.value, event.at);
       break;
+    case EventKind::kPairing:
+      if (event.value == kPairingClosed) {
+        set(wire::Condition::kPairing, false, 0, event.at);
+      } else {
+        begin(wire::Condition::kPairing, event.value == kPairingOpen ? 0 : event.value, event.at);
+      }
+      break;
     case EventKind::kStandsOn:  // what is missing is a condition of its own
       break;
     case EventKind::kSendFailed:

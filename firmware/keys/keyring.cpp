@@ -17,6 +17,13 @@ struct KeySpace {
   std::array<char, wire::kMostKeyText> text{};
 };
 
+const char* what_is_wrong(Status read, bool regular) noexcept {
+  if (!regular) {
+    return read == Status::kUnsupported ? "no regular file" : "cannot be read";
+  }
+  return read == Status::kUnsupported ? "of a later version" : "no key file, or damaged";
+}
+
 }  // namespace
 
 void Keyring::load(std::string_view place, settings::PagedWriter& line) noexcept {
@@ -38,11 +45,7 @@ void Keyring::load(std::string_view place, settings::PagedWriter& line) noexcept
   keys_.clear();
   lost_ = true;
   damaged_ = regular;
-  const char* const what = read == Status::kUnsupported
-                               ? (regular ? "of a later version" : "no regular file")
-                           : regular ? "no key file, or damaged"
-                                     : "cannot be read";
-  line << place << ": " << what
+  line << place << ": " << what_is_wrong(read, regular)
        << ": no client's key is known, nobody may change anything; pair again over the cable or "
           "with the button, it is left alone until then";
 }
@@ -101,6 +104,13 @@ Status Keyring::become(const wire::KeyTable& next) noexcept {
   lost_ = false;
   keys_ = next;
   return Status::kOk;
+}
+
+Pairing Keyring::pairing() const noexcept {
+  if (keys_.count() > 0) {
+    return Pairing::kPaired;
+  }
+  return lost_ ? Pairing::kLost : Pairing::kUnpaired;
 }
 
 }  // namespace stof::keys

@@ -40,9 +40,7 @@ class Keyring {
   // The same key with another secret.
   Status replace(std::uint32_t id, const wire::Secret& secret) noexcept;
 
-  Pairing pairing() const noexcept {
-    return keys_.count() > 0 ? Pairing::kPaired : lost_ ? Pairing::kLost : Pairing::kUnpaired;
-  }
+  Pairing pairing() const noexcept;
   const wire::KeyTable& keys() const noexcept { return keys_; }
 
  private:

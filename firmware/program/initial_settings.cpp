@@ -6,6 +6,8 @@
 
 #include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
+#include "firmware/settings/text/as_text.h"
+#include "firmware/wire/keys/key_text.h"
 
 namespace stof::firmware {
 namespace {
@@ -52,6 +54,22 @@ std::string keys_file(const Options& options) {
                                                            : options.settings + ".keys";
 }
 
+// Error: one line.
+std::expected<std::optional<keys::LabelCode>, std::string> read_label(const Options& options) {
+  if (options.label.empty()) {
+    return std::nullopt;
+  }
+  std::array<std::byte, 64> bytes{};
+  const Result<std::optional<std::size_t>> read = board::make_store(options.label)->load(bytes);
+  const std::string_view text = settings::as_text(bytes);
+  const auto code = !read || !*read ? std::nullopt : wire::code_of(text.substr(0, **read));
+  wire::wipe(bytes);
+  if (!code) {
+    return std::unexpected(options.label + ": --label takes a file with 32 hexadecimal digits");
+  }
+  return code;
+}
+
 }  // namespace
 
 void read_keys(const Options& options, keys::Keyring& ring) {
@@ -81,6 +99,11 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     initial.keys = board::make_secret_store(keys);
     initial.damaged_keys = board::make_secret_store(keys + ".bad");
   }
+  auto label = read_label(options);
+  if (!label) {
+    return std::unexpected(std::move(label.error()));
+  }
+  initial.label = *label;
   std::string notes;
   if (std::string why = activate(options, initial, notes); !why.empty()) {
     return std::unexpected(std::move(why));

@@ -2,10 +2,12 @@
 
 #include <expected>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
 #include "firmware/keys/keyring.h"
+#include "firmware/keys/pairing_server.h"
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
 #include "firmware/settings/saved_settings.h"
@@ -23,6 +25,7 @@ struct InitialSettings {
   // Of --keys, and beside it NAME.bad; empty: keys are not kept.
   std::unique_ptr<hal::Store> keys;
   std::unique_ptr<hal::Store> damaged_keys;
+  std::optional<keys::LabelCode> label;
   settings::StartSettings saved;
   settings::Settings active;
   bool serial_dropped = false;  // the saved line is none of the board's

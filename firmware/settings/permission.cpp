@@ -1,5 +1,6 @@
 #include "firmware/settings/permission.h"
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <string_view>
@@ -17,13 +18,9 @@ using wire::Stream;
 constexpr std::array kKept{Stream::kDepth, Stream::kWidth, Stream::kSource, Stream::kCloud};
 
 bool switched_off(const Settings& active, const Settings& next) noexcept {
-  for (const Stream stream : kKept) {
-    const auto at = static_cast<std::size_t>(stream) - 1;
-    if (active.streams.coding[at] != Coding::kOff && next.streams.coding[at] == Coding::kOff) {
-      return true;
-    }
-  }
-  return false;
+  return std::ranges::any_of(kKept, [&](Stream stream) {
+    return active.streams.of(stream) != Coding::kOff && next.streams.of(stream) == Coding::kOff;
+  });
 }
 
 // Of what everybody but the admin changes.

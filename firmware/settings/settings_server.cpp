@@ -122,6 +122,9 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
       return save(by.now, out);
     case Operation::kReset:
       return become({}, by.access, out);
+    case Operation::kKeys:
+    case Operation::kUnpair:
+      break;
   }
   return Result::kUnsupported;
 }

@@ -38,6 +38,7 @@ struct Commands {
   ConfigOptions config;
   DiscoverCommand discover;
   PairOptions pair;
+  UnpairOptions unpair;
   ProxyOptions proxy;
 };
 
@@ -121,7 +122,7 @@ int run(int argc, char** argv) {
   add_calib(app, commands.calib_pmd);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
-  add_pair(app, commands.pair);
+  add_pair(app, commands.pair, commands.unpair);
   require_finite_numbers(app);
   try {
     app.parse(argc, argv);

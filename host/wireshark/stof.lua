@@ -29,6 +29,8 @@ names.PacketType = {
   [134] = "discover",
   [136] = "signed request",
   [137] = "signed answer",
+  [138] = "pair request",
+  [139] = "pair answer",
 }
 
 names.Stream = {
@@ -93,6 +95,8 @@ names.SettingsOperation = {
   [5] = "preset",
   [6] = "save",
   [7] = "reset",
+  [8] = "keys",
+  [9] = "unpair",
 }
 
 names.SettingsDocument = {
@@ -108,6 +112,29 @@ names.Role = {
   [1] = "view",
   [2] = "tune",
   [3] = "admin",
+}
+
+names.PairStep = {
+  [0] = "begin",
+  [1] = "reveal",
+  [2] = "confirm",
+}
+
+names.PairMethod = {
+  [0] = "digits",
+  [1] = "code",
+  [2] = "cable",
+  [3] = "key",
+}
+
+names.PairResult = {
+  [0] = "ok",
+  [1] = "cookie",
+  [2] = "closed",
+  [3] = "busy",
+  [4] = "wrong",
+  [5] = "waiting",
+  [6] = "full",
 }
 
 names.SettingsResult = {
@@ -149,6 +176,7 @@ names.Condition = {
   [23] = "settings changed",
   [24] = "unpaired",
   [25] = "keys lost",
+  [26] = "pairing",
 }
 
 layouts.Origin = {
@@ -398,6 +426,37 @@ layouts.signed_fields = {
   {name = "highest", size = 8, count = 1, kind = "uint64", title = "Highest", base = base.DEC, doc = "of the answer: the highest counter of this key so far; in requests 0"},
 }
 
+layouts.pair_request = {
+  message = "pair request",
+  bytes = 112,
+  {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "any number, comes back in the answer"},
+  {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, names = "PairStep", doc = "see below"},
+  {name = "method", size = 1, count = 1, kind = "uint8", title = "Method", base = base.DEC, names = "PairMethod", doc = "see below; the same in all steps, as role, key id and name"},
+  {name = "role", size = 1, count = 1, kind = "uint8", title = "Role", base = base.DEC, names = "Role", doc = "that the key shall have"},
+  {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet. Not looked at on serial lines"},
+  {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "of the answer to begin; there 0"},
+  {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of method key; else 0"},
+  {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
+  {name = "name", size = 32, count = 1, kind = "string", title = "Name", doc = "whose key it is"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "depends on the step"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's"},
+}
+
+layouts.pair_answer = {
+  message = "pair answer",
+  bytes = 80,
+  {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "of the request"},
+  {name = "result", size = 1, count = 1, kind = "uint8", title = "Result", base = base.DEC, names = "PairResult", doc = "see below"},
+  {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "for the next request"},
+  {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "random, for the steps that follow"},
+  {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key that comes of it"},
+  {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of begin: the sensor's"},
+}
+
 layouts.discover = {
   message = "discover",
   bytes = 128,
@@ -420,6 +479,8 @@ local payload_of = {
   [133] = "settings_answer",
   [136] = "signed_fields",
   [137] = "signed_fields",
+  [138] = "pair_request",
+  [139] = "pair_answer",
   [134] = "discover",
 }
 -- made: end

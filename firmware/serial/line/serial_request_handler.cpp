@@ -33,9 +33,23 @@ std::span<const std::byte> SerialRequestHandler::take(std::span<const std::byte>
       return remote_ ? pass_on(bytes, now) : serve_settings(packet->payload, now);
     case PacketType::kSignedRequest:
       return remote_ ? pass_on(bytes, now) : refuse();
+    case PacketType::kPairRequest:
+      return remote_ ? refuse() : pair(packet->payload, now);
     default:
       return refuse();
   }
+}
+
+std::span<const std::byte> SerialRequestHandler::pair(std::span<const std::byte> payload,
+                                                      hal::Time now) noexcept {
+  const Result<wire::PairRequest> asked = wire::decode_pair_request(payload);
+  if (!asked || pairing_ == nullptr) {
+    return refuse();
+  }
+  wire::PairAnswer out = pairing_->serve(*asked, keys::PairingWay::kCable, now);
+  out.request_id = asked->request_id;
+  wire::encode_pair_answer(out, wire::payload_space(buffer_).first<wire::kPairAnswerBytes>());
+  return seal(PacketType::kPairAnswer, wire::kPairAnswerBytes);
 }
 
 std::span<const std::byte> SerialRequestHandler::discover(

@@ -31,6 +31,8 @@ class SerialRequestHandler {
                        RequestHandler* strangers = nullptr) noexcept
       : origin_(origin), settings_(settings), strangers_(strangers) {}
 
+  // Who serves requests to pair, on a line that is not remote; outlives it.
+  void set_pairing(keys::PairingServer* pairing) noexcept { pairing_ = pairing; }
   // Whether strangers are at the other end; at first they are not.
   void set_remote(bool remote) noexcept { remote_ = remote; }
 
@@ -46,6 +48,7 @@ class SerialRequestHandler {
   std::span<const std::byte> discover(std::span<const std::byte> payload) noexcept;
   std::span<const std::byte> serve_settings(std::span<const std::byte> payload,
                                             hal::Time now) noexcept;
+  std::span<const std::byte> pair(std::span<const std::byte> payload, hal::Time now) noexcept;
   std::span<const std::byte> pass_on(std::span<const std::byte> bytes, hal::Time now) noexcept;
   std::span<const std::byte> seal(wire::PacketType type, std::size_t payload_bytes) noexcept;
   std::span<const std::byte> refuse() noexcept;
@@ -53,6 +56,7 @@ class SerialRequestHandler {
   wire::Origin origin_;
   SettingsService* settings_;
   RequestHandler* strangers_;
+  keys::PairingServer* pairing_ = nullptr;
   bool remote_ = false;
   wire::Announce announce_{};
   wire::Health health_ = wire::Health::kOk;

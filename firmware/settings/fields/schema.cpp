@@ -31,7 +31,10 @@ std::string_view json_type(Kind kind) noexcept {
 
 // The role that it takes; anybody: on a sensor that is not paired.
 std::string_view changed_by(Access access) noexcept {
-  return access == Access::kAdmin ? "admin" : access == Access::kTune ? "tune" : "anybody";
+  if (access == Access::kAdmin) {
+    return "admin";
+  }
+  return access == Access::kTune ? "tune" : "anybody";
 }
 
 class SchemaWriter {

@@ -33,7 +33,7 @@ std::array<char, kKeyNameBytes> key_name(std::string_view text) noexcept;
 // Keys, of fixed capacity, in the order they came. Wipes what it drops.
 class KeyTable {
  public:
-  static constexpr std::size_t kMost = 64;
+  static constexpr std::size_t kMost = 32;
 
   KeyTable() = default;
   ~KeyTable() { clear(); }

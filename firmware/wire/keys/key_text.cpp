@@ -14,7 +14,7 @@ namespace {
 constexpr std::string_view kFirstLine = "stof keys 1\n";
 constexpr std::string_view kAnyVersion = "stof keys ";
 constexpr std::string_view kLastLine = "crc32c ";
-constexpr std::string_view kDigits = "0123456789abcdef";
+constexpr std::string_view kHexDigits = "0123456789abcdef";
 constexpr std::size_t kWordDigits = 8;
 
 // Text into a space that is known to be large enough.
@@ -28,7 +28,7 @@ class KeyWriter {
     return *this;
   }
   KeyWriter& hex(std::uint8_t byte) {
-    const std::array<char, 2> digits{kDigits[byte >> 4U], kDigits[byte & 15U]};
+    const std::array<char, 2> digits{kHexDigits[byte >> 4U], kHexDigits[byte & 15U]};
     return text({digits.data(), digits.size()});
   }
   KeyWriter& hex(std::uint32_t number) {
@@ -59,7 +59,7 @@ std::optional<std::string_view> take_until(char end, std::string_view& rest) noe
 
 // Small digits alone: a file has one form.
 std::optional<std::uint8_t> digit_of(char c) noexcept {
-  const std::size_t at = kDigits.find(c);
+  const std::size_t at = kHexDigits.find(c);
   return at == std::string_view::npos ? std::nullopt : std::optional(static_cast<std::uint8_t>(at));
 }
 
@@ -138,6 +138,23 @@ Role role_of(std::string_view text) noexcept {
     }
   }
   return Role::kNone;
+}
+
+std::optional<std::array<std::byte, 16>> code_of(std::string_view text) noexcept {
+  std::array<std::byte, 16> code{};
+  std::size_t digits = 0;
+  for (const char c : text) {
+    if (c == '-' || c == ' ' || c == '\n' || c == '\r') {
+      continue;
+    }
+    const auto digit = digit_of(c >= 'A' && c <= 'F' ? static_cast<char>(c - 'A' + 'a') : c);
+    if (!digit || digits == 2 * code.size()) {
+      return std::nullopt;
+    }
+    std::byte& byte = code[digits++ / 2];
+    byte = byte << 4 | static_cast<std::byte>(*digit);
+  }
+  return digits == 2 * code.size() ? std::optional(code) : std::nullopt;
 }
 
 std::span<char> write_keys(const KeyTable& keys, std::span<char> space) noexcept {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -22,5 +24,8 @@ Status read_keys(std::string_view text, KeyTable& keys) noexcept;
 // "view", "tune", "admin"; kNone of any other text, and "none".
 std::string_view role_text(Role role) noexcept;
 Role role_of(std::string_view text) noexcept;
+
+// The code of a label: 32 hexadecimal digits; hyphens, spaces and an end of line do not count.
+std::optional<std::array<std::byte, 16>> code_of(std::string_view text) noexcept;
 
 }  // namespace stof::wire

@@ -64,9 +64,8 @@ class Session {
         return std::move(*answer);
       case wire::SettingsResult::kInvalid:
         throw Failure(Exit::kBadInput, answer->text);
-      case wire::SettingsResult::kNotSaved:
-        throw Failure(Exit::kFailure, place_ + ": " + answer->text);
       case wire::SettingsResult::kDenied:
+      case wire::SettingsResult::kNotSaved:
         throw Failure(Exit::kFailure, place_ + ": " + answer->text);
       case wire::SettingsResult::kUnknownKey:
         throw Failure(Exit::kFailure,

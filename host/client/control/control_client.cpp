@@ -89,8 +89,8 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
                                                                   wire::SettingsDocument document,
                                                                   std::string_view text) {
   deadline_ = Time::clock::now() + options_.overall;
-  if (operation == wire::SettingsOperation::kGet) {
-    return get(document);
+  if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {
+    return get(operation, document);
   }
   std::expected<Part, ControlError> part = ask(operation, document, 0, text);
   if (!part) {
@@ -102,14 +102,15 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
                        .restart = part->answer.restart != 0};
 }
 
-std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsDocument document) {
+std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsOperation operation,
+                                                              wire::SettingsDocument document) {
   constexpr int kTries = 3;
   for (int i = 0; i < kTries; ++i) {
     std::string text;
     std::optional<wire::SettingsAnswer> first;
     for (;;) {
       std::expected<Part, ControlError> part =
-          ask(wire::SettingsOperation::kGet, document, static_cast<std::uint16_t>(text.size()), {});
+          ask(operation, document, static_cast<std::uint16_t>(text.size()), {});
       if (!part) {
         return std::unexpected(std::move(part.error()));
       }

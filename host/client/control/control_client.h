@@ -90,7 +90,8 @@ class ControlClient {
   std::expected<std::optional<Part>, ControlError> await(std::uint32_t request_id, bool sealed);
   std::optional<Part> read_answer(std::span<const std::byte> datagram, std::uint32_t request_id,
                                   bool sealed);
-  std::expected<ControlAnswer, ControlError> get(wire::SettingsDocument document);
+  std::expected<ControlAnswer, ControlError> get(wire::SettingsOperation operation,
+                                                 wire::SettingsDocument document);
   std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
                                   wire::DatagramBuffer& buffer) const;
   ControlError error(Status status, std::string_view what) const;

@@ -109,7 +109,7 @@ TEST(KeyText, EveryDamageIsSeenAndLeavesNoKey) {
 }
 
 TEST(KeyText, ALaterVersionIsNoDamage) {
-  KeyTable keys;
+  const KeyTable keys;
   std::string text = text_of(keys);
   text.replace(text.find('1'), 1, "2");
   KeyTable read;

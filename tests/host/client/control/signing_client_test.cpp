@@ -192,7 +192,7 @@ TEST(SigningClient, BelievesNothingThatTheSensorDidNotSign) {
     }
     const auto packet = wire::parse_packet(answer);
     const auto view = wire::open_signed(*packet, answer);
-    Bytes plain = test::sealed(wire::PacketType::kSettingsAnswer, view->payload, kDevice);
+    const Bytes plain = test::sealed(wire::PacketType::kSettingsAnswer, view->payload, kDevice);
     arriving.push_back(plain);
     return arriving;
   };
