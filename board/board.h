@@ -12,6 +12,7 @@
 
 #include "dsp/base/status.h"
 #include "dsp/calib/calibration.h"
+#include "hal/button.h"
 #include "hal/clock.h"
 #include "hal/datagram_port.h"
 #include "hal/network_interfaces.h"
@@ -41,6 +42,7 @@ struct Board {
   hal::NetworkInterfaces& network;
   hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
   hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
+  hal::Button* button = nullptr;      // that opens pairing and accepts its digits; nullptr: none
   dsp::Calibration calibration;
   bool nominal_calibration = false;        // of the drawing: nothing was measured
   bool allow_nominal_calibration = false;  // and whoever started it knows
@@ -108,8 +110,9 @@ struct HeapCalls {
 void count_heap_calls() noexcept;
 HeapCalls heap_calls() noexcept;
 
-// Where settings are kept under that name; nothing is opened yet.
+// Where settings are kept under that name, or what its owner alone may read; nothing is opened yet.
 std::unique_ptr<hal::Store> make_store(std::string_view name);
+std::unique_ptr<hal::Store> make_secret_store(std::string_view name);
 
 // The board's own flags, one per line, for --help.
 std::string_view usage() noexcept;

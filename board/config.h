@@ -41,6 +41,7 @@ struct Nets {
   Net pmd_trigger{};    // not wired: as right_trigger
   Net left_strobe{};
   Net right_strobe{};
+  Net pair_button{};  // connects its line with ground
 };
 
 // A pair of cameras as one of the kernel's interfaces knows them, and how their trigger is driven.

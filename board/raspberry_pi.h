@@ -17,7 +17,8 @@ inline constexpr DeviceConfig kPiDevices{
              .right_trigger = {"CAM_R_TRIG", "GPIO27"},
              .pmd_trigger = {"PMD_TRIG", "GPIO22"},
              .left_strobe = {"CAM_L_STROBE", ""},
-             .right_strobe = {"CAM_R_STROBE", ""}},
+             .right_strobe = {"CAM_R_STROBE", ""},
+             .pair_button = {"PAIR_BUTTON", "GPIO25"}},
     // Triggered UVC cameras of a global shutter: a rising edge begins the exposure.
     .v4l2 = {.left = "usb:1209:0051",
              .right = "usb:1209:0052",

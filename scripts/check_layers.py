@@ -63,6 +63,7 @@ FLOORS = (
     Floor("board/*/config.h", (BOARD_TABLES, HAL_INTERFACES, "dsp/*")),
     Floor("board/*", ("board/*", "hal/*", "dsp/*", "dataset/*")),
     Floor("firmware/wire/crc32c_hardware.cpp", ("firmware/wire/*",), ("sys/auxv.h",)),
+    Floor("firmware/wire/crypto/crypto.cpp", ("firmware/wire/*", "dsp/*"), ("sodium.h",)),
     Floor("firmware/wire/*", ("firmware/wire/*", "hal/datagram_size.h", "dsp/*")),
     Floor("firmware/serial/*", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "hal/framing/*", "dsp/*")),
     Floor("firmware/program/main.cpp", ("firmware/*", BOARD_TABLES, HAL_INTERFACES, "dsp/*", "posix/worker_threads.h")),

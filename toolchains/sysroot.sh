@@ -7,6 +7,7 @@ packages=(
   libc6-dev linux-libc-dev libstdc++-14-dev                           # the language
   libclang-rt-19-dev                                                  # sanitizers
   libgpiod-dev libusb-1.0-0-dev libcamera-dev                         # devices
+  libsodium-dev                                                       # firmware/wire/crypto
   libeigen3-dev                                                       # dsp/calib
   libcli11-dev nlohmann-json3-dev libpng-dev libgtest-dev  # host programs, tests
 )

@@ -10,6 +10,7 @@
 #include "board/devices/hotplug_camera.h"
 #include "board/devices/nominal_rig.h"
 #include "board/devices/wiring.h"
+#include "hal/linux/gpio/gpio_button.h"
 #include "hal/linux/gpio/gpio_trigger.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
 #include "hal/linux/system/clock.h"
@@ -63,6 +64,7 @@ class Rig {
       pmd_.emplace([this] { return open_pmd(); });
     }
     open_watchdog();
+    open_button();
     assemble();
   }
 
@@ -95,6 +97,7 @@ class Rig {
   std::expected<Stereo::Opened, linux::OpenError> open_stereo();
   std::expected<Pmd::Opened, linux::OpenError> open_pmd();
   void open_watchdog();
+  void open_button();
   void assemble();
 
   // What a sensor says itself, where it is wired, else what it was told.
@@ -115,6 +118,7 @@ class Rig {
   Stereo stereo_;
   std::optional<Pmd> pmd_;
   std::unique_ptr<linux::WatchdogDevice> watchdog_;
+  std::unique_ptr<linux::GpioButton> button_;
   std::vector<std::string> notes_;
   std::optional<Board> board_;
 };
@@ -201,6 +205,20 @@ void Rig::open_watchdog() {
   }
 }
 
+// Without it a sensor pairs over its cable or with the code of its label.
+void Rig::open_button() {
+  const std::string line = button_line(options_);
+  if (line.empty()) {
+    return;
+  }
+  auto opened = linux::GpioButton::open({.line = line});
+  if (opened) {
+    button_ = std::move(*opened);
+  } else {
+    notes_.push_back("no button for pairing: " + opened.error().message);
+  }
+}
+
 void Rig::assemble() {
   const PairConfig& pair = pair_of(options_);
   notes_.insert(notes_.end(), connections_.notes.begin(), connections_.notes.end());
@@ -224,6 +242,7 @@ void Rig::assemble() {
             .network = *connections_.network,
             .mdns = connections_.mdns.get(),
             .watchdog = watchdog_.get(),
+            .button = button_.get(),
             .calibration = nominal_rig(kConfig, stereo_size(options_), pmd_size(options_)),
             .nominal_calibration = true,
             .allow_nominal_calibration = options_.uncalibrated,
@@ -258,6 +277,10 @@ std::expected<Board*, Refusal> open(const Connections& connections,
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
   return std::make_unique<linux::FileStore>(std::string(name));
+}
+
+std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
+  return std::make_unique<linux::FileStore>(std::string(name), linux::FileStore::Readers::kOwner);
 }
 
 Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }

@@ -33,6 +33,8 @@ bool take_text(std::string_view flag, std::string_view value, DeviceOptions& opt
     options.left_strobe = value;
   } else if (flag == "--right-strobe") {
     options.right_strobe = value;
+  } else if (flag == "--pair-button") {
+    options.pair_button = value;
   } else if (flag == "--watchdog") {
     options.watchdog = value;
   } else {
@@ -79,7 +81,7 @@ std::string too_large(std::string_view flag, PictureSize asked, int width, int h
          std::to_string(width) + "x" + std::to_string(height) + ": choose smaller ones";
 }
 
-std::string strobe_line(const std::string& wanted, const Net& net) {
+std::string input_line(const std::string& wanted, const Net& net) {
   const std::string line = wanted.empty() ? std::string(net.line) : wanted;
   return line == "none" ? std::string() : line;
 }
@@ -129,10 +131,14 @@ std::expected<DeviceOptions, Refusal> parse_device_options(
   return options;
 }
 
+std::string button_line(const DeviceOptions& options) {
+  return input_line(options.pair_button, kConfig.devices.nets.pair_button);
+}
+
 std::array<std::string, 2> strobe_lines(const DeviceOptions& options) {
   const Nets& nets = kConfig.devices.nets;
-  return {strobe_line(options.left_strobe, nets.left_strobe),
-          strobe_line(options.right_strobe, nets.right_strobe)};
+  return {input_line(options.left_strobe, nets.left_strobe),
+          input_line(options.right_strobe, nets.right_strobe)};
 }
 
 std::string_view usage() noexcept {
@@ -153,6 +159,8 @@ std::string_view usage() noexcept {
          "  --uncalibrated       start without --calibration: pictures are right, depth is not "
          "measured\n"
          "  --watchdog DEVICE    in place of the table's, or none\n"
+         "  --pair-button LINE   GPIO line of the button for pairing, in place of the table's, or "
+         "none\n"
          "  --priority N         SCHED_FIFO of what computes, 0: none (default: the table's)\n";
 }
 

@@ -30,6 +30,7 @@ struct DeviceOptions {
   std::optional<PictureSize> size;  // of one picture of the pair
   std::optional<PictureSize> pmd_size;
   std::optional<int> gain;
+  std::string pair_button;      // a GPIO line in place of the table's; "none"
   std::string watchdog;         // in place of the table's; "none"
   std::optional<int> priority;  // in place of the table's
   bool uncalibrated = false;
@@ -37,6 +38,9 @@ struct DeviceOptions {
 
 std::expected<DeviceOptions, Refusal> parse_device_options(
     std::span<const std::string_view> arguments);
+
+// The GPIO line of the button; empty: not wired.
+std::string button_line(const DeviceOptions& options);
 
 // The GPIO lines on which left and right camera tell when they expose; empty: not wired.
 std::array<std::string, 2> strobe_lines(const DeviceOptions& options);

@@ -16,6 +16,7 @@
 #include "hal/emu/imagery/replay.h"
 #include "hal/linux/system/clock.h"
 #include "hal/linux/system/file_store.h"
+#include "hal/linux/system/signal_button.h"
 
 namespace stof::board {
 namespace {
@@ -121,6 +122,7 @@ struct Rig {
   emu::StereoCamera stereo;
   std::optional<emu::PmdCamera> pmd;
   std::optional<emu::Trigger> trigger;
+  hal::linux::SignalButton button;
   std::optional<Board> board;
 
   Rig(World&& seen, OpenConnections&& opened, const EmuOptions& options)
@@ -149,12 +151,14 @@ struct Rig {
                         .to = connections.to,
                         .network = *connections.network,
                         .mdns = connections.mdns.get(),
+                        .button = &button,
                         .calibration = world.calibration,
                         .disparities = world.disparities,
                         .emulated_time = options.free_run,
                         .other_port = connections.other_port,
                         .recorded = world.recorded,
                         .notes = world.notes});
+    board->notes.push_back(hal::linux::SignalButton::usage());
     board->notes.insert(board->notes.end(), connections.notes.begin(), connections.notes.end());
   }
 };
@@ -187,6 +191,11 @@ std::expected<Board*, Refusal> open(const Connections& connections,
 
 std::unique_ptr<hal::Store> make_store(std::string_view name) {
   return std::make_unique<hal::linux::FileStore>(std::string(name));
+}
+
+std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
+  return std::make_unique<hal::linux::FileStore>(std::string(name),
+                                                 hal::linux::FileStore::Readers::kOwner);
 }
 
 // An emulated rig shares a laptop with others.

@@ -8,11 +8,13 @@ using wire::PacketFault;
 using wire::PacketType;
 
 RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& secret,
-                               LeaseTable& subscribers, SettingsService* settings) noexcept
+                               LeaseTable& subscribers, SettingsService* settings,
+                               keys::Authenticator* authenticator) noexcept
     : origin_(origin),
       cookies_(secret),
       subscribers_(subscribers),
       settings_(settings),
+      authenticator_(authenticator),
       unproven_hosts_(secret, kUnprovenPerHost),
       proven_hosts_(secret, kProvenPerHost) {}
 
@@ -28,20 +30,27 @@ std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datag
     return refuse(reason(packet.error()));
   }
   const wire::Header& header = packet->header;
-  const bool control =
-      header.type == PacketType::kSubscribe || header.type == PacketType::kUnsubscribe ||
-      header.type == PacketType::kSettingsRequest || header.type == PacketType::kDiscover;
-  if (!control) {
+  if (header.type != PacketType::kSubscribe && header.type != PacketType::kUnsubscribe &&
+      header.type != PacketType::kSettingsRequest && header.type != PacketType::kSignedRequest &&
+      header.type != PacketType::kPairRequest && header.type != PacketType::kDiscover) {
     return refuse(Count::kNotControl);
   }
   if (header.origin.device_id != 0 && header.origin.device_id != origin_.device_id) {
     return refuse(Count::kForeign);
   }
-  const Request request{.packet = *packet, .from = from, .now = now, .bytes = datagram.size()};
-  if (header.type == PacketType::kDiscover) {
-    return discover(request);
+  const Request request{.packet = *packet, .from = from, .now = now, .datagram = datagram};
+  switch (header.type) {
+    case PacketType::kDiscover:
+      return discover(request);
+    case PacketType::kSettingsRequest:
+      return serve_settings(request);
+    case PacketType::kSignedRequest:
+      return serve_signed(request);
+    case PacketType::kPairRequest:
+      return pair(request);
+    default:
+      return subscribe(request);
   }
-  return header.type == PacketType::kSettingsRequest ? serve_settings(request) : subscribe(request);
 }
 
 RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcept {
@@ -84,31 +93,125 @@ RequestHandler::Answer RequestHandler::serve_settings(const Request& request) no
   if (!asked) {
     return refuse(Count::kBadField);
   }
-  wire::SettingsAnswer out;
-  std::size_t text_bytes = 0;
   if (!cookies_.valid(asked->cookie, request.from, request.now)) {
-    if (!may_answer_unproven(request, wire::kSettingsAnswerBytes)) {
+    return answer_cookie(request, asked->request_id);
+  }
+  if (!may_serve(request)) {
+    return {};
+  }
+  count(Count::kAccepted);
+  const Access access =
+      authenticator_ == nullptr ? Access::kRead : authenticator_->unsigned_access();
+  return seal(PacketType::kSettingsAnswer,
+              serve(*asked, request.packet.payload.subspan(wire::kSettingsRequestBytes), request,
+                    access, 0, wire::payload_space(buffer_)));
+}
+
+// Whatever is cheap comes first: the cookie, the session, the host's share.
+RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noexcept {
+  const Result<wire::SignedView> view = wire::open_signed(request.packet, request.datagram);
+  if (!view || view->fields.type != static_cast<std::uint8_t>(PacketType::kSettingsRequest)) {
+    return refuse(Count::kBadField);
+  }
+  const Result<wire::SettingsRequest> asked = wire::decode_settings_request(view->payload);
+  if (!asked) {
+    return refuse(Count::kBadField);
+  }
+  if (request.packet.header.origin.session_id != origin_.session_id ||
+      !cookies_.valid(asked->cookie, request.from, request.now)) {
+    return answer_cookie(request, asked->request_id);
+  }
+  if (!may_serve(request)) {
+    return {};
+  }
+  using Verdict = keys::Authenticator::Verdict;
+  const keys::Authenticator::Signer signer =
+      authenticator_ == nullptr ? keys::Authenticator::Signer{} : authenticator_->judge(*view);
+  wire::SettingsAnswer refusal{.request_id = asked->request_id,
+                               .cookie = cookies_.make(request.from, request.now)};
+  if (signer.verdict == Verdict::kForged) {
+    count(Count::kForged);
+    refusal.result = wire::SettingsResult::kUnknownKey;
+    return answer(refusal, 0);
+  }
+  wire::Key key = *signer.key;  // which may be none any more when the answer goes
+  const std::span<std::byte> payload = wire::signed_space(buffer_);
+  std::size_t bytes = wire::kSettingsAnswerBytes;
+  if (signer.verdict == Verdict::kReplayed) {
+    count(Count::kReplayed);
+    refusal.result = wire::SettingsResult::kStale;
+    wire::encode_settings_answer(refusal, payload.first<wire::kSettingsAnswerBytes>());
+  } else {
+    count(Count::kAccepted);
+    bytes = serve(*asked, view->payload.subspan(wire::kSettingsRequestBytes), request,
+                  access_of(key.role), key.id, payload);
+  }
+  const Answer sealed = wire::seal_signed(
+      {.type = PacketType::kSignedAnswer, .origin = origin_, .frame = {.health = health_}},
+      {.key_id = key.id,
+       .type = static_cast<std::uint8_t>(PacketType::kSettingsAnswer),
+       .counter = view->fields.counter,
+       .highest = signer.highest},
+      bytes, key.secret, buffer_);
+  wire::wipe(key.secret);
+  return sealed;
+}
+
+RequestHandler::Answer RequestHandler::pair(const Request& request) noexcept {
+  const Result<wire::PairRequest> asked = wire::decode_pair_request(request.packet.payload);
+  if (!asked) {
+    return refuse(Count::kBadField);
+  }
+  wire::PairAnswer out{.result = wire::PairResult::kClosed};
+  if (!cookies_.valid(asked->cookie, request.from, request.now)) {
+    if (!may_answer_unproven(request, wire::kPairAnswerBytes)) {
       return {};
     }
     count(Count::kCookies);
-    out.result = wire::SettingsResult::kCookie;
+    out.result = wire::PairResult::kCookie;
   } else if (!may_serve(request)) {
     return {};
   } else {
     count(Count::kAccepted);
-    if (settings_ == nullptr) {
-      out.result = wire::SettingsResult::kUnsupported;
-    } else {
-      const std::span<std::byte> text =
-          wire::payload_space(buffer_).subspan<wire::kSettingsAnswerBytes>();
-      out = settings_->serve(*asked, request.packet.payload.subspan(wire::kSettingsRequestBytes),
-                             {.peer = request.from, .now = request.now}, text, text_bytes);
-      text_bytes = std::min(text_bytes, text.size());
+    if (pairing_ != nullptr) {
+      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now);
     }
   }
   out.request_id = asked->request_id;
   out.cookie = cookies_.make(request.from, request.now);
-  return answer(out, text_bytes);
+  wire::encode_pair_answer(out, wire::payload_space(buffer_).first<wire::kPairAnswerBytes>());
+  return seal(PacketType::kPairAnswer, wire::kPairAnswerBytes);
+}
+
+std::size_t RequestHandler::serve(const wire::SettingsRequest& asked,
+                                  std::span<const std::byte> text, const Request& request,
+                                  Access access, std::uint32_t key_id,
+                                  std::span<std::byte> payload) noexcept {
+  wire::SettingsAnswer out{.result = wire::SettingsResult::kUnsupported};
+  const std::span<std::byte> space = payload.subspan(wire::kSettingsAnswerBytes);
+  std::size_t text_bytes = 0;
+  if (settings_ != nullptr) {
+    out = settings_->serve(
+        asked, text, {.peer = request.from, .now = request.now, .access = access, .key_id = key_id},
+        space, text_bytes);
+    text_bytes = std::min(text_bytes, space.size());
+  }
+  out.request_id = asked.request_id;
+  out.cookie = cookies_.make(request.from, request.now);
+  wire::encode_settings_answer(out, payload.first<wire::kSettingsAnswerBytes>());
+  return wire::kSettingsAnswerBytes + text_bytes;
+}
+
+RequestHandler::Answer RequestHandler::answer_cookie(const Request& request,
+                                                     std::uint32_t request_id) noexcept {
+  if (!may_answer_unproven(request, wire::kSettingsAnswerBytes)) {
+    return {};
+  }
+  count(Count::kCookies);
+  return answer({.request_id = request_id,
+                 .result = wire::SettingsResult::kCookie,
+                 .cookie = cookies_.make(request.from, request.now)},
+                0);
 }
 
 RequestHandler::Answer RequestHandler::discover(const Request& request) noexcept {
@@ -130,7 +233,7 @@ RequestHandler::Answer RequestHandler::discover(const Request& request) noexcept
 
 bool RequestHandler::may_answer_unproven(const Request& request,
                                          std::size_t payload_bytes) noexcept {
-  if (wire::kHeaderBytes + payload_bytes + wire::kCrcBytes > request.bytes) {
+  if (wire::kHeaderBytes + payload_bytes + wire::kCrcBytes > request.datagram.size()) {
     count(Count::kTooShort);
     return false;
   }
@@ -216,7 +319,9 @@ wire::ControlCounters RequestHandler::counters() const noexcept {
           .foreign = of(Count::kForeign),
           .too_short = of(Count::kTooShort),
           .cookies = of(Count::kCookies),
-          .busy = of(Count::kBusy)};
+          .busy = of(Count::kBusy),
+          .forged = of(Count::kForged),
+          .replayed = of(Count::kReplayed)};
 }
 
 }  // namespace stof::firmware

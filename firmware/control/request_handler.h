@@ -12,6 +12,9 @@
 #include "firmware/control/settings_service.h"
 #include "firmware/control/source_limiter.h"
 #include "firmware/control/token_bucket.h"
+#include "firmware/keys/authenticator.h"
+#include "firmware/keys/pairing_server.h"
+#include "firmware/wire/keys/signed_packet.h"
 #include "firmware/wire/messages/announce.h"
 #include "firmware/wire/messages/discover.h"
 #include "firmware/wire/messages/subscribe.h"
@@ -27,7 +30,9 @@ namespace stof::firmware {
 // Without a valid cookie a source gets one answer a request, never longer than that request, and no
 // more than kUnprovenPerSecond of them leave in a second to all sources together: whoever writes
 // somebody else's address on its requests cannot make us send more than it sends itself. And no
-// host gets more than its share: one that floods keeps nobody else out.
+// host gets more than its share: one that floods keeps nobody else out. What is signed is judged
+// after all that, since it costs most: a key that nobody has takes no more of the processor than a
+// host's share.
 // No clock, no socket, no heap; for one thread, except counters().
 class RequestHandler {
  public:
@@ -35,11 +40,13 @@ class RequestHandler {
   static constexpr std::uint32_t kUnprovenPerHost = 200;  // of these
   static constexpr std::uint32_t kProvenPerHost = 1000;
 
-  // `subscribers` and `settings` outlive the handler; settings nullptr: every request for them is
-  // answered with kUnsupported.
+  // All outlive the handler. settings nullptr: every request for them is answered with
+  // kUnsupported. authenticator nullptr: no key is known, and nobody changes anything.
   RequestHandler(const wire::Origin& origin, const CookieSecret& secret, LeaseTable& subscribers,
-                 SettingsService* settings) noexcept;
+                 SettingsService* settings, keys::Authenticator* authenticator = nullptr) noexcept;
 
+  // Who serves requests to pair; outlives the handler. Before, all are answered with kClosed.
+  void set_pairing(keys::PairingServer* pairing) noexcept { pairing_ = pairing; }
   // The answer to a discover; request_id and subscribers are filled in here.
   void set_announce(const wire::Announce& announce, wire::Health health) noexcept;
 
@@ -65,28 +72,39 @@ class RequestHandler {
     kForeign,
     kTooShort,
     kCookies,
-    kBusy
+    kBusy,
+    kForged,
+    kReplayed
   };
-  static constexpr std::size_t kCounts = 12;
+  static constexpr std::size_t kCounts = 14;
 
   // One request, verified, for us.
   struct Request {
     const wire::PacketView& packet;
     const hal::Peer& from;
     hal::Time now;
-    std::size_t bytes;  // of the whole datagram
+    std::span<const std::byte> datagram;  // as a whole
   };
   using Answer = std::span<const std::byte>;
 
   Answer subscribe(const Request& request) noexcept;
   Answer serve_settings(const Request& request) noexcept;
+  Answer serve_signed(const Request& request) noexcept;
+  Answer pair(const Request& request) noexcept;
   Answer discover(const Request& request) noexcept;
   // Whether an answer of `payload_bytes` may go to a source that has proven nothing.
   bool may_answer_unproven(const Request& request, std::size_t payload_bytes) noexcept;
   // Whether a source that showed a valid cookie is served now.
   bool may_serve(const Request& request) noexcept;
   Answer answer(const Request& request, const wire::Subscribed& subscribed) noexcept;
+  // To a source without a valid cookie, or one of another session.
+  Answer answer_cookie(const Request& request, std::uint32_t request_id) noexcept;
   Answer answer(const wire::SettingsAnswer& settings, std::size_t text_bytes) noexcept;
+  // Serves a request whose text follows it, and writes the answer and its text into `payload`.
+  // Returns the bytes of both.
+  std::size_t serve(const wire::SettingsRequest& asked, std::span<const std::byte> text,
+                    const Request& request, Access access, std::uint32_t key_id,
+                    std::span<std::byte> payload) noexcept;
   Answer seal(wire::PacketType type, std::size_t payload_bytes) noexcept;
   Answer refuse(Count why) noexcept;
   void count(Count what) noexcept;
@@ -96,6 +114,8 @@ class RequestHandler {
   Cookies cookies_;
   LeaseTable& subscribers_;
   SettingsService* settings_;
+  keys::Authenticator* authenticator_;
+  keys::PairingServer* pairing_ = nullptr;
   TokenBucket unproven_{kUnprovenPerSecond};
   SourceLimiter unproven_hosts_;
   SourceLimiter proven_hosts_;

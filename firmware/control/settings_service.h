@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 
+#include "firmware/control/access.h"
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "firmware/wire/packet.h"
@@ -19,6 +21,8 @@ inline constexpr std::size_t kSettingsTextBytes = wire::kMaxPayload - wire::kSet
 struct Requester {
   std::optional<hal::Peer> peer;  // proven by its cookie; none: the serial line
   hal::Time now{};
+  Access access = Access::kRead;
+  std::uint32_t key_id = 0;  // that signed; 0: none
 };
 
 // Answers requests for settings. For the control thread alone.

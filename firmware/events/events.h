@@ -33,7 +33,13 @@ enum class EventKind : std::uint8_t {
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
   kSettingsChanged,  // value: who, as of the condition
+  kPairing,          // value: kPairing..., below
 };
+
+// Of pairing at the sensor: kPairingTold and above: that and the six digits.
+inline constexpr std::uint32_t kPairingClosed = 0;
+inline constexpr std::uint32_t kPairingOpen = 1;
+inline constexpr std::uint32_t kPairingTold = 1'000'000;
 
 struct Event {
   hal::Time at{};

@@ -18,7 +18,8 @@ constexpr std::size_t index_of(wire::Condition condition) noexcept {
 std::uint64_t refused(const wire::ControlCounters& requests) noexcept {
   return requests.truncated + requests.bad_magic + requests.bad_version + requests.bad_length +
          requests.bad_crc + requests.bad_field + requests.not_control + requests.foreign +
-         requests.too_short + requests.busy + requests.overrun;
+         requests.too_short + requests.busy + requests.overrun + requests.forged +
+         requests.replayed;
 }
 
 std::uint32_t less(std::uint64_t now, std::uint64_t before) noexcept {
@@ -83,6 +84,13 @@ void HealthMonitor::observe(const Event& event) noexcept {
       break;
     case EventKind::kSettingsChanged:
       begin(wire::Condition::kSettingsChanged, event.value, event.at);
+      break;
+    case EventKind::kPairing:
+      if (event.value == kPairingClosed) {
+        set(wire::Condition::kPairing, false, 0, event.at);
+      } else {
+        begin(wire::Condition::kPairing, event.value == kPairingOpen ? 0 : event.value, event.at);
+      }
       break;
     case EventKind::kStandsOn:  // what is missing is a condition of its own
       break;
@@ -245,6 +253,8 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
       now);
   set(wire::Condition::kConnectionReplaced, control.connection_replaced != 0,
       control.connection_replaced, now);
+  set(wire::Condition::kUnpaired, control.unpaired, 0, now);
+  set(wire::Condition::kKeysLost, control.keys_lost, 0, now);
   if (now - entries_[index_of(wire::Condition::kSettingsChanged)].at >= kChangeLasts) {
     set(wire::Condition::kSettingsChanged, false, 0, now);
   }

@@ -28,6 +28,9 @@ struct ControlStatus {
   bool settings_unsaved = false;
   bool settings_fell_back = false;
   bool restart_needed = false;
+  std::uint32_t pairing = 0;  // kPairing... of events.h
+  bool unpaired = false;
+  bool keys_lost = false;
 };
 
 // Which conditions (docs/WIRE.md, "Events") are active, and what has to be sent about them: each

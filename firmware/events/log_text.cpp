@@ -65,6 +65,19 @@ std::string requester_text(std::uint32_t who) {
   return text;
 }
 
+std::string pairing_text(std::uint32_t state) {
+  if (state == kPairingClosed) {
+    return "pairing has ended";
+  }
+  if (state == kPairingOpen) {
+    return "pairing is open for two minutes: stof pair";
+  }
+  std::string digits = std::to_string(state).substr(1);
+  digits.insert(digits.size() / 2, " ");
+  return "pairing: the digits are " + digits +
+         ". Where stof pair shows the same, hold the button for three seconds; else do nothing";
+}
+
 // " (3 repeated, 1 torn)", or nothing.
 std::string causes(const std::array<std::uint64_t, kDrops>& dropped) {
   std::string text;
@@ -117,6 +130,8 @@ std::string describe(const Event& event) {
       return standing_text(event.value);
     case EventKind::kSettingsChanged:
       return "settings changed " + requester_text(event.value);
+    case EventKind::kPairing:
+      return pairing_text(event.value);
     case EventKind::kSupplying:
       return std::string(name(event.component)) + ": frames are used again";
   }

@@ -75,6 +75,12 @@ void Appliance::note_change(const ControlStatus& control) noexcept {
     parts_.events.note(event);
     publisher_.health().observe(event);
   }
+  if (std::exchange(pairing_, control.pairing) != control.pairing) {
+    const Event event{parts_.board.clock.now(), EventKind::kPairing, Component::kLoop, Status::kOk,
+                      control.pairing};
+    parts_.events.note(event);
+    publisher_.health().observe(event);
+  }
 }
 
 Status Appliance::step(const ControlStatus& control) noexcept {

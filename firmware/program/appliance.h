@@ -93,6 +93,7 @@ class Appliance {
   std::span<std::byte> images_;
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;
+  std::uint32_t pairing_ = kPairingClosed;
   std::uint32_t revision_ = 0;  // of the settings; 0: not known yet
 };
 

@@ -36,10 +36,16 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                         .store = parts.store,
                         .fell_back = parts.saved.fell_back,
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
-      handler_(parts.origin, make_cookie_secret(), subscribers_, &settings_server_),
+      authenticator_(parts.keys),
+      key_service_(parts.keys, settings_server_),
+      handler_(parts.origin, make_cookie_secret(), subscribers_, &key_service_, &authenticator_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
+  handler_.set_pairing(&parts_.pairing);
+  if (parts_.board.button != nullptr) {
+    button_.emplace(*parts_.board.button);
+  }
   if (parts_.board.to) {
     // The first of them, and before the first frame: there is room for both.
     static_cast<void>(subscribers_.fix(*parts_.board.to));
@@ -51,7 +57,9 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                   parts_.origin.session_id);
   }
   if (parts_.serial != nullptr) {
-    line_requests_.emplace(parts_.origin, &settings_server_);
+    line_requests_.emplace(parts_.origin, &key_service_, &handler_);
+    line_requests_->set_pairing(&parts_.pairing);
+    line_requests_->set_remote(active.serial.remote);
     serial_.emplace(*parts_.board.serial, *parts_.serial, *line_requests_);
     serial_->set(active.serial.mode, static_cast<std::uint32_t>(active.serial.baud));
   }
@@ -94,6 +102,10 @@ void ControlServices::publish_status() noexcept {
   published_.dropped.store(settings_server_.dropped() ? dropped_value(parts_.saved) : 0,
                            std::memory_order_relaxed);
   published_.changed_by.store(who(settings_server_.changed_by()), std::memory_order_relaxed);
+  published_.paired.store(parts_.keys.pairing(), std::memory_order_relaxed);
+  const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : kPairingClosed;
+  const std::optional<std::uint32_t> digits = parts_.pairing.digits();
+  published_.pairing.store(digits ? kPairingTold + *digits : open, std::memory_order_relaxed);
   // After who changed them.
   published_.revision.store(settings_server_.revision(), std::memory_order_release);
   published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
@@ -112,7 +124,19 @@ wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
   return announce;
 }
 
+void ControlServices::watch_pairing(hal::Time now) noexcept {
+  using Meaning = keys::ButtonWatcher::Meaning;
+  const Meaning meaning = button_ ? button_->tick(now) : Meaning::kNothing;
+  if (meaning == Meaning::kPress) {
+    parts_.pairing.open(now);
+  } else if (meaning == Meaning::kHold) {
+    parts_.pairing.accept();
+  }
+  parts_.pairing.tick(now);
+}
+
 void ControlServices::tick(hal::Time now) noexcept {
+  watch_pairing(now);
   publish_status();
   if (parts_.trial != nullptr) {
     parts_.trial->tick(now, parts_.loop_status.published.load(std::memory_order_relaxed),
@@ -171,6 +195,7 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
   }
   if (serial_) {
     serial_->set(settings.serial.mode, static_cast<std::uint32_t>(settings.serial.baud));
+    line_requests_->set_remote(settings.serial.remote);
   }
   return true;
 }
@@ -185,6 +210,10 @@ ControlStatus ControlServices::status(const SerialSender::Counters& made) const 
                        .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
                        .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),
                        .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
+  const keys::Pairing paired = published_.paired.load(std::memory_order_relaxed);
+  status.unpaired = paired == keys::Pairing::kUnpaired;
+  status.keys_lost = paired == keys::Pairing::kLost;
+  status.pairing = published_.pairing.load(std::memory_order_relaxed);
   if (serial_) {
     const SerialLink::Counters line = serial_->counters();
     status.serial_sent = line.sent;

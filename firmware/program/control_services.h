@@ -14,6 +14,11 @@
 #include "firmware/control/request_handler.h"
 #include "firmware/discovery/beacon.h"
 #include "firmware/discovery/mdns_agent.h"
+#include "firmware/keys/authenticator.h"
+#include "firmware/keys/button_watcher.h"
+#include "firmware/keys/key_service.h"
+#include "firmware/keys/keyring.h"
+#include "firmware/keys/pairing_server.h"
 #include "firmware/program/appliance.h"
 #include "firmware/program/run_config.h"
 #include "firmware/serial/line/byte_ring.h"
@@ -45,6 +50,8 @@ class ControlServices final : public settings::Limits,
     hal::Store* store;                     // of settings; nullptr: nothing is kept
     const settings::StartSettings& saved;  // that the start found there
     settings::SettingsTrial* trial;        // of these; nullptr: they are not on trial
+    keys::Keyring& keys;                   // the control thread's own from now on
+    keys::PairingServer& pairing;          // likewise
     std::uint32_t connection_replaced;     // the value of the condition; 0: none was
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
@@ -73,10 +80,14 @@ class ControlServices final : public settings::Limits,
   // Renews what requests and discovery are answered with.
   wire::Announce update_announce(hal::Time now) noexcept;
   void publish_status() noexcept;
+  void watch_pairing(hal::Time now) noexcept;
 
   Parts parts_;
   settings::SettingsServer settings_server_;
   LeaseTable subscribers_;
+  keys::Authenticator authenticator_;
+  keys::KeyService key_service_;
+  std::optional<keys::ButtonWatcher> button_;
   RequestHandler handler_;
   Beacon beacon_;
   std::optional<MdnsAgent> mdns_;
@@ -96,6 +107,8 @@ class ControlServices final : public settings::Limits,
     std::atomic<bool> restart_needed = false;
     std::atomic<std::uint32_t> changed_by = 0;
     std::atomic<std::uint32_t> dropped = 0;
+    std::atomic<keys::Pairing> paired = keys::Pairing::kUnpaired;
+    std::atomic<std::uint32_t> pairing = kPairingClosed;
   } published_;
 
   std::optional<ControlThread> thread_;

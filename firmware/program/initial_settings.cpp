@@ -6,6 +6,8 @@
 
 #include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
+#include "firmware/settings/text/as_text.h"
+#include "firmware/wire/keys/key_text.h"
 
 namespace stof::firmware {
 namespace {
@@ -47,7 +49,35 @@ std::string activate(const Options& options, InitialSettings& initial, std::stri
   return apply(options.assignments, initial.active, notes);
 }
 
+std::string keys_file(const Options& options) {
+  return !options.keys.empty() || options.settings.empty() ? options.keys
+                                                           : options.settings + ".keys";
+}
+
+// Error: one line.
+std::expected<std::optional<keys::LabelCode>, std::string> read_label(const Options& options) {
+  if (options.label.empty()) {
+    return std::nullopt;
+  }
+  std::array<std::byte, 64> bytes{};
+  const Result<std::optional<std::size_t>> read = board::make_store(options.label)->load(bytes);
+  const std::string_view text = settings::as_text(bytes);
+  const auto code = !read || !*read ? std::nullopt : wire::code_of(text.substr(0, **read));
+  wire::wipe(bytes);
+  if (!code) {
+    return std::unexpected(options.label + ": --label takes a file with 32 hexadecimal digits");
+  }
+  return code;
+}
+
 }  // namespace
+
+void read_keys(const Options& options, keys::Keyring& ring) {
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter line(space);
+  ring.load(keys_file(options), line);
+  say(line);
+}
 
 bool names(const Options& options, std::string_view path) {
   return std::ranges::find(options.assignments, path, &Assignment::path) !=
@@ -65,6 +95,15 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
     say(line);
   }
+  if (const std::string keys = keys_file(options); !keys.empty()) {
+    initial.keys = board::make_secret_store(keys);
+    initial.damaged_keys = board::make_secret_store(keys + ".bad");
+  }
+  auto label = read_label(options);
+  if (!label) {
+    return std::unexpected(std::move(label.error()));
+  }
+  initial.label = *label;
   std::string notes;
   if (std::string why = activate(options, initial, notes); !why.empty()) {
     return std::unexpected(std::move(why));

@@ -2,9 +2,12 @@
 
 #include <expected>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
+#include "firmware/keys/keyring.h"
+#include "firmware/keys/pairing_server.h"
 #include "firmware/program/options.h"
 #include "firmware/program/run_config.h"
 #include "firmware/settings/saved_settings.h"
@@ -19,6 +22,10 @@ struct InitialSettings {
   std::unique_ptr<hal::Store> store;
   std::unique_ptr<hal::Store> good;
   std::unique_ptr<hal::Store> trial;
+  // Of --keys, and beside it NAME.bad; empty: keys are not kept.
+  std::unique_ptr<hal::Store> keys;
+  std::unique_ptr<hal::Store> damaged_keys;
+  std::optional<keys::LabelCode> label;
   settings::StartSettings saved;
   settings::Settings active;
   bool serial_dropped = false;  // the saved line is none of the board's
@@ -28,6 +35,9 @@ struct InitialSettings {
 
 // Opens the store where one is named. Error: one line, which flag takes what.
 std::expected<InitialSettings, std::string> read_settings(const Options& options);
+
+// The keys that are kept there; says in a line what is wrong with them.
+void read_keys(const Options& options, keys::Keyring& ring);
 
 // Settings that were saved for another rig must not keep a sensor out of reach, not even together
 // with a command line: others hold. What is wrong then is the command line.

@@ -30,6 +30,7 @@
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/settings_trial.h"
 #include "firmware/wire/calibration/calibration_packet.h"
+#include "firmware/wire/crypto/crypto.h"
 #include "firmware/workspace.h"
 #include "posix/worker_threads.h"
 
@@ -45,9 +46,12 @@ constinit Events events{};
 constinit RunConfigRing run_configs{};
 constinit ReceiverRing receivers{};
 constinit LoopStatus loop_status{};
+// Too large for the stack.
+constinit std::optional<keys::Keyring> ring{};
+constinit std::optional<keys::PairingServer> pairing{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
 static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(loop_status) +
-                  sizeof(serial_memory) <=
+                  sizeof(ring) + sizeof(pairing) + sizeof(serial_memory) <=
               kOtherStaticBytes / 4 * 3);
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler writes it
@@ -136,6 +140,17 @@ int threads_of(const settings::Settings& settings) {
                     settings::kUsualThreads);
 }
 
+void end_loop(WatchdogFeeder& watchdog) {
+  if (watchdog.end() != Status::kOk) {
+    print_line(
+        "the watchdog cannot be stopped: the board restarts unless stofd is started again soon");
+  }
+  if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
+    print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
+  }
+  static_cast<void>(board::set_realtime_priority(false));
+}
+
 // Ends with the loop; the control thread before it.
 void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
               const RunConfig& run_config, const InitialSettings& start,
@@ -168,6 +183,8 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .store = start.store.get(),
        .saved = start.saved,
        .trial = trial ? &*trial : nullptr,
+       .keys = *ring,
+       .pairing = pairing.emplace(origin, *ring, start.label),
        .connection_replaced = (board.other_port ? 1U : 0U) | (start.serial_dropped ? 2U : 0U),
        .origin = origin,
        .announce = make_announce(board, rig, options),
@@ -190,14 +207,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
     loop_status.published.store(events.counters.published, std::memory_order_relaxed);
     loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
-  if (watchdog.end() != Status::kOk) {
-    print_line(
-        "the watchdog cannot be stopped: the board restarts unless stofd is started again soon");
-  }
-  if (const board::HeapCalls heap = board::heap_calls(); heap.counted) {
-    print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
-  }
-  static_cast<void>(board::set_realtime_priority(false));
+  end_loop(watchdog);
 }
 
 void say_refusal(const std::optional<std::string>& refusal) {
@@ -237,7 +247,11 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
     return refuse(options.port_file + ": cannot be written: check the folder and its permissions");
   }
   print_start(board, *rig, *run_config);
+  ring.emplace(start.keys.get(), start.damaged_keys.get());
+  read_keys(options, *ring);
   run_loop(board, options, *rig, *run_config, start, *calibration, workers);
+  pairing.reset();
+  ring.reset();
   print_line(summary(events.counters));
   print_line(stage_times(events.counters));
   return kExitOk;
@@ -261,6 +275,9 @@ int start_and_run(std::span<const std::string_view> arguments) {
   }
   if (options->settings_table) {
     return print(settings::settings_tables());
+  }
+  if (!wire::start_crypto()) {
+    return refuse("this system has no random numbers: keys cannot be used", kExitFailure);
   }
   watch_signals();
   auto start = read_settings(*options);

@@ -125,6 +125,10 @@ bool take_value(std::string_view flag, std::string_view value, Options& options,
     wrong = take_text(flag, value, options.calibration);
   } else if (flag == "--settings") {
     wrong = take_text(flag, value, options.settings);
+  } else if (flag == "--keys") {
+    wrong = take_text(flag, value, options.keys);
+  } else if (flag == "--label") {
+    wrong = take_text(flag, value, options.label);
   } else if (flag == "--to") {
     wrong = take_text(flag, value, options.to);
   } else if (flag == "--port-file") {
@@ -246,6 +250,8 @@ std::string options_usage() {
       "  --frames N           publish N frames, then stop (default: run until stopped)\n"
       "  --calibration FILE   calibration of the rig (default: what the board knows)\n"
       "  --settings FILE      settings to start with, and where changed ones are saved\n"
+      "  --keys FILE          keys of clients (default: the settings' file with the ending .keys)\n"
+      "  --label FILE         32 hexadecimal digits of the label, with which clients may pair\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "
       "all\n"
       "  --schema             print the JSON Schema of the settings\n"

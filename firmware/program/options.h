@@ -27,6 +27,8 @@ struct Options {
   std::uint64_t frames = 0;     // stop after so many; 0: never
   std::string calibration;      // file; empty: the board's own
   std::string settings;         // file; empty: nothing is kept
+  std::string keys;             // file; empty: SETTINGS.keys, or without settings nothing is kept
+  std::string label;            // file with the label's code; empty: there is none
   std::string to;               // HOST:PORT that gets packets without asking; empty: none
   std::string port_file;        // gets the number of the UDP port; empty: none
   std::uint32_t device_id = 1;

@@ -70,7 +70,8 @@ struct SerialSettings {
   bool flow_control = false;  // RTS and CTS
   SerialProfile profile = SerialProfile::kSectors;
   int rate_hz = 10;
-  bool width = false;  // the stream `width` beside depth
+  bool width = false;   // the stream `width` beside depth
+  bool remote = false;  // whoever is at its other end needs a key, as on the network
 
   friend bool operator==(const SerialSettings&, const SerialSettings&) = default;
 };
@@ -106,6 +107,19 @@ struct DiscoverySettings {
   friend bool operator==(const DiscoverySettings&, const DiscoverySettings&) = default;
 };
 
+// What all streams may be changed to by whoever is not the admin.
+enum class StreamLimit : std::uint8_t { kNone, kKeep, kFixed };
+
+// The installer's: only an admin changes them, and nobody else leaves them.
+struct LimitSettings {
+  int least_range_mm = 1000;
+  int least_period_ms = 0;  // 0: the board's own too
+  int most_period_ms = 1000;
+  StreamLimit streams = StreamLimit::kKeep;
+
+  friend bool operator==(const LimitSettings&, const LimitSettings&) = default;
+};
+
 struct Settings {
   Text<kNameBytes + 1> name{"stof"};
   int period_ms = 0;  // 0: the board's
@@ -120,6 +134,7 @@ struct Settings {
   MavlinkSettings mavlink;
   DiscoverySettings discovery;
   ComputeSettings compute;
+  LimitSettings limits;
 
   friend bool operator==(const Settings&, const Settings&) = default;
 };

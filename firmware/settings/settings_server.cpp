@@ -12,6 +12,30 @@
 #include "firmware/settings/text/as_text.h"
 
 namespace stof::settings {
+namespace {
+
+using wire::SettingsOperation;
+
+// What others rely on, and what wears the medium: more than a change until the next start.
+bool needs_tune(SettingsOperation operation) noexcept {
+  return operation == SettingsOperation::kStage || operation == SettingsOperation::kCommit ||
+         operation == SettingsOperation::kRevert || operation == SettingsOperation::kSave;
+}
+
+std::string_view operation_name(SettingsOperation operation) noexcept {
+  switch (operation) {
+    case SettingsOperation::kStage:
+      return "stage";
+    case SettingsOperation::kCommit:
+      return "commit";
+    case SettingsOperation::kRevert:
+      return "revert";
+    default:
+      return "save";
+  }
+}
+
+}  // namespace
 
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept {
   if (const char* const what = problem(settings); *what != '\0') {
@@ -57,39 +81,10 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
                                            const firmware::Requester& by,
                                            std::span<std::byte> answer_text,
                                            std::size_t& answer_bytes) noexcept {
-  using Operation = wire::SettingsOperation;
-  const bool reads = request.operation == Operation::kGet;
+  const bool reads = request.operation == SettingsOperation::kGet;
   PagedWriter out(as_writable_text(answer_text), reads ? request.offset : 0);
   const std::uint32_t before = revision_;
-  Result result = Result::kUnsupported;
-  switch (request.operation) {
-    case Operation::kGet:
-      result = get(request.document, out);
-      break;
-    case Operation::kSet:
-      result = change(as_text(text), out);
-      break;
-    case Operation::kStage:
-      result = stage(as_text(text), out);
-      break;
-    case Operation::kCommit:
-      result = commit(by.now, out);
-      break;
-    case Operation::kRevert:
-      staged_fields_.reset();
-      staged_fell_back_ = false;
-      result = Result::kOk;
-      break;
-    case Operation::kPreset:
-      result = preset(as_text(text), out);
-      break;
-    case Operation::kSave:
-      result = save(by.now, out);
-      break;
-    case Operation::kReset:
-      result = become({}, out);
-      break;
-  }
+  const Result result = serve(request, as_text(text), by, out);
   if (revision_ != before) {
     changed_by_ = by.peer;
   }
@@ -98,6 +93,40 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
           .restart = static_cast<std::uint8_t>(restart_needed() ? 1 : 0),
           .total = static_cast<std::uint16_t>(reads ? out.total() : 0),
           .revision = revision_};
+}
+
+SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& request,
+                                             std::string_view text, const firmware::Requester& by,
+                                             PagedWriter& out) noexcept {
+  using Operation = wire::SettingsOperation;
+  if (needs_tune(request.operation) && by.access < Access::kTune) {
+    static_cast<void>(deny(operation_name(request.operation), by.access, Access::kTune, out));
+    return Result::kDenied;
+  }
+  switch (request.operation) {
+    case Operation::kGet:
+      return get(request.document, out);
+    case Operation::kSet:
+      return change(text, by.access, out);
+    case Operation::kStage:
+      return stage(text, out);
+    case Operation::kCommit:
+      return commit(by, out);
+    case Operation::kRevert:
+      staged_fields_.reset();
+      staged_fell_back_ = false;
+      return Result::kOk;
+    case Operation::kPreset:
+      return preset(text, by.access, out);
+    case Operation::kSave:
+      return save(by.now, out);
+    case Operation::kReset:
+      return become({}, by.access, out);
+    case Operation::kKeys:
+    case Operation::kUnpair:
+      break;
+  }
+  return Result::kUnsupported;
 }
 
 SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
@@ -131,19 +160,21 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter&
   return Result::kOk;
 }
 
-SettingsServer::Result SettingsServer::commit(hal::Time now, PagedWriter& why) noexcept {
-  const Result result = become(staged(), why);
+SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
+                                              PagedWriter& why) noexcept {
+  const Result result = become(staged(), by.access, why);
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
   staged_fields_.reset();
   fell_back_ = std::exchange(staged_fell_back_, false) || fell_back_;
-  return save(now, why);
+  return save(by.now, why);
 }
 
-SettingsServer::Result SettingsServer::preset(std::string_view name, PagedWriter& why) noexcept {
+SettingsServer::Result SettingsServer::preset(std::string_view name, Access access,
+                                              PagedWriter& why) noexcept {
   if (const SettingsPreset* const found = find_preset(name)) {
-    return change(found->json, why);
+    return change(found->json, access, why);
   }
   why << "preset: takes ";
   write_preset_names(why);
@@ -179,13 +210,15 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
   return Result::kOk;
 }
 
-SettingsServer::Result SettingsServer::change(std::string_view json, PagedWriter& why) noexcept {
+SettingsServer::Result SettingsServer::change(std::string_view json, Access access,
+                                              PagedWriter& why) noexcept {
   Settings next = active_;
-  return parse(json, next, why) ? become(next, why) : Result::kInvalid;
+  return parse(json, next, why) ? become(next, access, why) : Result::kInvalid;
 }
 
 // why: of a result of kOk, what fell back.
-SettingsServer::Result SettingsServer::become(Settings next, PagedWriter& why) noexcept {
+SettingsServer::Result SettingsServer::become(Settings next, Access access,
+                                              PagedWriter& why) noexcept {
   fit_blocks(next, why);
   const bool falls_back = !why.text().empty();
   // Without a file nothing is ever saved: there the last change counts.
@@ -196,6 +229,10 @@ SettingsServer::Result SettingsServer::become(Settings next, PagedWriter& why) n
   }
   std::array<char, kWhyBytes> space;
   PagedWriter refusal(space);
+  if (!permitted(active_, next, access, refusal)) {
+    why << (falls_back ? "; " : "") << refusal.text();
+    return Result::kDenied;
+  }
   if (!usable(next, &parts_.limits, refusal)) {
     why << (falls_back ? "; " : "") << refusal.text();
     return Result::kInvalid;

@@ -9,6 +9,7 @@
 #include "firmware/control/settings_service.h"
 #include "firmware/control/token_bucket.h"
 #include "firmware/settings/fields/field.h"
+#include "firmware/settings/permission.h"
 #include "firmware/settings/settings.h"
 #include "firmware/settings/text/paged_writer.h"
 #include "hal/store.h"
@@ -57,8 +58,9 @@ class SettingsServer final : public firmware::SettingsService {
   // store (load_settings()), which a command line may have changed into active.
   SettingsServer(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
 
-  // A text that is longer than `answer_text` is cut off there. request_id and cookie are the
-  // caller's.
+  // kDenied: by.access does not do; to stage, commit, revert and save it takes kTune, to change a
+  // field what permitted() says. A text that is longer than `answer_text` is cut off there.
+  // request_id and cookie are the caller's.
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
                              const firmware::Requester& by, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override;
@@ -80,13 +82,15 @@ class SettingsServer final : public firmware::SettingsService {
  private:
   using Result = wire::SettingsResult;
 
+  Result serve(const wire::SettingsRequest& request, std::string_view text,
+               const firmware::Requester& by, PagedWriter& out) noexcept;
   Result get(wire::SettingsDocument document, PagedWriter& out) const noexcept;
   Result stage(std::string_view text, PagedWriter& why) noexcept;
-  Result commit(hal::Time now, PagedWriter& why) noexcept;
-  Result preset(std::string_view name, PagedWriter& why) noexcept;
+  Result commit(const firmware::Requester& by, PagedWriter& why) noexcept;
+  Result preset(std::string_view name, Access access, PagedWriter& why) noexcept;
   Result save(hal::Time now, PagedWriter& why) noexcept;
-  Result change(std::string_view json, PagedWriter& why) noexcept;
-  Result become(Settings next, PagedWriter& why) noexcept;
+  Result change(std::string_view json, Access access, PagedWriter& why) noexcept;
+  Result become(Settings next, Access access, PagedWriter& why) noexcept;
   Settings staged() const noexcept;
 
   Parts parts_;

@@ -13,6 +13,7 @@
 #include "host/cli/evaluate/evaluate_stereo.h"
 #include "host/cli/failure.h"
 #include "host/cli/finite_numbers.h"
+#include "host/cli/pair.h"
 #include "host/cli/proxy.h"
 #include "host/cli/report.h"
 #include "host/cli/view/view.h"
@@ -36,6 +37,8 @@ struct Commands {
   CalibPmdOptions calib_pmd;
   ConfigOptions config;
   DiscoverCommand discover;
+  PairOptions pair;
+  UnpairOptions unpair;
   ProxyOptions proxy;
 };
 
@@ -119,6 +122,7 @@ int run(int argc, char** argv) {
   add_calib(app, commands.calib_pmd);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
+  add_pair(app, commands.pair, commands.unpair);
   require_finite_numbers(app);
   try {
     app.parse(argc, argv);

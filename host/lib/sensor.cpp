@@ -6,6 +6,8 @@
 #include <system_error>
 #include <utility>
 
+#include "host/client/control/user_keys.h"
+
 using namespace stof;
 using lib::guarded;
 
@@ -110,7 +112,9 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
       lib::give_text(receiver.error().message, why, why_size);
       return lib::to_status(receiver.error().status);
     }
-    auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor);
+    auto opened = std::make_unique<stof_sensor>(
+        std::move(*receiver), wanted.sensor,
+        known->keys == nullptr ? client::user_keys_file() : known->keys);
     opened->share();
     *sensor = opened.release();
     return STOF_OK;

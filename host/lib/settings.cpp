@@ -1,3 +1,4 @@
+#include "host/client/control/user_keys.h"
 #include "host/lib/sensor.h"
 
 using namespace stof;
@@ -43,7 +44,16 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
   return lib::guarded([&] {
     const std::scoped_lock lock(sensor->control_mutex);
     if (!sensor->control) {
-      auto opened = client::ControlClient::open(sensor->sensor);
+      client::ControlOptions options;
+      if (!sensor->keys.empty()) {
+        auto keys = client::read_user_keys(sensor->keys);
+        if (!keys) {
+          lib::give_text(keys.error().message, out, out_size);
+          return STOF_REFUSED;
+        }
+        options.keys = *keys;
+      }
+      auto opened = client::ControlClient::open(sensor->sensor, options);
       if (!opened) {
         lib::give_text(opened.error().message, out, out_size);
         return lib::to_status(opened.error().status);
@@ -60,6 +70,11 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
         sensor->control.reset();
       }
       return status_of(got.error().status);
+    }
+    if (got->result == wire::SettingsResult::kUnknownKey) {
+      lib::give_text("the sensor has none of your keys any more: pair again", out, out_size);
+      sensor->control.reset();  // there may be another one next time
+      return STOF_REFUSED;
     }
     lib::give_text(got->text, out, out_size);
     if (answer != nullptr) {

@@ -37,6 +37,10 @@ class PacketType(enum.IntEnum):
     SETTINGS_REQUEST = 132  # to the sensor: read or change settings
     SETTINGS_ANSWER = 133  # answer to it
     DISCOVER = 134  # to the sensor, also by broadcast: who are you
+    SIGNED_REQUEST = 136  # to the sensor: a request that a key signs
+    SIGNED_ANSWER = 137  # answer to it, signed with the same key
+    PAIR_REQUEST = 138  # to the sensor: make a key that both of us know
+    PAIR_ANSWER = 139  # answer to it
 
 
 class Stream(enum.IntEnum):
@@ -115,6 +119,12 @@ class SettingsOperation(enum.IntEnum):
     PRESET = 5  # the text is a preset's name: as set, with its fields
     SAVE = 6  # the active settings are those of the next start
     RESET = 7  # as set, with every field's default
+    # the answer's text is a JSON array of the keys of the sensor (id, role, name), never of their
+    # secrets; for an admin
+    KEYS = 8
+    # the text is the id of a key, 8 hexadecimal digits: it is none any more; for an admin, or
+    # whoever signs with it
+    UNPAIR = 9
 
 
 class SettingsDocument(enum.IntEnum):
@@ -125,6 +135,41 @@ class SettingsDocument(enum.IntEnum):
     SCHEMA = 4  # the JSON Schema of all of these
 
 
+class Role(enum.IntEnum):
+    NONE = 0  # nobody's
+    VIEW = 1  # reads
+    TUNE = 2  # changes what SETTINGS.md marks so, within the installer's limits, and saves
+    ADMIN = 3  # changes everything, keys and limits too
+
+
+class PairStep(enum.IntEnum):
+    BEGIN = 0  # the client binds itself to its public key and nonce: `value` is its commitment
+    REVEAL = 1  # the client shows both: `value` is its public key
+    # the client's user is content: `value` begins with the client's tag. Repeat it while the answer
+    # is `waiting`
+    CONFIRM = 2
+
+
+class PairMethod(enum.IntEnum):
+    DIGITS = 0  # six digits are compared by people, in the two minutes after the button was pressed
+    CODE = 1  # both know the code of the sensor's label
+    CABLE = 2  # over a serial line that is no way for strangers
+    KEY = 3  # both know the key `key_id`, which gets a new secret
+
+
+class PairResult(enum.IntEnum):
+    OK = 0  # done; of confirm: the key is in force, and kept where the sensor keeps any
+    COOKIE = 1  # repeat the request with this cookie
+    # not now, or not in this way: press the button first, or there is no such code or key
+    CLOSED = 2
+    # somebody else pairs too: with digits both have ended, and the button has to be pressed again;
+    # else try again
+    BUSY = 3
+    WRONG = 4  # the commitment or the tag does not fit, or nothing was begun: it has ended
+    WAITING = 5  # of confirm: nobody has accepted the digits at the sensor yet
+    FULL = 6  # the sensor keeps no more keys, or cannot save them
+
+
 class SettingsResult(enum.IntEnum):
     OK = 0  # done; of get: the text is a part of the document
     COOKIE = 1  # repeat the request with this cookie
@@ -132,6 +177,11 @@ class SettingsResult(enum.IntEnum):
     NOT_SAVED = 3  # active, but could not be saved; the text says why
     UNSUPPORTED = 4  # an operation or document this sensor does not know
     BUSY = 5  # another request is being served: repeat
+    # refused, nothing changed: it takes a key, or one with another role; the text says which field
+    # and what it takes
+    DENIED = 6
+    UNKNOWN_KEY = 7  # the signature is of no key that the sensor has; never signed
+    STALE = 8  # refused, nothing changed: the counter is not above `highest` of the answer
 
 
 class Condition(enum.IntEnum):
@@ -188,6 +238,15 @@ class Condition(enum.IntEnum):
     # somebody changed the settings in the last ten seconds; each change is an event of its own;
     # value: who: the last four bytes of the address, its first the highest; 0: over the serial line
     SETTINGS_CHANGED = 23
+    # no key is known: anybody on the network may change what docs/SECURITY.md calls harmless;
+    # value: 0
+    UNPAIRED = 24
+    # the keys could not be read at the start: nobody on the network may change anything; value: 0
+    KEYS_LOST = 25
+    # the sensor's button was pressed: whoever accepts the digits with it makes a key; value:
+    # 1,000,000 and the six digits that the sensor has; 0: nobody has come yet. Over the network
+    # they prove nothing
+    PAIRING = 26
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -271,6 +330,15 @@ CONDITIONS = {
     Condition.SETTINGS_CHANGED: ConditionInfo(
         "somebody changed the settings in the last ten seconds; each change is an event of its own",
         Severity.INFO, Reaction.WATCH),
+    Condition.UNPAIRED: ConditionInfo(
+        "no key is known: anybody on the network may change what docs/SECURITY.md calls harmless",
+        Severity.INFO, Reaction.NONE),
+    Condition.KEYS_LOST: ConditionInfo(
+        "the keys could not be read at the start: nobody on the network may change anything",
+        Severity.MINOR, Reaction.WATCH),
+    Condition.PAIRING: ConditionInfo(
+        "the sensor's button was pressed: whoever accepts the digits with it makes a key",
+        Severity.INFO, Reaction.NONE),
 }
 # made: end
 
@@ -388,6 +456,8 @@ class ControlCounters(Layout):
     cookies: int = 0  # answered with a cookie only: the source was not validated
     busy: int = 0  # refused: more requests at once than the sensor queues
     overrun: int = 0  # lost before they were read: the socket's buffer was full
+    forged: int = 0  # refused: signed with no key that is known here
+    replayed: int = 0  # refused: signed, but its counter is no higher than one before
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("accepted", "Q", 1),
@@ -403,6 +473,8 @@ class ControlCounters(Layout):
         ("cookies", "Q", 1),
         ("busy", "Q", 1),
         ("overrun", "Q", 1),
+        ("forged", "Q", 1),
+        ("replayed", "Q", 1),
     )
 
 
@@ -804,6 +876,82 @@ class SettingsAnswer(Layout):
 
 
 @dataclasses.dataclass
+class SignedFields(Layout):
+    """Types 136 and 137. After these fields the payload of the message that is signed, then the tag,
+    the last 16 bytes of the payload."""
+
+    key_id: int = 0  # of the key; in the answer the same
+    type: int = 0  # type of the message that is signed: 132, in the answer 133
+    counter: int = 0  # above all that this key has signed in this session; in the answer the same
+    highest: int = 0  # of the answer: the highest counter of this key so far; in requests 0
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("key_id", "I", 1),
+        ("type", "B", 1),
+        ("", "x", 3),
+        ("counter", "Q", 1),
+        ("highest", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class PairRequest(Layout):
+    """Type 138, to the sensor."""
+
+    request_id: int = 0  # any number, comes back in the answer
+    step: int = 0  # PairStep: see below
+    method: int = 0  # PairMethod: see below; the same in all steps, as role, key id and name
+    role: int = 0  # Role: that the key shall have
+    cookie: int = 0  # of an answer; 0: none yet. Not looked at on serial lines
+    attempt: int = 0  # of the answer to begin; there 0
+    key_id: int = 0  # of method key; else 0
+    name: str = ""  # whose key it is
+    value: tuple = (0,) * 32  # depends on the step
+    nonce: tuple = (0,) * 16  # of reveal: the client's
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("step", "B", 1),
+        ("method", "B", 1),
+        ("role", "B", 1),
+        ("", "x", 1),
+        ("cookie", "Q", 1),
+        ("attempt", "Q", 1),
+        ("key_id", "I", 1),
+        ("", "x", 4),
+        ("name", "B", 32),
+        ("value", "B", 32),
+        ("nonce", "B", 16),
+    )
+
+
+@dataclasses.dataclass
+class PairAnswer(Layout):
+    """Type 139."""
+
+    request_id: int = 0  # of the request
+    result: int = 0  # PairResult: see below
+    cookie: int = 0  # for the next request
+    attempt: int = 0  # random, for the steps that follow
+    key_id: int = 0  # of the key that comes of it
+    # of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor
+    value: tuple = (0,) * 32
+    nonce: tuple = (0,) * 16  # of begin: the sensor's
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("request_id", "I", 1),
+        ("result", "B", 1),
+        ("", "x", 3),
+        ("cookie", "Q", 1),
+        ("attempt", "Q", 1),
+        ("key_id", "I", 1),
+        ("", "x", 4),
+        ("value", "B", 32),
+        ("nonce", "B", 16),
+    )
+
+
+@dataclasses.dataclass
 class Discover(Layout):
     """Type 134, to the sensor, also by broadcast."""
 
@@ -829,6 +977,10 @@ MESSAGES = {
     PacketType.SUBSCRIBED: Subscribed,
     PacketType.SETTINGS_REQUEST: SettingsRequest,
     PacketType.SETTINGS_ANSWER: SettingsAnswer,
+    PacketType.SIGNED_REQUEST: SignedFields,
+    PacketType.SIGNED_ANSWER: SignedFields,
+    PacketType.PAIR_REQUEST: PairRequest,
+    PacketType.PAIR_ANSWER: PairAnswer,
     PacketType.DISCOVER: Discover,
 }
 # made: end

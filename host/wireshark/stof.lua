@@ -27,6 +27,10 @@ names.PacketType = {
   [132] = "settings request",
   [133] = "settings answer",
   [134] = "discover",
+  [136] = "signed request",
+  [137] = "signed answer",
+  [138] = "pair request",
+  [139] = "pair answer",
 }
 
 names.Stream = {
@@ -91,6 +95,8 @@ names.SettingsOperation = {
   [5] = "preset",
   [6] = "save",
   [7] = "reset",
+  [8] = "keys",
+  [9] = "unpair",
 }
 
 names.SettingsDocument = {
@@ -101,6 +107,36 @@ names.SettingsDocument = {
   [4] = "schema",
 }
 
+names.Role = {
+  [0] = "none",
+  [1] = "view",
+  [2] = "tune",
+  [3] = "admin",
+}
+
+names.PairStep = {
+  [0] = "begin",
+  [1] = "reveal",
+  [2] = "confirm",
+}
+
+names.PairMethod = {
+  [0] = "digits",
+  [1] = "code",
+  [2] = "cable",
+  [3] = "key",
+}
+
+names.PairResult = {
+  [0] = "ok",
+  [1] = "cookie",
+  [2] = "closed",
+  [3] = "busy",
+  [4] = "wrong",
+  [5] = "waiting",
+  [6] = "full",
+}
+
 names.SettingsResult = {
   [0] = "ok",
   [1] = "cookie",
@@ -108,6 +144,9 @@ names.SettingsResult = {
   [3] = "not saved",
   [4] = "unsupported",
   [5] = "busy",
+  [6] = "denied",
+  [7] = "unknown key",
+  [8] = "stale",
 }
 
 names.Condition = {
@@ -135,6 +174,9 @@ names.Condition = {
   [21] = "connection replaced",
   [22] = "no depth",
   [23] = "settings changed",
+  [24] = "unpaired",
+  [25] = "keys lost",
+  [26] = "pairing",
 }
 
 layouts.Origin = {
@@ -170,6 +212,8 @@ layouts.ControlCounters = {
   {name = "cookies", size = 8, count = 1, kind = "uint64", title = "Cookies", base = base.DEC, doc = "answered with a cookie only: the source was not validated"},
   {name = "busy", size = 8, count = 1, kind = "uint64", title = "Busy", base = base.DEC, doc = "refused: more requests at once than the sensor queues"},
   {name = "overrun", size = 8, count = 1, kind = "uint64", title = "Overrun", base = base.DEC, doc = "lost before they were read: the socket's buffer was full"},
+  {name = "forged", size = 8, count = 1, kind = "uint64", title = "Forged", base = base.DEC, doc = "refused: signed with no key that is known here"},
+  {name = "replayed", size = 8, count = 1, kind = "uint64", title = "Replayed", base = base.DEC, doc = "refused: signed, but its counter is no higher than one before"},
 }
 
 layouts.header = {
@@ -247,7 +291,7 @@ layouts.calibration = {
 
 layouts.health = {
   message = "health",
-  bytes = 216,
+  bytes = 232,
   mask = 8,
   mask_names = "Condition",
   {name = "uptime_ms", size = 8, count = 1, kind = "uint64", title = "Uptime ms", base = base.DEC, doc = "since the sender's start, ms"},
@@ -262,7 +306,7 @@ layouts.health = {
   {name = "settings_revision", size = 4, count = 1, kind = "uint32", title = "Settings revision", base = base.DEC, doc = "as in the frame info"},
   {name = "counters", size = 48, count = 1, layout = "LoopCounters"},
   {name = "packets_sent", size = 8, count = 1, kind = "uint64", title = "Packets sent", base = base.DEC, doc = "datagrams to all subscribers"},
-  {name = "control", size = 104, count = 1, layout = "ControlCounters"},
+  {name = "control", size = 120, count = 1, layout = "ControlCounters"},
   {name = "serial_sent", size = 8, count = 1, kind = "uint64", title = "Serial sent", base = base.DEC, doc = "frames and messages on the serial line"},
   {name = "serial_dropped", size = 8, count = 1, kind = "uint64", title = "Serial dropped", base = base.DEC, doc = "of these, not sent: the line was busy"},
   {name = "serial_refused", size = 8, count = 1, kind = "uint64", title = "Serial refused", base = base.DEC, doc = "frames and messages from the serial line that were damaged or unknown"},
@@ -371,6 +415,48 @@ layouts.settings_answer = {
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "for the next request"},
 }
 
+layouts.signed_fields = {
+  message = "signed fields",
+  bytes = 24,
+  tail = "data",
+  {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key; in the answer the same"},
+  {name = "type", size = 1, count = 1, kind = "uint8", title = "Type", base = base.DEC, doc = "type of the message that is signed: 132, in the answer 133"},
+  {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "counter", size = 8, count = 1, kind = "uint64", title = "Counter", base = base.DEC, doc = "above all that this key has signed in this session; in the answer the same"},
+  {name = "highest", size = 8, count = 1, kind = "uint64", title = "Highest", base = base.DEC, doc = "of the answer: the highest counter of this key so far; in requests 0"},
+}
+
+layouts.pair_request = {
+  message = "pair request",
+  bytes = 112,
+  {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "any number, comes back in the answer"},
+  {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, names = "PairStep", doc = "see below"},
+  {name = "method", size = 1, count = 1, kind = "uint8", title = "Method", base = base.DEC, names = "PairMethod", doc = "see below; the same in all steps, as role, key id and name"},
+  {name = "role", size = 1, count = 1, kind = "uint8", title = "Role", base = base.DEC, names = "Role", doc = "that the key shall have"},
+  {name = "reserved", size = 1, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet. Not looked at on serial lines"},
+  {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "of the answer to begin; there 0"},
+  {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of method key; else 0"},
+  {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
+  {name = "name", size = 32, count = 1, kind = "string", title = "Name", doc = "whose key it is"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "depends on the step"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's"},
+}
+
+layouts.pair_answer = {
+  message = "pair answer",
+  bytes = 80,
+  {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "of the request"},
+  {name = "result", size = 1, count = 1, kind = "uint8", title = "Result", base = base.DEC, names = "PairResult", doc = "see below"},
+  {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "for the next request"},
+  {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "random, for the steps that follow"},
+  {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key that comes of it"},
+  {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of begin: the sensor's"},
+}
+
 layouts.discover = {
   message = "discover",
   bytes = 128,
@@ -391,6 +477,10 @@ local payload_of = {
   [129] = "subscribed",
   [132] = "settings_request",
   [133] = "settings_answer",
+  [136] = "signed_fields",
+  [137] = "signed_fields",
+  [138] = "pair_request",
+  [139] = "pair_answer",
   [134] = "discover",
 }
 -- made: end

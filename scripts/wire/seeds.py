@@ -19,7 +19,7 @@ def records(packets, flags=SEAL):
 
 def requests():
     one = samples.messages()
-    asked = {name: one[name] for name in ("subscribe", "unsubscribe", "settings_request", "discover")}
+    asked = {name: one[name] for name in ("subscribe", "unsubscribe", "settings_request", "signed_request", "pair_request", "discover")}
     seeds = {name: record(packet) + record(packet, SEAL | COOKIE) for name, packet in asked.items()}
     wire = samples.wire
     for operation in wire.SettingsOperation:
@@ -191,7 +191,19 @@ def subscription():
     return {"every": every, "one": records([answers["ok"]]), "damaged": records(answers.values(), 0)}
 
 
-TARGETS = {"calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+def pairing():
+    begin, reveal, confirm, press, accept = 0, 3, 4, 5, 6
+    code, cable, renew, anything = 1, 2, 9, 15
+    packet = samples.wire.PairRequest(request_id=1, step=1, role=3, value=(7,) * 32).pack()
+    return {"digits": bytes([press, begin, reveal, confirm, accept, confirm]),
+            "accepted_first": bytes([press, begin, reveal, accept, confirm]),
+            "two": bytes([press, begin, 0x10 | begin, accept, confirm]),
+            "code": bytes([code, reveal, confirm, confirm, 8]),
+            "cable": bytes([0x80 | cable, reveal, confirm, renew, reveal, confirm]),
+            "anything": bytes([press, begin, anything]) + packet + bytes([reveal, confirm, 0xE7])}
+
+
+TARGETS = {"pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns}
 

@@ -46,6 +46,16 @@ TEST(DeviceRequest, TakesEveryFlag) {
   EXPECT_TRUE(options->uncalibrated);
 }
 
+TEST(DeviceRequest, TakesTheButtonsLineOrNone) {
+  EXPECT_EQ(button_line({}), kConfig.devices.nets.pair_button.line);
+  for (const auto& [value, line] : {std::pair("GPIO6", "GPIO6"), std::pair("none", "")}) {
+    const Arguments flags{"--pair-button", value};
+    const auto options = parse_device_options(flags);
+    ASSERT_TRUE(options) << refusal(flags);
+    EXPECT_EQ(button_line(*options), line);
+  }
+}
+
 TEST(DeviceRequest, TakesStrobeLinesOrNone) {
   const Arguments flags{"--left-strobe", "GPIO5", "--right-strobe", "none"};
   const auto options = parse_device_options(flags);

@@ -104,5 +104,6 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   fuzz::require(taken == counters.accepted + counters.truncated + counters.bad_magic +
                              counters.bad_version + counters.bad_length + counters.bad_crc +
                              counters.bad_field + counters.not_control + counters.foreign +
-                             counters.too_short + counters.cookies + counters.busy);
+                             counters.too_short + counters.cookies + counters.busy +
+                             counters.forged + counters.replayed);
 }

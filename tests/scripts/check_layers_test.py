@@ -41,6 +41,7 @@ GOOD = {
     "board/emu/flags.h": '#pragma once\n#include "hal/emu/camera.h"\n',
     "board/emu/board.cpp": '#include "board/board.h"\n#include "hal/emu/camera.h"\n',
     "firmware/wire/packet.h": '#pragma once\n#include <bit>\n#include "dsp/base/image.h"\n',
+    "firmware/wire/crypto/crypto.cpp": '#include <sodium.h>\n#include "firmware/wire/packet.h"\n',
     "firmware/loop.h": '#pragma once\n#include "board/board.h"\n#include "hal/camera.h"\n'
                        '#include "firmware/wire/packet.h"\n#include "dsp/stereo/sad.h"\n',
     "host/cli/main.cpp": '#include <CLI/CLI.hpp>\n#include <png.h>\n#include "board/config.h"\n'
@@ -57,6 +58,7 @@ BROKEN = {
     "dsp knows a device": ("dsp/stereo/bad.cpp", '#include "hal/camera.h"', "dsp/* must not know"),
     "dsp knows the system": ("dsp/stereo/bad.cpp", "#include <unistd.h>", "must not know <unistd.h>"),
     "dsp knows threads": ("dsp/stereo/bad.cpp", '#include "posix/worker_threads.h"', "dsp/* must not know"),
+    "who else computes with keys": ("firmware/wire/bad.cpp", "#include <sodium.h>", "must not know <sodium.h>"),
     "posix knows dsp": ("posix/bad.cpp", '#include "dsp/base/image.h"', "posix/* must not know"),
     "posix knows a device": ("posix/bad.cpp", '#include "hal/time.h"', "posix/* must not know"),
     "posix knows a library": ("posix/bad.cpp", "#include <libusb.h>", "must not know <libusb.h>"),

@@ -30,10 +30,26 @@ std::span<const std::byte> SerialRequestHandler::take(std::span<const std::byte>
     case PacketType::kDiscover:
       return discover(packet->payload);
     case PacketType::kSettingsRequest:
-      return serve_settings(packet->payload, now);
+      return remote_ ? pass_on(bytes, now) : serve_settings(packet->payload, now);
+    case PacketType::kSignedRequest:
+      return remote_ ? pass_on(bytes, now) : refuse();
+    case PacketType::kPairRequest:
+      return remote_ ? refuse() : pair(packet->payload, now);
     default:
       return refuse();
   }
+}
+
+std::span<const std::byte> SerialRequestHandler::pair(std::span<const std::byte> payload,
+                                                      hal::Time now) noexcept {
+  const Result<wire::PairRequest> asked = wire::decode_pair_request(payload);
+  if (!asked || pairing_ == nullptr) {
+    return refuse();
+  }
+  wire::PairAnswer out = pairing_->serve(*asked, keys::PairingWay::kCable, now);
+  out.request_id = asked->request_id;
+  wire::encode_pair_answer(out, wire::payload_space(buffer_).first<wire::kPairAnswerBytes>());
+  return seal(PacketType::kPairAnswer, wire::kPairAnswerBytes);
 }
 
 std::span<const std::byte> SerialRequestHandler::discover(
@@ -45,6 +61,18 @@ std::span<const std::byte> SerialRequestHandler::discover(
   announce_.request_id = asked->request_id;
   wire::encode_announce(announce_, wire::payload_space(buffer_).first<wire::kAnnounceBytes>());
   return seal(PacketType::kAnnounce, wire::kAnnounceBytes);
+}
+
+// The line itself is the source that cookies are of: no address of the network is all zeros.
+std::span<const std::byte> SerialRequestHandler::pass_on(std::span<const std::byte> bytes,
+                                                         hal::Time now) noexcept {
+  const std::span<const std::byte> answer =
+      strangers_ == nullptr ? std::span<const std::byte>{} : strangers_->take(bytes, {}, now);
+  if (answer.empty()) {
+    return refuse();
+  }
+  ++counters_.answered;
+  return answer;
 }
 
 std::span<const std::byte> SerialRequestHandler::serve_settings(std::span<const std::byte> payload,
@@ -59,7 +87,8 @@ std::span<const std::byte> SerialRequestHandler::serve_settings(std::span<const 
   wire::SettingsAnswer answer{.result = wire::SettingsResult::kUnsupported};
   if (settings_ != nullptr) {
     answer = settings_->serve(*asked, payload.subspan(wire::kSettingsRequestBytes),
-                              {.peer = std::nullopt, .now = now}, text, text_bytes);
+                              {.peer = std::nullopt, .now = now, .access = Access::kAdmin}, text,
+                              text_bytes);
   }
   answer.request_id = asked->request_id;
   wire::encode_settings_answer(answer,

@@ -19,6 +19,7 @@ constexpr std::array<std::string_view, 4> kMapCodings{"off", "raw", "rvl", "fit"
 constexpr std::array<std::string_view, 2> kOffOrOn{"off", "on"};
 constexpr std::array<std::string_view, 3> kModes{"off", "stof", "mavlink"};
 constexpr std::array<std::string_view, 2> kRequiredSensors{"any", "both"};
+constexpr std::array<std::string_view, 3> kStreamLimits{"none", "keep", "fixed"};
 constexpr std::array<std::string_view, 3> kProfiles{"sectors", "coarse", "medium"};
 
 // kMember: what a field of the table is in Settings, const or not.
@@ -93,11 +94,19 @@ constexpr Field text(Kind kind, std::string_view group, std::string_view name, i
               }};
 }
 
+// Of a field that others than Access::kTune may change.
+constexpr Field by(Access access, Field field) {
+  field.access = access;
+  return field;
+}
+constexpr Field by_anybody(const Field& field) { return by(Access::kHarmless, field); }
+constexpr Field by_admin(const Field& field) { return by(Access::kAdmin, field); }
+
 template <wire::Stream kStream>
 constexpr Field stream(std::string_view name, Names codings, std::string_view meaning) {
-  return choice<[](auto& s) -> auto& {
+  return by_anybody(choice<[](auto& s) -> auto& {
     return s.streams.coding[static_cast<std::size_t>(kStream) - 1];
-  }>("streams", name, codings, meaning);
+  }>("streams", name, codings, meaning));
 }
 
 constexpr std::array kBefore{
@@ -107,9 +116,9 @@ constexpr std::array kBefore{
         "", "period_ms", 0, 60'000, "ms", "from one trigger edge to the next; 0: the board's"),
     choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kDepthPresets,
                                                             "how the stereo pair is matched"),
-    whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(
+    by_anybody(whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(
         "depth", "max_range_mm", dsp::kLeastMaxRangeMm, dsp::kMostMaxRangeMm, "mm",
-        "nothing is further away"),
+        "nothing is further away")),
     whole<[](auto& s) -> auto& { return s.depth.disparities; }>(
         "depth", "disparities", 0, dsp::kMaxDisparities, "px",
         "candidates of the search; 0: what the rig asks for"),
@@ -135,35 +144,39 @@ constexpr std::array kAfter{
     stream<wire::Stream::kGreyLeft>("grey_left", kCodings, "left picture"),
     stream<wire::Stream::kGreyRight>("grey_right", kCodings, "right picture"),
     stream<wire::Stream::kCloud>("cloud", kOffOrOn, "one point for each block of pixels"),
-    whole<[](auto& s) -> auto& { return s.streams.cloud_step; }>("streams", "cloud_step", 2, 64,
-                                                                 "px", "side of a cloud's block"),
-    yes_or_no<[](auto& s) -> auto& { return s.streams.parity; }>(
+    by_anybody(whole<[](auto& s) -> auto& { return s.streams.cloud_step; }>(
+        "streams", "cloud_step", 2, 64, "px", "side of a cloud's block")),
+    by_anybody(yes_or_no<[](auto& s) -> auto& { return s.streams.parity; }>(
         "streams", "parity",
-        "a packet of parity for each 16, from which one lost packet of them comes back"),
+        "a packet of parity for each 16, from which one lost packet of them comes back")),
     whole<[](auto& s) -> auto& { return s.pace_percent; }>(
         "streams", "pace_percent", 0, 90, "% of a period",
         "what sending is spread over; 0: at once"),
-    whole<[](auto& s) -> auto& { return s.udp_port; }>(
-        "udp", "port", 1, 65'535, "", "for requests and subscriptions", Applies::kRestart),
-    whole<[](auto& s) -> auto& { return s.dscp; }>(
+    by_admin(whole<[](auto& s) -> auto& { return s.udp_port; }>(
+        "udp", "port", 1, 65'535, "", "for requests and subscriptions", Applies::kRestart)),
+    by_admin(whole<[](auto& s) -> auto& { return s.dscp; }>(
         "udp", "dscp", 0, 63, "", "class of every datagram (RFC 2474), such as 34 for video",
-        Applies::kRestart),
-    choice<[](auto& s) -> auto& { return s.serial.mode; }>("serial", "mode", kModes,
-                                                           "what the serial line speaks"),
-    text<[](auto& s) -> auto& { return s.serial.device; }>(
+        Applies::kRestart)),
+    by_admin(choice<[](auto& s) -> auto& { return s.serial.mode; }>("serial", "mode", kModes,
+                                                                    "what the serial line speaks")),
+    by_admin(text<[](auto& s) -> auto& { return s.serial.device; }>(
         Kind::kDevice, "serial", "device", 0, kDeviceBytes,
-        "the serial line, such as /dev/ttyAMA0; empty: none", Applies::kRestart),
-    whole<[](auto& s) -> auto& { return s.serial.baud; }>("serial", "baud", 57'600, 12'000'000,
-                                                          "bit/s", "speed of the serial line"),
-    yes_or_no<[](auto& s) -> auto& { return s.serial.flow_control; }>(
-        "serial", "flow_control", "RTS and CTS hold either side up", Applies::kRestart),
-    choice<[](auto& s) -> auto& { return s.serial.profile; }>(
+        "the serial line, such as /dev/ttyAMA0; empty: none", Applies::kRestart)),
+    by_admin(whole<[](auto& s) -> auto& { return s.serial.baud; }>(
+        "serial", "baud", 57'600, 12'000'000, "bit/s", "speed of the serial line")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.serial.flow_control; }>(
+        "serial", "flow_control", "RTS and CTS hold either side up", Applies::kRestart)),
+    by_admin(choice<[](auto& s) -> auto& { return s.serial.profile; }>(
         "serial", "profile", kProfiles,
-        "mode stof: nearest obstacle by direction, or depth at about 80x60 or 160x120"),
-    whole<[](auto& s) -> auto& { return s.serial.rate_hz; }>(
-        "serial", "rate_hz", 1, 60, "Hz", "most frames a second on the serial line"),
-    yes_or_no<[](auto& s) -> auto& { return s.serial.width; }>(
-        "serial", "width", "profiles coarse and medium: the interval's width beside depth"),
+        "mode stof: nearest obstacle by direction, or depth at about 80x60 or 160x120")),
+    by_admin(whole<[](auto& s) -> auto& { return s.serial.rate_hz; }>(
+        "serial", "rate_hz", 1, 60, "Hz", "most frames a second on the serial line")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.serial.width; }>(
+        "serial", "width", "profiles coarse and medium: the interval's width beside depth")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.serial.remote; }>(
+        "serial", "remote",
+        "the line leads to strangers, as a telemetry radio does: they need a key as on the "
+        "network")),
     whole<[](auto& s) -> auto& { return s.sectors.above_mm; }>(
         "sectors", "above_mm", 0, 10'000, "mm",
         "obstacles count up to this height above the camera"),
@@ -173,17 +186,28 @@ constexpr std::array kAfter{
                                                              "pixels that make an obstacle"),
     whole<[](auto& s) -> auto& { return s.sectors.least_mm; }>(
         "sectors", "least_mm", 0, 10'000, "mm", "nearest distance that is told"),
-    whole<[](auto& s) -> auto& { return s.mavlink.system_id; }>("mavlink", "system_id", 1, 255, "",
-                                                                "MAVLink's number of the vehicle"),
-    whole<[](auto& s) -> auto& { return s.mavlink.component_id; }>(
-        "mavlink", "component_id", 1, 255, "", "and of the sensor in it; 196: obstacle avoidance"),
-    yes_or_no<[](auto& s) -> auto& { return s.discovery.mdns; }>(
-        "discovery", "mdns", "answers to multicast DNS, service _stof._udp"),
-    yes_or_no<[](auto& s) -> auto& { return s.discovery.beacon; }>(
-        "discovery", "beacon", "tells once a second by broadcast where it is"),
-    whole<[](auto& s) -> auto& { return s.compute.threads; }>(
+    by_admin(whole<[](auto& s) -> auto& { return s.mavlink.system_id; }>(
+        "mavlink", "system_id", 1, 255, "", "MAVLink's number of the vehicle")),
+    by_admin(whole<[](auto& s) -> auto& { return s.mavlink.component_id; }>(
+        "mavlink", "component_id", 1, 255, "", "and of the sensor in it; 196: obstacle avoidance")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.discovery.mdns; }>(
+        "discovery", "mdns", "answers to multicast DNS, service _stof._udp")),
+    by_admin(yes_or_no<[](auto& s) -> auto& { return s.discovery.beacon; }>(
+        "discovery", "beacon", "tells once a second by broadcast where it is")),
+    by_admin(whole<[](auto& s) -> auto& { return s.compute.threads; }>(
         "compute", "threads", 0, kMostThreads, "",
-        "threads that compute depth; 0: one for each processor, at most 4", Applies::kRestart),
+        "threads that compute depth; 0: one for each processor, at most 4", Applies::kRestart)),
+    by_admin(whole<[](auto& s) -> auto& { return s.limits.least_range_mm; }>(
+        "limits", "least_range_mm", dsp::kLeastMaxRangeMm, dsp::kMostMaxRangeMm, "mm",
+        "only an admin sets depth.max_range_mm below it")),
+    by_admin(whole<[](auto& s) -> auto& { return s.limits.least_period_ms; }>(
+        "limits", "least_period_ms", 0, 60'000, "ms", "or period_ms below this one")),
+    by_admin(whole<[](auto& s) -> auto& { return s.limits.most_period_ms; }>(
+        "limits", "most_period_ms", 0, 60'000, "ms", "or above this one")),
+    by_admin(choice<[](auto& s) -> auto& { return s.limits.streams; }>(
+        "limits", "streams", kStreamLimits,
+        "for all but an admin: keep: streams.depth, width, source and cloud are not switched off; "
+        "fixed: no stream is changed")),
 };
 static_assert(kMostThreads == dsp::ThreadTeam::kMost);
 static_assert(kUsualThreads == 4, "said in the table");

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "dsp/stereo/match_options.h"
+#include "firmware/control/access.h"
 #include "firmware/settings/settings.h"
 
 // The one table of all settings. Parser, writer, schema, help text and docs/SETTINGS.md are made of
@@ -24,11 +25,14 @@ enum class Kind : std::uint8_t {
 
 enum class Applies : std::uint8_t { kNow, kRestart };
 
+using firmware::Access;
+
 struct Field {
   std::string_view group = {};  // "depth.match"; empty: of the document itself
   std::string_view name = {};   // "lr"
   Kind kind = Kind::kInteger;
   Applies applies = Applies::kNow;
+  Access access = Access::kTune;  // the least that may change it
   int low = 0;
   int high = 0;
   std::span<const std::string_view> values = {};

@@ -29,6 +29,14 @@ std::string_view json_type(Kind kind) noexcept {
   }
 }
 
+// The role that it takes; anybody: on a sensor that is not paired.
+std::string_view changed_by(Access access) noexcept {
+  if (access == Access::kAdmin) {
+    return "admin";
+  }
+  return access == Access::kTune ? "tune" : "anybody";
+}
+
 class SchemaWriter {
  public:
   explicit SchemaWriter(PagedWriter& out) noexcept : out_(out) {}
@@ -62,7 +70,8 @@ class SchemaWriter {
     if (!field.unit.empty()) {
       out_ << R"(, "x-unit": ")" << field.unit << '"';
     }
-    out_ << R"(, "x-applies": ")" << (field.applies == Applies::kNow ? "now" : "restart") << "\"}";
+    out_ << R"(, "x-applies": ")" << (field.applies == Applies::kNow ? "now" : "restart")
+         << R"(", "x-changed-by": ")" << changed_by(field.access) << "\"}";
     first_ = false;
   }
 
@@ -125,13 +134,15 @@ void write_row(const Field& field, PagedWriter& out) noexcept {
   }
   out << (field.unit.empty() ? "" : " ") << field.unit << " | `";
   write_value(field, kDefaults, out);
-  out << "` | " << (field.applies == Applies::kNow ? "now" : "restart") << " | ";
+  out << "` | " << (field.applies == Applies::kNow ? "now" : "restart") << " | "
+      << changed_by(field.access) << " | ";
   write_cell(field.meaning, out);
   out << " |\n";
 }
 
 void write_tables(PagedWriter& out) {
-  out << "| setting | takes | default | applies | is |\n| --- | --- | --- | --- | --- |\n";
+  out << "| setting | takes | default | applies | role | is |\n| --- | --- | --- | --- | --- | --- "
+         "|\n";
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
     write_row(field(place), out);

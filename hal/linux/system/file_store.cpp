@@ -14,6 +14,9 @@
 namespace stof::hal::linux {
 namespace {
 
+constexpr mode_t kReadable = 0644;
+constexpr mode_t kOwnerAlone = 0600;
+
 // The folder of a file's name.
 std::string folder_of(const std::string& name) {
   const std::size_t slash = name.rfind('/');
@@ -60,6 +63,14 @@ Result<posix::Fd> open_file(const char* name) noexcept {
   return file;
 }
 
+// A file system that cannot be written has private files too.
+bool make_private(int fd) noexcept {
+  constexpr mode_t kOthers = 0077;
+  struct stat found{};
+  return ::fstat(fd, &found) == 0 &&
+         ((found.st_mode & kOthers) == 0 || ::fchmod(fd, kOwnerAlone) == 0);
+}
+
 // Nothing that is no regular file is in the way.
 bool free_for_file(const char* name) noexcept {
   struct stat found{};
@@ -70,11 +81,12 @@ Status judge(bool good) noexcept { return good ? Status::kOk : Status::kDeviceEr
 
 }  // namespace
 
-FileStore::FileStore(std::string name)
+FileStore::FileStore(std::string name, Readers readers)
     : name_(std::move(name)),
       new_(name_ + ".new"),
       bad_(name_ + ".bad"),
-      folder_(folder_of(name_)) {}
+      folder_(folder_of(name_)),
+      readers_(readers) {}
 
 Result<std::optional<std::size_t>> FileStore::load(std::span<std::byte> space) noexcept {
   const Result<posix::Fd> file = open_file(name_.c_str());
@@ -83,6 +95,9 @@ Result<std::optional<std::size_t>> FileStore::load(std::span<std::byte> space) n
   }
   if (!file->is_open()) {
     return std::nullopt;
+  }
+  if (readers_ == Readers::kOwner && !make_private(file->get())) {
+    return fail(Status::kDeviceError);
   }
   std::size_t bytes = 0;
   std::byte more{};
@@ -105,13 +120,13 @@ Result<std::optional<std::size_t>> FileStore::load(std::span<std::byte> space) n
 }
 
 Status FileStore::write_new(std::span<const std::byte> bytes) const noexcept {
-  constexpr mode_t kReadable = 0644;
+  const mode_t mode = readers_ == Readers::kOwner ? kOwnerAlone : kReadable;
   if (!free_for_file(new_.c_str())) {
     return Status::kDeviceError;
   }
   ::unlink(new_.c_str());  // of a save that a power cut ended
   const posix::Fd file(
-      ::open(new_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kReadable));
+      ::open(new_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, mode));
   return judge(file.is_open() && write_all(file.get(), bytes) && ::fsync(file.get()) == 0);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -15,8 +16,13 @@ namespace stof::hal::linux {
 // kUnsupported: never opened, renamed or replaced; so is nothing that has one of the endings.
 class FileStore final : public Store {
  public:
+  enum class Readers : std::uint8_t {
+    kAll,
+    kOwner,  // mode 0600 from its first byte; a file with more is taken back to that by load()
+  };
+
   // Opens nothing; alone of all allocates.
-  explicit FileStore(std::string name);
+  explicit FileStore(std::string name, Readers readers = Readers::kAll);
 
   Result<std::optional<std::size_t>> load(std::span<std::byte> space) noexcept override;
   Status save(std::span<const std::byte> bytes) noexcept override;
@@ -29,6 +35,7 @@ class FileStore final : public Store {
   std::string new_;
   std::string bad_;
   std::string folder_;
+  Readers readers_;
 };
 
 }  // namespace stof::hal::linux

@@ -11,7 +11,9 @@
 
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
+#include "host/cli/pair.h"
 #include "host/cli/serial_transport.h"
+#include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
 
 namespace stof::host {
@@ -36,6 +38,9 @@ constexpr std::array<NamedDocument, 4> kDocuments{{{"active", Document::kActive}
 client::ControlOptions control_options(const ConfigOptions& options) {
   client::ControlOptions control{.timeout = std::chrono::duration_cast<client::Duration>(
                                      std::chrono::duration<double>(options.timeout_s))};
+  if (!options.keys.empty()) {
+    control.keys = value_or_fail(client::read_user_keys(options.keys));
+  }
   control.overall = std::max(control.overall, 2 * control.attempts * control.timeout);
   return control;
 }
@@ -59,8 +64,12 @@ class Session {
         return std::move(*answer);
       case wire::SettingsResult::kInvalid:
         throw Failure(Exit::kBadInput, answer->text);
+      case wire::SettingsResult::kDenied:
       case wire::SettingsResult::kNotSaved:
         throw Failure(Exit::kFailure, place_ + ": " + answer->text);
+      case wire::SettingsResult::kUnknownKey:
+        throw Failure(Exit::kFailure,
+                      place_ + ": has none of your keys any more: pair again (stof pair)");
       case wire::SettingsResult::kBusy:
         throw Failure(Exit::kFailure, place_ + ": is busy: try again");
       default:
@@ -255,7 +264,9 @@ void config(const ConfigOptions& options) {
     judge_words(words);
     transport = value_or_fail(open_serial_transport(options.serial, options.baud));
   }
-  const std::string text = config_over(std::move(transport), words, options);
+  ConfigOptions with_keys = options;
+  with_keys.keys = keys_file(options.keys);
+  const std::string text = config_over(std::move(transport), words, with_keys);
   std::fwrite(text.data(), 1, text.size(), stdout);
 }
 
@@ -275,6 +286,9 @@ void add_config(CLI::App& app, ConfigOptions& options) {
   command.add_option("--timeout", options.timeout_s, "Seconds to wait for each of three attempts")
       ->check(CLI::Range(0.01, 60.0))
       ->capture_default_str();
+  command.add_option(
+      "--keys", options.keys,
+      "File of your keys (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");
   command.add_flag("--json", options.json, "Print JSON");
   command.callback([&options] { config(options); });
 }

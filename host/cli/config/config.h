@@ -16,6 +16,7 @@ struct ConfigOptions {
   unsigned baud = 921'600;
   std::string document = "active";  // of get: active, staged, saved or defaults
   double timeout_s = 0.3;           // of each of three attempts
+  std::string keys{};               // file of this user's keys; empty: config() takes the usual one
   bool json = false;
 };
 

@@ -71,7 +71,10 @@ struct ControlClient::Part {
 
 ControlClient::ControlClient(std::unique_ptr<ControlTransport> transport,
                              const ControlOptions& options)
-    : transport_(std::move(transport)), options_(options), request_id_(std::random_device()()) {}
+    : transport_(std::move(transport)),
+      options_(options),
+      signer_(options.keys),
+      request_id_(std::random_device()()) {}
 
 std::expected<ControlClient, ControlError> ControlClient::open(std::string_view sensor,
                                                                const ControlOptions& options) {
@@ -86,8 +89,8 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
                                                                   wire::SettingsDocument document,
                                                                   std::string_view text) {
   deadline_ = Time::clock::now() + options_.overall;
-  if (operation == wire::SettingsOperation::kGet) {
-    return get(document);
+  if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {
+    return get(operation, document);
   }
   std::expected<Part, ControlError> part = ask(operation, document, 0, text);
   if (!part) {
@@ -99,14 +102,15 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
                        .restart = part->answer.restart != 0};
 }
 
-std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsDocument document) {
+std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsOperation operation,
+                                                              wire::SettingsDocument document) {
   constexpr int kTries = 3;
   for (int i = 0; i < kTries; ++i) {
     std::string text;
     std::optional<wire::SettingsAnswer> first;
     for (;;) {
       std::expected<Part, ControlError> part =
-          ask(wire::SettingsOperation::kGet, document, static_cast<std::uint16_t>(text.size()), {});
+          ask(operation, document, static_cast<std::uint16_t>(text.size()), {});
       if (!part) {
         return std::unexpected(std::move(part.error()));
       }
@@ -154,29 +158,30 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     if (Time::clock::now() >= deadline_) {
       return std::unexpected(error(Status::kTimeout, "its answer takes too long: try again"));
     }
+    const bool sealed = signer_.key() != nullptr;
+    if (keys_refused_ && operation != wire::SettingsOperation::kGet) {
+      return Part{.answer = {.result = wire::SettingsResult::kUnknownKey}, .text = {}};
+    }
     wire::DatagramBuffer buffer;
-    const std::span<std::byte, wire::kMaxPayload> payload = wire::payload_space(buffer);
-    wire::encode_settings_request({.request_id = request_id_,
-                                   .operation = operation,
-                                   .document = document,
-                                   .offset = offset,
-                                   .cookie = cookie_},
-                                  payload.first<wire::kSettingsRequestBytes>());
-    std::ranges::copy(std::as_bytes(std::span(text)),
-                      payload.subspan<wire::kSettingsRequestBytes>().begin());
-    const Status sent = transport_->send(
-        wire::seal_packet({.type = wire::PacketType::kSettingsRequest,
-                           .origin = {.device_id = options_.device_id.value_or(0)}},
-                          wire::kSettingsRequestBytes + text.size(), buffer));
+    const wire::SettingsRequest request{.request_id = request_id_,
+                                        .operation = operation,
+                                        .document = document,
+                                        .offset = offset,
+                                        .cookie = cookie_};
+    const Status sent = transport_->send(sealed ? signer_.seal(request, text, buffer)
+                                                : seal(request, text, buffer));
     if (sent == Status::kDeviceLost) {
       return std::unexpected(error(sent, "the connection failed: open it again"));
     }
-    std::expected<std::optional<Part>, ControlError> heard = await(request_id_);
+    std::expected<std::optional<Part>, ControlError> heard = await(request_id_, sealed);
     if (!heard) {
       return std::unexpected(std::move(heard.error()));
     }
     const std::optional<Part>& part = *heard;
-    if (part && part->answer.result == wire::SettingsResult::kCookie) {
+    if (part && part->answer.result == wire::SettingsResult::kUnknownKey && sealed) {
+      keys_refused_ = !signer_.drop_key();
+    } else if (part && (part->answer.result == wire::SettingsResult::kCookie ||
+                        part->answer.result == wire::SettingsResult::kStale)) {
       attempt += hurried ? 1 : 0;
       hurried = !hurried;
     } else if (part && part->answer.result == wire::SettingsResult::kBusy) {
@@ -198,9 +203,21 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
                             " ms: check that the sensor runs, and its address"));
 }
 
+std::span<const std::byte> ControlClient::seal(const wire::SettingsRequest& request,
+                                               std::string_view text,
+                                               wire::DatagramBuffer& buffer) const {
+  const std::span<std::byte, wire::kMaxPayload> payload = wire::payload_space(buffer);
+  wire::encode_settings_request(request, payload.first<wire::kSettingsRequestBytes>());
+  std::ranges::copy(std::as_bytes(std::span(text)),
+                    payload.subspan<wire::kSettingsRequestBytes>().begin());
+  return wire::seal_packet({.type = wire::PacketType::kSettingsRequest,
+                            .origin = {.device_id = options_.device_id.value_or(0)}},
+                           wire::kSettingsRequestBytes + text.size(), buffer);
+}
+
 // The answer to a request, none when the time is over. Anything else that comes is skipped.
 std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::await(
-    std::uint32_t request_id) {
+    std::uint32_t request_id, bool sealed) {
   const Time begin = Time::clock::now();
   const Time deadline = std::min(begin + options_.timeout, std::max(begin, deadline_));
   for (Time now = begin; now < deadline; now = Time::clock::now()) {
@@ -211,23 +228,46 @@ std::expected<std::optional<ControlClient::Part>, ControlError> ControlClient::a
     if (!bytes) {
       continue;  // nobody listens yet, or the time is over
     }
-    const auto packet = wire::parse_packet(*bytes);
-    if (!packet || packet->header.type != wire::PacketType::kSettingsAnswer ||
-        (options_.device_id && packet->header.origin.device_id != *options_.device_id)) {
-      continue;
+    if (std::optional<Part> part = read_answer(*bytes, request_id, sealed)) {
+      return part;
     }
-    const Result<wire::SettingsAnswer> answer = wire::decode_settings_answer(packet->payload);
-    if (!answer || answer->request_id != request_id) {
-      continue;
-    }
-    cookie_ = answer->cookie;
-    const std::span<const std::byte> text = packet->payload.subspan(wire::kSettingsAnswerBytes);
-    Part part{.answer = *answer, .text = std::string(text.size(), '\0')};
-    std::ranges::transform(text, part.text.begin(),
-                           [](std::byte byte) { return static_cast<char>(byte); });
-    return part;
   }
   return std::nullopt;
+}
+
+// None: something else. To a request that was signed an answer without a signature only says that
+// it was not judged: it asks for a cookie, or knows no such key.
+std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const std::byte> datagram,
+                                                              std::uint32_t request_id,
+                                                              bool sealed) {
+  const auto packet = wire::parse_packet(datagram);
+  if (!packet || (options_.device_id && packet->header.origin.device_id != *options_.device_id)) {
+    return std::nullopt;
+  }
+  std::span<const std::byte> payload = packet->payload;
+  const std::optional<RequestSigner::Answer> signed_answer = signer_.open(*packet, datagram);
+  if (signed_answer) {
+    payload = signed_answer->payload;
+  } else if (packet->header.type != wire::PacketType::kSettingsAnswer) {
+    return std::nullopt;
+  }
+  const Result<wire::SettingsAnswer> answer = wire::decode_settings_answer(payload);
+  if (!answer || answer->request_id != request_id) {
+    return std::nullopt;
+  }
+  const bool judged = answer->result != wire::SettingsResult::kCookie &&
+                      answer->result != wire::SettingsResult::kUnknownKey;
+  if (sealed && !signed_answer && judged) {
+    return std::nullopt;
+  }
+  cookie_ = answer->cookie;
+  signer_.note_origin(packet->header.origin);
+  signer_.note_highest(signed_answer ? signed_answer->highest : 0);
+  const std::span<const std::byte> text = payload.subspan(wire::kSettingsAnswerBytes);
+  Part part{.answer = *answer, .text = std::string(text.size(), '\0')};
+  std::ranges::transform(text, part.text.begin(),
+                         [](std::byte byte) { return static_cast<char>(byte); });
+  return part;
 }
 
 ControlError ControlClient::error(Status status, std::string_view what) const {

@@ -12,8 +12,10 @@
 #include <vector>
 
 #include "dsp/base/status.h"
+#include "firmware/wire/keys/key_table.h"
 #include "firmware/wire/messages/enums.h"
 #include "firmware/wire/packet.h"
+#include "host/client/control/request_signer.h"
 #include "host/client/error.h"
 #include "host/client/frame/frame.h"
 
@@ -46,10 +48,12 @@ struct ControlOptions {
   // Of request() with all parts of a document and all repetitions, whatever is answered.
   Duration overall = std::chrono::seconds(10);
   std::optional<std::uint32_t> device_id{};  // refuse any other sensor
+  wire::KeyTable keys{};  // of sensors; requests to one of them are signed with its key
 };
 
 struct ControlAnswer {
-  wire::SettingsResult result = wire::SettingsResult::kOk;  // never kCookie
+  // Never kCookie or kStale. kUnknownKey: the sensor has none of the keys, and nothing was changed.
+  wire::SettingsResult result = wire::SettingsResult::kOk;
   // Of get: the whole document, as the sensor gave it: any bytes, for a terminal see printable.h.
   // Else one line that can be printed: of a refusal which field, and what it takes.
   std::string text;
@@ -58,6 +62,8 @@ struct ControlAnswer {
 };
 
 // Asks one sensor to read or change settings; blocks until it is answered. For one thread.
+// With a key of the sensor requests are signed, and only answers that it signed too are believed;
+// where the sensor has none of the keys (any more), documents are read without.
 class ControlClient {
  public:
   static constexpr std::size_t kMaxText = 1024;  // of a request, bytes
@@ -81,12 +87,19 @@ class ControlClient {
   std::expected<Part, ControlError> ask(wire::SettingsOperation operation,
                                         wire::SettingsDocument document, std::uint16_t offset,
                                         std::string_view text);
-  std::expected<std::optional<Part>, ControlError> await(std::uint32_t request_id);
-  std::expected<ControlAnswer, ControlError> get(wire::SettingsDocument document);
+  std::expected<std::optional<Part>, ControlError> await(std::uint32_t request_id, bool sealed);
+  std::optional<Part> read_answer(std::span<const std::byte> datagram, std::uint32_t request_id,
+                                  bool sealed);
+  std::expected<ControlAnswer, ControlError> get(wire::SettingsOperation operation,
+                                                 wire::SettingsDocument document);
+  std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
+                                  wire::DatagramBuffer& buffer) const;
   ControlError error(Status status, std::string_view what) const;
 
   std::unique_ptr<ControlTransport> transport_;
   ControlOptions options_;
+  RequestSigner signer_;
+  bool keys_refused_ = false;  // the sensor has none of those that there are of it
   std::uint64_t cookie_ = 0;
   std::uint32_t request_id_;
   Time deadline_;  // of the request that is asked now

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include "tests/firmware/control/control_client.h"
+#include "tests/firmware/keys/signed_requests.h"
+#include "tests/firmware/keys/some_keys.h"
 #include "tests/support/heap_guard.h"
 
 namespace stof::test {
@@ -18,20 +20,35 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
     closed = hal::linux::UdpPort::open({}).value()->port();
   }
   firmware::LeaseTable subscribers;
-  firmware::RequestHandler handler({.device_id = 1}, firmware::CookieSecret{}, subscribers,
-                                   nullptr);
+  ASSERT_TRUE(wire::start_crypto());
+  const wire::Origin sensor{.device_id = 1};
+  const wire::Key key = numbered_key(1);
+  keys::Keyring ring_of_keys(nullptr, nullptr);
+  ASSERT_EQ(ring_of_keys.add(key), Status::kOk);
+  keys::Authenticator authenticator(ring_of_keys);
+  keys::PairingServer pairing(sensor, ring_of_keys, keys::LabelCode{});
+  firmware::RequestHandler handler(sensor, firmware::CookieSecret{}, subscribers, nullptr,
+                                   &authenticator);
+  handler.set_pairing(&pairing);
   firmware::ReceiverRing ring;
   firmware::ControlServer control(
       {.port = **port, .handler = handler, .subscribers = subscribers, .ring = ring});
   const firmware::Cookies cookies(firmware::CookieSecret{});
   const hal::Peer self = loopback((*robot)->port());
   const std::uint64_t cookie = cookies.make(self, firmware::control_now());
-  const std::array<Bytes, 6> requests{subscribe({}),
-                                      subscribe({.cookie = cookie}),
-                                      settings({.cookie = cookie}),
-                                      discover(1),
-                                      Bytes(50),
-                                      Bytes(1400)};
+  std::array<std::byte, wire::kPairRequestBytes> pair{};
+  wire::encode_pair_request(
+      {.method = wire::PairMethod::kCode, .role = wire::Role::kAdmin, .cookie = cookie}, pair);
+  const std::array<Bytes, 9> requests{
+      signed_settings(key, sensor, 1, {.cookie = cookie}),
+      signed_settings(numbered_key(2), sensor, 1, {.cookie = cookie}),
+      sealed(wire::PacketType::kPairRequest, pair),
+      subscribe({}),
+      subscribe({.cookie = cookie}),
+      settings({.cookie = cookie}),
+      discover(1),
+      Bytes(50),
+      Bytes(1400)};
   const Bytes frame(hal::kMaxDatagram);
   const std::array<std::span<const std::byte>, 3> datagrams{frame, frame, frame};
   const RawSocket raw;
@@ -57,6 +74,8 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
   }
   EXPECT_EQ(allocations, before);
   EXPECT_GT(handler.counters().accepted, 100U);
+  EXPECT_GT(handler.counters().forged, 50U);
+  EXPECT_GT(handler.counters().replayed, 50U);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ def page_with(tables):
 
 TYPES = {"object": dict, "string": str, "boolean": bool, "integer": int}
 KNOWN = {"$schema", "title", "type", "additionalProperties", "properties", "minimum", "maximum", "enum", "minLength",
-         "maxLength", "pattern", "default", "description", "x-unit", "x-applies"}
+         "maxLength", "pattern", "default", "description", "x-unit", "x-applies", "x-changed-by"}
 
 
 def fits(schema, value):

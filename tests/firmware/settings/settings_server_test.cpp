@@ -59,7 +59,8 @@ class SettingsServerTest : public testing::Test {
     std::size_t bytes = 0;
     const wire::SettingsAnswer answer =
         server_.serve({.operation = operation, .document = document, .offset = offset},
-                      std::as_bytes(std::span(text)), {.peer = peer_, .now = now_}, space, bytes);
+                      std::as_bytes(std::span(text)),
+                      {.peer = peer_, .now = now_, .access = access_}, space, bytes);
     EXPECT_LE(bytes, room);
     std::string said(bytes, '\0');
     std::transform(space.begin(), space.begin() + static_cast<std::ptrdiff_t>(bytes), said.begin(),
@@ -95,6 +96,7 @@ class SettingsServerTest : public testing::Test {
   Board board_;
   hal::Peer peer_{.address = {1, 2, 3}, .port = 4};
   hal::Time now_{std::chrono::seconds(1)};
+  firmware::Access access_ = firmware::Access::kAdmin;
   SettingsServer server_{
       Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
 };
@@ -121,6 +123,31 @@ TEST_F(SettingsServerTest, SetIsInForceAtOnceAndNotSaved) {
   EXPECT_EQ(settings_of(Document::kStaged), board_.applied);
   EXPECT_EQ(settings_of(Document::kSaved), Settings{});
   EXPECT_EQ(store_.saves(), 0);
+}
+
+TEST_F(SettingsServerTest, WhoeverMayNotIsToldAndChangesNothing) {
+  access_ = firmware::Access::kTune;
+  ASSERT_EQ(ask(Operation::kStage, R"({"udp": {"port": 68}})").result, Result::kOk);
+  const Answer port = ask(Operation::kCommit);  // whoever staged it
+  EXPECT_EQ(port.result, Result::kDenied);
+  EXPECT_EQ(port.text, "udp.port: takes a key with role admin");
+  ASSERT_EQ(ask(Operation::kRevert).result, Result::kOk);
+  access_ = firmware::Access::kHarmless;
+  EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"max_range_mm": 9000}})").result, Result::kOk);
+  EXPECT_EQ(board_.applied.depth.max_range_mm, 9000);
+  for (const Operation operation :
+       {Operation::kStage, Operation::kCommit, Operation::kRevert, Operation::kSave}) {
+    const Answer answer = ask(operation, "{}");
+    EXPECT_EQ(answer.result, Result::kDenied);
+    EXPECT_NE(answer.text.find(": takes a key with role tune or admin: pair"), std::string::npos);
+  }
+  EXPECT_EQ(ask(Operation::kPreset, "near").result, Result::kDenied);
+  access_ = firmware::Access::kRead;
+  EXPECT_EQ(ask(Operation::kReset).result, Result::kDenied);
+  EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"max_range_mm": 8000}})").result, Result::kDenied);
+  EXPECT_EQ(board_.applications, 1);
+  EXPECT_EQ(store_.saves(), 0);
+  EXPECT_EQ(ask(Operation::kGet).result, Result::kOk);
 }
 
 TEST_F(SettingsServerTest, WhatChangesNothingIsNoRevision) {
@@ -251,8 +278,11 @@ TEST_F(SettingsServerTest, TellsWhatCouldNotBeSaved) {
   std::size_t bytes = 0;
   const std::string text = R"({"name": "b"})";
   static_cast<void>(without.serve({.operation = Operation::kStage}, std::as_bytes(std::span(text)),
-                                  {}, space, bytes));
-  EXPECT_EQ(without.serve({.operation = Operation::kCommit}, {}, {}, space, bytes).result,
+                                  {.peer = {}, .access = firmware::Access::kAdmin}, space, bytes));
+  EXPECT_EQ(without
+                .serve({.operation = Operation::kCommit}, {},
+                       {.peer = {}, .access = firmware::Access::kAdmin}, space, bytes)
+                .result,
             Result::kNotSaved);
   EXPECT_EQ(without.active().name.view(), "b");
 }
@@ -297,7 +327,10 @@ TEST_F(SettingsServerTest, SavesOverWhatTheStartCouldNotUse) {
   EXPECT_TRUE(server.dropped());
   std::array<std::byte, 256> space{};
   std::size_t bytes = 0;
-  EXPECT_EQ(server.serve({.operation = Operation::kSave}, {}, {}, space, bytes).result,
+  EXPECT_EQ(server
+                .serve({.operation = Operation::kSave}, {},
+                       {.peer = {}, .access = firmware::Access::kAdmin}, space, bytes)
+                .result,
             Result::kOk);
   EXPECT_EQ(store_.saves(), 1);
   EXPECT_FALSE(server.dropped());

@@ -50,6 +50,7 @@ struct gpiod_line_settings {
   gpiod_line_direction direction = GPIOD_LINE_DIRECTION_AS_IS;
   gpiod_line_edge edge = GPIOD_LINE_EDGE_NONE;
   gpiod_line_clock clock = GPIOD_LINE_CLOCK_REALTIME;
+  gpiod_line_bias bias = GPIOD_LINE_BIAS_AS_IS;
   bool active_low = false;
 };
 struct gpiod_line_config {
@@ -107,6 +108,10 @@ int gpiod_line_settings_set_edge_detection(gpiod_line_settings* settings, gpiod_
   settings->edge = edge;
   return 0;
 }
+int gpiod_line_settings_set_bias(gpiod_line_settings* settings, gpiod_line_bias bias) {
+  settings->bias = bias;
+  return 0;
+}
 int gpiod_line_settings_set_event_clock(gpiod_line_settings* settings, gpiod_line_clock clock) {
   settings->clock = clock;
   return 0;
@@ -139,11 +144,20 @@ gpiod_line_request* gpiod_chip_request_lines(gpiod_chip*, gpiod_request_config*,
     chip->output.at(line.offset) = line.settings.direction == GPIOD_LINE_DIRECTION_OUTPUT;
     chip->active_low.at(line.offset) = line.settings.active_low;
     chip->high.at(line.offset) = line.settings.active_low;
+    chip->pulled_up.at(line.offset) = line.settings.bias == GPIOD_LINE_BIAS_PULL_UP;
     chip->tells_edges.at(line.offset) = line.settings.edge == GPIOD_LINE_EDGE_BOTH &&
                                         line.settings.clock == GPIOD_LINE_CLOCK_MONOTONIC;
   }
   ++chip->requests;
   return new gpiod_line_request;
+}
+gpiod_line_value gpiod_line_request_get_value(gpiod_line_request*, unsigned offset) {
+  if (chip->value_error != 0) {
+    errno = chip->value_error;
+    return GPIOD_LINE_VALUE_ERROR;
+  }
+  return chip->high.at(offset) != chip->active_low.at(offset) ? GPIOD_LINE_VALUE_ACTIVE
+                                                              : GPIOD_LINE_VALUE_INACTIVE;
 }
 void gpiod_line_request_release(gpiod_line_request* request) {
   --chip->requests;

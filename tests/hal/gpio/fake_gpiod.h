@@ -44,9 +44,11 @@ class FakeGpioChip {
   std::array<bool, kLines> active_low{};
   std::array<bool, kLines> output{};
   std::array<bool, kLines> tells_edges{};
+  std::array<bool, kLines> pulled_up{};
   int open_error = 0;
   int request_error = 0;
   int set_error = 0;
+  int value_error = 0;  // of reading a line
   hal::Duration set_takes{};
   int open_chips = 0;
   int requests = 0;

@@ -2,14 +2,19 @@
 """config_program_test.py COMMAND...: `stof config` (COMMAND: stof, with an emulator before it in a cross build) as a
 user would run it, against `stofd`: STOFD holds that command, its words separated by |."""
 
+import hashlib
 import json
 import os
 import pathlib
+import socket
 import subprocess
 import sys
 import tempfile
 import time
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "host/python"))
+import stof_wire as wire  # noqa: E402
 
 COMMAND = []
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
@@ -22,7 +27,14 @@ class Config(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = pathlib.Path(folder.name)
         self.file = self.folder / "settings.json"
+        self.paired = True
         self.sensor = None
+        self.environment = {**os.environ, "XDG_CONFIG_HOME": str(self.folder / "config")}
+
+    def pair(self, *arguments):
+        """This user has a key of the sensor that starts next."""
+        return subprocess.run([*COMMAND, "pair", "--into", f"{self.file}.keys", *arguments], capture_output=True, text=True,
+                              timeout=120, env=self.environment, check=True).stdout
 
     def tearDown(self):
         self.cut_power()
@@ -30,6 +42,8 @@ class Config(unittest.TestCase):
     def start(self, *arguments):
         """Starts stofd; what it has printed so far is in self.log."""
         self.assertIsNone(self.sensor)
+        if self.paired:
+            self.pair()
         port = self.folder / "port"
         port.unlink(missing_ok=True)
         self.log = self.folder / "log"
@@ -52,7 +66,7 @@ class Config(unittest.TestCase):
 
     def run_config(self, *words):
         return subprocess.run([*COMMAND, "config", *map(str, words)], capture_output=True, text=True, timeout=120,
-                              cwd=self.folder)
+                              cwd=self.folder, env=self.environment)
 
     def ask(self, *words):
         ended = self.run_config(self.address, *words, "--timeout", "5")
@@ -138,6 +152,80 @@ class Config(unittest.TestCase):
         self.assertIn("200 disparities are more than the 128 of board emu", ended.stderr)
         self.assertEqual(self.ask("get"), before)
         self.assertEqual(json.loads(before)["name"], "bench")
+
+    def test_whoever_has_no_key_reads_and_changes_what_is_harmless_until_somebody_has_one(self):
+        self.paired = False
+        self.start()
+        self.ask("set", "depth.max_range_mm=3000", "streams.grey_left=rvl")
+        for words, told in ((("set", "period_ms=60000"), "period_ms: takes a key with role tune or admin"),
+                            (("set", "udp.port=68"), "udp.port: takes a key with role admin"),
+                            (("set", "serial.device=/dev/ttyS9"), "serial.device: takes a key with role admin"),
+                            (("set", "depth.max_range_mm=500"), "limits.least_range_mm is 1000"),
+                            (("set", "streams.depth=off"), "limits.streams is keep"),
+                            (("save",), "save: takes a key"), (("reset",), "takes a key"), (("preset", "near"), "takes a key"),
+                            (("commit",), "commit: takes a key"), (("stage", "name=x"), "stage: takes a key")):
+            self.refuse(1, told, self.address, *words, "--timeout", "5")
+        self.assertEqual(self.ask("get", "depth.max_range_mm"), "3000\n")
+        self.cut_power()
+        self.paired = True
+        self.start()
+        self.ask("set", "period_ms=50")
+        self.ask("save")
+        self.environment["XDG_CONFIG_HOME"] = str(self.folder / "stranger")
+        self.refuse(1, "depth.max_range_mm: takes a key", self.address, "set", "depth.max_range_mm=3000", "--timeout", "5")
+        self.assertEqual(self.ask("get", "period_ms"), "50\n")
+
+    def test_roles(self):
+        self.paired = False
+        self.pair("--role", "tune", "--name", "ann")
+        self.start()
+        self.ask("set", "depth.guided=true", "period_ms=100")
+        self.ask("save")
+        self.refuse(1, "discovery.beacon: takes a key with role admin", self.address, "set", "discovery.beacon=true", "--timeout", "5")
+        self.refuse(1, "limits.most_period_ms is 1000", self.address, "set", "period_ms=1001", "--timeout", "5")
+
+    def test_a_request_that_is_signed_as_the_document_says_is_served(self):
+        self.pair("--role", "tune")
+        line = pathlib.Path(f"{self.file}.keys").read_text(encoding="utf-8").splitlines()[-2]
+        key_id, device, _, secret, _ = line.split()
+        self.start()
+        host, port = self.address.split(":")
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sensor:
+            sensor.settimeout(20)
+            sensor.connect((host, int(port)))
+            sensor.send(wire.seal(wire.Header(type=wire.PacketType.SETTINGS_REQUEST),
+                                  wire.SettingsRequest(request_id=1).pack()))
+            header, payload = wire.parse(sensor.recv(2000))
+            request = wire.SettingsRequest(request_id=2, operation=wire.SettingsOperation.SET,
+                                           cookie=wire.SettingsAnswer.unpack(payload).cookie)
+            signed = wire.SignedFields(key_id=int(key_id, 16), type=132, counter=1).pack() + request.pack() + b'{"period_ms": 80}'
+            packet = wire.seal(wire.Header(type=wire.PacketType.SIGNED_REQUEST, origin=header.origin), signed + bytes(16))
+            tag = hashlib.blake2b(packet[:-20], digest_size=16, key=bytes.fromhex(secret)).digest()
+            sensor.send(wire.seal(wire.Header(type=wire.PacketType.SIGNED_REQUEST, origin=header.origin), signed + tag))
+            answer = sensor.recv(2000)
+        header, payload = wire.parse(answer)
+        self.assertEqual((header.type, header.origin.device_id), (wire.PacketType.SIGNED_ANSWER, int(device, 16)))
+        self.assertEqual(hashlib.blake2b(answer[:-20], digest_size=16, key=bytes.fromhex(secret)).digest(), answer[-20:-4])
+        fields = wire.SignedFields.unpack(payload)
+        self.assertEqual((fields.key_id, fields.type, fields.counter, fields.highest), (int(key_id, 16), 133, 1, 1))
+        self.assertEqual(self.ask("get", "period_ms"), "80\n")
+
+    def test_a_key_file_is_its_owners_and_damage_is_told(self):
+        self.assertIn("admin, is in", self.pair())
+        self.assertIn("already", self.pair())
+        keys = pathlib.Path(f"{self.file}.keys")
+        own = self.folder / "config/stof/keys"
+        for file in (keys, own):
+            self.assertEqual(file.stat().st_mode & 0o777, 0o600)
+        keys.write_text("damaged\n")
+        self.paired = False
+        self.start()
+        self.assertIn(f"{keys}: no key file, or damaged: no client's key is known", self.log.read_text(encoding="utf-8"))
+        self.assertEqual(keys.read_text(), "damaged\n")
+        self.refuse(1, "has none of your keys any more", self.address, "set", "name=x", "--timeout", "5")
+        self.assertEqual(self.ask("get", "name"), "stof\n")
+        own.chmod(0o644)
+        self.refuse(2, "others may read these keys", self.address, "get", "--timeout", "5")
 
     def test_schema_is_the_one_in_docs(self):
         self.start()

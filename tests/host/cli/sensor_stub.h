@@ -43,7 +43,8 @@ class SensorStub final : public settings::Limits, public settings::SettingsSink 
     const auto payload = wire::payload_space(buffer);
     std::size_t bytes = 0;
     wire::SettingsAnswer answer =
-        server.serve(*request, parsed->payload.subspan<wire::kSettingsRequestBytes>(), {},
+        server.serve(*request, parsed->payload.subspan<wire::kSettingsRequestBytes>(),
+                     {.peer = {}, .access = firmware::Access::kAdmin},
                      payload.subspan<wire::kSettingsAnswerBytes>(), bytes);
     answer.request_id = request->request_id;
     answer.cookie = 1;

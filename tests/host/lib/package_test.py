@@ -86,8 +86,9 @@ class Package(unittest.TestCase):
 
     def test_the_static_library_is_whole(self):
         program = self.folder / "static"
+        self.assertIn("-lsodium", next(self.library.glob("pkgconfig/*.pc")).read_text(encoding="utf-8"))
         run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "c/main.c",
-            "-o", program, self.library / "libstof.a", "-lstdc++", "-lm", "-pthread")
+            "-o", program, self.library / "libstof.a", "-lsodium", "-lstdc++", "-lm", "-pthread")
         self.assertIn("straight ahead", self.run_example(program))
 
     def test_nothing_but_the_interface_is_visible(self):

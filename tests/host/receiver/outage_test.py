@@ -208,7 +208,7 @@ class Outages(unittest.TestCase):
     def test_the_robot_is_told(self):
         def judge(run, frames, left, condition):
             told = {(name, active): (at_s, reaction) for _, name, reaction, active, _, at_s in run.events
-                    if name not in ("late", "link full")}
+                    if name not in ("late", "link full", "unpaired")}
             self.assertEqual(set(told), {(condition, 0), (condition, 1)}, run.log)
             alone = [frame.middle_s for frame in frames if frame.sensors == left]
             self.assertLessEqual(told[condition, 1][0] - alone[0], TOLD_S)

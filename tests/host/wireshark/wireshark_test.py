@@ -70,7 +70,7 @@ class Wireshark(unittest.TestCase):
                 self.assertEqual(seen["stof_stof_number"], "77")
                 self.assertEqual(seen["stof_stof_crc_good"], True)
                 self.assertNotIn("_ws_expert", json.dumps(layers))
-                message = {"UNSUBSCRIBE": "subscribe"}.get(kind.name, kind.name.lower())
+                message = {"UNSUBSCRIBE": "subscribe", "SIGNED_REQUEST": "signed_fields", "SIGNED_ANSWER": "signed_fields"}.get(kind.name, kind.name.lower())
                 for field in dataclasses.fields(value):
                     at = f"stof_stof_{message}_{field.name}"
                     number = getattr(value, field.name)

@@ -79,6 +79,8 @@ typedef struct stof_options {
   uint32_t max_age_ms;    /* frames that arrived here longer ago are dropped and counted; 0: one
                              period of the sensor and 100 ms */
   uint32_t reserved2;     /* 0 */
+  const char* keys; /* file of the keys that requests are signed with, as `stof pair` makes it;
+                       NULL: this user's own, "": none */
 } stof_options;
 
 /* Does not wait for the sensor, but may block on a name server. `why` (may be NULL) gets one line
@@ -384,7 +386,9 @@ typedef struct stof_answer {
 /* Asks the sensor of stof_options::sensor over a socket of its own; blocks for about a second when
  * nobody answers. From any thread. `in`: the text, NULL: none. `out`: the answer's text, ended by
  * 0, cut where out_size is too small; of a refusal which field and what it takes. `answer` may be
- * NULL. STOF_REFUSED, STOF_UNREACHABLE, STOF_UNSUPPORTED (no sensor was named, or an operation it
+ * NULL. With a key of the sensor requests are signed, and
+ * only answers that it signed are believed. STOF_REFUSED (also: it takes a key, or the file of keys
+ * cannot be used), STOF_UNREACHABLE, STOF_UNSUPPORTED (no sensor was named, or an operation it
  * does not know), STOF_TOO_SMALL (of STOF_GET), STOF_BAD_ARGUMENT, STOF_NO_MEMORY, STOF_LOST. */
 STOF_API stof_status stof_settings(stof_sensor* sensor, stof_operation operation,
                                    stof_document document, const char* in, char* out,

@@ -1,0 +1,31 @@
+#pragma once
+
+#include "firmware/control/settings_service.h"
+#include "firmware/keys/keyring.h"
+
+namespace stof::keys {
+
+// Serves the operations about keys, and leaves all others to who serves settings. For the control
+// thread alone.
+class KeyService final : public firmware::SettingsService {
+ public:
+  // Both outlive it.
+  KeyService(Keyring& ring, firmware::SettingsService& settings) noexcept
+      : ring_(ring), settings_(settings) {}
+
+  // kDenied: another's keys are an admin's matter. kInvalid: no such key. kNotSaved.
+  wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
+                             const firmware::Requester& by, std::span<std::byte> answer_text,
+                             std::size_t& answer_bytes) noexcept override;
+
+ private:
+  wire::SettingsAnswer list(std::uint16_t offset, std::span<std::byte> answer_text,
+                            std::size_t& answer_bytes) const noexcept;
+  wire::SettingsResult unpair(std::string_view text, const firmware::Requester& by,
+                              settings::PagedWriter& why) noexcept;
+
+  Keyring& ring_;
+  firmware::SettingsService& settings_;
+};
+
+}  // namespace stof::keys

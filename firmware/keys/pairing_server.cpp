@@ -1,0 +1,231 @@
+#include "firmware/keys/pairing_server.h"
+
+#include <algorithm>
+
+#include "firmware/wire/bytes.h"
+
+namespace stof::keys {
+
+using wire::PairAnswer;
+using wire::PairMethod;
+using wire::PairRequest;
+using wire::PairResult;
+
+namespace {
+
+std::uint64_t random_number() noexcept {
+  std::array<std::byte, 8> bytes{};
+  wire::fill_random(bytes);
+  return wire::get_u64(bytes);
+}
+
+// Random, of no key that is here.
+std::uint32_t free_key_id(const wire::KeyTable& keys) noexcept {
+  std::uint32_t id = 0;
+  while (id == 0 || keys.find(id) != nullptr) {
+    id = static_cast<std::uint32_t>(random_number());
+  }
+  return id;
+}
+
+std::array<char, wire::kKeyNameBytes> name_in(const PairRequest& request) noexcept {
+  const auto end = std::ranges::find(request.name, '\0');
+  return wire::key_name(
+      {request.name.data(), static_cast<std::size_t>(end - request.name.begin())});
+}
+
+}  // namespace
+
+void PairingServer::open(hal::Time now) noexcept {
+  end(with_digits_);
+  open_until_ = now + kWindow;
+}
+
+void PairingServer::accept() noexcept {
+  if (with_digits_.phase == Phase::kRevealed || with_digits_.phase == Phase::kProven) {
+    with_digits_.accepted = true;
+    if (with_digits_.phase == Phase::kProven) {
+      static_cast<void>(finish(with_digits_));
+    }
+  }
+}
+
+void PairingServer::tick(hal::Time now) noexcept {
+  if (open_until_ && now >= *open_until_) {
+    open_until_.reset();
+    end(with_digits_);
+  }
+  if (with_known_.phase != Phase::kNone && now >= with_known_.until) {
+    end(with_known_);
+  }
+}
+
+std::optional<std::uint32_t> PairingServer::digits() const noexcept {
+  const bool told = with_digits_.phase == Phase::kRevealed || with_digits_.phase == Phase::kProven;
+  return told ? std::optional(with_digits_.secrets->digits()) : std::nullopt;
+}
+
+PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way,
+                                hal::Time now) noexcept {
+  tick(now);
+  if (request.step == wire::PairStep::kBegin) {
+    return begin(request, way, now);
+  }
+  Attempt& attempt = attempt_of(request.method);
+  if (attempt.phase == Phase::kNone || request.attempt != attempt.number ||
+      request.method != attempt.said.method) {
+    return {.result = PairResult::kWrong};
+  }
+  return request.step == wire::PairStep::kReveal ? reveal(request, attempt)
+                                                 : confirm(request, attempt);
+}
+
+bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const noexcept {
+  switch (request.method) {
+    case PairMethod::kDigits:
+      return open_until_.has_value() && request.role != wire::Role::kNone;
+    case PairMethod::kCode:
+      return code_.has_value() && request.role != wire::Role::kNone;
+    case PairMethod::kCable:
+      return way == PairingWay::kCable && request.role != wire::Role::kNone;
+    case PairMethod::kKey:
+      return ring_.keys().find(request.key_id) != nullptr;
+  }
+  return false;
+}
+
+std::optional<std::span<const std::byte>> PairingServer::known(
+    const wire::PairTranscript& said) const noexcept {
+  if (said.method == PairMethod::kCode && code_) {
+    return *code_;
+  }
+  if (said.method != PairMethod::kKey) {
+    return std::span<const std::byte>{};
+  }
+  const wire::Key* const key = ring_.keys().find(said.key_id);
+  return key == nullptr ? std::nullopt : std::optional(std::span<const std::byte>(key->secret));
+}
+
+PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
+                                hal::Time now) noexcept {
+  if (!may_begin(request, way)) {
+    return {.result = PairResult::kClosed};
+  }
+  Attempt& attempt = attempt_of(request.method);
+  const auto commitment = wire::bytes_in<wire::Digest>(request.value);
+  if (attempt.phase == Phase::kBegun && attempt.commitment == commitment) {
+    return answer(attempt, PairResult::kOk);  // it was lost
+  }
+  const bool digits = request.method == PairMethod::kDigits;
+  if (attempt.phase != Phase::kNone && (digits || attempt.phase != Phase::kDone)) {
+    if (digits) {  // nobody can tell which of the two is meant
+      open_until_.reset();
+      end(attempt);
+    }
+    return {.result = PairResult::kBusy};
+  }
+  if (!begins_.take(now)) {
+    return {.result = PairResult::kBusy};
+  }
+  end(attempt);
+  attempt.phase = Phase::kBegun;
+  attempt.number = random_number();
+  attempt.until = now + kKnownTime;
+  attempt.commitment = commitment;
+  const bool renews = request.method == PairMethod::kKey;
+  attempt.said = {.sensor = sensor_,
+                  .key_id = renews ? request.key_id : free_key_id(ring_.keys()),
+                  .method = request.method,
+                  .role = request.role,
+                  .name = name_in(request)};
+  attempt.exchange.emplace();
+  attempt.said.sensor_key = attempt.exchange->public_key();
+  wire::fill_random(attempt.said.sensor_nonce);
+  return answer(attempt, PairResult::kOk);
+}
+
+PairAnswer PairingServer::reveal(const PairRequest& request, Attempt& attempt) noexcept {
+  wire::PairTranscript said = attempt.said;
+  said.client_key = wire::bytes_in<wire::PublicKey>(request.value);
+  said.client_nonce = wire::bytes_in<wire::PairNonce>(request.nonce);
+  if (wire::commitment_of(said.client_key, said.client_nonce) != attempt.commitment) {
+    return fail(attempt, PairResult::kWrong);
+  }
+  if (attempt.phase == Phase::kBegun) {
+    const std::optional<wire::Secret> shared = attempt.exchange->shared_with(said.client_key);
+    const std::optional<std::span<const std::byte>> before = known(said);
+    if (!shared || !before) {
+      return fail(attempt, PairResult::kWrong);
+    }
+    attempt.said = said;
+    attempt.secrets.emplace(said, *shared, *before);
+    attempt.exchange.reset();
+    attempt.phase = Phase::kRevealed;
+  }
+  PairAnswer out = answer(attempt, PairResult::kOk);
+  out.value = {};
+  wire::put_bytes(attempt.secrets->sensor_tag(), out.value);
+  return out;
+}
+
+PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt) noexcept {
+  const auto tag = wire::bytes_in<wire::Tag>(request.value);
+  if (attempt.phase < Phase::kRevealed ||
+      !wire::equal_secrets(tag, attempt.secrets->client_tag())) {
+    return fail(attempt, PairResult::kWrong);
+  }
+  if (attempt.phase == Phase::kRevealed) {
+    attempt.phase = Phase::kProven;
+  }
+  if (attempt.said.method == PairMethod::kDigits && !attempt.accepted) {
+    return answer(attempt, PairResult::kWaiting);
+  }
+  return finish(attempt);
+}
+
+// Both ends have agreed. Repeated, it says so again.
+PairAnswer PairingServer::finish(Attempt& attempt) noexcept {
+  if (attempt.phase != Phase::kDone) {
+    wire::Key key{.id = attempt.said.key_id,
+                  .device = sensor_.device_id,
+                  .role = attempt.said.role,
+                  .name = attempt.said.name,
+                  .secret = attempt.secrets->secret()};
+    const Status kept = attempt.said.method == PairMethod::kKey ? ring_.replace(key.id, key.secret)
+                                                                : ring_.add(key);
+    wire::wipe(key.secret);
+    if (kept != Status::kOk) {
+      return fail(attempt, PairResult::kFull);
+    }
+    attempt.phase = Phase::kDone;
+    ++paired_;
+  }
+  PairAnswer out = answer(attempt, PairResult::kOk);
+  out.value = {};
+  wire::put_bytes(attempt.secrets->done_tag(), out.value);
+  return out;
+}
+
+PairAnswer PairingServer::fail(Attempt& attempt, PairResult why) noexcept {
+  if (attempt.said.method == PairMethod::kDigits) {
+    open_until_.reset();
+  }
+  end(attempt);
+  return {.result = why};
+}
+
+PairAnswer PairingServer::answer(const Attempt& attempt, PairResult result) noexcept {
+  PairAnswer out{.result = result, .attempt = attempt.number, .key_id = attempt.said.key_id};
+  wire::put_bytes(attempt.said.sensor_key, out.value);
+  wire::put_bytes(attempt.said.sensor_nonce, out.nonce);
+  return out;
+}
+
+void PairingServer::end(Attempt& attempt) noexcept {
+  attempt.phase = Phase::kNone;
+  attempt.exchange.reset();
+  attempt.secrets.reset();
+  attempt.accepted = false;
+}
+
+}  // namespace stof::keys

@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+
+#include "firmware/control/token_bucket.h"
+#include "firmware/keys/keyring.h"
+#include "firmware/wire/crypto/crypto.h"
+#include "firmware/wire/keys/pair_secrets.h"
+#include "firmware/wire/messages/pair_answer.h"
+#include "firmware/wire/messages/pair_request.h"
+#include "hal/time.h"
+
+namespace stof::keys {
+
+using LabelCode = std::array<std::byte, 16>;
+
+// Where a request came from.
+enum class PairingWay : std::uint8_t { kNetwork, kCable };
+
+// The sensor's end of pairing: any requests in, at most one key out of each attempt. With digits it
+// takes somebody at the sensor, twice: one press opens two minutes for one client, and once the
+// digits of both ends are told, somebody accepts them there. Two clients in these minutes end both.
+// Keys that both know, or the label's code, need nobody. For one thread; no clock, no heap.
+class PairingServer {
+ public:
+  static constexpr hal::Duration kWindow = std::chrono::minutes(2);
+  static constexpr hal::Duration kKnownTime =
+      std::chrono::seconds(10);  // of an attempt without digits
+  static constexpr hal::Duration kBeginRefill = std::chrono::milliseconds(100);
+  static constexpr std::uint32_t kMostBegins = 20;  // each costs two multiplications of a curve
+
+  // code: of the label; none: there is none. The keyring outlives it.
+  PairingServer(const wire::Origin& sensor, Keyring& ring,
+                const std::optional<LabelCode>& code) noexcept
+      : sensor_(sensor), ring_(ring), code_(code) {}
+
+  // The button was pressed: a new window, and nothing of the last one.
+  void open(hal::Time now) noexcept;
+  // Somebody at the sensor accepts the digits that it has told; before that it is nothing.
+  void accept() noexcept;
+  // Ends what is too old.
+  void tick(hal::Time now) noexcept;
+
+  // request_id and cookie are the caller's. May block for as long as saving a file takes.
+  wire::PairAnswer serve(const wire::PairRequest& request, PairingWay way, hal::Time now) noexcept;
+
+  bool is_open() const noexcept {
+    return open_until_.has_value() && with_digits_.phase != Phase::kDone;
+  }
+  // That the sensor tells, while somebody may accept them.
+  std::optional<std::uint32_t> digits() const noexcept;
+  std::uint32_t paired() const noexcept { return paired_; }  // keys that came of it
+
+ private:
+  enum class Phase : std::uint8_t { kNone, kBegun, kRevealed, kProven, kDone };
+  struct Attempt {
+    Phase phase = Phase::kNone;
+    std::uint64_t number = 0;
+    hal::Time until{};
+    wire::Digest commitment{};
+    wire::PairTranscript said{};
+    std::optional<wire::Exchange> exchange{};
+    std::optional<wire::PairSecrets> secrets{};
+    bool accepted = false;
+  };
+
+  Attempt& attempt_of(wire::PairMethod method) noexcept {
+    return method == wire::PairMethod::kDigits ? with_digits_ : with_known_;
+  }
+  // Whether a client may begin so, now.
+  bool may_begin(const wire::PairRequest& request, PairingWay way) const noexcept;
+  // What both knew before; none: that cannot be.
+  std::optional<std::span<const std::byte>> known(const wire::PairTranscript& said) const noexcept;
+  wire::PairAnswer begin(const wire::PairRequest& request, PairingWay way, hal::Time now) noexcept;
+  wire::PairAnswer reveal(const wire::PairRequest& request, Attempt& attempt) noexcept;
+  wire::PairAnswer confirm(const wire::PairRequest& request, Attempt& attempt) noexcept;
+  wire::PairAnswer finish(Attempt& attempt) noexcept;
+  wire::PairAnswer fail(Attempt& attempt, wire::PairResult why) noexcept;
+  static wire::PairAnswer answer(const Attempt& attempt, wire::PairResult result) noexcept;
+  static void end(Attempt& attempt) noexcept;
+
+  wire::Origin sensor_;
+  Keyring& ring_;
+  std::optional<LabelCode> code_;
+  std::optional<hal::Time> open_until_;
+  Attempt with_digits_;
+  Attempt with_known_;
+  firmware::TokenBucket begins_{kMostBegins, kBeginRefill};
+  std::uint32_t paired_ = 0;
+};
+
+}  // namespace stof::keys

@@ -1,0 +1,77 @@
+#include "firmware/wire/crypto/crypto.h"
+
+#include <sodium.h>
+
+#include "dsp/base/check.h"
+
+namespace stof::wire {
+namespace {
+
+static_assert(sizeof(Secret) == crypto_scalarmult_SCALARBYTES);
+static_assert(sizeof(PublicKey) == crypto_scalarmult_BYTES);
+static_assert(sizeof(Secret) == crypto_generichash_KEYBYTES);
+static_assert(sizeof(Tag) == crypto_generichash_BYTES_MIN);
+
+const unsigned char* raw(std::span<const std::byte> bytes) noexcept {
+  return reinterpret_cast<const unsigned char*>(bytes.data());
+}
+
+unsigned char* raw_space(std::span<std::byte> bytes) noexcept {
+  return reinterpret_cast<unsigned char*>(bytes.data());
+}
+
+void blake2b(std::span<const std::byte> key, Parts parts, std::span<std::byte> out) noexcept {
+  STOF_CHECK(key.size() <= crypto_generichash_KEYBYTES_MAX);
+  crypto_generichash_state state;
+  crypto_generichash_init(&state, key.empty() ? nullptr : raw(key), key.size(), out.size());
+  for (const std::span<const std::byte> part : parts) {
+    crypto_generichash_update(&state, raw(part), part.size());
+  }
+  crypto_generichash_final(&state, raw_space(out), out.size());
+}
+
+}  // namespace
+
+bool start_crypto() noexcept { return sodium_init() >= 0; }
+
+void fill_random(std::span<std::byte> bytes) noexcept {
+  randombytes_buf(bytes.data(), bytes.size());
+}
+
+Tag tag_of(const Secret& secret, Parts parts) noexcept {
+  Tag tag;
+  blake2b(secret, parts, tag);
+  return tag;
+}
+
+Digest digest_of(std::span<const std::byte> key, Parts parts) noexcept {
+  Digest digest;
+  blake2b(key, parts, digest);
+  return digest;
+}
+
+bool equal_secrets(std::span<const std::byte> a, std::span<const std::byte> b) noexcept {
+  STOF_CHECK(a.size() == b.size());
+  return sodium_memcmp(a.data(), b.data(), a.size()) == 0;
+}
+
+void wipe(std::span<std::byte> bytes) noexcept { sodium_memzero(bytes.data(), bytes.size()); }
+
+Exchange::Exchange() noexcept {
+  fill_random(secret_);
+  crypto_scalarmult_base(raw_space(public_), raw(secret_));
+}
+
+Exchange::Exchange(const Secret& secret) noexcept : secret_(secret) {
+  crypto_scalarmult_base(raw_space(public_), raw(secret_));
+}
+
+std::optional<Secret> Exchange::shared_with(const PublicKey& other) const noexcept {
+  Secret shared;
+  if (crypto_scalarmult(raw_space(shared), raw(secret_), raw(other)) != 0) {
+    return std::nullopt;
+  }
+  return shared;
+}
+
+}  // namespace stof::wire

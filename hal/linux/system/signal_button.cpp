@@ -1,0 +1,48 @@
+#include "hal/linux/system/signal_button.h"
+
+#include <atomic>
+#include <csignal>
+#include <cstdint>
+
+#include <unistd.h>
+
+#include "hal/linux/system/clock.h"
+
+namespace stof::hal::linux {
+namespace {
+
+constexpr std::int64_t kPressMs = 300;
+constexpr std::int64_t kHoldMs = 3500;
+
+constinit std::atomic<std::int64_t> asked_ms{0};
+static_assert(std::atomic<std::int64_t>::is_always_lock_free);  // a signal handler writes it
+
+void press(int signal) {
+  asked_ms.store(signal == SIGUSR1 ? kPressMs : kHoldMs, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+SignalButton::SignalButton() noexcept {
+  struct sigaction action{};
+  action.sa_handler = &press;
+  action.sa_flags = SA_RESTART;
+  sigaction(SIGUSR1, &action, nullptr);
+  sigaction(SIGUSR2, &action, nullptr);
+}
+
+Result<bool> SignalButton::pressed() noexcept {
+  const Time now = Clock().now();
+  if (const std::int64_t ms = asked_ms.exchange(0, std::memory_order_relaxed); ms > 0) {
+    until_ = now + std::chrono::milliseconds(ms);
+  }
+  return now < until_;
+}
+
+std::string SignalButton::usage() {
+  const std::string own = std::to_string(::getpid());
+  return "the button for pairing: kill -USR1 " + own + " presses it, kill -USR2 " + own +
+         " holds it";
+}
+
+}  // namespace stof::hal::linux

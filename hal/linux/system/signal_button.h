@@ -1,0 +1,24 @@
+#pragma once
+
+#include <string>
+
+#include "hal/button.h"
+#include "hal/time.h"
+
+namespace stof::hal::linux {
+
+// The button of a computer that has none: SIGUSR1 presses it for a moment, SIGUSR2 holds it for 3.5
+// s. Whoever may send these signals owns the process. From construction on; there is one at a time.
+class SignalButton final : public hal::Button {
+ public:
+  SignalButton() noexcept;
+
+  Result<bool> pressed() noexcept override;
+  // A line: how to press and hold it.
+  static std::string usage();
+
+ private:
+  Time until_{};
+};
+
+}  // namespace stof::hal::linux

@@ -1,0 +1,193 @@
+#include "host/client/control/pair_client.h"
+
+#include <algorithm>
+#include <random>
+#include <thread>
+#include <utility>
+
+namespace stof::client {
+namespace {
+
+using wire::PairMethod;
+using wire::PairResult;
+using wire::PairStep;
+
+constexpr Duration kPoll = std::chrono::milliseconds(200);
+
+}  // namespace
+
+PairClient::PairClient(std::unique_ptr<ControlTransport> transport, PairWish wish,
+                       ControlOptions options)
+    : transport_(std::move(transport)),
+      wish_(std::move(wish)),
+      options_(std::move(options)),
+      request_id_(std::random_device()()) {
+  said_.method = wish_.method;
+  said_.role = wish_.role;
+  said_.name = wire::key_name(wish_.name);
+  said_.client_key = exchange_.public_key();
+  wire::fill_random(said_.client_nonce);
+}
+
+std::expected<void, ControlError> PairClient::start() {
+  wire::PairRequest begin = request(PairStep::kBegin);
+  wire::put_bytes(wire::commitment_of(said_.client_key, said_.client_nonce), begin.value);
+  const auto begun = ask(begin);
+  if (!begun) {
+    return std::unexpected(begun.error());
+  }
+  if (begun->result != PairResult::kOk) {
+    return refuse(begun->result);
+  }
+  attempt_ = begun->attempt;
+  said_.sensor = *heard_;
+  said_.key_id = begun->key_id;
+  said_.sensor_key = wire::bytes_in<wire::PublicKey>(begun->value);
+  said_.sensor_nonce = wire::bytes_in<wire::PairNonce>(begun->nonce);
+  const std::optional<wire::Secret> shared = exchange_.shared_with(said_.sensor_key);
+  if (!shared) {
+    return refuse(PairResult::kWrong);
+  }
+  secrets_.emplace(said_, *shared, wish_.known);
+  wire::PairRequest reveal = request(PairStep::kReveal);
+  wire::put_bytes(said_.client_key, reveal.value);
+  wire::put_bytes(said_.client_nonce, reveal.nonce);
+  const auto revealed = ask(reveal);
+  if (!revealed) {
+    return std::unexpected(revealed.error());
+  }
+  if (revealed->result != PairResult::kOk ||
+      !wire::equal_secrets(wire::bytes_in<wire::Tag>(revealed->value), secrets_->sensor_tag())) {
+    return refuse(revealed->result == PairResult::kOk ? PairResult::kWrong : revealed->result);
+  }
+  return {};
+}
+
+std::expected<wire::Key, ControlError> PairClient::finish(Duration patience) {
+  wire::PairRequest confirm = request(PairStep::kConfirm);
+  wire::put_bytes(secrets_->client_tag(), confirm.value);
+  const Time deadline = Time::clock::now() + patience;
+  for (;;) {
+    const auto answer = ask(confirm);
+    if (!answer) {
+      return std::unexpected(answer.error());
+    }
+    if (answer->result == PairResult::kOk &&
+        wire::equal_secrets(wire::bytes_in<wire::Tag>(answer->value), secrets_->done_tag())) {
+      return wire::Key{.id = said_.key_id,
+                       .device = said_.sensor.device_id,
+                       .role = said_.role,
+                       .name = said_.name,
+                       .secret = secrets_->secret()};
+    }
+    if (answer->result != PairResult::kWaiting && answer->result != PairResult::kOk) {
+      return refuse(answer->result);
+    }
+    if (Time::clock::now() >= deadline) {
+      return error(Status::kTimeout, "nobody has accepted the digits there");
+    }
+    std::this_thread::sleep_for(kPoll);
+  }
+}
+
+wire::PairRequest PairClient::request(PairStep step) const {
+  wire::PairRequest request{.step = step,
+                            .method = wish_.method,
+                            .role = wish_.role,
+                            .attempt = attempt_,
+                            .key_id = wish_.key_id};
+  std::ranges::copy(said_.name, request.name.begin());
+  return request;
+}
+
+// Repeated where an answer gets lost: the sensor serves a step a second time as the first.
+std::expected<wire::PairAnswer, ControlError> PairClient::ask(wire::PairRequest request) {
+  bool hurried = false;  // asked at once upon a cookie
+  for (int attempt = 0; attempt < options_.attempts;) {
+    request.request_id = ++request_id_;
+    request.cookie = cookie_;
+    wire::DatagramBuffer buffer;
+    wire::encode_pair_request(request,
+                              wire::payload_space(buffer).first<wire::kPairRequestBytes>());
+    const Status sent = transport_->send(
+        wire::seal_packet({.type = wire::PacketType::kPairRequest,
+                           .origin = {.device_id = options_.device_id.value_or(0)}},
+                          wire::kPairRequestBytes, buffer));
+    if (sent == Status::kDeviceLost) {
+      return error(sent, "the connection failed: open it again");
+    }
+    const std::optional<wire::PairAnswer> answer = await(request_id_);
+    if (answer && answer->result != PairResult::kCookie) {
+      return *answer;
+    }
+    attempt += answer && !hurried ? 0 : 1;
+    hurried = answer.has_value();
+  }
+  return error(Status::kTimeout, "no answer: check that the sensor runs, and its address");
+}
+
+std::optional<wire::PairAnswer> PairClient::await(std::uint32_t request_id) {
+  const Time deadline = Time::clock::now() + options_.timeout;
+  for (Time now = Time::clock::now(); now < deadline; now = Time::clock::now()) {
+    const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
+    if (!bytes && bytes.error() == Status::kDeviceLost) {
+      return std::nullopt;
+    }
+    const auto packet =
+        bytes ? wire::parse_packet(*bytes) : std::unexpected(wire::PacketFault::kTruncated);
+    if (!packet || packet->header.type != wire::PacketType::kPairAnswer ||
+        (options_.device_id && packet->header.origin.device_id != *options_.device_id)) {
+      continue;
+    }
+    const Result<wire::PairAnswer> answer = wire::decode_pair_answer(packet->payload);
+    if (answer && answer->request_id == request_id) {
+      heard_ = packet->header.origin;
+      cookie_ = answer->cookie;
+      return *answer;
+    }
+  }
+  return std::nullopt;
+}
+
+std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
+  switch (why) {
+    case PairResult::kClosed:
+      switch (wish_.method) {
+        case PairMethod::kDigits:
+          return error(Status::kUnsupported,
+                       "does not pair now: press its button, and try again within two minutes");
+        case PairMethod::kCode:
+          return error(Status::kUnsupported, "has no code: pair with its button or its cable");
+        case PairMethod::kCable:
+          return error(Status::kUnsupported, "this line is a way for strangers: use another");
+        case PairMethod::kKey:
+          return error(Status::kUnsupported, "has none of your keys any more: pair again");
+      }
+      break;
+    case PairResult::kBusy:
+      return error(Status::kWouldBlock,
+                   wish_.method == PairMethod::kDigits
+                       ? "somebody else pairs at the same time, both have ended: press its button "
+                         "again"
+                       : "somebody else pairs now: try again in ten seconds");
+    case PairResult::kFull:
+      return error(Status::kTooLarge,
+                   "keeps no more keys, or cannot save them: unpair a key (stof unpair)");
+    case PairResult::kWrong:
+      return error(Status::kCorrupt,
+                   wish_.method == PairMethod::kCode
+                       ? "has another code, or somebody is between you: nothing was paired"
+                       : "somebody is between you, or it took too long: nothing was paired");
+    default:
+      break;
+  }
+  return error(Status::kCorrupt,
+               "its answer contradicts itself: update this program or the sensor");
+}
+
+std::unexpected<ControlError> PairClient::error(Status status, std::string_view what) const {
+  std::string message = "sensor " + transport_->place() + ": ";
+  return std::unexpected(ControlError{.status = status, .message = message.append(what)});
+}
+
+}  // namespace stof::client

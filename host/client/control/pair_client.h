@@ -1,0 +1,60 @@
+#pragma once
+
+#include <cstdint>
+#include <expected>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "firmware/wire/keys/pair_secrets.h"
+#include "host/client/control/control_client.h"
+
+namespace stof::client {
+
+struct PairWish {
+  wire::PairMethod method = wire::PairMethod::kDigits;
+  wire::Role role = wire::Role::kAdmin;
+  std::string name{};              // whose key it shall be
+  std::vector<std::byte> known{};  // of methods code and key: the code, the key's secret
+  std::uint32_t key_id = 0;        // of method key
+};
+
+// Makes a key with one sensor; blocks. For one thread, and for one key.
+class PairClient {
+ public:
+  PairClient(std::unique_ptr<ControlTransport> transport, PairWish wish,
+             ControlOptions options = {});
+
+  // Both reveal what they have. kTimeout: no answer; kUnsupported: the sensor does not pair now, or
+  // not so; kWouldBlock: somebody else pairs; kCorrupt: somebody is between, or the code is
+  // another; kDeviceLost.
+  std::expected<void, ControlError> start();
+  // After start(), of method digits: 0 to 999,999. Only where the sensor tells the same is there
+  // nobody between.
+  std::uint32_t digits() const { return secrets_->digits(); }
+  // After start(), and the user's consent: waits until the key is in force. As start(), and
+  // kTooLarge: the sensor keeps no more keys; kTimeout: nobody accepted it there.
+  std::expected<wire::Key, ControlError> finish(Duration patience);
+
+ private:
+  std::expected<wire::PairAnswer, ControlError> ask(wire::PairRequest request);
+  std::optional<wire::PairAnswer> await(std::uint32_t request_id);
+  wire::PairRequest request(wire::PairStep step) const;
+  std::unexpected<ControlError> refuse(wire::PairResult why) const;
+  std::unexpected<ControlError> error(Status status, std::string_view what) const;
+
+  std::unique_ptr<ControlTransport> transport_;
+  PairWish wish_;
+  ControlOptions options_;
+  wire::Exchange exchange_;
+  wire::PairTranscript said_{};
+  std::optional<wire::PairSecrets> secrets_;
+  std::optional<wire::Origin> heard_;  // who sent the answer that counts
+  std::uint64_t attempt_ = 0;
+  std::uint64_t cookie_ = 0;
+  std::uint32_t request_id_;
+};
+
+}  // namespace stof::client

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+
+#include "firmware/wire/keys/key_table.h"
+#include "firmware/wire/messages/settings_request.h"
+#include "firmware/wire/messages/structs.h"
+#include "firmware/wire/packet.h"
+
+namespace stof::client {
+
+// Signs the requests to one sensor with the key that its user has of it, and judges the answers.
+// Which sensor it is, and its session, the first answer tells.
+class RequestSigner {
+ public:
+  // What an answer carries, verified.
+  struct Answer {
+    std::span<const std::byte> payload;  // of the settings_answer
+    std::uint64_t highest = 0;           // counter that the sensor has taken of this key
+  };
+
+  explicit RequestSigner(const wire::KeyTable& keys);
+
+  // Who answered. Once a key is found, no other sensor is.
+  void note_origin(const wire::Origin& origin);
+  // The key that requests are signed with now; nullptr: none is known of this sensor.
+  const wire::Key* key() const {
+    return at_ < 0 ? nullptr : &keys_.all()[static_cast<std::size_t>(at_)];
+  }
+  // The sensor refused the key; the next one counts. false: there is no other.
+  bool drop_key();
+  // The sensor has taken counters up to there.
+  void note_highest(std::uint64_t highest);
+
+  // Only where there is a key. A part of `buffer`.
+  std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
+                                  wire::DatagramBuffer& buffer);
+  // The answer to the request that was sealed last; none: it is not, or nobody knows of whom.
+  std::optional<Answer> open(const wire::PacketView& packet,
+                             std::span<const std::byte> datagram) const;
+
+ private:
+  int last_key_before(int end) const;
+
+  wire::KeyTable keys_;
+  wire::Origin origin_{};  // device 0: nobody has answered
+  int at_ = -1;            // of the key, in keys_; -1: none
+  std::uint64_t counter_ = 0;
+};
+
+}  // namespace stof::client

@@ -1,0 +1,162 @@
+#include "host/client/control/user_keys.h"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+
+#include "firmware/wire/keys/key_text.h"
+#include "posix/fd.h"
+
+namespace stof::client {
+namespace {
+
+constexpr mode_t kOwnFile = 0600;
+constexpr mode_t kOwnFolder = 0700;
+constexpr mode_t kOthers = 0077;
+
+std::unexpected<OpenError> refuse(Status status, const std::string& file, std::string_view what) {
+  return std::unexpected(OpenError{status, file + ": " + std::string(what)});
+}
+
+std::unexpected<OpenError> refuse_errno(const std::string& file, const char* todo) {
+  return refuse(Status::kDeviceError, file, std::string(std::strerror(errno)) + ": " + todo);
+}
+
+const char* variable(const char* name) {
+  const char* const value = std::getenv(name);  // NOLINT(concurrency-mt-unsafe): nobody sets one
+  return value == nullptr ? "" : value;
+}
+
+std::string folder_of(const std::string& file) {
+  const std::size_t slash = file.rfind('/');
+  return slash == std::string::npos || slash == 0 ? "" : file.substr(0, slash);
+}
+
+// With all folders above it.
+void make_folder(const std::string& folder) {
+  if (folder.empty() || ::access(folder.c_str(), F_OK) == 0) {
+    return;
+  }
+  make_folder(folder_of(folder));
+  static_cast<void>(::mkdir(folder.c_str(), kOwnFolder));
+}
+
+bool write_all(int fd, std::span<const char> text) {
+  while (!text.empty()) {
+    const ssize_t written = ::write(fd, text.data(), text.size());
+    if (written < 0 && errno != EINTR) {
+      return false;
+    }
+    text = text.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
+  }
+  return ::fsync(fd) == 0;
+}
+
+}  // namespace
+
+std::string user_keys_file() {
+  const std::string_view config = variable("XDG_CONFIG_HOME");
+  if (!config.empty()) {
+    return std::string(config) + "/stof/keys";
+  }
+  const std::string_view home = variable("HOME");
+  return home.empty() ? "" : std::string(home) + "/.config/stof/keys";
+}
+
+std::expected<wire::KeyTable, OpenError> read_user_keys(const std::string& file) {
+  constexpr const char* kReadable = "make it a file that you can read";
+  const posix::Fd in(::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
+  if (!in.is_open()) {
+    return errno == ENOENT || errno == ENOTDIR ? std::expected<wire::KeyTable, OpenError>()
+                                               : refuse_errno(file, kReadable);
+  }
+  struct stat found{};
+  if (::fstat(in.get(), &found) != 0) {
+    return refuse_errno(file, kReadable);
+  }
+  if (!S_ISREG(found.st_mode)) {
+    return refuse(Status::kDeviceError, file, "no regular file: give one");
+  }
+  if ((found.st_mode & kOthers) != 0) {
+    return refuse(Status::kDeviceError, file,
+                  "others may read these keys: chmod 600, and pair again if somebody did");
+  }
+  std::vector<char> text(wire::kMostKeyText + 1);
+  std::size_t bytes = 0;
+  while (bytes < text.size()) {
+    const ssize_t got = ::read(in.get(), text.data() + bytes, text.size() - bytes);
+    if (got == 0) {
+      break;
+    }
+    if (got < 0 && errno != EINTR) {
+      return refuse_errno(file, kReadable);
+    }
+    bytes += got < 0 ? 0 : static_cast<std::size_t>(got);
+  }
+  wire::KeyTable keys;
+  const Status read = wire::read_keys({text.data(), bytes}, keys);
+  wire::wipe(std::as_writable_bytes(std::span(text)));
+  if (read != Status::kOk) {
+    return refuse(Status::kCorrupt, file,
+                  read == Status::kUnsupported ? "of a later version: update this program"
+                                               : "no key file, or damaged: move it away and pair "
+                                                 "again");
+  }
+  return keys;
+}
+
+std::expected<void, OpenError> write_user_keys(const std::string& file,
+                                               const wire::KeyTable& keys) {
+  constexpr const char* kWritable = "make its folder one that you can write";
+  if (file.empty()) {
+    return refuse(Status::kDeviceError, "keys",
+                  "neither XDG_CONFIG_HOME nor HOME is set: name a file with --keys");
+  }
+  make_folder(folder_of(file));
+  const std::string fresh = file + ".new";
+  ::unlink(fresh.c_str());
+  const posix::Fd out(
+      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnFile));
+  std::vector<char> space(wire::kMostKeyText);
+  const bool good = out.is_open() && write_all(out.get(), wire::write_keys(keys, space)) &&
+                    std::rename(fresh.c_str(), file.c_str()) == 0;
+  const int error = errno;
+  wire::wipe(std::as_writable_bytes(std::span(space)));
+  if (!good) {
+    if (out.is_open()) {
+      ::unlink(fresh.c_str());
+    }
+    errno = error;
+    return refuse_errno(file, kWritable);
+  }
+  return {};
+}
+
+std::expected<void, OpenError> add_user_key(const std::string& file, const wire::Key& key) {
+  std::expected<wire::KeyTable, OpenError> keys = read_user_keys(file);
+  if (!keys) {
+    return std::unexpected(std::move(keys.error()));
+  }
+  wire::KeyTable next;
+  for (const wire::Key& old : keys->all()) {
+    if (old.device != key.device) {
+      static_cast<void>(next.add(old));
+    }
+  }
+  if (const Status added = next.add(key); added != Status::kOk) {
+    return refuse(added, file,
+                  added == Status::kTooLarge
+                      ? "holds as many keys as it takes: unpair from a sensor that is gone"
+                      : "has another sensor's key of that number: pair again");
+  }
+  return write_user_keys(file, next);
+}
+
+}  // namespace stof::client

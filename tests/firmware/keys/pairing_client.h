@@ -1,0 +1,71 @@
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "firmware/wire/keys/pair_secrets.h"
+
+namespace stof::test {
+
+// The client's end, made of docs/WIRE.md: what it sends, and what it computes of the answers.
+class PairingClient {
+ public:
+  PairingClient(wire::Origin sensor, wire::PairMethod method, wire::Role role,
+                std::span<const std::byte> known = {}, std::uint32_t key_id = 0)
+      : known_(known) {
+    said_ = {.sensor = sensor,
+             .key_id = key_id,
+             .method = method,
+             .role = role,
+             .name = wire::key_name("client")};
+    said_.client_key = exchange_.public_key();
+    wire::fill_random(said_.client_nonce);
+  }
+
+  wire::PairRequest begin() {
+    wire::PairRequest request = step(wire::PairStep::kBegin);
+    wire::put_bytes(wire::commitment_of(said_.client_key, said_.client_nonce), request.value);
+    return request;
+  }
+  wire::PairRequest reveal(const wire::PairAnswer& begun) {
+    attempt_ = begun.attempt;
+    said_.key_id = begun.key_id;
+    said_.sensor_key = wire::bytes_in<wire::PublicKey>(begun.value);
+    said_.sensor_nonce = wire::bytes_in<wire::PairNonce>(begun.nonce);
+    wire::PairRequest request = step(wire::PairStep::kReveal);
+    wire::put_bytes(said_.client_key, request.value);
+    wire::put_bytes(said_.client_nonce, request.nonce);
+    return request;
+  }
+  wire::PairRequest confirm() {
+    wire::PairRequest request = step(wire::PairStep::kConfirm);
+    wire::put_bytes(secrets().client_tag(), request.value);
+    return request;
+  }
+  // After reveal().
+  wire::PairSecrets secrets() const {
+    return {said_, exchange_.shared_with(said_.sensor_key).value_or(wire::Secret{}), known_};
+  }
+  wire::PairTranscript& said() { return said_; }
+
+ private:
+  wire::PairRequest step(wire::PairStep step) const {
+    wire::PairRequest request{.request_id = 1,
+                              .step = step,
+                              .method = said_.method,
+                              .role = said_.role,
+                              .attempt = attempt_,
+                              .key_id = said_.method == wire::PairMethod::kKey ? said_.key_id : 0};
+    std::ranges::copy(said_.name, request.name.begin());
+    return request;
+  }
+
+  wire::Exchange exchange_;
+  wire::PairTranscript said_;
+  std::span<const std::byte> known_;
+  std::uint64_t attempt_ = 0;
+};
+
+}  // namespace stof::test

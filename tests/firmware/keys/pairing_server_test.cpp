@@ -1,0 +1,340 @@
+#include "firmware/keys/pairing_server.h"
+
+#include <array>
+#include <optional>
+
+#include <gtest/gtest.h>
+
+#include "hal/emu/devices/store.h"
+#include "tests/firmware/keys/pairing_client.h"
+#include "tests/firmware/keys/some_keys.h"
+#include "tests/support/heap_guard.h"
+
+namespace stof::keys {
+namespace {
+
+using namespace std::chrono_literals;
+using test::numbered_key;
+using test::PairingClient;
+using wire::PairAnswer;
+using wire::PairMethod;
+using wire::PairRequest;
+using wire::PairResult;
+using wire::Role;
+
+constexpr wire::Origin kSensor{.device_id = 1, .session_id = 77};
+constexpr LabelCode kCode{std::byte{1}, std::byte{2}, std::byte{3}};
+
+class PairingServerTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(wire::start_crypto()); }
+
+  PairAnswer ask(const PairRequest& request, PairingWay way = PairingWay::kNetwork) {
+    return server_.serve(request, way, now_);
+  }
+  // All steps until the client's user has confirmed: the last answer.
+  PairAnswer run(PairingClient& client, PairingWay way = PairingWay::kNetwork) {
+    const PairAnswer begun = ask(client.begin(), way);
+    if (begun.result != PairResult::kOk) {
+      return begun;
+    }
+    const PairAnswer revealed = ask(client.reveal(begun), way);
+    EXPECT_EQ(revealed.result, PairResult::kOk);
+    EXPECT_EQ(wire::bytes_in<wire::Tag>(revealed.value), client.secrets().sensor_tag());
+    return ask(client.confirm(), way);
+  }
+  bool has_key_of(const PairingClient& client, std::uint32_t id) const {
+    const wire::Key* const key = ring_.keys().find(id);
+    return key != nullptr && key->secret == client.secrets().secret();
+  }
+
+  hal::Time now_{1000s};
+  hal::emu::Store store_;
+  Keyring ring_{&store_, nullptr};
+  PairingServer server_{kSensor, ring_, kCode};
+  PairingServer without_code_{kSensor, ring_, std::nullopt};
+};
+
+TEST_F(PairingServerTest, ByDigitsTakesThePressAndTheAcceptance) {
+  PairingClient early(kSensor, PairMethod::kDigits, Role::kAdmin);
+  EXPECT_EQ(run(early).result, PairResult::kClosed);
+  server_.open(now_);
+  EXPECT_TRUE(server_.is_open());
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kTune);
+  EXPECT_FALSE(server_.digits().has_value());
+  const PairAnswer waiting = run(client);
+  EXPECT_EQ(waiting.result, PairResult::kWaiting);
+  EXPECT_EQ(server_.digits(), client.secrets().digits());
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kWaiting);
+  EXPECT_EQ(ring_.pairing(), Pairing::kUnpaired);
+  server_.accept();
+  EXPECT_FALSE(server_.digits().has_value());
+  const PairAnswer done = ask(client.confirm());
+  EXPECT_EQ(done.result, PairResult::kOk);
+  EXPECT_EQ(wire::bytes_in<wire::Tag>(done.value), client.secrets().done_tag());
+  ASSERT_EQ(ring_.keys().count(), 1U);
+  EXPECT_TRUE(has_key_of(client, done.key_id));
+  EXPECT_EQ(ring_.keys().all()[0].role, Role::kTune);
+  EXPECT_EQ(ring_.keys().all()[0].name_text(), "client");
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kOk);  // the answer was lost
+  EXPECT_EQ(ring_.keys().count(), 1U);
+  EXPECT_EQ(server_.paired(), 1U);
+}
+
+TEST_F(PairingServerTest, TheSensorMayAcceptBeforeTheClientsUser) {
+  server_.open(now_);
+  server_.accept();  // before there are digits it is nothing
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+  const PairAnswer begun = ask(client.begin());
+  server_.accept();
+  ASSERT_EQ(ask(client.reveal(begun)).result, PairResult::kOk);
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kWaiting);
+
+  server_.open(now_);
+  PairingClient second(kSensor, PairMethod::kDigits, Role::kAdmin);
+  const PairAnswer again = ask(second.begin());
+  ASSERT_EQ(ask(second.reveal(again)).result, PairResult::kOk);
+  server_.accept();
+  EXPECT_EQ(ring_.keys().count(), 0U);  // the client's user has said nothing
+  EXPECT_EQ(ask(second.confirm()).result, PairResult::kOk);
+  EXPECT_EQ(ring_.keys().count(), 1U);
+}
+
+TEST_F(PairingServerTest, TheWindowEndsAfterTwoMinutes) {
+  server_.open(now_);
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+  ASSERT_EQ(run(client).result, PairResult::kWaiting);
+  now_ += PairingServer::kWindow - 1ms;
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kWaiting);
+  now_ += 1ms;
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kWrong);
+  EXPECT_FALSE(server_.is_open());
+  server_.accept();
+  EXPECT_EQ(ring_.keys().count(), 0U);
+  EXPECT_EQ(ask(client.begin()).result, PairResult::kClosed);
+}
+
+TEST_F(PairingServerTest, ASecondClientEndsBothAndAPressBeginsAnew) {
+  server_.open(now_);
+  PairingClient first(kSensor, PairMethod::kDigits, Role::kAdmin);
+  PairingClient second(kSensor, PairMethod::kDigits, Role::kAdmin);
+  ASSERT_EQ(run(first).result, PairResult::kWaiting);
+  EXPECT_EQ(ask(second.begin()).result, PairResult::kBusy);
+  server_.accept();
+  EXPECT_EQ(ask(first.confirm()).result, PairResult::kWrong);
+  EXPECT_FALSE(server_.is_open());
+  EXPECT_EQ(ring_.keys().count(), 0U);
+  // Who presses again accepts nobody.
+  server_.open(now_);
+  ASSERT_EQ(run(first).result, PairResult::kWaiting);
+  server_.open(now_);
+  EXPECT_EQ(ask(first.confirm()).result, PairResult::kWrong);
+  EXPECT_EQ(ring_.keys().count(), 0U);
+}
+
+TEST_F(PairingServerTest, LostAnswersAreRepeated) {
+  server_.open(now_);
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+  const PairRequest begin = client.begin();
+  const PairAnswer begun = ask(begin);
+  const PairAnswer again = ask(begin);
+  EXPECT_EQ(again.attempt, begun.attempt);
+  EXPECT_EQ(again.value, begun.value);
+  const PairRequest reveal = client.reveal(begun);
+  EXPECT_EQ(ask(reveal).value, ask(reveal).value);
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kWaiting);
+}
+
+TEST_F(PairingServerTest, WhoChangesHisMindAfterTheCommitmentIsOut) {
+  for (const int part : {0, 1}) {
+    server_.open(now_);
+    PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+    PairRequest reveal = client.reveal(ask(client.begin()));
+    (part == 0 ? reveal.value[5] : reveal.nonce[5]) ^= 1;
+    EXPECT_EQ(ask(reveal).result, PairResult::kWrong);
+    EXPECT_FALSE(server_.is_open());
+  }
+}
+
+TEST_F(PairingServerTest, OneWrongTagEndsTheAttempt) {
+  for (const PairMethod method : {PairMethod::kDigits, PairMethod::kCode}) {
+    server_.open(now_);
+    PairingClient client(kSensor, method, Role::kAdmin, kCode);
+    ASSERT_EQ(ask(client.reveal(ask(client.begin()))).result, PairResult::kOk);
+    PairRequest confirm = client.confirm();
+    confirm.value[0] ^= 1;
+    EXPECT_EQ(ask(confirm).result, PairResult::kWrong);
+    EXPECT_EQ(ask(client.confirm()).result, PairResult::kWrong);
+  }
+  EXPECT_EQ(ring_.keys().count(), 0U);
+}
+
+TEST_F(PairingServerTest, StepsOutOfOrderOrOfNoAttemptAreRefused) {
+  PairingClient client(kSensor, PairMethod::kCode, Role::kAdmin, kCode);
+  EXPECT_EQ(ask(client.reveal({})).result, PairResult::kWrong);
+  EXPECT_EQ(ask(client.confirm()).result, PairResult::kWrong);
+  const PairAnswer begun = ask(client.begin());
+  PairRequest other = client.reveal(begun);
+  other.attempt ^= 1;
+  EXPECT_EQ(ask(other).result, PairResult::kWrong);
+  other.attempt ^= 1;
+  other.method = PairMethod::kKey;
+  EXPECT_EQ(ask(other).result, PairResult::kWrong);
+  PairRequest confirm = client.confirm();
+  EXPECT_EQ(ask(confirm).result, PairResult::kWrong);  // before reveal: it has ended
+  EXPECT_EQ(ask(client.reveal(begun)).result, PairResult::kWrong);
+}
+
+TEST_F(PairingServerTest, TheLabelsCodeNeedsNobodyAndNoOtherCodeDoes) {
+  PairingClient client(kSensor, PairMethod::kCode, Role::kAdmin, kCode);
+  const PairAnswer done = run(client);
+  EXPECT_EQ(done.result, PairResult::kOk);
+  EXPECT_TRUE(has_key_of(client, done.key_id));
+  LabelCode other = kCode;
+  other[15] ^= std::byte{1};
+  PairingClient guesses(kSensor, PairMethod::kCode, Role::kAdmin, other);
+  const PairAnswer revealed = ask(guesses.reveal(ask(guesses.begin())));
+  EXPECT_NE(wire::bytes_in<wire::Tag>(revealed.value), guesses.secrets().sensor_tag());
+  EXPECT_EQ(ask(guesses.confirm()).result, PairResult::kWrong);
+  EXPECT_EQ(ring_.keys().count(), 1U);
+  EXPECT_EQ(without_code_.serve(client.begin(), PairingWay::kNetwork, now_).result,
+            PairResult::kClosed);
+}
+
+TEST_F(PairingServerTest, TheCableNeedsNobodyAndIsNoNetwork) {
+  PairingClient client(kSensor, PairMethod::kCable, Role::kAdmin);
+  EXPECT_EQ(run(client).result, PairResult::kClosed);
+  const PairAnswer done = run(client, PairingWay::kCable);
+  EXPECT_EQ(done.result, PairResult::kOk);
+  EXPECT_TRUE(has_key_of(client, done.key_id));
+}
+
+TEST_F(PairingServerTest, LostKeysAreHealedByTheCable) {
+  store_.bytes().assign(5, std::byte{'x'});
+  std::array<char, 320> space;
+  settings::PagedWriter line(space);
+  ring_.load("keys", line);
+  ASSERT_EQ(ring_.pairing(), Pairing::kLost);
+  PairingClient client(kSensor, PairMethod::kCable, Role::kAdmin);
+  EXPECT_EQ(run(client, PairingWay::kCable).result, PairResult::kOk);
+  EXPECT_EQ(ring_.pairing(), Pairing::kPaired);
+}
+
+TEST_F(PairingServerTest, AKeyGetsANewSecretFromWhoHasTheOldOne) {
+  const wire::Key old = numbered_key(9, Role::kTune);
+  ASSERT_EQ(ring_.add(old), Status::kOk);
+  // The role cannot grow with it.
+  PairingClient client(kSensor, PairMethod::kKey, Role::kAdmin, old.secret, 9);
+  EXPECT_EQ(run(client).result, PairResult::kOk);
+  ASSERT_EQ(ring_.keys().count(), 1U);
+  EXPECT_TRUE(has_key_of(client, 9));
+  EXPECT_EQ(ring_.keys().all()[0].role, Role::kTune);
+  EXPECT_EQ(ring_.keys().all()[0].name_text(), "test");
+  PairingClient late(kSensor, PairMethod::kKey, Role::kTune, old.secret, 9);
+  ASSERT_EQ(ask(late.reveal(ask(late.begin()))).result, PairResult::kOk);
+  EXPECT_EQ(ask(late.confirm()).result, PairResult::kWrong);
+  PairingClient nobody(kSensor, PairMethod::kKey, Role::kTune, old.secret, 10);
+  EXPECT_EQ(run(nobody).result, PairResult::kClosed);
+}
+
+TEST_F(PairingServerTest, APointThatAnybodyKnowsTheResultOfIsRefused) {
+  server_.open(now_);
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kAdmin);
+  client.said().client_key = {};
+  EXPECT_EQ(ask(client.reveal(ask(client.begin()))).result, PairResult::kWrong);
+}
+
+TEST_F(PairingServerTest, NobodysRoleIsNotPaired) {
+  server_.open(now_);
+  PairingClient client(kSensor, PairMethod::kDigits, Role::kNone);
+  EXPECT_EQ(run(client).result, PairResult::kClosed);
+}
+
+TEST_F(PairingServerTest, SaysWhereNoMoreKeysAreKept) {
+  for (std::uint32_t id = 1; id <= kMostKeys; ++id) {
+    ASSERT_EQ(ring_.add(numbered_key(id)), Status::kOk);
+  }
+  PairingClient client(kSensor, PairMethod::kCode, Role::kAdmin, kCode);
+  EXPECT_EQ(run(client).result, PairResult::kFull);
+  ASSERT_EQ(ring_.remove(1), Status::kOk);
+  store_.break_down(true);
+  PairingClient second(kSensor, PairMethod::kCode, Role::kAdmin, kCode);
+  EXPECT_EQ(run(second).result, PairResult::kFull);
+}
+
+TEST_F(PairingServerTest, WhoBeginsAgainAndAgainIsHeldBack) {
+  int begun = 0;
+  for (int i = 0; i < 1000; ++i) {
+    now_ += PairingServer::kKnownTime + 1ms;
+    PairingClient client(kSensor, PairMethod::kCode, Role::kAdmin, kCode);
+    begun += ask(client.begin()).result == PairResult::kOk ? 1 : 0;
+  }
+  EXPECT_EQ(begun, 1000);
+  begun = 0;
+  now_ += PairingServer::kKnownTime;
+  for (int i = 0; i < 1000; ++i) {
+    now_ += 1ms;
+    PairingClient client(kSensor, PairMethod::kCode, Role::kAdmin, kCode);
+    const PairAnswer answer = ask(client.begin());
+    if (answer.result == PairResult::kOk) {
+      ++begun;
+      PairRequest confirm = client.confirm();  // ends it
+      confirm.attempt = answer.attempt;
+      static_cast<void>(ask(confirm));
+    }
+  }
+  EXPECT_LE(begun, 32);
+  EXPECT_GE(begun, 25);
+}
+
+// Who sits between both ends and runs the protocol with each of them.
+TEST_F(PairingServerTest, AMiddlemanIsSeenInTheDigits) {
+  constexpr int kTries = 10'000;
+  int equal = 0;
+  for (int i = 0; i < kTries; ++i) {
+    now_ += 200ms;
+    server_.open(now_);
+    PairingClient victim(kSensor, PairMethod::kDigits, Role::kAdmin);
+    const PairRequest heard = victim.begin();
+    // To the sensor he is a client, and bound before he has seen anything of it.
+    PairingClient attacker(kSensor, PairMethod::kDigits, Role::kAdmin);
+    const PairAnswer begun = ask(attacker.begin());
+    ASSERT_EQ(begun.result, PairResult::kOk);
+    // To the victim he is the sensor: with a key of his own, the true nonce or any.
+    const wire::Exchange own;
+    PairAnswer told = begun;
+    wire::put_bytes(own.public_key(), told.value);
+    static_cast<void>(victim.reveal(told));
+    ASSERT_EQ(ask(attacker.reveal(begun)).result, PairResult::kOk);
+    const std::uint32_t at_sensor = server_.digits().value();
+    EXPECT_EQ(at_sensor, attacker.secrets().digits());
+    equal += at_sensor == victim.secrets().digits() ? 1 : 0;
+    // What he passes on instead: the victim's commitment does not fit his key.
+    ASSERT_NE(wire::bytes_in<wire::Digest>(heard.value),
+              wire::commitment_of(attacker.said().client_key, attacker.said().client_nonce));
+  }
+  EXPECT_LE(equal, 1);  // by chance 0.01
+}
+
+TEST(PairingNoHeap, AllocatesNothing) {
+  ASSERT_TRUE(wire::start_crypto());
+  const int before = test::allocations;
+  Keyring ring(nullptr, nullptr);
+  PairingServer server(kSensor, ring, kCode);
+  for (const PairMethod method : {PairMethod::kDigits, PairMethod::kCode}) {
+    server.open(hal::Time(1s));
+    PairingClient client(kSensor, method, Role::kAdmin,
+                         method == PairMethod::kCode ? std::span<const std::byte>(kCode)
+                                                     : std::span<const std::byte>());
+    const auto ask = [&](const PairRequest& request) {
+      return server.serve(request, PairingWay::kNetwork, hal::Time(1s));
+    };
+    static_cast<void>(ask(client.reveal(ask(client.begin()))));
+    server.accept();
+    ASSERT_EQ(ask(client.confirm()).result, PairResult::kOk);
+  }
+  EXPECT_EQ(test::allocations, before);
+}
+
+}  // namespace
+}  // namespace stof::keys

@@ -1,0 +1,137 @@
+#include "firmware/wire/crypto/crypto.h"
+
+#include <algorithm>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/heap_guard.h"
+
+namespace stof::wire {
+namespace {
+
+std::vector<std::byte> bytes_of(std::string_view hex) {
+  const auto digit = [](char c) { return c <= '9' ? c - '0' : c - 'a' + 10; };
+  std::vector<std::byte> bytes;
+  for (std::size_t i = 0; i + 1 < hex.size(); i += 2) {
+    bytes.push_back(static_cast<std::byte>(digit(hex[i]) << 4 | digit(hex[i + 1])));
+  }
+  return bytes;
+}
+
+template <typename Array>
+Array array_of(std::string_view hex) {
+  Array array{};
+  std::ranges::copy(bytes_of(hex), array.begin());
+  return array;
+}
+
+template <typename Array>
+std::vector<std::byte> listed(const Array& array) {
+  return {array.begin(), array.end()};
+}
+
+Secret counted() {
+  Secret secret;
+  for (std::size_t i = 0; i < secret.size(); ++i) {
+    secret[i] = static_cast<std::byte>(i);
+  }
+  return secret;
+}
+
+class CryptoTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(start_crypto()); }
+};
+
+// Figures of Python's hashlib.
+TEST_F(CryptoTest, TagsAndDigestsAreKeyedBlake2b) {
+  const std::vector<std::byte> abc = bytes_of("616263");
+  EXPECT_EQ(listed(tag_of(counted(), {abc})), bytes_of("1a64be47e4729d951c302ee543f97cf3"));
+  EXPECT_EQ(listed(digest_of({}, {})),
+            bytes_of("0e5751c026e543b2e8ab2eb06099daa1d1e5df47778f7787faab45cdf12fe3a8"));
+  std::vector<std::byte> many;
+  for (int i = 0; i < 100; ++i) {
+    many.insert(many.end(), abc.begin(), abc.end());
+  }
+  const Secret key = counted();
+  EXPECT_EQ(listed(digest_of(std::span(key).first<16>(), {many})),
+            bytes_of("419b1f859a3c78d9212813de84732ffbaab5a42262e91d6a19da8d8954b02372"));
+}
+
+TEST_F(CryptoTest, PartsAreTakenOneBehindTheOther) {
+  const Secret bytes = counted();
+  const std::span<const std::byte> all(bytes);
+  EXPECT_EQ(tag_of(bytes, {all}), tag_of(bytes, {all.first(5), {}, all.subspan(5)}));
+  EXPECT_NE(tag_of(bytes, {all}), tag_of(bytes, {all.subspan(5), all.first(5)}));
+}
+
+// RFC 7748, section 6.1.
+TEST_F(CryptoTest, BothSidesOfAnExchangeKnowTheSame) {
+  const Exchange alice(
+      array_of<Secret>("77076d0a7318a57d3c16c17251b26645df4c2f87ebc0992ab177fba51db92c2a"));
+  const Exchange bob(
+      array_of<Secret>("5dab087e624a8a4b79e17f8b83800ee66f3bb1292618b6fd1c2f8b27ff88e0eb"));
+  EXPECT_EQ(listed(alice.public_key()),
+            bytes_of("8520f0098930a754748b7ddcb43ef75a0dbf3a0d26381af4eba4a98eaa9b4e6a"));
+  EXPECT_EQ(listed(bob.public_key()),
+            bytes_of("de9edb7d7b7dc1b4d35b61c2ece435373f8343c85b78674dadfc7e146f882b4f"));
+  const auto shared = bytes_of("4a5d9d5ba4ce2de1728e3bf480350f25e07e21c947d19e3376f09b3c1e161742");
+  EXPECT_EQ(listed(alice.shared_with(bob.public_key()).value()), shared);
+  EXPECT_EQ(listed(bob.shared_with(alice.public_key()).value()), shared);
+}
+
+TEST_F(CryptoTest, APointThatAnybodyKnowsTheResultOfIsRefused) {
+  const Exchange ours;
+  PublicKey point{};
+  EXPECT_FALSE(ours.shared_with(point).has_value());
+  point[0] = std::byte{1};
+  EXPECT_FALSE(ours.shared_with(point).has_value());
+  // Of order 8.
+  EXPECT_FALSE(
+      ours.shared_with(array_of<PublicKey>(
+                           "e0eb7a7c3b41b8ae1656e3faf19fc46ada098deb9c32b1fd866205165f49b800"))
+          .has_value());
+}
+
+TEST_F(CryptoTest, ExchangesAndRandomBytesDiffer) {
+  Secret a{};
+  Secret b{};
+  fill_random(a);
+  fill_random(b);
+  EXPECT_FALSE(equal_secrets(a, b));
+  EXPECT_NE(Exchange().public_key(), Exchange().public_key());
+}
+
+TEST_F(CryptoTest, ComparesAndWipesEveryByte) {
+  Secret a = counted();
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    Secret b = a;
+    EXPECT_TRUE(equal_secrets(a, b));
+    b[i] ^= std::byte{0x80};
+    EXPECT_FALSE(equal_secrets(a, b)) << i;
+  }
+  wipe(a);
+  EXPECT_EQ(a, Secret{});
+}
+
+TEST_F(CryptoTest, AllocatesNothing) {
+  const int before = test::allocations;
+  ASSERT_TRUE(start_crypto());
+  Secret secret;
+  fill_random(secret);
+  const Exchange other;
+  std::array<std::byte, 1176> packet{};
+  for (int i = 0; i < 100; ++i) {
+    const Exchange exchange;
+    const auto shared = exchange.shared_with(other.public_key());
+    ASSERT_TRUE(shared.has_value());
+    packet[0] ^= tag_of(*shared, {packet})[0] ^ digest_of(secret, {packet})[1];
+  }
+  EXPECT_EQ(test::allocations, before);
+}
+
+}  // namespace
+}  // namespace stof::wire

@@ -1,0 +1,195 @@
+#!/usr/bin/env python3
+"""pair_program_test.py COMMAND...: `stof pair` and `stof unpair` (COMMAND: stof, with an emulator before it in a cross
+build) as a user would run them, against `stofd`: STOFD holds that command, its words separated by |."""
+
+import json
+import os
+import pathlib
+import re
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+COMMAND = []
+STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
+ENOUGH_S = 60
+CODE = "00112233445566778899aabbccddeeff"
+
+
+class Pair(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="stof_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.environment = {**os.environ, "XDG_CONFIG_HOME": str(self.folder / "config")}
+        self.own = self.folder / "config/stof/keys"
+        self.keys = self.folder / "settings.json.keys"
+        self.label = self.folder / "label"
+        self.label.write_text(CODE[:16] + "-" + CODE[16:] + "\n", encoding="utf-8")
+        self.sensor = None
+        self.addCleanup(self.stop)
+
+    def stop(self):
+        if self.sensor is not None:
+            self.sensor.kill()
+            self.sensor.wait()
+            self.sensor = None
+
+    def until(self, what, done):
+        end = time.monotonic() + ENOUGH_S
+        while not (found := done()):
+            self.assertLess(time.monotonic(), end, f"{what}: {self.said()}")
+            time.sleep(0.02)
+        return found
+
+    def start(self, *arguments):
+        port = self.folder / "port"
+        port.unlink(missing_ok=True)
+        self.log = self.folder / "log"
+        with self.log.open("w", encoding="utf-8") as log:
+            self.sensor = subprocess.Popen(
+                [*STOFD, "--size", "160x120", "--port", "0", "--port-file", str(port), "--settings",
+                 str(self.folder / "settings.json"), "--set", "discovery.mdns=false", "--set", "discovery.beacon=false", *arguments],
+                stdout=log, stderr=subprocess.STDOUT)
+        self.until("no port", lambda: port.exists() and port.read_text(encoding="utf-8").endswith("\n"))
+        self.address = f"127.0.0.1:{port.read_text(encoding='utf-8').strip()}"
+
+    def said(self):
+        return self.log.read_text(encoding="utf-8")
+
+    def press(self):
+        self.until("no frame", lambda: "publishing" in self.said())
+        time.sleep(0.2)  # a button that is held down at the start says nothing
+        before = self.said().count("pairing is open")
+        self.sensor.send_signal(signal.SIGUSR1)
+        self.until("no window", lambda: self.said().count("pairing is open") > before)
+
+    def digits(self):
+        return self.until("no digits", lambda: re.search(r"the digits are (\d{3} \d{3})\.", self.said()))[1]
+
+    def run_stof(self, *words):
+        return subprocess.run([*COMMAND, *map(str, words), "--timeout", "5"], capture_output=True, text=True, timeout=120,
+                              cwd=self.folder, env=self.environment)
+
+    def ask(self, *words):
+        ended = self.run_stof(*words)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""), ended.stdout)
+        return ended.stdout
+
+    def refuse(self, code, fact, *words):
+        ended = self.run_stof(*words)
+        self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
+        self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
+        self.assertIn(fact, ended.stderr)
+
+    def begin(self, *words):
+        return subprocess.Popen([*COMMAND, "pair", self.address, *words, "--timeout", "5"], stdin=subprocess.PIPE,
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
+
+    def listed(self, *words):
+        return json.loads(self.ask("unpair", self.address, "--list", *words))
+
+    def test_with_the_button_and_the_digits(self):
+        self.start()
+        self.refuse(1, "does not pair now: press its button", "pair", self.address)
+        self.press()
+        pairing = self.begin("--name", "ann@robot")
+        pairing.stdin.write(self.digits() + "\n")
+        pairing.stdin.flush()
+        self.assertIsNone(pairing.poll())
+        self.sensor.send_signal(signal.SIGUSR2)
+        out, error = pairing.communicate(timeout=ENOUGH_S)
+        self.assertEqual((pairing.returncode, error), (0, ""), out)
+        self.assertEqual([(key["role"], key["name"]) for key in self.listed()], [("admin", "ann@robot")])
+        self.assertEqual(self.keys.stat().st_mode & 0o777, 0o600)
+        self.assertEqual(self.own.stat().st_mode & 0o777, 0o600)
+        self.ask("config", self.address, "set", "period_ms=80")
+        self.stop()
+        self.start()  # the key outlives the sensor
+        self.ask("config", self.address, "set", "period_ms=90")
+
+    def test_other_digits_pair_nobody(self):
+        self.start()
+        self.press()
+        pairing = self.begin()
+        digits = self.digits()
+        pairing.stdin.write(f"{(int(digits.replace(' ', '')) + 1) % 1000000:06d}\n")
+        out, error = pairing.communicate(timeout=ENOUGH_S)
+        self.assertEqual(pairing.returncode, 1, out)
+        self.assertIn("somebody is between you", error)
+        self.sensor.send_signal(signal.SIGUSR2)
+        self.refuse(1, "takes a key", "config", self.address, "set", "period_ms=80")
+        self.assertFalse(self.keys.exists())
+
+    def test_two_at_a_time_both_end(self):
+        self.start()
+        self.press()
+        first = self.begin()
+        digits = self.digits()
+        self.refuse(1, "both have ended: press its button again", "pair", self.address, "--digits", "0")
+        self.until("not ended", lambda: "pairing has ended" in self.said())
+        self.sensor.send_signal(signal.SIGUSR2)
+        _, error = first.communicate(digits + "\n", timeout=ENOUGH_S)
+        self.assertEqual(first.returncode, 1)
+        self.assertIn("nothing was paired", error)
+        self.assertFalse(self.keys.exists())
+
+    def test_with_the_code_of_the_label(self):
+        self.start("--label", self.label)
+        self.assertIn("of sensor 00000001, tune", self.ask("pair", self.address, "--code", CODE, "--role", "tune"))
+        self.ask("config", self.address, "set", "period_ms=80")
+        self.refuse(1, "keys: take a key with role admin", "unpair", self.address, "--list")
+        self.refuse(1, "has another code", "pair", self.address, "--code", CODE[:-1] + "e")
+        self.refuse(2, "32 hexadecimal digits", "pair", self.address, "--code", CODE[:-1])
+
+    def test_without_a_code_there_is_none(self):
+        self.start()
+        self.refuse(1, "has no code", "pair", self.address, "--code", CODE)
+
+    def test_a_key_gets_a_new_secret(self):
+        self.start("--label", self.label)
+        self.ask("pair", self.address, "--code", CODE)
+        old = self.own.read_text(encoding="utf-8")
+        self.ask("pair", self.address, "--renew")
+        self.assertNotEqual(self.own.read_text(encoding="utf-8"), old)
+        self.ask("config", self.address, "set", "period_ms=80")
+        self.assertEqual(len(self.listed()), 1)
+        self.own.write_text(old, encoding="utf-8")
+        self.refuse(1, "has none of your keys any more", "config", self.address, "set", "period_ms=90")
+        self.refuse(1, "nothing was paired", "pair", self.address, "--renew")
+
+    def test_unpairing(self):
+        self.start("--label", self.label)
+        self.ask("pair", self.address, "--code", CODE)
+        ann = self.folder / "ann"
+        self.ask("pair", self.address, "--code", CODE, "--role", "view", "--name", "ann", "--keys", ann)
+        bob = self.folder / "bob"
+        self.ask("pair", self.address, "--code", CODE, "--role", "tune", "--name", "bob", "--keys", bob)
+        keys = {key["name"]: key["id"] for key in self.listed()}
+        self.refuse(1, "takes a key with role admin", "unpair", self.address, "--id", keys["bob"], "--keys", ann)
+        self.ask("unpair", self.address, "--keys", ann)  # her own
+        self.ask("unpair", self.address, "--id", keys["bob"])
+        self.refuse(2, "there is no key", "unpair", self.address, "--id", keys["bob"])
+        self.refuse(1, "has none of your keys any more", "config", self.address, "set", "period_ms=90", "--keys", bob)
+        self.assertEqual(len(self.listed()), 1)
+        self.ask("unpair", self.address)
+        self.ask("config", self.address, "set", "depth.max_range_mm=5000")  # unpaired
+        self.refuse(1, "takes a key", "config", self.address, "set", "period_ms=90")
+        self.assertIn("1 keys of sensor", self.ask("unpair", "--forget", "--device", "1", "--keys", bob))
+
+    def test_bad_command_lines(self):
+        self.refuse(2, "give a sensor", "pair")
+        self.refuse(2, "give a sensor", "unpair", "127.0.0.1:1", "--serial", "/dev/null", "--id", "00000001")
+        self.refuse(2, "--role", "pair", "127.0.0.1:1", "--role", "king")
+        self.refuse(1, "has no key of this sensor", "unpair", "127.0.0.1:1")
+        ended = subprocess.run([*STOFD, "--label", self.folder / "none"], capture_output=True, text=True, timeout=60)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("32 hexadecimal digits", ended.stderr)
+
+
+if __name__ == "__main__":
+    COMMAND.extend(sys.argv[1:])
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,180 @@
+#include "host/client/control/pair_client.h"
+
+#include <deque>
+#include <functional>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "firmware/control/request_handler.h"
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/crc32c.h"
+#include "tests/firmware/control/requests.h"
+#include "tests/firmware/keys/some_keys.h"
+
+namespace stof::client {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Bytes;
+using wire::PairMethod;
+using wire::Role;
+
+constexpr keys::LabelCode kCode{std::byte{9}};
+
+// A sensor in memory, and whoever sits between it and the client.
+struct SensorInMemory {
+  SensorInMemory() { handler.set_pairing(&pairing); }
+
+  keys::Keyring ring{nullptr, nullptr};
+  keys::PairingServer pairing{{.device_id = 1, .session_id = 7}, ring, kCode};
+  firmware::LeaseTable subscribers;
+  firmware::RequestHandler handler{
+      {.device_id = 1, .session_id = 7}, firmware::CookieSecret{}, subscribers, nullptr};
+  hal::Time now{1000s};
+  std::function<void(Bytes&)> to_sensor = [](Bytes&) {};
+  std::function<void(Bytes&)> to_client = [](Bytes&) {};
+};
+
+void reseal(Bytes& packet) {
+  const std::size_t end = packet.size() - wire::kCrcBytes;
+  wire::put_u32(std::span(packet).last<4>(), wire::crc32c(std::span(packet).first(end)));
+}
+
+class Cable final : public ControlTransport {
+ public:
+  explicit Cable(SensorInMemory& sensor) : sensor_(sensor) {}
+  Status send(std::span<const std::byte> packet) override {
+    Bytes request(packet.begin(), packet.end());
+    sensor_.to_sensor(request);
+    const auto answer = sensor_.handler.take(request, test::peer(1), sensor_.now);
+    if (!answer.empty()) {
+      waiting_.emplace_back(answer.begin(), answer.end());
+      sensor_.to_client(waiting_.back());
+      if (waiting_.back().empty()) {
+        waiting_.pop_back();
+      }
+    }
+    return Status::kOk;
+  }
+  Result<Bytes> receive(Duration /*timeout*/) override {
+    if (waiting_.empty()) {
+      std::this_thread::sleep_for(1ms);
+      return fail(Status::kTimeout);
+    }
+    Bytes packet = std::move(waiting_.front());
+    waiting_.pop_front();
+    return packet;
+  }
+  std::string place() const override { return "memory"; }
+
+ private:
+  SensorInMemory& sensor_;
+  std::deque<Bytes> waiting_;
+};
+
+PairClient client_of(SensorInMemory& sensor, const PairWish& wish) {
+  return {std::make_unique<Cable>(sensor), wish, {.timeout = 3ms}};
+}
+
+TEST(PairClient, ComparesDigitsAndWaitsForTheSensor) {
+  SensorInMemory sensor;
+  PairClient early = client_of(sensor, {.name = "ann"});
+  const auto closed = early.start();
+  ASSERT_FALSE(closed);
+  EXPECT_EQ(closed.error().status, Status::kUnsupported);
+  sensor.pairing.open(sensor.now);
+  PairClient client = client_of(sensor, {.role = Role::kTune, .name = "ann b"});
+  ASSERT_TRUE(client.start());
+  EXPECT_EQ(client.digits(), sensor.pairing.digits());
+  EXPECT_EQ(client.finish(1ms).error().status, Status::kTimeout);
+  sensor.pairing.accept();
+  const auto key = client.finish(1s);
+  ASSERT_TRUE(key) << key.error().message;
+  ASSERT_EQ(sensor.ring.keys().count(), 1U);
+  EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+  EXPECT_EQ(key->name_text(), "ann-b");
+  EXPECT_EQ(key->role, Role::kTune);
+}
+
+TEST(PairClient, TheCodeHasToBeTheSensors) {
+  SensorInMemory sensor;
+  PairWish wish{.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}};
+  PairClient client = client_of(sensor, wish);
+  ASSERT_TRUE(client.start());
+  const auto key = client.finish(1s);
+  ASSERT_TRUE(key);
+  EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+  wish.known[3] ^= std::byte{1};
+  PairClient wrong = client_of(sensor, wish);
+  const auto refused = wrong.start();
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().status, Status::kCorrupt);
+}
+
+TEST(PairClient, RepeatsWhatGetsLost) {
+  SensorInMemory sensor;
+  int answers = 0;
+  sensor.to_client = [&answers](Bytes& answer) {
+    if (++answers % 2 == 0) {
+      answer.clear();
+    }
+  };
+  PairClient client = client_of(
+      sensor, {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}});
+  ASSERT_TRUE(client.start());
+  const auto key = client.finish(1s);
+  ASSERT_TRUE(key) << key.error().message;
+  ASSERT_EQ(sensor.ring.keys().count(), 1U);
+  EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+}
+
+// Whatever bit is changed on the way, in either direction: no key, or the sensor's.
+TEST(PairClient, WhoeverChangesAnythingIsSeen) {
+  constexpr std::size_t kFirst = wire::kHeaderBytes + 4;  // behind the request id
+  for (const bool upwards : {true, false}) {
+    const std::size_t bytes = upwards ? wire::kPairRequestBytes : wire::kPairAnswerBytes;
+    for (std::size_t at = kFirst; at < wire::kHeaderBytes + bytes; ++at) {
+      SensorInMemory sensor;
+      int seen = 0;
+      const auto flip = [&seen, at](Bytes& packet) {
+        if (++seen == 2) {  // the first that counts
+          packet[at] ^= std::byte{1};
+          reseal(packet);
+        }
+      };
+      (upwards ? sensor.to_sensor : sensor.to_client) = flip;
+      PairClient client = client_of(
+          sensor,
+          {.method = PairMethod::kCode, .name = "ann", .known = {kCode.begin(), kCode.end()}});
+      const auto started = client.start();
+      const auto key = started ? client.finish(1ms) : std::unexpected(started.error());
+      if (key) {
+        ASSERT_EQ(sensor.ring.keys().count(), 1U);
+        ASSERT_EQ(key->secret, sensor.ring.keys().all()[0].secret) << upwards << " " << at;
+      } else {
+        ASSERT_EQ(sensor.ring.keys().count(), 0U) << upwards << " " << at;
+      }
+    }
+  }
+}
+
+TEST(PairClient, AKeyGetsANewSecret) {
+  SensorInMemory sensor;
+  const wire::Key old = test::numbered_key(5, Role::kView);
+  ASSERT_EQ(sensor.ring.add(old), Status::kOk);
+  PairClient client = client_of(sensor, {.method = PairMethod::kKey,
+                                         .role = old.role,
+                                         .name = std::string(old.name_text()),
+                                         .known = {old.secret.begin(), old.secret.end()},
+                                         .key_id = old.id});
+  ASSERT_TRUE(client.start());
+  const auto key = client.finish(1s);
+  ASSERT_TRUE(key);
+  EXPECT_NE(key->secret, old.secret);
+  EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
+}
+
+}  // namespace
+}  // namespace stof::client

@@ -1,0 +1,219 @@
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "firmware/control/request_handler.h"
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/crc32c.h"
+#include "host/client/control/control_client.h"
+#include "tests/firmware/keys/signed_requests.h"
+#include "tests/firmware/keys/some_keys.h"
+
+namespace stof::client {
+namespace {
+
+using namespace std::chrono_literals;
+using firmware::Access;
+using test::Bytes;
+using test::numbered_key;
+using wire::SettingsOperation;
+using wire::SettingsResult;
+
+constexpr std::uint32_t kDevice = 1;
+
+// Notes with what access it is asked.
+class Noting final : public firmware::SettingsService {
+ public:
+  wire::SettingsAnswer serve(const wire::SettingsRequest& /*request*/,
+                             std::span<const std::byte> /*text*/, const firmware::Requester& by,
+                             std::span<std::byte> answer_text,
+                             std::size_t& answer_bytes) noexcept override {
+    ++served;
+    access = by.access;
+    answer_bytes = 2;
+    answer_text[0] = std::byte{'{'};
+    answer_text[1] = std::byte{'}'};
+    return {.result = SettingsResult::kOk, .total = 2, .revision = 9};
+  }
+  int served = 0;
+  Access access = Access::kRead;
+};
+
+// A sensor in memory, and whoever sits between it and the client.
+struct SensorInMemory {
+  explicit SensorInMemory(std::uint32_t session = 7) { start(session); }
+
+  void start(std::uint32_t session) {
+    authenticator.emplace(ring);
+    handler.emplace(wire::Origin{.device_id = kDevice, .session_id = session},
+                    firmware::CookieSecret{static_cast<std::byte>(session)}, subscribers, &settings,
+                    &*authenticator);
+  }
+  Bytes take(std::span<const std::byte> packet) {
+    const auto answer = handler->take(packet, test::peer(1), hal::Time(1000s));
+    return {answer.begin(), answer.end()};
+  }
+
+  keys::Keyring ring{nullptr, nullptr};
+  firmware::LeaseTable subscribers;
+  Noting settings;
+  std::optional<keys::Authenticator> authenticator;
+  std::optional<firmware::RequestHandler> handler;
+  std::function<std::vector<Bytes>(Bytes)> between = [](Bytes answer) {
+    return std::vector<Bytes>{std::move(answer)};
+  };
+};
+
+class Cable final : public ControlTransport {
+ public:
+  explicit Cable(SensorInMemory& sensor) : sensor_(sensor) {}
+  Status send(std::span<const std::byte> packet) override {
+    if (Bytes answer = sensor_.take(packet); !answer.empty()) {
+      for (Bytes& arriving : sensor_.between(std::move(answer))) {
+        waiting_.push_back(std::move(arriving));
+      }
+    }
+    return Status::kOk;
+  }
+  Result<Bytes> receive(Duration /*timeout*/) override {
+    if (waiting_.empty()) {
+      std::this_thread::sleep_for(1ms);
+      return fail(Status::kTimeout);
+    }
+    Bytes packet = std::move(waiting_.front());
+    waiting_.pop_front();
+    return packet;
+  }
+  std::string place() const override { return "memory"; }
+
+ private:
+  SensorInMemory& sensor_;
+  std::deque<Bytes> waiting_;
+};
+
+ControlClient client_of(SensorInMemory& sensor, std::initializer_list<wire::Key> keys) {
+  ControlOptions options{.timeout = 3ms};
+  for (const wire::Key& key : keys) {
+    EXPECT_EQ(options.keys.add(key), Status::kOk);
+  }
+  return ControlClient(std::make_unique<Cable>(sensor), options);
+}
+
+std::expected<ControlAnswer, ControlError> set(ControlClient& client) {
+  return client.request(SettingsOperation::kSet, {}, "{}");
+}
+
+TEST(SigningClient, SignsWithTheKeyThatItHasOfTheSensor) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4, wire::Role::kTune)), Status::kOk);
+  wire::Key other = numbered_key(5);
+  other.device = kDevice + 1;
+  ControlClient client = client_of(sensor, {numbered_key(4, wire::Role::kTune), other});
+  for (int i = 0; i < 5; ++i) {
+    const auto answer = set(client);
+    ASSERT_TRUE(answer) << answer.error().message;
+    EXPECT_EQ(answer->result, SettingsResult::kOk);
+    EXPECT_EQ(answer->revision, 9U);
+    EXPECT_EQ(sensor.settings.access, Access::kTune);
+  }
+  EXPECT_EQ(sensor.settings.served, 5);
+  EXPECT_EQ(client.request(SettingsOperation::kGet, {}, "").value().text, "{}");
+}
+
+TEST(SigningClient, WithoutAKeyOfTheSensorItAsksWithoutASignature) {
+  SensorInMemory sensor;
+  wire::Key other = numbered_key(5);
+  other.device = kDevice + 1;
+  ControlClient client = client_of(sensor, {other});
+  EXPECT_EQ(set(client).value().result, SettingsResult::kOk);
+  EXPECT_EQ(sensor.settings.access, Access::kHarmless);
+}
+
+TEST(SigningClient, GoesOnAfterARestartOfTheSensor) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  ASSERT_EQ(set(client).value().result, SettingsResult::kOk);
+  sensor.start(8);
+  ASSERT_EQ(set(client).value().result, SettingsResult::kOk);
+  EXPECT_EQ(sensor.settings.access, Access::kAdmin);
+}
+
+TEST(SigningClient, SeveralProgramsShareAKey) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient one = client_of(sensor, {numbered_key(4)});
+  ControlClient two = client_of(sensor, {numbered_key(4)});
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_EQ(set(i % 3 == 0 ? one : two).value().result, SettingsResult::kOk) << i;
+  }
+  // And one whose clock is years ahead.
+  const std::uint64_t cookie =
+      firmware::Cookies(firmware::CookieSecret{std::byte{7}}).make(test::peer(1), hal::Time(1000s));
+  const wire::Key key = numbered_key(4);
+  ASSERT_TRUE(test::signed_reply(
+      key, sensor.take(test::signed_settings(key, {.device_id = kDevice, .session_id = 7},
+                                             std::uint64_t{1} << 62U, {.cookie = cookie}))));
+  ASSERT_EQ(set(one).value().result, SettingsResult::kOk);
+  ASSERT_EQ(set(two).value().result, SettingsResult::kOk);
+}
+
+TEST(SigningClient, TriesItsOlderKeysAndSaysWhereNoneIsKnown) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient two = client_of(sensor, {numbered_key(4), numbered_key(5)});
+  EXPECT_EQ(set(two).value().result, SettingsResult::kOk);
+  EXPECT_EQ(sensor.settings.access, Access::kAdmin);
+  ControlClient wrong = client_of(sensor, {numbered_key(5), numbered_key(6)});
+  const int served = sensor.settings.served;
+  EXPECT_EQ(set(wrong).value().result, SettingsResult::kUnknownKey);
+  EXPECT_EQ(set(wrong).value().result, SettingsResult::kUnknownKey);
+  EXPECT_EQ(sensor.settings.served, served);
+  EXPECT_EQ(wrong.request(SettingsOperation::kGet, {}, "").value().text, "{}");
+}
+
+TEST(SigningClient, BelievesNothingThatTheSensorDidNotSign) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  ASSERT_TRUE(set(client));
+  sensor.between = [](Bytes answer) {  // each bit of it in turn, and an answer without a signature
+    std::vector<Bytes> arriving;
+    for (std::size_t i = 0; i < answer.size() - wire::kCrcBytes; ++i) {
+      Bytes bad = answer;
+      bad[i] ^= static_cast<std::byte>(1U << i % 8);
+      const std::size_t end = bad.size() - wire::kCrcBytes;
+      wire::put_u32(std::span(bad).last<4>(), wire::crc32c(std::span(bad).first(end)));
+      arriving.push_back(bad);
+    }
+    const auto packet = wire::parse_packet(answer);
+    const auto view = wire::open_signed(*packet, answer);
+    const Bytes plain = test::sealed(wire::PacketType::kSettingsAnswer, view->payload, kDevice);
+    arriving.push_back(plain);
+    return arriving;
+  };
+  const auto answer = set(client);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().status, Status::kTimeout);
+}
+
+TEST(SigningClient, AnAnswerOfBeforeIsNotTheAnswerOfNow) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  Bytes kept;
+  sensor.between = [&kept](Bytes answer) {
+    kept = answer;
+    return std::vector<Bytes>{std::move(answer)};
+  };
+  ASSERT_TRUE(set(client));
+  sensor.between = [&kept](const Bytes& /*answer*/) { return std::vector<Bytes>{kept}; };
+  EXPECT_FALSE(set(client));
+}
+
+}  // namespace
+}  // namespace stof::client
