@@ -32,7 +32,7 @@ struct CrossRows {
   std::span<const std::uint8_t> below;
   std::span<const std::uint8_t> with_above;
   std::span<const std::uint8_t> with_below;
-  std::span<const std::uint8_t> areas;         // below reciprocals.size()
+  std::span<const std::uint8_t> areas;        // below reciprocals.size()
   std::span<const std::int16_t> reciprocals;  // by area
 };
 

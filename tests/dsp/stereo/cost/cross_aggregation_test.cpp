@@ -83,8 +83,8 @@ TEST(CrossAggregation, EqualsReferenceForEveryWidthAndLaneCount) {
           const auto reciprocals = c.array<std::int16_t>(10, 0, 32767);
           const auto means = c.array<std::uint8_t>(n * step);
           c.run([&] {
-            best::cross_means(
-                {above, sums, below, with_above, with_below, areas, reciprocals}, lanes, means);
+            best::cross_means({above, sums, below, with_above, with_below, areas, reciprocals},
+                              lanes, means);
           });
         });
   }
