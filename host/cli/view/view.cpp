@@ -8,6 +8,7 @@
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
 #include "host/cli/view/status_line.h"
+#include "host/client/control/user_keys.h"
 
 namespace stof::host {
 namespace {
@@ -22,6 +23,11 @@ client::Receiver open_receiver(const ViewOptions& options) {
   where.sensor = options.sensor;
   where.address = options.bind;
   where.port = options.port;
+  if (options.signed_streams) {
+    const std::string file = options.keys.empty() ? client::user_keys_file() : options.keys;
+    where.subscription.signed_streams = true;
+    where.subscription.keys = value_or_fail(client::read_user_keys(file));
+  }
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
   if (!receiver) {
     throw Failure(Exit::kBadInput, receiver.error().message);
@@ -38,6 +44,9 @@ std::string place(const ViewOptions& options, const client::Receiver& receiver) 
 const char* silence(client::Receiver& receiver) {
   if (receiver.subscription() == client::Subscription::State::kFull) {
     return ": the sensor has as many subscribers as it takes: end another one";
+  }
+  if (receiver.subscription() == client::Subscription::State::kNoKey) {
+    return ": no key of yours is one of this sensor: pair, see stof pair --help";
   }
   if (receiver.take_refusal()) {
     return ": nobody listens there: start stofd, or check its port";
