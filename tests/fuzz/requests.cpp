@@ -58,7 +58,9 @@ constexpr unsigned kHolder = 3;  // the source that has a key, and signs with it
 constexpr wire::Origin kSensor{.device_id = 0x0A0B0C0D, .session_id = 1};
 
 wire::Key holders_key() {
-  return {.id = 1, .device = kSensor.device_id, .role = wire::Role::kAdmin,
+  return {.id = 1,
+          .device = kSensor.device_id,
+          .role = wire::Role::kAdmin,
           .name = wire::key_name("a")};
 }
 

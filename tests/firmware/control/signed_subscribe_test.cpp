@@ -63,9 +63,8 @@ class SignedSubscribeTest : public testing::Test {
   }
   std::optional<SubscribeResult> plain(const hal::Peer& from,
                                        PacketType type = PacketType::kSubscribe) {
-    const auto answer =
-        subscribed(handler_.take(subscribe({.lease_ms = 3000, .cookie = cookie(from)}, type), from,
-                                 now_));
+    const auto answer = subscribed(
+        handler_.take(subscribe({.lease_ms = 3000, .cookie = cookie(from)}, type), from, now_));
     return answer ? std::optional(answer->result) : std::nullopt;
   }
   wire::StreamKey key_of(std::size_t receiver) const { return subscribers_.list().keys[receiver]; }

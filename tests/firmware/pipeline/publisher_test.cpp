@@ -377,8 +377,7 @@ TEST(Publisher, SignsForEachWhoAskedAndCountsOn) {
     ReceiverList at_third = receivers_at_ports(3);
     at_third.keys[2] = numbered_stream_key(2);
     const auto second = got_by(sender.port, at_third);
-    EXPECT_EQ(second[2].counters,
-              numbers(first[2].counters.size() + 1, second[2].plain.size()));
+    EXPECT_EQ(second[2].counters, numbers(first[2].counters.size() + 1, second[2].plain.size()));
 
     // Another key begins anew.
     receivers.keys[0] = at_third.keys[2] = numbered_stream_key(3);

@@ -52,8 +52,8 @@ StreamKey counting_key(std::uint32_t number = 1) {
 Bytes plain(std::size_t payload_bytes) {
   DatagramBuffer buffer{};
   std::ranges::fill(payload_space(buffer).first(payload_bytes), std::byte{0x5A});
-  const auto sealed = seal_packet({.origin = {.device_id = 1, .session_id = 2}}, payload_bytes,
-                                  buffer);
+  const auto sealed =
+      seal_packet({.origin = {.device_id = 1, .session_id = 2}}, payload_bytes, buffer);
   return {sealed.begin(), sealed.end()};
 }
 
@@ -83,8 +83,8 @@ TEST_F(SignedStream, TheWorkedDatagramIsWhatTheDocumentSays) {
 }
 
 TEST_F(SignedStream, ReadersThatKnowNothingOfItReadWhatTheyReadBefore) {
-  for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, std::size_t{15},
-                                  kParityFieldsBytes + kMaxTilePayload}) {
+  for (const std::size_t bytes :
+       {std::size_t{0}, std::size_t{1}, std::size_t{15}, kParityFieldsBytes + kMaxTilePayload}) {
     const Bytes before = plain(bytes);
     const Bytes after = signed_by(counting_key(), 1, before);
     ASSERT_LE(after.size(), kMaxDatagram);
@@ -124,14 +124,16 @@ TEST_F(SignedStream, TheKeyIsHandedOverToWhoeverHasTheSecretAlone) {
   const Key key = test::numbered_key(4);
   const Origin sensor{.device_id = 1, .session_id = 7};
   const StreamKey stream = counting_key(9);
-  const StreamKeyFields fields = seal_stream_key(stream, {.sensor = sensor, .key = key, .counter = 5});
+  const StreamKeyFields fields =
+      seal_stream_key(stream, {.sensor = sensor, .key = key, .counter = 5});
   EXPECT_EQ(open_stream_key(fields, {.sensor = sensor, .key = key, .counter = 5}), stream);
   EXPECT_FALSE(std::ranges::equal(std::as_bytes(std::span(fields.sealed)), stream.secret));
   // Another secret, answer or session hides it.
   const Key other = test::numbered_key(5);
   EXPECT_NE(open_stream_key(fields, {.sensor = sensor, .key = other, .counter = 5}), stream);
   EXPECT_NE(open_stream_key(fields, {.sensor = sensor, .key = key, .counter = 6}), stream);
-  EXPECT_NE(open_stream_key(fields, {.sensor = {.device_id = 1, .session_id = 8}, .key = key, .counter = 5}),
+  EXPECT_NE(open_stream_key(
+                fields, {.sensor = {.device_id = 1, .session_id = 8}, .key = key, .counter = 5}),
             stream);
 }
 

@@ -163,8 +163,8 @@ TEST_F(SignedSubscription, AForgedRefusalPassesAndAForgedConsentIsNone) {
       wire::encode_subscribed(
           {.request_id = request_id + ahead, .result = said, .lease_ms = 10'000, .cookie = 1},
           payload);
-      static_cast<void>(subscription.take(
-          test::sealed(wire::PacketType::kSubscribed, payload, kDevice), now_));
+      static_cast<void>(
+          subscription.take(test::sealed(wire::PacketType::kSubscribed, payload, kDevice), now_));
     }
     EXPECT_NE(subscription.state(), State::kActive) << static_cast<int>(said);
     EXPECT_NE(subscription.state(), State::kFull);
@@ -191,8 +191,8 @@ TEST_F(SignedSubscription, LeavesWithASignature) {
   Subscription subscription(with({key_}), 5);
   talk(subscription);
   ASSERT_EQ(subscribers_.count(), 1U);
-  static_cast<void>(handler_->take(subscription.farewell(), test::peer(1),
-                                   hal::Time(now_.time_since_epoch())));
+  static_cast<void>(
+      handler_->take(subscription.farewell(), test::peer(1), hal::Time(now_.time_since_epoch())));
   EXPECT_EQ(subscribers_.count(), 0U);
 }
 
