@@ -166,7 +166,10 @@ std::optional<RequestHandler::SignedRequest> RequestHandler::read_signed(
     return read;
   }
   const Result<wire::Subscribe> asked = wire::decode_subscribe(view.payload);
-  const bool known = read.type == PacketType::kSubscribe || read.type == PacketType::kUnsubscribe;
+  // A serial line, which has no address, is no receiver of the network: its profile is a setting.
+  const bool known =
+      (read.type == PacketType::kSubscribe || read.type == PacketType::kUnsubscribe) &&
+      request.from != hal::Peer{};
   if (!known || !asked) {
     return std::nullopt;
   }

@@ -1,7 +1,6 @@
 #include "host/client/control/user_keys.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <span>
@@ -13,6 +12,7 @@
 
 #include "firmware/wire/keys/key_text.h"
 #include "posix/fd.h"
+#include "posix/replaced_file.h"
 
 namespace stof::client {
 namespace {
@@ -46,17 +46,6 @@ void make_folder(const std::string& folder) {
   }
   make_folder(folder_of(folder));
   static_cast<void>(::mkdir(folder.c_str(), kOwnFolder));
-}
-
-bool write_all(int fd, std::span<const char> text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(fd, text.data(), text.size());
-    if (written < 0 && errno != EINTR) {
-      return false;
-    }
-    text = text.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
-  }
-  return ::fsync(fd) == 0;
 }
 
 }  // namespace
@@ -120,19 +109,11 @@ std::expected<void, OpenError> write_user_keys(const std::string& file,
                   "neither XDG_CONFIG_HOME nor HOME is set: name a file with --keys");
   }
   make_folder(folder_of(file));
-  const std::string fresh = file + ".new";
-  ::unlink(fresh.c_str());
-  const posix::Fd out(
-      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnFile));
   std::vector<char> space(wire::kMostKeyText);
-  const bool good = out.is_open() && write_all(out.get(), wire::write_keys(keys, space)) &&
-                    std::rename(fresh.c_str(), file.c_str()) == 0;
-  const int error = errno;
+  const int error = posix::replace_file(
+      file, std::as_bytes(std::span<const char>(wire::write_keys(keys, space))), kOwnFile);
   wire::wipe(std::as_writable_bytes(std::span(space)));
-  if (!good) {
-    if (out.is_open()) {
-      ::unlink(fresh.c_str());
-    }
+  if (error != 0) {
     errno = error;
     return refuse_errno(file, kWritable);
   }

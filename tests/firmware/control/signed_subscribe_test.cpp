@@ -174,6 +174,13 @@ TEST_F(SignedSubscribeTest, NobodyWithoutAKeyEndsItOrItsSigning) {
   EXPECT_EQ(subscribers_.count(), 0U);
 }
 
+TEST_F(SignedSubscribeTest, ASerialLineIsNoReceiver) {
+  const hal::Peer line{};
+  EXPECT_TRUE(handler_.take(request(key_, line), line, now_).empty());
+  EXPECT_EQ(subscribers_.count(), 0U);
+  EXPECT_EQ(handler_.counters().bad_field, 1U);
+}
+
 TEST_F(SignedSubscribeTest, OnePlaceIsKeptForWhoeverHasAKey) {
   for (std::uint8_t host = 2; host <= 4; ++host) {
     EXPECT_EQ(plain(peer(host)), SubscribeResult::kOk);
