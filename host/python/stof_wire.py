@@ -1064,6 +1064,16 @@ def parse(datagram):
     return header, bytes(datagram[header.header_length:end])
 
 
+def signature(datagram):
+    """The StreamSignature of a datagram that parse() took; None: it is not signed. What it is worth takes the stream
+    key: see "Signed streams" of docs/WIRE.md."""
+    header = Header.unpack(datagram)
+    if header.header_length < Header.size() + StreamSignature.size():
+        return None
+    found = StreamSignature.unpack(datagram[Header.size():])
+    return found if found.number else None
+
+
 def seal(header, payload=b""):
     """The datagram of a header and a payload; lengths and CRC are filled in. Raises ValueError."""
     header = dataclasses.replace(header, header_length=Header.size(), payload_length=len(payload))
