@@ -122,7 +122,8 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
       lib::give_text(receiver.error().message, why, why_size);
       return lib::to_status(receiver.error().status);
     }
-    auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor, key_file);
+    auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor, key_file,
+                                                known->device_id);
     opened->share();
     *sensor = opened.release();
     return STOF_OK;

@@ -121,8 +121,8 @@ class SettingsOperation(enum.IntEnum):
     PRESET = 5  # the text is a preset's name: as set, with its fields
     SAVE = 6  # the active settings are those of the next start
     RESET = 7  # as set, with every field's default
-    # the answer's text is a JSON array of the keys of the sensor (id, role, name), never of their
-    # secrets; for an admin
+    # a JSON array of the keys of the sensor (id, role, name), never of their secrets, read from
+    # `offset` on as a document is; for an admin
     KEYS = 8
     # the text is the id of a key, 8 hexadecimal digits: it is none any more; for an admin, or
     # whoever signs with it

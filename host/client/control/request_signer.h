@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
@@ -38,6 +39,9 @@ class RequestSigner {
   void try_next_key();
   // The sensor has taken counters up to there.
   void note_highest(std::uint64_t highest);
+  // There is no higher counter: this key signs nothing more in this session.
+  bool is_used_up() const { return counter_ == std::numeric_limits<std::uint64_t>::max(); }
+  std::uint32_t device_id() const { return origin_.device_id; }  // 0: nobody has answered
 
   // Only where there is a key. A part of `buffer`.
   std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
