@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -10,6 +9,7 @@
 #include "dsp/base/status.h"
 #include "hal/borrowed_frame.h"
 #include "hal/clock.h"
+#include "hal/emu/cameras/camera_faults.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/frame_slots.h"
 #include "hal/time.h"
@@ -41,13 +41,13 @@ class ExposureSimulator final : private SlotOwner {
       : readout_(readout), faults_(faults) {}
 
   // Ends what hangs. For any thread.
-  void reopen() noexcept { openings_.fetch_add(1, std::memory_order_relaxed); }
+  void reopen() noexcept { faults_.reopen(); }
 
   // An edge at which the camera would expose: expose(number) tells what it would make. An edge
   // during an exposure is ignored.
   template <typename Expose>
   void on_edge(Time edge, const Expose& expose) noexcept {
-    const Fault fault = next_fault();
+    const Fault fault = faults_.next();
     gone_ = fault.kind == FaultKind::kVanish;
     if (gone_) {
       slots_.drop_waiting();
@@ -96,19 +96,6 @@ class ExposureSimulator final : private SlotOwner {
 
  private:
   void give_back(int buffer) noexcept override { slots_.release(buffer); }
-  // One that hangs is frozen until it is opened again.
-  Fault next_fault() noexcept {
-    Fault fault = faults_.at(calls_++);
-    if (fault.kind != FaultKind::kHang) {
-      hangs_since_.reset();
-      return fault;
-    }
-    const std::uint32_t openings = openings_.load(std::memory_order_relaxed);
-    hangs_since_ = hangs_since_.value_or(openings);
-    fault.kind = *hangs_since_ == openings ? FaultKind::kFreeze : FaultKind::kNone;
-    return fault;
-  }
-
   Shot& shot_of(int buffer) noexcept { return shots_[static_cast<std::size_t>(buffer)]; }
 
   // The shot that arrives for last_made_; nothing when it never arrives.
@@ -144,21 +131,18 @@ class ExposureSimulator final : private SlotOwner {
         break;
       case FaultKind::kNone:
       case FaultKind::kVanish:
-      case FaultKind::kHang:  // next_fault() says what it is
+      case FaultKind::kHang:  // CameraFaults says what it is
         break;
     }
     return shot;
   }
 
   Duration readout_;
-  FaultPlan faults_;
+  CameraFaults faults_;
   FrameSlots<kCameraSlots, kBuffers - kCameraSlots> slots_;
   std::array<Shot, kBuffers> shots_{};
   Made last_made_{};
   std::optional<Shot> last_arrived_;
-  std::uint32_t calls_ = 0;
-  std::atomic<std::uint32_t> openings_{0};
-  std::optional<std::uint32_t> hangs_since_;  // openings_ when it began to hang
   bool gone_ = false;
 };
 
