@@ -82,15 +82,15 @@ struct Refusal {
 std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments);
 
-// Devices that can be lost, and opened again by reopen().
+// Devices that can be lost or hang, and opened again by reopen().
 enum class Device : std::uint8_t { kTrigger, kStereo, kPmd };
 inline constexpr std::size_t kDeviceCount = 3;
 
-// Opens a device again, in place, that has returned kDeviceLost. For any thread, one at a time:
+// Opens a device again, in place, that has returned kDeviceLost, or a camera that repeats itself,
+// which is shut before. For any thread, one at a time:
 // nobody else uses the device meanwhile or holds a frame of it, while the others may be in use (but
 // the cameras not while the trigger is opened, whose strobe lines they read). May allocate, and
-// block for seconds where a driver hangs. kOk: go on; also where it was not lost. kDeviceLost: not
-// back yet, try again later.
+// block for seconds where a driver hangs. kOk: go on. kDeviceLost: not back yet, try again later.
 Status reopen(Board& board, Device device) noexcept;
 
 // Keeps the program's memory in RAM from now on, and readies the stack of the calling thread, where

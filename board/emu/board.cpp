@@ -163,6 +163,8 @@ struct Rig {
   }
 };
 
+std::optional<Rig> rig;
+
 }  // namespace
 
 std::expected<Board*, Refusal> open(const Connections& connections,
@@ -184,7 +186,6 @@ std::expected<Board*, Refusal> open(const Connections& connections,
       return std::unexpected(*refusal);
     }
   }
-  static std::optional<Rig> rig;
   rig.emplace(std::move(*world), std::move(*talks), *options);
   return &*rig->board;
 }
@@ -204,7 +205,14 @@ std::optional<std::string> set_realtime_priority(bool) { return std::nullopt; }
 void count_heap_calls() noexcept {}
 HeapCalls heap_calls() noexcept { return {}; }
 
-// Emulated devices come back by themselves when their fault ends.
-Status reopen(Board& /*board*/, Device /*device*/) noexcept { return Status::kOk; }
+// Emulated devices come back by themselves when their fault ends, but for cameras that hang.
+Status reopen(Board& /*board*/, Device device) noexcept {
+  if (device == Device::kStereo) {
+    rig->stereo.reopen();
+  } else if (device == Device::kPmd && rig->pmd) {
+    rig->pmd->reopen();
+  }
+  return Status::kOk;
+}
 
 }  // namespace stof::board

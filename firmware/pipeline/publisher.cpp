@@ -273,19 +273,25 @@ Status Publisher::send_one(std::span<const std::byte> datagram) noexcept {
   return send(one);
 }
 
-void Publisher::report(const ControlStatus& control) noexcept {
+void Publisher::tell(wire::PacketType type, std::size_t bytes) noexcept {
+  const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
+  static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
+  if (listener_ != nullptr) {
+    listener_->packet(datagram);
+  }
+}
+
+void Publisher::report_events() noexcept {
   const hal::Time now = clock_.now();
-  const auto tell = [this](wire::PacketType type, std::size_t bytes) {
-    const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
-    static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
-    if (listener_ != nullptr) {
-      listener_->packet(datagram);
-    }
-  };
   while (const std::optional<wire::EventReport> event = health_.next_event(now)) {
     encode_event_report(*event, wire::payload_space(buffer_).first<wire::kEventReportBytes>());
     tell(wire::PacketType::kEvent, wire::kEventReportBytes);
   }
+}
+
+void Publisher::report(const ControlStatus& control) noexcept {
+  report_events();
+  const hal::Time now = clock_.now();
   const std::optional<wire::HealthReport> health =
       health_.next_health(events_.counters, control, std::exchange(health_wanted_, false), now);
   if (health) {

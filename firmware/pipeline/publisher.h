@@ -74,7 +74,9 @@ class Publisher {
   // became old meanwhile, as the program stood still, is abandoned. kWouldBlock: some were dropped.
   // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
-  // Health and events that are due. Each period, also where there is no frame.
+  // Events that are due: as soon as one may have been noted.
+  void report_events() noexcept;
+  // Health, and events that are due. Each period, also where there is no frame.
   void report(const ControlStatus& control) noexcept;
 
   // The times of the last frame.
@@ -104,6 +106,8 @@ class Publisher {
   };
   // To everybody, now.
   Status send(Datagrams datagrams) noexcept;
+  // Sends what buffer_ holds of a packet.
+  void tell(wire::PacketType type, std::size_t bytes) noexcept;
   Delivery deliver(const hal::Peer& to, Datagrams datagrams) noexcept;
   Delivery deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;

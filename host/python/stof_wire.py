@@ -214,15 +214,17 @@ class Condition(enum.IntEnum):
     # the stereo pair is there, but several edges in a row gave no pictures that belong to them;
     # value: 0
     STEREO_SILENT = 15
-    # a stereo camera sends its last picture again and again; value: the sum of: 1 the left camera,
-    # 2 the right one
+    # a stereo camera sends its last picture again and again; the pair is opened again at once, then
+    # once a second at most; value: the sum of: 1 the left camera, 2 the right one
     STEREO_FROZEN = 16
     # the PMD camera is there, but several edges in a row gave no samples that belong to them;
     # value: 0
     PMD_SILENT = 17
-    PMD_FROZEN = 18  # the PMD camera sends its last samples again and again; value: 0
-    # the PMD camera's samples hold no light of its lamp: it is dark, or nothing is within its
-    # reach; value: 0
+    # the PMD camera sends its last samples again and again; it is opened again at once, then once a
+    # second at most; value: 0
+    PMD_FROZEN = 18
+    # the PMD camera's samples hold no light of its lamp: it is dark, nothing is within its reach,
+    # or other light drowns it; value: 0
     PMD_DARK = 19
     # the saved settings could not be used at the start: the last good ones hold, or the defaults,
     # until settings are saved; value: 1 missing, 2 no regular file, 3 unreadable, 4 empty, 5
@@ -309,16 +311,16 @@ CONDITIONS = {
         "the stereo pair is there, but several edges in a row gave no pictures that belong to them",
         Severity.MAJOR, Reaction.SLOW),
     Condition.STEREO_FROZEN: ConditionInfo(
-        "a stereo camera sends its last picture again and again",
+        "a stereo camera sends its last picture again and again; the pair is opened again at once, then once a second at most",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_SILENT: ConditionInfo(
         "the PMD camera is there, but several edges in a row gave no samples that belong to them",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_FROZEN: ConditionInfo(
-        "the PMD camera sends its last samples again and again",
+        "the PMD camera sends its last samples again and again; it is opened again at once, then once a second at most",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_DARK: ConditionInfo(
-        "the PMD camera's samples hold no light of its lamp: it is dark, or nothing is within its reach",
+        "the PMD camera's samples hold no light of its lamp: it is dark, nothing is within its reach, or other light drowns it",
         Severity.MAJOR, Reaction.SLOW),
     Condition.SETTINGS_DROPPED: ConditionInfo(
         "the saved settings could not be used at the start: the last good ones hold, or the defaults, until settings are saved",
