@@ -33,24 +33,6 @@ std::uint16_t slope_of(const Pinhole& lens) noexcept {
   return static_cast<std::uint16_t>(std::clamp(std::round(two_pixels * 65536), 0.0, 65535.0));
 }
 
-// What too little light, or too little of it modulated, says: no distance, but evidence for who
-// supposes one. reading: as to_quarter_mm() takes it.
-void keep_weak(const PmdMaps& maps, int y, std::span<const std::uint32_t> reading,
-               std::uint32_t unit_q30) noexcept {
-  constexpr unsigned kStrong = kPmdMissing & ~unsigned{kPmdLowAmplitude | kPmdLowRatio};
-  const std::span<const std::uint8_t> flags = maps.flags.row(y);
-  const std::span<const QuarterMm> sigma = maps.sigma.row(y);
-  for (std::size_t x = 0; x < flags.size(); ++x) {
-    if ((flags[x] & kPmdMissing) == 0 || (flags[x] & kStrong) != 0) {
-      continue;
-    }
-    const std::uint64_t quarters = round_shift(std::uint64_t{reading[x]} * unit_q30, 30);
-    maps.folded.row(y)[x] =
-        static_cast<QuarterMm>(std::max<std::uint64_t>(quarters % maps.range, 1));
-    maps.folded_sigma.row(y)[x] = sigma[x];
-  }
-}
-
 }  // namespace
 
 // What a second frequency adds.
@@ -193,11 +175,6 @@ void PmdConverter::measure_row(const PmdFrame& frame, int y) noexcept {
   if (!t.emitter_offset.half_q2.empty()) {
     best::emitter_offset(t.emitter_offset_row(y, n), t.shortest_way, reading);
   }
-  std::ranges::fill(m.folded.row(y), kNoDepth);
-  std::ranges::fill(m.folded_sigma.row(y), QuarterMm{0});
-  if (frame.second.empty() && !m.moved) {
-    keep_weak(m, y, reading, range->unit_q30);
-  }
   best::to_quarter_mm(reading, range->unit_q30, row.flags, m.distance.row(y), row.sigma);
   if (t.curve) {
     best::curve_sigma(m.distance.row(y), *t.curve, row.sigma);
@@ -234,6 +211,8 @@ const PmdMaps& PmdConverter::measure(const PmdFrame& frame) noexcept {
   maps_.moved = frame.first.size() == 1 && frame.second.empty() && t.motion->look(maps_.flags);
   for (int y = 0; y < height; ++y) {
     measure_row(frame, y);
+    std::ranges::fill(maps_.folded.row(y), kNoDepth);
+    std::ranges::fill(maps_.folded_sigma.row(y), QuarterMm{0});
   }
   return maps_;
 }

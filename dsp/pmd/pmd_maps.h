@@ -52,11 +52,10 @@ struct PmdMaps {
   // readings themselves are used.
   ImageView<QuarterMm> smoothed;
   ImageView<QuarterMm> smoothed_sigma;
-  // Of pixels without a distance for nothing but kPmdWrapped, or nothing but kPmdLowAmplitude or
-  // kPmdLowRatio: what was read, less than `range`, and its sigma. It lies at this, or any number
-  // of ranges away. 0 elsewhere: so of weak light where something moved or a second frequency
-  // counts, and of fine pixels (is_fine) whose neighbours are an edge and more than `widest` apart,
-  // where it may be mixed and tell neither; wide ones keep it, with kPmdEdge. May be empty.
+  // Of pixels with kPmdWrapped, which have no distance: what was read, less than `range`, and its
+  // sigma. It lies at this, or any number of ranges away. 0 elsewhere, and of fine pixels (is_fine)
+  // whose neighbours are an edge and more than `widest` apart: there it may be mixed, and tell
+  // neither. Wide ones keep it, with kPmdEdge. May be empty.
   ImageView<QuarterMm> folded;
   ImageView<QuarterMm> folded_sigma;
   ImageView<QuarterMm> low;       // radial interval from the 3x3 neighbourhood, with 2 sigma;

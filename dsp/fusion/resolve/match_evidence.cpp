@@ -55,7 +55,7 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
       return {};
     }
     const Opinion opinion = std::abs(off) <= reach ? Opinion::kAgrees : Opinion::kDiffers;
-    const bool mixed = (pmd_->flags.row(row)[x] & kPmdEdge) != 0;
+    const bool mixed = around_ > 0 && (pmd_->flags.row(row)[x] & kPmdEdge) != 0;
     return {.opinion = opinion, .folded = !mixed, .off = off, .sigma = sigma};
   }
   const QuarterMm low = pmd_->low.row(row)[x];

@@ -133,25 +133,6 @@ TEST(PmdConverter, SaysWhyBlackSaturatedAndFlatFramesHoldNothing) {
   }
 }
 
-TEST(PmdConverter, KeepsWhatTooLittleLightSaidForWhoSupposesADistance) {
-  Rig rig(sensor_of(4, 1));
-  rig.show(0, 3.0, 1500, 600);  // strong
-  rig.show(1, 3.0, 1500, 150);  // a tenth is modulated
-  rig.show(2, 3.0, 20, 1);      // nearly no light
-  rig.show(3, 3.0, 1500, 600);
-  rig.plane(0)[3] = 4095;
-  const PmdMaps& maps = rig.convert();
-  EXPECT_EQ(maps.folded.at(0, 0), 0);
-  EXPECT_EQ(maps.flags.at(1, 0), kPmdLowRatio);
-  EXPECT_EQ(maps.distance.at(1, 0), kNoDepth);
-  EXPECT_NEAR(maps.folded.at(1, 0), 12000, 16);
-  EXPECT_NEAR(maps.folded_sigma.at(1, 0), 4 * maps.sigma.at(0, 0), 4);
-  EXPECT_TRUE(maps.flags.at(2, 0) & kPmdLowAmplitude);
-  EXPECT_GT(maps.folded_sigma.at(2, 0), kNoDepth);
-  EXPECT_TRUE(maps.flags.at(3, 0) & kPmdSaturated);
-  EXPECT_EQ(maps.folded.at(3, 0) + maps.folded_sigma.at(3, 0), 0);
-}
-
 TEST(PmdConverter, CarriesNoDistanceWhereAMissingFlagIsSet) {
   Rig rig(sensor_of(33, 9));
   test::Random random(5);
