@@ -112,6 +112,7 @@ def layers(log):
     count.add(unit_tests(log, "tests/scripts/test_steps_test.py"))
     count.add(one(log.run("scripts/wire_table.py", "--check")))
     count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
+    count.add(unit_tests(log, "tests/scripts/security_test.py"))
     return count
 
 

@@ -32,6 +32,8 @@ class Authenticator {
   // one's counter is used up.
   Signer judge(const wire::SignedView& packet) noexcept;
 
+  // Whether anybody can sign.
+  bool knows_keys() const noexcept { return ring_.pairing() == Pairing::kPaired; }
   // Of whoever signs nothing.
   firmware::Access unsigned_access() const noexcept {
     return ring_.pairing() == Pairing::kUnpaired ? firmware::Access::kHarmless

@@ -10,7 +10,7 @@
 
 namespace stof::keys {
 
-inline constexpr std::size_t kMostKeys = 16;  // that a sensor keeps
+inline constexpr std::size_t kMostKeys = wire::kMostSensorKeys;
 
 // What the sensor knows of its clients.
 enum class Pairing : std::uint8_t {

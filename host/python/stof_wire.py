@@ -105,6 +105,8 @@ class SubscribeResult(enum.IntEnum):
     COOKIE = 1  # repeat the request with this cookie
     FULL = 2  # as many subscribers as the sensor takes: try again when one has left
     ENDED = 3  # the subscription is over
+    UNKNOWN_KEY = 4  # the signature is of no key that the sensor has; never signed
+    STALE = 5  # refused, nothing changed: the counter is not above `highest` of the answer
 
 
 class SettingsOperation(enum.IntEnum):
@@ -119,8 +121,8 @@ class SettingsOperation(enum.IntEnum):
     PRESET = 5  # the text is a preset's name: as set, with its fields
     SAVE = 6  # the active settings are those of the next start
     RESET = 7  # as set, with every field's default
-    # the answer's text is a JSON array of the keys of the sensor (id, role, name), never of their
-    # secrets; for an admin
+    # a JSON array of the keys of the sensor (id, role, name), never of their secrets, read from
+    # `offset` on as a document is; for an admin
     KEYS = 8
     # the text is the id of a key, 8 hexadecimal digits: it is none any more; for an admin, or
     # whoever signs with it
@@ -804,13 +806,16 @@ class Subscribe(Layout):
     # how long to send without hearing from us; the sensor takes 500 to 10,000, 0: 3,000
     lease_ms: int = 0
     cookie: int = 0  # of an answer; 0: none yet
+    # of a signed subscribe: number of the stream key that we have, 0: none; see "Signed streams"
+    stream_key: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),
         ("lease_ms", "H", 1),
         ("", "x", 2),
         ("cookie", "Q", 1),
-        ("", "x", 16),
+        ("stream_key", "I", 1),
+        ("", "x", 12),
     )
 
 
@@ -881,7 +886,7 @@ class SignedFields(Layout):
     the last 16 bytes of the payload."""
 
     key_id: int = 0  # of the key; in the answer the same
-    type: int = 0  # type of the message that is signed: 132, in the answer 133
+    type: int = 0  # type of the message that is signed: 128, 130 or 132, in the answer 129 or 133
     counter: int = 0  # above all that this key has signed in this session; in the answer the same
     highest: int = 0  # of the answer: the highest counter of this key so far; in requests 0
 
@@ -891,6 +896,35 @@ class SignedFields(Layout):
         ("", "x", 3),
         ("counter", "Q", 1),
         ("highest", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class StreamKeyFields(Layout):
+    """Behind the `subscribed` of a signed answer."""
+
+    number: int = 0  # of the stream key, as in the datagrams that it signs; 0: none is handed over
+    sealed: tuple = (0,) * 32  # the stream key, exclusive or the pad of this answer
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("number", "I", 1),
+        ("", "x", 4),
+        ("sealed", "B", 32),
+    )
+
+
+@dataclasses.dataclass
+class StreamSignature(Layout):
+    """Bytes 52 to 79 of a datagram that a stream key signs."""
+
+    number: int = 0  # of the stream key; 0: not signed
+    counter: int = 0  # of the datagrams that this key signs: rises by one with each, from 1
+    tag: tuple = (0,) * 16  # of all else in the datagram but the CRC
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("number", "I", 1),
+        ("counter", "Q", 1),
+        ("tag", "B", 16),
     )
 
 
@@ -1028,6 +1062,16 @@ def parse(datagram):
     if header.index >= header.count:
         raise Refused("field")
     return header, bytes(datagram[header.header_length:end])
+
+
+def signature(datagram):
+    """The StreamSignature of a datagram that parse() took; None: it is not signed. What it is worth takes the stream
+    key: see "Signed streams" of docs/WIRE.md."""
+    header = Header.unpack(datagram)
+    if header.header_length < Header.size() + StreamSignature.size():
+        return None
+    found = StreamSignature.unpack(datagram[Header.size():])
+    return found if found.number else None
 
 
 def seal(header, payload=b""):

@@ -13,6 +13,7 @@
 namespace stof::wire {
 
 inline constexpr std::size_t kKeyNameBytes = 32;
+inline constexpr std::size_t kMostSensorKeys = 16;  // that a sensor keeps; a user more: KeyTable
 
 // What one client and one sensor know, and nobody else.
 struct Key {

@@ -162,6 +162,9 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     if (keys_refused_ && operation != wire::SettingsOperation::kGet) {
       return Part{.answer = {.result = wire::SettingsResult::kUnknownKey}, .text = {}};
     }
+    if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
+      return std::unexpected(unproven());
+    }
     wire::DatagramBuffer buffer;
     const wire::SettingsRequest request{.request_id = request_id_,
                                         .operation = operation,
@@ -180,6 +183,10 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     const std::optional<Part>& part = *heard;
     if (part && part->answer.result == wire::SettingsResult::kUnknownKey && sealed) {
       keys_refused_ = !signer_.drop_key();
+    } else if (part && sealed && signer_.is_used_up()) {
+      return std::unexpected(error(Status::kUnsupported,
+                                   "takes no more of this key until it starts again: somebody used "
+                                   "its last counter; use another key"));
     } else if (part && (part->answer.result == wire::SettingsResult::kCookie ||
                         part->answer.result == wire::SettingsResult::kStale)) {
       attempt += hurried ? 1 : 0;
@@ -188,6 +195,12 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       refusal = part;
       std::this_thread::sleep_for(kBusyPause);
       ++attempt;
+    } else if (part && !sealed && signer_.key() != nullptr &&
+               options_.unsigned_answers != Unsigned::kAlways) {
+      attempt += hurried ? 1 : 0;  // judged without a signature, though there is a key: again
+      hurried = !hurried;
+    } else if (part && !sealed && !takes_unsigned(operation)) {
+      return std::unexpected(unproven());
     } else if (part) {
       return *part;
     } else {
@@ -268,6 +281,27 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   std::ranges::transform(text, part.text.begin(),
                          [](std::byte byte) { return static_cast<char>(byte); });
   return part;
+}
+
+bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
+  if (operation == wire::SettingsOperation::kGet ||
+      options_.unsigned_answers == Unsigned::kAlways) {
+    return true;
+  }
+  return options_.unsigned_answers == Unsigned::kWithoutKeys &&
+         (options_.keys.count() == 0 || options_.device_id);
+}
+
+ControlError ControlClient::unproven() const {
+  const std::string number = std::to_string(signer_.device_id());
+  return error(Status::kUnsupported,
+               options_.unsigned_answers == Unsigned::kNever
+                   ? "says that it is number " + number +
+                         ", of which you have no key: nothing proves who answers, and nothing was "
+                         "changed"
+                   : "says that it is number " + number +
+                         ", of which you have no key: pair with it, or name it by --device " +
+                         number + " where it is none of yours; nothing was changed");
 }
 
 ControlError ControlClient::error(Status status, std::string_view what) const {
