@@ -96,6 +96,8 @@ Status reopen(Board& board, Device device) noexcept;
 // Keeps the program's memory in RAM from now on, and readies the stack of the calling thread, where
 // the board's table asks for priority. A line: what the system refuses and what to do; it goes on.
 std::optional<std::string> lock_memory();
+// No core file of this program, and nobody but an administrator looks into it: it holds secrets.
+void keep_memory_private() noexcept;
 // The calling thread, and those that it starts meanwhile, run before everything else on the board
 // (true, with the priority that it was opened with), or as everything does. A line: as above.
 std::optional<std::string> set_realtime_priority(bool realtime);

@@ -16,6 +16,7 @@
 #include "hal/emu/imagery/replay.h"
 #include "hal/linux/system/clock.h"
 #include "hal/linux/system/file_store.h"
+#include "hal/linux/system/realtime.h"
 #include "hal/linux/system/signal_button.h"
 
 namespace stof::board {
@@ -201,6 +202,7 @@ std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
 
 // An emulated rig shares a laptop with others.
 std::optional<std::string> lock_memory() { return std::nullopt; }
+void keep_memory_private() noexcept { hal::linux::keep_memory_private(); }
 std::optional<std::string> set_realtime_priority(bool) { return std::nullopt; }
 void count_heap_calls() noexcept {}
 HeapCalls heap_calls() noexcept { return {}; }

@@ -126,6 +126,9 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
     return unknown_key(*asked);
   }
   wire::Key key = *signer.key;  // which may be none any more when the answer goes
+  if (signer.former) {
+    key.secret = *key.former;
+  }
   asked->key = &key;
   const std::span<std::byte> payload = wire::signed_space(buffer_);
   const bool replayed = signer.verdict == Verdict::kReplayed;
@@ -149,6 +152,9 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
        .highest = signer.highest},
       bytes, key.secret, buffer_);
   wire::wipe(key.secret);
+  if (key.former) {
+    wire::wipe(*key.former);
+  }
   return sealed;
 }
 
@@ -249,7 +255,7 @@ RequestHandler::Answer RequestHandler::pair(const Request& request) noexcept {
   } else {
     count(Count::kAccepted);
     if (pairing_ != nullptr) {
-      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now);
+      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now, request.from);
     }
   }
   out.request_id = asked->request_id;

@@ -1,9 +1,14 @@
 #include "firmware/events/log_text.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cstdio>
+#include <span>
 #include <utility>
 
 #include "firmware/wire/frame_info.h"
+#include "firmware/wire/keys/key_text.h"
 
 namespace stof::firmware {
 namespace {
@@ -54,20 +59,41 @@ const char* standing_text(std::uint32_t sensors) {
   }
 }
 
-std::string requester_text(std::uint32_t who) {
-  if (who == 0) {
-    return "over the serial line";
-  }
-  std::string text = "by the address that ends with ";
-  for (int shift = 24; shift >= 0; shift -= 8) {
-    text += std::to_string(who >> shift & 0xFF) + (shift > 0 ? "." : "");
+// 192.168.1.5, or the eight groups of an IPv6 address, fd00:0:0:0:0:0:c0a8:105.
+std::string address_text(const std::array<std::uint8_t, 16>& address) {
+  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
+  const bool mapped = std::ranges::equal(std::span(address).first(kMapped.size()), kMapped);
+  std::string text;
+  for (std::size_t i = mapped ? kMapped.size() : 0; i < address.size(); i += mapped ? 1 : 2) {
+    std::array<char, 8> group{};
+    if (mapped) {
+      std::snprintf(group.data(), group.size(), "%d", int{address[i]});
+    } else {
+      std::snprintf(group.data(), group.size(), "%x", address[i] * 256U + address[i + 1]);
+    }
+    text += (text.empty() ? "" : mapped ? "." : ":") + std::string(group.data());
   }
   return text;
 }
 
+std::string requester_text(const Event& event) {
+  return event.address == std::array<std::uint8_t, 16>{} ? "over the serial line"
+                                                         : "by " + address_text(event.address);
+}
+
+std::string key_text(const Event& event, const char* what) {
+  std::array<char, 16> id{};
+  std::snprintf(id.data(), id.size(), "%08x", event.value);
+  return std::string("key ") + id.data() + ", role " + std::string(wire::role_text(event.role)) +
+         ", " + what + " " + requester_text(event);
+}
+
 std::string pairing_text(std::uint32_t state) {
   if (state == kPairingClosed) {
-    return "pairing has ended";
+    return "pairing has ended without a key";
+  }
+  if (state == kPairingDone) {
+    return "pairing has ended: there is a new key";
   }
   if (state == kPairingOpen) {
     return "pairing is open for two minutes: stof pair";
@@ -75,7 +101,7 @@ std::string pairing_text(std::uint32_t state) {
   std::string digits = std::to_string(state).substr(1);
   digits.insert(digits.size() / 2, " ");
   return "pairing: the digits are " + digits +
-         ". Where stof pair shows the same, hold the button for three seconds; else do nothing";
+         ". Type them into stof pair; only if it accepts them hold the button for three seconds";
 }
 
 // " (3 repeated, 1 torn)", or nothing.
@@ -129,9 +155,18 @@ std::string describe(const Event& event) {
     case EventKind::kStandsOn:
       return standing_text(event.value);
     case EventKind::kSettingsChanged:
-      return "settings changed " + requester_text(event.value);
+      return "settings changed " + requester_text(event);
     case EventKind::kPairing:
       return pairing_text(event.value);
+    case EventKind::kKeyMade:
+      return key_text(event, "made");
+    case EventKind::kKeyRenewed:
+      return key_text(event, "renewed");
+    case EventKind::kKeyEnded:
+      return key_text(event, "ended");
+    case EventKind::kLastKeyEnded:
+      return key_text(event, "ended") +
+             ". It was the last: anybody on the network may change what is harmless";
     case EventKind::kSupplying:
       return std::string(name(event.component)) + ": frames are used again";
   }

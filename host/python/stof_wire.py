@@ -167,7 +167,9 @@ class PairResult(enum.IntEnum):
     # somebody else pairs too: with digits both have ended, and the button has to be pressed again;
     # else try again
     BUSY = 3
-    WRONG = 4  # the commitment or the tag does not fit, or nothing was begun: it has ended
+    # the commitment or the tag does not fit, role or name are none, or nothing was begun: it has
+    # ended
+    WRONG = 4
     WAITING = 5  # of confirm: nobody has accepted the digits at the sensor yet
     FULL = 6  # the sensor keeps no more keys, or cannot save them
 
@@ -229,7 +231,8 @@ class Condition(enum.IntEnum):
     # the saved settings could not be used at the start: the last good ones hold, or the defaults,
     # until settings are saved; value: 1 missing, 2 no regular file, 3 unreadable, 4 empty, 5
     # damaged or not for this sensor, 6 two starts with them failed; 16 more where the last good
-    # ones hold
+    # ones hold; 32 more where nobody knows what an installer fixed: the strictest limits hold, and
+    # the serial line counts as remote
     SETTINGS_DROPPED = 20
     # a port or line of the settings could not be had at the start: another port or no line is used
     # until the next; value: the sum of: 1 the UDP port, 2 the serial line, which is none of the
@@ -240,7 +243,8 @@ class Condition(enum.IntEnum):
     # carries depth, 4 the maximal range is below 1 m
     NO_DEPTH = 22
     # somebody changed the settings in the last ten seconds; each change is an event of its own;
-    # value: who: the last four bytes of the address, its first the highest; 0: over the serial line
+    # value: who: the last four bytes of the address, its first the highest; 4,294,967,295 where
+    # these are 0; 0: over the serial line
     SETTINGS_CHANGED = 23
     # no key is known: anybody on the network may change what docs/SECURITY.md calls harmless;
     # value: 0
@@ -251,6 +255,9 @@ class Condition(enum.IntEnum):
     # 1,000,000 and the six digits that the sensor has; 0: nobody has come yet. Over the network
     # they prove nothing
     PAIRING = 26
+    # somebody made, renewed or ended a key in the last ten seconds; each change is an event of its
+    # own; value: the key's id
+    KEYS_CHANGED = 27
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -343,6 +350,9 @@ CONDITIONS = {
     Condition.PAIRING: ConditionInfo(
         "the sensor's button was pressed: whoever accepts the digits with it makes a key",
         Severity.INFO, Reaction.NONE),
+    Condition.KEYS_CHANGED: ConditionInfo(
+        "somebody made, renewed or ended a key in the last ten seconds; each change is an event of its own",
+        Severity.INFO, Reaction.WATCH),
 }
 # made: end
 

@@ -179,6 +179,7 @@ names.Condition = {
   [24] = "unpaired",
   [25] = "keys lost",
   [26] = "pairing",
+  [27] = "keys changed",
 }
 
 layouts.Origin = {
