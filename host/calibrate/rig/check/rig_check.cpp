@@ -135,8 +135,7 @@ std::optional<RowCheck> check_rows(const std::vector<RowPoint>& points, int widt
   }
   RowCheck check;
   check.median_px = median(rows);
-  const double limit =
-      kOutlierSigmas * std::max(deviation(rows, check.median_px), kLeastSpreadPx);
+  const double limit = kOutlierSigmas * std::max(deviation(rows, check.median_px), kLeastSpreadPx);
   double count = 0, sum_u = 0, sum_v = 0, sum_uu = 0, sum_uv = 0, squares = 0;
   for (const RowPoint& point : points) {
     if (std::abs(point.dv - check.median_px) > limit) {
@@ -189,17 +188,19 @@ std::optional<DepthCheck> check_depths(const std::vector<BothLooks>& looks,
 
 std::vector<std::string> advice(const RigCheck& check) {
   std::vector<std::string> lines;
-  if (check.rows && (std::abs(check.rows->median_px) > kLargestRowPx ||
-                     check.rows->rms_px > kLargestRowPx ||
-                     std::abs(check.rows->slope_px) > kLargestRowPx)) {
-    lines.push_back(printed("rows do not correspond (%.1f px is allowed): calibrate the pair anew "
-                            "(stof calib stereo --target), then the place of the PMD camera",
-                            kLargestRowPx));
+  if (check.rows &&
+      (std::abs(check.rows->median_px) > kLargestRowPx || check.rows->rms_px > kLargestRowPx ||
+       std::abs(check.rows->slope_px) > kLargestRowPx)) {
+    lines.push_back(
+        printed("rows do not correspond (%.1f px is allowed): calibrate the pair anew "
+                "(stof calib stereo --target), then the place of the PMD camera",
+                kLargestRowPx));
   } else if (check.depths && std::abs(check.depths->median_mm) > kLargestDepthMm) {
-    lines.push_back(printed("the sensors disagree (%.0f mm at 2 m is allowed): calibrate the PMD "
-                            "camera at a wall (stof calib pmd), then its place (stof calib "
-                            "extrinsics)",
-                            kLargestDepthMm));
+    lines.push_back(
+        printed("the sensors disagree (%.0f mm at 2 m is allowed): calibrate the PMD "
+                "camera at a wall (stof calib pmd), then its place (stof calib "
+                "extrinsics)",
+                kLargestDepthMm));
   }
   return lines;
 }

@@ -47,8 +47,8 @@ struct RigCheck {
   std::optional<DepthCheck> depths;
 };
 
-inline constexpr double kLargestRowPx = 0.5;     // of median, rms or slope
-inline constexpr double kLargestDepthMm = 20;    // of the median
+inline constexpr double kLargestRowPx = 0.5;   // of median, rms or slope
+inline constexpr double kLargestDepthMm = 20;  // of the median
 // What to do, a line each; empty: nothing.
 std::vector<std::string> advice(const RigCheck& check);
 

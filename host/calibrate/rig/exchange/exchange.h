@@ -7,10 +7,10 @@
 #include "dataset/image.h"
 #include "dsp/calib/calibration.h"
 
-// Calibrations of pairs in the files of others: ROS CameraInfo, Kalibr camchain, OpenCV FileStorage,
-// each YAML. Lenses and poses alone: none of them knows a PMD camera. All three count pixels from the
-// centre of the first one and mean by the transform of the second camera that of points from the
-// first into it, as dsp::RawPair does.
+// Calibrations of pairs in the files of others: ROS CameraInfo, Kalibr camchain, OpenCV
+// FileStorage, each YAML. Lenses and poses alone: none of them knows a PMD camera. All three count
+// pixels from the centre of the first one and mean by the transform of the second camera that of
+// points from the first into it, as dsp::RawPair does.
 namespace stof::host {
 
 enum class ExchangeFormat : std::uint8_t { kRos, kKalibr, kOpenCv };
@@ -26,10 +26,10 @@ dataset::Loaded<dsp::RawPair> read_ros(const std::filesystem::path& left,
                                        const std::filesystem::path& right);
 // cam0 is the left, cam1 the right one (T_cn_cnm1).
 dataset::Loaded<dsp::RawPair> read_kalibr(const std::filesystem::path& file);
-// M1 D1 M2 D2 R T in one file or two (OpenCV's stereo_calib: intrinsics.yml and extrinsics.yml), also
-// as cameraMatrix1 ...; image_width, image_height, or else size.
-dataset::Loaded<dsp::RawPair> read_opencv(const std::vector<std::filesystem::path>& files, int width,
-                                          int height);
+// M1 D1 M2 D2 R T in one file or two (OpenCV's stereo_calib: intrinsics.yml and extrinsics.yml),
+// also as cameraMatrix1 ...; image_width, image_height, or else size.
+dataset::Loaded<dsp::RawPair> read_opencv(const std::vector<std::filesystem::path>& files,
+                                          int width, int height);
 
 // The text of such files. ROS takes two, left and right.
 std::string ros_text(const dsp::RawPair& rig, bool right);

@@ -29,10 +29,11 @@ dsp::Pinhole lens_of(YamlReader& reader, const YAML::Node& camera) {
 }
 
 std::string camera_text(const char* name, const dsp::Pinhole& lens) {
-  return printed("%s:\n  camera_model: pinhole\n  intrinsics: %s\n  distortion_model: radtan\n"
-                 "  distortion_coeffs: %s\n  resolution: [%d, %d]\n",
-                 name, exact_list({lens.fx, lens.fy, lens.cx, lens.cy}).c_str(),
-                 exact_list({lens.k1, lens.k2, lens.p1, lens.p2}).c_str(), lens.width, lens.height);
+  return printed(
+      "%s:\n  camera_model: pinhole\n  intrinsics: %s\n  distortion_model: radtan\n"
+      "  distortion_coeffs: %s\n  resolution: [%d, %d]\n",
+      name, exact_list({lens.fx, lens.fy, lens.cx, lens.cy}).c_str(),
+      exact_list({lens.k1, lens.k2, lens.p1, lens.p2}).c_str(), lens.width, lens.height);
 }
 
 }  // namespace

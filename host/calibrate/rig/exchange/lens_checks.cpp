@@ -67,7 +67,8 @@ void put_matrix(YamlReader& reader, const YAML::Node& node, const char* name, ds
     return;
   }
   if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
-    reader.fail(node, std::string("has a ") + name + " with skew, or that is no camera matrix", kFit);
+    reader.fail(node, std::string("has a ") + name + " with skew, or that is no camera matrix",
+                kFit);
     return;
   }
   lens.fx = m[0];

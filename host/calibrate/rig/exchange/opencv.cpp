@@ -107,14 +107,14 @@ dataset::Loaded<dsp::RawPair> read_opencv(const std::vector<std::filesystem::pat
 }
 
 std::string opencv_text(const dsp::RawPair& rig) {
-  std::string text = printed("%%YAML:1.0\n---\nimage_width: %d\nimage_height: %d\n",
-                             rig.left.width, rig.left.height);
+  std::string text = printed("%%YAML:1.0\n---\nimage_width: %d\nimage_height: %d\n", rig.left.width,
+                             rig.left.height);
   for (const std::size_t eye : {std::size_t{0}, std::size_t{1}}) {
     const dsp::Pinhole& lens = eye == 0 ? rig.left : rig.right;
     text += matrix_text(kMatrices[eye].brief, 3, 3,
                         {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1});
-    text += matrix_text(kDistortions[eye].brief, 1, 5,
-                        {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
+    text +=
+        matrix_text(kDistortions[eye].brief, 1, 5, {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
   }
   const dsp::RigidTransform& pose = rig.left_to_right;
   text += matrix_text("R", 3, 3, {pose.rotation.begin(), pose.rotation.end()});

@@ -80,12 +80,12 @@ std::string ros_text(const dsp::RawPair& rig, bool right) {
                              lens.height, right ? "right" : "left");
   text += matrix_text("camera_matrix", 3, 3, {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1});
   text += "distortion_model: plumb_bob\n";
-  text += matrix_text("distortion_coefficients", 1, 5,
-                      {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
+  text +=
+      matrix_text("distortion_coefficients", 1, 5, {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
   text += matrix_text("rectification_matrix", 3, 3, {turn.begin(), turn.end()});
-  text += matrix_text("projection_matrix", 3, 4,
-                      {to.fx, 0, to.cx, right ? -to.fx * rectified.baseline_m : 0, 0, to.fy, to.cy,
-                       0, 0, 0, 1, 0});
+  text += matrix_text(
+      "projection_matrix", 3, 4,
+      {to.fx, 0, to.cx, right ? -to.fx * rectified.baseline_m : 0, 0, to.fy, to.cy, 0, 0, 0, 1, 0});
   return text;
 }
 

@@ -58,9 +58,9 @@ dataset::Loaded<YamlReader> YamlReader::open(const std::filesystem::path& file) 
     }
     return YamlReader(file, std::move(root));
   } catch (const YAML::Exception& error) {
-    return dataset::refuse(file, printed("line %d: is no YAML (%s)", error.mark.line + 1,
-                                         error.msg.c_str()),
-                           "export it again");
+    return dataset::refuse(
+        file, printed("line %d: is no YAML (%s)", error.mark.line + 1, error.msg.c_str()),
+        "export it again");
   }
 }
 

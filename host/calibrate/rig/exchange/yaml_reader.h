@@ -11,8 +11,8 @@
 
 namespace stof::host {
 
-// Takes numbers out of a YAML document and remembers the first thing that was missing or wrong, with
-// its line; from then on every number is 0.
+// Takes numbers out of a YAML document and remembers the first thing that was missing or wrong,
+// with its line; from then on every number is 0.
 class YamlReader {
  public:
   // OpenCV's `%YAML:1.0` counts as YAML.

@@ -60,9 +60,9 @@ struct PmdResidual {
     const T scale = T(1) - (wall[0] * pose[3] + wall[1] * pose[4] + wall[2] * pose[5]);
     T off[3];
     for (int k = 0; k < 3; ++k) {
-      off[k] = seen(k) + per_offset(k) * offset[0] -
-               (start(0, k) * turned[0] + start(1, k) * turned[1] + start(2, k) * turned[2]) /
-                   scale;
+      off[k] =
+          seen(k) + per_offset(k) * offset[0] -
+          (start(0, k) * turned[0] + start(1, k) * turned[1] + start(2, k) * turned[2]) / scale;
     }
     for (int i = 0; i < 3; ++i) {
       residual[i] = white(i, 0) * off[0] + white(i, 1) * off[1] + white(i, 2) * off[2];
@@ -113,21 +113,20 @@ class ExtrinsicProblem {
     for (const SeenWall& wall : walls) {
       walls_.push_back({wall.stereo.m.x(), wall.stereo.m.y(), wall.stereo.m.z()});
     }
-    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<OffsetPrior, 1, 1>(
-                                  new OffsetPrior{options.offset_sigma_m}),
-                              nullptr, &offset_);
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<OffsetPrior, 1, 1>(new OffsetPrior{options.offset_sigma_m}),
+        nullptr, &offset_);
     for (std::size_t n = 0; n < walls.size(); ++n) {
       const SeenWall& wall = walls[n];
-      blocks_.push_back({problem_.AddResidualBlock(
-                             new ceres::AutoDiffCostFunction<StereoResidual, 3, 3>(
-                                 new StereoResidual{wall.stereo.m,
-                                                    whitener(wall.stereo.covariance)}),
-                             nullptr, walls_[n].data()),
-                         problem_.AddResidualBlock(
-                             new ceres::AutoDiffCostFunction<PmdResidual, 3, 6, 1, 3>(
-                                 new PmdResidual{wall.pmd.m, wall.pmd.per_offset,
-                                                 whitener(wall.pmd.covariance), start_}),
-                             nullptr, pose_.data(), &offset_, walls_[n].data())});
+      blocks_.push_back(
+          {problem_.AddResidualBlock(
+               new ceres::AutoDiffCostFunction<StereoResidual, 3, 3>(
+                   new StereoResidual{wall.stereo.m, whitener(wall.stereo.covariance)}),
+               nullptr, walls_[n].data()),
+           problem_.AddResidualBlock(
+               new ceres::AutoDiffCostFunction<PmdResidual, 3, 6, 1, 3>(new PmdResidual{
+                   wall.pmd.m, wall.pmd.per_offset, whitener(wall.pmd.covariance), start_}),
+               nullptr, pose_.data(), &offset_, walls_[n].data())});
     }
   }
 
@@ -145,8 +144,8 @@ class ExtrinsicProblem {
 
   bool put(ExtrinsicFit& fit) {
     const PoseUnknowns small{pose_[0], pose_[1], pose_[2], 0, 0, 0};
-    fit.pmd_to_stereo = pose_of(Matrix3(rotation_of(small) * start_),
-                                Vector3(pose_[3], pose_[4], pose_[5]));
+    fit.pmd_to_stereo =
+        pose_of(Matrix3(rotation_of(small) * start_), Vector3(pose_[3], pose_[4], pose_[5]));
     fit.offset_m = offset_;
     double chi2 = 0;
     for (const std::array<ceres::ResidualBlockId, 2>& wall : blocks_) {
@@ -193,8 +192,7 @@ class ExtrinsicProblem {
       return false;
     }
     const Eigen::MatrixXd covariance =
-        scale.asDiagonal() *
-        cholesky.solve(Eigen::MatrixXd::Identity(dense.cols(), dense.cols())) *
+        scale.asDiagonal() * cholesky.solve(Eigen::MatrixXd::Identity(dense.cols(), dense.cols())) *
         scale.asDiagonal();
     fit.covariance = covariance.topLeftCorner<6, 6>();
     fit.offset_sigma_m = std::sqrt(covariance(6, 6));
@@ -247,7 +245,8 @@ std::vector<std::string> missing_tilts(const std::vector<SeenWall>& walls) {
     missing.push_back("tilted: no two walls are turned sideways against each other by 20 degrees");
   }
   if (!(down - up >= kLeastUpwards)) {
-    missing.push_back("tilted: no two walls are tilted up and down against each other by 20 degrees");
+    missing.push_back(
+        "tilted: no two walls are tilted up and down against each other by 20 degrees");
   }
   return missing;
 }

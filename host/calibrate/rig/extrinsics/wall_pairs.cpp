@@ -37,8 +37,7 @@ std::vector<PlaneLook> looks_of_pair(const dsp::StereoRig& rig,
       const double q = 1 / dsp::depth_of(rig, x, px);
       const double next = 1 / dsp::depth_of(rig, x, px + kPairSigma);
       if (std::isfinite(q) && q > 0 && std::isfinite(next) && next > q) {
-        looks.push_back({.ray = {-dsp::left_tangent(rig, x),
-                                 (y - rig.left.cy) / rig.left.fy, 1},
+        looks.push_back({.ray = {-dsp::left_tangent(rig, x), (y - rig.left.cy) / rig.left.fy, 1},
                          .q = q,
                          .sigma = next - q});
       }
@@ -64,8 +63,7 @@ std::vector<PlaneLook> looks_of_pmd(const dsp::PmdSensor& sensor,
     for (int y = 0; y < lens.height; ++y) {
       for (int x = 0; x < lens.width; ++x, ++p) {
         if (maps.distance.at(x, y) != dsp::kNoDepth && (maps.flags.at(x, y) & dsp::kPmdEdge) == 0) {
-          const double sigma =
-              static_cast<double>(maps.sigma.at(x, y)) / dsp::kQuarterMmPerMetre;
+          const double sigma = static_cast<double>(maps.sigma.at(x, y)) / dsp::kQuarterMmPerMetre;
           sums[p].distance += static_cast<double>(maps.distance.at(x, y)) / dsp::kQuarterMmPerMetre;
           sums[p].variance += sigma * sigma;
           sums[p].count += 1;
@@ -119,9 +117,10 @@ dataset::Loaded<std::vector<BothLooks>> read_looks(const std::filesystem::path& 
       return std::unexpected(pair.error());
     }
     if (pair->left.width != left.width || pair->left.height != left.height) {
-      return dataset::refuse(folder, "is " + dataset::size_text(pair->left.width, pair->left.height) +
-                                         ", the calibration is of " +
-                                         dataset::size_text(left.width, left.height),
+      return dataset::refuse(folder,
+                             "is " + dataset::size_text(pair->left.width, pair->left.height) +
+                                 ", the calibration is of " +
+                                 dataset::size_text(left.width, left.height),
                              "give the calibration of this rig");
     }
     const dataset::Loaded<dataset::PmdRecording> recording = dataset::read_pmd(folder / "pmd");
@@ -136,10 +135,10 @@ dataset::Loaded<std::vector<BothLooks>> read_looks(const std::filesystem::path& 
                              "give the calibration of this rig");
     }
     (**maker)->match(pair->left.view(), pair->right.view());
-    looks.push_back({.name = pair->name,
-                     .stereo = looks_of_pair((*maker)->calibration().stereo,
-                                             (**maker)->stereo().disparity),
-                     .pmd = looks_of_pmd(calibration.pmd, *recording)});
+    looks.push_back(
+        {.name = pair->name,
+         .stereo = looks_of_pair((*maker)->calibration().stereo, (**maker)->stereo().disparity),
+         .pmd = looks_of_pmd(calibration.pmd, *recording)});
   }
   return looks;
 }
@@ -152,8 +151,7 @@ FoundWalls walls_of(const std::vector<BothLooks>& looks) {
     if (stereo && pmd) {
       found.walls.push_back({both.name, *stereo, *pmd});
     } else {
-      found.refused.push_back(both.name + ": " +
-                              tilt_text(stereo ? "the PMD camera" : "the pair"));
+      found.refused.push_back(both.name + ": " + tilt_text(stereo ? "the PMD camera" : "the pair"));
     }
   }
   return found;

@@ -20,14 +20,14 @@ struct WallPairOptions {
 // What both sensors made of one exposure.
 struct BothLooks {
   std::string name;
-  std::vector<PlaneLook> stereo;  // axes of the rectified left camera; one of each 12 by 12 px, whose
-                                  // errors are their own
-  std::vector<PlaneLook> pmd;     // axes of the PMD camera; the mean of each pixel's frames
+  std::vector<PlaneLook> stereo;  // axes of the rectified left camera; one of each 12 by 12 px,
+                                  // whose errors are their own
+  std::vector<PlaneLook> pmd;  // axes of the PMD camera; the mean of each pixel's frames
 };
 
-// Folders in DIR with left.pgm, right.pgm, pmd.json, pmd_raw.pgm, through the appliance's matcher and
-// converter with the constants of `calibration` (complete(), with a PMD camera). One line where there
-// is none, or one is of another size than the calibration's cameras.
+// Folders in DIR with left.pgm, right.pgm, pmd.json, pmd_raw.pgm, through the appliance's matcher
+// and converter with the constants of `calibration` (complete(), with a PMD camera). One line where
+// there is none, or one is of another size than the calibration's cameras.
 dataset::Loaded<std::vector<BothLooks>> read_looks(const std::filesystem::path& dir,
                                                    const dsp::Calibration& calibration,
                                                    const WallPairOptions& options);

@@ -11,17 +11,15 @@
 namespace stof::host {
 namespace {
 
-constexpr int kTries = 200;      // of planes through three looks
+constexpr int kTries = 200;  // of planes through three looks
 constexpr std::size_t kAsked = 1000;
-constexpr int kRounds = 6;      // of fits to those on the plane
-constexpr double kOnPlane = 4;   // robust standard deviations
+constexpr int kRounds = 6;            // of fits to those on the plane
+constexpr double kOnPlane = 4;        // robust standard deviations
 constexpr double kFirstShare = 0.02;  // of q: what counts as near a tried plane
 constexpr double kLeastShare = 0.5;
 constexpr double kSigmaOfMad = 1.4826;
 
-double off(const PlaneLook& look, const Eigen::Vector3d& m) {
-  return look.q - m.dot(look.ray);
-}
+double off(const PlaneLook& look, const Eigen::Vector3d& m) { return look.q - m.dot(look.ray); }
 
 struct Sums {
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();

@@ -8,8 +8,8 @@
 namespace stof::host {
 
 // One sensor's look at a plane m . X = 1 (m is the unit normal over the distance): X = ray / q, so
-// m . ray = q, which is linear. Of a range camera: the unit ray and 1 / distance; of a pair: the ray
-// with z = 1 and 1 / Z.
+// m . ray = q, which is linear. Of a range camera: the unit ray and 1 / distance; of a pair: the
+// ray with z = 1 and 1 / Z.
 struct PlaneLook {
   Eigen::Vector3d ray;
   double q = 0;
@@ -30,8 +30,8 @@ struct SeenPlane {
 inline constexpr std::size_t kFewestLooks = 30;
 
 // The plane that most looks lie on, others left out: what stands before a wall or beside it. None
-// where there are fewer than kFewestLooks, or less than half of them lie on one plane. `ranges`: the
-// looks are of a range camera.
+// where there are fewer than kFewestLooks, or less than half of them lie on one plane. `ranges`:
+// the looks are of a range camera.
 std::optional<SeenPlane> plane_of(const std::vector<PlaneLook>& looks, bool ranges);
 
 }  // namespace stof::host

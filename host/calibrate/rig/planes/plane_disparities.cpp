@@ -50,8 +50,7 @@ lab::MatchParams params_of(const PlaneOptions& options) {
   params.min_disparity = options.min_disparity;
   params.disparities = options.disparities;
   params.left_right_tolerance = 1;
-  params.subpixel =
-      options.subpixel ? dsp::Subpixel::kLeastSquares : dsp::Subpixel::kWhole;
+  params.subpixel = options.subpixel ? dsp::Subpixel::kLeastSquares : dsp::Subpixel::kWhole;
   return params;
 }
 
@@ -94,8 +93,8 @@ dataset::Loaded<Plane> match_plane(const std::filesystem::path& dir, const Plane
               .disparity = in_the_middle(matched->disparity, options.middle),
               .cells = {}};
   plane.cells = cells_of(plane.disparity);
-  const auto found = static_cast<double>(std::ranges::count_if(
-      plane.disparity.pixels, [](float d) { return std::isfinite(d); }));
+  const auto found = static_cast<double>(
+      std::ranges::count_if(plane.disparity.pixels, [](float d) { return std::isfinite(d); }));
   plane.matched = found / (static_cast<double>(plane.disparity.pixels.size()) * options.middle *
                            options.middle);
   if (plane.cells.empty()) {

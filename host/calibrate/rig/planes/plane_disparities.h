@@ -6,16 +6,16 @@
 
 #include "dataset/dataset.h"
 
-// A flat, richly textured wall at known distances, facing the rig (parallel to its baseline), matched
-// by the chapter's method: sums of squared differences, winner takes all.
+// A flat, richly textured wall at known distances, facing the rig (parallel to its baseline),
+// matched by the chapter's method: sums of squared differences, winner takes all.
 namespace stof::host {
 
 struct PlaneOptions {
   int min_disparity = -64;
   int disparities = 256;
   int block = 17;       // px
-  double middle = 0.6;  // of width and height: what is looked at. Rows of converging axes drift apart
-                        // towards the corners
+  double middle = 0.6;  // of width and height: what is looked at. Rows of converging axes drift
+                        // apart towards the corners
   bool subpixel = true;
   int threads = 1;
 };

@@ -32,8 +32,7 @@ struct CellResidual {
     using std::tan;
     const T left = tangent_of(tan(x[2]), T(-left_m) / x[4]);
     // X = -left Z, Y = row_m / f2 Z; the wall is Z = z + s_x X + s_y Y.
-    const T inverse_z =
-        (T(1) + wall[1] * left - wall[2] * (T(row_m) / x[4])) / (T(z_m) + wall[0]);
+    const T inverse_z = (T(1) + wall[1] * left - wall[2] * (T(row_m) / x[4])) / (T(z_m) + wall[0]);
     const T parallax = tangent_of(tan(x[1]), T(-right_m) / x[3]) - left;
     residual[0] = (parallax - x[0] * inverse_z) * x[3] / T(pixel_m * sigma_px);
     return true;
@@ -70,9 +69,9 @@ class PlaneProblem {
   PlaneProblem(const std::vector<Plane>& planes, const PlaneSensor& sensor,
                const PlanePriors& priors, const PlaneUnknowns& start, double sigma_px)
       : x_(start), walls_(planes.size()) {
-    problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<Priors, 4, int{kPlaneUnknowns}>(
-                                  new Priors{priors}),
-                              nullptr, x_.data());
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<Priors, 4, int{kPlaneUnknowns}>(new Priors{priors}),
+        nullptr, x_.data());
     for (std::size_t n = 0; n < planes.size(); ++n) {
       double* const wall = walls_[n].data();
       problem_.AddResidualBlock(
@@ -81,10 +80,9 @@ class PlaneProblem {
       for (const PlaneCell& cell : planes[n].cells) {
         cells_.push_back(problem_.AddResidualBlock(
             new ceres::AutoDiffCostFunction<CellResidual, 1, int{kPlaneUnknowns},
-                                            int{kWallUnknowns}>(
-                new CellResidual{sensor.left_m(cell), sensor.right_m(cell),
-                                 (cell.row - sensor.cy) * sensor.pixel_m, planes[n].z_m,
-                                 sensor.pixel_m, sigma_px}),
+                                            int{kWallUnknowns}>(new CellResidual{
+                sensor.left_m(cell), sensor.right_m(cell), (cell.row - sensor.cy) * sensor.pixel_m,
+                planes[n].z_m, sensor.pixel_m, sigma_px}),
             new ceres::HuberLoss(kHuberSigmas), x_.data(), wall));
       }
     }

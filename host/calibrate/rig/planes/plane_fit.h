@@ -17,9 +17,9 @@ namespace stof::host {
 struct PlanePriors {
   double baseline_m = 0.2;  // by the tape
   double baseline_sigma_m = 0.002;
-  double focal_m = 0.0085;  // what stands on the lens
-  double focal_sigma = 0.02;        // of it
-  double focal_difference = 0.005;  // of f1 to f2, sigma, share
+  double focal_m = 0.0085;             // what stands on the lens
+  double focal_sigma = 0.02;           // of it
+  double focal_difference = 0.005;     // of f1 to f2, sigma, share
   double pointing_sigma_rad = 0.0175;  // of (alpha + beta) / 2: by the eye, 1 degree
   double distance_sigma_m = 0.001;     // of each wall
   double tilt_sigma_rad = 0.005;       // of each wall, about either axis
@@ -67,9 +67,9 @@ struct PlaneFit {
   PlaneUnknowns x{};
   Eigen::Matrix<double, int{kPlaneUnknowns}, int{kPlaneUnknowns}> covariance;
   std::array<double, kPlaneUnknowns> from_prior{};  // sigma without any picture
-  double constant_sigma = 0;    // of triangulation_constant()
-  double difference_sigma = 0;  // of alpha - beta, rad
-  double cell_sigma_px = 0;     // of a cell's disparity, from the residuals
+  double constant_sigma = 0;                        // of triangulation_constant()
+  double difference_sigma = 0;                      // of alpha - beta, rad
+  double cell_sigma_px = 0;                         // of a cell's disparity, from the residuals
   double sigma(std::size_t i) const {
     const auto k = static_cast<Eigen::Index>(i);
     return std::sqrt(covariance(k, k));

@@ -111,8 +111,7 @@ GeneticResult evolve(const ColumnProblem& over, const GeneticOptions& options) {
   GeneticResult result;
   result.x = from_genes(population.champion_x());
   result.rms_m = std::sqrt(population.champion_f()[0]);
-  result.seconds =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  result.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return result;
 }
 
@@ -133,13 +132,12 @@ GeneticResult evolve(const std::vector<Plane>& planes, const PlaneSensor& sensor
   const std::vector<ColumnPair> columns = columns_of(planes, sensor);
   const auto range = [](double value, double share) { return value * (1 + share); };
   const double product = priors.baseline_m * priors.focal_m;
-  return evolve(
-      ColumnProblem{.columns = &columns,
-                    .low = {range(product, -2 * kSpread), -kWidestRad, -kWidestRad,
-                            range(priors.focal_m, -kSpread), 1 - kFocalRatio},
-                    .high = {range(product, 2 * kSpread), kWidestRad, kWidestRad,
-                             range(priors.focal_m, kSpread), 1 + kFocalRatio}},
-      options);
+  return evolve(ColumnProblem{.columns = &columns,
+                              .low = {range(product, -2 * kSpread), -kWidestRad, -kWidestRad,
+                                      range(priors.focal_m, -kSpread), 1 - kFocalRatio},
+                              .high = {range(product, 2 * kSpread), kWidestRad, kWidestRad,
+                                       range(priors.focal_m, kSpread), 1 + kFocalRatio}},
+                options);
 }
 
 GeneticResult evolve_chapter(const std::vector<Plane>& planes, const PlaneSensor& sensor,

@@ -40,8 +40,7 @@ std::vector<DepthPoint> points_of(const Plane& plane, const PlaneSensor& sensor,
       const double z = depth_of(x.data(), sensor.left_m(cell), sensor.right_m(cell));
       if (std::isfinite(z) && z > 0) {
         const double tangent = tangent_of(std::tan(x[2]), -sensor.left_m(cell) / x[4]);
-        points.push_back(
-            {-tangent * z, (row - sensor.cy) * sensor.pixel_m / x[4] * z, z});
+        points.push_back({-tangent * z, (row - sensor.cy) * sensor.pixel_m / x[4] * z, z});
       }
     }
   }
@@ -173,7 +172,8 @@ dataset::Loaded<PlaneCalibration> calibrate_planes(const std::vector<Plane>& pla
   for (std::size_t n = 0; n < planes.size(); ++n) {
     std::optional<WallJudgement> wall = judge_wall(planes[n], options.sensor, fit->x);
     if (!wall) {
-      return dataset::refuse(planes[n].name + ": hardly any depth lies near the wall: check its z_m");
+      return dataset::refuse(planes[n].name +
+                             ": hardly any depth lies near the wall: check its z_m");
     }
     wall->fitted = is_fitted[n];
     result.walls.push_back(std::move(*wall));

@@ -35,9 +35,9 @@ struct PlaneCalibration {
   // Of --chapter: its own objective, and Table 2 by it; offsets are columns right of the left
   // principal one.
   struct Chapter {
-    GeneticResult genes;         // offset 0
-    double table2_rms_m = 0;     // offset 0
-    double best_offset_px = 0;   // where Table 2 is best
+    GeneticResult genes;        // offset 0
+    double table2_rms_m = 0;    // offset 0
+    double best_offset_px = 0;  // where Table 2 is best
     double table2_best_rms_m = 0;
     double refined_rms_m = 0;    // the refined constants by this objective
     double elsewhere_rms_m = 0;  // the genes where they were not fitted: depth_rms_m()

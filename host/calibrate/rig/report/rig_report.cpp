@@ -23,17 +23,18 @@ std::string pose_rows(const PoseUnknowns& pose, const std::array<double, kPoseUn
   std::string text;
   for (std::size_t i = 0; i < kAxes.size(); ++i) {
     text += printed("  %s turn %s %9.4f +- %.4f degrees    shift %s %9.2f +- %.2f mm\n", what,
-                    kAxes[i], pose[i] * kDegrees, sigma[i] * kDegrees, kAxes[i],
-                    pose[3 + i] * kMm, sigma[3 + i] * kMm);
+                    kAxes[i], pose[i] * kDegrees, sigma[i] * kDegrees, kAxes[i], pose[3 + i] * kMm,
+                    sigma[3 + i] * kMm);
   }
   return text;
 }
 
 std::string judgement_text(const TargetJudgement& judgement) {
-  return printed("held out: %zu views: reprojection %.3f px rms, rows %.3f px rms (largest %.2f), "
-                 "squares %+.2f percent\n",
-                 judgement.views, judgement.reprojection_px, judgement.row_px,
-                 judgement.largest_row_px, judgement.scale_error * kPercent);
+  return printed(
+      "held out: %zu views: reprojection %.3f px rms, rows %.3f px rms (largest %.2f), "
+      "squares %+.2f percent\n",
+      judgement.views, judgement.reprojection_px, judgement.row_px, judgement.largest_row_px,
+      judgement.scale_error * kPercent);
 }
 
 // From the disparities, or what was told.
@@ -42,9 +43,8 @@ std::string source_of(double sigma, double prior) {
     return "";
   }
   constexpr double kPriorAlone = 0.9;
-  return sigma > kPriorAlone * prior
-             ? " (what was told; the pictures add nothing)"
-             : printed(" (told to %.4g)", prior);
+  return sigma > kPriorAlone * prior ? " (what was told; the pictures add nothing)"
+                                     : printed(" (told to %.4g)", prior);
 }
 
 std::string chapter_text(const PlaneCalibration::Chapter& chapter) {
@@ -63,10 +63,10 @@ std::string chapter_text(const PlaneCalibration::Chapter& chapter) {
 
 std::string target_text(const TargetCalibration& found) {
   const PairFit& fit = found.fit;
-  std::string text =
-      printed("%zu views fitted, corners off by %.3f px (one coordinate)\n"
-              "         left                          right\n",
-              found.fitted.size(), fit.corner_sigma_px);
+  std::string text = printed(
+      "%zu views fitted, corners off by %.3f px (one coordinate)\n"
+      "         left                          right\n",
+      found.fitted.size(), fit.corner_sigma_px);
   for (std::size_t i = 0; i < kLensUnknowns; ++i) {
     const bool fitted = (i != 8 || found.k3) && ((i != 6 && i != 7) || found.tangential);
     text += fitted ? lens_row(kLensNames[i], fit, i)
@@ -90,19 +90,20 @@ std::string target_text(const TargetCalibration& found) {
 
 std::string planes_text(const PlaneCalibration& found) {
   const PlaneFit& fit = found.fit;
-  std::string text = printed("genes %.2f mm rms in %.1f s, refined %.2f mm\n",
-                             found.genes.rms_m * kMm, found.genes.seconds,
-                             found.refined_rms_m * kMm);
+  std::string text =
+      printed("genes %.2f mm rms in %.1f s, refined %.2f mm\n", found.genes.rms_m * kMm,
+              found.genes.seconds, found.refined_rms_m * kMm);
   for (std::size_t i = 0; i < kPlaneUnknowns; ++i) {
-    text += printed("  %-5s %11.7f +- %.7f %s%s\n", kPlaneNames[i], fit.x[i], fit.sigma(i),
-                    i == 1 || i == 2 ? "rad" : "m",
-                    source_of(fit.sigma(i), fit.from_prior[i]).c_str());
+    text +=
+        printed("  %-5s %11.7f +- %.7f %s%s\n", kPlaneNames[i], fit.x[i], fit.sigma(i),
+                i == 1 || i == 2 ? "rad" : "m", source_of(fit.sigma(i), fit.from_prior[i]).c_str());
   }
   const double constant = triangulation_constant(fit.x);
-  text += printed("  b F cos^2(alpha) %.6g m^2 +- %.3f percent, alpha - beta %.6f rad +- %.6f, axes "
-                  "meet at %.3f m, cells %.3f px\n  covariance of",
-                  constant, fit.constant_sigma / constant * kPercent, fit.x[1] - fit.x[2],
-                  fit.difference_sigma, zero_disparity_m(fit.x), fit.cell_sigma_px);
+  text += printed(
+      "  b F cos^2(alpha) %.6g m^2 +- %.3f percent, alpha - beta %.6f rad +- %.6f, axes "
+      "meet at %.3f m, cells %.3f px\n  covariance of",
+      constant, fit.constant_sigma / constant * kPercent, fit.x[1] - fit.x[2], fit.difference_sigma,
+      zero_disparity_m(fit.x), fit.cell_sigma_px);
   for (const char* const name : kPlaneNames) {
     text += printed(" %s", name);
   }
@@ -120,9 +121,9 @@ std::string planes_text(const PlaneCalibration& found) {
                     wall.bias_m * kMm, wall.pixels, wall.dropped * kPercent,
                     wall.fitted ? "" : "  held out");
   }
-  text += printed("spread over the fitted walls %.1f mm, held out %.1f mm\n",
-                  pooled_spread_m(found.walls, true) * kMm,
-                  pooled_spread_m(found.walls, false) * kMm);
+  text +=
+      printed("spread over the fitted walls %.1f mm, held out %.1f mm\n",
+              pooled_spread_m(found.walls, true) * kMm, pooled_spread_m(found.walls, false) * kMm);
   return found.chapter ? text + chapter_text(*found.chapter) : text;
 }
 
@@ -152,20 +153,22 @@ std::string extrinsics_text(const ExtrinsicFit& fit, const FoundWalls& found) {
 std::string check_text(const RigCheck& check) {
   std::string text;
   if (check.rows) {
-    text += printed("rows: %zu points: median %+.2f px, rms %.2f px, %+.2f px from the left border "
-                    "to the right\n",
-                    check.rows->points, check.rows->median_px, check.rows->rms_px,
-                    check.rows->slope_px);
+    text += printed(
+        "rows: %zu points: median %+.2f px, rms %.2f px, %+.2f px from the left border "
+        "to the right\n",
+        check.rows->points, check.rows->median_px, check.rows->rms_px, check.rows->slope_px);
   } else {
     text += "rows: too few points that both eyes see\n";
   }
   if (check.depths) {
-    text += printed("depth: %zu readings: the PMD camera reads %+.0f mm farther at 2 m, spread %.0f "
-                    "mm\n",
-                    check.depths->points, check.depths->median_mm, check.depths->spread_mm);
+    text += printed(
+        "depth: %zu readings: the PMD camera reads %+.0f mm farther at 2 m, spread %.0f "
+        "mm\n",
+        check.depths->points, check.depths->median_mm, check.depths->spread_mm);
   } else {
-    text += "depth: no PMD recordings (pmd.json, pmd_raw.pgm) beside the pictures, or too few "
-            "readings that the pair sees\n";
+    text +=
+        "depth: no PMD recordings (pmd.json, pmd_raw.pgm) beside the pictures, or too few "
+        "readings that the pair sees\n";
   }
   const std::vector<std::string> lines = advice(check);
   for (const std::string& line : lines) {

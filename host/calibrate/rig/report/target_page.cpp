@@ -29,8 +29,8 @@ Figure residual_figure(const std::string& name, const char* eye,
   const double rms = std::sqrt(squares / static_cast<double>(2 * corners.size()));
   // The corners of the picture, so that all diagrams show the same.
   PlotSeries frame{.name = "", .colour = kPlotGrey};
-  for (const auto& [x, y] : {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1),
-                             std::pair(0, 0)}) {
+  for (const auto& [x, y] :
+       {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1), std::pair(0, 0)}) {
     frame.add(x * (lens.width - 1.0), y * (lens.height - 1.0));
   }
   return plot_figure({.title = name + ", " + eye,
@@ -47,12 +47,12 @@ void add_views(const std::vector<PairView>& views, const std::vector<ViewResidua
   std::vector<Figure> figures;
   for (std::size_t n = 0; n < std::min(views.size(), residuals.size()); ++n) {
     if (!views[n].left.empty()) {
-      figures.push_back(residual_figure(views[n].name, "left", views[n].left, residuals[n].left,
-                                        rig.left));
+      figures.push_back(
+          residual_figure(views[n].name, "left", views[n].left, residuals[n].left, rig.left));
     }
     if (!views[n].right.empty()) {
-      figures.push_back(residual_figure(views[n].name, "right", views[n].right, residuals[n].right,
-                                        rig.right));
+      figures.push_back(
+          residual_figure(views[n].name, "right", views[n].right, residuals[n].right, rig.right));
     }
   }
   page.figures(figures, Width::kSmall);
@@ -122,10 +122,10 @@ std::expected<void, dataset::Problem> write_target_page(const TargetCalibration&
       printed("%zu views of a board; corners are off by %.3f px of a coordinate.",
               found.fitted.size(), found.fit.corner_sigma_px)};
   if (found.judgement) {
-    lead.push_back(printed("%zu views that were held out: %.3f px, rows of the rectified pictures "
-                           "%.3f px rms.",
-                           found.judgement->views, found.judgement->reprojection_px,
-                           found.judgement->row_px));
+    lead.push_back(
+        printed("%zu views that were held out: %.3f px, rows of the rectified pictures "
+                "%.3f px rms.",
+                found.judgement->views, found.judgement->reprojection_px, found.judgement->row_px));
   }
   return write_page(file, page.html("A pair of cameras, calibrated", lead));
 }

@@ -34,7 +34,8 @@ bool is_lens(const dsp::Pinhole& lens) {
 
 }  // namespace
 
-std::optional<PoseUnknowns> pose_of_board(const Board& board, const std::vector<PixelPoint>& corners,
+std::optional<PoseUnknowns> pose_of_board(const Board& board,
+                                          const std::vector<PixelPoint>& corners,
                                           const dsp::Pinhole& lens) {
   const cv::Matx33d matrix(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
   const cv::Vec<double, 5> distortion(lens.k1, lens.k2, lens.p1, lens.p2, lens.k3);

@@ -12,7 +12,8 @@
 namespace stof::host {
 
 // From the board's axes to the camera's. None where OpenCV finds none.
-std::optional<PoseUnknowns> pose_of_board(const Board& board, const std::vector<PixelPoint>& corners,
+std::optional<PoseUnknowns> pose_of_board(const Board& board,
+                                          const std::vector<PixelPoint>& corners,
                                           const dsp::Pinhole& lens);
 
 // A lens of this size with k1 and k2, from views of the board (each with all corners). None where

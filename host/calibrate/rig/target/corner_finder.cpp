@@ -27,7 +27,9 @@ struct Grid {
   std::vector<cv::Point2f> corners;
   int columns = 0;
   int rows = 0;
-  const cv::Point2f& at(int column, int row) const { return corners[index(row * columns + column)]; }
+  const cv::Point2f& at(int column, int row) const {
+    return corners[index(row * columns + column)];
+  }
 };
 
 double distance(const cv::Point2f& a, const cv::Point2f& b) {
@@ -99,8 +101,7 @@ double edge_width(const cv::Mat& picture, const cv::Point2f& a, const cv::Point2
   std::vector<double> profile;
   for (int i = -reach; i <= reach; ++i) {
     const double along = i * kProfileStep;
-    profile.push_back(
-        grey_at(picture, middle_x + along * across_x, middle_y + along * across_y));
+    profile.push_back(grey_at(picture, middle_x + along * across_x, middle_y + along * across_y));
     if (!std::isfinite(profile.back())) {
       return kNothing;
     }
@@ -164,9 +165,9 @@ double blur_of(const cv::Mat& picture, const Grid& grid) {
 
 bool look_for(const cv::Mat& picture, Grid& grid) {
   const cv::Size size(grid.columns, grid.rows);
-  if (cv::findChessboardCorners(picture, size, grid.corners,
-                                cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE |
-                                    cv::CALIB_CB_FAST_CHECK)) {
+  if (cv::findChessboardCorners(
+          picture, size, grid.corners,
+          cv::CALIB_CB_ADAPTIVE_THRESH | cv::CALIB_CB_NORMALIZE_IMAGE | cv::CALIB_CB_FAST_CHECK)) {
     return true;
   }
   return cv::findChessboardCornersSB(picture, size, grid.corners, cv::CALIB_CB_NORMALIZE_IMAGE);

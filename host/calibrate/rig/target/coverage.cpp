@@ -104,22 +104,25 @@ std::vector<std::string> missing_views(const std::vector<PairView>& views,
     upwards += std::abs(pose.upwards_rad) >= kLeastTiltRad ? 1 : 0;
   }
   if (largest < kNearShare) {
-    missing.push_back(printed("near: the board never fills more than %.0f percent of a picture, "
-                              "%.0f are needed",
-                              largest * kPercent, kNearShare * kPercent));
+    missing.push_back(
+        printed("near: the board never fills more than %.0f percent of a picture, "
+                "%.0f are needed",
+                largest * kPercent, kNearShare * kPercent));
   }
   if (std::sqrt(smallest) > kFarRatio * std::sqrt(largest)) {
     missing.push_back("far: all views have about the same distance; take some from twice as far");
   }
   if (sideways < kLeastTilted) {
-    missing.push_back(printed("tilted: %d views are turned sideways by 15 degrees or more, %d are "
-                              "needed",
-                              sideways, kLeastTilted));
+    missing.push_back(
+        printed("tilted: %d views are turned sideways by 15 degrees or more, %d are "
+                "needed",
+                sideways, kLeastTilted));
   }
   if (upwards < kLeastTilted) {
-    missing.push_back(printed("tilted: %d views are tilted up or down by 15 degrees or more, %d "
-                              "are needed",
-                              upwards, kLeastTilted));
+    missing.push_back(
+        printed("tilted: %d views are tilted up or down by 15 degrees or more, %d "
+                "are needed",
+                upwards, kLeastTilted));
   }
   add_corners(views, width, height, missing);
   return missing;

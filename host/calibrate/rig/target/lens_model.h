@@ -13,8 +13,8 @@ namespace stof::host {
 // fx fy cx cy k1 k2 p1 p2 k3, OpenCV's order.
 inline constexpr std::size_t kLensUnknowns = 9;
 using LensUnknowns = std::array<double, kLensUnknowns>;
-inline constexpr std::array<const char*, kLensUnknowns> kLensNames{
-    "fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2", "k3"};
+inline constexpr std::array<const char*, kLensUnknowns> kLensNames{"fx", "fy", "cx", "cy", "k1",
+                                                                   "k2", "p1", "p2", "k3"};
 
 // A rotation vector (axis times angle, rad) and a translation (m): X' = R X + T.
 inline constexpr std::size_t kPoseUnknowns = 6;
@@ -79,10 +79,10 @@ bool project(const T* lens, const std::array<T, 3>& point, std::array<T, 2>& pix
   const T y = point[1] / point[2];
   const T r2 = x * x + y * y;
   const T stretch = T(1) + r2 * (lens[4] + r2 * (lens[5] + r2 * lens[8]));
-  pixel[0] = lens[0] * (x * stretch + T(2) * lens[6] * x * y + lens[7] * (r2 + T(2) * x * x)) +
-             lens[2];
-  pixel[1] = lens[1] * (y * stretch + lens[6] * (r2 + T(2) * y * y) + T(2) * lens[7] * x * y) +
-             lens[3];
+  pixel[0] =
+      lens[0] * (x * stretch + T(2) * lens[6] * x * y + lens[7] * (r2 + T(2) * x * x)) + lens[2];
+  pixel[1] =
+      lens[1] * (y * stretch + lens[6] * (r2 + T(2) * y * y) + T(2) * lens[7] * x * y) + lens[3];
   return true;
 }
 

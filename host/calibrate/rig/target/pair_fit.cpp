@@ -4,9 +4,9 @@
 #include <cmath>
 #include <memory>
 
+#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
-#include <Eigen/Eigenvalues>
 
 #include "dsp/base/index.h"
 #include "host/calibrate/rig/target/board_pose.h"
@@ -172,12 +172,11 @@ class PairProblem {
           new ceres::HuberLoss(kHuberPx), unknowns_.left.data(), pose.data());
     }
     for (std::size_t i = 0; i < view.right.size(); ++i) {
-      problem_.AddResidualBlock(
-          new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns, kPoseUnknowns,
-                                          kPoseUnknowns>(
-              new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
-          new ceres::HuberLoss(kHuberPx), unknowns_.right.data(), unknowns_.left_to_right.data(),
-          pose.data());
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
+                                                                kPoseUnknowns, kPoseUnknowns>(
+                                    new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
+                                new ceres::HuberLoss(kHuberPx), unknowns_.right.data(),
+                                unknowns_.left_to_right.data(), pose.data());
     }
   }
 
@@ -192,8 +191,8 @@ std::vector<Eigen::Index> fitted_unknowns(const PairFitOptions& options) {
   std::vector<Eigen::Index> fitted;
   for (std::size_t i = 0; i < kRigUnknowns; ++i) {
     const std::size_t of_lens = i < 2 * kLensUnknowns ? i % kLensUnknowns : 0;
-    const bool held = ((of_lens == 6 || of_lens == 7) && !options.tangential) ||
-                      (of_lens == 8 && !options.k3);
+    const bool held =
+        ((of_lens == 6 || of_lens == 7) && !options.tangential) || (of_lens == 8 && !options.k3);
     if (!held) {
       fitted.push_back(static_cast<Eigen::Index>(i));
     }
@@ -230,12 +229,11 @@ ViewResiduals residuals_of(const Board& board, const PairView& view, const dsp::
     residuals.left.push_back({residual[0], residual[1]});
   }
   for (std::size_t i = 0; i < view.right.size(); ++i) {
-    RightCorner{board.at(static_cast<int>(i)), view.right[i]}(
-        right.data(), left_to_right.data(), pose.data(), residual.data());
+    RightCorner{board.at(static_cast<int>(i)), view.right[i]}(right.data(), left_to_right.data(),
+                                                              pose.data(), residual.data());
     residuals.right.push_back({residual[0], residual[1]});
   }
-  const auto count =
-      static_cast<double>(2 * (residuals.left.size() + residuals.right.size()));
+  const auto count = static_cast<double>(2 * (residuals.left.size() + residuals.right.size()));
   residuals.rms_px =
       std::sqrt((sum_of_squares(residuals.left) + sum_of_squares(residuals.right)) / count);
   return residuals;
@@ -246,8 +244,8 @@ ViewResiduals residuals_of(const Board& board, const PairView& view, const dsp::
 std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>& views,
                                 const dsp::RawPair& start, const std::vector<PoseUnknowns>& boards,
                                 const PairFitOptions& options) {
-  Unknowns unknowns{unknowns_of(start.left), unknowns_of(start.right),
-                    pose_of(start.left_to_right), boards};
+  Unknowns unknowns{unknowns_of(start.left), unknowns_of(start.right), pose_of(start.left_to_right),
+                    boards};
   for (LensUnknowns* const lens : {&unknowns.left, &unknowns.right}) {
     if (!options.tangential) {
       (*lens)[6] = (*lens)[7] = 0;
@@ -313,11 +311,10 @@ std::optional<ViewResiduals> judge_view(const Board& board, const PairView& view
         nullptr, left.data(), pose->data());
   }
   for (std::size_t i = 0; i < view.right.size(); ++i) {
-    problem.AddResidualBlock(
-        new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns, kPoseUnknowns,
-                                        kPoseUnknowns>(
-            new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
-        nullptr, right.data(), left_to_right.data(), pose->data());
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
+                                                             kPoseUnknowns, kPoseUnknowns>(
+                                 new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
+                             nullptr, right.data(), left_to_right.data(), pose->data());
   }
   for (double* const block : {left.data(), right.data(), left_to_right.data()}) {
     if (problem.HasParameterBlock(block)) {

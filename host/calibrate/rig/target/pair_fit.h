@@ -25,8 +25,8 @@ struct PairView {
   bool both() const { return !left.empty() && !right.empty(); }
 };
 
-// The unknowns of a rig in the order of PairFit::covariance: left lens, right lens, then the pose of
-// the left camera's axes in the right one's (rotation vector, translation).
+// The unknowns of a rig in the order of PairFit::covariance: left lens, right lens, then the pose
+// of the left camera's axes in the right one's (rotation vector, translation).
 inline constexpr std::size_t kRigUnknowns = 2 * kLensUnknowns + kPoseUnknowns;
 
 struct PairFitOptions {
@@ -44,8 +44,8 @@ struct PairFit {
   dsp::RawPair rig;
   // Of the unknowns, from the spread of the residuals; zero rows for what was not fitted.
   Eigen::Matrix<double, int{kRigUnknowns}, int{kRigUnknowns}> covariance;
-  double corner_sigma_px = 0;  // of one coordinate, from the residuals
-  double cost = 0;             // sum of squared residuals, px^2
+  double corner_sigma_px = 0;        // of one coordinate, from the residuals
+  double cost = 0;                   // sum of squared residuals, px^2
   std::vector<PoseUnknowns> boards;  // of each view: board to left camera
   std::vector<ViewResiduals> residuals;
 
@@ -62,8 +62,8 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
                                 const dsp::RawPair& start, const std::vector<PoseUnknowns>& boards,
                                 const PairFitOptions& options);
 
-// Of a board in a view that a rig was not fitted to: the pose that suits both eyes best, and what it
-// leaves. None where it does not converge.
+// Of a board in a view that a rig was not fitted to: the pose that suits both eyes best, and what
+// it leaves. None where it does not converge.
 std::optional<ViewResiduals> judge_view(const Board& board, const PairView& view,
                                         const dsp::RawPair& rig);
 

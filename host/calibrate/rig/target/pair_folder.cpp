@@ -35,8 +35,7 @@ dataset::Loaded<Pair> read_pair(const std::filesystem::path& dir) {
   if (left->width != right->width || left->height != right->height) {
     return dataset::refuse(dir / "right.pgm",
                            "is " + dataset::size_text(right->width, right->height) +
-                               " but left.pgm is " +
-                               dataset::size_text(left->width, left->height),
+                               " but left.pgm is " + dataset::size_text(left->width, left->height),
                            "use cameras of one size");
   }
   return Pair{dir.filename().string(), std::move(*left), std::move(*right)};

@@ -84,13 +84,14 @@ dataset::Loaded<PairStart> start_of(const Board& board, const std::vector<PairVi
     return dataset::refuse(
         "no view shows the board to both eyes: keep it in the middle between them");
   }
-  PairStart start{.rig = {.left = *left, .right = *right,
-                          .left_to_right = transform_of(*left_to_right)},
-                  .boards = {}};
+  PairStart start{
+      .rig = {.left = *left, .right = *right, .left_to_right = transform_of(*left_to_right)},
+      .boards = {}};
   for (std::size_t n = 0; n < views.size(); ++n) {
     if (!poses[n].left && !poses[n].right) {
-      return dataset::refuse(views[n].name + ": the board's pose does not follow from its corners: "
-                                             "take the view out");
+      return dataset::refuse(views[n].name +
+                             ": the board's pose does not follow from its corners: "
+                             "take the view out");
     }
     start.boards.push_back(poses[n].left ? *poses[n].left
                                          : seen_by_left(*poses[n].right, *left_to_right));

@@ -38,10 +38,11 @@ std::vector<PixelPoint> corners_of(const dataset::Image<std::uint8_t>& picture, 
     return {};
   }
   if (!(found->blur_px <= options.most_blur_px)) {
-    why = std::isfinite(found->blur_px)
-              ? printed("blurred: edges of the %s picture are smoothed by %.1f px, %.1f are allowed",
-                        eye, found->blur_px, options.most_blur_px)
-              : printed("the %s picture is too dark", eye);
+    why =
+        std::isfinite(found->blur_px)
+            ? printed("blurred: edges of the %s picture are smoothed by %.1f px, %.1f are allowed",
+                      eye, found->blur_px, options.most_blur_px)
+            : printed("the %s picture is too dark", eye);
     return {};
   }
   return std::move(found->corners);
@@ -103,8 +104,8 @@ std::optional<PairFit> fit_without_outliers(const TargetOptions& options, PairSt
 bool explains(const TargetOptions& options, const PairFitOptions& more, TargetCalibration& result) {
   std::optional<PairFit> fit =
       fit_pair(options.board, result.fitted, result.fit.rig, result.fit.boards, more);
-  if (!fit || !(result.fit.cost - fit->cost >
-                kExplains * fit->corner_sigma_px * fit->corner_sigma_px)) {
+  if (!fit ||
+      !(result.fit.cost - fit->cost > kExplains * fit->corner_sigma_px * fit->corner_sigma_px)) {
     return false;
   }
   result.fit = std::move(*fit);
@@ -170,8 +171,7 @@ std::optional<TargetJudgement> judge(const TargetOptions& options, TargetCalibra
   double rows = 0;
   double corners = 0;
   for (const PairView& view : result.held_out) {
-    const std::optional<ViewResiduals> residuals =
-        judge_view(options.board, view, result.fit.rig);
+    const std::optional<ViewResiduals> residuals = judge_view(options.board, view, result.fit.rig);
     if (!residuals) {
       continue;
     }
@@ -200,9 +200,10 @@ void add_uncertain(const PairFit& fit, std::vector<std::string>& missing) {
   const double left = fit.sigma(0) / fit.rig.left.fx;
   const double right = fit.sigma(kLensUnknowns) / fit.rig.right.fx;
   if (!(std::max(left, right) <= kLargestFocalSigma)) {
-    missing.push_back(printed("tilted: the focal length is uncertain by %.1f percent, %.1f is "
-                              "allowed: tilt the board more, and bring it nearer",
-                              std::max(left, right) * kPercent, kLargestFocalSigma * kPercent));
+    missing.push_back(
+        printed("tilted: the focal length is uncertain by %.1f percent, %.1f is "
+                "allowed: tilt the board more, and bring it nearer",
+                std::max(left, right) * kPercent, kLargestFocalSigma * kPercent));
   }
 }
 
@@ -229,7 +230,8 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
     if (!pair) {
       return std::unexpected(pair.error());
     }
-    if (found.width != 0 && (found.width != pair->left.width || found.height != pair->left.height)) {
+    if (found.width != 0 &&
+        (found.width != pair->left.width || found.height != pair->left.height)) {
       return dataset::refuse(dir, "has pictures of another size than those before it",
                              "give views of one pair of cameras");
     }

@@ -38,7 +38,8 @@ struct TargetJudgement {
   double reprojection_px = 0;  // rms of a coordinate, the board's pose fitted to the view
   double row_px = 0;           // rms of how far rectified rows of a corner are apart
   double largest_row_px = 0;
-  double scale_error = 0;  // triangulated squares against the board's: mean share they are too large
+  double scale_error =
+      0;  // triangulated squares against the board's: mean share they are too large
 };
 
 struct TargetCalibration {

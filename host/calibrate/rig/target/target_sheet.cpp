@@ -12,8 +12,8 @@ namespace {
 
 constexpr double kMillimetres = 1000;
 constexpr double kPointsPerMm = 72 / 25.4;
-constexpr double kRulerMm = 14;   // the height that ruler and text take below the board
-constexpr double kMarginMm = 5;   // that printers leave white
+constexpr double kRulerMm = 14;  // the height that ruler and text take below the board
+constexpr double kMarginMm = 5;  // that printers leave white
 constexpr double kTextMm = 3.2;
 constexpr double kTickMm = 0.2;
 
@@ -96,11 +96,11 @@ dataset::Loaded<Sheet> sheet_of(const Board& board, std::string_view paper) {
   // White around the board is part of it: half a square is the least that finders want.
   const double white = std::max(side / 2, kMarginMm);
   if (spare_x < 2 * white || spare_y < 2 * white) {
-    return dataset::refuse(printed("board %s: takes %.0f x %.0f mm with its margins, %s is %.0f x "
-                                   "%.0f mm: use larger paper or smaller squares",
-                                   to_string(board).c_str(), width + 2 * white,
-                                   height + 2 * white + kRulerMm, found->name.data(),
-                                   sheet.width_mm, sheet.height_mm));
+    return dataset::refuse(
+        printed("board %s: takes %.0f x %.0f mm with its margins, %s is %.0f x "
+                "%.0f mm: use larger paper or smaller squares",
+                to_string(board).c_str(), width + 2 * white, height + 2 * white + kRulerMm,
+                found->name.data(), sheet.width_mm, sheet.height_mm));
   }
   const double x = spare_x / 2;
   const double y = spare_y / 2;
@@ -109,9 +109,10 @@ dataset::Loaded<Sheet> sheet_of(const Board& board, std::string_view paper) {
   add_ruler(x, below, std::min(width, sheet.width_mm - x - kMarginMm - 10), sheet);
   sheet.texts.push_back(
       {x, below + 12, kTextMm,
-       printed("stof board %s: print at 100 percent, measure: the ruler is in millimetres, a square "
-               "is %g mm",
-               to_string(board).c_str(), side)});
+       printed(
+           "stof board %s: print at 100 percent, measure: the ruler is in millimetres, a square "
+           "is %g mm",
+           to_string(board).c_str(), side)});
   return sheet;
 }
 
@@ -120,9 +121,10 @@ std::string pdf_bytes(const Sheet& sheet) {
   const std::array<std::string, 5> objects{
       "<< /Type /Catalog /Pages 2 0 R /ViewerPreferences << /PrintScaling /None >> >>",
       "<< /Type /Pages /Kids [3 0 R] /Count 1 >>",
-      printed("<< /Type /Page /Parent 2 0 R /MediaBox [0 0 %.4f %.4f] /Contents 5 0 R /Resources << "
-              "/Font << /F1 4 0 R >> >> >>",
-              sheet.width_mm * kPointsPerMm, sheet.height_mm * kPointsPerMm),
+      printed(
+          "<< /Type /Page /Parent 2 0 R /MediaBox [0 0 %.4f %.4f] /Contents 5 0 R /Resources << "
+          "/Font << /F1 4 0 R >> >> >>",
+          sheet.width_mm * kPointsPerMm, sheet.height_mm * kPointsPerMm),
       "<< /Type /Font /Subtype /Type1 /BaseFont /Helvetica >>",
       printed("<< /Length %zu >>\nstream\n%s\nendstream", content.size(), content.c_str())};
   std::string pdf = "%PDF-1.4\n";

@@ -46,8 +46,7 @@ std::vector<PixelPoint> seen_by(const dsp::Pinhole& lens, const PoseUnknowns& bo
 }
 
 PoseUnknowns board_at(const Board& board, const Vector3& middle, const Vector3& turn) {
-  const Matrix3 rotation =
-      rotation_of(PoseUnknowns{turn.x(), turn.y(), turn.z(), 0, 0, 0});
+  const Matrix3 rotation = rotation_of(PoseUnknowns{turn.x(), turn.y(), turn.z(), 0, 0, 0});
   const std::array<double, 2> last = board.at(board.corners() - 1);
   return pose_of(rotation, Vector3(middle - rotation * Vector3(last[0] / 2, last[1] / 2, 0)));
 }
@@ -57,34 +56,44 @@ PairView view_of(const dsp::RawPair& rig, const Board& board, const PoseUnknowns
   const Matrix3 between = rotation_of(pose_of(rig.left_to_right));
   const PoseUnknowns in_right =
       pose_of(Matrix3(between * rotation_of(pose)),
-              Vector3(between * translation_of(pose) +
-                      translation_of(pose_of(rig.left_to_right))));
+              Vector3(between * translation_of(pose) + translation_of(pose_of(rig.left_to_right))));
   return {.name = "",
           .left = seen_by(rig.left, pose, board, noise_px, random),
           .right = seen_by(rig.right, in_right, board, noise_px, random)};
 }
 
-std::vector<PairView> waved(const dsp::RawPair& rig, const Board& board, std::size_t count,
-                            double noise_px, std::uint64_t seed) {
+std::vector<PoseUnknowns> waved_poses(const dsp::RawPair& rig, const Board& board,
+                                      std::size_t count, std::uint64_t seed) {
   Gaussian random(seed);
-  std::vector<PairView> views;
-  while (views.size() < count) {
+  std::vector<PoseUnknowns> poses;
+  while (poses.size() < count) {
     const double z = random.between(0.36, 1.2);
     // Every fourth view is held into one of the picture's corners, which the other eye may not see.
-    const std::size_t n = views.size();
+    const std::size_t n = poses.size();
     const bool corner = n % 4 == 0;
-    const double across = corner ? (n / 4 % 2 == 0 ? 1 : -1) * random.between(0.3, 0.5)
-                                 : random.between(-0.35, 0.4);
-    const double down = corner ? (n / 8 % 2 == 0 ? 1 : -1) * random.between(0.2, 0.4)
-                               : random.between(-0.3, 0.3);
+    const double across =
+        corner ? (n / 4 % 2 == 0 ? 1 : -1) * random.between(0.3, 0.5) : random.between(-0.35, 0.4);
+    const double down =
+        corner ? (n / 8 % 2 == 0 ? 1 : -1) * random.between(0.2, 0.4) : random.between(-0.3, 0.3);
     const Vector3 middle(across * z, down * z, z);
     const Vector3 turn(random.between(-0.6, 0.6), random.between(-0.6, 0.6),
                        random.between(-0.3, 0.3));
-    PairView view = view_of(rig, board, board_at(board, middle, turn), noise_px, random);
+    const PoseUnknowns pose = board_at(board, middle, turn);
+    const PairView view = view_of(rig, board, pose, 0, random);
     if (view.both() || ((!view.left.empty() || !view.right.empty()) && corner)) {
-      view.name = std::to_string(views.size());
-      views.push_back(std::move(view));
+      poses.push_back(pose);
     }
+  }
+  return poses;
+}
+
+std::vector<PairView> waved(const dsp::RawPair& rig, const Board& board, std::size_t count,
+                            double noise_px, std::uint64_t seed) {
+  Gaussian random(seed + 1000);
+  std::vector<PairView> views;
+  for (const PoseUnknowns& pose : waved_poses(rig, board, count, seed)) {
+    views.push_back(view_of(rig, board, pose, noise_px, random));
+    views.back().name = std::to_string(views.size() - 1);
   }
   return views;
 }

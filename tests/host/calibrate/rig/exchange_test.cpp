@@ -191,7 +191,8 @@ TEST_F(Exchange, EveryFormatGivesBackWhatItWasGiven) {
   expect_equal(*by_kalibr, rig);
   rig.left.k3 = 0.0123;
   EXPECT_FALSE(kalibr_text(rig)) << "Kalibr has no k3";
-  const dataset::Loaded<dsp::RawPair> by_opencv = read_opencv({put("rig.yml", opencv_text(rig))}, 0, 0);
+  const dataset::Loaded<dsp::RawPair> by_opencv =
+      read_opencv({put("rig.yml", opencv_text(rig))}, 0, 0);
   ASSERT_TRUE(by_opencv) << by_opencv.error().message;
   expect_equal(*by_opencv, rig);
   const dataset::Loaded<dsp::RawPair> by_ros =
@@ -202,11 +203,13 @@ TEST_F(Exchange, EveryFormatGivesBackWhatItWasGiven) {
 
 TEST_F(Exchange, ModelsThatRectificationDoesNotKnowAreRefusedByNameAndLine) {
   const auto kalibr_says = [this](std::string_view what, std::string_view with) {
-    const dataset::Loaded<dsp::RawPair> rig = read_kalibr(put("c.yaml", replaced(kKalibr, what, with)));
+    const dataset::Loaded<dsp::RawPair> rig =
+        read_kalibr(put("c.yaml", replaced(kKalibr, what, with)));
     return rig ? std::string("taken") : rig.error().message;
   };
-  EXPECT_NE(kalibr_says("radtan", "equidistant").find("line 5: has the distortion model equidistant"),
-            std::string::npos);
+  EXPECT_NE(
+      kalibr_says("radtan", "equidistant").find("line 5: has the distortion model equidistant"),
+      std::string::npos);
   EXPECT_NE(kalibr_says("pinhole", "omni").find("line 3: has the camera model omni"),
             std::string::npos);
   const dataset::Loaded<dsp::RawPair> rational =
@@ -233,9 +236,8 @@ TEST_F(Exchange, DamagedFilesAreRefusedInOneLine) {
     ASSERT_FALSE(rig) << length;
     EXPECT_EQ(rig.error().message.find('\n'), std::string::npos);
   }
-  for (const char* const text :
-       {"", "[1, 2]", "cam0: 3", "cam0: [", "\t", "cam0: {intrinsics: {}}", "a: &a [*a]", "%YAML:1.0",
-        "cam0:\n  camera_model: [pinhole]\n"}) {
+  for (const char* const text : {"", "[1, 2]", "cam0: 3", "cam0: [", "\t", "cam0: {intrinsics: {}}",
+                                 "a: &a [*a]", "%YAML:1.0", "cam0:\n  camera_model: [pinhole]\n"}) {
     EXPECT_FALSE(read_kalibr(put("bad.yaml", text))) << text;
     EXPECT_FALSE(read_opencv({put("bad.yaml", text)}, 640, 480)) << text;
     EXPECT_FALSE(read_ros(put("bad.yaml", text), put("bad.yaml", text))) << text;

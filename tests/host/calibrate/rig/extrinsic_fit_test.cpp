@@ -53,8 +53,7 @@ SeenWall seen_wall(const PmdKind& kind, const Vector3& normal, double distance, 
     }
   }
   std::vector<PlaneLook> pmd;
-  const Vector3 turned =
-      rotation_of(kTruth).transpose() * m / (1 - m.dot(translation_of(kTruth)));
+  const Vector3 turned = rotation_of(kTruth).transpose() * m / (1 - m.dot(translation_of(kTruth)));
   static const std::vector<Vector3> chapter = rays_of(kChapter.lens);
   static const std::vector<Vector3> fine = rays_of(kFine.lens);
   for (const Vector3& ray : &kind == &kChapter ? chapter : fine) {

@@ -31,9 +31,8 @@ std::vector<Plane> walls(const PlaneUnknowns& rig, double noise_px, double tape_
         const double tangent = std::tan(rig[2] - std::atan(ray));
         const double y = (row - kSensor.cy) * kSensor.pixel_m / rig[4];
         const double z = (plane.z_m + offset) / (1 + sideways * tangent - upwards * y);
-        const double right =
-            kSensor.cx_right -
-            std::tan(std::atan(rig[0] / z + tangent) - rig[1]) * rig[3] / kSensor.pixel_m;
+        const double right = kSensor.cx_right - std::tan(std::atan(rig[0] / z + tangent) - rig[1]) *
+                                                    rig[3] / kSensor.pixel_m;
         plane.cells.push_back({left, right + random.next(noise_px), row});
       }
     }
@@ -95,8 +94,7 @@ TEST(PlaneFit, TheCovarianceIsThatOfTheErrorsAndSaysWhatPriorsTell) {
     difference += turned * turned / (fit->difference_sigma * fit->difference_sigma);
     EXPECT_LT(fit->constant_sigma / triangulation_constant(fit->x), 0.002);
     // Disparities do not tell b by itself.
-    EXPECT_GT(fit->sigma(0) / fit->x[0],
-              3 * fit->constant_sigma / triangulation_constant(fit->x));
+    EXPECT_GT(fit->sigma(0) / fit->x[0], 3 * fit->constant_sigma / triangulation_constant(fit->x));
   }
   // chi^2 of 40 degrees of freedom: 3 sigma are 0.67 of the mean.
   EXPECT_NEAR(constant / kSeeds, 1, 0.67);

@@ -17,7 +17,7 @@ using test::true_pair;
 using test::view_of;
 using test::waved;
 
-constexpr Board kBoard{.columns = 9, .rows = 6, .square_m = 0.03};  // A4
+constexpr Board kBoard{.columns = 9, .rows = 6, .square_m = 0.03};        // A4
 constexpr Board kLargeBoard{.columns = 12, .rows = 9, .square_m = 0.04};  // A2
 constexpr double kDegree = std::numbers::pi / 180;
 
@@ -86,8 +86,8 @@ TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
     const double turn = angle_between(rig.left_to_right, truth.left_to_right) / kDegree;
     turned += turn * turn / kSeeds;
     std::printf("figure: seed %d: rotation %.4f degrees, row rms %.3f px, fx %.3f percent\n",
-                static_cast<int>(seed), turn,
-                row_rms_of_truth(truth, rig), (rig.left.fx / truth.left.fx - 1) * 100);
+                static_cast<int>(seed), turn, row_rms_of_truth(truth, rig),
+                (rig.left.fx / truth.left.fx - 1) * 100);
     EXPECT_LT(row_rms_of_truth(truth, rig), 0.1) << seed;
     EXPECT_NEAR(found.fit.corner_sigma_px, 0.1, 0.01) << seed;
     ASSERT_TRUE(found.judgement) << seed;
@@ -101,8 +101,7 @@ TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
 // p1 and p2 look much like a lens that is turned: what they leave is rows that correspond.
 TEST(TargetCalibration, TangentialDistortionLeavesRowsThatCorrespond) {
   const dsp::RawPair truth = true_pair();
-  const TargetCalibration found =
-      calibrated(waved(truth, kLargeBoard, 25, 0.1, 1), 5, kLargeBoard);
+  const TargetCalibration found = calibrated(waved(truth, kLargeBoard, 25, 0.1, 1), 5, kLargeBoard);
   EXPECT_TRUE(found.tangential);
   EXPECT_NEAR(found.fit.rig.left.fx / truth.left.fx, 1, 0.003);
   EXPECT_LT(row_rms_of_truth(truth, found.fit.rig), 0.1);
@@ -122,8 +121,7 @@ TEST(TargetCalibration, TheCovarianceIsThatOfTheErrors) {
     for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
       error(static_cast<Eigen::Index>(i)) = a[i] - b[i];
     }
-    const Eigen::Matrix<double, 6, 6> covariance =
-        found.fit.covariance.bottomRightCorner<6, 6>();
+    const Eigen::Matrix<double, 6, 6> covariance = found.fit.covariance.bottomRightCorner<6, 6>();
     sum += error.dot(covariance.inverse() * error);
     ASSERT_GT(found.fit.sigma(0), 0);
     EXPECT_LT(std::abs(found.fit.rig.left.fx - left[0]), 5 * found.fit.sigma(0)) << seed;
