@@ -1,6 +1,7 @@
 #include <cstdio>
 
 #include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/extrinsics/pmd_board_views.h"
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/cli/failure.h"
 #include "host/cli/rig/calib_rig.h"
@@ -27,6 +28,54 @@ StoredCalibration rig_of(const std::filesystem::path& file) {
   return stored;
 }
 
+void print(const char* what, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    std::printf("%s: %s\n", what, line.c_str());
+  }
+}
+
+ExtrinsicFit by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+  const FoundWalls found =
+      walls_of(value_or_fail(read_looks(options.folder, rig, search_of(options))));
+  const std::vector<std::string> missing = missing_tilts(found.walls);
+  const std::optional<ExtrinsicFit> fit =
+      fit_extrinsics(found.walls, {.offset_sigma_m = options.offset_mm / kMmPerMetre});
+  if (fit) {
+    std::printf("%s", extrinsics_text(*fit, found).c_str());
+  }
+  print("left out", found.refused);
+  print("missing", missing);
+  if (!fit || (!missing.empty() && !options.force)) {
+    throw Failure(
+        Exit::kBadInput,
+        options.folder.string() + ": " +
+            (missing.empty() ? "the walls do not tell where the PMD camera is" : missing.front()) +
+            ": add such walls, no file is written" + (fit ? "; or give --force" : ""));
+  }
+  return *fit;
+}
+
+ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+  if (rig.stereo.converging) {
+    throw Failure(Exit::kBadInput, options.calibration.string() +
+                                       ": is of a pair whose axes converge: use walls, without "
+                                       "--board");
+  }
+  const Board board = value_or_fail(board_named(options.board));
+  const PmdBoardViews found = value_or_fail(read_board_views(options.folder, rig, board));
+  print("left out", found.refused);
+  const std::optional<ExtrinsicFit> fit =
+      fit_extrinsics(board, found.views, fixed_pair(rig.stereo), rig.pmd.lens);
+  if (!fit) {
+    throw Failure(Exit::kBadInput, options.folder.string() +
+                                       ": more: " + std::to_string(found.views.size()) +
+                                       " views show the whole board to all three cameras, 5 are "
+                                       "needed: add such views");
+  }
+  std::printf("%s", board_extrinsics_text(*fit, found).c_str());
+  return *fit;
+}
+
 }  // namespace
 
 void calib_extrinsics(const CalibFolderOptions& options) {
@@ -37,29 +86,8 @@ void calib_extrinsics(const CalibFolderOptions& options) {
                   options.calibration.string() +
                       ": holds no PMD camera: calibrate it first (stof calib pmd)");
   }
-  const FoundWalls found =
-      walls_of(value_or_fail(read_looks(options.folder, rig, search_of(options))));
-  const std::vector<std::string> missing = missing_tilts(found.walls);
-  const std::optional<ExtrinsicFit> fit =
-      fit_extrinsics(found.walls, {.offset_sigma_m = options.offset_mm / kMmPerMetre});
-  if (fit) {
-    std::printf("%s", extrinsics_text(*fit, found).c_str());
-  } else {
-    for (const std::string& line : found.refused) {
-      std::printf("left out: %s\n", line.c_str());
-    }
-  }
-  for (const std::string& line : missing) {
-    std::printf("missing: %s\n", line.c_str());
-  }
-  if (!fit || (!missing.empty() && !options.force)) {
-    throw Failure(
-        Exit::kBadInput,
-        options.folder.string() + ": " +
-            (missing.empty() ? "the walls do not tell where the PMD camera is" : missing.front()) +
-            ": add such walls, no file is written" + (fit ? "; or give --force" : ""));
-  }
-  rig.pmd_to_stereo = transform_of(fit->pmd_to_stereo);
+  const ExtrinsicFit fit = options.board.empty() ? by_walls(options, rig) : by_boards(options, rig);
+  rig.pmd_to_stereo = transform_of(fit.pmd_to_stereo);
   value_or_fail(write_calibration(options.out, rig));
   std::printf("%s\n", options.out.c_str());
 }

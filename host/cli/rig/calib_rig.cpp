@@ -97,7 +97,8 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
 
 void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
   CLI::App& command = *calib.add_subcommand(
-      "extrinsics", "Where the PMD camera is, from walls at several tilts that both see");
+      "extrinsics",
+      "Where the PMD camera is, from walls at several tilts that both see, or a board");
   command
       .add_option("DIR", options.folder,
                   "Folder with a folder for each wall: left.pgm, right.pgm, pmd.json, "

@@ -11,11 +11,11 @@
 namespace stof::host {
 
 struct CalibStereoOptions {
-  std::filesystem::path target;  // folder; this or planes
-  std::filesystem::path planes;
-  std::filesystem::path out;
-  std::filesystem::path start;  // empty: none
-  std::filesystem::path page;   // empty: none
+  std::filesystem::path target{};  // folder; this or planes
+  std::filesystem::path planes{};
+  std::filesystem::path out{};
+  std::filesystem::path start{};  // empty: none
+  std::filesystem::path page{};   // empty: none
   std::string board = "9x6:0.024";
   int hold_out = -1;  // every so many; -1: the command's own
   double most_blur_px = 1.5;
@@ -24,7 +24,7 @@ struct CalibStereoOptions {
   std::vector<double> baseline{0.2, 0.002};  // m and its sigma
   std::vector<double> focal{8.5, 0.17};      // mm and its sigma
   double pixel_um = 5.6;
-  std::vector<double> centre;  // cx left, cx right, cy; empty: the middle
+  std::vector<double> centre{};  // cx left, cx right, cy; empty: the middle
   int min_disparity = -64;
   int disparities = 256;
   int block = 17;
@@ -34,28 +34,29 @@ struct CalibStereoOptions {
 };
 
 struct CalibFolderOptions {  // extrinsics, check
-  std::filesystem::path folder;
-  std::filesystem::path calibration;
-  std::filesystem::path out;
+  std::filesystem::path folder{};
+  std::filesystem::path calibration{};
+  std::filesystem::path out{};
   int min_disparity = 0;
   int disparities = 128;
   double offset_mm = 3;
+  std::string board{};  // of extrinsics: views of it in place of walls
   int threads = 1;
   bool force = false;
 };
 
 struct CalibExchangeOptions {  // import, export
-  std::string format;
-  std::vector<std::filesystem::path> files;
-  std::filesystem::path out;
-  std::filesystem::path start;
-  std::vector<int> size;
+  std::string format{};
+  std::vector<std::filesystem::path> files{};
+  std::filesystem::path out{};
+  std::filesystem::path start{};
+  std::vector<int> size{};
 };
 
 struct CalibTargetOptions {
   std::string board = "9x6:0.024";
   std::string paper = "a4";
-  std::filesystem::path out;
+  std::filesystem::path out{};
 };
 
 struct CalibRigOptions {

@@ -22,7 +22,7 @@ struct BothLooks {
   std::string name;
   std::vector<PlaneLook> stereo;  // axes of the rectified left camera; one of each 12 by 12 px,
                                   // whose errors are their own
-  std::vector<PlaneLook> pmd;  // axes of the PMD camera; the mean of each pixel's frames
+  std::vector<PlaneLook> pmd;     // axes of the PMD camera; the mean of each pixel's frames
 };
 
 // Folders in DIR with left.pgm, right.pgm, pmd.json, pmd_raw.pgm, through the appliance's matcher

@@ -16,7 +16,7 @@ constexpr double kSigmaOfMad = 1.4826;
 constexpr int kRounds = 5;
 // A matcher's gross errors would move the first fit: it begins with depths near the wall.
 constexpr double kNearWall = 0.1;
-constexpr int kTable2Steps = 400;  // of the offset that is looked for, a pixel each, to both sides
+constexpr int kTable2Steps = 320;  // of the offset that is looked for, a pixel each, to both sides
 constexpr std::size_t kFewestFitted = 3;
 
 struct DepthPoint {

@@ -29,6 +29,15 @@ std::string pose_rows(const PoseUnknowns& pose, const std::array<double, kPoseUn
   return text;
 }
 
+std::string place_rows(const ExtrinsicFit& fit) {
+  std::array<double, kPoseUnknowns> sigma{};
+  for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
+    const auto k = static_cast<Eigen::Index>(i);
+    sigma[i] = std::sqrt(fit.covariance(k, k));
+  }
+  return pose_rows(fit.pmd_to_stereo, sigma, "PMD");
+}
+
 std::string judgement_text(const TargetJudgement& judgement) {
   return printed(
       "held out: %zu views: reprojection %.3f px rms, rows %.3f px rms (largest %.2f), "
@@ -128,14 +137,9 @@ std::string planes_text(const PlaneCalibration& found) {
 }
 
 std::string extrinsics_text(const ExtrinsicFit& fit, const FoundWalls& found) {
-  std::array<double, kPoseUnknowns> sigma{};
-  for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
-    const auto k = static_cast<Eigen::Index>(i);
-    sigma[i] = std::sqrt(fit.covariance(k, k));
-  }
   std::string text = printed("%zu walls, misfit %.2f (1: as the readings scatter)\n",
                              found.walls.size(), fit.misfit);
-  text += pose_rows(fit.pmd_to_stereo, sigma, "PMD");
+  text += place_rows(fit);
   text += printed("  PMD distances are off by %.1f +- %.1f mm\n", fit.offset_m * kMm,
                   fit.offset_sigma_m * kMm);
   text += "  wall              off, sigmas  on the plane, %: pair, PMD\n";
@@ -144,8 +148,14 @@ std::string extrinsics_text(const ExtrinsicFit& fit, const FoundWalls& found) {
     text += printed("  %-17s %11.1f %13.0f %5.0f\n", wall.name.c_str(), fit.wall_misfit[n],
                     wall.stereo.share * kPercent, wall.pmd.share * kPercent);
   }
-  for (const std::string& line : found.refused) {
-    text += "left out: " + line + "\n";
+  return text;
+}
+
+std::string board_extrinsics_text(const ExtrinsicFit& fit, const PmdBoardViews& found) {
+  std::string text = printed("%zu views of the board\n", found.views.size()) + place_rows(fit);
+  text += "  view              off, sigmas\n";
+  for (std::size_t n = 0; n < found.views.size(); ++n) {
+    text += printed("  %-17s %11.1f\n", found.views[n].pair.name.c_str(), fit.wall_misfit[n]);
   }
   return text;
 }

@@ -32,8 +32,8 @@ double rms(const std::vector<PixelPoint>& a, const std::vector<PixelPoint>& b) {
 TEST(CornerFinder, FindsEveryCornerInItsPlaceAndOrder) {
   Gaussian random(1);
   // Upside down too: only the colours of the squares tell.
-  for (const Vector3& turn :
-       {Vector3(0, 0, 0), Vector3(0.5, -0.3, 0.1), Vector3(0.1, 0.6, -0.2), Vector3(0, 0.1, 3.1)}) {
+  for (const Vector3& turn : {Vector3(0, 0, 0.07), Vector3(0.5, -0.3, 0.1), Vector3(0.1, 0.6, -0.2),
+                              Vector3(0, 0.1, 3.1)}) {
     const PoseUnknowns pose = board_at(kBoard, Vector3(0.03, -0.02, 0.6), turn);
     const std::optional<FoundBoard> found =
         find_board(camera().picture(pose, chessboard(kBoard), 2, random), kBoard);
