@@ -10,7 +10,7 @@ void add_calib_rig(CLI::App& calib, CalibRigOptions& /*options*/) {
     command.callback([name] {
       throw Failure(Exit::kBadInput, std::string("calib ") + name +
                                          ": this stof was built without it: run scripts/setup "
-                                         "calib and build again");
+                                         "calib, build preset calib, and use that stof");
     });
   }
 }
