@@ -73,15 +73,15 @@ void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
   CLI::Option* const target =
       command.add_option("--target", options.target,
                          "Folder with a folder for each view of a board: left.pgm, right.pgm");
-  CLI::Option* const planes =
-      command.add_option("--planes", options.planes,
-                         "Folder with a folder for each wall: left.pgm, right.pgm, meta.txt (z_m)");
+  CLI::Option* const planes = command.add_option(
+      "--planes", options.planes,
+      "Folder with a folder for each wall: left.pgm, right.pgm, meta.txt (plane_z_m)");
   target->excludes(planes);
   add_out(command, options.out);
   add_start(command, options.start);
   command
       .add_option("--hold-out", options.hold_out,
-                  "Every so many views or walls judge and are not fitted to (5, 3); 0: none")
+                  "One of so many views or walls judges and is not fitted to (5, 3); 0: none")
       ->check(CLI::Range(0, 100));
   command.add_flag("--force", options.force, "Write the file although views are missing");
   add_board(command, options.board);

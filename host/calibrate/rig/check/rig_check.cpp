@@ -34,6 +34,7 @@ double median(std::vector<double> values) {
 
 double deviation(const std::vector<double>& values, double from) {
   std::vector<double> off;
+  off.reserve(values.size());
   for (const double value : values) {
     off.push_back(std::abs(value - from));
   }
@@ -130,6 +131,7 @@ std::optional<RowCheck> check_rows(const std::vector<RowPoint>& points, int widt
     return std::nullopt;
   }
   std::vector<double> rows;
+  rows.reserve(points.size());
   for (const RowPoint& point : points) {
     rows.push_back(point.dv);
   }

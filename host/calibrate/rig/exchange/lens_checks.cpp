@@ -14,6 +14,16 @@ constexpr const char* kFit = "calibrate with a pinhole and k1 k2 p1 p2 (plumb_bo
 constexpr std::size_t kTaken = 5;
 constexpr std::size_t kMostCoefficients = 14;
 
+// What OpenCV's coefficient number n belongs to, beyond the first five.
+std::string model_of(std::size_t n) {
+  constexpr std::size_t kRational = 8;
+  constexpr std::size_t kThinPrism = 12;
+  if (n < kRational) {
+    return "has a rational model";
+  }
+  return n < kThinPrism ? "has a thin prism model" : "has a tilted sensor";
+}
+
 }  // namespace
 
 void require_radtan(YamlReader& reader, const YAML::Node& node) {
@@ -42,12 +52,8 @@ void put_distortion(YamlReader& reader, const YAML::Node& node, const char* name
   if (const auto more = std::find_if(k.begin() + kTaken, k.end(), [](double c) { return c != 0; });
       more != k.end()) {
     const auto at = static_cast<std::size_t>(more - k.begin());
-    constexpr std::size_t kRational = 8;
-    constexpr std::size_t kThinPrism = 12;
     reader.fail(node,
-                std::string(at < kRational    ? "has a rational model"
-                            : at < kThinPrism ? "has a thin prism model"
-                                              : "has a tilted sensor") +
+                model_of(at) +
                     printed(" (coefficient %zu of %s is not 0), which rectification does not know",
                             at + 1, name),
                 kFit);

@@ -52,11 +52,11 @@ dataset::Loaded<YamlReader> YamlReader::open(const std::filesystem::path& file) 
     return dataset::refuse(file, "is nested too deeply for a calibration", "export it again");
   }
   try {
-    YAML::Node root = YAML::Load(*text);
+    const YAML::Node root = YAML::Load(*text);
     if (!root.IsMap()) {
       return dataset::refuse(file, "is no YAML with names", "give a calibration in YAML");
     }
-    return YamlReader(file, std::move(root));
+    return YamlReader(file, root);
   } catch (const YAML::Exception& error) {
     return dataset::refuse(
         file, printed("line %d: is no YAML (%s)", error.mark.line + 1, error.msg.c_str()),

@@ -36,8 +36,8 @@ class YamlReader {
   const dataset::Problem& problem() const { return problem_; }
 
  private:
-  YamlReader(std::filesystem::path file, YAML::Node root)
-      : file_(std::move(file)), root_(std::move(root)) {}
+  YamlReader(std::filesystem::path file, const YAML::Node& root)
+      : file_(std::move(file)), root_(root) {}
   double number(const YAML::Node& node, const char* name);
 
   std::filesystem::path file_;

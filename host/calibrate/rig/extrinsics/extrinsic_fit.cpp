@@ -242,10 +242,11 @@ std::vector<std::string> missing_tilts(const std::vector<SeenWall>& walls) {
     down = std::max(down, upwards);
   }
   if (!(right - left >= kLeastSideways)) {
-    missing.push_back("tilted: no two walls are turned sideways against each other by 20 degrees");
+    missing.emplace_back(
+        "tilted: no two walls are turned sideways against each other by 20 degrees");
   }
   if (!(down - up >= kLeastUpwards)) {
-    missing.push_back(
+    missing.emplace_back(
         "tilted: no two walls are tilted up and down against each other by 20 degrees");
   }
   return missing;

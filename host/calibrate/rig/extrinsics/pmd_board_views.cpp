@@ -56,7 +56,8 @@ dataset::Loaded<PmdBoardViews> read_board_views(const std::filesystem::path& dir
     std::vector<PixelPoint> by_pmd =
         corners_in_amplitude(mean_amplitude(calibration.pmd, *recording), board);
     if (!by_left || !by_right || by_pmd.empty()) {
-      const char* const who = !by_left ? "left" : !by_right ? "right" : "PMD";
+      const char* who = by_right ? "PMD" : "right";
+      who = by_left ? who : "left";
       found.refused.push_back(pair->name + ": the " + who +
                               " camera does not see the whole board, or too coarsely");
       continue;

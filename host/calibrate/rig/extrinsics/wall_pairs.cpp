@@ -72,10 +72,11 @@ std::vector<PlaneLook> looks_of_pmd(const dsp::PmdSensor& sensor,
     }
   }
   std::vector<PlaneLook> looks;
+  const auto width = static_cast<std::size_t>(lens.width);
   for (std::size_t p = 0; p < sums.size(); ++p) {
+    const std::size_t row = p / width;
     const std::array<double, 3> ray =
-        dsp::unit_ray(lens, static_cast<double>(p % static_cast<std::size_t>(lens.width)),
-                      static_cast<double>(p / static_cast<std::size_t>(lens.width)));
+        dsp::unit_ray(lens, static_cast<double>(p - row * width), static_cast<double>(row));
     const PixelSums& pixel = sums[p];
     if (2 * pixel.count < static_cast<double>(recording.frames.size()) || pixel.count == 0 ||
         ray[2] <= 0) {

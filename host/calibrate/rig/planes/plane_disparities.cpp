@@ -20,7 +20,7 @@ constexpr double kFullShare = 0.5;      // of a cell's pixels that have a match
 constexpr float kLargestSpread = 1.5F;  // px from the cell's median
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
-// `z_m N` in meta.txt; 0: not there, or no distance.
+// `plane_z_m N` in meta.txt; 0: not there, or no distance.
 dataset::Loaded<double> distance_of(const std::filesystem::path& dir) {
   const std::filesystem::path file = dir / "meta.txt";
   const dataset::Loaded<std::string> text = dataset::read_whole(file, kMaxMetaBytes);
@@ -29,16 +29,17 @@ dataset::Loaded<double> distance_of(const std::filesystem::path& dir) {
   }
   dataset::HeaderCursor words(*text, 0);
   for (std::string_view word = words.word(); !word.empty(); word = words.word()) {
-    if (word == "z_m") {
+    if (word == "plane_z_m") {
       const double z = dsp::parse_number<double>(words.word()).value_or(0);
       if (!(z > 0.05) || !(z < 100)) {
-        return dataset::refuse(file, "has a z_m that is no distance of 0.05 to 100 m",
+        return dataset::refuse(file, "has a plane_z_m that is no distance of 0.05 to 100 m",
                                "give metres");
       }
       return z;
     }
   }
-  return dataset::refuse(file, "does not say how far the wall is", "add a line such as z_m 1.6");
+  return dataset::refuse(file, "does not say how far the wall is",
+                         "add a line such as plane_z_m 1.6");
 }
 
 lab::MatchParams params_of(const PlaneOptions& options) {

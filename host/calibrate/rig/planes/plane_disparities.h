@@ -35,9 +35,9 @@ struct Plane {
   double matched = 0;               // share of the middle that has a disparity
 };
 
-// The folders in DIR that have left.pgm, right.pgm, and in meta.txt a line `z_m N`, nearest first.
-// One line where there are fewer than three such distances, pictures differ in size, or one cannot
-// be matched.
+// The folders in DIR that have left.pgm, right.pgm, and in meta.txt a line `plane_z_m N`, nearest
+// first. One line where there are fewer than three such distances, pictures differ in size, or one
+// cannot be matched.
 dataset::Loaded<std::vector<Plane>> read_planes(const std::filesystem::path& dir,
                                                 const PlaneOptions& options);
 

@@ -103,9 +103,10 @@ GeneticResult evolve(const ColumnProblem& over, const GeneticOptions& options) {
   constexpr unsigned kRounds = 4;
   pagmo::population population{pagmo::problem{over}, options.population, options.seed};
   for (unsigned round = 0; round < kRounds; ++round) {
-    pagmo::algorithm genes{pagmo::sga(options.generations / kRounds, kCrossover, kCrossoverIndex,
-                                      kMutation, std::min(100.0, kMutationIndex * (1 + round)), 2,
-                                      "sbx", "polynomial", "tournament", options.seed + round)};
+    const pagmo::algorithm genes{pagmo::sga(options.generations / kRounds, kCrossover,
+                                            kCrossoverIndex, kMutation,
+                                            std::min(100.0, kMutationIndex * (1 + round)), 2, "sbx",
+                                            "polynomial", "tournament", options.seed + round)};
     population = genes.evolve(population);
   }
   GeneticResult result;

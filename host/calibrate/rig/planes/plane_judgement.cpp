@@ -106,6 +106,7 @@ std::optional<WallJudgement> judge_wall(const Plane& plane, const PlaneSensor& s
   Eigen::Vector3d fit = plane_through(kept);
   for (int round = 0; round < kRounds; ++round) {
     std::vector<double> offs;
+    offs.reserve(kept.size());
     for (const DepthPoint& p : kept) {
       offs.push_back(std::abs(off(p, fit)));
     }
@@ -173,7 +174,7 @@ dataset::Loaded<PlaneCalibration> calibrate_planes(const std::vector<Plane>& pla
     std::optional<WallJudgement> wall = judge_wall(planes[n], options.sensor, fit->x);
     if (!wall) {
       return dataset::refuse(planes[n].name +
-                             ": hardly any depth lies near the wall: check its z_m");
+                             ": hardly any depth lies near the wall: check its plane_z_m");
     }
     wall->fitted = is_fitted[n];
     result.walls.push_back(std::move(*wall));

@@ -20,7 +20,8 @@ struct Board {
 
   int corners() const { return columns * rows; }
   std::array<double, 2> at(int corner) const {
-    return {square_m * (corner % columns), square_m * (corner / columns)};
+    const int row = corner / columns;
+    return {square_m * (corner - row * columns), square_m * row};
   }
 };
 

@@ -20,6 +20,7 @@ std::vector<cv::Point3f> points_of(const Board& board) {
 
 std::vector<cv::Point2f> pixels_of(const std::vector<PixelPoint>& corners) {
   std::vector<cv::Point2f> pixels;
+  pixels.reserve(corners.size());
   for (const PixelPoint& corner : corners) {
     pixels.emplace_back(static_cast<float>(corner.u), static_cast<float>(corner.v));
   }
@@ -60,8 +61,9 @@ std::optional<dsp::Pinhole> lens_of_views(const Board& board,
   if (views.size() < kFewestViews) {
     return std::nullopt;
   }
-  std::vector<std::vector<cv::Point3f>> points(views.size(), points_of(board));
+  const std::vector<std::vector<cv::Point3f>> points(views.size(), points_of(board));
   std::vector<std::vector<cv::Point2f>> pixels;
+  pixels.reserve(views.size());
   for (const std::vector<PixelPoint>& view : views) {
     pixels.push_back(pixels_of(view));
   }

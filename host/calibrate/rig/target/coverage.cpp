@@ -68,6 +68,20 @@ void add_corners(const std::vector<PairView>& views, int width, int height,
 
 }  // namespace
 
+unsigned reached_corners(const std::vector<PairView>& views, int width, int height) {
+  unsigned reached = 0;
+  unsigned bit = 1;
+  for (std::vector<PixelPoint> PairView::* const eye : {&PairView::left, &PairView::right}) {
+    for (const PictureCorner& which : kPictureCorners) {
+      const bool found = std::ranges::any_of(
+          views, [&](const PairView& view) { return reaches(view.*eye, which, width, height); });
+      reached |= found ? bit : 0U;
+      bit <<= 1U;
+    }
+  }
+  return reached;
+}
+
 ViewPose view_pose(const Board& board, const PairView& view, const PoseUnknowns& pose,
                    const dsp::RawPair& rig) {
   const Matrix3 turn = rotation_of(pose);
@@ -110,7 +124,8 @@ std::vector<std::string> missing_views(const std::vector<PairView>& views,
                 largest * kPercent, kNearShare * kPercent));
   }
   if (std::sqrt(smallest) > kFarRatio * std::sqrt(largest)) {
-    missing.push_back("far: all views have about the same distance; take some from twice as far");
+    missing.emplace_back(
+        "far: all views have about the same distance; take some from twice as far");
   }
   if (sideways < kLeastTilted) {
     missing.push_back(

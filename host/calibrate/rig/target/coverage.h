@@ -27,6 +27,9 @@ inline constexpr double kLeastTiltRad = 0.26;  // 15 degrees
 inline constexpr int kLeastTilted = 2;         // views tilted sideways, and as many upwards
 inline constexpr double kCornerShare = 0.25;   // of width and height: what a picture's corner is
 
+// Which corners of both pictures some view reaches, a bit each.
+unsigned reached_corners(const std::vector<PairView>& views, int width, int height);
+
 // A line for each view that is missing, in the words of whoever holds the board; empty: all there.
 std::vector<std::string> missing_views(const std::vector<PairView>& views,
                                        const std::vector<ViewPose>& poses, int width, int height);

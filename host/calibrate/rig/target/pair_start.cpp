@@ -35,6 +35,7 @@ std::optional<PoseUnknowns> left_to_right_of(const std::vector<BothPoses>& poses
   PoseUnknowns middle{};
   for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
     std::vector<double> values;
+    values.reserve(each.size());
     for (const PoseUnknowns& pose : each) {
       values.push_back(pose[i]);
     }
@@ -75,6 +76,7 @@ dataset::Loaded<PairStart> start_of(const Board& board, const std::vector<PairVi
                            "by 20 to 40 degrees, to both sides and up and down");
   }
   std::vector<BothPoses> poses;
+  poses.reserve(views.size());
   for (const PairView& view : views) {
     poses.push_back({view.left.empty() ? std::nullopt : pose_of_board(board, view.left, *left),
                      view.right.empty() ? std::nullopt : pose_of_board(board, view.right, *right)});

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dataset/files/file.h"
+#include "dsp/base/random.h"
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/calib/stereo/rectification.h"
 #include "host/calibrate/rig/target/pair_folder.h"
@@ -53,12 +54,26 @@ struct Split {
   std::vector<PairView> held_out;
 };
 
-Split split(std::vector<PairView> views, int hold_out) {
-  Split parts;
-  int seen = 0;
-  for (PairView& view : views) {
-    const bool judges = view.both() && hold_out > 1 && ++seen % hold_out == 0;
-    (judges ? parts.held_out : parts.fitted).push_back(std::move(view));
+// Which views judge: drawn by lot, because views are taken in some order, and those alone without
+// which the others reach as much of the pictures.
+Split split(std::vector<PairView> views, int hold_out, int width, int height) {
+  const auto both = static_cast<std::size_t>(std::ranges::count_if(views, &PairView::both));
+  std::size_t wanted = hold_out > 1 ? both / static_cast<std::size_t>(hold_out) : 0;
+  const unsigned all = reached_corners(views, width, height);
+  Split parts{.fitted = std::move(views), .held_out = {}};
+  dsp::SplitMix64 random(both);
+  for (std::size_t tries = 8 * both; tries > 0 && wanted > 0; --tries) {
+    const std::size_t n = random.next() % parts.fitted.size();
+    if (!parts.fitted[n].both()) {
+      continue;
+    }
+    std::vector<PairView> rest = parts.fitted;
+    rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(n));
+    if (reached_corners(rest, width, height) == all) {
+      parts.held_out.push_back(std::move(parts.fitted[n]));
+      parts.fitted = std::move(rest);
+      --wanted;
+    }
   }
   return parts;
 }
@@ -66,6 +81,7 @@ Split split(std::vector<PairView> views, int hold_out) {
 // The view that fits worst, where it fits much worse than most.
 std::optional<std::size_t> outlier(const PairFit& fit) {
   std::vector<double> sorted;
+  sorted.reserve(fit.residuals.size());
   for (const ViewResiduals& view : fit.residuals) {
     sorted.push_back(view.rms_px);
   }
@@ -258,7 +274,7 @@ dataset::Loaded<TargetCalibration> calibrate_target(TargetViews views,
                                                     const TargetOptions& options) {
   TargetCalibration result;
   result.refused = std::move(views.refused);
-  Split parts = split(std::move(views.views), options.hold_out);
+  Split parts = split(std::move(views.views), options.hold_out, views.width, views.height);
   result.fitted = std::move(parts.fitted);
   result.held_out = std::move(parts.held_out);
   dataset::Loaded<PairStart> start =

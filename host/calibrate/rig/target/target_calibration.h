@@ -13,8 +13,9 @@ namespace stof::host {
 
 struct TargetOptions {
   Board board;
-  // Every so many views that both eyes saw are held out and judge; 0: none, every view is fitted
-  // to and nobody judges.
+  // One of so many views that both eyes saw is held out and judges, drawn by lot from those without
+  // which the others reach as much of the pictures; 0: none, every view is fitted to and nobody
+  // judges.
   int hold_out = 5;
   double most_blur_px = 1.5;  // FoundBoard::blur_px; views that are more blurred do not count
 };

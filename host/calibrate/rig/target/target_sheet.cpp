@@ -42,7 +42,7 @@ void add_ruler(double x, double y, double length, Sheet& sheet) {
   const int whole = static_cast<int>(length / kCentimetre) * 10;
   sheet.black.push_back({x, y, static_cast<double>(whole), kTickMm});
   for (int mm = 0; mm <= whole; ++mm) {
-    const double tick = mm % 10 == 0 ? 4 : mm % 5 == 0 ? 3 : 2;
+    const double tick = 2 + (mm % 5 == 0 ? 1 : 0) + (mm % 10 == 0 ? 1 : 0);
     sheet.black.push_back({x + mm - kTickMm / 2, y, kTickMm, tick});
     if (mm % 50 == 0) {
       sheet.texts.push_back({x + mm + 0.5, y + 4 + kTextMm, kTextMm, std::to_string(mm)});

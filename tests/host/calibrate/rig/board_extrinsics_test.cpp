@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include "dsp/calib/stereo/rectification.h"
 #include "tests/host/calibrate/rig/board_views.h"

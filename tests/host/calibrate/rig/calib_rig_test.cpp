@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include <gtest/gtest.h>
+
 #include "dataset/dataset.h"
 #include "dataset/files/file.h"
 #include "dsp/calib/pmd/ray_table.h"
@@ -121,7 +123,7 @@ TEST_F(CalibRig, WallsAtKnownDistancesBecomeAConvergingRig) {
         name, camera.picture(seen_from(from_rig(kTruth[2], 0), wall), blotches(3), 1, random),
         camera.picture(seen_from(from_rig(kTruth[1], kTruth[0]), wall), blotches(3), 1, random));
     EXPECT_TRUE(dataset::write_whole(views() / name / "meta.txt",
-                                     "ndisp 256\nz_m " + std::to_string(z) + "\n"));
+                                     "ndisp 256\nplane_z_m " + std::to_string(z) + "\n"));
   }
   testing::internal::CaptureStdout();
   calib_stereo({.planes = views(),

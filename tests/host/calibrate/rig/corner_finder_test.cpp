@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <gtest/gtest.h>
+
 #include "host/calibrate/rig/target/target_sheet.h"
 #include "tests/host/calibrate/rig/board_views.h"
 #include "tests/host/calibrate/rig/rendered_plane.h"

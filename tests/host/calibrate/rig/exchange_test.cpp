@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include <gtest/gtest.h>
+
 #include "dataset/files/file.h"
 #include "tests/dataset/scratch.h"
 #include "tests/host/calibrate/rig/board_views.h"

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include "dsp/calib/pmd/ray_table.h"
 #include "tests/host/calibrate/rig/gaussian.h"

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include "dsp/calib/stereo/column_tables.h"
 #include "tests/host/calibrate/rig/gaussian.h"

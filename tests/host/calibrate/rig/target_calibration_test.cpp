@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include "dsp/calib/stereo/rectification.h"
 #include "tests/host/calibrate/rig/board_views.h"
@@ -98,6 +99,16 @@ TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
   EXPECT_LT(std::sqrt(turned), 0.03);
 }
 
+TEST(TargetCalibration, ViewsThatJudgeAreNotThoseThatReachACorner) {
+  // Each fifth view is held into a corner: none of these may be missing in the fit.
+  const dsp::RawPair truth = true_pair();
+  std::vector<PairView> views = waved(truth, kBoard, 25, 0.1, 4);
+  const unsigned all = reached_corners(views, 640, 480);
+  const TargetCalibration found = calibrated(std::move(views));
+  EXPECT_GE(found.held_out.size(), 3U);
+  EXPECT_EQ(reached_corners(found.fitted, 640, 480), all);
+}
+
 // p1 and p2 look much like a lens that is turned: what they leave is rows that correspond.
 TEST(TargetCalibration, TangentialDistortionLeavesRowsThatCorrespond) {
   const dsp::RawPair truth = true_pair();
@@ -181,7 +192,7 @@ TEST(TargetCalibration, LeavesOutAViewThatDoesNotFit) {
   for (PixelPoint& corner : views[7].left) {
     corner.u += 2e-4 * (corner.v - 200) * (corner.u - 300);  // the board was bent
   }
-  const TargetCalibration found = calibrated(views);
+  const TargetCalibration found = calibrated(views, 0);
   ASSERT_EQ(found.refused.size(), 1U);
   EXPECT_EQ(found.refused[0].name, "7");
 }
