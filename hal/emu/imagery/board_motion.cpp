@@ -96,7 +96,7 @@ Motion board_motion(const Board& board, const std::vector<BoardPose>& poses, con
     for (int k = 1; k <= times.moves && poses.size() > 1; ++k) {
       const double part = static_cast<double>(k) / (times.moves + 1);
       motion.add([&](double seconds) { return between(pose.pose, next, part + seconds / way_s); },
-                 true);
+                 kMostPartsOnTheWay, false);
       motion.show_last(1);
     }
   }
