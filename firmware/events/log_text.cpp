@@ -71,7 +71,10 @@ std::string address_text(const std::array<std::uint8_t, 16>& address) {
     } else {
       std::snprintf(group.data(), group.size(), "%x", address[i] * 256U + address[i + 1]);
     }
-    text += (text.empty() ? "" : mapped ? "." : ":") + std::string(group.data());
+    if (!text.empty()) {
+      text += mapped ? '.' : ':';
+    }
+    text += group.data();
   }
   return text;
 }

@@ -91,7 +91,6 @@ std::string named_code(const std::string& named) {
   if (named != "-" && !named.starts_with('@')) {
     return named;
   }
-  std::string line;
   std::ifstream file;
   if (named != "-") {
     file.open(named.substr(1));

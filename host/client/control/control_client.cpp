@@ -165,14 +165,12 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
       return std::unexpected(unproven());
     }
-    wire::DatagramBuffer buffer;
-    const wire::SettingsRequest request{.request_id = request_id_,
-                                        .operation = operation,
-                                        .document = document,
-                                        .offset = offset,
-                                        .cookie = cookie_};
-    const Status sent = transport_->send(sealed ? signer_.seal(request, text, buffer)
-                                                : seal(request, text, buffer));
+    const Status sent = send({.request_id = request_id_,
+                              .operation = operation,
+                              .document = document,
+                              .offset = offset,
+                              .cookie = cookie_},
+                             text, sealed);
     if (sent == Status::kDeviceLost) {
       return std::unexpected(error(sent, "the connection failed: open it again"));
     }
@@ -181,30 +179,32 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       return std::unexpected(std::move(heard.error()));
     }
     const std::optional<Part>& part = *heard;
-    if (part && part->answer.result == wire::SettingsResult::kUnknownKey && sealed) {
-      keys_refused_ = !signer_.drop_key();
-    } else if (part && sealed && signer_.is_used_up()) {
+    if (part && sealed && signer_.is_used_up()) {
       return std::unexpected(error(Status::kUnsupported,
                                    "takes no more of this key until it starts again: somebody used "
                                    "its last counter; use another key"));
-    } else if (part && (part->answer.result == wire::SettingsResult::kCookie ||
-                        part->answer.result == wire::SettingsResult::kStale)) {
-      attempt += hurried ? 1 : 0;
-      hurried = !hurried;
-    } else if (part && part->answer.result == wire::SettingsResult::kBusy) {
-      refusal = part;
-      std::this_thread::sleep_for(kBusyPause);
-      ++attempt;
-    } else if (part && !sealed && signer_.key() != nullptr &&
-               options_.unsigned_answers != Unsigned::kAlways) {
-      attempt += hurried ? 1 : 0;  // judged without a signature, though there is a key: again
-      hurried = !hurried;
-    } else if (part && !sealed && !takes_unsigned(operation)) {
-      return std::unexpected(unproven());
-    } else if (part) {
-      return *part;
-    } else {
-      ++attempt;
+    }
+    switch (judge(part, sealed)) {
+      case Heard::kNothing:
+        ++attempt;
+        break;
+      case Heard::kAgain:
+        attempt += hurried ? 1 : 0;
+        hurried = !hurried;
+        break;
+      case Heard::kKeyRefused:
+        keys_refused_ = !signer_.drop_key();
+        break;
+      case Heard::kBusy:
+        refusal = part;
+        std::this_thread::sleep_for(kBusyPause);
+        ++attempt;
+        break;
+      case Heard::kAnswer:
+        if (!sealed && !takes_unsigned(operation)) {
+          return std::unexpected(unproven());
+        }
+        return *part;
     }
   }
   if (refusal) {
@@ -214,6 +214,36 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
   return std::unexpected(error(
       Status::kTimeout, "no answer within " + std::to_string(waited.count() * options_.attempts) +
                             " ms: check that the sensor runs, and its address"));
+}
+
+Status ControlClient::send(const wire::SettingsRequest& request, std::string_view text,
+                           bool sealed) {
+  wire::DatagramBuffer buffer;
+  return transport_->send(sealed ? signer_.seal(request, text, buffer)
+                                 : seal(request, text, buffer));
+}
+
+ControlClient::Heard ControlClient::judge(const std::optional<Part>& part, bool sealed) const {
+  if (!part) {
+    return Heard::kNothing;
+  }
+  switch (part->answer.result) {
+    case wire::SettingsResult::kCookie:
+    case wire::SettingsResult::kStale:
+      return Heard::kAgain;
+    case wire::SettingsResult::kBusy:
+      return Heard::kBusy;
+    default:
+      break;
+  }
+  if (sealed) {
+    return part->answer.result == wire::SettingsResult::kUnknownKey ? Heard::kKeyRefused
+                                                                    : Heard::kAnswer;
+  }
+  // Served without a signature, though there is a key.
+  return signer_.key() != nullptr && options_.unsigned_answers != Unsigned::kAlways
+             ? Heard::kAgain
+             : Heard::kAnswer;
 }
 
 std::span<const std::byte> ControlClient::seal(const wire::SettingsRequest& request,

@@ -96,6 +96,8 @@ class ControlClient {
 
  private:
   struct Part;
+  // What came upon a request. kAgain: with a cookie, a counter or a key that is known now.
+  enum class Heard : std::uint8_t { kNothing, kAgain, kKeyRefused, kBusy, kAnswer };
   std::expected<Part, ControlError> ask(wire::SettingsOperation operation,
                                         wire::SettingsDocument document, std::uint16_t offset,
                                         std::string_view text);
@@ -106,6 +108,8 @@ class ControlClient {
                                                  wire::SettingsDocument document);
   std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
                                   wire::DatagramBuffer& buffer) const;
+  Status send(const wire::SettingsRequest& request, std::string_view text, bool sealed);
+  Heard judge(const std::optional<Part>& part, bool sealed) const;
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
   ControlError error(Status status, std::string_view what) const;

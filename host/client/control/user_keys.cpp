@@ -84,8 +84,9 @@ std::expected<posix::Fd, OpenError> lock_file(const std::string& file) {
 // Who else could put another file in its place; empty: nobody.
 std::string_view who_replaces(const std::string& file) {
   struct stat folder{};
+  const char* const nearest = file.starts_with('/') ? "/" : ".";
   const std::string name = folder_of(file);
-  if (::stat(name.empty() ? (file.starts_with('/') ? "/" : ".") : name.c_str(), &folder) == 0 &&
+  if (::stat(name.empty() ? nearest : name.c_str(), &folder) == 0 &&
       (folder.st_mode & S_IWOTH) != 0 && (folder.st_mode & S_ISVTX) == 0) {
     return "everybody may replace it: take the right to write its folder from the others (chmod "
            "o-w)";
