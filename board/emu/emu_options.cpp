@@ -155,6 +155,11 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
     return refuse("--truth: the scene " + options.scene.name +
                   " moves: leave --truth out, or take another scene");
   }
+  if (!options.dataset) {
+    if (std::expected<emu::Rig, std::string> rig = seen_rig(options.scene); !rig) {
+      return refuse(std::move(rig.error()));
+    }
+  }
   if (renders_as_it_goes(options.scene) && !options.free_run) {
     return refuse("--scene " + options.scene.name +
                   ": its pictures take longer than real time: add --free-run");

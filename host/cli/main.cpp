@@ -35,6 +35,7 @@ struct Commands {
   ViewOptions view;
   ReportOptions report;
   CalibPmdOptions calib_pmd;
+  CalibRigOptions calib_rig;
   ConfigOptions config;
   DiscoverCommand discover;
   PairOptions pair;
@@ -127,7 +128,7 @@ int run(int argc, char** argv) {
   add_view(app, commands.view);
   add_proxy(app, commands.proxy);
   add_report(app, commands.report);
-  add_calib(app, commands.calib_pmd);
+  add_calib(app, commands.calib_pmd, commands.calib_rig);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
   add_pair(app, commands.pair, commands.unpair);
