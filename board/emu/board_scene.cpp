@@ -12,17 +12,6 @@ namespace {
 
 namespace emu = hal::emu;
 
-std::unexpected<std::string> refuse(std::string_view flag, const char* what,
-                                    std::string_view value) {
-  std::string line(flag);
-  line += " takes ";
-  line += what;
-  line += ", not \"";
-  line += value;
-  line += "\"; try --help";
-  return std::unexpected(std::move(line));
-}
-
 // METRES or METRES,DEGREES, both a second.
 bool parse_speed(std::string_view text, BoardOptions& options) {
   const std::size_t comma = text.find(',');
@@ -103,13 +92,13 @@ std::expected<bool, std::string> take_board_flag(std::string_view flag, std::str
     options.poses = std::move(*poses);
   } else if (flag == "--speed") {
     if (!parse_speed(value, options)) {
-      return refuse(flag, "M_S[,DEGREES_S], up to 5 and 720", value);
+      return refuse_value(flag, "M_S[,DEGREES_S], up to 5 and 720", value);
     }
   } else if (flag == "--hold" || flag == "--moves") {
     const bool hold = flag == "--hold";
     const auto count = dsp::parse_number_in<int>(value, hold ? 1 : 0, 1000);
     if (!count) {
-      return refuse(flag, hold ? "1 to 1000 exposures" : "0 to 1000 exposures", value);
+      return refuse_value(flag, hold ? "1 to 1000 exposures" : "0 to 1000 exposures", value);
     }
     (hold ? options.hold : options.moves) = *count;
   } else {

@@ -82,13 +82,7 @@ std::expected<bool, std::string> store(std::string_view flag, std::string_view v
                                        const char* takes, const std::optional<T>& parsed,
                                        auto& to) {
   if (!parsed) {
-    std::string line(flag);
-    line += " takes ";
-    line += takes;
-    line += ", not \"";
-    line += value;
-    line += "\"; try --help";
-    return std::unexpected(std::move(line));
+    return refuse_value(flag, takes, value);
   }
   to = *parsed;
   return true;
@@ -102,12 +96,6 @@ emu::Pose pose_of(const CameraPlace& place) {
                               emu::half_tangent(place[2]));
   out.position = {place[3], place[4], place[5]};
   return out;
-}
-
-emu::Pose inverse(const emu::Pose& pose) {
-  const std::array<double, 9>& r = pose.rotation;
-  return {.rotation = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]},
-          .position = -1 * pose.turn_back(pose.position)};
 }
 
 dsp::RigidTransform transform_of(const emu::Pose& pose) {
@@ -179,7 +167,7 @@ Cameras cameras_of(const emu::Rig& rig) {
   const emu::Eye right = emu::right_eye(rig);
   const std::array<double, 3>& t = rig.pmd_to_stereo.translation_m;
   const emu::Pose pmd{.rotation = rig.pmd_to_stereo.rotation, .position = {t[0], t[1], t[2]}};
-  const emu::Pose to_left = inverse(left.pose);
+  const emu::Pose to_left = emu::inverse(left.pose);
   return {.left = left.lens,
           .right = right.lens,
           .right_pose = to_left * right.pose,
@@ -204,6 +192,17 @@ void misbuild(const Misbuilt& how, Cameras& cameras) {
 }
 
 }  // namespace
+
+std::unexpected<std::string> refuse_value(std::string_view flag, const char* what,
+                                          std::string_view value) {
+  std::string line(flag);
+  line += " takes ";
+  line += what;
+  line += ", not \"";
+  line += value;
+  line += "\"; try --help";
+  return std::unexpected(std::move(line));
+}
 
 std::expected<bool, std::string> take_rig_flag(std::string_view flag, std::string_view value,
                                                RigOptions& options) {
@@ -319,7 +318,7 @@ std::expected<emu::Rig, std::string> changed_rig(emu::Rig rig, const RigOptions&
     rig.stereo.converging.reset();
     rig.stereo.raw = dsp::RawPair{.left = cameras.left,
                                   .right = cameras.right,
-                                  .left_to_right = transform_of(inverse(cameras.right_pose))};
+                                  .left_to_right = transform_of(emu::inverse(cameras.right_pose))};
     if (const char* const why = dsp::complete(rig.stereo); *why != '\0') {
       return std::unexpected(std::string("this rig cannot be: ") + why);
     }
@@ -352,7 +351,7 @@ dataset::CalibrationTruth truth_of(const emu::Rig& rig) {
   const emu::Pose left = emu::left_eye(rig).pose;
   dataset::CalibrationTruth truth{.left = cameras.left,
                                   .right = cameras.right,
-                                  .left_to_right = transform_of(inverse(cameras.right_pose)),
+                                  .left_to_right = transform_of(emu::inverse(cameras.right_pose)),
                                   .left_to_rig = left.rotation,
                                   .converging = rig.stereo.converging,
                                   .blur_px = rig.lenses.blur_px,
@@ -360,7 +359,7 @@ dataset::CalibrationTruth truth_of(const emu::Rig& rig) {
                                   .pmd_blur_px = rig.pmd.blur_px};
   if (rig.pmd_lens.width > 0) {
     truth.pmd = rig.pmd_lens;
-    truth.pmd_to_left = transform_of(inverse(left) * emu::true_pmd_pose(rig));
+    truth.pmd_to_left = transform_of(emu::inverse(left) * emu::true_pmd_pose(rig));
   }
   return truth;
 }

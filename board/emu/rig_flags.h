@@ -42,6 +42,10 @@ struct RigOptions {
   bool changes_pair() const noexcept { return misbuilt || left_lens || right_lens || right_place; }
 };
 
+// "FLAG takes WHAT, not "VALUE"; try --help".
+std::unexpected<std::string> refuse_value(std::string_view flag, const char* what,
+                                          std::string_view value);
+
 // Takes one of the flags of rig_usage(). false: the flag is none of them. A line: its value means
 // nothing.
 std::expected<bool, std::string> take_rig_flag(std::string_view flag, std::string_view value,

@@ -120,18 +120,6 @@ bool parse_turn(std::string_view text, emu::Misplacement& out) {
   return true;
 }
 
-// "FLAG takes WHAT, not "VALUE"; try --help".
-std::unexpected<std::string> refuse(std::string_view flag, const char* what,
-                                    std::string_view value) {
-  std::string line(flag);
-  line += " takes ";
-  line += what;
-  line += ", not \"";
-  line += value;
-  line += "\"; try --help";
-  return std::unexpected(std::move(line));
-}
-
 std::expected<emu::Rig, std::string> try_changed(emu::Rig own, const SceneOptions& options) {
   emu::Rig rig = named_rig(options.rig, std::move(own));
   if (options.size) {
@@ -245,26 +233,26 @@ std::expected<bool, std::string> take_scene_flag(std::string_view flag, std::str
   } else if (flag == "--size") {
     options.size = parse_size(value);
     if (!options.size) {
-      return refuse(flag, "WxH, such as 640x480, 16 to 2048 a side", value);
+      return refuse_value(flag, "WxH, such as 640x480, 16 to 2048 a side", value);
     }
   } else if (flag == "--pmd") {
     options.pmd = value == "none" ? emu::Size{} : parse_size(value);
     if (!options.pmd) {
-      return refuse(flag, "WxH, such as 176x144, 16 to 2048 a side, or none", value);
+      return refuse_value(flag, "WxH, such as 176x144, 16 to 2048 a side, or none", value);
     }
   } else if (flag == "--seed") {
     options.seed = dsp::parse_number<std::uint32_t>(value);
     if (!options.seed) {
-      return refuse(flag, "a whole number from 0 to 4294967295", value);
+      return refuse_value(flag, "a whole number from 0 to 4294967295", value);
     }
   } else if (flag == "--turn") {
     if (!parse_turn(value, options.misplacement)) {
-      return refuse(flag, "pitch:, yaw: or roll:DEGREES, up to 10, such as pitch:0.1", value);
+      return refuse_value(flag, "pitch:, yaw: or roll:DEGREES, up to 10, such as pitch:0.1", value);
     }
   } else if (flag == "--range-offset") {
     const auto offset = dsp::parse_number_in<double>(value, -kMaxOffset, kMaxOffset);
     if (!offset) {
-      return refuse(flag, "millimetres, up to 1000", value);
+      return refuse_value(flag, "millimetres, up to 1000", value);
     }
     options.misplacement.range_offset_m = *offset / 1000;
   } else {

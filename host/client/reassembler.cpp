@@ -79,7 +79,7 @@ bool Reassembler::verify(std::span<const std::byte> datagram) {
       return true;
     case Verdict::kNotSigned:
       ++statistics_.not_signed;
-      forgeries_ += options_.verifier->has_key() ? 1 : 0;
+      forgeries_ += options_.verifier->has_key() ? 1U : 0U;
       return false;
     case Verdict::kForged:
       ++statistics_.forged;

@@ -128,13 +128,13 @@ double fold_of(const Pinhole& lens) noexcept {
 
 // Pinhole's distortion of a place on the normalised plane, and the determinant of its derivative:
 // 0 or less where two directions show up at one place.
-struct Bent {
+struct BentPoint {
   double x = 0;
   double y = 0;
   double determinant = 0;
 };
 
-Bent bend(const Pinhole& lens, double x, double y) noexcept {
+BentPoint bend(const Pinhole& lens, double x, double y) noexcept {
   const double r2 = x * x + y * y;
   const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
   const double slope = lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3);  // of radial with r2
@@ -220,7 +220,7 @@ SourceMap::Place SourceMap::unbounded(double u, double v) const noexcept {
   const double s = std::min(r2, fold_);
   if (!radial_to_fourth(raw_)) {
     const double back = s < r2 ? std::sqrt(s / r2) : 1.0;
-    const Bent bent = bend(raw_, raw_x * back, raw_y * back);
+    const BentPoint bent = bend(raw_, raw_x * back, raw_y * back);
     return {.u = raw_.fx * bent.x + raw_.cx,
             .v = raw_.fy * bent.y + raw_.cy,
             .inside = forward >= ahead && s == r2 && bent.determinant > 0};

@@ -10,7 +10,7 @@
 namespace stof::hal::emu {
 namespace {
 
-constexpr double kReach = 4;  // standard deviations
+constexpr double kGaussianReach = 4;  // standard deviations
 
 std::uint16_t rounded(double value) noexcept {
   return static_cast<std::uint16_t>(std::clamp(std::floor(value + 0.5), 0.0, 65535.0));
@@ -121,7 +121,9 @@ double blurred_pixel(double x, double sigma) noexcept {
   return sum / kParts;
 }
 
-int reach_of(double blur_px) noexcept { return static_cast<int>(std::ceil(kReach * blur_px)); }
+int reach_of(double blur_px) noexcept {
+  return static_cast<int>(std::ceil(kGaussianReach * blur_px));
+}
 
 void soften(const LensQuality& lens, double black, dataset::Image<std::uint16_t>& picture) {
   if (lens.blur_px > 0) {

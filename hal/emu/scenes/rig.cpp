@@ -14,12 +14,6 @@ constexpr double kThirdOfDegree = 0.0026179998696;    // of 0.3 degrees
 
 constexpr double kRadPerDegree = 3.14159265358979323846 / 180;
 
-Pose inverse(const Pose& pose) noexcept {
-  const std::array<double, 9>& r = pose.rotation;
-  return {.rotation = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]},
-          .position = -1 * pose.turn_back(pose.position)};
-}
-
 // Yaws of a converging pair count towards the left.
 Eye converging_eye(const dsp::Pinhole& left, double yaw_rad, double focal_m, double pixel_m,
                    double cx) noexcept {

@@ -180,9 +180,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     }
     const std::optional<Part>& part = *heard;
     if (part && sealed && signer_.is_used_up()) {
-      return std::unexpected(error(Status::kUnsupported,
-                                   "takes no more of this key until it starts again: somebody used "
-                                   "its last counter; use another key"));
+      return std::unexpected(used_up());
     }
     switch (judge(part, sealed)) {
       case Heard::kNothing:
@@ -207,13 +205,7 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
         return *part;
     }
   }
-  if (refusal) {
-    return *refusal;
-  }
-  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
-  return std::unexpected(error(
-      Status::kTimeout, "no answer within " + std::to_string(waited.count() * options_.attempts) +
-                            " ms: check that the sensor runs, and its address"));
+  return refusal ? std::expected<Part, ControlError>(*refusal) : std::unexpected(silent());
 }
 
 Status ControlClient::send(const wire::SettingsRequest& request, std::string_view text,
@@ -320,6 +312,19 @@ bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
   }
   return options_.unsigned_answers == Unsigned::kWithoutKeys &&
          (options_.keys.count() == 0 || options_.device_id);
+}
+
+ControlError ControlClient::silent() const {
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
+  return error(Status::kTimeout, "no answer within " +
+                                     std::to_string(waited.count() * options_.attempts) +
+                                     " ms: check that the sensor runs, and its address");
+}
+
+ControlError ControlClient::used_up() const {
+  return error(Status::kUnsupported,
+               "takes no more of this key until it starts again: somebody used its last counter; "
+               "use another key");
 }
 
 ControlError ControlClient::unproven() const {

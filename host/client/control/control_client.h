@@ -112,6 +112,8 @@ class ControlClient {
   Heard judge(const std::optional<Part>& part, bool sealed) const;
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
+  ControlError silent() const;
+  ControlError used_up() const;
   ControlError error(Status status, std::string_view what) const;
 
   std::unique_ptr<ControlTransport> transport_;
