@@ -270,6 +270,22 @@ TEST_F(CalibRigWalls, CheckSaysThatRowsDoNotCorrespond) {
             std::string::npos);
 }
 
+TEST_F(CalibRig, CheckRectifiesARawPair) {
+  const dsp::RawPair truth = true_pair();
+  const PoseUnknowns wall{0, 0.2, 0, 0, 0, 1.4};
+  Gaussian random(6);
+  put_pair("wall", PlaneCamera(truth.left).picture(wall, blotches(5), 1, random),
+           PlaneCamera(truth.right)
+               .picture(seen_from(pose_of(truth.left_to_right), wall), blotches(5), 1, random));
+  dsp::Calibration rig;
+  rig.stereo.raw = truth;
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  calib_check({.folder = views(), .calibration = file("rig.cal")});
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("nothing to do"), std::string::npos);
+}
+
 TEST_F(CalibRig, WhatIsExportedIsImportedAgain) {
   dsp::Calibration rig;
   rig.stereo.raw = true_pair();
