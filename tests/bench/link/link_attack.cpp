@@ -43,8 +43,8 @@ enum Kind : std::uint8_t {
   kPairing,    // steps of pairing, in any order, with guessed values
   kKinds
 };
-constexpr std::array<const char*, kKinds> kNames{"replayed", "elsewhere", "flipped", "own_cookie",
-                                                 "guessed",  "unsigned",  "pairing"};
+constexpr std::array<const char*, kKinds> kKindNames{
+    "replayed", "elsewhere", "flipped", "own_cookie", "guessed", "unsigned", "pairing"};
 
 // What nobody may change without a key on a sensor that has some.
 constexpr std::array<std::string_view, 8> kChanges{R"({"name":"stolen"})",
@@ -56,7 +56,7 @@ constexpr std::array<std::string_view, 8> kChanges{R"({"name":"stolen"})",
                                                    R"({"limits":{"least_range_mm":1}})",
                                                    R"({"streams":{"parity":true}})"};
 
-struct Source {
+struct AttackSource {
   posix::UdpSocket socket;
   std::uint64_t cookie = 0;
 };
@@ -71,7 +71,7 @@ class Attack {
     for (int host = 1; host <= 1 + kStrangers && found; ++host) {
       in_addr address{};
       address.s_addr = htonl(INADDR_LOOPBACK + static_cast<unsigned>(host - 1));
-      Source source{.socket = posix::UdpSocket(AF_INET)};
+      AttackSource source{.socket = posix::UdpSocket(AF_INET)};
       if (source.socket.bind(posix::make_address(address, 0)) != 0 ||
           source.socket.connect(found->front()) != 0) {
         sources_.clear();
@@ -84,7 +84,7 @@ class Attack {
   // Cookies for all, and the first captured requests of the key's holder. false: no answer.
   bool begin() {
     for (int attempt = 0; attempt < 100 && !capture(); ++attempt) {
-      for (Source& source : sources_) {
+      for (AttackSource& source : sources_) {
         static_cast<void>(source.socket.send(test::settings({.request_id = 1})));
       }
       listen(std::chrono::milliseconds(20));
@@ -124,15 +124,15 @@ class Attack {
   // One try.
   void send() {
     const auto kind = static_cast<Kind>(random_.between(0, kKinds - 1));
-    Source& stranger = sources_[static_cast<std::size_t>(random_.between(1, kStrangers))];
-    Source& from =
+    AttackSource& stranger = sources_[static_cast<std::size_t>(random_.between(1, kStrangers))];
+    AttackSource& from =
         kind == kReplayed || (kind == kFlipped && random_.between(0, 1) == 0) ? owner() : stranger;
     if (from.socket.send(request(kind, from)) == 0) {
       ++counts_[kind];
     }
     if (Time::clock::now() - captured_at_ > kNewCaptures) {
       // The strangers' cookies age as well.
-      for (Source& source : sources_) {
+      for (AttackSource& source : sources_) {
         static_cast<void>(source.socket.send(test::settings({.request_id = 1})));
       }
       listen(std::chrono::milliseconds(5));
@@ -142,7 +142,7 @@ class Attack {
   void listen(std::chrono::milliseconds time = std::chrono::milliseconds(0)) {
     const Time until = Time::clock::now() + time;
     do {
-      for (Source& source : sources_) {
+      for (AttackSource& source : sources_) {
         std::array<std::byte, 2048> space;
         while (const auto bytes = source.socket.receive(space)) {
           hear(source, std::span(space).first(*bytes));
@@ -160,7 +160,7 @@ class Attack {
     std::uint64_t sent = 0;
     for (std::size_t i = 0; i < kKinds; ++i) {
       sent += counts_[i];
-      std::printf("%s\"%s\":%llu", i == 0 ? "" : ",", kNames[i],
+      std::printf("%s\"%s\":%llu", i == 0 ? "" : ",", kKindNames[i],
                   static_cast<unsigned long long>(counts_[i]));
     }
     std::printf(
@@ -172,7 +172,7 @@ class Attack {
   }
 
  private:
-  Source& owner() { return sources_.front(); }
+  AttackSource& owner() { return sources_.front(); }
 
   std::uint64_t next_counter() {
     const auto now = std::chrono::system_clock::now().time_since_epoch();
@@ -190,7 +190,7 @@ class Attack {
         random_.between(0, static_cast<int>(kChanges.size()) - 1))];
   }
 
-  Bytes request(Kind kind, const Source& from) {
+  Bytes request(Kind kind, const AttackSource& from) {
     switch (kind) {
       case kReplayed:
       case kElsewhere:
@@ -241,7 +241,7 @@ class Attack {
     wire::put_u32(std::span(bytes).last<wire::kCrcBytes>(), wire::crc32c(covered));
     return bytes;
   }
-  Bytes pairing(const Source& from) {
+  Bytes pairing(const AttackSource& from) {
     wire::PairRequest request{.request_id = 4,
                               .step = static_cast<wire::PairStep>(random_.between(0, 2)),
                               .method = static_cast<wire::PairMethod>(random_.between(0, 3)),
@@ -259,7 +259,7 @@ class Attack {
   }
 
   // What the sensor says: whether somebody got what he may not have.
-  void hear(Source& source, std::span<const std::byte> datagram) {
+  void hear(AttackSource& source, std::span<const std::byte> datagram) {
     const auto packet = wire::parse_packet(datagram);
     if (!packet) {
       return;
@@ -299,7 +299,7 @@ class Attack {
   Random random_;
   wire::Key key_;
   wire::Origin origin_{};
-  std::vector<Source> sources_;
+  std::vector<AttackSource> sources_;
   std::vector<Bytes> captured_;
   Time captured_at_{};
   std::uint64_t counter_ = 0;
