@@ -212,8 +212,8 @@ TEST(FrozenCamera, ThatFreezesAgainAndAgainIsNotOpenedMoreOften) {
 // However long a driver takes, the loop keeps its grid, and the camera is frozen, not lost.
 TEST(FrozenCamera, WhileItIsOpenedTheOtherSensorGoesOn) {
   for (const Camera& camera : kCameras) {
+    std::atomic<bool> hangs = true;  // outlives who opens, which the rig waits for
     FrozenRig rig(camera, kForever, false);
-    std::atomic<bool> hangs = true;
     board::on_open = [&](board::Device) {
       hangs.wait(true);
       rig.thaw();
