@@ -37,7 +37,7 @@ class Subscription {
 
   // first_request: of the numbers of requests, best random.
   Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
-      : options_(options), request_(first_request) {}
+      : options_(options), request_(first_request), answered_(first_request) {}
 
   // The datagram to send now, valid until the next call; empty: none. Call it at next_due(), and
   // again after every take() that returned true.
@@ -45,7 +45,8 @@ class Subscription {
   // The past: at once.
   Time next_due() const;
 
-  // A datagram from the sensor. True: it was an answer for us, and nobody else's business.
+  // A datagram from the sensor. True: it was an answer for us, and nobody else's business. A request
+  // is answered once: what repeats an answer, or is older than one that came, changes nothing.
   bool take(std::span<const std::byte> datagram, Time now);
   // Anything came from the sensor.
   void heard(Time now) { heard_ = now; }
@@ -63,7 +64,8 @@ class Subscription {
   void answered(const wire::Subscribed& answer, Time now);
 
   SubscriptionOptions options_;
-  std::uint32_t request_;  // of the newest request
+  std::uint32_t request_;   // of the newest request
+  std::uint32_t answered_;  // of the newest that was answered
   std::uint64_t cookie_ = 0;
   State state_ = State::kAsking;
   Time next_ = Time::min();
