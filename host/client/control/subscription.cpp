@@ -37,7 +37,8 @@ bool Subscription::take(std::span<const std::byte> datagram, Time now) {
   }
   const Result<wire::Subscribed> answer = wire::decode_subscribed(packet->payload);
   const bool ours = !options_.device_id || packet->header.origin.device_id == *options_.device_id;
-  if (answer && ours && request_ - answer->request_id < std::min(kAnswerable, request_ - answered_)) {
+  if (answer && ours &&
+      request_ - answer->request_id < std::min(kAnswerable, request_ - answered_)) {
     answered_ = answer->request_id;
     answered(*answer, now);
   }

@@ -45,8 +45,9 @@ class Subscription {
   // The past: at once.
   Time next_due() const;
 
-  // A datagram from the sensor. True: it was an answer for us, and nobody else's business. A request
-  // is answered once: what repeats an answer, or is older than one that came, changes nothing.
+  // A datagram from the sensor. True: it was an answer for us, and nobody else's business. A
+  // request is answered once: what repeats an answer, or is older than one that came, changes
+  // nothing.
   bool take(std::span<const std::byte> datagram, Time now);
   // Anything came from the sensor.
   void heard(Time now) { heard_ = now; }

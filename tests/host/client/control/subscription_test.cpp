@@ -100,7 +100,8 @@ TEST_F(SubscriptionTest, ALostKeepAliveIsRepeatedSoon) {
   EXPECT_EQ(subscription_.state(), Subscription::State::kActive);
 }
 
-// Somebody who replays the sensor's last answer must not keep us from renewing until the lease ends.
+// Somebody who replays the sensor's last answer must not keep us from renewing until the lease
+// ends.
 TEST_F(SubscriptionTest, ARepeatedAnswerLengthensNothing) {
   const wire::Subscribe first = asked(kStart);
   reply(first, SubscribeResult::kCookie, kStart);
