@@ -3,6 +3,7 @@
 #include <chrono>
 #include <utility>
 
+#include "firmware/settings/text/paged_writer.h"
 #include "firmware/wire/frame_info.h"
 
 namespace stof::firmware {
@@ -54,28 +55,32 @@ const char* standing_text(std::uint32_t sensors) {
   }
 }
 
-std::string requester_text(std::uint32_t who) {
+void write_requester(std::uint32_t who, settings::PagedWriter& out) noexcept {
   if (who == 0) {
-    return "over the serial line";
+    out << "over the serial line";
+    return;
   }
-  std::string text = "by the address that ends with ";
+  out << "by the address that ends with ";
   for (int shift = 24; shift >= 0; shift -= 8) {
-    text += std::to_string(who >> shift & 0xFF) + (shift > 0 ? "." : "");
+    out << (who >> shift & 0xFF) << (shift > 0 ? "." : "");
   }
-  return text;
 }
 
-std::string pairing_text(std::uint32_t state) {
+void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   if (state == kPairingClosed) {
-    return "pairing has ended";
+    out << "pairing has ended";
+    return;
   }
   if (state == kPairingOpen) {
-    return "pairing is open for two minutes: stof pair";
+    out << "pairing is open for two minutes: stof pair";
+    return;
   }
-  std::string digits = std::to_string(state).substr(1);
-  digits.insert(digits.size() / 2, " ");
-  return "pairing: the digits are " + digits +
-         ". Where stof pair shows the same, hold the button for three seconds; else do nothing";
+  out << "pairing: the digits are ";
+  std::uint32_t unit = 100'000;
+  for (int place = 0; place < 6; ++place, unit /= 10) {
+    out << (place == 3 ? " " : "") << static_cast<char>('0' + state / unit % 10);
+  }
+  out << ". Where stof pair shows the same, hold the button for three seconds; else do nothing";
 }
 
 // " (3 repeated, 1 torn)", or nothing.
@@ -96,46 +101,62 @@ std::string also(std::uint64_t count, const char* what) {
 
 }  // namespace
 
-std::string describe(const Event& event) {
+void describe(const Event& event, settings::PagedWriter& out) noexcept {
+  const char* const part = name(event.component);
   switch (event.kind) {
     case EventKind::kPublishing:
-      return "publishing" + (event.value == 0 ? std::string()
-                                              : ", after " + std::to_string(event.value) +
-                                                    " edges without a frame");
+      out << "publishing";
+      if (event.value != 0) {
+        out << ", after " << event.value << " edges without a frame";
+      }
+      return;
     case EventKind::kUnpaired:
-      return std::string("no frame since ") + std::to_string(event.value) +
-             " edges: " + name(event.component) + ", " + to_string(event.status);
+      out << "no frame since " << event.value << " edges: " << part << ", "
+          << to_string(event.status);
+      return;
     case EventKind::kLost:
-      return std::string(name(event.component)) + " lost, trying to get it back";
+      out << part << " lost, trying to get it back";
+      return;
     case EventKind::kBack:
-      return std::string(name(event.component)) + " is back";
+      out << part << " is back";
+      return;
     case EventKind::kSendFailed:
-      return "nobody can be reached at the destination, packets are dropped; sending goes on";
+      out << "nobody can be reached at the destination, packets are dropped; sending goes on";
+      return;
     case EventKind::kSending:
-      return "packets leave again";
+      out << "packets leave again";
+      return;
     case EventKind::kLate:
-      return "late: " + std::to_string(event.value) +
-             " period(s) skipped, this machine is too slow or too busy for the period";
+      out << "late: " << event.value
+          << " period(s) skipped, this machine is too slow or too busy for the period";
+      return;
     case EventKind::kInTime:
-      return "in time again";
+      out << "in time again";
+      return;
     case EventKind::kSilent:
-      return std::string(name(event.component)) +
-             " silent: it is there, but sends nothing that belongs to an edge";
+      out << part << " silent: it is there, but sends nothing that belongs to an edge";
+      return;
     case EventKind::kFrozen:
-      return std::string(name(event.component)) + " frozen: " + frozen_text(event) +
-             " comes again and again";
+      out << part << " frozen: " << frozen_text(event) << " comes again and again";
+      return;
     case EventKind::kDark:
-      return std::string(name(event.component)) + " dark: its samples hold no light of its lamp";
+      out << part << " dark: its samples hold no light of its lamp";
+      return;
     case EventKind::kStandsOn:
-      return standing_text(event.value);
+      out << standing_text(event.value);
+      return;
     case EventKind::kSettingsChanged:
-      return "settings changed " + requester_text(event.value);
+      out << "settings changed ";
+      write_requester(event.value, out);
+      return;
     case EventKind::kPairing:
-      return pairing_text(event.value);
+      write_pairing(event.value, out);
+      return;
     case EventKind::kSupplying:
-      return std::string(name(event.component)) + ": frames are used again";
+      out << part << ": frames are used again";
+      return;
   }
-  return "unknown event";
+  out << "unknown event";
 }
 
 std::string threads_text(int threads, int there) {

@@ -1,6 +1,7 @@
 #include "firmware/program/appliance.h"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include <gtest/gtest.h>
@@ -209,7 +210,10 @@ TEST(Appliance, WhoChangedTheSettingsIsTold) {
   EXPECT_EQ(told, (std::set<std::uint32_t>{1, 2}));
   int lines = 0;
   while (const auto event = box.rig.events.take()) {
-    lines += describe(*event) == "settings changed by the address that ends with 127.0.0.1" ? 1 : 0;
+    std::array<char, kMostLine> space;
+    settings::PagedWriter line(space);
+    describe(*event, line);
+    lines += line.text() == "settings changed by the address that ends with 127.0.0.1" ? 1 : 0;
   }
   EXPECT_EQ(lines, 2);
 }
