@@ -317,6 +317,64 @@ def judge(world, begin, end, slept):
             "told": not effect or (told is not None and told <= TOLD_S), "healed": healed <= HEALED_S}
 
 
+def waited_s(pid):
+    """How long a process's threads have waited for a processor since their start."""
+    total = 0
+    for task in pathlib.Path(f"/proc/{pid}/task").iterdir():
+        with contextlib.suppress(OSError, IndexError, ValueError):
+            total += int((task / "schedstat").read_text().split()[1])
+    return total * 1e-9
+
+
+def resident_kib(pid):
+    return int(pathlib.Path(f"/proc/{pid}/statm").read_text().split()[1]) * resource.getpagesize() // 1024
+
+
+def realtime(build, minutes, robots=2, period_s=0.066):
+    """A sensor of 640x480 with robots on sockets: what was missed in each second, and what the machine kept from it."""
+    with tempfile.TemporaryDirectory(prefix="stof_") as folder:
+        port_file, log = pathlib.Path(folder, "port"), pathlib.Path(folder, "log")
+        with log.open("w") as out:
+            words = [build / "bin/stofd", "--size", "640x480", "--period-ms", round(1000 * period_s), "--port", 0, "--port-file", port_file,
+                     "--set", "discovery.mdns=false", "--set", "discovery.beacon=false"]
+            sensor = subprocess.Popen(list(map(str, words)), stdin=subprocess.DEVNULL, stdout=out, stderr=subprocess.STDOUT)
+        with contextlib.ExitStack() as stack:
+            stack.callback(sensor.kill)
+            while not (port_file.exists() and port_file.read_text().endswith("\n")):
+                if sensor.poll() is not None:
+                    raise Failed(log.read_text()[-300:])
+                time.sleep(0.05)
+            watching = [Robot(build, int(port_file.read_text())) for _ in range(robots)]
+            for robot in watching:
+                stack.callback(robot.process.kill)
+            time.sleep(10)  # it learns what frames cost, memory comes once
+            rows, memory = [], resident_kib(sensor.pid)
+            end = time.monotonic() + 60 * minutes
+            while time.monotonic() < end and sensor.poll() is None:
+                stolen, waited, at = stolen_s(), waited_s(sensor.pid), time.monotonic()
+                time.sleep(1)
+                rows.append((at, time.monotonic(), stolen_s() - stolen, waited_s(sensor.pid) - waited))
+            if sensor.poll() is not None:
+                raise Failed(f"stofd ended with {sensor.returncode}: {log.read_text()[-300:]}")
+            grown = resident_kib(sensor.pid) - memory
+            begin = rows[0][0] if rows else 0
+            missed = unexplained = stale = 0
+            frames = watching[0].frames
+            for before, after in zip(frames, frames[1:]):
+                gap = after["exposure"] - before["exposure"]
+                if before["exposure"] > begin and gap > 1.5 * period_s:
+                    missed += round(gap / period_s) - 1
+                    near = [row for row in rows if row[1] > before["exposure"] - 0.5 and row[0] < after["at"] + 0.5]
+                    # An eighth of a period is what a loop may be late.
+                    unexplained += sum(row[2] + row[3] for row in near) < period_s / 8
+            for robot in watching:
+                stale += sum(b["exposure"] <= a["exposure"] for a, b in zip(robot.frames, robot.frames[1:]))
+                stale += sum(frame["arrived"] - frame["exposure"] > 6 * period_s + 0.4 for frame in robot.frames)
+            return {"minutes": minutes, "frames": len(frames), "missed": missed, "unexplained": unexplained, "stale": stale,
+                    "memory_grown_kib": grown, "stolen_s": round(sum(row[2] for row in rows), 2),
+                    "waited_s": round(sum(row[3] for row in rows), 2)}
+
+
 def run(build, kind, place, seed):
     """The verdict of one run; raises Failed."""
     world = World(build, f"{kind} {seed}", place)
