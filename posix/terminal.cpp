@@ -92,6 +92,8 @@ int make_raw(int fd, const LineSettings& settings) noexcept {
 
 int make_exclusive(int fd) noexcept { return ioctl(fd, TIOCEXCL) == 0 ? 0 : errno; }
 
+void end_exclusive(int fd) noexcept { static_cast<void>(ioctl(fd, TIOCNXCL)); }
+
 void discard_buffers(int fd) noexcept { static_cast<void>(ioctl(fd, TCFLSH, TCIOFLUSH)); }
 
 bool has_any_speed(int fd) noexcept {

@@ -21,6 +21,9 @@ std::expected<Fd, int> open_line(const char* device) noexcept;
 int make_raw(int fd, const LineSettings& settings) noexcept;
 // For this program alone. 0 or an errno.
 int make_exclusive(int fd) noexcept;
+// For all again. Before close(): a pseudo-terminal outlives it, and refuses all but the system's
+// administrator until its far end closes too.
+void end_exclusive(int fd) noexcept;
 // Forgets what has not been sent or read: what waits would hold up close() until a silent peer
 // takes it.
 void discard_buffers(int fd) noexcept;

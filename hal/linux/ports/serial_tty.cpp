@@ -55,6 +55,7 @@ SerialTty::~SerialTty() { shut(); }
 void SerialTty::shut() noexcept {
   if (line_.is_open()) {
     posix::discard_buffers(line_.get());
+    posix::end_exclusive(line_.get());
     line_.reset();
   }
 }
