@@ -82,20 +82,22 @@ struct Refusal {
 std::expected<Board*, Refusal> open(const Connections& connections,
                                     std::span<const std::string_view> arguments);
 
-// Devices that can be lost, and opened again by reopen().
+// Devices that can be lost or hang, and opened again by reopen().
 enum class Device : std::uint8_t { kTrigger, kStereo, kPmd };
 inline constexpr std::size_t kDeviceCount = 3;
 
-// Opens a device again, in place, that has returned kDeviceLost. For any thread, one at a time:
+// Opens a device again, in place, that has returned kDeviceLost, or a camera that repeats itself,
+// which is shut before. For any thread, one at a time:
 // nobody else uses the device meanwhile or holds a frame of it, while the others may be in use (but
 // the cameras not while the trigger is opened, whose strobe lines they read). May allocate, and
-// block for seconds where a driver hangs. kOk: go on; also where it was not lost. kDeviceLost: not
-// back yet, try again later.
+// block for seconds where a driver hangs. kOk: go on. kDeviceLost: not back yet, try again later.
 Status reopen(Board& board, Device device) noexcept;
 
 // Keeps the program's memory in RAM from now on, and readies the stack of the calling thread, where
 // the board's table asks for priority. A line: what the system refuses and what to do; it goes on.
 std::optional<std::string> lock_memory();
+// No core file of this program, and nobody but an administrator looks into it: it holds secrets.
+void keep_memory_private() noexcept;
 // The calling thread, and those that it starts meanwhile, run before everything else on the board
 // (true, with the priority that it was opened with), or as everything does. A line: as above.
 std::optional<std::string> set_realtime_priority(bool realtime);

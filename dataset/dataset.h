@@ -1,5 +1,6 @@
 #pragma once
 
+#include "dataset/calibration_truth.h"
 #include "dataset/files/pfm.h"
 #include "dataset/files/pgm.h"
 #include "dataset/image.h"

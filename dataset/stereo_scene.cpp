@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kMaxMetaBytes = 1U << 20;
 constexpr int kMaxNdisp = 4096;
+constexpr double kMaxPlaneZ = 1000;  // metres
 
 // What stands behind `key` at the beginning of a line of meta.txt, for each of these lines.
 std::vector<std::string_view> meta_values(std::string_view text, std::string_view key) {
@@ -60,7 +61,7 @@ std::expected<void, Problem> same_size_as_left(const std::filesystem::path& file
 std::expected<void, Problem> check_meta(const std::filesystem::path& file, std::string_view meta,
                                         const StereoScene& scene) {
   for (const char* const key : {"ndisp", "gt_scale", "f_px", "baseline_m", "doff_px", "width",
-                                "height", "camera_height_m", "camera_tilt_degrees"}) {
+                                "height", "camera_height_m", "camera_tilt_degrees", "plane_z_m"}) {
     if (meta_values(meta, key).size() > 1) {
       return refuse(file, std::string("has ") + key + " twice", "keep one of the lines");
     }
@@ -207,6 +208,11 @@ std::string meta(const StereoScene& scene) {
                   scene.rig->left.fx, scene.rig->baseline_m, scene.rig->doff_px);
     text += rig.data();
   }
+  if (scene.plane_z_m) {
+    std::array<char, 48> plane{};
+    std::snprintf(plane.data(), plane.size(), "plane_z_m %.17g\n", *scene.plane_z_m);
+    text += plane.data();
+  }
   if (scene.floor) {
     std::array<char, 96> pose{};
     std::snprintf(pose.data(), pose.size(), "camera_height_m %.17g\ncamera_tilt_degrees %.17g\n",
@@ -241,6 +247,12 @@ Loaded<StereoScene> read_stereo_scene(const std::filesystem::path& dir) {
                   "add a line such as \"ndisp 64\"");
   }
   scene.ndisp = static_cast<int>(*ndisp);
+  scene.plane_z_m = meta_number(*meta, "plane_z_m");
+  if (!meta_values(*meta, "plane_z_m").empty() &&
+      !(scene.plane_z_m && *scene.plane_z_m > 0 && *scene.plane_z_m <= kMaxPlaneZ)) {
+    return refuse(dir / "meta.txt", "has no usable plane_z_m (metres, up to 1000)",
+                  "add a line such as \"plane_z_m 1.6\", or leave it out");
+  }
   scene.rig = read_rig(*meta, scene);
   if (std::expected<void, Problem> truth = read_truth(dir, *meta, scene); !truth) {
     return std::unexpected(std::move(truth.error()));

@@ -41,6 +41,8 @@ struct StereoScene {
   // point is taken for the middle of the picture.
   std::optional<dsp::StereoRig> rig;
   std::optional<FloorTruth> floor;  // from surfaces.pgm and meta.txt
+  // The pair looks at a plane perpendicular to its axes, so far away: measured, as a tape does.
+  std::optional<double> plane_z_m;
 };
 
 // Reads DIR. left.pgm, right.pgm and meta.txt must be there; gt_left.pgm, nonocc.pgm and

@@ -25,7 +25,7 @@ constexpr std::size_t coded_bytes(const board::StereoConfig& stereo,
   const std::size_t parts = 3 * depth + 3 * wire::raw_tiles(width, height, 1) +
                             wire::raw_tiles(static_cast<std::size_t>(pmd.width), samples, 2) +
                             wire::raw_tiles((width + 1) / 2, (height + 1) / 2, 8);
-  return 1250 * (depth + depth / 4) + 100 * parts +
+  return 1250 * (depth + depth / 5) + 100 * parts +
          2 * std::max(width * height, static_cast<std::size_t>(pmd.width) * samples) +
          32 * (width + height) + (std::size_t{1} << 19);
 }

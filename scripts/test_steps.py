@@ -112,6 +112,7 @@ def layers(log):
     count.add(unit_tests(log, "tests/scripts/test_steps_test.py"))
     count.add(one(log.run("scripts/wire_table.py", "--check")))
     count.add(unit_tests(log, "tests/scripts/wire_table_test.py"))
+    count.add(unit_tests(log, "tests/scripts/security_test.py"))
     return count
 
 
@@ -321,6 +322,17 @@ def gcc_tests(log):
     return one(build(log, "gcc-tests"))
 
 
+def calib(log):
+    """What calibrates a rig, whose packages only this step wants: its tests, and clang-tidy of it."""
+    if not log.run("scripts/setup", "calib"):
+        return Count(failed=1, notes=["no packages"])
+    count = tested("calib")(log)
+    sources = sorted(str(path.relative_to(ROOT)) for folder in ("host/calibrate/rig", "host/cli/rig")
+                     for path in ROOT.glob(f"{folder}/**/*.cpp") if path.name != "no_calib_rig.cpp")
+    count.add(one(log.run("scripts/tidy", "--build-dir", "build/calib", *sources)))
+    return count
+
+
 STEPS = {
     "format": check("scripts/format", "--check"),
     "layers": layers,
@@ -338,12 +350,13 @@ STEPS = {
     "tidy-tests": check("scripts/tidy"),  # what `tidy` has read is not read again
     "gcc-tests": gcc_tests,
     "system-long": system("long"),
+    "calib": calib,
 }
 # A newcomer's run. scripts/test installs no more than these need.
 SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
 # Of every change: step arm64 has the kernels, too.
 CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
-ALL = CI + ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long")
+ALL = CI + ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib")
 
 
 def main():

@@ -285,6 +285,8 @@ std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
 
 Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }
 
+void keep_memory_private() noexcept { linux::keep_memory_private(); }
+
 std::optional<std::string> lock_memory() {
   if (rig->priority() == 0) {
     return std::nullopt;

@@ -45,11 +45,8 @@ class HotplugCamera final : public Camera {
     return frame;
   }
 
-  // Nothing where it is not lost. May allocate.
+  // Also where it is not lost: one that repeats itself is shut and opened. May allocate.
   Status reopen() noexcept {
-    if (!lost_) {
-      return Status::kOk;
-    }
     if (opened_.camera == nullptr) {
       auto opened = open_();
       if (!opened) {

@@ -16,6 +16,7 @@
 #include "hal/emu/imagery/replay.h"
 #include "hal/linux/system/clock.h"
 #include "hal/linux/system/file_store.h"
+#include "hal/linux/system/realtime.h"
 #include "hal/linux/system/signal_button.h"
 
 namespace stof::board {
@@ -163,6 +164,8 @@ struct Rig {
   }
 };
 
+std::optional<Rig> rig;
+
 }  // namespace
 
 std::expected<Board*, Refusal> open(const Connections& connections,
@@ -184,7 +187,6 @@ std::expected<Board*, Refusal> open(const Connections& connections,
       return std::unexpected(*refusal);
     }
   }
-  static std::optional<Rig> rig;
   rig.emplace(std::move(*world), std::move(*talks), *options);
   return &*rig->board;
 }
@@ -200,11 +202,19 @@ std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
 
 // An emulated rig shares a laptop with others.
 std::optional<std::string> lock_memory() { return std::nullopt; }
+void keep_memory_private() noexcept { hal::linux::keep_memory_private(); }
 std::optional<std::string> set_realtime_priority(bool) { return std::nullopt; }
 void count_heap_calls() noexcept {}
 HeapCalls heap_calls() noexcept { return {}; }
 
-// Emulated devices come back by themselves when their fault ends.
-Status reopen(Board& /*board*/, Device /*device*/) noexcept { return Status::kOk; }
+// Emulated devices come back by themselves when their fault ends, but for cameras that hang.
+Status reopen(Board& /*board*/, Device device) noexcept {
+  if (device == Device::kStereo) {
+    rig->stereo.reopen();
+  } else if (device == Device::kPmd && rig->pmd) {
+    rig->pmd->reopen();
+  }
+  return Status::kOk;
+}
 
 }  // namespace stof::board

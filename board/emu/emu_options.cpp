@@ -11,8 +11,8 @@ namespace {
 namespace emu = hal::emu;
 
 constexpr std::array<std::string_view, kDeviceCount> kDeviceNames{"trigger", "stereo", "pmd"};
-constexpr std::array<std::string_view, 9> kFaultNames{
-    "none", "drop", "delay", "repeat", "tear", "corrupt", "vanish", "freeze", "dark"};
+constexpr std::array<std::string_view, 10> kFaultNames{
+    "none", "drop", "delay", "repeat", "tear", "corrupt", "vanish", "freeze", "dark", "hang"};
 
 std::unexpected<Refusal> refuse(std::string message) {
   return std::unexpected(Refusal{std::move(message)});
@@ -155,6 +155,11 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
     return refuse("--truth: the scene " + options.scene.name +
                   " moves: leave --truth out, or take another scene");
   }
+  if (!options.dataset) {
+    if (std::expected<emu::Rig, std::string> rig = seen_rig(options.scene); !rig) {
+      return refuse(std::move(rig.error()));
+    }
+  }
   if (renders_as_it_goes(options.scene) && !options.free_run) {
     return refuse("--scene " + options.scene.name +
                   ": its pictures take longer than real time: add --free-run");
@@ -180,7 +185,8 @@ std::string_view usage() noexcept {
       "tear, "
       "corrupt,\n"
       "                       vanish, freeze (old pixels: of the right picture, of all samples), "
-      "dark (no lamp);\n"
+      "dark (no lamp),\n"
+      "                       hang (freeze, until it is opened again);\n"
       "                       up to eight of a device\n";
   static const std::string text = [] {
     std::string all(scene_usage());

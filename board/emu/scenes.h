@@ -7,6 +7,8 @@
 #include <string>
 #include <string_view>
 
+#include "board/emu/board_scene.h"
+#include "board/emu/rig_flags.h"
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
 #include "hal/emu/imagery/driven_scene.h"
@@ -23,7 +25,10 @@ struct SceneOptions {
   std::optional<hal::emu::Size> pmd;   // 0x0: no PMD camera
   std::optional<std::uint32_t> seed;   // of all noise
   hal::emu::Misplacement misplacement;
-  hal::emu::ExposureTimes times;  // of which only pmd_every matters where the rig stands
+  // Of which only pmd_every matters where the rig stands and no board is moved.
+  hal::emu::ExposureTimes times;
+  RigOptions rig;
+  BoardOptions board;
 };
 
 // Takes one of the flags of scene_usage(). false: the flag is none of them. A line: its value
@@ -40,12 +45,26 @@ struct SceneWorld {
   std::optional<dataset::FloorTruth> floor = std::nullopt;  // of a scene above a floor
 };
 
+// The rig that sees the scene; or a line that says why there is none such, or no such board.
+std::expected<hal::emu::Rig, std::string> seen_rig(const SceneOptions& options);
+
 // The scene's truth is not that of another exposure.
 bool moves(const SceneOptions& options);
 // Its pictures take long to render, each anew: for emulated time.
 bool renders_as_it_goes(const SceneOptions& options);
 
-// Half a second to four seconds at 640x480.
+// Half a second to four seconds at 640x480; a board live, a second for each pose and more.
+// seen_rig() must have given one.
 SceneWorld render_world(const SceneOptions& options);
+
+// The same scene, seen by the pair that the raw pictures of options.rig become once they are
+// rectified, with the truth as its calibration.
+SceneWorld render_ideal(const SceneOptions& options);
+
+// From the middle of the pair's exposure to that of the PMD camera's.
+std::int32_t after_pair_us(const hal::emu::ExposureTimes& times);
+
+// A board as a set of poses, `frames` exposures of each, one after the other. The same holds.
+BoardWorld render_poses(const SceneOptions& options, int frames);
 
 }  // namespace stof::board

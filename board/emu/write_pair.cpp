@@ -9,9 +9,12 @@
 #include <string_view>
 #include <utility>
 
+#include "board/emu/exposures.h"
 #include "board/emu/scenes.h"
+#include "board/emu/write_set.h"
 #include "dataset/dataset.h"
 #include "dsp/base/parse_number.h"
+#include "dsp/calib/stereo/column_tables.h"
 
 namespace stof::board {
 namespace {
@@ -30,48 +33,47 @@ struct WritePairOptions {
   bool help = false;
 };
 
+// Disparity of a point that the left pixel in column x sees, z metres away; infinite: none.
+double disparity_of(const dsp::StereoRig& rig, int x, double z) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  double d = rig.left.fx * rig.baseline_m / z - rig.doff_px;
+  if (const auto& c = rig.converging) {
+    const double tangent = rig.baseline_m / z + dsp::left_tangent(rig, x);
+    const double right =
+        c->cx_right - c->f1_m / c->pixel_m * std::tan(std::atan(tangent) - c->alpha_rad);
+    d = x - right;
+  }
+  return d > 0 ? d : kNone;
+}
+
 dataset::StereoScene stereo_scene(const SceneWorld& world, const WritePairOptions& options) {
   const dsp::StereoRig& rig = world.imagery->calibration().stereo;
-  const emu::Size size = world.imagery->stereo_size();
-  dataset::StereoScene scene;
+  dataset::StereoScene scene = pictures_of(*world.imagery, options.exposure);
   scene.name = options.scene.name;
-  scene.left = {size.width, size.height};
-  scene.right = {size.width, size.height};
-  world.imagery->left(options.exposure, scene.left.view());
-  world.imagery->right(options.exposure, scene.right.view());
-  scene.ndisp = world.imagery->disparities();
+  if (options.scene.rig.changes_pair()) {  // raw pictures: what is true is in another folder
+    return scene;
+  }
   scene.visible = world.imagery->visible(options.exposure);
-  scene.rig = rig;
   scene.floor = world.floor;
+  if (!rig.converging) {
+    scene.rig = rig;
+  }
   scene.truth = world.imagery->depth(options.exposure);
-  for (float& value : scene.truth->pixels) {
-    const double disparity = rig.left.fx * rig.baseline_m / value - rig.doff_px;
-    value = disparity > 0 ? static_cast<float>(disparity) : std::numeric_limits<float>::infinity();
+  for (int y = 0; y < scene.truth->height; ++y) {
+    for (int x = 0; x < scene.truth->width; ++x) {
+      float& value = scene.truth->view().at(x, y);
+      value = static_cast<float>(disparity_of(rig, x, double{value}));
+    }
   }
   return scene;
 }
 
 dataset::PmdRecording recording(const SceneWorld& world, const WritePairOptions& options) {
-  const emu::Size size = world.imagery->pmd_size();
-  dataset::PmdRecording out;
-  out.calibration = world.imagery->calibration();
-  out.has_rig = true;
+  dataset::PmdRecording out = recording_of(*world.imagery, options.exposure, options.frames);
   if (renders_as_it_goes(options.scene)) {  // else the world stands still through an exposure
-    const emu::ExposureTimes& times = options.scene.times;
-    out.after_pair_us = static_cast<std::int32_t>(std::lround((times.pmd - times.pair) / 2 * 1e6));
+    out.after_pair_us = after_pair_us(options.scene.times);
   }
-  const std::span<const std::int16_t> pattern = out.calibration.pmd.fixed_pattern;
-  out.fixed_pattern.assign(pattern.begin(), pattern.end());
-  out.calibration.pmd.fixed_pattern = out.fixed_pattern;
-  for (std::uint32_t frame = 0; frame < options.frames; ++frame) {
-    dataset::Image<std::uint16_t> planes(size.width, 4 * size.height);
-    for (int k = 0; k < 4; ++k) {
-      const dsp::ImageView<std::uint16_t> plane(planes.view().row(k * size.height).data(),
-                                                size.width, size.height);
-      world.imagery->pmd(options.exposure + frame, k, plane);
-    }
-    out.frames.push_back(std::move(planes));
-  }
+  out.has_rig = !options.scene.rig.changes_pair();
   return out;
 }
 
@@ -149,7 +151,11 @@ std::expected<WritePairOptions, std::string> parse(std::span<const std::string_v
   if (options.folder.empty()) {
     return std::unexpected("takes the folder to write the emulated scene to; try --help");
   }
-  if (options.frames > 1 && moves(options.scene)) {
+  if (const auto rig = seen_rig(options.scene); !rig) {
+    return std::unexpected(rig.error());
+  }
+  const bool set = emu::is_board(options.scene.name) && options.sequence == 0;
+  if (options.frames > 1 && moves(options.scene) && !set) {
     return std::unexpected("--frames: the scene moves: write a --sequence of exposures");
   }
   if (options.frames > 1 && options.sequence > 0) {
@@ -168,7 +174,8 @@ void print_help() {
   std::printf(
       "stof_emu_pair DIR [flags]: writes an emulated scene as left.pgm, right.pgm, gt_left.pgm,\n"
       "nonocc.pgm, meta.txt and its PMD recording pmd.json, pmd_raw.pgm, pmd_fppn.pgm\n"
-      "(`stof evaluate fusion DIR DIR/pmd`).\n"
+      "(`stof evaluate fusion DIR DIR/pmd`). Of a board or a plane it writes a calibration set: a\n"
+      "folder DIR/pose_000 for each pose, and DIR/truth.json. Of a raw pair, DIR/ideal too.\n"
       "  --exposure N         which exposure (default 0): its noise, and where things that move "
       "are\n"
       "  --frames N           of the PMD recording (default 1)\n"
@@ -176,16 +183,6 @@ void print_help() {
       "its\n"
       "                       number (`stof evaluate sequence DIR`)\n%.*s",
       static_cast<int>(usage.size()), usage.data());
-}
-
-std::expected<void, dataset::Problem> make_folder(const std::filesystem::path& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (!std::filesystem::is_directory(folder, error)) {
-    return std::unexpected(dataset::Problem{
-        folder.string() + ": cannot be made a folder: check the path and its permissions"});
-  }
-  return {};
 }
 
 // One exposure.
@@ -205,9 +202,15 @@ std::expected<void, dataset::Problem> write(const WritePairOptions& options) {
   if (auto made = make_folder(options.folder); !made) {
     return made;
   }
+  if (emu::is_board(options.scene.name) && options.sequence == 0) {
+    return write_set(options.folder, options.scene, options.exposure, options.frames);
+  }
   const SceneWorld world = render_world(options.scene);
   if (options.sequence == 0) {
-    return write(world, options);
+    const auto written = write(world, options);
+    return written && options.scene.rig.changes_pair()
+               ? write_ideal(options.folder, options.scene, options.exposure, options.frames)
+               : written;
   }
   for (std::uint32_t i = 0; i < options.sequence; ++i) {
     WritePairOptions one = options;

@@ -114,6 +114,7 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   if (calibration.pmd.lens.width > 0) {
     t.ambiguity.pmd_range = range_of(calibration.pmd);
     t.ambiguity.reach_px = reach_of(calibration);
+    t.ambiguity.wide_pmd = !is_fine(calibration.pmd.lens);
   }
   t.intervals = make_interval_tables(calibration.stereo, min_disparity, disparities, width,
                                      params.max_range, arena);

@@ -53,8 +53,9 @@ struct PmdMaps {
   ImageView<QuarterMm> smoothed;
   ImageView<QuarterMm> smoothed_sigma;
   // Of pixels with kPmdWrapped, which have no distance: what was read, less than `range`, and its
-  // sigma. It lies at this, or any number of ranges away. 0 elsewhere, and where neighbours are an
-  // edge and more than `widest` apart: there it may be mixed, and tell neither. May be empty.
+  // sigma. It lies at this, or any number of ranges away. 0 elsewhere, and of fine pixels (is_fine)
+  // whose neighbours are an edge and more than `widest` apart: there it may be mixed, and tell
+  // neither. Wide ones keep it, with kPmdEdge. May be empty.
   ImageView<QuarterMm> folded;
   ImageView<QuarterMm> folded_sigma;
   ImageView<QuarterMm> low;       // radial interval from the 3x3 neighbourhood, with 2 sigma;

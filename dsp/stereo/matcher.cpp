@@ -42,7 +42,7 @@ class OwnSearches final : public SearchMaker {
 Matcher::Matcher(const MatchParams& params, int width, int height, Arena& arena,
                  const ThreadTeam& team, SearchMaker* maker) noexcept
     : team_(team),
-      pair_(params, width, height, arena),
+      pair_(params, width, height, arena, maker == nullptr && params.search == Search::kSemiGlobal),
       margins_(params.distinct ? arena.take_image<std::int16_t>(width, height)
                                : ImageView<std::int16_t>()),
       ratio_(params.confidence ? arena.take_image<std::uint8_t>(width, height)

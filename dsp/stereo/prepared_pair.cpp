@@ -52,8 +52,9 @@ void derive_rows(ImageView<const std::uint8_t> in, Rows rows, int cap,
 
 }  // namespace
 
-PreparedPair::PreparedPair(const MatchParams& params, int width, int height, Arena& arena) noexcept
-    : params_(params) {
+PreparedPair::PreparedPair(const MatchParams& params, int width, int height, Arena& arena,
+                           bool left_alone) noexcept
+    : params_(params), left_alone_(left_alone && params.prefilter_cap.has_value()) {
   if (changes_left(params)) {
     left_buffer_ = arena.take_passing_image<std::uint8_t>(width, height);
   }
@@ -62,7 +63,9 @@ PreparedPair::PreparedPair(const MatchParams& params, int width, int height, Are
   }
   if (params.prefilter_cap) {
     left_derivative_ = arena.take_passing_image<std::uint8_t>(width, height);
-    right_derivative_ = arena.take_passing_image<std::uint8_t>(width, height);
+    if (!left_alone_) {
+      right_derivative_ = arena.take_passing_image<std::uint8_t>(width, height);
+    }
   }
 }
 
@@ -93,7 +96,9 @@ void PreparedPair::filter(Rows rows) noexcept {
 void PreparedPair::derive(Rows rows) noexcept {
   if (params_.prefilter_cap) {
     derive_rows(left_grey_, rows, *params_.prefilter_cap, cut(left_derivative_, left_input_));
-    derive_rows(right_grey_, rows, *params_.prefilter_cap, cut(right_derivative_, right_input_));
+    if (!left_alone_) {
+      derive_rows(right_grey_, rows, *params_.prefilter_cap, cut(right_derivative_, right_input_));
+    }
   }
 }
 
@@ -102,6 +107,9 @@ ImageView<const std::uint8_t> PreparedPair::left() const noexcept {
 }
 
 ImageView<const std::uint8_t> PreparedPair::right() const noexcept {
+  if (left_alone_) {
+    return {};
+  }
   return params_.prefilter_cap ? cut(right_derivative_, right_input_) : right_grey_;
 }
 

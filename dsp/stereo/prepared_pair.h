@@ -13,7 +13,10 @@ namespace stof::dsp {
 // A stereo pair as costs look at it: smoothed, equalised, as a derivative, as MatchParams say.
 class PreparedPair {
  public:
-  PreparedPair(const MatchParams& params, int width, int height, Arena& arena) noexcept;
+  // left_alone: the search compares no derivatives, so that only checks ask for one: that of the
+  // left picture. right() is empty then.
+  PreparedPair(const MatchParams& params, int width, int height, Arena& arena,
+               bool left_alone = false) noexcept;
 
   // New pictures of equal size, at most the constructor's. They are looked at until the next call.
   void start(ImageView<const std::uint8_t> left, ImageView<const std::uint8_t> right) noexcept;
@@ -39,6 +42,7 @@ class PreparedPair {
   }
 
   MatchParams params_;
+  bool left_alone_;
   // Memory; the images of this frame are its upper left parts.
   ImageView<std::uint8_t> left_buffer_;
   ImageView<std::uint8_t> right_buffer_;

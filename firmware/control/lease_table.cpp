@@ -25,19 +25,44 @@ bool LeaseTable::fix(const hal::Peer& peer) noexcept {
 bool LeaseTable::subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time now) noexcept {
   const std::size_t at = find(peer);
   if (at < count_) {
-    entries_[at].until = std::max(entries_[at].until, now + lease);
+    Entry& entry = entries_[at];
+    if (entry.key_id == 0 && !entry.fixed && count_open(at) >= open_places_) {
+      return false;
+    }
+    entry.until = std::max(entry.until, now + lease);
     return true;
   }
-  if (count_ == kMostSubscribers || count_of_host(peer) >= kMostOfHost) {
+  if (count_ == kMostSubscribers || count_open(count_) >= open_places_ ||
+      count_of_host(peer) >= kMostOfHost) {
     return false;
   }
-  entries_[count_++] = {.peer = peer, .until = now + lease, .fixed = false};
+  entries_[count_++] = {.peer = peer, .until = now + lease};
   return true;
 }
 
-void LeaseTable::unsubscribe(const hal::Peer& peer) noexcept {
+const wire::StreamKey* LeaseTable::subscribe_signed(const hal::Peer& peer, const SignedTerms& terms,
+                                                    hal::Duration lease, hal::Time now) noexcept {
   const std::size_t at = find(peer);
-  if (at < count_ && !entries_[at].fixed) {
+  if (at == kMostSubscribers) {
+    return nullptr;
+  }
+  if (at == count_) {
+    entries_[count_++] = {.peer = peer};
+  }
+  Entry& entry = entries_[at];
+  entry.until = std::max(entry.until, now + lease);
+  if (entry.stream.number == 0 || entry.key_id != terms.key_id ||
+      entry.stream.number != terms.has) {
+    entry.stream.number = ++stream_keys_;
+    wire::fill_random(entry.stream.secret);
+  }
+  entry.key_id = terms.key_id;
+  return &entry.stream;
+}
+
+void LeaseTable::unsubscribe(const hal::Peer& peer, bool with_key) noexcept {
+  const std::size_t at = find(peer);
+  if (at < count_ && !entries_[at].fixed && (with_key || entries_[at].key_id == 0)) {
     remove(at);
   }
 }
@@ -64,6 +89,7 @@ ReceiverList LeaseTable::list() const noexcept {
   ReceiverList list{.count = count_, .refused = refused_until_.has_value()};
   for (std::size_t i = 0; i < count_; ++i) {
     list.peers[i] = entries_[i].peer;
+    list.keys[i] = entries_[i].stream;
   }
   return list;
 }
@@ -76,15 +102,22 @@ std::size_t LeaseTable::find(const hal::Peer& peer) const noexcept {
 
 std::size_t LeaseTable::count_of_host(const hal::Peer& peer) const noexcept {
   const hal::Peer host = host_of(peer);
+  return static_cast<std::size_t>(std::count_if(
+      entries_.begin(), entries_.begin() + count_,
+      [&](const Entry& entry) { return entry.key_id == 0 && host_of(entry.peer) == host; }));
+}
+
+std::size_t LeaseTable::count_open(std::size_t end) const noexcept {
   return static_cast<std::size_t>(
-      std::count_if(entries_.begin(), entries_.begin() + count_,
-                    [&](const Entry& entry) { return host_of(entry.peer) == host; }));
+      std::count_if(entries_.begin(), entries_.begin() + end,
+                    [](const Entry& entry) { return entry.key_id == 0; }));
 }
 
 void LeaseTable::remove(std::size_t index) noexcept {
   std::ranges::move(entries_.begin() + index + 1, entries_.begin() + count_,
                     entries_.begin() + index);
   --count_;
+  wire::wipe(entries_[count_].stream.secret);
 }
 
 }  // namespace stof::firmware

@@ -11,6 +11,12 @@
 
 namespace stof::firmware {
 
+// Whose key signed a request to subscribe, and which stream key it has.
+struct SignedTerms {
+  std::uint32_t key_id = 0;  // not 0
+  std::uint32_t has = 0;
+};
+
 // The receivers of the streams, each with the end of its lease. The control thread owns it and
 // hands the loop a list of peers whenever that changes: there is one table and one set of rules. No
 // clock: `now` is the caller's, and must not go back.
@@ -29,10 +35,18 @@ class LeaseTable {
   // False: all places are taken.
   bool fix(const hal::Peer& peer) noexcept;
   // Adds a peer, or lengthens its lease to now + lease; never shortens what it had. False: full, or
-  // its host has kMostOfHost.
+  // its host has kMostOfHost, or the place that is left is kept. One that was signed stays so.
   bool subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time now) noexcept;
-  // Fixed ones stay.
-  void unsubscribe(const hal::Peer& peer) noexcept;
+  // The same of whoever signed with that key: its streams are signed too. A host may have all
+  // places so, and one is kept. The stream key that it has had here goes on where `has` is its
+  // number, else it is a new one. nullptr: full.
+  const wire::StreamKey* subscribe_signed(const hal::Peer& peer, const SignedTerms& terms,
+                                          hal::Duration lease, hal::Time now) noexcept;
+  // Fixed ones stay, and signed ones, unless this is signed as well.
+  void unsubscribe(const hal::Peer& peer, bool with_key = false) noexcept;
+  // Whether one place is for those who sign alone: there are keys. Who has it without one keeps it
+  // until the end of its lease.
+  void keep_place(bool keep) noexcept { open_places_ = kMostSubscribers - (keep ? 1 : 0); }
   // Somebody says that nobody listens there (ICMP, which anybody can send): of a fixed destination
   // it is noted, and nothing changes; a lease ends by its time alone.
   void refused(const hal::Peer& peer, hal::Time now) noexcept;
@@ -48,14 +62,20 @@ class LeaseTable {
     hal::Peer peer{};
     hal::Time until{};
     bool fixed = false;
+    std::uint32_t key_id = 0;  // that signed; 0: none
+    wire::StreamKey stream{};
   };
   std::size_t find(const hal::Peer& peer) const noexcept;  // count_: not here
   std::size_t count_of_host(const hal::Peer& peer) const noexcept;
+  // Without a key, of the first `end`.
+  std::size_t count_open(std::size_t end) const noexcept;
   void remove(std::size_t index) noexcept;
 
   std::array<Entry, kMostSubscribers> entries_{};
   std::size_t count_ = 0;
-  std::optional<hal::Time> refused_until_;  // a fixed destination's
+  std::size_t open_places_ = kMostSubscribers;  // of whoever has no key
+  std::uint32_t stream_keys_ = 0;               // that were drawn
+  std::optional<hal::Time> refused_until_;      // a fixed destination's
 };
 
 }  // namespace stof::firmware

@@ -5,18 +5,23 @@
 #include <span>
 
 #include "firmware/spsc_ring.h"
+#include "firmware/wire/keys/signed_stream.h"
 #include "hal/datagram_port.h"
 
 namespace stof::firmware {
 
 inline constexpr std::size_t kMostSubscribers = 4;
-// Of one host, which may run a viewer, a recorder and a bridge: it never has all places.
+// Of one host without a key, which may run a viewer, a recorder and a bridge: it never has all
+// places.
 inline constexpr std::size_t kMostOfHost = 3;
 
 // The receivers of all streams, from the control thread to the loop. Each list replaces the one
 // before; nothing in it expires: a lease that ends makes a new list.
 struct ReceiverList {
   std::array<hal::Peer, kMostSubscribers> peers{};
+  // What each one's datagrams are signed with; number 0: they are not. A number has one secret, and
+  // one peer, for as long as the program runs.
+  std::array<wire::StreamKey, kMostSubscribers> keys{};
   std::size_t count = 0;
   // A fixed destination says that nobody listens there; it stays in the list.
   bool refused = false;

@@ -60,12 +60,7 @@ RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcep
   }
   wire::Subscribed out{.request_id = asked->request_id};
   if (!cookies_.valid(asked->cookie, request.from, request.now)) {
-    if (!may_answer_unproven(request, wire::kSubscribedBytes)) {
-      return {};
-    }
-    count(Count::kCookies);
-    out.result = wire::SubscribeResult::kCookie;
-    return answer(request, out);
+    return subscribe_cookie(request, asked->request_id);
   }
   if (!may_serve(request)) {
     return {};
@@ -78,6 +73,7 @@ RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcep
   }
   // A lease that has ended must not keep anybody out until the next turn of the thread.
   subscribers_.expire(request.now);
+  subscribers_.keep_place(authenticator_ != nullptr && authenticator_->knows_keys());
   const hal::Duration lease = LeaseTable::granted(asked->lease_ms);
   if (subscribers_.subscribe(request.from, lease, request.now)) {
     out.result = wire::SubscribeResult::kOk;
@@ -110,16 +106,15 @@ RequestHandler::Answer RequestHandler::serve_settings(const Request& request) no
 // Whatever is cheap comes first: the cookie, the session, the host's share.
 RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noexcept {
   const Result<wire::SignedView> view = wire::open_signed(request.packet, request.datagram);
-  if (!view || view->fields.type != static_cast<std::uint8_t>(PacketType::kSettingsRequest)) {
-    return refuse(Count::kBadField);
-  }
-  const Result<wire::SettingsRequest> asked = wire::decode_settings_request(view->payload);
+  std::optional<SignedRequest> asked = view ? read_signed(request, *view) : std::nullopt;
   if (!asked) {
     return refuse(Count::kBadField);
   }
+  const bool settings = asked->type == PacketType::kSettingsRequest;
   if (request.packet.header.origin.session_id != origin_.session_id ||
       !cookies_.valid(asked->cookie, request.from, request.now)) {
-    return answer_cookie(request, asked->request_id);
+    return settings ? answer_cookie(request, asked->request_id)
+                    : subscribe_cookie(request, asked->request_id);
   }
   if (!may_serve(request)) {
     return {};
@@ -127,34 +122,120 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
   using Verdict = keys::Authenticator::Verdict;
   const keys::Authenticator::Signer signer =
       authenticator_ == nullptr ? keys::Authenticator::Signer{} : authenticator_->judge(*view);
-  wire::SettingsAnswer refusal{.request_id = asked->request_id,
-                               .cookie = cookies_.make(request.from, request.now)};
   if (signer.verdict == Verdict::kForged) {
-    count(Count::kForged);
-    refusal.result = wire::SettingsResult::kUnknownKey;
-    return answer(refusal, 0);
+    return unknown_key(*asked);
   }
   wire::Key key = *signer.key;  // which may be none any more when the answer goes
+  if (signer.former) {
+    key.secret = *key.former;
+  }
+  asked->key = &key;
   const std::span<std::byte> payload = wire::signed_space(buffer_);
-  std::size_t bytes = wire::kSettingsAnswerBytes;
-  if (signer.verdict == Verdict::kReplayed) {
-    count(Count::kReplayed);
-    refusal.result = wire::SettingsResult::kStale;
-    wire::encode_settings_answer(refusal, payload.first<wire::kSettingsAnswerBytes>());
+  const bool replayed = signer.verdict == Verdict::kReplayed;
+  count(replayed ? Count::kReplayed : Count::kAccepted);
+  std::size_t bytes = 0;
+  if (replayed) {
+    bytes = serve_stale(*asked, payload);
+  } else if (settings) {
+    bytes = serve(*wire::decode_settings_request(view->payload),
+                  view->payload.subspan(wire::kSettingsRequestBytes), request, access_of(key.role),
+                  key.id, payload);
   } else {
-    count(Count::kAccepted);
-    bytes = serve(*asked, view->payload.subspan(wire::kSettingsRequestBytes), request,
-                  access_of(key.role), key.id, payload);
+    bytes = serve_subscribe(*asked, payload);
   }
   const Answer sealed = wire::seal_signed(
       {.type = PacketType::kSignedAnswer, .origin = origin_, .frame = {.health = health_}},
       {.key_id = key.id,
-       .type = static_cast<std::uint8_t>(PacketType::kSettingsAnswer),
+       .type = static_cast<std::uint8_t>(settings ? PacketType::kSettingsAnswer
+                                                  : PacketType::kSubscribed),
        .counter = view->fields.counter,
        .highest = signer.highest},
       bytes, key.secret, buffer_);
   wire::wipe(key.secret);
+  if (key.former) {
+    wire::wipe(*key.former);
+  }
   return sealed;
+}
+
+std::optional<RequestHandler::SignedRequest> RequestHandler::read_signed(
+    const Request& request, const wire::SignedView& view) noexcept {
+  SignedRequest read{
+      .request = request, .view = view, .type = static_cast<PacketType>(view.fields.type)};
+  if (read.type == PacketType::kSettingsRequest) {
+    const Result<wire::SettingsRequest> asked = wire::decode_settings_request(view.payload);
+    if (!asked) {
+      return std::nullopt;
+    }
+    read.request_id = asked->request_id;
+    read.cookie = asked->cookie;
+    return read;
+  }
+  const Result<wire::Subscribe> asked = wire::decode_subscribe(view.payload);
+  // A serial line, which has no address, is no receiver of the network: its profile is a setting.
+  const bool known =
+      (read.type == PacketType::kSubscribe || read.type == PacketType::kUnsubscribe) &&
+      request.from != hal::Peer{};
+  if (!known || !asked) {
+    return std::nullopt;
+  }
+  read.request_id = asked->request_id;
+  read.cookie = asked->cookie;
+  return read;
+}
+
+std::size_t RequestHandler::serve_subscribe(const SignedRequest& request,
+                                            std::span<std::byte> payload) noexcept {
+  const wire::Subscribe asked = *wire::decode_subscribe(request.view.payload);
+  const hal::Peer& from = request.request.from;
+  wire::Subscribed out{.request_id = request.request_id};
+  wire::StreamKeyFields handover{};
+  subscribers_.expire(request.request.now);
+  if (request.type == PacketType::kUnsubscribe) {
+    subscribers_.unsubscribe(from, true);
+    out.result = wire::SubscribeResult::kEnded;
+  } else {
+    const hal::Duration lease = LeaseTable::granted(asked.lease_ms);
+    const wire::StreamKey* const stream = subscribers_.subscribe_signed(
+        from, {.key_id = request.key->id, .has = asked.stream_key}, lease, request.request.now);
+    out.result = stream == nullptr ? wire::SubscribeResult::kFull : wire::SubscribeResult::kOk;
+    if (stream != nullptr) {
+      out.lease_ms = static_cast<std::uint16_t>(lease / std::chrono::milliseconds(1));
+      handover = wire::seal_stream_key(
+          *stream,
+          {.sensor = origin_, .key = *request.key, .counter = request.view.fields.counter});
+    }
+  }
+  put_subscribed(out, request.request, payload);
+  wire::encode_stream_key_fields(
+      handover, payload.subspan<wire::kSubscribedBytes, wire::kStreamKeyFieldsBytes>());
+  return wire::kSubscribedBytes + wire::kStreamKeyFieldsBytes;
+}
+
+std::size_t RequestHandler::serve_stale(const SignedRequest& request,
+                                        std::span<std::byte> payload) noexcept {
+  if (request.type != PacketType::kSettingsRequest) {
+    put_subscribed({.request_id = request.request_id, .result = wire::SubscribeResult::kStale},
+                   request.request, payload);
+    return wire::kSubscribedBytes;
+  }
+  wire::encode_settings_answer({.request_id = request.request_id,
+                                .result = wire::SettingsResult::kStale,
+                                .cookie = cookies_.make(request.request.from, request.request.now)},
+                               payload.first<wire::kSettingsAnswerBytes>());
+  return wire::kSettingsAnswerBytes;
+}
+
+RequestHandler::Answer RequestHandler::unknown_key(const SignedRequest& request) noexcept {
+  count(Count::kForged);
+  if (request.type != PacketType::kSettingsRequest) {
+    return answer(request.request,
+                  {.request_id = request.request_id, .result = wire::SubscribeResult::kUnknownKey});
+  }
+  return answer({.request_id = request.request_id,
+                 .result = wire::SettingsResult::kUnknownKey,
+                 .cookie = cookies_.make(request.request.from, request.request.now)},
+                0);
 }
 
 RequestHandler::Answer RequestHandler::pair(const Request& request) noexcept {
@@ -174,7 +255,7 @@ RequestHandler::Answer RequestHandler::pair(const Request& request) noexcept {
   } else {
     count(Count::kAccepted);
     if (pairing_ != nullptr) {
-      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now);
+      out = pairing_->serve(*asked, keys::PairingWay::kNetwork, request.now, request.from);
     }
   }
   out.request_id = asked->request_id;
@@ -212,6 +293,15 @@ RequestHandler::Answer RequestHandler::answer_cookie(const Request& request,
                  .result = wire::SettingsResult::kCookie,
                  .cookie = cookies_.make(request.from, request.now)},
                 0);
+}
+
+RequestHandler::Answer RequestHandler::subscribe_cookie(const Request& request,
+                                                        std::uint32_t request_id) noexcept {
+  if (!may_answer_unproven(request, wire::kSubscribedBytes)) {
+    return {};
+  }
+  count(Count::kCookies);
+  return answer(request, {.request_id = request_id, .result = wire::SubscribeResult::kCookie});
 }
 
 RequestHandler::Answer RequestHandler::discover(const Request& request) noexcept {
@@ -255,11 +345,15 @@ bool RequestHandler::may_serve(const Request& request) noexcept {
 
 RequestHandler::Answer RequestHandler::answer(const Request& request,
                                               const wire::Subscribed& subscribed) noexcept {
-  wire::Subscribed out = subscribed;
-  out.subscribers = static_cast<std::uint8_t>(subscribers_.count());
-  out.cookie = cookies_.make(request.from, request.now);
-  wire::encode_subscribed(out, wire::payload_space(buffer_).first<wire::kSubscribedBytes>());
+  put_subscribed(subscribed, request, wire::payload_space(buffer_));
   return seal(PacketType::kSubscribed, wire::kSubscribedBytes);
+}
+
+void RequestHandler::put_subscribed(wire::Subscribed subscribed, const Request& request,
+                                    std::span<std::byte> payload) noexcept {
+  subscribed.subscribers = static_cast<std::uint8_t>(subscribers_.count());
+  subscribed.cookie = cookies_.make(request.from, request.now);
+  wire::encode_subscribed(subscribed, payload.first<wire::kSubscribedBytes>());
 }
 
 // The text lies behind the answer already.

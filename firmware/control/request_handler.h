@@ -86,10 +86,24 @@ class RequestHandler {
     std::span<const std::byte> datagram;  // as a whole
   };
   using Answer = std::span<const std::byte>;
+  // A request that a key signs, and what is the same in all that may be signed.
+  struct SignedRequest {
+    const Request& request;
+    const wire::SignedView& view;
+    wire::PacketType type;  // kSubscribe, kUnsubscribe, kSettingsRequest
+    std::uint32_t request_id = 0;
+    std::uint64_t cookie = 0;
+    const wire::Key* key = nullptr;  // once it is known
+  };
+  static std::optional<SignedRequest> read_signed(const Request& request,
+                                                  const wire::SignedView& view) noexcept;
 
   Answer subscribe(const Request& request) noexcept;
   Answer serve_settings(const Request& request) noexcept;
   Answer serve_signed(const Request& request) noexcept;
+  // What a key signed, judged: writes the message that answers it into `payload`; its bytes.
+  std::size_t serve_subscribe(const SignedRequest& request, std::span<std::byte> payload) noexcept;
+  std::size_t serve_stale(const SignedRequest& request, std::span<std::byte> payload) noexcept;
   Answer pair(const Request& request) noexcept;
   Answer discover(const Request& request) noexcept;
   // Whether an answer of `payload_bytes` may go to a source that has proven nothing.
@@ -99,6 +113,11 @@ class RequestHandler {
   Answer answer(const Request& request, const wire::Subscribed& subscribed) noexcept;
   // To a source without a valid cookie, or one of another session.
   Answer answer_cookie(const Request& request, std::uint32_t request_id) noexcept;
+  Answer subscribe_cookie(const Request& request, std::uint32_t request_id) noexcept;
+  Answer unknown_key(const SignedRequest& request) noexcept;
+  // Fills in what every one has, and writes it.
+  void put_subscribed(wire::Subscribed subscribed, const Request& request,
+                      std::span<std::byte> payload) noexcept;
   Answer answer(const wire::SettingsAnswer& settings, std::size_t text_bytes) noexcept;
   // Serves a request whose text follows it, and writes the answer and its text into `payload`.
   // Returns the bytes of both.

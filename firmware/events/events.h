@@ -7,6 +7,7 @@
 
 #include "dsp/base/status.h"
 #include "firmware/spsc_ring.h"
+#include "firmware/wire/messages/enums.h"
 #include "hal/time.h"
 
 // The loop's reports: typed events in a fixed ring and plain counters. Text is made
@@ -32,13 +33,18 @@ enum class EventKind : std::uint8_t {
   kDark,    // the same, because its samples hold no light of its lamp
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
-  kSettingsChanged,  // value: who, as of the condition
+  kSettingsChanged,  // value: who, as of the condition; address
   kPairing,          // value: kPairing..., below
+  kKeyMade,          // value: its id; role; address: whose
+  kKeyRenewed,       // the same
+  kKeyEnded,         // the same
+  kLastKeyEnded,     // the same: the sensor is unpaired
 };
 
 // Of pairing at the sensor: kPairingTold and above: that and the six digits.
 inline constexpr std::uint32_t kPairingClosed = 0;
 inline constexpr std::uint32_t kPairingOpen = 1;
+inline constexpr std::uint32_t kPairingDone = 2;  // a key came of it
 inline constexpr std::uint32_t kPairingTold = 1'000'000;
 
 struct Event {
@@ -47,7 +53,23 @@ struct Event {
   Component component = Component::kLoop;
   Status status = Status::kOk;
   std::uint32_t value = 0;
+  wire::Role role = wire::Role::kNone;
+  std::array<std::uint8_t, 16> address{};  // as in hal::Peer; all 0: not over the network
 };
+
+// Who, as conditions have it: the last four bytes of an address; 0: nobody of the network, which no
+// address is.
+constexpr std::uint32_t who(const std::array<std::uint8_t, 16>& address) noexcept {
+  std::uint32_t last = 0;
+  for (std::size_t i = 12; i < address.size(); ++i) {
+    last = last << 8U | address[i];
+  }
+  return last == 0 && address != std::array<std::uint8_t, 16>{} ? 0xFFFF'FFFF : last;
+}
+
+// What clients changed, from the control thread to the loop's, which tells each. `at` is the
+// loop's.
+using ChangeRing = SpscRing<Event, 64>;
 
 // Why a frame was not used. kNone: it was.
 enum class Drop : std::uint8_t {

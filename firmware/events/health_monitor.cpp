@@ -85,8 +85,14 @@ void HealthMonitor::observe(const Event& event) noexcept {
     case EventKind::kSettingsChanged:
       begin(wire::Condition::kSettingsChanged, event.value, event.at);
       break;
+    case EventKind::kKeyMade:
+    case EventKind::kKeyRenewed:
+    case EventKind::kKeyEnded:
+    case EventKind::kLastKeyEnded:
+      begin(wire::Condition::kKeysChanged, event.value, event.at);
+      break;
     case EventKind::kPairing:
-      if (event.value == kPairingClosed) {
+      if (event.value == kPairingClosed || event.value == kPairingDone) {
         set(wire::Condition::kPairing, false, 0, event.at);
       } else {
         begin(wire::Condition::kPairing, event.value == kPairingOpen ? 0 : event.value, event.at);
@@ -126,6 +132,9 @@ void HealthMonitor::begin(wire::Condition condition, std::uint32_t value, hal::T
 }
 
 void HealthMonitor::change(Entry& entry, bool active, std::uint32_t value, hal::Time now) noexcept {
+  if (entry.changed) {
+    static_cast<void>(earlier_.push(report(static_cast<std::size_t>(&entry - entries_.data()))));
+  }
   entry.active = active;
   entry.value = value;
   entry.at = now;
@@ -204,6 +213,9 @@ wire::EventReport HealthMonitor::report(std::size_t condition) const noexcept {
 }
 
 std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexcept {
+  if (std::optional<wire::EventReport> earlier = earlier_.pop()) {
+    return earlier;
+  }
   for (std::size_t i = 0; i < entries_.size(); ++i) {
     Entry& entry = entries_[i];
     if (std::exchange(entry.changed, false)) {
@@ -216,6 +228,13 @@ std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexce
     }
   }
   return std::nullopt;
+}
+
+// Ends a condition that lasts for a while after each change.
+void HealthMonitor::set_recent(wire::Condition condition, hal::Time now) noexcept {
+  if (now - entries_[index_of(condition)].at >= kChangeLasts) {
+    set(condition, false, 0, now);
+  }
 }
 
 // What only a whole second can tell.
@@ -255,9 +274,8 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
       control.connection_replaced, now);
   set(wire::Condition::kUnpaired, control.unpaired, 0, now);
   set(wire::Condition::kKeysLost, control.keys_lost, 0, now);
-  if (now - entries_[index_of(wire::Condition::kSettingsChanged)].at >= kChangeLasts) {
-    set(wire::Condition::kSettingsChanged, false, 0, now);
-  }
+  set_recent(wire::Condition::kSettingsChanged, now);
+  set_recent(wire::Condition::kKeysChanged, now);
   const bool second = now - sums_.begin >= kSecond;
   if (second) {
     judge_second(counters, control, now);

@@ -20,7 +20,6 @@ struct ControlStatus {
   std::uint64_t serial_dropped = 0;
   std::uint64_t serial_refused = 0;
   std::uint32_t settings_revision = 0;
-  std::uint32_t settings_changed_by = 0;  // value of condition settings_changed
   std::uint32_t settings_dropped = 0;     // of the condition; 0: not
   std::uint32_t connection_replaced = 0;  // likewise
   std::uint8_t subscribers = 0;
@@ -34,7 +33,8 @@ struct ControlStatus {
 };
 
 // Which conditions (docs/WIRE.md, "Events") are active, and what has to be sent about them: each
-// change at once and once more a second later, the whole once a second and on change. For the
+// change at once, also where several of one condition come at once, the last of them once more a
+// second later, the whole once a second and on change. For the
 // loop's thread; no heap.
 class HealthMonitor {
  public:
@@ -100,12 +100,16 @@ class HealthMonitor {
   // Begins and ends the conditions of a camera that is there.
   void observe_supply(const Event& event) noexcept;
   wire::EventReport report(std::size_t condition) const noexcept;
+  void set_recent(wire::Condition condition, hal::Time now) noexcept;
   void judge_second(const Counters& counters, const ControlStatus& control, hal::Time now) noexcept;
 
   hal::Time start_;
   std::array<Entry, wire::kConditions> entries_{};
   std::uint32_t sequence_ = 0;
   bool changed_ = true;
+  // Changes of a condition that has changed again since; what does not fit is missing in the
+  // sequence.
+  SpscRing<wire::EventReport, 32> earlier_;
 
   Sums sums_;                    // of the second that runs
   std::uint32_t blindness_ = 0;  // the sum

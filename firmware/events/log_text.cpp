@@ -1,10 +1,15 @@
 #include "firmware/events/log_text.h"
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <span>
+#include <string_view>
 #include <utility>
 
 #include "firmware/settings/text/paged_writer.h"
 #include "firmware/wire/frame_info.h"
+#include "firmware/wire/keys/key_text.h"
 
 namespace stof::firmware {
 namespace {
@@ -55,20 +60,55 @@ const char* standing_text(std::uint32_t sensors) {
   }
 }
 
-void write_requester(std::uint32_t who, settings::PagedWriter& out) noexcept {
-  if (who == 0) {
+// In hexadecimal digits, `least` of them at least.
+void write_hexadecimal(std::uint32_t value, int least, settings::PagedWriter& out) noexcept {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  for (int place = 7; place >= 0; --place) {
+    if (place < least || value >> (4 * place) != 0) {
+      out << kDigits[value >> (4 * place) & 15];
+    }
+  }
+}
+
+// 192.168.1.5, or the eight groups of an IPv6 address, fd00:0:0:0:0:0:c0a8:105.
+void write_address(const std::array<std::uint8_t, 16>& address,
+                   settings::PagedWriter& out) noexcept {
+  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
+  if (std::ranges::equal(std::span(address).first(kMapped.size()), kMapped)) {
+    for (std::size_t i = kMapped.size(); i < address.size(); ++i) {
+      out << (i > kMapped.size() ? "." : "") << int{address[i]};
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < address.size(); i += 2) {
+    out << (i > 0 ? ":" : "");
+    write_hexadecimal(address[i] * 256U + address[i + 1], 1, out);
+  }
+}
+
+void write_requester(const Event& event, settings::PagedWriter& out) noexcept {
+  if (event.address == std::array<std::uint8_t, 16>{}) {
     out << "over the serial line";
     return;
   }
-  out << "by the address that ends with ";
-  for (int shift = 24; shift >= 0; shift -= 8) {
-    out << (who >> shift & 0xFF) << (shift > 0 ? "." : "");
-  }
+  out << "by ";
+  write_address(event.address, out);
+}
+
+void write_key(const Event& event, const char* what, settings::PagedWriter& out) noexcept {
+  out << "key ";
+  write_hexadecimal(event.value, 8, out);
+  out << ", role " << wire::role_text(event.role) << ", " << what << " ";
+  write_requester(event, out);
 }
 
 void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   if (state == kPairingClosed) {
-    out << "pairing has ended";
+    out << "pairing has ended without a key";
+    return;
+  }
+  if (state == kPairingDone) {
+    out << "pairing has ended: there is a new key";
     return;
   }
   if (state == kPairingOpen) {
@@ -80,7 +120,7 @@ void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   for (int place = 0; place < 6; ++place, unit /= 10) {
     out << (place == 3 ? " " : "") << static_cast<char>('0' + state / unit % 10);
   }
-  out << ". Where stof pair shows the same, hold the button for three seconds; else do nothing";
+  out << ". Type them into stof pair; only if it accepts them hold the button for three seconds";
 }
 
 // " (3 repeated, 1 torn)", or nothing.
@@ -147,10 +187,23 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
       return;
     case EventKind::kSettingsChanged:
       out << "settings changed ";
-      write_requester(event.value, out);
+      write_requester(event, out);
       return;
     case EventKind::kPairing:
       write_pairing(event.value, out);
+      return;
+    case EventKind::kKeyMade:
+      write_key(event, "made", out);
+      return;
+    case EventKind::kKeyRenewed:
+      write_key(event, "renewed", out);
+      return;
+    case EventKind::kKeyEnded:
+      write_key(event, "ended", out);
+      return;
+    case EventKind::kLastKeyEnded:
+      write_key(event, "ended", out);
+      out << ". It was the last: anybody on the network may change what is harmless";
       return;
     case EventKind::kSupplying:
       out << part << ": frames are used again";

@@ -12,7 +12,7 @@ namespace stof::firmware {
 
 // One line without its end, at most kMostLine characters. Takes no memory: what the system refuses
 // while the sensor runs costs no line.
-inline constexpr std::size_t kMostLine = 160;
+inline constexpr std::size_t kMostLine = 200;
 void describe(const Event& event, settings::PagedWriter& out) noexcept;
 
 // How many threads compute, of those there are, and why not more.

@@ -7,16 +7,25 @@
 namespace stof::keys {
 
 Authenticator::Signer Authenticator::judge(const wire::SignedView& packet) noexcept {
-  const wire::Key* const key = ring_.keys().find(packet.fields.key_id);
-  if (key == nullptr || !wire::signed_with(key->secret, packet)) {
+  const wire::Key* key = ring_.keys().find(packet.fields.key_id);
+  if (key == nullptr) {
+    return {};
+  }
+  const bool newest = wire::signed_with(key->secret, packet);
+  const bool former = !newest && key->former && wire::signed_with(*key->former, packet);
+  if (!newest && !former) {
     return {};
   }
   std::uint64_t& highest = counter_of(key->id).highest;
   if (packet.fields.counter <= highest) {
-    return {.verdict = Verdict::kReplayed, .key = key, .highest = highest};
+    return {.verdict = Verdict::kReplayed, .key = key, .former = former, .highest = highest};
   }
   highest = packet.fields.counter;
-  return {.verdict = Verdict::kGood, .key = key, .highest = highest};
+  if (newest && key->former) {
+    ring_.settle(packet.fields.key_id);
+    key = ring_.keys().find(packet.fields.key_id);
+  }
+  return {.verdict = Verdict::kGood, .key = key, .former = former, .highest = highest};
 }
 
 // There are as many places as keys: one whose key has gone is free.

@@ -22,16 +22,20 @@ class Authenticator {
   struct Signer {
     Verdict verdict = Verdict::kForged;
     const wire::Key* key = nullptr;  // but for kForged; until the keyring changes
+    bool former = false;             // with the secret from before it was renewed
     std::uint64_t highest = 0;       // of its counters, this one among them
   };
 
   // The keyring outlives it.
-  explicit Authenticator(const Keyring& ring) noexcept : ring_(ring) {}
+  explicit Authenticator(Keyring& ring) noexcept : ring_(ring) {}
 
   // Whether somebody whose packet is of this session (the caller's matter) is who he says. A good
-  // one's counter is used up.
+  // one's counter is used up; the first of a renewed secret ends the one of before, which may block
+  // for as long as saving a file takes.
   Signer judge(const wire::SignedView& packet) noexcept;
 
+  // Whether anybody can sign.
+  bool knows_keys() const noexcept { return ring_.pairing() == Pairing::kPaired; }
   // Of whoever signs nothing.
   firmware::Access unsigned_access() const noexcept {
     return ring_.pairing() == Pairing::kUnpaired ? firmware::Access::kHarmless
@@ -45,7 +49,7 @@ class Authenticator {
   };
   Counter& counter_of(std::uint32_t key_id) noexcept;
 
-  const Keyring& ring_;
+  Keyring& ring_;
   std::array<Counter, kMostKeys> counters_{};
 };
 

@@ -77,8 +77,17 @@ SettingsResult KeyService::unpair(std::string_view text, const firmware::Request
     why << "unpair: takes a key with role admin, or that key itself";
     return SettingsResult::kDenied;
   }
+  const wire::Key* const ended = ring_.keys().find(id);
+  firmware::Event event{.value = id,
+                        .role = ended == nullptr ? wire::Role::kNone : ended->role,
+                        .address = by.peer ? by.peer->address : hal::Peer{}.address};
   switch (ring_.remove(id)) {
     case Status::kOk:
+      event.kind = ring_.keys().count() > 0 ? firmware::EventKind::kKeyEnded
+                                            : firmware::EventKind::kLastKeyEnded;
+      if (changes_ != nullptr) {
+        static_cast<void>(changes_->push(event));
+      }
       return SettingsResult::kOk;
     case Status::kInvalidArgument:
       why << "unpair: there is no key \"" << id_text(id).data() << '"';

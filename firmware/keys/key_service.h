@@ -1,6 +1,7 @@
 #pragma once
 
 #include "firmware/control/settings_service.h"
+#include "firmware/events/events.h"
 #include "firmware/keys/keyring.h"
 
 namespace stof::keys {
@@ -9,9 +10,10 @@ namespace stof::keys {
 // thread alone.
 class KeyService final : public firmware::SettingsService {
  public:
-  // Both outlive it.
-  KeyService(Keyring& ring, firmware::SettingsService& settings) noexcept
-      : ring_(ring), settings_(settings) {}
+  // All outlive it. changes: gets each end of a key; nullptr: nobody does.
+  KeyService(Keyring& ring, firmware::SettingsService& settings,
+             firmware::ChangeRing* changes = nullptr) noexcept
+      : ring_(ring), settings_(settings), changes_(changes) {}
 
   // kDenied: another's keys are an admin's matter. kInvalid: no such key. kNotSaved.
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
@@ -26,6 +28,7 @@ class KeyService final : public firmware::SettingsService {
 
   Keyring& ring_;
   firmware::SettingsService& settings_;
+  firmware::ChangeRing* changes_;
 };
 
 }  // namespace stof::keys

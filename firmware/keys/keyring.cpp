@@ -17,6 +17,13 @@ struct KeySpace {
   std::array<char, wire::kMostKeyText> text{};
 };
 
+void wipe_copy(wire::Key& key) noexcept {
+  wire::wipe(key.secret);
+  if (key.former) {
+    wire::wipe(*key.former);
+  }
+}
+
 const char* what_is_wrong(Status read, bool regular) noexcept {
   if (!regular) {
     return read == Status::kUnsupported ? "no regular file" : "cannot be read";
@@ -71,11 +78,30 @@ Status Keyring::replace(std::uint32_t id, const wire::Secret& secret) noexcept {
   }
   wire::KeyTable next;
   for (wire::Key key : keys_.all()) {
-    key.secret = key.id == id ? secret : key.secret;
+    if (key.id == id) {
+      // Renewed again before the last one has signed: that one is forgotten.
+      key.former = key.former.value_or(key.secret);
+      key.secret = secret;
+    }
     static_cast<void>(next.add(key));
-    wire::wipe(key.secret);
+    wipe_copy(key);
   }
   return become(next);
+}
+
+void Keyring::settle(std::uint32_t id) noexcept {
+  wire::KeyTable next;
+  for (wire::Key key : keys_.all()) {
+    if (key.id == id && key.former) {
+      wire::wipe(*key.former);
+      key.former.reset();
+    }
+    static_cast<void>(next.add(key));
+    wipe_copy(key);
+  }
+  if (become(next) != Status::kOk) {
+    keys_ = next;
+  }
 }
 
 // A copy: whatever happens meanwhile, the file is there, so that keys never turn from lost to none.

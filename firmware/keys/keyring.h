@@ -10,7 +10,7 @@
 
 namespace stof::keys {
 
-inline constexpr std::size_t kMostKeys = 16;  // that a sensor keeps
+inline constexpr std::size_t kMostKeys = wire::kMostSensorKeys;
 
 // What the sensor knows of its clients.
 enum class Pairing : std::uint8_t {
@@ -37,8 +37,12 @@ class Keyring {
   Status add(const wire::Key& key) noexcept;
   // kInvalidArgument: there is no such key. Without its last key the sensor is unpaired.
   Status remove(std::uint32_t id) noexcept;
-  // The same key with another secret.
+  // The same key with another secret; the one of before holds too, until settle().
   Status replace(std::uint32_t id, const wire::Secret& secret) noexcept;
+
+  // The new secret of a renewed key has signed: the one of before is none any more. Where that
+  // cannot be saved, it is again at the next start.
+  void settle(std::uint32_t id) noexcept;
 
   Pairing pairing() const noexcept;
   const wire::KeyTable& keys() const noexcept { return keys_; }

@@ -1,6 +1,7 @@
 #include "firmware/keys/pairing_server.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "firmware/wire/bytes.h"
 
@@ -28,10 +29,13 @@ std::uint32_t free_key_id(const wire::KeyTable& keys) noexcept {
   return id;
 }
 
-std::array<char, wire::kKeyNameBytes> name_in(const PairRequest& request) noexcept {
+// A role that there is, and a name as keys have it, filled up with 0.
+bool well_formed(const PairRequest& request) noexcept {
   const auto end = std::ranges::find(request.name, '\0');
-  return wire::key_name(
-      {request.name.data(), static_cast<std::size_t>(end - request.name.begin())});
+  const std::string_view name(request.name.data(),
+                              static_cast<std::size_t>(end - request.name.begin()));
+  return request.role >= wire::Role::kView && request.role <= wire::Role::kAdmin &&
+         std::ranges::equal(wire::key_name(name), request.name);
 }
 
 }  // namespace
@@ -65,11 +69,15 @@ std::optional<std::uint32_t> PairingServer::digits() const noexcept {
   return told ? std::optional(with_digits_.secrets->digits()) : std::nullopt;
 }
 
-PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way,
-                                hal::Time now) noexcept {
+PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal::Time now,
+                                const hal::Peer& from) noexcept {
   tick(now);
   if (request.step == wire::PairStep::kBegin) {
-    return begin(request, way, now);
+    const PairAnswer begun = begin(request, way, now);
+    if (begun.result == PairResult::kOk) {
+      attempt_of(request.method).from = from.address;
+    }
+    return begun;
   }
   Attempt& attempt = attempt_of(request.method);
   if (attempt.phase == Phase::kNone || request.attempt != attempt.number ||
@@ -83,11 +91,11 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way,
 bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const noexcept {
   switch (request.method) {
     case PairMethod::kDigits:
-      return open_until_.has_value() && request.role != wire::Role::kNone;
+      return open_until_.has_value();
     case PairMethod::kCode:
-      return code_.has_value() && request.role != wire::Role::kNone;
+      return code_.has_value();
     case PairMethod::kCable:
-      return way == PairingWay::kCable && request.role != wire::Role::kNone;
+      return way == PairingWay::kCable;
     case PairMethod::kKey:
       return ring_.keys().find(request.key_id) != nullptr;
   }
@@ -103,11 +111,18 @@ std::optional<std::span<const std::byte>> PairingServer::known(
     return std::span<const std::byte>{};
   }
   const wire::Key* const key = ring_.keys().find(said.key_id);
-  return key == nullptr ? std::nullopt : std::optional(std::span<const std::byte>(key->secret));
+  if (key == nullptr) {
+    return std::nullopt;
+  }
+  // A client that never got the last renewal's answer has the one of before.
+  return std::span<const std::byte>(key->former ? *key->former : key->secret);
 }
 
 PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
                                 hal::Time now) noexcept {
+  if (!well_formed(request)) {
+    return {.result = PairResult::kWrong};
+  }
   if (!may_begin(request, way)) {
     return {.result = PairResult::kClosed};
   }
@@ -137,7 +152,8 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
                   .key_id = renews ? request.key_id : free_key_id(ring_.keys()),
                   .method = request.method,
                   .role = request.role,
-                  .name = name_in(request)};
+                  .name = {}};
+  std::ranges::copy(request.name, attempt.said.name.begin());
   attempt.exchange.emplace();
   attempt.said.sensor_key = attempt.exchange->public_key();
   wire::fill_random(attempt.said.sensor_nonce);
@@ -198,12 +214,24 @@ PairAnswer PairingServer::finish(Attempt& attempt) noexcept {
       return fail(attempt, PairResult::kFull);
     }
     attempt.phase = Phase::kDone;
-    ++paired_;
+    tell(attempt);
   }
   PairAnswer out = answer(attempt, PairResult::kOk);
   out.value = {};
   wire::put_bytes(attempt.secrets->done_tag(), out.value);
   return out;
+}
+
+void PairingServer::tell(const Attempt& attempt) noexcept {
+  const wire::Key* const key = ring_.keys().find(attempt.said.key_id);
+  if (changes_ != nullptr && key != nullptr) {
+    static_cast<void>(changes_->push({.kind = attempt.said.method == PairMethod::kKey
+                                                  ? firmware::EventKind::kKeyRenewed
+                                                  : firmware::EventKind::kKeyMade,
+                                      .value = key->id,
+                                      .role = key->role,
+                                      .address = attempt.from}));
+  }
 }
 
 PairAnswer PairingServer::fail(Attempt& attempt, PairResult why) noexcept {

@@ -7,11 +7,13 @@
 #include <span>
 
 #include "firmware/control/token_bucket.h"
+#include "firmware/events/events.h"
 #include "firmware/keys/keyring.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/wire/keys/pair_secrets.h"
 #include "firmware/wire/messages/pair_answer.h"
 #include "firmware/wire/messages/pair_request.h"
+#include "hal/datagram_port.h"
 #include "hal/time.h"
 
 namespace stof::keys {
@@ -45,15 +47,21 @@ class PairingServer {
   // Ends what is too old.
   void tick(hal::Time now) noexcept;
 
-  // request_id and cookie are the caller's. May block for as long as saving a file takes.
-  wire::PairAnswer serve(const wire::PairRequest& request, PairingWay way, hal::Time now) noexcept;
+  // Gets each key that comes of it; outlives it.
+  void set_changes(firmware::ChangeRing* changes) noexcept { changes_ = changes; }
+
+  // request_id and cookie are the caller's. from: none over the cable. May block for as long as
+  // saving a file takes.
+  wire::PairAnswer serve(const wire::PairRequest& request, PairingWay way, hal::Time now,
+                         const hal::Peer& from = {}) noexcept;
 
   bool is_open() const noexcept {
     return open_until_.has_value() && with_digits_.phase != Phase::kDone;
   }
   // That the sensor tells, while somebody may accept them.
   std::optional<std::uint32_t> digits() const noexcept;
-  std::uint32_t paired() const noexcept { return paired_; }  // keys that came of it
+  // A key came of the digits, in these two minutes.
+  bool is_done() const noexcept { return with_digits_.phase == Phase::kDone; }
 
  private:
   enum class Phase : std::uint8_t { kNone, kBegun, kRevealed, kProven, kDone };
@@ -61,6 +69,7 @@ class PairingServer {
     Phase phase = Phase::kNone;
     std::uint64_t number = 0;
     hal::Time until{};
+    std::array<std::uint8_t, 16> from{};  // of who began it
     wire::Digest commitment{};
     wire::PairTranscript said{};
     std::optional<wire::Exchange> exchange{};
@@ -79,6 +88,7 @@ class PairingServer {
   wire::PairAnswer reveal(const wire::PairRequest& request, Attempt& attempt) noexcept;
   wire::PairAnswer confirm(const wire::PairRequest& request, Attempt& attempt) noexcept;
   wire::PairAnswer finish(Attempt& attempt) noexcept;
+  void tell(const Attempt& attempt) noexcept;
   wire::PairAnswer fail(Attempt& attempt, wire::PairResult why) noexcept;
   static wire::PairAnswer answer(const Attempt& attempt, wire::PairResult result) noexcept;
   static void end(Attempt& attempt) noexcept;
@@ -90,7 +100,7 @@ class PairingServer {
   Attempt with_digits_;
   Attempt with_known_;
   firmware::TokenBucket begins_{kMostBegins, kBeginRefill};
-  std::uint32_t paired_ = 0;
+  firmware::ChangeRing* changes_ = nullptr;
 };
 
 }  // namespace stof::keys

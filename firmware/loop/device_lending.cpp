@@ -6,24 +6,32 @@
 
 namespace stof::firmware {
 
-void DeviceLending::after_round(board::Device device, bool lost, bool borrowed,
+void DeviceLending::Pace::note_return(hal::Time now) noexcept {
+  if (std::exchange(tried_, false)) {
+    at_ = now + backoff_;
+    backoff_ = std::min(2 * backoff_, longest_);
+  }
+}
+
+bool DeviceLending::after_round(board::Device device, Need need, bool borrowed,
                                 hal::Time now) noexcept {
   if (is_lent(device)) {
-    return;
+    return false;
   }
   Retry& retry = retries_[static_cast<std::size_t>(device)];
-  if (std::exchange(retry.tried, false)) {
-    retry.at = now + retry.backoff;
-    retry.backoff = std::min(2 * retry.backoff, kLongestBackoff);
+  retry.lost.note_return(now);
+  retry.repeats.note_return(now);
+  if (need != Need::kLost) {
+    retry.lost.start_over();
   }
-  if (!lost) {
-    retry.backoff = kFirstBackoff;
-    return;
+  if (need == Need::kNone && retry.repeats.long_past(now)) {
+    retry.repeats.start_over();
   }
-  if (borrowed || now < retry.at) {
-    return;
+  Pace& pace = need == Need::kLost ? retry.lost : retry.repeats;
+  if (need == Need::kNone || borrowed || !pace.due(now)) {
+    return false;
   }
-  retry.tried = true;
+  pace.lend();
   lent_.fetch_or(bit(device), std::memory_order_release);
   lent_.notify_all();
   // What is waited on is what was looked at: a device that comes back in between is seen.
@@ -32,6 +40,7 @@ void DeviceLending::after_round(board::Device device, bool lost, bool borrowed,
     lent_.wait(seen, std::memory_order_acquire);
     seen = lent_.load(std::memory_order_acquire);
   }
+  return true;
 }
 
 std::optional<board::Device> DeviceLending::wait_for_lent() noexcept {

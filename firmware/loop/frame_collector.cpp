@@ -50,6 +50,14 @@ Collected FrameCollector::collect(hal::Time edge, hal::Time deadline,
   return collected;
 }
 
+void FrameCollector::expect_anew(board::Device camera) noexcept {
+  if (camera == board::Device::kStereo) {
+    stereo_.expect_anew();
+  } else if (camera == board::Device::kPmd) {
+    pmd_.expect_anew();
+  }
+}
+
 bool FrameCollector::gives_shot(bool stereo, bool pmd) const noexcept {
   if (both_required_) {
     return stereo && (pmd || board_.pmd == nullptr);

@@ -39,6 +39,8 @@ class FrameCollector {
   // integrates, and forgets it where there is no shot; nullptr: nothing is searched.
   Collected collect(hal::Time edge, hal::Time deadline, const board::TimingConfig& timing,
                     Pipeline* search_first) noexcept;
+  // A camera is opened again because it repeats itself.
+  void expect_anew(board::Device camera) noexcept;
   // Samples of the PMD camera wait for their shot.
   bool holds_pmd() const noexcept { return pmd_.holds_new(); }
   // Samples that no pipeline has seen, or another one, serve no edge any more.

@@ -41,7 +41,7 @@ bool Loop::wait_part() noexcept {
 
 Status Loop::step() noexcept {
   const Status status = run_period();
-  lend_lost_devices();
+  lend_devices();
   return status;
 }
 
@@ -53,19 +53,25 @@ Status Loop::run_period() noexcept {
     return lost_or_ok(edge.error(), status);
   }
   status = lost_or_ok(status, collect(*edge));  // pairs stereo and PMD with this edge
+  publisher_.report_events();                   // not after what is paced over the period
   if (schedule_.same_period() && board_.clock.now() < schedule_.next()) {
     status = lost_or_ok(status, publish_held(schedule_.send_deadline(), true));
   }
   return status;
 }
 
-void Loop::lend_lost_devices() noexcept {
+void Loop::lend_devices() noexcept {
   if (lending_ == nullptr) {
     return;
   }
   const hal::Time now = board_.clock.now();
   const auto lend = [&](board::Device device, Component component, bool borrowed) {
-    lending_->after_round(device, conditions_.lost(component), borrowed, now);
+    using Need = DeviceLending::Need;
+    const Need other = conditions_.repeats(component) ? Need::kRepeats : Need::kNone;
+    const Need need = conditions_.lost(component) ? Need::kLost : other;
+    if (lending_->after_round(device, need, borrowed, now) && need == Need::kRepeats) {
+      collector_.expect_anew(device);
+    }
   };
   lend(board::Device::kTrigger, Component::kTrigger, false);
   lend(board::Device::kStereo, Component::kStereo, held_ && held_->stereo);

@@ -27,7 +27,8 @@ namespace stof::firmware {
 class Loop {
  public:
   // board::problem(timing) must be empty; pipeline was built for frames of the setup's sizes.
-  // lending: lost devices are lent, to be opened again; nullptr: they come back by themselves.
+  // lending: devices that are lost, and cameras that repeat themselves, are lent, to be opened
+  // again; nullptr: they come back by themselves.
   Loop(board::Board& board, const board::TimingConfig& timing, const Setup& setup,
        Pipeline& pipeline, Publisher& publisher, Events& events,
        DeviceLending* lending = nullptr) noexcept;
@@ -50,7 +51,7 @@ class Loop {
 
  private:
   Status run_period() noexcept;
-  void lend_lost_devices() noexcept;
+  void lend_devices() noexcept;
   void wait_for_edge() noexcept;
   Result<hal::Time> pulse() noexcept;
   // A shot that was collected before this period.

@@ -47,6 +47,7 @@ void LoopConditions::note_camera(Component camera, const Absence& absence) noexc
     supply = {};
     return;
   }
+  supply.last = absence.why;
   supply.edges = absence.why == Absence::Why::kNone ? 0 : supply.edges + 1;
   const bool news = supply.edges == 0 || supply.edges >= kSilentEdges;
   if (news && std::exchange(supply.told, absence.why) != absence.why) {

@@ -45,6 +45,11 @@ class LoopConditions {
   bool lost(Component component) const noexcept {
     return lost_[static_cast<std::size_t>(component)];
   }
+  // It was told that the camera repeats itself, and it still did at the last edge.
+  bool repeats(Component camera) const noexcept {
+    const Supply& supply = supplies_[static_cast<std::size_t>(camera)];
+    return supply.told == Absence::Why::kFrozen && supply.last == Absence::Why::kFrozen;
+  }
   // Since the last edge that had a frame.
   std::uint32_t edges_without_frame() const noexcept { return edges_without_frame_; }
 
@@ -56,9 +61,11 @@ class LoopConditions {
   // The loop is in time again after so many edges in time.
   static constexpr std::uint32_t kInTimeEdges = 32;
 
-  // What was told of a camera, and the edges in a row without anything of it.
+  // What was told of a camera, why the last edge has nothing of it, and the edges in a row without
+  // anything.
   struct Supply {
     Absence::Why told = Absence::Why::kNone;
+    Absence::Why last = Absence::Why::kNone;
     std::uint32_t edges = 0;
   };
 

@@ -44,7 +44,7 @@ Drop match_exposure(const ExposureWindow& window, const hal::Exposure& exposure)
 }
 
 bool SequenceGuard::advances(std::uint32_t sequence) noexcept {
-  if (!accepted_) {
+  if (!accepted_ || (anew_ && sequence != *accepted_)) {
     return true;
   }
   const std::uint32_t step = sequence - *accepted_;  // wraps as the sensor's counter does
@@ -59,6 +59,7 @@ bool SequenceGuard::advances(std::uint32_t sequence) noexcept {
 void SequenceGuard::accept(std::uint32_t sequence) noexcept {
   accepted_ = sequence;
   run_ = 0;
+  anew_ = false;
 }
 
 Drop StereoPairing::judge(const ExposureWindow& window, const hal::StereoFrame& frame) noexcept {
@@ -88,6 +89,11 @@ Drop StereoPairing::judge(const ExposureWindow& window, const hal::StereoFrame& 
 void StereoPairing::forget() noexcept {
   left_.forget();
   right_.forget();
+}
+
+void StereoPairing::expect_another() noexcept {
+  left_.expect_another();
+  right_.expect_another();
 }
 
 PmdVerdict PmdPairing::judge(std::span<const ExposureWindow> windows,

@@ -44,11 +44,14 @@ class SequenceGuard {
   bool repeats(std::uint32_t sequence) const noexcept { return accepted_ == sequence; }
   // The device was lost: whatever number comes next is new.
   void forget() noexcept { *this = {}; }
+  // The device was opened again because it repeated itself: whatever other number comes next.
+  void expect_another() noexcept { anew_ = true; }
 
  private:
   std::optional<std::uint32_t> accepted_;
   std::uint32_t refused_ = 0;
-  int run_ = 0;  // refused numbers that followed each other, up to refused_
+  int run_ = 0;        // refused numbers that followed each other, up to refused_
+  bool anew_ = false;  // any other number than accepted_ is new
 };
 
 // Cameras of the pair, as a sum; the value of condition `stereo frozen`.
@@ -69,6 +72,7 @@ class StereoPairing {
     return eyes(left_.repeats(frame.left_sequence), right_.repeats(frame.right_sequence));
   }
   void forget() noexcept;
+  void expect_another() noexcept;  // of both eyes
 
  private:
   int width_;
@@ -95,6 +99,7 @@ class PmdPairing {
     return sequence_.repeats(frame.sequence);
   }
   void forget() noexcept { sequence_.forget(); }
+  void expect_another() noexcept { sequence_.expect_another(); }
 
  private:
   int width_;

@@ -17,8 +17,7 @@ PmdCollector::PmdCollector(board::Board& board, const Setup& setup, LoopConditio
       absence_{.why = Absence::Why::kSilent} {}
 
 Status PmdCollector::next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept {
-  const bool usable = lending_ == nullptr || lending_->usable(board::Device::kPmd);
-  Result<Borrowed> taken = usable ? board_.pmd->wait_frame(deadline) : fail(Status::kDeviceLost);
+  Result<Borrowed> taken = usable() ? board_.pmd->wait_frame(deadline) : fail(Status::kDeviceLost);
   if (taken) {
     frame.emplace(std::move(*taken));
     return Status::kOk;
@@ -33,6 +32,13 @@ Status PmdCollector::collect(hal::Time edge, hal::Time deadline,
                              const board::TimingConfig& timing) noexcept {
   remember_edge(edge, timing);
   Status last = Status::kTimeout;
+  if (!usable() && !conditions_.lost(Component::kPmd)) {
+    return last;  // opened again because it repeats itself, which absence_ says
+  }
+  // What it said of a frame holds until one should have followed.
+  if (quiet_edges_++ >= timing.pmd_every) {
+    absence_ = {.why = Absence::Why::kSilent};
+  }
   for (int i = 0; board_.pmd != nullptr && i < kMaxFramesPerEdge; ++i) {
     // With data that will do there is nothing to wait for, but something newer may be there.
     const bool enough = serves(edge, timing);
@@ -46,6 +52,7 @@ Status PmdCollector::collect(hal::Time edge, hal::Time deadline,
     }
     conditions_.note_device_status(Component::kPmd, status);
     if (frame) {
+      quiet_edges_ = 0;
       take(std::move(*frame));
       continue;
     }

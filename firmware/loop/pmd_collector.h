@@ -40,6 +40,8 @@ class PmdCollector {
   const std::optional<hal::Time>& exposed() const noexcept { return exposed_; }
   // Why there are none that serve.
   const Absence& absence() const noexcept { return absence_; }
+  // The camera is opened again because it repeats itself: its numbers may start anew.
+  void expect_anew() noexcept { pairing_.expect_another(); }
 
   // No shot has had them yet.
   bool holds_new() const noexcept { return new_.has_value(); }
@@ -53,6 +55,9 @@ class PmdCollector {
   void take(Borrowed&& frame) noexcept;
   PmdVerdict judge(const hal::PmdFrame& frame) noexcept;
   void remember_edge(hal::Time edge, const board::TimingConfig& timing) noexcept;
+  bool usable() const noexcept {
+    return lending_ == nullptr || lending_->usable(board::Device::kPmd);
+  }
 
   board::Board& board_;
   LoopConditions& conditions_;
@@ -66,6 +71,7 @@ class PmdCollector {
   std::optional<Borrowed> new_;
   std::optional<hal::Time> edge_;  // of the newest samples
   std::optional<hal::Time> exposed_;
+  int quiet_edges_ = 0;  // in a row at which nothing came
   Absence absence_;
 };
 

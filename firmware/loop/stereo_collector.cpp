@@ -21,8 +21,8 @@ StereoCollector::StereoCollector(board::Board& board, const Setup& setup,
       right_(kDarkGrey, kBrightGrey) {}
 
 Status StereoCollector::next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept {
-  const bool usable = lending_ == nullptr || lending_->usable(board::Device::kStereo);
-  Result<Borrowed> taken = usable ? board_.stereo.wait_frame(deadline) : fail(Status::kDeviceLost);
+  Result<Borrowed> taken =
+      usable() ? board_.stereo.wait_frame(deadline) : fail(Status::kDeviceLost);
   const Status status = taken ? Status::kOk : taken.error();
   conditions_.note_device_status(Component::kStereo, status);
   if (taken) {
@@ -50,6 +50,9 @@ Drop StereoCollector::judge(const ExposureWindow& window, const hal::StereoFrame
 
 Status StereoCollector::collect(const ExposureWindow& window, hal::Time deadline,
                                 std::optional<Borrowed>& found) noexcept {
+  if (!usable() && !conditions_.lost(Component::kStereo)) {
+    return Status::kTimeout;  // opened again because it repeats itself, which absence_ says
+  }
   absence_ = {.why = Absence::Why::kSilent};
   Status last = Status::kTimeout;
   for (int i = 0; i < kMaxFramesPerEdge; ++i) {

@@ -31,11 +31,16 @@ class StereoCollector {
                  std::optional<Borrowed>& found) noexcept;
   // Why the last collect() found none.
   const Absence& absence() const noexcept { return absence_; }
+  // The pair is opened again because it repeats itself: its numbers may start anew.
+  void expect_anew() noexcept { pairing_.expect_another(); }
 
  private:
   // Judges a frame; where it is dropped because an eye repeats, absence_ says so.
   Drop judge(const ExposureWindow& window, const hal::StereoFrame& frame) noexcept;
   Status next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept;
+  bool usable() const noexcept {
+    return lending_ == nullptr || lending_->usable(board::Device::kStereo);
+  }
 
   board::Board& board_;
   LoopConditions& conditions_;

@@ -70,12 +70,20 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
 }
 
 void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
-  for (const hal::Peer& peer : receivers.all()) {
-    if (std::ranges::find(receivers_.all(), peer) == receivers_.all().end()) {
+  std::array<std::uint64_t, kMostSubscribers> counters{};
+  for (std::size_t i = 0; i < receivers.count; ++i) {
+    bool known = false;
+    for (std::size_t was = 0; was < receivers_.count && !known; ++was) {
+      known = receivers_.peers[was] == receivers.peers[i] &&
+              receivers_.keys[was].number == receivers.keys[i].number;
+      counters[i] = known ? signed_[was] : 0;
+    }
+    if (!known) {
       calibration_due_.reset();
       health_wanted_ = true;
     }
   }
+  signed_ = counters;
   receivers_ = receivers;
 }
 
@@ -198,32 +206,66 @@ void Publisher::drop(std::size_t datagrams) noexcept {
 
 // kDeviceError only where nobody at all could be reached.
 Status Publisher::send(Datagrams datagrams) noexcept {
-  Counters& counters = events_.counters;
   Status status = Status::kOk;
   std::size_t unreachable = 0;
-  std::size_t others = receivers_.count;  // whose turn has not come
-  for (const hal::Peer& peer : receivers_.all()) {
-    bool reached = false;
-    --others;
-    for (std::size_t at = 0; at < datagrams.size();) {
-      std::size_t sent = 0;
-      const Status taken = port_.send(peer, datagrams.subspan(at), sent);
-      counters.packets_sent += sent;
-      at += sent;
-      reached = reached || taken != Status::kDeviceError;
-      if (taken == Status::kDeviceLost) {
-        counters.packets_dropped += datagrams.size() - at + others * datagrams.size();
-        return taken;
-      }
-      if (at < datagrams.size()) {  // this one is lost, the next one is tried
-        ++counters.packets_dropped;
-        ++at;
-        status = taken == Status::kDeviceError ? status : Status::kWouldBlock;
-      }
+  for (std::size_t i = 0; i < receivers_.count; ++i) {
+    const Delivery delivery = receivers_.keys[i].number == 0
+                                  ? deliver(receivers_.peers[i], datagrams)
+                                  : deliver_signed(i, datagrams);
+    if (delivery.lost) {
+      const std::size_t others = receivers_.count - i - 1;  // whose turn has not come
+      events_.counters.packets_dropped += delivery.left + others * datagrams.size();
+      return Status::kDeviceLost;
     }
-    unreachable += reached ? 0 : 1;
+    status = delivery.dropped ? Status::kWouldBlock : status;
+    unreachable += delivery.reached ? 0 : 1;
   }
   return unreachable > 0 && unreachable == receivers_.count ? Status::kDeviceError : status;
+}
+
+Publisher::Delivery Publisher::deliver(const hal::Peer& to, Datagrams datagrams) noexcept {
+  Counters& counters = events_.counters;
+  Delivery delivery;
+  for (std::size_t at = 0; at < datagrams.size();) {
+    std::size_t sent = 0;
+    const Status taken = port_.send(to, datagrams.subspan(at), sent);
+    counters.packets_sent += sent;
+    at += sent;
+    delivery.reached = delivery.reached || taken != Status::kDeviceError;
+    if (taken == Status::kDeviceLost) {
+      delivery.lost = true;
+      delivery.left = datagrams.size() - at;
+      return delivery;
+    }
+    if (at < datagrams.size()) {  // this one is lost, the next one is tried
+      ++counters.packets_dropped;
+      ++at;
+      delivery.dropped = delivery.dropped || taken != Status::kDeviceError;
+    }
+  }
+  return delivery;
+}
+
+// Some at a time: each receiver's are its own.
+Publisher::Delivery Publisher::deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept {
+  Delivery all;
+  for (std::size_t at = 0; at < datagrams.size(); at += kSignedAtOnce) {
+    const Datagrams some = datagrams.subspan(at, std::min(kSignedAtOnce, datagrams.size() - at));
+    std::array<std::span<const std::byte>, kSignedAtOnce> made;
+    for (std::size_t i = 0; i < some.size(); ++i) {
+      made[i] = wire::sign_datagram(some[i], receivers_.keys[receiver], ++signed_[receiver],
+                                    signed_space_[i]);
+    }
+    const Delivery part = deliver(receivers_.peers[receiver], std::span(made).first(some.size()));
+    all.reached = all.reached || part.reached;
+    all.dropped = all.dropped || part.dropped;
+    if (part.lost) {
+      all.lost = true;
+      all.left = part.left + datagrams.size() - at - some.size();
+      return all;
+    }
+  }
+  return all;
 }
 
 Status Publisher::send_one(std::span<const std::byte> datagram) noexcept {
@@ -231,19 +273,25 @@ Status Publisher::send_one(std::span<const std::byte> datagram) noexcept {
   return send(one);
 }
 
-void Publisher::report(const ControlStatus& control) noexcept {
+void Publisher::tell(wire::PacketType type, std::size_t bytes) noexcept {
+  const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
+  static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
+  if (listener_ != nullptr) {
+    listener_->packet(datagram);
+  }
+}
+
+void Publisher::report_events() noexcept {
   const hal::Time now = clock_.now();
-  const auto tell = [this](wire::PacketType type, std::size_t bytes) {
-    const std::span<const std::byte> datagram = wire::seal_packet(header(type), bytes, buffer_);
-    static_cast<void>(send_one(datagram));  // counted there; frames tell what the link does
-    if (listener_ != nullptr) {
-      listener_->packet(datagram);
-    }
-  };
   while (const std::optional<wire::EventReport> event = health_.next_event(now)) {
     encode_event_report(*event, wire::payload_space(buffer_).first<wire::kEventReportBytes>());
     tell(wire::PacketType::kEvent, wire::kEventReportBytes);
   }
+}
+
+void Publisher::report(const ControlStatus& control) noexcept {
+  report_events();
+  const hal::Time now = clock_.now();
   const std::optional<wire::HealthReport> health =
       health_.next_health(events_.counters, control, std::exchange(health_wanted_, false), now);
   if (health) {

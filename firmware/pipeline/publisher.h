@@ -54,7 +54,8 @@ class FrameListener {
   virtual void packet(std::span<const std::byte> datagram) noexcept = 0;
 };
 
-// Depth maps to datagrams, to all receivers alike; health and events beside them.
+// Depth maps to datagrams, to all receivers alike, but for the signatures of those who asked for
+// them; health and events beside them.
 class Publisher {
  public:
   // listener may be nullptr.
@@ -73,7 +74,9 @@ class Publisher {
   // became old meanwhile, as the program stood still, is abandoned. kWouldBlock: some were dropped.
   // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
-  // Health and events that are due. Each period, also where there is no frame.
+  // Events that are due: as soon as one may have been noted.
+  void report_events() noexcept;
+  // Health, and events that are due. Each period, also where there is no frame.
   void report(const ControlStatus& control) noexcept;
 
   // The times of the last frame.
@@ -82,6 +85,8 @@ class Publisher {
   const HealthMonitor& health() const noexcept { return health_; }
 
  private:
+  static constexpr std::size_t kSignedAtOnce = 8;  // for one receiver
+
   using Datagrams = wire::Datagrams;
   class Paced;  // a frame's datagrams on their way, spread over time
 
@@ -92,8 +97,19 @@ class Publisher {
                     hal::Time latest) noexcept;
   hal::Duration longest_sending() const noexcept;
   void drop(std::size_t datagrams) noexcept;
+  // Of one receiver: what became of them.
+  struct Delivery {
+    bool reached = false;  // it can be
+    bool dropped = false;  // some of them
+    bool lost = false;     // the port
+    std::size_t left = 0;  // that were not tried then
+  };
   // To everybody, now.
   Status send(Datagrams datagrams) noexcept;
+  // Sends what buffer_ holds of a packet.
+  void tell(wire::PacketType type, std::size_t bytes) noexcept;
+  Delivery deliver(const hal::Peer& to, Datagrams datagrams) noexcept;
+  Delivery deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;
 
   PublisherSetup setup_;
@@ -105,11 +121,13 @@ class Publisher {
   PublisherParams params_;
   HealthMonitor health_;
   ReceiverList receivers_;
-  std::optional<wire::FrameStamp> stamp_;  // of the last frame
+  std::array<std::uint64_t, kMostSubscribers> signed_{};  // datagrams, with the key of each
+  std::optional<wire::FrameStamp> stamp_;                 // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver
   PublisherTimes times_;
   wire::DatagramBuffer buffer_{};
+  std::array<wire::DatagramBuffer, kSignedAtOnce> signed_space_{};
 };
 
 }  // namespace stof::firmware

@@ -67,19 +67,21 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
   run_config_ = run_config;
 }
 
-void Appliance::note_change(const ControlStatus& control) noexcept {
-  const std::uint32_t before = std::exchange(revision_, control.settings_revision);
-  if (before != 0 && before != revision_) {
-    const Event event{parts_.board.clock.now(), EventKind::kSettingsChanged, Component::kLoop,
-                      Status::kOk, control.settings_changed_by};
-    parts_.events.note(event);
-    publisher_.health().observe(event);
+void Appliance::note(Event event) noexcept {
+  event.at = parts_.board.clock.now();
+  parts_.events.note(event);
+  publisher_.health().observe(event);
+}
+
+void Appliance::note_changes(const ControlStatus& control) noexcept {
+  while (const std::optional<Event> change =
+             parts_.changes == nullptr ? std::nullopt : parts_.changes->pop()) {
+    note(*change);
   }
-  if (std::exchange(pairing_, control.pairing) != control.pairing) {
-    const Event event{parts_.board.clock.now(), EventKind::kPairing, Component::kLoop, Status::kOk,
-                      control.pairing};
-    parts_.events.note(event);
-    publisher_.health().observe(event);
+  const std::uint32_t before = std::exchange(pairing_, control.pairing);
+  const bool told = before == kPairingDone && pairing_ == kPairingClosed;
+  if (before != pairing_ && !told) {
+    note({.kind = EventKind::kPairing, .value = pairing_});
   }
 }
 
@@ -94,7 +96,7 @@ Status Appliance::step(const ControlStatus& control) noexcept {
   if (newest) {
     apply(*newest);
   }
-  note_change(control);
+  note_changes(control);
   const Status status = loop_->wait_part() ? loop_->step() : Status::kOk;
   publisher_.report(control);
   if (serial_) {

@@ -42,6 +42,7 @@ class Appliance {
     ReceiverRing& receivers;
     ByteRing* serial;                  // to the serial line; nullptr: there is none
     dsp::ThreadTeam threads;           // that may compute, the loop's among them
+    ChangeRing* changes = nullptr;     // that clients made; nullptr: nobody can
     DeviceLending* lending = nullptr;  // of lost devices; nullptr: they come back by themselves
   };
 
@@ -82,7 +83,8 @@ class Appliance {
   };
 
   void apply(const RunConfig& run_config) noexcept;
-  void note_change(const ControlStatus& control) noexcept;
+  void note(Event event) noexcept;
+  void note_changes(const ControlStatus& control) noexcept;
   void build(const RunConfig& run_config) noexcept;
 
   Parts parts_;
@@ -94,7 +96,6 @@ class Appliance {
   std::optional<Pipeline> pipeline_;
   std::optional<Loop> loop_;
   std::uint32_t pairing_ = kPairingClosed;
-  std::uint32_t revision_ = 0;  // of the settings; 0: not known yet
 };
 
 }  // namespace stof::firmware

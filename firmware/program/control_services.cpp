@@ -7,18 +7,12 @@
 namespace stof::firmware {
 namespace {
 
-// The values of conditions settings_dropped and settings_changed.
+// The value of condition settings_dropped.
 std::uint32_t dropped_value(const settings::StartSettings& start) noexcept {
   constexpr std::uint32_t kGood = 16;
-  return static_cast<std::uint32_t>(start.dropped) + (start.good ? kGood : 0);
-}
-
-std::uint32_t who(const std::optional<hal::Peer>& peer) noexcept {
-  std::uint32_t last = 0;
-  for (std::size_t i = 12; peer && i < peer->address.size(); ++i) {
-    last = last << 8U | peer->address[i];
-  }
-  return last;
+  constexpr std::uint32_t kStrictest = 32;
+  return static_cast<std::uint32_t>(start.dropped) + (start.good ? kGood : 0) +
+         (start.strictest ? kStrictest : 0);
 }
 
 }  // namespace
@@ -34,14 +28,17 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                        {.limits = *this,
                         .sink = *this,
                         .store = parts.store,
+                        .fixed = parts.fixed,
+                        .changes = &parts.changes,
                         .fell_back = parts.saved.fell_back,
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
       authenticator_(parts.keys),
-      key_service_(parts.keys, settings_server_),
+      key_service_(parts.keys, settings_server_, &parts.changes),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &key_service_, &authenticator_),
       beacon_(parts.board.port, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
+  parts_.pairing.set_changes(&parts_.changes);
   handler_.set_pairing(&parts_.pairing);
   if (parts_.board.button != nullptr) {
     button_.emplace(*parts_.board.button);
@@ -101,12 +98,11 @@ void ControlServices::publish_status() noexcept {
   published_.restart_needed.store(settings_server_.restart_needed(), std::memory_order_relaxed);
   published_.dropped.store(settings_server_.dropped() ? dropped_value(parts_.saved) : 0,
                            std::memory_order_relaxed);
-  published_.changed_by.store(who(settings_server_.changed_by()), std::memory_order_relaxed);
   published_.paired.store(parts_.keys.pairing(), std::memory_order_relaxed);
-  const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : kPairingClosed;
+  const std::uint32_t over = parts_.pairing.is_done() ? kPairingDone : kPairingClosed;
+  const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : over;
   const std::optional<std::uint32_t> digits = parts_.pairing.digits();
   published_.pairing.store(digits ? kPairingTold + *digits : open, std::memory_order_relaxed);
-  // After who changed them.
   published_.revision.store(settings_server_.revision(), std::memory_order_release);
   published_.subscribers.store(static_cast<std::uint8_t>(subscribers_.count()),
                                std::memory_order_relaxed);
@@ -203,7 +199,6 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
 ControlStatus ControlServices::status(const SerialSender::Counters& made) const noexcept {
   ControlStatus status{.requests = control_counters(handler_, parts_.board.port),
                        .settings_revision = published_.revision.load(std::memory_order_acquire),
-                       .settings_changed_by = published_.changed_by.load(std::memory_order_relaxed),
                        .settings_dropped = published_.dropped.load(std::memory_order_relaxed),
                        .connection_replaced = parts_.connection_replaced,
                        .subscribers = published_.subscribers.load(std::memory_order_relaxed),

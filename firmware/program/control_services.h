@@ -48,6 +48,7 @@ class ControlServices final : public settings::Limits,
     board::Board& board;
     const RigInfo& rig;
     hal::Store* store;                     // of settings; nullptr: nothing is kept
+    hal::Store* fixed;                     // SettingsStores::fixed
     const settings::StartSettings& saved;  // that the start found there
     settings::SettingsTrial* trial;        // of these; nullptr: they are not on trial
     keys::Keyring& keys;                   // the control thread's own from now on
@@ -56,6 +57,7 @@ class ControlServices final : public settings::Limits,
     wire::Origin origin;
     wire::Announce announce;  // what does not change: serial, version, board, port, picture's size
     RunConfigRing& run_configs;
+    ChangeRing& changes;
     ReceiverRing& receivers;
     ByteRing* serial;  // nullptr: there is no line
     const LoopStatus& loop_status;
@@ -105,7 +107,6 @@ class ControlServices final : public settings::Limits,
     std::atomic<bool> unsaved = false;
     std::atomic<bool> fell_back = false;
     std::atomic<bool> restart_needed = false;
-    std::atomic<std::uint32_t> changed_by = 0;
     std::atomic<std::uint32_t> dropped = 0;
     std::atomic<keys::Pairing> paired = keys::Pairing::kUnpaired;
     std::atomic<std::uint32_t> pairing = kPairingClosed;

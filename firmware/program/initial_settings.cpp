@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include "board/serial_lines.h"
 #include "firmware/events/event_printer.h"
@@ -54,6 +57,57 @@ std::string keys_file(const Options& options) {
                                                            : options.settings + ".keys";
 }
 
+// Of a file with secrets that others than its owner may read or write.
+void say_readers(const std::string& file, const char* what, const char* advice) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  const fs::perms others =
+      fs::status(file, unknown).permissions() & (fs::perms::group_all | fs::perms::others_all);
+  if (!unknown && others != fs::perms::none) {
+    print_line(file + ": others than its owner could read or write " + what + ": " + advice);
+  }
+}
+
+// Two names of one file, which need not exist.
+bool same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  std::error_code unknown;
+  return fs::weakly_canonical(fs::absolute(a, unknown), unknown) ==
+         fs::weakly_canonical(fs::absolute(b, unknown), unknown);
+}
+
+// Each document has a file of its own: what is no key file is set aside, and the sensor would be
+// open. Empty, or which flag takes what.
+std::string check_files(const Options& options) {
+  struct Named {
+    std::string flag;
+    std::string file;
+  };
+  std::vector<Named> named;
+  if (!options.settings.empty()) {
+    for (const char* const ending : {"", ".good", ".trial", ".limits", ".bad", ".new"}) {
+      named.push_back({"--settings", options.settings + ending});
+    }
+  }
+  if (!options.label.empty()) {
+    named.push_back({"--label", options.label});
+  }
+  if (const std::string keys = keys_file(options); !keys.empty()) {
+    for (const char* const ending : {"", ".bad", ".new"}) {
+      named.push_back({"--keys", keys + ending});
+    }
+  }
+  for (std::size_t i = 0; i < named.size(); ++i) {
+    for (std::size_t k = i + 1; k < named.size(); ++k) {
+      if (named[i].flag != named[k].flag && same_file(named[i].file, named[k].file)) {
+        return named[k].flag + ": " + named[k].file + " is a file of " + named[i].flag +
+               ": name another";
+      }
+    }
+  }
+  return {};
+}
+
 // Error: one line.
 std::expected<std::optional<keys::LabelCode>, std::string> read_label(const Options& options) {
   if (options.label.empty()) {
@@ -64,9 +118,12 @@ std::expected<std::optional<keys::LabelCode>, std::string> read_label(const Opti
   const std::string_view text = settings::as_text(bytes);
   const auto code = !read || !*read ? std::nullopt : wire::code_of(text.substr(0, **read));
   wire::wipe(bytes);
-  if (!code) {
-    return std::unexpected(options.label + ": --label takes a file with 32 hexadecimal digits");
+  if (!code || *code == keys::LabelCode{}) {
+    return std::unexpected(options.label +
+                           ": --label takes a file with 32 hexadecimal digits, not all of them 0");
   }
+  say_readers(options.label, "the label's code",
+              "its mode should be 0600, and the label another one");
   return code;
 }
 
@@ -75,7 +132,12 @@ std::expected<std::optional<keys::LabelCode>, std::string> read_label(const Opti
 void read_keys(const Options& options, keys::Keyring& ring) {
   std::array<char, kLineBytes> space{};
   settings::PagedWriter line(space);
-  ring.load(keys_file(options), line);
+  const std::string file = keys_file(options);
+  if (!file.empty()) {  // before load(), which takes that back
+    say_readers(file, "the keys",
+                "its mode is 0600 from now on; renew the keys (stof pair --renew), or pair anew");
+  }
+  ring.load(file, line);
   say(line);
 }
 
@@ -85,11 +147,18 @@ bool names(const Options& options, std::string_view path) {
 }
 
 std::expected<InitialSettings, std::string> read_settings(const Options& options) {
+  if (std::string why = check_files(options); !why.empty()) {
+    return std::unexpected(std::move(why));
+  }
   InitialSettings initial;
+  if (!keys_file(options).empty() || !options.label.empty()) {
+    board::keep_memory_private();
+  }
   if (!options.settings.empty()) {
     initial.store = board::make_store(options.settings);
     initial.good = board::make_store(options.settings + ".good");
     initial.trial = board::make_store(options.settings + ".trial");
+    initial.fixed = board::make_store(options.settings + ".limits");
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
@@ -134,12 +203,13 @@ void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& 
     return;
   }
   settings::Settings plain;
+  const bool strictest = !settings::keep_fixed(initial.stores(), plain);
   std::array<char, kLineBytes> unused_space{};
   settings::PagedWriter unused(unused_space);
   if (apply(options.assignments, plain, told_at_first).empty() && limits.accepts(plain, unused)) {
     print_line(options.settings + ": " + std::string(clash.text()) +
                ", with this command line: the defaults hold");
-    initial.saved = {.dropped = settings::Dropped::kUnusable};
+    initial.saved = {.dropped = settings::Dropped::kUnusable, .strictest = strictest};
     initial.active = plain;
   }
 }

@@ -18,10 +18,11 @@ namespace stof::firmware {
 
 // The settings at start: the saved ones, and on top of them those of the command line.
 struct InitialSettings {
-  // Of a file, and beside it NAME.good and NAME.trial; empty: nothing is kept.
+  // Of a file, and beside it NAME.good, NAME.trial and NAME.limits; empty: nothing is kept.
   std::unique_ptr<hal::Store> store;
   std::unique_ptr<hal::Store> good;
   std::unique_ptr<hal::Store> trial;
+  std::unique_ptr<hal::Store> fixed;
   // Of --keys, and beside it NAME.bad; empty: keys are not kept.
   std::unique_ptr<hal::Store> keys;
   std::unique_ptr<hal::Store> damaged_keys;
@@ -30,7 +31,7 @@ struct InitialSettings {
   settings::Settings active;
   bool serial_dropped = false;  // the saved line is none of the board's
 
-  settings::SettingsStores stores() const { return {*store, *good, *trial}; }
+  settings::SettingsStores stores() const { return {*store, *good, *trial, fixed.get()}; }
 };
 
 // Opens the store where one is named. Error: one line, which flag takes what.

@@ -46,13 +46,14 @@ constinit Workspace workspace{};
 constinit Events events{};
 constinit RunConfigRing run_configs{};
 constinit ReceiverRing receivers{};
+constinit ChangeRing changes{};
 constinit LoopStatus loop_status{};
 // Too large for the stack.
 constinit std::optional<keys::Keyring> ring{};
 constinit std::optional<keys::PairingServer> pairing{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
-static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(loop_status) +
-                  sizeof(ring) + sizeof(pairing) + sizeof(serial_memory) <=
+static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(changes) +
+                  sizeof(loop_status) + sizeof(ring) + sizeof(pairing) + sizeof(serial_memory) <=
               kOtherStaticBytes / 4 * 3);
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler writes it
@@ -173,6 +174,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .receivers = receivers,
        .serial = line,
        .threads = {workers, workers.threads()},
+       .changes = &changes,
        .lending = &lending},
       {.origin = origin,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
@@ -182,6 +184,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
       {.board = board,
        .rig = rig,
        .store = start.store.get(),
+       .fixed = start.fixed.get(),
        .saved = start.saved,
        .trial = trial ? &*trial : nullptr,
        .keys = *ring,
@@ -190,6 +193,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .origin = origin,
        .announce = make_announce(board, rig, options),
        .run_configs = run_configs,
+       .changes = changes,
        .receivers = receivers,
        .serial = line,
        .loop_status = loop_status},

@@ -6,8 +6,10 @@
 #include <cstddef>
 #include <span>
 
+#include "dsp/depth/max_range.h"
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
+#include "firmware/settings/fields/field_value.h"
 #include "firmware/settings/text/as_text.h"
 
 namespace stof::settings {
@@ -18,6 +20,8 @@ constexpr std::size_t kMostFile = 4 * kMostDocumentBytes;
 // "1a2b3c4d 2": the fingerprint of the settings on trial, and their failed starts.
 constexpr std::size_t kTrialBytes = 10;
 constexpr std::size_t kFingerprintDigits = 8;
+// Room for what an installer fixed, which has some 130 bytes.
+constexpr std::size_t kFixedBytes = 512;
 
 // One document of a store.
 struct Loaded {
@@ -74,9 +78,49 @@ StartSettings replace(const SettingsStores& stores, std::string_view place, Limi
   const bool damaged = dropped == Dropped::kEmpty || dropped == Dropped::kUnusable;
   const bool aside = damaged && stores.current.set_aside() == Status::kOk;
   const std::optional<Settings> good = load_good(stores.good, limits);
+  StartSettings start{
+      .settings = good.value_or(Settings{}), .dropped = dropped, .good = good.has_value()};
+  start.strictest = !keep_fixed(stores, start.settings);
   line << place << ": " << why << (good ? ": the last good settings hold" : ": the defaults hold")
+       << (start.strictest ? ", with the strictest limits and serial.remote" : "")
        << (aside ? ", the file is kept as .bad" : "");
-  return {.settings = good.value_or(Settings{}), .dropped = dropped, .good = good.has_value()};
+  return start;
+}
+
+bool is_fixed(const Field& field) noexcept {
+  return field.group == "limits" || (field.group == "serial" && field.name == "remote");
+}
+
+void copy_fixed(const Settings& from, Settings& to) noexcept {
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    if (const Field known = field(place); is_fixed(known)) {
+      copy_field(known, from, to);
+    }
+  }
+}
+
+// None: the record is missing, damaged or does not name every one of these fields.
+std::optional<Settings> load_fixed(hal::Store& store) noexcept {
+  std::array<std::byte, kFixedBytes> bytes;
+  const Result<std::optional<std::size_t>> loaded = store.load(bytes);
+  if (!loaded || !*loaded) {
+    return std::nullopt;
+  }
+  Settings settings;
+  FieldSet named;
+  std::array<char, kWhyBytes> space;
+  PagedWriter unused(space);
+  if (!parse(as_text(std::span(bytes).first(**loaded)), settings, unused, &named)) {
+    return std::nullopt;
+  }
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    if (is_fixed(field(place)) != named.test(place)) {
+      return std::nullopt;
+    }
+  }
+  return settings;
 }
 
 }  // namespace
@@ -108,6 +152,46 @@ Status count_failed_starts(hal::Store& trial, const Settings& settings, int coun
   return trial.save(std::as_bytes(std::span(text)));
 }
 
+bool keep_fixed(const SettingsStores& stores, Settings& settings) noexcept {
+  if (stores.fixed == nullptr) {
+    return true;
+  }
+  if (const std::optional<Settings> last = load_fixed(*stores.fixed)) {
+    copy_fixed(*last, settings);
+    return true;
+  }
+  settings.serial.remote = true;
+  // No period lies within these, and no range is less than the largest.
+  settings.limits = {.least_range_mm = dsp::kMostMaxRangeMm,
+                     .least_period_ms = kMostPeriodMs,
+                     .most_period_ms = 0,
+                     .streams = StreamLimit::kFixed};
+  return false;
+}
+
+Status save_fixed(hal::Store& fixed, const Settings& settings) noexcept {
+  Settings now;
+  copy_fixed(settings, now);
+  if (load_fixed(fixed) == now) {
+    return Status::kOk;
+  }
+  std::array<char, kFixedBytes> space;
+  PagedWriter out(space);
+  out << R"({"serial": {"remote": )" << (now.serial.remote ? "true" : "false")
+      << "}, \"limits\": {";
+  const char* between = "";
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    if (const Field known = field(place); known.group == "limits") {
+      out << between << '"' << known.name << "\": ";
+      write_value(known, now, out);
+      between = ", ";
+    }
+  }
+  out << "}}\n";
+  return out.complete() ? fixed.save(std::as_bytes(std::span(out.text()))) : Status::kTooLarge;
+}
+
 Status save_document(hal::Store& store, const Settings& settings) noexcept {
   std::array<char, kMostDocumentBytes> space;
   PagedWriter document(space);
@@ -125,9 +209,10 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
     if (current.dropped != Dropped::kNot) {
       return replace(stores, place, limits, current.dropped, why.text(), line);
     }
-    return load_good(stores.good, limits)
-               ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
-               : StartSettings{};
+    const bool was_saved = load_good(stores.good, limits).has_value() ||
+                           (stores.fixed != nullptr && load_fixed(*stores.fixed).has_value());
+    return was_saved ? replace(stores, place, limits, Dropped::kMissing, "missing", line)
+                     : StartSettings{};
   }
   StartSettings start{.settings = *current.settings, .fell_back = !why.text().empty()};
   if (start.settings != load_good(stores.good, nullptr)) {
@@ -138,6 +223,9 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
     }
     start.on_trial = true;
     static_cast<void>(count_failed_starts(stores.trial, start.settings, failed + 1));
+  }
+  if (stores.fixed != nullptr) {  // of settings that somebody else wrote, too
+    static_cast<void>(save_fixed(*stores.fixed, start.settings));
   }
   if (start.fell_back) {
     line << place << ": " << why.text();

@@ -17,6 +17,9 @@ struct SettingsStores {
   hal::Store& current;  // of the next start; the only one that requests write
   hal::Store& good;     // that proved good last (SettingsTrial)
   hal::Store& trial;    // how many starts with the current ones have not proven them
+  // What an installer fixed last, limits.* and serial.remote: it outlives settings that cannot be
+  // used. nullptr: nothing is kept of it.
+  hal::Store* fixed = nullptr;
 };
 
 // Why a start does not begin with the current settings; the value of condition `settings_dropped`.
@@ -36,6 +39,7 @@ struct StartSettings {
   bool good = false;       // they are the last good ones; with `dropped` else the defaults
   bool fell_back = false;  // fields that this version does not take any more are as the preset
   bool on_trial = false;   // these starts are counted until they have proven good
+  bool strictest = false;  // with `dropped`: nobody knows any more what an installer fixed
 };
 
 // A start that ended, or was reset, before it proved new settings good is a failed one.
@@ -51,6 +55,13 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
 // The same for current settings that load_settings() took before the limits were known.
 StartSettings reload_settings(const SettingsStores& stores, std::string_view place, Limits& limits,
                               PagedWriter& line) noexcept;
+
+// What an installer fixed (limits.*, serial.remote), as it was saved last, into settings that hold
+// in place of the saved ones. false: that is not known: the line counts as remote, and for all but
+// an admin the range, the period and the streams stay as they are.
+bool keep_fixed(const SettingsStores& stores, Settings& settings) noexcept;
+// Writes nothing where the record says so already.
+Status save_fixed(hal::Store& fixed, const Settings& settings) noexcept;
 
 // How many starts with these settings have failed.
 int failed_starts(hal::Store& trial, const Settings& settings) noexcept;

@@ -120,6 +120,8 @@ struct LimitSettings {
   friend bool operator==(const LimitSettings&, const LimitSettings&) = default;
 };
 
+inline constexpr int kMostPeriodMs = 60'000;
+
 struct Settings {
   Text<kNameBytes + 1> name{"stof"};
   int period_ms = 0;  // 0: the board's

@@ -65,11 +65,11 @@ bool SettingsServer::restart_needed() const noexcept {
   return false;
 }
 
-Settings SettingsServer::staged() const noexcept {
+Settings SettingsServer::with_staged(const FieldSet& fields) const noexcept {
   Settings settings = active_;
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
-    if (staged_fields_.test(place)) {
+    if (fields.test(place)) {
       copy_field(field(place), staged_values_, settings);
     }
   }
@@ -85,8 +85,13 @@ wire::SettingsAnswer SettingsServer::serve(const wire::SettingsRequest& request,
   PagedWriter out(as_writable_text(answer_text), reads ? request.offset : 0);
   const std::uint32_t before = revision_;
   const Result result = serve(request, as_text(text), by, out);
-  if (revision_ != before) {
-    changed_by_ = by.peer;
+  if (revision_ != before && parts_.changes != nullptr) {
+    firmware::Event change{.kind = firmware::EventKind::kSettingsChanged};
+    if (by.peer) {
+      change.address = by.peer->address;
+      change.value = firmware::who(change.address);
+    }
+    static_cast<void>(parts_.changes->push(change));
   }
   answer_bytes = out.text().size();
   return {.result = result,
@@ -109,11 +114,12 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
     case Operation::kSet:
       return change(text, by.access, out);
     case Operation::kStage:
-      return stage(text, out);
+      return stage(text, by.access, out);
     case Operation::kCommit:
       return commit(by, out);
     case Operation::kRevert:
       staged_fields_.reset();
+      staged_by_tune_.reset();
       staged_fell_back_ = false;
       return Result::kOk;
     case Operation::kPreset:
@@ -152,9 +158,28 @@ SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
   return Result::kUnsupported;
 }
 
-SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter& why) noexcept {
-  if (!parse(text, staged_values_, why, &staged_fields_)) {
+SettingsServer::Result SettingsServer::stage(std::string_view text, Access access,
+                                             PagedWriter& why) noexcept {
+  Settings next = active_;
+  FieldSet named;
+  if (!parse(text, next, why, &named)) {
     return Result::kInvalid;
+  }
+  std::array<char, kWhyBytes> space;
+  PagedWriter refusal(space);
+  if (!permitted(active_, next, access, refusal)) {
+    why << (why.text().empty() ? "" : "; ") << refusal.text();
+    return Result::kDenied;
+  }
+  const std::size_t count = field_count();
+  for (std::size_t place = 0; place < count; ++place) {
+    const Field known = field(place);
+    // What he may not change is as it is active: it says nothing, and is not staged.
+    if (named.test(place) && known.access <= access) {
+      copy_field(known, next, staged_values_);
+      staged_fields_.set(place);
+      staged_by_tune_.set(place, access < Access::kAdmin);
+    }
   }
   staged_fell_back_ = staged_fell_back_ || !why.text().empty();
   return Result::kOk;
@@ -162,11 +187,16 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, PagedWriter&
 
 SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
                                               PagedWriter& why) noexcept {
+  // The limits may have changed since.
+  if (!permitted(active_, with_staged(staged_by_tune_), Access::kTune, why)) {
+    return Result::kDenied;
+  }
   const Result result = become(staged(), by.access, why);
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
   staged_fields_.reset();
+  staged_by_tune_.reset();
   fell_back_ = std::exchange(staged_fell_back_, false) || fell_back_;
   return save(by.now, why);
 }
@@ -196,7 +226,7 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
         << " saves at once, then one a minute: save again later";
     return Result::kNotSaved;
   }
-  const Status status = save_document(*parts_.store, active_);
+  const Status status = write();
   if (status != Status::kOk) {
     why << joint << "active, but not saved: "
         << (status == Status::kUnsupported ? "what has the file's name is no file"
@@ -208,6 +238,12 @@ SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noe
   fell_back_ = false;
   dropped_ = false;
   return Result::kOk;
+}
+
+// The record first: where only one of the two is written, the next start goes by the document.
+Status SettingsServer::write() noexcept {
+  const Status kept = parts_.fixed == nullptr ? Status::kOk : save_fixed(*parts_.fixed, active_);
+  return kept == Status::kOk ? save_document(*parts_.store, active_) : kept;
 }
 
 SettingsServer::Result SettingsServer::change(std::string_view json, Access access,

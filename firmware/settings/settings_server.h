@@ -8,6 +8,7 @@
 
 #include "firmware/control/settings_service.h"
 #include "firmware/control/token_bucket.h"
+#include "firmware/events/events.h"
 #include "firmware/settings/fields/field.h"
 #include "firmware/settings/permission.h"
 #include "firmware/settings/settings.h"
@@ -44,9 +45,11 @@ class SettingsServer final : public firmware::SettingsService {
   struct Parts {
     Limits& limits;
     SettingsSink& sink;
-    hal::Store* store = nullptr;  // nullptr: nothing can be saved
-    bool fell_back = false;       // of load_settings()
-    bool dropped = false;         // what is in the store is not `saved`, and of no use
+    hal::Store* store = nullptr;              // nullptr: nothing can be saved
+    hal::Store* fixed = nullptr;              // SettingsStores::fixed
+    firmware::ChangeRing* changes = nullptr;  // gets each
+    bool fell_back = false;                   // of load_settings()
+    bool dropped = false;                     // what is in the store is not `saved`, and of no use
   };
 
   // Saves that a rest allows, and the time until one more may follow: each writes some tens of
@@ -58,9 +61,9 @@ class SettingsServer final : public firmware::SettingsService {
   // store (load_settings()), which a command line may have changed into active.
   SettingsServer(const Settings& active, const Settings& saved, const Parts& parts) noexcept;
 
-  // kDenied: by.access does not do; to stage, commit, revert and save it takes kTune, to change a
-  // field what permitted() says. A text that is longer than `answer_text` is cut off there.
-  // request_id and cookie are the caller's.
+  // kDenied: by.access does not do; to stage, commit, revert and save it takes kTune, to change or
+  // stage a field what permitted() says: nobody stages what he may not set. A text that is longer
+  // than `answer_text` is cut off there. request_id and cookie are the caller's.
   wire::SettingsAnswer serve(const wire::SettingsRequest& request, std::span<const std::byte> text,
                              const firmware::Requester& by, std::span<std::byte> answer_text,
                              std::size_t& answer_bytes) noexcept override;
@@ -76,8 +79,6 @@ class SettingsServer final : public firmware::SettingsService {
   bool fell_back() const noexcept { return fell_back_; }
   // What the start found in the store is still there, and of no use.
   bool dropped() const noexcept { return dropped_; }
-  // Who made the active settings what they are: none: the serial line, or nobody since the start.
-  const std::optional<hal::Peer>& changed_by() const noexcept { return changed_by_; }
 
  private:
   using Result = wire::SettingsResult;
@@ -85,13 +86,16 @@ class SettingsServer final : public firmware::SettingsService {
   Result serve(const wire::SettingsRequest& request, std::string_view text,
                const firmware::Requester& by, PagedWriter& out) noexcept;
   Result get(wire::SettingsDocument document, PagedWriter& out) const noexcept;
-  Result stage(std::string_view text, PagedWriter& why) noexcept;
+  Result stage(std::string_view text, Access access, PagedWriter& why) noexcept;
+  // The active ones with these of the staged fields.
+  Settings with_staged(const FieldSet& fields) const noexcept;
+  Status write() noexcept;
   Result commit(const firmware::Requester& by, PagedWriter& why) noexcept;
   Result preset(std::string_view name, Access access, PagedWriter& why) noexcept;
   Result save(hal::Time now, PagedWriter& why) noexcept;
   Result change(std::string_view json, Access access, PagedWriter& why) noexcept;
   Result become(Settings next, Access access, PagedWriter& why) noexcept;
-  Settings staged() const noexcept;
+  Settings staged() const noexcept { return with_staged(staged_fields_); }
 
   Parts parts_;
   Settings started_;  // with which the fields that take a restart are in force
@@ -99,13 +103,13 @@ class SettingsServer final : public firmware::SettingsService {
   Settings saved_;
   Settings staged_values_{};
   FieldSet staged_fields_{};
+  FieldSet staged_by_tune_{};  // of these: not by an admin, and within the limits of then
   std::uint32_t revision_ = 1;
   bool unsaved_ = false;
   bool fell_back_;
   bool staged_fell_back_ = false;
   bool dropped_;
   firmware::TokenBucket saves_{kMostSaves, kSaveRefill};
-  std::optional<hal::Peer> changed_by_;
 };
 
 }  // namespace stof::settings

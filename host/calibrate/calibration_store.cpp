@@ -3,6 +3,7 @@
 #include "dataset/files/file.h"
 #include "dataset/files/json_fields.h"
 #include "firmware/wire/calibration/calibration_file.h"
+#include "posix/replaced_file.h"
 
 namespace stof::host {
 
@@ -59,8 +60,12 @@ std::expected<void, dataset::Problem> write_calibration(const std::filesystem::p
   if (!wire::encode_calibration_file(calibration, bytes)) {
     return refuse(file, "too large for a calibration file", "use a smaller sensor");
   }
-  // Bytes may be looked at as char.
-  return dataset::write_whole(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  constexpr mode_t kReadable = 0666;  // as the user's mask leaves it
+  if (posix::replace_file(file.string(), bytes, kReadable) != 0) {
+    return refuse(file, "cannot be written",
+                  "check the folder, its permissions and the free space");
+  }
+  return {};
 }
 
 }  // namespace stof::host

@@ -6,6 +6,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/cli/rig/calib_rig.h"
+
 // `stof calib pmd`: the constants of a PMD sensor from recordings of a wall at known distances.
 namespace stof::host {
 
@@ -25,8 +27,9 @@ struct CalibPmdOptions {
   bool json = false;
 };
 
-// Adds the command and its flags; it runs when the command line was parsed.
-void add_calib(CLI::App& app, CalibPmdOptions& options);
+// Adds `stof calib` with this command and those of calib_rig.h; one runs when the command line was
+// parsed.
+void add_calib(CLI::App& app, CalibPmdOptions& options, CalibRigOptions& rig);
 
 // Prints to stdout, writes the files. Throws Failure, behind the report where the model does not
 // explain the walls.

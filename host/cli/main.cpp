@@ -36,6 +36,7 @@ struct Commands {
   ViewOptions view;
   ReportOptions report;
   CalibPmdOptions calib_pmd;
+  CalibRigOptions calib_rig;
   ConfigOptions config;
   DiscoverCommand discover;
   PairOptions pair;
@@ -85,6 +86,11 @@ void add_view(CLI::App& app, ViewOptions& options) {
       .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  view_command.add_flag("--signed", options.signed_streams,
+                        "Subscribe with your key of the sensor, and take only what it signs for "
+                        "this program: nobody else can send a frame");
+  view_command.add_option("--keys", options.keys,
+                          "File of keys, of --signed; none: the usual one, as of stof pair");
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")
@@ -98,6 +104,9 @@ void add_view(CLI::App& app, ViewOptions& options) {
   view_command.callback([&options] {
     if (!(options.scale.near_m < options.scale.far_m)) {
       throw Failure(Exit::kBadInput, "--near: is not below --far: give a smaller --near");
+    }
+    if (options.signed_streams && options.sensor.empty()) {
+      throw Failure(Exit::kBadInput, "--signed: takes a SENSOR to subscribe at");
     }
     view(options);
   });
@@ -120,7 +129,7 @@ int run(int argc, char** argv) {
   add_view(app, commands.view);
   add_proxy(app, commands.proxy);
   add_report(app, commands.report);
-  add_calib(app, commands.calib_pmd);
+  add_calib(app, commands.calib_pmd, commands.calib_rig);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
   add_pair(app, commands.pair, commands.unpair);

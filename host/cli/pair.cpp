@@ -5,6 +5,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 #include <limits>
 #include <memory>
@@ -85,6 +86,24 @@ auto value_or_end(Expected&& result) {
   }
 }
 
+// The code itself, `@FILE`, or `-` for standard input: a command line is for all users to read.
+std::string named_code(const std::string& named) {
+  if (named != "-" && !named.starts_with('@')) {
+    return named;
+  }
+  std::ifstream file;
+  if (named != "-") {
+    file.open(named.substr(1));
+    if (!file) {
+      throw Failure(Exit::kBadInput, named.substr(1) + ": cannot be read: --code takes @FILE");
+    }
+  }
+  constexpr std::size_t kLine = 128;
+  std::array<char, kLine> space{};
+  (named == "-" ? std::cin : file).getline(space.data(), space.size());
+  return space.data();
+}
+
 // Digits alone of what somebody typed.
 std::string digits_in(const std::string& text) {
   std::string digits;
@@ -113,29 +132,38 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
   }
 }
 
-// The newest key of a sensor whose number only the sensor knows.
-wire::Key own_key(const std::string& file, std::uint32_t device) {
+// Of a sensor, the newest first. Two sensors may have one number.
+std::vector<wire::Key> own_keys(const std::string& file, std::uint32_t device) {
   const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
+  std::vector<wire::Key> own;
   for (std::size_t i = keys.count(); i-- > 0;) {
     if (keys.all()[i].device == device) {
-      return keys.all()[i];
+      own.push_back(keys.all()[i]);
     }
   }
-  throw Failure(Exit::kFailure, file + ": has no key of this sensor (" + std::to_string(device) +
-                                    "): pair, or name its number with --device");
+  if (own.empty()) {
+    throw Failure(Exit::kFailure, file + ": has no key of this sensor (" + std::to_string(device) +
+                                      "): pair, or name its number with --device");
+  }
+  return own;
 }
 
-client::PairWish wish_of(const PairOptions& options, const std::string& file) {
+// Where the new secret of a key is kept until the sensor has taken it for sure: whatever happens
+// between, either this one or that of before opens the sensor.
+std::string renewed_file(const std::string& file) { return file + ".renewed"; }
+
+client::PairWish renewal_of(const wire::Key& key) {
+  client::PairWish wish{
+      .method = wire::PairMethod::kKey, .role = key.role, .name = std::string(key.name_text())};
+  wish.known.assign(key.secret.begin(), key.secret.end());
+  wish.key_id = key.id;
+  return wish;
+}
+
+client::PairWish wish_of(const PairOptions& options) {
   client::PairWish wish{.role = wire::role_of(options.role), .name = own_name(options)};
-  if (options.renew) {
-    const wire::Key key = own_key(file, options.device);
-    wish.method = wire::PairMethod::kKey;
-    wish.role = key.role;
-    wish.name = key.name_text();
-    wish.known.assign(key.secret.begin(), key.secret.end());
-    wish.key_id = key.id;
-  } else if (!options.code.empty()) {
-    const auto code = wire::code_of(options.code);
+  if (!options.code.empty()) {
+    const auto code = wire::code_of(named_code(options.code));
     if (!code) {
       throw Failure(Exit::kBadInput, "--code: takes the 32 hexadecimal digits of the label");
     }
@@ -147,16 +175,83 @@ client::PairWish wish_of(const PairOptions& options, const std::string& file) {
   return wish;
 }
 
+// Whether a key could be kept in it, before the sensor has one.
+void need_room(const std::string& file) {
+  value_or_fail(client::update_user_keys(file, [](const wire::KeyTable& keys) {
+    return std::expected<wire::KeyTable, client::OpenError>(keys);
+  }));
+}
+
+void say_kept(const wire::Key& key, const std::string& file) {
+  std::printf("key %08x of sensor %08x, %s, is in %s\n", key.id, key.device,
+              std::string(wire::role_text(key.role)).c_str(), file.c_str());
+}
+
+// The sensor drops the secret of before when it has seen the new one.
+bool opens(const PairOptions& options, const wire::Key& key) {
+  client::ControlOptions control = timing(options.timeout_s);
+  control.device_id = key.device;
+  control.unsigned_answers = client::Unsigned::kNever;
+  static_cast<void>(control.keys.add(key));
+  client::ControlClient client(open("pair", options.sensor, options.serial, options.baud), control);
+  const auto answer = client.request(wire::SettingsOperation::kKeys, {}, {});
+  return answer && answer->result != wire::SettingsResult::kUnknownKey;
+}
+
+void renew(const PairOptions& options, const std::string& file) {
+  const std::string waiting = renewed_file(file);
+  need_room(file);
+  std::vector<wire::Key> known = own_keys(file, options.device);
+  const wire::KeyTable before = value_or_fail(client::read_user_keys(waiting));
+  known.insert(known.end(), before.all().begin(), before.all().end());
+  client::ControlOptions control = timing(options.timeout_s);
+  control.device_id = options.device;
+  std::string refusal;
+  for (const wire::Key& key : known) {
+    client::PairClient client(open("pair", options.sensor, options.serial, options.baud),
+                              renewal_of(key), control);
+    if (const auto started = client.start(); !started) {
+      refusal = refusal.empty() ? started.error().message : refusal;
+      continue;
+    }
+    const wire::Key next = client.key();
+    wire::KeyTable kept;
+    static_cast<void>(kept.add(next));
+    value_or_fail(client::write_user_keys(waiting, kept));
+    const auto finished = client.finish(std::chrono::seconds(2));
+    if (!finished && !opens(options, next)) {
+      throw Failure(Exit::kFailure, finished.error().message);
+    }
+    value_or_fail(client::add_user_key(file, next));
+    if (finished && !opens(options, next)) {
+      throw Failure(Exit::kFailure, file +
+                                        ": has the new secret, but the sensor does not answer: "
+                                        "try again with --renew");
+    }
+    static_cast<void>(std::remove(waiting.c_str()));
+    say_kept(next, file);
+    return;
+  }
+  throw Failure(Exit::kFailure, refusal);
+}
+
+// What else opens a sensor of this number.
+void say_older(const wire::KeyTable& keys, const wire::Key& newest) {
+  for (const wire::Key& key : keys.all()) {
+    if (key.device == newest.device && key.id != newest.id) {
+      std::printf(
+          "an older key %08x of a sensor with this number stays: if it is of this sensor, end it "
+          "by stof unpair SENSOR --id %08x\n",
+          key.id, key.id);
+    }
+  }
+}
+
 void pair_with(const PairOptions& options, const std::string& file) {
   auto transport = open("pair", options.sensor, options.serial, options.baud);
-  const client::PairWish wish = wish_of(options, file);
-  client::ControlOptions control = timing(options.timeout_s);
-  if (options.renew) {
-    control.device_id = options.device;
-  }
-  // Whether it can be kept, before the sensor has it.
-  value_or_fail(client::write_user_keys(file, value_or_fail(client::read_user_keys(file))));
-  client::PairClient client(std::move(transport), wish, control);
+  const client::PairWish wish = wish_of(options);
+  need_room(file);
+  client::PairClient client(std::move(transport), wish, timing(options.timeout_s));
   value_or_end(client.start());
   if (wish.method == wire::PairMethod::kDigits) {
     compare_digits(client.digits(), options);
@@ -165,8 +260,8 @@ void pair_with(const PairOptions& options, const std::string& file) {
   }
   const wire::Key key = value_or_end(client.finish(std::chrono::minutes(2)));
   value_or_fail(client::add_user_key(file, key));
-  std::printf("key %08x of sensor %08x, %s, is in %s\n", key.id, key.device,
-              std::string(wire::role_text(key.role)).c_str(), file.c_str());
+  say_kept(key, file);
+  say_older(value_or_fail(client::read_user_keys(file)), key);
 }
 
 void pair_into(const PairOptions& options, const std::string& own) {
@@ -176,8 +271,10 @@ void pair_into(const PairOptions& options, const std::string& own) {
     return;
   }
   const wire::Key key = random_key(options);
-  if (sensor.add(key) != Status::kOk) {
-    throw Failure(Exit::kFailure, options.into + ": takes no more keys");
+  if (sensor.count() >= wire::kMostSensorKeys || sensor.add(key) != Status::kOk) {
+    throw Failure(Exit::kFailure, options.into +
+                                      ": a sensor keeps 16 keys: end one of them first "
+                                      "(stof unpair)");
   }
   value_or_fail(client::write_user_keys(options.into, sensor));
   value_or_fail(client::add_user_key(own, key));
@@ -188,22 +285,29 @@ void pair_into(const PairOptions& options, const std::string& own) {
 // Drops the user's keys that fit; how many.
 template <typename Fits>
 std::size_t forget(const std::string& file, Fits&& fits) {
-  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
-  wire::KeyTable kept;
-  for (const wire::Key& key : keys.all()) {
-    if (!fits(key)) {
-      static_cast<void>(kept.add(key));
-    }
-  }
-  if (kept.count() < keys.count()) {
-    value_or_fail(client::write_user_keys(file, kept));
-  }
-  return keys.count() - kept.count();
+  std::size_t dropped = 0;
+  value_or_fail(client::update_user_keys(
+      file, [&](const wire::KeyTable& keys) -> std::expected<wire::KeyTable, client::OpenError> {
+        wire::KeyTable kept;
+        for (const wire::Key& key : keys.all()) {
+          if (!fits(key)) {
+            static_cast<void>(kept.add(key));
+          }
+        }
+        dropped = keys.count() - kept.count();
+        return kept;
+      }));
+  return dropped;
 }
 
-client::ControlAnswer ask(client::ControlClient& client, wire::SettingsOperation operation,
-                          const std::string& text, const std::string& place) {
-  client::ControlAnswer answer = value_or_end(client.request(operation, {}, text));
+std::string id_text(const wire::Key& key) {
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08x", key.id);
+  return text.data();
+}
+
+// The answer, if it is no refusal.
+client::ControlAnswer done(client::ControlAnswer answer, const std::string& place) {
   if (answer.result == wire::SettingsResult::kOk) {
     return answer;
   }
@@ -216,6 +320,25 @@ client::ControlAnswer ask(client::ControlClient& client, wire::SettingsOperation
           (answer.text.empty() ? "does not know this request: update the sensor" : answer.text));
 }
 
+client::ControlAnswer ask(client::ControlClient& client, wire::SettingsOperation operation,
+                          const std::string& text, const std::string& place) {
+  return done(value_or_end(client.request(operation, {}, text)), place);
+}
+
+// The newest of this user's keys that the sensor has; its id.
+std::string end_own(client::ControlClient& client, const std::vector<wire::Key>& own,
+                    const std::string& place) {
+  for (const wire::Key& key : own) {
+    const auto answer =
+        value_or_end(client.request(wire::SettingsOperation::kUnpair, {}, id_text(key)));
+    if (answer.result != wire::SettingsResult::kInvalid || &key == &own.back()) {
+      static_cast<void>(done(answer, place));
+      return id_text(key);
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 std::string keys_file(const std::string& named) {
@@ -225,10 +348,12 @@ std::string keys_file(const std::string& named) {
 void pair(const PairOptions& options) {
   need_crypto();
   const std::string own = keys_file(options.keys);
-  if (options.into.empty()) {
-    pair_with(options, own);
-  } else {
+  if (!options.into.empty()) {
     pair_into(options, own);
+  } else if (options.renew) {
+    renew(options, own);
+  } else {
+    pair_with(options, own);
   }
 }
 
@@ -243,26 +368,22 @@ void unpair(const UnpairOptions& options) {
   }
   auto transport = open("unpair", options.sensor, options.serial, options.baud);
   const std::string place = transport->place();
-  std::string id = options.id;
-  if (id.empty() && !options.list) {
-    std::array<char, 9> text{};
-    std::snprintf(text.data(), text.size(), "%08x", own_key(file, options.device).id);
-    id = text.data();
-  }
   client::ControlOptions control = timing(options.timeout_s);
   control.keys = value_or_fail(client::read_user_keys(file));
+  control.unsigned_answers =
+      options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
   client::ControlClient client(std::move(transport), control);
   if (options.list) {
     const auto answer = ask(client, wire::SettingsOperation::kKeys, {}, place);
     std::printf("%s\n", client::printable(answer.text, client::Lines::kSeveral).c_str());
     return;
   }
-  static_cast<void>(ask(client, wire::SettingsOperation::kUnpair, id, place));
-  static_cast<void>(forget(file, [&id](const wire::Key& key) {
-    std::array<char, 9> text{};
-    std::snprintf(text.data(), text.size(), "%08x", key.id);
-    return id == text.data();
-  }));
+  const std::string id =
+      options.id.empty() ? end_own(client, own_keys(file, options.device), place) : options.id;
+  if (!options.id.empty()) {
+    static_cast<void>(ask(client, wire::SettingsOperation::kUnpair, id, place));
+  }
+  static_cast<void>(forget(file, [&id](const wire::Key& key) { return id == id_text(key); }));
   std::printf("key %s is none any more\n", client::printable(id).c_str());
 }
 
@@ -285,7 +406,8 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
       "pair", "Make a key that a sensor and you share: press its button first, or use its cable");
   add_line(command, options);
   command.add_option("--code", options.code,
-                     "32 hexadecimal digits of its label: nothing is asked");
+                     "32 hexadecimal digits of its label: nothing is asked. Better @FILE, or - for "
+                     "standard input: a command line is for all users to read");
   command.add_flag("--renew", options.renew, "Give the key that you have of it a new secret");
   command.add_option("--digits", options.digits, "That the sensor told, in place of being asked");
   command.add_option("--into", options.into,

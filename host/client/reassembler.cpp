@@ -45,6 +45,9 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
     ++(statistics_.*kFaults[static_cast<std::size_t>(packet.error())]);
     return;
   }
+  if (options_.verifier != nullptr && !verify(datagram)) {
+    return;
+  }
   const wire::Header& header = packet->header;
   switch (session_.judge(header.origin, arrived)) {
     case SessionTracker::Verdict::kForeign:
@@ -67,6 +70,29 @@ void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time n
   } else {
     push_report(*packet, arrived);
   }
+}
+
+bool Reassembler::verify(std::span<const std::byte> datagram) {
+  using Verdict = StreamVerifier::Verdict;
+  switch (options_.verifier->judge(datagram)) {
+    case Verdict::kGood:
+      return true;
+    case Verdict::kNotSigned:
+      ++statistics_.not_signed;
+      forgeries_ += options_.verifier->has_key() ? 1U : 0U;
+      return false;
+    case Verdict::kForged:
+      ++statistics_.forged;
+      ++forgeries_;
+      return false;
+    case Verdict::kDuplicate:
+      ++statistics_.duplicate;
+      return false;
+    case Verdict::kLate:
+      ++statistics_.late;
+      return false;
+  }
+  return false;
 }
 
 // Its frame is not delivered, nor is one before it that is still open.

@@ -13,6 +13,7 @@
 #include "host/client/session/frame_sequence.h"
 #include "host/client/session/session_messages.h"
 #include "host/client/session/session_tracker.h"
+#include "host/client/session/stream_verifier.h"
 #include "host/client/statistics.h"
 
 namespace stof::client {
@@ -31,6 +32,8 @@ struct ReassemblerOptions {
   // and frames whose last packet did. Without it one period of the sensor and 100 ms, or 50 ms more
   // than a frame is waited for, if that is longer; 200 ms as long as the period is not known.
   std::optional<Duration> max_age{};
+  // Where there is one, only what it finds signed is looked at. It outlives the reassembler.
+  StreamVerifier* verifier = nullptr;
 };
 
 // Datagrams in, frames out, in the order of their numbers. Two frames are in flight: packets of
@@ -66,6 +69,8 @@ class Reassembler {
   std::optional<Frame> take(Time now);
 
   const Statistics& statistics() const noexcept { return statistics_; }
+  // Datagrams that no sensor can have sent; what is not signed only once there is a key.
+  std::uint64_t forgeries() const noexcept { return forgeries_; }
   // Of the sensor's trigger, at most 10 s; 0: not known.
   Duration period() const;
   // The newest of the current session.
@@ -91,6 +96,8 @@ class Reassembler {
     bool whole = false;
   };
 
+  // Whether a datagram that was parsed may be believed; counts it where not.
+  bool verify(std::span<const std::byte> datagram);
   void start_session();
   void push_report(const wire::PacketView& packet, Time arrived);
   void push_part(const wire::PacketView& packet, Time arrived);
@@ -115,6 +122,7 @@ class Reassembler {
 
   ReassemblerOptions options_;
   Statistics statistics_;
+  std::uint64_t forgeries_ = 0;
   std::array<FrameSlot, kSlots> slots_;
   std::uint64_t finished_ = 0;  // frames, over all sessions
 

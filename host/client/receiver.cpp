@@ -20,7 +20,7 @@ constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of ti
 struct Receiver::Parts {
   Parts(std::unique_ptr<SensorSocket> bound, const ReceiverOptions& options)
       : socket(std::move(bound)),
-        reassembler(options.reassembler),
+        reassembler(with_verifier(options)),
         asked_buffer(options.socket_buffer),
         watch(std::chrono::steady_clock::now()) {
     if (!options.sensor.empty()) {
@@ -28,6 +28,15 @@ struct Receiver::Parts {
       terms.device_id = terms.device_id ? terms.device_id : options.reassembler.device_id;
       subscription.emplace(terms, static_cast<std::uint32_t>(std::random_device()()));
     }
+  }
+
+  // What was not signed for this receiver is not looked at where it asked for that.
+  ReassemblerOptions with_verifier(const ReceiverOptions& options) {
+    ReassemblerOptions wanted = options.reassembler;
+    if (options.subscription.signed_streams) {
+      wanted.verifier = &verifier;
+    }
+    return wanted;
   }
 
   Parts(const Parts&) = delete;
@@ -59,10 +68,17 @@ struct Receiver::Parts {
       const Time arrived = socket->arrived(next);
       const std::span<const std::byte> datagram = socket->datagram(next++);
       if (subscription && subscription->take(datagram, now)) {
+        if (subscription->stream_key().number != 0) {
+          verifier.set_key(subscription->stream_key());
+        }
         ask(now);  // a cookie is shown at once
         continue;
       }
+      const std::uint64_t verified = verifier.good();
       reassembler.push(datagram, arrived, now);
+      if (subscription && verifier.good() > verified) {
+        subscription->heard(now);
+      }
       frame = reassembler.take(now);
     }
     return frame;
@@ -80,6 +96,7 @@ struct Receiver::Parts {
   }
 
   std::unique_ptr<SensorSocket> socket;
+  StreamVerifier verifier;
   Reassembler reassembler;
   std::optional<Subscription> subscription;
   int asked_buffer;
@@ -90,6 +107,11 @@ struct Receiver::Parts {
 };
 
 std::expected<Receiver, OpenError> Receiver::open(const ReceiverOptions& options) {
+  if (options.sensor.empty() && options.subscription.signed_streams) {
+    return std::unexpected(OpenError{
+        .status = Status::kInvalidArgument,
+        .message = "signed streams: name the sensor; one that sends by itself does not sign"});
+  }
   auto socket = options.sensor.empty()
                     ? SensorSocket::open(options.address, options.port, options.socket_buffer)
                     : SensorSocket::connect(options.sensor, options.socket_buffer);
@@ -121,7 +143,7 @@ Result<Frame> Receiver::Parts::receive(Duration timeout) {
     read = *got;
     next = 0;
     if (read > 0) {
-      if (subscription) {
+      if (subscription && !subscription->signs()) {  // else anybody could keep it from asking
         subscription->heard(std::chrono::steady_clock::now());
       }
       continue;

@@ -22,6 +22,9 @@ struct Statistics {
   std::uint64_t late = 0;         // its frame was closed already
   std::uint64_t old = 0;          // part of a frame that lay in this machine's queue for too long
   std::uint64_t implausible = 0;  // ahead of what any sensor can have counted: forged, or a fault
+  // Only where signed streams were asked for:
+  std::uint64_t not_signed = 0;  // or not with this receiver's key
+  std::uint64_t forged = 0;      // signed with another key than it says, or changed on the way
 
   // Every frame is counted in exactly one of these.
   std::uint64_t frames_complete = 0;    // delivered whole
@@ -43,7 +46,8 @@ struct Statistics {
 
   constexpr std::uint64_t packets() const noexcept {
     return packets_ok + truncated + bad_magic + bad_version + bad_length + bad_crc + bad_field +
-           unknown + oversized + foreign + duplicate + late + old + implausible;
+           unknown + oversized + foreign + duplicate + late + old + implausible + not_signed +
+           forged;
   }
   friend bool operator==(const Statistics&, const Statistics&) = default;
 };

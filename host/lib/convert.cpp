@@ -237,6 +237,8 @@ stof_statistics to_statistics(const client::Statistics& statistics, int socket_b
   out.packets_implausible = statistics.implausible;
   out.frames_old = statistics.frames_old;
   out.resynchronised = statistics.resynchronised;
+  out.packets_not_signed = statistics.not_signed;
+  out.packets_forged = statistics.forged;
   return out;
 }
 

@@ -106,15 +106,24 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
   }
   *sensor = nullptr;
   return guarded([&] {
-    const client::ReceiverOptions wanted = receiver_options(*known);
+    client::ReceiverOptions wanted = receiver_options(*known);
+    const std::string key_file = known->keys == nullptr ? client::user_keys_file() : known->keys;
+    if (known->signed_streams != 0) {
+      auto keys = client::read_user_keys(key_file);
+      if (!keys) {
+        lib::give_text(keys.error().message, why, why_size);
+        return STOF_BAD_ARGUMENT;
+      }
+      wanted.subscription.signed_streams = true;
+      wanted.subscription.keys = *keys;
+    }
     auto receiver = client::Receiver::open(wanted);
     if (!receiver) {
       lib::give_text(receiver.error().message, why, why_size);
       return lib::to_status(receiver.error().status);
     }
-    auto opened = std::make_unique<stof_sensor>(
-        std::move(*receiver), wanted.sensor,
-        known->keys == nullptr ? client::user_keys_file() : known->keys);
+    auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor, key_file,
+                                                known->device_id);
     opened->share();
     *sensor = opened.release();
     return STOF_OK;

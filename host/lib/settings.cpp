@@ -45,6 +45,9 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
     const std::scoped_lock lock(sensor->control_mutex);
     if (!sensor->control) {
       client::ControlOptions options;
+      if (sensor->device_id != 0) {
+        options.device_id = sensor->device_id;
+      }
       if (!sensor->keys.empty()) {
         auto keys = client::read_user_keys(sensor->keys);
         if (!keys) {

@@ -105,6 +105,8 @@ class SubscribeResult(enum.IntEnum):
     COOKIE = 1  # repeat the request with this cookie
     FULL = 2  # as many subscribers as the sensor takes: try again when one has left
     ENDED = 3  # the subscription is over
+    UNKNOWN_KEY = 4  # the signature is of no key that the sensor has; never signed
+    STALE = 5  # refused, nothing changed: the counter is not above `highest` of the answer
 
 
 class SettingsOperation(enum.IntEnum):
@@ -119,8 +121,8 @@ class SettingsOperation(enum.IntEnum):
     PRESET = 5  # the text is a preset's name: as set, with its fields
     SAVE = 6  # the active settings are those of the next start
     RESET = 7  # as set, with every field's default
-    # the answer's text is a JSON array of the keys of the sensor (id, role, name), never of their
-    # secrets; for an admin
+    # a JSON array of the keys of the sensor (id, role, name), never of their secrets, read from
+    # `offset` on as a document is; for an admin
     KEYS = 8
     # the text is the id of a key, 8 hexadecimal digits: it is none any more; for an admin, or
     # whoever signs with it
@@ -165,7 +167,9 @@ class PairResult(enum.IntEnum):
     # somebody else pairs too: with digits both have ended, and the button has to be pressed again;
     # else try again
     BUSY = 3
-    WRONG = 4  # the commitment or the tag does not fit, or nothing was begun: it has ended
+    # the commitment or the tag does not fit, role or name are none, or nothing was begun: it has
+    # ended
+    WRONG = 4
     WAITING = 5  # of confirm: nobody has accepted the digits at the sensor yet
     FULL = 6  # the sensor keeps no more keys, or cannot save them
 
@@ -212,20 +216,23 @@ class Condition(enum.IntEnum):
     # the stereo pair is there, but several edges in a row gave no pictures that belong to them;
     # value: 0
     STEREO_SILENT = 15
-    # a stereo camera sends its last picture again and again; value: the sum of: 1 the left camera,
-    # 2 the right one
+    # a stereo camera sends its last picture again and again; the pair is opened again at once, then
+    # once a second at most; value: the sum of: 1 the left camera, 2 the right one
     STEREO_FROZEN = 16
     # the PMD camera is there, but several edges in a row gave no samples that belong to them;
     # value: 0
     PMD_SILENT = 17
-    PMD_FROZEN = 18  # the PMD camera sends its last samples again and again; value: 0
-    # the PMD camera's samples hold no light of its lamp: it is dark, or nothing is within its
-    # reach; value: 0
+    # the PMD camera sends its last samples again and again; it is opened again at once, then once a
+    # second at most; value: 0
+    PMD_FROZEN = 18
+    # the PMD camera's samples hold no light of its lamp: it is dark, nothing is within its reach,
+    # or other light drowns it; value: 0
     PMD_DARK = 19
     # the saved settings could not be used at the start: the last good ones hold, or the defaults,
     # until settings are saved; value: 1 missing, 2 no regular file, 3 unreadable, 4 empty, 5
     # damaged or not for this sensor, 6 two starts with them failed; 16 more where the last good
-    # ones hold
+    # ones hold; 32 more where nobody knows what an installer fixed: the strictest limits hold, and
+    # the serial line counts as remote
     SETTINGS_DROPPED = 20
     # a port or line of the settings could not be had at the start: another port or no line is used
     # until the next; value: the sum of: 1 the UDP port, 2 the serial line, which is none of the
@@ -236,7 +243,8 @@ class Condition(enum.IntEnum):
     # carries depth, 4 the maximal range is below 1 m
     NO_DEPTH = 22
     # somebody changed the settings in the last ten seconds; each change is an event of its own;
-    # value: who: the last four bytes of the address, its first the highest; 0: over the serial line
+    # value: who: the last four bytes of the address, its first the highest; 4,294,967,295 where
+    # these are 0; 0: over the serial line
     SETTINGS_CHANGED = 23
     # no key is known: anybody on the network may change what docs/SECURITY.md calls harmless;
     # value: 0
@@ -247,6 +255,9 @@ class Condition(enum.IntEnum):
     # 1,000,000 and the six digits that the sensor has; 0: nobody has come yet. Over the network
     # they prove nothing
     PAIRING = 26
+    # somebody made, renewed or ended a key in the last ten seconds; each change is an event of its
+    # own; value: the key's id
+    KEYS_CHANGED = 27
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -307,16 +318,16 @@ CONDITIONS = {
         "the stereo pair is there, but several edges in a row gave no pictures that belong to them",
         Severity.MAJOR, Reaction.SLOW),
     Condition.STEREO_FROZEN: ConditionInfo(
-        "a stereo camera sends its last picture again and again",
+        "a stereo camera sends its last picture again and again; the pair is opened again at once, then once a second at most",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_SILENT: ConditionInfo(
         "the PMD camera is there, but several edges in a row gave no samples that belong to them",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_FROZEN: ConditionInfo(
-        "the PMD camera sends its last samples again and again",
+        "the PMD camera sends its last samples again and again; it is opened again at once, then once a second at most",
         Severity.MAJOR, Reaction.SLOW),
     Condition.PMD_DARK: ConditionInfo(
-        "the PMD camera's samples hold no light of its lamp: it is dark, or nothing is within its reach",
+        "the PMD camera's samples hold no light of its lamp: it is dark, nothing is within its reach, or other light drowns it",
         Severity.MAJOR, Reaction.SLOW),
     Condition.SETTINGS_DROPPED: ConditionInfo(
         "the saved settings could not be used at the start: the last good ones hold, or the defaults, until settings are saved",
@@ -339,6 +350,9 @@ CONDITIONS = {
     Condition.PAIRING: ConditionInfo(
         "the sensor's button was pressed: whoever accepts the digits with it makes a key",
         Severity.INFO, Reaction.NONE),
+    Condition.KEYS_CHANGED: ConditionInfo(
+        "somebody made, renewed or ended a key in the last ten seconds; each change is an event of its own",
+        Severity.INFO, Reaction.WATCH),
 }
 # made: end
 
@@ -804,13 +818,16 @@ class Subscribe(Layout):
     # how long to send without hearing from us; the sensor takes 500 to 10,000, 0: 3,000
     lease_ms: int = 0
     cookie: int = 0  # of an answer; 0: none yet
+    # of a signed subscribe: number of the stream key that we have, 0: none; see "Signed streams"
+    stream_key: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),
         ("lease_ms", "H", 1),
         ("", "x", 2),
         ("cookie", "Q", 1),
-        ("", "x", 16),
+        ("stream_key", "I", 1),
+        ("", "x", 12),
     )
 
 
@@ -881,7 +898,7 @@ class SignedFields(Layout):
     the last 16 bytes of the payload."""
 
     key_id: int = 0  # of the key; in the answer the same
-    type: int = 0  # type of the message that is signed: 132, in the answer 133
+    type: int = 0  # type of the message that is signed: 128, 130 or 132, in the answer 129 or 133
     counter: int = 0  # above all that this key has signed in this session; in the answer the same
     highest: int = 0  # of the answer: the highest counter of this key so far; in requests 0
 
@@ -891,6 +908,35 @@ class SignedFields(Layout):
         ("", "x", 3),
         ("counter", "Q", 1),
         ("highest", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class StreamKeyFields(Layout):
+    """Behind the `subscribed` of a signed answer."""
+
+    number: int = 0  # of the stream key, as in the datagrams that it signs; 0: none is handed over
+    sealed: tuple = (0,) * 32  # the stream key, exclusive or the pad of this answer
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("number", "I", 1),
+        ("", "x", 4),
+        ("sealed", "B", 32),
+    )
+
+
+@dataclasses.dataclass
+class StreamSignature(Layout):
+    """Bytes 52 to 79 of a datagram that a stream key signs."""
+
+    number: int = 0  # of the stream key; 0: not signed
+    counter: int = 0  # of the datagrams that this key signs: rises by one with each, from 1
+    tag: tuple = (0,) * 16  # of all else in the datagram but the CRC
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("number", "I", 1),
+        ("counter", "Q", 1),
+        ("tag", "B", 16),
     )
 
 
@@ -1028,6 +1074,16 @@ def parse(datagram):
     if header.index >= header.count:
         raise Refused("field")
     return header, bytes(datagram[header.header_length:end])
+
+
+def signature(datagram):
+    """The StreamSignature of a datagram that parse() took; None: it is not signed. What it is worth takes the stream
+    key: see "Signed streams" of docs/WIRE.md."""
+    header = Header.unpack(datagram)
+    if header.header_length < Header.size() + StreamSignature.size():
+        return None
+    found = StreamSignature.unpack(datagram[Header.size():])
+    return found if found.number else None
 
 
 def seal(header, payload=b""):

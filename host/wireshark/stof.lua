@@ -84,6 +84,8 @@ names.SubscribeResult = {
   [1] = "cookie",
   [2] = "full",
   [3] = "ended",
+  [4] = "unknown key",
+  [5] = "stale",
 }
 
 names.SettingsOperation = {
@@ -177,6 +179,7 @@ names.Condition = {
   [24] = "unpaired",
   [25] = "keys lost",
   [26] = "pairing",
+  [27] = "keys changed",
 }
 
 layouts.Origin = {
@@ -377,7 +380,8 @@ layouts.subscribe = {
   {name = "lease_ms", size = 2, count = 1, kind = "uint16", title = "Lease ms", base = base.DEC, doc = "how long to send without hearing from us; the sensor takes 500 to 10,000, 0: 3,000"},
   {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet"},
-  {name = "padding", size = 16, count = 1, kind = "bytes", title = "Padding"},
+  {name = "stream_key", size = 4, count = 1, kind = "uint32", title = "Stream key", base = base.DEC, doc = "of a signed subscribe: number of the stream key that we have, 0: none; see \"Signed streams\""},
+  {name = "padding", size = 12, count = 1, kind = "bytes", title = "Padding"},
 }
 
 layouts.subscribed = {
@@ -420,10 +424,26 @@ layouts.signed_fields = {
   bytes = 24,
   tail = "data",
   {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key; in the answer the same"},
-  {name = "type", size = 1, count = 1, kind = "uint8", title = "Type", base = base.DEC, doc = "type of the message that is signed: 132, in the answer 133"},
+  {name = "type", size = 1, count = 1, kind = "uint8", title = "Type", base = base.DEC, doc = "type of the message that is signed: 128, 130 or 132, in the answer 129 or 133"},
   {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
   {name = "counter", size = 8, count = 1, kind = "uint64", title = "Counter", base = base.DEC, doc = "above all that this key has signed in this session; in the answer the same"},
   {name = "highest", size = 8, count = 1, kind = "uint64", title = "Highest", base = base.DEC, doc = "of the answer: the highest counter of this key so far; in requests 0"},
+}
+
+layouts.stream_key = {
+  message = "stream key",
+  bytes = 40,
+  {name = "number", size = 4, count = 1, kind = "uint32", title = "Number", base = base.DEC, doc = "of the stream key, as in the datagrams that it signs; 0: none is handed over"},
+  {name = "reserved", size = 4, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "sealed", size = 1, count = 32, kind = "uint8", title = "Sealed", base = base.DEC, doc = "the stream key, exclusive or the pad of this answer"},
+}
+
+layouts.stream_signature = {
+  message = "stream signature",
+  bytes = 28,
+  {name = "number", size = 4, count = 1, kind = "uint32", title = "Number", base = base.DEC, doc = "of the stream key; 0: not signed"},
+  {name = "counter", size = 8, count = 1, kind = "uint64", title = "Counter", base = base.DEC, doc = "of the datagrams that this key signs: rises by one with each, from 1"},
+  {name = "tag", size = 1, count = 16, kind = "uint8", title = "Tag", base = base.DEC, doc = "of all else in the datagram but the CRC"},
 }
 
 layouts.pair_request = {

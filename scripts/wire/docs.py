@@ -57,6 +57,8 @@ def layout_table(wire, layout):
     text = table((("offset", True), ("bytes", True), ("type", False), ("field", False), ("meaning", False)), rows)
     if layout.name == "header":
         return text
+    if not layout.types:
+        return f"Of {layout.bytes} bytes.\n\n{text}"
     if layout.tail:
         return f"Payload of {layout.bytes} bytes and {layout.tail}.\n\n{text}"
     return f"Payload of {layout.bytes} bytes; ignore what follows them.\n\n{text}"

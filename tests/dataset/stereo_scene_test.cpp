@@ -131,6 +131,16 @@ TEST_F(StereoScenes, KnowTheirRigWhereItIsGivenWhole) {
   EXPECT_EQ(scene->rig->doff_px, -2);
 }
 
+TEST_F(StereoScenes, KnowHowFarTheirPlaneIs) {
+  EXPECT_FALSE(read_stereo_scene(dir())->plane_z_m);
+  for (const char* z : {"0", "-1", "1001", "nan", "inf", "far"}) {
+    put("Little/meta.txt", std::string("ndisp 16\nplane_z_m ") + z + "\n");
+    expect_refused(dir() / "meta.txt", "plane_z_m");
+  }
+  put("Little/meta.txt", "ndisp 16\nplane_z_m 1.6\n");
+  EXPECT_EQ(read_stereo_scene(dir())->plane_z_m, 1.6);
+}
+
 TEST_F(StereoScenes, KnowTheFloorWhereSurfacesAreGiven) {
   EXPECT_FALSE(read_stereo_scene(dir())->floor);
   put("Little/surfaces.pgm", "P5\n3 1\n255\n\x01\x04\x06"sv);

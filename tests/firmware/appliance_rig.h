@@ -28,6 +28,7 @@ struct ApplianceRig {
   Rig rig;
   RunConfigRing run_configs;
   ReceiverRing receivers;
+  ChangeRing changes;
   stof::test::GuardedBuffer<std::byte> images{std::size_t{4} << 20};
   stof::test::GuardedBuffer<std::byte> coded{std::size_t{1} << 20};
   std::vector<std::byte> line = std::vector<std::byte>(SerialSender::kRingBytes);
@@ -40,7 +41,8 @@ struct ApplianceRig {
                    .run_configs = run_configs,
                    .receivers = receivers,
                    .serial = with_serial ? &serial : nullptr,
-                   .threads = threads},
+                   .threads = threads,
+                   .changes = &changes},
                   {.origin = {.device_id = 7, .session_id = 9},
                    .clock = wire::ClockState::kEmulated,
                    .calibration = wire::make_calibration_packet(rig.setup.calibration, 40'000,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
@@ -82,10 +83,14 @@ class NoImagery final : public emu::Imagery {
 struct PixelFault {
   std::size_t first = 0;
   std::size_t edges = 0;
-  bool dark = false;  // black, or samples without light; else those of the edge before `first`
+  bool dark = false;  // black, or samples without light; else those of the edge before the first
+  const std::atomic<std::size_t>* since = nullptr;  // the first edge, where that changes
 
-  bool strikes(std::size_t edge) const noexcept { return edge - first < edges; }
-  std::size_t shown(std::size_t edge) const noexcept { return strikes(edge) ? first - 1 : edge; }
+  std::size_t begin() const noexcept { return since == nullptr ? first : since->load(); }
+  bool strikes(std::size_t edge) const noexcept {
+    return edge >= begin() && edge - begin() < edges;
+  }
+  std::size_t shown(std::size_t edge) const noexcept { return strikes(edge) ? begin() - 1 : edge; }
 };
 
 struct PixelFaults {

@@ -42,7 +42,14 @@ void look_at(const client::Frame& frame) {
 }  // namespace stof
 
 void stof::fuzz::run(std::span<const std::byte> input) {
-  client::Reassembler reassembler({.max_pixels = kMostPixels});
+  require(wire::start_crypto());
+  const bool signs = input.size() % 2 != 0;  // whether streams have to be signed
+  const wire::StreamKey key{.number = 1};
+  client::StreamVerifier verifier;
+  verifier.set_key(key);
+  client::Reassembler reassembler(
+      {.max_pixels = kMostPixels, .verifier = signs ? &verifier : nullptr});
+  std::uint64_t counter = 0;
   client::Time now{};
   std::uint64_t pushed = 0;
   const auto take_all = [&] {
@@ -56,7 +63,16 @@ void stof::fuzz::run(std::span<const std::byte> input) {
     wire::DatagramBuffer space{};
     const bool seal = (record.flags & fuzz::kSeal) != 0;
     now += std::chrono::milliseconds(20 * record.seconds());
-    reassembler.push(seal ? fuzz::sealed(record.bytes, space) : record.bytes, now);
+    std::span<const std::byte> datagram = seal ? fuzz::sealed(record.bytes, space) : record.bytes;
+    wire::DatagramBuffer signed_space{};
+    const auto packet = wire::parse_packet(datagram);
+    if (signs && packet && datagram[6] == std::byte{wire::kHeaderBytes} &&
+        datagram.size() + wire::kStreamSignatureBytes <= signed_space.size() &&
+        record.peer() != 3) {  // else not signed
+      counter += 1 + record.seconds();
+      datagram = wire::sign_datagram(datagram, key, counter - record.peer() / 2, signed_space);
+    }
+    reassembler.push(datagram, now);
     ++pushed;
     if ((record.flags & fuzz::kCookie) == 0) {
       take_all();

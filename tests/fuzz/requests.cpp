@@ -44,12 +44,47 @@ constexpr firmware::CookieSecret kSecret{};
 // libFuzzer sees what its input is compared with and can guess a cookie from that.
 bool proven(std::span<const std::byte> request, const hal::Peer& peer, hal::Time now) {
   const auto packet = wire::parse_packet(request);
-  return packet && packet->payload.size() >= kCookieAt + 8 &&
+  if (!packet) {
+    return false;
+  }
+  const std::size_t before =
+      packet->header.type == wire::PacketType::kSignedRequest ? wire::kSignedFieldsBytes : 0;
+  return packet->payload.size() >= before + kCookieAt + 8 &&
          firmware::Cookies(kSecret).valid(
-             wire::get_u64(packet->payload.subspan(kCookieAt).first<8>()), peer, now);
+             wire::get_u64(packet->payload.subspan(before + kCookieAt).first<8>()), peer, now);
+}
+
+constexpr unsigned kHolder = 3;  // the source that has a key, and signs with it
+constexpr wire::Origin kSensor{.device_id = 0x0A0B0C0D, .session_id = 1};
+
+wire::Key holders_key() {
+  return {.id = 1,
+          .device = kSensor.device_id,
+          .role = wire::Role::kAdmin,
+          .name = wire::key_name("a")};
+}
+
+// A request that may be signed, as the holder of the key signs it; else as it is.
+std::span<const std::byte> signed_by_holder(std::span<const std::byte> request,
+                                            std::uint64_t counter, wire::DatagramBuffer& space) {
+  const auto packet = wire::parse_packet(request);
+  if (!packet || packet->payload.size() > wire::kMaxSignedPayload) {
+    return request;
+  }
+  const wire::Key key = holders_key();
+  std::ranges::copy(packet->payload, wire::signed_space(space).begin());
+  return wire::seal_signed({.type = wire::PacketType::kSignedRequest, .origin = kSensor},
+                           {.key_id = key.id,
+                            .type = static_cast<std::uint8_t>(packet->header.type),
+                            .counter = counter},
+                           packet->payload.size(), key.secret, space);
 }
 
 void learn(const wire::PacketView& answer, std::uint64_t& cookie) {
+  if (answer.header.type == wire::PacketType::kSignedAnswer) {
+    fuzz::require(answer.payload.size() >= wire::kSignedFieldsBytes + sizeof(wire::Tag));
+    return;
+  }
   const bool settings = answer.header.type == wire::PacketType::kSettingsAnswer;
   const std::size_t at = settings ? kAnswerCookieAt : kCookieAt;
   if (answer.header.type == wire::PacketType::kSubscribed || settings) {
@@ -65,8 +100,12 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   CheckingSink sink;
   settings::SettingsServer server({}, {}, {.limits = limits, .sink = sink});
   firmware::LeaseTable subscribers;
-  firmware::RequestHandler handler({.device_id = 0x0A0B0C0D, .session_id = 1}, kSecret, subscribers,
-                                   &server);
+  require(wire::start_crypto());
+  keys::Keyring ring(nullptr, nullptr);
+  require(ring.add(holders_key()) == Status::kOk);
+  keys::Authenticator authenticator(ring);
+  firmware::RequestHandler handler(kSensor, kSecret, subscribers, &server, &authenticator);
+  std::uint64_t counter = 0;
   hal::Time now{std::chrono::seconds(1000)};
   std::array<std::uint64_t, 4> cookies{};
   std::uint64_t taken = 0;
@@ -87,6 +126,11 @@ void stof::fuzz::run(std::span<const std::byte> input) {
     bytes = std::span(request).first(bytes.size());
     if ((record.flags & fuzz::kSeal) != 0) {
       bytes = fuzz::sealed(bytes, space);
+    }
+    wire::DatagramBuffer signed_space{};
+    if (record.peer() == kHolder) {
+      counter += record.seconds() == 15 ? 0 : 1;  // else it is repeated
+      bytes = signed_by_holder(bytes, counter, signed_space);
     }
     const std::span<const std::byte> answer = handler.take(bytes, peer, now);
     ++taken;

@@ -21,6 +21,7 @@ constexpr double kLongestBaselineM = 100;
 constexpr double kLargestShift = 1.0 / 8;  // of the width
 constexpr int kProbes = 24;                // rows and columns of pixels that are looked at
 constexpr double kLeastInside = 0.25;      // of them
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
 Matrix matrix_of(const std::array<double, 9>& elements) noexcept {
   return Eigen::Map<const Matrix>(elements.data());
@@ -79,10 +80,13 @@ bool shows_enough(const SourceMap& map) noexcept {
   return inside >= kLeastInside * kProbes * kProbes;
 }
 
+bool radial_to_fourth(const Pinhole& lens) noexcept {
+  return lens.k3 == 0 && lens.p1 == 0 && lens.p2 == 0;
+}
+
 // The smallest positive root of 1 + 3 k1 s + 5 k2 s^2, the derivative of r (1 + k1 r^2 + k2 r^4)
 // with s = r^2: from there on a larger angle does not lie further out.
-double fold_of(const Pinhole& lens) noexcept {
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+double fold_of_two(const Pinhole& lens) noexcept {
   const double a = 5 * lens.k2;
   const double b = 3 * lens.k1;
   const double discriminant = b * b - 4 * a;
@@ -95,6 +99,51 @@ double fold_of(const Pinhole& lens) noexcept {
     smallest = root > 0 ? std::min(smallest, root) : smallest;
   }
   return smallest;
+}
+
+// The same with 7 k3 s^3, to 1e-12 of it: steps out to kWidest, then halves.
+double fold_of(const Pinhole& lens) noexcept {
+  if (lens.k3 == 0) {
+    return fold_of_two(lens);
+  }
+  constexpr double kWidest = 9;  // 72 degrees from the axis
+  constexpr int kSteps = 4096;
+  constexpr int kHalves = 40;
+  const auto falls = [&lens](double s) noexcept {
+    return !(1 + s * (3 * lens.k1 + s * (5 * lens.k2 + s * 7 * lens.k3)) > 0);
+  };
+  for (int i = 1; i <= kSteps; ++i) {
+    double high = kWidest * i / kSteps;
+    if (falls(high)) {
+      double low = kWidest * (i - 1) / kSteps;
+      for (int k = 0; k < kHalves; ++k) {
+        const double middle = (low + high) / 2;
+        (falls(middle) ? high : low) = middle;
+      }
+      return low;
+    }
+  }
+  return kWidest;  // no picture reaches further
+}
+
+// Pinhole's distortion of a place on the normalised plane, and the determinant of its derivative:
+// 0 or less where two directions show up at one place.
+struct BentPoint {
+  double x = 0;
+  double y = 0;
+  double determinant = 0;
+};
+
+BentPoint bend(const Pinhole& lens, double x, double y) noexcept {
+  const double r2 = x * x + y * y;
+  const double radial = 1 + r2 * (lens.k1 + r2 * (lens.k2 + r2 * lens.k3));
+  const double slope = lens.k1 + r2 * (2 * lens.k2 + r2 * 3 * lens.k3);  // of radial with r2
+  const double across = 2 * (x * y * slope + lens.p1 * x + lens.p2 * y);
+  const double along_x = radial + 2 * x * x * slope + 2 * lens.p1 * y + 6 * lens.p2 * x;
+  const double along_y = radial + 2 * y * y * slope + 6 * lens.p1 * y + 2 * lens.p2 * x;
+  return {.x = x * radial + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x),
+          .y = y * radial + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y,
+          .determinant = along_x * along_y - across * across};
 }
 
 }  // namespace
@@ -169,6 +218,13 @@ SourceMap::Place SourceMap::unbounded(double u, double v) const noexcept {
   const double raw_y = along_y / ahead;
   const double r2 = raw_x * raw_x + raw_y * raw_y;
   const double s = std::min(r2, fold_);
+  if (!radial_to_fourth(raw_)) {
+    const double back = s < r2 ? std::sqrt(s / r2) : 1.0;
+    const BentPoint bent = bend(raw_, raw_x * back, raw_y * back);
+    return {.u = raw_.fx * bent.x + raw_.cx,
+            .v = raw_.fy * bent.y + raw_.cy,
+            .inside = forward >= ahead && s == r2 && bent.determinant > 0};
+  }
   const double stretch = (1 + s * (raw_.k1 + s * raw_.k2)) * (s < r2 ? std::sqrt(s / r2) : 1.0);
   return {.u = raw_.fx * raw_x * stretch + raw_.cx,
           .v = raw_.fy * raw_y * stretch + raw_.cy,

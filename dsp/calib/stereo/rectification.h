@@ -28,7 +28,8 @@ Rectification rectify(const RawPair& pair) noexcept;
 // of more than 60 degrees, rectified pictures of which less than a quarter shows something.
 const char* problem_of(const RawPair& pair) noexcept;
 
-// Where a pixel of a rectified picture lies in the raw one.
+// Where a pixel of a rectified picture lies in the raw one, the whole distortion of Pinhole
+// applied.
 class SourceMap {
  public:
   struct Place {

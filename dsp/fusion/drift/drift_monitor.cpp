@@ -129,8 +129,10 @@ DriftEstimate DriftMonitor::estimate() const noexcept {
     const double size = std::abs(found->value[k]);
     drift.value = static_cast<std::int32_t>(std::lround(found->value[k] * kUnits[k]));
     drift.sigma = static_cast<std::int32_t>(std::lround(found->sigma[k] * kUnits[k]));
-    drift.significant = size > s.params.sigmas * found->sigma[k] && size > s.params.floor[k] &&
-                        found->sigma[k] < s.params.floor[k];
+    const double bound = s.params.sigmas * found->sigma[k];
+    const double floor = s.params.floor[k];
+    drift.significant = size > bound && size > floor &&
+                        (found->sigma[k] < floor || size * size > floor * floor + bound * bound);
     out.significant = out.significant || drift.significant;
   }
   return out;

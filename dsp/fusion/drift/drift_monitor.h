@@ -30,8 +30,9 @@ namespace stof::dsp {
 //
 // A scene that stands still repeats its errors in every frame: the number of frames says nothing
 // about them. Standard deviations come from leaving out one region of the picture after the other
-// (jackknife), so a parameter that a single thing decides about is as uncertain as that thing. A
-// parameter that a scene does not show (yaw before a floor alone) stays unknown.
+// or one column or row (jackknife), so a parameter that a single thing decides about is as
+// uncertain as that thing. A parameter that a scene does not show (yaw before a floor alone) stays
+// unknown.
 
 enum class DriftParameter : std::uint8_t {
   kPitch,      // turn of the PMD camera at its own origin about the x axis of the left camera,
@@ -69,7 +70,7 @@ struct DriftParams {
   // Reported is what exceeds so many standard deviations and its floor.
   double sigmas = 3;
   // The drift that a good calibration leaves: 0.03 degrees (roll 0.04), 15 mm, 0.08 px. A parameter
-  // known less well than that is not reported.
+  // known less well than that is reported where it exceeds the root of the sum of both squares.
   DriftVector floor{5.24e-4, 5.24e-4, 6.98e-4, 0.015, 0.08};
 };
 

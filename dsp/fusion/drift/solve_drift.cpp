@@ -179,8 +179,21 @@ Normal normal_of(const DriftPatches& seen) noexcept {
 struct Region {
   int x = 0;
   int y = 0;
-  int side = 0;
+  int width = 0;
+  int height = 0;
 };
+
+// The first region of each way to lay them: squares, the same moved by half of one, and what
+// stands or lies through the whole picture, such as the frame of a door or a skirting.
+std::array<Region, 4> layouts_of(const DriftPatches& seen) noexcept {
+  const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
+  const int side = std::max((seen.columns + kRegions - 1) / kRegions, 2);
+  const int half = side / 2;
+  return {{{.x = 0, .y = 0, .width = side, .height = side},
+           {.x = -half, .y = -half, .width = side, .height = side},
+           {.x = 0, .y = 0, .width = half, .height = rows},
+           {.x = 0, .y = 0, .width = seen.columns, .height = half}}};
+}
 
 // What the patches of a region add to the matrix, and to the vector when it is measured from
 // `value` (left) or when all of them are off by 1 px (shared).
@@ -192,8 +205,8 @@ struct Share {
 Share share_of(const DriftPatches& seen, const Region& region, const DriftVector& value) noexcept {
   Share out;
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
-  for (int y = std::max(region.y, 0); y < std::min(region.y + region.side, rows); ++y) {
-    for (int x = std::max(region.x, 0); x < std::min(region.x + region.side, seen.columns); ++x) {
+  for (int y = std::max(region.y, 0); y < std::min(region.y + region.height, rows); ++y) {
+    for (int x = std::max(region.x, 0); x < std::min(region.x + region.width, seen.columns); ++x) {
       const std::size_t p = index(y * seen.columns + x);
       if (!(seen.trust[p] > 0)) {
         continue;
@@ -209,18 +222,19 @@ Share share_of(const DriftPatches& seen, const Region& region, const DriftVector
   return out;
 }
 
-// Variances by leaving out one region after the other, the first of which begins at -offset.
+// Variances by leaving out one region after the other.
 // Nothing where the rest cannot be solved without one of them.
 std::optional<DriftVector> jackknife(const DriftPatches& seen, const DriftVector& value,
-                                     const Matrix& matrix, const Matrix& inverse, int side,
-                                     int offset) noexcept {
+                                     const Matrix& matrix, const Matrix& inverse,
+                                     const Region& first) noexcept {
   const int rows = static_cast<int>(seen.patches.size()) / seen.columns;
   DriftVector squares{};
   DriftVector shared{};
   int regions = 0;
-  for (int y = -offset; y < rows; y += side) {
-    for (int x = -offset; x < seen.columns; x += side) {
-      const Share share = share_of(seen, {.x = x, .y = y, .side = side}, value);
+  for (int y = first.y; y < rows; y += first.height) {
+    for (int x = first.x; x < seen.columns; x += first.width) {
+      const Share share =
+          share_of(seen, {.x = x, .y = y, .width = first.width, .height = first.height}, value);
       if (!share.any) {
         continue;
       }
@@ -299,10 +313,9 @@ std::optional<DriftSolution> solve_drift(const DriftPatches& seen) noexcept {
     }
     out.value = times(*inverse, normal.vector);
   }
-  const int side = std::max((seen.columns + kRegions - 1) / kRegions, 2);
-  for (const int offset : {0, side / 2}) {
+  for (const Region& layout : layouts_of(seen)) {
     const std::optional<DriftVector> variance =
-        jackknife(seen, out.value, normal.matrix, *inverse, side, offset);
+        jackknife(seen, out.value, normal.matrix, *inverse, layout);
     if (!variance) {
       return std::nullopt;
     }

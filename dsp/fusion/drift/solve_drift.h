@@ -37,8 +37,9 @@ struct DriftSolution {
 
 // The means of J and e of each patch count once, however many frames they come from: the least
 // squares solution with weights that fall with the misfit (Huber's, then Tukey's), drawn to 0 by
-// what is known before. sigma: jackknife over regions of a quarter of the picture's width, laid in
-// two ways, of which the larger counts; and an error that all patches of a region share.
+// what is known before. sigma: jackknife over regions of a quarter of the picture's width, and over
+// columns and rows of half as much, of which the largest counts; and an error that all patches of a
+// region share.
 // Nothing where the equations cannot be solved to a few digits, be it that parameters look alike
 // to all patches or that a region outweighs the others beyond what doubles hold. A patch whose
 // numbers are not finite is left out.

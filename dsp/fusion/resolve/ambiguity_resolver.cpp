@@ -90,6 +90,9 @@ class AmbiguityResolver {
                           {open_.words(n), matched_.words(n), folded_.words(n), weak_.words(n),
                            edge_.words(n), alone_.words(n), vague_.words(n)});
     std::ranges::fill(confirmed_.words(n), 0U);
+    if (params_.wide_pmd) {
+      believe_surest_matches();
+    }
     drop_far_matches();
     judge_alone();
     judge_vague();
@@ -176,6 +179,25 @@ class AmbiguityResolver {
       return !both.empty() && out_.depth[x] - middle_of(both.low, both.high) > kMaxGuess;
     };
     return nearer(run.left, run.to_left(x)) || nearer(run.right, run.to_right(x));
+  }
+
+  // Against readings of wide pixels that call themselves no edge.
+  void believe_surest_matches() noexcept {
+    for (std::size_t x = 0; x < row_.disparity.size(); ++x) {
+      if (out_.cause[x] != Cause::kContradiction || folded_.has(x)) {
+        continue;
+      }
+      const bool behind = row_.stereo.low[x] > row_.pmd.high[x];
+      if (row_.support.ratio[x] >= (behind ? kSurestRatio : kSureBeforeRatio)) {
+        continue;
+      }
+      put(x,
+          {std::max<int>(row_.stereo.low[x], 1),
+           std::min<int>(row_.stereo.high[x], params_.max_range)},
+          Source::kResolved, Cause::kMixedPixel);
+      alone_.add(x);
+      matched_.add(x);
+    }
   }
 
   // Matches against a mixed reading that may be of what is far behind it.

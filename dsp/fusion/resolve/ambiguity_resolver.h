@@ -34,6 +34,7 @@ struct AmbiguityParams {
   QuarterMm max_range = 0;
   QuarterMm pmd_range = 0;  // unambiguous range of the PMD; 0 = not to be considered
   int reach_px = 0;         // a surface further away than this is not in the PMD's interval
+  bool wide_pmd = false;    // PMD pixels are too wide to see one surface mostly (is_fine)
   int doubt_px = 0;         // a nearer surface within this many pixels makes a guess one to drop
 };
 
@@ -49,6 +50,12 @@ inline constexpr int kNarrowShare = 12;
 inline constexpr std::uint8_t kNeighbourRatio = 184;
 // At an edge of the PMD a match with a higher ratio may as well be of the other surface.
 inline constexpr std::uint8_t kVagueRatio = 144;
+// Where PMD pixels are wide, these contradict a match without an edge because they see several
+// surfaces whose readings differ by less than their noise. A match before what they see is believed
+// below the one ratio, 19 in 20 are right; one behind it below the other alone: with 60 a pane of
+// glass is seen through more often.
+inline constexpr std::uint8_t kSureBeforeRatio = 100;
+inline constexpr std::uint8_t kSurestRatio = 40;
 // Who takes the farther of two surfaces is wrong by at most that, or publishes nothing; quarter mm.
 // At an edge without any match around, or of a vague match, the PMD's interval is what may be
 // nearer.
@@ -62,7 +69,11 @@ inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
 inline constexpr int kShadowMargin = 3;
 
-// First, pixels that only their match speaks for are judged by MatchEvidence, some that are near
+// First, where PMD pixels are wide, a kConflict by kContradiction becomes its match, kResolved by
+// kMixedPixel, if its ratio is below kSureBeforeRatio and it lies before the PMD's interval, or
+// below kSurestRatio and behind; unless both meet once the PMD's is moved by one pmd_range.
+//
+// Then pixels that only their match speaks for are judged by MatchEvidence, some that are near
 // each other and alike together: kept, confirmed (a kStereo becomes kBoth, what both allow),
 // contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous).
 //

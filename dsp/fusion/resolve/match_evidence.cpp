@@ -55,7 +55,8 @@ MatchEvidence::Said MatchEvidence::ask(int column, int row, float distance,
       return {};
     }
     const Opinion opinion = std::abs(off) <= reach ? Opinion::kAgrees : Opinion::kDiffers;
-    return {.opinion = opinion, .folded = true, .off = off, .sigma = sigma};
+    const bool mixed = around_ > 0 && (pmd_->flags.row(row)[x] & kPmdEdge) != 0;
+    return {.opinion = opinion, .folded = !mixed, .off = off, .sigma = sigma};
   }
   const QuarterMm low = pmd_->low.row(row)[x];
   const unsigned flags = pmd_->flags.row(row)[x];

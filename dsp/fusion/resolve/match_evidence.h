@@ -13,8 +13,8 @@ namespace stof::dsp {
 
 // Judges a match that no PMD interval confirms, or a surface that somebody else supposes. Two
 // things are asked: what the PMD pixel that would see it has read, even if that reading may have
-// wrapped and so has no distance; and, of a match, whether the matches around it lie on the same
-// surface.
+// wrapped and so has no distance (PmdMaps::folded); and, of a match, whether the matches around it
+// lie on the same surface.
 class MatchEvidence {
  public:
   enum class Verdict : std::uint8_t {
@@ -57,7 +57,8 @@ class MatchEvidence {
   //   width, at most a twentieth of the distance, of it. Where that is more than an eighth of the
   //   range to either side, a folded reading says nothing: it would agree by chance.
   // Where a PMD pixel sees it, 12 are needed, or 6 of a match with a peak ratio below kSureRatio or
-  // with a folded reading that agrees; such a reading confirms it.
+  // with a folded reading that agrees; such a reading confirms it, but not that of a wide pixel
+  // with kPmdEdge.
   // The margin of a reading that confirms it is a percent.
   Result judge(const Match& match, ImageView<const Disparity> disparity) const noexcept;
 

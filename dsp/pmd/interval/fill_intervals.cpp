@@ -78,7 +78,9 @@ void drop_wrapped(const PmdMaps& maps) noexcept {
         continue;
       }
       const QuarterMm distance = maps.distance.row(y)[x];
-      if (distance != kNoDepth && (flags[x] & kPmdEdge) == 0 && !maps.folded.empty()) {
+      // Of wide pixels most are edges, and none confirms anything.
+      const bool tells = (flags[x] & kPmdEdge) == 0 || maps.smoothed.empty();
+      if (distance != kNoDepth && tells && !maps.folded.empty()) {
         maps.folded.row(y)[x] = static_cast<QuarterMm>(distance % maps.range);
         maps.folded_sigma.row(y)[x] = maps.sigma.row(y)[x];
       }

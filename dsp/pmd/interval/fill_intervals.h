@@ -21,7 +21,8 @@ void smooth_readings(const PmdMaps& maps) noexcept;
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept;
 
 // A wrapped pixel carries no distance: distance, sigma, smoothed, smoothed_sigma and long_distance
-// are 0 where flags has kPmdWrapped; what was read is kept in folded, but for kPmdEdge. After
+// are 0 where flags has kPmdWrapped; what was read is kept in folded, but for kPmdEdge of fine
+// pixels. After
 // fill_intervals() of all rows, because neighbours are judged by them.
 void drop_wrapped(const PmdMaps& maps) noexcept;
 

@@ -23,15 +23,28 @@ constexpr auto kReciprocals = [] {
   return table;
 }();
 
-// For who has no row above or below that looks alike.
-constexpr std::array<std::uint8_t, kMaxDisparities> kZeros{};
-
 // joined[x] = 1 where a[x] and b[x] look alike. Written so that compilers see vectors.
 void join(std::span<const std::uint8_t> a, std::span<const std::uint8_t> b,
           std::span<std::uint8_t> joined) noexcept {
   for (std::size_t x = 0; x < a.size(); ++x) {
     const auto difference = static_cast<std::uint8_t>(std::max(a[x], b[x]) - std::min(a[x], b[x]));
     joined[x] = difference <= kAlike ? std::uint8_t{1} : std::uint8_t{0};
+  }
+}
+
+// counts[x] = pixels of column x and of those beside it that look alike. Without a branch, too.
+void count(std::span<const std::uint8_t> joined, std::span<std::uint8_t> counts) noexcept {
+  for (std::size_t x = 0; x < counts.size(); ++x) {
+    counts[x] = static_cast<std::uint8_t>(1 + joined[x] + joined[x + 1]);
+  }
+}
+
+// areas[x] += counts[x] where with[x] is 1.
+void add_counts(std::span<const std::uint8_t> counts, std::span<const std::uint8_t> with,
+                std::span<std::uint8_t> areas) noexcept {
+  for (std::size_t x = 0; x < areas.size(); ++x) {
+    const auto mask = static_cast<std::uint8_t>(0 - with[x]);
+    areas[x] = static_cast<std::uint8_t>(areas[x] + (counts[x] & mask));
   }
 }
 
@@ -47,12 +60,12 @@ AggregatedAdCensus::AggregatedAdCensus(const MatchParams& params, int width, Are
   costs_ = arena.take_passing<std::uint8_t>(n * lanes_);
   joined_ = arena.take_passing<std::uint8_t>(n + 1);
   below_ = arena.take_passing<std::uint8_t>(n);
-  columns_ = arena.take_passing<CrossColumn>(n);
+  areas_ = arena.take_passing<std::uint8_t>(n);
 }
 
 void AggregatedAdCensus::start(ImageView<const std::uint8_t> left,
                                ImageView<const std::uint8_t> right) noexcept {
-  STOF_CHECK(same_size(left, right) && index(left.width()) <= columns_.size());
+  STOF_CHECK(same_size(left, right) && index(left.width()) <= areas_.size());
   left_ = left;
   pixels_.start({.left = left, .right = right});
   kept_ = {};
@@ -90,16 +103,18 @@ void AggregatedAdCensus::row(int y, std::span<std::uint8_t> costs) noexcept {
   };
   join_rows(first, above);
   join_rows(last, below);
-  const std::span<CrossColumn> columns = columns_.first(width());
-  for (std::size_t x = 0; x < columns.size(); ++x) {
-    const bool up = above[x] != 0;
-    const bool down = below[x] != 0;
-    const int area = counts(y)[x] + (up ? counts(first)[x] : 0) + (down ? counts(last)[x] : 0);
-    columns[x] = {.above = up ? &sums(first)[x * lanes_] : kZeros.data(),
-                  .below = down ? &sums(last)[x * lanes_] : kZeros.data(),
-                  .reciprocal = kReciprocals[index(area)]};
-  }
-  best::cross_means(columns, sums(y), static_cast<int>(lanes_), costs);
+  const std::span<std::uint8_t> areas = areas_.first(width());
+  std::ranges::copy(counts(y), areas.begin());
+  add_counts(counts(first), above, areas);
+  add_counts(counts(last), below, areas);
+  best::cross_means({.above = sums(first),
+                     .here = sums(y),
+                     .below = sums(last),
+                     .with_above = above,
+                     .with_below = below,
+                     .areas = areas,
+                     .reciprocals = kReciprocals},
+                    static_cast<int>(lanes_), costs);
   mark_outside(params_, left_.width(), costs);
 }
 
@@ -113,10 +128,7 @@ void AggregatedAdCensus::add_row(int y) noexcept {
   join(grey.subspan(1), grey.first(width() - 1), joined.subspan(1, width() - 1));
   joined.back() = 0;
   best::sum_alike(costs, joined, static_cast<int>(lanes_), sums(y));
-  const std::span<std::uint8_t> count = counts(y);
-  for (std::size_t x = 0; x < width(); ++x) {
-    count[x] = static_cast<std::uint8_t>(1 + joined[x] + joined[x + 1]);
-  }
+  count(joined, counts(y));
 }
 
 }  // namespace stof::dsp

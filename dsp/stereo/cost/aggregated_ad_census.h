@@ -58,7 +58,7 @@ class AggregatedAdCensus final : public CostSource<std::uint8_t> {
   std::span<std::uint8_t> costs_;   // of single pixels
   std::span<std::uint8_t> joined_;  // with the column before, or with the row above
   std::span<std::uint8_t> below_;   // joined with the row below
-  std::span<CrossColumn> columns_;
+  std::span<std::uint8_t> areas_;   // pixels of each column's region
 };
 
 }  // namespace stof::dsp

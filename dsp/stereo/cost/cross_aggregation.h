@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
+#include "dsp/base/check.h"
 #include "dsp/base/kernel.h"
 
 // Mean cost over the smallest cross-shaped region: of a pixel and of the pixels above and below it
@@ -21,19 +23,32 @@ inline constexpr int kLargestAggregatedInput = 85;
 using SumAlike = void(std::span<const std::uint8_t> costs, std::span<const std::uint8_t> joined,
                       int lanes, std::span<std::uint8_t> sums) noexcept;
 
-// One pixel's input from the rows above and below: its own lanes of their sums, or of zeros.
-struct CrossColumn {
-  const std::uint8_t* above;
-  const std::uint8_t* below;
-  std::int16_t reciprocal;  // Q15, of the pixels of the region: not negative
+// A row's sums and those of the rows above and below it, n columns each. Column x takes part of
+// `above` and `below` where with_above[x] and with_below[x] are 1, else 0; what it takes is the
+// costs of areas[x] pixels, whose reciprocal is Q15 and not negative.
+struct CrossRows {
+  std::span<const std::uint8_t> above;
+  std::span<const std::uint8_t> here;
+  std::span<const std::uint8_t> below;
+  std::span<const std::uint8_t> with_above;
+  std::span<const std::uint8_t> with_below;
+  std::span<const std::uint8_t> areas;        // below reciprocals.size()
+  std::span<const std::int16_t> reciprocals;  // by area
 };
 
-// means[x] = min(255, ((above + here + below) reciprocal + 2^14) >> 15) of n columns; here: the
-// sums of the row itself.
-using CrossMeans = void(std::span<const CrossColumn> columns, std::span<const std::uint8_t> here,
-                        int lanes, std::span<std::uint8_t> means) noexcept;
+// means[x] = min(255, (sum reciprocals[areas[x]] + 2^14) >> 15) of n columns, sum: of those rows
+// that take part.
+using CrossMeans = void(const CrossRows& rows, int lanes, std::span<std::uint8_t> means) noexcept;
 
 STOF_KERNEL(SumAlike, sum_alike, kAvx2)
 STOF_KERNEL(CrossMeans, cross_means, kAvx2)
+
+// Checks the sizes of cross_means, for its variants.
+inline void check_cross_rows(const CrossRows& rows, int lanes, std::size_t means) noexcept {
+  const std::size_t n = rows.areas.size();
+  STOF_CHECK(lanes > 0 && means == n * static_cast<std::size_t>(lanes));
+  STOF_CHECK(rows.above.size() == means && rows.here.size() == means && rows.below.size() == means);
+  STOF_CHECK(rows.with_above.size() == n && rows.with_below.size() == n);
+}
 
 }  // namespace stof::dsp

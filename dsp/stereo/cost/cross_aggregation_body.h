@@ -33,20 +33,24 @@ void sum_alike(std::span<const std::uint8_t> costs, std::span<const std::uint8_t
   }
 }
 
-// lanes a multiple of Isa::kLanes.
+// lanes a multiple of Isa::kLanes, at most 256. By value: no store changes the rows.
 template <typename Isa>
-void cross_means(std::span<const CrossColumn> columns, std::span<const std::uint8_t> here,
-                 int lanes, std::span<std::uint8_t> means) noexcept {
+void cross_means(CrossRows rows, int lanes, std::span<std::uint8_t> means) noexcept {
   const auto step = static_cast<std::size_t>(lanes);
-  STOF_CHECK(lanes % static_cast<int>(Isa::kLanes) == 0 && means.size() == columns.size() * step &&
-             here.size() == means.size());
-  for (std::size_t x = 0; x < columns.size(); ++x) {
-    const CrossColumn column = columns[x];  // no store changes it
-    const std::uint8_t* const own = here.data() + x * step;
-    std::uint8_t* const to = means.data() + x * step;
+  check_cross_rows(rows, lanes, means.size());
+  STOF_CHECK(lanes % static_cast<int>(Isa::kLanes) == 0 && step <= kZeros.size());
+  for (std::size_t x = 0; x < rows.areas.size(); ++x) {
+    const std::size_t at = x * step;
+    const std::uint8_t* const above =
+        rows.with_above[x] != 0 ? rows.above.data() + at : kZeros.data();
+    const std::uint8_t* const below =
+        rows.with_below[x] != 0 ? rows.below.data() + at : kZeros.data();
+    const std::uint8_t* const own = rows.here.data() + at;
+    const std::int16_t reciprocal = rows.reciprocals[rows.areas[x]];
+    std::uint8_t* const to = means.data() + at;
     for (std::size_t i = 0; i < step; i += Isa::kLanes) {
-      Isa::store(to + i, Isa::means(Isa::load(column.above + i), Isa::load(own + i),
-                                    Isa::load(column.below + i), column.reciprocal));
+      Isa::store(to + i, Isa::means(Isa::load(above + i), Isa::load(own + i), Isa::load(below + i),
+                                    reciprocal));
     }
   }
 }

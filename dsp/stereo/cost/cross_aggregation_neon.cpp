@@ -25,9 +25,8 @@ void sum_alike(std::span<const std::uint8_t> costs, std::span<const std::uint8_t
   cross_aggregation_body::sum_alike<Isa>(costs, joined, lanes, sums);
 }
 
-void cross_means(std::span<const CrossColumn> columns, std::span<const std::uint8_t> here,
-                 int lanes, std::span<std::uint8_t> means) noexcept {
-  cross_aggregation_body::cross_means<Isa>(columns, here, lanes, means);
+void cross_means(const CrossRows& rows, int lanes, std::span<std::uint8_t> means) noexcept {
+  cross_aggregation_body::cross_means<Isa>(rows, lanes, means);
 }
 
 }  // namespace stof::dsp::neon

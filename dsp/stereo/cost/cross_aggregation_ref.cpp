@@ -22,17 +22,15 @@ void sum_alike(std::span<const std::uint8_t> costs, std::span<const std::uint8_t
   }
 }
 
-void cross_means(std::span<const CrossColumn> columns, std::span<const std::uint8_t> here,
-                 int lanes, std::span<std::uint8_t> means) noexcept {
+void cross_means(const CrossRows& rows, int lanes, std::span<std::uint8_t> means) noexcept {
+  check_cross_rows(rows, lanes, means.size());
   const auto step = static_cast<std::size_t>(lanes);
-  STOF_CHECK(means.size() == columns.size() * step && here.size() == means.size());
-  for (std::size_t x = 0; x < columns.size(); ++x) {
-    const CrossColumn& column = columns[x];
-    for (std::size_t i = 0; i < step; ++i) {
-      const int sum = column.above[i] + here[x * step + i] + column.below[i];
-      means[x * step + i] =
-          static_cast<std::uint8_t>(std::min(round_shift(sum * int{column.reciprocal}, 15), 255));
-    }
+  for (std::size_t i = 0; i < means.size(); ++i) {
+    const std::size_t x = i / step;
+    const int above = rows.with_above[x] != 0 ? rows.above[i] : 0;
+    const int below = rows.with_below[x] != 0 ? rows.below[i] : 0;
+    const int scaled = (above + rows.here[i] + below) * rows.reciprocals[rows.areas[x]];
+    means[i] = static_cast<std::uint8_t>(std::min(round_shift(scaled, 15), 255));
   }
 }
 

@@ -113,15 +113,17 @@ constexpr std::array kBefore{
     text<[](auto& s) -> auto& { return s.name; }>(Kind::kText, "", "name", 1, kNameBytes,
                                                   "what discovery calls the sensor", Applies::kNow),
     whole<[](auto& s) -> auto& { return s.period_ms; }>(
-        "", "period_ms", 0, 60'000, "ms", "from one trigger edge to the next; 0: the board's"),
+        "", "period_ms", 0, kMostPeriodMs, "ms",
+        "from one trigger edge to the next; 0: the board's"),
     choice<[](auto& s) -> auto& { return s.depth.preset; }>("depth", "preset", kDepthPresets,
                                                             "how the stereo pair is matched"),
     by_anybody(whole<[](auto& s) -> auto& { return s.depth.max_range_mm; }>(
         "depth", "max_range_mm", dsp::kLeastMaxRangeMm, dsp::kMostMaxRangeMm, "mm",
         "nothing is further away")),
-    whole<[](auto& s) -> auto& { return s.depth.disparities; }>(
+    // What is nearer than the search reaches is seen by nobody.
+    by_admin(whole<[](auto& s) -> auto& { return s.depth.disparities; }>(
         "depth", "disparities", 0, dsp::kMaxDisparities, "px",
-        "candidates of the search; 0: what the rig asks for"),
+        "candidates of the search; 0: what the rig asks for")),
     yes_or_no<[](auto& s) -> auto& { return s.depth.guided; }>(
         "depth", "guided", "PMD intervals narrow the search where they can be trusted"),
     yes_or_no<[](auto& s) -> auto& { return s.depth.temporal; }>(
@@ -177,15 +179,15 @@ constexpr std::array kAfter{
         "serial", "remote",
         "the line leads to strangers, as a telemetry radio does: they need a key as on the "
         "network")),
-    whole<[](auto& s) -> auto& { return s.sectors.above_mm; }>(
+    by_admin(whole<[](auto& s) -> auto& { return s.sectors.above_mm; }>(
         "sectors", "above_mm", 0, 10'000, "mm",
-        "obstacles count up to this height above the camera"),
-    whole<[](auto& s) -> auto& { return s.sectors.below_mm; }>(
-        "sectors", "below_mm", 0, 10'000, "mm", "and down to this depth below it"),
-    whole<[](auto& s) -> auto& { return s.sectors.pixels; }>("sectors", "pixels", 1, 1000, "px",
-                                                             "pixels that make an obstacle"),
-    whole<[](auto& s) -> auto& { return s.sectors.least_mm; }>(
-        "sectors", "least_mm", 0, 10'000, "mm", "nearest distance that is told"),
+        "obstacles count up to this height above the camera")),
+    by_admin(whole<[](auto& s) -> auto& { return s.sectors.below_mm; }>(
+        "sectors", "below_mm", 0, 10'000, "mm", "and down to this depth below it")),
+    by_admin(whole<[](auto& s) -> auto& { return s.sectors.pixels; }>(
+        "sectors", "pixels", 1, 1000, "px", "pixels that make an obstacle")),
+    by_admin(whole<[](auto& s) -> auto& { return s.sectors.least_mm; }>(
+        "sectors", "least_mm", 0, 10'000, "mm", "nearest distance that is told")),
     by_admin(whole<[](auto& s) -> auto& { return s.mavlink.system_id; }>(
         "mavlink", "system_id", 1, 255, "", "MAVLink's number of the vehicle")),
     by_admin(whole<[](auto& s) -> auto& { return s.mavlink.component_id; }>(
@@ -222,6 +224,7 @@ Field match_field(std::size_t slot) noexcept {
   return {.group = kMatchGroup,
           .name = option.name,
           .kind = Kind::kMatch,
+          .access = option.name == "min-disparity" ? Access::kAdmin : Access::kTune,
           .meaning = option.meaning,
           .option = &option,
           .slot = slot};

@@ -89,12 +89,14 @@ class SchemaWriter {
         out_ << ']';
         break;
       case Kind::kText:
-        out_ << R"(, "minLength": )" << field.low << R"(, "maxLength": )" << field.high
-             << R"(, "pattern": "^[^\u0000-\u001f\u007f\"\\\\]*$")";
+        out_
+            << R"(, "minLength": )" << field.low << R"(, "maxLength": )" << field.high
+            << R"(, "pattern": "^[^\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\"\\\\]*$")";
         break;
       case Kind::kDevice:
-        out_ << R"(, "maxLength": )" << field.high
-             << R"(, "pattern": "^(/dev/(?!.*\\.\\.)[^\u0000-\u001f\u007f\"\\\\]+)?$")";
+        out_
+            << R"(, "maxLength": )" << field.high
+            << R"(, "pattern": "^(/dev/(?!.*\\.\\.)[^\u0000-\u001f\u007f-\u009f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\"\\\\]+)?$")";
         break;
       case Kind::kBoolean:
       case Kind::kMatch:

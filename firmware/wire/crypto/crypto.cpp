@@ -3,6 +3,7 @@
 #include <sodium.h>
 
 #include "dsp/base/check.h"
+#include "firmware/wire/bytes.h"
 
 namespace stof::wire {
 namespace {
@@ -41,6 +42,30 @@ void fill_random(std::span<std::byte> bytes) noexcept {
 Tag tag_of(const Secret& secret, Parts parts) noexcept {
   Tag tag;
   blake2b(secret, parts, tag);
+  return tag;
+}
+
+Tag counted_tag_of(const Secret& secret, std::uint64_t counter, Parts parts) noexcept {
+  static_assert(sizeof(Tag) == crypto_onetimeauth_poly1305_BYTES);
+  constexpr std::size_t kBlock = 16;
+  std::array<std::byte, crypto_stream_chacha20_ietf_NONCEBYTES> nonce{};
+  put_u64(std::span(nonce).last<8>(), counter);
+  std::array<std::byte, crypto_onetimeauth_poly1305_KEYBYTES> once;
+  crypto_stream_chacha20_ietf(raw_space(once), once.size(), raw(nonce), raw(secret));
+  crypto_onetimeauth_poly1305_state state;
+  crypto_onetimeauth_poly1305_init(&state, raw(once));
+  std::size_t bytes = 0;
+  for (const std::span<const std::byte> part : parts) {
+    crypto_onetimeauth_poly1305_update(&state, raw(part), part.size());
+    bytes += part.size();
+  }
+  // Zeros up to a whole block, then the lengths of additional data and plaintext.
+  std::array<std::byte, 2 * kBlock> end{};
+  const std::size_t zeros = (kBlock - bytes % kBlock) % kBlock;
+  put_u64(std::span(end).subspan(zeros).first<8>(), bytes);
+  crypto_onetimeauth_poly1305_update(&state, raw(end), zeros + kBlock);
+  Tag tag;
+  crypto_onetimeauth_poly1305_final(&state, raw_space(tag));
   return tag;
 }
 

@@ -58,7 +58,7 @@ std::size_t FrameCoder::most_packets(const FrameSizes& sizes) noexcept {
 
 std::size_t FrameCoder::usual_packets(const FrameSizes& sizes) noexcept {
   const std::size_t depth = tiles_of(sizes.width, sizes.height, sizeof(dsp::QuarterMm));
-  return std::min(depth + depth / 4, most_packets(sizes));
+  return std::min(depth + depth / 5, most_packets(sizes));
 }
 
 FrameCoder::FrameCoder(const Origin& origin, const FrameSizes& sizes,

@@ -43,7 +43,7 @@ void ParityGroup::add_bytes(std::span<const std::byte> payload) noexcept {
 }
 
 Status ParityGroup::add(const Header& header, std::span<const std::byte> payload) noexcept {
-  if (payload.size() > kMaxTilePayload) {
+  if (payload.size() > kMaxParityData) {
     return Status::kTooLarge;
   }
   add_fields({.type = static_cast<std::uint8_t>(header.type),

@@ -7,14 +7,18 @@
 
 #include "dsp/base/status.h"
 #include "firmware/wire/messages/parity.h"
+#include "firmware/wire/messages/stream_signature.h"
 #include "firmware/wire/packet.h"
 
 // One lost packet of a group of at most 16 comes back from the exclusive or of the others and the
 // group's parity packet: docs/WIRE.md, "Parity".
 namespace stof::wire {
 
-// The bound of every part of a frame, so that parity can be switched on at any time.
-inline constexpr std::size_t kMaxTilePayload = kMaxPayload - kParityFieldsBytes;
+// The longest payload of a part that takes part in parity.
+inline constexpr std::size_t kMaxParityData = kMaxPayload - kParityFieldsBytes;
+// The bound of every part of a frame that is sent, so that parity and signatures can be switched on
+// at any time.
+inline constexpr std::size_t kMaxTilePayload = kMaxParityData - kStreamSignatureBytes;
 
 inline constexpr std::uint16_t kParityGroupSize = 16;
 
@@ -35,7 +39,7 @@ class ParityGroup {
   void clear() noexcept { *this = {}; }
 
   // A part of the frame, each at most once: the caller knows which ones arrived. kTooLarge: a
-  // payload above kMaxTilePayload, nothing is added; no sender with parity makes such a part.
+  // payload above kMaxParityData, nothing is added; no sender with parity makes such a part.
   Status add(const Header& header, std::span<const std::byte> payload) noexcept;
 
   // The group's parity packet, once. kCorrupt: not a parity packet, or its index, count or fields
@@ -66,7 +70,7 @@ class ParityGroup {
   std::uint16_t longest_ = 0;      // payload, bytes
   std::uint16_t frame_count_ = 0;  // as the parity packet says; 0: it was not added
   Header parity_{};                // of that packet
-  std::array<std::byte, kMaxTilePayload> bytes_{};
+  std::array<std::byte, kMaxParityData> bytes_{};
 };
 
 }  // namespace stof::wire

@@ -8,6 +8,9 @@ namespace {
 
 void wipe_key(Key& key) noexcept {
   wipe(key.secret);
+  if (key.former) {
+    wipe(*key.former);
+  }
   key = {};
 }
 
@@ -30,7 +33,8 @@ std::array<char, kKeyNameBytes> key_name(std::string_view text) noexcept {
 }
 
 Status KeyTable::add(const Key& key) noexcept {
-  if (key.id == 0 || key.role == Role::kNone || find(key.id) != nullptr) {
+  if (key.id == 0 || key.role == Role::kNone || key.role > Role::kAdmin ||
+      find(key.id) != nullptr) {
     return Status::kInvalidArgument;
   }
   if (count_ == kMost) {

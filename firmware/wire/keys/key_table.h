@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -13,6 +14,7 @@
 namespace stof::wire {
 
 inline constexpr std::size_t kKeyNameBytes = 32;
+inline constexpr std::size_t kMostSensorKeys = 16;  // that a sensor keeps; a user more: KeyTable
 
 // What one client and one sensor know, and nobody else.
 struct Key {
@@ -21,6 +23,8 @@ struct Key {
   Role role = Role::kNone;                 // never kNone in a table
   std::array<char, kKeyNameBytes> name{};  // whose it is, filled up with 0; see key_name()
   Secret secret{};
+  // Of a sensor, where the key was renewed: holds too, until the new one has signed once.
+  std::optional<Secret> former{};
 
   std::string_view name_text() const noexcept;
   friend bool operator==(const Key&, const Key&) = default;  // in tests alone: it takes its time
@@ -40,7 +44,7 @@ class KeyTable {
   KeyTable(const KeyTable&) = default;
   KeyTable& operator=(const KeyTable&) = default;
 
-  // kInvalidArgument: an id that is 0 or here already, or no role; kTooLarge: it is full.
+  // kInvalidArgument: an id that is 0 or here already, or none of the roles; kTooLarge: it is full.
   Status add(const Key& key) noexcept;
   // false: there is none.
   bool remove(std::uint32_t id) noexcept;

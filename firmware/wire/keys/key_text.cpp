@@ -37,6 +37,12 @@ class KeyWriter {
     }
     return *this;
   }
+  KeyWriter& hex(const Secret& secret) {
+    for (const std::byte byte : secret) {
+      hex(std::to_integer<std::uint8_t>(byte));
+    }
+    return *this;
+  }
   std::span<char> written() const { return space_.first(size_); }
 
  private:
@@ -99,9 +105,18 @@ bool read_key(std::string_view line, KeyTable& keys) noexcept {
   key.id = *id;
   key.device = *device;
   key.role = role_of(*role);
-  key.name = key_name(line);
-  const bool added = key.name_text() == line && keys.add(key) == Status::kOk;
+  const std::size_t name_ends = line.find(' ');
+  const std::string_view name = line.substr(0, name_ends);
+  bool good = true;
+  if (name_ends != std::string_view::npos) {
+    good = read_secret(line.substr(name_ends + 1), key.former.emplace());
+  }
+  key.name = key_name(name);
+  const bool added = good && key.name_text() == name && keys.add(key) == Status::kOk;
   wipe(key.secret);
+  if (key.former) {
+    wipe(*key.former);
+  }
   return added;
 }
 
@@ -162,10 +177,11 @@ std::span<char> write_keys(const KeyTable& keys, std::span<char> space) noexcept
   out.text(kFirstLine);
   for (const Key& key : keys.all()) {
     out.hex(key.id).text(" ").hex(key.device).text(" ").text(role_text(key.role)).text(" ");
-    for (const std::byte byte : key.secret) {
-      out.hex(std::to_integer<std::uint8_t>(byte));
+    out.hex(key.secret).text(" ").text(key.name_text());
+    if (key.former) {
+      out.text(" ").hex(*key.former);
     }
-    out.text(" ").text(key.name_text()).text("\n");
+    out.text("\n");
   }
   const std::uint32_t sum = check_sum(out.written());
   out.text(kLastLine).hex(sum).text("\n");

@@ -12,7 +12,7 @@
 namespace stof::wire {
 
 // Bounds every file: the first line, a line for each key, the check sum.
-inline constexpr std::size_t kMostKeyText = 32 + KeyTable::kMost * 128;
+inline constexpr std::size_t kMostKeyText = 32 + KeyTable::kMost * 192;
 
 // Writes the file into `space` (kMostKeyText). Returns what was written: wipe it when it is used.
 std::span<char> write_keys(const KeyTable& keys, std::span<char> space) noexcept;

@@ -9,6 +9,7 @@
 #include "dsp/base/status.h"
 #include "hal/borrowed_frame.h"
 #include "hal/clock.h"
+#include "hal/emu/cameras/camera_faults.h"
 #include "hal/emu/devices/faults.h"
 #include "hal/frame_slots.h"
 #include "hal/time.h"
@@ -39,11 +40,14 @@ class ExposureSimulator final : private SlotOwner {
   ExposureSimulator(Duration readout, const FaultPlan& faults) noexcept
       : readout_(readout), faults_(faults) {}
 
+  // Ends what hangs. For any thread.
+  void reopen() noexcept { faults_.reopen(); }
+
   // An edge at which the camera would expose: expose(number) tells what it would make. An edge
   // during an exposure is ignored.
   template <typename Expose>
   void on_edge(Time edge, const Expose& expose) noexcept {
-    const Fault fault = faults_.at(calls_++);
+    const Fault fault = faults_.next();
     gone_ = fault.kind == FaultKind::kVanish;
     if (gone_) {
       slots_.drop_waiting();
@@ -127,18 +131,18 @@ class ExposureSimulator final : private SlotOwner {
         break;
       case FaultKind::kNone:
       case FaultKind::kVanish:
+      case FaultKind::kHang:  // CameraFaults says what it is
         break;
     }
     return shot;
   }
 
   Duration readout_;
-  FaultPlan faults_;
+  CameraFaults faults_;
   FrameSlots<kCameraSlots, kBuffers - kCameraSlots> slots_;
   std::array<Shot, kBuffers> shots_{};
   Made last_made_{};
   std::optional<Shot> last_arrived_;
-  std::uint32_t calls_ = 0;
   bool gone_ = false;
 };
 

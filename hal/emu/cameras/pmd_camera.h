@@ -31,6 +31,8 @@ class PmdCamera final : public hal::PmdCamera, public EdgeListener {
 
   void on_edge(Time edge) noexcept override;
   Result<BorrowedFrame<PmdFrame>> wait_frame(Time deadline) noexcept override;
+  // Ends a kHang. For any thread.
+  void reopen() noexcept { sets_.reopen(); }
 
  private:
   struct Set {

@@ -29,6 +29,8 @@ class StereoCamera final : public hal::StereoCamera, public EdgeListener {
 
   void on_edge(Time edge) noexcept override;
   Result<BorrowedFrame<StereoFrame>> wait_frame(Time deadline) noexcept override;
+  // Ends a kHang. For any thread.
+  void reopen() noexcept { views_.reopen(); }
 
  private:
   struct View {

@@ -36,6 +36,8 @@ namespace stof::hal::emu {
 //           stamps and numbers of this one;
 //           stereo: in the right view alone
 // kDark     PMD: the lamp gives no light    none                        none
+// kHang     as kFreeze, but ends where the  none                        none
+//           camera is opened again
 enum class FaultKind : std::uint8_t {
   kNone,
   kDrop,
@@ -45,11 +47,13 @@ enum class FaultKind : std::uint8_t {
   kCorrupt,
   kVanish,
   kFreeze,
-  kDark
+  kDark,
+  kHang
 };
 inline constexpr std::array kAllFaultKinds{
-    FaultKind::kDrop,    FaultKind::kDelay,  FaultKind::kRepeat, FaultKind::kTear,
-    FaultKind::kCorrupt, FaultKind::kVanish, FaultKind::kFreeze, FaultKind::kDark};
+    FaultKind::kDrop,   FaultKind::kDelay,   FaultKind::kRepeat,
+    FaultKind::kTear,   FaultKind::kCorrupt, FaultKind::kVanish,
+    FaultKind::kFreeze, FaultKind::kDark,    FaultKind::kHang};
 
 struct Fault {
   static constexpr std::uint32_t kForever = std::numeric_limits<std::uint32_t>::max();

@@ -14,6 +14,8 @@ namespace {
 
 constexpr int kEdgeRays = 6;     // a side
 constexpr int kTextureRays = 3;  // a side
+constexpr int kPrintRays = 233;  // of a pixel: a Fibonacci number
+constexpr int kPrintStep = 144;  // the one before it
 constexpr double kMaxLevel = 2 * 255.0;
 
 // A smooth surface of one object, or nothing.
@@ -25,8 +27,8 @@ struct Patch {
 
 class GreyRenderer {
  public:
-  GreyRenderer(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens)
-      : scene_(scene), viewpoint_(viewpoint), lens_(lens) {}
+  GreyRenderer(const Scene& scene, const Viewpoint& viewpoint, const LensRays& rays)
+      : scene_(scene), viewpoint_(viewpoint), rays_(rays) {}
 
   // The patches at the corners along the top of row y from pixel run.begin to run.end, one more
   // than pixels.
@@ -41,10 +43,7 @@ class GreyRenderer {
 
   // Whether object `first` or a later one may be seen within the pixel.
   bool may_show(int x, int y, int first) const {
-    return viewpoint_.may_show(first, {.x_min = (x - 0.5 - lens_.cx) / lens_.fx,
-                                       .x_max = (x + 0.5 - lens_.cx) / lens_.fx,
-                                       .y_min = (y - 0.5 - lens_.cy) / lens_.fy,
-                                       .y_max = (y + 0.5 - lens_.cy) / lens_.fy});
+    return viewpoint_.may_show(first, rays_.window(x, y));
   }
 
   // Mean radiance over the pixel whose four corners lie on `around`; nothing where all of it shows
@@ -68,6 +67,9 @@ class GreyRenderer {
     }
     // Light changes little within a pixel of one surface; its texture may change a lot.
     const Lighting light = lighting(scene_, centre, from);
+    if (material.texture == Texture::kPrint) {
+      return print_albedo(x, y, centre.object) * light.diffuse + light.mirrored;
+    }
     const double albedo = mean(x, y, kTextureRays, [&](double rx, double ry) {
       const Hit hit = viewpoint_.look_at(centre.object, rx, ry);
       return visible_albedo(material, hit.object < 0 ? centre.local : hit.local);
@@ -77,11 +79,44 @@ class GreyRenderer {
 
  private:
   Hit look(double u, double v) const {
-    return viewpoint_.look((u - lens_.cx) / lens_.fx, (v - lens_.cy) / lens_.fy);
+    const Vec3 ray = rays_.at(u, v);
+    return viewpoint_.look(ray.x, ray.y);
   }
 
   const Material& material_of(const Hit& hit) const {
     return scene_.objects[static_cast<std::size_t>(hit.object)].material;
+  }
+
+  // Mean albedo of a print that fills the pixel. Edges between its cells are what a calibration
+  // measures: kPrintRays rays of a Fibonacci lattice, which tells the share of a straight edge's
+  // sides to 1/kPrintRays where it is upright or level, and to about 0.01 where not.
+  double print_albedo(int x, int y, int object) const {
+    const SceneObject& sheet = scene_.objects[static_cast<std::size_t>(object)];
+    const auto albedo = [&](double u, double v) {
+      const Vec3 ray = rays_.at(u, v);
+      return visible_albedo(sheet.material, viewpoint_.look_at(object, ray.x, ray.y).local);
+    };
+    constexpr double kInside = 0.4999;  // of the pixel's corners, which are others' too
+    Vec3 low{1e9, 1e9, 0};
+    Vec3 high{-1e9, -1e9, 0};
+    for (const double dv : {-kInside, kInside}) {
+      for (const double du : {-kInside, kInside}) {
+        const Vec3 ray = rays_.at(x + du, y + dv);
+        const Vec3 corner = viewpoint_.look_at(object, ray.x, ray.y).local;
+        low = {std::min(low.x, corner.x), std::min(low.y, corner.y), 0};
+        high = {std::max(high.x, corner.x), std::max(high.y, corner.y), 0};
+      }
+    }
+    if (sheet.material.print->is_uniform(low, high)) {
+      return albedo(x, y);
+    }
+    double sum = 0;
+    for (int i = 0; i < kPrintRays; ++i) {
+      const double du = (i + 0.5) / kPrintRays - 0.5;
+      const double dv = ((i * kPrintStep) % kPrintRays + 0.5) / kPrintRays - 0.5;
+      sum += albedo(x + du, y + dv);
+    }
+    return sum / kPrintRays;
   }
 
   // Radiance of whatever surfaces meet in the pixel, and of what is behind panes.
@@ -107,7 +142,8 @@ class GreyRenderer {
       for (int i = 0; i < side; ++i) {
         const double u = x - 0.5 + (i + 0.5) / side;
         const double v = y - 0.5 + (j + 0.5) / side;
-        sum += value((u - lens_.cx) / lens_.fx, (v - lens_.cy) / lens_.fy);
+        const Vec3 ray = rays_.at(u, v);
+        sum += value(ray.x, ray.y);
       }
     }
     return sum / (side * side);
@@ -115,7 +151,7 @@ class GreyRenderer {
 
   const Scene& scene_;
   const Viewpoint& viewpoint_;
-  const dsp::Pinhole& lens_;
+  const LensRays& rays_;
 };
 
 std::uint16_t level_of(double radiance, const GreyModel& model) noexcept {
@@ -125,13 +161,13 @@ std::uint16_t level_of(double radiance, const GreyModel& model) noexcept {
 
 }  // namespace
 
-void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const LensRays& rays,
                       const GreyModel& model, std::span<const Run> runs, int first,
                       dataset::Image<std::uint16_t>& out) {
-  const GreyRenderer renderer(scene, viewpoint, lens);
+  const GreyRenderer renderer(scene, viewpoint, rays);
   Run last;  // what `below` belongs to
   std::vector<Patch> below;
-  for (int y = 0; y < lens.height; ++y) {
+  for (int y = 0; y < rays.lens().height; ++y) {
     const Run& run = runs[static_cast<std::size_t>(y)];
     const bool same = y > 0 && run == last;
     last = run;
@@ -156,22 +192,25 @@ void render_grey_over(const Scene& scene, const Viewpoint& viewpoint, const dsp:
 }
 
 dataset::Image<std::uint16_t> render_grey(const Scene& scene, const Viewpoint& viewpoint,
-                                          const dsp::Pinhole& lens, const GreyModel& model) {
+                                          const LensRays& rays, const GreyModel& model) {
+  const dsp::Pinhole& lens = rays.lens();
   dataset::Image<std::uint16_t> out(lens.width, lens.height, level_of(0, model));
-  render_grey_over(scene, viewpoint, lens, model, whole_picture(lens), 0, out);
+  render_grey_over(scene, viewpoint, rays, model, whole_picture(lens), 0, out);
   return out;
 }
 
 namespace {
 
-// Of each pixel value(what its centre shows).
+// Of each pixel value(what its centre shows, the direction of that).
 template <typename Pixel, typename Value>
-dataset::Image<Pixel> map_of_centres(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+dataset::Image<Pixel> map_of_centres(const Viewpoint& viewpoint, const LensRays& rays,
                                      const Value& value) {
+  const dsp::Pinhole& lens = rays.lens();
   dataset::Image<Pixel> out(lens.width, lens.height);
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
-      out.view().at(x, y) = value(viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy));
+      const Vec3 ray = rays.at(x, y);
+      out.view().at(x, y) = value(viewpoint.look(ray.x, ray.y), ray);
     }
   }
   return out;
@@ -179,40 +218,38 @@ dataset::Image<Pixel> map_of_centres(const Viewpoint& viewpoint, const dsp::Pinh
 
 }  // namespace
 
-dataset::Image<float> render_depth(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
-  return map_of_centres<float>(viewpoint, lens, [](const Hit& hit) {
-    return hit.object < 0 ? std::numeric_limits<float>::infinity() : static_cast<float>(hit.t);
+dataset::Image<float> render_depth(const Viewpoint& viewpoint, const LensRays& rays,
+                                   const Vec3& along) {
+  return map_of_centres<float>(viewpoint, rays, [&along](const Hit& hit, const Vec3& ray) {
+    return hit.object < 0 ? std::numeric_limits<float>::infinity()
+                          : static_cast<float>(hit.t * dot(ray, along));
   });
 }
 
-dataset::Image<int> render_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens) {
-  return map_of_centres<int>(viewpoint, lens, [](const Hit& hit) { return hit.object; });
+dataset::Image<int> render_objects(const Viewpoint& viewpoint, const LensRays& rays) {
+  return map_of_centres<int>(viewpoint, rays,
+                             [](const Hit& hit, const Vec3&) { return hit.object; });
 }
 
-dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
+dataset::Image<std::uint8_t> render_visible(const Viewpoint& viewpoint, const LensRays& rays,
                                             const Viewpoint& other,
                                             const dsp::Pinhole& other_lens) {
   constexpr double kSame =
       1.001;  // the other viewpoint's ray ends at most 0.1 percent before the point
-  dataset::Image<std::uint8_t> out(lens.width, lens.height);
-  for (int y = 0; y < lens.height; ++y) {
-    for (int x = 0; x < lens.width; ++x) {
-      const Hit hit = viewpoint.look((x - lens.cx) / lens.fx, (y - lens.cy) / lens.fy);
-      const Vec3 point = other.pose().undo(hit.point);
-      if (hit.object < 0 || point.z <= 0) {
-        continue;
-      }
-      const double rx = point.x / point.z;
-      const double ry = point.y / point.z;
-      const double u = rx * other_lens.fx + other_lens.cx;
-      const double v = ry * other_lens.fy + other_lens.cy;
-      const bool inside =
-          u >= -0.5 && u <= other_lens.width - 0.5 && v >= -0.5 && v <= other_lens.height - 0.5;
-      const Hit first = other.look(rx, ry);
-      out.view().at(x, y) = inside && first.object >= 0 && first.t * kSame >= point.z ? 255 : 0;
-    }
-  }
-  return out;
+  return map_of_centres<std::uint8_t>(
+      viewpoint, rays, [&](const Hit& hit, const Vec3&) -> std::uint8_t {
+        const Vec3 point = other.pose().undo(hit.point);
+        if (hit.object < 0 || point.z <= 0) {
+          return 0;
+        }
+        const double rx = point.x / point.z;
+        const double ry = point.y / point.z;
+        const PicturePoint at = project(other_lens, rx, ry);
+        const bool inside = at.u >= -0.5 && at.u <= other_lens.width - 0.5 && at.v >= -0.5 &&
+                            at.v <= other_lens.height - 0.5;
+        const Hit first = other.look(rx, ry);
+        return inside && first.object >= 0 && first.t * kSame >= point.z ? 255 : 0;
+      });
 }
 
 std::vector<std::uint16_t> grey_noise(const GreyModel& model) {

@@ -1,6 +1,7 @@
 #include "hal/emu/imagery/moving_scene.h"
 
 #include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "dsp/base/check.h"
@@ -62,25 +63,104 @@ void Poses<T>::show(std::size_t pose, const dataset::Image<T>& background,
 }
 
 MovingScene::MovingScene(const Motion& motion, const Rig& rig)
-    : SensorImagery(rig),
-      motion_(motion),
-      background_(sensors().render(motion.background)),
-      shown_(background_) {
+    : SensorImagery(rig), motion_(motion) {
   STOF_CHECK(!motion.poses.empty() && motion.exposures_per_pose >= 1 && motion.pmd_every >= 1);
-  const int first = static_cast<int>(motion.background.objects.size());
-  for (const std::vector<SceneObject>& pose : motion.poses) {
-    Scene scene = motion.background;
-    scene.objects.insert(scene.objects.end(), pose.begin(), pose.end());
-    CleanViews views = background_;
-    Parts parts = sensors().render_over(scene, first, views);
-    left_.add(std::move(parts.left), views.left);
-    right_.add(std::move(parts.right), views.right);
-    pmd_mean_.add(four_times(parts.pmd), views.pmd.mean);
-    pmd_sigma_.add(four_times(parts.pmd), views.pmd.sigma);
+  STOF_CHECK(motion.blurred.empty() || motion.blurred.size() == motion.poses.size());
+  const CleanViews sharp = sensors().render_sharp(motion.background);
+  background_ = sharp;
+  sensors().finish(background_);
+  shown_ = background_;
+  for (std::size_t pose = 0; pose < motion_.poses.size(); ++pose) {
+    add_pose(pose, sharp);
   }
 }
 
+void MovingScene::add_pose(std::size_t pose, const CleanViews& sharp) {
+  const int first = static_cast<int>(motion_.background.objects.size());
+  CleanViews views = sharp;
+  const Parts parts = motion_.blurred.empty() || motion_.blurred[pose].pair.empty()
+                          ? sensors().render_over(with(motion_.poses[pose]), first, views)
+                          : render_blurred(motion_.poses[pose], motion_.blurred[pose], views);
+  sensors().finish(views);
+  left_.add(sensors().widened(parts.left), views.left);
+  right_.add(sensors().widened(parts.right), views.right);
+  pmd_mean_.add(four_times(parts.pmd), views.pmd.mean);
+  pmd_sigma_.add(four_times(parts.pmd), views.pmd.sigma);
+}
+
+Scene MovingScene::with(const std::vector<SceneObject>& objects) const {
+  Scene scene = motion_.background;
+  scene.objects.insert(scene.objects.end(), objects.begin(), objects.end());
+  return scene;
+}
+
+namespace {
+
+void include(std::vector<Run>& all, const std::vector<Run>& more) {
+  all.resize(more.size());
+  for (std::size_t y = 0; y < more.size(); ++y) {
+    Run& run = all[y];
+    if (more[y].end > more[y].begin) {
+      run = run.end > run.begin
+                ? Run{std::min(run.begin, more[y].begin), std::max(run.end, more[y].end)}
+                : more[y];
+    }
+  }
+}
+
+void add_to(std::vector<std::uint32_t>& sums, const dataset::Image<std::uint16_t>& picture) {
+  sums.resize(picture.pixels.size());
+  std::ranges::transform(sums, picture.pixels, sums.begin(), std::plus<>());
+}
+
+void put_mean(const std::vector<std::uint32_t>& sums, std::size_t count,
+              dataset::Image<std::uint16_t>& out) {
+  std::ranges::transform(sums, out.pixels.begin(), [count](std::uint32_t sum) {
+    return static_cast<std::uint16_t>((sum + count / 2) / count);
+  });
+}
+
+}  // namespace
+
+// The mean of the pair's parts; of each sample its own place.
+Parts MovingScene::render_blurred(const std::vector<SceneObject>& pose, const WhileExposed& moving,
+                                  CleanViews& views) const {
+  const int first = static_cast<int>(motion_.background.objects.size());
+  const CleanViews still = views;
+  Parts parts;
+  std::vector<std::uint32_t> left;
+  std::vector<std::uint32_t> right;
+  for (const std::vector<SceneObject>& objects : moving.pair) {
+    CleanViews now{.left = still.left, .right = still.right, .pmd = {}};
+    const Parts of = sensors().render_pair_over(with(objects), first, now);
+    include(parts.left, of.left);
+    include(parts.right, of.right);
+    add_to(left, now.left);
+    add_to(right, now.right);
+  }
+  put_mean(left, moving.pair.size(), views.left);
+  put_mean(right, moving.pair.size(), views.right);
+  const int height = pmd_size().height;
+  if (moving.samples[0].empty() && height > 0) {
+    parts.pmd = sensors().render_samples_over(with(pose), first, views.pmd);
+    return parts;
+  }
+  for (int k = 0; k < 4 && height > 0; ++k) {
+    CleanSamples now = still.pmd;
+    include(parts.pmd, sensors().render_samples_over(
+                           with(moving.samples[static_cast<std::size_t>(k)]), first, now));
+    for (int y = k * height; y < (k + 1) * height; ++y) {
+      std::ranges::copy(now.mean.view().row(y), views.pmd.mean.view().row(y).begin());
+      std::ranges::copy(now.sigma.view().row(y), views.pmd.sigma.view().row(y).begin());
+    }
+  }
+  return parts;
+}
+
 std::size_t MovingScene::pose_of(std::uint32_t number) const noexcept {
+  if (!motion_.schedule.empty()) {
+    return motion_.schedule[number % motion_.schedule.size()];
+  }
   return number / static_cast<std::uint32_t>(motion_.exposures_per_pose) % motion_.poses.size();
 }
 
@@ -103,10 +183,7 @@ void MovingScene::pmd(std::uint32_t number, int index, dsp::ImageView<std::uint1
 }
 
 Scene MovingScene::scene(std::uint32_t number) const {
-  Scene out = motion_.background;
-  const std::vector<SceneObject>& pose = motion_.poses[pose_of(number)];
-  out.objects.insert(out.objects.end(), pose.begin(), pose.end());
-  return out;
+  return with(motion_.poses[pose_of(number)]);
 }
 
 dataset::Image<float> MovingScene::depth(std::uint32_t number) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -13,12 +14,25 @@
 
 namespace stof::hal::emu {
 
+// Where that which moves in a pose is while the cameras expose.
+struct WhileExposed {
+  std::vector<std::vector<SceneObject>> pair;  // in equal parts of the pair's exposure
+  // In the middle of each of the PMD's samples; empty: all four see the pose itself.
+  std::array<std::vector<SceneObject>, 4> samples{};
+};
+
 // Something that moves through a scene, round and round.
 struct Motion {
   Scene background;
   std::vector<std::vector<SceneObject>> poses;  // what moves, at least one pose
   int exposures_per_pose = 3;  // a pose stands still for as many exposures of the stereo camera
   int pmd_every = 1;           // the PMD camera exposes at every so many of these
+  // The poses of one exposure after the other, in place of exposures_per_pose; empty: pose after
+  // pose.
+  std::vector<std::size_t> schedule{};
+  // For each pose, or empty: nothing moves within an exposure. Of a pose that stands still `pair`
+  // is empty.
+  std::vector<WhileExposed> blurred{};
 };
 
 // The corridor, in which a person walks round in 4 s at 30 exposures a second, 10 poses a second:
@@ -50,7 +64,8 @@ class Poses {
 
 // A scene in motion as a rig sees it. The constructor renders all poses without noise, of each what
 // differs from the background; an exposure of another pose copies that in place, and adds its own
-// noise. Within an exposure nothing moves.
+// noise. What moves within the exposure of the pair is blurred; the four samples of a PMD exposure
+// then see four places, each as it is in its middle.
 class MovingScene final : public SensorImagery {
  public:
   MovingScene(const Motion& motion, const Rig& rig);
@@ -66,6 +81,10 @@ class MovingScene final : public SensorImagery {
 
  private:
   std::size_t pose_of(std::uint32_t number) const noexcept;
+  void add_pose(std::size_t pose, const CleanViews& sharp);
+  Parts render_blurred(const std::vector<SceneObject>& pose, const WhileExposed& moving,
+                       CleanViews& views) const;
+  Scene with(const std::vector<SceneObject>& objects) const;
 
   Motion motion_;
   CleanViews background_;

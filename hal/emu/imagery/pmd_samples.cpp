@@ -7,6 +7,7 @@
 #include "dsp/base/fixed.h"
 #include "hal/emu/imagery/noise.h"
 #include "hal/emu/imagery/phasor.h"
+#include "hal/emu/imagery/soften.h"
 
 namespace stof::hal::emu {
 namespace {
@@ -133,14 +134,59 @@ Stray stray_of(const PmdModel& model, dsp::Hertz modulation) noexcept {
 
 }  // namespace
 
-std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side) {
+namespace {
+
+// Where the rays of a blurred pixel start along one side, counted from its centre: the quantiles of
+// what a Gaussian makes of the pixel, stretched to its exact variance.
+std::vector<double> blurred_starts(int count, double blur_px) {
+  std::vector<double> out;
+  out.reserve(static_cast<std::size_t>(count));
+  for (int i = 0; i < count; ++i) {
+    out.push_back((i + 0.5) / count);
+  }
+  constexpr int kSteps = 4096;
+  constexpr double kReach = 4;  // standard deviations of the Gaussian beyond the pixel
+  const double end = 0.5 + kReach * blur_px;
+  std::vector<double> area(kSteps + 1, 0.0);  // up to each step
+  for (std::size_t i = 1; i <= kSteps; ++i) {
+    const double x = -end + 2 * end * (static_cast<double>(i) - 0.5) / kSteps;
+    area[i] = area[i - 1] + blurred_pixel(x, blur_px);
+  }
+  double square = 0;
+  std::size_t at = 0;
+  for (double& place : out) {
+    const double wanted = place * area.back();
+    while (area[at + 1] < wanted) {
+      ++at;
+    }
+    const double inside = (wanted - area[at]) / (area[at + 1] - area[at]);
+    place = -end + 2 * end * (static_cast<double>(at) + inside) / kSteps;
+    square += place * place / count;
+  }
+  const double stretch = count == 1 ? 0 : std::sqrt((1.0 / 12 + blur_px * blur_px) / square);
+  for (double& place : out) {
+    place *= stretch;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double blur_px) {
   std::vector<Vec3> out;
   out.reserve(static_cast<std::size_t>(lens.width * rays_per_side) *
               static_cast<std::size_t>(lens.height * rays_per_side));
+  const std::vector<double> offsets =
+      blur_px > 0 ? blurred_starts(rays_per_side, blur_px) : std::vector<double>();
   for (int y = 0; y < lens.height; ++y) {
     for (int x = 0; x < lens.width; ++x) {
       for (int j = 0; j < rays_per_side; ++j) {
         for (int i = 0; i < rays_per_side; ++i) {
+          if (!offsets.empty()) {
+            out.push_back(undistorted_ray(lens, x + offsets[static_cast<std::size_t>(i)],
+                                          y + offsets[static_cast<std::size_t>(j)]));
+            continue;
+          }
           const double u = x - 0.5 + (i + 0.5) / rays_per_side;
           const double v = y - 0.5 + (j + 0.5) / rays_per_side;
           out.push_back(undistorted_ray(lens, u, v));
@@ -187,7 +233,7 @@ CleanSamples render_pmd(const Scene& scene, const Viewpoint& viewpoint, const ds
                         dsp::Hertz modulation, const PmdModel& model,
                         std::span<const std::int16_t> pattern) {
   CleanSamples out{.mean = {lens.width, 4 * lens.height}, .sigma = {lens.width, 4 * lens.height}};
-  const std::vector<Vec3> rays = pmd_rays(lens, model.rays_per_side);
+  const std::vector<Vec3> rays = pmd_rays(lens, model.rays_per_side, model.blur_px);
   render_pmd(
       scene, viewpoint,
       {.lens = lens, .modulation = modulation, .model = model, .rays = rays, .pattern = pattern},
@@ -269,26 +315,6 @@ dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
     }
   }
   return out;
-}
-
-Vec3 undistorted_ray(const dsp::Pinhole& lens, double u, double v) noexcept {
-  const double xd = (u - lens.cx) / lens.fx;
-  const double yd = (v - lens.cy) / lens.fy;
-  if (lens.k1 == 0 && lens.k2 == 0 && lens.k3 == 0 && lens.p1 == 0 && lens.p2 == 0) {
-    return {xd, yd, 1};
-  }
-  constexpr int kSteps = 20;  // each gains a digit or more for |k1 r^2| < 0.1
-  double x = xd;
-  double y = yd;
-  for (int i = 0; i < kSteps; ++i) {
-    const double square = x * x + y * y;
-    const double stretch = 1 + square * (lens.k1 + square * (lens.k2 + square * lens.k3));
-    const double dx = 2 * lens.p1 * x * y + lens.p2 * (square + 2 * x * x);
-    const double dy = lens.p1 * (square + 2 * y * y) + 2 * lens.p2 * x * y;
-    x = (xd - dx) / stretch;
-    y = (yd - dy) / stretch;
-  }
-  return {x, y, 1};
 }
 
 void expose_pmd(const CleanSamples& clean, int index, int max, std::uint64_t seed,

@@ -6,6 +6,7 @@
 
 #include "dataset/dataset.h"
 #include "dsp/calib/calibration.h"
+#include "hal/emu/imagery/lens_rays.h"
 #include "hal/emu/scenes/rig.h"
 #include "hal/emu/scenes/viewpoint.h"
 
@@ -23,8 +24,9 @@ struct CleanSamples {
 };
 
 // The directions of every ray of a picture: of pixel after pixel, rays_per_side^2 each, row by row
-// within the pixel.
-std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side);
+// within the pixel. With blur they start further out, as a Gaussian point spread of that standard
+// deviation spreads the light that a pixel collects.
+std::vector<Vec3> pmd_rays(const dsp::Pinhole& lens, int rays_per_side, double blur_px = 0);
 
 // A PMD camera that looks at scenes. Pattern: distance offset of each pixel in 1/65536 turn, row by
 // row, or empty; offset_m: what every pixel measures too much.
@@ -55,9 +57,6 @@ std::vector<std::int16_t> make_pattern(const dsp::Pinhole& lens, dsp::Hertz modu
 // leaves out the harmonics, which raise and lower an amplitude by up to kappa3 + kappa5.
 dsp::PmdSensor sensor_constants(const dsp::Pinhole& lens, dsp::Hertz modulation,
                                 const PmdModel& model);
-
-// The direction (x, y, 1) that the lens shows at (u, v), its distortion removed.
-Vec3 undistorted_ray(const dsp::Pinhole& lens, double u, double v) noexcept;
 
 // out = clip(round(mean + sigma * normal numbers of `seed`), 0, max), sample `index`, 0..3.
 void expose_pmd(const CleanSamples& clean, int index, int max, std::uint64_t seed,

@@ -2,6 +2,7 @@
 
 #include "hal/emu/imagery/grey.h"
 #include "hal/emu/imagery/noise.h"
+#include "hal/emu/imagery/soften.h"
 
 namespace stof::hal::emu {
 namespace {
@@ -14,17 +15,16 @@ std::uint64_t stream_seed(std::uint32_t rig_seed, std::uint32_t number,
   return dsp::mix(dsp::mix(rig_seed) + number) + stream;
 }
 
-dsp::Pinhole right_lens(const dsp::StereoRig& rig) noexcept {
-  dsp::Pinhole lens = rig.left;
-  lens.cx += rig.doff_px;
-  return lens;
-}
-
 }  // namespace
 
 Sensors::Sensors(const Rig& rig)
-    : rig_(rig), right_lens_(right_lens(rig.stereo)), grey_sigma_(grey_noise(rig.grey)) {
-  calibration_.stereo = rig.stereo;
+    : rig_(rig),
+      left_eye_(left_eye(rig)),
+      right_eye_(right_eye(rig)),
+      left_rays_(left_eye_.lens),
+      right_rays_(right_eye_.lens),
+      grey_sigma_(grey_noise(rig.grey)) {
+  calibration_.stereo = rig.published ? rig.published->stereo : rig.stereo;
   if (rig.pmd_lens.width == 0) {
     return;
   }
@@ -32,11 +32,15 @@ Sensors::Sensors(const Rig& rig)
     fixed_pattern_ =
         make_pattern(rig.pmd_lens, rig.modulation, rig.pmd, stream_seed(rig.seed, 0, kPattern));
   }
-  pmd_rays_ = pmd_rays(rig.pmd_lens, rig.pmd.rays_per_side);
+  pmd_rays_ = pmd_rays(rig.pmd_lens, rig.pmd.rays_per_side, rig.pmd.blur_px);
   pmd_centres_ = pmd_rays(rig.pmd_lens, 1);
   calibration_.pmd = sensor_constants(rig.pmd_lens, rig.modulation, rig.pmd);
   calibration_.pmd.fixed_pattern = fixed_pattern_;
   calibration_.pmd_to_stereo = rig.pmd_to_stereo;
+  if (rig.published) {
+    calibration_.pmd.lens = rig.published->pmd_lens;
+    calibration_.pmd_to_stereo = rig.published->pmd_to_stereo;
+  }
 }
 
 Size Sensors::stereo_size() const noexcept {
@@ -46,11 +50,11 @@ Size Sensors::stereo_size() const noexcept {
 Size Sensors::pmd_size() const noexcept { return {rig_.pmd_lens.width, rig_.pmd_lens.height}; }
 
 Viewpoint Sensors::left_viewpoint(const Scene& scene) const {
-  return {scene, rig_.left_camera_pose};
+  return {scene, rig_.left_camera_pose * left_eye_.pose};
 }
 
 Viewpoint Sensors::right_viewpoint(const Scene& scene) const {
-  return {scene, rig_.left_camera_pose * Pose{.position = {rig_.stereo.baseline_m, 0, 0}}};
+  return {scene, rig_.left_camera_pose * right_eye_.pose};
 }
 
 Viewpoint Sensors::pmd_viewpoint(const Scene& scene) const {
@@ -66,18 +70,31 @@ PmdCameraModel Sensors::pmd_camera() const noexcept {
           .offset_m = rig_.misplacement.range_offset_m};
 }
 
-CleanViews Sensors::render(const Scene& scene) const {
+CleanViews Sensors::render_sharp(const Scene& scene) const {
   CleanViews views;
-  render_pair(scene, views);
+  views.left = render_grey(scene, left_viewpoint(scene), left_rays_, rig_.grey);
+  views.right = render_grey(scene, right_viewpoint(scene), right_rays_, rig_.grey);
   if (pmd_size().width > 0) {
     views.pmd = render_samples(scene);
   }
   return views;
 }
 
+CleanViews Sensors::render(const Scene& scene) const {
+  CleanViews views = render_sharp(scene);
+  finish(views);
+  return views;
+}
+
 void Sensors::render_pair(const Scene& scene, CleanViews& views) const {
-  views.left = render_grey(scene, left_viewpoint(scene), rig_.stereo.left, rig_.grey);
-  views.right = render_grey(scene, right_viewpoint(scene), right_lens_, rig_.grey);
+  views.left = render_grey(scene, left_viewpoint(scene), left_rays_, rig_.grey);
+  views.right = render_grey(scene, right_viewpoint(scene), right_rays_, rig_.grey);
+  finish(views);
+}
+
+void Sensors::finish(CleanViews& views) const {
+  soften(rig_.lenses, rig_.grey.black, views.left);
+  soften(rig_.lenses, rig_.grey.black, views.right);
 }
 
 CleanSamples Sensors::render_samples(const Scene& scene) const {
@@ -89,29 +106,58 @@ CleanSamples Sensors::render_samples(const Scene& scene) const {
 }
 
 Parts Sensors::render_over(const Scene& scene, int first, CleanViews& views) const {
-  const dsp::Pinhole& lens = rig_.stereo.left;
-  const Viewpoint left = left_viewpoint(scene);
-  const Viewpoint right = right_viewpoint(scene);
-  Parts parts{.left = runs_of_objects(left, lens, first),
-              .right = runs_of_objects(right, right_lens_, first),
-              .pmd = {}};
-  render_grey_over(scene, left, lens, rig_.grey, parts.left, first, views.left);
-  render_grey_over(scene, right, right_lens_, rig_.grey, parts.right, first, views.right);
+  Parts parts = render_pair_over(scene, first, views);
   if (pmd_size().width > 0) {
-    const Viewpoint viewpoint = pmd_viewpoint(scene);
-    parts.pmd = runs_of_objects(viewpoint, rig_.pmd_lens, pmd_centres_, first);
-    render_pmd(scene, viewpoint, pmd_camera(), parts.pmd, views.pmd);
+    parts.pmd = render_samples_over(scene, first, views.pmd);
   }
   return parts;
 }
 
+Parts Sensors::render_pair_over(const Scene& scene, int first, CleanViews& views) const {
+  const auto runs = [&](const Viewpoint& viewpoint, const LensRays& rays) {
+    return rays.centres().empty() ? runs_of_objects(viewpoint, rays.lens(), first)
+                                  : runs_of_objects(viewpoint, rays.lens(), rays.centres(), first);
+  };
+  const Viewpoint left = left_viewpoint(scene);
+  const Viewpoint right = right_viewpoint(scene);
+  Parts parts{.left = runs(left, left_rays_), .right = runs(right, right_rays_), .pmd = {}};
+  render_grey_over(scene, left, left_rays_, rig_.grey, parts.left, first, views.left);
+  render_grey_over(scene, right, right_rays_, rig_.grey, parts.right, first, views.right);
+  return parts;
+}
+
+std::vector<Run> Sensors::render_samples_over(const Scene& scene, int first,
+                                              CleanSamples& samples) const {
+  const Viewpoint viewpoint = pmd_viewpoint(scene);
+  std::vector<Run> runs =
+      runs_of_objects(viewpoint, rig_.pmd_lens, pmd_centres_, first, reach_of(rig_.pmd.blur_px));
+  render_pmd(scene, viewpoint, pmd_camera(), runs, samples);
+  return runs;
+}
+
+std::vector<Run> Sensors::widened(const std::vector<Run>& runs) const {
+  const int reach = reach_of(rig_.lenses.blur_px);
+  return reach == 0 ? runs : grown(runs, rig_.stereo.left.width, reach);
+}
+
 dataset::Image<float> Sensors::depth(const Scene& scene) const {
-  return render_depth(left_viewpoint(scene), rig_.stereo.left);
+  if (rig_.stereo.converging) {  // of the pixels as they are, along the axes of the rig
+    const Vec3 along = left_eye_.pose.turn_back({0, 0, 1});
+    return render_depth(left_viewpoint(scene), left_rays_, along);
+  }
+  return render_depth({scene, rig_.left_camera_pose}, LensRays(rig_.stereo.left));
 }
 
 dataset::Image<std::uint8_t> Sensors::visible(const Scene& scene) const {
-  return render_visible(left_viewpoint(scene), rig_.stereo.left, right_viewpoint(scene),
-                        right_lens_);
+  if (!rig_.stereo.raw) {
+    return render_visible(left_viewpoint(scene), left_rays_, right_viewpoint(scene),
+                          right_eye_.lens);
+  }
+  Rig rectified = rig_;  // the pair that the pictures become
+  rectified.stereo.raw.reset();
+  const Eye other = right_eye(rectified);
+  return render_visible({scene, rig_.left_camera_pose}, LensRays(rig_.stereo.left),
+                        {scene, rig_.left_camera_pose * other.pose}, other.lens);
 }
 
 void Sensors::left(const CleanViews& views, std::uint32_t number,

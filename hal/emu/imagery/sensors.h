@@ -35,7 +35,7 @@ class Sensors {
   Sensors(const Sensors&) = delete;
   Sensors& operator=(const Sensors&) = delete;
 
-  // The rig's calibration: the truth of its world but for Rig::misplacement. Its
+  // The rig's calibration: the truth of its world but for Rig::misplacement and Rig::published. Its
   // fixed pattern lives here.
   const dsp::Calibration& calibration() const noexcept { return calibration_; }
   // Search range in px that holds the scene the rig was made for.
@@ -48,11 +48,20 @@ class Sensors {
   // the rig has.
   void render_pair(const Scene& scene, CleanViews& views) const;
   CleanSamples render_samples(const Scene& scene) const;
-  // Where pictures of the scene differ from those of the same scene without object `first` and all
-  // after it. Renders these parts over `views` of the latter.
-  Parts render_over(const Scene& scene, int first, CleanViews& views) const;
 
-  // Z in metres of the left view at pixel centres, +inf = nothing there.
+  // The same in steps: as sharp lenses show it, then what the lenses do to a whole picture.
+  CleanViews render_sharp(const Scene& scene) const;
+  void finish(CleanViews& views) const;
+  // Where sharp pictures of the scene differ from those of the same scene without object `first`
+  // and all after it. Renders these parts over sharp `views` of the latter.
+  Parts render_over(const Scene& scene, int first, CleanViews& views) const;
+  Parts render_pair_over(const Scene& scene, int first, CleanViews& views) const;
+  std::vector<Run> render_samples_over(const Scene& scene, int first, CleanSamples& samples) const;
+  // How far that part of a picture of the pair reaches once it is finished.
+  std::vector<Run> widened(const std::vector<Run>& runs) const;
+
+  // Z in metres of the left view, once it is rectified, at pixel centres, +inf = nothing there; of
+  // a converging pair of the left view as it is, Z along the axes of the rig.
   dataset::Image<float> depth(const Scene& scene) const;
   // 255 = the right camera sees the same point, 0 = not.
   dataset::Image<std::uint8_t> visible(const Scene& scene) const;
@@ -72,7 +81,10 @@ class Sensors {
   PmdCameraModel pmd_camera() const noexcept;
 
   Rig rig_;
-  dsp::Pinhole right_lens_;
+  Eye left_eye_;
+  Eye right_eye_;
+  LensRays left_rays_;
+  LensRays right_rays_;
   std::vector<std::int16_t> fixed_pattern_;
   std::vector<Vec3> pmd_rays_;
   std::vector<Vec3> pmd_centres_;

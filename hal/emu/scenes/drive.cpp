@@ -19,12 +19,6 @@ double height_of(double rate, double period_s) noexcept {
   return rate * period_s / (2 * std::numbers::pi);
 }
 
-Pose inverse(const Pose& pose) noexcept {
-  const std::array<double, 9>& r = pose.rotation;
-  return {.rotation = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]},
-          .position = -1 * pose.turn_back(pose.position)};
-}
-
 }  // namespace
 
 Pose drive(const Pose& start, double speed, double seconds) noexcept {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "dsp/calib/calibration.h"
@@ -15,6 +16,12 @@ struct GreyModel {
   double black = 4;
   double electrons_per_level = 40;
   double read_noise = 0.7;  // levels
+};
+
+// What the lenses of the pair do to a picture beside bending it.
+struct LensQuality {
+  double blur_px = 0;     // standard deviation of their Gaussian point spread
+  double vignetting = 0;  // the share of light that the corners lack; it grows with r^2. 0..1
 };
 
 // A PMD sensor and its light. A sample collects, with signal s, correlation D_k at reference phase
@@ -44,6 +51,7 @@ struct PmdModel {
   int beam_half_powers = 4;                                 // 2 m: the beam is cos^m
   std::vector<Vec3> emitters{{-0.03, 0, 0}, {0.03, 0, 0}};  // in the PMD frame
   int rays_per_side = 4;
+  double blur_px = 0;            // standard deviation of the lens's Gaussian point spread
   double pattern_rms_m = 0.003;  // distance offset of each pixel, known to the calibration
 };
 
@@ -59,19 +67,37 @@ struct Misplacement {
   double range_offset_m = 0;  // what it measures too much, along the ray
 };
 
+// What a rig says of its geometry.
+struct PublishedGeometry {
+  dsp::StereoRig stereo;
+  dsp::Pinhole pmd_lens;
+  dsp::RigidTransform pmd_to_stereo;
+};
+
 // The geometry and the sensors of an emulated rig.
 struct Rig {
-  dsp::StereoRig stereo;
+  dsp::StereoRig stereo;  // complete(): its pair may be raw, or converge
   int disparities = 64;   // search range that holds the scene it was made for
   dsp::Pinhole pmd_lens;  // 0x0: no PMD camera
   dsp::Hertz modulation{20'000'000};
   dsp::RigidTransform pmd_to_stereo;
-  Pose left_camera_pose;  // in the world
+  Pose left_camera_pose;  // in the world, of the axes that StereoRig describes
   GreyModel grey;
+  LensQuality lenses{};
   PmdModel pmd;
   std::uint32_t seed = 1;  // of all noise
   Misplacement misplacement{};
+  // None: the truth but for `misplacement`.
+  std::optional<PublishedGeometry> published = std::nullopt;
 };
+
+// One of the two cameras as it is: its lens, and its pose in the axes of Rig::stereo.
+struct Eye {
+  dsp::Pinhole lens;
+  Pose pose{};
+};
+Eye left_eye(const Rig& rig) noexcept;
+Eye right_eye(const Rig& rig) noexcept;
 
 // The pose of the PMD camera in the axes of the left one as it really is.
 Pose true_pmd_pose(const Rig& rig) noexcept;
@@ -86,6 +112,12 @@ void resize_pmd(Rig& rig, int width, int height) noexcept;
 // turned by a degree. The left camera is 1 m above the floor and looks 3 degrees down and to the
 // left.
 Rig corridor_rig();
+
+// The book chapter's rig: 640x480, 8.5 mm lenses and pixels of 5.6 um (1518 px, 24 degrees wide), a
+// 0.20 m baseline, axes that meet at 4 m and are matched as they are: rows correspond in the middle
+// alone. 128 disparities reach from 1.5 m to 4 m. Its PMD camera has 64x16 pixels over 70.5
+// degrees, and stands between and above the two. It looks along z from the origin.
+Rig chapter_rig();
 
 // 640x480 as corridor_rig(), with a 0.25 m baseline: Z = 153.8 m px / d, so that 14 m and 14 m less
 // one turn (7.49 m) are 12 px apart; 96 disparities reach from 1.6 m on. The 176x144 PMD camera

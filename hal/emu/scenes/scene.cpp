@@ -76,13 +76,47 @@ double brightness(const Material& material, const Vec3& local) noexcept {
       return odd(2 * local.x / material.period_m) ? 0 : 1;
     case Texture::kChecks:
       return odd(2 * local.x / material.period_m) != odd(2 * local.y / material.period_m) ? 0 : 1;
+    case Texture::kPrint:
+      return material.print->brightness(local);
     case Texture::kPlain:
       break;
   }
   return 1;
 }
 
+// The column or row of a place that is counted from the sheet's middle.
+int cell_at(double place_m, double cell_m, int cells) noexcept {
+  const double cell = std::floor(place_m / cell_m + cells / 2.0);
+  return static_cast<int>(std::clamp(cell, 0.0, cells - 1.0));
+}
+
 }  // namespace
+
+double Print::brightness(const Vec3& local) const noexcept {
+  const int row = cell_at(local.y, cell_m, rows);
+  const int column = cell_at(local.x, cell_m, columns);
+  return cells[static_cast<std::size_t>(row * columns + column)] / 255.0;
+}
+
+bool Print::is_uniform(const Vec3& low, const Vec3& high) const noexcept {
+  constexpr int kMost = 3;  // cells a side that are looked at
+  const int left = cell_at(low.x, cell_m, columns);
+  const int right = cell_at(high.x, cell_m, columns);
+  const int top = cell_at(low.y, cell_m, rows);
+  const int bottom = cell_at(high.y, cell_m, rows);
+  if (right - left >= kMost || bottom - top >= kMost) {
+    return false;
+  }
+  const std::uint8_t first = cells[static_cast<std::size_t>(top * columns + left)];
+  for (int row = top; row <= bottom; ++row) {
+    for (int column = left; column <= right; ++column) {
+      if (cells[static_cast<std::size_t>(row * columns + column)] != first) {
+        return false;
+      }
+    }
+  }
+  return true;
+}
 
 void add(Scene& scene, Shape shape, const Vec3& at, const Vec3& half, const Material& material,
          Pose turn) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -17,6 +18,20 @@ enum class Texture : std::uint8_t {
   kStripes,  // along the object's x axis, so vertical stripes: repetitive for stereo
   kChecks,   // along its x and y axis
   kSpeckle,  // value noise in ten octaves of equal weight: fine grain, faint clouds
+  kPrint,    // what Material::print says, in the middle of the object's x and y axis
+};
+
+// A printed sheet: square cells of one brightness each, row by row from the top left corner.
+struct Print {
+  int columns = 0;
+  int rows = 0;
+  double cell_m = 0;
+  std::vector<std::uint8_t> cells;  // 255 white, 0 as dark as the material's contrast says
+
+  // 0..1 at a point of the object's frame; beyond the sheet its border goes on.
+  double brightness(const Vec3& local) const noexcept;
+  // Every point between the two has one brightness. May say no where they have.
+  bool is_uniform(const Vec3& low, const Vec3& high) const noexcept;
 };
 
 struct Material {
@@ -32,7 +47,8 @@ struct Material {
   int gloss_log2 = 6;
   // A pane: the share of light that it lets through each way. Objects behind it are seen through
   // it, other panes are not.
-  double transmittance = 0;  // 0..1
+  double transmittance = 0;      // 0..1
+  const Print* print = nullptr;  // of kPrint; Scene::prints keeps it
 };
 
 enum class Shape : std::uint8_t {
@@ -57,7 +73,8 @@ struct Light {
 struct Scene {
   std::vector<SceneObject> objects;
   std::vector<Light> lights;
-  double ambient = 0.4;  // irradiance from everywhere
+  double ambient = 0.4;                                // irradiance from everywhere
+  std::vector<std::shared_ptr<const Print>> prints{};  // what materials point to
 };
 
 // One object more, its centre at `at`, turned as `turn`.

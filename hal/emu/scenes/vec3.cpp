@@ -31,4 +31,10 @@ double half_tangent(double degrees) noexcept {
   return half.im / half.re;
 }
 
+Pose inverse(const Pose& pose) noexcept {
+  const std::array<double, 9>& r = pose.rotation;
+  return {.rotation = {r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]},
+          .position = -1 * pose.turn_back(pose.position)};
+}
+
 }  // namespace stof::hal::emu

@@ -64,6 +64,8 @@ constexpr Pose operator*(const Pose& a, const Pose& b) noexcept {
 // that no transcendental function decides about bits: about y (yaw, to the right), then x (pitch,
 // upwards), then z (roll, clockwise).
 Pose turned(double yaw_half_tan, double pitch_half_tan = 0, double roll_half_tan = 0) noexcept;
+// Takes back what the pose does.
+Pose inverse(const Pose& pose) noexcept;
 // tan(angle / 2) of an angle in degrees, the same bits on every machine.
 double half_tangent(double degrees) noexcept;
 inline constexpr double kQuarterTurn = 1;

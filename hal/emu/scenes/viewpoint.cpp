@@ -172,10 +172,10 @@ std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole&
 }
 
 std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
-                                 std::span<const Vec3> rays, int first) {
+                                 std::span<const Vec3> rays, int first, int blurred) {
   std::vector<Run> runs(static_cast<std::size_t>(lens.height));
-  const double dx = kReachDistorted / lens.fx;
-  const double dy = kReachDistorted / lens.fy;
+  const double dx = kReachDistorted * (1 + blurred) / lens.fx;
+  const double dy = kReachDistorted * (1 + blurred) / lens.fy;
   for (int object = first; object < viewpoint.objects(); ++object) {
     const Viewpoint::Window& seen = viewpoint.window(object);
     const Viewpoint::Window window{.x_min = seen.x_min - dx,
@@ -192,6 +192,21 @@ std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole&
     }
   }
   return runs;
+}
+
+std::vector<Run> grown(const std::vector<Run>& runs, int width, int reach) {
+  const int height = static_cast<int>(runs.size());
+  std::vector<Run> out(runs.size());
+  for (int y = 0; y < height; ++y) {
+    for (int from = std::max(y - reach, 0); from <= std::min(y + reach, height - 1); ++from) {
+      const Run& run = runs[static_cast<std::size_t>(from)];
+      if (run.end > run.begin) {
+        widen(out[static_cast<std::size_t>(y)], std::max(run.begin - reach, 0),
+              std::min(run.end + reach, width));
+      }
+    }
+  }
+  return out;
 }
 
 std::vector<Run> whole_picture(const dsp::Pinhole& lens) {

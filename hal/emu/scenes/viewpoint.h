@@ -72,9 +72,13 @@ class Viewpoint {
 // The pixels of each row, from the first to the last, into which object `first` or a later one may
 // reach: all others look the same without these objects. For a lens without distortion.
 std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens, int first);
-// The same for any lens; rays: of the pixel centres, row by row.
+// The same for any lens; rays: of the pixel centres, row by row; blurred: by how many pixels a
+// pixel's light is spread at most.
 std::vector<Run> runs_of_objects(const Viewpoint& viewpoint, const dsp::Pinhole& lens,
-                                 std::span<const Vec3> rays, int first);
+                                 std::span<const Vec3> rays, int first, int blurred = 0);
+// Runs of which each pixel has `reach` more on all four sides, within `width` columns and as many
+// rows as there are.
+std::vector<Run> grown(const std::vector<Run>& runs, int width, int reach);
 // Every pixel.
 std::vector<Run> whole_picture(const dsp::Pinhole& lens);
 

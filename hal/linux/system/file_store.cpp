@@ -88,8 +88,18 @@ FileStore::FileStore(std::string name, Readers readers)
       folder_(folder_of(name_)),
       readers_(readers) {}
 
+// Secrets that cannot be reached are not the same as none: their folder has to be there.
+Result<posix::Fd> FileStore::open() const noexcept {
+  struct stat folder{};
+  if (readers_ == Readers::kOwner &&
+      (::stat(folder_.c_str(), &folder) != 0 || !S_ISDIR(folder.st_mode))) {
+    return fail(Status::kDeviceError);
+  }
+  return open_file(name_.c_str());
+}
+
 Result<std::optional<std::size_t>> FileStore::load(std::span<std::byte> space) noexcept {
-  const Result<posix::Fd> file = open_file(name_.c_str());
+  const Result<posix::Fd> file = open();
   if (!file) {
     return fail(file.error());
   }
@@ -131,7 +141,7 @@ Status FileStore::write_new(std::span<const std::byte> bytes) const noexcept {
 }
 
 Status FileStore::save(std::span<const std::byte> bytes) noexcept {
-  if (const Result<posix::Fd> file = open_file(name_.c_str()); !file) {
+  if (const Result<posix::Fd> file = open(); !file) {
     return file.error();
   }
   if (write_new(bytes) != Status::kOk || std::rename(new_.c_str(), name_.c_str()) != 0) {
@@ -144,7 +154,7 @@ Status FileStore::save(std::span<const std::byte> bytes) noexcept {
 }
 
 Status FileStore::set_aside() noexcept {
-  if (const Result<posix::Fd> file = open_file(name_.c_str()); !file) {
+  if (const Result<posix::Fd> file = open(); !file) {
     return file.error();
   }
   return judge(free_for_file(bad_.c_str()) && std::rename(name_.c_str(), bad_.c_str()) == 0 &&

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "hal/store.h"
+#include "posix/fd.h"
 
 namespace stof::hal::linux {
 
@@ -18,7 +19,9 @@ class FileStore final : public Store {
  public:
   enum class Readers : std::uint8_t {
     kAll,
-    kOwner,  // mode 0600 from its first byte; a file with more is taken back to that by load()
+    // Mode 0600 from its first byte; a file with more is taken back to that by load(). Without
+    // its folder nothing is known of it: kDeviceError.
+    kOwner,
   };
 
   // Opens nothing; alone of all allocates.
@@ -29,6 +32,7 @@ class FileStore final : public Store {
   Status set_aside() noexcept override;
 
  private:
+  Result<posix::Fd> open() const noexcept;
   Status write_new(std::span<const std::byte> bytes) const noexcept;
 
   std::string name_;

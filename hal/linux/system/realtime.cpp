@@ -8,6 +8,7 @@
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <unistd.h>
 
 namespace stof::hal::linux {
@@ -33,6 +34,20 @@ RealtimeNote lock_memory() {
   }
   return line("memory is not locked", errno, "allow it: CAP_IPC_LOCK, or 'ulimit -l unlimited'");
 }
+
+// A leak checker looks into the process as a debugger does.
+#if defined(__SANITIZE_ADDRESS__)
+#define STOF_LEAK_CHECKER 1
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define STOF_LEAK_CHECKER 1
+#endif
+#endif
+#if defined(STOF_LEAK_CHECKER)
+void keep_memory_private() noexcept {}
+#else
+void keep_memory_private() noexcept { static_cast<void>(prctl(PR_SET_DUMPABLE, 0)); }
+#endif
 
 [[gnu::noinline]] void prefault_stack(std::size_t bytes) noexcept {
   const std::size_t size = std::min(bytes, kMostStack);

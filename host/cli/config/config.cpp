@@ -41,6 +41,10 @@ client::ControlOptions control_options(const ConfigOptions& options) {
   if (!options.keys.empty()) {
     control.keys = value_or_fail(client::read_user_keys(options.keys));
   }
+  control.device_id = options.device;
+  if (!options.serial.empty()) {
+    control.unsigned_answers = client::Unsigned::kAlways;
+  }
   control.overall = std::max(control.overall, 2 * control.attempts * control.timeout);
   return control;
 }
@@ -286,6 +290,8 @@ void add_config(CLI::App& app, ConfigOptions& options) {
   command.add_option("--timeout", options.timeout_s, "Seconds to wait for each of three attempts")
       ->check(CLI::Range(0.01, 60.0))
       ->capture_default_str();
+  command.add_option("--device", options.device,
+                     "Number of the sensor (stofd --device): only it is believed");
   command.add_option(
       "--keys", options.keys,
       "File of your keys (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");

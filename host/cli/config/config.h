@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,9 +16,10 @@ struct ConfigOptions {
   std::vector<std::string> words{};  // [SENSOR] ACTION [ARGUMENT...]; no SENSOR with a serial line
   std::string serial{};              // device; empty: over the network
   unsigned baud = 921'600;
-  std::string document = "active";  // of get: active, staged, saved or defaults
-  double timeout_s = 0.3;           // of each of three attempts
-  std::string keys{};               // file of this user's keys; empty: config() takes the usual one
+  std::string document = "active";        // of get: active, staged, saved or defaults
+  double timeout_s = 0.3;                 // of each of three attempts
+  std::optional<std::uint32_t> device{};  // number of the sensor; none: whoever answers
+  std::string keys{};  // file of this user's keys; empty: config() takes the usual one
   bool json = false;
 };
 

@@ -161,6 +161,8 @@ std::string summary_line(const client::Statistics& statistics) {
       {statistics.late, "packets late"},
       {statistics.old, "packets too old"},
       {statistics.implausible, "packets that no sensor can have sent (forged, or a fault)"},
+      {statistics.not_signed, "packets not signed for this program"},
+      {statistics.forged, "packets with a wrong signature"},
       {statistics.events_dropped, "events dropped"}};
   std::string lost;
   for (const auto& [count, cause] : causes) {

@@ -8,6 +8,7 @@
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
 #include "host/cli/view/status_line.h"
+#include "host/client/control/user_keys.h"
 
 namespace stof::host {
 namespace {
@@ -22,6 +23,11 @@ client::Receiver open_receiver(const ViewOptions& options) {
   where.sensor = options.sensor;
   where.address = options.bind;
   where.port = options.port;
+  if (options.signed_streams) {
+    const std::string file = options.keys.empty() ? client::user_keys_file() : options.keys;
+    where.subscription.signed_streams = true;
+    where.subscription.keys = value_or_fail(client::read_user_keys(file));
+  }
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
   if (!receiver) {
     throw Failure(Exit::kBadInput, receiver.error().message);
@@ -38,6 +44,9 @@ std::string place(const ViewOptions& options, const client::Receiver& receiver) 
 const char* silence(client::Receiver& receiver) {
   if (receiver.subscription() == client::Subscription::State::kFull) {
     return ": the sensor has as many subscribers as it takes: end another one";
+  }
+  if (receiver.subscription() == client::Subscription::State::kNoKey) {
+    return ": no key of yours is one of this sensor: pair, see stof pair --help";
   }
   if (receiver.take_refusal()) {
     return ": nobody listens there: start stofd, or check its port";
@@ -59,8 +68,12 @@ class View {
       take(receiver_.next(kLook));
       say_events();
       const client::Time now = client::Time::clock::now();
-      if (packets != receiver_.statistics().packets()) {
-        packets = receiver_.statistics().packets();
+      // What is not the sensor's does not count: whoever sends it must not keep us waiting.
+      const client::Statistics& statistics = receiver_.statistics();
+      const std::uint64_t heard_of =
+          statistics.packets() - statistics.not_signed - statistics.forged;
+      if (packets != heard_of) {
+        packets = heard_of;
         heard = now;
       }
       if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {

@@ -18,6 +18,8 @@ struct ViewOptions {
   std::filesystem::path out;        // empty: no files
   std::filesystem::path truth;      // PFM, Z in metres, read when the first frame is there
   std::filesystem::path port_file;  // gets the port's number when it is open
+  bool signed_streams = false;      // takes only what the sensor signs for this program
+  std::string keys;                 // file of them; empty: this user's
   ColourScale scale;
 };
 

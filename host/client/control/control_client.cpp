@@ -162,14 +162,15 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     if (keys_refused_ && operation != wire::SettingsOperation::kGet) {
       return Part{.answer = {.result = wire::SettingsResult::kUnknownKey}, .text = {}};
     }
-    wire::DatagramBuffer buffer;
-    const wire::SettingsRequest request{.request_id = request_id_,
-                                        .operation = operation,
-                                        .document = document,
-                                        .offset = offset,
-                                        .cookie = cookie_};
-    const Status sent = transport_->send(sealed ? signer_.seal(request, text, buffer)
-                                                : seal(request, text, buffer));
+    if (!sealed && cookie_ != 0 && !takes_unsigned(operation)) {
+      return std::unexpected(unproven());
+    }
+    const Status sent = send({.request_id = request_id_,
+                              .operation = operation,
+                              .document = document,
+                              .offset = offset,
+                              .cookie = cookie_},
+                             text, sealed);
     if (sent == Status::kDeviceLost) {
       return std::unexpected(error(sent, "the connection failed: open it again"));
     }
@@ -178,29 +179,63 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
       return std::unexpected(std::move(heard.error()));
     }
     const std::optional<Part>& part = *heard;
-    if (part && part->answer.result == wire::SettingsResult::kUnknownKey && sealed) {
-      keys_refused_ = !signer_.drop_key();
-    } else if (part && (part->answer.result == wire::SettingsResult::kCookie ||
-                        part->answer.result == wire::SettingsResult::kStale)) {
-      attempt += hurried ? 1 : 0;
-      hurried = !hurried;
-    } else if (part && part->answer.result == wire::SettingsResult::kBusy) {
-      refusal = part;
-      std::this_thread::sleep_for(kBusyPause);
-      ++attempt;
-    } else if (part) {
-      return *part;
-    } else {
-      ++attempt;
+    if (part && sealed && signer_.is_used_up()) {
+      return std::unexpected(used_up());
+    }
+    switch (judge(part, sealed)) {
+      case Heard::kNothing:
+        ++attempt;
+        break;
+      case Heard::kAgain:
+        attempt += hurried ? 1 : 0;
+        hurried = !hurried;
+        break;
+      case Heard::kKeyRefused:
+        keys_refused_ = !signer_.drop_key();
+        break;
+      case Heard::kBusy:
+        refusal = part;
+        std::this_thread::sleep_for(kBusyPause);
+        ++attempt;
+        break;
+      case Heard::kAnswer:
+        if (!sealed && !takes_unsigned(operation)) {
+          return std::unexpected(unproven());
+        }
+        return *part;
     }
   }
-  if (refusal) {
-    return *refusal;
+  return refusal ? std::expected<Part, ControlError>(*refusal) : std::unexpected(silent());
+}
+
+Status ControlClient::send(const wire::SettingsRequest& request, std::string_view text,
+                           bool sealed) {
+  wire::DatagramBuffer buffer;
+  return transport_->send(sealed ? signer_.seal(request, text, buffer)
+                                 : seal(request, text, buffer));
+}
+
+ControlClient::Heard ControlClient::judge(const std::optional<Part>& part, bool sealed) const {
+  if (!part) {
+    return Heard::kNothing;
   }
-  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
-  return std::unexpected(error(
-      Status::kTimeout, "no answer within " + std::to_string(waited.count() * options_.attempts) +
-                            " ms: check that the sensor runs, and its address"));
+  switch (part->answer.result) {
+    case wire::SettingsResult::kCookie:
+    case wire::SettingsResult::kStale:
+      return Heard::kAgain;
+    case wire::SettingsResult::kBusy:
+      return Heard::kBusy;
+    default:
+      break;
+  }
+  if (sealed) {
+    return part->answer.result == wire::SettingsResult::kUnknownKey ? Heard::kKeyRefused
+                                                                    : Heard::kAnswer;
+  }
+  // Served without a signature, though there is a key.
+  return signer_.key() != nullptr && options_.unsigned_answers != Unsigned::kAlways
+             ? Heard::kAgain
+             : Heard::kAnswer;
 }
 
 std::span<const std::byte> ControlClient::seal(const wire::SettingsRequest& request,
@@ -268,6 +303,40 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   std::ranges::transform(text, part.text.begin(),
                          [](std::byte byte) { return static_cast<char>(byte); });
   return part;
+}
+
+bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
+  if (operation == wire::SettingsOperation::kGet ||
+      options_.unsigned_answers == Unsigned::kAlways) {
+    return true;
+  }
+  return options_.unsigned_answers == Unsigned::kWithoutKeys &&
+         (options_.keys.count() == 0 || options_.device_id);
+}
+
+ControlError ControlClient::silent() const {
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(options_.timeout);
+  return error(Status::kTimeout, "no answer within " +
+                                     std::to_string(waited.count() * options_.attempts) +
+                                     " ms: check that the sensor runs, and its address");
+}
+
+ControlError ControlClient::used_up() const {
+  return error(Status::kUnsupported,
+               "takes no more of this key until it starts again: somebody used its last counter; "
+               "use another key");
+}
+
+ControlError ControlClient::unproven() const {
+  const std::string number = std::to_string(signer_.device_id());
+  return error(Status::kUnsupported,
+               options_.unsigned_answers == Unsigned::kNever
+                   ? "says that it is number " + number +
+                         ", of which you have no key: nothing proves who answers, and nothing was "
+                         "changed"
+                   : "says that it is number " + number +
+                         ", of which you have no key: pair with it, or name it by --device " +
+                         number + " where it is none of yours; nothing was changed");
 }
 
 ControlError ControlClient::error(Status status, std::string_view what) const {

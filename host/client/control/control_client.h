@@ -42,6 +42,15 @@ using ControlError = OpenError;
 std::expected<std::unique_ptr<ControlTransport>, ControlError> open_udp_transport(
     std::string_view sensor);
 
+// Which answers without a signature are believed where they are not only read.
+enum class Unsigned : std::uint8_t {
+  // Where no key could have signed: there are no keys at all, or none of the sensor that
+  // ControlOptions::device_id names. Else whoever claims to be another sensor would be believed.
+  kWithoutKeys,
+  kNever,
+  kAlways,  // over a cable
+};
+
 struct ControlOptions {
   Duration timeout = std::chrono::milliseconds(300);  // of one attempt
   int attempts = 3;                                   // of each request
@@ -49,6 +58,7 @@ struct ControlOptions {
   Duration overall = std::chrono::seconds(10);
   std::optional<std::uint32_t> device_id{};  // refuse any other sensor
   wire::KeyTable keys{};  // of sensors; requests to one of them are signed with its key
+  Unsigned unsigned_answers = Unsigned::kWithoutKeys;
 };
 
 struct ControlAnswer {
@@ -63,7 +73,8 @@ struct ControlAnswer {
 
 // Asks one sensor to read or change settings; blocks until it is answered. For one thread.
 // With a key of the sensor requests are signed, and only answers that it signed too are believed;
-// where the sensor has none of the keys (any more), documents are read without.
+// where the sensor has none of the keys (any more), documents are read without, and nothing is
+// changed but as ControlOptions::unsigned_answers says.
 class ControlClient {
  public:
   static constexpr std::size_t kMaxText = 1024;  // of a request, bytes
@@ -77,13 +88,16 @@ class ControlClient {
   // get collects a document of any length, and starts again if it changes meanwhile. A request may
   // be served twice after a lost answer: repeating set, stage, commit, save, revert or reset has no
   // further effect. kTimeout: no answer, or not all of it in time; kTooLarge: text above kMaxText;
-  // kCorrupt: the answer contradicts itself; kDeviceLost: open again.
+  // kCorrupt: the answer contradicts itself; kDeviceLost: open again; kUnsupported: nothing proves
+  // who answers, or the key has no counters left until the sensor starts again.
   std::expected<ControlAnswer, ControlError> request(wire::SettingsOperation operation,
                                                      wire::SettingsDocument document,
                                                      std::string_view text);
 
  private:
   struct Part;
+  // What came upon a request. kAgain: with a cookie, a counter or a key that is known now.
+  enum class Heard : std::uint8_t { kNothing, kAgain, kKeyRefused, kBusy, kAnswer };
   std::expected<Part, ControlError> ask(wire::SettingsOperation operation,
                                         wire::SettingsDocument document, std::uint16_t offset,
                                         std::string_view text);
@@ -94,6 +108,12 @@ class ControlClient {
                                                  wire::SettingsDocument document);
   std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
                                   wire::DatagramBuffer& buffer) const;
+  Status send(const wire::SettingsRequest& request, std::string_view text, bool sealed);
+  Heard judge(const std::optional<Part>& part, bool sealed) const;
+  bool takes_unsigned(wire::SettingsOperation operation) const;
+  ControlError unproven() const;
+  ControlError silent() const;
+  ControlError used_up() const;
   ControlError error(Status status, std::string_view what) const;
 
   std::unique_ptr<ControlTransport> transport_;

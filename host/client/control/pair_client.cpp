@@ -74,11 +74,7 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience) {
     }
     if (answer->result == PairResult::kOk &&
         wire::equal_secrets(wire::bytes_in<wire::Tag>(answer->value), secrets_->done_tag())) {
-      return wire::Key{.id = said_.key_id,
-                       .device = said_.sensor.device_id,
-                       .role = said_.role,
-                       .name = said_.name,
-                       .secret = secrets_->secret()};
+      return key();
     }
     if (answer->result != PairResult::kWaiting && answer->result != PairResult::kOk) {
       return refuse(answer->result);
@@ -88,6 +84,14 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience) {
     }
     std::this_thread::sleep_for(kPoll);
   }
+}
+
+wire::Key PairClient::key() const {
+  return {.id = said_.key_id,
+          .device = said_.sensor.device_id,
+          .role = said_.role,
+          .name = said_.name,
+          .secret = secrets_->secret()};
 }
 
 wire::PairRequest PairClient::request(PairStep step) const {

@@ -34,6 +34,8 @@ class PairClient {
   // After start(), of method digits: 0 to 999,999. Only where the sensor tells the same is there
   // nobody between.
   std::uint32_t digits() const { return secrets_->digits(); }
+  // After start(): what the key will be, if the sensor takes it.
+  wire::Key key() const;
   // After start(), and the user's consent: waits until the key is in force. As start(), and
   // kTooLarge: the sensor keeps no more keys; kTimeout: nobody accepted it there.
   std::expected<wire::Key, ControlError> finish(Duration patience);

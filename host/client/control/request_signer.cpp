@@ -4,6 +4,7 @@
 #include <chrono>
 
 #include "firmware/wire/keys/signed_packet.h"
+#include "firmware/wire/messages/subscribed.h"
 
 namespace stof::client {
 namespace {
@@ -49,22 +50,40 @@ bool RequestSigner::drop_key() {
   return at_ >= 0;
 }
 
+void RequestSigner::try_next_key() {
+  if (!drop_key()) {
+    at_ = last_key_before(static_cast<int>(keys_.count()));
+  }
+}
+
 void RequestSigner::note_highest(std::uint64_t highest) { counter_ = std::max(counter_, highest); }
 
 std::span<const std::byte> RequestSigner::seal(const wire::SettingsRequest& request,
                                                std::string_view text,
                                                wire::DatagramBuffer& buffer) {
-  const wire::Key& key = *this->key();
-  counter_ = std::max(counter_ + 1, microseconds_now());
   const std::span<std::byte, wire::kMaxSignedPayload> payload = wire::signed_space(buffer);
   wire::encode_settings_request(request, payload.first<wire::kSettingsRequestBytes>());
   std::ranges::copy(std::as_bytes(std::span(text)),
                     payload.subspan<wire::kSettingsRequestBytes>().begin());
-  return wire::seal_signed({.type = PacketType::kSignedRequest, .origin = origin_},
-                           {.key_id = key.id,
-                            .type = static_cast<std::uint8_t>(PacketType::kSettingsRequest),
-                            .counter = counter_},
-                           wire::kSettingsRequestBytes + text.size(), key.secret, buffer);
+  answer_ = PacketType::kSettingsAnswer;
+  return seal(PacketType::kSettingsRequest, wire::kSettingsRequestBytes + text.size(), buffer);
+}
+
+std::span<const std::byte> RequestSigner::seal(PacketType type, const wire::Subscribe& request,
+                                               wire::DatagramBuffer& buffer) {
+  wire::encode_subscribe(request, wire::signed_space(buffer).first<wire::kSubscribeBytes>());
+  answer_ = PacketType::kSubscribed;
+  return seal(type, wire::kSubscribeBytes, buffer);
+}
+
+std::span<const std::byte> RequestSigner::seal(PacketType type, std::size_t payload_bytes,
+                                               wire::DatagramBuffer& buffer) {
+  const wire::Key& key = *this->key();
+  counter_ = std::max(counter_ + 1, microseconds_now());
+  return wire::seal_signed(
+      {.type = PacketType::kSignedRequest, .origin = origin_},
+      {.key_id = key.id, .type = static_cast<std::uint8_t>(type), .counter = counter_},
+      payload_bytes, key.secret, buffer);
 }
 
 std::optional<RequestSigner::Answer> RequestSigner::open(
@@ -77,11 +96,22 @@ std::optional<RequestSigner::Answer> RequestSigner::open(
   }
   const Result<wire::SignedView> view = wire::open_signed(packet, datagram);
   if (!view || view->fields.key_id != key->id || view->fields.counter != counter_ ||
-      view->fields.type != static_cast<std::uint8_t>(PacketType::kSettingsAnswer) ||
+      view->fields.type != static_cast<std::uint8_t>(answer_) ||
       !wire::signed_with(key->secret, *view)) {
     return std::nullopt;
   }
   return Answer{.payload = view->payload, .highest = view->fields.highest};
+}
+
+wire::StreamKey RequestSigner::open_stream_key(const Answer& answer) const {
+  if (answer.payload.size() < wire::kSubscribedBytes) {
+    return {};
+  }
+  const Result<wire::StreamKeyFields> fields =
+      wire::decode_stream_key_fields(answer.payload.subspan(wire::kSubscribedBytes));
+  return fields ? wire::open_stream_key(*fields,
+                                        {.sensor = origin_, .key = *key(), .counter = counter_})
+                : wire::StreamKey{};
 }
 
 }  // namespace stof::client

@@ -1,13 +1,16 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include "firmware/wire/keys/key_table.h"
+#include "firmware/wire/keys/signed_stream.h"
 #include "firmware/wire/messages/settings_request.h"
 #include "firmware/wire/messages/structs.h"
+#include "firmware/wire/messages/subscribe.h"
 #include "firmware/wire/packet.h"
 
 namespace stof::client {
@@ -18,7 +21,7 @@ class RequestSigner {
  public:
   // What an answer carries, verified.
   struct Answer {
-    std::span<const std::byte> payload;  // of the settings_answer
+    std::span<const std::byte> payload;  // of the message that was signed
     std::uint64_t highest = 0;           // counter that the sensor has taken of this key
   };
 
@@ -32,23 +35,36 @@ class RequestSigner {
   }
   // The sensor refused the key; the next one counts. false: there is no other.
   bool drop_key();
+  // The same, but behind the oldest the newest counts again: whoever refused it proved nothing.
+  void try_next_key();
   // The sensor has taken counters up to there.
   void note_highest(std::uint64_t highest);
+  // There is no higher counter: this key signs nothing more in this session.
+  bool is_used_up() const { return counter_ == std::numeric_limits<std::uint64_t>::max(); }
+  std::uint32_t device_id() const { return origin_.device_id; }  // 0: nobody has answered
 
   // Only where there is a key. A part of `buffer`.
   std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,
                                   wire::DatagramBuffer& buffer);
+  // kSubscribe or kUnsubscribe.
+  std::span<const std::byte> seal(wire::PacketType type, const wire::Subscribe& request,
+                                  wire::DatagramBuffer& buffer);
   // The answer to the request that was sealed last; none: it is not, or nobody knows of whom.
   std::optional<Answer> open(const wire::PacketView& packet,
                              std::span<const std::byte> datagram) const;
+  // The stream key that such an answer hands over; number 0: none.
+  wire::StreamKey open_stream_key(const Answer& answer) const;
 
  private:
   int last_key_before(int end) const;
+  std::span<const std::byte> seal(wire::PacketType type, std::size_t payload_bytes,
+                                  wire::DatagramBuffer& buffer);
 
   wire::KeyTable keys_;
   wire::Origin origin_{};  // device 0: nobody has answered
   int at_ = -1;            // of the key, in keys_; -1: none
   std::uint64_t counter_ = 0;
+  wire::PacketType answer_{};  // that belongs to what was sealed last
 };
 
 }  // namespace stof::client

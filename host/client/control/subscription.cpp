@@ -9,6 +9,13 @@ namespace stof::client {
 using wire::PacketType;
 using wire::SubscribeResult;
 
+Subscription::Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
+    : options_(options), request_(first_request), answered_(first_request) {
+  if (options.signed_streams) {
+    signer_.emplace(options.keys);
+  }
+}
+
 std::span<const std::byte> Subscription::due(Time now) {
   if (now < next_due()) {
     return {};
@@ -27,20 +34,65 @@ Time Subscription::next_due() const {
 
 bool Subscription::take(std::span<const std::byte> datagram, Time now) {
   constexpr std::size_t kTypeAt = 5;  // spares frames the second parsing
-  if (datagram.size() <= kTypeAt ||
-      static_cast<PacketType>(datagram[kTypeAt]) != PacketType::kSubscribed) {
+  if (datagram.size() <= kTypeAt) {
+    return false;
+  }
+  const auto type = static_cast<PacketType>(datagram[kTypeAt]);
+  if (type != PacketType::kSubscribed && !(signs() && type == PacketType::kSignedAnswer)) {
     return false;
   }
   const auto packet = wire::parse_packet(datagram);
   if (!packet) {
     return false;
   }
-  const Result<wire::Subscribed> answer = wire::decode_subscribed(packet->payload);
+  std::optional<wire::Subscribed> answer;
   const bool ours = !options_.device_id || packet->header.origin.device_id == *options_.device_id;
-  if (answer && ours &&
-      request_ - answer->request_id < std::min(kAnswerable, request_ - answered_)) {
-    answered_ = answer->request_id;
+  if (ours && judge(*packet, datagram, answer)) {
+    // Who signs lets nobody else use up a request.
+    if (!signs() || type == PacketType::kSignedAnswer) {
+      answered_ = answer->request_id;
+    }
     answered(*answer, now);
+  }
+  return true;
+}
+
+bool Subscription::judge(const wire::PacketView& packet, std::span<const std::byte> datagram,
+                         std::optional<wire::Subscribed>& answer) {
+  const auto read = [&](std::span<const std::byte> payload) {
+    const Result<wire::Subscribed> decoded = wire::decode_subscribed(payload);
+    if (decoded && request_ - decoded->request_id < std::min(kAnswerable, request_ - answered_)) {
+      answer = *decoded;
+    }
+    return answer.has_value();
+  };
+  if (!signer_) {
+    return read(packet.payload);
+  }
+  if (const std::optional<RequestSigner::Answer> opened = signer_->open(packet, datagram)) {
+    if (!read(opened->payload)) {
+      return false;
+    }
+    signer_->note_highest(opened->highest);
+    if (answer->result == SubscribeResult::kOk) {
+      stream_key_ = signer_->open_stream_key(*opened);
+    }
+    return answer->result != SubscribeResult::kOk || stream_key_.number != 0;
+  }
+  // What is not signed only says that a request was not judged.
+  if (packet.header.type != PacketType::kSubscribed || !read(packet.payload)) {
+    return false;
+  }
+  if (answer->result == SubscribeResult::kUnknownKey) {
+    signer_->try_next_key();
+    return true;
+  }
+  if (answer->result != SubscribeResult::kCookie) {
+    return false;
+  }
+  signer_->note_origin(packet.header.origin);
+  if (signer_->key() == nullptr) {
+    answer->result = SubscribeResult::kUnknownKey;
   }
   return true;
 }
@@ -57,13 +109,13 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
       break;
     }
     case SubscribeResult::kCookie:
-      // At once, but not twice: a sensor that takes no cookie must not keep us busy.
-      if (!hurried_) {
-        hurried_ = true;
-        next_ = now;
-      } else {
-        hurried_ = false;
-      }
+    case SubscribeResult::kStale:
+      hurry(now);
+      break;
+    case SubscribeResult::kUnknownKey:
+      state_ = State::kNoKey;
+      next_ = now + kFullRepeat;
+      hurried_ = false;
       break;
     case SubscribeResult::kFull:
       state_ = State::kFull;
@@ -73,6 +125,14 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
     case SubscribeResult::kEnded:
     default:  // of a newer sensor
       break;
+  }
+}
+
+// At once, but not twice: a sensor that takes no cookie must not keep us busy.
+void Subscription::hurry(Time now) {
+  hurried_ = !hurried_;
+  if (hurried_) {
+    next_ = now;
   }
 }
 
@@ -86,9 +146,16 @@ std::span<const std::byte> Subscription::farewell() {
 
 std::span<const std::byte> Subscription::seal(PacketType type) {
   const auto lease = std::clamp<std::int64_t>(options_.lease.count(), 0, 65535);
-  wire::encode_subscribe(
-      {.request_id = request_, .lease_ms = static_cast<std::uint16_t>(lease), .cookie = cookie_},
-      wire::payload_space(buffer_).first<wire::kSubscribeBytes>());
+  wire::Subscribe request{
+      .request_id = request_, .lease_ms = static_cast<std::uint16_t>(lease), .cookie = cookie_};
+  if (signer_ && signer_->key() != nullptr) {
+    request.stream_key = stream_key_.number;
+    return signer_->seal(type, request, buffer_);
+  }
+  if (signer_) {
+    request.cookie = 0;  // asks who it is, and subscribes to nothing
+  }
+  wire::encode_subscribe(request, wire::payload_space(buffer_).first<wire::kSubscribeBytes>());
   return wire::seal_packet({.type = type, .origin = {.device_id = options_.device_id.value_or(0)}},
                            wire::kSubscribeBytes, buffer_);
 }

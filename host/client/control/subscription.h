@@ -7,6 +7,7 @@
 
 #include "firmware/wire/messages/subscribed.h"
 #include "firmware/wire/packet.h"
+#include "host/client/control/request_signer.h"
 #include "host/client/frame/frame.h"
 
 namespace stof::client {
@@ -16,6 +17,9 @@ struct SubscriptionOptions {
   std::chrono::milliseconds lease{3000};
   // Subscribe at no other device; without it, at whichever answers.
   std::optional<std::uint32_t> device_id{};
+  // Subscribe only with one of the keys, to streams that are signed for this receiver alone.
+  bool signed_streams = false;
+  wire::KeyTable keys{};
 };
 
 // Decides what to send to one sensor, and when, so that its streams keep coming: asks every
@@ -32,12 +36,12 @@ class Subscription {
   enum class State : std::uint8_t {
     kAsking,  // no answer yet, or no longer
     kActive,
-    kFull,  // the sensor has as many subscribers as it takes
+    kFull,   // the sensor has as many subscribers as it takes
+    kNoKey,  // of signed streams: there is no key of the sensor, or it has none of them
   };
 
   // first_request: of the numbers of requests, best random.
-  Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
-      : options_(options), request_(first_request), answered_(first_request) {}
+  Subscription(const SubscriptionOptions& options, std::uint32_t first_request);
 
   // The datagram to send now, valid until the next call; empty: none. Call it at next_due(), and
   // again after every take() that returned true.
@@ -57,12 +61,19 @@ class Subscription {
   std::span<const std::byte> farewell();
 
   State state() const noexcept { return state_; }
+  bool signs() const noexcept { return signer_.has_value(); }
+  // Of signed streams: what they are signed with; number 0: not known yet.
+  const wire::StreamKey& stream_key() const noexcept { return stream_key_; }
 
  private:
   static constexpr std::uint32_t kAnswerable = 8;  // newest requests whose answers count
 
   std::span<const std::byte> seal(wire::PacketType type);
   void answered(const wire::Subscribed& answer, Time now);
+  // Whether an answer is believed; of signed streams also what it says of keys.
+  bool judge(const wire::PacketView& packet, std::span<const std::byte> datagram,
+             std::optional<wire::Subscribed>& answer);
+  void hurry(Time now);
 
   SubscriptionOptions options_;
   std::uint32_t request_;   // of the newest request
@@ -72,6 +83,8 @@ class Subscription {
   Time next_ = Time::min();
   Time heard_ = Time::min();
   bool hurried_ = false;  // the newest request was sent at once upon a cookie
+  std::optional<RequestSigner> signer_;
+  wire::StreamKey stream_key_;
   wire::DatagramBuffer buffer_{};
 };
 

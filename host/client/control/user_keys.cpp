@@ -1,18 +1,22 @@
 #include "host/client/control/user_keys.h"
 
 #include <cerrno>
-#include <cstdio>
+#include <chrono>
 #include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string_view>
+#include <thread>
 #include <vector>
 
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "firmware/wire/keys/key_text.h"
 #include "posix/fd.h"
+#include "posix/replaced_file.h"
 
 namespace stof::client {
 namespace {
@@ -20,6 +24,9 @@ namespace {
 constexpr mode_t kOwnFile = 0600;
 constexpr mode_t kOwnFolder = 0700;
 constexpr mode_t kOthers = 0077;
+constexpr const char* kWritable = "make its folder one that you can write";
+constexpr std::string_view kNoFile =
+    "neither XDG_CONFIG_HOME nor HOME is set: name a file with --keys";
 
 std::unexpected<OpenError> refuse(Status status, const std::string& file, std::string_view what) {
   return std::unexpected(OpenError{status, file + ": " + std::string(what)});
@@ -48,15 +55,43 @@ void make_folder(const std::string& folder) {
   static_cast<void>(::mkdir(folder.c_str(), kOwnFolder));
 }
 
-bool write_all(int fd, std::span<const char> text) {
-  while (!text.empty()) {
-    const ssize_t written = ::write(fd, text.data(), text.size());
-    if (written < 0 && errno != EINTR) {
-      return false;
-    }
-    text = text.subspan(written < 0 ? 0 : static_cast<std::size_t>(written));
+// Open and locked; the lock goes with it.
+std::expected<posix::Fd, OpenError> lock_file(const std::string& file) {
+  constexpr int kTries = 200;
+  constexpr auto kPause = std::chrono::milliseconds(50);
+  if (file.empty()) {
+    return refuse(Status::kDeviceError, "keys", kNoFile);
   }
-  return ::fsync(fd) == 0;
+  make_folder(folder_of(file));
+  posix::Fd lock(::open((file + ".lock").c_str(),
+                        O_RDWR | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC,
+                        kOwnFile));
+  if (!lock.is_open()) {
+    return refuse_errno(file + ".lock", kWritable);
+  }
+  for (int i = 0; ::flock(lock.get(), LOCK_EX | LOCK_NB) != 0; ++i) {
+    if (errno != EWOULDBLOCK && errno != EINTR) {
+      return refuse_errno(file + ".lock", kWritable);
+    }
+    if (i == kTries) {
+      return refuse(Status::kTimeout, file, "another program changes it: end that first");
+    }
+    std::this_thread::sleep_for(kPause);
+  }
+  return lock;
+}
+
+// Who else could put another file in its place; empty: nobody.
+std::string_view who_replaces(const std::string& file) {
+  struct stat folder{};
+  const char* const nearest = file.starts_with('/') ? "/" : ".";
+  const std::string name = folder_of(file);
+  if (::stat(name.empty() ? nearest : name.c_str(), &folder) == 0 &&
+      (folder.st_mode & S_IWOTH) != 0 && (folder.st_mode & S_ISVTX) == 0) {
+    return "everybody may replace it: take the right to write its folder from the others (chmod "
+           "o-w)";
+  }
+  return {};
 }
 
 }  // namespace
@@ -88,6 +123,12 @@ std::expected<wire::KeyTable, OpenError> read_user_keys(const std::string& file)
     return refuse(Status::kDeviceError, file,
                   "others may read these keys: chmod 600, and pair again if somebody did");
   }
+  if (found.st_uid != ::geteuid() && found.st_uid != 0 && ::geteuid() != 0) {
+    return refuse(Status::kDeviceError, file, "it is another user's: pair for yourself");
+  }
+  if (const std::string_view who = who_replaces(file); !who.empty()) {
+    return refuse(Status::kDeviceError, file, who);
+  }
   std::vector<char> text(wire::kMostKeyText + 1);
   std::size_t bytes = 0;
   while (bytes < text.size()) {
@@ -114,49 +155,52 @@ std::expected<wire::KeyTable, OpenError> read_user_keys(const std::string& file)
 
 std::expected<void, OpenError> write_user_keys(const std::string& file,
                                                const wire::KeyTable& keys) {
-  constexpr const char* kWritable = "make its folder one that you can write";
   if (file.empty()) {
-    return refuse(Status::kDeviceError, "keys",
-                  "neither XDG_CONFIG_HOME nor HOME is set: name a file with --keys");
+    return refuse(Status::kDeviceError, "keys", kNoFile);
   }
   make_folder(folder_of(file));
-  const std::string fresh = file + ".new";
-  ::unlink(fresh.c_str());
-  const posix::Fd out(
-      ::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, kOwnFile));
   std::vector<char> space(wire::kMostKeyText);
-  const bool good = out.is_open() && write_all(out.get(), wire::write_keys(keys, space)) &&
-                    std::rename(fresh.c_str(), file.c_str()) == 0;
-  const int error = errno;
+  const int error = posix::replace_file(
+      file, std::as_bytes(std::span<const char>(wire::write_keys(keys, space))), kOwnFile);
   wire::wipe(std::as_writable_bytes(std::span(space)));
-  if (!good) {
-    if (out.is_open()) {
-      ::unlink(fresh.c_str());
-    }
+  if (error != 0) {
     errno = error;
     return refuse_errno(file, kWritable);
   }
   return {};
 }
 
-std::expected<void, OpenError> add_user_key(const std::string& file, const wire::Key& key) {
-  std::expected<wire::KeyTable, OpenError> keys = read_user_keys(file);
+std::expected<void, OpenError> update_user_keys(const std::string& file, const ChangeKeys& change) {
+  const std::expected<posix::Fd, OpenError> lock = lock_file(file);
+  if (!lock) {
+    return std::unexpected(lock.error());
+  }
+  const std::expected<wire::KeyTable, OpenError> keys = read_user_keys(file);
   if (!keys) {
-    return std::unexpected(std::move(keys.error()));
+    return std::unexpected(keys.error());
   }
-  wire::KeyTable next;
-  for (const wire::Key& old : keys->all()) {
-    if (old.device != key.device) {
-      static_cast<void>(next.add(old));
-    }
-  }
-  if (const Status added = next.add(key); added != Status::kOk) {
-    return refuse(added, file,
-                  added == Status::kTooLarge
-                      ? "holds as many keys as it takes: unpair from a sensor that is gone"
-                      : "has another sensor's key of that number: pair again");
-  }
-  return write_user_keys(file, next);
+  const std::expected<wire::KeyTable, OpenError> next = change(*keys);
+  return next ? write_user_keys(file, *next) : std::unexpected(next.error());
+}
+
+std::expected<void, OpenError> add_user_key(const std::string& file, const wire::Key& key) {
+  return update_user_keys(
+      file, [&](const wire::KeyTable& keys) -> std::expected<wire::KeyTable, OpenError> {
+        wire::KeyTable next;
+        for (const wire::Key& old : keys.all()) {
+          if (old.id != key.id || old.device != key.device) {
+            static_cast<void>(next.add(old));
+          }
+        }
+        if (const Status added = next.add(key); added != Status::kOk) {
+          return refuse(added, file,
+                        added == Status::kTooLarge
+                            ? "holds as many keys as it takes: stof unpair ends one, with --forget "
+                              "those of a sensor that is gone"
+                            : "has another sensor's key of that number: pair again");
+        }
+        return next;
+      });
 }
 
 }  // namespace stof::client

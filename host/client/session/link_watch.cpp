@@ -21,10 +21,11 @@ void LinkWatch::look(const Reassembler& reassembler, Time now) noexcept {
     restarted_at_ = now;
   }
   sessions_ = statistics.sessions;
-  if (statistics.implausible > implausible_) {
+  const std::uint64_t forgeries = statistics.implausible + reassembler.forgeries();
+  if (forgeries > forgeries_) {
     forged_at_ = now;
   }
-  implausible_ = statistics.implausible;
+  forgeries_ = forgeries;
   health_at_ = messages.health() ? std::optional(messages.health_at()) : std::nullopt;
   calibration_at_ =
       messages.calibration() ? std::optional(messages.calibration_at()) : std::nullopt;

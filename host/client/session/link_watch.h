@@ -16,8 +16,9 @@ struct LinkState {
   bool silent = true;
   // The sensor started again: for a second, and until the first frame after that start.
   bool restarted = false;
-  // Within the last 2 seconds something came that no sensor can have sent in its place: somebody
-  // speaks in the sensor's name, or it is faulty. What it said was not believed.
+  // Within the last 2 seconds something came that no sensor can have sent in its place, or that is
+  // not signed where it has to be: somebody speaks in the sensor's name, or it is faulty. What it
+  // said was not believed.
   bool forged_traffic = false;
 
   std::optional<Duration> frame_age{};  // of the last packet of the newest frame delivered
@@ -48,7 +49,7 @@ class LinkWatch {
   std::optional<Time> forged_at_;
   Duration period_{0};  // 0: not known
   std::uint64_t sessions_ = 0;
-  std::uint64_t implausible_ = 0;
+  std::uint64_t forgeries_ = 0;
 };
 
 }  // namespace stof::client

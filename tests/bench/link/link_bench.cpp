@@ -7,6 +7,8 @@
 #include <span>
 #include <utility>
 
+#include "host/client/control/user_keys.h"
+
 namespace stof::bench {
 namespace {
 
@@ -50,7 +52,7 @@ std::string quantiles(std::string_view name, std::vector<double> values) {
 }
 
 std::string json(const client::Statistics& s) {
-  return object(std::array<Entry, 23>{{{"packets_ok", s.packets_ok},
+  return object(std::array<Entry, 25>{{{"packets_ok", s.packets_ok},
                                        {"truncated", s.truncated},
                                        {"bad_magic", s.bad_magic},
                                        {"bad_version", s.bad_version},
@@ -72,11 +74,13 @@ std::string json(const client::Statistics& s) {
                                        {"events_dropped", s.events_dropped},
                                        {"sessions", s.sessions},
                                        {"socket_drops", s.socket_drops},
+                                       {"not_signed", s.not_signed},
+                                       {"forged", s.forged},
                                        {"packets", s.packets()}}});
 }
 
 std::string json(const wire::ControlCounters& c) {
-  return object(std::array<Entry, 13>{{{"accepted", c.accepted},
+  return object(std::array<Entry, 15>{{{"accepted", c.accepted},
                                        {"truncated", c.truncated},
                                        {"bad_magic", c.bad_magic},
                                        {"bad_version", c.bad_version},
@@ -88,7 +92,9 @@ std::string json(const wire::ControlCounters& c) {
                                        {"too_short", c.too_short},
                                        {"cookies", c.cookies},
                                        {"busy", c.busy},
-                                       {"overrun", c.overrun}}});
+                                       {"overrun", c.overrun},
+                                       {"unknown_key", c.forged},
+                                       {"replayed", c.replayed}}});
 }
 
 double milliseconds(client::Duration duration) {
@@ -99,9 +105,13 @@ std::int64_t nanoseconds(client::Time time) {
   return std::chrono::nanoseconds(time.time_since_epoch()).count();
 }
 
-client::Receiver subscribe(const std::string& sensor) {
+client::Receiver subscribe(const std::string& sensor, const std::string& keys) {
   client::ReceiverOptions options;
   options.sensor = sensor;
+  if (!keys.empty()) {
+    options.subscription.signed_streams = true;
+    options.subscription.keys = client::read_user_keys(keys).value_or(wire::KeyTable{});
+  }
   auto receiver = client::Receiver::open(options);
   if (!receiver) {
     std::fprintf(stderr, "stof_link_bench: %s\n", receiver.error().message.c_str());
@@ -114,23 +124,27 @@ namespace {
 
 struct Command {
   std::string_view name;
-  std::size_t words;
+  std::size_t words;  // one more may follow
   int (*run)(const Words&);
 };
 
 int run(const Words& words) {
-  constexpr std::array<Command, 4> kCommands{{{"receive", 2, &receive},
+  constexpr std::array<Command, 5> kCommands{{{"receive", 2, &receive},
+                                              {"attack", 5, &attack},
                                               {"cycles", 3, &cycles},
                                               {"flood", 4, &flood},
                                               {"compare", 3, &compare}}};
   for (const Command& command : kCommands) {
-    if (!words.empty() && words[0] == command.name && words.size() == command.words + 1) {
+    const std::size_t given = words.size();
+    if (given > 0 && words[0] == command.name && given > command.words &&
+        given <= command.words + 2) {
       return command.run(Words(words.begin() + 1, words.end()));
     }
   }
   std::fputs(
-      "stof_link_bench receive SENSOR SECONDS | cycles SENSOR COUNT CLIENTS |\n"
-      "  flood HOST:PORT COUNT RATE SEED | compare SENSOR IMPAIRED FRAMES\n",
+      "stof_link_bench receive SENSOR SECONDS [KEYS] | cycles SENSOR COUNT CLIENTS |\n"
+      "  flood HOST:PORT COUNT RATE SEED | attack HOST:PORT COUNT RATE SEED KEYS |\n"
+      "  compare SENSOR IMPAIRED FRAMES\n",
       stderr);
   return 2;
 }

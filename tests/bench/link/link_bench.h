@@ -13,13 +13,17 @@ namespace stof::bench {
 
 using Words = std::vector<std::string>;
 
-// receive SENSOR SECONDS: a line for the first frame of each session, one for each health, and a
-// summary at the end, which SIGTERM brings as well; 0 seconds: only that.
+// receive SENSOR SECONDS [KEYS]: with keys, streams that are signed for it. A line for the first
+// frame of each session, one for each health, and a summary at the end, which SIGTERM brings as
+// well; 0 seconds: only that.
 int receive(const Words& words);
 // cycles SENSOR COUNT CLIENTS: subscribe, first frame, unsubscribe; a summary.
 int cycles(const Words& words);
 // flood HOST:PORT COUNT RATE SEED: malformed requests, at most RATE a second; a summary.
 int flood(const Words& words);
+// attack HOST:PORT COUNT RATE SEED KEYS: changes without a key, with captured, repeated, changed
+// and guessed requests, RATE a second; a summary. KEYS: of whoever they are captured from.
+int attack(const Words& words);
 // compare SENSOR IMPAIRED FRAMES: rows that arrive by way of IMPAIRED beside those that come
 // straight from SENSOR; a summary.
 int compare(const Words& words);
@@ -49,6 +53,6 @@ double milliseconds(client::Duration duration);
 std::int64_t nanoseconds(client::Time time);
 
 // Ends the program with one line where the sensor cannot be subscribed at.
-client::Receiver subscribe(const std::string& sensor);
+client::Receiver subscribe(const std::string& sensor, const std::string& keys = {});
 
 }  // namespace stof::bench

@@ -117,7 +117,7 @@ int receive(const Words& words) {
   sigaction(SIGTERM, &action, nullptr);
   const std::chrono::duration<double> duration(std::strtod(words[1].c_str(), nullptr));
   const Time began = Time::clock::now();
-  client::Receiver receiver = subscribe(words[0]);
+  client::Receiver receiver = subscribe(words[0], words.size() > 2 ? words[2] : std::string());
   Meter meter(began);
   constexpr std::chrono::milliseconds kLook{100};
   while (g_stop == 0 && (duration.count() == 0 || Time::clock::now() - began < duration)) {

@@ -39,7 +39,8 @@ TEST(ControlNoHeap, TurnsAndFramesAllocateNothing) {
   std::array<std::byte, wire::kPairRequestBytes> pair{};
   wire::encode_pair_request(
       {.method = wire::PairMethod::kCode, .role = wire::Role::kAdmin, .cookie = cookie}, pair);
-  const std::array<Bytes, 9> requests{
+  const std::array<Bytes, 10> requests{
+      signed_subscribe(key, sensor, 2, {.cookie = cookie}),
       signed_settings(key, sensor, 1, {.cookie = cookie}),
       signed_settings(numbered_key(2), sensor, 1, {.cookie = cookie}),
       sealed(wire::PacketType::kPairRequest, pair),

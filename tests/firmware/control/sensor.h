@@ -18,10 +18,10 @@ namespace stof::test {
 class Sensor {
  public:
   explicit Sensor(firmware::SettingsService* settings = nullptr, std::uint16_t number = 0,
-                  std::uint32_t session = 1)
+                  std::uint32_t session = 1, keys::Authenticator* authenticator = nullptr)
       : port(open(number)),
         handler({.device_id = 0x51, .session_id = session}, firmware::make_cookie_secret(),
-                subscribers, settings),
+                subscribers, settings, authenticator),
         thread(std::in_place,
                firmware::ControlParts{
                    .port = *port, .handler = handler, .subscribers = subscribers, .ring = ring}) {}

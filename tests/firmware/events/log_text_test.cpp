@@ -13,7 +13,10 @@
 namespace stof::firmware {
 namespace {
 
-constexpr auto kLastEvent = static_cast<int>(EventKind::kPairing);
+constexpr auto kLastEvent = static_cast<int>(EventKind::kLastKeyEnded);
+
+constexpr std::array<std::uint8_t, 16> kLongest{0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11,
+                                                0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11};
 
 std::string text_of(const Event& event) {
   std::array<char, kMostLine> space;
@@ -34,7 +37,9 @@ TEST(LogText, EveryEventFitsItsLineAndTakesNoMemory) {
         describe({.kind = static_cast<EventKind>(kind),
                   .component = static_cast<Component>(component),
                   .status = Status::kInvalidArgument,
-                  .value = value},
+                  .value = value,
+                  .role = wire::Role::kAdmin,
+                  .address = kLongest},
                  line);
         test::heap_forbidden = false;
         EXPECT_TRUE(line.complete()) << line.text();
@@ -51,11 +56,15 @@ TEST(LogText, SaysWhatChanged) {
             "publishing, after 7 edges without a frame");
   EXPECT_EQ(text_of({.kind = EventKind::kLost, .component = Component::kStereo}),
             "stereo camera lost, trying to get it back");
-  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged, .value = 0xC0A80114}),
-            "settings changed by the address that ends with 192.168.1.20");
-  EXPECT_EQ(text_of({.kind = EventKind::kPairing, .value = 1'000'000 + 12'034}),
-            "pairing: the digits are 012 034. Where stof pair shows the same, hold the button for "
-            "three seconds; else do nothing");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
+                     .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
+            "settings changed by 192.168.1.20");
+  EXPECT_EQ(text_of({.kind = EventKind::kKeyEnded, .value = 0xA2B, .role = wire::Role::kAdmin}),
+            "key 00000a2b, role admin, ended over the serial line");
+  EXPECT_EQ(
+      text_of({.kind = EventKind::kPairing, .value = 1'000'000 + 12'034}),
+      "pairing: the digits are 012 034. Type them into stof pair; only if it accepts them hold "
+      "the button for three seconds");
 }
 
 }  // namespace

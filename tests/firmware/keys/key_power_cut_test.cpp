@@ -110,6 +110,7 @@ TEST_F(KeyPowerCut, AtEveryWriteLeavesOldOrNewAndNothingToTell) {
         default: {
           wire::Key key = numbered_key(change + 1);
           after.remove(key.id);
+          key.former = key.secret;
           key.secret = numbered_key(7).secret;
           static_cast<void>(after.add(key));
           done = ring.replace(key.id, key.secret);

@@ -54,7 +54,8 @@ class KeyServiceTest : public testing::Test {
   Other other_;
   hal::emu::Store store_;
   Keyring ring_{&store_, nullptr};
-  KeyService service_{ring_, other_};
+  firmware::ChangeRing changes_;
+  KeyService service_{ring_, other_, &changes_};
 };
 
 TEST_F(KeyServiceTest, LeavesEverythingElseToSettings) {
@@ -101,6 +102,26 @@ TEST_F(KeyServiceTest, AKeyIsEndedByAnAdminOrByItself) {
             SettingsResult::kOk);
   ASSERT_EQ(ring_.keys().count(), 1U);
   EXPECT_EQ(ring_.keys().all()[0].id, 3U);
+}
+
+TEST_F(KeyServiceTest, TellsWhichKeyHasEndedAndWhenItWasTheLast) {
+  ASSERT_EQ(ring_.add(numbered_key(7, wire::Role::kTune)), Status::kOk);
+  ASSERT_EQ(ring_.add(numbered_key(8)), Status::kOk);
+  EXPECT_EQ(ask(SettingsOperation::kUnpair, "00000007", Access::kTune, 7).result,
+            SettingsResult::kOk);
+  EXPECT_EQ(ask(SettingsOperation::kUnpair, "00000007", Access::kAdmin).result,
+            SettingsResult::kInvalid);
+  EXPECT_EQ(ask(SettingsOperation::kUnpair, "00000008", Access::kAdmin).result,
+            SettingsResult::kOk);
+  const auto first = changes_.pop();
+  const auto last = changes_.pop();
+  ASSERT_TRUE(first && last);
+  EXPECT_EQ(first->kind, firmware::EventKind::kKeyEnded);
+  EXPECT_EQ(first->value, 7U);
+  EXPECT_EQ(first->role, wire::Role::kTune);
+  EXPECT_EQ(last->kind, firmware::EventKind::kLastKeyEnded);
+  EXPECT_EQ(last->value, 8U);
+  EXPECT_EQ(changes_.size(), 0U);
 }
 
 TEST_F(KeyServiceTest, SaysWhatItDoesNotEnd) {

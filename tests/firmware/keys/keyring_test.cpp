@@ -65,6 +65,37 @@ TEST_F(KeyringTest, TheNextStartHasTheSameKeys) {
   }
 }
 
+TEST_F(KeyringTest, ARenewedKeyHasBothSecretsUntilTheNewOneHasSigned) {
+  Keyring ring = started();
+  ASSERT_EQ(ring.add(numbered_key(1)), Status::kOk);
+  ASSERT_EQ(ring.add(numbered_key(2)), Status::kOk);
+  ASSERT_EQ(ring.replace(1, numbered_key(7).secret), Status::kOk);
+  for (const std::uint32_t newest : {7U, 8U}) {  // the answer was lost, it was renewed again
+    ASSERT_EQ(ring.replace(1, numbered_key(newest).secret), Status::kOk);
+    const Keyring next = started();
+    EXPECT_EQ(told_, "");
+    ASSERT_EQ(next.keys().count(), 2U);
+    EXPECT_EQ(next.keys().find(1)->secret, numbered_key(newest).secret);
+    EXPECT_EQ(next.keys().find(1)->former, numbered_key(1).secret);
+    EXPECT_EQ(next.keys().find(2)->former, std::nullopt);
+  }
+  ring.settle(1);
+  EXPECT_EQ(ring.keys().find(1)->former, std::nullopt);
+  const Keyring next = started();
+  EXPECT_EQ(next.keys().find(1)->secret, numbered_key(8).secret);
+  EXPECT_EQ(next.keys().find(1)->former, std::nullopt);
+}
+
+TEST_F(KeyringTest, ARoleThatIsNoneIsNoKey) {
+  Keyring ring = started();
+  wire::Key key = numbered_key(1);
+  for (const int role : {0, 4, 255}) {
+    key.role = static_cast<wire::Role>(role);
+    EXPECT_EQ(ring.add(key), Status::kInvalidArgument);
+  }
+  EXPECT_EQ(started().pairing(), Pairing::kUnpaired);
+}
+
 TEST_F(KeyringTest, WhatWasNotSavedIsNotInForce) {
   Keyring ring = started();
   ASSERT_EQ(ring.add(numbered_key(1)), Status::kOk);

@@ -78,7 +78,7 @@ TEST_F(PairingServerTest, ByDigitsTakesThePressAndTheAcceptance) {
   EXPECT_EQ(ring_.keys().all()[0].name_text(), "client");
   EXPECT_EQ(ask(client.confirm()).result, PairResult::kOk);  // the answer was lost
   EXPECT_EQ(ring_.keys().count(), 1U);
-  EXPECT_EQ(server_.paired(), 1U);
+  EXPECT_TRUE(server_.is_done());
 }
 
 TEST_F(PairingServerTest, TheSensorMayAcceptBeforeTheClientsUser) {
@@ -230,11 +230,60 @@ TEST_F(PairingServerTest, AKeyGetsANewSecretFromWhoHasTheOldOne) {
   EXPECT_TRUE(has_key_of(client, 9));
   EXPECT_EQ(ring_.keys().all()[0].role, Role::kTune);
   EXPECT_EQ(ring_.keys().all()[0].name_text(), "test");
+  ring_.settle(9);
   PairingClient late(kSensor, PairMethod::kKey, Role::kTune, old.secret, 9);
   ASSERT_EQ(ask(late.reveal(ask(late.begin()))).result, PairResult::kOk);
   EXPECT_EQ(ask(late.confirm()).result, PairResult::kWrong);
   PairingClient nobody(kSensor, PairMethod::kKey, Role::kTune, old.secret, 10);
   EXPECT_EQ(run(nobody).result, PairResult::kClosed);
+}
+
+TEST_F(PairingServerTest, WhoNeverGotTheRenewalsAnswerRenewsAgain) {
+  const wire::Key old = numbered_key(9, Role::kTune);
+  ASSERT_EQ(ring_.add(old), Status::kOk);
+  PairingClient lost(kSensor, PairMethod::kKey, Role::kTune, old.secret, 9);
+  ASSERT_EQ(run(lost).result, PairResult::kOk);
+  PairingClient again(kSensor, PairMethod::kKey, Role::kTune, old.secret, 9);
+  EXPECT_EQ(run(again).result, PairResult::kOk);
+  EXPECT_TRUE(has_key_of(again, 9));
+  EXPECT_FALSE(has_key_of(lost, 9));
+  EXPECT_EQ(ring_.keys().find(9)->former, old.secret);
+}
+
+TEST_F(PairingServerTest, TellsWhichKeyCameAndFromWhom) {
+  firmware::ChangeRing changes;
+  server_.set_changes(&changes);
+  PairingClient client(kSensor, PairMethod::kCode, Role::kTune, kCode);
+  const hal::Peer from{.address = {1, 2, 3}, .port = 4};
+  const PairAnswer begun = server_.serve(client.begin(), PairingWay::kNetwork, now_, from);
+  static_cast<void>(ask(client.reveal(begun)));
+  EXPECT_EQ(changes.size(), 0U);
+  for (int i = 0; i < 2; ++i) {  // repeated, it is told once
+    ASSERT_EQ(ask(client.confirm()).result, PairResult::kOk);
+  }
+  const auto change = changes.pop();
+  ASSERT_TRUE(change.has_value());
+  EXPECT_EQ(change->kind, firmware::EventKind::kKeyMade);
+  EXPECT_EQ(change->value, ring_.keys().all()[0].id);
+  EXPECT_EQ(change->role, Role::kTune);
+  EXPECT_EQ(change->address, from.address);
+  EXPECT_EQ(changes.size(), 0U);
+}
+
+TEST_F(PairingServerTest, RolesAndNamesThatAreNoneBeginNothing) {
+  for (const int role : {0, 4, 255}) {
+    PairingClient client(kSensor, PairMethod::kCable, static_cast<Role>(role));
+    EXPECT_EQ(run(client, PairingWay::kCable).result, PairResult::kWrong) << role;
+  }
+  for (const std::string_view name :
+       {std::string_view(), std::string_view("a b"), std::string_view("\xC3\xA4"),
+        std::string_view("a\0b", 3), std::string_view("a\n")}) {
+    PairingClient client(kSensor, PairMethod::kCable, Role::kAdmin);
+    client.said().name = {};
+    std::ranges::copy(name, client.said().name.begin());
+    EXPECT_EQ(run(client, PairingWay::kCable).result, PairResult::kWrong) << name;
+  }
+  EXPECT_EQ(ring_.pairing(), Pairing::kUnpaired);
 }
 
 TEST_F(PairingServerTest, APointThatAnybodyKnowsTheResultOfIsRefused) {
@@ -247,7 +296,7 @@ TEST_F(PairingServerTest, APointThatAnybodyKnowsTheResultOfIsRefused) {
 TEST_F(PairingServerTest, NobodysRoleIsNotPaired) {
   server_.open(now_);
   PairingClient client(kSensor, PairMethod::kDigits, Role::kNone);
-  EXPECT_EQ(run(client).result, PairResult::kClosed);
+  EXPECT_EQ(run(client).result, PairResult::kWrong);
 }
 
 TEST_F(PairingServerTest, SaysWhereNoMoreKeysAreKept) {

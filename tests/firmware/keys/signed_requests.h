@@ -28,6 +28,18 @@ inline Bytes signed_settings(const wire::Key& key, const wire::Origin& origin,
   return {datagram.begin(), datagram.end()};
 }
 
+inline Bytes signed_subscribe(const wire::Key& key, const wire::Origin& origin,
+                              std::uint64_t counter, const wire::Subscribe& request,
+                              wire::PacketType type = wire::PacketType::kSubscribe) {
+  wire::DatagramBuffer buffer;
+  wire::encode_subscribe(request, wire::signed_space(buffer).first<wire::kSubscribeBytes>());
+  const auto datagram = wire::seal_signed(
+      {.type = wire::PacketType::kSignedRequest, .origin = origin},
+      {.key_id = key.id, .type = static_cast<std::uint8_t>(type), .counter = counter},
+      wire::kSubscribeBytes, key.secret, buffer);
+  return {datagram.begin(), datagram.end()};
+}
+
 struct SignedReply {
   wire::SignedFields fields;
   wire::SettingsAnswer answer;

@@ -28,6 +28,7 @@ dsp::PmdSensor sensor() {
 struct Light {
   int lit = 0;
   double ambient = 0;      // LSB
+  double amplitude = 60;   // LSB, of light of the lamp
   double noise_scale = 1;  // of what the calibration says
   double stray_i = 0;      // LSB, in all pixels
   double flicker = 0;      // share that the ambient light changes by from sample to sample
@@ -36,10 +37,9 @@ struct Light {
 class Samples {
  public:
   Samples(const Light& light, std::uint32_t seed) {
-    constexpr double kAmplitude = 60;
     std::mt19937 random(seed);
     const double shot =
-        std::sqrt(2.5 * 2.5 + (light.ambient + kAmplitude) / sensor().electrons_per_lsb);
+        std::sqrt(2.5 * 2.5 + (light.ambient + light.amplitude) / sensor().electrons_per_lsb);
     std::normal_distribution<double> noise;
     const double deviation = shot * light.noise_scale;
     std::uniform_real_distribution<double> flicker(-light.flicker, light.flicker);
@@ -49,7 +49,7 @@ class Samples {
       const double stray = light.stray_i / 2 * std::cos(k * std::numbers::pi / 2);
       for (int i = 0; i < kWidth * kHeight; ++i) {
         const double back =
-            i < light.lit ? kAmplitude * (1 + std::cos(0.3 + k * std::numbers::pi / 2)) : 0;
+            i < light.lit ? light.amplitude * (1 + std::cos(0.3 + k * std::numbers::pi / 2)) : 0;
         plane.push_back(static_cast<std::uint16_t>(
             std::lround(200 + ambient + stray + back + deviation * noise(random))));
       }
@@ -99,11 +99,19 @@ TEST(LightGuard, LightThatFadesIsThereAsLongAsAFewPixelsHaveIt) {
 TEST(LightGuard, TheNoiseOfSunlightIsNoLight) {
   for (const double ambient : {0.0, 300.0, 1000.0, 2500.0}) {
     LightGuard guard(sensor());
-    EXPECT_TRUE(is_lit(guard, {.lit = kAll, .ambient = ambient}));
+    EXPECT_TRUE(is_lit(guard, {.lit = kAll, .ambient = ambient, .amplitude = 60 + ambient / 4}));
     for (std::uint32_t seed = 0; seed < 20; ++seed) {
       EXPECT_FALSE(is_lit(guard, {.ambient = ambient}, seed)) << ambient;
     }
   }
+}
+
+// No pixel has a reading then.
+TEST(LightGuard, LightThatOtherLightDrownsIsNone) {
+  LightGuard guard(sensor());
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll, .ambient = 100}));
+  EXPECT_FALSE(is_lit(guard, {.lit = kAll, .ambient = 1000}));
+  EXPECT_TRUE(is_lit(guard, {.lit = kAll, .ambient = 100}));
 }
 
 TEST(LightGuard, NoiseThatTheCalibrationDoesNotKnowIsNoLight) {
@@ -115,13 +123,13 @@ TEST(LightGuard, NoiseThatTheCalibrationDoesNotKnowIsNoLight) {
   }
 }
 
-TEST(LightGuard, AmbientLightThatFlickersIsSeldomTakenForLight) {
+TEST(LightGuard, AmbientLightThatFlickersIsNoLight) {
   LightGuard guard(sensor());
-  int lit = 0;
-  for (std::uint32_t seed = 0; seed < 100; ++seed) {
-    lit += is_lit(guard, {.ambient = 300, .flicker = 0.1}, seed) ? 1 : 0;
+  for (const double ambient : {300.0, 1000.0}) {
+    for (std::uint32_t seed = 0; seed < 100; ++seed) {
+      EXPECT_FALSE(is_lit(guard, {.ambient = ambient, .flicker = 0.1}, seed)) << seed;
+    }
   }
-  EXPECT_LE(lit, 20) << "where it happens to change as light of the lamp does";
 }
 
 TEST(LightGuard, StrayLightIsNoLightThatComesBackAndItsAbsenceIsNone) {

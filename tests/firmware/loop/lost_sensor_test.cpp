@@ -216,6 +216,23 @@ TEST(LostSensors, ALampThatIsDarkFromTheStartGivesNoDepthAndIsTold) {
   }
 }
 
+// Its frame may be paced over the whole period.
+TEST(LostSensors, ALossIsToldBeforeTheFrameOfItsEdge) {
+  Rig rig(with_fault(&Faults::pmd, emu::FaultKind::kVanish));
+  Receiver before;
+  run(rig, before, kFirst);
+  EXPECT_TRUE(before.events.empty());
+  static_cast<void>(rig.loop.step());
+  std::vector<wire::PacketType> sent;
+  while (const auto datagram = rig.port.take_sent()) {
+    sent.push_back(wire::parse_packet(datagram->bytes).value().header.type);
+  }
+  ASSERT_FALSE(sent.empty());
+  EXPECT_EQ(sent.front(), wire::PacketType::kEvent);
+  EXPECT_EQ(std::ranges::count(sent, wire::PacketType::kEvent), 1);
+  EXPECT_EQ(std::ranges::count(sent, wire::PacketType::kFrameInfo), 1);
+}
+
 // Of which nothing can be said: no noise, no depth either. The sensors stay in use.
 TEST(LostSensors, ACoveredPairIsNotFrozen) {
   RigOptions options = with_pixels(&PixelFaults::left, true);

@@ -93,6 +93,17 @@ TEST(SequenceGuard, BelievesAnyNumberAfterALoss) {
   EXPECT_TRUE(guard.advances(3));
 }
 
+TEST(SequenceGuard, AfterAnOpeningAnyOtherNumberIsNewButTheOneThatRepeatsIsNot) {
+  SequenceGuard guard;
+  guard.accept(41);
+  guard.expect_another();
+  EXPECT_FALSE(guard.advances(41));
+  EXPECT_TRUE(guard.advances(1));
+  guard.accept(1);
+  EXPECT_FALSE(guard.advances(1));
+  EXPECT_FALSE(guard.advances(41 + SequenceGuard::kMaxStep)) << "once alone";
+}
+
 struct Stereo {
   std::vector<std::uint8_t> pixels = std::vector<std::uint8_t>(64);
   hal::StereoFrame frame{.left = {pixels.data(), 8, 8},

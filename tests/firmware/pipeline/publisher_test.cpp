@@ -307,6 +307,104 @@ TEST(Publisher, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
   }
 }
 
+wire::StreamKey numbered_stream_key(std::uint32_t number) {
+  wire::StreamKey key{.number = number};
+  key.secret.fill(static_cast<std::byte>(number));
+  return key;
+}
+
+// What each of three receivers gets: its datagrams as they were before they were signed, the
+// counters in order.
+struct Signed {
+  Datagrams plain;
+  std::vector<std::uint64_t> counters;
+};
+std::array<Signed, 3> got_by(emu::DatagramPort& port, const ReceiverList& receivers) {
+  std::array<Signed, 3> got;
+  while (const auto sent = port.take_sent()) {
+    const std::size_t receiver = sent->to.port - 1U;
+    const auto packet = wire::parse_packet(sent->bytes);
+    EXPECT_TRUE(packet);
+    EXPECT_LE(sent->bytes.size(), wire::kMaxDatagram);
+    const auto signature = wire::signature_of(sent->bytes);
+    const wire::StreamKey& key = receivers.keys.at(receiver);
+    EXPECT_EQ(signature.has_value(), key.number != 0);
+    if (signature) {
+      EXPECT_EQ(signature->number, key.number);
+      EXPECT_TRUE(wire::signed_with(key, *signature, sent->bytes));
+      got.at(receiver).counters.push_back(signature->counter);
+    }
+    wire::DatagramBuffer space{};
+    std::ranges::copy(packet->payload, wire::payload_space(space).begin());
+    const auto plain = wire::seal_packet(packet->header, packet->payload.size(), space);
+    got.at(receiver).plain.emplace_back(plain.begin(), plain.end());
+  }
+  return got;
+}
+
+std::vector<std::uint64_t> numbers(std::uint64_t first, std::size_t count) {
+  std::vector<std::uint64_t> all(count);
+  std::ranges::generate(all, [&] { return first++; });
+  return all;
+}
+
+TEST(Publisher, SignsForEachWhoAskedAndCountsOn) {
+  ASSERT_TRUE(wire::start_crypto());
+  for (const int pace : {0, 60}) {
+    Sender sender(everything(wire::Coding::kQuantised, true), 4 * kQueue);
+    sender.publisher.set_params({.choice = everything(wire::Coding::kQuantised, true),
+                                 .pace_percent = pace,
+                                 .period = 33ms});
+    ReceiverList receivers = receivers_at_ports(3);
+    receivers.keys[0] = numbered_stream_key(1);
+    receivers.keys[2] = numbered_stream_key(2);
+    sender.publisher.set_receivers(receivers);
+    Scene scene(1);
+    ASSERT_EQ(sender.publish(scene), Status::kOk);
+    sender.publisher.report({});
+    const auto first = got_by(sender.port, receivers);
+    EXPECT_GT(first[1].plain.size(), 100U);
+    EXPECT_TRUE(first[0].plain == first[1].plain && first[2].plain == first[1].plain);
+    EXPECT_EQ(first[0].counters, numbers(1, first[1].plain.size()));
+    EXPECT_EQ(first[2].counters, first[0].counters);
+
+    // The first one leaves: the last one is at another place of the list, and goes on.
+    receivers.peers[0] = receivers.peers[2];
+    receivers.keys[0] = receivers.keys[2];
+    receivers.count = 1;
+    sender.publisher.set_receivers(receivers);
+    ASSERT_EQ(sender.publish(scene), Status::kOk);
+    ReceiverList at_third = receivers_at_ports(3);
+    at_third.keys[2] = numbered_stream_key(2);
+    const auto second = got_by(sender.port, at_third);
+    EXPECT_EQ(second[2].counters, numbers(first[2].counters.size() + 1, second[2].plain.size()));
+
+    // Another key begins anew.
+    receivers.keys[0] = at_third.keys[2] = numbered_stream_key(3);
+    sender.publisher.set_receivers(receivers);
+    ASSERT_EQ(sender.publish(scene), Status::kOk);
+    const auto third = got_by(sender.port, at_third);
+    EXPECT_EQ(third[2].counters, numbers(1, third[2].plain.size()));
+  }
+}
+
+TEST(Publisher, WhatALostDeviceLeavesOfASignedFrameIsCounted) {
+  const wire::StreamChoice choice = everything(wire::Coding::kRaw, true);
+  Scene scene(1);
+  Sender all(choice);
+  ASSERT_EQ(all.publish(scene), Status::kOk);
+  const std::uint64_t whole = all.events.counters.packets_sent;
+  ReceiverList receivers = receivers_at_ports(3);
+  receivers.keys[1] = numbered_stream_key(1);
+  for (const std::size_t datagrams : {0U, 1U, 9U, 90U}) {
+    LostPort port(datagrams);
+    Sender sender(choice, 1, {}, &port);
+    sender.publisher.set_receivers(receivers);
+    EXPECT_EQ(sender.publish(scene), Status::kDeviceLost);
+    EXPECT_EQ(sender.events.counters.packets_dropped, receivers.count * whole - datagrams);
+  }
+}
+
 // Nothing of it is sent, and its number is missing.
 TEST(Publisher, PicturesLargerThanSaidAreRefusedWhole) {
   const wire::StreamChoice choice = everything(wire::Coding::kQuantised, true);

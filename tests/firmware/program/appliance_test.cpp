@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <set>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -12,6 +15,13 @@
 
 namespace stof::firmware::test {
 namespace {
+
+std::string text_of(const Event& event) {
+  std::array<char, kMostLine> space;
+  settings::PagedWriter line(space);
+  describe(event, line);
+  return std::string(line.text());
+}
 
 TEST(Appliance, SendsNothingUntilSomebodySubscribes) {
   ApplianceRig box;
@@ -192,30 +202,67 @@ TEST(Appliance, NewSettingsAreInForceWithinASecondAtAnyPeriod) {
 TEST(Appliance, WhoChangedTheSettingsIsTold) {
   ApplianceRig box;
   box.subscribe(1);
+  constexpr std::array<std::array<std::uint8_t, 16>, 3> by{
+      {{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1},
+       {0xFD, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xC0, 0xA8, 1, 5},
+       {}}};
   Receiver receiver;
   for (int i = 0; i < 60; ++i) {
-    static_cast<void>(box.appliance.step({.settings_revision = i < 20   ? 1U
-                                                               : i < 40 ? 2U
-                                                                        : 3U,
-                                          .settings_changed_by = 0x7F000001}));
+    for (std::size_t k = 0; k < (i == 20 || i == 40 ? by.size() : 0U); ++k) {  // in one frame
+      ASSERT_TRUE(box.changes.push(
+          {.kind = EventKind::kSettingsChanged, .value = who(by[k]), .address = by[k]}));
+    }
+    static_cast<void>(box.appliance.step({}));
     receiver.drain(box.rig.port);
   }
-  std::set<std::uint32_t> told;
+  std::map<std::uint32_t, std::uint32_t> told;
   for (const wire::EventReport& event : receiver.events) {
     if (event.condition == static_cast<std::uint8_t>(wire::Condition::kSettingsChanged)) {
-      EXPECT_EQ(event.value, 0x7F000001U);
+      told[event.count] = event.value;
+    }
+  }
+  EXPECT_EQ(
+      told,
+      (std::map<std::uint32_t, std::uint32_t>{
+          {1, 0x7F000001}, {2, 0xC0A80105}, {3, 0}, {4, 0x7F000001}, {5, 0xC0A80105}, {6, 0}}));
+  std::vector<std::string> lines;
+  while (const auto event = box.rig.events.take()) {
+    if (event->kind == EventKind::kSettingsChanged) {
+      lines.push_back(text_of(*event));
+    }
+  }
+  ASSERT_EQ(lines.size(), 6U);
+  EXPECT_EQ(lines[0], "settings changed by 127.0.0.1");
+  EXPECT_EQ(lines[1], "settings changed by fd00:0:0:0:0:0:c0a8:105");
+  EXPECT_EQ(lines[2], "settings changed over the serial line");
+}
+
+TEST(Appliance, KeysThatComeAndGoAreTold) {
+  ApplianceRig box;
+  box.subscribe(1);
+  static_cast<void>(box.run(5));
+  for (const EventKind kind : {EventKind::kKeyMade, EventKind::kKeyRenewed, EventKind::kKeyEnded,
+                               EventKind::kLastKeyEnded}) {
+    ASSERT_TRUE(box.changes.push(
+        {.kind = kind, .value = 0x1a2b3c4d, .role = wire::Role::kAdmin, .address = {}}));
+  }
+  std::set<std::uint32_t> told;
+  for (const wire::EventReport& event : box.run(20).events) {
+    if (event.condition == static_cast<std::uint8_t>(wire::Condition::kKeysChanged)) {
+      EXPECT_EQ(event.value, 0x1a2b3c4dU);
       told.insert(event.count);
     }
   }
-  EXPECT_EQ(told, (std::set<std::uint32_t>{1, 2}));
-  int lines = 0;
+  EXPECT_EQ(told, (std::set<std::uint32_t>{1, 2, 3, 4}));
+  std::string lines;
   while (const auto event = box.rig.events.take()) {
-    std::array<char, kMostLine> space;
-    settings::PagedWriter line(space);
-    describe(*event, line);
-    lines += line.text() == "settings changed by the address that ends with 127.0.0.1" ? 1 : 0;
+    lines += text_of(*event) + "\n";
   }
-  EXPECT_EQ(lines, 2);
+  EXPECT_NE(lines.find("key 1a2b3c4d, role admin, made over the serial line\n"), std::string::npos)
+      << lines;
+  EXPECT_NE(lines.find("renewed over"), std::string::npos) << lines;
+  EXPECT_NE(lines.find("ended over the serial line\n"), std::string::npos) << lines;
+  EXPECT_NE(lines.find("It was the last"), std::string::npos) << lines;
 }
 
 TEST(Appliance, FramesCarryTheFingerprintOfTheirSettings) {

@@ -36,6 +36,8 @@ Status step_without_heap(Appliance& appliance) {
   return status;
 }
 
+constexpr hal::Peer kReceiver{.address = {}, .port = 1};
+
 // Threads that may never allocate once they are there.
 posix::WorkerThreads::Params heapless(int threads) {
   return {.threads = threads, .prepare = [](int) { heap_forbidden = true; }};
@@ -58,6 +60,9 @@ void run_without_heap(dsp::ThreadTeam threads, std::uint64_t frames,
                       DeviceLending* lending = nullptr) {
   Rig rig({.faults = all_faults(), .threads = threads, .lending = lending});
   rig.log.edges.reserve(2 * frames);
+  // One receiver, whose datagrams are signed.
+  rig.publisher.set_receivers(
+      {.peers = {kReceiver}, .keys = {wire::StreamKey{.number = 1}}, .count = 1});
   std::uint64_t steps = 0;
   std::uint64_t lost = 0;
   while (rig.events.counters.published < frames && steps < frames + frames / 2) {

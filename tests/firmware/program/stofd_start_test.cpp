@@ -188,6 +188,55 @@ TEST_F(StofdStart, WhatWasDroppedIsACondition) {
   EXPECT_EQ(other.end().code, 0);
 }
 
+// Keys that cannot be reached are not the same as none.
+TEST_F(StofdStart, KeysInAFolderThatIsMissingAreLost) {
+  write("file", "");
+  for (const char* const keys : {"missing/keys", "file/keys", "keys"}) {
+    const Socket socket;
+    const Stofd stofd(small({"--keys", path(keys), "--to", socket.destination}));
+    EXPECT_TRUE(hear_health(socket, bit(std::string(keys) == "keys" ? wire::Condition::kUnpaired
+                                                                    : wire::Condition::kKeysLost)))
+        << keys;
+    stofd.signal(SIGTERM);
+    EXPECT_EQ(stofd.end().code, 0);
+  }
+}
+
+TEST_F(StofdStart, EachDocumentHasAFileOfItsOwn) {
+  write("label", "000102030405060708090a0b0c0d0e0f");
+  write("zeros", std::string(32, '0'));
+  fs::create_directory(dir_ / "sub");
+  const std::string settings = path("settings.json");
+  const std::vector<std::vector<std::string>> clashes{
+      {"--settings", settings, "--keys", settings},
+      {"--settings", settings, "--keys", path("sub/../settings.json.good")},
+      {"--settings", settings, "--keys", settings + ".trial"},
+      {"--settings", settings, "--keys", settings + ".limits"},
+      {"--label", path("label"), "--keys", path("label")},
+      {"--label", path("zeros")}};
+  for (const auto& arguments : clashes) {
+    const Ended ended = run_stofd(small(arguments));
+    EXPECT_EQ(ended.code, 2) << arguments.back();
+    EXPECT_EQ(std::ranges::count(ended.error, '\n'), 1) << ended.error;
+  }
+}
+
+TEST_F(StofdStart, SecretsThatOthersCouldReadAreTold) {
+  write("keys", "stof keys 1\ncrc32c 00000000\n");
+  write("label", "000102030405060708090a0b0c0d0e0f");
+  const std::vector<std::string> arguments =
+      small({"--keys", path("keys"), "--label", path("label"), "--frames", "2", "--free-run"});
+  for (const auto& [mode, told] : {std::pair(0644, true), std::pair(0600, false)}) {
+    ASSERT_EQ(chmod(path("keys").c_str(), static_cast<mode_t>(mode)), 0);
+    ASSERT_EQ(chmod(path("label").c_str(), static_cast<mode_t>(mode)), 0);
+    const Ended ended = run_stofd(arguments);
+    EXPECT_EQ(ended.code, 0) << ended.error;
+    for (const char* const what : {"keys: others than its owner", "label: others than its owner"}) {
+      EXPECT_EQ(ended.out.find(what) != std::string::npos, told) << ended.out;
+    }
+  }
+}
+
 // The best of some tries: other programs share this machine.
 TEST_F(StofdStart, EndsWithinATenthOfASecondAndTellsItsHealthAtAnyPeriod) {
   write("settings.json", R"({"period_ms": 60000})");

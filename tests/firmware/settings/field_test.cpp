@@ -200,6 +200,20 @@ TEST(Fields, RefuseWhatIsNoneOfTheirValues) {
   }
 }
 
+// What would end a line, or turn the writing around it, on somebody's screen.
+TEST(Fields, NamesHoldNothingThatMovesTheTextAroundThem) {
+  for (const std::string character :
+       {"\xC2\x80", "\xC2\x9B", "\xC2\x9F", "\xD8\x9C", "\xE2\x80\x8E", "\xE2\x80\x8F",
+        "\xE2\x80\xA8", "\xE2\x80\xA9", "\xE2\x80\xAA", "\xE2\x80\xAE", "\xE2\x81\xA6",
+        "\xE2\x81\xA9"}) {
+    EXPECT_NE(refusal(nest("name", "\"a" + character + "b\"")), "accepted");
+  }
+  for (const std::string character : {"\xC2\xA0", "\xC3\xA4", "\xD8\x9B", "\xE2\x80\x90",
+                                      "\xE2\x82\xAC", "\xE2\x81\xAA", "\xF0\x9F\x98\x80"}) {
+    EXPECT_EQ(refusal(nest("name", "\"a" + character + "b\"")), "accepted");
+  }
+}
+
 TEST(Fields, SayWhatTheyTake) {
   EXPECT_EQ(refusal(R"({"streams": {"depth": "foo"}})"),
             "streams.depth: takes off, raw, rvl or fit, not \"foo\"");

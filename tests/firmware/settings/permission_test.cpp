@@ -85,6 +85,17 @@ TEST(Permission, TheHarmlessListIsTheDocuments) {
             "streams.parity ");
 }
 
+// The serial line and the search have no condition that would tell it.
+TEST(Permission, WhatBlindsWithoutAWordIsTheAdmins) {
+  for (const char* const json :
+       {R"({"sectors": {"least_mm": 10000}})", R"({"sectors": {"pixels": 1000}})",
+        R"({"sectors": {"above_mm": 0}})", R"({"sectors": {"below_mm": 0}})",
+        R"({"depth": {"disparities": 8}})", R"({"depth": {"match": {"min-disparity": 1000}}})"}) {
+    EXPECT_NE(refusal({}, changed(json), Access::kTune), "") << json;
+    EXPECT_EQ(refusal({}, changed(json), Access::kAdmin), "") << json;
+  }
+}
+
 TEST(Permission, SaysWhichFieldAndWhatItTakes) {
   EXPECT_EQ(refusal({}, changed(R"({"udp": {"port": 68}})"), Access::kHarmless),
             "udp.port: takes a key with role admin: pair with the sensor (stof pair), or use its "

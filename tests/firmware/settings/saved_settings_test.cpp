@@ -255,6 +255,71 @@ TEST(SavedSettings, DamagedOrMissingOnesAreReplacedByTheLastGood) {
   }
 }
 
+// What an installer fixed is as strict as it was, whatever becomes of the settings.
+TEST(SavedSettings, DroppedOnesLeaveWhatAnInstallerFixed) {
+  Settings saved = named("a");
+  saved.serial.remote = true;
+  saved.limits = {.least_range_mm = 4000,
+                  .least_period_ms = 40,
+                  .most_period_ms = 200,
+                  .streams = StreamLimit::kFixed};
+  for (const bool with_good : {false, true}) {
+    Medium medium;
+    hal::emu::Store fixed;
+    const auto start = [&] {
+      std::array<char, 320> space;
+      PagedWriter line(space);
+      SettingsStores stores = medium.stores();
+      stores.fixed = &fixed;
+      const StartSettings started = load_settings(stores, "x.json", &medium.board, line);
+      medium.told = line.text();
+      return started;
+    };
+    if (with_good) {  // from before the limits
+      ASSERT_EQ(save_document(medium.good, named("old")), Status::kOk);
+    }
+    ASSERT_EQ(save_document(medium.current, saved), Status::kOk);
+    EXPECT_EQ(start().settings, saved);
+    EXPECT_EQ(fixed.saves(), 1);
+    // Two starts that failed, then a damaged file, then none.
+    EXPECT_EQ(start().dropped, Dropped::kNot);
+    EXPECT_EQ(fixed.saves(), 1);
+    std::vector<StartSettings> dropped{start()};
+    put(medium.current, "{");
+    dropped.push_back(start());
+    dropped.push_back(start());
+    for (const StartSettings& fallback : dropped) {
+      EXPECT_NE(fallback.dropped, Dropped::kNot);
+      EXPECT_EQ(fallback.good, with_good);
+      EXPECT_EQ(fallback.settings.name.view(), with_good ? "old" : "stof");
+      EXPECT_TRUE(fallback.settings.serial.remote);
+      EXPECT_EQ(fallback.settings.limits, saved.limits);
+      EXPECT_FALSE(fallback.strictest);
+    }
+  }
+}
+
+TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
+  for (const char* const record :
+       {"", "{", "{}", R"({"serial": {"remote": false}})",
+        R"({"name": "x", "serial": {"remote": false}, "limits": {"least_range_mm": 500, )"
+        R"("least_period_ms": 0, "most_period_ms": 1000, "streams": "none"}})"}) {
+    Medium medium;
+    hal::emu::Store fixed;
+    put(fixed, record);
+    put(medium.current, "{");
+    std::array<char, 320> space;
+    PagedWriter line(space);
+    const StartSettings started =
+        load_settings({medium.current, medium.good, medium.trial, &fixed}, "x.json", nullptr, line);
+    EXPECT_TRUE(started.strictest) << record;
+    EXPECT_TRUE(started.settings.serial.remote);
+    EXPECT_EQ(started.settings.limits.streams, StreamLimit::kFixed);
+    EXPECT_GT(started.settings.limits.least_period_ms, started.settings.limits.most_period_ms);
+    EXPECT_NE(line.text().find("with the strictest limits"), std::string_view::npos) << line.text();
+  }
+}
+
 TEST(SettingsTrial, AnEndThatWasAskedForIsNoFailedStart) {
   Medium medium;
   ASSERT_EQ(save_document(medium.current, named("a")), Status::kOk);

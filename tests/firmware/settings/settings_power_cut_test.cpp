@@ -25,7 +25,8 @@ class Life {
       : name_((folder / "settings.json").string()),
         current_(name_),
         good_(name_ + ".good"),
-        trial_(name_ + ".trial") {}
+        trial_(name_ + ".trial"),
+        fixed_(name_ + ".limits") {}
 
   void begin(const Settings& proven) {
     power = {};
@@ -35,7 +36,7 @@ class Life {
   }
   // Up to a power cut.
   void change_to(const Settings& next) {
-    if (save_document(current_, next) != Status::kOk) {
+    if (save_fixed(fixed_, next) != Status::kOk || save_document(current_, next) != Status::kOk) {
       return;
     }
     const StartSettings started = start();
@@ -64,18 +65,20 @@ class Life {
   std::string told;
 
  private:
-  SettingsStores stores() { return {current_, good_, trial_}; }
+  SettingsStores stores() { return {current_, good_, trial_, &fixed_}; }
 
   std::string name_;
   FileStore current_;
   FileStore good_;
   FileStore trial_;
+  FileStore fixed_;
 };
 
 Settings numbered(int number) {
   Settings settings;
   settings.name = Text<kNameBytes + 1>(std::string(static_cast<std::size_t>(1 + number % 30), 'n'));
   settings.depth.max_range_mm = 1000 + number;
+  settings.limits.least_range_mm = 600 + number;
   return settings;
 }
 

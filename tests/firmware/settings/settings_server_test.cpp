@@ -93,12 +93,16 @@ class SettingsServerTest : public testing::Test {
   hal::emu::Store store_;
   hal::emu::Store good_;
   hal::emu::Store trial_;
+  hal::emu::Store fixed_;
+  firmware::ChangeRing changes_;
   Board board_;
   hal::Peer peer_{.address = {1, 2, 3}, .port = 4};
   hal::Time now_{std::chrono::seconds(1)};
   firmware::Access access_ = firmware::Access::kAdmin;
   SettingsServer server_{
-      Settings{}, Settings{}, {.limits = board_, .sink = board_, .store = &store_}};
+      Settings{},
+      Settings{},
+      {.limits = board_, .sink = board_, .store = &store_, .fixed = &fixed_, .changes = &changes_}};
 };
 
 TEST_F(SettingsServerTest, GivesDocumentsInPartsOfAnySize) {
@@ -127,10 +131,15 @@ TEST_F(SettingsServerTest, SetIsInForceAtOnceAndNotSaved) {
 
 TEST_F(SettingsServerTest, WhoeverMayNotIsToldAndChangesNothing) {
   access_ = firmware::Access::kTune;
+  for (const Operation operation : {Operation::kStage, Operation::kSet}) {
+    const Answer port = ask(operation, R"({"udp": {"port": 68}})");
+    EXPECT_EQ(port.result, Result::kDenied);
+    EXPECT_EQ(port.text, "udp.port: takes a key with role admin");
+  }
+  access_ = firmware::Access::kAdmin;  // who stages more than others may commit
   ASSERT_EQ(ask(Operation::kStage, R"({"udp": {"port": 68}})").result, Result::kOk);
-  const Answer port = ask(Operation::kCommit);  // whoever staged it
-  EXPECT_EQ(port.result, Result::kDenied);
-  EXPECT_EQ(port.text, "udp.port: takes a key with role admin");
+  access_ = firmware::Access::kTune;
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kDenied);
   ASSERT_EQ(ask(Operation::kRevert).result, Result::kOk);
   access_ = firmware::Access::kHarmless;
   EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"max_range_mm": 9000}})").result, Result::kOk);
@@ -313,12 +322,56 @@ TEST_F(SettingsServerTest, SavesTenTimesThenOnceAMinute) {
 }
 
 TEST_F(SettingsServerTest, TellsWhoChangedThem) {
-  EXPECT_EQ(server_.changed_by(), std::nullopt);
   EXPECT_EQ(ask(Operation::kGet).result, Result::kOk);
   EXPECT_EQ(ask(Operation::kSet, R"({"name": 1})").result, Result::kInvalid);
-  EXPECT_EQ(server_.changed_by(), std::nullopt) << "nothing changed";
-  EXPECT_EQ(ask(Operation::kSet, R"({"name": "a"})").result, Result::kOk);
-  EXPECT_EQ(server_.changed_by(), peer_);
+  EXPECT_EQ(changes_.size(), 0U) << "nothing changed";
+  const hal::Peer other{.address = {1, 2, 4, 8, 0, 0, 0, 0, 0, 0, 0, 0, 5, 6, 7, 8}, .port = 4};
+  const std::array by{peer_, other, peer_};
+  for (std::size_t i = 0; i < by.size(); ++i) {
+    peer_ = by[i];
+    EXPECT_EQ(ask(Operation::kSet, R"({"name": "a)" + std::to_string(i) + "\"}").result,
+              Result::kOk);
+  }
+  for (const hal::Peer& expected : by) {
+    const auto change = changes_.pop();
+    ASSERT_TRUE(change.has_value());
+    EXPECT_EQ(change->kind, firmware::EventKind::kSettingsChanged);
+    EXPECT_EQ(change->address, expected.address);
+    // Nobody's address is that of the serial line.
+    EXPECT_EQ(change->value, expected == other ? 0x05060708U : 0xFFFF'FFFFU);
+  }
+}
+
+// Another's commit, an admin's even, brings nothing into force that he could not have set.
+TEST_F(SettingsServerTest, NobodyStagesWhatHeMayNotSet) {
+  access_ = firmware::Access::kTune;
+  for (const char* const json :
+       {R"({"serial": {"remote": true}})", R"({"limits": {"streams": "none"}})",
+        R"({"depth": {"max_range_mm": 600}})", R"({"name": "x", "udp": {"port": 68}})"}) {
+    EXPECT_EQ(ask(Operation::kStage, json).result, Result::kDenied) << json;
+  }
+  EXPECT_EQ(settings_of(Document::kStaged), Settings{});
+  // A whole document that changes only what is his is no refusal, and stages nothing else.
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "limits": {"streams": "keep"}})").result,
+            Result::kOk);
+  access_ = firmware::Access::kAdmin;
+  EXPECT_EQ(ask(Operation::kSet, R"({"limits": {"streams": "fixed"}})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_EQ(server_.active().name.view(), "a");
+  EXPECT_EQ(server_.active().limits.streams, StreamLimit::kFixed);
+}
+
+TEST_F(SettingsServerTest, WhatWasStagedStaysWithinTheLimitsThatCameSince) {
+  access_ = firmware::Access::kTune;
+  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"max_range_mm": 2000}})").result, Result::kOk);
+  access_ = firmware::Access::kAdmin;
+  EXPECT_EQ(ask(Operation::kSet, R"({"limits": {"least_range_mm": 3000}})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kDenied);
+  EXPECT_EQ(server_.active().depth.max_range_mm, 10'000);
+  // What the admin stages himself is his.
+  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"max_range_mm": 2500}})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_EQ(server_.active().depth.max_range_mm, 2500);
 }
 
 TEST_F(SettingsServerTest, SavesOverWhatTheStartCouldNotUse) {

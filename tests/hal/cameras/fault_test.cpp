@@ -111,6 +111,31 @@ TEST(StereoFaults, AFrozenRightViewIsThePreviousOneUnderNewStamps) {
   }
 }
 
+TEST(StereoFaults, WhatHangsIsFrozenUntilItIsOpenedAgain) {
+  Stereo rig({{.kind = FaultKind::kHang, .call = 1, .calls = 4},
+              {.kind = FaultKind::kHang, .call = 6, .calls = 2}});
+  ASSERT_TRUE(period(rig));
+  const auto right_of = [&] { return (*period(rig))->right.at(0, 0); };
+  EXPECT_EQ(right_of(), FakeImagery::right_value(1));
+  EXPECT_EQ(right_of(), FakeImagery::right_value(1));
+  rig.camera().reopen();
+  EXPECT_EQ(right_of(), FakeImagery::right_value(4));
+  EXPECT_EQ(right_of(), FakeImagery::right_value(5));
+  EXPECT_EQ(right_of(), FakeImagery::right_value(6));
+  EXPECT_EQ(right_of(), FakeImagery::right_value(6)) << "it hangs again";
+  EXPECT_EQ(right_of(), FakeImagery::right_value(6));
+  EXPECT_EQ(right_of(), FakeImagery::right_value(9));
+}
+
+TEST(PmdFaults, WhatHangsIsFrozenUntilItIsOpenedAgain) {
+  Pmd rig({{.kind = FaultKind::kHang, .call = 1, .calls = 9}});
+  const auto bytes_of = [&] { return Pmd::bytes(**period(rig)); };
+  const auto first = bytes_of();
+  EXPECT_EQ(bytes_of(), first);
+  rig.camera().reopen();
+  EXPECT_NE(bytes_of(), first);
+}
+
 TEST(PmdFaults, FrozenSamplesAreThePreviousOnesUnderNewStamps) {
   Pmd rig({{.kind = FaultKind::kFreeze, .call = 1}});
   const auto first = period(rig);

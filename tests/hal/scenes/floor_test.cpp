@@ -33,7 +33,7 @@ std::string name(const FloorView& view) {
 
 dataset::Image<Surface> surfaces(const FloorScene& floor, const Rig& rig) {
   const dataset::Image<int> objects =
-      render_objects({floor.scene, rig.left_camera_pose}, rig.stereo.left);
+      render_objects({floor.scene, rig.left_camera_pose}, LensRays(rig.stereo.left));
   dataset::Image<Surface> out(objects.width, objects.height);
   std::ranges::transform(objects.pixels, out.pixels.begin(), [&](int object) {
     return object < 0 ? Surface::kOther : floor.surfaces.at(static_cast<std::size_t>(object));
@@ -134,8 +134,8 @@ TEST(Floor, HasATextureOfAFewGreyLevels) {
     const FloorScene floor = floor_scene(view);
     const dataset::Image<Surface> surface = surfaces(floor, floor.rig);
     const dataset::Image<std::uint16_t> left =
-        render_grey(floor.scene, {floor.scene, floor.rig.left_camera_pose}, floor.rig.stereo.left,
-                    floor.rig.grey);
+        render_grey(floor.scene, {floor.scene, floor.rig.left_camera_pose},
+                    LensRays(floor.rig.stereo.left), floor.rig.grey);
     double sum = 0;
     int windows = 0;
     for (int y = 0; y + kWindow <= left.height; y += kWindow) {

@@ -13,7 +13,7 @@ namespace {
 using namespace hal::emu;
 
 dataset::Image<int> objects_of(const Scene& scene, const Rig& rig) {
-  return render_objects({scene, rig.left_camera_pose}, rig.stereo.left);
+  return render_objects({scene, rig.left_camera_pose}, LensRays(rig.stereo.left));
 }
 
 TEST(Targets, BarsAreAsWideAsTheirNameSays) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -58,6 +59,16 @@ TEST(Realtime, RefusalsAreNotesThatSayWhatToDo) {
 
 TEST(Realtime, OrdinaryPriorityNeedsNoRight) {
   EXPECT_TRUE(holds_without_rights([] { return !set_ordinary_priority(); }));
+}
+
+TEST(Realtime, PrivateMemoryLeavesNoCoreFile) {
+  if (!kLocks) {
+    GTEST_SKIP() << "a leak checker looks into the process";
+  }
+  EXPECT_TRUE(holds_without_rights([] {
+    hal::linux::keep_memory_private();
+    return prctl(PR_GET_DUMPABLE) == 0;
+  }));
 }
 
 TEST(Realtime, PriorityOutsideOfTheRangeIsANote) {

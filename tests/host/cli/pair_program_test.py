@@ -6,17 +6,72 @@ import json
 import os
 import pathlib
 import re
+import select
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "host/python"))
+import stof_wire as wire  # noqa: E402
 
 COMMAND = []
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 ENOUGH_S = 60
 CODE = "00112233445566778899aabbccddeeff"
+
+
+class Proxy:
+    """Between a client and the sensor: drops the answers to a step, or says that it is sensor 9 and that all went well."""
+
+    def __init__(self, sensor, drops=None, lie=False):
+        self.sensor = (sensor.split(":")[0], int(sensor.split(":")[1]))
+        self.drops, self.lie, self.dropped, self.ended = drops, lie, 0, False
+        self.here = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.here.bind(("127.0.0.1", 0))
+        self.there = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.address = "127.0.0.1:%d" % self.here.getsockname()[1]
+        self.thread = threading.Thread(target=self.serve)
+
+    def __enter__(self):
+        self.thread.start()
+        return self
+
+    def __exit__(self, *_):
+        self.ended = True
+        self.thread.join()
+        self.here.close()
+        self.there.close()
+
+    def serve(self):
+        client = step = None
+        while not self.ended:
+            for ready in select.select([self.here, self.there], [], [], 0.05)[0]:
+                packet, sender = ready.recvfrom(2048)
+                if ready is self.here:
+                    client = sender
+                    header, payload = wire.parse(packet)
+                    step = payload[4] if header.type == wire.PacketType.PAIR_REQUEST else None
+                    self.there.sendto(packet, self.sensor)
+                elif self.drops is not None and step == self.drops:
+                    self.dropped += 1
+                else:
+                    self.here.sendto(lied(packet) if self.lie else packet, client)
+
+
+def lied(packet):
+    header, payload = wire.parse(packet)
+    if header.type == wire.PacketType.SETTINGS_ANSWER and payload[4] != wire.SettingsResult.COOKIE:
+        payload = payload[:4] + bytes([wire.SettingsResult.OK]) + payload[5:]
+    changed = bytearray(packet)
+    changed[8:12] = (9).to_bytes(4, "little")
+    changed[-4 - len(payload):-4] = payload
+    changed[-4:] = wire.crc32c(bytes(changed[:-4])).to_bytes(4, "little")
+    return bytes(changed)
 
 
 class Pair(unittest.TestCase):
@@ -160,6 +215,44 @@ class Pair(unittest.TestCase):
         self.own.write_text(old, encoding="utf-8")
         self.refuse(1, "has none of your keys any more", "config", self.address, "set", "period_ms=90")
         self.refuse(1, "nothing was paired", "pair", self.address, "--renew")
+
+    def test_the_code_may_come_from_a_file_or_from_standard_input(self):
+        self.start("--label", self.label)
+        self.ask("pair", self.address, "--code", f"@{self.label}")
+        ended = subprocess.run([*COMMAND, "pair", self.address, "--code", "-", "--timeout", "5"], input=CODE + "\n",
+                               capture_output=True, text=True, timeout=120, env=self.environment)
+        self.assertEqual((ended.returncode, ended.stderr), (0, ""))
+        self.assertIn("an older key", ended.stdout)
+        self.refuse(2, "cannot be read", "pair", self.address, "--code", "@none")
+
+    def test_a_renewal_whose_last_answers_are_lost(self):
+        self.start("--label", self.label)
+        self.ask("pair", self.address, "--code", CODE)
+        with Proxy(self.address, drops=wire.PairStep.CONFIRM) as proxy:
+            self.run_stof("pair", proxy.address, "--renew")
+            self.assertGreater(proxy.dropped, 0)
+        self.ask("config", self.address, "set", "period_ms=80")
+        self.ask("pair", self.address, "--renew")
+        self.ask("config", self.address, "set", "period_ms=90")
+        self.assertEqual(len(self.listed()), 1)
+
+    def test_whoever_says_that_he_is_another_sensor_ends_no_key(self):
+        self.start("--label", self.label)
+        self.ask("pair", self.address, "--code", CODE)
+        own = self.own.read_text(encoding="utf-8")
+        with Proxy(self.address, lie=True) as proxy:
+            for words in (("unpair", proxy.address), ("unpair", proxy.address, "--id", "00000001"),
+                          ("config", proxy.address, "set", "period_ms=80"), ("config", proxy.address, "save")):
+                self.refuse(1, "number 9, of which you have no key", *words)
+        self.assertEqual(self.own.read_text(encoding="utf-8"), own)
+        self.assertEqual(len(self.listed()), 1)
+
+    def test_a_sensor_takes_sixteen_keys(self):
+        for number in range(16):
+            self.ask("pair", "--into", self.keys, "--keys", self.folder / f"user{number}")
+        self.refuse(1, "keeps 16 keys", "pair", "--into", self.keys)
+        self.start()
+        self.ask("config", self.address, "set", "period_ms=80", "--keys", self.folder / "user15")
 
     def test_unpairing(self):
         self.start("--label", self.label)

@@ -171,11 +171,29 @@ class BadInput(Program):
                 with self.subTest(arguments):
                     self.refuse(2, [f"{what}: is not a regular file"], *arguments)
 
+    def test_commands_that_calibrate_a_rig(self):
+        """Refused in every build: by what they were given, or because the component is not there."""
+        for arguments in (["stereo"], ["stereo", "--out", "a"], ["stereo", "--target", "absent", "--out", "a"],
+                          ["stereo", "--planes", "absent", "--out", "a"],
+                          ["stereo", "--target", "a", "--planes", "b", "--out", "a"],
+                          ["stereo", "--target", "a", "--board", "8x8:0.02", "--out", "a"],
+                          ["extrinsics", "absent", "--calibration", "absent", "--out", "a"],
+                          ["check", "absent", "--calibration", "absent"], ["import", "maya", "absent", "--out", "a"],
+                          ["import", "kalibr", "absent", "--out", "a"], ["import", "ros", "absent", "--out", "a"],
+                          ["export", "ros", "absent", "--out", "a"], ["target", "--board", "0x0:0", "--out", "a"],
+                          ["target", "--paper", "a9", "--out", "a"]):
+            with self.subTest(arguments):
+                self.refuse(2, [], "calib", *arguments)
+                self.assertFalse((self.folder / "a").exists())
+
     def test_numbers_that_are_none(self):
         """Every option that takes a real number, of every command."""
         commands = {"evaluate fusion": ["a", "b"], "calib pmd": ["a", "--out", "b"], "view": [], "discover": [],
                     "evaluate sequence": ["a"], "config": ["127.0.0.1:9", "get"],
                     "proxy": ["--listen", "0", "--to", "127.0.0.1:9"]}
+        if "Not in this build" not in self.succeed("calib", "--help"):
+            commands["calib stereo"] = ["--planes", "a", "--out", "b"]
+            commands["calib extrinsics"] = ["a", "--calibration", "b", "--out", "c"]
         for command, needed in commands.items():
             options = re.findall(r"(?m)^  (?:-\w,)?(--[\w-]+) FLOAT", self.succeed(*command.split(), "--help"))
             self.assertGreater(len(options), 0, command)

@@ -1,6 +1,7 @@
 // libstof's C interface against the network end of a sensor.
 #include <atomic>
 #include <cstddef>
+#include <cstdio>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -9,7 +10,9 @@
 
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
+#include "host/client/control/user_keys.h"
 #include "tests/firmware/control/sensor.h"
+#include "tests/firmware/keys/some_keys.h"
 #include "tests/host/client/test_pattern.h"
 
 namespace {
@@ -314,6 +317,64 @@ TEST(Lib, RefusesWhatMakesNoSense) {
   EXPECT_STREQ(stof_status_text(-1), "unknown");
   EXPECT_STREQ(stof_status_text(STOF_INTERNAL), "internal error");
   EXPECT_STREQ(stof_condition_name(1000), "unknown");
+}
+
+TEST(Lib, TakesOnlyWhatIsSignedWhereThatWasAskedFor) {
+  ASSERT_TRUE(stof::wire::start_crypto());
+  stof::wire::Key key = stof::test::numbered_key(4, stof::wire::Role::kView);
+  key.device = 0x51;
+  stof::keys::Keyring ring(nullptr, nullptr);
+  ASSERT_EQ(ring.add(key), stof::Status::kOk);
+  stof::keys::Authenticator authenticator(ring);
+  stof::test::Sensor sensor(nullptr, 0, 1, &authenticator);
+  const std::string file = testing::TempDir() + "stof_lib_keys";
+  stof::wire::KeyTable keys;
+  ASSERT_EQ(keys.add(key), stof::Status::kOk);
+  ASSERT_TRUE(stof::client::write_user_keys(file, keys));
+
+  const std::string at = endpoint(sensor);
+  stof_options options = STOF_INIT(stof_options);
+  options.sensor = at.c_str();
+  options.signed_streams = 1;
+  options.keys = file.c_str();
+  std::string why;
+  auto client = stof::Sensor::open(options, &why);
+  ASSERT_TRUE(client) << why;
+  subscribe(*client, sensor);
+  const stof::wire::StreamKey stream = sensor.list().keys[0];
+  ASSERT_NE(stream.number, 0U);
+  std::uint64_t counter = 0;
+  for (std::uint32_t number = 1; number <= 3; ++number) {
+    // Somebody sends a frame in its name, then it sends its own.
+    send(sensor, stof::test::datagrams(frame_spec(number)));
+    for (const Datagram& datagram : stof::test::datagrams(frame_spec(number))) {
+      stof::wire::DatagramBuffer space{};
+      const auto made = stof::wire::sign_datagram(datagram, stream, ++counter, space);
+      ASSERT_EQ(sensor.send(made), stof::Status::kOk);
+    }
+    const auto frame = client->next(10s);
+    ASSERT_TRUE(frame);
+    EXPECT_EQ(frame->number(), number);
+  }
+  const stof_statistics statistics = client->statistics();
+  EXPECT_EQ(statistics.packets_not_signed, counter);
+  EXPECT_EQ(statistics.packets_forged, 0U);
+  EXPECT_NE(client->link().conditions & STOF_LINK_FORGED, 0U);
+  EXPECT_EQ(std::remove(file.c_str()), 0);
+}
+
+TEST(Lib, SignedStreamsTakeASensorAndAKeyFileThatCanBeRead) {
+  stof_options options = STOF_INIT(stof_options);
+  options.signed_streams = 1;
+  options.keys = "";
+  std::string why;
+  EXPECT_FALSE(stof::Sensor::open(options, &why));
+  EXPECT_NE(why.find("name the sensor"), std::string::npos) << why;
+  const std::string folder = testing::TempDir();
+  options.sensor = "127.0.0.1";
+  options.keys = folder.c_str();
+  EXPECT_FALSE(stof::Sensor::open(options, &why));
+  EXPECT_NE(why.find("no regular file"), std::string::npos) << why;
 }
 
 TEST(Lib, SaysThatNobodyAnswersForSettings) {

@@ -86,6 +86,15 @@ class StofWire(unittest.TestCase):
         packet += wire.crc32c(packet).to_bytes(4, "little")
         self.assertEqual(wire.parse(packet)[1], b"payload")
 
+    def test_a_signature_is_read_where_there_is_one(self):
+        page = (pathlib.Path(__file__).resolve().parents[3] / "docs/WIRE.md").read_text(encoding="utf-8")
+        plain, signed = (bytes.fromhex(page.split(heading, 1)[1].split("```hex\n", 1)[1].split("```", 1)[0])
+                         for heading in ("\n## A worked packet\n", "\n## The same packet, signed\n"))
+        self.assertEqual(wire.parse(signed)[1], wire.parse(plain)[1])
+        self.assertIsNone(wire.signature(plain))
+        found = wire.signature(signed)
+        self.assertEqual((found.number, found.counter, bytes(found.tag)), (1, 7, signed[64:80]))
+
     def test_what_does_not_fit_is_told(self):
         with self.assertRaises(ValueError):
             self.packet(bytes(1177))

@@ -40,6 +40,8 @@ OUTAGES = [
     ("stereo:repeat", PMD, "stereo frozen"),
     ("stereo:freeze", PMD, "stereo frozen"),
 ]
+# Frozen until it is opened again.
+HANGS = [("pmd:hang", STEREO, "pmd frozen"), ("stereo:hang", PMD, "stereo frozen")]
 
 
 class Frame:
@@ -123,8 +125,9 @@ class Outages(unittest.TestCase):
             cls.runs = {fault: Run(folder, fault, flags=both) for fault, _, _ in OUTAGES}
             cls.strict = {fault: Run(folder, fault, "depth.require=both", flags=both)
                           for fault in ("pmd:vanish", "stereo:freeze")}
+            cls.hangs = {fault: Run(folder, fault, flags=both) for fault, _, _ in HANGS}
             cls.pair = Run(folder, "", flags=("--pmd", "none"))
-            everything = [*cls.runs.values(), *cls.strict.values(), cls.pair]
+            everything = [*cls.runs.values(), *cls.strict.values(), *cls.hangs.values(), cls.pair]
             for run in everything:
                 run.start()
             for run in everything:
@@ -215,6 +218,24 @@ class Outages(unittest.TestCase):
             self.assertEqual(told[condition, 1][1], SLOW)
             self.assertLessEqual(told[condition, 0][0] - alone[-1], TOLD_S)
         self.each(judge)
+
+    def test_a_camera_that_hangs_is_opened_again(self):
+        for fault, left, condition in HANGS:
+            with self.subTest(fault):
+                run = self.hangs[fault]
+                frames = [frame for frame in run.frames if frame.whole]
+                sensors = [frame.sensors for frame in frames]
+                alone = [frame for frame in frames if frame.sensors == left]
+                skipped = frames[-1].skipped
+                self.assertEqual(sensors, [BOTH] * sensors.index(left) + [left] * len(alone)
+                                 + [BOTH] * (len(sensors) - sensors.index(left) - len(alone)), run.log)
+                self.assertLessEqual(len(alone), 6 + skipped, run.log)
+                self.assertGreaterEqual(sensors[::-1].index(left), EDGES, "it would still be frozen")
+                told = [at_s for _, name, _, active, _, at_s in run.events if (name, active) == (condition, 1)]
+                self.assertEqual(len(told), 1)
+                self.assertLessEqual(told[0] - alone[0].middle_s, TOLD_S)
+                for before, after in zip(frames, frames[1:]):
+                    self.assertGreater(after.freshness, before.freshness)
 
     def test_the_log_says_it(self):
         def judge(run, _, left, __):

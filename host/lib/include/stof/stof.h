@@ -68,17 +68,18 @@ typedef struct stof_sensor stof_sensor;
 
 typedef struct stof_options {
   uint32_t struct_size;
-  uint32_t device_id;     /* only this one; 0: any */
-  const char* sensor;     /* "HOST" or "HOST:PORT" (7560 without) to subscribe at; NULL: wait for a
-                             sensor that was told to send here */
-  const char* bind;       /* without a sensor: where to listen; NULL: every IPv4 interface */
-  uint16_t port;          /* likewise; 0: 7560 */
-  uint16_t reserved;      /* 0 */
-  uint32_t socket_buffer; /* bytes asked of the system; 0: 4 MiB */
-  uint32_t max_pixels;    /* of one image, bounds the memory; 0: 2 Mi */
-  uint32_t max_age_ms;    /* frames that arrived here longer ago are dropped and counted; 0: one
-                             period of the sensor and 100 ms */
-  uint32_t reserved2;     /* 0 */
+  uint32_t device_id;      /* only this one; 0: any */
+  const char* sensor;      /* "HOST" or "HOST:PORT" (7560 without) to subscribe at; NULL: wait for a
+                              sensor that was told to send here */
+  const char* bind;        /* without a sensor: where to listen; NULL: every IPv4 interface */
+  uint16_t port;           /* likewise; 0: 7560 */
+  uint16_t reserved;       /* 0 */
+  uint32_t socket_buffer;  /* bytes asked of the system; 0: 4 MiB */
+  uint32_t max_pixels;     /* of one image, bounds the memory; 0: 2 Mi */
+  uint32_t max_age_ms;     /* frames that arrived here longer ago are dropped and counted; 0: one
+                              period of the sensor and 100 ms */
+  uint32_t signed_streams; /* 1: subscribe with a key of `keys`, and believe only what the sensor
+                             signs for this program alone, see docs/SECURITY.md; 0: believe all */
   const char* keys; /* file of the keys that requests are signed with, as `stof pair` makes it;
                        NULL: this user's own, "": none */
 } stof_options;
@@ -290,7 +291,9 @@ STOF_API const char* stof_health_name(unsigned health);
 /* What is known by this machine's clock, whatever the sensor says. */
 #define STOF_LINK_SILENT 1U    /* no frame for three periods and 20 ms */
 #define STOF_LINK_RESTARTED 2U /* for a second, and until the first frame after a start */
-#define STOF_LINK_FORGED 4U    /* in the last 2 s came what no sensor can have sent; not believed */
+/* In the last 2 s came what no sensor can have sent, or what is not signed and should be. Not
+ * believed. */
+#define STOF_LINK_FORGED 4U
 
 typedef struct stof_link {
   uint32_t struct_size;
@@ -346,6 +349,8 @@ typedef struct stof_statistics { /* since stof_open() */
   uint64_t packets_implausible; /* no sensor can have sent them: forged, or a fault */
   uint64_t frames_old;          /* waited for too long: not delivered */
   uint64_t resynchronised;      /* the order of frames was wrong and begun anew */
+  uint64_t packets_not_signed;  /* where signed_streams was asked for: not signed, or for others */
+  uint64_t packets_forged;      /* likewise: with a wrong signature */
 } stof_statistics;
 
 /* From any thread. */

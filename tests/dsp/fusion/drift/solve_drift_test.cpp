@@ -103,6 +103,28 @@ TEST(SolveDrift, APatchWithoutNumbersIsLeftOut) {
   }
 }
 
+// All patches err by 0.1 px, up where `where` says.
+template <typename Slope, typename Where>
+DriftSolution with_errors(Slope slope, Where where) {
+  Patches patches(slope);
+  for (int y = 0; y < kRows; ++y) {
+    for (int x = 0; x < kColumns; ++x) {
+      DriftPatch& patch = patches.at(x, y);
+      patch.error += (where(x, y) ? 0.1 : -0.1) * patch.weight();
+    }
+  }
+  return patches.solve().value();
+}
+
+// Frames of doors, a skirting: each square of the picture has as much of one as of the other.
+TEST(SolveDrift, WhatStandsOrLiesThroughThePictureIsOneThing) {
+  const auto offset = static_cast<std::size_t>(DriftParameter::kDisparity);
+  const auto sigma = [](auto where) { return with_errors(usual, where).sigma[offset]; };
+  const double apart = sigma([](int x, int y) { return (x + y) % 2 == 0; });
+  EXPECT_GT(sigma([](int x, int) { return x / 2 % 2 == 0; }), 2 * apart);
+  EXPECT_GT(sigma([](int, int y) { return y / 2 % 2 == 0; }), 2 * apart);
+}
+
 TEST(SolveDrift, NumbersTooLargeForASumAreNotSolved) {
   Patches patches(usual);
   patches.at(3, 4).slope[1] = 1e200;

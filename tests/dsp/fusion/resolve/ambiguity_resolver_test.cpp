@@ -54,7 +54,8 @@ struct Row {
     }
   }
   FusedRow out() { return {depth, width, source, cause}; }
-  void resolve(int reach_px = 1000, QuarterMm pmd_range = 0, int doubt_px = 0) {
+  void resolve(int reach_px = 1000, QuarterMm pmd_range = 0, int doubt_px = 0,
+               bool wide_pmd = false) {
     ref::intersect({stereo_low, stereo_high}, {pmd_low, pmd_high}, {ratio, flags}, 40000, out());
     resolve_ambiguities({.disparity = disparity,
                          .weak = weak,
@@ -65,6 +66,7 @@ struct Row {
                          .max_range = 40000,
                          .pmd_range = pmd_range,
                          .reach_px = reach_px,
+                         .wide_pmd = wide_pmd,
                          .doubt_px = doubt_px},
                         table, out());
   }
@@ -260,6 +262,35 @@ TEST(AmbiguityResolver, AConflictAtAnEdgeIsResolvedAndOneOfSoundSensorsIsNot) {
   row.resolve();
   row.expect(105, Source::kResolved, Cause::kStereoAmbiguous, 16000);
   row.expect(155, Source::kConflict, Cause::kContradiction, 0);
+}
+
+TEST(AmbiguityResolver, AWidePmdPixelIsNoSoundWitnessAgainstTheSurestMatches) {
+  for (const bool wide : {false, true}) {
+    Row row(40);
+    row.match(0, 10, 25, kSurestRatio - 1);       // 4 m, behind what the PMD sees
+    row.match(10, 20, 25, kSurestRatio);          // not so sure
+    row.match(20, 30, 80, kSureBeforeRatio - 1);  // 1.25 m, before it
+    row.match(30, 40, 80, kSureBeforeRatio);
+    row.see(0, 40, 8000, 10000);
+    row.resolve(1000, 0, 0, wide);
+    for (std::size_t x = 0; x < 40; ++x) {
+      if (wide && x / 10 % 2 == 0) {
+        row.expect(x, Source::kResolved, Cause::kMixedPixel, x < 10 ? 16000 : 5000);
+      } else {
+        row.expect(x, Source::kConflict, Cause::kContradiction, 0);
+      }
+    }
+  }
+}
+
+TEST(AmbiguityResolver, TheSurestMatchARangeAwayStaysAConflict) {
+  Row row(10);
+  row.match(0, 10, 25, kSurestRatio - 1);
+  row.see(0, 10, 8000, 10000);
+  row.resolve(1000, 7000, 0, true);
+  for (std::size_t x = 0; x < 10; ++x) {
+    row.expect(x, Source::kConflict, Cause::kRangeAmbiguous, 0);
+  }
 }
 
 TEST(AmbiguityResolver, ADifferenceOfOneRangeIsSaid) {

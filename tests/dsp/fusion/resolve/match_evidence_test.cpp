@@ -68,6 +68,20 @@ TEST(MatchEvidence, AFoldedReadingOfAnotherSurfaceContradicts) {
   EXPECT_NE(scene.judge(0).verdict, kContradicted);
 }
 
+TEST(MatchEvidence, AFoldedReadingOfAWidePixelAtAnEdgeContradictsButConfirmsNothing) {
+  Scene scene(70);
+  scene.read(12100, 20);
+  EXPECT_EQ(scene.judge().verdict, kConfirmed);
+  for (int y = 0; y < scene.maps.flags.height(); ++y) {
+    std::ranges::fill(scene.maps.flags.row(y), std::uint8_t{kPmdWrapped | kPmdEdge});
+  }
+  scene.read(12100, 20);
+  EXPECT_EQ(scene.judge().verdict, kKept);
+  EXPECT_EQ(scene.evidence.judge_surface(32, 24, 12000).verdict, kAllowed);
+  scene.read(9000, 20);
+  EXPECT_EQ(scene.judge(0).verdict, kContradicted);
+}
+
 TEST(MatchEvidence, AReadingThatWouldAgreeByChanceSaysNothing) {
   Scene scene;
   scene.maps.range = 10'000;  // 60 MHz

@@ -67,6 +67,33 @@ TEST(FillIntervals, FollowReadingsThatWereMoved) {
   }
 }
 
+TEST(FillIntervals, ReadingsThatMayBeMixedAreKeptOfWidePixelsAlone) {
+  for (const bool fine : {false, true}) {
+    Frame frame(5, 3);
+    std::vector<QuarterMm> folded(15);
+    std::vector<QuarterMm> folded_sigma(15);
+    std::vector<QuarterMm> smoothed(frame.padded());
+    std::vector<QuarterMm> smoothed_sigma(frame.padded());
+    frame.maps.folded = {folded.data(), 5, 3};
+    frame.maps.folded_sigma = {folded_sigma.data(), 5, 3};
+    if (fine) {
+      frame.maps.smoothed = {smoothed.data() + 1, 5, 3, 7};
+      frame.maps.smoothed_sigma = {smoothed_sigma.data() + 1, 5, 3, 7};
+    }
+    for (int y = 0; y < 3; ++y) {
+      for (int x = 0; x < 5; ++x) {
+        frame.put(x, y, x < 3 ? 8000 : 27000, 40);
+      }
+    }
+    refresh_intervals(frame.maps);
+    EXPECT_EQ(frame.maps.flags.at(2, 1), kPmdWrapped | kPmdEdge);
+    EXPECT_EQ(frame.maps.distance.at(2, 1), kNoDepth);
+    EXPECT_EQ(frame.maps.folded.at(2, 1), fine ? 0 : 8000);
+    EXPECT_EQ(frame.maps.folded_sigma.at(2, 1), fine ? 0 : 40);
+    EXPECT_EQ(frame.maps.folded.at(0, 1), 0);
+  }
+}
+
 TEST(FillIntervals, KeepWhatSamplesSayAndPixelsWithoutDistance) {
   const Frame frame(3, 1);
   frame.put(0, 0, 8000, 20);

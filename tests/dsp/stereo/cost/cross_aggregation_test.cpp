@@ -36,21 +36,32 @@ TEST(CrossAggregation, LargestCostsFit) {
   Bytes sums(costs.size()), means(costs.size());
   best::sum_alike(costs, Bytes{0, 1, 1, 0}, kLanes, sums);
   EXPECT_EQ(sums, lanes_of({170, 255, 170}));
-  const CrossColumn column{sums.data() + kLanes, sums.data() + kLanes, 32767};
-  best::cross_means(std::vector<CrossColumn>(3, column), sums, kLanes, means);
+  const Bytes ones(3, 1);
+  best::cross_means({.above = sums,
+                     .here = sums,
+                     .below = sums,
+                     .with_above = ones,
+                     .with_below = ones,
+                     .areas = ones,
+                     .reciprocals = std::array<std::int16_t, 2>{0, 32767}},
+                    kLanes, means);
   EXPECT_EQ(means, Bytes(costs.size(), 255));
 }
 
 TEST(CrossAggregation, MeansAreSumsTimesTheReciprocalRounded) {
-  const Bytes zeros(kLanes, 0), above(kLanes, 33), here = lanes_of({45, 45, 45});
+  const Bytes here = lanes_of({45, 45, 45}), beside = lanes_of({33, 33, 33});
   Bytes means(here.size());
   const auto of = [](int pixels) {
     return static_cast<std::int16_t>((32768 + pixels / 2) / pixels);
   };
-  best::cross_means(std::vector<CrossColumn>{{zeros.data(), zeros.data(), of(2)},
-                                             {above.data(), zeros.data(), of(6)},
-                                             {above.data(), above.data(), of(9)}},
-                    here, kLanes, means);
+  best::cross_means({.above = beside,
+                     .here = here,
+                     .below = beside,
+                     .with_above = Bytes{0, 1, 1},
+                     .with_below = Bytes{0, 0, 1},
+                     .areas = Bytes{0, 1, 2},
+                     .reciprocals = std::array{of(2), of(6), of(9)}},
+                    kLanes, means);
   EXPECT_EQ(means, lanes_of({23, 13, 12}));  // 22.5, 13, 12.33
 }
 
@@ -64,14 +75,17 @@ TEST(CrossAggregation, EqualsReferenceForEveryWidthAndLaneCount) {
           joined.front() = joined.back() = 0;
           const auto sums = c.array<std::uint8_t>(n * step);
           c.run([&] { best::sum_alike(costs, joined, lanes, sums); });
-          const auto above = c.array<std::uint8_t>(step, 0, 255);
-          const auto below = c.array<std::uint8_t>(step, 0, 255);
-          std::vector<CrossColumn> columns(n);
-          for (CrossColumn& column : columns) {
-            column = {above.data(), below.data(), static_cast<std::int16_t>(c.draw(0, 32767))};
-          }
+          const auto above = c.array<std::uint8_t>(n * step, 0, 255);
+          const auto below = c.array<std::uint8_t>(n * step, 0, 255);
+          const auto with_above = c.array<std::uint8_t>(n, 0, 1);
+          const auto with_below = c.array<std::uint8_t>(n, 0, 1);
+          const auto areas = c.array<std::uint8_t>(n, 0, 9);
+          const auto reciprocals = c.array<std::int16_t>(10, 0, 32767);
           const auto means = c.array<std::uint8_t>(n * step);
-          c.run([&] { best::cross_means(columns, sums, lanes, means); });
+          c.run([&] {
+            best::cross_means({above, sums, below, with_above, with_below, areas, reciprocals},
+                              lanes, means);
+          });
         });
   }
 }

@@ -1,6 +1,7 @@
 #include "dsp/stereo/rectify/rectifier.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
@@ -151,6 +152,70 @@ TEST(Rectifier, TablesMapOnePointIntoOneRowWithinATenthOfAPixel) {
     }
     EXPECT_GT(compared, 900);
   }
+}
+
+// Brown's model with OpenCV's coefficients k1 k2 p1 p2 k3, written out once more.
+std::array<double, 2> project_brown(const Pinhole& lens, const raw::Vec& p) {
+  const double x = p[0] / p[2];
+  const double y = p[1] / p[2];
+  const double r2 = x * x + y * y;
+  const double radial = 1 + lens.k1 * r2 + lens.k2 * std::pow(r2, 2) + lens.k3 * std::pow(r2, 3);
+  return {lens.fx * (x * radial + 2 * lens.p1 * x * y + lens.p2 * (r2 + 2 * x * x)) + lens.cx,
+          lens.fy * (y * radial + lens.p1 * (r2 + 2 * y * y) + 2 * lens.p2 * x * y) + lens.cy};
+}
+
+TEST(Rectifier, TablesTakeTangentialAndSixthOrderDistortion) {
+  RawPair pair = raw_pair(320, 240, 0.03);
+  pair.left.k3 = -0.08;
+  pair.left.p1 = 0.003;
+  pair.left.p2 = -0.004;
+  const Rectification r = rectify(pair);
+  const SourceMap map(pair.left, r.left_turn, r.left);
+  test::GuardedPart<RemapTable> owned([&](Arena& arena) { return RemapTable(map, arena); });
+  RawPair radial = pair;
+  radial.left.k3 = radial.left.p1 = radial.left.p2 = 0;
+  int compared = 0;
+  double moved = 0;
+  for (int y = 0; y < 240; y += 3) {
+    for (int x = 0; x < 320; x += 3) {
+      const raw::Vec ray{(x - r.left.cx) / r.left.fx, (y - r.left.cy) / r.left.fy, 1};
+      const raw::Vec in_camera = raw::times_transposed(r.left_turn, ray);
+      const auto want = project_brown(pair.left, in_camera);
+      const SourceMap::Place exact = map.unbounded(x, y);
+      ASSERT_NEAR(exact.u, want[0], 1e-9);
+      ASSERT_NEAR(exact.v, want[1], 1e-9);
+      if (!(*owned).inside(x, y)) {
+        continue;
+      }
+      const Place place = (*owned).place(x, y);
+      ASSERT_NEAR(place.x + place.fraction_x / 128.0, want[0], 0.51 / 128 + 1.0 / 128);
+      ASSERT_NEAR(place.y + place.fraction_y / 128.0, want[1], 0.51 / 128 + 1.0 / 128);
+      moved = std::max(moved, std::abs(want[0] - project_brown(radial.left, in_camera)[0]));
+      ++compared;
+    }
+  }
+  EXPECT_GT(compared, 7000);
+  EXPECT_GT(moved, 1) << "without these coefficients nothing would be tested";
+}
+
+TEST(Rectifier, SeesNothingBehindTheFoldOfASixthOrderLens) {
+  RawPair pair = raw_pair(160, 120, 0);
+  pair.left.k1 = 0;
+  pair.left.k2 = 0;
+  pair.left.k3 = -8;  // 1 - 56 s^3 = 0 at s = 0.2614
+  const Rectification r = rectify(pair);
+  const SourceMap map(pair.left, r.left_turn, r.left);
+  int behind = 0;
+  for (int x = 0; x < 160; ++x) {
+    const raw::Vec ray = raw::times_transposed(
+        r.left_turn, {(x - r.left.cx) / r.left.fx, -r.left.cy / r.left.fy, 1});
+    const double s = (ray[0] * ray[0] + ray[1] * ray[1]) / (ray[2] * ray[2]);
+    if (s > std::cbrt(1 / 56.0)) {
+      EXPECT_FALSE(map.unbounded(x, 0).inside) << x;
+      ++behind;
+    }
+  }
+  EXPECT_GT(behind, 10);
 }
 
 // The pictures: a parabola through the differences of the right one moved by a row up, not at all

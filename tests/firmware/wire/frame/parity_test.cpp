@@ -173,7 +173,7 @@ TEST(ParityTest, RefusesPacketsThatContradictThemselves) {
   bad = good;
   bad.header.index = 3;
   EXPECT_EQ(group.add_parity(bad), Status::kCorrupt);
-  const std::vector<std::byte> long_payload(kMaxTilePayload + 1);
+  const std::vector<std::byte> long_payload(kMaxParityData + 1);
   EXPECT_EQ(group.add(good.header, long_payload), Status::kTooLarge);
   EXPECT_EQ(group.add_parity(good), Status::kOk);
 }

@@ -124,13 +124,73 @@ TEST(SigningClient, SignsWithTheKeyThatItHasOfTheSensor) {
   EXPECT_EQ(client.request(SettingsOperation::kGet, {}, "").value().text, "{}");
 }
 
-TEST(SigningClient, WithoutAKeyOfTheSensorItAsksWithoutASignature) {
+TEST(SigningClient, WithoutAnyKeyItAsksWithoutASignature) {
   SensorInMemory sensor;
-  wire::Key other = numbered_key(5);
-  other.device = kDevice + 1;
-  ControlClient client = client_of(sensor, {other});
+  ControlClient client = client_of(sensor, {});
   EXPECT_EQ(set(client).value().result, SettingsResult::kOk);
   EXPECT_EQ(sensor.settings.access, Access::kHarmless);
+}
+
+TEST(SigningClient, WhoeverSaysThatHeIsAnotherSensorIsNotBelieved) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  sensor.between = [](Bytes answer) {  // another number, and no signature: all is well
+    const auto packet = wire::parse_packet(answer);
+    Bytes lie(packet->payload.begin(), packet->payload.end());
+    return std::vector<Bytes>{test::sealed(wire::PacketType::kSettingsAnswer, lie, kDevice + 8)};
+  };
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  const auto answer = set(client);
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().status, Status::kUnsupported);
+  EXPECT_NE(answer.error().message.find("number 9, of which you have no key"), std::string::npos);
+  EXPECT_EQ(sensor.settings.served, 0);
+  EXPECT_EQ(client.request(SettingsOperation::kGet, {}, "").value().text, "{}");  // is only read
+
+  SensorInMemory unpaired;
+  wire::Key other = numbered_key(4);
+  other.device = kDevice + 8;
+  EXPECT_FALSE(set(*std::make_unique<ControlClient>(client_of(unpaired, {other}))));
+  ControlOptions named{.timeout = 3ms, .device_id = kDevice};  // who says which one he means
+  EXPECT_EQ(named.keys.add(other), Status::kOk);
+  ControlClient knows(std::make_unique<Cable>(unpaired), named);
+  EXPECT_TRUE(set(knows));
+}
+
+TEST(SigningClient, AnAnswerWithoutASignatureToItsFirstRequestIsNotBelieved) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  sensor.between = [first = true](Bytes answer) mutable {
+    const auto packet = wire::parse_packet(answer);
+    if (!std::exchange(first, false)) {
+      return std::vector<Bytes>{std::move(answer)};
+    }
+    auto lie = *wire::decode_settings_answer(packet->payload);
+    lie.result = SettingsResult::kOk;
+    Bytes payload(wire::kSettingsAnswerBytes);
+    wire::encode_settings_answer(lie, std::span(payload).first<wire::kSettingsAnswerBytes>());
+    return std::vector<Bytes>{test::sealed(wire::PacketType::kSettingsAnswer, payload, kDevice)};
+  };
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  ASSERT_TRUE(set(client));
+  EXPECT_EQ(sensor.settings.served, 1);
+  EXPECT_EQ(sensor.settings.access, Access::kAdmin);
+}
+
+TEST(SigningClient, ThatItsLastCounterIsUsedUpIsSaid) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient client = client_of(sensor, {numbered_key(4)});
+  ASSERT_TRUE(set(client));
+  const std::uint64_t cookie =
+      firmware::Cookies(firmware::CookieSecret{std::byte{7}}).make(test::peer(1), hal::Time(1000s));
+  const wire::Key key = numbered_key(4);
+  ASSERT_TRUE(test::signed_reply(
+      key, sensor.take(test::signed_settings(key, {.device_id = kDevice, .session_id = 7},
+                                             ~std::uint64_t{0}, {.cookie = cookie}))));
+  const auto answer = set(client);
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().message.find("until it starts again"), std::string::npos);
 }
 
 TEST(SigningClient, GoesOnAfterARestartOfTheSensor) {

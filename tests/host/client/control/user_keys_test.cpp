@@ -4,6 +4,8 @@
 #include <filesystem>
 #include <fstream>
 #include <string>
+#include <thread>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -59,18 +61,41 @@ TEST_F(UserKeysTest, AreForTheirOwnerAlone) {
   }
 }
 
-TEST_F(UserKeysTest, TheNewestOfASensorReplacesItsOthers) {
+TEST_F(UserKeysTest, ANewSecretReplacesTheOldAndNothingElseGoes) {
   wire::Key other = numbered_key(2);
   other.device = 9;
   ASSERT_TRUE(add_user_key(file_, numbered_key(1)));
   ASSERT_TRUE(add_user_key(file_, other));
-  ASSERT_TRUE(add_user_key(file_, numbered_key(3)));
+  ASSERT_TRUE(add_user_key(file_, numbered_key(3)));  // another sensor may have that number too
+  wire::Key renewed = numbered_key(1);
+  renewed.secret[0] ^= std::byte{1};
+  ASSERT_TRUE(add_user_key(file_, renewed));
   const wire::KeyTable keys = read_user_keys(file_).value();
-  ASSERT_EQ(keys.count(), 2U);
+  ASSERT_EQ(keys.count(), 3U);
   EXPECT_EQ(keys.all()[0], other);
   EXPECT_EQ(keys.all()[1], numbered_key(3));
+  EXPECT_EQ(keys.all()[2], renewed);
   other.device = 10;
   EXPECT_EQ(add_user_key(file_, other).error().status, Status::kInvalidArgument);
+}
+
+TEST_F(UserKeysTest, ManyAtATimeLoseNone) {
+  std::vector<std::thread> programs;
+  for (std::uint32_t i = 1; i <= 16; ++i) {
+    programs.emplace_back([this, i] { EXPECT_TRUE(add_user_key(file_, numbered_key(i))) << i; });
+  }
+  for (std::thread& program : programs) {
+    program.join();
+  }
+  EXPECT_EQ(read_user_keys(file_).value().count(), 16U);
+}
+
+TEST_F(UserKeysTest, AFolderThatEverybodyWritesIsRefused) {
+  ASSERT_TRUE(add_user_key(file_, numbered_key(1)));
+  ASSERT_EQ(::chmod((folder_ + "/a/b").c_str(), 0777), 0);
+  EXPECT_NE(refusal().find("chmod o-w"), std::string::npos);
+  ASSERT_EQ(::chmod((folder_ + "/a/b").c_str(), 01777), 0);  // sticky, as /tmp
+  EXPECT_EQ(refusal(), "");
 }
 
 TEST_F(UserKeysTest, WhatIsNoKeyFileIsNeverReplaced) {

@@ -1,0 +1,125 @@
+#include <array>
+
+#include "dataset/files/file.h"
+#include "host/calibrate/rig/exchange/exchange.h"
+#include "host/calibrate/rig/exchange/lens_checks.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+// Both names that OpenCV's programs give a matrix.
+struct Name {
+  const char* brief;
+  const char* whole;
+};
+constexpr std::array<Name, 2> kMatrices{{{"M1", "cameraMatrix1"}, {"M2", "cameraMatrix2"}}};
+constexpr std::array<Name, 2> kDistortions{{{"D1", "distCoeffs1"}, {"D2", "distCoeffs2"}}};
+
+// One or two files; a name may be in either.
+class Files {
+ public:
+  explicit Files(std::vector<YamlReader> readers) : readers_(std::move(readers)) {}
+
+  YamlReader& with(const Name& name, YAML::Node& node) {
+    for (YamlReader& reader : readers_) {
+      for (const char* const key : {name.brief, name.whole}) {
+        if (reader.has(key)) {
+          node.reset(reader.at(key));
+          return reader;
+        }
+      }
+    }
+    node.reset(readers_.back().at(name.brief));  // which fails
+    return readers_.back();
+  }
+  YamlReader* failed() {
+    for (YamlReader& reader : readers_) {
+      if (reader.failed()) {
+        return &reader;
+      }
+    }
+    return nullptr;
+  }
+  bool has(const char* key) const {
+    return std::ranges::any_of(readers_, [key](const YamlReader& r) { return r.has(key); });
+  }
+
+ private:
+  std::vector<YamlReader> readers_;
+};
+
+void put_lens(Files& files, std::size_t eye, dsp::Pinhole& lens) {
+  YAML::Node node;
+  YamlReader& matrix = files.with(kMatrices[eye], node);
+  put_matrix(matrix, node, kMatrices[eye].brief, lens);
+  YamlReader& distortion = files.with(kDistortions[eye], node);
+  put_distortion(distortion, node, kDistortions[eye].brief, lens);
+}
+
+int size_of(Files& files, const char* key, int told) {
+  if (told > 0 || !files.has(key)) {
+    return told;
+  }
+  YAML::Node node;
+  YamlReader& reader = files.with({key, key}, node);
+  return reader.integer(node, key);
+}
+
+std::string matrix_text(const char* name, int rows, int columns, const std::vector<double>& data) {
+  return printed("%s: !!opencv-matrix\n   rows: %d\n   cols: %d\n   dt: d\n   data: %s\n", name,
+                 rows, columns, exact_list(data).c_str());
+}
+
+}  // namespace
+
+dataset::Loaded<dsp::RawPair> read_opencv(const std::vector<std::filesystem::path>& files,
+                                          int width, int height) {
+  std::vector<YamlReader> readers;
+  for (const std::filesystem::path& file : files) {
+    dataset::Loaded<YamlReader> reader = YamlReader::open(file);
+    if (!reader) {
+      return std::unexpected(std::move(reader.error()));
+    }
+    readers.push_back(std::move(*reader));
+  }
+  Files all(std::move(readers));
+  dsp::RawPair rig;
+  put_lens(all, 0, rig.left);
+  put_lens(all, 1, rig.right);
+  rig.left.width = rig.right.width = size_of(all, "image_width", width);
+  rig.left.height = rig.right.height = size_of(all, "image_height", height);
+  YAML::Node node;
+  YamlReader& turn = all.with({"R", "R"}, node);
+  const std::vector<double> r = turn.numbers(node, "R", 9, 9);
+  YamlReader& shift = all.with({"T", "T"}, node);
+  const std::vector<double> t = shift.numbers(node, "T", 3, 3);
+  if (YamlReader* const failed = all.failed()) {
+    return std::unexpected(failed->problem());
+  }
+  if (rig.left.width == 0 || rig.left.height == 0) {
+    return dataset::refuse(files.front(), "does not say how large the pictures are",
+                           "give --size WIDTH HEIGHT");
+  }
+  std::ranges::copy(r, rig.left_to_right.rotation.begin());
+  std::ranges::copy(t, rig.left_to_right.translation_m.begin());
+  return judged(files.front(), shift, rig);
+}
+
+std::string opencv_text(const dsp::RawPair& rig) {
+  std::string text = printed("%%YAML:1.0\n---\nimage_width: %d\nimage_height: %d\n", rig.left.width,
+                             rig.left.height);
+  for (const std::size_t eye : {std::size_t{0}, std::size_t{1}}) {
+    const dsp::Pinhole& lens = eye == 0 ? rig.left : rig.right;
+    text += matrix_text(kMatrices[eye].brief, 3, 3,
+                        {lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1});
+    text +=
+        matrix_text(kDistortions[eye].brief, 1, 5, {lens.k1, lens.k2, lens.p1, lens.p2, lens.k3});
+  }
+  const dsp::RigidTransform& pose = rig.left_to_right;
+  text += matrix_text("R", 3, 3, {pose.rotation.begin(), pose.rotation.end()});
+  text += matrix_text("T", 3, 1, {pose.translation_m.begin(), pose.translation_m.end()});
+  return text;
+}
+
+}  // namespace stof::host

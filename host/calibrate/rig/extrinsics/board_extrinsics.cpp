@@ -1,0 +1,313 @@
+#include "host/calibrate/rig/extrinsics/board_extrinsics.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+#include <opencv2/imgproc.hpp>
+
+#include "dsp/base/index.h"
+#include "dsp/calib/stereo/rectification.h"
+#include "host/calibrate/rig/target/board_pose.h"
+
+namespace stof::host {
+namespace {
+
+using dsp::index;
+using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+
+constexpr int kRounds = 3;  // of fits, each with the scatter that the one before it found
+constexpr double kFirstPairPx = 0.1;
+constexpr double kFirstPmdPx = 0.1;
+constexpr double kHuberSigmas = 3;
+constexpr int kEnlarged = 4;
+constexpr double kWhite = 250;
+
+template <typename T>
+std::array<T, 3> moved(const T* pose, const std::array<T, 3>& point) {
+  std::array<T, 3> turned;
+  ceres::AngleAxisRotatePoint(pose, point.data(), turned.data());
+  return {turned[0] + pose[3], turned[1] + pose[4], turned[2] + pose[5]};
+}
+
+template <typename T>
+std::array<T, 3> times(const Matrix3& m, const std::array<T, 3>& p) {
+  std::array<T, 3> out;
+  for (int i = 0; i < 3; ++i) {
+    out[index(i)] = T(m(i, 0)) * p[0] + T(m(i, 1)) * p[1] + T(m(i, 2)) * p[2];
+  }
+  return out;
+}
+
+template <typename T>
+bool off(const LensUnknowns& lens, const std::array<T, 3>& point, const PixelPoint& found,
+         double sigma, T* residual) {
+  std::array<T, kLensUnknowns> numbers;
+  std::ranges::transform(lens, numbers.begin(), [](double x) { return T(x); });
+  std::array<T, 2> pixel;
+  if (!project(numbers.data(), point, pixel)) {
+    return false;
+  }
+  residual[0] = (found.u - pixel[0]) / sigma;
+  residual[1] = (found.v - pixel[1]) / sigma;
+  return true;
+}
+
+// By an eye whose place to the left camera is fixed.
+struct EyeCorner {
+  LensUnknowns lens;
+  PoseUnknowns from_left;
+  std::array<double, 2> on_board;
+  PixelPoint found;
+  double sigma;
+
+  template <typename T>
+  bool operator()(const T* board, T* residual) const {
+    std::array<T, kPoseUnknowns> eye;
+    std::ranges::transform(from_left, eye.begin(), [](double x) { return T(x); });
+    return off(lens, moved(eye.data(), moved(board, {T(on_board[0]), T(on_board[1]), T(0)})), found,
+               sigma, residual);
+  }
+};
+
+struct PmdCorner {
+  LensUnknowns lens;
+  Matrix3 left_turn;
+  Matrix3 start_back;  // R^T of the start
+  std::array<double, 2> on_board;
+  PixelPoint found;
+  double sigma;
+
+  // pose: a small turn behind the start's, and T.
+  template <typename T>
+  bool operator()(const T* pose, const T* board, T* residual) const {
+    std::array<T, 3> point = times(left_turn, moved(board, {T(on_board[0]), T(on_board[1]), T(0)}));
+    for (std::size_t i = 0; i < 3; ++i) {
+      point[i] -= pose[3 + i];
+    }
+    const T back[3] = {-pose[0], -pose[1], -pose[2]};
+    std::array<T, 3> turned;
+    ceres::AngleAxisRotatePoint(back, point.data(), turned.data());
+    return off(lens, times(start_back, turned), found, sigma, residual);
+  }
+};
+
+double rms_of(ceres::Problem& problem, const std::vector<ceres::ResidualBlockId>& blocks) {
+  ceres::Problem::EvaluateOptions options;
+  options.residual_blocks = blocks;
+  options.apply_loss_function = false;
+  double cost = 0;
+  problem.Evaluate(options, &cost, nullptr, nullptr, nullptr);
+  return std::sqrt(2 * cost / static_cast<double>(2 * blocks.size()));
+}
+
+struct Scatter {
+  double pair_px = kFirstPairPx;
+  double pmd_px = kFirstPmdPx;
+};
+
+class BoardProblem {
+ public:
+  BoardProblem(const Board& board, const std::vector<PmdBoardView>& views, const FixedPair& pair,
+               const dsp::Pinhole& pmd, const PoseUnknowns& start,
+               const std::vector<PoseUnknowns>& boards, const Scatter& scatter)
+      : start_(rotation_of(start)),
+        pose_{0, 0, 0, start[3], start[4], start[5]},
+        boards_(boards),
+        of_view_(views.size()) {
+    const PoseUnknowns home{};
+    const Matrix3 left_turn = Eigen::Map<const RowMatrix>(pair.left_turn.data());
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      add_eye(board, views[n].pair.left, pair.rig.left, home, scatter, n);
+      add_eye(board, views[n].pair.right, pair.rig.right, pose_of(pair.rig.left_to_right), scatter,
+              n);
+      for (std::size_t i = 0; i < views[n].pmd.size(); ++i) {
+        of_view_[n].push_back(problem_.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<PmdCorner, 2, kPoseUnknowns, kPoseUnknowns>(
+                new PmdCorner{unknowns_of(pmd), left_turn, start_.transpose(),
+                              board.at(static_cast<int>(i)), views[n].pmd[i], scatter.pmd_px}),
+            new ceres::HuberLoss(kHuberSigmas), pose_.data(), boards_[n].data()));
+        pmd_.push_back(of_view_[n].back());
+      }
+    }
+  }
+
+  bool solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 100;
+    options.function_tolerance = 1e-12;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  PoseUnknowns pose() const {
+    const PoseUnknowns small{pose_[0], pose_[1], pose_[2], 0, 0, 0};
+    return pose_of(Matrix3(rotation_of(small) * start_), Vector3(pose_[3], pose_[4], pose_[5]));
+  }
+  const std::vector<PoseUnknowns>& boards() const { return boards_; }
+  // What corners scatter by: unknowns take some of it away.
+  Scatter scatter(const Scatter& told) {
+    const auto corners = static_cast<double>(2 * (pair_.size() + pmd_.size()));
+    const auto unknowns = static_cast<double>(kPoseUnknowns * (1 + boards_.size()));
+    const double taken = std::sqrt(corners / (corners - unknowns));
+    return {told.pair_px * rms_of(problem_, pair_) * taken,
+            told.pmd_px * rms_of(problem_, pmd_) * taken};
+  }
+  double view_misfit(std::size_t n) { return rms_of(problem_, of_view_[n]); }
+
+  std::optional<Eigen::Matrix<double, 6, 6>> covariance() {
+    ceres::Problem::EvaluateOptions options;
+    options.apply_loss_function = false;
+    options.parameter_blocks = {pose_.data()};
+    for (PoseUnknowns& board : boards_) {
+      options.parameter_blocks.push_back(board.data());
+    }
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
+      return std::nullopt;
+    }
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+    for (int row = 0; row < jacobian.num_rows; ++row) {
+      for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
+        for (int b = jacobian.rows[index(row)]; b < jacobian.rows[index(row) + 1]; ++b) {
+          normal(jacobian.cols[index(a)], jacobian.cols[index(b)]) +=
+              jacobian.values[index(a)] * jacobian.values[index(b)];
+        }
+      }
+    }
+    const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * normal * scale.asDiagonal());
+    if (!scale.allFinite() || cholesky.info() != Eigen::Success) {
+      return std::nullopt;
+    }
+    const Eigen::MatrixXd inverse =
+        scale.asDiagonal() *
+        cholesky.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) *
+        scale.asDiagonal();
+    return Eigen::Matrix<double, 6, 6>(inverse.topLeftCorner<6, 6>());
+  }
+
+ private:
+  void add_eye(const Board& board, const std::vector<PixelPoint>& corners, const dsp::Pinhole& lens,
+               const PoseUnknowns& from_left, const Scatter& scatter, std::size_t n) {
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      pair_.push_back(problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<EyeCorner, 2, kPoseUnknowns>(
+              new EyeCorner{unknowns_of(lens), from_left, board.at(static_cast<int>(i)), corners[i],
+                            scatter.pair_px}),
+          new ceres::HuberLoss(kHuberSigmas), boards_[n].data()));
+    }
+  }
+
+  Matrix3 start_;
+  PoseUnknowns pose_;
+  std::vector<PoseUnknowns> boards_;
+  ceres::Problem problem_;
+  std::vector<ceres::ResidualBlockId> pair_;
+  std::vector<ceres::ResidualBlockId> pmd_;
+  std::vector<std::vector<ceres::ResidualBlockId>> of_view_;
+};
+
+// From the first view's poses to both cameras.
+std::optional<PoseUnknowns> first_pose(const Board& board, const PmdBoardView& view,
+                                       const FixedPair& pair, const dsp::Pinhole& pmd) {
+  const std::optional<PoseUnknowns> by_left = pose_of_board(board, view.pair.left, pair.rig.left);
+  const std::optional<PoseUnknowns> by_pmd = pose_of_board(board, view.pmd, pmd);
+  if (!by_left || !by_pmd) {
+    return std::nullopt;
+  }
+  const Matrix3 left_turn = Eigen::Map<const RowMatrix>(pair.left_turn.data());
+  const Matrix3 turn = left_turn * rotation_of(*by_left) * rotation_of(*by_pmd).transpose();
+  return pose_of(turn,
+                 Vector3(left_turn * translation_of(*by_left) - turn * translation_of(*by_pmd)));
+}
+
+}  // namespace
+
+FixedPair fixed_pair(const dsp::StereoRig& rig) {
+  if (rig.raw) {
+    return {*rig.raw, dsp::rectify(*rig.raw).left_turn};
+  }
+  FixedPair pair{.rig = {.left = rig.left, .right = rig.left, .left_to_right = {}}};
+  pair.rig.right.cx += rig.doff_px;
+  pair.rig.left_to_right.translation_m = {-rig.baseline_m, 0, 0};
+  return pair;
+}
+
+std::optional<ExtrinsicFit> fit_extrinsics(const Board& board,
+                                           const std::vector<PmdBoardView>& views,
+                                           const FixedPair& pair, const dsp::Pinhole& pmd) {
+  if (views.size() < kFewestBoardViews) {
+    return std::nullopt;
+  }
+  std::optional<PoseUnknowns> pose = first_pose(board, views.front(), pair, pmd);
+  std::vector<PoseUnknowns> boards;
+  for (const PmdBoardView& view : views) {
+    const std::optional<PoseUnknowns> by_left = pose_of_board(board, view.pair.left, pair.rig.left);
+    if (!by_left || !pose) {
+      return std::nullopt;
+    }
+    boards.push_back(*by_left);
+  }
+  Scatter scatter;
+  for (int round = 0;; ++round) {
+    BoardProblem problem(board, views, pair, pmd, *pose, boards, scatter);
+    if (!problem.solve()) {
+      return std::nullopt;
+    }
+    pose = problem.pose();
+    if (round + 1 < kRounds) {
+      boards = problem.boards();
+      scatter = problem.scatter(scatter);
+      continue;
+    }
+    ExtrinsicFit fit;
+    fit.pmd_to_stereo = *pose;
+    const std::optional<Eigen::Matrix<double, 6, 6>> covariance = problem.covariance();
+    if (!covariance) {
+      return std::nullopt;
+    }
+    fit.covariance = *covariance;
+    fit.misfit = 1;
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      fit.wall_misfit.push_back(problem.view_misfit(n));
+    }
+    return fit;
+  }
+}
+
+std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplitude,
+                                             const Board& board) {
+  const float most = std::ranges::max(amplitude.pixels);
+  if (!(most > 0)) {
+    return {};
+  }
+  cv::Mat small(amplitude.height, amplitude.width, CV_8UC1);
+  for (int y = 0; y < amplitude.height; ++y) {
+    for (int x = 0; x < amplitude.width; ++x) {
+      small.at<std::uint8_t>(y, x) = static_cast<std::uint8_t>(
+          std::clamp(static_cast<double>(amplitude.view().at(x, y) / most) * kWhite, 0.0, 255.0));
+    }
+  }
+  cv::Mat large;
+  cv::resize(small, large, {}, kEnlarged, kEnlarged, cv::INTER_CUBIC);
+  dataset::Image<std::uint8_t> picture(large.cols, large.rows);
+  for (int y = 0; y < large.rows; ++y) {
+    std::copy_n(large.ptr<std::uint8_t>(y), large.cols, picture.view().row(y).begin());
+  }
+  std::vector<PixelPoint> corners;
+  if (const std::optional<FoundBoard> found = find_board(picture, board)) {
+    for (const PixelPoint& p : found->corners) {
+      // The centre of a pixel of before is in the middle of those that it became.
+      corners.push_back({(p.u + 0.5) / kEnlarged - 0.5, (p.v + 0.5) / kEnlarged - 0.5});
+    }
+  }
+  return corners;
+}
+
+}  // namespace stof::host

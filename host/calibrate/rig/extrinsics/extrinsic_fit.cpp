@@ -1,0 +1,263 @@
+#include "host/calibrate/rig/extrinsics/extrinsic_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/SVD>
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include "dsp/base/index.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+using dsp::index;
+using Wall = std::array<double, 3>;
+
+constexpr std::size_t kFewestWalls = 3;
+constexpr double kLeastSideways = 0.35;  // between the outermost tilts, rad: 20 degrees
+constexpr double kLeastUpwards = 0.35;
+// The smallest eigenvalue of the sum of n n^T a wall, below which T is not told in one direction.
+constexpr double kLeastSpread = 0.01;
+
+Eigen::Matrix3d whitener(const Eigen::Matrix3d& covariance) {
+  const Eigen::Matrix3d lower = covariance.llt().matrixL();
+  return lower.inverse();
+}
+
+struct StereoResidual {
+  Eigen::Vector3d seen;
+  Eigen::Matrix3d white;
+
+  template <typename T>
+  bool operator()(const T* wall, T* residual) const {
+    for (int i = 0; i < 3; ++i) {
+      residual[i] = T(0);
+      for (int k = 0; k < 3; ++k) {
+        residual[i] += white(i, k) * (seen(k) - wall[k]);
+      }
+    }
+    return true;
+  }
+};
+
+struct PmdResidual {
+  Eigen::Vector3d seen;
+  Eigen::Vector3d per_offset;
+  Eigen::Matrix3d white;
+  Eigen::Matrix3d start;  // of the rotation; the unknown is a small turn behind it
+
+  template <typename T>
+  bool operator()(const T* pose, const T* offset, const T* wall, T* residual) const {
+    // m_p = R^T m_s / (1 - m_s . T)
+    const T back[3] = {-pose[0], -pose[1], -pose[2]};
+    T turned[3];
+    ceres::AngleAxisRotatePoint(back, wall, turned);
+    const T scale = T(1) - (wall[0] * pose[3] + wall[1] * pose[4] + wall[2] * pose[5]);
+    T off[3];
+    for (int k = 0; k < 3; ++k) {
+      off[k] =
+          seen(k) + per_offset(k) * offset[0] -
+          (start(0, k) * turned[0] + start(1, k) * turned[1] + start(2, k) * turned[2]) / scale;
+    }
+    for (int i = 0; i < 3; ++i) {
+      residual[i] = white(i, 0) * off[0] + white(i, 1) * off[1] + white(i, 2) * off[2];
+    }
+    return true;
+  }
+};
+
+struct OffsetPrior {
+  double sigma_m;
+  template <typename T>
+  bool operator()(const T* offset, T* residual) const {
+    residual[0] = offset[0] / T(sigma_m);
+    return true;
+  }
+};
+
+// The rotation between normals (Kabsch), and T by least squares.
+std::optional<PoseUnknowns> start_of(const std::vector<SeenWall>& walls) {
+  Eigen::Matrix3d correlation = Eigen::Matrix3d::Zero();
+  for (const SeenWall& wall : walls) {
+    correlation += wall.stereo.m.normalized() * wall.pmd.m.normalized().transpose();
+  }
+  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(correlation,
+                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Eigen::Matrix3d sign = Eigen::Matrix3d::Identity();
+  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant();
+  const Eigen::Matrix3d turn = svd.matrixU() * sign * svd.matrixV().transpose();
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Eigen::Vector3d right = Eigen::Vector3d::Zero();
+  for (const SeenWall& wall : walls) {
+    const Eigen::Vector3d n = wall.stereo.m.normalized();
+    normal += n * n.transpose();
+    right += n * (1 / wall.stereo.m.norm() - 1 / wall.pmd.m.norm());
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> spread(normal);
+  if (spread.eigenvalues()(0) < kLeastSpread * static_cast<double>(walls.size())) {
+    return std::nullopt;
+  }
+  return pose_of(turn, Vector3(normal.ldlt().solve(right)));
+}
+
+class ExtrinsicProblem {
+ public:
+  ExtrinsicProblem(const std::vector<SeenWall>& walls, const ExtrinsicOptions& options,
+                   const PoseUnknowns& start)
+      : start_(rotation_of(start)), pose_{0, 0, 0, start[3], start[4], start[5]} {
+    for (const SeenWall& wall : walls) {
+      walls_.push_back({wall.stereo.m.x(), wall.stereo.m.y(), wall.stereo.m.z()});
+    }
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<OffsetPrior, 1, 1>(new OffsetPrior{options.offset_sigma_m}),
+        nullptr, &offset_);
+    for (std::size_t n = 0; n < walls.size(); ++n) {
+      const SeenWall& wall = walls[n];
+      blocks_.push_back(
+          {problem_.AddResidualBlock(
+               new ceres::AutoDiffCostFunction<StereoResidual, 3, 3>(
+                   new StereoResidual{wall.stereo.m, whitener(wall.stereo.covariance)}),
+               nullptr, walls_[n].data()),
+           problem_.AddResidualBlock(
+               new ceres::AutoDiffCostFunction<PmdResidual, 3, 6, 1, 3>(new PmdResidual{
+                   wall.pmd.m, wall.pmd.per_offset, whitener(wall.pmd.covariance), start_}),
+               nullptr, pose_.data(), &offset_, walls_[n].data())});
+    }
+  }
+
+  bool solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 200;
+    options.function_tolerance = 1e-14;
+    options.parameter_tolerance = 1e-14;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  bool put(ExtrinsicFit& fit) {
+    const PoseUnknowns small{pose_[0], pose_[1], pose_[2], 0, 0, 0};
+    fit.pmd_to_stereo =
+        pose_of(Matrix3(rotation_of(small) * start_), Vector3(pose_[3], pose_[4], pose_[5]));
+    fit.offset_m = offset_;
+    double chi2 = 0;
+    for (const std::array<ceres::ResidualBlockId, 2>& wall : blocks_) {
+      const double of_wall = cost_of(wall);
+      fit.wall_misfit.push_back(std::sqrt(of_wall / 3));
+      chi2 += of_wall;
+    }
+    chi2 += std::pow(offset_ / offset_sigma_, 2);
+    const auto freedom = static_cast<double>(3 * blocks_.size()) - 6;
+    fit.misfit = freedom > 0 ? chi2 / freedom : 0;
+    return put_covariance(fit);
+  }
+  void tell_offset_sigma(double sigma) { offset_sigma_ = sigma; }
+
+ private:
+  double cost_of(const std::array<ceres::ResidualBlockId, 2>& wall) {
+    ceres::Problem::EvaluateOptions options;
+    options.residual_blocks = {wall[0], wall[1]};
+    double cost = 0;
+    problem_.Evaluate(options, &cost, nullptr, nullptr, nullptr);
+    return 2 * cost;
+  }
+
+  bool put_covariance(ExtrinsicFit& fit) {
+    ceres::Problem::EvaluateOptions options;
+    options.parameter_blocks = {pose_.data(), &offset_};
+    for (Wall& wall : walls_) {
+      options.parameter_blocks.push_back(wall.data());
+    }
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
+      return false;
+    }
+    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(jacobian.num_rows, jacobian.num_cols);
+    for (int row = 0; row < jacobian.num_rows; ++row) {
+      for (int k = jacobian.rows[index(row)]; k < jacobian.rows[index(row) + 1]; ++k) {
+        dense(row, jacobian.cols[index(k)]) = jacobian.values[index(k)];
+      }
+    }
+    const Eigen::VectorXd scale = dense.colwise().norm().cwiseInverse();
+    dense = dense * scale.asDiagonal();
+    const Eigen::LLT<Eigen::MatrixXd> cholesky(dense.transpose() * dense);
+    if (!scale.allFinite() || cholesky.info() != Eigen::Success) {
+      return false;
+    }
+    const Eigen::MatrixXd covariance =
+        scale.asDiagonal() * cholesky.solve(Eigen::MatrixXd::Identity(dense.cols(), dense.cols())) *
+        scale.asDiagonal();
+    fit.covariance = covariance.topLeftCorner<6, 6>();
+    fit.offset_sigma_m = std::sqrt(covariance(6, 6));
+    return true;
+  }
+
+  Matrix3 start_;
+  PoseUnknowns pose_;
+  double offset_ = 0;
+  double offset_sigma_ = 1;
+  std::vector<Wall> walls_;
+  ceres::Problem problem_;
+  std::vector<std::array<ceres::ResidualBlockId, 2>> blocks_;
+};
+
+}  // namespace
+
+std::optional<ExtrinsicFit> fit_extrinsics(const std::vector<SeenWall>& walls,
+                                           const ExtrinsicOptions& options) {
+  const std::optional<PoseUnknowns> start =
+      walls.size() < kFewestWalls ? std::nullopt : start_of(walls);
+  if (!start) {
+    return std::nullopt;
+  }
+  ExtrinsicProblem problem(walls, options, *start);
+  problem.tell_offset_sigma(options.offset_sigma_m);
+  ExtrinsicFit fit;
+  if (!problem.solve() || !problem.put(fit)) {
+    return std::nullopt;
+  }
+  return fit;
+}
+
+std::vector<std::string> missing_tilts(const std::vector<SeenWall>& walls) {
+  std::vector<std::string> missing;
+  if (walls.size() < kFewestWalls + 2) {
+    missing.push_back(printed("more: %zu walls, 5 are needed", walls.size()));
+  }
+  double left = HUGE_VAL, right = -HUGE_VAL, up = HUGE_VAL, down = -HUGE_VAL;
+  for (const SeenWall& wall : walls) {
+    const Eigen::Vector3d& m = wall.stereo.m;
+    const double sideways = std::atan2(m.x(), m.z());
+    const double upwards = std::atan2(m.y(), m.z());
+    left = std::min(left, sideways);
+    right = std::max(right, sideways);
+    up = std::min(up, upwards);
+    down = std::max(down, upwards);
+  }
+  if (!(right - left >= kLeastSideways)) {
+    missing.emplace_back(
+        "tilted: no two walls are turned sideways against each other by 20 degrees");
+  }
+  if (!(down - up >= kLeastUpwards)) {
+    missing.emplace_back(
+        "tilted: no two walls are tilted up and down against each other by 20 degrees");
+  }
+  return missing;
+}
+
+Eigen::Matrix<double, 6, 1> difference(const PoseUnknowns& fit, const PoseUnknowns& truth) {
+  const PoseUnknowns turn =
+      pose_of(Matrix3(rotation_of(truth) * rotation_of(fit).transpose()), Vector3::Zero());
+  Eigen::Matrix<double, 6, 1> off;
+  off << turn[0], turn[1], turn[2], truth[3] - fit[3], truth[4] - fit[4], truth[5] - fit[5];
+  return off;
+}
+
+}  // namespace stof::host

@@ -1,0 +1,204 @@
+#include "host/calibrate/rig/planes/plane_fit.h"
+
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <ceres/ceres.h>
+
+#include "dsp/base/index.h"
+
+namespace stof::host {
+namespace {
+
+using dsp::index;
+
+constexpr std::size_t kWallUnknowns = 3;  // nearer or farther, m; slopes along columns and rows
+using Wall = std::array<double, kWallUnknowns>;
+constexpr double kHuberSigmas = 3;
+constexpr double kFirstCellSigmaPx = 0.1;
+constexpr int kRounds = 3;
+
+// The disparity that a cell has more than the wall says, in standard deviations.
+struct CellResidual {
+  double left_m;
+  double right_m;
+  double row_m;
+  double z_m;
+  double pixel_m;
+  double sigma_px;
+
+  template <typename T>
+  bool operator()(const T* x, const T* wall, T* residual) const {
+    using std::tan;
+    const T left = tangent_of(tan(x[2]), T(-left_m) / x[4]);
+    // X = -left Z, Y = row_m / f2 Z; the wall is Z = z + s_x X + s_y Y.
+    const T inverse_z = (T(1) + wall[1] * left - wall[2] * (T(row_m) / x[4])) / (T(z_m) + wall[0]);
+    const T parallax = tangent_of(tan(x[1]), T(-right_m) / x[3]) - left;
+    residual[0] = (parallax - x[0] * inverse_z) * x[3] / T(pixel_m * sigma_px);
+    return true;
+  }
+};
+
+struct Priors {
+  PlanePriors told;
+
+  template <typename T>
+  bool operator()(const T* x, T* residual) const {
+    residual[0] = (x[0] - T(told.baseline_m)) / T(told.baseline_sigma_m);
+    residual[1] = ((x[3] + x[4]) / T(2 * told.focal_m) - T(1)) / T(told.focal_sigma);
+    residual[2] = (x[3] - x[4]) / T(told.focal_m * told.focal_difference);
+    residual[3] = (x[1] + x[2]) / T(2 * told.pointing_sigma_rad);
+    return true;
+  }
+};
+
+struct WallPrior {
+  PlanePriors told;
+
+  template <typename T>
+  bool operator()(const T* wall, T* residual) const {
+    residual[0] = wall[0] / T(told.distance_sigma_m);
+    residual[1] = wall[1] / T(told.tilt_sigma_rad);
+    residual[2] = wall[2] / T(told.tilt_sigma_rad);
+    return true;
+  }
+};
+
+class PlaneProblem {
+ public:
+  PlaneProblem(const std::vector<Plane>& planes, const PlaneSensor& sensor,
+               const PlanePriors& priors, const PlaneUnknowns& start, double sigma_px)
+      : x_(start), walls_(planes.size()) {
+    problem_.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<Priors, 4, int{kPlaneUnknowns}>(new Priors{priors}),
+        nullptr, x_.data());
+    for (std::size_t n = 0; n < planes.size(); ++n) {
+      double* const wall = walls_[n].data();
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<WallPrior, 3, int{kWallUnknowns}>(new WallPrior{priors}),
+          nullptr, wall);
+      for (const PlaneCell& cell : planes[n].cells) {
+        cells_.push_back(problem_.AddResidualBlock(
+            new ceres::AutoDiffCostFunction<CellResidual, 1, int{kPlaneUnknowns},
+                                            int{kWallUnknowns}>(new CellResidual{
+                sensor.left_m(cell), sensor.right_m(cell), (cell.row - sensor.cy) * sensor.pixel_m,
+                planes[n].z_m, sensor.pixel_m, sigma_px}),
+            new ceres::HuberLoss(kHuberSigmas), x_.data(), wall));
+      }
+    }
+  }
+
+  bool solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_QR;
+    options.logging_type = ceres::SILENT;
+    options.max_num_iterations = 200;
+    options.function_tolerance = 1e-12;
+    options.parameter_tolerance = 1e-14;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  const PlaneUnknowns& x() const { return x_; }
+
+  // Of the cells alone, in standard deviations.
+  double rms() {
+    ceres::Problem::EvaluateOptions options;
+    options.residual_blocks = cells_;
+    options.apply_loss_function = false;
+    double cost = 0;
+    problem_.Evaluate(options, &cost, nullptr, nullptr, nullptr);
+    return std::sqrt(2 * cost / static_cast<double>(cells_.size()));
+  }
+
+  // Of all unknowns, x first.
+  std::optional<Eigen::MatrixXd> covariance() {
+    ceres::Problem::EvaluateOptions options;
+    options.apply_loss_function = false;
+    options.parameter_blocks = {x_.data()};
+    for (Wall& wall : walls_) {
+      options.parameter_blocks.push_back(wall.data());
+    }
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
+      return std::nullopt;
+    }
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+    for (int row = 0; row < jacobian.num_rows; ++row) {
+      for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
+        for (int b = jacobian.rows[index(row)]; b < jacobian.rows[index(row) + 1]; ++b) {
+          normal(jacobian.cols[index(a)], jacobian.cols[index(b)]) +=
+              jacobian.values[index(a)] * jacobian.values[index(b)];
+        }
+      }
+    }
+    const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+    const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * normal * scale.asDiagonal());
+    if (!scale.allFinite() || cholesky.info() != Eigen::Success) {
+      return std::nullopt;
+    }
+    const Eigen::MatrixXd inverse =
+        cholesky.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+    return Eigen::MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+  }
+
+ private:
+  PlaneUnknowns x_;
+  std::vector<Wall> walls_;
+  ceres::Problem problem_;
+  std::vector<ceres::ResidualBlockId> cells_;
+};
+
+using Gradient = Eigen::Matrix<double, int{kPlaneUnknowns}, 1>;
+
+// Of triangulation_constant(), by differences.
+Gradient constant_gradient(const PlaneUnknowns& x) {
+  Gradient gradient;
+  for (std::size_t i = 0; i < kPlaneUnknowns; ++i) {
+    const double step = 1e-6 * std::max(std::abs(x[i]), 1e-3);
+    PlaneUnknowns more = x;
+    PlaneUnknowns less = x;
+    more[i] += step;
+    less[i] -= step;
+    gradient(static_cast<Eigen::Index>(i)) =
+        (triangulation_constant(more) - triangulation_constant(less)) / (2 * step);
+  }
+  return gradient;
+}
+
+}  // namespace
+
+std::optional<PlaneFit> refine(const std::vector<Plane>& planes, const PlaneSensor& sensor,
+                               const PlanePriors& priors, const PlaneUnknowns& start) {
+  PlaneFit fit;
+  fit.x = start;
+  fit.cell_sigma_px = kFirstCellSigmaPx;
+  std::optional<Eigen::MatrixXd> covariance;
+  // How far cells scatter weighs them against the priors.
+  for (int round = 0; round < kRounds; ++round) {
+    PlaneProblem problem(planes, sensor, priors, fit.x, fit.cell_sigma_px);
+    if (!problem.solve()) {
+      return std::nullopt;
+    }
+    fit.x = problem.x();
+    covariance = problem.covariance();
+    fit.cell_sigma_px *= problem.rms();
+  }
+  if (!covariance) {
+    return std::nullopt;
+  }
+  fit.covariance = covariance->topLeftCorner<int{kPlaneUnknowns}, int{kPlaneUnknowns}>();
+  const double half_difference = priors.focal_difference / 2;
+  const double focal = priors.focal_m * std::hypot(priors.focal_sigma, half_difference);
+  fit.from_prior = {priors.baseline_sigma_m, HUGE_VAL, HUGE_VAL, focal, focal};
+  const Gradient constant = constant_gradient(fit.x);
+  fit.constant_sigma = std::sqrt(constant.dot(fit.covariance * constant));
+  Gradient difference = Gradient::Zero();
+  difference(1) = 1;
+  difference(2) = -1;
+  fit.difference_sigma = std::sqrt(difference.dot(fit.covariance * difference));
+  return fit;
+}
+
+}  // namespace stof::host

@@ -1,0 +1,335 @@
+#include "host/calibrate/rig/target/pair_fit.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <Eigen/Eigenvalues>
+#include <ceres/ceres.h>
+#include <ceres/rotation.h>
+
+#include "dsp/base/index.h"
+#include "host/calibrate/rig/target/board_pose.h"
+
+namespace stof::host {
+namespace {
+
+using dsp::index;
+
+// A corner that is off by more counts less: finders sometimes take the wrong one.
+constexpr double kHuberPx = 1;
+constexpr int kMostSteps = 200;
+constexpr double kLargestCondition = 1e14;  // of the scaled normal equations
+
+template <typename T>
+std::array<T, 3> moved(const T* pose, const std::array<T, 3>& point) {
+  std::array<T, 3> turned;
+  ceres::AngleAxisRotatePoint(pose, point.data(), turned.data());
+  return {turned[0] + pose[3], turned[1] + pose[4], turned[2] + pose[5]};
+}
+
+// All corners of one picture would be one block; a corner each keeps the autodiff short.
+struct LeftCorner {
+  std::array<double, 2> on_board;
+  PixelPoint found;
+
+  template <typename T>
+  bool operator()(const T* lens, const T* board, T* residual) const {
+    const std::array<T, 3> point = moved(board, {T(on_board[0]), T(on_board[1]), T(0)});
+    std::array<T, 2> pixel;
+    if (!project(lens, point, pixel)) {
+      return false;
+    }
+    residual[0] = found.u - pixel[0];
+    residual[1] = found.v - pixel[1];
+    return true;
+  }
+};
+
+struct RightCorner {
+  std::array<double, 2> on_board;
+  PixelPoint found;
+
+  template <typename T>
+  bool operator()(const T* lens, const T* left_to_right, const T* board, T* residual) const {
+    const std::array<T, 3> point =
+        moved(left_to_right, moved(board, {T(on_board[0]), T(on_board[1]), T(0)}));
+    std::array<T, 2> pixel;
+    if (!project(lens, point, pixel)) {
+      return false;
+    }
+    residual[0] = found.u - pixel[0];
+    residual[1] = found.v - pixel[1];
+    return true;
+  }
+};
+
+struct Unknowns {
+  LensUnknowns left;
+  LensUnknowns right;
+  PoseUnknowns left_to_right;
+  std::vector<PoseUnknowns> boards;
+};
+
+class PairProblem {
+ public:
+  PairProblem(const Board& board, const std::vector<PairView>& views, Unknowns start,
+              const PairFitOptions& options)
+      : unknowns_(std::move(start)) {
+    for (LensUnknowns* const lens : {&unknowns_.left, &unknowns_.right}) {
+      problem_.AddParameterBlock(lens->data(), int{kLensUnknowns});
+      hold(*lens, options);
+    }
+    problem_.AddParameterBlock(unknowns_.left_to_right.data(), int{kPoseUnknowns});
+    for (std::size_t n = 0; n < views.size(); ++n) {
+      add(board, views[n], unknowns_.boards[n]);
+    }
+  }
+
+  bool solve() {
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::DENSE_SCHUR;
+    options.max_num_iterations = kMostSteps;
+    options.function_tolerance = 1e-14;
+    options.parameter_tolerance = 1e-12;
+    options.gradient_tolerance = 1e-12;
+    options.logging_type = ceres::SILENT;
+    for (PoseUnknowns& pose : unknowns_.boards) {
+      order_->AddElementToGroup(pose.data(), 0);
+    }
+    for (double* const block :
+         {unknowns_.left.data(), unknowns_.right.data(), unknowns_.left_to_right.data()}) {
+      order_->AddElementToGroup(block, 1);
+    }
+    options.linear_solver_ordering = order_;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem_, &summary);
+    return summary.IsSolutionUsable();
+  }
+
+  const Unknowns& unknowns() const { return unknowns_; }
+
+  // Inverse normal equations of the rig's unknowns, per variance of a coordinate. None: singular.
+  std::optional<Eigen::MatrixXd> inverse_normal() {
+    ceres::Problem::EvaluateOptions options;
+    options.apply_loss_function = false;
+    options.parameter_blocks = {unknowns_.left.data(), unknowns_.right.data(),
+                                unknowns_.left_to_right.data()};
+    for (PoseUnknowns& pose : unknowns_.boards) {
+      options.parameter_blocks.push_back(pose.data());
+    }
+    ceres::CRSMatrix jacobian;
+    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
+      return std::nullopt;
+    }
+    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
+    for (int row = 0; row < jacobian.num_rows; ++row) {
+      for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
+        for (int b = jacobian.rows[index(row)]; b < jacobian.rows[index(row) + 1]; ++b) {
+          normal(jacobian.cols[index(a)], jacobian.cols[index(b)]) +=
+              jacobian.values[index(a)] * jacobian.values[index(b)];
+        }
+      }
+    }
+    return inverse(normal);
+  }
+
+ private:
+  static std::optional<Eigen::MatrixXd> inverse(const Eigen::MatrixXd& normal) {
+    const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
+    if (!scale.allFinite()) {
+      return std::nullopt;  // nothing depends on one of the unknowns
+    }
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
+    const Eigen::VectorXd& values = solver.eigenvalues();
+    if (!(values(0) * kLargestCondition > values(values.size() - 1))) {
+      return std::nullopt;
+    }
+    const Eigen::MatrixXd inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
+                                    solver.eigenvectors().transpose();
+    return Eigen::MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+  }
+
+  void hold(LensUnknowns& lens, const PairFitOptions& options) {
+    std::vector<int> held;
+    if (!options.tangential) {
+      held = {6, 7};
+    }
+    if (!options.k3) {
+      held.push_back(8);
+    }
+    if (!held.empty()) {
+      problem_.SetManifold(lens.data(), new ceres::SubsetManifold(int{kLensUnknowns}, held));
+    }
+  }
+
+  void add(const Board& board, const PairView& view, PoseUnknowns& pose) {
+    for (std::size_t i = 0; i < view.left.size(); ++i) {
+      problem_.AddResidualBlock(
+          new ceres::AutoDiffCostFunction<LeftCorner, 2, kLensUnknowns, kPoseUnknowns>(
+              new LeftCorner{board.at(static_cast<int>(i)), view.left[i]}),
+          new ceres::HuberLoss(kHuberPx), unknowns_.left.data(), pose.data());
+    }
+    for (std::size_t i = 0; i < view.right.size(); ++i) {
+      problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
+                                                                kPoseUnknowns, kPoseUnknowns>(
+                                    new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
+                                new ceres::HuberLoss(kHuberPx), unknowns_.right.data(),
+                                unknowns_.left_to_right.data(), pose.data());
+    }
+  }
+
+  Unknowns unknowns_;
+  ceres::Problem problem_;
+  std::shared_ptr<ceres::ParameterBlockOrdering> order_ =
+      std::make_shared<ceres::ParameterBlockOrdering>();
+};
+
+// Which of the rig's unknowns the columns of the jacobian are, in their order.
+std::vector<Eigen::Index> fitted_unknowns(const PairFitOptions& options) {
+  std::vector<Eigen::Index> fitted;
+  for (std::size_t i = 0; i < kRigUnknowns; ++i) {
+    const std::size_t of_lens = i < 2 * kLensUnknowns ? i % kLensUnknowns : 0;
+    const bool held =
+        ((of_lens == 6 || of_lens == 7) && !options.tangential) || (of_lens == 8 && !options.k3);
+    if (!held) {
+      fitted.push_back(static_cast<Eigen::Index>(i));
+    }
+  }
+  return fitted;
+}
+
+dsp::RawPair rig_of(const Unknowns& unknowns, const dsp::RawPair& start) {
+  dsp::RawPair rig = start;
+  put_unknowns(unknowns.left, rig.left);
+  put_unknowns(unknowns.right, rig.right);
+  rig.left_to_right = transform_of(unknowns.left_to_right);
+  return rig;
+}
+
+double sum_of_squares(const std::vector<PixelPoint>& residuals) {
+  double sum = 0;
+  for (const PixelPoint& r : residuals) {
+    sum += r.u * r.u + r.v * r.v;
+  }
+  return sum;
+}
+
+ViewResiduals residuals_of(const Board& board, const PairView& view, const dsp::RawPair& rig,
+                           const PoseUnknowns& pose) {
+  const LensUnknowns left = unknowns_of(rig.left);
+  const LensUnknowns right = unknowns_of(rig.right);
+  const PoseUnknowns left_to_right = pose_of(rig.left_to_right);
+  ViewResiduals residuals;
+  std::array<double, 2> residual{};
+  for (std::size_t i = 0; i < view.left.size(); ++i) {
+    LeftCorner{board.at(static_cast<int>(i)), view.left[i]}(left.data(), pose.data(),
+                                                            residual.data());
+    residuals.left.push_back({residual[0], residual[1]});
+  }
+  for (std::size_t i = 0; i < view.right.size(); ++i) {
+    RightCorner{board.at(static_cast<int>(i)), view.right[i]}(right.data(), left_to_right.data(),
+                                                              pose.data(), residual.data());
+    residuals.right.push_back({residual[0], residual[1]});
+  }
+  const auto count = static_cast<double>(2 * (residuals.left.size() + residuals.right.size()));
+  residuals.rms_px =
+      std::sqrt((sum_of_squares(residuals.left) + sum_of_squares(residuals.right)) / count);
+  return residuals;
+}
+
+}  // namespace
+
+std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>& views,
+                                const dsp::RawPair& start, const std::vector<PoseUnknowns>& boards,
+                                const PairFitOptions& options) {
+  Unknowns unknowns{unknowns_of(start.left), unknowns_of(start.right), pose_of(start.left_to_right),
+                    boards};
+  for (LensUnknowns* const lens : {&unknowns.left, &unknowns.right}) {
+    if (!options.tangential) {
+      (*lens)[6] = (*lens)[7] = 0;
+    }
+    if (!options.k3) {
+      (*lens)[8] = 0;
+    }
+  }
+  PairProblem problem(board, views, std::move(unknowns), options);
+  if (!problem.solve()) {
+    return std::nullopt;
+  }
+  PairFit fit;
+  fit.rig = rig_of(problem.unknowns(), start);
+  fit.boards = problem.unknowns().boards;
+  double coordinates = 0;
+  for (std::size_t n = 0; n < views.size(); ++n) {
+    fit.residuals.push_back(residuals_of(board, views[n], fit.rig, fit.boards[n]));
+    fit.cost += sum_of_squares(fit.residuals[n].left) + sum_of_squares(fit.residuals[n].right);
+    coordinates += static_cast<double>(2 * (views[n].left.size() + views[n].right.size()));
+  }
+  const std::optional<Eigen::MatrixXd> inverse = problem.inverse_normal();
+  const auto unknown_count =
+      static_cast<double>(fitted_unknowns(options).size() + kPoseUnknowns * views.size());
+  if (!inverse || !(coordinates > unknown_count)) {
+    return std::nullopt;
+  }
+  const double variance = fit.cost / (coordinates - unknown_count);
+  fit.corner_sigma_px = std::sqrt(variance);
+  fit.covariance.setZero();
+  const std::vector<Eigen::Index> fitted = fitted_unknowns(options);
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    for (std::size_t j = 0; j < fitted.size(); ++j) {
+      fit.covariance(fitted[i], fitted[j]) =
+          variance * (*inverse)(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    }
+  }
+  return fit;
+}
+
+std::optional<ViewResiduals> judge_view(const Board& board, const PairView& view,
+                                        const dsp::RawPair& rig) {
+  const bool by_left = !view.left.empty();
+  std::optional<PoseUnknowns> pose = by_left ? pose_of_board(board, view.left, rig.left)
+                                             : pose_of_board(board, view.right, rig.right);
+  if (!pose) {
+    return std::nullopt;
+  }
+  if (!by_left) {
+    const Matrix3 back = rotation_of(pose_of(rig.left_to_right)).transpose();
+    const Vector3 moved_back =
+        back * (translation_of(*pose) - translation_of(pose_of(rig.left_to_right)));
+    pose = pose_of(back * rotation_of(*pose), moved_back);
+  }
+  LensUnknowns left = unknowns_of(rig.left);
+  LensUnknowns right = unknowns_of(rig.right);
+  PoseUnknowns left_to_right = pose_of(rig.left_to_right);
+  ceres::Problem problem;
+  for (std::size_t i = 0; i < view.left.size(); ++i) {
+    problem.AddResidualBlock(
+        new ceres::AutoDiffCostFunction<LeftCorner, 2, kLensUnknowns, kPoseUnknowns>(
+            new LeftCorner{board.at(static_cast<int>(i)), view.left[i]}),
+        nullptr, left.data(), pose->data());
+  }
+  for (std::size_t i = 0; i < view.right.size(); ++i) {
+    problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
+                                                             kPoseUnknowns, kPoseUnknowns>(
+                                 new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
+                             nullptr, right.data(), left_to_right.data(), pose->data());
+  }
+  for (double* const block : {left.data(), right.data(), left_to_right.data()}) {
+    if (problem.HasParameterBlock(block)) {
+      problem.SetParameterBlockConstant(block);
+    }
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  if (!summary.IsSolutionUsable()) {
+    return std::nullopt;
+  }
+  return residuals_of(board, view, rig, *pose);
+}
+
+}  // namespace stof::host

@@ -1,0 +1,67 @@
+#include <cstdio>
+
+#include "dataset/files/file.h"
+#include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/exchange/exchange.h"
+#include "host/calibrate/rig/target/target_calibration.h"
+#include "host/cli/failure.h"
+#include "host/cli/rig/calib_rig.h"
+
+namespace stof::host {
+namespace {
+
+dsp::RawPair read_pair_of(const CalibExchangeOptions& options) {
+  const bool two = options.files.size() == 2;
+  if (options.format == "ros") {
+    if (!two) {
+      throw Failure(Exit::kBadInput, "import ros: takes two files: give left.yaml and right.yaml");
+    }
+    return value_or_fail(read_ros(options.files[0], options.files[1]));
+  }
+  if (options.format == "kalibr") {
+    if (two) {
+      throw Failure(Exit::kBadInput, "import kalibr: takes one file: give the camchain");
+    }
+    return value_or_fail(read_kalibr(options.files[0]));
+  }
+  const bool sized = options.size.size() == 2;
+  return value_or_fail(
+      read_opencv(options.files, sized ? options.size[0] : 0, sized ? options.size[1] : 0));
+}
+
+}  // namespace
+
+void calib_import(const CalibExchangeOptions& options) {
+  const dsp::RawPair pair = read_pair_of(options);
+  StoredCalibration start;
+  if (!options.start.empty()) {
+    start = value_or_fail(read_calibration(options.start));
+  }
+  const dsp::Calibration rig = with_pair(start.calibration, pair);
+  value_or_fail(write_calibration(options.out, rig));
+  std::printf("%s: %dx%d, baseline %.4f m, rectified focal length %.2f px\n", options.out.c_str(),
+              pair.left.width, pair.left.height, rig.stereo.baseline_m, rig.stereo.left.fx);
+}
+
+void calib_export(const CalibExchangeOptions& options) {
+  const StoredCalibration stored = value_or_fail(read_calibration(options.start));
+  const std::optional<dsp::RawPair>& pair = stored.calibration.stereo.raw;
+  if (!pair) {
+    throw Failure(Exit::kBadInput, options.start.string() +
+                                       ": has no raw pair, which these formats hold: calibrate it "
+                                       "with stof calib stereo --target");
+  }
+  if (options.format == "ros") {
+    std::error_code error;
+    std::filesystem::create_directories(options.out, error);
+    value_or_fail(dataset::write_whole(options.out / "left.yaml", ros_text(*pair, false)));
+    value_or_fail(dataset::write_whole(options.out / "right.yaml", ros_text(*pair, true)));
+  } else {
+    const std::string text =
+        options.format == "kalibr" ? value_or_fail(kalibr_text(*pair)) : opencv_text(*pair);
+    value_or_fail(dataset::write_whole(options.out, text));
+  }
+  std::printf("%s\n", options.out.c_str());
+}
+
+}  // namespace stof::host

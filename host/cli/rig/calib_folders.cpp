@@ -1,0 +1,106 @@
+#include <cstdio>
+
+#include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/extrinsics/pmd_board_views.h"
+#include "host/calibrate/rig/report/rig_report.h"
+#include "host/cli/failure.h"
+#include "host/cli/rig/calib_rig.h"
+
+namespace stof::host {
+namespace {
+
+constexpr double kMmPerMetre = 1000;
+
+WallPairOptions search_of(const CalibFolderOptions& options) {
+  return {.min_disparity = options.min_disparity,
+          .disparities = options.disparities,
+          .threads = options.threads};
+}
+
+// What can be computed with: a pair, complete.
+StoredCalibration rig_of(const std::filesystem::path& file) {
+  StoredCalibration stored = value_or_fail(read_calibration(file));
+  dsp::StereoRig& stereo = stored.calibration.stereo;
+  if (*dsp::complete(stereo) != '\0' || stereo.left.width == 0 || stereo.baseline_m == 0) {
+    throw Failure(Exit::kBadInput,
+                  file.string() + ": holds no stereo pair: calibrate it first (stof calib stereo)");
+  }
+  return stored;
+}
+
+void print(const char* what, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    std::printf("%s: %s\n", what, line.c_str());
+  }
+}
+
+ExtrinsicFit by_walls(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+  const FoundWalls found =
+      walls_of(value_or_fail(read_looks(options.folder, rig, search_of(options))));
+  const std::vector<std::string> missing = missing_tilts(found.walls);
+  const std::optional<ExtrinsicFit> fit =
+      fit_extrinsics(found.walls, {.offset_sigma_m = options.offset_mm / kMmPerMetre});
+  if (fit) {
+    std::printf("%s", extrinsics_text(*fit, found).c_str());
+  }
+  print("left out", found.refused);
+  print("missing", missing);
+  if (!fit || (!missing.empty() && !options.force)) {
+    throw Failure(
+        Exit::kBadInput,
+        options.folder.string() + ": " +
+            (missing.empty() ? "the walls do not tell where the PMD camera is" : missing.front()) +
+            ": add such walls, no file is written" + (fit ? "; or give --force" : ""));
+  }
+  return *fit;
+}
+
+ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration& rig) {
+  if (rig.stereo.converging) {
+    throw Failure(Exit::kBadInput, options.calibration.string() +
+                                       ": is of a pair whose axes converge: use walls, without "
+                                       "--board");
+  }
+  const Board board = value_or_fail(board_named(options.board));
+  const PmdBoardViews found = value_or_fail(read_board_views(options.folder, rig, board));
+  print("left out", found.refused);
+  const std::optional<ExtrinsicFit> fit =
+      fit_extrinsics(board, found.views, fixed_pair(rig.stereo), rig.pmd.lens);
+  if (!fit) {
+    throw Failure(Exit::kBadInput, options.folder.string() +
+                                       ": more: " + std::to_string(found.views.size()) +
+                                       " views show the whole board to all three cameras, 5 are "
+                                       "needed: add such views");
+  }
+  std::printf("%s", board_extrinsics_text(*fit, found).c_str());
+  return *fit;
+}
+
+}  // namespace
+
+void calib_extrinsics(const CalibFolderOptions& options) {
+  StoredCalibration stored = rig_of(options.calibration);
+  dsp::Calibration& rig = stored.calibration;
+  if (rig.pmd.lens.width == 0) {
+    throw Failure(Exit::kBadInput,
+                  options.calibration.string() +
+                      ": holds no PMD camera: calibrate it first (stof calib pmd)");
+  }
+  const ExtrinsicFit fit = options.board.empty() ? by_walls(options, rig) : by_boards(options, rig);
+  rig.pmd_to_stereo = transform_of(fit.pmd_to_stereo);
+  value_or_fail(write_calibration(options.out, rig));
+  std::printf("%s\n", options.out.c_str());
+}
+
+void calib_check(const CalibFolderOptions& options) {
+  const StoredCalibration stored = rig_of(options.calibration);
+  const RigCheck check =
+      value_or_fail(check_rig(options.folder, stored.calibration, search_of(options)));
+  std::printf("%s", check_text(check).c_str());
+  const std::vector<std::string> lines = advice(check);
+  if (!lines.empty()) {
+    throw Failure(Exit::kFailure, options.calibration.string() + ": " + lines.front());
+  }
+}
+
+}  // namespace stof::host

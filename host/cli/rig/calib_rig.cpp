@@ -1,0 +1,189 @@
+#include "host/cli/rig/calib_rig.h"
+
+#include <cstdio>
+
+#include "dataset/files/file.h"
+#include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/target/target_sheet.h"
+#include "host/cli/failure.h"
+
+namespace stof::host {
+namespace {
+
+void add_out(CLI::App& command, std::filesystem::path& out) {
+  command.add_option("--out", out, "The calibration file to write")->required();
+}
+
+void add_start(CLI::App& command, std::filesystem::path& start) {
+  command.add_option("--start", start,
+                     "Calibration file of the rig so far; its PMD camera is kept");
+}
+
+void add_search(CLI::App& command, int& min_disparity, int& disparities, int& threads) {
+  command.add_option("--min-disparity", min_disparity, "First disparity looked at, px")
+      ->check(CLI::Range(-1024, 1024))
+      ->capture_default_str();
+  command.add_option("--disparities", disparities, "How many")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command.add_option("--threads", threads, "Threads that match")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+}
+
+void add_board(CLI::App& command, std::string& board) {
+  command
+      .add_option("--board", board,
+                  "COLUMNSxROWS:SQUARE_M of a chessboard: its inner corners, and a square as "
+                  "measured on the print")
+      ->capture_default_str();
+}
+
+void add_planes_flags(CLI::App& command, CalibStereoOptions& options) {
+  command
+      .add_option("--baseline", options.baseline,
+                  "--planes: baseline by the tape, and its standard deviation, metres")
+      ->expected(1, 2)
+      ->capture_default_str();
+  command
+      .add_option("--focal", options.focal,
+                  "--planes: focal length on the lens, and its standard deviation, mm")
+      ->expected(1, 2)
+      ->capture_default_str();
+  command.add_option("--pixel", options.pixel_um, "--planes: width of a pixel, um")
+      ->check(CLI::Range(0.5, 100.0))
+      ->capture_default_str();
+  command
+      .add_option("--centre", options.centre,
+                  "--planes: principal columns left and right, and row, px; default: the middle")
+      ->expected(3);
+  command.add_option("--block", options.block, "--planes: side of the matched blocks, px")
+      ->check(CLI::Range(3, 64))
+      ->capture_default_str();
+  command.add_option("--seed", options.seed, "--planes: of the genetic algorithm")
+      ->capture_default_str();
+  command.add_flag("--chapter", options.chapter,
+                   "--planes: the chapter's own objective too, and its Table 2 by it");
+  add_search(command, options.min_disparity, options.disparities, options.threads);
+}
+
+void add_stereo(CLI::App& calib, CalibStereoOptions& options) {
+  CLI::App& command = *calib.add_subcommand(
+      "stereo", "A pair, from views of a board or from walls at known distances");
+  CLI::Option* const target =
+      command.add_option("--target", options.target,
+                         "Folder with a folder for each view of a board: left.pgm, right.pgm");
+  CLI::Option* const planes = command.add_option(
+      "--planes", options.planes,
+      "Folder with a folder for each wall: left.pgm, right.pgm, meta.txt (plane_z_m)");
+  target->excludes(planes);
+  add_out(command, options.out);
+  add_start(command, options.start);
+  command
+      .add_option("--hold-out", options.hold_out,
+                  "One of so many views or walls judges and is not fitted to (5, 3); 0: none")
+      ->check(CLI::Range(0, 100));
+  command.add_flag("--force", options.force, "Write the file although views are missing");
+  add_board(command, options.board);
+  command
+      .add_option("--max-blur", options.most_blur_px,
+                  "--target: views whose edges are smoothed by more px do not count")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  command.add_option("--html", options.page, "--target: a page with the residuals of each view");
+  add_planes_flags(command, options);
+  command.callback([&options] { calib_stereo(options); });
+}
+
+void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
+  CLI::App& command = *calib.add_subcommand(
+      "extrinsics",
+      "Where the PMD camera is, from walls at several tilts that both see, or a board");
+  command
+      .add_option("DIR", options.folder,
+                  "Folder with a folder for each wall: left.pgm, right.pgm, pmd.json, "
+                  "pmd_raw.pgm")
+      ->required();
+  command.add_option("--calibration", options.calibration, "The rig's file so far")->required();
+  add_out(command, options.out);
+  command
+      .add_option("--pmd-offset", options.offset_mm,
+                  "How far PMD distances may be off, all alike: standard deviation, mm")
+      ->check(CLI::Range(0.01, 1000.0))
+      ->capture_default_str();
+  command.add_flag("--force", options.force, "Write the file although tilts are missing");
+  add_search(command, options.min_disparity, options.disparities, options.threads);
+  command.callback([&options] { calib_extrinsics(options); });
+}
+
+void add_check(CLI::App& calib, CalibFolderOptions& options) {
+  CLI::App& command = *calib.add_subcommand(
+      "check", "Whether a calibration still fits its rig; ends with 1 where it does not");
+  command
+      .add_option("DIR", options.folder,
+                  "Folder with a folder for each exposure: left.pgm, right.pgm; may have "
+                  "pmd.json, pmd_raw.pgm")
+      ->required();
+  command.add_option("--calibration", options.calibration, "The file to judge")->required();
+  add_search(command, options.min_disparity, options.disparities, options.threads);
+  command.callback([&options] { calib_check(options); });
+}
+
+void add_exchange(CLI::App& calib, CalibRigOptions& options) {
+  CLI::App& import = *calib.add_subcommand("import", "A pair from a file of ROS, Kalibr or OpenCV");
+  import.add_option("FORMAT", options.import.format, "ros, kalibr or opencv")
+      ->required()
+      ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
+  import
+      .add_option("FILE", options.import.files,
+                  "ros: left and right; kalibr: one; opencv: one or two")
+      ->required()
+      ->expected(1, 2);
+  add_out(import, options.import.out);
+  add_start(import, options.import.start);
+  import
+      .add_option("--size", options.import.size,
+                  "opencv: width and height of the pictures, where the file has none")
+      ->expected(2)
+      ->check(CLI::Range(2, 65536));
+  import.callback([&options] { calib_import(options.import); });
+
+  CLI::App& to = *calib.add_subcommand("export", "The pair of a file, for ROS, Kalibr or OpenCV");
+  to.add_option("FORMAT", options.export_to.format, "ros, kalibr or opencv")
+      ->required()
+      ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
+  to.add_option("FILE", options.export_to.start, "A calibration file")->required();
+  to.add_option("--out", options.export_to.out,
+                "The file to write; ros: a folder for left.yaml and right.yaml")
+      ->required();
+  to.callback([&options] { calib_export(options.export_to); });
+}
+
+void add_target(CLI::App& calib, CalibTargetOptions& options) {
+  CLI::App& command =
+      *calib.add_subcommand("target", "A board as PDF in true size, with a ruler to check it");
+  add_board(command, options.board);
+  command.add_option("--paper", options.paper, "a4, a3, a2, a1 or a0")->capture_default_str();
+  command.add_option("--out", options.out, "The PDF to write")->required();
+  command.callback([&options] { calib_target(options); });
+}
+
+}  // namespace
+
+void calib_target(const CalibTargetOptions& options) {
+  const Board board = value_or_fail(board_named(options.board));
+  const Sheet sheet = value_or_fail(sheet_of(board, options.paper));
+  value_or_fail(dataset::write_whole(options.out, pdf_bytes(sheet)));
+  std::printf("%s: %g x %g mm; print at 100 percent, and measure a square\n", options.out.c_str(),
+              sheet.width_mm, sheet.height_mm);
+}
+
+void add_calib_rig(CLI::App& calib, CalibRigOptions& options) {
+  add_stereo(calib, options.stereo);
+  add_extrinsics(calib, options.extrinsics);
+  add_check(calib, options.check);
+  add_exchange(calib, options);
+  add_target(calib, options.target);
+}
+
+}  // namespace stof::host

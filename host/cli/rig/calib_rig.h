@@ -1,0 +1,82 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+// `stof calib stereo`, `extrinsics`, `check`, `import`, `export` and `target`: a component of its
+// own, which needs the packages of `scripts/setup calib`. Built without, the commands say so.
+namespace stof::host {
+
+struct CalibStereoOptions {
+  std::filesystem::path target{};  // folder; this or planes
+  std::filesystem::path planes{};
+  std::filesystem::path out{};
+  std::filesystem::path start{};  // empty: none
+  std::filesystem::path page{};   // empty: none
+  std::string board = "9x6:0.024";
+  int hold_out = -1;  // every so many; -1: the command's own
+  double most_blur_px = 1.5;
+  bool force = false;
+  // Of --planes.
+  std::vector<double> baseline{0.2, 0.002};  // m and its sigma
+  std::vector<double> focal{8.5, 0.17};      // mm and its sigma
+  double pixel_um = 5.6;
+  std::vector<double> centre{};  // cx left, cx right, cy; empty: the middle
+  int min_disparity = -64;
+  int disparities = 256;
+  int block = 17;
+  unsigned seed = 1;
+  bool chapter = false;
+  int threads = 1;
+};
+
+struct CalibFolderOptions {  // extrinsics, check
+  std::filesystem::path folder{};
+  std::filesystem::path calibration{};
+  std::filesystem::path out{};
+  int min_disparity = 0;
+  int disparities = 128;
+  double offset_mm = 3;
+  std::string board{};  // of extrinsics: views of it in place of walls
+  int threads = 1;
+  bool force = false;
+};
+
+struct CalibExchangeOptions {  // import, export
+  std::string format{};
+  std::vector<std::filesystem::path> files{};
+  std::filesystem::path out{};
+  std::filesystem::path start{};
+  std::vector<int> size{};
+};
+
+struct CalibTargetOptions {
+  std::string board = "9x6:0.024";
+  std::string paper = "a4";
+  std::filesystem::path out{};
+};
+
+struct CalibRigOptions {
+  CalibStereoOptions stereo;
+  CalibFolderOptions extrinsics;
+  CalibFolderOptions check;
+  CalibExchangeOptions import;
+  CalibExchangeOptions export_to;
+  CalibTargetOptions target;
+};
+
+// Adds the commands to `stof calib`; one of them runs when the command line was parsed.
+void add_calib_rig(CLI::App& calib, CalibRigOptions& options);
+
+// Print to stdout, write the files. Throw Failure.
+void calib_stereo(const CalibStereoOptions& options);
+void calib_extrinsics(const CalibFolderOptions& options);
+void calib_check(const CalibFolderOptions& options);
+void calib_import(const CalibExchangeOptions& options);
+void calib_export(const CalibExchangeOptions& options);
+void calib_target(const CalibTargetOptions& options);
+
+}  // namespace stof::host

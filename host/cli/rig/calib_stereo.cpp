@@ -1,0 +1,109 @@
+#include <cstdio>
+
+#include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/report/rig_report.h"
+#include "host/cli/failure.h"
+#include "host/cli/rig/calib_rig.h"
+
+namespace stof::host {
+namespace {
+
+constexpr double kMmPerMetre = 1000;
+constexpr double kUmPerMetre = 1e6;
+
+dsp::Calibration start_of(const CalibStereoOptions& options, StoredCalibration& stored) {
+  if (options.start.empty()) {
+    return {};
+  }
+  stored = value_or_fail(read_calibration(options.start));
+  return stored.calibration;
+}
+
+void by_target(const CalibStereoOptions& options) {
+  TargetOptions target{.board = value_or_fail(board_named(options.board))};
+  target.most_blur_px = options.most_blur_px;
+  if (options.hold_out >= 0) {
+    target.hold_out = options.hold_out;
+  }
+  StoredCalibration stored;
+  const dsp::Calibration start = start_of(options, stored);
+  TargetViews views = value_or_fail(find_views(options.target, target));
+  const std::vector<RefusedView> refused = views.refused;
+  const dataset::Loaded<TargetCalibration> found = calibrate_target(std::move(views), target);
+  if (!found) {
+    for (const RefusedView& view : refused) {
+      std::printf("left out: %s: %s\n", view.name.c_str(), view.why.c_str());
+    }
+    throw Failure(Exit::kBadInput, options.target.string() + ": " + found.error().message);
+  }
+  std::printf("%s", target_text(*found).c_str());
+  if (!options.page.empty()) {
+    value_or_fail(write_target_page(*found, options.page));
+  }
+  if (!found->missing.empty() && !options.force) {
+    throw Failure(Exit::kBadInput, options.target.string() + ": " + found->missing.front() +
+                                       ": add such views, no file is written; or give --force");
+  }
+  value_or_fail(write_calibration(options.out, with_pair(start, found->fit.rig)));
+  std::printf("%s\n", options.out.c_str());
+}
+
+double second_or(const std::vector<double>& numbers, double share) {
+  return numbers.size() > 1 ? numbers[1] : numbers[0] * share;
+}
+
+PlaneCalibrationOptions plane_options(const CalibStereoOptions& options, int width, int height) {
+  PlaneCalibrationOptions made;
+  constexpr double kBaselineShare = 0.01;
+  constexpr double kFocalShare = 0.02;
+  made.priors.baseline_m = options.baseline[0];
+  made.priors.baseline_sigma_m = second_or(options.baseline, kBaselineShare);
+  made.priors.focal_m = options.focal[0] / kMmPerMetre;
+  made.priors.focal_sigma = second_or(options.focal, kFocalShare) / options.focal[0];
+  if (!(made.priors.baseline_m > 0) || !(made.priors.baseline_sigma_m > 0) ||
+      !(made.priors.focal_m > 0) || !(made.priors.focal_sigma > 0)) {
+    throw Failure(Exit::kBadInput,
+                  "--baseline, --focal: take a positive number and its standard deviation: give "
+                  "such as --baseline 0.2 0.002");
+  }
+  made.sensor.pixel_m = options.pixel_um / kUmPerMetre;
+  const double middle = (width - 1) / 2.0;
+  made.sensor.cx_left = options.centre.empty() ? middle : options.centre[0];
+  made.sensor.cx_right = options.centre.empty() ? middle : options.centre[1];
+  made.sensor.cy = options.centre.empty() ? (height - 1) / 2.0 : options.centre[2];
+  made.genes.seed = options.seed;
+  made.chapter = options.chapter;
+  if (options.hold_out >= 0) {
+    made.hold_out = options.hold_out;
+  }
+  return made;
+}
+
+void by_planes(const CalibStereoOptions& options) {
+  StoredCalibration stored;
+  dsp::Calibration rig = start_of(options, stored);
+  const std::vector<Plane> planes =
+      value_or_fail(read_planes(options.planes, {.min_disparity = options.min_disparity,
+                                                 .disparities = options.disparities,
+                                                 .block = options.block,
+                                                 .threads = options.threads}));
+  const int width = planes.front().disparity.width;
+  const int height = planes.front().disparity.height;
+  const PlaneCalibrationOptions plane = plane_options(options, width, height);
+  const PlaneCalibration found = value_or_fail(calibrate_planes(planes, plane));
+  std::printf("%s", planes_text(found).c_str());
+  rig.stereo = rig_of(found.fit.x, plane.sensor, width, height);
+  value_or_fail(write_calibration(options.out, rig));
+  std::printf("%s\n", options.out.c_str());
+}
+
+}  // namespace
+
+void calib_stereo(const CalibStereoOptions& options) {
+  if (options.target.empty() && options.planes.empty()) {
+    throw Failure(Exit::kBadInput, "calib stereo: from what: give --target DIR or --planes DIR");
+  }
+  options.target.empty() ? by_planes(options) : by_target(options);
+}
+
+}  // namespace stof::host

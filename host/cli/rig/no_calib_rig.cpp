@@ -1,0 +1,18 @@
+#include "host/cli/failure.h"
+#include "host/cli/rig/calib_rig.h"
+
+namespace stof::host {
+
+void add_calib_rig(CLI::App& calib, CalibRigOptions& /*options*/) {
+  for (const char* const name : {"stereo", "extrinsics", "check", "import", "export", "target"}) {
+    CLI::App& command = *calib.add_subcommand(name, "Not in this build (scripts/setup calib)");
+    command.allow_extras();
+    command.callback([name] {
+      throw Failure(Exit::kBadInput, std::string("calib ") + name +
+                                         ": this stof was built without it: run scripts/setup "
+                                         "calib, build preset calib, and use that stof");
+    });
+  }
+}
+
+}  // namespace stof::host

@@ -1,0 +1,59 @@
+#include "host/client/session/stream_verifier.h"
+
+#include <algorithm>
+#include <optional>
+
+namespace stof::client {
+
+void StreamVerifier::set_key(const wire::StreamKey& key) {
+  Known& newest = known_.front();
+  if (key.number == newest.key.number && wire::equal_secrets(key.secret, newest.key.secret)) {
+    return;
+  }
+  // The same number again is of a sensor that started again.
+  known_.back() = key.number == newest.key.number ? Known{} : newest;
+  newest = {.key = key};
+}
+
+StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagram) {
+  const std::optional<wire::StreamSignature> signature = wire::signature_of(datagram);
+  const auto known =
+      signature ? std::ranges::find_if(
+                      known_, [&](const Known& one) { return one.key.number == signature->number; })
+                : known_.end();
+  if (known == known_.end()) {
+    return Verdict::kNotSigned;
+  }
+  const std::uint64_t counter = signature->counter;
+  // What costs little comes first: a repetition is not worth a tag.
+  if (counter <= known->highest) {
+    if (known->highest - counter >= kWindow) {
+      return Verdict::kLate;
+    }
+    if (known->seen.test(counter % kWindow)) {
+      return Verdict::kDuplicate;
+    }
+  }
+  if (!wire::signed_with(known->key, *signature, datagram)) {
+    return Verdict::kForged;
+  }
+  known->use(counter);
+  ++good_;
+  return Verdict::kGood;
+}
+
+void StreamVerifier::Known::use(std::uint64_t counter) {
+  if (counter > highest) {
+    if (counter - highest >= kWindow) {
+      seen.reset();
+    } else {
+      for (std::uint64_t skipped = highest + 1; skipped < counter; ++skipped) {
+        seen.reset(skipped % kWindow);
+      }
+    }
+    highest = counter;
+  }
+  seen.set(counter % kWindow);
+}
+
+}  // namespace stof::client

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+#include <bitset>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "firmware/wire/keys/signed_stream.h"
+
+namespace stof::client {
+
+// Whether datagrams are what the sensor has signed for this receiver alone, each once: see "Signed
+// streams" of docs/WIRE.md. No clock.
+class StreamVerifier {
+ public:
+  static constexpr std::uint64_t kWindow = 1024;  // counters that are told apart
+
+  enum class Verdict : std::uint8_t {
+    kGood,
+    kNotSigned,  // or with a key that is not known here
+    kForged,
+    kDuplicate,
+    kLate,  // its counter is so old that nobody knows whether it came
+  };
+
+  // The sensor signs with it from now on. What the key before it signed is good as well, until the
+  // next one.
+  void set_key(const wire::StreamKey& key);
+  bool has_key() const noexcept { return known_.front().key.number != 0; }
+
+  // Of a datagram that wire::parse_packet() took. A good one's counter is used up.
+  Verdict judge(std::span<const std::byte> datagram);
+  std::uint64_t good() const noexcept { return good_; }
+
+ private:
+  struct Known {
+    wire::StreamKey key{};
+    std::uint64_t highest = 0;
+    std::bitset<kWindow> seen{};  // of the newest kWindow counters, by their remainder
+
+    void use(std::uint64_t counter);
+  };
+
+  std::array<Known, 2> known_{};  // the newest first
+  std::uint64_t good_ = 0;
+};
+
+}  // namespace stof::client

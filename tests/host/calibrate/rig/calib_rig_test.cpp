@@ -1,0 +1,316 @@
+#include "host/cli/rig/calib_rig.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "dataset/dataset.h"
+#include "dataset/files/file.h"
+#include "dsp/calib/pmd/ray_table.h"
+#include "host/calibrate/calibration_store.h"
+#include "host/calibrate/rig/planes/converging_model.h"
+#include "host/cli/failure.h"
+#include "tests/dataset/scratch.h"
+#include "tests/host/calibrate/rig/board_views.h"
+#include "tests/host/calibrate/rig/rendered_plane.h"
+
+namespace stof::host {
+namespace {
+
+using test::blotches;
+using test::chessboard;
+using test::Gaussian;
+using test::PlaneCamera;
+using test::seen_from;
+using test::true_pair;
+
+constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kBaselineM = 0.12;
+
+class CalibRig : public ::stof::test::Scratch {
+ protected:
+  void put_pair(const std::string& name, const dataset::Image<std::uint8_t>& left,
+                const dataset::Image<std::uint8_t>& right) const {
+    const std::filesystem::path dir = folder() / "views" / name;
+    std::filesystem::create_directories(dir);
+    EXPECT_TRUE(dataset::write_pgm8(dir / "left.pgm", left));
+    EXPECT_TRUE(dataset::write_pgm8(dir / "right.pgm", right));
+  }
+
+  template <typename Work>
+  static std::string refused(Exit code, const Work& work) {
+    try {
+      work();
+    } catch (const Failure& failure) {
+      EXPECT_EQ(failure.code(), code) << failure.what();
+      EXPECT_EQ(std::string(failure.what()).find('\n'), std::string::npos) << failure.what();
+      return failure.what();
+    }
+    ADD_FAILURE() << "not refused";
+    return {};
+  }
+
+  std::filesystem::path views() const { return folder() / "views"; }
+  std::filesystem::path file(const char* name) const { return folder() / name; }
+};
+
+TEST_F(CalibRig, PicturesOfABoardBecomeAPair) {
+  const dsp::RawPair truth = true_pair();
+  const PlaneCamera left(truth.left);
+  const PlaneCamera right(truth.right);
+  constexpr Board kBoard{.columns = 9, .rows = 6, .square_m = 0.03};
+  Gaussian random(5);
+  int n = 0;
+  for (const PoseUnknowns& pose : test::waved_poses(truth, kBoard, 20, 11)) {
+    const int smear = n == 7 ? 12 : 0;  // one was moved
+    put_pair("view" + std::to_string(10 + n),
+             left.picture(pose, chessboard(kBoard), 2, random, smear),
+             right.picture(seen_from(pose_of(truth.left_to_right), pose), chessboard(kBoard), 2,
+                           random, smear));
+    ++n;
+  }
+  testing::internal::CaptureStdout();
+  calib_stereo({.target = views(),
+                .out = file("rig.cal"),
+                .page = file("page.html"),
+                .board = "9x6:0.03",
+                .force = true});
+  const std::string said = testing::internal::GetCapturedStdout();
+  EXPECT_NE(said.find("left out: view17: blurred"), std::string::npos) << said;
+  const dataset::Loaded<StoredCalibration> found = read_calibration(file("rig.cal"));
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->calibration.stereo.raw);
+  const dsp::RawPair& rig = *found->calibration.stereo.raw;
+  EXPECT_NEAR(rig.left.fx / truth.left.fx, 1, 0.003) << said;
+  EXPECT_NEAR(rig.right.fy / truth.right.fy, 1, 0.003) << said;
+  const Matrix3 turn = rotation_of(pose_of(rig.left_to_right)) *
+                       rotation_of(pose_of(truth.left_to_right)).transpose();
+  EXPECT_LT(Eigen::AngleAxisd(turn).angle(), 0.15 * kDegree) << said;
+  EXPECT_NEAR(found->calibration.stereo.baseline_m, 0.12, 0.0006) << said;
+  const dataset::Loaded<std::string> page = dataset::read_whole(file("page.html"), 1U << 26);
+  ASSERT_TRUE(page);
+  EXPECT_NE(page->find("<svg"), std::string::npos);
+  EXPECT_NE(page->find("view17"), std::string::npos);
+}
+
+TEST_F(CalibRig, AFolderWithoutABoardIsRefused) {
+  put_pair("a", {640, 480, 90}, {640, 480, 90});
+  EXPECT_NE(
+      refused(Exit::kBadInput, [&] { calib_stereo({.target = views(), .out = file("rig.cal")}); })
+          .find("the left lens"),
+      std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file("rig.cal")));
+  refused(Exit::kBadInput, [&] { calib_stereo({.out = file("rig.cal")}); });
+  refused(Exit::kBadInput, [&] { calib_stereo({.target = folder(), .out = file("rig.cal")}); });
+}
+
+// The chapter's rig, with axes that meet at 4 m.
+TEST_F(CalibRig, WallsAtKnownDistancesBecomeAConvergingRig) {
+  constexpr PlaneUnknowns kTruth{0.2, 0.025, -0.025, 0.0085, 0.0085};
+  const dsp::Pinhole lens{
+      .width = 640, .height = 480, .fx = 8500 / 5.6, .fy = 8500 / 5.6, .cx = 319.5, .cy = 239.5};
+  const PlaneCamera camera(lens);
+  const auto from_rig = [](double yaw, double x) {
+    const Matrix3 back = Eigen::AngleAxisd(-yaw, Vector3::UnitY()).toRotationMatrix().transpose();
+    return pose_of(back, Vector3(back * Vector3(-x, 0, 0)));
+  };
+  Gaussian random(8);
+  for (const double z : {1.6, 2.0, 2.4, 2.8, 3.2, 3.6, 4.0}) {
+    const PoseUnknowns wall{0, 0, 0, 0, 0, z};
+    const std::string name = "wall" + std::to_string(std::lround(z * 100));
+    put_pair(
+        name, camera.picture(seen_from(from_rig(kTruth[2], 0), wall), blotches(3), 1, random),
+        camera.picture(seen_from(from_rig(kTruth[1], kTruth[0]), wall), blotches(3), 1, random));
+    EXPECT_TRUE(dataset::write_whole(views() / name / "meta.txt",
+                                     "ndisp 256\nplane_z_m " + std::to_string(z) + "\n"));
+  }
+  testing::internal::CaptureStdout();
+  calib_stereo({.planes = views(),
+                .out = file("rig.cal"),
+                .min_disparity = -20,
+                .disparities = 160,
+                .chapter = true,
+                .threads = 2});
+  const std::string said = testing::internal::GetCapturedStdout();
+  std::printf("%s", said.c_str());
+  const dataset::Loaded<StoredCalibration> found = read_calibration(file("rig.cal"));
+  ASSERT_TRUE(found) << found.error().message;
+  ASSERT_TRUE(found->calibration.stereo.converging);
+  const dsp::Converging& rig = *found->calibration.stereo.converging;
+  const PlaneUnknowns x{found->calibration.stereo.baseline_m, rig.alpha_rad, rig.beta_rad, rig.f1_m,
+                        rig.f2_m};
+  EXPECT_NEAR(triangulation_constant(x) / triangulation_constant(kTruth), 1, 0.005);
+  EXPECT_NEAR(zero_disparity_m(x), 4, 0.02);
+  const std::size_t at = said.find("spread over the fitted walls ");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_LE(std::stod(said.substr(at + 29)), 7.7) << "the chapter's";
+}
+
+const PoseUnknowns kPmdPose{0.03, -0.05, 0.02, 0.09, -0.03, 0.02};
+
+dsp::Calibration rig_with_pmd() {
+  dsp::Calibration rig;
+  rig.stereo.left = {.width = 640, .height = 480, .fx = 600, .fy = 600, .cx = 319.5, .cy = 239.5};
+  rig.stereo.baseline_m = kBaselineM;
+  rig.pmd.lens = {.width = 64, .height = 16, .fx = 45.28, .fy = 45.28, .cx = 32.8, .cy = 10};
+  rig.pmd_to_stereo = transform_of(kPmdPose);
+  return rig;
+}
+
+// Samples of a plane: offset + amplitude cos(phase + 90 k degrees), with noise.
+dataset::PmdRecording samples_of(const dsp::Calibration& rig, const PoseUnknowns& plane_to_left,
+                                 int frames, Gaussian& random) {
+  const dsp::Pinhole& lens = rig.pmd.lens;
+  const Matrix3 back = rotation_of(kPmdPose).transpose();
+  const Vector3 normal = back * rotation_of(plane_to_left).col(2);
+  const Vector3 origin = back * (translation_of(plane_to_left) - translation_of(kPmdPose));
+  dataset::PmdRecording recording;
+  recording.calibration = rig;
+  recording.has_rig = true;
+  for (int n = 0; n < frames; ++n) {
+    dataset::Image<std::uint16_t> frame(lens.width, 4 * lens.height);
+    for (int v = 0; v < lens.height; ++v) {
+      for (int u = 0; u < lens.width; ++u) {
+        const std::array<double, 3> r = dsp::unit_ray(lens, u, v);
+        const double d = normal.dot(origin) / normal.dot(Vector3(r[0], r[1], r[2]));
+        const double phase = 2 * std::numbers::pi * d / (299792458.0 / (2 * 20e6));
+        for (int k = 0; k < 4; ++k) {
+          const double value =
+              1600 + 900 * std::cos(phase + k * std::numbers::pi / 2) + random.next(6);
+          frame.view().at(u, v + k * lens.height) = static_cast<std::uint16_t>(std::lround(value));
+        }
+      }
+    }
+    recording.frames.push_back(std::move(frame));
+  }
+  return recording;
+}
+
+class CalibRigWalls : public CalibRig {
+ protected:
+  // Walls at these tilts (sideways, upwards, distance), seen by both. rows: the right camera looks
+  // that many px too high.
+  void put_walls(const std::vector<std::array<double, 3>>& walls, double rows = 0) {
+    const dsp::Calibration rig = rig_with_pmd();
+    const PlaneCamera left(rig.stereo.left);
+    dsp::Pinhole lens = rig.stereo.left;
+    lens.cy += rows;
+    const PlaneCamera right(lens);
+    const PoseUnknowns to_right{0, 0, 0, -kBaselineM, 0, 0};
+    Gaussian random(21);
+    int n = 0;
+    for (const auto& [sideways, upwards, distance] : walls) {
+      const Vector3 normal = Vector3(std::tan(sideways), std::tan(upwards), 1).normalized();
+      const Matrix3 turn =
+          Eigen::Quaterniond::FromTwoVectors(Vector3::UnitZ(), normal).toRotationMatrix();
+      const PoseUnknowns wall = pose_of(turn, Vector3(0, 0, distance));
+      const std::string name = "wall" + std::to_string(n++);
+      put_pair(name, left.picture(wall, blotches(5), 1, random),
+               right.picture(seen_from(to_right, wall), blotches(5), 1, random));
+      EXPECT_TRUE(dataset::write_pmd(views() / name / "pmd", samples_of(rig, wall, 16, random)));
+    }
+  }
+};
+
+TEST_F(CalibRigWalls, TiltedWallsTellWhereThePmdCameraIs) {
+  put_walls({{0, 0, 1.5},
+             {0.5, 0, 1.4},
+             {-0.5, 0, 1.6},
+             {0, 0.45, 1.5},
+             {0, -0.45, 1.3},
+             {0.35, 0.35, 1.7}});
+  dsp::Calibration start = rig_with_pmd();
+  start.pmd_to_stereo = {};
+  ASSERT_TRUE(write_calibration(file("start.cal"), start));
+  testing::internal::CaptureStdout();
+  calib_extrinsics({.folder = views(), .calibration = file("start.cal"), .out = file("rig.cal")});
+  const std::string said = testing::internal::GetCapturedStdout();
+  const dataset::Loaded<StoredCalibration> found = read_calibration(file("rig.cal"));
+  ASSERT_TRUE(found) << found.error().message;
+  const PoseUnknowns pose = pose_of(found->calibration.pmd_to_stereo);
+  const Matrix3 turn = rotation_of(pose) * rotation_of(kPmdPose).transpose();
+  const double shift = (translation_of(pose) - translation_of(kPmdPose)).norm();
+  std::printf("figure: 64x16 by walls: %.3f degrees, %.1f mm\n",
+              Eigen::AngleAxisd(turn).angle() / kDegree, shift * 1000);
+  EXPECT_LT(Eigen::AngleAxisd(turn).angle(), 0.3 * kDegree) << said;
+  EXPECT_LT(shift, 0.015) << said;
+  // The new file fits the rig, the old one does not.
+  testing::internal::CaptureStdout();
+  calib_check({.folder = views(), .calibration = file("rig.cal")});
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("nothing to do"), std::string::npos);
+  EXPECT_NE(refused(Exit::kFailure,
+                    [&] { calib_check({.folder = views(), .calibration = file("start.cal")}); })
+                .find("the sensors disagree"),
+            std::string::npos);
+}
+
+TEST_F(CalibRigWalls, WallsThatAllStandAlikeAreRefusedWithTheTiltThatIsMissing) {
+  put_walls({{0, 0, 1.5}, {0.02, 0, 1.4}, {-0.02, 0, 1.6}, {0, 0.02, 1.5}, {0, -0.02, 1.3}});
+  ASSERT_TRUE(write_calibration(file("start.cal"), rig_with_pmd()));
+  EXPECT_NE(
+      refused(Exit::kBadInput,
+              [&] {
+                calib_extrinsics(
+                    {.folder = views(), .calibration = file("start.cal"), .out = file("rig.cal")});
+              })
+          .find("sideways"),
+      std::string::npos);
+  EXPECT_FALSE(std::filesystem::exists(file("rig.cal")));
+}
+
+TEST_F(CalibRigWalls, CheckSaysThatRowsDoNotCorrespond) {
+  put_walls({{0.3, 0.1, 1.5}}, 2);
+  dsp::Calibration rig = rig_with_pmd();
+  rig.pmd = {};
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  EXPECT_NE(refused(Exit::kFailure,
+                    [&] { calib_check({.folder = views(), .calibration = file("rig.cal")}); })
+                .find("rows do not correspond"),
+            std::string::npos);
+}
+
+TEST_F(CalibRig, CheckRectifiesARawPair) {
+  const dsp::RawPair truth = true_pair();
+  const PoseUnknowns wall{0, 0.2, 0, 0, 0, 1.4};
+  Gaussian random(6);
+  put_pair("wall", PlaneCamera(truth.left).picture(wall, blotches(5), 1, random),
+           PlaneCamera(truth.right)
+               .picture(seen_from(pose_of(truth.left_to_right), wall), blotches(5), 1, random));
+  dsp::Calibration rig;
+  rig.stereo.raw = truth;
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  testing::internal::CaptureStdout();
+  calib_check({.folder = views(), .calibration = file("rig.cal")});
+  EXPECT_NE(testing::internal::GetCapturedStdout().find("nothing to do"), std::string::npos);
+}
+
+TEST_F(CalibRig, WhatIsExportedIsImportedAgain) {
+  dsp::Calibration rig;
+  rig.stereo.raw = true_pair();
+  ASSERT_STREQ(dsp::complete(rig.stereo), "");
+  ASSERT_TRUE(write_calibration(file("rig.cal"), rig));
+  for (const char* const format : {"kalibr", "opencv", "ros"}) {
+    calib_export({.format = format, .files = {}, .out = file("out"), .start = file("rig.cal")});
+    std::vector<std::filesystem::path> files{file("out")};
+    if (std::string_view(format) == "ros") {
+      files = {file("out") / "left.yaml", file("out") / "right.yaml"};
+    }
+    calib_import({.format = format, .files = files, .out = file("again.cal")});
+    const dataset::Loaded<StoredCalibration> again = read_calibration(file("again.cal"));
+    ASSERT_TRUE(again) << again.error().message;
+    EXPECT_NEAR(again->calibration.stereo.left.fx, rig.stereo.left.fx, 1e-9) << format;
+    EXPECT_NEAR(again->calibration.stereo.baseline_m, rig.stereo.baseline_m, 1e-9) << format;
+    std::filesystem::remove_all(file("out"));
+  }
+  refused(Exit::kBadInput, [&] {
+    calib_import({.format = "ros", .files = {file("rig.cal")}, .out = file("again.cal")});
+  });
+  refused(Exit::kBadInput, [&] {
+    calib_import({.format = "kalibr", .files = {file("rig.cal")}, .out = file("again.cal")});
+  });
+}
+
+}  // namespace
+}  // namespace stof::host

@@ -1,0 +1,253 @@
+#include "host/calibrate/rig/exchange/exchange.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "dataset/files/file.h"
+#include "tests/dataset/scratch.h"
+#include "tests/host/calibrate/rig/board_views.h"
+
+namespace stof::host {
+namespace {
+
+// As the documentation of each format shows a file of it: names, order and layout.
+constexpr const char* kRosLeft = R"(image_width: 640
+image_height: 480
+camera_name: narrow_stereo/left
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [438.783367, 0.000000, 305.593336, 0.000000, 437.302876, 243.738352, 0.000000, 0.000000, 1.000000]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.361976, 0.110510, 0.001014, 0.000505, 0.000000]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [0.999978, 0.002789, -0.006046, -0.002816, 0.999986, -0.004401, 0.006034, 0.004417, 0.999972]
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: [393.653800, 0.000000, 322.797939, 0.000000, 0.000000, 393.653800, 241.090902, 0.000000, 0.000000, 0.000000, 1.000000, 0.000000]
+)";
+constexpr const char* kRosRight = R"(image_width: 640
+image_height: 480
+camera_name: narrow_stereo/right
+camera_matrix:
+  rows: 3
+  cols: 3
+  data: [436.5, 0.0, 310.1, 0.0, 435.9, 240.2, 0.0, 0.0, 1.0]
+distortion_model: plumb_bob
+distortion_coefficients:
+  rows: 1
+  cols: 5
+  data: [-0.35, 0.1, 0.0, 0.0, 0.0]
+rectification_matrix:
+  rows: 3
+  cols: 3
+  data: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0]
+projection_matrix:
+  rows: 3
+  cols: 4
+  data: [393.653800, 0.0, 322.797939, -47.238456, 0.0, 393.653800, 241.090902, 0.0, 0.0, 0.0, 1.0, 0.0]
+)";
+constexpr const char* kKalibr = R"(cam0:
+  cam_overlaps: [1]
+  camera_model: pinhole
+  distortion_coeffs: [-0.27695497, 0.06712482, 0.00087538, 0.00011556]
+  distortion_model: radtan
+  intrinsics: [461.629, 460.152, 362.680, 246.049]
+  resolution: [752, 480]
+  rostopic: /cam0/image_raw
+cam1:
+  T_cn_cnm1:
+  - [0.999989, -0.002312, 0.004123, -0.110074]
+  - [0.002317, 0.999997, -0.001216, 0.000399]
+  - [-0.004120, 0.001226, 0.999991, -0.000854]
+  - [0.0, 0.0, 0.0, 1.0]
+  cam_overlaps: [0]
+  camera_model: pinhole
+  distortion_coeffs: [-0.28, 0.07, 0.0001, -0.0002]
+  distortion_model: radtan
+  intrinsics: [459.1, 457.9, 375.1, 252.0]
+  resolution: [752, 480]
+  rostopic: /cam1/image_raw
+)";
+constexpr const char* kIntrinsics = R"(%YAML:1.0
+---
+M1: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 5.3480e+02, 0., 3.3423e+02, 0., 5.3480e+02, 2.4144e+02, 0., 0., 1. ]
+D1: !!opencv-matrix
+   rows: 1
+   cols: 5
+   dt: d
+   data: [ -2.8e-01, 4.8e-02, 1.2e-03,
+       -1.2e-03, 1.9e-01 ]
+M2: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 5.3480e+02, 0., 3.3432e+02, 0., 5.3480e+02, 2.4215e+02, 0., 0., 1. ]
+D2: !!opencv-matrix
+   rows: 1
+   cols: 8
+   dt: d
+   data: [ -2.8e-01, 1.0e-01, 0., 0., 0., 0., 0., 0. ]
+)";
+constexpr const char* kExtrinsics = R"(%YAML:1.0
+---
+R: !!opencv-matrix
+   rows: 3
+   cols: 3
+   dt: d
+   data: [ 0.99999, 0.0042, -0.0013, -0.0042, 0.99998, -0.0036, 0.0013, 0.0036, 0.99999 ]
+T: !!opencv-matrix
+   rows: 3
+   cols: 1
+   dt: d
+   data: [ -0.0334, 0.0004, -0.0002 ]
+)";
+
+class Exchange : public ::stof::test::Scratch {
+ protected:
+  std::filesystem::path put(const char* name, const std::string& text) {
+    const std::filesystem::path file = folder() / name;
+    EXPECT_TRUE(dataset::write_whole(file, text));
+    return file;
+  }
+};
+
+std::string replaced(std::string text, std::string_view what, std::string_view with) {
+  const std::size_t at = text.find(what);
+  EXPECT_NE(at, std::string::npos) << what;
+  return text.replace(at, what.size(), with);
+}
+
+void expect_equal(const dsp::Pinhole& a, const dsp::Pinhole& b) {
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  const LensUnknowns x = unknowns_of(a);
+  const LensUnknowns y = unknowns_of(b);
+  for (std::size_t i = 0; i < kLensUnknowns; ++i) {
+    EXPECT_NEAR(x[i], y[i], 1e-9) << kLensNames[i];
+  }
+}
+
+void expect_equal(const dsp::RawPair& a, const dsp::RawPair& b) {
+  expect_equal(a.left, b.left);
+  expect_equal(a.right, b.right);
+  for (std::size_t i = 0; i < 9; ++i) {
+    EXPECT_NEAR(a.left_to_right.rotation[i], b.left_to_right.rotation[i], 1e-9);
+  }
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(a.left_to_right.translation_m[i], b.left_to_right.translation_m[i], 1e-9);
+  }
+}
+
+TEST_F(Exchange, KalibrsExampleIsRead) {
+  const dataset::Loaded<dsp::RawPair> rig = read_kalibr(put("camchain.yaml", kKalibr));
+  ASSERT_TRUE(rig) << rig.error().message;
+  EXPECT_EQ(rig->left.width, 752);
+  EXPECT_EQ(rig->left.fy, 460.152);
+  EXPECT_EQ(rig->left.p1, 0.00087538);
+  EXPECT_EQ(rig->left_to_right.translation_m[0], -0.110074);
+  EXPECT_EQ(rig->left_to_right.rotation[1], -0.002312);
+}
+
+TEST_F(Exchange, RosExampleIsRead) {
+  const dataset::Loaded<dsp::RawPair> rig =
+      read_ros(put("left.yaml", kRosLeft), put("right.yaml", kRosRight));
+  ASSERT_TRUE(rig) << rig.error().message;
+  EXPECT_EQ(rig->left.k1, -0.361976);
+  EXPECT_EQ(rig->right.cx, 310.1);
+  EXPECT_NEAR(rig->left_to_right.translation_m[0], -0.12, 1e-9);
+  EXPECT_EQ(rig->left_to_right.rotation[2], -0.006046) << "R of the right one is the identity";
+}
+
+TEST_F(Exchange, OpenCvsExampleIsRead) {
+  const std::filesystem::path intrinsics = put("intrinsics.yml", kIntrinsics);
+  const std::filesystem::path extrinsics = put("extrinsics.yml", kExtrinsics);
+  const dataset::Loaded<dsp::RawPair> rig = read_opencv({intrinsics, extrinsics}, 640, 480);
+  ASSERT_TRUE(rig) << rig.error().message;
+  EXPECT_EQ(rig->left.k3, 0.19);
+  EXPECT_EQ(rig->left.p2, -0.0012);
+  EXPECT_EQ(rig->right.cy, 242.15);
+  EXPECT_EQ(rig->left_to_right.translation_m[0], -0.0334);
+  const dataset::Loaded<dsp::RawPair> unsized_rig = read_opencv({intrinsics, extrinsics}, 0, 0);
+  ASSERT_FALSE(unsized_rig);
+  EXPECT_NE(unsized_rig.error().message.find("--size"), std::string::npos);
+}
+
+TEST_F(Exchange, EveryFormatGivesBackWhatItWasGiven) {
+  dsp::RawPair rig = test::true_pair();
+  const dataset::Loaded<std::string> kalibr = kalibr_text(rig);
+  ASSERT_TRUE(kalibr);
+  const dataset::Loaded<dsp::RawPair> by_kalibr = read_kalibr(put("chain.yaml", *kalibr));
+  ASSERT_TRUE(by_kalibr) << by_kalibr.error().message;
+  expect_equal(*by_kalibr, rig);
+  rig.left.k3 = 0.0123;
+  EXPECT_FALSE(kalibr_text(rig)) << "Kalibr has no k3";
+  const dataset::Loaded<dsp::RawPair> by_opencv =
+      read_opencv({put("rig.yml", opencv_text(rig))}, 0, 0);
+  ASSERT_TRUE(by_opencv) << by_opencv.error().message;
+  expect_equal(*by_opencv, rig);
+  const dataset::Loaded<dsp::RawPair> by_ros =
+      read_ros(put("l.yaml", ros_text(rig, false)), put("r.yaml", ros_text(rig, true)));
+  ASSERT_TRUE(by_ros) << by_ros.error().message;
+  expect_equal(*by_ros, rig);
+}
+
+TEST_F(Exchange, ModelsThatRectificationDoesNotKnowAreRefusedByNameAndLine) {
+  const auto kalibr_says = [this](std::string_view what, std::string_view with) {
+    const dataset::Loaded<dsp::RawPair> rig =
+        read_kalibr(put("c.yaml", replaced(kKalibr, what, with)));
+    return rig ? std::string("taken") : rig.error().message;
+  };
+  EXPECT_NE(
+      kalibr_says("radtan", "equidistant").find("line 5: has the distortion model equidistant"),
+      std::string::npos);
+  EXPECT_NE(kalibr_says("pinhole", "omni").find("line 3: has the camera model omni"),
+            std::string::npos);
+  const dataset::Loaded<dsp::RawPair> rational =
+      read_ros(put("left.yaml", replaced(kRosLeft, "plumb_bob", "rational_polynomial")),
+               put("right.yaml", kRosRight));
+  ASSERT_FALSE(rational);
+  EXPECT_NE(rational.error().message.find("line 8: has the distortion model rational_polynomial"),
+            std::string::npos)
+      << rational.error().message;
+  const dataset::Loaded<dsp::RawPair> eight = read_opencv(
+      {put("i.yml", replaced(kIntrinsics, "0., 0., 0., 0., 0., 0. ]", "0., 0., 0., 0.3, 0., 0. ]")),
+       put("e.yml", kExtrinsics)},
+      640, 480);
+  ASSERT_FALSE(eight);
+  EXPECT_NE(eight.error().message.find("rational"), std::string::npos) << eight.error().message;
+  EXPECT_NE(eight.error().message.find("line 1"), std::string::npos) << eight.error().message;
+}
+
+TEST_F(Exchange, DamagedFilesAreRefusedInOneLine) {
+  const std::string whole(kKalibr);
+  const std::size_t last = whole.rfind("intrinsics");
+  for (std::size_t length = 0; length < last; length += 7) {
+    const dataset::Loaded<dsp::RawPair> rig = read_kalibr(put("cut.yaml", whole.substr(0, length)));
+    ASSERT_FALSE(rig) << length;
+    EXPECT_EQ(rig.error().message.find('\n'), std::string::npos);
+  }
+  for (const char* const text : {"", "[1, 2]", "cam0: 3", "cam0: [", "\t", "cam0: {intrinsics: {}}",
+                                 "a: &a [*a]", "%YAML:1.0", "cam0:\n  camera_model: [pinhole]\n"}) {
+    EXPECT_FALSE(read_kalibr(put("bad.yaml", text))) << text;
+    EXPECT_FALSE(read_opencv({put("bad.yaml", text)}, 640, 480)) << text;
+    EXPECT_FALSE(read_ros(put("bad.yaml", text), put("bad.yaml", text))) << text;
+  }
+  EXPECT_FALSE(read_kalibr(put("deep.yaml", std::string(100000, '['))));
+  EXPECT_FALSE(read_kalibr(put("nan.yaml", replaced(kKalibr, "461.629", ".nan"))));
+  EXPECT_FALSE(read_kalibr(put("mirror.yaml", replaced(kKalibr, "0.999989", "-0.999989"))));
+}
+
+}  // namespace
+}  // namespace stof::host

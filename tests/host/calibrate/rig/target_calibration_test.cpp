@@ -1,0 +1,221 @@
+#include "host/calibrate/rig/target/target_calibration.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
+
+#include "dsp/calib/stereo/rectification.h"
+#include "tests/host/calibrate/rig/board_views.h"
+
+namespace stof::host {
+namespace {
+
+using test::board_at;
+using test::Gaussian;
+using test::true_pair;
+using test::view_of;
+using test::waved;
+
+constexpr Board kBoard{.columns = 9, .rows = 6, .square_m = 0.03};        // A4
+constexpr Board kLargeBoard{.columns = 12, .rows = 9, .square_m = 0.04};  // A2
+constexpr double kDegree = std::numbers::pi / 180;
+
+double angle_between(const dsp::RigidTransform& a, const dsp::RigidTransform& b) {
+  const Matrix3 turn = rotation_of(pose_of(a)) * rotation_of(pose_of(b)).transpose();
+  return Eigen::AngleAxisd(turn).angle();
+}
+
+TargetViews as_found(std::vector<PairView> views) {
+  return {.width = 640, .height = 480, .views = std::move(views), .refused = {}};
+}
+
+TargetCalibration calibrated(std::vector<PairView> views, int hold_out = 5,
+                             const Board& board = kBoard) {
+  dataset::Loaded<TargetCalibration> found =
+      calibrate_target(as_found(std::move(views)), {.board = board, .hold_out = hold_out});
+  EXPECT_TRUE(found) << (found ? "" : found.error().message);
+  return found ? std::move(*found) : TargetCalibration{};
+}
+
+// Truth points over the whole left picture, at three depths, rectified with `rig`.
+double row_rms_of_truth(const dsp::RawPair& truth, const dsp::RawPair& rig) {
+  const LensUnknowns left = unknowns_of(truth.left);
+  const LensUnknowns right = unknowns_of(truth.right);
+  const Matrix3 turn = rotation_of(pose_of(truth.left_to_right));
+  PairView view;
+  for (const double z : {0.8, 2.0, 6.0}) {
+    for (int j = -20; j <= 20; ++j) {
+      for (int i = -20; i <= 20; ++i) {
+        const Vector3 point(z * 0.032 * i, z * 0.024 * j, z);
+        const Vector3 other = turn * point + translation_of(pose_of(truth.left_to_right));
+        std::array<double, 2> l{};
+        std::array<double, 2> r{};
+        project(left.data(), {point.x(), point.y(), point.z()}, l);
+        project(right.data(), {other.x(), other.y(), other.z()}, r);
+        const auto inside = [](const std::array<double, 2>& p) {
+          return p[0] >= 0 && p[1] >= 0 && p[0] <= 639 && p[1] <= 479;
+        };
+        if (inside(l) && inside(r)) {
+          view.left.push_back({l[0], l[1]});
+          view.right.push_back({r[0], r[1]});
+        }
+      }
+    }
+  }
+  EXPECT_GT(view.left.size(), 2000U);
+  double squares = 0;
+  for (const double row : row_errors(view, rig)) {
+    squares += row * row;
+  }
+  return std::sqrt(squares / static_cast<double>(view.left.size()));
+}
+
+TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
+  dsp::RawPair truth = true_pair();
+  truth.left.p1 = truth.left.p2 = truth.right.p1 = truth.right.p2 = 0;
+  constexpr int kSeeds = 5;
+  double turned = 0;
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    // 20 to fit to, and at most 5 that judge.
+    const TargetCalibration found =
+        calibrated(waved(truth, kLargeBoard, 25, 0.1, seed), 5, kLargeBoard);
+    const dsp::RawPair& rig = found.fit.rig;
+    EXPECT_NEAR(rig.left.fx / truth.left.fx, 1, 0.003) << seed;
+    EXPECT_NEAR(rig.right.fy / truth.right.fy, 1, 0.003) << seed;
+    const double turn = angle_between(rig.left_to_right, truth.left_to_right) / kDegree;
+    turned += turn * turn / kSeeds;
+    std::printf("figure: seed %d: rotation %.4f degrees, row rms %.3f px, fx %.3f percent\n",
+                static_cast<int>(seed), turn, row_rms_of_truth(truth, rig),
+                (rig.left.fx / truth.left.fx - 1) * 100);
+    EXPECT_LT(row_rms_of_truth(truth, rig), 0.1) << seed;
+    EXPECT_NEAR(found.fit.corner_sigma_px, 0.1, 0.01) << seed;
+    ASSERT_TRUE(found.judgement) << seed;
+    EXPECT_NEAR(found.judgement->reprojection_px, 0.1, 0.02) << seed;
+    EXPECT_FALSE(found.k3) << seed;
+    EXPECT_FALSE(found.tangential) << seed;
+  }
+  EXPECT_LT(std::sqrt(turned), 0.03);
+}
+
+TEST(TargetCalibration, ViewsThatJudgeAreNotThoseThatReachACorner) {
+  // Each fifth view is held into a corner: none of these may be missing in the fit.
+  const dsp::RawPair truth = true_pair();
+  std::vector<PairView> views = waved(truth, kBoard, 25, 0.1, 4);
+  const unsigned all = reached_corners(views, 640, 480);
+  const TargetCalibration found = calibrated(std::move(views));
+  EXPECT_GE(found.held_out.size(), 3U);
+  EXPECT_EQ(reached_corners(found.fitted, 640, 480), all);
+}
+
+// p1 and p2 look much like a lens that is turned: what they leave is rows that correspond.
+TEST(TargetCalibration, TangentialDistortionLeavesRowsThatCorrespond) {
+  const dsp::RawPair truth = true_pair();
+  const TargetCalibration found = calibrated(waved(truth, kLargeBoard, 25, 0.1, 1), 5, kLargeBoard);
+  EXPECT_TRUE(found.tangential);
+  EXPECT_NEAR(found.fit.rig.left.fx / truth.left.fx, 1, 0.003);
+  EXPECT_LT(row_rms_of_truth(truth, found.fit.rig), 0.1);
+}
+
+TEST(TargetCalibration, TheCovarianceIsThatOfTheErrors) {
+  const dsp::RawPair truth = true_pair();
+  const LensUnknowns left = unknowns_of(truth.left);
+  constexpr int kSeeds = 25;
+  double sum = 0;
+  for (std::uint64_t seed = 100; seed < 100 + kSeeds; ++seed) {
+    const std::vector<PairView> views = waved(truth, kBoard, 12, 0.1, seed);
+    const TargetCalibration found = calibrated(views, 0);
+    const PoseUnknowns a = pose_of(found.fit.rig.left_to_right);
+    const PoseUnknowns b = pose_of(truth.left_to_right);
+    Eigen::Matrix<double, 6, 1> error;
+    for (std::size_t i = 0; i < kPoseUnknowns; ++i) {
+      error(static_cast<Eigen::Index>(i)) = a[i] - b[i];
+    }
+    const Eigen::Matrix<double, 6, 6> covariance = found.fit.covariance.bottomRightCorner<6, 6>();
+    sum += error.dot(covariance.inverse() * error);
+    ASSERT_GT(found.fit.sigma(0), 0);
+    EXPECT_LT(std::abs(found.fit.rig.left.fx - left[0]), 5 * found.fit.sigma(0)) << seed;
+  }
+  // 6 degrees of freedom, 25 seeds: sigma of the mean is sqrt(12 / 25) = 0.69.
+  EXPECT_NEAR(sum / kSeeds, 6, 2.1);
+}
+
+TEST(TargetCalibration, FindsK3WhereTheLensHasIt) {
+  dsp::RawPair truth = true_pair();
+  truth.left.k3 = truth.right.k3 = -0.12;
+  const TargetCalibration found = calibrated(waved(truth, kBoard, 20, 0.05, 3));
+  EXPECT_TRUE(found.k3);
+  EXPECT_LT(row_rms_of_truth(truth, found.fit.rig), 0.1);
+}
+
+TEST(TargetCalibration, SaysWhichViewIsMissing) {
+  const dsp::RawPair truth = true_pair();
+  const auto views_at = [&](double nearest, double farthest, double tilt, double spread) {
+    Gaussian random(7);
+    std::vector<PairView> views;
+    while (views.size() < 16) {
+      const double z = random.between(nearest, farthest);
+      const Vector3 middle(random.between(-spread, spread) * z, random.between(-spread, spread) * z,
+                           z);
+      const Vector3 turn(random.between(-tilt, tilt), random.between(-tilt, tilt), 0);
+      PairView view = view_of(truth, kBoard, board_at(kBoard, middle, turn), 0.05, random);
+      if (view.both()) {
+        view.name = std::to_string(views.size());
+        views.push_back(std::move(view));
+      }
+    }
+    return views;
+  };
+  const auto missing = [](const std::vector<PairView>& views) {
+    std::string all;
+    const dataset::Loaded<TargetCalibration> found =
+        calibrate_target(as_found(views), {.board = kBoard});
+    if (!found) {
+      return found.error().message;
+    }
+    for (const std::string& line : found->missing) {
+      all += line + "\n";
+    }
+    return all;
+  };
+  EXPECT_EQ(missing(waved(truth, kBoard, 40, 0.1, 11)), "");
+  EXPECT_NE(missing(views_at(1.1, 2.2, 0.6, 0.3)).find("near:"), std::string::npos);
+  EXPECT_NE(missing(views_at(0.5, 0.6, 0.6, 0.3)).find("far:"), std::string::npos);
+  EXPECT_NE(missing(views_at(0.5, 1.2, 0.02, 0.4)).find("tilted"), std::string::npos);
+  EXPECT_NE(missing(views_at(0.5, 1.2, 0.6, 0.02)).find("corners: no view reaches the upper left"),
+            std::string::npos);
+}
+
+TEST(TargetCalibration, LeavesOutAViewThatDoesNotFit) {
+  std::vector<PairView> views = waved(true_pair(), kBoard, 20, 0.1, 5);
+  for (PixelPoint& corner : views[7].left) {
+    corner.u += 2e-4 * (corner.v - 200) * (corner.u - 300);  // the board was bent
+  }
+  const TargetCalibration found = calibrated(views, 0);
+  ASSERT_EQ(found.refused.size(), 1U);
+  EXPECT_EQ(found.refused[0].name, "7");
+}
+
+TEST(TargetCalibration, KeepsThePmdCameraWhereItWasAgainstTheLeftEye) {
+  dsp::Calibration before;
+  before.stereo.raw = true_pair();
+  ASSERT_STREQ(dsp::complete(before.stereo), "");
+  before.pmd.lens = {.width = 64, .height = 16, .fx = 45, .fy = 45, .cx = 32, .cy = 8};
+  before.pmd_to_stereo = transform_of(PoseUnknowns{0.1, 0.02, -0.03, 0.05, -0.04, 0.01});
+  dsp::RawPair turned = true_pair();
+  turned.left_to_right = transform_of(PoseUnknowns{0.03, -0.05, 0.02, -0.12, 0.006, -0.004});
+  const dsp::Calibration after = with_pair(before, turned);
+  const auto in_left = [](const dsp::Calibration& calibration, const Vector3& p) {
+    const PoseUnknowns pose = pose_of(calibration.pmd_to_stereo);
+    const dsp::Rectification rectified = dsp::rectify(*calibration.stereo.raw);
+    const Matrix3 turn =
+        Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rectified.left_turn.data());
+    return Vector3(turn.transpose() * (rotation_of(pose) * p + translation_of(pose)));
+  };
+  const Vector3 point(0.3, -0.2, 1.7);
+  EXPECT_LT((in_left(before, point) - in_left(after, point)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace stof::host

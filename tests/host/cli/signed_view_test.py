@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""signed_view_test.py COMMAND...: `stof view --signed` (COMMAND: stof, with an emulator before it in a cross build) of `stofd`
+(STOFD holds that command, its words separated by |), with somebody between who forges."""
+
+import os
+import pathlib
+import select
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "host/python"))
+import stof_wire as wire  # noqa: E402
+
+COMMAND = []
+STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
+ENOUGH_S = 60
+SIGNED_HEADER = 80
+
+
+def unsigned(datagram, **fields):
+    """The same in the sensor's name, without a signature."""
+    header, payload = wire.parse(datagram)
+    for name, value in fields.items():
+        setattr(header, name, value)
+    return wire.seal(header, payload)
+
+
+def changed(datagram):
+    """With another frame number, and the check sum right."""
+    packet = bytearray(datagram[:-wire.CRC_BYTES])
+    packet[20] ^= 0x55
+    return bytes(packet) + wire.crc32c(packet).to_bytes(wire.CRC_BYTES, "little")
+
+
+class Between(threading.Thread):
+    """Passes what a client and a sensor say; what the sensor sends goes through `work`: one datagram in, any out."""
+
+    def __init__(self, port, work):
+        super().__init__(daemon=True)
+        self.client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.client.bind(("127.0.0.1", 0))
+        self.sensor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.sensor.connect(("127.0.0.1", port))
+        self.sensor.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 1 << 22)
+        self.port = self.client.getsockname()[1]
+        self.work = work
+        self.ended = False
+        self.start()
+
+    def run(self):
+        client = None
+        while not self.ended:
+            for ready in select.select([self.client, self.sensor], [], [], 0.05)[0]:
+                try:
+                    if ready is self.client:
+                        datagram, client = self.client.recvfrom(2048)
+                        self.sensor.send(datagram)
+                    elif client is not None:
+                        for out in self.work(self.sensor.recv(2048)):
+                            self.client.sendto(out, client)
+                except OSError:
+                    pass
+
+    def end(self):
+        self.ended = True
+        self.join()
+        self.client.close()
+        self.sensor.close()
+
+
+class SignedView(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory(prefix="stof_")
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.keys = self.folder / "user"
+        self.assertEqual(self.stof("pair", "--into", self.folder / "sensor", "--keys", self.keys, "--role", "view").returncode, 0)
+        port = self.folder / "port"
+        self.sensor = subprocess.Popen(
+            [*STOFD, "--size", "64x48", "--pmd", "none", "--period-ms", "80", "--port", "0", "--port-file", port, "--keys", self.folder / "sensor",
+             "--set", "discovery.mdns=false", "--set", "discovery.beacon=false", "--set", "streams.parity=true"],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup(self.stop)
+        end = time.monotonic() + ENOUGH_S
+        while not (port.exists() and port.read_text(encoding="utf-8").endswith("\n")):
+            self.assertLess(time.monotonic(), end)
+            time.sleep(0.02)
+        self.port = int(port.read_text(encoding="utf-8"))
+
+    def stop(self):
+        self.sensor.kill()
+        self.sensor.wait()
+
+    @staticmethod
+    def stof(*words):
+        return subprocess.run([*COMMAND, *map(str, words)], capture_output=True, text=True, timeout=ENOUGH_S, check=False)
+
+    def view(self, port, *words):
+        return self.stof("view", f"127.0.0.1:{port}", *words)
+
+    def between(self, work):
+        between = Between(self.port, work)
+        self.addCleanup(between.end)
+        return between.port
+
+    def test_sees_what_the_sensor_signs(self):
+        seen = self.view(self.port, "--signed", "--keys", self.keys, "--frames", 30)
+        self.assertEqual((seen.returncode, seen.stderr), (0, ""), seen.stdout)
+        self.assertIn("30 frames received, 30 verified whole", seen.stdout)
+        self.assertNotIn("not signed", seen.stdout)
+        self.assertNotIn("forged traffic", seen.stdout)
+
+    def test_who_stands_between_forges_in_vain_and_is_told(self):
+        count = [0]
+
+        def forge(datagram):
+            count[0] += 1
+            if wire.parse(datagram)[0].type >= 128:
+                return [datagram]
+            kind = count[0] % 5
+            extra = {1: lambda: [unsigned(datagram)], 2: lambda: [changed(datagram)], 3: lambda: [datagram],
+                     4: lambda: [unsigned(datagram, number=wire.parse(datagram)[0].number + 1)]}
+            return [*(extra[kind]() if kind in extra else ()), datagram]
+
+        seen = self.view(self.between(forge), "--signed", "--keys", self.keys, "--frames", 40)
+        self.assertEqual((seen.returncode, seen.stderr), (0, ""), seen.stdout)
+        self.assertIn("40 frames received, 40 verified whole", seen.stdout)
+        for told in (r"[1-9]\d* packets not signed for this program", r"[1-9]\d* packets with a wrong signature",
+                     r"[1-9]\d* packets twice", "link:.* forged traffic"):
+            self.assertRegex(seen.stdout, told)
+
+    def test_without_signatures_the_same_is_believed(self):
+        def strip(datagram):
+            return [unsigned(datagram) if wire.parse(datagram)[0].header_length >= SIGNED_HEADER else datagram]
+
+        seen = self.view(self.between(strip), "--signed", "--keys", self.keys, "--frames", 10, "--timeout", 2)
+        self.assertEqual(seen.returncode, 1, seen.stdout)
+        self.assertRegex(seen.stderr, r"packets came, but no frame.*not signed for this program")
+        self.assertEqual(self.view(self.between(strip), "--frames", 10).returncode, 0)
+
+    def test_without_a_key_it_says_what_to_do(self):
+        seen = self.view(self.port, "--signed", "--keys", self.folder / "none", "--frames", 10, "--timeout", 1)
+        self.assertEqual(seen.returncode, 1)
+        self.assertIn("no key of yours is one of this sensor", seen.stderr)
+        self.assertRegex(self.stof("view", "--signed").stderr, "--signed: takes a SENSOR")
+        self.assertEqual(self.stof("view", "--signed").returncode, 2)
+
+
+if __name__ == "__main__":
+    COMMAND = sys.argv[1:]
+    unittest.main(argv=sys.argv[:1])

@@ -1,0 +1,200 @@
+#include <optional>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "firmware/control/request_handler.h"
+#include "host/client/control/subscription.h"
+#include "host/client/session/stream_verifier.h"
+#include "tests/firmware/control/requests.h"
+#include "tests/firmware/keys/some_keys.h"
+
+// Subscriptions to signed streams, against the appliance's own handler.
+namespace stof::client {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Bytes;
+using test::numbered_key;
+using wire::SubscribeResult;
+using State = Subscription::State;
+
+constexpr std::uint32_t kDevice = 1;  // of numbered_key()
+constexpr Time kStart{1000s};
+
+SubscriptionOptions with(std::initializer_list<wire::Key> keys) {
+  SubscriptionOptions options{.signed_streams = true};
+  for (const wire::Key& key : keys) {
+    EXPECT_EQ(options.keys.add(key), Status::kOk);
+  }
+  return options;
+}
+
+class SignedSubscription : public testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(wire::start_crypto());
+    ASSERT_EQ(ring_.add(key_), Status::kOk);
+    start(7);
+  }
+  void start(std::uint32_t session) {
+    subscribers_ = {};
+    authenticator_.emplace(ring_);
+    handler_.emplace(wire::Origin{.device_id = kDevice, .session_id = session},
+                     firmware::CookieSecret{static_cast<std::byte>(session)}, subscribers_, nullptr,
+                     &*authenticator_);
+  }
+  // What the sensor answers to what is due; empty: nothing was.
+  Bytes answer_due(Subscription& subscription) {
+    const auto request = subscription.due(now_);
+    if (request.empty()) {
+      return {};
+    }
+    const auto answer = handler_->take(request, test::peer(1), hal::Time(now_.time_since_epoch()));
+    return {answer.begin(), answer.end()};
+  }
+  // Turns until nothing is due.
+  void talk(Subscription& subscription) {
+    for (int i = 0; i < 10; ++i) {
+      const Bytes answer = answer_due(subscription);
+      if (answer.empty()) {
+        return;
+      }
+      EXPECT_TRUE(subscription.take(answer, now_));
+    }
+    FAIL() << "it asks without end";
+  }
+  wire::StreamKey sensors_key() const { return subscribers_.list().keys[0]; }
+
+  wire::Key key_ = numbered_key(4, wire::Role::kView);
+  Time now_ = kStart;
+  keys::Keyring ring_{nullptr, nullptr};
+  firmware::LeaseTable subscribers_;
+  std::optional<keys::Authenticator> authenticator_;
+  std::optional<firmware::RequestHandler> handler_;
+};
+
+TEST_F(SignedSubscription, ComesToTheKeyThatTheSensorSignsWith) {
+  Subscription subscription(with({key_}), 5);
+  talk(subscription);
+  EXPECT_EQ(subscription.state(), State::kActive);
+  ASSERT_NE(subscription.stream_key().number, 0U);
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+}
+
+TEST_F(SignedSubscription, RenewsItsLeaseWithTheSameKey) {
+  Subscription subscription(with({key_}), 5);
+  talk(subscription);
+  const wire::StreamKey first = subscription.stream_key();
+  for (int i = 0; i < 40; ++i) {
+    now_ += 500ms;
+    subscription.heard(now_);
+    talk(subscription);
+    subscribers_.expire(hal::Time(now_.time_since_epoch()));
+    ASSERT_EQ(subscribers_.count(), 1U);
+    ASSERT_EQ(subscription.stream_key(), first);
+    ASSERT_EQ(sensors_key(), first);
+  }
+}
+
+TEST_F(SignedSubscription, ALostAnswerOrCookieCostsARepetition) {
+  Subscription subscription(with({key_}), 5);
+  static_cast<void>(answer_due(subscription));  // the cookie is lost
+  now_ += Subscription::kRepeat;
+  EXPECT_TRUE(subscription.take(answer_due(subscription), now_));
+  EXPECT_NE(subscription.state(), State::kActive);
+  static_cast<void>(answer_due(subscription));  // and the key
+  EXPECT_EQ(subscribers_.count(), 1U);
+  now_ += Subscription::kRepeat;
+  talk(subscription);
+  EXPECT_EQ(subscription.state(), State::kActive);
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+}
+
+TEST_F(SignedSubscription, ASensorThatStartsAgainGivesAnotherKey) {
+  Subscription subscription(with({key_}), 5);
+  talk(subscription);
+  const wire::StreamKey first = subscription.stream_key();
+  start(8);
+  now_ += 2s;  // nothing was heard
+  talk(subscription);
+  EXPECT_EQ(subscription.state(), State::kActive);
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+  EXPECT_NE(subscription.stream_key().secret, first.secret);
+}
+
+TEST_F(SignedSubscription, WithoutAKeyThatTheSensorHasThereIsNoSubscription) {
+  wire::Key elsewhere = key_;
+  elsewhere.device = kDevice + 1;
+  for (const auto& options : {with({}), with({elsewhere}), with({numbered_key(9)})}) {
+    Subscription subscription(options, 5);
+    for (int i = 0; i < 30; ++i) {
+      talk(subscription);
+      now_ += 300ms;
+    }
+    EXPECT_EQ(subscription.state(), State::kNoKey);
+    EXPECT_EQ(subscription.stream_key().number, 0U);
+    EXPECT_EQ(subscribers_.count(), 0U) << "and no other instead";
+  }
+}
+
+TEST_F(SignedSubscription, OfSeveralKeysItFindsTheOneThatTheSensorHas) {
+  Subscription subscription(with({key_, numbered_key(8), numbered_key(9)}), 5);
+  for (int i = 0; i < 30 && subscription.state() != State::kActive; ++i) {
+    talk(subscription);
+    now_ += 300ms;
+  }
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+}
+
+// Whoever sits between can say so; that it goes on is the sensor's matter.
+TEST_F(SignedSubscription, AForgedRefusalPassesAndAForgedConsentIsNone) {
+  Subscription subscription(with({key_}), 5);
+  ASSERT_TRUE(subscription.take(answer_due(subscription), now_));  // the cookie
+  std::uint32_t request_id = 0;
+  for (const SubscribeResult said :
+       {SubscribeResult::kOk, SubscribeResult::kFull, SubscribeResult::kEnded,
+        SubscribeResult::kStale, SubscribeResult::kUnknownKey}) {
+    now_ += 1s;
+    static_cast<void>(answer_due(subscription));
+    request_id = 5;  // numbers go up from there
+    for (std::uint32_t ahead = 0; ahead < 20; ++ahead) {
+      std::array<std::byte, wire::kSubscribedBytes> payload;
+      wire::encode_subscribed(
+          {.request_id = request_id + ahead, .result = said, .lease_ms = 10'000, .cookie = 1},
+          payload);
+      static_cast<void>(
+          subscription.take(test::sealed(wire::PacketType::kSubscribed, payload, kDevice), now_));
+    }
+    EXPECT_NE(subscription.state(), State::kActive) << static_cast<int>(said);
+    EXPECT_NE(subscription.state(), State::kFull);
+    EXPECT_EQ(subscription.stream_key().number, 0U);
+  }
+  now_ += 2s;
+  talk(subscription);
+  EXPECT_EQ(subscription.state(), State::kActive);
+}
+
+TEST_F(SignedSubscription, AnAnswerToAnEarlierRequestIsNoneToThis) {
+  Subscription subscription(with({key_}), 5);
+  ASSERT_TRUE(subscription.take(answer_due(subscription), now_));
+  const Bytes early = answer_due(subscription);
+  now_ += Subscription::kRepeat;
+  const Bytes now = answer_due(subscription);
+  EXPECT_TRUE(subscription.take(early, now_));
+  EXPECT_EQ(subscription.stream_key().number, 0U);
+  EXPECT_TRUE(subscription.take(now, now_));
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+}
+
+TEST_F(SignedSubscription, LeavesWithASignature) {
+  Subscription subscription(with({key_}), 5);
+  talk(subscription);
+  ASSERT_EQ(subscribers_.count(), 1U);
+  static_cast<void>(
+      handler_->take(subscription.farewell(), test::peer(1), hal::Time(now_.time_since_epoch())));
+  EXPECT_EQ(subscribers_.count(), 0U);
+}
+
+}  // namespace
+}  // namespace stof::client
