@@ -1,5 +1,6 @@
 #include "firmware/events/event_printer.h"
 
+#include <array>
 #include <chrono>
 #include <cstdio>
 #include <optional>
@@ -8,8 +9,8 @@
 
 namespace stof::firmware {
 
-void print_line(const std::string& line) {
-  std::printf("stofd: %s\n", line.c_str());
+void print_line(std::string_view line) {
+  std::printf("stofd: %.*s\n", static_cast<int>(line.size()), line.data());
   std::fflush(stdout);
 }
 
@@ -30,7 +31,10 @@ void EventPrinter::run() {
 
 void EventPrinter::print_noted() {
   while (const std::optional<Event> event = events_.take()) {
-    print_line(describe(*event));
+    std::array<char, kMostLine> space;
+    settings::PagedWriter line(space);
+    describe(*event, line);
+    print_line(line.text());
   }
 }
 

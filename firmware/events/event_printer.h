@@ -1,7 +1,7 @@
 #pragma once
 
 #include <atomic>
-#include <string>
+#include <string_view>
 #include <thread>
 
 #include "firmware/events/events.h"
@@ -27,6 +27,6 @@ class EventPrinter {
 };
 
 // One line on standard output, at once.
-void print_line(const std::string& line);
+void print_line(std::string_view line);
 
 }  // namespace stof::firmware

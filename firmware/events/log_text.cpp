@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <cstdio>
 #include <span>
+#include <string_view>
 #include <utility>
 
+#include "firmware/settings/text/paged_writer.h"
 #include "firmware/wire/frame_info.h"
 #include "firmware/wire/keys/key_text.h"
 
@@ -59,52 +60,67 @@ const char* standing_text(std::uint32_t sensors) {
   }
 }
 
-// 192.168.1.5, or the eight groups of an IPv6 address, fd00:0:0:0:0:0:c0a8:105.
-std::string address_text(const std::array<std::uint8_t, 16>& address) {
-  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
-  const bool mapped = std::ranges::equal(std::span(address).first(kMapped.size()), kMapped);
-  std::string text;
-  for (std::size_t i = mapped ? kMapped.size() : 0; i < address.size(); i += mapped ? 1 : 2) {
-    std::array<char, 8> group{};
-    if (mapped) {
-      std::snprintf(group.data(), group.size(), "%d", int{address[i]});
-    } else {
-      std::snprintf(group.data(), group.size(), "%x", address[i] * 256U + address[i + 1]);
+// In hexadecimal digits, `least` of them at least.
+void write_hexadecimal(std::uint32_t value, int least, settings::PagedWriter& out) noexcept {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  for (int place = 7; place >= 0; --place) {
+    if (place < least || value >> (4 * place) != 0) {
+      out << kDigits[value >> (4 * place) & 15];
     }
-    if (!text.empty()) {
-      text += mapped ? '.' : ':';
-    }
-    text += group.data();
   }
-  return text;
 }
 
-std::string requester_text(const Event& event) {
-  return event.address == std::array<std::uint8_t, 16>{} ? "over the serial line"
-                                                         : "by " + address_text(event.address);
+// 192.168.1.5, or the eight groups of an IPv6 address, fd00:0:0:0:0:0:c0a8:105.
+void write_address(const std::array<std::uint8_t, 16>& address,
+                   settings::PagedWriter& out) noexcept {
+  constexpr std::array<std::uint8_t, 12> kMapped{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF};
+  if (std::ranges::equal(std::span(address).first(kMapped.size()), kMapped)) {
+    for (std::size_t i = kMapped.size(); i < address.size(); ++i) {
+      out << (i > kMapped.size() ? "." : "") << int{address[i]};
+    }
+    return;
+  }
+  for (std::size_t i = 0; i < address.size(); i += 2) {
+    out << (i > 0 ? ":" : "");
+    write_hexadecimal(address[i] * 256U + address[i + 1], 1, out);
+  }
 }
 
-std::string key_text(const Event& event, const char* what) {
-  std::array<char, 16> id{};
-  std::snprintf(id.data(), id.size(), "%08x", event.value);
-  return std::string("key ") + id.data() + ", role " + std::string(wire::role_text(event.role)) +
-         ", " + what + " " + requester_text(event);
+void write_requester(const Event& event, settings::PagedWriter& out) noexcept {
+  if (event.address == std::array<std::uint8_t, 16>{}) {
+    out << "over the serial line";
+    return;
+  }
+  out << "by ";
+  write_address(event.address, out);
 }
 
-std::string pairing_text(std::uint32_t state) {
+void write_key(const Event& event, const char* what, settings::PagedWriter& out) noexcept {
+  out << "key ";
+  write_hexadecimal(event.value, 8, out);
+  out << ", role " << wire::role_text(event.role) << ", " << what << " ";
+  write_requester(event, out);
+}
+
+void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   if (state == kPairingClosed) {
-    return "pairing has ended without a key";
+    out << "pairing has ended without a key";
+    return;
   }
   if (state == kPairingDone) {
-    return "pairing has ended: there is a new key";
+    out << "pairing has ended: there is a new key";
+    return;
   }
   if (state == kPairingOpen) {
-    return "pairing is open for two minutes: stof pair";
+    out << "pairing is open for two minutes: stof pair";
+    return;
   }
-  std::string digits = std::to_string(state).substr(1);
-  digits.insert(digits.size() / 2, " ");
-  return "pairing: the digits are " + digits +
-         ". Type them into stof pair; only if it accepts them hold the button for three seconds";
+  out << "pairing: the digits are ";
+  std::uint32_t unit = 100'000;
+  for (int place = 0; place < 6; ++place, unit /= 10) {
+    out << (place == 3 ? " " : "") << static_cast<char>('0' + state / unit % 10);
+  }
+  out << ". Type them into stof pair; only if it accepts them hold the button for three seconds";
 }
 
 // " (3 repeated, 1 torn)", or nothing.
@@ -125,55 +141,75 @@ std::string also(std::uint64_t count, const char* what) {
 
 }  // namespace
 
-std::string describe(const Event& event) {
+void describe(const Event& event, settings::PagedWriter& out) noexcept {
+  const char* const part = name(event.component);
   switch (event.kind) {
     case EventKind::kPublishing:
-      return "publishing" + (event.value == 0 ? std::string()
-                                              : ", after " + std::to_string(event.value) +
-                                                    " edges without a frame");
+      out << "publishing";
+      if (event.value != 0) {
+        out << ", after " << event.value << " edges without a frame";
+      }
+      return;
     case EventKind::kUnpaired:
-      return std::string("no frame since ") + std::to_string(event.value) +
-             " edges: " + name(event.component) + ", " + to_string(event.status);
+      out << "no frame since " << event.value << " edges: " << part << ", "
+          << to_string(event.status);
+      return;
     case EventKind::kLost:
-      return std::string(name(event.component)) + " lost, trying to get it back";
+      out << part << " lost, trying to get it back";
+      return;
     case EventKind::kBack:
-      return std::string(name(event.component)) + " is back";
+      out << part << " is back";
+      return;
     case EventKind::kSendFailed:
-      return "nobody can be reached at the destination, packets are dropped; sending goes on";
+      out << "nobody can be reached at the destination, packets are dropped; sending goes on";
+      return;
     case EventKind::kSending:
-      return "packets leave again";
+      out << "packets leave again";
+      return;
     case EventKind::kLate:
-      return "late: " + std::to_string(event.value) +
-             " period(s) skipped, this machine is too slow or too busy for the period";
+      out << "late: " << event.value
+          << " period(s) skipped, this machine is too slow or too busy for the period";
+      return;
     case EventKind::kInTime:
-      return "in time again";
+      out << "in time again";
+      return;
     case EventKind::kSilent:
-      return std::string(name(event.component)) +
-             " silent: it is there, but sends nothing that belongs to an edge";
+      out << part << " silent: it is there, but sends nothing that belongs to an edge";
+      return;
     case EventKind::kFrozen:
-      return std::string(name(event.component)) + " frozen: " + frozen_text(event) +
-             " comes again and again";
+      out << part << " frozen: " << frozen_text(event) << " comes again and again";
+      return;
     case EventKind::kDark:
-      return std::string(name(event.component)) + " dark: its samples hold no light of its lamp";
+      out << part << " dark: its samples hold no light of its lamp";
+      return;
     case EventKind::kStandsOn:
-      return standing_text(event.value);
+      out << standing_text(event.value);
+      return;
     case EventKind::kSettingsChanged:
-      return "settings changed " + requester_text(event);
+      out << "settings changed ";
+      write_requester(event, out);
+      return;
     case EventKind::kPairing:
-      return pairing_text(event.value);
+      write_pairing(event.value, out);
+      return;
     case EventKind::kKeyMade:
-      return key_text(event, "made");
+      write_key(event, "made", out);
+      return;
     case EventKind::kKeyRenewed:
-      return key_text(event, "renewed");
+      write_key(event, "renewed", out);
+      return;
     case EventKind::kKeyEnded:
-      return key_text(event, "ended");
+      write_key(event, "ended", out);
+      return;
     case EventKind::kLastKeyEnded:
-      return key_text(event, "ended") +
-             ". It was the last: anybody on the network may change what is harmless";
+      write_key(event, "ended", out);
+      out << ". It was the last: anybody on the network may change what is harmless";
+      return;
     case EventKind::kSupplying:
-      return std::string(name(event.component)) + ": frames are used again";
+      out << part << ": frames are used again";
+      return;
   }
-  return "unknown event";
+  out << "unknown event";
 }
 
 std::string threads_text(int threads, int there) {

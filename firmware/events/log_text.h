@@ -1,15 +1,19 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
 #include "firmware/events/events.h"
+#include "firmware/settings/text/paged_writer.h"
 
 // Text from what the loop recorded. Runs beside the loop, never in it.
 namespace stof::firmware {
 
-// One line without its end.
-std::string describe(const Event& event);
+// One line without its end, at most kMostLine characters. Takes no memory: what the system refuses
+// while the sensor runs costs no line.
+inline constexpr std::size_t kMostLine = 200;
+void describe(const Event& event, settings::PagedWriter& out) noexcept;
 
 // How many threads compute, of those there are, and why not more.
 std::string threads_text(int threads, int there);

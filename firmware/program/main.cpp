@@ -32,6 +32,7 @@
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/workspace.h"
+#include "posix/out_of_resources.h"
 #include "posix/worker_threads.h"
 
 namespace stof::firmware {
@@ -310,6 +311,7 @@ int start_and_run(std::span<const std::string_view> arguments) {
 }  // namespace stof::firmware
 
 int main(int argc, char** argv) {
+  stof::posix::end_in_one_line_when_refused("stofd");
   const std::vector<std::string_view> arguments(argv + (argc > 0 ? 1 : 0), argv + argc);
   return stof::firmware::start_and_run(arguments);
 }

@@ -17,6 +17,7 @@
 #include "host/cli/proxy.h"
 #include "host/cli/report.h"
 #include "host/cli/view/view.h"
+#include "posix/out_of_resources.h"
 
 namespace stof::host {
 namespace {
@@ -159,8 +160,14 @@ int complain(Exit code, const char* line) noexcept {
 }  // namespace
 }  // namespace stof::host
 
+// What libraries ask for before main() begins: nothing there catches a refusal.
+[[gnu::constructor(101)]] static void watch_memory() {
+  stof::posix::end_in_one_line_when_refused("stof");
+}
+
 int main(int argc, char** argv) {
   using stof::host::Exit;
+  std::set_new_handler(nullptr);  // from here on it is an exception
   try {
     return stof::host::run(argc, argv);
   } catch (const stof::host::Failure& failure) {

@@ -203,7 +203,41 @@ def pairing():
             "anything": bytes([press, begin, anything]) + packet + bytes([reveal, confirm, 0xE7])}
 
 
-TARGETS = {"pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+def dataset():
+    """The first byte is the file, by its place in tests/fuzz/dataset.cpp."""
+    small = b"P5\n4 2\n255\n" + bytes(range(8))
+    recording = json.dumps({"width": 2, "height": 1, "f_mod_hz": 20e6, "dark_lsb": 0, "sat_lsb": 4000, "fx": 2, "fy": 2, "cx": 0.5,
+                            "cy": 0, "lsb_e": 10, "read_e": 20, "k1": 0.1}).encode()
+    return {"left": b"\0" + small, "right": b"\1" + small,
+            "meta": b"\2scene s\nndisp 16\nf_px 40\nbaseline_m 0.1\ndoff_px 0\n", "truth": b"\3P5\n4 2\n65535\n" + bytes(16),
+            "surfaces": b"\4" + small, "recording": b"\5" + recording, "samples": b"\6P5\n2 4\n65535\n" + bytes(16),
+            "pfm": b"\7Pf\n2 1\n-1.0\n" + struct.pack("<2f", 1.5, float("inf"))}
+
+
+def signed_requests():
+    wire = samples.wire
+    seeds = {}
+    for operation in wire.SettingsOperation:
+        request = wire.SettingsRequest(request_id=9, operation=operation, document=0).pack()
+        text = {"SET": b'{"streams":{"depth":"raw"}}', "STAGE": b'{"name":"left"}', "PRESET": b"outdoor"}.get(operation.name, b"")
+        body = bytes([wire.PacketType.SETTINGS_REQUEST]) + request + text
+        seeds[f"settings_{operation.name.lower()}"] = b"".join(record(body, SEAL | PEERS * who) for who in range(3)) + record(body, 0)
+    seeds["commit"] = seeds["settings_stage"] + seeds.get("settings_commit", b"")
+    return seeds
+
+
+def usb():
+    """As tests/hal/usb makes them: info, clock and a frame of 2 x 1 pixels, docs/HARDWARE.md."""
+    info = struct.pack("<IHHHHIIIII", 0x444D5053, 1, 2, 1, 12, 10_000, 30_000, 100, 10_000, 7)
+    clock = struct.pack("<Q", 123_456_789)
+    header = bytearray(96)
+    struct.pack_into("<IHHIHHHHIQ", header, 0, 0x46444D50, 96, 1, 5, 2, 1, 12, 0, 20_000, 1_000_000)
+    for k in range(4):
+        struct.pack_into("<II", header, 32 + 8 * k, 1_000_000 * k, 900_000)
+    return {"info": info, "frame": info + clock + bytes(header) + bytes(16), "nothing": b""}
+
+
+TARGETS = {"dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns}
 

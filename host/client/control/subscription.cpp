@@ -10,7 +10,7 @@ using wire::PacketType;
 using wire::SubscribeResult;
 
 Subscription::Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
-    : options_(options), request_(first_request) {
+    : options_(options), request_(first_request), answered_(first_request) {
   if (options.signed_streams) {
     signer_.emplace(options.keys);
   }
@@ -48,6 +48,10 @@ bool Subscription::take(std::span<const std::byte> datagram, Time now) {
   std::optional<wire::Subscribed> answer;
   const bool ours = !options_.device_id || packet->header.origin.device_id == *options_.device_id;
   if (ours && judge(*packet, datagram, answer)) {
+    // Who signs lets nobody else use up a request.
+    if (!signs() || type == PacketType::kSignedAnswer) {
+      answered_ = answer->request_id;
+    }
     answered(*answer, now);
   }
   return true;
@@ -57,7 +61,7 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
                          std::optional<wire::Subscribed>& answer) {
   const auto read = [&](std::span<const std::byte> payload) {
     const Result<wire::Subscribed> decoded = wire::decode_subscribed(payload);
-    if (decoded && request_ - decoded->request_id < kAnswerable) {
+    if (decoded && request_ - decoded->request_id < std::min(kAnswerable, request_ - answered_)) {
       answer = *decoded;
     }
     return answer.has_value();

@@ -49,7 +49,9 @@ class Subscription {
   // The past: at once.
   Time next_due() const;
 
-  // A datagram from the sensor. True: it was an answer for us, and nobody else's business.
+  // A datagram from the sensor. True: it was an answer for us, and nobody else's business. A
+  // request is answered once: what repeats an answer, or is older than one that came, changes
+  // nothing.
   bool take(std::span<const std::byte> datagram, Time now);
   // Anything came from the sensor.
   void heard(Time now) { heard_ = now; }
@@ -74,7 +76,8 @@ class Subscription {
   void hurry(Time now);
 
   SubscriptionOptions options_;
-  std::uint32_t request_;  // of the newest request
+  std::uint32_t request_;   // of the newest request
+  std::uint32_t answered_;  // of the newest that was answered
   std::uint64_t cookie_ = 0;
   State state_ = State::kAsking;
   Time next_ = Time::min();

@@ -16,6 +16,13 @@
 namespace stof::firmware::test {
 namespace {
 
+std::string text_of(const Event& event) {
+  std::array<char, kMostLine> space;
+  settings::PagedWriter line(space);
+  describe(event, line);
+  return std::string(line.text());
+}
+
 TEST(Appliance, SendsNothingUntilSomebodySubscribes) {
   ApplianceRig box;
   EXPECT_TRUE(box.run(5).bytes.empty());
@@ -221,7 +228,7 @@ TEST(Appliance, WhoChangedTheSettingsIsTold) {
   std::vector<std::string> lines;
   while (const auto event = box.rig.events.take()) {
     if (event->kind == EventKind::kSettingsChanged) {
-      lines.push_back(describe(*event));
+      lines.push_back(text_of(*event));
     }
   }
   ASSERT_EQ(lines.size(), 6U);
@@ -249,7 +256,7 @@ TEST(Appliance, KeysThatComeAndGoAreTold) {
   EXPECT_EQ(told, (std::set<std::uint32_t>{1, 2, 3, 4}));
   std::string lines;
   while (const auto event = box.rig.events.take()) {
-    lines += describe(*event) + "\n";
+    lines += text_of(*event) + "\n";
   }
   EXPECT_NE(lines.find("key 1a2b3c4d, role admin, made over the serial line\n"), std::string::npos)
       << lines;

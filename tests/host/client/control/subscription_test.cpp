@@ -100,6 +100,23 @@ TEST_F(SubscriptionTest, ALostKeepAliveIsRepeatedSoon) {
   EXPECT_EQ(subscription_.state(), Subscription::State::kActive);
 }
 
+// Somebody who replays the sensor's last answer must not keep us from renewing until the lease
+// ends.
+TEST_F(SubscriptionTest, ARepeatedAnswerLengthensNothing) {
+  const wire::Subscribe first = asked(kStart);
+  reply(first, SubscribeResult::kCookie, kStart);
+  const wire::Subscribe second = asked(kStart);
+  reply(second, SubscribeResult::kOk, kStart);
+  for (int at = 1; at < 1000; ++at) {
+    const Time now = kStart + std::chrono::milliseconds(at);
+    subscription_.heard(now);
+    reply(second, SubscribeResult::kOk, now);
+    reply(first, SubscribeResult::kCookie, now, 666);
+    ASSERT_TRUE(silent(now)) << at;
+  }
+  EXPECT_EQ(asked(kStart + 1s).cookie, 7U);
+}
+
 TEST_F(SubscriptionTest, AnOldCookieIsReplacedWithoutAnInterruption) {
   join();
   const wire::Subscribe late = asked(kStart + 1s);

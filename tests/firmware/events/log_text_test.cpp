@@ -1,0 +1,71 @@
+#include "firmware/events/log_text.h"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <string_view>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/heap_guard.h"
+
+namespace stof::firmware {
+namespace {
+
+constexpr auto kLastEvent = static_cast<int>(EventKind::kLastKeyEnded);
+
+constexpr std::array<std::uint8_t, 16> kLongest{0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11,
+                                                0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11, 0xFD, 0x11};
+
+std::string text_of(const Event& event) {
+  std::array<char, kMostLine> space;
+  settings::PagedWriter line(space);
+  describe(event, line);
+  EXPECT_TRUE(line.complete()) << line.text();
+  return std::string(line.text());
+}
+
+// A system that refuses memory while the sensor runs ends nothing, and costs no line.
+TEST(LogText, EveryEventFitsItsLineAndTakesNoMemory) {
+  for (int kind = 0; kind <= kLastEvent; ++kind) {
+    for (std::size_t component = 0; component < kComponents; ++component) {
+      for (const std::uint32_t value : {0U, 1U, 3U, std::numeric_limits<std::uint32_t>::max()}) {
+        std::array<char, kMostLine> space;
+        settings::PagedWriter line(space);
+        test::heap_forbidden = true;
+        describe({.kind = static_cast<EventKind>(kind),
+                  .component = static_cast<Component>(component),
+                  .status = Status::kInvalidArgument,
+                  .value = value,
+                  .role = wire::Role::kAdmin,
+                  .address = kLongest},
+                 line);
+        test::heap_forbidden = false;
+        EXPECT_TRUE(line.complete()) << line.text();
+        EXPECT_NE(line.text(), "unknown event") << kind;
+        EXPECT_EQ(line.text().find('\n'), std::string_view::npos);
+      }
+    }
+  }
+}
+
+TEST(LogText, SaysWhatChanged) {
+  EXPECT_EQ(text_of({.kind = EventKind::kPublishing}), "publishing");
+  EXPECT_EQ(text_of({.kind = EventKind::kPublishing, .value = 7}),
+            "publishing, after 7 edges without a frame");
+  EXPECT_EQ(text_of({.kind = EventKind::kLost, .component = Component::kStereo}),
+            "stereo camera lost, trying to get it back");
+  EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
+                     .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
+            "settings changed by 192.168.1.20");
+  EXPECT_EQ(text_of({.kind = EventKind::kKeyEnded, .value = 0xA2B, .role = wire::Role::kAdmin}),
+            "key 00000a2b, role admin, ended over the serial line");
+  EXPECT_EQ(
+      text_of({.kind = EventKind::kPairing, .value = 1'000'000 + 12'034}),
+      "pairing: the digits are 012 034. Type them into stof pair; only if it accepts them hold "
+      "the button for three seconds");
+}
+
+}  // namespace
+}  // namespace stof::firmware

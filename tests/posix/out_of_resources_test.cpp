@@ -1,0 +1,62 @@
+#include "posix/out_of_resources.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <new>
+#include <system_error>
+
+#include <gtest/gtest.h>
+
+namespace stof::posix {
+namespace {
+
+[[noreturn]] void throw_what_a_thread_throws() {
+  throw std::system_error(EAGAIN, std::generic_category());
+}
+// As a program without exceptions is for whatever throws in it.
+void let_nothing_through(void (*what)()) noexcept { what(); }
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr bool kOwnAllocator = true;
+#elif defined(__has_feature)
+constexpr bool kOwnAllocator = __has_feature(address_sanitizer);
+#else
+constexpr bool kOwnAllocator = false;
+#endif
+
+TEST(OutOfResources, MemoryThatIsRefusedEndsInOneLine) {
+  if (kOwnAllocator) {
+    GTEST_SKIP() << "AddressSanitizer's allocator ends in its own way";
+  }
+  EXPECT_EXIT(
+      {
+        end_in_one_line_when_refused("program");
+        volatile std::size_t size = SIZE_MAX / 4;
+        static_cast<void>(::operator new(size));
+      },
+      testing::ExitedWithCode(1), "^program: the system refuses memory: [^\n]*\n$");
+}
+
+TEST(OutOfResources, AThreadThatIsRefusedEndsInOneLine) {
+  EXPECT_EXIT(
+      {
+        end_in_one_line_when_refused("program");
+        let_nothing_through(throw_what_a_thread_throws);
+      },
+      testing::ExitedWithCode(1), "^program: the system refuses a thread: [^\n]*\n$");
+}
+
+TEST(OutOfResources, AnyOtherEndIsABugAndAborts) {
+  EXPECT_EXIT(
+      {
+        end_in_one_line_when_refused("program");
+        std::terminate();
+      },
+      testing::KilledBySignal(SIGABRT), "");
+}
+
+}  // namespace
+}  // namespace stof::posix
