@@ -95,11 +95,31 @@ void write_requester(const Event& event, settings::PagedWriter& out) noexcept {
   write_address(event.address, out);
 }
 
-void write_key(const Event& event, const char* what, settings::PagedWriter& out) noexcept {
+const char* sending_text(EventKind kind) noexcept {
+  return kind == EventKind::kSending
+             ? "packets leave again"
+             : "nobody can be reached at the destination, packets are dropped; sending goes on";
+}
+
+const char* key_text(EventKind kind) noexcept {
+  switch (kind) {
+    case EventKind::kKeyMade:
+      return ", made ";
+    case EventKind::kKeyRenewed:
+      return ", renewed ";
+    default:
+      return ", ended ";
+  }
+}
+
+void write_key(const Event& event, settings::PagedWriter& out) noexcept {
   out << "key ";
   write_hexadecimal(event.value, 8, out);
-  out << ", role " << wire::role_text(event.role) << ", " << what << " ";
+  out << ", role " << wire::role_text(event.role) << key_text(event.kind);
   write_requester(event, out);
+  if (event.kind == EventKind::kLastKeyEnded) {
+    out << ". It was the last: anybody on the network may change what is harmless";
+  }
 }
 
 void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
@@ -161,10 +181,8 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
       out << part << " is back";
       return;
     case EventKind::kSendFailed:
-      out << "nobody can be reached at the destination, packets are dropped; sending goes on";
-      return;
     case EventKind::kSending:
-      out << "packets leave again";
+      out << sending_text(event.kind);
       return;
     case EventKind::kLate:
       out << "late: " << event.value
@@ -193,17 +211,10 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
       write_pairing(event.value, out);
       return;
     case EventKind::kKeyMade:
-      write_key(event, "made", out);
-      return;
     case EventKind::kKeyRenewed:
-      write_key(event, "renewed", out);
-      return;
     case EventKind::kKeyEnded:
-      write_key(event, "ended", out);
-      return;
     case EventKind::kLastKeyEnded:
-      write_key(event, "ended", out);
-      out << ". It was the last: anybody on the network may change what is harmless";
+      write_key(event, out);
       return;
     case EventKind::kSupplying:
       out << part << ": frames are used again";

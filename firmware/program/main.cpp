@@ -51,9 +51,11 @@ constinit LoopStatus loop_status{};
 // Too large for the stack.
 constinit std::optional<keys::Keyring> ring{};
 constinit std::optional<keys::PairingServer> pairing{};
+constinit std::optional<ControlServices> control{};
 alignas(64) constinit std::array<std::byte, SerialSender::kRingBytes> serial_memory{};
 static_assert(sizeof(events) + sizeof(run_configs) + sizeof(receivers) + sizeof(changes) +
-                  sizeof(loop_status) + sizeof(ring) + sizeof(pairing) + sizeof(serial_memory) <=
+                  sizeof(loop_status) + sizeof(ring) + sizeof(pairing) + sizeof(control) +
+                  sizeof(serial_memory) <=
               kOtherStaticBytes / 4 * 3);
 std::atomic<bool> stop_requested{false};
 static_assert(std::atomic<bool>::is_always_lock_free);  // a signal handler writes it
@@ -151,6 +153,7 @@ void end_loop(WatchdogFeeder& watchdog) {
     print_line(heap_text(heap.own, heap.libraries, events.counters.edges));
   }
   static_cast<void>(board::set_realtime_priority(false));
+  control.reset();
 }
 
 // Ends with the loop; the control thread before it.
@@ -180,24 +183,24 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
        .calibration = calibration},
       run_config, {.images = workspace.memory, .coded = workspace.coded});
-  const ControlServices control(
-      {.board = board,
-       .rig = rig,
-       .store = start.store.get(),
-       .fixed = start.fixed.get(),
-       .saved = start.saved,
-       .trial = trial ? &*trial : nullptr,
-       .keys = *ring,
-       .pairing = pairing.emplace(origin, *ring, start.label),
-       .connection_replaced = (board.other_port ? 1U : 0U) | (start.serial_dropped ? 2U : 0U),
-       .origin = origin,
-       .announce = make_announce(board, rig, options),
-       .run_configs = run_configs,
-       .changes = changes,
-       .receivers = receivers,
-       .serial = line,
-       .loop_status = loop_status},
-      start.active);
+  control.emplace(ControlServices::Parts{.board = board,
+                                         .rig = rig,
+                                         .store = start.store.get(),
+                                         .fixed = start.fixed.get(),
+                                         .saved = start.saved,
+                                         .trial = trial ? &*trial : nullptr,
+                                         .keys = *ring,
+                                         .pairing = pairing.emplace(origin, *ring, start.label),
+                                         .connection_replaced = (board.other_port ? 1U : 0U) |
+                                                                (start.serial_dropped ? 2U : 0U),
+                                         .origin = origin,
+                                         .announce = make_announce(board, rig, options),
+                                         .run_configs = run_configs,
+                                         .changes = changes,
+                                         .receivers = receivers,
+                                         .serial = line,
+                                         .loop_status = loop_status},
+                  start.active);
   const EventPrinter printer(events);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
   // Only now: what the other threads do can wait.
@@ -205,7 +208,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
   board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
-    static_cast<void>(appliance.step(control.status(appliance.serial())));
+    static_cast<void>(appliance.step(control->status(appliance.serial())));
     watchdog.after_round();
     loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
                                       std::memory_order_relaxed);
