@@ -250,7 +250,7 @@ std::string options_usage() {
       "  --frames N           publish N frames, then stop (default: run until stopped)\n"
       "  --calibration FILE   calibration of the rig (default: what the board knows)\n"
       "  --settings FILE      settings to start with, and where changed ones are saved\n"
-      "  --keys FILE          keys of clients (default: the settings' file with the ending .keys)\n"
+      "  --keys FILE          keys of clients (default: the settings' name with .keys behind it)\n"
       "  --label FILE         32 hexadecimal digits of the label, with which clients may pair\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "
       "all\n"
