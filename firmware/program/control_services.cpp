@@ -35,7 +35,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
       authenticator_(parts.keys),
       key_service_(parts.keys, settings_server_, &parts.changes),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &key_service_, &authenticator_),
-      beacon_(parts.board.port, parts.board.network),
+      beacon_(parts.board.beacon, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
   parts_.pairing.set_changes(&parts_.changes);
