@@ -95,8 +95,8 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal:
 
 bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const noexcept {
   switch (request.method) {
-    case PairMethod::kDigits:
-      return open_until_.has_value();
+    case PairMethod::kDigits:  // a press is for one key
+      return is_open();
     case PairMethod::kCode:
       return code_.has_value();
     case PairMethod::kCable:
@@ -249,7 +249,11 @@ void PairingServer::tell(const Attempt& attempt) noexcept {
   }
 }
 
+// Once there is a key nothing ends the attempt but time: whoever has made it must hear of it.
 PairAnswer PairingServer::fail(Attempt& attempt, PairResult why) noexcept {
+  if (attempt.phase == Phase::kDone) {
+    return {.result = why};
+  }
   if (attempt.said.method == PairMethod::kDigits) {
     open_until_.reset();
   }

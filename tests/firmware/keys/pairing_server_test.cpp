@@ -385,6 +385,27 @@ TEST(PairingNoHeap, AllocatesNothing) {
   EXPECT_EQ(test::allocations, before);
 }
 
+// The event of the new key is for all to hear: who begins, or guesses, in that moment must not
+// leave a key that its client believes refused.
+TEST_F(PairingServerTest, OnceAKeyIsMadeNobodyKeepsItsClientFromHearingOfIt) {
+  server_.open(now_);
+  PairingClient owner(kSensor, PairMethod::kDigits, Role::kAdmin);
+  ASSERT_EQ(run(owner).result, PairResult::kWaiting);
+  server_.accept();
+  ASSERT_EQ(ring_.keys().count(), 1U);
+  PairingClient stranger(kSensor, PairMethod::kDigits, Role::kAdmin);
+  EXPECT_EQ(ask(stranger.begin()).result, PairResult::kClosed);
+  PairRequest guess = owner.confirm();
+  guess.value[0] ^= 1;
+  EXPECT_EQ(ask(guess).result, PairResult::kWrong);
+  const PairAnswer done = ask(owner.confirm());
+  EXPECT_EQ(done.result, PairResult::kOk);
+  EXPECT_EQ(wire::bytes_in<wire::Tag>(done.value), owner.secrets().done_tag());
+  now_ += PairingServer::kWindow;
+  EXPECT_EQ(ask(owner.confirm()).result, PairResult::kWrong);
+  EXPECT_EQ(ring_.keys().count(), 1U);
+}
+
 // Each is two files of flash: whoever has any key, or the code, must not wear it out.
 TEST_F(PairingServerTest, RenewsAKeyTenTimesThenOnceAnHour) {
   const wire::Key mine = numbered_key(5, Role::kView);
