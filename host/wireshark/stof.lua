@@ -137,6 +137,7 @@ names.PairResult = {
   [4] = "wrong",
   [5] = "waiting",
   [6] = "full",
+  [7] = "later",
 }
 
 names.SettingsResult = {
@@ -180,6 +181,7 @@ names.Condition = {
   [25] = "keys lost",
   [26] = "pairing",
   [27] = "keys changed",
+  [28] = "stereo blind",
 }
 
 layouts.Origin = {
