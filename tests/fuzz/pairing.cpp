@@ -114,7 +114,7 @@ struct Consent {
 };
 
 struct World {
-  explicit World(const keys::Keyring& keys) : ring(keys) { remember(); }
+  explicit World(const keys::Keyring& known) : ring(known) { remember(); }
 
   void remember() {
     had = 0;

@@ -38,7 +38,7 @@ class Reached {
  private:
   void end_run() noexcept {
     for (std::size_t i = 0; i < kPlaces; ++i) {
-      counts_[i] += here_[i] ? 1 : 0;
+      counts_[i] += here_[i] ? 1U : 0U;
       here_[i] = false;
     }
   }

@@ -120,7 +120,7 @@ class CheckingStore final : public hal::Store {
 };
 
 struct World {
-  explicit World(const keys::Keyring& keys) : ring(keys) {
+  explicit World(const keys::Keyring& known) : ring(known) {
     fuzz::require(subscribers.fix({.address = {9}, .port = 9}));
   }
 
@@ -130,9 +130,9 @@ struct World {
   CheckingSink sink;
   CheckingStore store{sink};
   settings::SettingsServer server{{}, {}, {.limits = limits, .sink = sink, .store = &store}};
-  keys::KeyService keys{ring, server};
+  keys::KeyService key_service{ring, server};
   firmware::LeaseTable subscribers;
-  firmware::RequestHandler handler{kHere, firmware::CookieSecret{}, subscribers, &keys,
+  firmware::RequestHandler handler{kHere, firmware::CookieSecret{}, subscribers, &key_service,
                                    &authenticator};
   hal::Time now{std::chrono::seconds(1'000'000)};
   std::uint64_t counter = 0;
