@@ -120,6 +120,8 @@ names.PairStep = {
   [0] = "begin",
   [1] = "reveal",
   [2] = "confirm",
+  [3] = "open",
+  [4] = "accept",
 }
 
 names.PairMethod = {
@@ -460,7 +462,7 @@ layouts.pair_request = {
   {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
   {name = "name", size = 32, count = 1, kind = "string", title = "Name", doc = "whose key it is"},
   {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "depends on the step"},
-  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's; of open: of this opening"},
 }
 
 layouts.pair_answer = {
@@ -473,7 +475,7 @@ layouts.pair_answer = {
   {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "random, for the steps that follow"},
   {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key that comes of it"},
   {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
-  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of open and accept with `waiting`: begins with the six digits (u32)"},
   {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of begin: the sensor's"},
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/wire/bytes.h"
 #include "firmware/wire/keys/pair_secrets.h"
 
 namespace stof::test {
@@ -42,6 +43,17 @@ class PairingClient {
   wire::PairRequest confirm() {
     wire::PairRequest request = step(wire::PairStep::kConfirm);
     wire::put_bytes(secrets().client_tag(), request.value);
+    return request;
+  }
+  // Of whoever holds the cable.
+  wire::PairRequest open() {
+    wire::PairRequest request = step(wire::PairStep::kOpen);
+    wire::put_bytes(said_.client_nonce, request.nonce);
+    return request;
+  }
+  wire::PairRequest accept(std::uint32_t digits) {
+    wire::PairRequest request = step(wire::PairStep::kAccept);
+    wire::put_u32(std::as_writable_bytes(std::span(request.value)).first<4>(), digits);
     return request;
   }
   // After reveal().
