@@ -870,7 +870,7 @@ class SettingsRequest(Layout):
     request_id: int = 0  # any number, comes back in the answer
     operation: int = 0  # SettingsOperation: see "Settings"
     document: int = 0  # SettingsDocument: of get
-    offset: int = 0  # of get: where the answer's text begins in the document, bytes
+    offset: int = 0  # of get and keys: where the answer's text begins in the document, bytes
     cookie: int = 0  # of an answer; 0: none yet. Not looked at on serial lines
 
     LAYOUT: typing.ClassVar[tuple] = (
@@ -890,7 +890,7 @@ class SettingsAnswer(Layout):
     request_id: int = 0  # of the request
     result: int = 0  # SettingsResult: see "Settings"
     restart: int = 0  # 1: some of the active settings wait for the next start
-    total: int = 0  # of get: length of the document, bytes
+    total: int = 0  # of get and keys: length of the document, bytes
     revision: int = 0  # of the active settings: advances with every change
     cookie: int = 0  # for the next request
 

@@ -403,7 +403,7 @@ layouts.settings_request = {
   {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "any number, comes back in the answer"},
   {name = "operation", size = 1, count = 1, kind = "uint8", title = "Operation", base = base.DEC, names = "SettingsOperation", doc = "see \"Settings\""},
   {name = "document", size = 1, count = 1, kind = "uint8", title = "Document", base = base.DEC, names = "SettingsDocument", doc = "of get"},
-  {name = "offset", size = 2, count = 1, kind = "uint16", title = "Offset", base = base.DEC, doc = "of get: where the answer's text begins in the document, bytes"},
+  {name = "offset", size = 2, count = 1, kind = "uint16", title = "Offset", base = base.DEC, doc = "of get and keys: where the answer's text begins in the document, bytes"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet. Not looked at on serial lines"},
   {name = "padding", size = 8, count = 1, kind = "bytes", title = "Padding"},
 }
@@ -415,7 +415,7 @@ layouts.settings_answer = {
   {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "of the request"},
   {name = "result", size = 1, count = 1, kind = "uint8", title = "Result", base = base.DEC, names = "SettingsResult", doc = "see \"Settings\""},
   {name = "restart", size = 1, count = 1, kind = "uint8", title = "Restart", base = base.DEC, doc = "1: some of the active settings wait for the next start"},
-  {name = "total", size = 2, count = 1, kind = "uint16", title = "Total", base = base.DEC, doc = "of get: length of the document, bytes"},
+  {name = "total", size = 2, count = 1, kind = "uint16", title = "Total", base = base.DEC, doc = "of get and keys: length of the document, bytes"},
   {name = "revision", size = 4, count = 1, kind = "uint32", title = "Revision", base = base.DEC, doc = "of the active settings: advances with every change"},
   {name = "reserved", size = 4, count = 1, kind = "bytes", title = "Reserved"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "for the next request"},

@@ -333,10 +333,12 @@ class Pair(unittest.TestCase):
 
     def test_a_sensor_takes_sixteen_keys(self):
         for number in range(16):
-            self.ask("pair", "--into", self.keys, "--keys", self.folder / f"user{number}")
+            self.ask("pair", "--into", self.keys, "--keys", self.folder / f"user{number}", "--name", f"{number:x<32}")
         self.refuse(1, "keeps 16 keys", "pair", "--into", self.keys)
         self.start()
         self.ask("config", self.address, "set", "period_ms=80", "--keys", self.folder / "user15")
+        self.assertEqual([key["name"] for key in self.listed("--keys", self.folder / "user15")],
+                         [f"{number:x<32}" for number in range(16)])  # more than one answer holds
 
     def test_unpairing(self):
         self.start("--label", self.label)
