@@ -61,6 +61,7 @@ class PairingClient {
     return {said_, exchange_.shared_with(said_.sensor_key).value_or(wire::Secret{}), known_};
   }
   wire::PairTranscript& said() { return said_; }
+  const wire::PairTranscript& said() const { return said_; }
 
  private:
   wire::PairRequest step(wire::PairStep step) const {
