@@ -64,6 +64,11 @@ class Subscription {
   bool signs() const noexcept { return signer_.has_value(); }
   // Of signed streams: what they are signed with; number 0: not known yet.
   const wire::StreamKey& stream_key() const noexcept { return stream_key_; }
+  std::uint32_t session() const noexcept { return signer_ ? signer_->session_id() : 0; }
+  // Asks at once that what comes from now on is signed with a new key; at most once a second.
+  void renew_key(Time now);
+  // When the newest key was asked for: whatever it signs was sent after that.
+  Time key_asked() const noexcept { return key_asked_; }
 
  private:
   static constexpr std::uint32_t kAnswerable = 8;  // newest requests whose answers count
@@ -85,6 +90,10 @@ class Subscription {
   bool hurried_ = false;  // the newest request was sent at once upon a cookie
   std::optional<RequestSigner> signer_;
   wire::StreamKey stream_key_;
+  bool wants_key_ = false;  // another one than that
+  std::optional<Time> renewed_;
+  Time asked_ = Time::min();  // the newest request
+  Time key_asked_ = Time::min();
   wire::DatagramBuffer buffer_{};
 };
 
