@@ -40,9 +40,10 @@ struct Board {
   hal::SerialPort* serial;      // nullptr: none was asked for
   std::optional<hal::Peer> to;  // gets every packet without having asked for it
   hal::NetworkInterfaces& network;
-  hal::MulticastPort* mdns;           // nullptr: none was asked for, or it cannot be had
-  hal::Watchdog* watchdog = nullptr;  // nullptr: nobody restarts a board that stands still
-  hal::Button* button = nullptr;      // that opens pairing and accepts its digits; nullptr: none
+  hal::DatagramPort* beacon = nullptr;  // takes broadcasts, alone; nullptr: none can be had
+  hal::MulticastPort* mdns;             // nullptr: none was asked for, or it cannot be had
+  hal::Watchdog* watchdog = nullptr;    // nullptr: nobody restarts a board that stands still
+  hal::Button* button = nullptr;        // that opens pairing and accepts its digits; nullptr: none
   dsp::Calibration calibration;
   bool nominal_calibration = false;        // of the drawing: nothing was measured
   bool allow_nominal_calibration = false;  // and whoever started it knows

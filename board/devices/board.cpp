@@ -240,6 +240,7 @@ void Rig::assemble() {
             .serial = connections_.serial ? &*connections_.serial : nullptr,
             .to = connections_.to,
             .network = *connections_.network,
+            .beacon = connections_.beacon.get(),
             .mdns = connections_.mdns.get(),
             .watchdog = watchdog_.get(),
             .button = button_.get(),

@@ -53,6 +53,15 @@ std::expected<OpenConnections, Refusal> open_connections(const Connections& want
     return std::unexpected(Refusal{port.error().message});
   }
   connections.port = std::move(*port);
+  // A socket of its own, which nobody reads: that of requests and streams must not reach all hosts.
+  constexpr int kSmall = 1 << 14;
+  auto beacon = UdpPort::open(
+      {.buffer_bytes = kSmall, .ipv4_only = true, .dscp = wanted.dscp, .broadcast = true});
+  if (beacon) {
+    connections.beacon = std::move(*beacon);
+  } else {
+    connections.notes.push_back("no beacon: " + beacon.error().message);
+  }
   if (!wanted.to.empty()) {
     const auto peer = hal::linux::resolve(wanted.to);
     if (!peer) {

@@ -17,6 +17,7 @@ namespace stof::board {
 
 struct OpenConnections {
   std::unique_ptr<hal::linux::UdpPort> port;
+  std::unique_ptr<hal::linux::UdpPort> beacon;
   std::optional<hal::Peer> to;
   std::optional<hal::linux::SerialTty> serial;
   std::unique_ptr<hal::linux::NetworkInterfaces> network =

@@ -151,6 +151,7 @@ struct Rig {
                         .serial = connections.serial ? &*connections.serial : nullptr,
                         .to = connections.to,
                         .network = *connections.network,
+                        .beacon = connections.beacon.get(),
                         .mdns = connections.mdns.get(),
                         .button = &button,
                         .calibration = world.calibration,

@@ -85,6 +85,22 @@ void LeaseTable::expire(hal::Time now) noexcept {
   }
 }
 
+void LeaseTable::drop_ended_keys(const wire::KeyTable& keys) noexcept {
+  for (std::size_t at = count_; at-- > 0;) {
+    Entry& entry = entries_[at];
+    if (entry.key_id == 0 || keys.find(entry.key_id) != nullptr) {
+      continue;
+    }
+    if (entry.fixed) {
+      wire::wipe(entry.stream.secret);
+      entry.stream.number = 0;
+      entry.key_id = 0;
+    } else {
+      remove(at);
+    }
+  }
+}
+
 ReceiverList LeaseTable::list() const noexcept {
   ReceiverList list{.count = count_, .refused = refused_until_.has_value()};
   for (std::size_t i = 0; i < count_; ++i) {

@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "firmware/control/receiver_list.h"
+#include "firmware/wire/keys/key_table.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
 
@@ -52,6 +53,9 @@ class LeaseTable {
   void refused(const hal::Peer& peer, hal::Time now) noexcept;
   // Removes those whose lease has ended at `now`.
   void expire(hal::Time now) noexcept;
+  // Removes those that signed with a key that is none any more: nothing is signed for it, and it
+  // keeps no place. A fixed destination stays, unsigned.
+  void drop_ended_keys(const wire::KeyTable& keys) noexcept;
 
   std::size_t count() const noexcept { return count_; }
   // As the loop is to have it. In order of arrival.

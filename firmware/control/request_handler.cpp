@@ -53,6 +53,13 @@ std::span<const std::byte> RequestHandler::take(std::span<const std::byte> datag
   }
 }
 
+void RequestHandler::drop_ended(hal::Time now) noexcept {
+  subscribers_.expire(now);
+  if (authenticator_ != nullptr) {
+    subscribers_.drop_ended_keys(authenticator_->keys());
+  }
+}
+
 RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcept {
   const Result<wire::Subscribe> asked = wire::decode_subscribe(request.packet.payload);
   if (!asked) {
@@ -71,8 +78,7 @@ RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcep
     out.result = wire::SubscribeResult::kEnded;
     return answer(request, out);
   }
-  // A lease that has ended must not keep anybody out until the next turn of the thread.
-  subscribers_.expire(request.now);
+  drop_ended(request.now);
   subscribers_.keep_place(authenticator_ != nullptr && authenticator_->knows_keys());
   const hal::Duration lease = LeaseTable::granted(asked->lease_ms);
   if (subscribers_.subscribe(request.from, lease, request.now)) {
@@ -190,7 +196,7 @@ std::size_t RequestHandler::serve_subscribe(const SignedRequest& request,
   const hal::Peer& from = request.request.from;
   wire::Subscribed out{.request_id = request.request_id};
   wire::StreamKeyFields handover{};
-  subscribers_.expire(request.request.now);
+  drop_ended(request.request.now);
   if (request.type == PacketType::kUnsubscribe) {
     subscribers_.unsubscribe(from, true);
     out.result = wire::SubscribeResult::kEnded;

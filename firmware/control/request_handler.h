@@ -98,6 +98,8 @@ class RequestHandler {
   static std::optional<SignedRequest> read_signed(const Request& request,
                                                   const wire::SignedView& view) noexcept;
 
+  // What has ended must not keep anybody out until the next turn of the thread.
+  void drop_ended(hal::Time now) noexcept;
   Answer subscribe(const Request& request) noexcept;
   Answer serve_settings(const Request& request) noexcept;
   Answer serve_signed(const Request& request) noexcept;

@@ -17,11 +17,14 @@ bool is_link_local(const hal::Peer& peer) noexcept {
   return peer.address[0] == 0xFE && (peer.address[1] & 0xC0U) == 0x80;
 }
 
+// Whether its network of 64 bits is one host.
+bool has_network(const hal::Peer& peer) noexcept { return !is_ipv4(peer) && !is_link_local(peer); }
+
 }  // namespace
 
 hal::Peer host_of(const hal::Peer& peer) noexcept {
   hal::Peer host{.address = peer.address, .scope = peer.scope};
-  if (!is_ipv4(peer) && !is_link_local(peer)) {
+  if (has_network(peer)) {
     std::ranges::fill(std::span(host.address).subspan<kNetworkBytes>(), std::uint8_t{0});
   }
   return host;
@@ -29,13 +32,18 @@ hal::Peer host_of(const hal::Peer& peer) noexcept {
 
 SourceLimiter::SourceLimiter(const CookieSecret& secret, std::uint32_t per_second) noexcept
     : secret_(secret) {
-  buckets_.fill(TokenBucket(per_second));
+  addresses_.fill(TokenBucket(per_second));
+  networks_.fill(TokenBucket(kAddressesOfNetwork * per_second));
+}
+
+std::uint64_t SourceLimiter::number_of(const hal::Peer& peer) const noexcept {
+  return siphash24(secret_, std::as_bytes(std::span(peer.address)));
 }
 
 bool SourceLimiter::take(const hal::Peer& from, hal::Time now) noexcept {
-  const hal::Peer host = host_of(from);
-  const std::uint64_t place = siphash24(secret_, std::as_bytes(std::span(host.address))) % kPlaces;
-  return buckets_[place].take(now);
+  // The address first: what it is refused takes nothing of what its network shares.
+  return addresses_[number_of(from) % kAddresses].take(now) &&
+         (!has_network(from) || networks_[number_of(host_of(from)) % kNetworks].take(now));
 }
 
 }  // namespace stof::firmware

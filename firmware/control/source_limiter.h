@@ -12,23 +12,30 @@
 namespace stof::firmware {
 
 // What one host is known by, whatever its ports: its IPv4 address, its IPv6 network of 64 bits, of
-// which a host has all addresses, or its link-local address.
+// which a host may have all addresses, or its link-local address.
 hal::Peer host_of(const hal::Peer& peer) noexcept;
 
-// So many requests a second of each host: one that floods takes nothing of the others. A table of
-// fixed size; hosts of one place in it share their tokens, and a secret says who has which place.
+// So many requests a second of each address, whatever its ports: one that floods takes nothing of
+// the others. An IPv6 network of 64 bits, which may be one host or all hosts of a link, has what
+// kAddressesOfNetwork addresses have. Tables of fixed size; addresses of one place in them share
+// their tokens, and a secret says who has which place.
 class SourceLimiter {
  public:
+  static constexpr std::uint32_t kAddressesOfNetwork = 4;
+
   SourceLimiter(const CookieSecret& secret, std::uint32_t per_second) noexcept;
 
-  // Whether one more of that host may pass at `now`, which must not go back.
+  // Whether one more of that address may pass at `now`, which must not go back.
   bool take(const hal::Peer& from, hal::Time now) noexcept;
 
  private:
-  static constexpr std::size_t kPlaces = 256;
+  static constexpr std::size_t kAddresses = 256;
+  static constexpr std::size_t kNetworks = 32;
+  std::uint64_t number_of(const hal::Peer& peer) const noexcept;
 
   CookieSecret secret_;
-  std::array<TokenBucket, kPlaces> buckets_;
+  std::array<TokenBucket, kAddresses> addresses_;
+  std::array<TokenBucket, kNetworks> networks_;
 };
 
 }  // namespace stof::firmware

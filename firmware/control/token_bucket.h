@@ -18,17 +18,22 @@ class TokenBucket {
       : TokenBucket(per_second, hal::Duration(std::chrono::seconds(1)) / per_second) {}
 
   // Whether one more may pass at `now`, which must not go back.
+  constexpr bool has(hal::Time now) const noexcept { return after_one_more(now) - now <= depth_; }
+  // The same, and takes it.
   constexpr bool take(hal::Time now) noexcept {
-    // full_at_ is when the bucket would be full again; each token taken moves it by a step.
-    const hal::Time after = std::max(full_at_, now) + step_;
-    if (after - now > depth_) {
+    if (!has(now)) {
       return false;
     }
-    full_at_ = after;
+    full_at_ = after_one_more(now);
     return true;
   }
 
  private:
+  // full_at_ is when the bucket would be full again; each token taken moves it by a step.
+  constexpr hal::Time after_one_more(hal::Time now) const noexcept {
+    return std::max(full_at_, now) + step_;
+  }
+
   hal::Duration step_{};
   hal::Duration depth_{};
   hal::Time full_at_ = hal::Time::min();

@@ -20,7 +20,7 @@ void Beacon::set(const wire::Announce& announce, const wire::Origin& origin,
 }
 
 void Beacon::tick(hal::Time now) noexcept {
-  if (!contents_ || (due_ && now < *due_)) {
+  if (port_ == nullptr || !contents_ || (due_ && now < *due_)) {
     return;
   }
   due_ = now + kPeriod;
@@ -30,7 +30,7 @@ void Beacon::tick(hal::Time now) noexcept {
     std::size_t sent = 0;
     // Nobody to hear it is no error.
     static_cast<void>(
-        port_.send({.address = address, .port = kBeaconPort}, std::span(&packet, 1), sent));
+        port_->send({.address = address, .port = kBeaconPort}, std::span(&packet, 1), sent));
   };
   send_to(hal::from_ipv4(255, 255, 255, 255));
   const auto found = std::span(addresses_).first(network_.addresses(addresses_));

@@ -22,13 +22,15 @@ std::span<const std::byte> seal_announce(const wire::Announce& announce, const w
 
 // Tells everybody near who and where the sensor is, once a second, by IPv4 broadcast to port 7561:
 // 255.255.255.255 and the broadcast address of each interface, which of the loopback one is
-// 127.255.255.255. For the control thread; the port takes sends beside those of the loop.
+// 127.255.255.255. For the control thread. It goes out by a port of its own: the one of
+// requests and streams sends to one peer at a time.
 class Beacon final : public PeriodicTask {
  public:
   static constexpr hal::Duration kPeriod = std::chrono::seconds(1);
   static constexpr std::size_t kMostTargets = 32;
 
-  Beacon(hal::DatagramPort& port, hal::NetworkInterfaces& network) noexcept
+  // port: takes broadcasts; nullptr: nothing is sent.
+  Beacon(hal::DatagramPort* port, hal::NetworkInterfaces& network) noexcept
       : port_(port), network_(network) {}
 
   // The announcement from now on; nothing is sent before the first call.
@@ -43,7 +45,7 @@ class Beacon final : public PeriodicTask {
     wire::FrameStamp stamp;
   };
 
-  hal::DatagramPort& port_;
+  hal::DatagramPort* port_;
   hal::NetworkInterfaces& network_;
   std::optional<Contents> contents_;
   std::optional<hal::Time> due_;

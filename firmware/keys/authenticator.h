@@ -34,6 +34,8 @@ class Authenticator {
   // for as long as saving a file takes.
   Signer judge(const wire::SignedView& packet) noexcept;
 
+  // Of whoever can sign.
+  const wire::KeyTable& keys() const noexcept { return ring_.keys(); }
   // Whether anybody can sign.
   bool knows_keys() const noexcept { return ring_.pairing() == Pairing::kPaired; }
   // Of whoever signs nothing.

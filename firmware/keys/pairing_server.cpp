@@ -29,6 +29,11 @@ std::uint32_t free_key_id(const wire::KeyTable& keys) noexcept {
   return id;
 }
 
+// Whether nobody has to be at the sensor for it.
+bool needs_nobody(PairMethod method) noexcept {
+  return method == PairMethod::kKey || method == PairMethod::kCode;
+}
+
 // A role that there is, and a name as keys have it, filled up with 0.
 bool well_formed(const PairRequest& request) noexcept {
   const auto end = std::ranges::find(request.name, '\0');
@@ -85,13 +90,13 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal:
     return {.result = PairResult::kWrong};
   }
   return request.step == wire::PairStep::kReveal ? reveal(request, attempt)
-                                                 : confirm(request, attempt);
+                                                 : confirm(request, attempt, now);
 }
 
 bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const noexcept {
   switch (request.method) {
-    case PairMethod::kDigits:
-      return open_until_.has_value();
+    case PairMethod::kDigits:  // a press is for one key
+      return is_open();
     case PairMethod::kCode:
       return code_.has_value();
     case PairMethod::kCable:
@@ -126,6 +131,10 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
   if (!may_begin(request, way)) {
     return {.result = PairResult::kClosed};
   }
+  const bool renews = request.method == PairMethod::kKey;
+  if (needs_nobody(request.method) && !writes_.may_write(renews ? request.key_id : 0, now)) {
+    return {.result = PairResult::kLater};
+  }
   Attempt& attempt = attempt_of(request.method);
   const auto commitment = wire::bytes_in<wire::Digest>(request.value);
   if (attempt.phase == Phase::kBegun && attempt.commitment == commitment) {
@@ -147,7 +156,6 @@ PairAnswer PairingServer::begin(const PairRequest& request, PairingWay way,
   attempt.number = random_number();
   attempt.until = now + kKnownTime;
   attempt.commitment = commitment;
-  const bool renews = request.method == PairMethod::kKey;
   attempt.said = {.sensor = sensor_,
                   .key_id = renews ? request.key_id : free_key_id(ring_.keys()),
                   .method = request.method,
@@ -184,7 +192,8 @@ PairAnswer PairingServer::reveal(const PairRequest& request, Attempt& attempt) n
   return out;
 }
 
-PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt) noexcept {
+PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt,
+                                  hal::Time now) noexcept {
   const auto tag = wire::bytes_in<wire::Tag>(request.value);
   if (attempt.phase < Phase::kRevealed ||
       !wire::equal_secrets(tag, attempt.secrets->client_tag())) {
@@ -195,6 +204,12 @@ PairAnswer PairingServer::confirm(const PairRequest& request, Attempt& attempt) 
   }
   if (attempt.said.method == PairMethod::kDigits && !attempt.accepted) {
     return answer(attempt, PairResult::kWaiting);
+  }
+  // Only who has proven what he knows uses it up.
+  const bool renews = attempt.said.method == PairMethod::kKey;
+  if (attempt.phase == Phase::kProven && needs_nobody(attempt.said.method) &&
+      !writes_.take(renews ? attempt.said.key_id : 0, now)) {
+    return fail(attempt, PairResult::kLater);
   }
   return finish(attempt);
 }
@@ -234,7 +249,11 @@ void PairingServer::tell(const Attempt& attempt) noexcept {
   }
 }
 
+// Once there is a key nothing ends the attempt but time: whoever has made it must hear of it.
 PairAnswer PairingServer::fail(Attempt& attempt, PairResult why) noexcept {
+  if (attempt.phase == Phase::kDone) {
+    return {.result = why};
+  }
   if (attempt.said.method == PairMethod::kDigits) {
     open_until_.reset();
   }

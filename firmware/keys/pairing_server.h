@@ -8,6 +8,7 @@
 
 #include "firmware/control/token_bucket.h"
 #include "firmware/events/events.h"
+#include "firmware/keys/key_write_limiter.h"
 #include "firmware/keys/keyring.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/wire/keys/pair_secrets.h"
@@ -26,7 +27,8 @@ enum class PairingWay : std::uint8_t { kNetwork, kCable };
 // The sensor's end of pairing: any requests in, at most one key out of each attempt. With digits it
 // takes somebody at the sensor, twice: one press opens two minutes for one client, and once the
 // digits of both ends are told, somebody accepts them there. Two clients in these minutes end both.
-// Keys that both know, or the label's code, need nobody. For one thread; no clock, no heap.
+// Keys that both know, or the label's code, need nobody, and are limited for that
+// (KeyWriteLimiter). For one thread; no clock, no heap.
 class PairingServer {
  public:
   static constexpr hal::Duration kWindow = std::chrono::minutes(2);
@@ -38,7 +40,7 @@ class PairingServer {
   // code: of the label; none: there is none. The keyring outlives it.
   PairingServer(const wire::Origin& sensor, Keyring& ring,
                 const std::optional<LabelCode>& code) noexcept
-      : sensor_(sensor), ring_(ring), code_(code) {}
+      : sensor_(sensor), ring_(ring), code_(code), writes_(ring) {}
 
   // The button was pressed: a new window, and nothing of the last one.
   void open(hal::Time now) noexcept;
@@ -86,7 +88,8 @@ class PairingServer {
   std::optional<std::span<const std::byte>> known(const wire::PairTranscript& said) const noexcept;
   wire::PairAnswer begin(const wire::PairRequest& request, PairingWay way, hal::Time now) noexcept;
   wire::PairAnswer reveal(const wire::PairRequest& request, Attempt& attempt) noexcept;
-  wire::PairAnswer confirm(const wire::PairRequest& request, Attempt& attempt) noexcept;
+  wire::PairAnswer confirm(const wire::PairRequest& request, Attempt& attempt,
+                           hal::Time now) noexcept;
   wire::PairAnswer finish(Attempt& attempt) noexcept;
   void tell(const Attempt& attempt) noexcept;
   wire::PairAnswer fail(Attempt& attempt, wire::PairResult why) noexcept;
@@ -100,6 +103,7 @@ class PairingServer {
   Attempt with_digits_;
   Attempt with_known_;
   firmware::TokenBucket begins_{kMostBegins, kBeginRefill};
+  KeyWriteLimiter writes_;
   firmware::ChangeRing* changes_ = nullptr;
 };
 

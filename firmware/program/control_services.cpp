@@ -35,7 +35,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
       authenticator_(parts.keys),
       key_service_(parts.keys, settings_server_, &parts.changes),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &key_service_, &authenticator_),
-      beacon_(parts.board.port, parts.board.network),
+      beacon_(parts.board.beacon, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
   parts_.pairing.set_changes(&parts_.changes);
@@ -133,6 +133,7 @@ void ControlServices::watch_pairing(hal::Time now) noexcept {
 
 void ControlServices::tick(hal::Time now) noexcept {
   watch_pairing(now);
+  subscribers_.drop_ended_keys(parts_.keys.keys());
   publish_status();
   if (parts_.trial != nullptr) {
     parts_.trial->tick(now, parts_.loop_status.published.load(std::memory_order_relaxed),

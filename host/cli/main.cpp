@@ -91,6 +91,8 @@ void add_view(CLI::App& app, ViewOptions& options) {
                         "this program: nobody else can send a frame");
   view_command.add_option("--keys", options.keys,
                           "File of keys, of --signed; none: the usual one, as of stof pair");
+  view_command.add_option("--device", options.device,
+                          "Number of the sensor (stofd --device): only it is believed");
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")

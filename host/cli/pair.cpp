@@ -45,7 +45,7 @@ wire::Key random_key(const PairOptions& options) {
   std::array<std::byte, 4> id{};
   wire::fill_random(id);
   wire::Key key{.id = std::max(wire::get_u32(id), 1U),
-                .device = options.device,
+                .device = options.device.value_or(1),
                 .role = wire::role_of(options.role),
                 .name = wire::key_name(own_name(options))};
   wire::fill_random(key.secret);
@@ -133,8 +133,8 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
 }
 
 // Of a sensor, the newest first. Two sensors may have one number.
-std::vector<wire::Key> own_keys(const std::string& file, std::uint32_t device) {
-  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
+std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,
+                                std::uint32_t device) {
   std::vector<wire::Key> own;
   for (std::size_t i = keys.count(); i-- > 0;) {
     if (keys.all()[i].device == device) {
@@ -146,6 +146,22 @@ std::vector<wire::Key> own_keys(const std::string& file, std::uint32_t device) {
                                       "): pair, or name its number with --device");
   }
   return own;
+}
+
+// Throws Failure where nobody knows which of several sensors is meant.
+client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
+                            const std::string& sensor, std::optional<std::uint32_t> asked) {
+  client::Meant meant = value_or_fail(client::meant_sensor(file, keys, sensor, asked));
+  if (!meant.doubt.empty()) {
+    throw Failure(Exit::kBadInput,
+                  (sensor.empty() ? file : sensor) + ": " + meant.doubt + " (--device NUMBER)");
+  }
+  return meant;
+}
+
+// Else the only one.
+std::uint32_t device_of(const client::Meant& meant) {
+  return meant.device.value_or(meant.keys.count() == 0 ? 1 : meant.keys.all()[0].device);
 }
 
 // Where the new secret of a key is kept until the sensor has taken it for sure: whatever happens
@@ -201,11 +217,14 @@ bool opens(const PairOptions& options, const wire::Key& key) {
 void renew(const PairOptions& options, const std::string& file) {
   const std::string waiting = renewed_file(file);
   need_room(file);
-  std::vector<wire::Key> known = own_keys(file, options.device);
+  const client::Meant meant = meant_or_fail(file, value_or_fail(client::read_user_keys(file)),
+                                            options.sensor, options.device);
+  const std::uint32_t device = device_of(meant);
+  std::vector<wire::Key> known = own_keys(file, meant.keys, device);
   const wire::KeyTable before = value_or_fail(client::read_user_keys(waiting));
   known.insert(known.end(), before.all().begin(), before.all().end());
   client::ControlOptions control = timing(options.timeout_s);
-  control.device_id = options.device;
+  control.device_id = device;
   std::string refusal;
   for (const wire::Key& key : known) {
     client::PairClient client(open("pair", options.sensor, options.serial, options.baud),
@@ -251,22 +270,39 @@ void pair_with(const PairOptions& options, const std::string& file) {
   auto transport = open("pair", options.sensor, options.serial, options.baud);
   const client::PairWish wish = wish_of(options);
   need_room(file);
-  client::PairClient client(std::move(transport), wish, timing(options.timeout_s));
+  const std::string address = transport->place();
+  client::ControlOptions control = timing(options.timeout_s);
+  control.device_id = options.device;
+  client::PairClient client(std::move(transport), wish, control);
   value_or_end(client.start());
   if (wish.method == wire::PairMethod::kDigits) {
     compare_digits(client.digits(), options);
     std::printf("They are equal. Now accept them at the sensor: hold its button for 3 seconds.\n");
     std::fflush(stdout);
   }
-  const wire::Key key = value_or_end(client.finish(std::chrono::minutes(2)));
+  // Whoever sits between may hold back or forge the last answer: the key itself says whether it is
+  // one of the sensor's.
+  const auto finished = client.finish(std::chrono::minutes(2));
+  const wire::Key key = client.key();
+  if (!finished && !opens(options, key)) {
+    throw Failure(Exit::kFailure, finished.error().message);
+  }
+  if (value_or_fail(client::read_user_keys(file)).find(key.id) != nullptr) {
+    throw Failure(Exit::kFailure, "sensor " + address +
+                                      ": gave the key the number of one that you have: it "
+                                      "imitates another sensor, and nothing was kept");
+  }
   value_or_fail(client::add_user_key(file, key));
   say_kept(key, file);
+  if (!options.sensor.empty()) {
+    remember_place(file, {.named = options.sensor, .address = address}, key.id);
+  }
   say_older(value_or_fail(client::read_user_keys(file)), key);
 }
 
 void pair_into(const PairOptions& options, const std::string& own) {
   wire::KeyTable sensor = value_or_fail(client::read_user_keys(options.into));
-  if (paired(sensor, value_or_fail(client::read_user_keys(own)), options.device)) {
+  if (paired(sensor, value_or_fail(client::read_user_keys(own)), options.device.value_or(1))) {
     std::printf("%s: has a key of %s already\n", options.into.c_str(), own.c_str());
     return;
   }
@@ -341,6 +377,12 @@ std::string end_own(client::ControlClient& client, const std::vector<wire::Key>&
 
 }  // namespace
 
+void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id) {
+  if (const auto keys = client::read_user_keys(key_file)) {
+    static_cast<void>(client::remember_sensor(key_file, *keys, place, key_id));
+  }
+}
+
 std::string keys_file(const std::string& named) {
   return named.empty() ? client::user_keys_file() : named;
 }
@@ -360,16 +402,22 @@ void pair(const PairOptions& options) {
 void unpair(const UnpairOptions& options) {
   need_crypto();
   const std::string file = keys_file(options.keys);
+  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
+  const bool any = !options.serial.empty() && (options.list || !options.id.empty());
+  const client::Meant meant = any ? client::Meant{.device = options.device, .keys = keys}
+                                  : meant_or_fail(file, keys, options.sensor, options.device);
+  const std::uint32_t device = device_of(meant);
   if (options.forget) {
     const std::size_t count =
-        forget(file, [&options](const wire::Key& key) { return key.device == options.device; });
-    std::printf("%zu keys of sensor %08x forgotten in %s\n", count, options.device, file.c_str());
+        forget(file, [device](const wire::Key& key) { return key.device == device; });
+    std::printf("%zu keys of sensor %08x forgotten in %s\n", count, device, file.c_str());
     return;
   }
   auto transport = open("unpair", options.sensor, options.serial, options.baud);
   const std::string place = transport->place();
   client::ControlOptions control = timing(options.timeout_s);
-  control.keys = value_or_fail(client::read_user_keys(file));
+  control.keys = meant.keys;
+  control.device_id = meant.device;
   control.unsigned_answers =
       options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
   client::ControlClient client(std::move(transport), control);
@@ -379,12 +427,16 @@ void unpair(const UnpairOptions& options) {
     return;
   }
   const std::string id =
-      options.id.empty() ? end_own(client, own_keys(file, options.device), place) : options.id;
+      options.id.empty() ? end_own(client, own_keys(file, meant.keys, device), place) : options.id;
   if (!options.id.empty()) {
     static_cast<void>(ask(client, wire::SettingsOperation::kUnpair, id, place));
   }
+  if (client.proven() && !options.sensor.empty()) {
+    remember_place(file, {.named = options.sensor, .address = place}, client.proven()->key_id);
+  }
   static_cast<void>(forget(file, [&id](const wire::Key& key) { return id == id_text(key); }));
-  std::printf("key %s is none any more\n", client::printable(id).c_str());
+  std::printf("key %s of sensor %08x is none any more\n", client::printable(id).c_str(),
+              client.proven() ? client.proven()->device : device);
 }
 
 void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
@@ -394,8 +446,8 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
     command.add_option("--baud", into.baud, "Its speed, bit/s")
         ->check(CLI::Range(57'600U, 12'000'000U))
         ->capture_default_str();
-    command.add_option("--device", into.device, "Number of the sensor (stofd --device)")
-        ->capture_default_str();
+    command.add_option("--device", into.device,
+                       "Number of the sensor (stofd --device): only it is believed");
     command.add_option("--keys", into.keys,
                        "Your key file (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");
     command.add_option("--timeout", into.timeout_s, "Seconds to wait for each of three attempts")

@@ -6,17 +6,19 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/client/control/known_sensors.h"
+
 namespace stof::host {
 
 struct PairOptions {
   std::string sensor{};  // HOST[:PORT]; empty with `serial` or `into`
   std::string serial{};  // device; empty: over the network
   unsigned baud = 921'600;
-  std::string code{};    // of the label; empty: six digits are compared
-  bool renew = false;    // the key that there is gets a new secret
-  std::string digits{};  // that the sensor told; empty: asked for
-  std::string into{};    // key file of a sensor that does not run
-  std::uint32_t device = 1;
+  std::string code{};                     // of the label; empty: six digits are compared
+  bool renew = false;                     // the key that there is gets a new secret
+  std::string digits{};                   // that the sensor told; empty: asked for
+  std::string into{};                     // key file of a sensor that does not run
+  std::optional<std::uint32_t> device{};  // number of the sensor; none: who is known there
   std::string role = "admin";
   std::string name{};      // whose key it is; empty: USER@HOST
   std::string keys{};      // this user's; empty: the usual one
@@ -27,10 +29,10 @@ struct UnpairOptions {
   std::string sensor{};
   std::string serial{};
   unsigned baud = 921'600;
-  std::string id{};          // of the key; empty: this user's own
-  bool list = false;         // says which keys there are
-  bool forget = false;       // in this user's file alone: the sensor is gone
-  std::uint32_t device = 1;  // of `forget`
+  std::string id{};     // of the key; empty: this user's own
+  bool list = false;    // says which keys there are
+  bool forget = false;  // in this user's file alone: the sensor is gone
+  std::optional<std::uint32_t> device{};
   std::string keys{};
   double timeout_s = 0.3;
 };
@@ -42,6 +44,10 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing);
 void pair(const PairOptions& options);
 // `stof unpair`: ends one, or lists them. Throws Failure.
 void unpair(const UnpairOptions& options);
+
+// Keeps where a sensor was proven to be (client::remember_sensor()); a folder that cannot be
+// written does not matter.
+void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id);
 
 // The user's key file where a flag names none.
 std::string keys_file(const std::string& named);

@@ -222,6 +222,14 @@ std::optional<Subscription::State> Receiver::subscription() const noexcept {
   return parts_->subscription ? std::optional(parts_->subscription->state()) : std::nullopt;
 }
 
+std::optional<std::uint32_t> Receiver::other_sensor() const noexcept {
+  return parts_->subscription ? parts_->subscription->other_sensor() : std::nullopt;
+}
+
+std::uint32_t Receiver::proven_key() const noexcept {
+  return parts_->subscription ? parts_->subscription->proven_key() : 0;
+}
+
 bool Receiver::take_refusal() noexcept { return parts_->socket->take_refusal(); }
 
 int Receiver::fd() const noexcept { return parts_->socket->fd(); }

@@ -66,6 +66,9 @@ class Receiver {
   const std::string& place() const noexcept;
   // None: without a sensor to subscribe at.
   std::optional<Subscription::State> subscription() const noexcept;
+  // As those of Subscription.
+  std::optional<std::uint32_t> other_sensor() const noexcept;
+  std::uint32_t proven_key() const noexcept;
   // Whether the sensor's computer answered that nobody listens there, since the last call.
   bool take_refusal() noexcept;
   // Readable when next(0) has something to do; so is it when next_due() has passed.

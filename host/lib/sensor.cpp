@@ -6,6 +6,7 @@
 #include <system_error>
 #include <utility>
 
+#include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 
 using namespace stof;
@@ -115,7 +116,16 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
         return STOF_BAD_ARGUMENT;
       }
       wanted.subscription.signed_streams = true;
-      wanted.subscription.keys = *keys;
+      auto meant =
+          client::meant_sensor(key_file, *keys, wanted.sensor, wanted.reassembler.device_id);
+      if (!meant || !meant->doubt.empty()) {
+        lib::give_text(meant ? "stof_open: " + meant->doubt + " in stof_options::device_id"
+                             : meant.error().message,
+                       why, why_size);
+        return STOF_BAD_ARGUMENT;
+      }
+      wanted.subscription.keys = meant->keys;
+      wanted.reassembler.device_id = meant->device;
     }
     auto receiver = client::Receiver::open(wanted);
     if (!receiver) {

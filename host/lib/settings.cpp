@@ -1,3 +1,4 @@
+#include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/lib/sensor.h"
 
@@ -54,7 +55,14 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
           lib::give_text(keys.error().message, out, out_size);
           return STOF_REFUSED;
         }
-        options.keys = *keys;
+        auto meant = client::meant_sensor(sensor->keys, *keys, sensor->sensor, options.device_id);
+        if (!meant) {
+          lib::give_text(meant.error().message, out, out_size);
+          return STOF_REFUSED;
+        }
+        options.keys = meant->keys;
+        options.device_id = meant->device;
+        options.doubt = meant->doubt;
       }
       auto opened = client::ControlClient::open(sensor->sensor, options);
       if (!opened) {

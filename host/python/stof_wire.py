@@ -172,6 +172,9 @@ class PairResult(enum.IntEnum):
     WRONG = 4
     WAITING = 5  # of confirm: nobody has accepted the digits at the sensor yet
     FULL = 6  # the sensor keeps no more keys, or cannot save them
+    # this key was renewed, or the code was used, too often for the flash that it wears: ten times
+    # follow each other, then one an hour; nothing changed
+    LATER = 7
 
 
 class SettingsResult(enum.IntEnum):

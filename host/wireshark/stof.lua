@@ -137,6 +137,7 @@ names.PairResult = {
   [4] = "wrong",
   [5] = "waiting",
   [6] = "full",
+  [7] = "later",
 }
 
 names.SettingsResult = {

@@ -30,7 +30,7 @@ Status status_of(int error) noexcept {
     case ENOTSOCK:
     case EPIPE:
       return Status::kDeviceLost;
-    default:  // ENETUNREACH, EHOSTUNREACH, ENETDOWN, EPERM (a firewall), ...
+    default:  // ENETUNREACH, EHOSTUNREACH, ENETDOWN, EPERM (a firewall), EACCES (broadcast), ...
       return Status::kDeviceError;
   }
 }
@@ -75,7 +75,7 @@ int UdpPort::configure(const UdpPortOptions& options) noexcept {
   // Never fragments, and never believes who says that a path takes less: anybody can (ICMP).
   const std::array both{
       posix::SocketOption{IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_PROBE},
-      posix::SocketOption{SOL_SOCKET, SO_BROADCAST, 1},
+      posix::SocketOption{SOL_SOCKET, SO_BROADCAST, options.broadcast ? 1 : 0},
       posix::SocketOption{IPPROTO_IP, IP_TOS, traffic_class},
   };
   const std::array only_ipv6{

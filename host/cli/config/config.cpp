@@ -13,6 +13,7 @@
 #include "host/cli/failure.h"
 #include "host/cli/pair.h"
 #include "host/cli/serial_transport.h"
+#include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/client/printable.h"
 
@@ -42,6 +43,13 @@ client::ControlOptions control_options(const ConfigOptions& options) {
     control.keys = value_or_fail(client::read_user_keys(options.keys));
   }
   control.device_id = options.device;
+  if (!options.sensor.empty()) {
+    client::Meant meant = value_or_fail(
+        client::meant_sensor(options.keys, control.keys, options.sensor, options.device));
+    control.device_id = meant.device;
+    control.keys = meant.keys;
+    control.doubt = std::move(meant.doubt);
+  }
   if (!options.serial.empty()) {
     control.unsigned_answers = client::Unsigned::kAlways;
   }
@@ -55,6 +63,8 @@ class Session {
       : place_(transport->place()),
         client_(std::move(transport), control_options(options)),
         json_(options.json) {}
+
+  const std::optional<client::ControlClient::Proof>& proven() const { return client_.proven(); }
 
   // An answer that is no refusal, or throws.
   client::ControlAnswer ask(Operation operation, std::string_view text = {},
@@ -175,9 +185,14 @@ class Session {
       if (!answer.text.empty()) {
         told["note"] = answer.text;
       }
+      if (client_.proven()) {
+        told["sensor"] = client_.proven()->device;
+      }
       return told.dump() + "\n";
     }
-    return "revision " + std::to_string(answer.revision) + ", " + what +
+    const std::string sensor =
+        client_.proven() ? " of sensor " + std::to_string(client_.proven()->device) : "";
+    return "revision " + std::to_string(answer.revision) + sensor + ", " + what +
            (answer.restart ? "; some settings wait for the next start" : "") + "\n" +
            (answer.text.empty() ? "" : answer.text + "\n");
   }
@@ -248,29 +263,35 @@ void judge_words(const std::vector<std::string>& words) {
 std::string config_over(std::unique_ptr<client::ControlTransport> transport,
                         const std::vector<std::string>& words, const ConfigOptions& options) {
   judge_words(words);
+  const std::string address = transport->place();
   Session session(std::move(transport), options);
-  return client::printable(act(session, words[0], Words(words).subspan(1), options.document),
-                           client::Lines::kSeveral);
+  std::string text = client::printable(
+      act(session, words[0], Words(words).subspan(1), options.document), client::Lines::kSeveral);
+  if (session.proven() && !options.sensor.empty()) {
+    remember_place(options.keys, {.named = options.sensor, .address = address},
+                   session.proven()->key_id);
+  }
+  return text;
 }
 
 void config(const ConfigOptions& options) {
   std::vector<std::string> words = options.words;
   std::unique_ptr<client::ControlTransport> transport;
+  ConfigOptions whole = options;
+  whole.keys = keys_file(options.keys);
   if (options.serial.empty()) {
     if (words.empty()) {
       throw Failure(Exit::kBadInput, "config: which sensor is missing: HOST[:PORT], or --serial");
     }
-    const std::string sensor = words.front();
+    whole.sensor = words.front();
     words.erase(words.begin());
     judge_words(words);
-    transport = value_or_fail(client::open_udp_transport(sensor));
+    transport = value_or_fail(client::open_udp_transport(whole.sensor));
   } else {
     judge_words(words);
     transport = value_or_fail(open_serial_transport(options.serial, options.baud));
   }
-  ConfigOptions with_keys = options;
-  with_keys.keys = keys_file(options.keys);
-  const std::string text = config_over(std::move(transport), words, with_keys);
+  const std::string text = config_over(std::move(transport), words, whole);
   std::fwrite(text.data(), 1, text.size(), stdout);
 }
 

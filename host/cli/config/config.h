@@ -14,6 +14,7 @@ namespace stof::host {
 
 struct ConfigOptions {
   std::vector<std::string> words{};  // [SENSOR] ACTION [ARGUMENT...]; no SENSOR with a serial line
+  std::string sensor{};              // of `words`, once config() has read it
   std::string serial{};              // device; empty: over the network
   unsigned baud = 921'600;
   std::string document = "active";        // of get: active, staged, saved or defaults

@@ -1,13 +1,16 @@
 #include "host/cli/view/view.h"
 
 #include <cstdio>
+#include <optional>
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
+#include "host/cli/pair.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
 #include "host/cli/view/status_line.h"
+#include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 
 namespace stof::host {
@@ -18,16 +21,29 @@ void say(const std::string& line) {
   std::fflush(stdout);
 }
 
-client::Receiver open_receiver(const ViewOptions& options) {
-  client::ReceiverOptions where;
-  where.sensor = options.sensor;
+// Of signed streams with the keys, and with the sensor that is meant, also in `options`.
+client::SubscriptionOptions subscription(ViewOptions& options) {
+  client::SubscriptionOptions terms{.signed_streams = options.signed_streams};
+  if (options.signed_streams) {
+    options.keys = keys_file(options.keys);
+    const client::Meant meant = value_or_fail(
+        client::meant_sensor(options.keys, value_or_fail(client::read_user_keys(options.keys)),
+                             options.sensor, options.device));
+    if (!meant.doubt.empty()) {
+      throw Failure(Exit::kBadInput,
+                    "sensor " + options.sensor + ": " + meant.doubt + " (--device NUMBER)");
+    }
+    terms.keys = meant.keys;
+    options.device = meant.device;
+  }
+  return terms;
+}
+
+client::Receiver open_receiver(ViewOptions& options) {
+  client::ReceiverOptions where{.sensor = options.sensor, .subscription = subscription(options)};
   where.address = options.bind;
   where.port = options.port;
-  if (options.signed_streams) {
-    const std::string file = options.keys.empty() ? client::user_keys_file() : options.keys;
-    where.subscription.signed_streams = true;
-    where.subscription.keys = value_or_fail(client::read_user_keys(file));
-  }
+  where.reassembler.device_id = options.device;
   std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
   if (!receiver) {
     throw Failure(Exit::kBadInput, receiver.error().message);
@@ -41,7 +57,10 @@ std::string place(const ViewOptions& options, const client::Receiver& receiver) 
 }
 
 // Why a subscription brings nothing, and what to do.
-const char* silence(client::Receiver& receiver) {
+std::string silence(client::Receiver& receiver, std::optional<std::uint32_t> meant) {
+  if (meant && receiver.other_sensor()) {
+    return ": " + client::other_sensor(*receiver.other_sensor(), *meant);
+  }
   if (receiver.subscription() == client::Subscription::State::kFull) {
     return ": the sensor has as many subscribers as it takes: end another one";
   }
@@ -94,7 +113,7 @@ class View {
       throw Failure(Exit::kFailure,
                     where + ": " + (heard ? "packets came, but no frame" : "no packet came") +
                         (options_.sensor.empty() ? ": start stofd with --to, or check the network"
-                                                 : silence(receiver_)) +
+                                                 : silence(receiver_, options_.device)) +
                         (heard ? "; " + summary_line(receiver_.statistics()) : ""));
     }
     if (status_line_.pending()) {
@@ -120,6 +139,16 @@ class View {
  private:
   static constexpr std::chrono::milliseconds kLook{100};
 
+  // A signature proves whose it is, so that from now on it is the one that is meant there.
+  void say_sensor(std::uint32_t device) {
+    say("frames of sensor " + std::to_string(device) +
+        (options_.signed_streams ? ", signed for this program" : ""));
+    if (options_.signed_streams) {
+      remember_place(options_.keys, {.named = options_.sensor, .address = receiver_.place()},
+                     receiver_.proven_key());
+    }
+  }
+
   void say_events() {
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       say(event_line(*event));
@@ -138,6 +167,9 @@ class View {
         throw Failure(Exit::kFailure, "the socket failed: start again");
       }
       return;
+    }
+    if (frames_ == 0) {
+      say_sensor(frame->origin.device_id);
     }
     if (frames_ == 0 && !options_.truth.empty()) {
       truth_ = value_or_fail(dataset::read_pfm(options_.truth));
@@ -178,7 +210,8 @@ class View {
 
 }  // namespace
 
-void view(const ViewOptions& options) {
+void view(const ViewOptions& asked) {
+  ViewOptions options = asked;
   stop_on_signals();
   client::Receiver receiver = open_receiver(options);
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place(options, receiver));

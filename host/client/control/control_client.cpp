@@ -8,6 +8,7 @@
 
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/settings_request.h"
+#include "host/client/control/known_sensors.h"
 #include "host/client/printable.h"
 #include "host/client/sensor_socket.h"
 
@@ -88,6 +89,9 @@ std::expected<ControlClient, ControlError> ControlClient::open(std::string_view 
 std::expected<ControlAnswer, ControlError> ControlClient::request(wire::SettingsOperation operation,
                                                                   wire::SettingsDocument document,
                                                                   std::string_view text) {
+  if (!options_.doubt.empty() && operation != wire::SettingsOperation::kGet) {
+    return std::unexpected(error(Status::kUnsupported, options_.doubt + " (--device NUMBER)"));
+  }
   deadline_ = Time::clock::now() + options_.overall;
   if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {
     return get(operation, document);
@@ -184,7 +188,12 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     }
     switch (judge(part, sealed)) {
       case Heard::kNothing:
-        ++attempt;
+        if (attempt++ == 0 && options_.device_id && cookie_ == 0) {
+          if (const std::optional<std::uint32_t> other = another_sensor()) {
+            return std::unexpected(
+                error(Status::kUnsupported, other_sensor(*other, *options_.device_id)));
+          }
+        }
         break;
       case Heard::kAgain:
         attempt += hurried ? 1 : 0;
@@ -283,6 +292,7 @@ std::optional<ControlClient::Part> ControlClient::read_answer(std::span<const st
   const std::optional<RequestSigner::Answer> signed_answer = signer_.open(*packet, datagram);
   if (signed_answer) {
     payload = signed_answer->payload;
+    proven_ = Proof{.device = packet->header.origin.device_id, .key_id = signer_.key()->id};
   } else if (packet->header.type != wire::PacketType::kSettingsAnswer) {
     return std::nullopt;
   }
@@ -312,6 +322,36 @@ bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
   }
   return options_.unsigned_answers == Unsigned::kWithoutKeys &&
          (options_.keys.count() == 0 || options_.device_id);
+}
+
+// One that answers in the place of ControlOptions::device_id: sensors leave requests to another one
+// unanswered, so this asks for none.
+std::optional<std::uint32_t> ControlClient::another_sensor() {
+  wire::DatagramBuffer buffer;
+  wire::encode_settings_request({.request_id = ++request_id_},
+                                wire::payload_space(buffer).first<wire::kSettingsRequestBytes>());
+  if (transport_->send(wire::seal_packet({.type = wire::PacketType::kSettingsRequest},
+                                         wire::kSettingsRequestBytes, buffer)) != Status::kOk) {
+    return std::nullopt;
+  }
+  const Time deadline = Time::clock::now() + options_.timeout;
+  for (Time now = Time::clock::now(); now < deadline; now = Time::clock::now()) {
+    const Result<std::vector<std::byte>> bytes = transport_->receive(deadline - now);
+    if (!bytes && bytes.error() != Status::kTimeout) {
+      return std::nullopt;
+    }
+    const auto packet =
+        bytes ? wire::parse_packet(*bytes) : std::unexpected(wire::PacketFault::kTruncated);
+    if (!packet || packet->header.type != wire::PacketType::kSettingsAnswer) {
+      continue;
+    }
+    const Result<wire::SettingsAnswer> answer = wire::decode_settings_answer(packet->payload);
+    if (answer && answer->request_id == request_id_) {
+      const std::uint32_t device = packet->header.origin.device_id;
+      return device == *options_.device_id ? std::nullopt : std::optional(device);
+    }
+  }
+  return std::nullopt;
 }
 
 ControlError ControlClient::silent() const {

@@ -59,6 +59,7 @@ struct ControlOptions {
   std::optional<std::uint32_t> device_id{};  // refuse any other sensor
   wire::KeyTable keys{};  // of sensors; requests to one of them are signed with its key
   Unsigned unsigned_answers = Unsigned::kWithoutKeys;
+  std::string doubt{};  // Meant::doubt: not empty: documents are read, and nothing else is asked
 };
 
 struct ControlAnswer {
@@ -89,10 +90,18 @@ class ControlClient {
   // be served twice after a lost answer: repeating set, stage, commit, save, revert or reset has no
   // further effect. kTimeout: no answer, or not all of it in time; kTooLarge: text above kMaxText;
   // kCorrupt: the answer contradicts itself; kDeviceLost: open again; kUnsupported: nothing proves
-  // who answers, or the key has no counters left until the sensor starts again.
+  // who answers, it is another sensor, nobody knows which one is meant, or the key has no counters
+  // left until the sensor starts again.
   std::expected<ControlAnswer, ControlError> request(wire::SettingsOperation operation,
                                                      wire::SettingsDocument document,
                                                      std::string_view text);
+
+  // The sensor that has signed an answer, and with which key; none: none has.
+  struct Proof {
+    std::uint32_t device = 0;
+    std::uint32_t key_id = 0;
+  };
+  const std::optional<Proof>& proven() const { return proven_; }
 
  private:
   struct Part;
@@ -113,6 +122,7 @@ class ControlClient {
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
   ControlError silent() const;
+  std::optional<std::uint32_t> another_sensor();
   ControlError used_up() const;
   ControlError error(Status status, std::string_view what) const;
 
@@ -120,6 +130,7 @@ class ControlClient {
   ControlOptions options_;
   RequestSigner signer_;
   bool keys_refused_ = false;  // the sensor has none of those that there are of it
+  std::optional<Proof> proven_;
   std::uint64_t cookie_ = 0;
   std::uint32_t request_id_;
   Time deadline_;  // of the request that is asked now

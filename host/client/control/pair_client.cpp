@@ -177,6 +177,13 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
     case PairResult::kFull:
       return error(Status::kTooLarge,
                    "keeps no more keys, or cannot save them: unpair a key (stof unpair)");
+    case PairResult::kLater:
+      return error(Status::kWouldBlock,
+                   wish_.method == PairMethod::kKey
+                       ? "this key was renewed ten times, it spares its flash: once an hour from "
+                         "now on; where that was somebody else, end the key (stof unpair)"
+                       : "its code made ten keys, it spares its flash: once an hour from now on; "
+                         "its button and its cable pair at any time");
     case PairResult::kWrong:
       return error(Status::kCorrupt,
                    wish_.method == PairMethod::kCode

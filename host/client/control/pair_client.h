@@ -28,8 +28,8 @@ class PairClient {
              ControlOptions options = {});
 
   // Both reveal what they have. kTimeout: no answer; kUnsupported: the sensor does not pair now, or
-  // not so; kWouldBlock: somebody else pairs; kCorrupt: somebody is between, or the code is
-  // another; kDeviceLost.
+  // not so; kWouldBlock: somebody else pairs, or it was too often; kCorrupt: somebody is between,
+  // or the code is another; kDeviceLost.
   std::expected<void, ControlError> start();
   // After start(), of method digits: 0 to 999,999. Only where the sensor tells the same is there
   // nobody between.

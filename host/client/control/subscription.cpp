@@ -56,7 +56,11 @@ bool Subscription::take(std::span<const std::byte> datagram, Time now) {
     return false;
   }
   std::optional<wire::Subscribed> answer;
-  const bool ours = !options_.device_id || packet->header.origin.device_id == *options_.device_id;
+  const std::uint32_t device = packet->header.origin.device_id;
+  const bool ours = !options_.device_id || device == *options_.device_id;
+  if (!ours && state_ != State::kActive) {
+    other_sensor_ = device;
+  }
   if (ours && judge(*packet, datagram, answer)) {
     // Who signs lets nobody else use up a request.
     if (!signs() || type == PacketType::kSignedAnswer) {
@@ -92,6 +96,7 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
         wants_key_ = false;
       }
       stream_key_ = key;
+      proven_key_ = signer_->key()->id;
     }
     return answer->result != SubscribeResult::kOk || stream_key_.number != 0;
   }
@@ -120,6 +125,7 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
     case SubscribeResult::kOk: {
       const Duration third = std::chrono::milliseconds(answer.lease_ms) / 3;
       state_ = State::kActive;
+      other_sensor_.reset();
       next_ = now + std::max<Duration>(third, kRepeat / 2);
       hurried_ = false;
       break;
@@ -172,8 +178,10 @@ std::span<const std::byte> Subscription::seal(PacketType type) {
     request.cookie = 0;  // asks who it is, and subscribes to nothing
   }
   wire::encode_subscribe(request, wire::payload_space(buffer_).first<wire::kSubscribeBytes>());
-  return wire::seal_packet({.type = type, .origin = {.device_id = options_.device_id.value_or(0)}},
-                           wire::kSubscribeBytes, buffer_);
+  // Without a cookie nothing is subscribed to: then any sensor may say who it is.
+  const std::uint32_t device = request.cookie == 0 ? 0 : options_.device_id.value_or(0);
+  return wire::seal_packet({.type = type, .origin = {.device_id = device}}, wire::kSubscribeBytes,
+                           buffer_);
 }
 
 }  // namespace stof::client

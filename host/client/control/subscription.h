@@ -61,6 +61,10 @@ class Subscription {
   std::span<const std::byte> farewell();
 
   State state() const noexcept { return state_; }
+  // Who answers in the place of SubscriptionOptions::device_id; none: nobody, or that one.
+  std::optional<std::uint32_t> other_sensor() const noexcept { return other_sensor_; }
+  // With which key of the user it was proven whose streams they are; 0: it was not.
+  std::uint32_t proven_key() const noexcept { return proven_key_; }
   bool signs() const noexcept { return signer_.has_value(); }
   // Of signed streams: what they are signed with; number 0: not known yet.
   const wire::StreamKey& stream_key() const noexcept { return stream_key_; }
@@ -88,12 +92,14 @@ class Subscription {
   Time next_ = Time::min();
   Time heard_ = Time::min();
   bool hurried_ = false;  // the newest request was sent at once upon a cookie
+  std::optional<std::uint32_t> other_sensor_;
   std::optional<RequestSigner> signer_;
   wire::StreamKey stream_key_;
   bool wants_key_ = false;  // another one than that
   std::optional<Time> renewed_;
   Time asked_ = Time::min();  // the newest request
   Time key_asked_ = Time::min();
+  std::uint32_t proven_key_ = 0;
   wire::DatagramBuffer buffer_{};
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/firmware/control/requests.h"
+#include "tests/firmware/keys/some_keys.h"
 
 namespace stof::test {
 namespace {
@@ -109,6 +110,26 @@ TEST(LeaseTable, ASilentFixedDestinationIsToldWhileItRefuses) {
   EXPECT_TRUE(subscribers.list().refused);
   subscribers.expire(kStart + LeaseTable::kRefusal);
   EXPECT_FALSE(subscribers.list().refused);
+}
+
+TEST(LeaseTable, AKeyThatEndsTakesItsLeaseAlongAndLeavesAFixedDestinationUnsigned) {
+  ASSERT_TRUE(wire::start_crypto());
+  LeaseTable subscribers;
+  EXPECT_TRUE(subscribers.fix(peer(1)));
+  wire::KeyTable keys;
+  ASSERT_EQ(keys.add(numbered_key(7)), Status::kOk);
+  ASSERT_EQ(keys.add(numbered_key(8)), Status::kOk);
+  ASSERT_NE(subscribers.subscribe_signed(peer(1), {.key_id = 7}, 3s, kStart), nullptr);
+  ASSERT_NE(subscribers.subscribe_signed(peer(2), {.key_id = 7}, 3s, kStart), nullptr);
+  ASSERT_NE(subscribers.subscribe_signed(peer(3), {.key_id = 8}, 3s, kStart), nullptr);
+  EXPECT_TRUE(subscribers.subscribe(peer(4), 3s, kStart));
+  subscribers.drop_ended_keys(keys);
+  EXPECT_EQ(subscribers.count(), 4U);
+  ASSERT_TRUE(keys.remove(7));
+  subscribers.drop_ended_keys(keys);
+  EXPECT_EQ(peers(subscribers), (Peers{peer(1), peer(3), peer(4)}));
+  EXPECT_EQ(subscribers.list().keys[0].number, 0U);
+  EXPECT_NE(subscribers.list().keys[1].number, 0U);
 }
 
 }  // namespace

@@ -119,6 +119,30 @@ TEST_F(RequestLimits, AProvenHostIsServedAThousandTimesASecond) {
   EXPECT_LE(served, 3 * static_cast<int>(RequestHandler::kProvenPerHost));
 }
 
+// All hosts of a link have one IPv6 network: one of them must not take what the others have.
+TEST(SourceLimiter, AnAddressThatFloodsLeavesTheOthersOfItsIpv6Network) {
+  constexpr std::uint32_t kPerSecond = 100;
+  firmware::SourceLimiter limiter(firmware::CookieSecret{std::byte{3}}, kPerSecond);
+  const auto address = [](std::uint8_t last) {
+    return hal::Peer{.address = {0xFD, 0x77, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, last}};
+  };
+  int flooder = 0;
+  int victim = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    const hal::Time now = kStart + i * 1ms;
+    flooder += limiter.take(address(1), now) ? 1 : 0;
+    victim += i % 100 == 0 && limiter.take(address(2), now) ? 1 : 0;
+  }
+  EXPECT_EQ(victim, 100) << "10 a second";
+  EXPECT_LE(flooder, 11 * static_cast<int>(kPerSecond));
+  // Whoever has many addresses has what some hosts have, and no more.
+  int all = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    all += limiter.take(address(static_cast<std::uint8_t>(i)), kStart + 100s + i * 1ms) ? 1 : 0;
+  }
+  EXPECT_LE(all, 11 * static_cast<int>(firmware::SourceLimiter::kAddressesOfNetwork * kPerSecond));
+}
+
 TEST(SourceLimiter, AHostIsAnAddressOrAnIpv6Network) {
   using firmware::host_of;
   EXPECT_EQ(host_of(peer(1, 1)), host_of(peer(1, 2)));

@@ -225,5 +225,29 @@ TEST_F(SignedSubscribeTest, WhoHadTheKeptPlaceBeforeThereWasAKeyLosesItWithItsLe
   EXPECT_EQ(robot->subscribed.result, SubscribeResult::kOk);
 }
 
+TEST_F(SignedSubscribeTest, AKeyThatWasEndedKeepsNoPlaceAndNoSigning) {
+  ASSERT_TRUE(ask(key_, robot_));
+  for (std::uint8_t host = 2; host <= 4; ++host) {
+    EXPECT_EQ(plain(peer(host)), SubscribeResult::kOk);
+  }
+  ASSERT_EQ(ring_.remove(key_.id), Status::kOk);
+  EXPECT_EQ(plain(robot_), SubscribeResult::kFull) << "the place is for who has a key";
+  EXPECT_EQ(subscribers_.count(), 3U);
+  const auto owner = ask(other_, peer(6));
+  ASSERT_TRUE(owner);
+  EXPECT_EQ(owner->subscribed.result, SubscribeResult::kOk);
+  EXPECT_EQ(plain(peer(4), PacketType::kUnsubscribe), SubscribeResult::kEnded);
+  EXPECT_EQ(plain(robot_), SubscribeResult::kOk);
+  EXPECT_EQ(key_of(3).number, 0U) << "as everybody";
+}
+
+TEST_F(SignedSubscribeTest, AKeyThatWasRenewedKeepsItsPlaceAndItsStreamKey) {
+  const auto first = ask(key_, robot_);
+  ASSERT_TRUE(first);
+  ASSERT_EQ(ring_.replace(key_.id, numbered_key(13).secret), Status::kOk);
+  EXPECT_EQ(plain(robot_), SubscribeResult::kOk);
+  EXPECT_EQ(key_of(0), first->stream);
+}
+
 }  // namespace
 }  // namespace stof::test

@@ -43,7 +43,7 @@ TEST(Beacon, TellsEveryLinkOnceASecond) {
       hal::InterfaceAddress{.interface = 3, .address = {0xfe, 0x80}}};
   network.set(addresses);
   SentPort port;
-  Beacon beacon(port, network);
+  Beacon beacon(&port, network);
   hal::Time now{50s};
   beacon.tick(now);
   EXPECT_TRUE(port.peers.empty());  // nothing to tell yet

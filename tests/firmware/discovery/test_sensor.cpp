@@ -54,9 +54,10 @@ int main(int argc, char** argv) {
   hal::linux::NetworkInterfaces network;
   auto port = hal::linux::UdpPort::open(
       {.port = static_cast<std::uint16_t>(std::strtol(argv[3], nullptr, 10))});
+  auto broadcasts = hal::linux::UdpPort::open({.ipv4_only = true, .broadcast = true});
   auto mdns = hal::linux::MdnsPort::open();
-  if (!port || !mdns) {
-    std::puts((port ? mdns.error() : port.error()).message.c_str());
+  if (!port || !broadcasts || !mdns) {
+    std::puts("a port cannot be had");
     return 1;
   }
   firmware::Service service{.announce = {.port = (*port)->port(), .most_subscribers = 4},
@@ -67,7 +68,7 @@ int main(int argc, char** argv) {
   put_text(service.announce.board, "emu");
   service.announce.rate_millihertz = 29'970;
   const wire::Origin origin{.device_id = service.device_id, .session_id = 1};
-  firmware::Beacon beacon(**port, network);
+  firmware::Beacon beacon(broadcasts->get(), network);
   beacon.set(service.announce, origin, kStamp);
   firmware::MdnsAgent agent(**mdns, network, service, service.device_id);
   std::printf("port %d\n", (*port)->port());

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "hal/linux/ports/peer_address.h"
+#include "hal/network_interfaces.h"
 #include "tests/support/loopback.h"
 #include "tests/support/udp_abilities.h"
 
@@ -106,6 +107,16 @@ TEST(UdpPort, AnswersIpv6AndIpv4FromOnePort) {
   ASSERT_EQ(send(*sensor, second.from, "back"), Status::kOk);
   EXPECT_EQ(receive(*six).text, "back");
   EXPECT_EQ(send(*four, local6(sensor->port()), "no way"), Status::kDeviceError);
+}
+
+// Whoever forges the broadcast address as his own must not have streams sent to a whole network.
+TEST(UdpPort, SendsToAllHostsOnlyWhereItWasAskedTo) {
+  const Peer all{.address = hal::from_ipv4(127, 255, 255, 255), .port = 9};
+  for (const bool ipv4_only : {false, true}) {
+    EXPECT_EQ(send(*open_port({.ipv4_only = ipv4_only}), all, "all"), Status::kDeviceError);
+    EXPECT_EQ(send(*open_port({.ipv4_only = ipv4_only, .broadcast = true}), all, "all"),
+              Status::kOk);
+  }
 }
 
 TEST(UdpPort, SendsAndReceivesMoreThanABatchInOrder) {

@@ -247,6 +247,41 @@ class Pair(unittest.TestCase):
         self.assertEqual(self.own.read_text(encoding="utf-8"), own)
         self.assertEqual(len(self.listed()), 1)
 
+    def test_a_key_whose_last_answers_are_lost(self):
+        self.start("--label", self.label)
+        with Proxy(self.address, drops=wire.PairStep.CONFIRM) as proxy:
+            self.assertIn("is in ", self.ask("pair", proxy.address, "--code", CODE))
+            self.assertGreater(proxy.dropped, 0)
+        self.ask("config", self.address, "set", "period_ms=80")
+        self.assertEqual(len(self.listed()), 1)
+
+    def test_two_sensors_that_are_exchanged(self):
+        other = Pair()
+        other.setUp()
+        self.addCleanup(other.doCleanups)
+        for sensor, number in ((self, "1"), (other, "2")):
+            sensor.start("--label", sensor.label, "--device", number)
+            self.ask("pair", sensor.address, "--code", CODE)
+        self.assertIn("revision 2 of sensor 1,", self.ask("config", self.address, "set", "period_ms=80"))
+        self.assertIn("frames of sensor 2, signed", self.ask("view", other.address, "--signed", "--frames", 3))
+        # Somebody leads the one address to the other sensor, which signs as well.
+        with Proxy(other.address) as proxy:
+            known = self.own.with_name("keys.sensors")
+            places = known.read_text(encoding="utf-8")
+            known.write_text(places.replace(self.address, proxy.address), encoding="utf-8")
+            for words in (("config", proxy.address, "set", "period_ms=90"), ("unpair", proxy.address),
+                          ("view", proxy.address, "--signed", "--frames", 3), ("config", proxy.address, "get", "name")):
+                self.refuse(1, "number 2, but you named 1, or proved it at this address", *words)
+            known.write_text(places, encoding="utf-8")
+            # Nor is anything believed where none was proven, until one is named; from then on it is known.
+            self.refuse(1, "several sensors (1, 2)", "config", proxy.address, "set", "period_ms=90")
+            for words in (("unpair", proxy.address), ("view", proxy.address, "--signed", "--frames", 3)):
+                self.refuse(2, "several sensors (1, 2)", *words)
+            self.assertIn("of sensor 2,", self.ask("config", proxy.address, "set", "period_ms=90", "--device", 2))
+            self.ask("config", proxy.address, "set", "period_ms=80")
+            self.assertIn("of sensor 00000002", self.ask("unpair", proxy.address))
+        self.assertEqual(len(self.listed()), 1)
+
     def test_a_sensor_takes_sixteen_keys(self):
         for number in range(16):
             self.ask("pair", "--into", self.keys, "--keys", self.folder / f"user{number}")

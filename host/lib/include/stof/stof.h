@@ -68,7 +68,7 @@ typedef struct stof_sensor stof_sensor;
 
 typedef struct stof_options {
   uint32_t struct_size;
-  uint32_t device_id;      /* only this one; 0: any */
+  uint32_t device_id;      /* only this one; 0: any, with keys the one that `stof` proved there */
   const char* sensor;      /* "HOST" or "HOST:PORT" (7560 without) to subscribe at; NULL: wait for a
                               sensor that was told to send here */
   const char* bind;        /* without a sensor: where to listen; NULL: every IPv4 interface */

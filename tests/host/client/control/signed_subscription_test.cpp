@@ -226,5 +226,30 @@ TEST_F(SignedSubscription, LeavesWithASignature) {
   EXPECT_EQ(subscribers_.count(), 0U);
 }
 
+// Two sensors of one owner: the signature of one is none for the other.
+TEST_F(SignedSubscription, WhoIsNotTheSensorThatIsMeantIsNamedAndNotBelieved) {
+  wire::Key other = numbered_key(5);
+  other.device = 2;
+  SubscriptionOptions options = with({key_, other});
+  options.device_id = 2;
+  Subscription subscription(options, 5);
+  for (int i = 0; i < 10; ++i) {
+    const Bytes answer = answer_due(subscription);
+    if (!answer.empty()) {
+      EXPECT_TRUE(subscription.take(answer, now_));
+    }
+    now_ += 200ms;
+  }
+  EXPECT_EQ(subscription.state(), State::kAsking);
+  EXPECT_EQ(subscription.other_sensor(), kDevice);
+  EXPECT_EQ(subscription.stream_key().number, 0U);
+  EXPECT_EQ(subscribers_.count(), 0U);
+  options.device_id = kDevice;
+  Subscription right(options, 5);
+  talk(right);
+  EXPECT_EQ(right.state(), State::kActive);
+  EXPECT_FALSE(right.other_sensor());
+}
+
 }  // namespace
 }  // namespace stof::client

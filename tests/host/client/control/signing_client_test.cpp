@@ -275,5 +275,53 @@ TEST(SigningClient, AnAnswerOfBeforeIsNotTheAnswerOfNow) {
   EXPECT_FALSE(set(client));
 }
 
+// Keys of two sensors prove that it is one of them, and not that it is the one that was asked for.
+TEST(SigningClient, ChangesNothingWhereNobodyKnowsWhichSensorIsMeant) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlOptions options{.timeout = 3ms, .doubt = "name the one that is meant"};
+  ASSERT_EQ(options.keys.add(numbered_key(4)), Status::kOk);
+  ControlClient client(std::make_unique<Cable>(sensor), options);
+  for (const SettingsOperation operation :
+       {SettingsOperation::kSet, SettingsOperation::kStage, SettingsOperation::kCommit,
+        SettingsOperation::kRevert, SettingsOperation::kPreset, SettingsOperation::kSave,
+        SettingsOperation::kReset, SettingsOperation::kKeys, SettingsOperation::kUnpair}) {
+    const auto answer = client.request(operation, {}, "00000004");
+    ASSERT_FALSE(answer);
+    EXPECT_EQ(answer.error().status, Status::kUnsupported);
+    EXPECT_NE(answer.error().message.find("--device"), std::string::npos);
+  }
+  EXPECT_EQ(sensor.settings.served, 0);
+  EXPECT_TRUE(client.request(SettingsOperation::kGet, {}, {}));
+}
+
+TEST(SigningClient, SaysWhichSensorAnswersInPlaceOfTheOneThatIsMeant) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlOptions options{.timeout = 3ms, .device_id = 2};
+  ASSERT_EQ(options.keys.add(numbered_key(4)), Status::kOk);
+  ControlClient client(std::make_unique<Cable>(sensor), options);
+  const auto answer = set(client);
+  ASSERT_FALSE(answer);
+  EXPECT_NE(answer.error().message.find("number 1, but you named 2"), std::string::npos)
+      << answer.error().message;
+  EXPECT_NE(answer.error().message.find("--device 1"), std::string::npos);
+  EXPECT_EQ(sensor.settings.served, 0);
+  EXPECT_FALSE(client.proven());
+}
+
+TEST(SigningClient, KnowsWhichSensorHasProvenItself) {
+  SensorInMemory sensor;
+  ASSERT_EQ(sensor.ring.add(numbered_key(4)), Status::kOk);
+  ControlClient stranger = client_of(sensor, {});
+  EXPECT_TRUE(stranger.request(SettingsOperation::kGet, {}, {}));
+  EXPECT_FALSE(stranger.proven());
+  ControlClient owner = client_of(sensor, {numbered_key(4)});
+  ASSERT_TRUE(set(owner));
+  ASSERT_TRUE(owner.proven());
+  EXPECT_EQ(owner.proven()->device, kDevice);
+  EXPECT_EQ(owner.proven()->key_id, 4U);
+}
+
 }  // namespace
 }  // namespace stof::client

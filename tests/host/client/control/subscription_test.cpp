@@ -187,14 +187,23 @@ TEST_F(SubscriptionTest, IgnoresAnswersToNobodysRequests) {
 
 TEST_F(SubscriptionTest, SubscribesAtTheNamedDeviceOnly) {
   Subscription named({.device_id = 0x52}, 1);
-  const std::optional<Sent> sent = read(named.due(kStart));
+  std::optional<Sent> sent = read(named.due(kStart));
   ASSERT_TRUE(sent);
-  EXPECT_EQ(sent->device_id, 0x52U);
-  const wire::Subscribed ok{.request_id = 2, .result = SubscribeResult::kOk, .lease_ms = 3000};
+  EXPECT_EQ(sent->device_id, 0U) << "without a cookie any sensor may say who it is";
+  EXPECT_EQ(sent->request.cookie, 0U);
+  wire::Subscribed ok{.request_id = 2, .result = SubscribeResult::kOk, .lease_ms = 3000};
   EXPECT_TRUE(named.take(answer(ok, 0x51), kStart));
   EXPECT_EQ(named.state(), Subscription::State::kAsking);
+  EXPECT_EQ(named.other_sensor(), 0x51U);
+  EXPECT_TRUE(named.take(
+      answer({.request_id = 2, .result = SubscribeResult::kCookie, .cookie = 9}, 0x52), kStart));
+  sent = read(named.due(kStart));
+  ASSERT_TRUE(sent);
+  EXPECT_EQ(sent->device_id, 0x52U);
+  ok.request_id = 3;
   EXPECT_TRUE(named.take(answer(ok, 0x52), kStart));
   EXPECT_EQ(named.state(), Subscription::State::kActive);
+  EXPECT_FALSE(named.other_sensor());
 }
 
 TEST_F(SubscriptionTest, SaysFarewellOnlyWhereItIsKnown) {
