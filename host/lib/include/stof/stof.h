@@ -83,6 +83,9 @@ typedef struct stof_options {
                              signs for this program alone, see docs/SECURITY.md; 0: believe all */
   const char* keys; /* file of the keys that requests are signed with, as `stof pair` makes it;
                        NULL: this user's own, "": none */
+  uint32_t key_id;  /* only the sensor of this key of `keys`: a number any sensor can say of itself,
+                       a key it cannot; 0: any */
+  uint32_t reserved_2; /* 0 */
 } stof_options;
 
 /* Does not wait for the sensor, but may block on a name server. `why` (may be NULL) gets one line
