@@ -32,6 +32,18 @@ std::expected<std::unique_ptr<UdpPort>, hal::linux::OpenError> open_port(
   return port;
 }
 
+// What the system grants of what was asked for; empty: all.
+std::string small_buffer(const UdpPort& port) {
+  const int asked = hal::linux::UdpPortOptions{}.buffer_bytes;
+  if (port.send_buffer() >= asked) {
+    return {};
+  }
+  return "UDP port " + std::to_string(port.port()) + ": " + std::to_string(port.send_buffer()) +
+         " bytes of buffer in place of " + std::to_string(asked) +
+         ": receivers that vanish hold the others up; sysctl -w net.core.wmem_max=" +
+         std::to_string(asked);
+}
+
 std::expected<hal::linux::SerialTty, std::string> open_serial(const Connections& wanted,
                                                               OpenConnections& connections) {
   const hal::linux::SerialOptions options{
@@ -53,6 +65,9 @@ std::expected<OpenConnections, Refusal> open_connections(const Connections& want
     return std::unexpected(Refusal{port.error().message});
   }
   connections.port = std::move(*port);
+  if (std::string small = small_buffer(*connections.port); !small.empty()) {
+    connections.notes.push_back(std::move(small));
+  }
   // A socket of its own, which nobody reads: that of requests and streams must not reach all hosts.
   constexpr int kSmall = 1 << 14;
   auto beacon = UdpPort::open(

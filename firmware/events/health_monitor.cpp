@@ -42,6 +42,12 @@ std::optional<wire::Condition> lost(Component component) noexcept {
   return std::nullopt;
 }
 
+// Of pixels: a share that is a condition. It must be twice as large to end it.
+bool hardly_any(std::uint64_t some, std::uint64_t all, bool before) noexcept {
+  constexpr std::uint64_t kLeastPercent = 2;
+  return some * 100 < all * kLeastPercent * (before ? 2 : 1);
+}
+
 // What may be wrong with a camera that is there.
 struct SupplyCondition {
   Component camera;
@@ -160,18 +166,24 @@ void HealthMonitor::set_blindness(std::uint32_t blindness, hal::Time now) noexce
   }
 }
 
-// By the share of pixels that have a depth: it must be twice as large to end the condition.
 void HealthMonitor::judge_coverage(hal::Time now) noexcept {
-  constexpr std::uint64_t kLeastPercent = 2;
   if (sums_.pixels == 0) {
     return;  // without frames there is another condition
   }
   const bool blind = (blindness_ & kNoCoverage) != 0;
-  const std::uint64_t least = kLeastPercent * (blind ? 2 : 1);
-  const bool covered = sums_.with_depth * 100 >= sums_.pixels * least;
-  if (covered == blind) {
+  if (hardly_any(sums_.with_depth, sums_.pixels, blind) != blind) {
     set_blindness(blindness_ ^ kNoCoverage, now);
   }
+}
+
+// Without frames, and without the pair, there are other conditions.
+void HealthMonitor::judge_matches(hal::Time now) noexcept {
+  if (sums_.pixels == 0) {
+    return;
+  }
+  const bool blind = entries_[index_of(wire::Condition::kStereoBlind)].active;
+  set(wire::Condition::kStereoBlind,
+      sums_.of_pair > 0 && hardly_any(sums_.matched, sums_.of_pair, blind), 0, now);
 }
 
 void HealthMonitor::frame_sent(hal::Duration latency, bool drifted, std::uint32_t drifts,
@@ -255,6 +267,7 @@ void HealthMonitor::judge_second(const Counters& counters, const ControlStatus& 
   set(wire::Condition::kSerialFull, serial > 0, serial, now);
   set(wire::Condition::kFlooded, flood > kFlood, flood, now);
   judge_coverage(now);
+  judge_matches(now);
   sums_ = {.begin = now,
            .dropped = counters.packets_dropped,
            .serial_dropped = control.serial_dropped,

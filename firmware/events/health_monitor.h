@@ -53,6 +53,11 @@ class HealthMonitor {
     sums_.pixels += pixels;
     sums_.with_depth += with_depth;
   }
+  // Of a frame of the pair: its pixels, and those whose depth stands on a match.
+  void note_matches(std::uint64_t pixels, std::uint64_t matched) noexcept {
+    sums_.of_pair += pixels;
+    sums_.matched += matched;
+  }
   // What of the settings makes the sensor blind: Blindness, the sum.
   void note_blinding(std::uint32_t by_settings, hal::Time now) noexcept;
 
@@ -87,6 +92,8 @@ class HealthMonitor {
     hal::Duration longest{};
     std::uint64_t pixels = 0;
     std::uint64_t with_depth = 0;
+    std::uint64_t of_pair = 0;  // pixels
+    std::uint64_t matched = 0;  // of these
     std::uint64_t dropped = 0;  // counters as they were at its begin, as the next two
     std::uint64_t serial_dropped = 0;
     std::uint64_t refused = 0;
@@ -97,6 +104,7 @@ class HealthMonitor {
   void change(Entry& entry, bool active, std::uint32_t value, hal::Time now) noexcept;
   void set_blindness(std::uint32_t blindness, hal::Time now) noexcept;
   void judge_coverage(hal::Time now) noexcept;
+  void judge_matches(hal::Time now) noexcept;
   // Begins and ends the conditions of a camera that is there.
   void observe_supply(const Event& event) noexcept;
   wire::EventReport report(std::size_t condition) const noexcept;

@@ -121,6 +121,10 @@ Status Publisher::publish(const Shot& shot, const Output& output, hal::Time late
   const auto blind =
       std::uint64_t{of(sources, dsp::Source::kNone)} + of(sources, dsp::Source::kConflict);
   health_.note_coverage(pixels, pixels - blind);
+  if ((shot.sensors() & kStereoSensor) != 0) {
+    health_.note_matches(
+        pixels, std::uint64_t{of(sources, dsp::Source::kStereo)} + of(sources, dsp::Source::kBoth));
+  }
   health_.frame_sent(now - shot.exposed, output.drift.significant, info.drift_significant, now);
   return status;
 }

@@ -261,6 +261,10 @@ class Condition(enum.IntEnum):
     # somebody made, renewed or ended a key in the last ten seconds; each change is an event of its
     # own; value: the key's id
     KEYS_CHANGED = 27
+    # the stereo pair is there, but hardly any depth stands on it: too dark or too bright, covered,
+    # nothing but bare or repeating surfaces, or settings of depth.match that drop every match;
+    # value: 0
+    STEREO_BLIND = 28
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -356,6 +360,9 @@ CONDITIONS = {
     Condition.KEYS_CHANGED: ConditionInfo(
         "somebody made, renewed or ended a key in the last ten seconds; each change is an event of its own",
         Severity.INFO, Reaction.WATCH),
+    Condition.STEREO_BLIND: ConditionInfo(
+        "the stereo pair is there, but hardly any depth stands on it: too dark or too bright, covered, nothing but bare or repeating surfaces, or settings of depth.match that drop every match",
+        Severity.MAJOR, Reaction.SLOW),
 }
 # made: end
 

@@ -181,6 +181,7 @@ names.Condition = {
   [25] = "keys lost",
   [26] = "pairing",
   [27] = "keys changed",
+  [28] = "stereo blind",
 }
 
 layouts.Origin = {

@@ -79,6 +79,21 @@ class Unit(unittest.TestCase):
         for call in ("mount", "ptrace", "init_module", "reboot", "settimeofday", "setuid", "bpf", "keyctl", "symlink"):
             self.assertNotIn(call, names)
 
+    def test_small_buffers_are_told_and_the_file_beside_the_unit_allows_large_ones(self):
+        wanted = dict(re.findall(r"^(net\.core\.[rw]mem_max) = (\d+)$", UNIT.with_name("60-stof.conf").read_text(), re.MULTILINE))
+        self.assertEqual(set(wanted), {"net.core.rmem_max", "net.core.wmem_max"})
+        if not shutil.which("setpriv"):
+            self.skipTest("setpriv is not installed")
+        # As the unit runs it: whoever has no CAP_NET_ADMIN gets what the system grants to all.
+        started = said("setpriv", "--bounding-set=-net_admin", "--inh-caps=-net_admin", *STOFD, "--size", "64x48", "--pmd", "none",
+                       "--port", "0", "--frames", "2")
+        self.assertIn("2 frames published", started)
+        granted = int(pathlib.Path("/proc/sys/net/core/wmem_max").read_text())
+        told = re.search(r"(\d+) bytes of buffer in place of (\d+): .*net\.core\.wmem_max=(\d+)", started)
+        self.assertEqual(told is None, granted >= int(wanted["net.core.wmem_max"]), started)
+        if told:
+            self.assertEqual([int(number) for number in told.groups()], [granted] + 2 * [int(wanted["net.core.wmem_max"])])
+
 
 if __name__ == "__main__":
     if not shutil.which("systemd-analyze"):

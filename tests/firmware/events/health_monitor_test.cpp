@@ -201,6 +201,41 @@ TEST(HealthMonitor, BlindnessIsAConditionWhateverBlinds) {
   EXPECT_EQ(value(), 0U);
 }
 
+// Settings, darkness or a cap on the lenses: the PMD camera alone is left, and frames look whole.
+TEST(HealthMonitor, APairThatMatchesHardlyAnythingIsACondition) {
+  HealthMonitor monitor(at(0s));
+  hal::Time now = at(0s);
+  const auto told = [&] {
+    now += 1s;
+    const auto health = monitor.next_health({}, {}, true, now);
+    const bool active =
+        (health->active >> static_cast<unsigned>(Condition::kStereoBlind) & 1U) != 0;
+    EXPECT_EQ(monitor.summary(), active ? wire::Health::kDegraded : wire::Health::kOk);
+    EXPECT_EQ(health->reaction == wire::Reaction::kSlow, active);
+    return active;
+  };
+  const auto frame = [&](std::uint64_t matched) {
+    monitor.note_coverage(10'000, 9'000);
+    monitor.note_matches(10'000, matched);
+  };
+  frame(200);
+  EXPECT_FALSE(told());
+  frame(199);
+  EXPECT_TRUE(told());
+  EXPECT_TRUE(told()) << "a second without a frame says nothing";
+  frame(399);
+  EXPECT_TRUE(told()) << "it takes twice as much to end it";
+  frame(400);
+  EXPECT_FALSE(told());
+  frame(0);
+  frame(400);
+  EXPECT_FALSE(told()) << "of the whole second";
+  frame(0);
+  EXPECT_TRUE(told());
+  monitor.note_coverage(10'000, 9'000);  // of the PMD camera alone: the loss of the pair is told
+  EXPECT_FALSE(told());
+}
+
 TEST(HealthMonitor, TellsWhatTheStartCouldNotUse) {
   HealthMonitor monitor(at(0s));
   ControlStatus control{.settings_dropped = 22, .connection_replaced = 1};

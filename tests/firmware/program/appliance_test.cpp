@@ -296,6 +296,26 @@ TEST(Appliance, ABlindSensorSaysSoAndIsNotGood) {
   EXPECT_FALSE(no_depth(box.run(100)));
 }
 
+// The PMD camera alone is left, and frames look whole.
+TEST(Appliance, APairThatMatchesNothingIsTold) {
+  ApplianceRig box;
+  box.subscribe(1);
+  const auto blind = [](const Receiver& receiver) {
+    return !receiver.healths.empty() &&
+           (receiver.healths.back().active >> static_cast<unsigned>(wire::Condition::kStereoBlind) &
+            1U) != 0;
+  };
+  EXPECT_FALSE(blind(box.run(100)));
+  RunConfig run_config = small_run_config();
+  run_config.setup.depth.match.speckle_pixels = 1 << 24;
+  ASSERT_TRUE(box.run_configs.push(run_config));
+  const Receiver pmd_alone = box.run(100);
+  EXPECT_TRUE(blind(pmd_alone));
+  EXPECT_EQ(pmd_alone.frames.rbegin()->second.stamp.health, wire::Health::kDegraded);
+  ASSERT_TRUE(box.run_configs.push(small_run_config()));
+  EXPECT_FALSE(blind(box.run(100)));
+}
+
 TEST(Appliance, ADestinationThatIsSilentIsToldAndSentToNevertheless) {
   ApplianceRig box;
   ReceiverList list;
