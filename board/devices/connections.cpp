@@ -16,13 +16,15 @@ using hal::linux::UdpPort;
 // Where nobody insists: the usual port instead, then any free one.
 std::expected<std::unique_ptr<UdpPort>, hal::linux::OpenError> open_port(
     const Connections& wanted, OpenConnections& connections) {
-  auto port = UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp});
+  // Only a fixed destination is told that nobody listens there.
+  const bool refusals = !wanted.to.empty();
+  auto port = UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp, .refusals = refusals});
   if (port || wanted.port_required) {
     return port;
   }
   const std::string why = port.error().message;
   for (const std::uint16_t other : {Connections{}.udp_port, std::uint16_t{0}}) {
-    port = UdpPort::open({.port = other});
+    port = UdpPort::open({.port = other, .refusals = refusals});
     if (port) {
       connections.other_port = true;
       connections.notes.push_back(why + "; port " + std::to_string((*port)->port()) + " instead");

@@ -93,6 +93,8 @@ void add_view(CLI::App& app, ViewOptions& options) {
                           "File of keys, of --signed; none: the usual one, as of stof pair");
   view_command.add_option("--device", options.device,
                           "Number of the sensor (stofd --device): only it is believed");
+  view_command.add_option("--key", options.key,
+                          "8 digits, of your key of the sensor, of --signed: only it is believed");
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")

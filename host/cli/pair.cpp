@@ -9,6 +9,7 @@
 #include <iostream>
 #include <limits>
 #include <memory>
+#include <span>
 #include <thread>
 
 #include <unistd.h>
@@ -17,10 +18,9 @@
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/wire/keys/key_text.h"
 #include "host/cli/failure.h"
-#include "host/cli/serial_transport.h"
+#include "host/cli/own_keys.h"
 #include "host/client/control/pair_client.h"
 #include "host/client/control/user_keys.h"
-#include "host/client/printable.h"
 
 namespace stof::host {
 namespace {
@@ -30,12 +30,6 @@ std::string user_and_host() {
   std::array<char, 64> host{};
   static_cast<void>(::gethostname(host.data(), host.size() - 1));
   return std::string(user == nullptr ? "user" : user) + "@" + host.data();
-}
-
-void need_crypto() {
-  if (!wire::start_crypto()) {
-    throw Failure(Exit::kFailure, "pair: this system has no random numbers");
-  }
 }
 
 std::string own_name(const PairOptions& options) {
@@ -60,31 +54,6 @@ bool paired(const wire::KeyTable& sensor, const wire::KeyTable& user, std::uint3
     return key.device == device && same != nullptr && same->role == key.role &&
            wire::equal_secrets(same->secret, key.secret);
   });
-}
-
-client::ControlOptions timing(double timeout_s) {
-  return {.timeout = std::chrono::duration_cast<client::Duration>(
-              std::chrono::duration<double>(timeout_s))};
-}
-
-std::unique_ptr<client::ControlTransport> open(const char* command, const std::string& sensor,
-                                               const std::string& serial, unsigned baud) {
-  if (sensor.empty() == serial.empty()) {
-    throw Failure(Exit::kBadInput,
-                  std::string(command) + ": give a sensor, HOST[:PORT], or --serial");
-  }
-  return sensor.empty() ? value_or_fail(open_serial_transport(serial, baud))
-                        : value_or_fail(client::open_udp_transport(sensor));
-}
-
-template <typename Expected>
-auto value_or_end(Expected&& result) {
-  if (!result) {
-    throw Failure(Exit::kFailure, result.error().message);
-  }
-  if constexpr (!std::is_void_v<typename std::remove_cvref_t<Expected>::value_type>) {
-    return std::move(*std::forward<Expected>(result));
-  }
 }
 
 // The code itself, `@FILE`, or `-` for standard input: a command line is for all users to read.
@@ -137,38 +106,6 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
   }
 }
 
-// Of a sensor, the newest first. Two sensors may have one number.
-std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,
-                                std::uint32_t device) {
-  std::vector<wire::Key> own;
-  for (std::size_t i = keys.count(); i-- > 0;) {
-    if (keys.all()[i].device == device) {
-      own.push_back(keys.all()[i]);
-    }
-  }
-  if (own.empty()) {
-    throw Failure(Exit::kFailure, file + ": has no key of this sensor (" + std::to_string(device) +
-                                      "): pair, or name its number with --device");
-  }
-  return own;
-}
-
-// Throws Failure where nobody knows which of several sensors is meant.
-client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
-                            const std::string& sensor, std::optional<std::uint32_t> asked) {
-  client::Meant meant = value_or_fail(client::meant_sensor(file, keys, sensor, asked));
-  if (!meant.doubt.empty()) {
-    throw Failure(Exit::kBadInput,
-                  (sensor.empty() ? file : sensor) + ": " + meant.doubt + " (--device NUMBER)");
-  }
-  return meant;
-}
-
-// Else the only one.
-std::uint32_t device_of(const client::Meant& meant) {
-  return meant.device.value_or(meant.keys.count() == 0 ? 1 : meant.keys.all()[0].device);
-}
-
 // Where the new secret of a key is kept until the sensor has taken it for sure: whatever happens
 // between, either this one or that of before opens the sensor.
 std::string renewed_file(const std::string& file) { return file + ".renewed"; }
@@ -214,7 +151,8 @@ bool opens(const PairOptions& options, const wire::Key& key) {
   control.device_id = key.device;
   control.unsigned_answers = client::Unsigned::kNever;
   static_cast<void>(control.keys.add(key));
-  client::ControlClient client(open("pair", options.sensor, options.serial, options.baud), control);
+  client::ControlClient client(open_way("pair", options.sensor, options.serial, options.baud),
+                               control);
   const auto answer = client.request(wire::SettingsOperation::kKeys, {}, {});
   return answer && answer->result != wire::SettingsResult::kUnknownKey;
 }
@@ -222,8 +160,9 @@ bool opens(const PairOptions& options, const wire::Key& key) {
 void renew(const PairOptions& options, const std::string& file) {
   const std::string waiting = renewed_file(file);
   need_room(file);
-  const client::Meant meant = meant_or_fail(file, value_or_fail(client::read_user_keys(file)),
-                                            options.sensor, options.device);
+  const client::Meant meant =
+      meant_or_fail(file, value_or_fail(client::read_user_keys(file)), options.sensor,
+                    {.device = options.device, .key_id = key_id_of(options.key)});
   const std::uint32_t device = device_of(meant);
   std::vector<wire::Key> known = own_keys(file, meant.keys, device);
   const wire::KeyTable before = value_or_fail(client::read_user_keys(waiting));
@@ -232,13 +171,18 @@ void renew(const PairOptions& options, const std::string& file) {
   control.device_id = device;
   std::string refusal;
   for (const wire::Key& key : known) {
-    client::PairClient client(open("pair", options.sensor, options.serial, options.baud),
+    client::PairClient client(open_way("pair", options.sensor, options.serial, options.baud),
                               renewal_of(key), control);
     if (const auto started = client.start(); !started) {
       refusal = refusal.empty() ? started.error().message : refusal;
       continue;
     }
     const wire::Key next = client.key();
+    if (next.id != key.id) {
+      throw Failure(Exit::kFailure, options.sensor + options.serial +
+                                        ": renews another key than it was asked for: it imitates "
+                                        "another sensor, and nothing was renewed");
+    }
     wire::KeyTable kept;
     static_cast<void>(kept.add(next));
     value_or_fail(client::write_user_keys(waiting, kept));
@@ -271,8 +215,35 @@ void say_older(const wire::KeyTable& keys, const wire::Key& newest) {
   }
 }
 
+// A sensor says which number it has, and which id its key gets: neither may be those of another
+// one.
+void need_new(const PairOptions& options, const std::string& file, const std::string& address,
+              const wire::Key& key) {
+  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
+  if (keys.find(key.id) != nullptr) {
+    throw Failure(Exit::kFailure, "sensor " + address +
+                                      ": gave the key the number of one that you have: it "
+                                      "imitates another sensor, and nothing was paired");
+  }
+  const std::span<const wire::Key> all = keys.all();
+  const auto same = std::ranges::find(all, key.device, &wire::Key::device);
+  if (same == all.end() || options.again) {
+    return;
+  }
+  const std::uint32_t there = value_or_fail(client::key_proven_at(file, keys, options.sensor));
+  const wire::Key* const proven = keys.find(there);
+  if (proven == nullptr || proven->device != key.device) {
+    throw Failure(
+        Exit::kFailure,
+        "sensor " + address + ": says that it is number " + std::to_string(key.device) +
+            ", which your key " + id_text(*same) +
+            " is of already, and that was not proven here: give it another number "
+            "(stofd --device), or pair with --again if it is the same sensor; nothing was paired");
+  }
+}
+
 void pair_with(const PairOptions& options, const std::string& file) {
-  auto transport = open("pair", options.sensor, options.serial, options.baud);
+  auto transport = open_way("pair", options.sensor, options.serial, options.baud);
   const client::PairWish wish = wish_of(options);
   need_room(file);
   const std::string address = transport->place();
@@ -280,6 +251,7 @@ void pair_with(const PairOptions& options, const std::string& file) {
   control.device_id = options.device;
   client::PairClient client(std::move(transport), wish, control);
   value_or_end(client.start());
+  need_new(options, file, address, client.key());
   if (wish.method == wire::PairMethod::kDigits) {
     compare_digits(client.digits(), options);
     std::printf(
@@ -293,11 +265,6 @@ void pair_with(const PairOptions& options, const std::string& file) {
   const wire::Key key = client.key();
   if (!finished && !opens(options, key)) {
     throw Failure(Exit::kFailure, finished.error().message);
-  }
-  if (value_or_fail(client::read_user_keys(file)).find(key.id) != nullptr) {
-    throw Failure(Exit::kFailure, "sensor " + address +
-                                      ": gave the key the number of one that you have: it "
-                                      "imitates another sensor, and nothing was kept");
   }
   value_or_fail(client::add_user_key(file, key));
   say_kept(key, file);
@@ -362,74 +329,7 @@ void pair_into(const PairOptions& options, const std::string& own) {
               options.into.c_str(), own.c_str());
 }
 
-// Drops the user's keys that fit; how many.
-template <typename Fits>
-std::size_t forget(const std::string& file, Fits&& fits) {
-  std::size_t dropped = 0;
-  value_or_fail(client::update_user_keys(
-      file, [&](const wire::KeyTable& keys) -> std::expected<wire::KeyTable, client::OpenError> {
-        wire::KeyTable kept;
-        for (const wire::Key& key : keys.all()) {
-          if (!fits(key)) {
-            static_cast<void>(kept.add(key));
-          }
-        }
-        dropped = keys.count() - kept.count();
-        return kept;
-      }));
-  return dropped;
-}
-
-std::string id_text(const wire::Key& key) {
-  std::array<char, 9> text{};
-  std::snprintf(text.data(), text.size(), "%08x", key.id);
-  return text.data();
-}
-
-// The answer, if it is no refusal.
-client::ControlAnswer done(client::ControlAnswer answer, const std::string& place) {
-  if (answer.result == wire::SettingsResult::kOk) {
-    return answer;
-  }
-  if (answer.result == wire::SettingsResult::kUnknownKey) {
-    answer.text = "has none of your keys any more";
-  }
-  throw Failure(
-      answer.result == wire::SettingsResult::kInvalid ? Exit::kBadInput : Exit::kFailure,
-      place + ": " +
-          (answer.text.empty() ? "does not know this request: update the sensor" : answer.text));
-}
-
-client::ControlAnswer ask(client::ControlClient& client, wire::SettingsOperation operation,
-                          const std::string& text, const std::string& place) {
-  return done(value_or_end(client.request(operation, {}, text)), place);
-}
-
-// The newest of this user's keys that the sensor has; its id.
-std::string end_own(client::ControlClient& client, const std::vector<wire::Key>& own,
-                    const std::string& place) {
-  for (const wire::Key& key : own) {
-    const auto answer =
-        value_or_end(client.request(wire::SettingsOperation::kUnpair, {}, id_text(key)));
-    if (answer.result != wire::SettingsResult::kInvalid || &key == &own.back()) {
-      static_cast<void>(done(answer, place));
-      return id_text(key);
-    }
-  }
-  return {};
-}
-
 }  // namespace
-
-void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id) {
-  if (const auto keys = client::read_user_keys(key_file)) {
-    static_cast<void>(client::remember_sensor(key_file, *keys, place, key_id));
-  }
-}
-
-std::string keys_file(const std::string& named) {
-  return named.empty() ? client::user_keys_file() : named;
-}
 
 void pair(const PairOptions& options) {
   need_crypto();
@@ -445,46 +345,6 @@ void pair(const PairOptions& options) {
   }
 }
 
-void unpair(const UnpairOptions& options) {
-  need_crypto();
-  const std::string file = keys_file(options.keys);
-  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
-  const bool any = !options.serial.empty() && (options.list || !options.id.empty());
-  const client::Meant meant = any ? client::Meant{.device = options.device, .keys = keys}
-                                  : meant_or_fail(file, keys, options.sensor, options.device);
-  const std::uint32_t device = device_of(meant);
-  if (options.forget) {
-    const std::size_t count =
-        forget(file, [device](const wire::Key& key) { return key.device == device; });
-    std::printf("%zu keys of sensor %08x forgotten in %s\n", count, device, file.c_str());
-    return;
-  }
-  auto transport = open("unpair", options.sensor, options.serial, options.baud);
-  const std::string place = transport->place();
-  client::ControlOptions control = timing(options.timeout_s);
-  control.keys = meant.keys;
-  control.device_id = meant.device;
-  control.unsigned_answers =
-      options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
-  client::ControlClient client(std::move(transport), control);
-  if (options.list) {
-    const auto answer = ask(client, wire::SettingsOperation::kKeys, {}, place);
-    std::printf("%s\n", client::printable(answer.text, client::Lines::kSeveral).c_str());
-    return;
-  }
-  const std::string id =
-      options.id.empty() ? end_own(client, own_keys(file, meant.keys, device), place) : options.id;
-  if (!options.id.empty()) {
-    static_cast<void>(ask(client, wire::SettingsOperation::kUnpair, id, place));
-  }
-  if (client.proven() && !options.sensor.empty()) {
-    remember_place(file, {.named = options.sensor, .address = place}, client.proven()->key_id);
-  }
-  static_cast<void>(forget(file, [&id](const wire::Key& key) { return id == id_text(key); }));
-  std::printf("key %s of sensor %08x is none any more\n", client::printable(id).c_str(),
-              client.proven() ? client.proven()->device : device);
-}
-
 void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   const auto add_line = [](CLI::App& command, auto& into) {
     command.add_option("SENSOR", into.sensor, "HOST[:PORT], none with --serial");
@@ -494,6 +354,8 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
         ->capture_default_str();
     command.add_option("--device", into.device,
                        "Number of the sensor (stofd --device): only it is believed");
+    command.add_option("--key", into.key,
+                       "8 digits, of your key of the sensor: only whoever has it is believed");
     command.add_option("--keys", into.keys,
                        "Your key file (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");
     command.add_option("--timeout", into.timeout_s, "Seconds to wait for each of three attempts")
@@ -506,6 +368,9 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   command.add_option("--code", options.code,
                      "32 hexadecimal digits of its label: nothing is asked. Better @FILE, or - for "
                      "standard input: a command line is for all users to read");
+  command.add_flag("--again", options.again,
+                   "Pair also where a key that was not proven at this address has its number: the "
+                   "same sensor elsewhere, or a second one with that number");
   command.add_flag("--renew", options.renew, "Give the key that you have of it a new secret");
   command.add_option("--digits", options.digits, "That the sensor told, in place of being asked");
   command.add_option("--into", options.into,

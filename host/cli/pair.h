@@ -20,6 +20,8 @@ struct PairOptions {
   bool window = false;                    // over the cable: lets somebody else pair with digits
   std::string into{};                     // key file of a sensor that does not run
   std::optional<std::uint32_t> device{};  // number of the sensor; none: who is known there
+  std::string key{};                      // id of the key to renew; empty: of those there are
+  bool again = false;                     // also a sensor whose number another key has
   std::string role = "admin";
   std::string name{};      // whose key it is; empty: USER@HOST
   std::string keys{};      // this user's; empty: the usual one
@@ -34,6 +36,7 @@ struct UnpairOptions {
   bool list = false;    // says which keys there are
   bool forget = false;  // in this user's file alone: the sensor is gone
   std::optional<std::uint32_t> device{};
+  std::string key{};  // id of the one that signs; empty: of those there are
   std::string keys{};
   double timeout_s = 0.3;
 };
@@ -50,6 +53,9 @@ void unpair(const UnpairOptions& options);
 // Keeps where a sensor was proven to be (client::remember_sensor()); a folder that cannot be
 // written does not matter.
 void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id);
+
+// Of the 8 hexadecimal digits of `--key`; 0: no text. Throws Failure.
+std::uint32_t key_id_of(const std::string& text);
 
 // The user's key file where a flag names none.
 std::string keys_file(const std::string& named);

@@ -102,9 +102,9 @@ std::string active_text(const wire::HealthReport& health) {
 }
 
 std::string link_text(const client::LinkState& link) {
-  const std::string text = std::string(link.silent ? " silent" : "") +
-                           (link.restarted ? " restarted" : "") +
-                           (link.forged_traffic ? " forged traffic" : "");
+  const std::string text =
+      std::string(link.silent ? " silent" : "") + (link.restarted ? " restarted" : "") +
+      (link.forged_traffic ? " forged traffic" : "") + (link.delayed ? " delayed" : "");
   return text.empty() ? text : ", link:" + text;
 }
 

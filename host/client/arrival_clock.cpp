@@ -2,9 +2,29 @@
 
 #include <algorithm>
 #include <array>
+#include <ctime>
 #include <optional>
 
 namespace stof::client {
+
+Duration time_asleep(Duration before) noexcept {
+  constexpr int kTries = 4;
+  constexpr Duration kTogether = std::chrono::milliseconds(1);
+  for (int i = 0; i < kTries; ++i) {
+    timespec boot{};
+    const Time begin = Time::clock::now();
+    if (::clock_gettime(CLOCK_BOOTTIME, &boot) != 0) {
+      return before;
+    }
+    const Time end = Time::clock::now();
+    if (end - begin < kTogether) {
+      const Duration since_start =
+          std::chrono::seconds(boot.tv_sec) + std::chrono::nanoseconds(boot.tv_nsec);
+      return std::max(since_start - begin.time_since_epoch(), Duration(0));
+    }
+  }
+  return before;
+}
 
 ArrivalClock::Now ArrivalClock::now() noexcept {
   constexpr int kTries = 4;

@@ -6,6 +6,10 @@
 
 namespace stof::client {
 
+// For how long this machine has slept since its start: CLOCK_MONOTONIC, which frames are judged by,
+// stood. Where it cannot be told, `before`.
+Duration time_asleep(Duration before) noexcept;
+
 // When the datagrams of a socket arrived, on the clock that frames are judged by. The system stamps
 // them with the wall clock, which somebody may set in between. A datagram lies in a queue: it
 // arrived after the one before it and before it was read. Of the readings of a stamp, with the wall

@@ -171,6 +171,7 @@ void Reassembler::start_session() {
   ++statistics_.sessions;
   statistics_.events_dropped += messages_.restart();
   sequence_ = {};
+  delay_.restart();
   closed_count_ = 0;
   parity_ = false;
 }
@@ -204,6 +205,9 @@ void Reassembler::push_part(const wire::PacketView& packet, Time arrived) {
   if (!count(slot.add(packet, arrived))) {
     return;
   }
+  delay_.note(header.frame, arrived,
+              options_.verifier == nullptr ? 0 : options_.verifier->good_number(),
+              2 * assumed_period() + max_age());
   parity_ = parity_ || slot.parity();
   if (slot.parity()) {
     repair(slot, slot.group_of(header.index), arrived);
@@ -339,10 +343,22 @@ void Reassembler::close(FrameSlot& slot) {
     drop(slot, &Statistics::frames_stale);
     return;
   }
+  if (comes_late(slot)) {
+    ++late_frames_;
+    drop(slot, &Statistics::frames_old);
+    return;
+  }
   slot.finish();
   slot.keep_calibration(messages_.calibration());
   slot.order = ++finished_;
   slot.state = FrameSlot::State::kFinished;
+}
+
+bool Reassembler::comes_late(const FrameSlot& slot) {
+  const FrameDelay::Verdict verdict =
+      delay_.judge(slot.stamp(), slot.last_packet(), max_age(), options_.verifier != nullptr);
+  statistics_.resynchronised += verdict == FrameDelay::Verdict::kResynchronised ? 1 : 0;
+  return verdict == FrameDelay::Verdict::kLate;
 }
 
 std::optional<Frame> Reassembler::take() {
@@ -397,8 +413,12 @@ Duration Reassembler::frame_timeout() const {
   return std::clamp(period() + period() / 2, kShortestTimeout, kLongestPeriod);
 }
 
+Duration Reassembler::assumed_period() const {
+  return period() > Duration(0) ? period() : kUnknownPeriod;
+}
+
 Duration Reassembler::max_age() const {
-  const Duration assumed = period() > Duration(0) ? period() : kUnknownPeriod;
+  const Duration assumed = assumed_period();
   const Duration expired = assumed + assumed / 2 + kAgeBeyondPeriod / 2;
   return options_.max_age.value_or(std::max(assumed + kAgeBeyondPeriod, expired));
 }

@@ -10,6 +10,7 @@
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
 #include "host/client/frame/frame_slot.h"
+#include "host/client/session/frame_delay.h"
 #include "host/client/session/frame_sequence.h"
 #include "host/client/session/session_messages.h"
 #include "host/client/session/session_tracker.h"
@@ -29,7 +30,8 @@ struct ReassemblerOptions {
   // only where the stream has stopped: otherwise a later frame closes an earlier one.
   std::optional<Duration> frame_timeout{};
   // What arrived longer ago is not delivered: packets of frames that waited for so long to be read,
-  // and frames whose last packet did. Without it one period of the sensor and 100 ms, or 50 ms more
+  // and frames whose last packet did; nor what was on its way for so much longer than others, see
+  // FrameDelay. Without it one period of the sensor and 100 ms, or 50 ms more
   // than a frame is waited for, if that is longer; 200 ms as long as the period is not known.
   std::optional<Duration> max_age{};
   // Where there is one, only what it finds signed is looked at. It outlives the reassembler.
@@ -71,6 +73,9 @@ class Reassembler {
   const Statistics& statistics() const noexcept { return statistics_; }
   // Datagrams that no sensor can have sent; what is not signed only once there is a key.
   std::uint64_t forgeries() const noexcept { return forgeries_; }
+  // Frames that came too late, by their stamps.
+  std::uint64_t late_frames() const noexcept { return late_frames_; }
+  FrameDelay& delay() noexcept { return delay_; }
   // Of the sensor's trigger, at most 10 s; 0: not known.
   Duration period() const;
   // The newest of the current session.
@@ -106,6 +111,7 @@ class Reassembler {
   FrameSequence::Verdict judge(const wire::Header& header, Time arrived);
   void count(MessageOutcome outcome);
   bool count(Placed placed);  // whether something was added
+  bool comes_late(const FrameSlot& slot);
   Closed* closed(std::uint32_t number);
   void refuse_closed(const wire::Header& header);
   void count_closed_parity(const wire::Header& header);
@@ -118,11 +124,13 @@ class Reassembler {
   void drop_open();
   FrameSlot* oldest(FrameSlot::State state);
   Duration frame_timeout() const;
+  Duration assumed_period() const;
   Duration max_age() const;
 
   ReassemblerOptions options_;
   Statistics statistics_;
   std::uint64_t forgeries_ = 0;
+  std::uint64_t late_frames_ = 0;
   std::array<FrameSlot, kSlots> slots_;
   std::uint64_t finished_ = 0;  // frames, over all sessions
 
@@ -130,6 +138,7 @@ class Reassembler {
 
   // The state of the session.
   FrameSequence sequence_;
+  FrameDelay delay_;
   bool parity_ = false;  // the sender uses it
   SessionMessages messages_;
   std::array<Closed, kClosed> closed_;

@@ -69,19 +69,33 @@ struct Receiver::Parts {
       const std::span<const std::byte> datagram = socket->datagram(next++);
       if (subscription && subscription->take(datagram, now)) {
         if (subscription->stream_key().number != 0) {
-          verifier.set_key(subscription->stream_key());
+          take_key();
         }
         ask(now);  // a cookie is shown at once
         continue;
       }
       const std::uint64_t verified = verifier.good();
       reassembler.push(datagram, arrived, now);
+      if (subscription && reassembler.delay().held_back()) {
+        subscription->renew_key(now);
+      }
       if (subscription && verifier.good() > verified) {
         subscription->heard(now);
       }
       frame = reassembler.take(now);
     }
     return frame;
+  }
+
+  // A new one may be asked for as a proof.
+  void take_key() {
+    const wire::StreamKey& key = subscription->stream_key();
+    if (key.number != key_number && key_number != 0 && subscription->session() == key_session) {
+      reassembler.delay().prove(key.number, subscription->key_asked());
+    }
+    key_number = key.number;
+    key_session = subscription->session();
+    verifier.set_key(key, key_session);
   }
 
   Result<Frame> receive(Duration timeout);
@@ -101,6 +115,9 @@ struct Receiver::Parts {
   std::optional<Subscription> subscription;
   int asked_buffer;
   LinkWatch watch;
+  std::uint32_t key_number = 0;  // of the stream key; 0: none yet
+  std::uint32_t key_session = 0;
+  Duration slept{time_asleep(Duration(0))};
   std::size_t read = 0;  // datagrams in the socket's space
   std::size_t next = 0;  // of these, to push
   mutable Statistics statistics;
@@ -142,6 +159,8 @@ Result<Frame> Receiver::Parts::receive(Duration timeout) {
     }
     read = *got;
     next = 0;
+    slept = time_asleep(slept);
+    reassembler.delay().slept(slept);
     if (read > 0) {
       if (subscription && !subscription->signs()) {  // else anybody could keep it from asking
         subscription->heard(std::chrono::steady_clock::now());

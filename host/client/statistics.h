@@ -30,9 +30,10 @@ struct Statistics {
   std::uint64_t frames_complete = 0;    // delivered whole
   std::uint64_t frames_incomplete = 0;  // delivered with missing packets
   std::uint64_t frames_stale = 0;       // freshness did not advance: not delivered
-  std::uint64_t frames_old = 0;         // older than ReassemblerOptions::max_age: not delivered
-  std::uint64_t frames_lost = 0;        // number skipped: nothing of it arrived in time
-  std::uint64_t frames_dropped = 0;     // cut off by a restart of the sender, or nobody took them
+  // Older than ReassemblerOptions::max_age, or later than others by more than that: not delivered.
+  std::uint64_t frames_old = 0;
+  std::uint64_t frames_lost = 0;     // number skipped: nothing of it arrived in time
+  std::uint64_t frames_dropped = 0;  // cut off by a restart of the sender, or nobody took them
 
   std::uint64_t packets_missing = 0;  // of frames of which something arrived
   // Packets made of parity: they are not missing. One that comes after all is a duplicate.

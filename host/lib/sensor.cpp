@@ -109,21 +109,23 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
   return guarded([&] {
     client::ReceiverOptions wanted = receiver_options(*known);
     const std::string key_file = known->keys == nullptr ? client::user_keys_file() : known->keys;
-    if (known->signed_streams != 0) {
+    if (known->signed_streams != 0 || known->key_id != 0) {
       auto keys = client::read_user_keys(key_file);
       if (!keys) {
         lib::give_text(keys.error().message, why, why_size);
         return STOF_BAD_ARGUMENT;
       }
-      wanted.subscription.signed_streams = true;
       auto meant =
-          client::meant_sensor(key_file, *keys, wanted.sensor, wanted.reassembler.device_id);
+          client::meant_sensor(key_file, *keys, wanted.sensor,
+                               {.device = wanted.reassembler.device_id, .key_id = known->key_id});
       if (!meant || !meant->doubt.empty()) {
-        lib::give_text(meant ? "stof_open: " + meant->doubt + " in stof_options::device_id"
-                             : meant.error().message,
+        lib::give_text(meant
+                           ? "stof_open: " + meant->doubt + " in stof_options::device_id or key_id"
+                           : meant.error().message,
                        why, why_size);
         return STOF_BAD_ARGUMENT;
       }
+      wanted.subscription.signed_streams = known->signed_streams != 0;
       wanted.subscription.keys = meant->keys;
       wanted.reassembler.device_id = meant->device;
     }
@@ -133,7 +135,7 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
       return lib::to_status(receiver.error().status);
     }
     auto opened = std::make_unique<stof_sensor>(std::move(*receiver), wanted.sensor, key_file,
-                                                known->device_id);
+                                                known->device_id, known->key_id);
     opened->share();
     *sensor = opened.release();
     return STOF_OK;

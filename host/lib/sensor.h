@@ -36,17 +36,19 @@ stof_status guarded(Work&& work) noexcept {
 // NOLINTNEXTLINE(readability-identifier-naming): a name of the C interface.
 struct stof_sensor {
   stof_sensor(stof::client::Receiver opened, std::string at, std::string key_file,
-              std::uint32_t number)
+              std::uint32_t number, std::uint32_t key)
       : receiver(std::move(opened)),
         sensor(std::move(at)),
         keys(std::move(key_file)),
         device_id(number),
+        key_id(key),
         watch(receiver.link_watch()) {}
 
   stof::client::Receiver receiver;  // of the thread below while it runs, else of the caller
   std::string sensor;               // as given; empty: none
   std::string keys;                 // file of keys; empty: none
   std::uint32_t device_id;          // 0: whoever answers
+  std::uint32_t key_id;             // that alone counts; 0: any
   stof::lib::Taken taken{};
   std::vector<stof::client::Point> points{};
 

@@ -55,7 +55,8 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
           lib::give_text(keys.error().message, out, out_size);
           return STOF_REFUSED;
         }
-        auto meant = client::meant_sensor(sensor->keys, *keys, sensor->sensor, options.device_id);
+        auto meant = client::meant_sensor(sensor->keys, *keys, sensor->sensor,
+                                          {.device = options.device_id, .key_id = sensor->key_id});
         if (!meant) {
           lib::give_text(meant.error().message, out, out_size);
           return STOF_REFUSED;

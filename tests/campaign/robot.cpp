@@ -198,7 +198,7 @@ void Robot::look(client::Time now) {
   take(now);
   watch_.look(reassembler_, now);
   const client::LinkState link = watch_.state(now);
-  if (link.silent || link.restarted || link.forged_traffic) {
+  if (link.silent || link.restarted || link.forged_traffic || link.delayed) {
     note(now, Sign::kLink);
   }
   const std::uint64_t counted = troubles(reassembler_.statistics());

@@ -65,10 +65,14 @@ int UdpPort::configure(const UdpPortOptions& options) noexcept {
   send_buffer_ = socket_.set_buffer(posix::UdpSocket::Buffer::kSend, options.buffer_bytes);
   receive_buffer_ = socket_.set_buffer(posix::UdpSocket::Buffer::kReceive, options.buffer_bytes);
   const bool ipv6 = family_ == AF_INET6;
-  // Without these, overruns and refusals are not told, nothing else.
+  // Without these, overruns and refusals are not told, nothing else. Anybody can make up refusals,
+  // and while a thread reads many each makes a call of whoever sends fail: a socket that needs none
+  // hears none.
   static_cast<void>(socket_.count_drops());
-  static_cast<void>(socket_.set({IPPROTO_IP, IP_RECVERR, 1}));
-  if (ipv6) {
+  if (options.refusals) {
+    static_cast<void>(socket_.set({IPPROTO_IP, IP_RECVERR, 1}));
+  }
+  if (options.refusals && ipv6) {
     static_cast<void>(socket_.set({IPPROTO_IPV6, IPV6_RECVERR, 1}));
   }
   const int traffic_class = options.dscp << 2;  // the lower two bits are ECN's

@@ -23,13 +23,15 @@ struct UdpPortOptions {
   bool ipv4_only = false;      // also where there is IPv6
   int dscp = 0;                // 0 .. 63: class of what is sent (RFC 2474), IPv6 and IPv4
   bool broadcast = false;      // may send to all hosts of a link
+  bool refusals = false;       // hears of peers that do not listen: take_unreachable()
 };
 
 // A UDP port at every interface, IPv6 and IPv4 (IPv4 alone where the system has no IPv6), that
 // never sends IP fragments, nor to a broadcast address where it was not asked to (whoever forges
 // one as his own gets no answer: kDeviceError), and takes no answer of the network (ICMP) for a
 // smaller path. Any thread may send, also several at once; one thread receives and takes refusals.
-// An answer "nobody listens there" to an earlier datagram never costs a later one.
+// An answer "nobody listens there" to an earlier datagram never costs a later one;
+// only a port that was asked to hears of them.
 class UdpPort final : public hal::DatagramPort {
  public:
   static std::expected<std::unique_ptr<UdpPort>, OpenError> open(const UdpPortOptions& options);

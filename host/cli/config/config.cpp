@@ -43,9 +43,10 @@ client::ControlOptions control_options(const ConfigOptions& options) {
     control.keys = value_or_fail(client::read_user_keys(options.keys));
   }
   control.device_id = options.device;
-  if (!options.sensor.empty()) {
+  if (!options.sensor.empty() || !options.key.empty()) {
     client::Meant meant = value_or_fail(
-        client::meant_sensor(options.keys, control.keys, options.sensor, options.device));
+        client::meant_sensor(options.keys, control.keys, options.sensor,
+                             {.device = options.device, .key_id = key_id_of(options.key)}));
     control.device_id = meant.device;
     control.keys = meant.keys;
     control.doubt = std::move(meant.doubt);
@@ -59,10 +60,9 @@ client::ControlOptions control_options(const ConfigOptions& options) {
 
 class Session {
  public:
-  Session(std::unique_ptr<client::ControlTransport> transport, const ConfigOptions& options)
-      : place_(transport->place()),
-        client_(std::move(transport), control_options(options)),
-        json_(options.json) {}
+  Session(std::unique_ptr<client::ControlTransport> transport,
+          const client::ControlOptions& control, bool json)
+      : place_(transport->place()), client_(std::move(transport), control), json_(json) {}
 
   const std::optional<client::ControlClient::Proof>& proven() const { return client_.proven(); }
 
@@ -264,10 +264,13 @@ std::string config_over(std::unique_ptr<client::ControlTransport> transport,
                         const std::vector<std::string>& words, const ConfigOptions& options) {
   judge_words(words);
   const std::string address = transport->place();
-  Session session(std::move(transport), options);
+  const client::ControlOptions control = control_options(options);
+  // Whoever is read from where nobody knows which sensor is meant proves nothing of this place.
+  const bool certain = !options.sensor.empty() && control.doubt.empty();
+  Session session(std::move(transport), control, options.json);
   std::string text = client::printable(
       act(session, words[0], Words(words).subspan(1), options.document), client::Lines::kSeveral);
-  if (session.proven() && !options.sensor.empty()) {
+  if (session.proven() && certain) {
     remember_place(options.keys, {.named = options.sensor, .address = address},
                    session.proven()->key_id);
   }
@@ -313,6 +316,8 @@ void add_config(CLI::App& app, ConfigOptions& options) {
       ->capture_default_str();
   command.add_option("--device", options.device,
                      "Number of the sensor (stofd --device): only it is believed");
+  command.add_option("--key", options.key,
+                     "8 digits, of your key of the sensor: only whoever has it is believed");
   command.add_option(
       "--keys", options.keys,
       "File of your keys (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");

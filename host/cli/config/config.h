@@ -20,6 +20,7 @@ struct ConfigOptions {
   std::string document = "active";        // of get: active, staged, saved or defaults
   double timeout_s = 0.3;                 // of each of three attempts
   std::optional<std::uint32_t> device{};  // number of the sensor; none: whoever answers
+  std::string key{};   // id of the key that alone counts; empty: of those that there are
   std::string keys{};  // file of this user's keys; empty: config() takes the usual one
   bool json = false;
 };

@@ -26,12 +26,12 @@ client::SubscriptionOptions subscription(ViewOptions& options) {
   client::SubscriptionOptions terms{.signed_streams = options.signed_streams};
   if (options.signed_streams) {
     options.keys = keys_file(options.keys);
-    const client::Meant meant = value_or_fail(
-        client::meant_sensor(options.keys, value_or_fail(client::read_user_keys(options.keys)),
-                             options.sensor, options.device));
+    const client::Meant meant = value_or_fail(client::meant_sensor(
+        options.keys, value_or_fail(client::read_user_keys(options.keys)), options.sensor,
+        {.device = options.device, .key_id = key_id_of(options.key)}));
     if (!meant.doubt.empty()) {
-      throw Failure(Exit::kBadInput,
-                    "sensor " + options.sensor + ": " + meant.doubt + " (--device NUMBER)");
+      throw Failure(Exit::kBadInput, "sensor " + options.sensor + ": " + meant.doubt +
+                                         " (--device NUMBER or --key ID)");
     }
     terms.keys = meant.keys;
     options.device = meant.device;

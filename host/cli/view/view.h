@@ -22,6 +22,7 @@ struct ViewOptions {
   bool signed_streams = false;          // takes only what the sensor signs for this program
   std::string keys;                     // file of them; empty: this user's
   std::optional<std::uint32_t> device;  // number of the sensor; none: who is known there
+  std::string key;  // id of the one that alone counts, of signed streams; empty: of those there are
   ColourScale scale;
 };
 

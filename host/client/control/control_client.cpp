@@ -90,7 +90,8 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
                                                                   wire::SettingsDocument document,
                                                                   std::string_view text) {
   if (!options_.doubt.empty() && operation != wire::SettingsOperation::kGet) {
-    return std::unexpected(error(Status::kUnsupported, options_.doubt + " (--device NUMBER)"));
+    return std::unexpected(
+        error(Status::kUnsupported, options_.doubt + " (--device NUMBER or --key ID)"));
   }
   deadline_ = Time::clock::now() + options_.overall;
   if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {

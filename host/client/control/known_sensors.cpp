@@ -4,6 +4,7 @@
 #include <array>
 #include <charconv>
 #include <cstdio>
+#include <map>
 #include <set>
 #include <span>
 #include <vector>
@@ -49,13 +50,14 @@ std::string normal(std::string_view named) {
   return is_place(place) ? place : std::string{};
 }
 
-// Those that are known now, as they are kept.
+// Of a number, as it is kept; of a name none.
 std::vector<std::string> addresses_of(std::string_view named) {
   std::vector<std::string> out;
-  if (named.empty()) {
+  const auto parts = posix::split_host_port(named, kDefaultPort);
+  if (!parts) {
     return out;
   }
-  if (const auto addresses = resolve_sensor(named)) {
+  if (const auto addresses = posix::resolve(*parts, posix::Names::kAddressesOnly)) {
     for (const posix::SocketAddress& address : *addresses) {
       out.push_back(normal(address.text()));
     }
@@ -87,12 +89,16 @@ std::optional<Sensors> parse(std::string_view text) {
   return known.size() <= kMostPlaces ? std::optional(std::move(known)) : std::nullopt;
 }
 
+std::string id_text(std::uint32_t id) {
+  std::array<char, kIdDigits + 1> text{};
+  std::snprintf(text.data(), text.size(), "%08x", id);
+  return text.data();
+}
+
 std::string text_of(const Sensors& known) {
   std::string text(kFirstLine);
   for (const Known& one : known) {
-    std::array<char, kIdDigits + 1> id{};
-    std::snprintf(id.data(), id.size(), "%08x", one.key_id);
-    text.append(id.data()).append(" ").append(one.place).append("\n");
+    text.append(id_text(one.key_id)).append(" ").append(one.place).append("\n");
   }
   return text;
 }
@@ -122,7 +128,8 @@ std::optional<std::uint32_t> find(const Sensors& known, const std::string& place
   return found == known.end() ? std::nullopt : std::optional(found->key_id);
 }
 
-// The name first: an address may have been given to another sensor, the name is what he means.
+// The name as it is given: an address may have been given to another sensor, and a name leads where
+// whoever answers for it wants.
 std::optional<std::uint32_t> key_at(const Sensors& known, std::string_view named) {
   if (const auto key = find(known, normal(named))) {
     return key;
@@ -136,27 +143,65 @@ std::optional<std::uint32_t> key_at(const Sensors& known, std::string_view named
   return std::nullopt;
 }
 
-// Empty: there is none.
-std::string doubt_of(const wire::KeyTable& keys) {
-  std::set<std::uint32_t> devices;
-  for (const wire::Key& key : keys.all()) {
-    devices.insert(key.device);
-  }
+std::string joined(const std::set<std::string>& words) {
   std::string list;
-  for (const std::uint32_t device : devices) {
-    list += (list.empty() ? "" : ", ") + std::to_string(device);
+  for (const std::string& word : words) {
+    list += (list.empty() ? "" : ", ") + word;
   }
-  return devices.size() < 2 ? ""
-                            : "your keys are of several sensors (" + list +
-                                  "), and none of them was proven at this address: name the one "
-                                  "that is meant";
+  return list;
+}
+
+// Empty: there is none.
+std::string doubt_of(const wire::KeyTable& keys, const Sensors& known,
+                     std::optional<std::uint32_t> asked) {
+  std::set<std::string> devices;
+  std::map<std::uint32_t, std::set<std::string>> proven;  // ids by number
+  for (const wire::Key& key : keys.all()) {
+    if (asked.value_or(key.device) == key.device) {
+      devices.insert(std::to_string(key.device));
+      if (std::ranges::find(known, key.id, &Known::key_id) != known.end()) {
+        proven[key.device].insert(id_text(key.id));
+      }
+    }
+  }
+  if (devices.size() > 1) {
+    return "your keys are of several sensors (" + joined(devices) +
+           "), and none of them was proven at this address: name the one that is meant";
+  }
+  const auto twice =
+      std::ranges::find_if(proven, [](const auto& of) { return of.second.size() > 1; });
+  return twice == proven.end()
+             ? ""
+             : "your keys are of several sensors with number " + std::to_string(twice->first) +
+                   " (keys " + joined(twice->second) +
+                   "), and none of them was proven at this address: name the one that is meant";
+}
+
+std::expected<Meant, OpenError> meant_by_key(const std::string& key_file,
+                                             const wire::KeyTable& keys, const Asked& asked) {
+  const wire::Key* const key = keys.find(asked.key_id);
+  if (key == nullptr) {
+    return refuse_file(Status::kInvalidArgument, key_file,
+                       "has no key " + id_text(asked.key_id) + ": name one that is in it");
+  }
+  if (asked.device.value_or(key->device) != key->device) {
+    return refuse_file(Status::kInvalidArgument, key_file,
+                       "key " + id_text(key->id) + " is of number " + std::to_string(key->device) +
+                           ", not " + std::to_string(*asked.device) + ": name one of them alone");
+  }
+  Meant meant{.device = key->device};
+  static_cast<void>(meant.keys.add(*key));
+  return meant;
 }
 
 }  // namespace
 
 std::expected<Meant, OpenError> meant_sensor(const std::string& key_file,
                                              const wire::KeyTable& keys, std::string_view named,
-                                             std::optional<std::uint32_t> asked) {
+                                             const Asked& asked) {
+  if (asked.key_id != 0) {
+    return meant_by_key(key_file, keys, asked);
+  }
   const std::expected<Sensors, OpenError> known =
       keys.count() == 0 ? Sensors{} : read_known(key_file, keys);
   if (!known) {
@@ -164,12 +209,22 @@ std::expected<Meant, OpenError> meant_sensor(const std::string& key_file,
   }
   const std::optional<std::uint32_t> id = key_at(*known, named);
   const wire::Key* const key = id ? keys.find(*id) : nullptr;
-  if (key != nullptr && asked.value_or(key->device) == key->device) {
+  if (key != nullptr && asked.device.value_or(key->device) == key->device) {
     Meant meant{.device = key->device};
     static_cast<void>(meant.keys.add(*key));
     return meant;
   }
-  return Meant{.device = asked, .keys = keys, .doubt = asked ? "" : doubt_of(keys)};
+  return Meant{.device = asked.device, .keys = keys, .doubt = doubt_of(keys, *known, asked.device)};
+}
+
+std::expected<std::uint32_t, OpenError> key_proven_at(const std::string& key_file,
+                                                      const wire::KeyTable& keys,
+                                                      std::string_view named) {
+  const std::expected<Sensors, OpenError> known = read_known(key_file, keys);
+  if (!known) {
+    return std::unexpected(known.error());
+  }
+  return key_at(*known, named).value_or(0);
 }
 
 std::expected<void, OpenError> remember_sensor(const std::string& key_file,

@@ -28,15 +28,29 @@ struct Meant {
                         // one line, which ends with "name the one that is meant"
 };
 
-// asked: the sensor that the user names by its number; else the one whose key was proven at
-// `named`, HOST[:PORT], as he calls it; else at its address, for which it may block on a name
-// server; else, where all his keys are of one sensor, whoever answers (who has no key of his proves
-// nothing). Numbers may be given twice: where a key was proven only that one counts, but where
-// `asked` is another sensor's. named: empty: a serial line. keys: all that the user has; what was
-// proven with others is forgotten. Errors as read_own_file(); kCorrupt: no such file, or damaged.
+// What a user says of the sensor that he means.
+struct Asked {
+  std::optional<std::uint32_t> device{};  // its number, which it chose itself
+  std::uint32_t key_id = 0;               // of a key of his: the one thing that nobody imitates
+};
+
+// The sensor of the key that is asked for, which alone counts then; else the number that is; else
+// the one whose key was proven at `named`, HOST[:PORT], as the user calls it, a number also by its
+// value; else, where all his keys are of one sensor, whoever answers (who has no key of his proves
+// nothing). Names are never looked up for this: whoever answers for a name would choose the sensor.
+// Numbers may be given twice: where a key was proven only that one counts, but where the number
+// asked for is another one; two keys of one number, proven at several places, are of two sensors.
+// named: empty: a serial line. keys: all that the user has; what was proven with others is
+// forgotten. Errors as read_own_file(); kCorrupt: no such file, or damaged; kInvalidArgument: there
+// is no such key, or it is of another number.
 std::expected<Meant, OpenError> meant_sensor(const std::string& key_file,
                                              const wire::KeyTable& keys, std::string_view named,
-                                             std::optional<std::uint32_t> asked);
+                                             const Asked& asked);
+
+// The key that was proven at `named`, likewise; 0: none.
+std::expected<std::uint32_t, OpenError> key_proven_at(const std::string& key_file,
+                                                      const wire::KeyTable& keys,
+                                                      std::string_view named);
 
 // The key was proven to be of the sensor there, and no other from now on. Writes only where that is
 // news. Errors as meant_sensor(), and as write_own_file().

@@ -42,6 +42,7 @@ class RequestSigner {
   // There is no higher counter: this key signs nothing more in this session.
   bool is_used_up() const { return counter_ == std::numeric_limits<std::uint64_t>::max(); }
   std::uint32_t device_id() const { return origin_.device_id; }  // 0: nobody has answered
+  std::uint32_t session_id() const { return origin_.session_id; }
 
   // Only where there is a key. A part of `buffer`.
   std::span<const std::byte> seal(const wire::SettingsRequest& request, std::string_view text,

@@ -23,9 +23,19 @@ std::span<const std::byte> Subscription::due(Time now) {
   if (state_ == State::kActive && now - heard_ >= kSilence) {
     state_ = State::kAsking;
   }
-  next_ = now + kRepeat;
+  // Each answer that gets lost costs another key.
+  next_ = now + (wants_key_ ? kFullRepeat : kRepeat);
+  asked_ = now;
   ++request_;
   return seal(PacketType::kSubscribe);
+}
+
+void Subscription::renew_key(Time now) {
+  if (signs() && (!renewed_ || now - *renewed_ >= kFullRepeat)) {
+    renewed_ = now;
+    wants_key_ = true;
+    next_ = now;
+  }
 }
 
 Time Subscription::next_due() const {
@@ -79,7 +89,13 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
     }
     signer_->note_highest(opened->highest);
     if (answer->result == SubscribeResult::kOk) {
-      stream_key_ = signer_->open_stream_key(*opened);
+      const wire::StreamKey key = signer_->open_stream_key(*opened);
+      if (key.number != stream_key_.number ||
+          !wire::equal_secrets(key.secret, stream_key_.secret)) {
+        key_asked_ = asked_;
+        wants_key_ = false;
+      }
+      stream_key_ = key;
       proven_key_ = signer_->key()->id;
     }
     return answer->result != SubscribeResult::kOk || stream_key_.number != 0;
@@ -155,7 +171,7 @@ std::span<const std::byte> Subscription::seal(PacketType type) {
   wire::Subscribe request{
       .request_id = request_, .lease_ms = static_cast<std::uint16_t>(lease), .cookie = cookie_};
   if (signer_ && signer_->key() != nullptr) {
-    request.stream_key = stream_key_.number;
+    request.stream_key = wants_key_ ? 0 : stream_key_.number;
     return signer_->seal(type, request, buffer_);
   }
   if (signer_) {

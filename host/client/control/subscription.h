@@ -68,6 +68,11 @@ class Subscription {
   bool signs() const noexcept { return signer_.has_value(); }
   // Of signed streams: what they are signed with; number 0: not known yet.
   const wire::StreamKey& stream_key() const noexcept { return stream_key_; }
+  std::uint32_t session() const noexcept { return signer_ ? signer_->session_id() : 0; }
+  // Asks at once that what comes from now on is signed with a new key; at most once a second.
+  void renew_key(Time now);
+  // When the newest key was asked for: whatever it signs was sent after that.
+  Time key_asked() const noexcept { return key_asked_; }
 
  private:
   static constexpr std::uint32_t kAnswerable = 8;  // newest requests whose answers count
@@ -90,6 +95,10 @@ class Subscription {
   std::optional<std::uint32_t> other_sensor_;
   std::optional<RequestSigner> signer_;
   wire::StreamKey stream_key_;
+  bool wants_key_ = false;  // another one than that
+  std::optional<Time> renewed_;
+  Time asked_ = Time::min();  // the newest request
+  Time key_asked_ = Time::min();
   std::uint32_t proven_key_ = 0;
   wire::DatagramBuffer buffer_{};
 };

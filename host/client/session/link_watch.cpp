@@ -26,6 +26,10 @@ void LinkWatch::look(const Reassembler& reassembler, Time now) noexcept {
     forged_at_ = now;
   }
   forgeries_ = forgeries;
+  if (reassembler.late_frames() > late_) {
+    late_at_ = now;
+  }
+  late_ = reassembler.late_frames();
   health_at_ = messages.health() ? std::optional(messages.health_at()) : std::nullopt;
   calibration_at_ =
       messages.calibration() ? std::optional(messages.calibration_at()) : std::nullopt;
@@ -44,6 +48,7 @@ LinkState LinkWatch::state(Time now) const noexcept {
   return {.silent = now - heard_ > silence,
           .restarted = restarted_at_ && (now - *restarted_at_ < kRestartTold || !again),
           .forged_traffic = forged_at_ && now - *forged_at_ < kForgeryTold,
+          .delayed = late_at_ && now - *late_at_ < kLateTold,
           .frame_age = age(frame_at_, now),
           .health_age = age(health_at_, now),
           .calibration_age = age(calibration_at_, now)};

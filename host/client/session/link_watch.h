@@ -20,6 +20,9 @@ struct LinkState {
   // not signed where it has to be: somebody speaks in the sensor's name, or it is faulty. What it
   // said was not believed.
   bool forged_traffic = false;
+  // Within the last 2 seconds frames came so much later than others before that they were not
+  // delivered: the network is too slow, or somebody holds them back.
+  bool delayed = false;
 
   std::optional<Duration> frame_age{};  // of the last packet of the newest frame delivered
   std::optional<Duration> health_age{};
@@ -31,6 +34,7 @@ class LinkWatch {
  public:
   static constexpr Duration kRestartTold = std::chrono::seconds(1);
   static constexpr Duration kForgeryTold = std::chrono::seconds(2);
+  static constexpr Duration kLateTold = std::chrono::seconds(2);
 
   explicit LinkWatch(Time opened) noexcept : heard_(opened) {}
 
@@ -47,9 +51,11 @@ class LinkWatch {
   std::optional<Time> calibration_at_;
   std::optional<Time> restarted_at_;
   std::optional<Time> forged_at_;
+  std::optional<Time> late_at_;
   Duration period_{0};  // 0: not known
   std::uint64_t sessions_ = 0;
   std::uint64_t forgeries_ = 0;
+  std::uint64_t late_ = 0;
 };
 
 }  // namespace stof::client

@@ -5,13 +5,14 @@
 
 namespace stof::client {
 
-void StreamVerifier::set_key(const wire::StreamKey& key) {
+void StreamVerifier::set_key(const wire::StreamKey& key, std::uint32_t session) {
   Known& newest = known_.front();
   if (key.number == newest.key.number && wire::equal_secrets(key.secret, newest.key.secret)) {
     return;
   }
   // The same number again is of a sensor that started again.
-  known_.back() = key.number == newest.key.number ? Known{} : newest;
+  known_.back() = key.number == newest.key.number || session != session_ ? Known{} : newest;
+  session_ = session;
   newest = {.key = key};
 }
 
@@ -39,6 +40,7 @@ StreamVerifier::Verdict StreamVerifier::judge(std::span<const std::byte> datagra
   }
   known->use(counter);
   ++good_;
+  good_number_ = known->key.number;
   return Verdict::kGood;
 }
 

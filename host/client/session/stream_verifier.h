@@ -24,14 +24,16 @@ class StreamVerifier {
     kLate,  // its counter is so old that nobody knows whether it came
   };
 
-  // The sensor signs with it from now on. What the key before it signed is good as well, until the
-  // next one.
-  void set_key(const wire::StreamKey& key);
+  // The sensor signs with it from now on, in this session. What the key before it signed is good as
+  // well, until the next one; what it signed in another session no more.
+  void set_key(const wire::StreamKey& key, std::uint32_t session = 0);
   bool has_key() const noexcept { return known_.front().key.number != 0; }
 
   // Of a datagram that wire::parse_packet() took. A good one's counter is used up.
   Verdict judge(std::span<const std::byte> datagram);
   std::uint64_t good() const noexcept { return good_; }
+  // Of the key of the newest good one; 0: there was none.
+  std::uint32_t good_number() const noexcept { return good_number_; }
 
  private:
   struct Known {
@@ -44,6 +46,8 @@ class StreamVerifier {
 
   std::array<Known, 2> known_{};  // the newest first
   std::uint64_t good_ = 0;
+  std::uint32_t good_number_ = 0;
+  std::uint32_t session_ = 0;
 };
 
 }  // namespace stof::client

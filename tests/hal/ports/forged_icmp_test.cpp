@@ -1,7 +1,9 @@
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include <arpa/inet.h>
@@ -116,6 +118,38 @@ TEST(ForgedIcmp, ThatAPathTakesLessIsNotBelieved) {
     GTEST_SKIP() << "this user may not have a network of its own";
   }
   EXPECT_EQ(arrived, 100);
+}
+
+// Whether a port hears of a refusal that was made up.
+int hears(bool refusals) {
+  const auto sensor = UdpPort::open({.refusals = refusals});
+  const auto receiver = UdpPort::open({.ipv4_only = true});
+  if (!sensor || !receiver) {
+    return kSkipped;
+  }
+  Peer to{.address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 127, 0, 0, 1},
+          .port = (*receiver)->port()};
+  const std::array<std::byte, 100> datagram{};
+  const std::span<const std::byte> one(datagram);
+  std::size_t sent = 0;
+  static_cast<void>((*sensor)->send(to, std::span(&one, 1), sent));  // there is a route now
+  if (!forge(ICMP_PORT_UNREACH, 0, (*sensor)->port(), to.port)) {
+    return kSkipped;
+  }
+  std::array<std::byte, 2000> space;
+  static_cast<void>((*sensor)->receive(space, std::chrono::milliseconds(100)));
+  return (*sensor)->take_unreachable(to) ? 1 : 0;
+}
+
+// While many of them are read each makes a call of whoever sends fail.
+TEST(ForgedIcmp, OnlyWhoAsksHearsOfThem) {
+  for (const bool refusals : {false, true}) {
+    const int heard = in_own_network([refusals] { return hears(refusals); });
+    if (heard == kSkipped) {
+      GTEST_SKIP() << "this user may not have a network of its own";
+    }
+    EXPECT_EQ(heard, refusals ? 1 : 0);
+  }
 }
 
 TEST(ForgedIcmp, ThatNobodyListensCostsNoDatagram) {

@@ -173,7 +173,7 @@ TEST(UdpPort, TellsWhoRefusesAndLosesNothingForIt) {
   if (!tells_refusals()) {
     GTEST_SKIP() << "this system does not tell who refuses";
   }
-  const auto sensor = open_port();
+  const auto sensor = open_port({.refusals = true});
   const auto alive = open_port();
   std::uint16_t closed = 0;
   {
@@ -197,7 +197,7 @@ TEST(UdpPort, TellsWhoRefusesOnIpv6) {
   if (!tells_refusals()) {
     GTEST_SKIP() << "this system does not tell who refuses";
   }
-  const auto sensor = open_port();
+  const auto sensor = open_port({.refusals = true});
   std::uint16_t closed = 0;
   {
     closed = open_port()->port();

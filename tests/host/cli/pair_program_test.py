@@ -358,6 +358,7 @@ class Pair(unittest.TestCase):
                 self.refuse(1, "number 2, but you named 1, or proved it at this address", *words)
             known.write_text(places, encoding="utf-8")
             # Nor is anything believed where none was proven, until one is named; from then on it is known.
+            self.ask("config", proxy.address, "get", "name")  # which proves nothing of this place
             self.refuse(1, "several sensors (1, 2)", "config", proxy.address, "set", "period_ms=90")
             for words in (("unpair", proxy.address), ("view", proxy.address, "--signed", "--frames", 3)):
                 self.refuse(2, "several sensors (1, 2)", *words)
@@ -365,6 +366,35 @@ class Pair(unittest.TestCase):
             self.ask("config", proxy.address, "set", "period_ms=80")
             self.assertIn("of sensor 00000002", self.ask("unpair", proxy.address))
         self.assertEqual(len(self.listed()), 1)
+
+    def test_a_sensor_that_says_the_number_of_another(self):
+        other = Pair()
+        other.setUp()
+        self.addCleanup(other.doCleanups)
+        keys = []
+        for sensor in (self, other):
+            sensor.start("--label", sensor.label)
+            words = ("pair", sensor.address, "--code", CODE)
+            if keys:
+                self.refuse(1, f"number 1, which your key {keys[0]} is of already", *words)
+                self.assertFalse(other.keys.exists(), "and it has no key")
+                other.stop()  # and with it the attempt of before
+                other.start("--label", other.label)
+                words = ("pair", other.address, "--code", CODE, "--again")
+            keys.append(re.match(r"key ([0-9a-f]{8}) of sensor 00000001", self.ask(*words))[1])
+        self.ask("pair", self.address, "--code", CODE)  # where it was proven once more may be paired
+        with Proxy(other.address) as proxy:
+            for words in (("config", proxy.address, "set", "period_ms=90"), ("config", proxy.address, "set", "period_ms=90", "--device", "1")):
+                self.refuse(1, "several sensors with number 1", *words)
+            self.refuse(2, "several sensors with number 1", "view", proxy.address, "--signed", "--device", "1", "--frames", 3)
+            self.refuse(1, "has none of your keys any more", "config", proxy.address, "set", "period_ms=90", "--key", keys[0])
+            self.refuse(1, "no key of yours", "view", proxy.address, "--signed", "--frames", 3, "--key", keys[0])
+            self.assertIn("of sensor 1,", self.ask("config", proxy.address, "set", "period_ms=90", "--key", keys[1]))
+            self.ask("view", proxy.address, "--signed", "--frames", 3, "--key", keys[1])
+            self.ask("pair", proxy.address, "--renew", "--key", keys[1])
+            self.ask("unpair", proxy.address, "--key", keys[1])
+        self.refuse(2, "8 hexadecimal digits", "config", self.address, "get", "--key", "7")
+        self.refuse(2, "has no key 00000007", "config", self.address, "get", "--key", "00000007")
 
     def test_a_sensor_takes_sixteen_keys(self):
         for number in range(16):

@@ -2,9 +2,12 @@
 """signed_view_test.py COMMAND...: `stof view --signed` (COMMAND: stof, with an emulator before it in a cross build) of `stofd`
 (STOFD holds that command, its words separated by |), with somebody between who forges."""
 
+import collections
 import os
 import pathlib
+import re
 import select
+import signal
 import socket
 import subprocess
 import sys
@@ -38,10 +41,14 @@ def changed(datagram):
 
 
 class Between(threading.Thread):
-    """Passes what a client and a sensor say; what the sensor sends goes through `work`: one datagram in, any out."""
+    """Passes what a client and a sensor say; what the sensor sends goes through `work`: one datagram in, any out. `due` says
+    when a datagram that came so many seconds after the first one leaves, all in their order."""
 
-    def __init__(self, port, work):
+    def __init__(self, port, work, due=lambda came: came):
         super().__init__(daemon=True)
+        self.due = due
+        self.began = None
+        self.waiting = collections.deque()
         self.client = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
         self.client.bind(("127.0.0.1", 0))
         self.sensor = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -55,16 +62,27 @@ class Between(threading.Thread):
     def run(self):
         client = None
         while not self.ended:
-            for ready in select.select([self.client, self.sensor], [], [], 0.05)[0]:
+            self.release(client)
+            for ready in select.select([self.client, self.sensor], [], [], 0.002 if self.waiting else 0.05)[0]:
                 try:
                     if ready is self.client:
                         datagram, client = self.client.recvfrom(2048)
                         self.sensor.send(datagram)
                     elif client is not None:
-                        for out in self.work(self.sensor.recv(2048)):
-                            self.client.sendto(out, client)
+                        datagrams = self.work(self.sensor.recv(2048))
+                        now = time.monotonic()
+                        self.began = self.began or now
+                        self.waiting.extend((self.began + self.due(now - self.began), out) for out in datagrams)
                 except OSError:
                     pass
+            self.release(client)
+
+    def release(self, client):
+        while self.waiting and self.waiting[0][0] <= time.monotonic():
+            try:
+                self.client.sendto(self.waiting.popleft()[1], client)
+            except OSError:
+                pass
 
     def end(self):
         self.ended = True
@@ -103,8 +121,8 @@ class SignedView(unittest.TestCase):
     def view(self, port, *words):
         return self.stof("view", f"127.0.0.1:{port}", *words)
 
-    def between(self, work):
-        between = Between(self.port, work)
+    def between(self, work, **more):
+        between = Between(self.port, work, **more)
         self.addCleanup(between.end)
         return between.port
 
@@ -142,6 +160,24 @@ class SignedView(unittest.TestCase):
         self.assertEqual(seen.returncode, 1, seen.stdout)
         self.assertRegex(seen.stderr, r"packets came, but no frame.*not signed for this program")
         self.assertEqual(self.view(self.between(strip), "--frames", 10).returncode, 0)
+
+    def test_a_stream_that_is_slowed_is_refused_however_long_it_goes_on(self):
+        port = self.between(lambda datagram: [datagram], due=lambda came: came / 0.5)
+        view = subprocess.Popen([*COMMAND, "view", f"127.0.0.1:{port}", "--signed", "--keys", str(self.keys)],
+                                stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        time.sleep(6)  # 37 frames of 75, the last of them three seconds old
+        view.send_signal(signal.SIGINT)
+        out, error = view.communicate(timeout=ENOUGH_S)
+        self.assertLess(int(re.search(r"(\d+) frames received", out)[1]), 10, out + error)
+        self.assertGreater(int(re.search(r"(\d+) frames too old", out)[1]), 15, out)
+        self.assertRegex(out, "link:.* delayed")
+
+    def test_a_way_that_became_longer_is_taken_when_a_new_key_proves_it(self):
+        port = self.between(lambda datagram: [datagram], due=lambda came: came + (0.23 if came > 1.5 else 0))
+        seen = self.view(port, "--signed", "--keys", self.keys, "--frames", 50)
+        self.assertEqual((seen.returncode, seen.stderr), (0, ""), seen.stdout)
+        self.assertGreater(int(re.search(r"(\d+) frames too old", seen.stdout)[1]), 5, seen.stdout)
+        self.assertRegex(seen.stdout, "link:.* delayed")
 
     def test_without_a_key_it_says_what_to_do(self):
         seen = self.view(self.port, "--signed", "--keys", self.folder / "none", "--frames", 10, "--timeout", 1)

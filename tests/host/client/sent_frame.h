@@ -44,7 +44,8 @@ inline FrameSpec frame_spec(std::uint32_t number) {
 inline wire::FrameStamp stamp_of(const FrameSpec& spec) {
   return {.number = spec.number,
           .freshness = spec.freshness,
-          .exposure_middle_ns = std::int64_t{1'000'000} * spec.number};
+          .exposure_middle_ns = std::int64_t{1'000'000} * spec.number,
+          .clock = wire::ClockState::kEmulated};
 }
 
 // The appliance's own coder with memory of its own.

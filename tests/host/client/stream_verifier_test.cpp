@@ -126,6 +126,17 @@ TEST_F(Verifier, TheSameNumberOfAnotherSessionReplacesIt) {
   EXPECT_EQ(judge(1, numbered(5, 9)), Verdict::kGood);
 }
 
+// Else whoever kept what it signed could show it after the next start.
+TEST_F(Verifier, AKeyOfAnotherSessionIsNoneAnyMore) {
+  verifier_.set_key(numbered(6), 1);
+  verifier_.set_key(numbered(7), 1);
+  EXPECT_EQ(judge(1, numbered(6)), Verdict::kGood);
+  EXPECT_EQ(verifier_.good_number(), 6U);
+  verifier_.set_key(numbered(1), 2);
+  EXPECT_EQ(judge(2, numbered(7)), Verdict::kNotSigned);
+  EXPECT_EQ(judge(1, numbered(1)), Verdict::kGood);
+}
+
 class SignedFrames : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(wire::start_crypto()); }

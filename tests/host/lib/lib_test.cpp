@@ -363,6 +363,51 @@ TEST(Lib, TakesOnlyWhatIsSignedWhereThatWasAskedFor) {
   EXPECT_EQ(std::remove(file.c_str()), 0);
 }
 
+// Both say that they are number 0x51; only one has the key that is named.
+TEST(Lib, BelievesOnlyTheSensorOfTheKeyThatIsNamed) {
+  ASSERT_TRUE(stof::wire::start_crypto());
+  const std::string file = testing::TempDir() + "stof_lib_key_ids";
+  stof::wire::KeyTable keys;
+  for (const std::uint32_t id : {4U, 5U}) {
+    stof::wire::Key key = stof::test::numbered_key(id, stof::wire::Role::kView);
+    key.device = 0x51;
+    ASSERT_EQ(keys.add(key), stof::Status::kOk);
+  }
+  ASSERT_TRUE(stof::client::write_user_keys(file, keys));
+  stof::keys::Keyring ring(nullptr, nullptr);
+  ASSERT_EQ(ring.add(*keys.find(4)), stof::Status::kOk);
+  stof::keys::Authenticator authenticator(ring);
+  stof::test::Sensor sensor(nullptr, 0, 1, &authenticator);
+  const std::string at = endpoint(sensor);
+  stof_options options = STOF_INIT(stof_options);
+  options.sensor = at.c_str();
+  options.signed_streams = 1;
+  options.device_id = 0x51;
+  options.keys = file.c_str();
+  for (const std::uint32_t id : {4U, 5U}) {
+    options.key_id = id;
+    std::string why;
+    auto client = stof::Sensor::open(options, &why);
+    ASSERT_TRUE(client) << why;
+    const auto end = std::chrono::steady_clock::now() + (id == 4 ? 10s : 1s);
+    while (sensor.list().count == 0 && std::chrono::steady_clock::now() < end) {
+      static_cast<void>(client->next(10ms));
+    }
+    EXPECT_EQ(sensor.list().count, id == 4 ? 1U : 0U);
+    client.reset();  // says farewell
+    const auto left = std::chrono::steady_clock::now() + 10s;
+    while (sensor.list().count != 0 && std::chrono::steady_clock::now() < left) {
+      std::this_thread::sleep_for(10ms);
+    }
+    ASSERT_EQ(sensor.list().count, 0U);
+  }
+  options.key_id = 6;
+  std::string why;
+  EXPECT_FALSE(stof::Sensor::open(options, &why));
+  EXPECT_NE(why.find("has no key 00000006"), std::string::npos) << why;
+  EXPECT_EQ(std::remove(file.c_str()), 0);
+}
+
 TEST(Lib, SignedStreamsTakeASensorAndAKeyFileThatCanBeRead) {
   stof_options options = STOF_INIT(stof_options);
   options.signed_streams = 1;

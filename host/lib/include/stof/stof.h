@@ -76,12 +76,16 @@ typedef struct stof_options {
   uint16_t reserved;       /* 0 */
   uint32_t socket_buffer;  /* bytes asked of the system; 0: 4 MiB */
   uint32_t max_pixels;     /* of one image, bounds the memory; 0: 2 Mi */
-  uint32_t max_age_ms;     /* frames that arrived here longer ago are dropped and counted; 0: one
-                              period of the sensor and 100 ms */
+  uint32_t max_age_ms;     /* frames that arrived here longer ago, or come later than others by
+                              more, are dropped and counted; 0: one period of the sensor and
+                              100 ms */
   uint32_t signed_streams; /* 1: subscribe with a key of `keys`, and believe only what the sensor
                              signs for this program alone, see docs/SECURITY.md; 0: believe all */
   const char* keys; /* file of the keys that requests are signed with, as `stof pair` makes it;
                        NULL: this user's own, "": none */
+  uint32_t key_id;  /* only the sensor of this key of `keys`: a number any sensor can say of itself,
+                       a key it cannot; 0: any */
+  uint32_t reserved_2; /* 0 */
 } stof_options;
 
 /* Does not wait for the sensor, but may block on a name server. `why` (may be NULL) gets one line
@@ -294,6 +298,8 @@ STOF_API const char* stof_health_name(unsigned health);
 /* In the last 2 s came what no sensor can have sent, or what is not signed and should be. Not
  * believed. */
 #define STOF_LINK_FORGED 4U
+/* In the last 2 s frames came later than others before by more than max_age_ms: not delivered. */
+#define STOF_LINK_DELAYED 8U
 
 typedef struct stof_link {
   uint32_t struct_size;
@@ -347,7 +353,7 @@ typedef struct stof_statistics { /* since stof_open() */
   uint64_t socket_drops;        /* found the socket's buffer full */
   uint64_t packets_old;         /* waited in this machine's queue for too long */
   uint64_t packets_implausible; /* no sensor can have sent them: forged, or a fault */
-  uint64_t frames_old;          /* waited for too long: not delivered */
+  uint64_t frames_old;          /* waited for too long, or held back: not delivered */
   uint64_t resynchronised;      /* the order of frames was wrong and begun anew */
   uint64_t packets_not_signed;  /* where signed_streams was asked for: not signed, or for others */
   uint64_t packets_forged;      /* likewise: with a wrong signature */

@@ -19,6 +19,7 @@
 
 namespace stof {
 
+using Options = stof_options;  // begin with STOF_INIT(stof_options)
 using Point = stof_point;
 using Calibration = stof_calibration;
 using Info = stof_info;

@@ -34,7 +34,7 @@ class KnownSensorsTest : public testing::Test {
     ASSERT_EQ(keys_.add(key), Status::kOk);
   }
   Meant meant(std::string_view named, std::optional<std::uint32_t> asked = {}) const {
-    const auto found = meant_sensor(file_, keys_, named, asked);
+    const auto found = meant_sensor(file_, keys_, named, {.device = asked});
     EXPECT_TRUE(found) << found.error().message;
     return found.value_or(Meant{});
   }
@@ -87,7 +87,8 @@ TEST_F(KnownSensorsTest, ANameCountsBeforeTheAddressThatItHasNow) {
   EXPECT_EQ(meant("localhost:7001").device, kRear);
   EXPECT_EQ(meant("127.0.0.1:7001").device, kFront);
   remember({.named = "elsewhere", .address = "127.0.0.1:7003"}, kRear);
-  EXPECT_EQ(meant("localhost:7003").device, kRear) << "by its address, under another name";
+  EXPECT_FALSE(meant("localhost:7003").device) << "a name leads where whoever answers for it wants";
+  EXPECT_EQ(meant("[::ffff:7f00:1]:7001").device, meant("[::ffff:127.0.0.1]:7001").device);
 }
 
 TEST_F(KnownSensorsTest, KeysOfOneSensorNeedNoName) {
@@ -115,6 +116,45 @@ TEST_F(KnownSensorsTest, OfTwoWithOneNumberOnlyTheProvenKeyCounts) {
   }
   EXPECT_EQ(meant("127.0.0.1:7001", kRear).keys.count(), 3U);
   EXPECT_EQ(meant("127.0.0.1:7002", kFront).keys.count(), 3U);
+}
+
+TEST_F(KnownSensorsTest, TwoOfOneNumberThatWereProvenAtTwoPlacesAreTwoSensors) {
+  ASSERT_TRUE(keys_.remove(kRear));
+  add(7, kFront);
+  remember(kFrontPlace, kFront);
+  EXPECT_TRUE(meant("127.0.0.1:7002").doubt.empty()) << "the other may be an older one of it";
+  remember(kRearPlace, 7);
+  for (const std::optional<std::uint32_t> asked : {std::optional<std::uint32_t>{}, {kFront}}) {
+    EXPECT_NE(meant("127.0.0.1:7002", asked).doubt.find("number 1 (keys 00000001, 00000007)"),
+              std::string::npos)
+        << meant("127.0.0.1:7002", asked).doubt;
+    EXPECT_EQ(meant("127.0.0.1", asked).keys.all()[0].id, 7U);
+  }
+}
+
+TEST_F(KnownSensorsTest, AKeyThatIsNamedCountsAloneWhateverWasProven) {
+  add(7, kFront);
+  remember(kFrontPlace, kFront);
+  for (const char* const named : {"127.0.0.1:7001", "127.0.0.1:7002", ""}) {
+    const auto found = meant_sensor(file_, keys_, named, {.key_id = 7});
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->device, kFront);
+    ASSERT_EQ(found->keys.count(), 1U);
+    EXPECT_EQ(found->keys.all()[0].id, 7U);
+    EXPECT_TRUE(found->doubt.empty());
+  }
+  for (const Asked& wrong : {Asked{.key_id = 9}, Asked{.device = kRear, .key_id = 7}}) {
+    const auto found = meant_sensor(file_, keys_, "127.0.0.1:7001", wrong);
+    ASSERT_FALSE(found);
+    EXPECT_EQ(found.error().status, Status::kInvalidArgument);
+  }
+}
+
+TEST_F(KnownSensorsTest, TellsWhichKeyWasProvenSomewhere) {
+  remember(kFrontPlace, kFront);
+  EXPECT_EQ(key_proven_at(file_, keys_, "127.0.0.1:7001"), kFront);
+  EXPECT_EQ(key_proven_at(file_, keys_, "127.0.0.1:7002"), 0U);
+  EXPECT_EQ(key_proven_at(file_, keys_, ""), 0U);
 }
 
 TEST_F(KnownSensorsTest, ASensorWithoutAKeyIsForgotten) {

@@ -187,6 +187,36 @@ TEST_F(SignedSubscription, AnAnswerToAnEarlierRequestIsNoneToThis) {
   EXPECT_EQ(subscription.stream_key(), sensors_key());
 }
 
+// What it signs was sent after it was asked for.
+TEST_F(SignedSubscription, AsksForANewKeyAtOnceAndOnceASecond) {
+  Subscription subscription(with({key_}), 5);
+  talk(subscription);
+  const wire::StreamKey first = subscription.stream_key();
+  EXPECT_EQ(subscription.key_asked(), now_);
+  for (int i = 0; i < 10; ++i) {
+    now_ += 90ms;
+    subscription.heard(now_);
+    subscription.renew_key(now_);
+    talk(subscription);
+  }
+  const wire::StreamKey second = subscription.stream_key();
+  EXPECT_EQ(second.number, first.number + 1);
+  EXPECT_EQ(second, sensors_key());
+  EXPECT_EQ(subscription.key_asked(), kStart + 90ms);
+  now_ += 1s;
+  subscription.heard(now_);
+  subscription.renew_key(now_);
+  static_cast<void>(answer_due(subscription));  // lost
+  for (int i = 0; i < 5; ++i) {
+    now_ += Subscription::kRepeat;
+    subscription.heard(now_);
+    talk(subscription);
+  }
+  EXPECT_EQ(subscription.stream_key().number, second.number + 2);
+  EXPECT_EQ(subscription.stream_key(), sensors_key());
+  EXPECT_EQ(subscription.key_asked(), now_);
+}
+
 TEST_F(SignedSubscription, LeavesWithASignature) {
   Subscription subscription(with({key_}), 5);
   talk(subscription);

@@ -1,0 +1,92 @@
+#include "host/cli/own_keys.h"
+
+#include <array>
+#include <charconv>
+#include <chrono>
+#include <cstdio>
+
+#include "firmware/wire/crypto/crypto.h"
+#include "host/cli/pair.h"
+#include "host/cli/serial_transport.h"
+#include "host/client/control/user_keys.h"
+
+namespace stof::host {
+
+void need_crypto() {
+  if (!wire::start_crypto()) {
+    throw Failure(Exit::kFailure, "pair: this system has no random numbers");
+  }
+}
+
+client::ControlOptions timing(double timeout_s) {
+  return {.timeout = std::chrono::duration_cast<client::Duration>(
+              std::chrono::duration<double>(timeout_s))};
+}
+
+std::unique_ptr<client::ControlTransport> open_way(const char* command, const std::string& sensor,
+                                                   const std::string& serial, unsigned baud) {
+  if (sensor.empty() == serial.empty()) {
+    throw Failure(Exit::kBadInput,
+                  std::string(command) + ": give a sensor, HOST[:PORT], or --serial");
+  }
+  return sensor.empty() ? value_or_fail(open_serial_transport(serial, baud))
+                        : value_or_fail(client::open_udp_transport(sensor));
+}
+
+std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,
+                                std::uint32_t device) {
+  std::vector<wire::Key> own;
+  for (std::size_t i = keys.count(); i-- > 0;) {
+    if (keys.all()[i].device == device) {
+      own.push_back(keys.all()[i]);
+    }
+  }
+  if (own.empty()) {
+    throw Failure(Exit::kFailure, file + ": has no key of this sensor (" + std::to_string(device) +
+                                      "): pair, or name its number with --device");
+  }
+  return own;
+}
+
+client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
+                            const std::string& sensor, const client::Asked& asked) {
+  client::Meant meant = value_or_fail(client::meant_sensor(file, keys, sensor, asked));
+  if (!meant.doubt.empty()) {
+    throw Failure(Exit::kBadInput, (sensor.empty() ? file : sensor) + ": " + meant.doubt +
+                                       " (--device NUMBER or --key ID)");
+  }
+  return meant;
+}
+
+std::uint32_t device_of(const client::Meant& meant) {
+  return meant.device.value_or(meant.keys.count() == 0 ? 1 : meant.keys.all()[0].device);
+}
+
+std::string id_text(const wire::Key& key) {
+  std::array<char, 9> text{};
+  std::snprintf(text.data(), text.size(), "%08x", key.id);
+  return text.data();
+}
+
+void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id) {
+  if (const auto keys = client::read_user_keys(key_file)) {
+    static_cast<void>(client::remember_sensor(key_file, *keys, place, key_id));
+  }
+}
+
+std::uint32_t key_id_of(const std::string& text) {
+  constexpr std::size_t kDigits = 8;
+  std::uint32_t id = 0;
+  const char* const end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, id, 16);
+  if (!text.empty() && (text.size() != kDigits || read.ptr != end || id == 0)) {
+    throw Failure(Exit::kBadInput, "--key: takes the 8 hexadecimal digits of a key's id");
+  }
+  return id;
+}
+
+std::string keys_file(const std::string& named) {
+  return named.empty() ? client::user_keys_file() : named;
+}
+
+}  // namespace stof::host

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/cli/failure.h"
+#include "host/client/control/control_client.h"
+#include "host/client/control/known_sensors.h"
+
+// What `stof pair` and `stof unpair` share.
+namespace stof::host {
+
+// The value, or Failure without it.
+template <typename Expected>
+auto value_or_end(Expected&& result) {
+  if (!result) {
+    throw Failure(Exit::kFailure, result.error().message);
+  }
+  if constexpr (!std::is_void_v<typename std::remove_cvref_t<Expected>::value_type>) {
+    return std::move(*std::forward<Expected>(result));
+  }
+}
+
+void need_crypto();  // throws Failure
+
+client::ControlOptions timing(double timeout_s);
+
+// To a sensor by its address, or by a line: one of the two. Throws Failure.
+std::unique_ptr<client::ControlTransport> open_way(const char* command, const std::string& sensor,
+                                                   const std::string& serial, unsigned baud);
+
+// Of a sensor, the newest first. Two sensors may have one number. Throws Failure where there is
+// none.
+std::vector<wire::Key> own_keys(const std::string& file, const wire::KeyTable& keys,
+                                std::uint32_t device);
+
+// Throws Failure where nobody knows which of several sensors is meant.
+client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
+                            const std::string& sensor, const client::Asked& asked);
+
+// The number of the sensor that is meant, else of the only one.
+std::uint32_t device_of(const client::Meant& meant);
+
+std::string id_text(const wire::Key& key);  // 8 hexadecimal digits
+
+}  // namespace stof::host

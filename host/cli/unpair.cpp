@@ -1,0 +1,114 @@
+#include <algorithm>
+#include <cstdio>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
+#include "host/cli/pair.h"
+#include "host/client/control/user_keys.h"
+#include "host/client/printable.h"
+
+namespace stof::host {
+namespace {
+
+// Drops the user's keys that fit; how many.
+template <typename Fits>
+std::size_t forget(const std::string& file, Fits&& fits) {
+  std::size_t dropped = 0;
+  value_or_fail(client::update_user_keys(
+      file, [&](const wire::KeyTable& keys) -> std::expected<wire::KeyTable, client::OpenError> {
+        wire::KeyTable kept;
+        for (const wire::Key& key : keys.all()) {
+          if (!fits(key)) {
+            static_cast<void>(kept.add(key));
+          }
+        }
+        dropped = keys.count() - kept.count();
+        return kept;
+      }));
+  return dropped;
+}
+
+// The answer, if it is no refusal.
+client::ControlAnswer done(client::ControlAnswer answer, const std::string& place) {
+  if (answer.result == wire::SettingsResult::kOk) {
+    return answer;
+  }
+  if (answer.result == wire::SettingsResult::kUnknownKey) {
+    answer.text = "has none of your keys any more";
+  }
+  throw Failure(
+      answer.result == wire::SettingsResult::kInvalid ? Exit::kBadInput : Exit::kFailure,
+      place + ": " +
+          (answer.text.empty() ? "does not know this request: update the sensor" : answer.text));
+}
+
+client::ControlAnswer ask(client::ControlClient& client, wire::SettingsOperation operation,
+                          const std::string& text, const std::string& place) {
+  return done(value_or_end(client.request(operation, {}, text)), place);
+}
+
+// The newest of this user's keys that the sensor has; its id.
+std::string end_own(client::ControlClient& client, const std::vector<wire::Key>& own,
+                    const std::string& place) {
+  for (const wire::Key& key : own) {
+    const auto answer =
+        value_or_end(client.request(wire::SettingsOperation::kUnpair, {}, id_text(key)));
+    if (answer.result != wire::SettingsResult::kInvalid || &key == &own.back()) {
+      static_cast<void>(done(answer, place));
+      return id_text(key);
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+void unpair(const UnpairOptions& options) {
+  need_crypto();
+  const std::string file = keys_file(options.keys);
+  const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));
+  const std::uint32_t key_id = key_id_of(options.key);
+  const bool named = options.forget && options.device;
+  const bool any = !options.serial.empty() && (options.list || !options.id.empty());
+  const client::Meant meant =
+      key_id == 0 && (any || named)
+          ? client::Meant{.device = options.device, .keys = keys}
+          : meant_or_fail(file, keys, options.sensor, {.device = options.device, .key_id = key_id});
+  const std::uint32_t device = device_of(meant);
+  if (options.forget) {
+    const std::size_t count = forget(file, [&](const wire::Key& key) {
+      return key.device == device && (key_id == 0 || key.id == key_id);
+    });
+    std::printf("%zu keys of sensor %08x forgotten in %s\n", count, device, file.c_str());
+    return;
+  }
+  auto transport = open_way("unpair", options.sensor, options.serial, options.baud);
+  const std::string place = transport->place();
+  client::ControlOptions control = timing(options.timeout_s);
+  control.keys = meant.keys;
+  control.device_id = meant.device;
+  control.unsigned_answers =
+      options.serial.empty() ? client::Unsigned::kNever : client::Unsigned::kAlways;
+  client::ControlClient client(std::move(transport), control);
+  if (options.list) {
+    const auto answer = ask(client, wire::SettingsOperation::kKeys, {}, place);
+    std::printf("%s\n", client::printable(answer.text, client::Lines::kSeveral).c_str());
+    return;
+  }
+  const std::string id =
+      options.id.empty() ? end_own(client, own_keys(file, meant.keys, device), place) : options.id;
+  if (!options.id.empty()) {
+    static_cast<void>(ask(client, wire::SettingsOperation::kUnpair, id, place));
+  }
+  if (client.proven() && !options.sensor.empty()) {
+    remember_place(file, {.named = options.sensor, .address = place}, client.proven()->key_id);
+  }
+  static_cast<void>(forget(file, [&id](const wire::Key& key) { return id == id_text(key); }));
+  std::printf("key %s of sensor %08x is none any more\n", client::printable(id).c_str(),
+              client.proven() ? client.proven()->device : device);
+}
+
+}  // namespace stof::host
