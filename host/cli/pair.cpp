@@ -294,7 +294,7 @@ void open_window(const PairOptions& options) {
     throw Failure(Exit::kBadInput,
                   "pair: --window takes --serial: over the network nobody opens it");
   }
-  client::PairClient client(open("pair", options.sensor, options.serial, options.baud),
+  client::PairClient client(open_way("pair", options.sensor, options.serial, options.baud),
                             {.name = own_name(options)}, timing(options.timeout_s));
   client::PairWindow window = value_or_end(client.open_window());
   std::printf("Pairing is open for two minutes: now stof pair SENSOR, where the key shall be.\n");
