@@ -99,10 +99,16 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
     std::fflush(stdout);
     std::getline(std::cin, told);
   }
+  const std::string typed = digits_in(told);
+  if (typed.empty()) {
+    throw Failure(Exit::kBadInput,
+                  "pair: no digits were given, so nothing was paired: begin again, and type those "
+                  "that the sensor tells, or give --digits");
+  }
   const std::string wanted = six_digits(ours);
-  if (digits_in(told) != wanted) {
-    throw Failure(Exit::kFailure, "pair: the digits here are " + wanted +
-                                      ": another, so somebody is between you. Nothing was paired");
+  if (typed != wanted) {
+    throw Failure(Exit::kFailure, "pair: " + typed + " was given, the digits here are " + wanted +
+                                      ": mistyped, or somebody is between you. Nothing was paired");
   }
 }
 

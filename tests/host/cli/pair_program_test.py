@@ -263,6 +263,16 @@ class Pair(unittest.TestCase):
         self.refuse(1, "takes a key", "config", self.address, "set", "period_ms=80")
         self.assertFalse(self.keys.exists())
 
+    def test_no_digits_are_no_middleman(self):
+        self.start()
+        self.press()
+        pairing = self.begin()
+        self.digits()
+        out, error = pairing.communicate("", timeout=ENOUGH_S)
+        self.assertEqual(pairing.returncode, 2, out)
+        self.assertIn("no digits were given", error)
+        self.assertFalse(self.keys.exists())
+
     def test_two_at_a_time_both_end(self):
         self.start()
         self.press()
