@@ -96,6 +96,10 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
   if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {
     return get(operation, document);
   }
+  if (text.size() > kMaxText) {
+    return std::unexpected(error(Status::kTooLarge, "a request takes " + std::to_string(kMaxText) +
+                                                        " bytes: send several smaller ones"));
+  }
   std::expected<Part, ControlError> part = ask(operation, document, 0, text);
   if (!part) {
     return std::unexpected(std::move(part.error()));
@@ -151,10 +155,6 @@ std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsOper
 std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
     std::string_view text) {
-  if (text.size() > kMaxText) {
-    return std::unexpected(error(Status::kTooLarge, "a request takes " + std::to_string(kMaxText) +
-                                                        " bytes: send several smaller ones"));
-  }
   ++request_id_;
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
