@@ -239,7 +239,7 @@ def usb():
 
 TARGETS = {"dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
-           "mavlink": mavlink, "mdns": mdns}
+           "mavlink": mavlink, "mdns": mdns, "view": reassembler}
 
 
 def write(folder):
