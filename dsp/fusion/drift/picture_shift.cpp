@@ -77,16 +77,9 @@ std::optional<double> shift_of(std::span<const std::uint16_t> now,
   return std::abs(found) < kStandsPx ? 0 : found;
 }
 
-}  // namespace
-
-PictureShift::PictureShift(int width, int height, Arena& arena) noexcept
-    : columns_{.now = arena.take<std::uint16_t>(index(width)),
-               .before = arena.take<std::uint16_t>(index(width))},
-      rows_{.now = arena.take<std::uint16_t>(index(height)),
-            .before = arena.take<std::uint16_t>(index(height))} {}
-
-void PictureShift::sum(ImageView<const std::uint8_t> picture) noexcept {
-  const std::span<std::uint16_t> columns = columns_.now;
+// The means of all columns, and of all rows.
+void profile(ImageView<const std::uint8_t> picture, std::span<std::uint16_t> columns,
+             std::span<std::uint16_t> rows) noexcept {
   std::ranges::fill(columns, std::uint16_t{0});
   const int step = (picture.height() + kMostRows - 1) / kMostRows;
   for (int y = 0; y < picture.height(); ++y) {
@@ -95,18 +88,26 @@ void PictureShift::sum(ImageView<const std::uint8_t> picture) noexcept {
     for (const std::uint8_t grey : row) {
       sum += grey;
     }
-    rows_.now[index(y)] = static_cast<std::uint16_t>(kLevel * sum / picture.width());
+    rows[index(y)] = static_cast<std::uint16_t>(kLevel * sum / picture.width());
     if (y % step == 0) {
       for (std::size_t x = 0; x < row.size(); ++x) {
         columns[x] = static_cast<std::uint16_t>(columns[x] + row[x]);
       }
     }
   }
-  const int rows = (picture.height() + step - 1) / step;
+  const int summed = (picture.height() + step - 1) / step;
   for (std::uint16_t& column : columns) {
-    column = static_cast<std::uint16_t>(kLevel * column / rows);
+    column = static_cast<std::uint16_t>(kLevel * column / summed);
   }
 }
+
+}  // namespace
+
+PictureShift::PictureShift(int width, int height, Arena& arena) noexcept
+    : columns_{.now = arena.take<std::uint16_t>(index(width)),
+               .before = arena.take<std::uint16_t>(index(width))},
+      rows_{.now = arena.take<std::uint16_t>(index(height)),
+            .before = arena.take<std::uint16_t>(index(height))} {}
 
 std::optional<Shift> PictureShift::look(ImageView<const std::uint8_t> picture) noexcept {
   STOF_CHECK(index(picture.width()) == columns_.now.size() &&
@@ -117,7 +118,7 @@ std::optional<Shift> PictureShift::look(ImageView<const std::uint8_t> picture) n
   }
   std::swap(columns_.now, columns_.before);
   std::swap(rows_.now, rows_.before);
-  sum(picture);
+  profile(picture, columns_.now, rows_.now);
   if (!std::exchange(knows_, true)) {
     return std::nullopt;
   }

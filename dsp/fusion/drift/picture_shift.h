@@ -40,7 +40,6 @@ class PictureShift {
     std::span<std::uint16_t> now;
     std::span<std::uint16_t> before;
   };
-  void sum(ImageView<const std::uint8_t> picture) noexcept;
 
   Profile columns_;
   Profile rows_;
