@@ -89,9 +89,11 @@ constexpr Share unwrapper_share(const board::StereoConfig& stereo,
               192 * (static_cast<std::size_t>(pmd.width) + static_cast<std::size_t>(pmd.height)) +
               16384};
 }
-// The means of patches that show whether the rig has drifted.
-constexpr Share monitor_share(const board::PmdConfig& pmd) noexcept {
-  return {"monitor", 10 * pixels(pmd.width, pmd.height) + 8192};
+// The means of patches that show whether the rig has drifted, profiles of two pictures.
+constexpr Share monitor_share(const board::StereoConfig& stereo,
+                              const board::PmdConfig& pmd) noexcept {
+  return {"monitor", 10 * pixels(pmd.width, pmd.height) +
+                         4 * static_cast<std::size_t>(stereo.width + stereo.height) + 4096};
 }
 
 // Candidates of each pixel, tables; passing: intervals of all pixels, readings.
@@ -122,7 +124,7 @@ constexpr Share image_share(const board::StereoConfig& stereo) noexcept {
 constexpr std::array<Share, 9> shares(const board::StereoConfig& stereo,
                                       const board::PmdConfig& pmd) noexcept {
   return {rectifier_share(stereo),  matcher_share(stereo),        converter_share(pmd),
-          fuser_share(stereo, pmd), unwrapper_share(stereo, pmd), monitor_share(pmd),
+          fuser_share(stereo, pmd), unwrapper_share(stereo, pmd), monitor_share(stereo, pmd),
           guide_share(stereo, pmd), past_share(stereo, pmd),      image_share(stereo)};
 }
 constexpr std::size_t workspace_bytes(const board::StereoConfig& stereo,

@@ -141,6 +141,7 @@ void DepthMaker::fuse(const DepthMap& out, std::int32_t pmd_lag_us) noexcept {
     unwrapper_->resolve(*pmd_, stereo().disparity);
     unresolved_ = false;
   }
+  pmd_lag_us_ = pmd_lag_us;
   fuser_.prepare(pmd_, pmd_lag_us);
   team_.run_rows(out.depth.rows(), kTaskRows, [&](Rows rows, int thread) noexcept {
     fuser_.fuse_rows(stereo(), rows, thread, out);
@@ -169,9 +170,14 @@ void DepthMaker::fuse(const DepthMap& out, std::int32_t pmd_lag_us) noexcept {
   }
 }
 
-void DepthMaker::watch() noexcept {
-  if (monitor_ && unwatched_ && !left_.empty() && pmd_ != nullptr) {
-    monitor_->observe({.left = left_, .right = right_, .disparity = disparity_}, *pmd_);
+void DepthMaker::watch(std::int32_t since_us) noexcept {
+  if (!monitor_ || left_.empty()) {
+    return;
+  }
+  monitor_->follow(left_, since_us);
+  if (unwatched_ && pmd_ != nullptr) {
+    monitor_->observe({.left = left_, .right = right_, .disparity = disparity_}, *pmd_,
+                      pmd_lag_us_);
     unwatched_ = false;
   }
 }

@@ -62,8 +62,9 @@ class DepthMaker {
   void fuse(const DepthMap& out, std::int32_t pmd_lag_us = 0) noexcept;
 
   // Compares both sensors for drift of the rig, where the last frame had a pair and new samples:
-  // about 0.3 ms. After fuse(); costs nothing where there is no PMD.
-  void watch() noexcept;
+  // about 0.3 ms. After fuse() of each frame; costs nothing where there is no PMD. since_us: from
+  // the middle of the exposure of the pair before to that of this one, microseconds; 0: not known.
+  void watch(std::int32_t since_us = 0) noexcept;
   // What watch() has found so far; about 0.3 ms.
   DriftEstimate drift() const noexcept;
 
@@ -99,6 +100,7 @@ class DepthMaker {
   const PmdMaps* pmd_ = nullptr;
   bool unresolved_ = false;  // readings whose wrap counts are not known yet
   bool unwatched_ = false;   // samples that watch() has not seen
+  std::int32_t pmd_lag_us_ = 0;
 };
 
 }  // namespace stof::dsp

@@ -29,12 +29,15 @@ dsp::DepthMap take_map(const dsp::Pinhole& left, dsp::Arena& arena) noexcept {
           .cause = arena.take_image<dsp::Cause>(left.width, left.height)};
 }
 
-// From the middle of the pair's exposure to that of the PMD data in use.
-std::int32_t pmd_lag_us(const Shot& shot) noexcept {
-  const hal::Duration lag = shot.pmd_exposed ? *shot.pmd_exposed - shot.exposed : hal::Duration{};
-  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(lag).count();
+std::int32_t microseconds(hal::Duration time) noexcept {
+  const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
   constexpr std::int64_t kMost = 1'000'000'000;
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(us, -kMost, kMost));
+}
+
+// From the middle of the pair's exposure to that of the PMD data in use.
+std::int32_t pmd_lag_us(const Shot& shot) noexcept {
+  return microseconds(shot.pmd_exposed ? *shot.pmd_exposed - shot.exposed : hal::Duration{});
 }
 
 }  // namespace
@@ -76,6 +79,10 @@ const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
     match(**shot.stereo, clock);
   }
   matched_ = false;
+  if (shot.stereo) {
+    since_pair_ = pair_exposed_ ? shot.exposed - *pair_exposed_ : hal::Duration{};
+    pair_exposed_ = shot.exposed;
+  }
   const hal::Time matched = clock.now();
   maker_.fuse(output_.map, pmd_lag_us(shot));
   stats.fuse = clock.now() - matched;
@@ -90,7 +97,7 @@ const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
 
 void Pipeline::watch(hal::Clock& clock) noexcept {
   const hal::Time start = clock.now();
-  maker_.watch();
+  maker_.watch(microseconds(since_pair_));
   if (until_drift_-- == 0) {
     until_drift_ = kFramesBetweenDrifts;
     output_.drift = maker_.drift();

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "dsp/base/arena.h"
 #include "dsp/base/thread_team.h"
@@ -81,7 +82,9 @@ class Pipeline {
   dsp::DepthMaker maker_;
   bool guided_;
   bool matched_ = false;
-  int until_drift_ = 0;  // frames
+  int until_drift_ = 0;                    // frames
+  std::optional<hal::Time> pair_exposed_;  // the last one
+  hal::Duration since_pair_{};             // and how long after the one before; 0: there is none
   Output output_;
 };
 

@@ -125,7 +125,7 @@ TEST(Workspace, BoundsWhatEachPartTakesOnEveryBoard) {
                   [&](dsp::Arena& arena) { dsp::PastFrames(s.width, s.height, 40000, arena); }),
               past_share(s, board.pmd).lasting);
     EXPECT_LE(dsp::bytes_taken([&](dsp::Arena& arena) { dsp::DriftMonitor(rig, {}, arena); }),
-              monitor_share(board.pmd).bytes());
+              monitor_share(board.stereo, board.pmd).bytes());
   }
 }
 

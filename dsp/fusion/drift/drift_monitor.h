@@ -28,6 +28,14 @@ namespace stof::dsp {
 // weighted least squares over patches, in which those that contradict (a reflection, a corner taken
 // for a plane, somebody who walks by) lose their weight.
 //
+// Where the rig moves, the PMD camera sees it elsewhere than the pair did: its exposure is longer,
+// so its middle is later by a lag. What the rig turned by in that time is a drift of its own. It is
+// known from what the left picture's content moved by since the frame before (picture_shift.h), and
+// taken away as
+//   e - turn_pitch J_pitch - turn_yaw J_yaw,  turn = lag / time between both pictures * shift / f
+// It is uncertain by a share of itself. What the rig drives in that time is not known: of a frame
+// that moved, the range is uncertain by what it may be.
+//
 // A scene that stands still repeats its errors in every frame: the number of frames says nothing
 // about them. Standard deviations come from leaving out one region of the picture after the other
 // or one column or row (jackknife), so a parameter that a single thing decides about is as
@@ -86,10 +94,15 @@ class DriftMonitor {
   // The calibration is complete(); with a PMD size of 0x0 nothing is ever observed.
   DriftMonitor(const Calibration& calibration, const DriftParams& params, Arena& arena) noexcept;
 
+  // The left picture of a pair, before observe() of it; also where there are no new samples.
+  // since_us: from the middle of the exposure of the pair before it, microseconds; 0: a gap.
+  void follow(ImageView<const std::uint8_t> left, std::int32_t since_us) noexcept;
   // One frame, of which every eighth patch in turn is looked at: half a millisecond for
   // 176x144 pixels in a corridor, one where all of them show textured planes. Pictures of any size
-  // (equal ones); maps that are not of the calibration's size say nothing.
-  void observe(const MatchedPair& pair, const PmdMaps& maps) noexcept;
+  // (equal ones); maps that are not of the calibration's size say nothing, nor does a frame where
+  // nobody knows how far the rig turned. pmd_lag_us: from the middle of the pair's exposure to that
+  // of the samples, microseconds.
+  void observe(const MatchedPair& pair, const PmdMaps& maps, std::int32_t pmd_lag_us = 0) noexcept;
   // Below 0.3 ms; once a second is plenty.
   DriftEstimate estimate() const noexcept;
   void forget() noexcept;

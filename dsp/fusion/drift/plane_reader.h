@@ -38,8 +38,9 @@ class PlaneReader {
   // Side of a patch in PMD pixels: some 24 px of the left picture, 4 .. 16.
   int side() const noexcept { return side_; }
 
-  // The patch whose upper left pixel is (x, y), inside the picture. Nothing where a reading is
-  // missing, where they do not lie on one plane, or where the plane is not before the left camera.
+  // The patch whose upper left pixel is (x, y), inside the picture. Where something moved, readings
+  // count by their noise, and a quarter of them may be missing. Nothing where others are, where
+  // they do not lie on one plane, or where the plane is not before the left camera.
   std::optional<ExpectedPlane> read(int x, int y, const PmdMaps& maps) const noexcept;
 
  private:

@@ -3,6 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -149,6 +153,89 @@ TEST(DriftMonitor, IgnoresWhatPassesBy) {
   EXPECT_NEAR(degrees(found[DriftParameter::kYaw]), 0, kToleranceDeg);
 }
 
+// A picture whose content has moved by `shift` columns when `now` is seen; borders replicate.
+std::vector<std::uint8_t> before_it_moved(ImageView<const std::uint8_t> now, int shift) {
+  std::vector<std::uint8_t> out;
+  for (int y = 0; y < now.height(); ++y) {
+    for (int x = 0; x < now.width(); ++x) {
+      out.push_back(now.at(std::clamp(x + shift, 0, now.width() - 1), y));
+    }
+  }
+  return out;
+}
+
+constexpr std::int32_t kPeriodUs = 33'333;
+constexpr std::int32_t kLagUs = 6'000;
+constexpr int kMoved = -7;  // px a period; at a focal length of 300 px 0.24 degrees in the lag
+constexpr double kTurnedDeg = 0.2406;
+
+// Turns to the right while the samples of such a room are taken.
+DriftEstimate turn_before(Room& room, const Calibration& rig) {
+  Watch watch(rig);
+  const MatchedPair pair = room.pair();
+  const std::vector<std::uint8_t> before = before_it_moved(pair.left, kMoved);
+  for (int i = 0; i < kFrames; ++i) {
+    watch.monitor.follow({before.data(), pair.left.width(), pair.left.height()}, 0);
+    watch.monitor.follow(pair.left, kPeriodUs);
+    watch.monitor.observe(pair, room.maps(), kLagUs);
+  }
+  return watch.monitor.estimate();
+}
+
+TEST(DriftMonitor, WhatARigTurnsByBetweenExposuresIsNoDrift) {
+  const Calibration rig = room_rig();
+  Room room(whole_room(), rig, {.yaw_deg = kTurnedDeg});
+  EXPECT_TRUE(watch(room, rig)[DriftParameter::kYaw].significant);
+  const DriftEstimate found = turn_before(room, rig);
+  EXPECT_FALSE(found.significant);
+  EXPECT_NEAR(degrees(found[DriftParameter::kYaw]), 0, 2 * kToleranceDeg);
+  EXPECT_GE(found.patches, 50U);
+}
+
+TEST(DriftMonitor, FindsADriftWhileTheRigTurns) {
+  const Calibration rig = room_rig();
+  Room room(whole_room(), rig, {.yaw_deg = kTurnedDeg - 0.5, .range_m = 0.04});
+  const DriftEstimate found = turn_before(room, rig);
+  EXPECT_TRUE(found[DriftParameter::kYaw].significant);
+  EXPECT_NEAR(degrees(found[DriftParameter::kYaw]), -0.5, 3 * kToleranceDeg);
+  EXPECT_TRUE(found[DriftParameter::kRange].significant);
+  EXPECT_NEAR(millimetres(found[DriftParameter::kRange]), 40, 2 * kToleranceMm);
+}
+
+TEST(DriftMonitor, AFrameWhoseTurnNobodyKnowsSaysNothing) {
+  const Calibration rig = room_rig();
+  Room room(whole_room(), rig, {});
+  Watch watch(rig);
+  for (int i = 0; i < kFrames; ++i) {
+    watch.monitor.observe(room.pair(), room.maps(), kLagUs);  // no picture was followed
+  }
+  EXPECT_EQ(watch.monitor.estimate().patches, 0U);
+  const std::vector<std::uint8_t> before = before_it_moved(room.pair().left, kMoved);
+  for (int i = 0; i < kFrames; ++i) {
+    watch.monitor.follow({before.data(), room.pair().left.width(), room.pair().left.height()}, 0);
+    watch.monitor.follow(room.pair().left, 0);  // after a gap
+    watch.monitor.observe(room.pair(), room.maps(), kLagUs);
+  }
+  EXPECT_EQ(watch.monitor.estimate().patches, 0U);
+}
+
+TEST(DriftMonitor, WhatMovesWithoutTurningMakesTheRangeUncertain) {
+  const Calibration rig = room_rig();
+  Room room(whole_room(), rig, {});
+  std::array<std::int32_t, 2> sigma{};
+  for (const bool moved : {false, true}) {
+    Watch watch(rig);
+    PmdMaps maps = room.maps();
+    maps.moved = moved;
+    for (int i = 0; i < kFrames; ++i) {
+      watch.monitor.follow(room.pair().left, kPeriodUs);
+      watch.monitor.observe(room.pair(), maps, kLagUs);
+    }
+    sigma[moved ? 1 : 0] = watch.monitor.estimate()[DriftParameter::kRange].sigma;
+  }
+  EXPECT_GT(sigma[1], sigma[0] + 16);  // by a millimetre and more
+}
+
 TEST(DriftMonitor, NothingToSeeIsHarmless) {
   const Calibration rig = room_rig();
   const Room room(whole_room(), rig, {.pitch_deg = 0.2});
@@ -212,6 +299,46 @@ TEST(DriftMonitor, ParallelAxesAreTheSameWhenWrittenAsConverging) {
   for (std::size_t k = 0; k < kDriftParameters; ++k) {
     EXPECT_NEAR(converging.drifts[k].value, plain.drifts[k].value, 2) << k;
   }
+}
+
+TEST(PlaneReader, AQuarterOfAPatchMayBeMissingWhereSomethingMoved) {
+  const Calibration rig = room_rig();
+  Room room({{2, 3.0}}, rig, {});
+  test::GuardedPart<PlaneReader> reader([&](Arena& arena) { return PlaneReader(rig, arena); });
+  const int side = reader->side();
+  const auto drop = [&](int count) {  // from the patch's first reading on
+    for (int i = 0; i < count; ++i) {
+      const std::size_t at = static_cast<std::size_t>(i / side * 88 + i % side);
+      room.flags[at] = i % 2 == 0 ? kPmdAsymmetric : kPmdLowRatio;
+      room.distance[at] = kNoDepth;
+    }
+  };
+  PmdMaps maps = room.maps();
+  drop(side * side / 4);
+  EXPECT_FALSE(reader->read(0, 0, maps));
+  maps.moved = true;
+  const std::optional<ExpectedPlane> plane = reader->read(0, 0, maps);
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(depth_of(rig.stereo, plane->u, plane->d), 3.0, 0.003);
+  drop(side * side / 4 + 1);
+  EXPECT_FALSE(reader->read(0, 0, maps));
+}
+
+TEST(PlaneReader, NoisyReadingsCountLessWhereSomethingMoved) {
+  const Calibration rig = room_rig();
+  Room room({{2, 3.0}}, rig, {});
+  test::GuardedPart<PlaneReader> reader([&](Arena& arena) { return PlaneReader(rig, arena); });
+  for (std::size_t y = 0; y < 6; ++y) {
+    room.distance[88 * y + 2 * (y % 3)] += 400;  // 10 cm too far, and it says so
+    room.sigma[88 * y + 2 * (y % 3)] = 400;
+  }
+  PmdMaps maps = room.maps();
+  maps.moved = true;
+  const std::optional<ExpectedPlane> plane = reader->read(0, 0, maps);
+  ASSERT_TRUE(plane);
+  EXPECT_NEAR(depth_of(rig.stereo, plane->u, plane->d), 3.0, 0.004);
+  maps.moved = false;
+  EXPECT_FALSE(reader->read(0, 0, maps));  // they do not lie on a plane
 }
 
 // The disparity that is expected of a plane is that of the depth formula of its rig.
