@@ -71,6 +71,8 @@ class Log:
                     return process.wait(STEP_LIMIT_S) == 0
                 except subprocess.TimeoutExpired:
                     log.write(f"ended after {STEP_LIMIT_S} s\n")
+                    print(f"    {' '.join(map(str, command))} took longer than {STEP_LIMIT_S // 60} minutes: ended. "
+                          "Is the machine busy?", flush=True)
                     return False
                 finally:  # also when we are told to end ourselves
                     if process.poll() is None:
