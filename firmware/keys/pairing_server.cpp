@@ -48,6 +48,7 @@ bool well_formed(const PairRequest& request) noexcept {
 void PairingServer::open(hal::Time now) noexcept {
   end(with_digits_);
   open_until_ = now + kWindow;
+  opened_by_.reset();
 }
 
 void PairingServer::accept() noexcept {
@@ -77,12 +78,19 @@ std::optional<std::uint32_t> PairingServer::digits() const noexcept {
 PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal::Time now,
                                 const hal::Peer& from) noexcept {
   tick(now);
+  if (request.step > wire::PairStep::kAccept) {
+    return {.result = PairResult::kWrong};  // of a newer client
+  }
   if (request.step == wire::PairStep::kBegin) {
     const PairAnswer begun = begin(request, way, now);
     if (begun.result == PairResult::kOk) {
       attempt_of(request.method).from = from.address;
     }
     return begun;
+  }
+  if (request.step == wire::PairStep::kOpen || request.step == wire::PairStep::kAccept) {
+    return way == PairingWay::kCable ? serve_cable(request, now)
+                                     : PairAnswer{.result = PairResult::kClosed};
   }
   Attempt& attempt = attempt_of(request.method);
   if (attempt.phase == Phase::kNone || request.attempt != attempt.number ||
@@ -91,6 +99,40 @@ PairAnswer PairingServer::serve(const PairRequest& request, PairingWay way, hal:
   }
   return request.step == wire::PairStep::kReveal ? reveal(request, attempt)
                                                  : confirm(request, attempt, now);
+}
+
+PairAnswer PairingServer::serve_cable(const PairRequest& request, hal::Time now) noexcept {
+  if (request.step == wire::PairStep::kOpen) {
+    const auto nonce = wire::bytes_in<wire::PairNonce>(request.nonce);
+    if (opened_by_ != nonce) {  // else its answer was lost, or somebody waits
+      open(now);
+      opened_by_ = nonce;
+    }
+    return window();
+  }
+  if (!with_digits_.secrets) {
+    return {.result = PairResult::kWrong};
+  }
+  const std::span<const std::byte> value = std::as_bytes(std::span(request.value));
+  if (wire::get_u32(value.first<4>()) != with_digits_.secrets->digits()) {
+    return with_digits_.phase == Phase::kDone ? PairAnswer{.result = PairResult::kWrong}
+                                              : fail(with_digits_, PairResult::kWrong);
+  }
+  accept();
+  return window();
+}
+
+PairAnswer PairingServer::window() const noexcept {
+  if (with_digits_.phase == Phase::kDone) {
+    return {.result = PairResult::kOk, .key_id = with_digits_.said.key_id};
+  }
+  const std::optional<std::uint32_t> told = digits();
+  if (!told) {
+    return {.result = open_until_ ? PairResult::kOk : PairResult::kClosed};
+  }
+  PairAnswer out{.result = PairResult::kWaiting, .key_id = with_digits_.said.key_id};
+  wire::put_u32(std::as_writable_bytes(std::span(out.value)).first<4>(), *told);
+  return out;
 }
 
 bool PairingServer::may_begin(const PairRequest& request, PairingWay way) const noexcept {

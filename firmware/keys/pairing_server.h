@@ -25,10 +25,11 @@ using LabelCode = std::array<std::byte, 16>;
 enum class PairingWay : std::uint8_t { kNetwork, kCable };
 
 // The sensor's end of pairing: any requests in, at most one key out of each attempt. With digits it
-// takes somebody at the sensor, twice: one press opens two minutes for one client, and once the
-// digits of both ends are told, somebody accepts them there. Two clients in these minutes end both.
-// Keys that both know, or the label's code, need nobody, and are limited for that
-// (KeyWriteLimiter). For one thread; no clock, no heap.
+// takes somebody at the sensor, twice: one press, or a request over the cable, opens two minutes
+// for one client, and once the digits of both ends are told, somebody accepts them there, with the
+// button or over the cable. Two clients in these minutes end both. Keys that both know, or the
+// label's code, need nobody, and are limited for that (KeyWriteLimiter). For one thread; no clock,
+// no heap.
 class PairingServer {
  public:
   static constexpr hal::Duration kWindow = std::chrono::minutes(2);
@@ -42,7 +43,7 @@ class PairingServer {
                 const std::optional<LabelCode>& code) noexcept
       : sensor_(sensor), ring_(ring), code_(code), writes_(ring) {}
 
-  // The button was pressed: a new window, and nothing of the last one.
+  // The button was pressed, or the cable asks: a new window, and nothing of the last one.
   void open(hal::Time now) noexcept;
   // Somebody at the sensor accepts the digits that it has told; before that it is nothing.
   void accept() noexcept;
@@ -82,6 +83,10 @@ class PairingServer {
   Attempt& attempt_of(wire::PairMethod method) noexcept {
     return method == wire::PairMethod::kDigits ? with_digits_ : with_known_;
   }
+  // The cable's own steps: none of them is served over the network.
+  wire::PairAnswer serve_cable(const wire::PairRequest& request, hal::Time now) noexcept;
+  // How the two minutes stand that the cable opened.
+  wire::PairAnswer window() const noexcept;
   // Whether a client may begin so, now.
   bool may_begin(const wire::PairRequest& request, PairingWay way) const noexcept;
   // What both knew before; none: that cannot be.
@@ -100,6 +105,7 @@ class PairingServer {
   Keyring& ring_;
   std::optional<LabelCode> code_;
   std::optional<hal::Time> open_until_;
+  std::optional<wire::PairNonce> opened_by_;  // of the cable's request; none: the button
   Attempt with_digits_;
   Attempt with_known_;
   firmware::TokenBucket begins_{kMostBegins, kBeginRefill};

@@ -10,6 +10,7 @@
 #include <limits>
 #include <memory>
 #include <span>
+#include <thread>
 
 #include <unistd.h>
 
@@ -86,6 +87,10 @@ std::string digits_in(const std::string& text) {
   return digits;
 }
 
+std::string six_digits(std::uint32_t digits) {
+  return std::to_string(1'000'000 + digits).substr(1);
+}
+
 // The user types what the sensor tells: who only has to say yes says it too soon.
 void compare_digits(std::uint32_t ours, const PairOptions& options) {
   std::string told = options.digits;
@@ -94,7 +99,7 @@ void compare_digits(std::uint32_t ours, const PairOptions& options) {
     std::fflush(stdout);
     std::getline(std::cin, told);
   }
-  const std::string wanted = std::to_string(1'000'000 + ours).substr(1);
+  const std::string wanted = six_digits(ours);
   if (digits_in(told) != wanted) {
     throw Failure(Exit::kFailure, "pair: the digits here are " + wanted +
                                       ": another, so somebody is between you. Nothing was paired");
@@ -249,7 +254,9 @@ void pair_with(const PairOptions& options, const std::string& file) {
   need_new(options, file, address, client.key());
   if (wish.method == wire::PairMethod::kDigits) {
     compare_digits(client.digits(), options);
-    std::printf("They are equal. Now accept them at the sensor: hold its button for 3 seconds.\n");
+    std::printf(
+        "They are equal. Now accept them at the sensor: hold its button for 3 seconds, or type "
+        "them where stof pair --window asks.\n");
     std::fflush(stdout);
   }
   // Whoever sits between may hold back or forge the last answer: the key itself says whether it is
@@ -265,6 +272,43 @@ void pair_with(const PairOptions& options, const std::string& file) {
     remember_place(file, {.named = options.sensor, .address = address}, key.id);
   }
   say_older(value_or_fail(client::read_user_keys(file)), key);
+}
+
+// Whoever holds the cable stands for the button. He types the digits once more: who only has to say
+// yes says it before the other end has compared them.
+std::uint32_t accepted_digits(std::uint32_t told) {
+  constexpr std::uint32_t kNone = 1'000'000;
+  const std::string wanted = six_digits(told);
+  std::printf(
+      "The sensor's digits are %s: type them into stof pair. Only if it says that they are equal, "
+      "type them here too: ",
+      wanted.c_str());
+  std::fflush(stdout);
+  std::string typed;
+  std::getline(std::cin, typed);
+  return digits_in(typed) == wanted ? told : kNone;
+}
+
+void open_window(const PairOptions& options) {
+  if (options.serial.empty()) {
+    throw Failure(Exit::kBadInput,
+                  "pair: --window takes --serial: over the network nobody opens it");
+  }
+  client::PairClient client(open_way("pair", options.sensor, options.serial, options.baud),
+                            {.name = own_name(options)}, timing(options.timeout_s));
+  client::PairWindow window = value_or_end(client.open_window());
+  std::printf("Pairing is open for two minutes: now stof pair SENSOR, where the key shall be.\n");
+  std::fflush(stdout);
+  for (bool asked = false; window.key_id == 0;) {
+    if (window.digits && !asked) {
+      asked = true;
+      window = value_or_end(client.accept(accepted_digits(*window.digits)));
+    } else {
+      std::this_thread::sleep_for(std::chrono::milliseconds(200));
+      window = value_or_end(client.open_window());
+    }
+  }
+  std::printf("key %08x is in force: whoever ran stof pair has it\n", window.key_id);
 }
 
 void pair_into(const PairOptions& options, const std::string& own) {
@@ -292,6 +336,8 @@ void pair(const PairOptions& options) {
   const std::string own = keys_file(options.keys);
   if (!options.into.empty()) {
     pair_into(options, own);
+  } else if (options.window) {
+    open_window(options);
   } else if (options.renew) {
     renew(options, own);
   } else {
@@ -329,6 +375,11 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   command.add_option("--digits", options.digits, "That the sensor told, in place of being asked");
   command.add_option("--into", options.into,
                      "Key file of a sensor that does not run: gets the key (stofd --keys)");
+  command
+      .add_flag(
+          "--window", options.window,
+          "Make no key, but let somebody else: as the sensor's button, for who holds the cable")
+      ->excludes("--code", "--renew", "--digits", "--into");
   command.add_option("--role", options.role, "What the key may: view, tune or admin")
       ->check(CLI::IsMember({"view", "tune", "admin"}))
       ->capture_default_str();

@@ -17,6 +17,7 @@ struct PairOptions {
   std::string code{};                     // of the label; empty: six digits are compared
   bool renew = false;                     // the key that there is gets a new secret
   std::string digits{};                   // that the sensor told; empty: asked for
+  bool window = false;                    // over the cable: lets somebody else pair with digits
   std::string into{};                     // key file of a sensor that does not run
   std::optional<std::uint32_t> device{};  // number of the sensor; none: who is known there
   std::string key{};                      // id of the key to renew; empty: of those there are
@@ -43,7 +44,8 @@ struct UnpairOptions {
 // Adds `stof pair`, `stof unpair` and their flags; they run when the command line was parsed.
 void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing);
 
-// `stof pair`: makes a key that a sensor and this user share. Throws Failure.
+// `stof pair`: makes a key that a sensor and this user share, or lets somebody else do it. Throws
+// Failure.
 void pair(const PairOptions& options);
 // `stof unpair`: ends one, or lists them. Throws Failure.
 void unpair(const UnpairOptions& options);

@@ -150,19 +150,30 @@ class PairStep(enum.IntEnum):
     # the client's user is content: `value` begins with the client's tag. Repeat it while the answer
     # is `waiting`
     CONFIRM = 2
+    # over a serial line that is no way for strangers: opens the two minutes for others, as the
+    # button does. `nonce`: random, of this opening; repeated with it, tells how they stand
+    OPEN = 3
+    # over such a line: accepts the digits that `value` begins with (u32), as the button does that
+    # is held; other digits end the attempt
+    ACCEPT = 4
 
 
 class PairMethod(enum.IntEnum):
-    DIGITS = 0  # six digits are compared by people, in the two minutes after the button was pressed
+    # six digits are compared by people, in the two minutes after the button was pressed, or a cable
+    # asked for them
+    DIGITS = 0
     CODE = 1  # both know the code of the sensor's label
     CABLE = 2  # over a serial line that is no way for strangers
     KEY = 3  # both know the key `key_id`, which gets a new secret
 
 
 class PairResult(enum.IntEnum):
-    OK = 0  # done; of confirm: the key is in force, and kept where the sensor keeps any
+    # done; of confirm, and of open and accept with a key id: the key is in force, and kept where
+    # the sensor keeps any
+    OK = 0
     COOKIE = 1  # repeat the request with this cookie
-    # not now, or not in this way: press the button first, or there is no such code or key
+    # not now, or not in this way: press the button first, or there is no such code or key; of open:
+    # the two minutes are over, without a key
     CLOSED = 2
     # somebody else pairs too: with digits both have ended, and the button has to be pressed again;
     # else try again
@@ -170,7 +181,9 @@ class PairResult(enum.IntEnum):
     # the commitment or the tag does not fit, role or name are none, or nothing was begun: it has
     # ended
     WRONG = 4
-    WAITING = 5  # of confirm: nobody has accepted the digits at the sensor yet
+    # of confirm: nobody has accepted the digits at the sensor yet; of open and accept: somebody has
+    # come, one of both ends has not agreed yet
+    WAITING = 5
     FULL = 6  # the sensor keeps no more keys, or cannot save them
     # this key was renewed, or the code was used, too often for the flash that it wears: ten times
     # follow each other, then one an hour; nothing changed
@@ -254,9 +267,9 @@ class Condition(enum.IntEnum):
     UNPAIRED = 24
     # the keys could not be read at the start: nobody on the network may change anything; value: 0
     KEYS_LOST = 25
-    # the sensor's button was pressed: whoever accepts the digits with it makes a key; value:
-    # 1,000,000 and the six digits that the sensor has; 0: nobody has come yet. Over the network
-    # they prove nothing
+    # the sensor's button was pressed, or its cable asked for it: whoever accepts the digits with it
+    # makes a key; value: 1,000,000 and the six digits that the sensor has; 0: nobody has come yet.
+    # Over the network they prove nothing
     PAIRING = 26
     # somebody made, renewed or ended a key in the last ten seconds; each change is an event of its
     # own; value: the key's id
@@ -355,7 +368,7 @@ CONDITIONS = {
         "the keys could not be read at the start: nobody on the network may change anything",
         Severity.MINOR, Reaction.WATCH),
     Condition.PAIRING: ConditionInfo(
-        "the sensor's button was pressed: whoever accepts the digits with it makes a key",
+        "the sensor's button was pressed, or its cable asked for it: whoever accepts the digits with it makes a key",
         Severity.INFO, Reaction.NONE),
     Condition.KEYS_CHANGED: ConditionInfo(
         "somebody made, renewed or ended a key in the last ten seconds; each change is an event of its own",
@@ -867,7 +880,7 @@ class SettingsRequest(Layout):
     request_id: int = 0  # any number, comes back in the answer
     operation: int = 0  # SettingsOperation: see "Settings"
     document: int = 0  # SettingsDocument: of get
-    offset: int = 0  # of get: where the answer's text begins in the document, bytes
+    offset: int = 0  # of get and keys: where the answer's text begins in the document, bytes
     cookie: int = 0  # of an answer; 0: none yet. Not looked at on serial lines
 
     LAYOUT: typing.ClassVar[tuple] = (
@@ -887,7 +900,7 @@ class SettingsAnswer(Layout):
     request_id: int = 0  # of the request
     result: int = 0  # SettingsResult: see "Settings"
     restart: int = 0  # 1: some of the active settings wait for the next start
-    total: int = 0  # of get: length of the document, bytes
+    total: int = 0  # of get and keys: length of the document, bytes
     revision: int = 0  # of the active settings: advances with every change
     cookie: int = 0  # for the next request
 
@@ -963,7 +976,7 @@ class PairRequest(Layout):
     key_id: int = 0  # of method key; else 0
     name: str = ""  # whose key it is
     value: tuple = (0,) * 32  # depends on the step
-    nonce: tuple = (0,) * 16  # of reveal: the client's
+    nonce: tuple = (0,) * 16  # of reveal: the client's; of open: of this opening
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),
@@ -990,7 +1003,8 @@ class PairAnswer(Layout):
     cookie: int = 0  # for the next request
     attempt: int = 0  # random, for the steps that follow
     key_id: int = 0  # of the key that comes of it
-    # of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor
+    # of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of
+    # open and accept with `waiting`: begins with the six digits (u32)
     value: tuple = (0,) * 32
     nonce: tuple = (0,) * 16  # of begin: the sensor's
 

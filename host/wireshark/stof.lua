@@ -120,6 +120,8 @@ names.PairStep = {
   [0] = "begin",
   [1] = "reveal",
   [2] = "confirm",
+  [3] = "open",
+  [4] = "accept",
 }
 
 names.PairMethod = {
@@ -403,7 +405,7 @@ layouts.settings_request = {
   {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "any number, comes back in the answer"},
   {name = "operation", size = 1, count = 1, kind = "uint8", title = "Operation", base = base.DEC, names = "SettingsOperation", doc = "see \"Settings\""},
   {name = "document", size = 1, count = 1, kind = "uint8", title = "Document", base = base.DEC, names = "SettingsDocument", doc = "of get"},
-  {name = "offset", size = 2, count = 1, kind = "uint16", title = "Offset", base = base.DEC, doc = "of get: where the answer's text begins in the document, bytes"},
+  {name = "offset", size = 2, count = 1, kind = "uint16", title = "Offset", base = base.DEC, doc = "of get and keys: where the answer's text begins in the document, bytes"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet. Not looked at on serial lines"},
   {name = "padding", size = 8, count = 1, kind = "bytes", title = "Padding"},
 }
@@ -415,7 +417,7 @@ layouts.settings_answer = {
   {name = "request_id", size = 4, count = 1, kind = "uint32", title = "Request id", base = base.DEC, doc = "of the request"},
   {name = "result", size = 1, count = 1, kind = "uint8", title = "Result", base = base.DEC, names = "SettingsResult", doc = "see \"Settings\""},
   {name = "restart", size = 1, count = 1, kind = "uint8", title = "Restart", base = base.DEC, doc = "1: some of the active settings wait for the next start"},
-  {name = "total", size = 2, count = 1, kind = "uint16", title = "Total", base = base.DEC, doc = "of get: length of the document, bytes"},
+  {name = "total", size = 2, count = 1, kind = "uint16", title = "Total", base = base.DEC, doc = "of get and keys: length of the document, bytes"},
   {name = "revision", size = 4, count = 1, kind = "uint32", title = "Revision", base = base.DEC, doc = "of the active settings: advances with every change"},
   {name = "reserved", size = 4, count = 1, kind = "bytes", title = "Reserved"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "for the next request"},
@@ -462,7 +464,7 @@ layouts.pair_request = {
   {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
   {name = "name", size = 32, count = 1, kind = "string", title = "Name", doc = "whose key it is"},
   {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "depends on the step"},
-  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's"},
+  {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of reveal: the client's; of open: of this opening"},
 }
 
 layouts.pair_answer = {
@@ -475,7 +477,7 @@ layouts.pair_answer = {
   {name = "attempt", size = 8, count = 1, kind = "uint64", title = "Attempt", base = base.DEC, doc = "random, for the steps that follow"},
   {name = "key_id", size = 4, count = 1, kind = "uint32", title = "Key id", base = base.DEC, doc = "of the key that comes of it"},
   {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
-  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor"},
+  {name = "value", size = 1, count = 32, kind = "uint8", title = "Value", base = base.DEC, doc = "of begin: the sensor's public key; of reveal and confirm: begins with a tag of the sensor; of open and accept with `waiting`: begins with the six digits (u32)"},
   {name = "nonce", size = 1, count = 16, kind = "uint8", title = "Nonce", base = base.DEC, doc = "of begin: the sensor's"},
 }
 

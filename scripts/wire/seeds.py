@@ -192,15 +192,28 @@ def subscription():
 
 
 def pairing():
-    begin, reveal, confirm, press, accept = 0, 3, 4, 5, 6
-    code, cable, renew, anything = 1, 2, 9, 15
+    """The keys that there are, then steps: tests/fuzz/pairing_steps.h."""
+    digits, code, cable, reveal, confirm, press, hold, wait = range(8)
+    keys, renew, ask, accept, point, flipped, mixed, anything = range(8, 16)
+    over_cable, second = 0x80, 0x10
     packet = samples.wire.PairRequest(request_id=1, step=1, role=3, value=(7,) * 32).pack()
-    return {"digits": bytes([press, begin, reveal, confirm, accept, confirm]),
-            "accepted_first": bytes([press, begin, reveal, accept, confirm]),
-            "two": bytes([press, begin, 0x10 | begin, accept, confirm]),
-            "code": bytes([code, reveal, confirm, confirm, 8]),
-            "cable": bytes([0x80 | cable, reveal, confirm, renew, reveal, confirm]),
-            "anything": bytes([press, begin, anything]) + packet + bytes([reveal, confirm, 0xE7])}
+    opened = over_cable | ask
+    return {"digits": bytes([0, press, digits, reveal, confirm, hold, confirm]),
+            "accepted_first": bytes([0, press, digits, reveal, hold, confirm]),
+            "two": bytes([0, press, digits, second | digits, hold, confirm]),
+            "over": bytes([0, press, digits, reveal, confirm, 0xE0 | wait, confirm]),
+            "code": bytes([0, code, reveal, confirm, confirm, keys]),
+            "cable": bytes([0, over_cable | cable, reveal, confirm, renew, reveal, confirm]),
+            "renewed_again": bytes([1, renew, reveal, confirm, renew, reveal, confirm, 0x20 | keys, renew, reveal, confirm]),
+            "full": bytes([16, code, reveal, confirm]),
+            "window": bytes([0, opened, digits, reveal, confirm, opened, over_cable | accept, confirm, opened]),
+            "window_first": bytes([0, opened, digits, reveal, over_cable | accept, confirm]),
+            "window_other": bytes([0, opened, digits, reveal, confirm, 0x30 | over_cable | accept, confirm, opened]),
+            "network": bytes([0, ask, digits, opened, digits, reveal, confirm, accept, confirm]),
+            "points": bytes([0, press]) + b"".join(bytes([second | point, which, press]) for which in range(6)),
+            "flipped": bytes([0, press, digits, reveal, flipped, 5, 70, flipped, 2, 64]),
+            "mixed": bytes([0, press, digits, second | code, mixed, confirm]),
+            "anything": bytes([3, press, digits, anything]) + packet + bytes([reveal, confirm, 0xE7])}
 
 
 def dataset():
@@ -219,10 +232,18 @@ def signed_requests():
     seeds = {}
     for operation in wire.SettingsOperation:
         request = wire.SettingsRequest(request_id=9, operation=operation, document=0).pack()
-        text = {"SET": b'{"streams":{"depth":"raw"}}', "STAGE": b'{"name":"left"}', "PRESET": b"outdoor"}.get(operation.name, b"")
+        text = {"SET": b'{"streams":{"depth":"raw"}}', "STAGE": b'{"name":"left"}', "PRESET": b"outdoor",
+                "UNPAIR": b"0000000d"}.get(operation.name, b"")
         body = bytes([wire.PacketType.SETTINGS_REQUEST]) + request + text
         seeds[f"settings_{operation.name.lower()}"] = b"".join(record(body, SEAL | PEERS * who) for who in range(3)) + record(body, 0)
-    seeds["commit"] = seeds["settings_stage"] + seeds.get("settings_commit", b"")
+    seeds["commit"] = seeds["settings_stage"] + seeds["settings_commit"]
+    body = [bytes([wire.PacketType.SETTINGS_REQUEST]) + wire.SettingsRequest(operation=operation).pack() for operation in (1, 6)]
+    seeds["saves"] = b"".join(record(body[0] + b'{"name":"%d"}' % n) + record(body[1]) for n in range(12))  # more than may be
+    seeds["replayed"] = record(bytes([wire.PacketType.SETTINGS_REQUEST]) + wire.SettingsRequest(operation=6).pack(), SEAL | COOKIE)
+    subscribe = bytes([wire.PacketType.SUBSCRIBE]) + wire.Subscribe(request_id=9).pack()
+    seeds["subscribed"] = b"".join(record(subscribe, SEAL | PEERS * who) for who in range(4))
+    seeds["unsubscribed"] = seeds["subscribed"] + record(bytes([wire.PacketType.UNSUBSCRIBE]) + subscribe[1:])
+    seeds["ended"] = seeds["settings_unpair"] + record(subscribe, SEAL | PEERS * 2)
     return seeds
 
 

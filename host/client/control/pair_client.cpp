@@ -5,6 +5,8 @@
 #include <thread>
 #include <utility>
 
+#include "firmware/wire/bytes.h"
+
 namespace stof::client {
 namespace {
 
@@ -86,6 +88,52 @@ std::expected<wire::Key, ControlError> PairClient::finish(Duration patience) {
   }
 }
 
+std::expected<PairWindow, ControlError> PairClient::open_window() {
+  wire::PairRequest open = request(PairStep::kOpen);
+  wire::put_bytes(said_.client_nonce, open.nonce);
+  const auto window = ask_window(open);
+  if (!window && window.error().status == Status::kTimeout && !opened_) {
+    return error(Status::kTimeout,
+                 "no answer: check the line and its speed; one that is marked serial.remote opens "
+                 "nothing");
+  }
+  opened_ = opened_ || window.has_value();
+  return window;
+}
+
+std::expected<PairWindow, ControlError> PairClient::accept(std::uint32_t digits) {
+  wire::PairRequest accept = request(PairStep::kAccept);
+  wire::put_u32(std::as_writable_bytes(std::span(accept.value)).first<4>(), digits);
+  return ask_window(accept);
+}
+
+std::expected<PairWindow, ControlError> PairClient::ask_window(const wire::PairRequest& request) {
+  const auto answer = ask(request);
+  if (!answer) {
+    return std::unexpected(answer.error());
+  }
+  switch (answer->result) {
+    case PairResult::kOk:
+      return PairWindow{.key_id = answer->key_id};
+    case PairResult::kWaiting:
+      return PairWindow{.digits =
+                            wire::get_u32(std::as_bytes(std::span(answer->value)).first<4>())};
+    case PairResult::kWrong:
+      if (request.step == PairStep::kOpen) {
+        return error(Status::kUnsupported,
+                     "is older than this program: update it, press its button, or pair with the "
+                     "cable alone");
+      }
+      return refuse(answer->result);
+    case PairResult::kClosed:
+      return error(opened_ ? Status::kTimeout : Status::kUnsupported,
+                   opened_ ? "pairing has ended without a key: two came, or nobody in two minutes"
+                           : "this line is a way for strangers: use another");
+    default:
+      return refuse(answer->result);
+  }
+}
+
 wire::Key PairClient::key() const {
   return {.id = said_.key_id,
           .device = said_.sensor.device_id,
@@ -159,7 +207,8 @@ std::unexpected<ControlError> PairClient::refuse(PairResult why) const {
       switch (wish_.method) {
         case PairMethod::kDigits:
           return error(Status::kUnsupported,
-                       "does not pair now: press its button, and try again within two minutes");
+                       "does not pair now: press its button, or ask over its cable (stof pair "
+                       "--serial LINE --window), and try again within two minutes");
         case PairMethod::kCode:
           return error(Status::kUnsupported, "has no code: pair with its button or its cable");
         case PairMethod::kCable:

@@ -21,6 +21,12 @@ struct PairWish {
   std::uint32_t key_id = 0;        // of method key
 };
 
+// How the two minutes stand that the cable opened for others.
+struct PairWindow {
+  std::optional<std::uint32_t> digits{};  // of the sensor, as soon as somebody has come
+  std::uint32_t key_id = 0;               // of the key that came of it; 0: not yet
+};
+
 // Makes a key with one sensor; blocks. For one thread, and for one key.
 class PairClient {
  public:
@@ -40,7 +46,14 @@ class PairClient {
   // kTooLarge: the sensor keeps no more keys; kTimeout: nobody accepted it there.
   std::expected<wire::Key, ControlError> finish(Duration patience);
 
+  // In place of all that, over a cable: opens two minutes for others, as the button does; asked
+  // again, tells how they stand. As start(), and kTimeout: nobody has come, or not agreed in time.
+  std::expected<PairWindow, ControlError> open_window();
+  // Accepts somebody else's digits, as the button does that is held. As start().
+  std::expected<PairWindow, ControlError> accept(std::uint32_t digits);
+
  private:
+  std::expected<PairWindow, ControlError> ask_window(const wire::PairRequest& request);
   std::expected<wire::PairAnswer, ControlError> ask(wire::PairRequest request);
   std::optional<wire::PairAnswer> await(std::uint32_t request_id);
   wire::PairRequest request(wire::PairStep step) const;
@@ -56,6 +69,7 @@ class PairClient {
   std::optional<wire::Origin> heard_;  // who sent the answer that counts
   std::uint64_t attempt_ = 0;
   std::uint64_t cookie_ = 0;
+  bool opened_ = false;  // a window
   std::uint32_t request_id_;
 };
 

@@ -243,7 +243,7 @@ class Attack {
   }
   Bytes pairing(const AttackSource& from) {
     wire::PairRequest request{.request_id = 4,
-                              .step = static_cast<wire::PairStep>(random_.between(0, 2)),
+                              .step = static_cast<wire::PairStep>(random_.between(0, 4)),
                               .method = static_cast<wire::PairMethod>(random_.between(0, 3)),
                               .role = wire::Role::kAdmin,
                               .cookie = from.cookie,

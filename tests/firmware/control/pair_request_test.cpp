@@ -14,6 +14,7 @@ using firmware::CookieSecret;
 using firmware::RequestHandler;
 using firmware::SerialRequestHandler;
 using wire::PairMethod;
+using wire::PairRequest;
 using wire::PairResult;
 using wire::Role;
 using wire::SettingsResult;
@@ -96,6 +97,31 @@ TEST_F(PairRequestTest, TheCableIsTheCableAndTheNetworkIsNot) {
   ASSERT_TRUE(begun.has_value());
   ASSERT_EQ(over_line(client.reveal(*begun))->result, PairResult::kOk);
   EXPECT_EQ(over_line(client.confirm())->result, PairResult::kOk);
+  EXPECT_EQ(ring_.keys().count(), 1U);
+}
+
+TEST_F(PairRequestTest, OnlyTheCableOpensAndAcceptsForOthers) {
+  PairingClient holder(kHere, PairMethod::kDigits, Role::kAdmin);
+  EXPECT_EQ(over_network(holder.open())->result, PairResult::kClosed);
+  line_.set_remote(true);
+  EXPECT_FALSE(over_line(holder.open()).has_value());
+  EXPECT_FALSE(pairing_.is_open());
+
+  line_.set_remote(false);
+  EXPECT_EQ(over_line(holder.open())->result, PairResult::kOk);
+  EXPECT_TRUE(pairing_.is_open());
+  PairingClient client(kHere, PairMethod::kDigits, Role::kTune);
+  const auto begun = over_network(client.begin());
+  ASSERT_EQ(over_network(client.reveal(*begun))->result, PairResult::kOk);
+  ASSERT_EQ(over_network(client.confirm())->result, PairResult::kWaiting);
+  const PairRequest accept = holder.accept(client.secrets().digits());
+  EXPECT_EQ(over_network(accept)->result, PairResult::kClosed);
+  line_.set_remote(true);
+  EXPECT_FALSE(over_line(accept).has_value());
+  EXPECT_EQ(ring_.keys().count(), 0U);
+  line_.set_remote(false);
+  EXPECT_EQ(over_line(accept)->result, PairResult::kOk);
+  EXPECT_EQ(over_network(client.confirm())->result, PairResult::kOk);
   EXPECT_EQ(ring_.keys().count(), 1U);
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <string_view>
 
+#include "firmware/wire/bytes.h"
 #include "firmware/wire/keys/pair_secrets.h"
 
 namespace stof::test {
@@ -44,11 +45,23 @@ class PairingClient {
     wire::put_bytes(secrets().client_tag(), request.value);
     return request;
   }
+  // Of whoever holds the cable.
+  wire::PairRequest open() {
+    wire::PairRequest request = step(wire::PairStep::kOpen);
+    wire::put_bytes(said_.client_nonce, request.nonce);
+    return request;
+  }
+  wire::PairRequest accept(std::uint32_t digits) {
+    wire::PairRequest request = step(wire::PairStep::kAccept);
+    wire::put_u32(std::as_writable_bytes(std::span(request.value)).first<4>(), digits);
+    return request;
+  }
   // After reveal().
   wire::PairSecrets secrets() const {
     return {said_, exchange_.shared_with(said_.sensor_key).value_or(wire::Secret{}), known_};
   }
   wire::PairTranscript& said() { return said_; }
+  const wire::PairTranscript& said() const { return said_; }
 
  private:
   wire::PairRequest step(wire::PairStep step) const {

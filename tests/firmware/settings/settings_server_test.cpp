@@ -159,6 +159,43 @@ TEST_F(SettingsServerTest, WhoeverMayNotIsToldAndChangesNothing) {
   EXPECT_EQ(ask(Operation::kGet).result, Result::kOk);
 }
 
+TEST_F(SettingsServerTest, ResetAndPresetAreHarmlessWhereNoOtherFieldDiffers) {
+  const std::string harmless =
+      R"({"depth": {"max_range_mm": 9000}, "streams": {"grey_left": "rvl", "parity": true}})";
+  const auto as = [this](firmware::Access access, Operation operation, const std::string& text) {
+    access_ = access;
+    return ask(operation, text);
+  };
+  using firmware::Access;
+  ASSERT_EQ(as(Access::kHarmless, Operation::kSet, harmless).result, Result::kOk);
+  ASSERT_NE(server_.active(), Settings{});
+  ASSERT_EQ(as(Access::kHarmless, Operation::kReset, "").result, Result::kOk);
+  EXPECT_EQ(server_.active(), Settings{});
+  for (const SettingsPreset& preset : presets()) {
+    const std::string name(preset.name);
+    ASSERT_EQ(as(Access::kAdmin, Operation::kReset, "").result, Result::kOk);
+    ASSERT_EQ(as(Access::kAdmin, Operation::kPreset, name).result, Result::kOk);
+    const Settings admins = server_.active();
+    ASSERT_EQ(as(Access::kHarmless, Operation::kSet, R"({"depth": {"max_range_mm": 9000}})").result,
+              Result::kOk);
+    ASSERT_EQ(as(Access::kHarmless, Operation::kPreset, name).result, Result::kOk) << name;
+    EXPECT_EQ(server_.active() == admins, name != "fast" && name != "quality") << name;
+  }
+  // Another field that would change: nothing does, and that field is named.
+  ASSERT_EQ(as(Access::kAdmin, Operation::kReset, "").result, Result::kOk);
+  ASSERT_EQ(as(Access::kAdmin, Operation::kSet, R"({"name": "left"})").result, Result::kOk);
+  ASSERT_EQ(as(Access::kHarmless, Operation::kSet, harmless).result, Result::kOk);
+  const Settings before = server_.active();
+  const Answer reset = as(Access::kHarmless, Operation::kReset, "");
+  EXPECT_EQ(reset.result, Result::kDenied);
+  EXPECT_TRUE(reset.text.starts_with("name: takes a key with role tune or admin")) << reset.text;
+  const Answer near = as(Access::kHarmless, Operation::kPreset, "near");
+  EXPECT_EQ(near.result, Result::kDenied);
+  EXPECT_TRUE(near.text.starts_with("depth.guided: takes a key")) << near.text;
+  EXPECT_EQ(server_.active(), before);
+  EXPECT_EQ(store_.saves(), 0);
+}
+
 TEST_F(SettingsServerTest, WhatChangesNothingIsNoRevision) {
   EXPECT_EQ(ask(Operation::kSet, "{}").fields.revision, 1U);
   EXPECT_EQ(ask(Operation::kSet, R"({"name": "stof"})").fields.revision, 1U);

@@ -5,6 +5,7 @@ build) as a user would run them, against `stofd`: STOFD holds that command, its 
 import json
 import os
 import pathlib
+import pty
 import re
 import select
 import signal
@@ -14,6 +15,7 @@ import sys
 import tempfile
 import threading
 import time
+import tty
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "host/python"))
@@ -61,6 +63,37 @@ class Proxy:
                     self.dropped += 1
                 else:
                     self.here.sendto(lied(packet) if self.lie else packet, client)
+
+
+class Line:
+    """A cable: two serial lines, whatever comes out of one goes into the other."""
+
+    def __init__(self):
+        self.ends = [pty.openpty() for _ in range(2)]
+        self.names = [os.ttyname(tty_end) for _, tty_end in self.ends]
+        for _, tty_end in self.ends:
+            tty.setraw(tty_end)
+        self.ended = False
+        self.thread = threading.Thread(target=self.carry)
+        self.thread.start()
+
+    def carry(self):
+        here, there = (far for far, _ in self.ends)
+        for far in (here, there):
+            os.set_blocking(far, False)
+        while not self.ended:
+            for ready in select.select([here, there], [], [], 0.05)[0]:
+                try:
+                    os.write(there if ready == here else here, os.read(ready, 4096))
+                except OSError:
+                    pass  # nobody reads there now: as on a cable, it is lost
+
+    def close(self):
+        self.ended = True
+        self.thread.join()
+        for far, tty_end in self.ends:
+            os.close(far)
+            os.close(tty_end)
 
 
 def lied(packet):
@@ -125,8 +158,8 @@ class Pair(unittest.TestCase):
     def digits(self):
         return self.until("no digits", lambda: re.search(r"the digits are (\d{3} \d{3})\.", self.said()))[1]
 
-    def run_stof(self, *words):
-        return subprocess.run([*COMMAND, *map(str, words), "--timeout", "5"], capture_output=True, text=True, timeout=120,
+    def run_stof(self, *words, timeout_s=5):
+        return subprocess.run([*COMMAND, *map(str, words), "--timeout", str(timeout_s)], capture_output=True, text=True, timeout=120,
                               cwd=self.folder, env=self.environment)
 
     def ask(self, *words):
@@ -134,8 +167,8 @@ class Pair(unittest.TestCase):
         self.assertEqual((ended.returncode, ended.stderr), (0, ""), ended.stdout)
         return ended.stdout
 
-    def refuse(self, code, fact, *words):
-        ended = self.run_stof(*words)
+    def refuse(self, code, fact, *words, timeout_s=5):
+        ended = self.run_stof(*words, timeout_s=timeout_s)
         self.assertEqual(ended.returncode, code, ended.stdout + ended.stderr)
         self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
         self.assertIn(fact, ended.stderr)
@@ -165,6 +198,57 @@ class Pair(unittest.TestCase):
         self.stop()
         self.start()  # the key outlives the sensor
         self.ask("config", self.address, "set", "period_ms=90")
+
+    def start_with_line(self, *arguments):
+        line = Line()
+        self.addCleanup(line.close)
+        self.start("--serial", line.names[0], "--baud", "921600", "--set", "serial.mode=stof", *arguments)
+        self.until("no frame", lambda: "publishing" in self.said())
+        return line.names[1]
+
+    def open_window(self, line):
+        window = subprocess.Popen([*COMMAND, "pair", "--serial", line, "--window", "--timeout", "5"], stdin=subprocess.PIPE,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=self.environment)
+        self.addCleanup(window.kill)
+        self.until("no window", lambda: "pairing is open" in self.said())
+        return window
+
+    def test_with_the_cable_in_the_buttons_place(self):
+        line = self.start_with_line()
+        window = self.open_window(line)
+        pairing = self.begin("--name", "ann@robot", "--role", "tune")
+        digits = self.digits()
+        pairing.stdin.write(digits + "\n")
+        pairing.stdin.flush()
+        time.sleep(0.5)
+        self.assertFalse(self.keys.exists())  # nobody has accepted them at the sensor
+        out, error = window.communicate(digits + "\n", timeout=ENOUGH_S)
+        self.assertEqual((window.returncode, error), (0, ""), out)
+        self.assertIn(f"digits are {digits.replace(' ', '')}: type them into stof pair", out)
+        made = re.search(r"key ([0-9a-f]{8}) is in force", out)[1]
+        out, error = pairing.communicate(timeout=ENOUGH_S)
+        self.assertEqual((pairing.returncode, error), (0, ""), out)
+        self.assertIn(f"key {made} of sensor 00000001, tune", out)
+        self.ask("config", self.address, "set", "period_ms=80")
+
+    def test_whoever_holds_the_cable_and_sees_other_digits_ends_it(self):
+        line = self.start_with_line()
+        window = self.open_window(line)
+        pairing = self.begin()
+        digits = self.digits()
+        _, error = window.communicate("000 00\n", timeout=ENOUGH_S)
+        self.assertEqual(window.returncode, 1)
+        self.assertIn("nothing was paired", error)
+        _, error = pairing.communicate(digits + "\n", timeout=ENOUGH_S)
+        self.assertEqual(pairing.returncode, 1)
+        self.assertIn("nothing was paired", error)
+        self.assertFalse(self.keys.exists())
+
+    def test_a_way_for_strangers_opens_nothing(self):
+        line = self.start_with_line("--set", "serial.remote=true")
+        self.refuse(1, "serial.remote", "pair", "--serial", line, "--window", timeout_s=0.3)
+        self.refuse(2, "--window takes --serial", "pair", self.address, "--window")
+        self.assertNotIn("pairing is open", self.said())
 
     def test_other_digits_pair_nobody(self):
         self.start()
@@ -314,10 +398,12 @@ class Pair(unittest.TestCase):
 
     def test_a_sensor_takes_sixteen_keys(self):
         for number in range(16):
-            self.ask("pair", "--into", self.keys, "--keys", self.folder / f"user{number}")
+            self.ask("pair", "--into", self.keys, "--keys", self.folder / f"user{number}", "--name", f"{number:x<32}")
         self.refuse(1, "keeps 16 keys", "pair", "--into", self.keys)
         self.start()
         self.ask("config", self.address, "set", "period_ms=80", "--keys", self.folder / "user15")
+        self.assertEqual([key["name"] for key in self.listed("--keys", self.folder / "user15")],
+                         [f"{number:x<32}" for number in range(16)])  # more than one answer holds
 
     def test_unpairing(self):
         self.start("--label", self.label)

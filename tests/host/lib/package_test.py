@@ -84,9 +84,29 @@ class Package(unittest.TestCase):
         self.assertGreaterEqual(len(re.findall(r"^frame \d+: \d+\.\d+ m straight ahead", text, re.MULTILINE)), FRAMES)
         self.assertIn("libstof 0.1", text)
 
+    def test_a_c_project_links_it_statically_by_pkg_config(self):
+        if not shutil.which("pkg-config"):
+            self.skipTest("no pkg-config: install it")
+        found = {**ENVIRONMENT, "PKG_CONFIG_PATH": str(self.library / "pkgconfig")}
+        self.assertEqual(run("pkg-config", "--print-requires-private", "stof_static", env=found).strip(), "libsodium")
+        flags = run("pkg-config", "--static", "--cflags", "--libs", "stof_static", env=found).split()
+        program = self.folder / "watch_static"
+        run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), self.examples / "c/main.c", "-o", program, *flags)
+        self.assertNotIn("libstof", run("readelf", "-d", program))
+        text = run(program, self.endpoint, FRAMES)  # the folder of the shared one is not named
+        self.assertGreaterEqual(len(re.findall(r"^frame \d+: \d+\.\d+ m straight ahead", text, re.MULTILINE)), FRAMES)
+
+    def test_libsodium_is_in_the_shared_library_and_its_names_are_local(self):
+        sodium = re.compile(r" (\w) ((?:crypto|sodium|randombytes)_\w+)$", re.MULTILINE)
+        self.assertEqual(sodium.findall(run("nm", "-D", self.library / "libstof.so")), [])  # neither given nor needed
+        inside = dict(map(reversed, sodium.findall(run("nm", self.library / "libstof.so"))))
+        for name in ("crypto_generichash_init", "crypto_scalarmult", "randombytes_buf", "sodium_memzero"):
+            self.assertEqual(inside.get(name), "t", name)
+        needed = dict(map(reversed, sodium.findall(run("nm", self.library / "libstof.a"))))
+        self.assertEqual(needed.get("crypto_generichash_init"), "U")  # the static one leaves it to the program
+
     def test_the_static_library_is_whole(self):
         program = self.folder / "static"
-        self.assertIn("-lsodium", next(self.library.glob("pkgconfig/*.pc")).read_text(encoding="utf-8"))
         run(ENVIRONMENT["CC"], *ENVIRONMENT["CFLAGS"].split(), f"-I{self.prefix}/include", self.examples / "c/main.c",
             "-o", program, self.library / "libstof.a", "-lsodium", "-lstdc++", "-lm", "-pthread")
         self.assertIn("straight ahead", self.run_example(program))

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "firmware/control/request_handler.h"
+#include "firmware/serial/line/serial_request_handler.h"
 #include "firmware/wire/bytes.h"
 #include "firmware/wire/crc32c.h"
 #include "tests/firmware/control/requests.h"
@@ -25,13 +26,17 @@ constexpr keys::LabelCode kCode{std::byte{9}};
 
 // A sensor in memory, and whoever sits between it and the client.
 struct SensorInMemory {
-  SensorInMemory() { handler.set_pairing(&pairing); }
+  SensorInMemory() {
+    handler.set_pairing(&pairing);
+    line.set_pairing(&pairing);
+  }
 
   keys::Keyring ring{nullptr, nullptr};
   keys::PairingServer pairing{{.device_id = 1, .session_id = 7}, ring, kCode};
   firmware::LeaseTable subscribers;
   firmware::RequestHandler handler{
       {.device_id = 1, .session_id = 7}, firmware::CookieSecret{}, subscribers, nullptr};
+  firmware::SerialRequestHandler line{{.device_id = 1, .session_id = 7}, nullptr, &handler};
   hal::Time now{1000s};
   std::function<void(Bytes&)> to_sensor = [](Bytes&) {};
   std::function<void(Bytes&)> to_client = [](Bytes&) {};
@@ -42,13 +47,17 @@ void reseal(Bytes& packet) {
   wire::put_u32(std::span(packet).last<4>(), wire::crc32c(std::span(packet).first(end)));
 }
 
-class Cable final : public ControlTransport {
+enum class Way : std::uint8_t { kNetwork, kSerialLine };
+
+class Wire final : public ControlTransport {
  public:
-  explicit Cable(SensorInMemory& sensor) : sensor_(sensor) {}
+  Wire(SensorInMemory& sensor, Way way) : sensor_(sensor), way_(way) {}
   Status send(std::span<const std::byte> packet) override {
     Bytes request(packet.begin(), packet.end());
     sensor_.to_sensor(request);
-    const auto answer = sensor_.handler.take(request, test::peer(1), sensor_.now);
+    const auto answer = way_ == Way::kSerialLine
+                            ? sensor_.line.take(request, sensor_.now)
+                            : sensor_.handler.take(request, test::peer(1), sensor_.now);
     if (!answer.empty()) {
       waiting_.emplace_back(answer.begin(), answer.end());
       sensor_.to_client(waiting_.back());
@@ -71,11 +80,12 @@ class Cable final : public ControlTransport {
 
  private:
   SensorInMemory& sensor_;
+  Way way_;
   std::deque<Bytes> waiting_;
 };
 
-PairClient client_of(SensorInMemory& sensor, const PairWish& wish) {
-  return {std::make_unique<Cable>(sensor), wish, {.timeout = 3ms}};
+PairClient client_of(SensorInMemory& sensor, const PairWish& wish, Way way = Way::kNetwork) {
+  return {std::make_unique<Wire>(sensor, way), wish, {.timeout = 3ms}};
 }
 
 TEST(PairClient, ComparesDigitsAndWaitsForTheSensor) {
@@ -96,6 +106,63 @@ TEST(PairClient, ComparesDigitsAndWaitsForTheSensor) {
   EXPECT_EQ(*key, sensor.ring.keys().all()[0]);
   EXPECT_EQ(key->name_text(), "ann-b");
   EXPECT_EQ(key->role, Role::kTune);
+}
+
+TEST(PairClient, WhoeverHoldsTheCableLetsAnotherPair) {
+  SensorInMemory sensor;
+  int lost = 0;
+  sensor.to_client = [&lost](Bytes& answer) {
+    if (++lost % 2 == 0) {
+      answer.clear();
+    }
+  };
+  PairClient holder = client_of(sensor, {.name = "bob"}, Way::kSerialLine);
+  const auto opened = holder.open_window();
+  ASSERT_TRUE(opened) << opened.error().message;
+  EXPECT_FALSE(opened->digits.has_value());
+  PairClient client = client_of(sensor, {.role = Role::kTune, .name = "ann"});
+  ASSERT_TRUE(client.start());
+  const auto come = holder.open_window();
+  ASSERT_TRUE(come);
+  EXPECT_EQ(come->digits, client.digits());
+  EXPECT_EQ(come->key_id, 0U);
+  const auto accepted = holder.accept(*come->digits);
+  ASSERT_TRUE(accepted);
+  EXPECT_EQ(accepted->key_id, 0U);
+  const auto key = client.finish(1s);
+  ASSERT_TRUE(key) << key.error().message;
+  const auto over = holder.open_window();
+  ASSERT_TRUE(over);
+  EXPECT_EQ(over->key_id, key->id);
+  ASSERT_EQ(sensor.ring.keys().count(), 1U);
+}
+
+TEST(PairClient, WhoeverHoldsTheCableIsToldHowItEnds) {
+  SensorInMemory sensor;
+  PairClient stranger = client_of(sensor, {.name = "eve"});
+  EXPECT_EQ(stranger.open_window().error().status, Status::kUnsupported);
+  PairClient holder = client_of(sensor, {.name = "bob"}, Way::kSerialLine);
+  ASSERT_TRUE(holder.open_window());
+  PairClient client = client_of(sensor, {.name = "ann"});
+  ASSERT_TRUE(client.start());
+  EXPECT_EQ(holder.accept((client.digits() + 1) % 1'000'000).error().status, Status::kCorrupt);
+  EXPECT_EQ(client.finish(1s).error().status, Status::kCorrupt);
+  EXPECT_EQ(holder.open_window().error().status, Status::kTimeout);
+  sensor.line.set_remote(true);
+  PairClient remote = client_of(sensor, {.name = "bob"}, Way::kSerialLine);
+  const auto silent = remote.open_window();
+  ASSERT_FALSE(silent);
+  EXPECT_NE(silent.error().message.find("serial.remote"), std::string::npos);
+  EXPECT_EQ(sensor.ring.keys().count(), 0U);
+
+  SensorInMemory older;  // which knows no such step
+  older.to_sensor = [](Bytes& packet) {
+    packet[wire::kHeaderBytes + 4] = std::byte{99};
+    reseal(packet);
+  };
+  PairClient newer = client_of(older, {.name = "bob"}, Way::kSerialLine);
+  EXPECT_NE(newer.open_window().error().message.find("is older than this program"),
+            std::string::npos);
 }
 
 TEST(PairClient, TheCodeHasToBeTheSensors) {
