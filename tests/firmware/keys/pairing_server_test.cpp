@@ -1,13 +1,9 @@
-#include "firmware/keys/pairing_server.h"
-
 #include <array>
 #include <optional>
 
 #include <gtest/gtest.h>
 
-#include "hal/emu/devices/store.h"
-#include "tests/firmware/keys/pairing_client.h"
-#include "tests/firmware/keys/some_keys.h"
+#include "tests/firmware/keys/pairing_server_fixture.h"
 #include "tests/support/heap_guard.h"
 
 namespace stof::keys {
@@ -21,39 +17,6 @@ using wire::PairMethod;
 using wire::PairRequest;
 using wire::PairResult;
 using wire::Role;
-
-constexpr wire::Origin kSensor{.device_id = 1, .session_id = 77};
-constexpr LabelCode kCode{std::byte{1}, std::byte{2}, std::byte{3}};
-
-class PairingServerTest : public testing::Test {
- protected:
-  void SetUp() override { ASSERT_TRUE(wire::start_crypto()); }
-
-  PairAnswer ask(const PairRequest& request, PairingWay way = PairingWay::kNetwork) {
-    return server_.serve(request, way, now_);
-  }
-  // All steps until the client's user has confirmed: the last answer.
-  PairAnswer run(PairingClient& client, PairingWay way = PairingWay::kNetwork) {
-    const PairAnswer begun = ask(client.begin(), way);
-    if (begun.result != PairResult::kOk) {
-      return begun;
-    }
-    const PairAnswer revealed = ask(client.reveal(begun), way);
-    EXPECT_EQ(revealed.result, PairResult::kOk);
-    EXPECT_EQ(wire::bytes_in<wire::Tag>(revealed.value), client.secrets().sensor_tag());
-    return ask(client.confirm(), way);
-  }
-  bool has_key_of(const PairingClient& client, std::uint32_t id) const {
-    const wire::Key* const key = ring_.keys().find(id);
-    return key != nullptr && key->secret == client.secrets().secret();
-  }
-
-  hal::Time now_{1000s};
-  hal::emu::Store store_;
-  Keyring ring_{&store_, nullptr};
-  PairingServer server_{kSensor, ring_, kCode};
-  PairingServer without_code_{kSensor, ring_, std::nullopt};
-};
 
 TEST_F(PairingServerTest, ByDigitsTakesThePressAndTheAcceptance) {
   PairingClient early(kSensor, PairMethod::kDigits, Role::kAdmin);
@@ -488,114 +451,6 @@ TEST(PairingNoHeap, AllocatesNothing) {
     ASSERT_EQ(ask(client.confirm()).result, PairResult::kOk);
   }
   EXPECT_EQ(test::allocations, before);
-}
-
-// The event of the new key is for all to hear: who begins, or guesses, in that moment must not
-// leave a key that its client believes refused.
-TEST_F(PairingServerTest, OnceAKeyIsMadeNobodyKeepsItsClientFromHearingOfIt) {
-  server_.open(now_);
-  PairingClient owner(kSensor, PairMethod::kDigits, Role::kAdmin);
-  ASSERT_EQ(run(owner).result, PairResult::kWaiting);
-  server_.accept();
-  ASSERT_EQ(ring_.keys().count(), 1U);
-  PairingClient stranger(kSensor, PairMethod::kDigits, Role::kAdmin);
-  EXPECT_EQ(ask(stranger.begin()).result, PairResult::kClosed);
-  PairRequest guess = owner.confirm();
-  guess.value[0] ^= 1;
-  EXPECT_EQ(ask(guess).result, PairResult::kWrong);
-  const PairAnswer done = ask(owner.confirm());
-  EXPECT_EQ(done.result, PairResult::kOk);
-  EXPECT_EQ(wire::bytes_in<wire::Tag>(done.value), owner.secrets().done_tag());
-  now_ += PairingServer::kWindow;
-  EXPECT_EQ(ask(owner.confirm()).result, PairResult::kWrong);
-  EXPECT_EQ(ring_.keys().count(), 1U);
-}
-
-// Each is two files of flash: whoever has any key, or the code, must not wear it out.
-TEST_F(PairingServerTest, RenewsAKeyTenTimesThenOnceAnHour) {
-  const wire::Key mine = numbered_key(5, Role::kView);
-  const wire::Key others = numbered_key(6, Role::kAdmin);
-  ASSERT_EQ(ring_.add(mine), Status::kOk);
-  ASSERT_EQ(ring_.add(others), Status::kOk);
-  const auto renew = [&](std::uint32_t id) {
-    const wire::Secret secret = ring_.keys().find(id)->secret;
-    PairingClient client(kSensor, PairMethod::kKey, Role::kView, secret, id);
-    const PairResult result = run(client).result;
-    if (result == PairResult::kOk) {
-      ring_.settle(id);  // as the first request does that the new secret signs
-    }
-    now_ += 11s;  // the attempt of before is over
-    return result;
-  };
-  for (std::uint32_t i = 0; i < KeyWriteLimiter::kMostWrites; ++i) {
-    ASSERT_EQ(renew(5), PairResult::kOk) << i;
-  }
-  const int saves = store_.saves();
-  EXPECT_EQ(renew(5), PairResult::kLater);
-  EXPECT_EQ(renew(5), PairResult::kLater);
-  EXPECT_EQ(renew(6), PairResult::kOk) << "another key is not kept from it";
-  now_ += KeyWriteLimiter::kRefill;
-  EXPECT_EQ(renew(5), PairResult::kOk);
-  EXPECT_EQ(renew(5), PairResult::kLater);
-  EXPECT_EQ(store_.saves() - saves, 4) << "two renewals, and each one's end of the old secret";
-  EXPECT_EQ(ring_.remove(5), Status::kOk) << "the end of a key is never too often";
-}
-
-TEST_F(PairingServerTest, TheCodeMakesTenKeysThenOneAnHourAndTheButtonAtAnyTime) {
-  const auto make = [&](PairMethod method) {
-    PairingClient client(kSensor, method, Role::kView,
-                         method == PairMethod::kCode ? std::span<const std::byte>(kCode)
-                                                     : std::span<const std::byte>{});
-    const PairAnswer last = run(client);
-    if (last.result == PairResult::kOk) {
-      EXPECT_EQ(ring_.remove(last.key_id), Status::kOk);
-    }
-    now_ += 11s;
-    return last.result;
-  };
-  for (std::uint32_t i = 0; i < KeyWriteLimiter::kMostWrites; ++i) {
-    ASSERT_EQ(make(PairMethod::kCode), PairResult::kOk) << i;
-  }
-  EXPECT_EQ(make(PairMethod::kCode), PairResult::kLater);
-  server_.open(now_);
-  EXPECT_EQ(make(PairMethod::kDigits), PairResult::kWaiting);
-  now_ += KeyWriteLimiter::kRefill;
-  EXPECT_EQ(make(PairMethod::kCode), PairResult::kOk);
-}
-
-// Who only says a key's number, or guesses, takes nothing of whoever has it.
-TEST_F(PairingServerTest, WhoProvesNothingUsesUpNoRenewal) {
-  ASSERT_EQ(ring_.add(numbered_key(5)), Status::kOk);
-  for (std::uint32_t i = 0; i < 2 * KeyWriteLimiter::kMostWrites; ++i) {
-    PairingClient stranger(kSensor, PairMethod::kKey, Role::kAdmin, wire::Secret{}, 5);
-    const PairAnswer begun = ask(stranger.begin());
-    ASSERT_EQ(begun.result, PairResult::kOk);
-    ASSERT_EQ(ask(stranger.reveal(begun)).result, PairResult::kOk);
-    ASSERT_EQ(ask(stranger.confirm()).result, PairResult::kWrong);
-    now_ += 11s;
-  }
-  PairingClient owner(kSensor, PairMethod::kKey, Role::kAdmin, ring_.keys().find(5)->secret, 5);
-  EXPECT_EQ(run(owner).result, PairResult::kOk);
-}
-
-// While a renewal goes on, its key is ended and another takes its place: nothing is written.
-TEST_F(PairingServerTest, AKeyThatIsEndedWhileItIsRenewedIsNotRenewed) {
-  for (std::uint32_t id = 1; id <= kMostKeys; ++id) {
-    ASSERT_EQ(ring_.add(numbered_key(id)), Status::kOk);
-    PairingClient client(kSensor, PairMethod::kKey, Role::kAdmin, numbered_key(id).secret, id);
-    ASSERT_EQ(ask(client.begin()).result, PairResult::kOk);
-    now_ += 11s;
-  }
-  PairingClient ended(kSensor, PairMethod::kKey, Role::kAdmin, numbered_key(1).secret, 1);
-  const PairAnswer begun = ask(ended.begin());
-  ASSERT_EQ(ask(ended.reveal(begun)).result, PairResult::kOk);
-  ASSERT_EQ(ring_.remove(1), Status::kOk);
-  ASSERT_EQ(ring_.add(numbered_key(99)), Status::kOk);
-  PairingClient newcomer(kSensor, PairMethod::kKey, Role::kAdmin, numbered_key(99).secret, 99);
-  EXPECT_EQ(ask(newcomer.begin()).result, PairResult::kBusy);
-  const int saves = store_.saves();
-  EXPECT_EQ(ask(ended.confirm()).result, PairResult::kLater);
-  EXPECT_EQ(store_.saves(), saves);
 }
 
 }  // namespace
