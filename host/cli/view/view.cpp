@@ -210,15 +210,15 @@ class View {
 
 }  // namespace
 
-void view(const ViewOptions& asked) {
-  ViewOptions options = asked;
+void view(const ViewOptions& options) {
   stop_on_signals();
-  client::Receiver receiver = open_receiver(options);
+  ViewOptions meant = options;
+  client::Receiver receiver = open_receiver(meant);
   say((options.sensor.empty() ? "listening on " : "subscribing at ") + place(options, receiver));
   if (!options.port_file.empty()) {
     value_or_fail(dataset::write_whole(options.port_file, std::to_string(receiver.port()) + "\n"));
   }
-  View session(options, receiver);
+  View session(meant, receiver);
   session.run();
   session.finish();
 }

@@ -97,6 +97,10 @@ std::expected<ControlAnswer, ControlError> ControlClient::request(wire::Settings
   if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {
     return get(operation, document);
   }
+  if (text.size() > kMaxText) {
+    return std::unexpected(error(Status::kTooLarge, "a request takes " + std::to_string(kMaxText) +
+                                                        " bytes: send several smaller ones"));
+  }
   std::expected<Part, ControlError> part = ask(operation, document, 0, text);
   if (!part) {
     return std::unexpected(std::move(part.error()));
@@ -152,10 +156,6 @@ std::expected<ControlAnswer, ControlError> ControlClient::get(wire::SettingsOper
 std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     wire::SettingsOperation operation, wire::SettingsDocument document, std::uint16_t offset,
     std::string_view text) {
-  if (text.size() > kMaxText) {
-    return std::unexpected(error(Status::kTooLarge, "a request takes " + std::to_string(kMaxText) +
-                                                        " bytes: send several smaller ones"));
-  }
   ++request_id_;
   std::optional<Part> refusal;
   bool hurried = false;  // asked at once upon a cookie
@@ -189,11 +189,8 @@ std::expected<ControlClient::Part, ControlError> ControlClient::ask(
     }
     switch (judge(part, sealed)) {
       case Heard::kNothing:
-        if (attempt++ == 0 && options_.device_id && cookie_ == 0) {
-          if (const std::optional<std::uint32_t> other = another_sensor()) {
-            return std::unexpected(
-                error(Status::kUnsupported, other_sensor(*other, *options_.device_id)));
-          }
+        if (std::optional<ControlError> other = attempt++ == 0 ? another_sensor() : std::nullopt) {
+          return std::unexpected(*std::move(other));
         }
         break;
       case Heard::kAgain:
@@ -325,13 +322,14 @@ bool ControlClient::takes_unsigned(wire::SettingsOperation operation) const {
          (options_.keys.count() == 0 || options_.device_id);
 }
 
-// One that answers in the place of ControlOptions::device_id: sensors leave requests to another one
-// unanswered, so this asks for none.
-std::optional<std::uint32_t> ControlClient::another_sensor() {
+// Another one answers in the place of ControlOptions::device_id, which has never answered: sensors
+// leave requests to another one unanswered, so this asks for none.
+std::optional<ControlError> ControlClient::another_sensor() {
   wire::DatagramBuffer buffer;
   wire::encode_settings_request({.request_id = ++request_id_},
                                 wire::payload_space(buffer).first<wire::kSettingsRequestBytes>());
-  if (transport_->send(wire::seal_packet({.type = wire::PacketType::kSettingsRequest},
+  if (!options_.device_id || cookie_ != 0 ||
+      transport_->send(wire::seal_packet({.type = wire::PacketType::kSettingsRequest},
                                          wire::kSettingsRequestBytes, buffer)) != Status::kOk) {
     return std::nullopt;
   }
@@ -349,7 +347,10 @@ std::optional<std::uint32_t> ControlClient::another_sensor() {
     const Result<wire::SettingsAnswer> answer = wire::decode_settings_answer(packet->payload);
     if (answer && answer->request_id == request_id_) {
       const std::uint32_t device = packet->header.origin.device_id;
-      return device == *options_.device_id ? std::nullopt : std::optional(device);
+      return device == *options_.device_id
+                 ? std::nullopt
+                 : std::optional(
+                       error(Status::kUnsupported, other_sensor(device, *options_.device_id)));
     }
   }
   return std::nullopt;

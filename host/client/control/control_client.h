@@ -122,7 +122,7 @@ class ControlClient {
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
   ControlError silent() const;
-  std::optional<std::uint32_t> another_sensor();
+  std::optional<ControlError> another_sensor();
   ControlError used_up() const;
   ControlError error(Status status, std::string_view what) const;
 

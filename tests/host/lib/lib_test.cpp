@@ -422,6 +422,37 @@ TEST(Lib, SignedStreamsTakeASensorAndAKeyFileThatCanBeRead) {
   EXPECT_NE(why.find("no regular file"), std::string::npos) << why;
 }
 
+TEST(Lib, WithKeysOfSeveralSensorsItTakesTheNumberOfTheOneThatIsMeant) {
+  const std::string file = testing::TempDir() + "stof_lib_several_keys";
+  stof::wire::KeyTable keys;
+  for (const std::uint32_t number : {1U, 2U}) {
+    stof::wire::Key key = stof::test::numbered_key(number);
+    key.device = number;
+    ASSERT_EQ(keys.add(key), stof::Status::kOk);
+  }
+  ASSERT_TRUE(stof::client::write_user_keys(file, keys));
+  stof_options options = STOF_INIT(stof_options);
+  options.sensor = "127.0.0.1:9";
+  options.signed_streams = 1;
+  options.keys = file.c_str();
+  std::string why;
+  EXPECT_FALSE(stof::Sensor::open(options, &why));
+  EXPECT_NE(why.find("several sensors (1, 2)"), std::string::npos) << why;
+  EXPECT_NE(why.find("device_id"), std::string::npos) << why;
+  options.device_id = 2;
+  EXPECT_TRUE(stof::Sensor::open(options, &why)) << why;
+  options.device_id = 0;
+  options.signed_streams = 0;
+  stof_sensor* sensor = nullptr;
+  ASSERT_EQ(stof_open(&options, &sensor, nullptr, 0), STOF_OK);
+  std::array<char, 256> text{};
+  EXPECT_EQ(stof_settings(sensor, STOF_SET, STOF_ACTIVE, "{}", text.data(), text.size(), nullptr),
+            STOF_UNSUPPORTED);
+  stof_close(sensor);
+  EXPECT_NE(std::string(text.data()).find("several sensors"), std::string::npos) << text.data();
+  EXPECT_EQ(std::remove(file.c_str()), 0);
+}
+
 TEST(Lib, SaysThatNobodyAnswersForSettings) {
   std::uint16_t closed = 0;
   {
