@@ -285,7 +285,7 @@ def import_opencv():
 
 TARGETS = {"import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
-           "mavlink": mavlink, "mdns": mdns}
+           "mavlink": mavlink, "mdns": mdns, "view": reassembler}
 
 
 def write(folder):

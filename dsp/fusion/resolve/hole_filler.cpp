@@ -4,8 +4,8 @@
 #include <array>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstdlib>
-#include <optional>
 
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
@@ -43,11 +43,16 @@ constexpr bool is_one_surface(QuarterMm near, QuarterMm far) noexcept {
   return near * kOneSurface > far * (kOneSurface - 1);
 }
 
-// Calls visit(x + i) for each bit i.
+// A bit for each pixel of a cell: of the first row the lowest eight, the first pixel lowest.
+using CellBits = std::uint64_t;
+constexpr CellBits kUpperLeft = 0x0F0F'0F0F;
+
+// Calls visit(column, row) for each bit, within the cell.
 template <typename Visit>
-void each_bit(unsigned bits, std::size_t x, Visit visit) noexcept {
+void each_bit(CellBits bits, Visit visit) noexcept {
   for (; bits != 0; bits &= bits - 1) {
-    visit(x + static_cast<std::size_t>(std::countr_zero(bits)));
+    const auto bit = static_cast<std::size_t>(std::countr_zero(bits));
+    visit(bit % kCell, bit / kCell);
   }
 }
 
@@ -284,21 +289,17 @@ void HoleFiller::fill(Rows cells, const HoleView& view, const MatchEvidence& evi
 void HoleFiller::fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
                            const MatchEvidence& evidence) const noexcept {
   const std::size_t x = index(column) * kCell;
+  CellBits hole = 0;
+  CellBits loose = 0;
+  for (std::size_t k = 0; k < index(std::min(kCell, height_ - row * kCell)); ++k) {
+    hole |= CellBits{open.hole[k].eight(x)} << (k * kCell);
+    loose |= CellBits{open.loose[k].eight(x)} << (k * kCell);
+  }
   for (int k = 0; k < 4; ++k) {
-    const unsigned here = 0xFU << static_cast<unsigned>(k % 2 * kQuarter);
-    const int begin = k / 2 * kQuarter;
-    const int end = std::min(begin + kQuarter, height_ - row * kCell);
-    std::optional<Guess> quarter;  // where something is open
-    for (int y = begin; y < end; ++y) {
-      const std::size_t at = index(y);
-      const OpenBits bits{x, open.hole[at].eight(x) & here, open.loose[at].eight(x) & here};
-      if ((bits.hole | bits.loose) == 0) {
-        continue;
-      }
-      if (!quarter) {
-        quarter = guess.read ? read(guess, evidence, 2 * column + k % 2, 2 * row + k / 2) : guess;
-      }
-      fill_row(*quarter, bits, open.pixels[at]);
+    const CellBits here = kUpperLeft << (k % 2 * kQuarter + k / 2 * kQuarter * kCell);
+    if (((hole | loose) & here) != 0) {
+      fill_quarter(guess.read ? read(guess, evidence, 2 * column + k % 2, 2 * row + k / 2) : guess,
+                   {.x = x, .hole = hole & here, .loose = loose & here}, open);
     }
   }
 }
@@ -316,15 +317,18 @@ HoleFiller::Guess HoleFiller::read(const Guess& guess, const MatchEvidence& evid
       .depth = middle_of(low, high), .half = width_of(low, high) / 2, .read = true, .fills = true};
 }
 
-void HoleFiller::fill_row(const Guess& guess, const OpenBits& open,
-                          const OpenRow& pixels) const noexcept {
+void HoleFiller::fill_quarter(const Guess& guess, const OpenBits& bits,
+                              const OpenCells& open) const noexcept {
   if (guess.depth == kNoDepth) {
     return;
   }
   const Cause cause = guess.read ? Cause::kRangeAmbiguous : Cause::kInterpolated;
-  each_bit(guess.fills ? open.hole : 0U, open.x,
-           [&](std::size_t x) noexcept { pixels.put(x, guess.depth, guess.half, cause); });
-  each_bit(open.loose, open.x, [&](std::size_t x) noexcept {
+  each_bit(guess.fills ? bits.hole : 0U, [&](std::size_t column, std::size_t row) noexcept {
+    open.pixels[row].put(bits.x + column, guess.depth, guess.half, cause);
+  });
+  each_bit(bits.loose, [&](std::size_t column, std::size_t row) noexcept {
+    const OpenRow& pixels = open.pixels[row];
+    const std::size_t x = bits.x + column;
     if (pixels.is_allowed(x, guess.depth, max_range_)) {
       pixels.put(x, guess.depth, pixels.half_over_pmd(x, guess.depth, max_range_),
                  pixels.is_mixed(x) ? Cause::kMixedPixel : Cause::kStereoAmbiguous);

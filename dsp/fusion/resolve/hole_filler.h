@@ -75,13 +75,13 @@ class HoleFiller {
   struct OpenCells;
   void fill_cell(int column, int row, const Guess& guess, const OpenCells& open,
                  const MatchEvidence& evidence) const noexcept;
-  // Open pixels x .. x + 7 of a row, the first lowest.
+  // Open pixels of the cell that begins in column x, a bit each: rows of eight, the first lowest.
   struct OpenBits {
     std::size_t x;
-    unsigned hole;
-    unsigned loose;
+    std::uint64_t hole;
+    std::uint64_t loose;
   };
-  void fill_row(const Guess& guess, const OpenBits& open, const OpenRow& pixels) const noexcept;
+  void fill_quarter(const Guess& guess, const OpenBits& bits, const OpenCells& open) const noexcept;
 
   // Of each cell, 0 without a surface.
   ImageView<QuarterMm> near_;
