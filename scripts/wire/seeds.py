@@ -258,7 +258,53 @@ def usb():
     return {"info": info, "frame": info + clock + bytes(header) + bytes(16), "nothing": b""}
 
 
-TARGETS = {"dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+EYE = {"matrix": [50, 0, 32, 0, 50, 24, 0, 0, 1], "turn": [1, 0, 0, 0, 1, 0, 0, 0, 1], "distortion": [-0.2, 0.05, 0.001, 0.0, 0.01]}
+
+
+def flow(rows, cols, data, **more):
+    return json.dumps({**more, "rows": rows, "cols": cols, "data": data})
+
+
+def ros_yaml(shift):
+    projection = [50, 0, 32, shift, 0, 50, 24, 0, 0, 0, 1, 0]
+    return (f"image_width: 64\nimage_height: 48\ncamera_name: eye\ncamera_matrix:\n  rows: 3\n  cols: 3\n  data: {EYE['matrix']}\n"
+            f"distortion_model: plumb_bob\ndistortion_coefficients: {flow(1, 5, EYE['distortion'])}\n"
+            f"rectification_matrix: {flow(3, 3, EYE['turn'])}\nprojection_matrix: {flow(3, 4, projection)}\n").encode()
+
+
+def ros_ini():
+    def camera(name, shift):
+        projection = [50, 0, 32, shift, 0, 50, 24, 0, 0, 0, 1, 0]
+        lists = {"camera matrix": EYE["matrix"], "distortion": EYE["distortion"], "rectification": EYE["turn"], "projection": projection}
+        return f"[{name}]\n" + "".join(f"\n{key}\n{' '.join(map(str, numbers))}\n" for key, numbers in lists.items())
+
+    return ("# oST version 5.0 parameters\n\n[image]\n\nwidth\n64\n\nheight\n48\n\n" + camera("left", 0) + camera("right", -5)).encode()
+
+
+def import_ros():
+    return {"ini": b"\0" + ros_ini(), "left": b"\1" + ros_yaml(0), "right": b"\2" + ros_yaml(-5)}
+
+
+def import_kalibr():
+    camera = ("  camera_model: pinhole\n  distortion_coeffs: [-0.2, 0.05, 0.001, 0.0]\n  distortion_model: radtan\n"
+              "  intrinsics: [50.0, 50.0, 32.0, 24.0]\n  resolution: [64, 48]\n")
+    pose = "  T_cn_cnm1:\n  - [1.0, 0.0, 0.0, -0.1]\n  - [0.0, 1.0, 0.0, 0.0]\n  - [0.0, 0.0, 1.0, 0.0]\n  - [0.0, 0.0, 0.0, 1.0]\n"
+    return {"chain": f"cam0:\n{camera}cam1:\n{pose}{camera}".encode()}
+
+
+def import_opencv():
+    """The first byte says whether the size of the pictures is told beside."""
+    size = {"image_width": 64, "image_height": 48}
+    lists = {"M1": (3, 3, EYE["matrix"]), "D1": (1, 5, EYE["distortion"]), "M2": (3, 3, EYE["matrix"]), "D2": (1, 4, EYE["distortion"][:4]),
+             "R": (3, 3, EYE["turn"]), "T": (3, 1, [-0.1, 0, 0])}
+    yaml = "%YAML:1.0\n---\n" + "".join(
+        f"{key}: !!opencv-matrix\n   rows: {rows}\n   cols: {cols}\n   dt: d\n   data: {data}\n" for key, (rows, cols, data) in lists.items())
+    whole = {**size, **{key: {"type_id": "opencv-matrix", "rows": rows, "cols": cols, "dt": "d", "data": data}
+                        for key, (rows, cols, data) in lists.items()}}
+    return {"yaml": b"\1" + yaml.encode(), "json": b"\0" + json.dumps(whole, indent=4).encode()}
+
+
+TARGETS = {"import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns, "view": reassembler}
 

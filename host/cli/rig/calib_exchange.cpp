@@ -11,22 +11,22 @@ namespace stof::host {
 namespace {
 
 dsp::RawPair read_pair_of(const CalibExchangeOptions& options) {
-  const bool two = options.files.size() == 2;
+  std::vector<NamedText> texts;
+  for (const std::filesystem::path& file : options.files) {
+    texts.push_back(value_or_fail(read_text(file)));
+  }
   if (options.format == "ros") {
-    if (!two) {
-      throw Failure(Exit::kBadInput, "import ros: takes two files: give left.yaml and right.yaml");
-    }
-    return value_or_fail(read_ros(options.files[0], options.files[1]));
+    return value_or_fail(parse_ros(texts));
   }
   if (options.format == "kalibr") {
-    if (two) {
+    if (texts.size() != 1) {
       throw Failure(Exit::kBadInput, "import kalibr: takes one file: give the camchain");
     }
-    return value_or_fail(read_kalibr(options.files[0]));
+    return value_or_fail(parse_kalibr(texts.front()));
   }
   const bool sized = options.size.size() == 2;
   return value_or_fail(
-      read_opencv(options.files, sized ? options.size[0] : 0, sized ? options.size[1] : 0));
+      parse_opencv(texts, sized ? options.size[0] : 0, sized ? options.size[1] : 0));
 }
 
 }  // namespace

@@ -62,6 +62,11 @@ ExtrinsicFit by_boards(const CalibFolderOptions& options, const dsp::Calibration
                                        "--board");
   }
   const Board board = value_or_fail(board_named(options.board));
+  if (board.has_markers()) {
+    throw Failure(Exit::kBadInput, "--board " + options.board +
+                                       ": has markers, too fine for a PMD camera: use a chessboard "
+                                       "of large squares");
+  }
   const PmdBoardViews found = value_or_fail(read_board_views(options.folder, rig, board));
   print("left out", found.refused);
   const std::optional<ExtrinsicFit> fit =

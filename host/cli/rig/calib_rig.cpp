@@ -2,6 +2,7 @@
 
 #include <cstdio>
 
+#include "dataset/dataset.h"
 #include "dataset/files/file.h"
 #include "host/calibrate/calibration_store.h"
 #include "host/calibrate/rig/target/target_sheet.h"
@@ -35,7 +36,8 @@ void add_board(CLI::App& command, std::string& board) {
   command
       .add_option("--board", board,
                   "COLUMNSxROWS:SQUARE_M of a chessboard: its inner corners, and a square as "
-                  "measured on the print")
+                  "measured on the print; charuco:COLUMNSxROWS:SQUARE_M[:MARKER_M[:4x4]]; "
+                  "aprilgrid:COLUMNSxROWS:TAG_M:GAP of tags, the gap as share of a tag")
       ->capture_default_str();
 }
 
@@ -106,6 +108,8 @@ void add_extrinsics(CLI::App& calib, CalibFolderOptions& options) {
       ->required();
   command.add_option("--calibration", options.calibration, "The rig's file so far")->required();
   add_out(command, options.out);
+  command.add_option("--board", options.board,
+                     "Views of this board in place of walls (COLUMNSxROWS:SQUARE_M)");
   command
       .add_option("--pmd-offset", options.offset_mm,
                   "How far PMD distances may be off, all alike: standard deviation, mm")
@@ -136,7 +140,8 @@ void add_exchange(CLI::App& calib, CalibRigOptions& options) {
       ->check(CLI::IsMember({"ros", "kalibr", "opencv"}));
   import
       .add_option("FILE", options.import.files,
-                  "ros: left and right; kalibr: one; opencv: one or two")
+                  "ros: left and right (YAML or INI), or an INI with both; kalibr: one;\n"
+                  "opencv: one or two, YAML or JSON")
       ->required()
       ->expected(1, 2);
   add_out(import, options.import.out);
@@ -164,7 +169,10 @@ void add_target(CLI::App& calib, CalibTargetOptions& options) {
       *calib.add_subcommand("target", "A board as PDF in true size, with a ruler to check it");
   add_board(command, options.board);
   command.add_option("--paper", options.paper, "a4, a3, a2, a1 or a0")->capture_default_str();
-  command.add_option("--out", options.out, "The PDF to write")->required();
+  command
+      .add_option("--out", options.out,
+                  "The PDF to write; or a .pgm: the board in few pixels, for the emulator")
+      ->required();
   command.callback([&options] { calib_target(options); });
 }
 
@@ -172,6 +180,18 @@ void add_target(CLI::App& calib, CalibTargetOptions& options) {
 
 void calib_target(const CalibTargetOptions& options) {
   const Board board = value_or_fail(board_named(options.board));
+  if (options.out.extension() == ".pgm") {
+    const std::optional<BoardPicture> made = picture_of(board);
+    if (!made) {
+      throw Failure(Exit::kBadInput, "board " + options.board +
+                                         ": its markers are no simple share of a square: write a "
+                                         "PDF, or use markers of 3/4 of a square");
+    }
+    value_or_fail(dataset::write_pgm8(options.out, made->picture));
+    std::printf("%s: %dx%d, %g mm a pixel\n", options.out.c_str(), made->picture.width,
+                made->picture.height, made->pixel_mm);
+    return;
+  }
   const Sheet sheet = value_or_fail(sheet_of(board, options.paper));
   value_or_fail(dataset::write_whole(options.out, pdf_bytes(sheet)));
   std::printf("%s: %g x %g mm; print at 100 percent, and measure a square\n", options.out.c_str(),

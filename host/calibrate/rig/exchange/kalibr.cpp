@@ -38,8 +38,8 @@ std::string camera_text(const char* name, const dsp::Pinhole& lens) {
 
 }  // namespace
 
-dataset::Loaded<dsp::RawPair> read_kalibr(const std::filesystem::path& file) {
-  dataset::Loaded<YamlReader> reader = YamlReader::open(file);
+dataset::Loaded<dsp::RawPair> parse_kalibr(const NamedText& text) {
+  dataset::Loaded<YamlReader> reader = YamlReader::of(text);
   if (!reader) {
     return std::unexpected(std::move(reader.error()));
   }
@@ -54,7 +54,7 @@ dataset::Loaded<dsp::RawPair> read_kalibr(const std::filesystem::path& file) {
     }
     rig.left_to_right.translation_m[i] = m[4 * i + 3];
   }
-  return judged(file, *reader, rig);
+  return reader->failed() ? std::unexpected(reader->problem()) : judged(text.file, rig);
 }
 
 dataset::Loaded<std::string> kalibr_text(const dsp::RawPair& rig) {

@@ -10,9 +10,7 @@
 namespace stof::host {
 namespace {
 
-constexpr const char* kFit = "calibrate with a pinhole and k1 k2 p1 p2 (plumb_bob, radtan)";
 constexpr std::size_t kTaken = 5;
-constexpr std::size_t kMostCoefficients = 14;
 
 // What OpenCV's coefficient number n belongs to, beyond the first five.
 std::string model_of(std::size_t n) {
@@ -31,7 +29,7 @@ void require_radtan(YamlReader& reader, const YAML::Node& node) {
   constexpr std::array kKnown{"plumb_bob", "radtan", "none"};
   if (!reader.failed() && std::ranges::find(kKnown, model) == kKnown.end()) {
     reader.fail(node, "has the distortion model " + model + ", which rectification does not know",
-                kFit);
+                kTakenModel);
   }
 }
 
@@ -39,55 +37,69 @@ void require_pinhole(YamlReader& reader, const YAML::Node& node) {
   const std::string model = reader.word(node, "camera model");
   if (!reader.failed() && model != "pinhole") {
     reader.fail(node, "has the camera model " + model + ", which rectification does not know",
-                kFit);
+                kTakenModel);
   }
 }
 
-void put_distortion(YamlReader& reader, const YAML::Node& node, const char* name,
-                    dsp::Pinhole& lens) {
-  const std::vector<double> k = reader.numbers(node, name, 0, kMostCoefficients);
-  if (reader.failed()) {
-    return;
+std::string put_distortion(const std::vector<double>& k, const char* name, dsp::Pinhole& lens) {
+  std::array<double, kTaken> taken{};
+  for (std::size_t i = 0; i < k.size(); ++i) {
+    if (i < kTaken) {
+      taken[i] = k[i];
+    } else if (k[i] != 0) {
+      return model_of(i) + printed(
+                               " (coefficient %zu of %s is not 0), which rectification does "
+                               "not know",
+                               i + 1, name);
+    }
   }
-  if (const auto more = std::find_if(k.begin() + kTaken, k.end(), [](double c) { return c != 0; });
-      more != k.end()) {
-    const auto at = static_cast<std::size_t>(more - k.begin());
-    reader.fail(node,
-                model_of(at) +
-                    printed(" (coefficient %zu of %s is not 0), which rectification does not know",
-                            at + 1, name),
-                kFit);
-    return;
-  }
-  lens.k1 = k[0];
-  lens.k2 = k[1];
-  lens.p1 = k[2];
-  lens.p2 = k[3];
-  lens.k3 = k[4];
+  lens.k1 = taken[0];
+  lens.k2 = taken[1];
+  lens.p1 = taken[2];
+  lens.p2 = taken[3];
+  lens.k3 = taken[4];
+  return {};
 }
 
-void put_matrix(YamlReader& reader, const YAML::Node& node, const char* name, dsp::Pinhole& lens) {
-  constexpr std::size_t kElements = 9;
-  const std::vector<double> m = reader.numbers(node, name, kElements, kElements);
-  if (reader.failed()) {
-    return;
-  }
+std::string put_matrix(const std::vector<double>& m, const char* name, dsp::Pinhole& lens) {
   if (m[1] != 0 || m[3] != 0 || m[6] != 0 || m[7] != 0 || m[8] != 1) {
-    reader.fail(node, std::string("has a ") + name + " with skew, or that is no camera matrix",
-                kFit);
-    return;
+    return std::string("has a ") + name + " with skew, or that is no camera matrix";
   }
   lens.fx = m[0];
   lens.cx = m[2];
   lens.fy = m[4];
   lens.cy = m[5];
+  return {};
 }
 
-dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const YamlReader& reader,
-                                     const dsp::RawPair& rig) {
-  if (reader.failed()) {
-    return std::unexpected(reader.problem());
+void put_distortion(YamlReader& reader, const YAML::Node& node, const char* name,
+                    dsp::Pinhole& lens) {
+  const std::vector<double> k = reader.numbers(node, name, 0, kMostCoefficients);
+  const std::string wrong = reader.failed() ? "" : put_distortion(k, name, lens);
+  if (!wrong.empty()) {
+    reader.fail(node, wrong, kTakenModel);
   }
+}
+
+void put_matrix(YamlReader& reader, const YAML::Node& node, const char* name, dsp::Pinhole& lens) {
+  constexpr std::size_t kElements = 9;
+  const std::vector<double> m = reader.numbers(node, name, kElements, kElements);
+  const std::string wrong = reader.failed() ? "" : put_matrix(m, name, lens);
+  if (!wrong.empty()) {
+    reader.fail(node, wrong, kTakenModel);
+  }
+}
+
+dataset::Loaded<NamedText> read_text(const std::filesystem::path& file) {
+  constexpr std::size_t kMaxBytes = 1U << 20;
+  dataset::Loaded<std::string> text = dataset::read_whole(file, kMaxBytes);
+  if (!text) {
+    return std::unexpected(std::move(text.error()));
+  }
+  return NamedText{file, std::move(*text)};
+}
+
+dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const dsp::RawPair& rig) {
   dsp::Calibration calibration;
   calibration.stereo.raw = rig;
   const char* why = dsp::complete(calibration.stereo);

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "dsp/calib/calibration.h"
 #include "host/calibrate/rig/exchange/yaml_reader.h"
 
@@ -11,14 +14,21 @@ void require_radtan(YamlReader& reader, const YAML::Node& node);
 // Fails where the name of a projection is not a pinhole's.
 void require_pinhole(YamlReader& reader, const YAML::Node& node);
 
-// k1 k2 p1 p2 k3 ...: more than five are a rational model or more, unless they are zero.
+inline constexpr const char* kTakenModel =
+    "calibrate with a pinhole and k1 k2 p1 p2 (plumb_bob, radtan)";
+inline constexpr std::size_t kMostCoefficients = 14;  // of any model of OpenCV
+
+// k1 k2 p1 p2 k3 ...: more than five are a rational model or more, unless they are zero. Empty, or
+// what is wrong with the numbers that are called `name`; then the lens stays as it is.
+std::string put_distortion(const std::vector<double>& k, const char* name, dsp::Pinhole& lens);
+// fx 0 cx 0 fy cy 0 0 1; a skew is wrong.
+std::string put_matrix(const std::vector<double>& m, const char* name, dsp::Pinhole& lens);
+// Both from YAML, where what is wrong makes the reader fail.
 void put_distortion(YamlReader& reader, const YAML::Node& node, const char* name,
                     dsp::Pinhole& lens);
-// fx 0 cx 0 fy cy 0 0 1; a skew is refused.
 void put_matrix(YamlReader& reader, const YAML::Node& node, const char* name, dsp::Pinhole& lens);
 
-// The pair, or what the reader has to say, or what no pair may be (dsp::problem()).
-dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const YamlReader& reader,
-                                     const dsp::RawPair& rig);
+// The pair, or what no pair may be (dsp::problem()).
+dataset::Loaded<dsp::RawPair> judged(const std::filesystem::path& file, const dsp::RawPair& rig);
 
 }  // namespace stof::host

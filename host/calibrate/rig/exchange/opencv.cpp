@@ -73,11 +73,11 @@ std::string matrix_text(const char* name, int rows, int columns, const std::vect
 
 }  // namespace
 
-dataset::Loaded<dsp::RawPair> read_opencv(const std::vector<std::filesystem::path>& files,
-                                          int width, int height) {
+dataset::Loaded<dsp::RawPair> parse_opencv(const std::vector<NamedText>& texts, int width,
+                                           int height) {
   std::vector<YamlReader> readers;
-  for (const std::filesystem::path& file : files) {
-    dataset::Loaded<YamlReader> reader = YamlReader::open(file);
+  for (const NamedText& text : texts) {
+    dataset::Loaded<YamlReader> reader = YamlReader::of(text);
     if (!reader) {
       return std::unexpected(std::move(reader.error()));
     }
@@ -98,12 +98,12 @@ dataset::Loaded<dsp::RawPair> read_opencv(const std::vector<std::filesystem::pat
     return std::unexpected(failed->problem());
   }
   if (rig.left.width == 0 || rig.left.height == 0) {
-    return dataset::refuse(files.front(), "does not say how large the pictures are",
+    return dataset::refuse(texts.front().file, "does not say how large the pictures are",
                            "give --size WIDTH HEIGHT");
   }
   std::ranges::copy(r, rig.left_to_right.rotation.begin());
   std::ranges::copy(t, rig.left_to_right.translation_m.begin());
-  return judged(files.front(), shift, rig);
+  return judged(texts.front().file, rig);
 }
 
 std::string opencv_text(const dsp::RawPair& rig) {

@@ -2,9 +2,11 @@
 
 #include <Eigen/Core>
 
+#include "dataset/files/file.h"
 #include "dsp/calib/stereo/rectification.h"
 #include "host/calibrate/rig/exchange/exchange.h"
 #include "host/calibrate/rig/exchange/lens_checks.h"
+#include "host/calibrate/rig/exchange/ros_ini.h"
 #include "host/calibrate/rig/target/lens_model.h"
 #include "host/text/printed.h"
 
@@ -13,13 +15,28 @@ namespace {
 
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
+// Of one eye: its lens, R into rectified axes, and what P shifts by in those.
 struct CameraInfo {
   dsp::Pinhole lens;
-  RowMatrix turn = RowMatrix::Identity();  // R, into rectified axes
-  Vector3 shift = Vector3::Zero();         // of rectified axes, from P
+  RowMatrix turn = RowMatrix::Identity();
+  Vector3 shift = Vector3::Zero();
 };
 
-CameraInfo info_of(YamlReader& reader) {
+constexpr const char* kNoFocalLength = "has a projection matrix without a focal length";
+constexpr const char* kRemedy = "calibrate the pair";
+
+// R and P. False where P has no focal length.
+bool put_rectification(const std::vector<double>& turn, const std::vector<double>& p,
+                       CameraInfo& info) {
+  if (!(p[0] > 0) || !(p[5] > 0)) {
+    return false;
+  }
+  info.turn = Eigen::Map<const RowMatrix>(turn.data());
+  info.shift = {p[3] / p[0], p[7] / p[5], 0};
+  return true;
+}
+
+dataset::Loaded<CameraInfo> info_of(YamlReader reader) {
   CameraInfo info;
   info.lens.width = reader.integer(reader.at("image_width"), "image_width");
   info.lens.height = reader.integer(reader.at("image_height"), "image_height");
@@ -31,14 +48,60 @@ CameraInfo info_of(YamlReader& reader) {
       reader.numbers(reader.at("rectification_matrix"), "rectification_matrix", 9, 9);
   const YAML::Node projection = reader.at("projection_matrix");
   const std::vector<double> p = reader.numbers(projection, "projection_matrix", 12, 12);
-  if (!reader.failed() && (!(p[0] > 0) || !(p[5] > 0))) {
-    reader.fail(projection, "has a projection_matrix without a focal length", "calibrate the pair");
+  if (!reader.failed() && !put_rectification(turn, p, info)) {
+    reader.fail(projection, kNoFocalLength, kRemedy);
   }
-  if (!reader.failed()) {
-    info.turn = Eigen::Map<const RowMatrix>(turn.data());
-    info.shift = {p[3] / p[0], p[7] / p[5], 0};
+  return reader.failed() ? std::unexpected(reader.problem()) : dataset::Loaded<CameraInfo>(info);
+}
+
+dataset::Loaded<CameraInfo> info_of(const std::filesystem::path& file, const IniCamera& camera) {
+  CameraInfo info;
+  info.lens.width = camera.width;
+  info.lens.height = camera.height;
+  const auto wrong = [&](int line, const std::string& what, const char* remedy) {
+    return dataset::refuse(file, printed("line %d: ", line) + what, remedy);
+  };
+  if (const std::string what = put_matrix(camera.matrix.numbers, "camera matrix", info.lens);
+      !what.empty()) {
+    return wrong(camera.matrix.line, what, kTakenModel);
+  }
+  if (const std::string what = put_distortion(camera.distortion.numbers, "distortion", info.lens);
+      !what.empty()) {
+    return wrong(camera.distortion.line, what, kTakenModel);
+  }
+  if (!put_rectification(camera.rectification.numbers, camera.projection.numbers, info)) {
+    return wrong(camera.projection.line, kNoFocalLength, kRemedy);
   }
   return info;
+}
+
+// The cameras of one text.
+dataset::Loaded<std::vector<CameraInfo>> infos_of(const NamedText& text) {
+  std::vector<CameraInfo> infos;
+  if (!is_ini(text.text)) {
+    dataset::Loaded<YamlReader> reader = YamlReader::of(text);
+    if (!reader) {
+      return std::unexpected(std::move(reader.error()));
+    }
+    dataset::Loaded<CameraInfo> info = info_of(std::move(*reader));
+    if (!info) {
+      return std::unexpected(std::move(info.error()));
+    }
+    infos.push_back(*info);
+    return infos;
+  }
+  const dataset::Loaded<std::vector<IniCamera>> cameras = parse_ini(text);
+  if (!cameras) {
+    return std::unexpected(cameras.error());
+  }
+  for (const IniCamera& camera : *cameras) {
+    dataset::Loaded<CameraInfo> info = info_of(text.file, camera);
+    if (!info) {
+      return std::unexpected(std::move(info.error()));
+    }
+    infos.push_back(*info);
+  }
+  return infos;
 }
 
 std::string matrix_text(const char* name, int rows, int columns, const std::vector<double>& data) {
@@ -48,27 +111,29 @@ std::string matrix_text(const char* name, int rows, int columns, const std::vect
 
 }  // namespace
 
-dataset::Loaded<dsp::RawPair> read_ros(const std::filesystem::path& left,
-                                       const std::filesystem::path& right) {
-  dataset::Loaded<YamlReader> of_left = YamlReader::open(left);
-  if (!of_left) {
-    return std::unexpected(std::move(of_left.error()));
+dataset::Loaded<dsp::RawPair> parse_ros(const std::vector<NamedText>& texts) {
+  std::vector<CameraInfo> infos;
+  for (const NamedText& text : texts) {
+    const dataset::Loaded<std::vector<CameraInfo>> more = infos_of(text);
+    if (!more) {
+      return std::unexpected(more.error());
+    }
+    infos.insert(infos.end(), more->begin(), more->end());
   }
-  dataset::Loaded<YamlReader> of_right = YamlReader::open(right);
-  if (!of_right) {
-    return std::unexpected(std::move(of_right.error()));
+  const std::filesystem::path& file = texts.back().file;
+  if (infos.size() != 2) {
+    return dataset::refuse(
+        file, printed("makes %zu cameras in all, not a left and a right one", infos.size()),
+        "give left.yaml and right.yaml, or one INI file with both");
   }
-  const CameraInfo l = info_of(*of_left);
-  const CameraInfo r = info_of(*of_right);
-  if (of_left->failed()) {
-    return std::unexpected(of_left->problem());
-  }
+  const CameraInfo& l = infos[0];
+  const CameraInfo& r = infos[1];
   dsp::RawPair rig{.left = l.lens, .right = r.lens, .left_to_right = {}};
   const Matrix3 turn = r.turn.transpose() * l.turn;
   const Vector3 shift = r.turn.transpose() * (r.shift - l.shift);
   Eigen::Map<RowMatrix>(rig.left_to_right.rotation.data()) = turn;
   Eigen::Map<Vector3>(rig.left_to_right.translation_m.data()) = shift;
-  return judged(right, *of_right, rig);
+  return judged(file, rig);
 }
 
 std::string ros_text(const dsp::RawPair& rig, bool right) {

@@ -1,5 +1,6 @@
 #include "host/calibrate/rig/exchange/yaml_reader.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "dataset/files/file.h"
@@ -9,7 +10,6 @@
 namespace stof::host {
 namespace {
 
-constexpr std::size_t kMaxBytes = 1U << 20;
 constexpr std::size_t kMaxDepth = 64;  // of brackets: yaml-cpp recurses
 
 bool too_deep(std::string_view text) {
@@ -36,30 +36,46 @@ bool too_deep_blocks(std::string_view text) {
   return false;
 }
 
+// Messages are one line, whatever the file quotes.
+std::string one_line(std::string text) {
+  std::ranges::replace_if(text, [](char c) { return static_cast<unsigned char>(c) < ' '; }, ' ');
+  return text;
+}
+
+// How often a map has a name: YAML says once, and readers differ in which one they take.
+std::size_t times_named(const YAML::Node& map, std::string_view key) {
+  std::size_t times = 0;
+  for (const auto& entry : map) {
+    times += entry.first.IsScalar() && entry.first.Scalar() == key ? 1 : 0;
+  }
+  return times;
+}
+
 }  // namespace
 
-dataset::Loaded<YamlReader> YamlReader::open(const std::filesystem::path& file) {
-  dataset::Loaded<std::string> text = dataset::read_whole(file, kMaxBytes);
-  if (!text) {
-    return std::unexpected(std::move(text.error()));
-  }
+dataset::Loaded<YamlReader> YamlReader::of(const NamedText& named) {
+  const std::filesystem::path& file = named.file;
+  std::string text = named.text;
   // Blanked, not cut out: lines keep their numbers.
   constexpr std::string_view kDirective = "%YAML:1.0";
-  if (text->starts_with(kDirective)) {
-    text->replace(0, kDirective.size(), kDirective.size(), ' ');
+  if (text.starts_with(kDirective)) {
+    text.replace(0, kDirective.size(), kDirective.size(), ' ');
   }
-  if (too_deep(*text) || too_deep_blocks(*text)) {
+  if (text.starts_with("<?xml")) {
+    return dataset::refuse(file, "line 1: is XML", "export it as YAML or JSON");
+  }
+  if (too_deep(text) || too_deep_blocks(text)) {
     return dataset::refuse(file, "is nested too deeply for a calibration", "export it again");
   }
   try {
-    const YAML::Node root = YAML::Load(*text);
+    const YAML::Node root = YAML::Load(text);
     if (!root.IsMap()) {
-      return dataset::refuse(file, "is no YAML with names", "give a calibration in YAML");
+      return dataset::refuse(file, "line 1: is no YAML with names", "give a calibration in YAML");
     }
     return YamlReader(file, root);
   } catch (const YAML::Exception& error) {
     return dataset::refuse(
-        file, printed("line %d: is no YAML (%s)", error.mark.line + 1, error.msg.c_str()),
+        file, printed("line %d: is no YAML (%s)", error.mark.line + 1, one_line(error.msg).c_str()),
         "export it again");
   }
 }
@@ -82,6 +98,10 @@ YAML::Node YamlReader::in(const YAML::Node& parent, const char* key) {
   }
   if (!parent.IsMap() || !parent[key].IsDefined()) {
     fail(parent, std::string("has no ") + key, "export it again");
+    return YAML::Node(YAML::NodeType::Undefined);
+  }
+  if (times_named(parent, key) > 1) {
+    fail(parent[key], std::string("has ") + key + " more than once", "leave one of them");
     return YAML::Node(YAML::NodeType::Undefined);
   }
   return parent[key];
@@ -123,8 +143,20 @@ std::vector<double> YamlReader::numbers(const YAML::Node& node, const char* name
     fail(node, printed("has %zu numbers in %s, not %zu", values.size(), name, least),
          "export it again");
   }
+  if (node.IsMap()) {
+    require_rows(node, name, values.size());
+  }
   values.resize(most);
   return values;
+}
+
+void YamlReader::require_rows(const YAML::Node& matrix, const char* name, std::size_t count) {
+  const double rows = number(in(matrix, "rows"), name);
+  const double columns = number(in(matrix, "cols"), name);
+  if (!failed() && rows * columns != static_cast<double>(count)) {
+    fail(matrix, printed("has %zu numbers in %s, not %g rows of %g", count, name, rows, columns),
+         "export it again");
+  }
 }
 
 std::vector<double> YamlReader::rows(const YAML::Node& node, const char* name, std::size_t count,
@@ -156,7 +188,11 @@ std::string YamlReader::word(const YAML::Node& node, const char* name) {
   if (failed() || !node.IsDefined()) {
     return {};
   }
-  if (!node.IsScalar()) {
+  constexpr std::size_t kLongest = 64;
+  const bool printable =
+      node.IsScalar() && node.Scalar().size() <= kLongest &&
+      std::ranges::all_of(node.Scalar(), [](char c) { return c >= ' ' && c <= '~'; });
+  if (!printable) {
     fail(node, std::string("has a ") + name + " that is no word", "export it again");
     return {};
   }

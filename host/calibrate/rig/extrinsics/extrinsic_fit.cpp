@@ -21,6 +21,7 @@ using Wall = std::array<double, 3>;
 constexpr std::size_t kFewestWalls = 3;
 constexpr double kLeastSideways = 0.35;  // between the outermost tilts, rad: 20 degrees
 constexpr double kLeastUpwards = 0.35;
+constexpr double kMisfitOfChance = 2;  // 3 standard deviations for 8 walls
 // The smallest eigenvalue of the sum of n n^T a wall, below which T is not told in one direction.
 constexpr double kLeastSpread = 0.01;
 
@@ -156,7 +157,16 @@ class ExtrinsicProblem {
     chi2 += std::pow(offset_ / offset_sigma_, 2);
     const auto freedom = static_cast<double>(3 * blocks_.size()) - 6;
     fit.misfit = freedom > 0 ? chi2 / freedom : 0;
-    return put_covariance(fit);
+    if (!put_covariance(fit)) {
+      return false;
+    }
+    // Looks of a wall share errors that their scatter does not show: of the pair, of the PMD
+    // camera.
+    if (fit.misfit > kMisfitOfChance) {
+      fit.covariance *= fit.misfit;
+      fit.offset_sigma_m *= std::sqrt(fit.misfit);
+    }
+    return true;
   }
   void tell_offset_sigma(double sigma) { offset_sigma_ = sigma; }
 

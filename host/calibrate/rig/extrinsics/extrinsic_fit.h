@@ -24,7 +24,8 @@ struct ExtrinsicOptions {
 
 struct ExtrinsicFit {
   PoseUnknowns pmd_to_stereo{};  // X_stereo = R X_pmd + T
-  // Of a small turn of the stereo axes (rad) and of T (m): R_true = exp(turn) R.
+  // Of a small turn of the stereo axes (rad) and of T (m): R_true = exp(turn) R. From how far looks
+  // scatter; times `misfit` where walls are off by much more than that tells.
   Eigen::Matrix<double, 6, 6> covariance;
   double offset_m = 0;  // of PMD distances, found beside
   double offset_sigma_m = 0;

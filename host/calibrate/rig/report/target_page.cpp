@@ -18,6 +18,9 @@ Figure residual_figure(const std::string& name, const char* eye,
   PlotSeries off{.name = printed("off, times %.0f", kMagnified), .colour = kPlotOrange};
   double squares = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (!corners[i].seen()) {
+      continue;
+    }
     // Rows grow downwards in a picture, upwards in a diagram.
     const double y = lens.height - 1 - corners[i].v;
     found.add(corners[i].u, y);
@@ -26,7 +29,7 @@ Figure residual_figure(const std::string& name, const char* eye,
     off.add(std::numeric_limits<double>::quiet_NaN(), y);
     squares += residuals[i].u * residuals[i].u + residuals[i].v * residuals[i].v;
   }
-  const double rms = std::sqrt(squares / static_cast<double>(2 * corners.size()));
+  const double rms = std::sqrt(squares / static_cast<double>(2 * seen_corners(corners)));
   // The corners of the picture, so that all diagrams show the same.
   PlotSeries frame{.name = "", .colour = kPlotGrey};
   for (const auto& [x, y] :
@@ -63,6 +66,9 @@ Figure all_corners(const char* eye, const std::vector<PairView>& views,
   PlotSeries corners{.name = "", .colour = kPlotBlue, .line = false, .dot_px = 2};
   for (const PairView& view : views) {
     for (const PixelPoint& corner : view.*of_eye) {
+      if (!corner.seen()) {
+        continue;
+      }
       corners.add(corner.u, lens.height - 1 - corner.v);
     }
   }

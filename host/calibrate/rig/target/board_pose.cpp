@@ -1,6 +1,7 @@
 #include "host/calibrate/rig/target/board_pose.h"
 
 #include <cmath>
+#include <utility>
 
 #include <opencv2/calib3d.hpp>
 
@@ -9,22 +10,23 @@ namespace {
 
 constexpr std::size_t kFewestViews = 3;
 
-std::vector<cv::Point3f> points_of(const Board& board) {
-  std::vector<cv::Point3f> points;
-  for (int i = 0; i < board.corners(); ++i) {
-    const std::array<double, 2> at = board.at(i);
-    points.emplace_back(static_cast<float>(at[0]), static_cast<float>(at[1]), 0.0F);
+// Those corners of a board that are seen.
+struct SeenPoints {
+  std::vector<cv::Point3f> on_board;
+  std::vector<cv::Point2f> in_picture;
+};
+
+SeenPoints seen_points(const Board& board, const std::vector<PixelPoint>& corners) {
+  SeenPoints points;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    if (corners[i].seen()) {
+      const std::array<double, 2> at = board.at(static_cast<int>(i));
+      points.on_board.emplace_back(static_cast<float>(at[0]), static_cast<float>(at[1]), 0.0F);
+      points.in_picture.emplace_back(static_cast<float>(corners[i].u),
+                                     static_cast<float>(corners[i].v));
+    }
   }
   return points;
-}
-
-std::vector<cv::Point2f> pixels_of(const std::vector<PixelPoint>& corners) {
-  std::vector<cv::Point2f> pixels;
-  pixels.reserve(corners.size());
-  for (const PixelPoint& corner : corners) {
-    pixels.emplace_back(static_cast<float>(corner.u), static_cast<float>(corner.v));
-  }
-  return pixels;
 }
 
 bool is_lens(const dsp::Pinhole& lens) {
@@ -40,10 +42,11 @@ std::optional<PoseUnknowns> pose_of_board(const Board& board,
                                           const dsp::Pinhole& lens) {
   const cv::Matx33d matrix(lens.fx, 0, lens.cx, 0, lens.fy, lens.cy, 0, 0, 1);
   const cv::Vec<double, 5> distortion(lens.k1, lens.k2, lens.p1, lens.p2, lens.k3);
+  const SeenPoints points = seen_points(board, corners);
   cv::Vec3d turn;
   cv::Vec3d shift;
   try {
-    if (!cv::solvePnP(points_of(board), pixels_of(corners), matrix, distortion, turn, shift)) {
+    if (!cv::solvePnP(points.on_board, points.in_picture, matrix, distortion, turn, shift)) {
       return std::nullopt;
     }
   } catch (const cv::Exception&) {
@@ -61,11 +64,12 @@ std::optional<dsp::Pinhole> lens_of_views(const Board& board,
   if (views.size() < kFewestViews) {
     return std::nullopt;
   }
-  const std::vector<std::vector<cv::Point3f>> points(views.size(), points_of(board));
+  std::vector<std::vector<cv::Point3f>> points;
   std::vector<std::vector<cv::Point2f>> pixels;
-  pixels.reserve(views.size());
   for (const std::vector<PixelPoint>& view : views) {
-    pixels.push_back(pixels_of(view));
+    SeenPoints seen = seen_points(board, view);
+    points.push_back(std::move(seen.on_board));
+    pixels.push_back(std::move(seen.in_picture));
   }
   cv::Mat matrix = cv::Mat::eye(3, 3, CV_64F);
   cv::Mat distortion = cv::Mat::zeros(5, 1, CV_64F);

@@ -16,8 +16,8 @@ std::optional<PoseUnknowns> pose_of_board(const Board& board,
                                           const std::vector<PixelPoint>& corners,
                                           const dsp::Pinhole& lens);
 
-// A lens of this size with k1 and k2, from views of the board (each with all corners). None where
-// there are fewer than three, or what comes out is no lens.
+// A lens of this size with k1 and k2, from views of the board (corners that are not seen do not
+// count). None where there are fewer than three, or what comes out is no lens.
 std::optional<dsp::Pinhole> lens_of_views(const Board& board,
                                           const std::vector<std::vector<PixelPoint>>& views,
                                           int width, int height);

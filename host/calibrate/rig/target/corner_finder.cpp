@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
+#include "host/calibrate/rig/target/marker_finder.h"
 
 namespace stof::host {
 namespace {
@@ -20,8 +21,15 @@ constexpr int kSmallestWindow = 2;  // half the side of what refines a corner, p
 constexpr int kLargestWindow = 8;
 constexpr double kWindowShare = 0.3;   // of the distance to the next corner
 constexpr double kProfileShare = 0.3;  // of that distance, to both sides of an edge
+constexpr double kMarkerFree = 0.9;    // of what lies between an edge and the marker beside it
+constexpr double kTagShare = 0.18;     // of a tag's side: its border is two cells of ten
 constexpr double kProfileStep = 0.25;  // px
 constexpr double kLeastContrast = 20;  // grey values between black and white
+
+// Borrowed: OpenCV's pictures are not read-only, and these functions only read.
+cv::Mat borrowed(const dataset::Image<std::uint8_t>& picture) {
+  return {picture.height, picture.width, CV_8UC1, const_cast<std::uint8_t*>(picture.pixels.data())};
+}
 
 struct Grid {
   std::vector<cv::Point2f> corners;
@@ -91,13 +99,14 @@ bool first_is_black(const cv::Mat& picture, const Grid& grid) {
 
 // The width of the edge that crosses a -> b in the middle, as a Gaussian's standard deviation: the
 // area between the profile and an ideal step is 2 sigma / sqrt(2 pi) of its height. NaN: no edge.
-double edge_width(const cv::Mat& picture, const cv::Point2f& a, const cv::Point2f& b) {
-  const double length = distance(a, b);
-  const double across_x = -static_cast<double>(b.y - a.y) / length;
-  const double across_y = static_cast<double>(b.x - a.x) / length;
-  const double middle_x = static_cast<double>(a.x + b.x) / 2;
-  const double middle_y = static_cast<double>(a.y + b.y) / 2;
-  const int reach = std::max(8, static_cast<int>(length * kProfileShare / kProfileStep));
+// `share`: of its length, how far to both sides nothing else begins.
+double edge_width(const cv::Mat& picture, const PixelPoint& a, const PixelPoint& b, double share) {
+  const double length = std::hypot(b.u - a.u, b.v - a.v);
+  const double across_x = -(b.v - a.v) / length;
+  const double across_y = (b.u - a.u) / length;
+  const double middle_x = (a.u + b.u) / 2;
+  const double middle_y = (a.v + b.v) / 2;
+  const int reach = std::max(8, static_cast<int>(length * share / kProfileStep));
   std::vector<double> profile;
   for (int i = -reach; i <= reach; ++i) {
     const double along = i * kProfileStep;
@@ -141,26 +150,16 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-double blur_of(const cv::Mat& picture, const Grid& grid) {
-  std::array<std::vector<double>, 2> widths;
-  for (int row = 0; row < grid.rows; ++row) {
-    for (int column = 0; column < grid.columns; ++column) {
-      for (const int down : {0, 1}) {
-        const int to_column = column + 1 - down;
-        const int to_row = row + down;
-        if (to_column >= grid.columns || to_row >= grid.rows) {
-          continue;
-        }
-        const double width = edge_width(picture, grid.at(column, row), grid.at(to_column, to_row));
-        if (std::isfinite(width)) {
-          widths[index(down)].push_back(width);
-        }
-      }
-    }
+double profile_share(const Board& board) {
+  switch (board.kind) {
+    case Board::Kind::kCharuco:
+      return std::min(kProfileShare, kMarkerFree * (1 - board.share) / 2);
+    case Board::Kind::kAprilGrid:
+      return std::min(kTagShare, kMarkerFree * board.share);
+    case Board::Kind::kChess:
+      break;
   }
-  const double along = median(widths[0]);
-  const double down = median(widths[1]);
-  return std::isfinite(along) && std::isfinite(down) ? std::max(along, down) : kNothing;
+  return kProfileShare;
 }
 
 bool look_for(const cv::Mat& picture, Grid& grid) {
@@ -187,9 +186,10 @@ void refine(const cv::Mat& picture, Grid& grid) {
 
 std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
                                      const Board& board) {
-  // Borrowed: OpenCV's pictures are not read-only, and these functions only read.
-  const cv::Mat grey(picture.height, picture.width, CV_8UC1,
-                     const_cast<std::uint8_t*>(picture.pixels.data()));
+  if (board.has_markers()) {
+    return find_marked_board(picture, board);
+  }
+  const cv::Mat grey = borrowed(picture);
   Grid grid{.corners = {}, .columns = board.columns, .rows = board.rows};
   if (!look_for(grey, grid) || grid.corners.size() != index(board.corners())) {
     return std::nullopt;
@@ -203,8 +203,43 @@ std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture
   for (const cv::Point2f& corner : grid.corners) {
     found.corners.push_back({static_cast<double>(corner.x), static_cast<double>(corner.y)});
   }
-  found.blur_px = blur_of(grey, grid);
+  found.blur_px = edge_blur(picture, board, found.corners);
   return found;
+}
+
+double edge_blur(const dataset::Image<std::uint8_t>& picture, const Board& board,
+                 const std::vector<PixelPoint>& corners) {
+  const cv::Mat grey = borrowed(picture);
+  const double share = profile_share(board);
+  std::array<std::vector<double>, 2> widths;
+  for (int row = 0; row < board.rows; ++row) {
+    for (int column = 0; column < board.columns; ++column) {
+      for (const int down : {0, 1}) {
+        const int to_column = column + 1 - down;
+        const int to_row = row + down;
+        // Between tags there is no edge.
+        const bool gap =
+            board.kind == Board::Kind::kAprilGrid && (down == 0 ? column : row) % 2 != 0;
+        if (gap || to_column >= board.columns || to_row >= board.rows) {
+          continue;
+        }
+        const PixelPoint& from = corners[index(row * board.columns + column)];
+        const PixelPoint& to = corners[index(to_row * board.columns + to_column)];
+        const double width =
+            from.seen() && to.seen() ? edge_width(grey, from, to, share) : kNothing;
+        if (std::isfinite(width)) {
+          widths[index(down)].push_back(width);
+        }
+      }
+    }
+  }
+  const double along = median(widths[0]);
+  const double down = median(widths[1]);
+  return std::isfinite(along) && std::isfinite(down) ? std::max(along, down) : kNothing;
+}
+
+std::size_t seen_corners(const std::vector<PixelPoint>& corners) {
+  return static_cast<std::size_t>(std::ranges::count_if(corners, &PixelPoint::seen));
 }
 
 }  // namespace stof::host

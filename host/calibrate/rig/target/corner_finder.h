@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cmath>
+#include <cstddef>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -11,7 +14,15 @@ namespace stof::host {
 struct PixelPoint {
   double u = 0;
   double v = 0;
+  bool seen() const { return std::isfinite(u); }
 };
+// In the place of a corner that is not seen, of a board that is seen in part.
+inline constexpr PixelPoint kUnseen{std::numeric_limits<double>::quiet_NaN(),
+                                    std::numeric_limits<double>::quiet_NaN()};
+inline constexpr int kFewestSeen = 12;  // of a board that is seen in part
+
+// How many of them are seen.
+std::size_t seen_corners(const std::vector<PixelPoint>& corners);
 
 // A board in a picture: all of its corners, in the order of Board.
 struct FoundBoard {
@@ -21,9 +32,14 @@ struct FoundBoard {
   double blur_px = 0;
 };
 
-// Finds the board by OpenCV. None where it is not seen whole. Corners of smeared or noisy pictures
-// are those that OpenCV gives: blur_px tells how much they are worth.
+// Finds the board by OpenCV. A chessboard is found where it is seen whole, a board with markers in
+// part (marker_finder.h); else none. Corners of smeared or noisy pictures are those that OpenCV
+// gives: blur_px tells how much they are worth.
 std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
                                      const Board& board);
+
+// FoundBoard::blur_px; NaN where no edge has any contrast.
+double edge_blur(const dataset::Image<std::uint8_t>& picture, const Board& board,
+                 const std::vector<PixelPoint>& corners);
 
 }  // namespace stof::host

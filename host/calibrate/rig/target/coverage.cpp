@@ -4,28 +4,27 @@
 #include <array>
 #include <cmath>
 
+#include <opencv2/imgproc.hpp>
+
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
-double area_of(const Board& board, const std::vector<PixelPoint>& corners) {
-  if (corners.empty()) {
+// Of the convex hull of the corners that are seen.
+double area_of(const std::vector<PixelPoint>& corners) {
+  std::vector<cv::Point2f> seen;
+  for (const PixelPoint& corner : corners) {
+    if (corner.seen()) {
+      seen.emplace_back(static_cast<float>(corner.u), static_cast<float>(corner.v));
+    }
+  }
+  if (seen.empty()) {
     return 0;
   }
-  const auto at = [&](int column, int row) {
-    return corners[static_cast<std::size_t>(row * board.columns + column)];
-  };
-  const int right = board.columns - 1;
-  const int low = board.rows - 1;
-  const std::array<PixelPoint, 4> outline{at(0, 0), at(right, 0), at(right, low), at(0, low)};
-  double twice = 0;
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    const PixelPoint& a = outline[i];
-    const PixelPoint& b = outline[(i + 1) % outline.size()];
-    twice += a.u * b.v - b.u * a.v;
-  }
-  return std::abs(twice) / 2;
+  std::vector<cv::Point2f> hull;
+  cv::convexHull(seen, hull);
+  return cv::contourArea(hull);
 }
 
 struct PictureCorner {
@@ -94,7 +93,7 @@ ViewPose view_pose(const Board& board, const PairView& view, const PoseUnknowns&
   const Vector3 normal = facing * turn.col(2);
   const double picture = static_cast<double>(rig.left.width) * rig.left.height;
   return {.distance_m = middle.norm(),
-          .share = std::max(area_of(board, view.left), area_of(board, view.right)) / picture,
+          .share = std::max(area_of(view.left), area_of(view.right)) / picture,
           .sideways_rad = std::atan2(-normal.x(), normal.z()),
           .upwards_rad = std::atan2(-normal.y(), normal.z())};
 }

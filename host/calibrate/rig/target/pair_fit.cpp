@@ -166,12 +166,18 @@ class PairProblem {
 
   void add(const Board& board, const PairView& view, PoseUnknowns& pose) {
     for (std::size_t i = 0; i < view.left.size(); ++i) {
+      if (!view.left[i].seen()) {
+        continue;
+      }
       problem_.AddResidualBlock(
           new ceres::AutoDiffCostFunction<LeftCorner, 2, kLensUnknowns, kPoseUnknowns>(
               new LeftCorner{board.at(static_cast<int>(i)), view.left[i]}),
           new ceres::HuberLoss(kHuberPx), unknowns_.left.data(), pose.data());
     }
     for (std::size_t i = 0; i < view.right.size(); ++i) {
+      if (!view.right[i].seen()) {
+        continue;
+      }
       problem_.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
                                                                 kPoseUnknowns, kPoseUnknowns>(
                                     new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),
@@ -208,10 +214,14 @@ dsp::RawPair rig_of(const Unknowns& unknowns, const dsp::RawPair& start) {
   return rig;
 }
 
+double coordinates_of(const PairView& view) {
+  return static_cast<double>(2 * (seen_corners(view.left) + seen_corners(view.right)));
+}
+
 double sum_of_squares(const std::vector<PixelPoint>& residuals) {
   double sum = 0;
   for (const PixelPoint& r : residuals) {
-    sum += r.u * r.u + r.v * r.v;
+    sum += r.seen() ? r.u * r.u + r.v * r.v : 0;
   }
   return sum;
 }
@@ -233,7 +243,7 @@ ViewResiduals residuals_of(const Board& board, const PairView& view, const dsp::
                                                               pose.data(), residual.data());
     residuals.right.push_back({residual[0], residual[1]});
   }
-  const auto count = static_cast<double>(2 * (residuals.left.size() + residuals.right.size()));
+  const double count = coordinates_of(view);
   residuals.rms_px =
       std::sqrt((sum_of_squares(residuals.left) + sum_of_squares(residuals.right)) / count);
   return residuals;
@@ -265,7 +275,7 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
   for (std::size_t n = 0; n < views.size(); ++n) {
     fit.residuals.push_back(residuals_of(board, views[n], fit.rig, fit.boards[n]));
     fit.cost += sum_of_squares(fit.residuals[n].left) + sum_of_squares(fit.residuals[n].right);
-    coordinates += static_cast<double>(2 * (views[n].left.size() + views[n].right.size()));
+    coordinates += coordinates_of(views[n]);
   }
   const std::optional<Eigen::MatrixXd> inverse = problem.inverse_normal();
   const auto unknown_count =
@@ -305,12 +315,18 @@ std::optional<ViewResiduals> judge_view(const Board& board, const PairView& view
   PoseUnknowns left_to_right = pose_of(rig.left_to_right);
   ceres::Problem problem;
   for (std::size_t i = 0; i < view.left.size(); ++i) {
+    if (!view.left[i].seen()) {
+      continue;
+    }
     problem.AddResidualBlock(
         new ceres::AutoDiffCostFunction<LeftCorner, 2, kLensUnknowns, kPoseUnknowns>(
             new LeftCorner{board.at(static_cast<int>(i)), view.left[i]}),
         nullptr, left.data(), pose->data());
   }
   for (std::size_t i = 0; i < view.right.size(); ++i) {
+    if (!view.right[i].seen()) {
+      continue;
+    }
     problem.AddResidualBlock(new ceres::AutoDiffCostFunction<RightCorner, 2, kLensUnknowns,
                                                              kPoseUnknowns, kPoseUnknowns>(
                                  new RightCorner{board.at(static_cast<int>(i)), view.right[i]}),

@@ -16,7 +16,8 @@
 // least-squares fit (Ceres), with its covariance.
 namespace stof::host {
 
-// One pose of the board. Where an eye did not see the board whole it has no corners.
+// One pose of the board. An eye has all of its corners, those that it did not see as kUnseen; or
+// none, where it did not find the board.
 struct PairView {
   std::string name;
   std::vector<PixelPoint> left;
@@ -35,7 +36,7 @@ struct PairFitOptions {
 };
 
 struct ViewResiduals {
-  std::vector<PixelPoint> left;  // found less projected, px
+  std::vector<PixelPoint> left;  // found less projected, px; kUnseen where the corner is
   std::vector<PixelPoint> right;
   double rms_px = 0;  // of both components together
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "dataset/files/file.h"
+#include "dsp/base/index.h"
 #include "dsp/base/random.h"
 #include "dsp/calib/pmd/ray_table.h"
 #include "dsp/calib/stereo/rectification.h"
@@ -25,6 +26,7 @@ constexpr double kExplains = 20;
 // A focal length that is less certain than this comes from views that are too much alike.
 constexpr double kLargestFocalSigma = 0.005;
 
+using dsp::index;
 using RowMatrix = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
 
 Matrix3 matrix_of(const std::array<double, 9>& elements) {
@@ -157,23 +159,30 @@ struct Rectifier {
   }
 };
 
-// Neighbours of a row against the square: the sum of the shares that they are too far apart.
-double scale_sum(const Board& board, const PairView& view, const Rectifier& rectifier) {
+// Both ends of each row against the board: the mean share that they are too far apart. Rows that
+// are seen to less than half do not count.
+double scale_error(const Board& board, const PairView& view, const Rectifier& rectifier) {
   double sum = 0;
+  double rows = 0;
   for (int row = 0; row < board.rows; ++row) {
-    std::optional<Vector3> before;
-    for (int column = 0; column < board.columns; ++column) {
-      const auto i = static_cast<std::size_t>(row * board.columns + column);
-      const Vector3 here =
-          rectifier.point(rectifier.left(view.left[i]), rectifier.right(view.right[i]));
-      if (column == 0) {
-        before = here;
-      } else if (column == board.columns - 1) {
-        sum += (here - *before).norm() / (board.square_m * (board.columns - 1)) - 1;
+    std::vector<int> seen;
+    for (int i = row * board.columns; i < (row + 1) * board.columns; ++i) {
+      if (view.left[index(i)].seen() && view.right[index(i)].seen()) {
+        seen.push_back(i);
       }
     }
+    if (2 * seen.size() < index(board.columns)) {
+      continue;
+    }
+    const auto place = [&](int i) {
+      return rectifier.point(rectifier.left(view.left[index(i)]),
+                             rectifier.right(view.right[index(i)]));
+    };
+    const double apart = board.at(seen.back())[0] - board.at(seen.front())[0];
+    sum += (place(seen.back()) - place(seen.front())).norm() / apart - 1;
+    rows += 1;
   }
-  return sum / board.rows;
+  return rows > 0 ? sum / rows : 0;
 }
 
 std::optional<TargetJudgement> judge(const TargetOptions& options, TargetCalibration& result) {
@@ -192,7 +201,8 @@ std::optional<TargetJudgement> judge(const TargetOptions& options, TargetCalibra
       continue;
     }
     result.held_residuals.push_back(*residuals);
-    const auto count = static_cast<double>(2 * (view.left.size() + view.right.size()));
+    const auto count =
+        static_cast<double>(2 * (seen_corners(view.left) + seen_corners(view.right)));
     squares += residuals->rms_px * residuals->rms_px * count;
     coordinates += count;
     for (const double row : row_errors(view, result.fit.rig)) {
@@ -200,7 +210,7 @@ std::optional<TargetJudgement> judge(const TargetOptions& options, TargetCalibra
       corners += 1;
       judgement.largest_row_px = std::max(judgement.largest_row_px, std::abs(row));
     }
-    judgement.scale_error += scale_sum(options.board, view, rectifier);
+    judgement.scale_error += scale_error(options.board, view, rectifier);
     ++judgement.views;
   }
   if (judgement.views == 0) {
@@ -229,6 +239,9 @@ std::vector<double> row_errors(const PairView& view, const dsp::RawPair& rig) {
   const Rectifier rectifier(rig);
   std::vector<double> errors;
   for (std::size_t i = 0; i < std::min(view.left.size(), view.right.size()); ++i) {
+    if (!view.left[i].seen() || !view.right[i].seen()) {
+      continue;
+    }
     errors.push_back(rectifier.left(view.left[i]).v - rectifier.right(view.right[i]).v);
   }
   return errors;
@@ -262,7 +275,9 @@ dataset::Loaded<TargetViews> find_views(const std::filesystem::path& folder,
     if (!why.empty()) {
       found.refused.push_back({view.name, why});
     } else if (view.left.empty() && view.right.empty()) {
-      found.refused.push_back({view.name, "no eye sees the whole board"});
+      found.refused.push_back({view.name, options.board.has_markers()
+                                              ? "no eye sees enough of the board"
+                                              : "no eye sees the whole board"});
     } else {
       found.views.push_back(std::move(view));
     }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <utility>
 
 #include "dataset/files/file.h"
+#include "host/calibrate/rig/target/marker_finder.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
@@ -25,17 +27,98 @@ struct Paper {
 constexpr std::array<Paper, 5> kPapers{
     {{"a4", 210, 297}, {"a3", 297, 420}, {"a2", 420, 594}, {"a1", 594, 841}, {"a0", 841, 1189}}};
 
-void add_board(const Board& board, double x, double y, Sheet& sheet) {
-  const double side = board.square_m * kMillimetres;
-  // One more square than corners; the one right and below of the first corner is black.
-  for (int row = 0; row <= board.rows; ++row) {
-    for (int column = 0; column <= board.columns; ++column) {
-      if ((row + column) % 2 == 0) {
-        sheet.black.push_back({x + column * side, y + row * side, side, side});
+// What is printed of a board, without the white around it, in sides of a square or tag. Its first
+// corner is `margin` right and below of its upper left end.
+struct Outline {
+  double width;
+  double height;
+  double margin;
+};
+
+Outline outline_of(const Board& board) {
+  const double margin = board.kind == Board::Kind::kAprilGrid ? board.share : 1;
+  const std::array<double, 2> last = board.at(board.corners() - 1);
+  return {.width = last[0] / board.square_m + 2 * margin,
+          .height = last[1] / board.square_m + 2 * margin,
+          .margin = margin};
+}
+
+// Rectangles in sides of a square or tag, from the outline's upper left end.
+struct Pattern {
+  std::vector<Rectangle> black;
+  std::vector<Rectangle> white;
+};
+
+void add_markers(const Board& board, Pattern& pattern) {
+  const double margin = outline_of(board).margin;
+  const double side = marker_side_m(board) / board.square_m;
+  for (const BoardMarker& marker : markers_of(board)) {
+    const double x = marker.x_m / board.square_m + margin;
+    const double y = marker.y_m / board.square_m + margin;
+    pattern.black.push_back({x, y, side, side});
+    const MarkerCells cells = cells_of(board, marker.id);
+    const double cell = side / cells.side;
+    for (int row = 0; row < cells.side; ++row) {
+      for (int column = 0; column < cells.side; ++column) {
+        if (!cells.black[static_cast<std::size_t>(row * cells.side + column)]) {
+          pattern.white.push_back({x + column * cell, y + row * cell, cell, cell});
+        }
       }
     }
   }
 }
+
+Pattern pattern_of(const Board& board) {
+  Pattern pattern;
+  if (board.kind == Board::Kind::kAprilGrid) {
+    // Small squares where the gaps cross, around the outermost tags too.
+    const double step = 1 + board.share;
+    for (int row = 0; row <= board.rows / 2; ++row) {
+      for (int column = 0; column <= board.columns / 2; ++column) {
+        pattern.black.push_back({column * step, row * step, board.share, board.share});
+      }
+    }
+  } else {
+    // One more square than corners; the one right and below of the first corner is black.
+    for (int row = 0; row <= board.rows; ++row) {
+      for (int column = 0; column <= board.columns; ++column) {
+        if ((row + column) % 2 == 0) {
+          pattern.black.push_back({static_cast<double>(column), static_cast<double>(row), 1, 1});
+        }
+      }
+    }
+  }
+  add_markers(board, pattern);
+  return pattern;
+}
+
+Rectangle scaled(const Rectangle& r, double side, double x, double y) {
+  return {x + r.x_mm * side, y + r.y_mm * side, r.width_mm * side, r.height_mm * side};
+}
+
+void add_board(const Board& board, double x, double y, Sheet& sheet) {
+  const double side = board.square_m * kMillimetres;
+  const Pattern pattern = pattern_of(board);
+  for (const Rectangle& r : pattern.black) {
+    sheet.black.push_back(scaled(r, side, x, y));
+  }
+  for (const Rectangle& r : pattern.white) {
+    sheet.white.push_back(scaled(r, side, x, y));
+  }
+}
+
+void fill(const Rectangle& r, std::uint8_t grey, dataset::Image<std::uint8_t>& picture) {
+  const auto last = [](double begin, double size) {
+    return static_cast<int>(std::lround(begin + size));
+  };
+  for (int y = last(r.y_mm, 0); y < last(r.y_mm, r.height_mm); ++y) {
+    for (int x = last(r.x_mm, 0); x < last(r.x_mm, r.width_mm); ++x) {
+      picture.view().at(x, y) = grey;
+    }
+  }
+}
+
+bool is_whole(double value) { return std::abs(value - std::round(value)) < 1e-6; }
 
 void add_ruler(double x, double y, double length, Sheet& sheet) {
   constexpr double kCentimetre = 10;
@@ -64,11 +147,20 @@ std::string escaped_text(std::string_view text) {
 std::string content_of(const Sheet& sheet) {
   const auto up = [&sheet](double y_mm) { return (sheet.height_mm - y_mm) * kPointsPerMm; };
   std::string content = "0 g\n";
-  for (const Rectangle& r : sheet.black) {
-    content += printed("%.4f %.4f %.4f %.4f re\n", r.x_mm * kPointsPerMm, up(r.y_mm + r.height_mm),
-                       r.width_mm * kPointsPerMm, r.height_mm * kPointsPerMm);
+  const auto add = [&](const std::vector<Rectangle>& rectangles) {
+    for (const Rectangle& r : rectangles) {
+      content +=
+          printed("%.4f %.4f %.4f %.4f re\n", r.x_mm * kPointsPerMm, up(r.y_mm + r.height_mm),
+                  r.width_mm * kPointsPerMm, r.height_mm * kPointsPerMm);
+    }
+    content += "f\n";
+  };
+  add(sheet.black);
+  if (!sheet.white.empty()) {
+    content += "1 g\n";
+    add(sheet.white);
+    content += "0 g\n";
   }
-  content += "f\n";
   for (const SheetText& t : sheet.texts) {
     content += printed("BT /F1 %.3f Tf %.4f %.4f Td (%s) Tj ET\n", t.size_mm * kPointsPerMm,
                        t.x_mm * kPointsPerMm, up(t.y_mm), escaped_text(t.text).c_str());
@@ -85,9 +177,9 @@ dataset::Loaded<Sheet> sheet_of(const Board& board, std::string_view paper) {
                            ": is not known: use a4, a3, a2, a1 or a0");
   }
   const double side = board.square_m * kMillimetres;
-  const double width = (board.columns + 1) * side;
-  const double height = (board.rows + 1) * side;
-  Sheet sheet{.width_mm = found->short_mm, .height_mm = found->long_mm, .black = {}, .texts = {}};
+  const double width = outline_of(board).width * side;
+  const double height = outline_of(board).height * side;
+  Sheet sheet{.width_mm = found->short_mm, .height_mm = found->long_mm};
   if (width > height) {
     std::swap(sheet.width_mm, sheet.height_mm);
   }
@@ -110,10 +202,43 @@ dataset::Loaded<Sheet> sheet_of(const Board& board, std::string_view paper) {
   sheet.texts.push_back(
       {x, below + 12, kTextMm,
        printed(
-           "stof board %s: print at 100 percent, measure: the ruler is in millimetres, a square "
-           "is %g mm",
-           to_string(board).c_str(), side)});
+           "stof board %s: print at 100 percent, measure: the ruler is in millimetres, a %s is %g "
+           "mm",
+           to_string(board).c_str(), board.kind == Board::Kind::kAprilGrid ? "tag" : "square",
+           side)});
   return sheet;
+}
+
+std::optional<BoardPicture> picture_of(const Board& board) {
+  const Pattern pattern = pattern_of(board);
+  const auto whole = [&pattern](double side) {
+    const auto fits = [side](const Rectangle& r) {
+      return is_whole(r.x_mm * side) && is_whole(r.y_mm * side) && is_whole(r.width_mm * side) &&
+             is_whole(r.height_mm * side);
+    };
+    return std::ranges::all_of(pattern.black, fits) && std::ranges::all_of(pattern.white, fits);
+  };
+  constexpr int kMostPixels = 100;  // a side of a square
+  int side = 1;
+  while (side <= kMostPixels && !whole(side)) {
+    ++side;
+  }
+  if (side > kMostPixels) {
+    return std::nullopt;
+  }
+  const Outline outline = outline_of(board);
+  constexpr double kWhite = 1;  // squares around it
+  const auto pixels = [side](double sides) { return static_cast<int>(std::lround(sides * side)); };
+  BoardPicture made{
+      .picture = {pixels(outline.width + 2 * kWhite), pixels(outline.height + 2 * kWhite), 255},
+      .pixel_mm = board.square_m * kMillimetres / side};
+  for (const Rectangle& r : pattern.black) {
+    fill(scaled(r, side, kWhite * side, kWhite * side), 0, made.picture);
+  }
+  for (const Rectangle& r : pattern.white) {
+    fill(scaled(r, side, kWhite * side, kWhite * side), 255, made.picture);
+  }
+  return made;
 }
 
 std::string pdf_bytes(const Sheet& sheet) {

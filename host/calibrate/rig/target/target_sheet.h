@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,8 +27,9 @@ struct SheetText {
 struct Sheet {
   double width_mm = 0;
   double height_mm = 0;
-  std::vector<Rectangle> black;
-  std::vector<SheetText> texts;
+  std::vector<Rectangle> black{};
+  std::vector<Rectangle> white{};  // on top of the black ones
+  std::vector<SheetText> texts{};
 };
 
 // "a4", "a3", "a2", "a1", "a0"; the board lies as it fits best. One line where the paper is none of
@@ -35,5 +38,15 @@ dataset::Loaded<Sheet> sheet_of(const Board& board, std::string_view paper);
 
 // The sheet as PDF: vectors and a standard font, one page.
 std::string pdf_bytes(const Sheet& sheet);
+
+// The board alone as a picture, with white around it, in the fewest pixels that show each of its
+// cells as whole ones; nothing where a marker's side is no simple share of its square. For the
+// emulator
+// (`board:print,FILE.pgm,PIXEL_MM`).
+struct BoardPicture {
+  dataset::Image<std::uint8_t> picture;
+  double pixel_mm = 0;
+};
+std::optional<BoardPicture> picture_of(const Board& board);
 
 }  // namespace stof::host

@@ -1,5 +1,9 @@
 #include "tests/host/calibrate/rig/board_views.h"
 
+#include <cmath>
+
+#include "host/calibrate/rig/target/target_calibration.h"
+
 namespace stof::host::test {
 
 dsp::RawPair true_pair() {
@@ -28,20 +32,32 @@ dsp::RawPair true_pair() {
   return rig;
 }
 
-std::vector<PixelPoint> seen_by(const dsp::Pinhole& lens, const PoseUnknowns& board_to_camera,
-                                const Board& board, double noise_px, Gaussian& random) {
+std::vector<PixelPoint> seen_in_part(const dsp::Pinhole& lens, const PoseUnknowns& board_to_camera,
+                                     const Board& board, double noise_px, Gaussian& random) {
   const LensUnknowns unknowns = unknowns_of(lens);
   const Matrix3 turn = rotation_of(board_to_camera);
   std::vector<PixelPoint> seen;
-  bool whole = true;
   for (int i = 0; i < board.corners(); ++i) {
     const std::array<double, 2> at = board.at(i);
     const Vector3 point = turn * Vector3(at[0], at[1], 0) + translation_of(board_to_camera);
     std::array<double, 2> pixel{};
-    whole = whole && project(unknowns.data(), {point.x(), point.y(), point.z()}, pixel) &&
-            pixel[0] > 4 && pixel[1] > 4 && pixel[0] < lens.width - 5 && pixel[1] < lens.height - 5;
-    seen.push_back({pixel[0] + random.next(noise_px), pixel[1] + random.next(noise_px)});
+    // Far outside of its field a lens folds.
+    const bool ahead =
+        std::abs(point.x()) < 0.75 * point.z() && std::abs(point.y()) < 0.75 * point.z();
+    const bool inside =
+        ahead && project(unknowns.data(), {point.x(), point.y(), point.z()}, pixel) &&
+        pixel[0] > 4 && pixel[1] > 4 && pixel[0] < lens.width - 5 && pixel[1] < lens.height - 5;
+    const double off_u = random.next(noise_px);
+    const double off_v = random.next(noise_px);
+    seen.push_back(inside ? PixelPoint{pixel[0] + off_u, pixel[1] + off_v} : kUnseen);
   }
+  return seen_corners(seen) >= std::size_t{kFewestSeen} ? seen : std::vector<PixelPoint>{};
+}
+
+std::vector<PixelPoint> seen_by(const dsp::Pinhole& lens, const PoseUnknowns& board_to_camera,
+                                const Board& board, double noise_px, Gaussian& random) {
+  std::vector<PixelPoint> seen = seen_in_part(lens, board_to_camera, board, noise_px, random);
+  const bool whole = seen_corners(seen) == static_cast<std::size_t>(board.corners());
   return whole ? seen : std::vector<PixelPoint>{};
 }
 
@@ -96,6 +112,43 @@ std::vector<PairView> waved(const dsp::RawPair& rig, const Board& board, std::si
     views.back().name = std::to_string(views.size() - 1);
   }
   return views;
+}
+
+double angle_between(const dsp::RigidTransform& a, const dsp::RigidTransform& b) {
+  const Matrix3 turn = rotation_of(pose_of(a)) * rotation_of(pose_of(b)).transpose();
+  return Eigen::AngleAxisd(turn).angle();
+}
+
+double row_rms_of_truth(const dsp::RawPair& truth, const dsp::RawPair& rig) {
+  const LensUnknowns left = unknowns_of(truth.left);
+  const LensUnknowns right = unknowns_of(truth.right);
+  const Matrix3 turn = rotation_of(pose_of(truth.left_to_right));
+  PairView view;
+  for (const double z : {0.8, 2.0, 6.0}) {
+    for (int j = -20; j <= 20; ++j) {
+      for (int i = -20; i <= 20; ++i) {
+        const Vector3 point(z * 0.032 * i, z * 0.024 * j, z);
+        const Vector3 other = turn * point + translation_of(pose_of(truth.left_to_right));
+        std::array<double, 2> l{};
+        std::array<double, 2> r{};
+        project(left.data(), {point.x(), point.y(), point.z()}, l);
+        project(right.data(), {other.x(), other.y(), other.z()}, r);
+        const auto inside = [&truth](const std::array<double, 2>& p) {
+          return p[0] >= 0 && p[1] >= 0 && p[0] <= truth.left.width - 1 &&
+                 p[1] <= truth.left.height - 1;
+        };
+        if (inside(l) && inside(r)) {
+          view.left.push_back({l[0], l[1]});
+          view.right.push_back({r[0], r[1]});
+        }
+      }
+    }
+  }
+  double squares = 0;
+  for (const double row : row_errors(view, rig)) {
+    squares += row * row;
+  }
+  return std::sqrt(squares / static_cast<double>(view.left.size()));
 }
 
 }  // namespace stof::host::test

@@ -12,8 +12,10 @@
 namespace stof::host {
 namespace {
 
+using test::angle_between;
 using test::board_at;
 using test::Gaussian;
+using test::row_rms_of_truth;
 using test::true_pair;
 using test::view_of;
 using test::waved;
@@ -21,11 +23,6 @@ using test::waved;
 constexpr Board kBoard{.columns = 9, .rows = 6, .square_m = 0.03};        // A4
 constexpr Board kLargeBoard{.columns = 12, .rows = 9, .square_m = 0.04};  // A2
 constexpr double kDegree = std::numbers::pi / 180;
-
-double angle_between(const dsp::RigidTransform& a, const dsp::RigidTransform& b) {
-  const Matrix3 turn = rotation_of(pose_of(a)) * rotation_of(pose_of(b)).transpose();
-  return Eigen::AngleAxisd(turn).angle();
-}
 
 TargetViews as_found(std::vector<PairView> views) {
   return {.width = 640, .height = 480, .views = std::move(views), .refused = {}};
@@ -37,39 +34,6 @@ TargetCalibration calibrated(std::vector<PairView> views, int hold_out = 5,
       calibrate_target(as_found(std::move(views)), {.board = board, .hold_out = hold_out});
   EXPECT_TRUE(found) << (found ? "" : found.error().message);
   return found ? std::move(*found) : TargetCalibration{};
-}
-
-// Truth points over the whole left picture, at three depths, rectified with `rig`.
-double row_rms_of_truth(const dsp::RawPair& truth, const dsp::RawPair& rig) {
-  const LensUnknowns left = unknowns_of(truth.left);
-  const LensUnknowns right = unknowns_of(truth.right);
-  const Matrix3 turn = rotation_of(pose_of(truth.left_to_right));
-  PairView view;
-  for (const double z : {0.8, 2.0, 6.0}) {
-    for (int j = -20; j <= 20; ++j) {
-      for (int i = -20; i <= 20; ++i) {
-        const Vector3 point(z * 0.032 * i, z * 0.024 * j, z);
-        const Vector3 other = turn * point + translation_of(pose_of(truth.left_to_right));
-        std::array<double, 2> l{};
-        std::array<double, 2> r{};
-        project(left.data(), {point.x(), point.y(), point.z()}, l);
-        project(right.data(), {other.x(), other.y(), other.z()}, r);
-        const auto inside = [](const std::array<double, 2>& p) {
-          return p[0] >= 0 && p[1] >= 0 && p[0] <= 639 && p[1] <= 479;
-        };
-        if (inside(l) && inside(r)) {
-          view.left.push_back({l[0], l[1]});
-          view.right.push_back({r[0], r[1]});
-        }
-      }
-    }
-  }
-  EXPECT_GT(view.left.size(), 2000U);
-  double squares = 0;
-  for (const double row : row_errors(view, rig)) {
-    squares += row * row;
-  }
-  return std::sqrt(squares / static_cast<double>(view.left.size()));
 }
 
 TEST(TargetCalibration, TwentyViewsWithATenthOfAPixelOfNoiseGiveTheRig) {
@@ -116,6 +80,53 @@ TEST(TargetCalibration, TangentialDistortionLeavesRowsThatCorrespond) {
   EXPECT_TRUE(found.tangential);
   EXPECT_NEAR(found.fit.rig.left.fx / truth.left.fx, 1, 0.003);
   EXPECT_LT(row_rms_of_truth(truth, found.fit.rig), 0.1);
+}
+
+// Boards with markers reach into all corners of both pictures: half of each is outside at times.
+TEST(TargetCalibration, BoardsThatAreSeenInPartGiveTheRig) {
+  const dsp::RawPair truth = true_pair();
+  constexpr Board kMarked{.columns = 12,
+                          .rows = 9,
+                          .square_m = 0.04,
+                          .kind = Board::Kind::kCharuco,
+                          .share = 0.75,
+                          .bits = 4};
+  const PoseUnknowns to_right = pose_of(truth.left_to_right);
+  Gaussian random(9);
+  std::vector<PairView> views;
+  std::size_t in_part = 0;
+  while (views.size() < 25) {
+    const double z = random.between(0.5, 1.4);
+    const Vector3 middle(random.between(-0.5, 0.55) * z, random.between(-0.4, 0.4) * z, z);
+    const PoseUnknowns pose = board_at(
+        kMarked, middle,
+        Vector3(random.between(-0.6, 0.6), random.between(-0.6, 0.6), random.between(-0.3, 0.3)));
+    const Matrix3 turn = rotation_of(to_right);
+    const PoseUnknowns in_right =
+        pose_of(Matrix3(turn * rotation_of(pose)),
+                Vector3(turn * translation_of(pose) + translation_of(to_right)));
+    PairView view{.name = std::to_string(views.size()),
+                  .left = test::seen_in_part(truth.left, pose, kMarked, 0.1, random),
+                  .right = test::seen_in_part(truth.right, in_right, kMarked, 0.1, random)};
+    if (view.both()) {
+      in_part += seen_corners(view.left) < view.left.size() ? 1 : 0;
+      views.push_back(std::move(view));
+    }
+  }
+  EXPECT_GT(in_part, 5U);
+  const TargetCalibration found = calibrated(std::move(views), 5, kMarked);
+  ASSERT_TRUE(found.judgement);
+  const double turned = angle_between(found.fit.rig.left_to_right, truth.left_to_right) / kDegree;
+  std::printf(
+      "figure: boards seen in part: rotation %.4f degrees, row rms %.3f px, fx %.3f percent\n",
+      turned, row_rms_of_truth(truth, found.fit.rig),
+      (found.fit.rig.left.fx / truth.left.fx - 1) * 100);
+  EXPECT_NEAR(found.fit.rig.left.fx / truth.left.fx, 1, 0.003);
+  EXPECT_LT(row_rms_of_truth(truth, found.fit.rig), 0.1);
+  EXPECT_NEAR(found.fit.corner_sigma_px, 0.1, 0.01);
+  EXPECT_NEAR(found.judgement->reprojection_px, 0.1, 0.02);
+  EXPECT_LT(std::abs(found.judgement->scale_error), 0.005);
+  EXPECT_TRUE(found.missing.empty());
 }
 
 TEST(TargetCalibration, TheCovarianceIsThatOfTheErrors) {
