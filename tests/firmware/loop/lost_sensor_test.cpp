@@ -234,11 +234,14 @@ TEST(LostSensors, ALossIsToldBeforeTheFrameOfItsEdge) {
 }
 
 // Of which nothing can be said: no noise, no depth either. The sensors stay in use.
-TEST(LostSensors, ACoveredPairIsNotFrozen) {
+TEST(LostSensors, ACoveredPairIsBlindAndNotFrozen) {
   RigOptions options = with_pixels(&PixelFaults::left, true);
   options.pixels.right = options.pixels.left;
   const OutageRun run(options);
-  EXPECT_TRUE(run.receiver.events.empty());
+  EXPECT_FALSE(run.receiver.events.empty());
+  for (const wire::EventReport& event : run.receiver.events) {
+    EXPECT_EQ(static_cast<wire::Condition>(event.condition), wire::Condition::kStereoBlind);
+  }
   for (const auto& [number, frame] : run.receiver.frames) {
     EXPECT_EQ(frame.info.sensors, kBothSensors);
   }
