@@ -1,3 +1,6 @@
+#include <optional>
+#include <string>
+
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
 #include "host/lib/sensor.h"
@@ -28,6 +31,39 @@ stof_status status_of(Status status) noexcept {
   }
 }
 
+struct Refusal {
+  std::string text;
+  stof_status status;
+};
+
+// With the keys of the sensor that is meant.
+std::optional<Refusal> open_control(stof_sensor& sensor) {
+  client::ControlOptions options;
+  if (sensor.device_id != 0) {
+    options.device_id = sensor.device_id;
+  }
+  if (!sensor.keys.empty()) {
+    auto keys = client::read_user_keys(sensor.keys);
+    if (!keys) {
+      return Refusal{keys.error().message, STOF_REFUSED};
+    }
+    auto meant = client::meant_sensor(sensor.keys, *keys, sensor.sensor,
+                                      {.device = options.device_id, .key_id = sensor.key_id});
+    if (!meant) {
+      return Refusal{meant.error().message, STOF_REFUSED};
+    }
+    options.keys = meant->keys;
+    options.device_id = meant->device;
+    options.doubt = meant->doubt;
+  }
+  auto opened = client::ControlClient::open(sensor.sensor, options);
+  if (!opened) {
+    return Refusal{opened.error().message, lib::to_status(opened.error().status)};
+  }
+  sensor.control = std::make_unique<client::ControlClient>(std::move(*opened));
+  return std::nullopt;
+}
+
 }  // namespace
 
 extern "C" {
@@ -45,32 +81,10 @@ stof_status stof_settings(stof_sensor* sensor, stof_operation operation, stof_do
   return lib::guarded([&] {
     const std::scoped_lock lock(sensor->control_mutex);
     if (!sensor->control) {
-      client::ControlOptions options;
-      if (sensor->device_id != 0) {
-        options.device_id = sensor->device_id;
+      if (const std::optional<Refusal> refusal = open_control(*sensor)) {
+        lib::give_text(refusal->text, out, out_size);
+        return refusal->status;
       }
-      if (!sensor->keys.empty()) {
-        auto keys = client::read_user_keys(sensor->keys);
-        if (!keys) {
-          lib::give_text(keys.error().message, out, out_size);
-          return STOF_REFUSED;
-        }
-        auto meant = client::meant_sensor(sensor->keys, *keys, sensor->sensor,
-                                          {.device = options.device_id, .key_id = sensor->key_id});
-        if (!meant) {
-          lib::give_text(meant.error().message, out, out_size);
-          return STOF_REFUSED;
-        }
-        options.keys = meant->keys;
-        options.device_id = meant->device;
-        options.doubt = meant->doubt;
-      }
-      auto opened = client::ControlClient::open(sensor->sensor, options);
-      if (!opened) {
-        lib::give_text(opened.error().message, out, out_size);
-        return lib::to_status(opened.error().status);
-      }
-      sensor->control = std::make_unique<client::ControlClient>(std::move(*opened));
     }
     // What arrives may have values without a name here, so may what leaves.
     const auto got = sensor->control->request(static_cast<wire::SettingsOperation>(operation),

@@ -27,13 +27,15 @@ def rows():
 
 
 def known():
-    """Names of all tests: of GoogleTest, and those of ctest alone."""
+    """Names of all tests: of GoogleTest, those of ctest alone, and the cases of programs' tests."""
     names = set()
     for source in (ROOT / "tests").rglob("*_test.cpp"):
         names |= {f"{suite}.{name}" for suite, name in
                   re.findall(r"^TEST(?:_F|_P)?\((\w+),\s*(\w+)\)", source.read_text(encoding="utf-8"), re.M)}
     for lists in (ROOT / "tests").rglob("CMakeLists.txt"):
         names |= set(re.findall(r"NAME (\w+\.\w+)", lists.read_text(encoding="utf-8")))
+    for source in (ROOT / "tests/host").rglob("*_test.py"):
+        names |= set(re.findall(r"^    def (test_\w+)", source.read_text(encoding="utf-8"), re.M))
     names |= {f"Fuzz.{target.stem}" for target in (ROOT / "tests/fuzz").glob("*.cpp")}
     return names
 
