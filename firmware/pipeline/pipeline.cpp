@@ -29,7 +29,7 @@ dsp::DepthMap take_map(const dsp::Pinhole& left, dsp::Arena& arena) noexcept {
           .cause = arena.take_image<dsp::Cause>(left.width, left.height)};
 }
 
-std::int32_t microseconds(hal::Duration time) noexcept {
+std::int32_t whole_us(hal::Duration time) noexcept {
   const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time).count();
   constexpr std::int64_t kMost = 1'000'000'000;
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(us, -kMost, kMost));
@@ -37,7 +37,7 @@ std::int32_t microseconds(hal::Duration time) noexcept {
 
 // From the middle of the pair's exposure to that of the PMD data in use.
 std::int32_t pmd_lag_us(const Shot& shot) noexcept {
-  return microseconds(shot.pmd_exposed ? *shot.pmd_exposed - shot.exposed : hal::Duration{});
+  return whole_us(shot.pmd_exposed ? *shot.pmd_exposed - shot.exposed : hal::Duration{});
 }
 
 }  // namespace
@@ -97,7 +97,7 @@ const Output& Pipeline::compute(const Shot& shot, hal::Clock& clock) noexcept {
 
 void Pipeline::watch(hal::Clock& clock) noexcept {
   const hal::Time start = clock.now();
-  maker_.watch(microseconds(since_pair_));
+  maker_.watch(whole_us(since_pair_));
   if (until_drift_-- == 0) {
     until_drift_ = kFramesBetweenDrifts;
     output_.drift = maker_.drift();
