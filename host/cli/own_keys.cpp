@@ -6,7 +6,6 @@
 #include <cstdio>
 
 #include "firmware/wire/crypto/crypto.h"
-#include "host/cli/pair.h"
 #include "host/cli/serial_transport.h"
 #include "host/client/control/user_keys.h"
 

@@ -11,7 +11,7 @@
 #include "host/client/control/control_client.h"
 #include "host/client/control/known_sensors.h"
 
-// What `stof pair` and `stof unpair` share.
+// What the commands that sign with a key of this user share.
 namespace stof::host {
 
 // The value, or Failure without it.
@@ -45,6 +45,15 @@ client::Meant meant_or_fail(const std::string& file, const wire::KeyTable& keys,
 // The number of the sensor that is meant, else of the only one.
 std::uint32_t device_of(const client::Meant& meant);
 
+// Keeps where a sensor was proven to be (client::remember_sensor()); a folder that cannot be
+// written does not matter.
+void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id);
+
 std::string id_text(const wire::Key& key);  // 8 hexadecimal digits
+// Of the 8 hexadecimal digits of `--key`; 0: no text. Throws Failure.
+std::uint32_t key_id_of(const std::string& text);
+
+// The user's key file where a flag names none.
+std::string keys_file(const std::string& named);
 
 }  // namespace stof::host

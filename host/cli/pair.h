@@ -6,8 +6,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include "host/client/control/known_sensors.h"
-
 namespace stof::host {
 
 struct PairOptions {
@@ -49,15 +47,5 @@ void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing);
 void pair(const PairOptions& options);
 // `stof unpair`: ends one, or lists them. Throws Failure.
 void unpair(const UnpairOptions& options);
-
-// Keeps where a sensor was proven to be (client::remember_sensor()); a folder that cannot be
-// written does not matter.
-void remember_place(const std::string& key_file, const client::Place& place, std::uint32_t key_id);
-
-// Of the 8 hexadecimal digits of `--key`; 0: no text. Throws Failure.
-std::uint32_t key_id_of(const std::string& text);
-
-// The user's key file where a flag names none.
-std::string keys_file(const std::string& named);
 
 }  // namespace stof::host

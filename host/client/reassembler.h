@@ -30,9 +30,9 @@ struct ReassemblerOptions {
   // only where the stream has stopped: otherwise a later frame closes an earlier one.
   std::optional<Duration> frame_timeout{};
   // What arrived longer ago is not delivered: packets of frames that waited for so long to be read,
-  // and frames whose last packet did; nor what was on its way for so much longer than others, see
-  // FrameDelay. Without it one period of the sensor and 100 ms, or 50 ms more
-  // than a frame is waited for, if that is longer; 200 ms as long as the period is not known.
+  // and frames whose last packet did; nor what was on its way for so much longer than others
+  // (FrameDelay). Not given: one period of the sensor and 100 ms, or 50 ms more than a frame is
+  // waited for, if that is longer; 200 ms as long as the period is not known.
   std::optional<Duration> max_age{};
   // Where there is one, only what it finds signed is looked at. It outlives the reassembler.
   StreamVerifier* verifier = nullptr;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdarg>
+#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -155,6 +156,31 @@ void DiskRecording::write_state(std::size_t cut, std::uint64_t choice, Random& r
   }
   for (const auto& [name, inode] : state.names) {
     std::ofstream(to / name, std::ios::binary) << state.bytes.at(inode);
+  }
+}
+
+DiskFolders::DiskFolders() {
+  std::string name = (std::filesystem::temp_directory_path() / "stof_disk_XXXXXX").string();
+  root_ = mkdtemp(name.data());
+  std::filesystem::create_directories(live());
+  std::filesystem::create_directories(after());
+}
+
+DiskFolders::~DiskFolders() { std::filesystem::remove_all(root_); }
+
+void each_state_after_a_cut(const DiskRecording& disk, const std::filesystem::path& after,
+                            const std::function<void()>& visit) {
+  constexpr std::size_t kMostThings = 8;
+  constexpr std::uint64_t kMostChoices = 512;
+  Random random(3);
+  for (std::size_t cut = 0; cut <= disk.calls(); ++cut) {
+    const std::size_t things = disk.open_things(cut);
+    const bool all = things <= kMostThings;
+    const std::uint64_t choices = all ? std::uint64_t{1} << things : kMostChoices;
+    for (std::uint64_t k = 0; k < choices; ++k) {
+      disk.write_state(cut, all ? k : random.next(), random, after);
+      visit();
+    }
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -68,5 +69,24 @@ class DiskRecording {
   std::map<int, bool> folders_;  // open folders, by descriptor
   int next_inode_ = 0;
 };
+
+// Two folders of their own, empty at first and gone with this.
+class DiskFolders {
+ public:
+  DiskFolders();
+  ~DiskFolders();
+  DiskFolders(const DiskFolders&) = delete;
+  DiskFolders& operator=(const DiskFolders&) = delete;
+  std::filesystem::path live() const { return root_ / "live"; }    // of the recording
+  std::filesystem::path after() const { return root_ / "after"; }  // for its states
+
+ private:
+  std::filesystem::path root_;
+};
+
+// Calls visit() with each state in `after` that a cut at any call of the recording may have left;
+// of a cut after which more than eight things are open, 512 states at random.
+void each_state_after_a_cut(const DiskRecording& disk, const std::filesystem::path& after,
+                            const std::function<void()>& visit);
 
 }  // namespace stof::test

@@ -11,7 +11,7 @@
 
 #include "host/cli/config/settings_text.h"
 #include "host/cli/failure.h"
-#include "host/cli/pair.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/serial_transport.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"

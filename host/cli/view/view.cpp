@@ -5,7 +5,7 @@
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
-#include "host/cli/pair.h"
+#include "host/cli/own_keys.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
@@ -26,13 +26,9 @@ client::SubscriptionOptions subscription(ViewOptions& options) {
   client::SubscriptionOptions terms{.signed_streams = options.signed_streams};
   if (options.signed_streams) {
     options.keys = keys_file(options.keys);
-    const client::Meant meant = value_or_fail(client::meant_sensor(
-        options.keys, value_or_fail(client::read_user_keys(options.keys)), options.sensor,
-        {.device = options.device, .key_id = key_id_of(options.key)}));
-    if (!meant.doubt.empty()) {
-      throw Failure(Exit::kBadInput, "sensor " + options.sensor + ": " + meant.doubt +
-                                         " (--device NUMBER or --key ID)");
-    }
+    const client::Meant meant =
+        meant_or_fail(options.keys, value_or_fail(client::read_user_keys(options.keys)),
+                      options.sensor, {.device = options.device, .key_id = key_id_of(options.key)});
     terms.keys = meant.keys;
     options.device = meant.device;
   }
@@ -156,9 +152,10 @@ class View {
   }
 
   std::string line(client::Time now) {
+    // Asked before the score, which takes longer than a link may be silent.
+    const client::LinkState link = receiver_.link();
     return status_line_.line(now, receiver_.statistics(), score()) +
-           (receiver_.health() ? active_text(*receiver_.health()) : "") +
-           link_text(receiver_.link());
+           (receiver_.health() ? active_text(*receiver_.health()) : "") + link_text(link);
   }
 
   void take(const Result<client::Frame>& frame) {

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -22,26 +21,6 @@ namespace {
 using hal::linux::FileStore;
 using test::DiskRecording;
 using test::numbered_key;
-
-constexpr std::uint64_t kMostChoices = 512;  // of one cut
-
-class Folders {
- public:
-  Folders() {
-    std::string name = (std::filesystem::temp_directory_path() / "stof_disk_XXXXXX").string();
-    root_ = mkdtemp(name.data());
-    std::filesystem::create_directories(live());
-    std::filesystem::create_directories(after());
-  }
-  ~Folders() { std::filesystem::remove_all(root_); }
-  Folders(const Folders&) = delete;
-  Folders& operator=(const Folders&) = delete;
-  std::filesystem::path live() const { return root_ / "live"; }
-  std::filesystem::path after() const { return root_ / "after"; }
-
- private:
-  std::filesystem::path root_;
-};
 
 // The ring that a start in this folder finds, and what it has to tell.
 struct Start {
@@ -74,7 +53,7 @@ bool same(const wire::KeyTable& a, const wire::KeyTable& b) {
 
 // One change of fifteen keys, some sectors; every state that any cut in it may leave.
 Seen cut_everywhere(const Change& change, bool flushes) {
-  const Folders folders;
+  const test::DiskFolders folders;
   Start live(folders.live());
   for (std::uint32_t id = 1; id < kMostKeys; ++id) {
     EXPECT_EQ(live.ring.add(numbered_key(id, wire::Role::kTune)), Status::kOk);
@@ -88,20 +67,13 @@ Seen cut_everywhere(const Change& change, bool flushes) {
   EXPECT_FALSE(same(before, next));
 
   Seen seen;
-  test::Random random(3);
-  for (std::size_t cut = 0; cut <= disk.calls(); ++cut) {
-    const std::size_t things = disk.open_things(cut);
-    const bool all = things < 9;
-    const std::uint64_t choices = all ? std::uint64_t{1} << things : kMostChoices;
-    for (std::uint64_t k = 0; k < choices; ++k) {
-      disk.write_state(cut, all ? k : random.next(), random, folders.after());
-      const Start found(folders.after());
-      ++seen.states;
-      seen.old += same(found.ring.keys(), before) ? 1 : 0;
-      const bool either = same(found.ring.keys(), before) || same(found.ring.keys(), next);
-      seen.wrong += either && found.told.empty() ? 0 : 1;
-    }
-  }
+  test::each_state_after_a_cut(disk, folders.after(), [&] {
+    const Start found(folders.after());
+    ++seen.states;
+    seen.old += same(found.ring.keys(), before) ? 1 : 0;
+    const bool either = same(found.ring.keys(), before) || same(found.ring.keys(), next);
+    seen.wrong += either && found.told.empty() ? 0 : 1;
+  });
   return seen;
 }
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -21,8 +20,6 @@ namespace {
 using namespace std::chrono_literals;
 using hal::linux::FileStore;
 using test::DiskRecording;
-
-constexpr std::uint64_t kMostChoices = 512;  // of one cut
 
 Settings numbered(int number) {
   Settings settings;
@@ -49,22 +46,6 @@ struct Stores {
   FileStore trial;
 };
 
-struct Folders {
-  Folders() {
-    std::string name = (std::filesystem::temp_directory_path() / "stof_disk_XXXXXX").string();
-    root = mkdtemp(name.data());
-    std::filesystem::create_directories(live());
-    std::filesystem::create_directories(after());
-  }
-  ~Folders() { std::filesystem::remove_all(root); }
-  Folders(const Folders&) = delete;
-  Folders& operator=(const Folders&) = delete;
-  std::filesystem::path live() const { return root / "live"; }
-  std::filesystem::path after() const { return root / "after"; }
-
-  std::filesystem::path root;
-};
-
 struct Seen {
   int states = 0;
   int old = 0;
@@ -73,7 +54,7 @@ struct Seen {
 
 // A save, the start after it and what proves it; every state that any cut in it may leave.
 Seen cut_everywhere(const Settings& before, const Settings& next, bool flushes) {
-  const Folders folders;
+  const test::DiskFolders folders;
   Stores stores(folders.live());
   EXPECT_EQ(save_document(stores.current, before), Status::kOk);
   EXPECT_EQ(save_document(stores.good, before), Status::kOk);
@@ -88,20 +69,13 @@ Seen cut_everywhere(const Settings& before, const Settings& next, bool flushes) 
   EXPECT_GT(disk.calls(), 8U);
 
   Seen seen;
-  test::Random random(3);
-  for (std::size_t cut = 0; cut <= disk.calls(); ++cut) {
-    const std::size_t things = disk.open_things(cut);
-    const bool all = things < 9;
-    const std::uint64_t choices = all ? std::uint64_t{1} << things : kMostChoices;
-    for (std::uint64_t k = 0; k < choices; ++k) {
-      disk.write_state(cut, all ? k : random.next(), random, folders.after());
-      const StartSettings found = Stores(folders.after()).start();
-      ++seen.states;
-      seen.old += found.settings == before ? 1 : 0;
-      const bool either = found.settings == before || found.settings == next;
-      seen.wrong += either && found.dropped == Dropped::kNot ? 0 : 1;
-    }
-  }
+  test::each_state_after_a_cut(disk, folders.after(), [&] {
+    const StartSettings found = Stores(folders.after()).start();
+    ++seen.states;
+    seen.old += found.settings == before ? 1 : 0;
+    const bool either = found.settings == before || found.settings == next;
+    seen.wrong += either && found.dropped == Dropped::kNot ? 0 : 1;
+  });
   return seen;
 }
 

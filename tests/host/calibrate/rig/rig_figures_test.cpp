@@ -171,7 +171,7 @@ TEST_F(RigFigures, ViewsOfBoardsWithMarkers) {
                 found->fitted.size(), found->fit.corner_sigma_px,
                 found->judgement->reprojection_px);
     figure(std::string(name) + ": focal lengths off by", errors.focal, 0.3, "percent");
-    figure(std::string(name) + ": rotation off by", errors.turn, 0.06, "degrees");
+    figure(std::string(name) + ": rotation off by", errors.turn, 0.03, "degrees");
     figure(std::string(name) + ": rows of truth points", errors.row_px, 0.1, "px");
     std::filesystem::remove_all(set());
   }
