@@ -39,6 +39,16 @@ class DatagramPort {
   virtual Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
                       std::size_t& sent) noexcept = 0;
 
+  // As send(), for one of kStreams streams, each with a queue of its own where the system gives
+  // them: what waits for one peer never keeps what is for another from being taken.
+  static constexpr std::size_t kStreams = 4;
+  virtual Status stream(std::size_t which, const Peer& to,
+                        std::span<const std::span<const std::byte>> datagrams,
+                        std::size_t& sent) noexcept {
+    static_cast<void>(which);
+    return send(to, datagrams, sent);
+  }
+
   // The next datagram, its first space.size() bytes: `bytes` is its whole length, which may be
   // more. Blocks for `timeout` at most; 0 only looks. kTimeout, kDeviceLost.
   virtual Result<Received> receive(std::span<std::byte> space, Duration timeout) noexcept = 0;
