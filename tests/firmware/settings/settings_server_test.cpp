@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -57,10 +58,10 @@ class SettingsServerTest : public testing::Test {
              std::uint16_t offset = 0, std::size_t room = 1024) {
     std::vector<std::byte> space(room);
     std::size_t bytes = 0;
-    const wire::SettingsAnswer answer =
-        server_.serve({.operation = operation, .document = document, .offset = offset},
-                      std::as_bytes(std::span(text)),
-                      {.peer = peer_, .now = now_, .access = access_}, space, bytes);
+    const wire::SettingsAnswer answer = server_.serve(
+        {.operation = operation, .document = document, .offset = offset},
+        std::as_bytes(std::span(text)),
+        {.peer = peer_, .now = now_, .access = access_, .key_id = key_id_}, space, bytes);
     EXPECT_LE(bytes, room);
     std::string said(bytes, '\0');
     std::transform(space.begin(), space.begin() + static_cast<std::ptrdiff_t>(bytes), said.begin(),
@@ -99,6 +100,7 @@ class SettingsServerTest : public testing::Test {
   hal::Peer peer_{.address = {1, 2, 3}, .port = 4};
   hal::Time now_{std::chrono::seconds(1)};
   firmware::Access access_ = firmware::Access::kAdmin;
+  std::uint32_t key_id_ = 0xABC;
   SettingsServer server_{
       Settings{},
       Settings{},
@@ -396,6 +398,25 @@ TEST_F(SettingsServerTest, NobodyStagesWhatHeMayNotSet) {
   EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
   EXPECT_EQ(server_.active().name.view(), "a");
   EXPECT_EQ(server_.active().limits.streams, StreamLimit::kFixed);
+}
+
+// What a key has staged that was ended since never comes into force by somebody else's commit.
+TEST_F(SettingsServerTest, NobodyCommitsWhatAnotherKeyHasStaged) {
+  ASSERT_EQ(ask(Operation::kStage, R"({"name": "evil"})").result, Result::kOk);
+  const std::uint32_t first = std::exchange(key_id_, 0xDEF);
+  const Answer commit = ask(Operation::kCommit);
+  EXPECT_EQ(commit.result, Result::kDenied);
+  EXPECT_EQ(commit.text, "commit: somebody else has staged settings; revert forgets them");
+  EXPECT_EQ(ask(Operation::kStage, R"({"period_ms": 50})").result, Result::kDenied);
+  EXPECT_EQ(server_.active(), Settings{});
+  EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kStage, R"({"period_ms": 50})").result, Result::kOk);
+  key_id_ = first;  // whose settings are gone, and who is told
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "late"})").result, Result::kDenied);
+  key_id_ = 0xDEF;
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_EQ(server_.active().name, Settings{}.name);
+  EXPECT_EQ(server_.active().period_ms, 50);
 }
 
 TEST_F(SettingsServerTest, WhatWasStagedStaysWithinTheLimitsThatCameSince) {
