@@ -75,8 +75,8 @@ std::optional<Peer> to_peer(const posix::SocketAddress& address) noexcept {
   if (address.family() == AF_INET) {
     sockaddr_in v4{};
     std::memcpy(&v4, &address.storage, sizeof v4);
-    std::ranges::copy(kMapped, peer.address.begin());
-    std::memcpy(&peer.address[kMapped.size()], &v4.sin_addr, sizeof v4.sin_addr);
+    const in6_addr mapped = posix::map_ipv4(v4.sin_addr);
+    std::memcpy(peer.address.data(), &mapped, peer.address.size());
     return peer;
   }
   return std::nullopt;

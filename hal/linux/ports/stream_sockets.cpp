@@ -38,11 +38,14 @@ StreamSockets StreamSockets::open(const posix::UdpSocket& receiver, int family, 
                        socket.bind(family == AF_INET6 ? posix::make_address(in6_addr{}, port)
                                                       : posix::make_address(in_addr{}, port)) == 0;
     if (!bound || (i == 0 && !first_receives(receiver))) {
+      static_cast<void>(receiver.set({SOL_SOCKET, SO_REUSEPORT, 0}));
       return {};
     }
     static_cast<void>(socket.set_buffer(posix::UdpSocket::Buffer::kSend, buffer_bytes));
     streams.sockets_.push_back(std::move(socket));
   }
+  // No other program can join: Linux asks every socket at the port.
+  static_cast<void>(receiver.set({SOL_SOCKET, SO_REUSEPORT, 0}));
   return streams;
 }
 
