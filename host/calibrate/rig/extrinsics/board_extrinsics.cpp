@@ -11,6 +11,7 @@
 #include "dsp/calib/stereo/rectification.h"
 #include "host/calibrate/rig/fit_covariance.h"
 #include "host/calibrate/rig/target/board_pose.h"
+#include "host/calibrate/rig/target/corner_refiner.h"
 
 namespace stof::host {
 namespace {
@@ -285,6 +286,8 @@ std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplit
       corners.push_back({(p.u + 0.5) / kEnlarged - 0.5, (p.v + 0.5) / kEnlarged - 0.5});
     }
   }
+  // Enlarging invents nothing: where a corner is, the picture itself tells.
+  refine_corners(amplitude, board, corners);
   return corners;
 }
 
