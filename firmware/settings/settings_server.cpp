@@ -117,7 +117,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
     case Operation::kCommit:
       return commit(by, out);
     case Operation::kRevert:
-      forget_staged();
+      revert(by);
       return Result::kOk;
     case Operation::kPreset:
       return preset(text, by.access, out);
@@ -156,12 +156,24 @@ SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
 }
 
 bool SettingsServer::staged_by(const firmware::Requester& by, std::string_view operation,
-                               PagedWriter& why) const noexcept {
+                               PagedWriter& why) noexcept {
+  if (losers_.take(by.key_id)) {
+    why << operation << ": somebody else has reverted what you had staged: stage all of it again";
+    return false;
+  }
   if (staged_fields_.none() || by.key_id == staged_key_) {
     return true;
   }
   why << operation << ": somebody else has staged settings; revert forgets them";
   return false;
+}
+
+void SettingsServer::revert(const firmware::Requester& by) noexcept {
+  static_cast<void>(losers_.take(by.key_id));  // begins anew
+  if (staged_fields_.any() && by.key_id != staged_key_) {
+    losers_.add(staged_key_);
+  }
+  forget_staged();
 }
 
 void SettingsServer::forget_staged() noexcept {

@@ -412,11 +412,36 @@ TEST_F(SettingsServerTest, NobodyCommitsWhatAnotherKeyHasStaged) {
   EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
   EXPECT_EQ(ask(Operation::kStage, R"({"period_ms": 50})").result, Result::kOk);
   key_id_ = first;  // whose settings are gone, and who is told
-  EXPECT_EQ(ask(Operation::kStage, R"({"name": "late"})").result, Result::kDenied);
+  const Answer late = ask(Operation::kStage, R"({"name": "late"})");
+  EXPECT_EQ(late.result, Result::kDenied);
+  EXPECT_EQ(late.text,
+            "stage: somebody else has reverted what you had staged: stage all of it again");
   key_id_ = 0xDEF;
   EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
   EXPECT_EQ(server_.active().name, Settings{}.name);
   EXPECT_EQ(server_.active().period_ms, 50);
+}
+
+// A large document is staged in parts: half of it must never be committed as the whole.
+TEST_F(SettingsServerTest, WhoseStagedSettingsAreRevertedIsToldAtHisNextRequest) {
+  for (const Operation next : {Operation::kStage, Operation::kCommit}) {
+    key_id_ = 0xABC;
+    ASSERT_EQ(ask(Operation::kRevert).result, Result::kOk);
+    ASSERT_EQ(ask(Operation::kStage, R"({"name": "half"})").result, Result::kOk);
+    key_id_ = 0xDEF;
+    ASSERT_EQ(ask(Operation::kRevert).result, Result::kOk);
+    key_id_ = 0xABC;
+    const std::uint32_t before = server_.revision();
+    EXPECT_EQ(ask(next, R"({"period_ms": 50})").result, Result::kDenied);
+    EXPECT_EQ(server_.revision(), before);
+    EXPECT_EQ(settings_of(Document::kStaged), Settings{});
+  }
+  // Told once; and who reverts himself has begun anew.
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "whole"})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kStage, R"({"name": "anew"})").result, Result::kOk);
+  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
+  EXPECT_EQ(server_.active().name.view(), "anew");
 }
 
 TEST_F(SettingsServerTest, WhatWasStagedStaysWithinTheLimitsThatCameSince) {
