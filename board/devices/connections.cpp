@@ -1,15 +1,11 @@
 #include "board/devices/connections.h"
 
-#include <cerrno>
 #include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 
-#include <sys/socket.h>
-
 #include "hal/linux/ports/peer_address.h"
-#include "posix/udp_socket.h"
 
 namespace stof::board {
 
@@ -51,12 +47,6 @@ std::string small_buffer(const UdpPort& port) {
          std::to_string(asked);
 }
 
-// Of one of this machine's networks: the system refuses to send there.
-bool is_broadcast(const hal::Peer& peer) {
-  const auto address = hal::linux::to_socket_address(peer, AF_INET);
-  return address && posix::UdpSocket(AF_INET).connect(*address) == EACCES;
-}
-
 std::expected<hal::linux::SerialTty, std::string> open_serial(const Connections& wanted,
                                                               OpenConnections& connections) {
   const hal::linux::SerialOptions options{
@@ -95,7 +85,7 @@ std::expected<OpenConnections, Refusal> open_connections(const Connections& want
     if (!peer) {
       return std::unexpected(Refusal{peer.error().message});
     }
-    if (is_broadcast(*peer)) {
+    if (hal::linux::is_broadcast(*peer)) {
       return std::unexpected(
           Refusal{"--to " + wanted.to + ": is an address of all hosts: give that of one"});
     }

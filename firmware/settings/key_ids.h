@@ -21,6 +21,10 @@ class KeyIds {
     ids_[count_++] = id;
   }
 
+  bool has(std::uint32_t id) const noexcept {
+    return std::find(ids_.begin(), ids_.begin() + count_, id) != ids_.begin() + count_;
+  }
+
   // Removes it; false: it is not here.
   bool take(std::uint32_t id) noexcept {
     const auto end = ids_.begin() + count_;

@@ -157,8 +157,9 @@ SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
 
 bool SettingsServer::staged_by(const firmware::Requester& by, std::string_view operation,
                                PagedWriter& why) noexcept {
-  if (losers_.take(by.key_id)) {
-    why << operation << ": somebody else has reverted what you had staged: stage all of it again";
+  if (losers_.has(by.key_id)) {
+    why << operation
+        << ": somebody else has reverted what you had staged: revert, and stage all of it again";
     return false;
   }
   if (staged_fields_.none() || by.key_id == staged_key_) {

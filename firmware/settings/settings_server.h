@@ -41,8 +41,8 @@ bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept
 // Keeps the documents active, staged and saved, and answers requests about them. Staged are
 // fields and their values: fields that were not staged stay as they are active at the commit. They
 // belong to one key (or to the cable): nobody adds to them with another one or commits them.
-// Whoever may stage may revert: then the next stage or commit of the one whose they were is
-// refused. No heap; for the control thread alone.
+// Whoever may stage may revert: then whose they were stages and commits nothing until he has
+// reverted himself. No heap; for the control thread alone.
 class SettingsServer final : public firmware::SettingsService {
  public:
   struct Parts {
@@ -113,7 +113,7 @@ class SettingsServer final : public firmware::SettingsService {
   FieldSet staged_fields_{};
   FieldSet staged_by_tune_{};     // of these: not by an admin, and within the limits of then
   std::uint32_t staged_key_ = 0;  // that staged them; 0: none, the cable
-  KeyIds losers_;                 // whose staged fields somebody else reverted, untold yet
+  KeyIds losers_;                 // whose staged fields somebody else reverted
   std::uint32_t revision_ = 1;
   bool unsaved_ = false;
   bool fell_back_;

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <span>
 #include <string>
 
 #include <netinet/in.h>
+
+#include "posix/udp_socket.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -80,6 +83,11 @@ std::optional<Peer> to_peer(const posix::SocketAddress& address) noexcept {
     return peer;
   }
   return std::nullopt;
+}
+
+bool is_broadcast(const Peer& peer) noexcept {
+  const auto address = to_socket_address(peer, AF_INET);
+  return address && posix::UdpSocket(AF_INET).connect(*address) == EACCES;
 }
 
 }  // namespace stof::hal::linux
