@@ -17,8 +17,13 @@ struct Peer {
   std::array<std::uint8_t, 16> address{};
   std::uint16_t port = 0;   // 1 .. 65535
   std::uint32_t scope = 0;  // interface of a link-local IPv6 address; else 0
+  // The address of this machine that it speaks to, and is answered from, where there are several;
+  // all zero: the system's choice. No part of who it is.
+  std::array<std::uint8_t, 16> own{};
 
-  friend bool operator==(const Peer&, const Peer&) = default;
+  friend bool operator==(const Peer& a, const Peer& b) noexcept {
+    return a.address == b.address && a.port == b.port && a.scope == b.scope;
+  }
 };
 
 struct Received {

@@ -85,6 +85,10 @@ std::expected<OpenConnections, Refusal> open_connections(const Connections& want
     if (!peer) {
       return std::unexpected(Refusal{peer.error().message});
     }
+    if (hal::linux::is_broadcast(*peer)) {
+      return std::unexpected(
+          Refusal{"--to " + wanted.to + ": is an address of all hosts: give that of one"});
+    }
     connections.to = *peer;
   }
   if (!wanted.serial.empty()) {

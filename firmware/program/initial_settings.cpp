@@ -61,9 +61,9 @@ std::string keys_file(const Options& options) {
 void say_readers(const std::string& file, const char* what, const char* advice) {
   namespace fs = std::filesystem;
   std::error_code unknown;
-  const fs::perms others =
-      fs::status(file, unknown).permissions() & (fs::perms::group_all | fs::perms::others_all);
-  if (!unknown && others != fs::perms::none) {
+  const fs::file_status status = fs::symlink_status(file, unknown);
+  const fs::perms others = status.permissions() & (fs::perms::group_all | fs::perms::others_all);
+  if (!unknown && fs::is_regular_file(status) && others != fs::perms::none) {
     print_line(file + ": others than its owner could read or write " + what + ": " + advice);
   }
 }

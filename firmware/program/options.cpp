@@ -130,7 +130,8 @@ bool take_value(std::string_view flag, std::string_view value, Options& options,
   } else if (flag == "--label") {
     wrong = take_text(flag, value, options.label);
   } else if (flag == "--to") {
-    wrong = take_text(flag, value, options.to);
+    wrong = options.to.empty() ? take_text(flag, value, options.to)
+                               : "--to is given twice: others subscribe (stof view SENSOR)";
   } else if (flag == "--port-file") {
     wrong = take_text(flag, value, options.port_file);
   } else if (flag == "--device") {

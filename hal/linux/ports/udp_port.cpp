@@ -36,6 +36,50 @@ Status status_of(int error) noexcept {
   }
 }
 
+// Has the system send a message from Peer::own (ip(7), IP_PKTINFO); from where it chooses where
+// that is not known.
+class OwnAddress {
+ public:
+  OwnAddress(const Peer& peer, int family) noexcept {
+    if (peer.own == Peer{}.own) {
+      return;
+    }
+    msghdr message{};
+    message.msg_control = control_.data();
+    message.msg_controllen = control_.size();
+    cmsghdr& entry = *CMSG_FIRSTHDR(&message);
+    if (family == AF_INET6) {
+      in6_pktinfo info{};
+      std::memcpy(&info.ipi6_addr, peer.own.data(), peer.own.size());
+      info.ipi6_ifindex = peer.scope;
+      write(entry, IPPROTO_IPV6, IPV6_PKTINFO, info);
+    } else {
+      in_pktinfo info{};
+      std::memcpy(&info.ipi_spec_dst, &peer.own[peer.own.size() - sizeof(in_addr)],
+                  sizeof(in_addr));
+      write(entry, IPPROTO_IP, IP_PKTINFO, info);
+    }
+  }
+
+  void attach(msghdr& message) noexcept {
+    message.msg_control = size_ == 0 ? nullptr : control_.data();
+    message.msg_controllen = size_;
+  }
+
+ private:
+  template <typename Info>
+  void write(cmsghdr& entry, int level, int type, const Info& info) noexcept {
+    entry.cmsg_level = level;
+    entry.cmsg_type = type;
+    entry.cmsg_len = CMSG_LEN(sizeof info);
+    std::memcpy(CMSG_DATA(&entry), &info, sizeof info);
+    size_ = CMSG_SPACE(sizeof info);
+  }
+
+  alignas(cmsghdr) std::array<std::byte, CMSG_SPACE(sizeof(in6_pktinfo))> control_{};
+  std::size_t size_ = 0;
+};
+
 std::vector<posix::SocketOption> socket_options(const UdpPortOptions& options, int family) {
   const int traffic_class = options.dscp << 2;  // the lower two bits are ECN's
   // Never fragments, and never believes who says that a path takes less: anybody can (ICMP).
@@ -106,6 +150,8 @@ int UdpPort::configure(const UdpPortOptions& options) {
   receive_buffer_ = socket_.set_buffer(posix::UdpSocket::Buffer::kReceive, options.buffer_bytes);
   refusals_ = options.refusals;
   static_cast<void>(socket_.count_drops());  // else overruns are not told, nothing else
+  // Else the system answers from the address that it takes for the nearest one.
+  static_cast<void>(socket_.tell_own_address(family_));
   hear_refusals(socket_);
   const std::vector<posix::SocketOption> wanted = socket_options(options, family_);
   int error = socket_.set(wanted);
@@ -154,6 +200,7 @@ Status UdpPort::send_by(int fd, const Peer& to,
   if (!address) {
     return datagrams.empty() ? Status::kOk : Status::kDeviceError;
   }
+  OwnAddress own(to, family_);
   while (sent < datagrams.size()) {
     std::array<iovec, posix::DatagramBatch::kMost> vectors;
     std::array<mmsghdr, posix::DatagramBatch::kMost> messages;
@@ -168,6 +215,7 @@ Status UdpPort::send_by(int fd, const Peer& to,
       messages[count].msg_hdr.msg_namelen = address->length;
       messages[count].msg_hdr.msg_iov = &vectors[count];
       messages[count].msg_hdr.msg_iovlen = 1;
+      own.attach(messages[count].msg_hdr);
       ++count;
     }
     if (count == 0) {
@@ -199,8 +247,10 @@ Result<Received> UdpPort::receive(std::span<std::byte> space, Duration timeout) 
   const std::size_t index = next_++;
   const std::span<const std::byte> datagram = batch_.datagram(index);
   std::ranges::copy(datagram.first(std::min(datagram.size(), space.size())), space.begin());
-  return Received{.bytes = batch_.whole_size(index),
-                  .from = to_peer(batch_.from(index)).value_or(Peer{})};
+  Received received{.bytes = batch_.whole_size(index),
+                    .from = to_peer(batch_.from(index)).value_or(Peer{})};
+  std::memcpy(received.from.own.data(), &batch_.own(index), received.from.own.size());
+  return received;
 }
 
 // Reads what has arrived. kOk: at least one datagram; kTimeout: none.

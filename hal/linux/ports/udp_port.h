@@ -31,10 +31,11 @@ struct UdpPortOptions {
 // A UDP port at every interface, IPv6 and IPv4 (IPv4 alone where the system has no IPv6), that
 // never sends IP fragments, nor to a broadcast address where it was not asked to (whoever forges
 // one as his own gets no answer: kDeviceError), and takes no answer of the network (ICMP) for a
-// smaller path. Any thread may send, also several at once; one thread receives and takes refusals.
+// smaller path. A peer that it heard is answered from the address that it spoke to (Peer::own).
 // What a peer does not take waits in the queue of its stream alone, where the port was asked for
 // them. An answer "nobody listens there" to an earlier datagram never costs a later one; only a
-// port that was asked to hears of them.
+// port that was asked to hears of them. Any thread may send, also several at once; one thread
+// receives and takes refusals.
 class UdpPort final : public hal::DatagramPort {
  public:
   static std::expected<std::unique_ptr<UdpPort>, OpenError> open(const UdpPortOptions& options);

@@ -109,7 +109,14 @@ TEST_F(StofdStart, APortThatIsTakenIsReplaced) {
 }
 
 TEST_F(StofdStart, ALineOfTheCommandLineThatIsNoneEndsItWithCodeTwo) {
-  EXPECT_EQ(run_stofd(small({"--serial", "/dev/nope"})).code, 2);
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--serial", "/dev/nope"},
+                                                {"--to", "127.0.0.1:9", "--to", "127.0.0.1:10"},
+                                                {"--to", "255.255.255.255:9"},
+                                                {"--to", "127.255.255.255:9"}}) {
+    const Ended ended = run_stofd(small(wrong));
+    EXPECT_EQ(ended.code, 2) << wrong.back();
+    EXPECT_EQ(std::ranges::count(ended.error, '\n'), 1) << ended.error;
+  }
 }
 
 TEST_F(StofdStart, WhatIsNoRegularFileIsLeftAlone) {

@@ -1,6 +1,7 @@
 #include "hal/linux/ports/stream_sockets.h"
 
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstddef>
 #include <cstdlib>
@@ -8,9 +9,11 @@
 #include <span>
 
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 
 #include "hal/linux/ports/udp_port.h"
 #include "hal/network_interfaces.h"
+#include "posix/udp_socket.h"
 #include "tests/support/own_network.h"
 
 namespace stof::test {
@@ -76,6 +79,23 @@ TEST(StreamSockets, APortInUseStaysRefused) {
   const auto first = open_with_streams();
   ASSERT_NE(first, nullptr);
   EXPECT_FALSE(UdpPort::open({.port = first->port(), .streams = true}));
+  // Nor does it help to share: another program of this user would take the requests.
+  for (const in_addr_t host : {INADDR_ANY, INADDR_LOOPBACK}) {
+    const posix::UdpSocket other(AF_INET);
+    ASSERT_EQ(other.set({SOL_SOCKET, SO_REUSEPORT, 1}), 0);
+    const in_addr at{.s_addr = htonl(host)};
+    EXPECT_EQ(other.bind(posix::make_address(at, first->port())), EADDRINUSE);
+  }
+}
+
+TEST(StreamSockets, RequestsArriveWhereThereIsOnlyIpv4) {
+  auto sensor = UdpPort::open({.ipv4_only = true, .streams = true});
+  const auto robot = UdpPort::open({});
+  ASSERT_TRUE(sensor && robot);
+  for (int i = 0; i < 10; ++i) {
+    EXPECT_EQ(stream_one(**robot, 0, local((*sensor)->port())), Status::kOk);
+  }
+  EXPECT_EQ(arrived(**sensor), 10);
 }
 
 // An address that answers no ARP: Linux keeps what is sent there for three seconds.
