@@ -111,6 +111,7 @@ TEST_F(StofdStart, APortThatIsTakenIsReplaced) {
 TEST_F(StofdStart, ALineOfTheCommandLineThatIsNoneEndsItWithCodeTwo) {
   for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--serial", "/dev/nope"},
                                                 {"--to", "127.0.0.1:9", "--to", "127.0.0.1:10"},
+                                                {"--device", "0"},
                                                 {"--to", "255.255.255.255:9"},
                                                 {"--to", "127.255.255.255:9"}}) {
     const Ended ended = run_stofd(small(wrong));
@@ -220,6 +221,8 @@ TEST_F(StofdStart, EachDocumentHasAFileOfItsOwn) {
       {"--settings", settings, "--keys", settings + ".trial"},
       {"--settings", settings, "--keys", settings + ".limits"},
       {"--label", path("label"), "--keys", path("label")},
+      {"--keys", path("keys"), "--port-file", path("keys")},
+      {"--settings", settings, "--port-file", settings + ".good"},
       {"--label", path("zeros")}};
   for (const auto& arguments : clashes) {
     const Ended ended = run_stofd(small(arguments));
