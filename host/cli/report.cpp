@@ -24,7 +24,10 @@ void report(const ReportOptions& options) {
   if (asked.quick) {
     asked.runs = 1;
   }
-  asked.begins = [](const char* part) { std::fprintf(stderr, "measuring     %s\n", part); };
+  asked.begins = [](const char* part) {
+    std::printf("measuring     %s\n", part);
+    std::fflush(stdout);
+  };
   const ReportResult result = value_or_fail(write_report(asked));
   std::printf("%s", result.summary.c_str());
   for (const std::string& name : result.refused) {
