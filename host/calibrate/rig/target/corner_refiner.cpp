@@ -30,7 +30,7 @@ constexpr double kLeastBlur = 0.05;
 constexpr double kMostBlur = 4;
 constexpr double kMostMoved = 2;         // px
 constexpr double kLeastContrast = 0.02;  // of the picture's span
-constexpr double kMostMisfit = 0.2;      // rms of grey values, of white less black
+constexpr double kMostMisfit = 0.12;     // rms of grey values, of white less black
 constexpr double kMostTurn = 0.3;        // rad
 constexpr double kLeastAngle = 0.2;      // between both edges, its sine
 constexpr double kFirstDamping = 1e-4;
@@ -351,11 +351,12 @@ class CornerFit {
 
 }  // namespace
 
-void refine_corners(const dataset::Image<float>& picture, const Board& board,
-                    std::vector<PixelPoint>& corners) {
+std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Board& board,
+                                 std::vector<PixelPoint>& corners) {
   const Perspective perspective(board, corners);
+  std::vector<bool> fitted(corners.size());
   if (!perspective.known()) {
-    return;
+    return fitted;
   }
   const auto [low, high] = std::ranges::minmax(picture.pixels);
   const double least_span = kLeastContrast * std::max(static_cast<double>(high - low), 1e-6);
@@ -377,15 +378,17 @@ void refine_corners(const dataset::Image<float>& picture, const Board& board,
     CornerFit fit(picture, *frame, {.at = {corner.u, corner.v}});
     if (fit.run(least_span)) {
       corners[i] = fit.at();
+      fitted[i] = true;
     }
   }
+  return fitted;
 }
 
-void refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
-                    std::vector<PixelPoint>& corners) {
+std::vector<bool> refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
+                                 std::vector<PixelPoint>& corners) {
   dataset::Image<float> grey(picture.width, picture.height);
   std::ranges::copy(picture.pixels, grey.pixels.begin());
-  refine_corners(grey, board, corners);
+  return refine_corners(grey, board, corners);
 }
 
 }  // namespace stof::host

@@ -13,11 +13,12 @@ namespace stof::host {
 // that meet there, their edges straight and smoothed by the same Gaussian, as far as the print
 // shows nothing else. corners: in the order of Board, within a pixel or two of the truth; kUnseen
 // stays kUnseen, and a corner stays as it is where the values do not show one: no contrast, half
-// outside of the picture, less than two pixels to the next edge.
-void refine_corners(const dataset::Image<float>& picture, const Board& board,
-                    std::vector<PixelPoint>& corners);
+// outside of the picture, less than two pixels to the next edge. Returns of each whether it was
+// fitted.
+std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Board& board,
+                                 std::vector<PixelPoint>& corners);
 
-void refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
-                    std::vector<PixelPoint>& corners);
+std::vector<bool> refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
+                                 std::vector<PixelPoint>& corners);
 
 }  // namespace stof::host

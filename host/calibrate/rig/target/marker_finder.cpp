@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
+#include "host/calibrate/rig/target/corner_filler.h"
 #include "host/calibrate/rig/target/corner_refiner.h"
 
 namespace stof::host {
@@ -299,6 +300,7 @@ std::optional<FoundBoard> find_marked_board(const dataset::Image<std::uint8_t>& 
     return std::nullopt;
   }
   refine_corners(picture, board, found.corners);
+  fill_corners(picture, board, found.corners);
   found.blur_px = edge_blur(picture, board, found.corners);
   return found;
 }

@@ -92,6 +92,32 @@ TEST(MarkerFinder, FindsThePartOfABoardThatIsInThePicture) {
   }
 }
 
+// A hand or glare on a marker hides its number; the corners around it are there.
+TEST(MarkerFinder, FindsCornersWhoseMarkersCannotBeRead) {
+  Gaussian random(5);
+  const Board board = named("charuco:9x6:0.04");
+  const test::Texture print = print_of(board);
+  const std::vector<BoardMarker> markers = markers_of(board);
+  const double half = 0.014;  // of what hides a marker of 30 mm: not its border
+  const test::Texture hidden = [&](double x, double y) {
+    for (const BoardMarker& marker : markers) {
+      const double off_x = x - marker.x_m - marker_side_m(board) / 2;
+      const double off_y = y - marker.y_m - marker_side_m(board) / 2;
+      if (marker.column >= 6 && std::abs(off_x) < half && std::abs(off_y) < half) {
+        return 30.0;
+      }
+    }
+    return print(x, y);
+  };
+  const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.75), Vector3(0.3, 0.2, 0.1));
+  const std::optional<FoundBoard> found =
+      find_board(camera().picture(pose, hidden, 2, random), board);
+  ASSERT_TRUE(found);
+  const Off here = off(*found, board, pose);
+  EXPECT_EQ(here.seen, static_cast<std::size_t>(board.corners()));
+  EXPECT_LT(here.largest_px, 0.15);
+}
+
 // Kalibr's sheets and OpenCV's have the same tags, and need not agree on which side is up.
 TEST(MarkerFinder, TakesTagsThatStandOnTheirHeads) {
   Gaussian random(3);
