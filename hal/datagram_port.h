@@ -17,8 +17,13 @@ struct Peer {
   std::array<std::uint8_t, 16> address{};
   std::uint16_t port = 0;   // 1 .. 65535
   std::uint32_t scope = 0;  // interface of a link-local IPv6 address; else 0
+  // The address of this machine that it speaks to, and is answered from, where there are several;
+  // all zero: the system's choice. No part of who it is.
+  std::array<std::uint8_t, 16> own{};
 
-  friend bool operator==(const Peer&, const Peer&) = default;
+  friend bool operator==(const Peer& a, const Peer& b) noexcept {
+    return a.address == b.address && a.port == b.port && a.scope == b.scope;
+  }
 };
 
 struct Received {
@@ -38,6 +43,16 @@ class DatagramPort {
   // kMaxDatagram or the path's limit. kDeviceLost: reopen.
   virtual Status send(const Peer& to, std::span<const std::span<const std::byte>> datagrams,
                       std::size_t& sent) noexcept = 0;
+
+  // As send(), for one of kStreams streams, each with a queue of its own where the system gives
+  // them: what waits for one peer never keeps what is for another from being taken.
+  static constexpr std::size_t kStreams = 4;
+  virtual Status stream(std::size_t which, const Peer& to,
+                        std::span<const std::span<const std::byte>> datagrams,
+                        std::size_t& sent) noexcept {
+    static_cast<void>(which);
+    return send(to, datagrams, sent);
+  }
 
   // The next datagram, its first space.size() bytes: `bytes` is its whole length, which may be
   // more. Blocks for `timeout` at most; 0 only looks. kTimeout, kDeviceLost.

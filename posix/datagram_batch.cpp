@@ -41,18 +41,36 @@ std::span<const std::byte> DatagramBatch::datagram(std::size_t index) const noex
 
 void DatagramBatch::read_control(msghdr& message, std::size_t index) noexcept {
   arrived_[index].reset();
+  own_[index] = {};
   for (cmsghdr* entry = CMSG_FIRSTHDR(&message); entry != nullptr;
        entry = CMSG_NXTHDR(&message, entry)) {
     if (entry->cmsg_level != SOL_SOCKET) {
-      continue;
-    }
-    if (entry->cmsg_type == SO_RXQ_OVFL) {
+      read_own(*entry, index);
+    } else if (entry->cmsg_type == SO_RXQ_OVFL) {
       note_drops(*entry);
     } else if (entry->cmsg_type == SCM_TIMESTAMPNS) {
       timespec stamp{};
       std::memcpy(&stamp, CMSG_DATA(entry), sizeof stamp);
       arrived_[index] =
           std::chrono::seconds(stamp.tv_sec) + std::chrono::nanoseconds(stamp.tv_nsec);
+    }
+  }
+}
+
+// Of an IPv4 datagram to an IPv6 socket both may come: only IPv4's knows what to answer from where
+// it went to all hosts (ip(7), IP_PKTINFO).
+void DatagramBatch::read_own(const cmsghdr& entry, std::size_t index) noexcept {
+  if (entry.cmsg_level == IPPROTO_IP && entry.cmsg_type == IP_PKTINFO) {
+    in_pktinfo info{};
+    std::memcpy(&info, CMSG_DATA(&entry), sizeof info);
+    if (info.ipi_spec_dst.s_addr != INADDR_ANY) {
+      own_[index] = map_ipv4(info.ipi_spec_dst);
+    }
+  } else if (entry.cmsg_level == IPPROTO_IPV6 && entry.cmsg_type == IPV6_PKTINFO) {
+    in6_pktinfo info{};
+    std::memcpy(&info, CMSG_DATA(&entry), sizeof info);
+    if (!IN6_IS_ADDR_MULTICAST(&info.ipi6_addr) && !IN6_IS_ADDR_V4MAPPED(&info.ipi6_addr)) {
+      own_[index] = info.ipi6_addr;
     }
   }
 }

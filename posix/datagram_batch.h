@@ -10,6 +10,7 @@
 #include <optional>
 #include <span>
 
+#include <netinet/in.h>
 #include <sys/socket.h>
 #include <sys/uio.h>
 
@@ -41,21 +42,29 @@ class DatagramBatch {
     return arrived_[index];
   }
 
+  // The address of this machine that it was sent to, an IPv4 one mapped; ::, where the socket does
+  // not tell (UdpSocket::tell_own_address()) or it went to many.
+  const in6_addr& own(std::size_t index) const noexcept { return own_[index]; }
+
   // Datagrams that found the buffer full, where the socket counts them. Any thread may ask.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  static constexpr std::size_t kControlSpace = 64;
+  static constexpr std::size_t kControlSpace = 144;
   static_assert(kControlSpace % alignof(cmsghdr) == 0);
-  static_assert(kControlSpace >= CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec)));
+  static_assert(kControlSpace >= CMSG_SPACE(sizeof(std::uint32_t)) + CMSG_SPACE(sizeof(timespec)) +
+                                     CMSG_SPACE(sizeof(in_pktinfo)) +
+                                     CMSG_SPACE(sizeof(in6_pktinfo)));
 
   void read_control(msghdr& message, std::size_t index) noexcept;
+  void read_own(const cmsghdr& entry, std::size_t index) noexcept;
   void note_drops(const cmsghdr& entry) noexcept;
 
   std::array<std::array<std::byte, kSpace>, kMost> space_;
   alignas(cmsghdr) std::array<std::array<std::byte, kControlSpace>, kMost> control_;
   std::array<SocketAddress, kMost> from_;
   std::array<std::optional<std::chrono::nanoseconds>, kMost> arrived_;
+  std::array<in6_addr, kMost> own_;
   std::array<iovec, kMost> vectors_;
   std::array<mmsghdr, kMost> messages_;
   std::uint32_t kernel_count_ = 0;  // of drops, wraps

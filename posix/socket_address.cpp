@@ -54,6 +54,15 @@ bool operator==(const SocketAddress& a, const SocketAddress& b) noexcept {
   return a.length == b.length && std::memcmp(&a.storage, &b.storage, a.length) == 0;
 }
 
+in6_addr map_ipv4(const in_addr& address) noexcept {
+  in6_addr mapped{};
+  std::uint8_t* const bytes = static_cast<std::uint8_t*>(mapped.s6_addr);
+  bytes[10] = 0xFF;
+  bytes[11] = 0xFF;
+  std::memcpy(bytes + 12, &address, sizeof address);
+  return mapped;
+}
+
 SocketAddress make_address(const in_addr& address, std::uint16_t port) noexcept {
   sockaddr_in out{};
   out.sin_family = AF_INET;

@@ -33,6 +33,9 @@ SocketAddress make_address(const in_addr& address, std::uint16_t port) noexcept;
 SocketAddress make_address(const in6_addr& address, std::uint16_t port,
                            std::uint32_t scope = 0) noexcept;
 
+// ::ffff:a.b.c.d
+in6_addr map_ipv4(const in_addr& address) noexcept;
+
 struct HostPort {
   std::string host;
   std::uint16_t port = 0;

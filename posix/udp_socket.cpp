@@ -41,6 +41,11 @@ int UdpSocket::count_drops() const noexcept { return set({SOL_SOCKET, SO_RXQ_OVF
 
 int UdpSocket::stamp_arrivals() const noexcept { return set({SOL_SOCKET, SO_TIMESTAMPNS, 1}); }
 
+int UdpSocket::tell_own_address(int family) const noexcept {
+  const int error = set({IPPROTO_IP, IP_PKTINFO, 1});
+  return error == 0 && family == AF_INET6 ? set({IPPROTO_IPV6, IPV6_RECVPKTINFO, 1}) : error;
+}
+
 int UdpSocket::bind(const SocketAddress& at) const noexcept {
   return error_of(::bind(fd(), at.generic(), at.length));
 }

@@ -39,6 +39,8 @@ class UdpSocket {
   int count_drops() const noexcept;
   // Has the system stamp each datagram when it arrives (DatagramBatch::arrived()).
   int stamp_arrivals() const noexcept;
+  // Has the system tell where each datagram was sent to (DatagramBatch::own()).
+  int tell_own_address(int family) const noexcept;
   // With port 0 any free one.
   int bind(const SocketAddress& at) const noexcept;
   // From now on send() goes there, and only what comes from there is received.

@@ -18,13 +18,14 @@ std::expected<std::unique_ptr<UdpPort>, hal::linux::OpenError> open_port(
     const Connections& wanted, OpenConnections& connections) {
   // Only a fixed destination is told that nobody listens there.
   const bool refusals = !wanted.to.empty();
-  auto port = UdpPort::open({.port = wanted.udp_port, .dscp = wanted.dscp, .refusals = refusals});
+  auto port = UdpPort::open(
+      {.port = wanted.udp_port, .dscp = wanted.dscp, .streams = true, .refusals = refusals});
   if (port || wanted.port_required) {
     return port;
   }
   const std::string why = port.error().message;
   for (const std::uint16_t other : {Connections{}.udp_port, std::uint16_t{0}}) {
-    port = UdpPort::open({.port = other, .refusals = refusals});
+    port = UdpPort::open({.port = other, .streams = true, .refusals = refusals});
     if (port) {
       connections.other_port = true;
       connections.notes.push_back(why + "; port " + std::to_string((*port)->port()) + " instead");
@@ -34,10 +35,10 @@ std::expected<std::unique_ptr<UdpPort>, hal::linux::OpenError> open_port(
   return port;
 }
 
-// What the system grants of what was asked for; empty: all.
+// What the system grants of what was asked for; empty: enough.
 std::string small_buffer(const UdpPort& port) {
   const int asked = hal::linux::UdpPortOptions{}.buffer_bytes;
-  if (port.send_buffer() >= asked) {
+  if (port.streams_have_queues() || port.send_buffer() >= asked) {
     return {};
   }
   return "UDP port " + std::to_string(port.port()) + ": " + std::to_string(port.send_buffer()) +
@@ -83,6 +84,10 @@ std::expected<OpenConnections, Refusal> open_connections(const Connections& want
     const auto peer = hal::linux::resolve(wanted.to);
     if (!peer) {
       return std::unexpected(Refusal{peer.error().message});
+    }
+    if (hal::linux::is_broadcast(*peer)) {
+      return std::unexpected(
+          Refusal{"--to " + wanted.to + ": is an address of all hosts: give that of one"});
     }
     connections.to = *peer;
   }

@@ -29,7 +29,7 @@ bool LeaseTable::subscribe(const hal::Peer& peer, hal::Duration lease, hal::Time
     if (entry.key_id == 0 && !entry.fixed && count_open(at) >= open_places_) {
       return false;
     }
-    entry.until = std::max(entry.until, now + lease);
+    renew(entry, peer, now + lease);
     return true;
   }
   if (count_ == kMostSubscribers || count_open(count_) >= open_places_ ||
@@ -50,7 +50,7 @@ const wire::StreamKey* LeaseTable::subscribe_signed(const hal::Peer& peer, const
     entries_[count_++] = {.peer = peer};
   }
   Entry& entry = entries_[at];
-  entry.until = std::max(entry.until, now + lease);
+  renew(entry, peer, now + lease);
   if (entry.stream.number == 0 || entry.key_id != terms.key_id ||
       entry.stream.number != terms.has) {
     entry.stream.number = ++stream_keys_;
@@ -108,6 +108,13 @@ ReceiverList LeaseTable::list() const noexcept {
     list.keys[i] = entries_[i].stream;
   }
   return list;
+}
+
+void LeaseTable::renew(Entry& entry, const hal::Peer& peer, hal::Time until) noexcept {
+  entry.until = std::max(entry.until, until);
+  if (!entry.fixed) {
+    entry.peer = peer;  // it may ask at another address of ours
+  }
 }
 
 std::size_t LeaseTable::find(const hal::Peer& peer) const noexcept {

@@ -73,6 +73,7 @@ class LeaseTable {
   std::size_t count_of_host(const hal::Peer& peer) const noexcept;
   // Without a key, of the first `end`.
   std::size_t count_open(std::size_t end) const noexcept;
+  static void renew(Entry& entry, const hal::Peer& peer, hal::Time until) noexcept;
   void remove(std::size_t index) noexcept;
 
   std::array<Entry, kMostSubscribers> entries_{};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <span>
@@ -27,7 +28,13 @@ struct ReceiverList {
   bool refused = false;
 
   std::span<const hal::Peer> all() const noexcept { return std::span(peers).first(count); }
-  friend bool operator==(const ReceiverList&, const ReceiverList&) = default;
+  friend bool operator==(const ReceiverList& a, const ReceiverList& b) noexcept {
+    return std::ranges::equal(a.all(), b.all(),
+                              [](const hal::Peer& one, const hal::Peer& other) {
+                                return one == other && one.own == other.own;
+                              }) &&
+           a.keys == b.keys && a.refused == b.refused;
+  }
 };
 
 // The control thread pushes a list whenever it changes, and again later where the ring was full;

@@ -70,20 +70,28 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
 }
 
 void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
-  std::array<std::uint64_t, kMostSubscribers> counters{};
+  static_assert(kMostSubscribers <= hal::DatagramPort::kStreams);
+  std::array<std::optional<Way>, kMostSubscribers> ways{};
+  std::array<bool, kMostSubscribers> taken{};
   for (std::size_t i = 0; i < receivers.count; ++i) {
-    bool known = false;
-    for (std::size_t was = 0; was < receivers_.count && !known; ++was) {
-      known = receivers_.peers[was] == receivers.peers[i] &&
-              receivers_.keys[was].number == receivers.keys[i].number;
-      counters[i] = known ? signed_[was] : 0;
+    for (std::size_t was = 0; was < receivers_.count && !ways[i]; ++was) {
+      if (receivers_.peers[was] == receivers.peers[i] &&
+          receivers_.keys[was].number == receivers.keys[i].number && !taken[ways_[was].stream]) {
+        ways[i] = ways_[was];
+        taken[ways_[was].stream] = true;
+      }
     }
-    if (!known) {
+  }
+  for (std::size_t i = 0; i < receivers.count; ++i) {
+    if (!ways[i]) {
+      const auto free = std::ranges::find(taken, false);
+      *free = true;
+      ways[i] = Way{.stream = static_cast<std::size_t>(free - taken.begin())};
       calibration_due_.reset();
       health_wanted_ = true;
     }
+    ways_[i] = *ways[i];
   }
-  signed_ = counters;
   receivers_ = receivers;
 }
 
@@ -213,9 +221,8 @@ Status Publisher::send(Datagrams datagrams) noexcept {
   Status status = Status::kOk;
   std::size_t unreachable = 0;
   for (std::size_t i = 0; i < receivers_.count; ++i) {
-    const Delivery delivery = receivers_.keys[i].number == 0
-                                  ? deliver(receivers_.peers[i], datagrams)
-                                  : deliver_signed(i, datagrams);
+    const Delivery delivery =
+        receivers_.keys[i].number == 0 ? deliver(i, datagrams) : deliver_signed(i, datagrams);
     if (delivery.lost) {
       const std::size_t others = receivers_.count - i - 1;  // whose turn has not come
       events_.counters.packets_dropped += delivery.left + others * datagrams.size();
@@ -227,12 +234,13 @@ Status Publisher::send(Datagrams datagrams) noexcept {
   return unreachable > 0 && unreachable == receivers_.count ? Status::kDeviceError : status;
 }
 
-Publisher::Delivery Publisher::deliver(const hal::Peer& to, Datagrams datagrams) noexcept {
+Publisher::Delivery Publisher::deliver(std::size_t receiver, Datagrams datagrams) noexcept {
   Counters& counters = events_.counters;
   Delivery delivery;
   for (std::size_t at = 0; at < datagrams.size();) {
     std::size_t sent = 0;
-    const Status taken = port_.send(to, datagrams.subspan(at), sent);
+    const Status taken = port_.stream(ways_[receiver].stream, receivers_.peers[receiver],
+                                      datagrams.subspan(at), sent);
     counters.packets_sent += sent;
     at += sent;
     delivery.reached = delivery.reached || taken != Status::kDeviceError;
@@ -257,10 +265,10 @@ Publisher::Delivery Publisher::deliver_signed(std::size_t receiver, Datagrams da
     const Datagrams some = datagrams.subspan(at, std::min(kSignedAtOnce, datagrams.size() - at));
     std::array<std::span<const std::byte>, kSignedAtOnce> made;
     for (std::size_t i = 0; i < some.size(); ++i) {
-      made[i] = wire::sign_datagram(some[i], receivers_.keys[receiver], ++signed_[receiver],
-                                    signed_space_[i]);
+      made[i] = wire::sign_datagram(some[i], receivers_.keys[receiver],
+                                    ++ways_[receiver].signed_all, signed_space_[i]);
     }
-    const Delivery part = deliver(receivers_.peers[receiver], std::span(made).first(some.size()));
+    const Delivery part = deliver(receiver, std::span(made).first(some.size()));
     all.reached = all.reached || part.reached;
     all.dropped = all.dropped || part.dropped;
     if (part.lost) {

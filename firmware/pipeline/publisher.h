@@ -108,7 +108,7 @@ class Publisher {
   Status send(Datagrams datagrams) noexcept;
   // Sends what buffer_ holds of a packet.
   void tell(wire::PacketType type, std::size_t bytes) noexcept;
-  Delivery deliver(const hal::Peer& to, Datagrams datagrams) noexcept;
+  Delivery deliver(std::size_t receiver, Datagrams datagrams) noexcept;
   Delivery deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;
 
@@ -121,8 +121,13 @@ class Publisher {
   PublisherParams params_;
   HealthMonitor health_;
   ReceiverList receivers_;
-  std::array<std::uint64_t, kMostSubscribers> signed_{};  // datagrams, with the key of each
-  std::optional<wire::FrameStamp> stamp_;                 // of the last frame
+  // Of each receiver, for as long as it is one.
+  struct Way {
+    std::size_t stream = 0;        // of the port
+    std::uint64_t signed_all = 0;  // datagrams, with its key
+  };
+  std::array<Way, kMostSubscribers> ways_{};
+  std::optional<wire::FrameStamp> stamp_;  // of the last frame
   std::optional<hal::Time> calibration_due_;
   bool health_wanted_ = true;  // health for a new receiver
   PublisherTimes times_;

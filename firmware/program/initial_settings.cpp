@@ -61,9 +61,9 @@ std::string keys_file(const Options& options) {
 void say_readers(const std::string& file, const char* what, const char* advice) {
   namespace fs = std::filesystem;
   std::error_code unknown;
-  const fs::perms others =
-      fs::status(file, unknown).permissions() & (fs::perms::group_all | fs::perms::others_all);
-  if (!unknown && others != fs::perms::none) {
+  const fs::file_status status = fs::symlink_status(file, unknown);
+  const fs::perms others = status.permissions() & (fs::perms::group_all | fs::perms::others_all);
+  if (!unknown && fs::is_regular_file(status) && others != fs::perms::none) {
     print_line(file + ": others than its owner could read or write " + what + ": " + advice);
   }
 }
@@ -77,7 +77,7 @@ bool same_file(const std::string& a, const std::string& b) {
 }
 
 // Each document has a file of its own: what is no key file is set aside, and the sensor would be
-// open. Empty, or which flag takes what.
+// open; the port's number replaces what is there. Empty, or which flag takes what.
 std::string check_files(const Options& options) {
   struct Named {
     std::string flag;
@@ -96,6 +96,9 @@ std::string check_files(const Options& options) {
     for (const char* const ending : {"", ".bad", ".new"}) {
       named.push_back({"--keys", keys + ending});
     }
+  }
+  if (!options.port_file.empty()) {
+    named.push_back({"--port-file", options.port_file});
   }
   for (std::size_t i = 0; i < named.size(); ++i) {
     for (std::size_t k = i + 1; k < named.size(); ++k) {

@@ -130,11 +130,12 @@ bool take_value(std::string_view flag, std::string_view value, Options& options,
   } else if (flag == "--label") {
     wrong = take_text(flag, value, options.label);
   } else if (flag == "--to") {
-    wrong = take_text(flag, value, options.to);
+    wrong = options.to.empty() ? take_text(flag, value, options.to)
+                               : "--to is given twice: others subscribe (stof view SENSOR)";
   } else if (flag == "--port-file") {
     wrong = take_text(flag, value, options.port_file);
   } else if (flag == "--device") {
-    wrong = take_number<std::uint32_t, std::uint32_t>(flag, value, 0, kMaxId, options.device_id);
+    wrong = take_number<std::uint32_t, std::uint32_t>(flag, value, 1, kMaxId, options.device_id);
   } else if (flag == "--session") {
     wrong = take_number<std::optional<std::uint32_t>, std::uint32_t>(flag, value, 0, kMaxId,
                                                                      options.session_id);

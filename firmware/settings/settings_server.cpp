@@ -1,7 +1,6 @@
 #include "firmware/settings/settings_server.h"
 
 #include <array>
-#include <utility>
 
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
@@ -114,13 +113,11 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
     case Operation::kSet:
       return change(text, by.access, out);
     case Operation::kStage:
-      return stage(text, by.access, out);
+      return stage(text, by, out);
     case Operation::kCommit:
       return commit(by, out);
     case Operation::kRevert:
-      staged_fields_.reset();
-      staged_by_tune_.reset();
-      staged_fell_back_ = false;
+      revert(by);
       return Result::kOk;
     case Operation::kPreset:
       return preset(text, by.access, out);
@@ -158,8 +155,39 @@ SettingsServer::Result SettingsServer::get(wire::SettingsDocument document,
   return Result::kUnsupported;
 }
 
-SettingsServer::Result SettingsServer::stage(std::string_view text, Access access,
+bool SettingsServer::staged_by(const firmware::Requester& by, std::string_view operation,
+                               PagedWriter& why) noexcept {
+  if (losers_.has(by.key_id)) {
+    why << operation
+        << ": somebody else has reverted what you had staged: revert, and stage all of it again";
+    return false;
+  }
+  if (staged_fields_.none() || by.key_id == staged_key_) {
+    return true;
+  }
+  why << operation << ": somebody else has staged settings; revert forgets them";
+  return false;
+}
+
+void SettingsServer::revert(const firmware::Requester& by) noexcept {
+  static_cast<void>(losers_.take(by.key_id));  // begins anew
+  if (staged_fields_.any() && by.key_id != staged_key_) {
+    losers_.add(staged_key_);
+  }
+  forget_staged();
+}
+
+void SettingsServer::forget_staged() noexcept {
+  staged_fields_.reset();
+  staged_by_tune_.reset();
+  staged_fell_back_ = false;
+}
+
+SettingsServer::Result SettingsServer::stage(std::string_view text, const firmware::Requester& by,
                                              PagedWriter& why) noexcept {
+  if (!staged_by(by, "stage", why)) {
+    return Result::kDenied;
+  }
   Settings next = active_;
   FieldSet named;
   if (!parse(text, next, why, &named)) {
@@ -167,18 +195,19 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, Access acces
   }
   std::array<char, kWhyBytes> space;
   PagedWriter refusal(space);
-  if (!permitted(active_, next, access, refusal)) {
+  if (!permitted(active_, next, by.access, refusal)) {
     why << (why.text().empty() ? "" : "; ") << refusal.text();
     return Result::kDenied;
   }
+  staged_key_ = by.key_id;
   const std::size_t count = field_count();
   for (std::size_t place = 0; place < count; ++place) {
     const Field known = field(place);
     // What he may not change is as it is active: it says nothing, and is not staged.
-    if (named.test(place) && known.access <= access) {
+    if (named.test(place) && known.access <= by.access) {
       copy_field(known, next, staged_values_);
       staged_fields_.set(place);
-      staged_by_tune_.set(place, access < Access::kAdmin);
+      staged_by_tune_.set(place, by.access < Access::kAdmin);
     }
   }
   staged_fell_back_ = staged_fell_back_ || !why.text().empty();
@@ -187,6 +216,9 @@ SettingsServer::Result SettingsServer::stage(std::string_view text, Access acces
 
 SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
                                               PagedWriter& why) noexcept {
+  if (!staged_by(by, "commit", why)) {
+    return Result::kDenied;
+  }
   // The limits may have changed since.
   if (!permitted(active_, with_staged(staged_by_tune_), Access::kTune, why)) {
     return Result::kDenied;
@@ -195,9 +227,8 @@ SettingsServer::Result SettingsServer::commit(const firmware::Requester& by,
   if (result != Result::kOk) {
     return result;  // what is staged stays
   }
-  staged_fields_.reset();
-  staged_by_tune_.reset();
-  fell_back_ = std::exchange(staged_fell_back_, false) || fell_back_;
+  fell_back_ = staged_fell_back_ || fell_back_;
+  forget_staged();
   return save(by.now, why);
 }
 

@@ -10,6 +10,7 @@
 #include "firmware/control/token_bucket.h"
 #include "firmware/events/events.h"
 #include "firmware/settings/fields/field.h"
+#include "firmware/settings/key_ids.h"
 #include "firmware/settings/permission.h"
 #include "firmware/settings/settings.h"
 #include "firmware/settings/text/paged_writer.h"
@@ -38,8 +39,10 @@ class SettingsSink {
 bool usable(const Settings& settings, Limits* limits, PagedWriter& why) noexcept;
 
 // Keeps the documents active, staged and saved, and answers requests about them. Staged are
-// fields and their values: fields that were not staged stay as they are active at the
-// commit. No heap; for the control thread alone.
+// fields and their values: fields that were not staged stay as they are active at the commit. They
+// belong to one key (or to the cable): nobody adds to them with another one or commits them.
+// Whoever may stage may revert: then whose they were stages and commits nothing until he has
+// reverted himself. No heap; for the control thread alone.
 class SettingsServer final : public firmware::SettingsService {
  public:
   struct Parts {
@@ -86,7 +89,12 @@ class SettingsServer final : public firmware::SettingsService {
   Result serve(const wire::SettingsRequest& request, std::string_view text,
                const firmware::Requester& by, PagedWriter& out) noexcept;
   Result get(wire::SettingsDocument document, PagedWriter& out) const noexcept;
-  Result stage(std::string_view text, Access access, PagedWriter& why) noexcept;
+  Result stage(std::string_view text, const firmware::Requester& by, PagedWriter& why) noexcept;
+  // Whether what is staged is the requester's, or nothing is; says why not.
+  bool staged_by(const firmware::Requester& by, std::string_view operation,
+                 PagedWriter& why) noexcept;
+  void revert(const firmware::Requester& by) noexcept;
+  void forget_staged() noexcept;
   // The active ones with these of the staged fields.
   Settings with_staged(const FieldSet& fields) const noexcept;
   Status write() noexcept;
@@ -103,7 +111,9 @@ class SettingsServer final : public firmware::SettingsService {
   Settings saved_;
   Settings staged_values_{};
   FieldSet staged_fields_{};
-  FieldSet staged_by_tune_{};  // of these: not by an admin, and within the limits of then
+  FieldSet staged_by_tune_{};     // of these: not by an admin, and within the limits of then
+  std::uint32_t staged_key_ = 0;  // that staged them; 0: none, the cable
+  KeyIds losers_;                 // whose staged fields somebody else reverted
   std::uint32_t revision_ = 1;
   bool unsaved_ = false;
   bool fell_back_;

@@ -24,6 +24,7 @@ void report(const ReportOptions& options) {
   if (asked.quick) {
     asked.runs = 1;
   }
+  asked.begins = [](const char* part) { std::fprintf(stderr, "measuring     %s\n", part); };
   const ReportResult result = value_or_fail(write_report(asked));
   std::printf("%s", result.summary.c_str());
   for (const std::string& name : result.refused) {

@@ -127,6 +127,7 @@ stof_status stof_open(const stof_options* options, stof_sensor** sensor, char* w
       }
       wanted.subscription.signed_streams = known->signed_streams != 0;
       wanted.subscription.keys = meant->keys;
+      wanted.subscription.reread = client::rereading(key_file);
       wanted.reassembler.device_id = meant->device;
     }
     auto receiver = client::Receiver::open(wanted);

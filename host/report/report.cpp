@@ -1,5 +1,6 @@
 #include "host/report/report.h"
 
+#include <array>
 #include <fstream>
 
 #include "dataset/files/file.h"
@@ -72,19 +73,31 @@ dataset::Loaded<ReportResult> write_report(const ReportOptions& options) {
     return std::unexpected(std::move(study.error()));
   }
   Page page;
-  add_scenes(*study, page);
-  add_methods(*study, page);
-  add_maps(*study, page);
-  add_block_time(*study, page);
-  add_block_sizes(*study, page);
-  add_adaptive(*study, page);
-  add_interest(*study, page);
-  add_filters(*study, page);
-  add_pyramid(*study, page);
-  add_annealing(*study, page);
-  add_presets(*study, page);
-  add_brightness(*study, page);
-  add_corridor(*study, page);
+  struct Part {
+    const char* name;
+    void (*add)(Study&, Page&);
+  };
+  const std::array parts{
+      Part{"scenes", add_scenes},
+      Part{"methods", add_methods},
+      Part{"maps", add_maps},
+      Part{"time by block", add_block_time},
+      Part{"block sizes", add_block_sizes},
+      Part{"adaptive blocks", add_adaptive},
+      Part{"interest", add_interest},
+      Part{"filters", add_filters},
+      Part{"pyramid", add_pyramid},
+      Part{"annealing", add_annealing},
+      Part{"presets", add_presets},
+      Part{"brightness", add_brightness},
+      Part{"corridor", add_corridor},
+  };
+  for (const Part& part : parts) {
+    if (options.begins) {
+      options.begins(part.name);
+    }
+    part.add(*study, page);
+  }
   const std::string html = page.html("The chapter's stereo, measured", lead(*study));
   if (std::expected<void, dataset::Problem> written = write_page(options.out, html); !written) {
     return std::unexpected(std::move(written.error()));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <set>
 #include <vector>
 
@@ -17,6 +18,7 @@ struct ReportOptions {
   int runs = 7;                               // of which the median time is shown
   bool plain = false;                         // times of whole methods with reference kernels too
   bool quick = false;                         // small 2.5D views
+  std::function<void(const char*)> begins;    // called with each part's name; may be empty
 };
 
 struct ReportResult {

@@ -39,4 +39,21 @@ inline bool tells_refusals() {
   return told;
 }
 
+// Whether a datagram comes with the address that it was sent to, and one can be sent from there.
+inline bool tells_own_address() {
+  const posix::UdpSocket probe(AF_INET);
+  const std::array<std::byte, 1> question{std::byte{'?'}};
+  bool told = probe.tell_own_address(AF_INET) == 0 && probe.bind(loopback_address(0)) == 0 &&
+              probe.send_to(loopback_address(probe.port()), question) == 0;
+  std::array waiting{pollfd{.fd = probe.fd(), .events = POLLIN, .revents = 0}};
+  told = told && posix::wait_for(waiting, std::chrono::milliseconds(200)) == 1;
+  alignas(cmsghdr) std::array<char, 512> control{};
+  msghdr message{};
+  message.msg_control = control.data();
+  message.msg_controllen = control.size();
+  told = told && recvmsg(probe.fd(), &message, 0) >= 0;
+  const cmsghdr* const header = told ? CMSG_FIRSTHDR(&message) : nullptr;
+  return header != nullptr && header->cmsg_level == IPPROTO_IP && header->cmsg_type == IP_PKTINFO;
+}
+
 }  // namespace stof::test

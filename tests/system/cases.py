@@ -1,5 +1,7 @@
 """What the appliance promises, as cases that share one running rig. Each takes (rig, report)."""
 
+import collections
+import functools
 import re
 import time
 
@@ -12,8 +14,10 @@ import triggered_camera
 BACK_BAR_S = 2.0  # from a camera's return, or the program's end, to the next frame
 UNPLUGGED_S = 0.5
 OUT_S = 10.0
-TOLD_BAR_S = 3 * system_rig.PERIOD_S
+BRIEFLY_OUT_S = 1.0
 MOST_PERIODS = 3  # between two frames, whatever is unplugged
+TOLD_BAR_S = 2 * system_rig.PERIOD_S  # from a sensor's loss to the first word of it: the next edge's, and a period
+CONDITION_BAR_S = 4 * system_rig.PERIOD_S  # to its condition: three edges, and a period
 PRIORITY = 45
 FIFO = 1
 WORKERS = "stof-depth"  # what their names begin with
@@ -196,33 +200,86 @@ def pmd_stall(rig, report):
     shown(rig, report, since, 4, 4)
 
 
-def outage(rig, report, name, goes_on, condition):
-    """One sensor is out for ten seconds: frames go on with the other one."""
-    camera = rig.cameras[name]
-    since, events = rig.receiver.count(), len(rig.receiver.events)
-    begin = time.monotonic()
+# begin: takes the camera, tells when it fell out; end: takes the camera.
+Outage = collections.namedtuple("Outage", "name camera begin end goes_on condition")
+# What the frames of one sensor alone stand on.
+PAIR_ALONE, PMD_ALONE = 1, 2
+
+
+def unplug(camera):
+    """When it was pulled out."""
+    began = time.monotonic()
     camera.unplug()
-    time.sleep(OUT_S)
-    alone = [frame for frame in rig.receiver.frames[since:] if frame.get("sensors") == goes_on]
-    camera.plug()
+    return began
+
+
+def ail(camera, ailment):
+    """When the first picture was exposed that shows it."""
+    camera.fall_ill(ailment)
+    end = time.monotonic() + 5 * system_rig.PERIOD_S
+    while camera.ails_since is None and time.monotonic() < end:
+        time.sleep(0.005)
+    checks.check(camera.ails_since is not None, "the camera was not triggered")
+    return camera.ails_since
+
+
+FROZEN = functools.partial(ail, ailment=triggered_camera.FROZEN)
+DARK = functools.partial(ail, ailment=triggered_camera.DARK)
+PLUG, CURE = triggered_camera.TriggeredCamera.plug, triggered_camera.TriggeredCamera.cure
+PMD_UNPLUGGED = Outage("PMD camera unplugged", "pmd", unplug, PLUG, PAIR_ALONE, "pmd_lost")
+LEFT_UNPLUGGED = Outage("left camera unplugged", "left", unplug, PLUG, PMD_ALONE, "stereo_lost")
+RIGHT_UNPLUGGED = Outage("right camera unplugged", "right", unplug, PLUG, PMD_ALONE, "stereo_lost")
+LEFT_FROZEN = Outage("left camera frozen", "left", FROZEN, CURE, PMD_ALONE, "stereo_frozen")
+RIGHT_FROZEN = Outage("right camera frozen", "right", FROZEN, CURE, PMD_ALONE, "stereo_frozen")
+PMD_FROZEN = Outage("PMD camera frozen", "pmd", FROZEN, CURE, PAIR_ALONE, "pmd_frozen")
+PMD_DARK = Outage("PMD camera's lamp dark", "pmd", DARK, CURE, PAIR_ALONE, "pmd_dark")
+
+
+def go_without(rig, report, out, seconds):
+    """Loses a sensor for a while. Seconds until both are there again, the longest time between two frames, and how soon
+    it was told: by a frame that stands on what is left, or by the condition; and by the condition."""
+    camera = rig.cameras[out.camera]
+    rig.receiver.wait(whole, rig.receiver.count(), timeout=60, what="frame of both")
+    events = len(rig.receiver.events)
+    began = out.begin(camera)
+    since = rig.receiver.count()
+    time.sleep(seconds)
+    during = rig.receiver.frames[since:]
+    out.end(camera)
     back, number = time.monotonic(), rig.receiver.count()
-    rig.receiver.wait(whole, number, timeout=20, what=f"frame after the {name} camera's return")
-    report.at_most(f"{name} camera plugged in to next frame of both", time.monotonic() - back, BACK_BAR_S, "s")
-    seen = [begin, *(frame["seen"] for frame in rig.receiver.frames[since:]), time.monotonic()]
-    gap = max(after - before for before, after in zip(seen, seen[1:]))
-    report.at_most(f"longest time between two frames, {name} camera out", gap / system_rig.PERIOD_S, MOST_PERIODS,
-                   "periods")
-    checks.check(len(alone) >= 0.9 * OUT_S / system_rig.PERIOD_S, f"{len(alone)} frames of what was left in {OUT_S} s")
-    told = [event["at_ns"] * 1e-9 - begin for event in rig.receiver.events[events:]
-            if event["event"] == condition and event["active"]]
-    checks.check(bool(told), f"nobody said {condition}")
-    report.at_most(f"{name} camera unplugged to {condition}", told[0], TOLD_BAR_S, "s")
+    rig.receiver.wait(whole, number, timeout=20, what=f"frame of both after: {out.name}")
+    back = time.monotonic() - back
+    seen = [began, *(frame["seen"] for frame in rig.receiver.frames[since:]), time.monotonic()]
+    alone = [frame["seen"] - began for frame in during if frame.get("sensors") == out.goes_on]
+    told = [event["at_ns"] * 1e-9 - began for event in rig.receiver.events[events:]
+            if event["event"] == out.condition and event["active"]]
+    checks.check(bool(told), f"nobody said {out.condition}")
+    checks.check(len(alone) >= 0.9 * seconds / system_rig.PERIOD_S - 1,
+                 f"{len(alone)} frames of what was left in {seconds} s")
     shown(rig, report, since, 4, 3)
+    return back, max(after - before for before, after in zip(seen, seen[1:])), min(alone[0], told[0]), told[0]
+
+
+def lose(rig, report, out, seconds):
+    """A sensor is out: frames go on with the other one, it is told, and nothing of it is shown. A machine that does not
+    get its turn on this one is late, and says so: then one more round."""
+    bars = (BACK_BAR_S, MOST_PERIODS * system_rig.PERIOD_S, TOLD_BAR_S, CONDITION_BAR_S)
+    for _ in range(2):
+        log = len(rig.log())
+        found = go_without(rig, report, out, seconds)
+        if all(value <= bar for value, bar in zip(found, bars)) or not any("late" in line for line in rig.log()[log:]):
+            break
+        print(f"  {out.name}: late, once more; the program said {rig.log()[-3:]}")
+    for what, value, bar in zip(("its end to the next frame of both", "longest time between two frames",
+                                 "until a frame or a condition tells it", f"until {out.condition}"), found, bars):
+        report.at_most(f"{out.name}: {what}", value, bar, "s")
 
 
 def outages(rig, report):
-    outage(rig, report, "pmd", 1, "pmd_lost")
-    outage(rig, report, "left", 2, "stereo_lost")
+    for out in (PMD_UNPLUGGED, LEFT_UNPLUGGED):
+        lose(rig, report, out, OUT_S)
+    for out in (RIGHT_FROZEN, PMD_FROZEN, PMD_DARK):
+        lose(rig, report, out, BRIEFLY_OUT_S)
 
 
 def killed(rig, report):

@@ -1,4 +1,4 @@
-"""Cases with rigs of their own: boot, endurance, pixel formats, lateness, the watchdog, the libcamera variant.
+"""Cases with rigs of their own: boot, endurance, outages, pixel formats, lateness, the watchdog, the libcamera variant.
 
 Each takes (bench, report); bench.rig() starts a rig of its own.
 """
@@ -50,6 +50,13 @@ def many_replugs(bench, report):
             report.at_most(f"{name} camera, slowest of {REPLUGS} returns", max(seconds), cases.BACK_BAR_S, "s")
             report.figure(f"{name} camera, median return", f"{statistics.median(seconds):.2f} s", "told", True)
         cases.edges_give_frames(rig, report)
+
+
+def long_outages(bench, report):
+    with bench.rig("outages") as rig:
+        cases.first_frame(rig, report)
+        for out in (cases.RIGHT_UNPLUGGED, cases.LEFT_FROZEN, cases.RIGHT_FROZEN, cases.PMD_FROZEN, cases.PMD_DARK):
+            cases.lose(rig, report, out, cases.OUT_S)
 
 
 def formats(bench, report):
@@ -120,4 +127,4 @@ def lateness(bench, report):
 
 
 BRIEF = (boot,)
-LONG = (thousand_edges, many_replugs, formats, lateness, watchdog, libcamera)
+LONG = (thousand_edges, many_replugs, long_outages, formats, lateness, watchdog, libcamera)

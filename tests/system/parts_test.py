@@ -198,6 +198,32 @@ class PmdCameraTest(CameraCase):
         self.camera.stall(False)
         self.assertEqual(self.host.bulk()[0], 1)
 
+    def frame(self, step, ident):
+        """The frame of an edge, taken once the exposure is over."""
+        self.expose(step)
+        self.host.ask_bulk(ident, 65536)
+        _, _, frame = self.host.bulk()
+        return frame
+
+    def test_a_frozen_camera_sends_its_last_samples_under_new_numbers(self):
+        self.host.control(0x41, 5, 1, 0, 0)
+        before = self.frame(1, 1)
+        self.camera.fall_ill(triggered_camera.FROZEN)
+        frozen = self.frame(2, 2)
+        self.camera.cure()
+        self.assertEqual(frozen[96:], before[96:])
+        self.assertNotEqual(frozen[8:12], before[8:12])
+        self.assertEqual(self.frame(2, 3)[96], 2)
+
+    def test_a_dark_lamp_leaves_noise_that_differs(self):
+        self.host.control(0x41, 5, 1, 0, 0)
+        self.camera.fall_ill(triggered_camera.DARK)
+        first, second = self.frame(0, 1)[96:], self.frame(1, 2)[96:]
+        self.assertNotEqual(first, second)
+        samples = struct.unpack(f"<{64 * 48 * 4}H", first)
+        self.assertAlmostEqual(sum(samples) / len(samples), pmd_camera.DARK_LSB, delta=0.5)
+        self.assertLess(max(samples), pmd_camera.DARK_LSB + 8 * pmd_camera.NOISE_LSB)
+
     def test_cancelled_requests_are_answered_as_such(self):
         self.host.ask_bulk(5, 512)
         self.host.send(usbredir.CANCEL, 5, b"")

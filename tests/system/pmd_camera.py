@@ -1,6 +1,9 @@
 """A PMD camera as docs/HARDWARE.md describes it: vendor requests, and one bulk message for each edge."""
 
+import array
+import random
 import struct
+import sys
 import threading
 import time
 
@@ -19,6 +22,9 @@ FREQUENCY_KHZ = (5_000, 100_000)
 INTEGRATION_US = (10, 5_000)
 GAP_S = 0.0001  # between samples
 IGNORED_EDGE = 1
+# The emulated sensor's, and its noise with ambient light: hal/emu/scenes/rig.h.
+DARK_LSB, NOISE_LSB = 112, 3.2
+DARK_PICTURES = 8
 
 
 class PmdCamera(triggered_camera.TriggeredCamera):
@@ -41,6 +47,7 @@ class PmdCamera(triggered_camera.TriggeredCamera):
             1, usbredir.interface_descriptor(0, 1, 0xFF, 0x50, 0x01, 2) + usbredir.bulk_descriptor(ENDPOINT, PACKET))
         self.committed = threading.Event()  # it streams
         self.stalled = False
+        self.darkness = []
 
     def powered(self):
         super().powered()
@@ -99,7 +106,21 @@ class PmdCamera(triggered_camera.TriggeredCamera):
         flags, self.ignored = IGNORED_EDGE if self.ignored else 0, False
         head = FRAME_FIELDS.pack(FRAME_MAGIC, FRAME_FIELDS.size, 1, self.sequence, *self.size, self.bits, flags,
                                  frequency, int(exposure.at * 1e9), *windows, 3150)
-        return bytearray(head + self.pictures[exposure.step % len(self.pictures)])
+        pictures = self.dark_pictures() if self.ailment == triggered_camera.DARK else self.pictures
+        return bytearray(head + pictures[self.step_of(exposure) % len(pictures)])
+
+    def dark_pictures(self):
+        """What the sensor collects without its lamp: noise about the dark level."""
+        if not self.darkness:
+            noise = random.Random(1)
+            count = SAMPLES * self.size[0] * self.size[1]
+            self.darkness = [array.array("H", (round(noise.gauss(DARK_LSB, NOISE_LSB)) for _ in range(count)))
+                             for _ in range(DARK_PICTURES)]
+            if sys.byteorder == "big":
+                for picture in self.darkness:
+                    picture.byteswap()
+            self.darkness = [picture.tobytes() for picture in self.darkness]
+        return self.darkness
 
     def control(self, kind, request, value, index, length, data):
         if kind == VENDOR_IN:

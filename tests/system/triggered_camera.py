@@ -10,6 +10,8 @@ import usbredir
 
 # What may happen to the picture of one edge: Fault(kind, seconds).
 DROP, DELAY, SHORT, CORRUPT = "drop", "delay", "short", "corrupt"
+# What may happen to all pictures for a while.
+FROZEN, DARK = "frozen", "dark"
 Fault = collections.namedtuple("Fault", "kind seconds", defaults=(0.0,))
 # at: seconds of time.monotonic(); settings: what the camera was told, as it holds for this exposure.
 Exposure = collections.namedtuple("Exposure", "step at ignored settings")
@@ -76,6 +78,9 @@ class TriggeredCamera(usbredir.Device):
         self.out_until = 0.0  # when the last picture was ready: what is held up holds up the next one
         self.generation = 0  # of the power: what was exposed before is not delivered
         self.faults = collections.deque()  # for the next exposures, None: none
+        self.ailment = None  # of all exposures until cure()
+        self.ails_since = None  # when the first picture was exposed that shows it, seconds of time.monotonic()
+        self.last_step = None  # of the last picture that was sent
         self.exposures = []
         self.delivered = 0
         self.overrun = 0  # ready before the guest had taken the one before
@@ -94,6 +99,23 @@ class TriggeredCamera(usbredir.Device):
     def fail_next(self, kind, seconds=0.0):
         with self.lock:
             self.faults.append(Fault(kind, seconds))
+
+    def fall_ill(self, ailment):
+        """FROZEN: pictures are the last one's again, under new numbers. DARK: a PMD camera's lamp has gone out."""
+        with self.lock:
+            self.ailment, self.ails_since = ailment, None
+
+    def cure(self):
+        with self.lock:
+            self.ailment = None
+
+    def step_of(self, exposure):
+        """The step whose picture is sent for this exposure. Called with the lock held."""
+        if self.ailment and self.ails_since is None:
+            self.ails_since = exposure.at
+        if self.ailment != FROZEN or self.last_step is None:
+            self.last_step = exposure.step
+        return self.last_step
 
     def powered(self):
         self.generation += 1

@@ -117,7 +117,7 @@ class UvcCamera(triggered_camera.TriggeredCamera):
                 return
         kind = fault.kind if fault else None
         name = self.formats[self.probe[1] - 1]
-        payload = self._payload(name, exposure.step % len(self.pictures))
+        payload = self._payload(name, self.step_of(exposure) % len(self.pictures))
         flags = END_OF_HEADER | END_OF_FRAME | self.frame_id | (ERROR if kind == triggered_camera.CORRUPT else 0)
         message = bytearray(payload)
         message[1] = flags

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <span>
 #include <string>
 
 #include <netinet/in.h>
+
+#include "posix/udp_socket.h"
 
 namespace stof::hal::linux {
 namespace {
@@ -75,11 +78,16 @@ std::optional<Peer> to_peer(const posix::SocketAddress& address) noexcept {
   if (address.family() == AF_INET) {
     sockaddr_in v4{};
     std::memcpy(&v4, &address.storage, sizeof v4);
-    std::ranges::copy(kMapped, peer.address.begin());
-    std::memcpy(&peer.address[kMapped.size()], &v4.sin_addr, sizeof v4.sin_addr);
+    const in6_addr mapped = posix::map_ipv4(v4.sin_addr);
+    std::memcpy(peer.address.data(), &mapped, peer.address.size());
     return peer;
   }
   return std::nullopt;
+}
+
+bool is_broadcast(const Peer& peer) noexcept {
+  const auto address = to_socket_address(peer, AF_INET);
+  return address && posix::UdpSocket(AF_INET).connect(*address) == EACCES;
 }
 
 }  // namespace stof::hal::linux

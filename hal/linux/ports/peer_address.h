@@ -21,4 +21,7 @@ std::optional<posix::SocketAddress> to_socket_address(const Peer& peer, int fami
 // None: neither IPv4 nor IPv6.
 std::optional<Peer> to_peer(const posix::SocketAddress& address) noexcept;
 
+// Of all hosts of one of this machine's networks: the system refuses to send there.
+bool is_broadcast(const Peer& peer) noexcept;
+
 }  // namespace stof::hal::linux

@@ -9,8 +9,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kMmPerMetre = 1000;
-
 WallPairOptions search_of(const CalibFolderOptions& options) {
   return {.min_disparity = options.min_disparity,
           .disparities = options.disparities,

@@ -10,6 +10,8 @@
 // own, which needs the packages of `scripts/setup calib`. Built without, the commands say so.
 namespace stof::host {
 
+inline constexpr double kMmPerMetre = 1000;
+
 struct CalibStereoOptions {
   std::filesystem::path target{};  // folder; this or planes
   std::filesystem::path planes{};

@@ -8,7 +8,6 @@
 namespace stof::host {
 namespace {
 
-constexpr double kMmPerMetre = 1000;
 constexpr double kUmPerMetre = 1e6;
 
 dsp::Calibration start_of(const CalibStereoOptions& options, StoredCalibration& stored) {

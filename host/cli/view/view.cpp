@@ -30,6 +30,7 @@ client::SubscriptionOptions subscription(ViewOptions& options) {
         meant_or_fail(options.keys, value_or_fail(client::read_user_keys(options.keys)),
                       options.sensor, {.device = options.device, .key_id = key_id_of(options.key)});
     terms.keys = meant.keys;
+    terms.reread = client::rereading(options.keys);
     options.device = meant.device;
   }
   return terms;
@@ -127,8 +128,11 @@ class View {
       say(advice);
     }
     if (frames_ < options_.frames || silent_) {
+      const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey;
       throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
-                                        " frames: check that stofd still runs");
+                                        " frames" +
+                                        (no_key ? silence(receiver_, options_.device)
+                                                : std::string(": check that stofd still runs")));
     }
   }
 

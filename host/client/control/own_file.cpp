@@ -76,7 +76,7 @@ std::unexpected<OpenError> refuse_file(Status status, const std::string& file,
 }
 
 std::expected<posix::Fd, OpenError> lock_own_file(const std::string& file) {
-  constexpr int kTries = 200;
+  constexpr int kTries = 40;
   constexpr auto kPause = std::chrono::milliseconds(50);
   if (file.empty()) {
     return refuse_file(Status::kDeviceError, "keys", kNoFile);

@@ -17,7 +17,7 @@ std::unexpected<OpenError> refuse_file(Status status, const std::string& file,
                                        std::string_view what);
 
 // Waits until no other program of the user changes the file: `file`.lock, open; the lock goes with
-// it. Makes the folder where there is none. kTimeout: one holds it for ten seconds; kDeviceError.
+// it. Makes the folder where there is none. kTimeout: one holds it for two seconds; kDeviceError.
 std::expected<posix::Fd, OpenError> lock_own_file(const std::string& file);
 
 // At most `most` bytes and one, wiped by the caller where they are secrets; none: there is no such

@@ -56,6 +56,19 @@ void RequestSigner::try_next_key() {
   }
 }
 
+void RequestSigner::take_renewed(const wire::KeyTable& keys) {
+  wire::KeyTable renewed;
+  for (wire::Key key : keys_.all()) {
+    const wire::Key* const there = keys.find(key.id);
+    if (there != nullptr && there->device == key.device) {
+      key.secret = there->secret;
+    }
+    static_cast<void>(renewed.add(key));
+    wire::wipe(key.secret);
+  }
+  keys_ = renewed;
+}
+
 void RequestSigner::note_highest(std::uint64_t highest) { counter_ = std::max(counter_, highest); }
 
 std::span<const std::byte> RequestSigner::seal(const wire::SettingsRequest& request,

@@ -37,6 +37,9 @@ class RequestSigner {
   bool drop_key();
   // The same, but behind the oldest the newest counts again: whoever refused it proved nothing.
   void try_next_key();
+  // A renewal by another program of the user: keys that are here get the secrets that they have
+  // there. None comes or goes.
+  void take_renewed(const wire::KeyTable& keys);
   // The sensor has taken counters up to there.
   void note_highest(std::uint64_t highest);
   // There is no higher counter: this key signs nothing more in this session.

@@ -135,6 +135,7 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
       hurry(now);
       break;
     case SubscribeResult::kUnknownKey:
+      reread_keys(now);
       state_ = State::kNoKey;
       next_ = now + kFullRepeat;
       hurried_ = false;
@@ -147,6 +148,16 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
     case SubscribeResult::kEnded:
     default:  // of a newer sensor
       break;
+  }
+}
+
+// Anybody can say that a key is unknown: the file is not read for each of them.
+void Subscription::reread_keys(Time now) {
+  if (signer_ && options_.reread && (!reread_ || now - *reread_ >= kFullRepeat)) {
+    reread_ = now;
+    if (const std::optional<wire::KeyTable> keys = options_.reread()) {
+      signer_->take_renewed(*keys);
+    }
   }
 }
 

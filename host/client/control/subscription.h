@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -20,6 +21,9 @@ struct SubscriptionOptions {
   // Subscribe only with one of the keys, to streams that are signed for this receiver alone.
   bool signed_streams = false;
   wire::KeyTable keys{};
+  // The user's keys as they are now, asked for where the sensor knows none of these, at most once a
+  // second: another program may have renewed one. None: they cannot be read. May be empty.
+  std::function<std::optional<wire::KeyTable>()> reread{};
 };
 
 // Decides what to send to one sensor, and when, so that its streams keep coming: asks every
@@ -82,6 +86,7 @@ class Subscription {
   // Whether an answer is believed; of signed streams also what it says of keys.
   bool judge(const wire::PacketView& packet, std::span<const std::byte> datagram,
              std::optional<wire::Subscribed>& answer);
+  void reread_keys(Time now);
   void hurry(Time now);
 
   SubscriptionOptions options_;
@@ -97,6 +102,7 @@ class Subscription {
   wire::StreamKey stream_key_;
   bool wants_key_ = false;  // another one than that
   std::optional<Time> renewed_;
+  std::optional<Time> reread_;
   Time asked_ = Time::min();  // the newest request
   Time key_asked_ = Time::min();
   std::uint32_t proven_key_ = 0;

@@ -50,6 +50,13 @@ std::expected<wire::KeyTable, OpenError> read_user_keys(const std::string& file)
   return keys;
 }
 
+std::function<std::optional<wire::KeyTable>()> rereading(const std::string& file) {
+  return [file]() -> std::optional<wire::KeyTable> {
+    const auto keys = read_user_keys(file);
+    return keys ? std::optional(*keys) : std::nullopt;
+  };
+}
+
 std::expected<void, OpenError> write_user_keys(const std::string& file,
                                                const wire::KeyTable& keys) {
   std::vector<char> space(wire::kMostKeyText);

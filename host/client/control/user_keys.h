@@ -2,6 +2,7 @@
 
 #include <expected>
 #include <functional>
+#include <optional>
 #include <string>
 
 #include "firmware/wire/keys/key_table.h"
@@ -18,12 +19,15 @@ std::string user_keys_file();
 // replace it; kCorrupt: damaged, or of a later version. One line, with what to do.
 std::expected<wire::KeyTable, OpenError> read_user_keys(const std::string& file);
 
+// Reads it again whenever it is called; none: it cannot be read.
+std::function<std::optional<wire::KeyTable>()> rereading(const std::string& file);
+
 // Replaces the file as a whole, with its folder where there is none; mode 0600 from its first byte.
 // kDeviceError.
 std::expected<void, OpenError> write_user_keys(const std::string& file, const wire::KeyTable& keys);
 
 // Gives the file other keys, made of those that are in it, while no other program of the user does
-// the same: waits for those (`file`.lock). kTimeout: one holds it for ten seconds; and as the
+// the same: waits for those (`file`.lock). kTimeout: one holds it for two seconds; and as the
 // others, and as `change`.
 using ChangeKeys = std::function<std::expected<wire::KeyTable, OpenError>(const wire::KeyTable&)>;
 std::expected<void, OpenError> update_user_keys(const std::string& file, const ChangeKeys& change);

@@ -3,7 +3,7 @@
 
 namespace stof::host {
 
-void add_scenes(const Study& study, Page& page) {
+void add_scenes(Study& study, Page& page) {
   page.begin_section("scenes", "Scenes and measures");
   Table table{.caption = "Disparities in px of the left picture",
               .header = {"Scene", "size, px", "candidates", "truth from", "to", "% with truth",

@@ -239,7 +239,7 @@ void add_methods(Study& study, Page& page) {
        .verdict = verdict_of(findings.ssd_not_better, findings.ssd_judged)});
 }
 
-void add_block_time(const Study& study, Page& page) {
+void add_block_time(Study& study, Page& page) {
   constexpr double kFlat = 1.5;
   struct Size {
     int width;

@@ -42,6 +42,20 @@ TEST(LeaseTable, TakesFourAndRenewsTheseWhileFull) {
   EXPECT_TRUE(subscribers.subscribe(peer(5), 3s, kStart + 3s));
 }
 
+// A receiver that asks at another address of the sensor is the same one, and has its stream from
+// there.
+TEST(LeaseTable, AStreamComesFromTheAddressThatWasAskedLast) {
+  LeaseTable subscribers;
+  hal::Peer robot = peer(1);
+  EXPECT_TRUE(subscribers.subscribe(robot, 3s, kStart));
+  const ReceiverList before = subscribers.list();
+  robot.own[15] = 7;
+  EXPECT_TRUE(subscribers.subscribe(robot, 3s, kStart));
+  EXPECT_EQ(subscribers.count(), 1U);
+  EXPECT_EQ(subscribers.list().peers[0].own, robot.own);
+  EXPECT_FALSE(subscribers.list() == before) << "the loop would not be told";
+}
+
 TEST(LeaseTable, OneHostNeverHasAllPlaces) {
   LeaseTable subscribers;
   for (std::uint16_t port = 1; port <= 3; ++port) {

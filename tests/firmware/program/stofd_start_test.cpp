@@ -109,7 +109,15 @@ TEST_F(StofdStart, APortThatIsTakenIsReplaced) {
 }
 
 TEST_F(StofdStart, ALineOfTheCommandLineThatIsNoneEndsItWithCodeTwo) {
-  EXPECT_EQ(run_stofd(small({"--serial", "/dev/nope"})).code, 2);
+  for (const std::vector<std::string>& wrong : {std::vector<std::string>{"--serial", "/dev/nope"},
+                                                {"--to", "127.0.0.1:9", "--to", "127.0.0.1:10"},
+                                                {"--device", "0"},
+                                                {"--to", "255.255.255.255:9"},
+                                                {"--to", "127.255.255.255:9"}}) {
+    const Ended ended = run_stofd(small(wrong));
+    EXPECT_EQ(ended.code, 2) << wrong.back();
+    EXPECT_EQ(std::ranges::count(ended.error, '\n'), 1) << ended.error;
+  }
 }
 
 TEST_F(StofdStart, WhatIsNoRegularFileIsLeftAlone) {
@@ -213,6 +221,8 @@ TEST_F(StofdStart, EachDocumentHasAFileOfItsOwn) {
       {"--settings", settings, "--keys", settings + ".trial"},
       {"--settings", settings, "--keys", settings + ".limits"},
       {"--label", path("label"), "--keys", path("label")},
+      {"--keys", path("keys"), "--port-file", path("keys")},
+      {"--settings", settings, "--port-file", settings + ".good"},
       {"--label", path("zeros")}};
   for (const auto& arguments : clashes) {
     const Ended ended = run_stofd(small(arguments));

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstring>
 #include <string>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -12,98 +13,10 @@
 #include "firmware/settings/fields/presets.h"
 #include "firmware/settings/saved_settings.h"
 #include "hal/emu/devices/store.h"
+#include "tests/firmware/settings/settings_server_fixture.h"
 
 namespace stof::settings {
 namespace {
-
-using Operation = wire::SettingsOperation;
-using Document = wire::SettingsDocument;
-using Result = wire::SettingsResult;
-
-class Board final : public Limits, public SettingsSink {
- public:
-  bool accepts(const Settings& settings, PagedWriter& why) noexcept override {
-    if (settings.depth.disparities > 128) {
-      why << "too many disparities";
-      return false;
-    }
-    return true;
-  }
-  bool apply(const Settings& settings, std::uint32_t revision) noexcept override {
-    if (busy) {
-      return false;
-    }
-    applied = settings;
-    applied_revision = revision;
-    ++applications;
-    return true;
-  }
-
-  bool busy = false;
-  Settings applied{};
-  std::uint32_t applied_revision = 0;
-  int applications = 0;
-};
-
-struct Answer {
-  Result result;
-  std::string text;
-  wire::SettingsAnswer fields;
-};
-
-class SettingsServerTest : public testing::Test {
- protected:
-  Answer ask(Operation operation, const std::string& text = "", Document document = {},
-             std::uint16_t offset = 0, std::size_t room = 1024) {
-    std::vector<std::byte> space(room);
-    std::size_t bytes = 0;
-    const wire::SettingsAnswer answer =
-        server_.serve({.operation = operation, .document = document, .offset = offset},
-                      std::as_bytes(std::span(text)),
-                      {.peer = peer_, .now = now_, .access = access_}, space, bytes);
-    EXPECT_LE(bytes, room);
-    std::string said(bytes, '\0');
-    std::transform(space.begin(), space.begin() + static_cast<std::ptrdiff_t>(bytes), said.begin(),
-                   [](std::byte byte) { return static_cast<char>(byte); });
-    return {answer.result, said, answer};
-  }
-
-  std::string read(Document document, std::size_t room = 1024) {
-    std::string text;
-    while (true) {
-      const Answer part =
-          ask(Operation::kGet, "", document, static_cast<std::uint16_t>(text.size()), room);
-      EXPECT_EQ(part.result, Result::kOk);
-      text += part.text;
-      if (part.text.empty() || text.size() >= part.fields.total) {
-        EXPECT_EQ(text.size(), part.fields.total);
-        return text;
-      }
-    }
-  }
-
-  Settings settings_of(Document document) {
-    Settings settings;
-    std::array<char, kWhyBytes> space;
-    PagedWriter why(space);
-    EXPECT_TRUE(parse(read(document), settings, why)) << why.text();
-    return settings;
-  }
-
-  hal::emu::Store store_;
-  hal::emu::Store good_;
-  hal::emu::Store trial_;
-  hal::emu::Store fixed_;
-  firmware::ChangeRing changes_;
-  Board board_;
-  hal::Peer peer_{.address = {1, 2, 3}, .port = 4};
-  hal::Time now_{std::chrono::seconds(1)};
-  firmware::Access access_ = firmware::Access::kAdmin;
-  SettingsServer server_{
-      Settings{},
-      Settings{},
-      {.limits = board_, .sink = board_, .store = &store_, .fixed = &fixed_, .changes = &changes_}};
-};
 
 TEST_F(SettingsServerTest, GivesDocumentsInPartsOfAnySize) {
   const std::string whole = read(Document::kSchema, 65'535);
@@ -228,45 +141,6 @@ TEST_F(SettingsServerTest, BusyChangesNothing) {
   EXPECT_EQ(server_.active().name.view(), "b");
 }
 
-TEST_F(SettingsServerTest, StagedFieldsBecomeActiveTogetherAndAreSaved) {
-  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "period_ms": 50})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kStage, R"({"name": "b"})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kStage, R"({"name": "c", "x": 1})").result, Result::kInvalid);
-  EXPECT_EQ(server_.active(), Settings{});
-  EXPECT_EQ(settings_of(Document::kStaged).name.view(), "b");
-  // What is set meanwhile and not staged stays.
-  EXPECT_EQ(ask(Operation::kSet, R"({"depth": {"temporal": true}})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kCommit).fields.revision, 3U);
-  EXPECT_EQ(server_.active().name.view(), "b");
-  EXPECT_EQ(server_.active().period_ms, 50);
-  EXPECT_TRUE(server_.active().depth.temporal);
-  EXPECT_EQ(settings_of(Document::kSaved), server_.active());
-  EXPECT_EQ(board_.applications, 2);
-  EXPECT_EQ(store_.saves(), 1);
-  // A repeated commit finds nothing staged, and does not write again.
-  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
-  EXPECT_EQ(store_.saves(), 1);
-}
-
-TEST_F(SettingsServerTest, FieldsThatNeedEachOtherMayBeStagedOneByOne) {
-  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"prefilter": "off"}}})").result,
-            Result::kOk);
-  const Answer refused = ask(Operation::kCommit);
-  EXPECT_EQ(refused.result, Result::kInvalid);
-  EXPECT_EQ(server_.active(), Settings{});
-  EXPECT_EQ(store_.saves(), 0);
-  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"texture": "off"}}})").result,
-            Result::kOk);
-  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
-}
-
-TEST_F(SettingsServerTest, RevertForgetsWhatIsStaged) {
-  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a"})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
-  EXPECT_EQ(settings_of(Document::kStaged), Settings{});
-  EXPECT_EQ(ask(Operation::kCommit).fields.revision, 1U);
-}
-
 TEST_F(SettingsServerTest, PresetsOfOnePlaceUndoEachOther) {
   for (const SettingsPreset& preset : presets()) {
     EXPECT_EQ(ask(Operation::kReset).result, Result::kOk);
@@ -379,38 +253,6 @@ TEST_F(SettingsServerTest, TellsWhoChangedThem) {
   }
 }
 
-// Another's commit, an admin's even, brings nothing into force that he could not have set.
-TEST_F(SettingsServerTest, NobodyStagesWhatHeMayNotSet) {
-  access_ = firmware::Access::kTune;
-  for (const char* const json :
-       {R"({"serial": {"remote": true}})", R"({"limits": {"streams": "none"}})",
-        R"({"depth": {"max_range_mm": 600}})", R"({"name": "x", "udp": {"port": 68}})"}) {
-    EXPECT_EQ(ask(Operation::kStage, json).result, Result::kDenied) << json;
-  }
-  EXPECT_EQ(settings_of(Document::kStaged), Settings{});
-  // A whole document that changes only what is his is no refusal, and stages nothing else.
-  EXPECT_EQ(ask(Operation::kStage, R"({"name": "a", "limits": {"streams": "keep"}})").result,
-            Result::kOk);
-  access_ = firmware::Access::kAdmin;
-  EXPECT_EQ(ask(Operation::kSet, R"({"limits": {"streams": "fixed"}})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
-  EXPECT_EQ(server_.active().name.view(), "a");
-  EXPECT_EQ(server_.active().limits.streams, StreamLimit::kFixed);
-}
-
-TEST_F(SettingsServerTest, WhatWasStagedStaysWithinTheLimitsThatCameSince) {
-  access_ = firmware::Access::kTune;
-  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"max_range_mm": 2000}})").result, Result::kOk);
-  access_ = firmware::Access::kAdmin;
-  EXPECT_EQ(ask(Operation::kSet, R"({"limits": {"least_range_mm": 3000}})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kCommit).result, Result::kDenied);
-  EXPECT_EQ(server_.active().depth.max_range_mm, 10'000);
-  // What the admin stages himself is his.
-  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"max_range_mm": 2500}})").result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
-  EXPECT_EQ(server_.active().depth.max_range_mm, 2500);
-}
-
 TEST_F(SettingsServerTest, SavesOverWhatTheStartCouldNotUse) {
   SettingsServer server({}, {},
                         {.limits = board_, .sink = board_, .store = &store_, .dropped = true});
@@ -460,15 +302,6 @@ TEST_F(SettingsServerTest, RequestsThatNameWhatLeftAreTakenAndTold) {
   EXPECT_EQ(commit.result, Result::kOk);
   EXPECT_EQ(commit.text,
             "depth.match.block: sums of such blocks do not fit 16 bits: as the preset has it");
-}
-
-TEST_F(SettingsServerTest, WhatIsRevertedHasNotFallenBack) {
-  EXPECT_EQ(ask(Operation::kStage, R"({"depth": {"match": {"method": "dp"}}})").text,
-            "depth.match.method: not in this version: as the preset has it");
-  EXPECT_FALSE(server_.fell_back());
-  EXPECT_EQ(ask(Operation::kRevert).result, Result::kOk);
-  EXPECT_EQ(ask(Operation::kCommit).result, Result::kOk);
-  EXPECT_FALSE(server_.fell_back());
 }
 
 TEST(DepthOfSettings, IsThePresetAndWhatChangesIt) {

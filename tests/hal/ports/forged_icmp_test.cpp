@@ -1,26 +1,20 @@
 #include <array>
 #include <chrono>
 #include <cstdint>
-#include <cstring>
-#include <functional>
 #include <span>
 #include <vector>
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
-#include <net/if.h>
 #include <netinet/ip.h>
 #include <netinet/ip_icmp.h>
 #include <netinet/udp.h>
-#include <sched.h>
-#include <sys/ioctl.h>
 #include <sys/socket.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include "hal/linux/ports/udp_port.h"
 #include "posix/fd.h"
 #include "tests/support/loopback.h"
+#include "tests/support/own_network.h"
 #include "tests/support/udp_abilities.h"
 
 // Answers of the network that a stranger makes up.
@@ -29,25 +23,6 @@ namespace {
 
 using hal::Peer;
 using hal::linux::UdpPort;
-
-constexpr int kSkipped = 77;
-
-// Runs it in a child with a network of its own, which is a loopback interface alone: what it does
-// to the system's routes stays there. Needs to be root; kSkipped where it may not.
-int in_own_network(const std::function<int()>& body) {
-  const pid_t child = fork();
-  if (child == 0) {
-    ifreq loopback{};
-    std::strncpy(loopback.ifr_name, "lo", IFNAMSIZ - 1);
-    loopback.ifr_flags = IFF_UP | IFF_RUNNING;
-    const posix::Fd any(unshare(CLONE_NEWNET) == 0 ? socket(AF_INET, SOCK_DGRAM, 0) : -1);
-    const bool up = any.is_open() && ioctl(any.get(), SIOCSIFFLAGS, &loopback) == 0;
-    _exit(up ? body() : kSkipped);
-  }
-  int status = 0;
-  waitpid(child, &status, 0);
-  return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
 
 std::uint16_t internet_checksum(const std::vector<std::uint8_t>& bytes) {
   std::uint32_t sum = 0;

@@ -109,6 +109,31 @@ TEST(UdpPort, AnswersIpv6AndIpv4FromOnePort) {
   EXPECT_EQ(send(*four, local6(sensor->port()), "no way"), Status::kDeviceError);
 }
 
+// All of 127.0.0.0/8 are addresses of this machine.
+TEST(UdpPort, AnswersFromTheAddressThatWasAsked) {
+  if (!tells_own_address()) {
+    GTEST_SKIP() << "this system does not tell where a datagram was sent to";
+  }
+  const auto robot = open_port();
+  for (const bool ipv4_only : {false, true}) {
+    const auto sensor = open_port({.ipv4_only = ipv4_only, .streams = true});
+    const Peer asked{.address = hal::from_ipv4(127, 0, 0, 5), .port = sensor->port()};
+    ASSERT_EQ(send(*robot, asked, "hello"), Status::kOk);
+    const Heard heard = receive(*sensor);
+    EXPECT_EQ(heard.from.own, asked.address);
+    ASSERT_EQ(send(*sensor, heard.from, "answer"), Status::kOk);
+    EXPECT_EQ(receive(*robot).from, asked);
+    const std::span<const std::byte> frame = std::as_bytes(std::span("frame"));
+    std::size_t sent = 0;
+    ASSERT_EQ(sensor->stream(2, heard.from, std::span(&frame, 1), sent), Status::kOk);
+    EXPECT_EQ(receive(*robot).from, asked);
+    // Of an address that this machine has not, or not any more.
+    Peer gone = heard.from;
+    gone.own = hal::from_ipv4(192, 0, 2, 1);
+    EXPECT_EQ(send(*sensor, gone, "answer"), Status::kDeviceError);
+  }
+}
+
 // Whoever forges the broadcast address as his own must not have streams sent to a whole network.
 TEST(UdpPort, SendsToAllHostsOnlyWhereItWasAskedTo) {
   const Peer all{.address = hal::from_ipv4(127, 255, 255, 255), .port = 9};

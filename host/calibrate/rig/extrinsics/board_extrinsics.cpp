@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
 #include "dsp/calib/stereo/rectification.h"
+#include "host/calibrate/rig/fit_covariance.h"
 #include "host/calibrate/rig/target/board_pose.h"
+#include "host/calibrate/rig/target/corner_refiner.h"
 
 namespace stof::host {
 namespace {
@@ -161,35 +162,13 @@ class BoardProblem {
   double view_misfit(std::size_t n) { return rms_of(problem_, of_view_[n]); }
 
   std::optional<Eigen::Matrix<double, 6, 6>> covariance() {
-    ceres::Problem::EvaluateOptions options;
-    options.apply_loss_function = false;
-    options.parameter_blocks = {pose_.data()};
+    std::vector<double*> unknowns{pose_.data()};
     for (PoseUnknowns& board : boards_) {
-      options.parameter_blocks.push_back(board.data());
+      unknowns.push_back(board.data());
     }
-    ceres::CRSMatrix jacobian;
-    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
-      return std::nullopt;
-    }
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-    for (int row = 0; row < jacobian.num_rows; ++row) {
-      for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
-        for (int b = jacobian.rows[index(row)]; b < jacobian.rows[index(row) + 1]; ++b) {
-          normal(jacobian.cols[index(a)], jacobian.cols[index(b)]) +=
-              jacobian.values[index(a)] * jacobian.values[index(b)];
-        }
-      }
-    }
-    const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * normal * scale.asDiagonal());
-    if (!scale.allFinite() || cholesky.info() != Eigen::Success) {
-      return std::nullopt;
-    }
-    const Eigen::MatrixXd inverse =
-        scale.asDiagonal() *
-        cholesky.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols())) *
-        scale.asDiagonal();
-    return Eigen::Matrix<double, 6, 6>(inverse.topLeftCorner<6, 6>());
+    const std::optional<Eigen::MatrixXd> all = fit_covariance(problem_, unknowns);
+    return all ? std::optional<Eigen::Matrix<double, 6, 6>>(all->topLeftCorner<6, 6>())
+               : std::nullopt;
   }
 
  private:
@@ -307,6 +286,8 @@ std::vector<PixelPoint> corners_in_amplitude(const dataset::Image<float>& amplit
       corners.push_back({(p.u + 0.5) / kEnlarged - 0.5, (p.v + 0.5) / kEnlarged - 0.5});
     }
   }
+  // Enlarging invents nothing: where a corner is, the picture itself tells.
+  refine_corners(amplitude, board, corners);
   return corners;
 }
 

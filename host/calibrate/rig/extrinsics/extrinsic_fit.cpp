@@ -9,13 +9,12 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
-#include "dsp/base/index.h"
+#include "host/calibrate/rig/fit_covariance.h"
 #include "host/text/printed.h"
 
 namespace stof::host {
 namespace {
 
-using dsp::index;
 using Wall = std::array<double, 3>;
 
 constexpr std::size_t kFewestWalls = 3;
@@ -180,33 +179,16 @@ class ExtrinsicProblem {
   }
 
   bool put_covariance(ExtrinsicFit& fit) {
-    ceres::Problem::EvaluateOptions options;
-    options.parameter_blocks = {pose_.data(), &offset_};
+    std::vector<double*> unknowns{pose_.data(), &offset_};
     for (Wall& wall : walls_) {
-      options.parameter_blocks.push_back(wall.data());
+      unknowns.push_back(wall.data());
     }
-    ceres::CRSMatrix jacobian;
-    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
-      return false;
+    const std::optional<Eigen::MatrixXd> covariance = fit_covariance(problem_, unknowns);
+    if (covariance) {
+      fit.covariance = covariance->topLeftCorner<6, 6>();
+      fit.offset_sigma_m = std::sqrt((*covariance)(6, 6));
     }
-    Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(jacobian.num_rows, jacobian.num_cols);
-    for (int row = 0; row < jacobian.num_rows; ++row) {
-      for (int k = jacobian.rows[index(row)]; k < jacobian.rows[index(row) + 1]; ++k) {
-        dense(row, jacobian.cols[index(k)]) = jacobian.values[index(k)];
-      }
-    }
-    const Eigen::VectorXd scale = dense.colwise().norm().cwiseInverse();
-    dense = dense * scale.asDiagonal();
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(dense.transpose() * dense);
-    if (!scale.allFinite() || cholesky.info() != Eigen::Success) {
-      return false;
-    }
-    const Eigen::MatrixXd covariance =
-        scale.asDiagonal() * cholesky.solve(Eigen::MatrixXd::Identity(dense.cols(), dense.cols())) *
-        scale.asDiagonal();
-    fit.covariance = covariance.topLeftCorner<6, 6>();
-    fit.offset_sigma_m = std::sqrt(covariance(6, 6));
-    return true;
+    return covariance.has_value();
   }
 
   Matrix3 start_;

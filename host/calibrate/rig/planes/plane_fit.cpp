@@ -2,15 +2,12 @@
 
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <ceres/ceres.h>
 
-#include "dsp/base/index.h"
+#include "host/calibrate/rig/fit_covariance.h"
 
 namespace stof::host {
 namespace {
-
-using dsp::index;
 
 constexpr std::size_t kWallUnknowns = 3;  // nearer or farther, m; slopes along columns and rows
 using Wall = std::array<double, kWallUnknowns>;
@@ -114,33 +111,11 @@ class PlaneProblem {
 
   // Of all unknowns, x first.
   std::optional<Eigen::MatrixXd> covariance() {
-    ceres::Problem::EvaluateOptions options;
-    options.apply_loss_function = false;
-    options.parameter_blocks = {x_.data()};
+    std::vector<double*> unknowns{x_.data()};
     for (Wall& wall : walls_) {
-      options.parameter_blocks.push_back(wall.data());
+      unknowns.push_back(wall.data());
     }
-    ceres::CRSMatrix jacobian;
-    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
-      return std::nullopt;
-    }
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-    for (int row = 0; row < jacobian.num_rows; ++row) {
-      for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
-        for (int b = jacobian.rows[index(row)]; b < jacobian.rows[index(row) + 1]; ++b) {
-          normal(jacobian.cols[index(a)], jacobian.cols[index(b)]) +=
-              jacobian.values[index(a)] * jacobian.values[index(b)];
-        }
-      }
-    }
-    const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-    const Eigen::LLT<Eigen::MatrixXd> cholesky(scale.asDiagonal() * normal * scale.asDiagonal());
-    if (!scale.allFinite() || cholesky.info() != Eigen::Success) {
-      return std::nullopt;
-    }
-    const Eigen::MatrixXd inverse =
-        cholesky.solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
-    return Eigen::MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
+    return fit_covariance(problem_, unknowns);
   }
 
  private:

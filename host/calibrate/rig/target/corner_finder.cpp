@@ -9,6 +9,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
+#include "host/calibrate/rig/target/corner_refiner.h"
 #include "host/calibrate/rig/target/marker_finder.h"
 
 namespace stof::host {
@@ -203,6 +204,7 @@ std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture
   for (const cv::Point2f& corner : grid.corners) {
     found.corners.push_back({static_cast<double>(corner.x), static_cast<double>(corner.y)});
   }
+  refine_corners(picture, board, found.corners);
   found.blur_px = edge_blur(picture, board, found.corners);
   return found;
 }

@@ -32,9 +32,9 @@ struct FoundBoard {
   double blur_px = 0;
 };
 
-// Finds the board by OpenCV. A chessboard is found where it is seen whole, a board with markers in
-// part (marker_finder.h); else none. Corners of smeared or noisy pictures are those that OpenCV
-// gives: blur_px tells how much they are worth.
+// Finds the board by OpenCV, and where its corners are by corner_refiner.h. A chessboard is found
+// where it is seen whole, a board with markers in part (marker_finder.h); else none. blur_px tells
+// how much the corners of a smeared picture are worth.
 std::optional<FoundBoard> find_board(const dataset::Image<std::uint8_t>& picture,
                                      const Board& board);
 

@@ -8,6 +8,7 @@
 #include <opencv2/imgproc.hpp>
 
 #include "dsp/base/index.h"
+#include "host/calibrate/rig/target/corner_refiner.h"
 
 namespace stof::host {
 namespace {
@@ -274,6 +275,7 @@ std::optional<FoundBoard> find_marked_board(const dataset::Image<std::uint8_t>& 
   if (!enough(board, found.corners)) {
     return std::nullopt;
   }
+  refine_corners(picture, board, found.corners);
   found.blur_px = edge_blur(picture, board, found.corners);
   return found;
 }

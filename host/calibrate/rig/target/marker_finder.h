@@ -5,8 +5,8 @@
 
 #include "host/calibrate/rig/target/corner_finder.h"
 
-// Boards with markers, by OpenCV's module aruco: it tells which corner is which, cornerSubPix where
-// it is.
+// Boards with markers, by OpenCV's module aruco: it tells which corner is which, corner_refiner.h
+// where it is.
 namespace stof::host {
 
 // Whether each cell of a marker is black: its border, then its bits, row by row. Cells a side:

@@ -4,22 +4,18 @@
 #include <cmath>
 #include <memory>
 
-#include <Eigen/Eigenvalues>
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
-#include "dsp/base/index.h"
+#include "host/calibrate/rig/fit_covariance.h"
 #include "host/calibrate/rig/target/board_pose.h"
 
 namespace stof::host {
 namespace {
 
-using dsp::index;
-
 // A corner that is off by more counts less: finders sometimes take the wrong one.
 constexpr double kHuberPx = 1;
 constexpr int kMostSteps = 200;
-constexpr double kLargestCondition = 1e14;  // of the scaled normal equations
 
 template <typename T>
 std::array<T, 3> moved(const T* pose, const std::array<T, 3>& point) {
@@ -109,48 +105,17 @@ class PairProblem {
 
   const Unknowns& unknowns() const { return unknowns_; }
 
-  // Inverse normal equations of the rig's unknowns, per variance of a coordinate. None: singular.
-  std::optional<Eigen::MatrixXd> inverse_normal() {
-    ceres::Problem::EvaluateOptions options;
-    options.apply_loss_function = false;
-    options.parameter_blocks = {unknowns_.left.data(), unknowns_.right.data(),
-                                unknowns_.left_to_right.data()};
+  // Of the rig's unknowns, then the boards', per variance of a coordinate. None: singular.
+  std::optional<Eigen::MatrixXd> covariance() {
+    std::vector<double*> unknowns{unknowns_.left.data(), unknowns_.right.data(),
+                                  unknowns_.left_to_right.data()};
     for (PoseUnknowns& pose : unknowns_.boards) {
-      options.parameter_blocks.push_back(pose.data());
+      unknowns.push_back(pose.data());
     }
-    ceres::CRSMatrix jacobian;
-    if (!problem_.Evaluate(options, nullptr, nullptr, nullptr, &jacobian)) {
-      return std::nullopt;
-    }
-    Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(jacobian.num_cols, jacobian.num_cols);
-    for (int row = 0; row < jacobian.num_rows; ++row) {
-      for (int a = jacobian.rows[index(row)]; a < jacobian.rows[index(row) + 1]; ++a) {
-        for (int b = jacobian.rows[index(row)]; b < jacobian.rows[index(row) + 1]; ++b) {
-          normal(jacobian.cols[index(a)], jacobian.cols[index(b)]) +=
-              jacobian.values[index(a)] * jacobian.values[index(b)];
-        }
-      }
-    }
-    return inverse(normal);
+    return fit_covariance(problem_, unknowns);
   }
 
  private:
-  static std::optional<Eigen::MatrixXd> inverse(const Eigen::MatrixXd& normal) {
-    const Eigen::VectorXd scale = normal.diagonal().cwiseSqrt().cwiseInverse();
-    if (!scale.allFinite()) {
-      return std::nullopt;  // nothing depends on one of the unknowns
-    }
-    const Eigen::MatrixXd scaled = scale.asDiagonal() * normal * scale.asDiagonal();
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled);
-    const Eigen::VectorXd& values = solver.eigenvalues();
-    if (!(values(0) * kLargestCondition > values(values.size() - 1))) {
-      return std::nullopt;
-    }
-    const Eigen::MatrixXd inverse = solver.eigenvectors() * values.cwiseInverse().asDiagonal() *
-                                    solver.eigenvectors().transpose();
-    return Eigen::MatrixXd(scale.asDiagonal() * inverse * scale.asDiagonal());
-  }
-
   void hold(LensUnknowns& lens, const PairFitOptions& options) {
     std::vector<int> held;
     if (!options.tangential) {
@@ -277,10 +242,10 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
     fit.cost += sum_of_squares(fit.residuals[n].left) + sum_of_squares(fit.residuals[n].right);
     coordinates += coordinates_of(views[n]);
   }
-  const std::optional<Eigen::MatrixXd> inverse = problem.inverse_normal();
+  const std::optional<Eigen::MatrixXd> covariance = problem.covariance();
   const auto unknown_count =
       static_cast<double>(fitted_unknowns(options).size() + kPoseUnknowns * views.size());
-  if (!inverse || !(coordinates > unknown_count)) {
+  if (!covariance || !(coordinates > unknown_count)) {
     return std::nullopt;
   }
   const double variance = fit.cost / (coordinates - unknown_count);
@@ -290,7 +255,7 @@ std::optional<PairFit> fit_pair(const Board& board, const std::vector<PairView>&
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     for (std::size_t j = 0; j < fitted.size(); ++j) {
       fit.covariance(fitted[i], fitted[j]) =
-          variance * (*inverse)(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+          variance * (*covariance)(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
     }
   }
   return fit;

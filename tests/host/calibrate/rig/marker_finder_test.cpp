@@ -14,6 +14,7 @@ namespace {
 using test::board_at;
 using test::Gaussian;
 using test::PlaneCamera;
+using test::print_of;
 
 Board named(const char* text) {
   const dataset::Loaded<Board> board = board_named(text);
@@ -24,30 +25,6 @@ Board named(const char* text) {
 const PlaneCamera& camera() {
   static const PlaneCamera left(test::true_pair().left);
   return left;
-}
-
-// As printed, grey around the sheet. turned: each tag stands on its head.
-test::Texture print_of(const Board& board, bool turned = false) {
-  const std::optional<BoardPicture> made = picture_of(board);
-  EXPECT_TRUE(made);
-  const double pixel_m = made->pixel_mm / 1000;
-  const bool tags = board.kind == Board::Kind::kAprilGrid;
-  const double before = board.square_m * (1 + (tags ? board.share : 1));  // of the first corner
-  return [=, picture = made->picture](double x, double y) {
-    const double step = board.square_m * (1 + board.share);
-    if (turned) {
-      const double in_x = x - std::floor(x / step) * step;
-      const double in_y = y - std::floor(y / step) * step;
-      if (in_x < board.square_m && in_y < board.square_m) {
-        x += board.square_m - 2 * in_x;
-        y += board.square_m - 2 * in_y;
-      }
-    }
-    const int u = static_cast<int>(std::floor((x + before) / pixel_m));
-    const int v = static_cast<int>(std::floor((y + before) / pixel_m));
-    const bool on = u >= 0 && v >= 0 && u < picture.width && v < picture.height;
-    return on ? 30 + picture.view().at(u, v) * 180.0 / 255 : 100.0;
-  };
 }
 
 struct Off {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "dsp/calib/pmd/ray_table.h"
+#include "host/calibrate/rig/target/target_sheet.h"
 
 namespace stof::host::test {
 namespace {
@@ -45,6 +47,31 @@ Texture chessboard(const Board& board) {
   };
 }
 
+Texture print_of(const Board& board, bool turned) {
+  const std::optional<BoardPicture> made = picture_of(board);
+  if (!made) {
+    return {};
+  }
+  const double pixel_m = made->pixel_mm / 1000;
+  const bool tags = board.kind == Board::Kind::kAprilGrid;
+  const double before = board.square_m * (1 + (tags ? board.share : 1));  // of the first corner
+  return [=, picture = made->picture](double x, double y) {
+    const double step = board.square_m * (1 + board.share);
+    if (turned) {
+      const double in_x = x - std::floor(x / step) * step;
+      const double in_y = y - std::floor(y / step) * step;
+      if (in_x < board.square_m && in_y < board.square_m) {
+        x += board.square_m - 2 * in_x;
+        y += board.square_m - 2 * in_y;
+      }
+    }
+    const int u = static_cast<int>(std::floor((x + before) / pixel_m));
+    const int v = static_cast<int>(std::floor((y + before) / pixel_m));
+    const bool on = u >= 0 && v >= 0 && u < picture.width && v < picture.height;
+    return on ? 30 + picture.view().at(u, v) * 180.0 / 255 : 100.0;
+  };
+}
+
 Texture blotches(std::uint64_t seed) {
   return [seed](double x, double y) {
     return 40 + 110 * noise_at(x / 0.006, y / 0.006, seed) +
@@ -52,13 +79,13 @@ Texture blotches(std::uint64_t seed) {
   };
 }
 
-PlaneCamera::PlaneCamera(const dsp::Pinhole& lens) : lens_(lens) {
+PlaneCamera::PlaneCamera(const dsp::Pinhole& lens, int samples) : lens_(lens), samples_(samples) {
   for (int v = 0; v < lens.height; ++v) {
     for (int u = 0; u < lens.width; ++u) {
-      for (int j = 0; j < kSamples; ++j) {
-        for (int i = 0; i < kSamples; ++i) {
+      for (int j = 0; j < samples; ++j) {
+        for (int i = 0; i < samples; ++i) {
           const std::array<double, 3> ray =
-              dsp::unit_ray(lens, u + (i + 0.5) / kSamples - 0.5, v + (j + 0.5) / kSamples - 0.5);
+              dsp::unit_ray(lens, u + (i + 0.5) / samples - 0.5, v + (j + 0.5) / samples - 0.5);
           rays_.push_back(
               {static_cast<float>(ray[0] / ray[2]), static_cast<float>(ray[1] / ray[2])});
         }
@@ -77,7 +104,7 @@ dataset::Image<std::uint8_t> PlaneCamera::picture(const PoseUnknowns& plane_to_c
   auto ray = rays_.begin();
   for (float& pixel : sharp.pixels) {
     double sum = 0;
-    for (int k = 0; k < kSamples * kSamples; ++k, ++ray) {
+    for (int k = 0; k < samples_ * samples_; ++k, ++ray) {
       const Vector3 direction(static_cast<double>((*ray)[0]), static_cast<double>((*ray)[1]), 1);
       const double z = normal.dot(origin) / normal.dot(direction);
       if (!(z > 0)) {
@@ -87,7 +114,7 @@ dataset::Image<std::uint8_t> PlaneCamera::picture(const PoseUnknowns& plane_to_c
       const Vector3 on_plane = turn.transpose() * (z * direction - origin);
       sum += texture(on_plane.x(), on_plane.y());
     }
-    pixel = static_cast<float>(sum / (kSamples * kSamples));
+    pixel = static_cast<float>(sum / (samples_ * samples_));
   }
   dataset::Image<std::uint8_t> made(lens_.width, lens_.height);
   for (int v = 0; v < lens_.height; ++v) {

@@ -15,13 +15,17 @@ using Texture = std::function<double(double x, double y)>;
 
 // A chessboard with a square of white around it, grey elsewhere. The axes are those of Board.
 Texture chessboard(const Board& board);
+// A board with markers as `stof calib target` prints it, grey around the sheet. turned: each tag
+// stands on its head.
+Texture print_of(const Board& board, bool turned = false);
 // Blotches of two sizes, the same everywhere for the same seed.
 Texture blotches(std::uint64_t seed);
 
 // Renders through one lens, several planes after another.
 class PlaneCamera {
  public:
-  explicit PlaneCamera(const dsp::Pinhole& lens);
+  // samples: rays a side of a pixel. 3 tell the place of an edge to some hundredths of a pixel.
+  explicit PlaneCamera(const dsp::Pinhole& lens, int samples = 3);
 
   // Grey 100 where the ray misses the plane. smear_px: moved so far along rows while the picture
   // was exposed.
@@ -30,8 +34,8 @@ class PlaneCamera {
   const dsp::Pinhole& lens() const { return lens_; }
 
  private:
-  static constexpr int kSamples = 3;  // a side of a pixel
   dsp::Pinhole lens_;
+  int samples_;
   std::vector<std::array<float, 2>> rays_;  // x / z, y / z of each sample
 };
 

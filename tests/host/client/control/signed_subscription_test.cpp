@@ -147,6 +147,42 @@ TEST_F(SignedSubscription, OfSeveralKeysItFindsTheOneThatTheSensorHas) {
   EXPECT_EQ(subscription.stream_key(), sensors_key());
 }
 
+// The user's file has the new secret, and the program that receives goes on.
+TEST_F(SignedSubscription, AKeyThatAnotherProgramRenewsGoesOnWithItsNewSecret) {
+  wire::KeyTable file = with({key_}).keys;
+  int read = 0;
+  SubscriptionOptions options = with({key_});
+  options.reread = [&]() -> std::optional<wire::KeyTable> {
+    ++read;
+    return file;
+  };
+  Subscription subscription(options, 5);
+  talk(subscription);
+  wire::Key renewed = numbered_key(9, wire::Role::kView);
+  renewed.id = key_.id;
+  ASSERT_TRUE(ring_.remove(key_.id) == Status::kOk);
+  ASSERT_EQ(ring_.add(renewed), Status::kOk);
+  ASSERT_TRUE(file.remove(key_.id));
+  // Not there yet: nothing comes, and another key of the file is not taken.
+  wire::Key other = numbered_key(9, wire::Role::kView);
+  other.id = key_.id + 1;
+  ASSERT_EQ(file.add(other), Status::kOk);
+  for (int i = 0; i < 10; ++i) {
+    now_ += 1s;
+    talk(subscription);
+  }
+  EXPECT_EQ(subscription.state(), State::kNoKey);
+  EXPECT_GE(read, 5);
+  EXPECT_LE(read, 12);
+  ASSERT_EQ(file.add(renewed), Status::kOk);
+  for (int i = 0; i < 3; ++i) {
+    now_ += 1s;
+    talk(subscription);
+  }
+  EXPECT_EQ(subscription.state(), State::kActive);
+  EXPECT_EQ(subscription.proven_key(), key_.id);
+}
+
 // Whoever sits between can say so; that it goes on is the sensor's matter.
 TEST_F(SignedSubscription, AForgedRefusalPassesAndAForgedConsentIsNone) {
   Subscription subscription(with({key_}), 5);

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "dataset/image.h"
+#include "host/calibrate/rig/target/board.h"
+#include "host/calibrate/rig/target/corner_finder.h"
+
+namespace stof::host {
+
+// Where the printed edges of each corner cross, by least squares of grey values: the four squares
+// that meet there, their edges straight and smoothed by the same Gaussian, as far as the print
+// shows nothing else. corners: in the order of Board, within a pixel or two of the truth; kUnseen
+// stays kUnseen, and a corner stays as it is where the values do not show one: no contrast, half
+// outside of the picture, less than two pixels to the next edge.
+void refine_corners(const dataset::Image<float>& picture, const Board& board,
+                    std::vector<PixelPoint>& corners);
+
+void refine_corners(const dataset::Image<std::uint8_t>& picture, const Board& board,
+                    std::vector<PixelPoint>& corners);
+
+}  // namespace stof::host

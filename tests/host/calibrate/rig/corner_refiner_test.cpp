@@ -1,0 +1,137 @@
+#include "host/calibrate/rig/target/corner_refiner.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "tests/host/calibrate/rig/board_views.h"
+#include "tests/host/calibrate/rig/rendered_plane.h"
+
+namespace stof::host {
+namespace {
+
+using test::board_at;
+using test::Gaussian;
+using test::PlaneCamera;
+
+Board named(const char* text) {
+  const dataset::Loaded<Board> board = board_named(text);
+  EXPECT_TRUE(board) << text;
+  return board.value_or(Board{});
+}
+
+test::Texture texture_of(const Board& board) {
+  return board.has_markers() ? test::print_of(board) : test::chessboard(board);
+}
+
+// Small, and each pixel the mean of 100 rays: edges are where they are to a hundredth of a pixel.
+const PlaneCamera& camera() {
+  static const PlaneCamera fine({.width = 320,
+                                 .height = 240,
+                                 .fx = 305,
+                                 .fy = 304,
+                                 .cx = 161,
+                                 .cy = 118,
+                                 .k1 = -0.21,
+                                 .k2 = 0.07,
+                                 .p1 = 0.0008,
+                                 .p2 = -0.0006},
+                                10);
+  return fine;
+}
+
+// Corners as a finder gives them: off by up to a pixel.
+std::vector<PixelPoint> begun(std::vector<PixelPoint> corners, Gaussian& random) {
+  for (PixelPoint& corner : corners) {
+    corner.u += random.between(-0.7, 0.7);
+    corner.v += random.between(-0.7, 0.7);
+  }
+  return corners;
+}
+
+double rms(const std::vector<PixelPoint>& a, const std::vector<PixelPoint>& b) {
+  double squares = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    squares += std::pow(a[i].u - b[i].u, 2) + std::pow(a[i].v - b[i].v, 2);
+  }
+  return std::sqrt(squares / static_cast<double>(2 * a.size()));
+}
+
+constexpr double kClosePx = 0.02;
+
+TEST(CornerRefiner, FindsWhereEdgesOfEveryBoardCross) {
+  Gaussian random(1);
+  for (const char* const name : {"9x6:0.04", "charuco:9x6:0.04", "charuco:9x6:0.04:0.02:6x6",
+                                 "charuco:9x6:0.04:0.036", "aprilgrid:4x3:0.06:0.3"}) {
+    const Board board = named(name);
+    for (const Vector3& turn : {Vector3(0, 0, 0.07), Vector3(0.5, -0.3, 0.1),
+                                Vector3(0.1, 0.6, -0.2), Vector3(0, 0.1, 3.1)}) {
+      const PoseUnknowns pose = board_at(board, Vector3(0.02, -0.02, 0.5), turn);
+      const std::vector<PixelPoint> truth = test::seen_by(camera().lens(), pose, board, 0, random);
+      ASSERT_FALSE(truth.empty());
+      std::vector<PixelPoint> corners = begun(truth, random);
+      refine_corners(camera().picture(pose, texture_of(board), 2, random), board, corners);
+      EXPECT_LT(rms(corners, truth), kClosePx) << name << ": " << turn.transpose();
+    }
+  }
+}
+
+TEST(CornerRefiner, TakesBlurAndLightThatFallsOff) {
+  Gaussian random(2);
+  const Board board = named("charuco:9x6:0.04");
+  const test::Texture print = texture_of(board);
+  const test::Texture lit = [&](double x, double y) {
+    return print(x, y) * std::exp(-2 * x + y);  // half from one side to the other
+  };
+  const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.5), Vector3(0.3, 0.3, 0));
+  const std::vector<PixelPoint> truth = test::seen_by(camera().lens(), pose, board, 0, random);
+  std::vector<PixelPoint> corners = begun(truth, random);
+  refine_corners(camera().picture(pose, lit, 2, random), board, corners);
+  EXPECT_LT(rms(corners, truth), kClosePx);
+}
+
+TEST(CornerRefiner, TakesSquaresOfFivePixels) {
+  Gaussian random(3);
+  const Board board = named("9x6:0.06");
+  const PlaneCamera coarse({.width = 176, .height = 144, .fx = 160, .fy = 160, .cx = 88, .cy = 72},
+                           10);
+  const PoseUnknowns pose = board_at(board, Vector3(0.1, 0, 1.9), Vector3(0.2, 0.3, 0.1));
+  const std::vector<PixelPoint> truth = test::seen_by(coarse.lens(), pose, board, 0, random);
+  std::vector<PixelPoint> corners = begun(truth, random);
+  refine_corners(coarse.picture(pose, texture_of(board), 2, random), board, corners);
+  EXPECT_LT(rms(corners, truth), 0.04);
+}
+
+TEST(CornerRefiner, LeavesWhatIsNoCornerAsItIs) {
+  Gaussian random(4);
+  const Board board = named("9x6:0.04");
+  const PoseUnknowns pose = board_at(board, Vector3(0, 0, 0.5), Vector3(0.1, 0.1, 0));
+  std::vector<PixelPoint> given = test::seen_by(camera().lens(), pose, board, 0, random);
+  given[3] = kUnseen;
+  std::vector<PixelPoint> corners = given;
+  refine_corners(dataset::Image<std::uint8_t>(320, 240, 90), board, corners);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    EXPECT_EQ(corners[i].seen(), given[i].seen());
+    EXPECT_TRUE(!given[i].seen() || (corners[i].u == given[i].u && corners[i].v == given[i].v))
+        << i;
+  }
+  // Half of the board is hidden.
+  dataset::Image<std::uint8_t> picture = camera().picture(pose, texture_of(board), 2, random);
+  for (int v = 0; v < picture.height; ++v) {
+    std::ranges::fill(picture.view().row(v).subspan(0, 150), std::uint8_t{90});
+  }
+  refine_corners(picture, board, corners);
+  const std::vector<PixelPoint> truth = test::seen_by(camera().lens(), pose, board, 0, random);
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    EXPECT_FALSE(corners[i].u > 162 &&
+                 std::hypot(corners[i].u - truth[i].u, corners[i].v - truth[i].v) > 0.1)
+        << i;
+    EXPECT_FALSE(corners[i].u < 138 && corners[i].u != given[i].u) << i;
+  }
+  std::vector<PixelPoint> few(given.size(), kUnseen);
+  refine_corners(picture, board, few);
+  EXPECT_EQ(seen_corners(few), 0U);
+}
+
+}  // namespace
+}  // namespace stof::host
