@@ -223,9 +223,9 @@ TEST(AmbiguityResolver, FartherLeftTheReadingCountsForMore) {
   row.see(0, 200, 7000, 18000);
   row.resolve();
   const int surface = middle_of(7467, 8616);  // a fourteenth of the parallax to either side
-  EXPECT_NEAR(row.depth[52] - surface, surface * 8 / kPullWay, 3);
-  EXPECT_NEAR(row.depth[20] - surface, surface * 40 / kPullWay, 3);
-  EXPECT_NEAR(row.depth[0] - surface, surface * kPullReach / kPullWay, 3);
+  EXPECT_NEAR(row.depth[52] - surface, surface * 8.0 / kPullWay, 3);
+  EXPECT_NEAR(row.depth[20] - surface, surface * 40.0 / kPullWay, 3);
+  EXPECT_NEAR(row.depth[0] - surface, 1.0 * surface * kPullReach / kPullWay, 3);
   EXPECT_LE(row.low(0), 7467);
   EXPECT_GE(row.high(0), 8616);
   row.see(0, 200, 7000, 18000, kPmdEdge);  // a mixture
