@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -50,6 +49,9 @@ struct Lanes;
 template <>
 struct Lanes<std::uint8_t> : LanesOf<std::uint8_t, 32> {
   static V add_saturated(V a, V b) noexcept { return as<V>(_mm256_adds_epu8(bits(a), bits(b))); }
+  static V select(V mask, V a, V b) noexcept {
+    return as<V>(_mm256_blendv_epi8(bits(b), bits(a), bits(mask)));
+  }
   // The smallest lane in every lane.
   static V lowest(V v) noexcept {
     const __m128i half =
@@ -77,13 +79,6 @@ struct Lanes<std::uint16_t> : LanesOf<std::uint16_t, 16> {
   static V signed_sixteenth(V a) noexcept { return as<V>(_mm256_srai_epi16(bits(a), 4)); }
   static V signed_scaled_product(V a, V b) noexcept {
     return as<V>(_mm256_mulhrs_epi16(bits(a), bits(b)));
-  }
-  // table[v] of values below 16.
-  static V look_up(const std::array<std::uint8_t, 16>& table, V v) noexcept {
-    const __m128i entries =
-        _mm_loadu_si128(reinterpret_cast<const __m128i*>(table.data()));  // NOLINT: any type
-    const __m256i found = _mm256_shuffle_epi8(_mm256_broadcastsi128_si256(entries), bits(v));
-    return as<V>(found) & all(255);
   }
   // Bytes, a lane each.
   static V load_bytes(const std::uint8_t* p) noexcept {

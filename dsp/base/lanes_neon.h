@@ -94,11 +94,6 @@ struct Lanes<std::uint16_t> {
     return vreinterpretq_u16_s16(
         simd::scaled_product(vreinterpretq_s16_u16(a), vreinterpretq_s16_u16(b)));
   }
-  // table[v] of values below 16.
-  static V look_up(const std::array<std::uint8_t, 16>& table, V v) noexcept {
-    const uint8x16_t found = simd::look_up(vld1q_u8(table.data()), vreinterpretq_u8_u16(v));
-    return vandq_u16(vreinterpretq_u16_u8(found), vdupq_n_u16(255));
-  }
   // Bytes, a lane each.
   static V load_bytes(const std::uint8_t* p) noexcept { return vmovl_u8(vld1_u8(p)); }
   static void store_bytes(std::uint8_t* p, V v) noexcept { vst1_u8(p, vmovn_u16(v)); }

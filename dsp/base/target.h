@@ -5,7 +5,7 @@
 
 // The only place that knows which variant of a kernel runs. Every kernel has a `ref` (the meaning,
 // plain as the formula) and a `neon` (equal to it, bit for bit; through SIMDe on x86). Those that
-// dominate the frame on x86 have an `avx2` too, equal again, and the block searches an `avx512`.
+// dominate the frame on x86 have an `avx2` too, equal again, and some an `avx512`.
 // kernel.h declares them; callers write best::kernel(...).
 namespace stof::dsp {
 

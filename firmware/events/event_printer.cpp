@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <optional>
+#include <string>
 
 #include "firmware/events/log_text.h"
 
@@ -20,6 +21,7 @@ EventPrinter::~EventPrinter() {
   done_.store(true);
   thread_.join();
   print_noted();
+  print_untold();
 }
 
 void EventPrinter::run() {
@@ -29,11 +31,23 @@ void EventPrinter::run() {
   }
 }
 
+void EventPrinter::print_untold() {
+  if (const std::uint64_t changes = lines_.take_untold(); changes > 0) {
+    print_line(std::to_string(changes) + " more changes of settings");
+  }
+}
+
 void EventPrinter::print_noted() {
   while (const std::optional<Event> event = events_.take()) {
+    if (!lines_.take(*event)) {
+      continue;
+    }
     std::array<char, kMostLine> space;
     settings::PagedWriter line(space);
     describe(*event, line);
+    if (event->kind == EventKind::kSettingsChanged) {
+      print_untold();
+    }
     print_line(line.text());
   }
 }

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <thread>
 
+#include "firmware/events/change_lines.h"
 #include "firmware/events/events.h"
 
 namespace stof::firmware {
@@ -20,8 +21,10 @@ class EventPrinter {
  private:
   void run();
   void print_noted();
+  void print_untold();
 
   Events& events_;
+  ChangeLines lines_;
   std::atomic<bool> done_{false};
   std::thread thread_;
 };

@@ -102,9 +102,10 @@ std::string active_text(const wire::HealthReport& health) {
 }
 
 std::string link_text(const client::LinkState& link) {
-  const std::string text =
-      std::string(link.silent ? " silent" : "") + (link.restarted ? " restarted" : "") +
-      (link.forged_traffic ? " forged traffic" : "") + (link.delayed ? " delayed" : "");
+  const std::string text = std::string(link.silent ? " silent" : "") +
+                           (link.restarted ? " restarted" : "") +
+                           (link.forged_traffic ? " forged traffic" : "") +
+                           (link.delayed ? " delayed" : "") + (link.no_key ? " no key" : "");
   return text.empty() ? text : ", link:" + text;
 }
 

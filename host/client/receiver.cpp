@@ -68,6 +68,7 @@ struct Receiver::Parts {
       const Time arrived = socket->arrived(next);
       const std::span<const std::byte> datagram = socket->datagram(next++);
       if (subscription && subscription->take(datagram, now)) {
+        watch.keys_refused(subscription->state() == Subscription::State::kNoKey);
         if (subscription->stream_key().number != 0) {
           take_key();
         }

@@ -192,7 +192,8 @@ stof_link to_link(const client::LinkState& state) noexcept {
   stof_link out{};
   out.conditions =
       (state.silent ? STOF_LINK_SILENT : 0U) | (state.restarted ? STOF_LINK_RESTARTED : 0U) |
-      (state.forged_traffic ? STOF_LINK_FORGED : 0U) | (state.delayed ? STOF_LINK_DELAYED : 0U);
+      (state.forged_traffic ? STOF_LINK_FORGED : 0U) | (state.delayed ? STOF_LINK_DELAYED : 0U) |
+      (state.no_key ? STOF_LINK_NO_KEY : 0U);
   out.frame_age_ns = age_ns(state.frame_age);
   out.health_age_ns = age_ns(state.health_age);
   out.calibration_age_ns = age_ns(state.calibration_age);

@@ -74,7 +74,7 @@ inline constexpr int kMeanOne = 1 << kMeanBits;
 using TemporalRowKernel = void(const TemporalRow& row, const TemporalLimits& limits,
                                const TemporalState& state) noexcept;
 
-STOF_KERNEL(TemporalRowKernel, temporal_row, kAvx2)
+STOF_KERNEL(TemporalRowKernel, temporal_row, kAvx512)
 
 // Lengths and limits as above.
 void check_temporal_row(const TemporalRow& row, const TemporalLimits& limits,

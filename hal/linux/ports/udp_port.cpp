@@ -61,6 +61,9 @@ class OwnAddress {
     }
   }
 
+  bool is_known() const noexcept { return size_ > 0; }
+  void forget() noexcept { size_ = 0; }
+
   void attach(msghdr& message) noexcept {
     message.msg_control = size_ == 0 ? nullptr : control_.data();
     message.msg_controllen = size_;
@@ -224,6 +227,10 @@ Status UdpPort::send_by(int fd, const Peer& to,
     std::size_t taken = 0;
     const Status status = send_batch(fd, std::span(messages).first(count), taken);
     sent += taken;
+    if (status == Status::kDeviceError && own.is_known()) {
+      own.forget();  // this machine may not have that address any more
+      continue;
+    }
     if (status != Status::kOk) {
       return status;
     }

@@ -12,6 +12,7 @@ namespace {
 
 dsp::RawPair read_pair_of(const CalibExchangeOptions& options) {
   std::vector<NamedText> texts;
+  texts.reserve(options.files.size());
   for (const std::filesystem::path& file : options.files) {
     texts.push_back(value_or_fail(read_text(file)));
   }

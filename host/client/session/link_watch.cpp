@@ -49,6 +49,7 @@ LinkState LinkWatch::state(Time now) const noexcept {
           .restarted = restarted_at_ && (now - *restarted_at_ < kRestartTold || !again),
           .forged_traffic = forged_at_ && now - *forged_at_ < kForgeryTold,
           .delayed = late_at_ && now - *late_at_ < kLateTold,
+          .no_key = keys_refused_,
           .frame_age = age(frame_at_, now),
           .health_age = age(health_at_, now),
           .calibration_age = age(calibration_at_, now)};

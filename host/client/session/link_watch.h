@@ -23,6 +23,9 @@ struct LinkState {
   // Within the last 2 seconds frames came so much later than others before that they were not
   // delivered: the network is too slow, or somebody holds them back.
   bool delayed = false;
+  // Whoever answers says that the sensor knows none of the keys that sign the subscription: they
+  // were ended, or somebody makes it up.
+  bool no_key = false;
 
   std::optional<Duration> frame_age{};  // of the last packet of the newest frame delivered
   std::optional<Duration> health_age{};
@@ -41,6 +44,8 @@ class LinkWatch {
   // Datagrams were pushed, and frames taken, until `now`.
   void look(const Reassembler& reassembler, Time now) noexcept;
   void delivered(const Frame& frame) noexcept;
+  // Whether the newest answer says that no key of ours is known.
+  void keys_refused(bool refused) noexcept { keys_refused_ = refused; }
 
   LinkState state(Time now) const noexcept;
 
@@ -56,6 +61,7 @@ class LinkWatch {
   std::uint64_t sessions_ = 0;
   std::uint64_t forgeries_ = 0;
   std::uint64_t late_ = 0;
+  bool keys_refused_ = false;
 };
 
 }  // namespace stof::client

@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 
 #include "host/calibrate/rig/report/rig_report.h"
 #include "host/report/page/plot.h"
@@ -7,15 +10,33 @@
 namespace stof::host {
 namespace {
 
-// Residuals are shown this many times larger than the picture's pixels.
-constexpr double kMagnified = 200;
+// By how much residuals are shown larger than the picture's pixels: the first step at which
+// one of `sigma_px` is 10 of the picture's pixels long.
+double magnified(double sigma_px) {
+  constexpr std::array<double, 7> kSteps{50, 100, 200, 500, 1000, 2000, 5000};
+  constexpr double kShownPx = 10;
+  const auto* const enough =
+      std::ranges::find_if(kSteps, [sigma_px](double step) { return step * sigma_px >= kShownPx; });
+  return enough == kSteps.end() ? kSteps.back() : *enough;
+}
+
+// The corners of the picture, so that all diagrams show the same.
+PlotSeries frame_of(const dsp::Pinhole& lens) {
+  PlotSeries frame{.name = "", .colour = kPlotGrey};
+  for (const auto& [x, y] :
+       {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1), std::pair(0, 0)}) {
+    frame.add(x * (lens.width - 1.0), y * (lens.height - 1.0));
+  }
+  return frame;
+}
 
 // Where corners were found, and lines to where the calibration puts them.
 Figure residual_figure(const std::string& name, const char* eye,
                        const std::vector<PixelPoint>& corners,
-                       const std::vector<PixelPoint>& residuals, const dsp::Pinhole& lens) {
+                       const std::vector<PixelPoint>& residuals, const dsp::Pinhole& lens,
+                       double times) {
   PlotSeries found{.name = "corner", .colour = kPlotBlue, .line = false, .dot_px = 3};
-  PlotSeries off{.name = printed("off, times %.0f", kMagnified), .colour = kPlotOrange};
+  PlotSeries off{.name = printed("off, times %.0f", times), .colour = kPlotOrange};
   double squares = 0;
   for (std::size_t i = 0; i < corners.size(); ++i) {
     if (!corners[i].seen()) {
@@ -25,37 +46,32 @@ Figure residual_figure(const std::string& name, const char* eye,
     const double y = lens.height - 1 - corners[i].v;
     found.add(corners[i].u, y);
     off.add(corners[i].u, y);
-    off.add(corners[i].u + kMagnified * residuals[i].u, y - kMagnified * residuals[i].v);
+    off.add(corners[i].u + times * residuals[i].u, y - times * residuals[i].v);
     off.add(std::numeric_limits<double>::quiet_NaN(), y);
     squares += residuals[i].u * residuals[i].u + residuals[i].v * residuals[i].v;
   }
   const double rms = std::sqrt(squares / static_cast<double>(2 * seen_corners(corners)));
-  // The corners of the picture, so that all diagrams show the same.
-  PlotSeries frame{.name = "", .colour = kPlotGrey};
-  for (const auto& [x, y] :
-       {std::pair(0, 0), std::pair(1, 0), std::pair(1, 1), std::pair(0, 1), std::pair(0, 0)}) {
-    frame.add(x * (lens.width - 1.0), y * (lens.height - 1.0));
-  }
   return plot_figure({.title = name + ", " + eye,
                       .x_label = "column, px",
                       .y_label = "row from below, px",
-                      .series = {frame, found, off},
+                      .series = {frame_of(lens), found, off},
                       .y_least = 0,
                       .y_most = lens.height - 1.0},
                      printed("%.3f px rms of a coordinate", rms));
 }
 
 void add_views(const std::vector<PairView>& views, const std::vector<ViewResiduals>& residuals,
-               const dsp::RawPair& rig, Page& page) {
+               const PairFit& fit, Page& page) {
+  const double times = magnified(fit.corner_sigma_px);
   std::vector<Figure> figures;
   for (std::size_t n = 0; n < std::min(views.size(), residuals.size()); ++n) {
     if (!views[n].left.empty()) {
-      figures.push_back(
-          residual_figure(views[n].name, "left", views[n].left, residuals[n].left, rig.left));
+      figures.push_back(residual_figure(views[n].name, "left", views[n].left, residuals[n].left,
+                                        fit.rig.left, times));
     }
     if (!views[n].right.empty()) {
-      figures.push_back(
-          residual_figure(views[n].name, "right", views[n].right, residuals[n].right, rig.right));
+      figures.push_back(residual_figure(views[n].name, "right", views[n].right, residuals[n].right,
+                                        fit.rig.right, times));
     }
   }
   page.figures(figures, Width::kSmall);
@@ -75,7 +91,7 @@ Figure all_corners(const char* eye, const std::vector<PairView>& views,
   return plot_figure({.title = std::string("All corners, ") + eye,
                       .x_label = "column, px",
                       .y_label = "row from below, px",
-                      .series = {corners},
+                      .series = {frame_of(lens), corners},
                       .y_least = 0,
                       .y_most = lens.height - 1.0},
                      "Where no corner is, distortion is extrapolated.");
@@ -121,9 +137,9 @@ std::expected<void, dataset::Problem> write_target_page(const TargetCalibration&
                 all_corners("right", found.fitted, &PairView::right, found.fit.rig.right)},
                Width::kMedium);
   page.begin_section("held", "Residuals of views that were held out");
-  add_views(found.held_out, found.held_residuals, found.fit.rig, page);
+  add_views(found.held_out, found.held_residuals, found.fit, page);
   page.begin_section("fitted", "Residuals of views that were fitted to");
-  add_views(found.fitted, found.fit.residuals, found.fit.rig, page);
+  add_views(found.fitted, found.fit.residuals, found.fit, page);
   std::vector<std::string> lead{
       printed("%zu views of a board; corners are off by %.3f px of a coordinate.",
               found.fitted.size(), found.fit.corner_sigma_px)};

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
@@ -206,7 +207,7 @@ White white_at(const Frame& frame, double x, double y, double blur) {
 class CornerFit {
  public:
   CornerFit(const dataset::Image<float>& picture, const Frame& frame, Model start)
-      : picture_(picture), frame_(frame), model_(start) {}
+      : picture_(picture), frame_(frame), model_(std::move(start)) {}
 
   // False: it ran away, or shows no corner.
   bool run(double least_span) {

@@ -16,6 +16,7 @@ namespace {
 using dsp::index;
 
 constexpr int kAprilBorder = 2;  // cells
+constexpr int kMostTimes = 3;    // by which a picture is enlarged
 constexpr int kSmallestWindow = 2;
 constexpr int kLargestWindow = 8;
 constexpr double kWrong = 0.5;       // of a square: a corner that lies so far off is another
@@ -42,22 +43,44 @@ cv::Ptr<cv::aruco::Dictionary> dictionary_of(const Board& board, std::size_t mar
   return cv::aruco::getPredefinedDictionary(first + static_cast<int>(nth));
 }
 
-std::vector<SeenMarker> seen_markers(const cv::Mat& picture, const Board& board) {
-  const std::vector<BoardMarker> markers = markers_of(board);
+// Those of the picture, `times` as large, that are not yet among the markers seen; places are those
+// of the picture as it is.
+void add_seen(const cv::Mat& picture, const Board& board, const std::vector<BoardMarker>& markers,
+              int times, std::vector<SeenMarker>& seen) {
   const cv::Ptr<cv::aruco::DetectorParameters> how = cv::aruco::DetectorParameters::create();
   how->cornerRefinementMethod = cv::aruco::CORNER_REFINE_NONE;
   how->markerBorderBits = board.kind == Board::Kind::kAprilGrid ? kAprilBorder : 1;
   how->minMarkerPerimeterRate = 0.01;  // of the picture's width
-  std::vector<std::vector<cv::Point2f>> corners;
+  cv::Mat large = picture;
+  if (times > 1) {
+    cv::resize(picture, large, {}, times, times, cv::INTER_CUBIC);
+  }
   std::vector<int> ids;
-  cv::aruco::detectMarkers(picture, dictionary_of(board, markers.size()), corners, ids, how);
-  std::vector<SeenMarker> seen;
+  std::vector<std::vector<cv::Point2f>> found;
+  cv::aruco::detectMarkers(large, dictionary_of(board, markers.size()), found, ids, how);
   for (std::size_t i = 0; i < ids.size(); ++i) {
+    const bool known = ids[i] >= 0 && index(ids[i]) < markers.size();
+    const auto same = [id = ids[i]](const SeenMarker& one) { return one.marker.id == id; };
     // Twice seen is once wrong, and nobody knows when.
-    if (ids[i] >= 0 && index(ids[i]) < markers.size() && std::ranges::count(ids, ids[i]) == 1) {
-      seen.push_back(
-          {markers[index(ids[i])], {corners[i][0], corners[i][1], corners[i][2], corners[i][3]}});
+    if (!known || std::ranges::count(ids, ids[i]) != 1 || std::ranges::any_of(seen, same)) {
+      continue;
     }
+    SeenMarker marker{.marker = markers[index(ids[i])], .corners = {}};
+    for (std::size_t k = 0; k < marker.corners.size(); ++k) {
+      const auto scale = static_cast<float>(times);
+      const cv::Point2f half(0.5F, 0.5F);  // of a pixel, whose centre has whole numbers
+      marker.corners[k] = (found[i][k] + half) / scale - half;
+    }
+    seen.push_back(marker);
+  }
+}
+
+// Cells of less than two pixels are read where the picture is enlarged.
+std::vector<SeenMarker> seen_markers(const cv::Mat& picture, const Board& board) {
+  const std::vector<BoardMarker> markers = markers_of(board);
+  std::vector<SeenMarker> seen;
+  for (int times = 1; times <= kMostTimes && seen.size() < markers.size(); ++times) {
+    add_seen(picture, board, markers, times, seen);
   }
   return seen;
 }

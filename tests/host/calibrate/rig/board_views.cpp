@@ -56,7 +56,7 @@ std::vector<PixelPoint> seen_in_part(const dsp::Pinhole& lens, const PoseUnknown
 
 std::vector<PixelPoint> seen_by(const dsp::Pinhole& lens, const PoseUnknowns& board_to_camera,
                                 const Board& board, double noise_px, Gaussian& random) {
-  std::vector<PixelPoint> seen = seen_in_part(lens, board_to_camera, board, noise_px, random);
+  const std::vector<PixelPoint> seen = seen_in_part(lens, board_to_camera, board, noise_px, random);
   const bool whole = seen_corners(seen) == static_cast<std::size_t>(board.corners());
   return whole ? seen : std::vector<PixelPoint>{};
 }

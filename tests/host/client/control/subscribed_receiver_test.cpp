@@ -9,6 +9,7 @@
 #include "host/client/receiver.h"
 #include "tests/firmware/control/requests.h"
 #include "tests/firmware/control/sensor.h"
+#include "tests/firmware/keys/some_keys.h"
 #include "tests/host/client/sent_frame.h"
 
 // Receiver against the appliance's own port, gate and thread.
@@ -109,6 +110,19 @@ TEST(SubscribedReceiver, ASlowCallerKeepsItsLease) {
     ASSERT_EQ(sensor.list().count, 1U) << i;
     static_cast<void>(receiver.next(0ms));
   }
+}
+
+TEST(SubscribedReceiver, OfSignedStreamsSaysThatNoKeyIsKnown) {
+  Sensor sensor;
+  ReceiverOptions options;
+  options.subscription.signed_streams = true;
+  wire::Key key = test::numbered_key(4, wire::Role::kView);
+  key.device = 0x51;  // the sensor's
+  ASSERT_EQ(options.subscription.keys.add(key), Status::kOk);
+  Receiver receiver = open(sensor, options);
+  EXPECT_FALSE(receiver.link().no_key);
+  EXPECT_TRUE(until(receiver, [&] { return receiver.link().no_key; }));
+  EXPECT_EQ(receiver.subscription(), Subscription::State::kNoKey);
 }
 
 TEST(SubscribedReceiver, SaysThatNobodyListens) {
