@@ -110,7 +110,8 @@ void DepthMaker::forget_pair() noexcept {
 }
 
 StereoMaps DepthMaker::stereo() const noexcept {
-  return left_.empty() ? StereoMaps{} : StereoMaps{disparity_, matcher_.ratio(), matcher_.weak()};
+  return left_.empty() ? StereoMaps{}
+                       : StereoMaps{disparity_, matcher_.ratio(), matcher_.weak(), left_};
 }
 
 void DepthMaker::forget_past() noexcept {

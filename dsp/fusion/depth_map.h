@@ -26,9 +26,10 @@ enum class Cause : std::uint8_t {
   kStereoAmbiguous = 2,  // the match has rivals; with kNone: nothing but the match spoke for it
   kRangeAmbiguous = 3,   // the sensors differ by about one unambiguous range of the PMD; with a
                          // depth: the surfaces around tell how often the PMD's reading wrapped
-  kOccluded = 4,         // only the left camera sees the surface; the PMD confirms the background
-  kContradiction = 5,    // the PMD excludes the match, or both are sound: stray light, glass
-  kInterpolated = 6,     // no sensor told it: between or behind the surfaces around
+  kOccluded = 4,       // only the left camera sees the surface, or the match is of something nearer
+                       // beside it; the PMD confirms the background
+  kContradiction = 5,  // the PMD excludes the match, or both are sound: stray light, glass
+  kInterpolated = 6,   // no sensor told it: between or behind the surfaces around
 };
 inline constexpr int kCauses = 7;
 

@@ -77,6 +77,7 @@ struct Fuser::Scratch {
   std::span<QuarterMm> stereo_high;
   std::span<std::uint8_t> half;
   std::span<Cause> cause;  // where the caller wants none
+  std::span<QuarterMm> reading;
   StereoRow stereo;
 };
 
@@ -125,11 +126,9 @@ Fuser::Fuser(const Calibration& calibration, const FusionParams& params, int min
   t.nothing = arena.take_filled(row, Disparity::none());
   t.scratch = arena.take<Scratch>(index(threads));
   for (Scratch& scratch : t.scratch) {
-    const Scratch rows{arena.take_passing<QuarterMm>(row),
-                       arena.take_passing<QuarterMm>(row),
-                       arena.take_passing<std::uint8_t>(row),
-                       arena.take_passing<Cause>(row),
-                       {}};
+    const Scratch rows{arena.take_passing<QuarterMm>(row),    arena.take_passing<QuarterMm>(row),
+                       arena.take_passing<std::uint8_t>(row), arena.take_passing<Cause>(row),
+                       arena.take_passing<QuarterMm>(row),    {}};
     if (!arena.is_measuring()) {
       scratch = rows;
     }
@@ -208,6 +207,7 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
                    .weak = {},
                    .stereo = {scratch.stereo_low, scratch.stereo_high},
                    .pmd = {t.splatted.low.row(y), t.splatted.high.row(y)},
+                   .reading = scratch.reading,
                    .support = {t.ratio, t.splatted.flags.row(y)},
                    .view = stereo.disparity,
                    .y = y,
@@ -215,12 +215,16 @@ void Fuser::fuse_row(const StereoMaps& stereo, int y, const Scratch& scratch,
   if (!stereo.disparity.empty()) {
     row.disparity = stereo.disparity.row(y);
   }
+  std::ranges::copy(out.depth.row(y), scratch.reading.begin());  // what fuse_rows() splatted
   tell(stereo_row(stereo, y, scratch), 0, row.disparity.size());
   if (!stereo.weak.empty()) {
     row.weak = stereo.weak.row(y);
   }
   if (!stereo.ratio.empty()) {
     row.support.ratio = stereo.ratio.row(y);
+  }
+  if (!stereo.picture.empty()) {
+    row.picture = stereo.picture.row(y);
   }
   const FusedRow fused{out.depth.row(y), out.width.row(y), out.source.row(y),
                        out.cause.empty() ? scratch.cause : out.cause.row(y)};
@@ -250,9 +254,10 @@ void Fuser::fuse_rows(const StereoMaps& stereo, Rows rows, int thread,
   STOF_CHECK(stereo.disparity.empty() || same_size(stereo.disparity, out.depth));
   STOF_CHECK(stereo.ratio.empty() || same_size(stereo.ratio, out.depth));
   STOF_CHECK(stereo.weak.empty() || same_size(stereo.weak, out.depth));
+  STOF_CHECK(stereo.picture.empty() || same_size(stereo.picture, out.depth));
   STOF_CHECK(rows.begin >= 0 && rows.end <= out.depth.height());
   const Scratch& scratch = t.scratch[index(thread)];
-  // The z-buffer is of no use once everything is splatted: depth is written over it.
+  // Each row of the z-buffer is of no use once it is fused: depth is written over it.
   SplattedView splatted = t.splatted;
   splatted.nearest = out.depth;
   // In stripes, so that what was splatted is still near when it is fused.

@@ -35,6 +35,8 @@ struct StereoMaps {
   ImageView<const Disparity> disparity;      // empty: no stereo
   ImageView<const std::uint8_t> ratio = {};  // peak ratio; empty: every match is as good
   ImageView<const Disparity> weak = {};      // believed only where the PMD agrees
+  // The left picture that was matched; empty: matches may reach beyond the edges of near things
+  ImageView<const std::uint8_t> picture = {};
 };
 
 // Carries the PMD intervals into the left camera and intersects them with the stereo intervals,

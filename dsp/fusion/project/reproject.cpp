@@ -8,6 +8,8 @@
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/fusion/project/projection.h"
+#include "dsp/pmd/interval/average_pairs.h"
+#include "dsp/pmd/interval/fill_intervals.h"
 
 namespace stof::dsp {
 namespace {
@@ -48,6 +50,8 @@ Reprojector::Reprojector(const Calibration& calibration, int left_width, int lef
   rays_ = make_ray_table(calibration, arena);
   footprints_ = arena.take_passing<Footprint>(kMostPlaces * pixel_count(width_, height_));
   bands_ = arena.take_passing<Band>(index(height_));
+  distance_ = arena.take_passing<QuarterMm>(index(width_));
+  sigma_ = arena.take_passing<QuarterMm>(index(width_));
   low_ = take_points(arena, width_);
   centre_ = take_points(arena, width_);
   high_ = take_points(arena, width_);
@@ -104,9 +108,17 @@ Reprojector::Band Reprojector::band(std::size_t begin) const noexcept {
   return band;
 }
 
+std::span<const QuarterMm> Reprojector::average(const PmdMaps& maps, int y) noexcept {
+  if (maps.sigma.empty() || y == 0 || y == height_ - 1) {  // without opposite neighbours
+    return maps.located().row(y);
+  }
+  best::average_pairs(located_rows(maps, y), maps.slope_q16, distance_, sigma_);
+  return distance_;
+}
+
 void Reprojector::locate_row(const PmdMaps& maps, int y, QuarterMm margin) noexcept {
   const RayRow rays = ray_row(rays_, width_, y);
-  const std::span<const QuarterMm> distance = maps.located().row(y);
+  const std::span<const QuarterMm> distance = average(maps, y);
   best::project(rays, maps.low.row(y), projection_, low_.u, low_.v, low_.depth);
   best::project(rays, distance, projection_, centre_.u, centre_.v, centre_.depth);
   best::project(rays, maps.high.row(y), projection_, high_.u, high_.v, high_.depth);

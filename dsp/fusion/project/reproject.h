@@ -14,13 +14,17 @@
 #include "dsp/fusion/project/project.h"
 #include "dsp/fusion/project/splat.h"
 #include "dsp/pmd/converter.h"
+#include "dsp/pmd/interval/interval.h"
 
 namespace stof::dsp {
 
 // Carries PMD pixels into the left view: X_s = R X_p + T and both camera models, radial distance
 // to Z. A reading covers the pixels within (f_s / f_p) (Z_p / Z_s) / 2 + 0.6 px of its place; where
 // the ends of its interval lie further apart than that, it is splatted at both ends too, because it
-// may stand anywhere between. Readings behind the camera and footprints outside the image are left
+// may stand anywhere between. Where a reading lies is averaged along its surface once more
+// (interval/average_pairs.h), wide pixels too, unless maps.sigma is empty: its interval stays what
+// it is. Readings behind the
+// camera and footprints outside the image are left
 // out; an end behind the camera counts as 1/4 mm before it.
 class Reprojector {
  public:
@@ -65,6 +69,8 @@ class Reprojector {
   };
   static Points take_points(Arena& arena, int count) noexcept;
   static Extents take_extents(Arena& arena, int count) noexcept;
+  // Where the readings of row y lie.
+  std::span<const QuarterMm> average(const PmdMaps& maps, int y) noexcept;
   void locate_row(const PmdMaps& maps, int y, QuarterMm margin) noexcept;
   bool ends_apart(std::size_t i) const noexcept;
   void add_row(std::span<const std::uint8_t> flags, QuarterMm margin) noexcept;
@@ -77,6 +83,8 @@ class Reprojector {
   FootprintScale scale_;
   Projection projection_;
   RayTable rays_;
+  std::span<QuarterMm> distance_;  // of a row, averaged
+  std::span<QuarterMm> sigma_;
   Points low_;
   Points centre_;
   Points high_;

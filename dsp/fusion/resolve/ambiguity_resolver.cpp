@@ -8,6 +8,8 @@
 #include "dsp/base/check.h"
 #include "dsp/base/index.h"
 #include "dsp/fusion/resolve/ambiguity_masks.h"
+#include "dsp/fusion/resolve/fattened_edge.h"
+#include "dsp/fusion/resolve/matched_surface.h"
 #include "dsp/fusion/resolve/pixel_set.h"
 #include "dsp/pmd/pmd_maps.h"
 #include "dsp/stereo/match_params.h"
@@ -20,18 +22,10 @@ constexpr int kPartBits = 20;
 // Matches that alone speak for a pixel, so near each other, have one verdict.
 constexpr std::size_t kJudgedTogether = 8;  // px
 constexpr int kJudgedStep = 12;             // 1/16 px
+// A step of disparity that an edge has at least, of the nearer parallax.
+constexpr int kCutShare = 20;
 // Half of the widest interval.
 constexpr int kMostHalf = kMaxQuarterMm / 2;
-
-struct Range {
-  int low = 1;
-  int high = 0;
-  bool empty() const noexcept { return low > high; }
-};
-
-Range common(const Range& a, const Range& b) noexcept {
-  return {std::max(a.low, b.low), std::min(a.high, b.high)};
-}
 
 // Pixels begin .. end - 1 that have yet to be resolved, and the nearest matches before and behind.
 struct Run {
@@ -44,36 +38,6 @@ struct Run {
 
   int to_left(std::size_t x) const noexcept { return static_cast<int>(x - left_at); }
   int to_right(std::size_t x) const noexcept { return static_cast<int>(right_at - x); }
-};
-
-// Where one disparity lies, for every column.
-template <typename Table>
-class Surface;
-
-template <>
-class Surface<DisparityTable> {
- public:
-  Surface(const DisparityTable& table, int raw, int half) noexcept
-      : interval_(table.at(raw, half)) {}
-  DepthInterval at(std::size_t /*x*/) const noexcept { return interval_; }
-
- private:
-  DepthInterval interval_;
-};
-
-template <>
-class Surface<ColumnTables> {
- public:
-  Surface(const ColumnTables& tables, int raw, int half) noexcept
-      : tables_(tables), raw_(raw), half_(half) {}
-  DepthInterval at(std::size_t x) const noexcept {
-    return ref::column_interval_at(x, raw_, half_, tables_);
-  }
-
- private:
-  const ColumnTables& tables_;
-  int raw_;
-  int half_;
 };
 
 template <typename Table>
@@ -96,6 +60,9 @@ class AmbiguityResolver {
     drop_far_matches();
     judge_alone();
     judge_vague();
+    if (!row_.picture.empty()) {
+      cut_edges();
+    }
     each_run([this](const Run& run) noexcept {
       resolve_shadow(run);
       confirm_weak(run);
@@ -105,6 +72,7 @@ class AmbiguityResolver {
       resolve_gap(run);
       resolve_edges(run);
     });
+    centre_readings();
     drop_wide_edges();
     folded_.each(n, [this](std::size_t x) noexcept {
       if (out_.source[x] == Source::kConflict) {
@@ -136,11 +104,11 @@ class AmbiguityResolver {
     }
   }
 
-  Range pmd(std::size_t x) const noexcept {
+  DepthRange pmd(std::size_t x) const noexcept {
     return {std::max<int>(row_.pmd.low[x], 1), std::min<int>(row_.pmd.high[x], params_.max_range)};
   }
 
-  Surface<Table> surface(int raw, int share = kResolvedShare) const noexcept {
+  MatchedSurface<Table> surface(int raw, int share = kResolvedShare) const noexcept {
     const int half =
         std::clamp((raw - params_.infinity_raw) / share, int{Disparity::kOne}, kMostHalfWidth);
     return {table_, raw, half};
@@ -153,19 +121,49 @@ class AmbiguityResolver {
     out_.cause[x] = cause;
   }
 
-  void put(std::size_t x, const Range& range, Source source, Cause cause) noexcept {
+  void put(std::size_t x, const DepthRange& range, Source source, Cause cause) noexcept {
     out_.depth[x] = middle_of(range.low, range.high);
     out_.width[x] = width_of(range.low, range.high);
     out_.source[x] = source;
     out_.cause[x] = cause;
   }
 
-  // Widens the interval of a published depth, which stays its middle, over the PMD's.
-  void cover_pmd(std::size_t x) noexcept {
+  // Widens the interval of a published depth, which stays its middle.
+  void widen(std::size_t x, int half) noexcept {
     const int depth = out_.depth[x];
-    const Range seen = pmd(x);
-    const int half = std::max({out_.width[x] / 2, depth - seen.low, seen.high - depth});
-    out_.width[x] = static_cast<QuarterMm>(2 * std::min({half, depth - 1, kMostHalf}));
+    out_.width[x] = static_cast<QuarterMm>(
+        2 * std::min({std::max(out_.width[x] / 2, half), depth - 1, kMostHalf}));
+  }
+  // Over the PMD's.
+  void cover_pmd(std::size_t x) noexcept {
+    const DepthRange seen = pmd(x);
+    widen(x, std::max(out_.depth[x] - seen.low, seen.high - out_.depth[x]));
+  }
+
+  // Moves a depth towards the PMD's reading, by at most so much, within its interval, which is
+  // widened by as much: what was in it stays in it.
+  void pull(std::size_t x, int most) noexcept {
+    if (edge_.has(x)) {  // a mixture
+      return;
+    }
+    const int from = out_.depth[x];
+    const int reach = std::min(most, out_.width[x] / 2);
+    const int depth = std::clamp<int>(row_.reading[x], from - reach, from + reach);
+    const int half = out_.width[x] / 2 + std::abs(depth - from);
+    out_.depth[x] = static_cast<QuarterMm>(depth);
+    widen(x, half);
+  }
+
+  // Where the PMD alone decides and leaves much open: what it read is better than the middle.
+  void centre_readings() noexcept {
+    open_.each(row_.disparity.size(), [this](std::size_t x) noexcept {
+      if (out_.source[x] == Source::kPmd) {
+        const DepthRange seen = pmd(x);
+        out_.depth[x] =
+            static_cast<QuarterMm>(std::clamp<int>(row_.reading[x], seen.low, seen.high));
+        cover_pmd(x);
+      }
+    });
   }
 
   // Whether a surface beside the pixel, as possible as the published one, is much nearer.
@@ -175,7 +173,7 @@ class AmbiguityResolver {
         return false;
       }
       const DepthInterval interval = surface(match.raw).at(x);
-      const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
+      const DepthRange both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
       return !both.empty() && out_.depth[x] - middle_of(both.low, both.high) > kMaxGuess;
     };
     return nearer(run.left, run.to_left(x)) || nearer(run.right, run.to_right(x));
@@ -247,7 +245,7 @@ class AmbiguityResolver {
           cover_pmd(x);
         } else if (said.verdict == MatchEvidence::Verdict::kConfirmed) {
           const auto [low, high] = published(x);
-          const Range both = common({low, high}, {said.reading.low, said.reading.high});
+          const DepthRange both = common({low, high}, {said.reading.low, said.reading.high});
           if (!both.empty()) {
             put(x, both, Source::kBoth, Cause::kNone);
           }
@@ -284,6 +282,50 @@ class AmbiguityResolver {
     });
   }
 
+  // Matches of something near that reach beyond its left edge: across what only the left camera
+  // sees, and nowhere else, are there pixels without a match.
+  void cut_edges() noexcept {
+    const std::size_t n = row_.disparity.size();
+    std::size_t behind = 0;
+    for (std::size_t x = matched_.next_without(0, n); x < n; x = matched_.next_without(behind, n)) {
+      behind = matched_.next(x, n);
+      if (x == 0 || behind == n) {
+        continue;
+      }
+      const int step = row_.disparity[behind].raw - row_.disparity[x - 1].raw;
+      if (step < kSurfaceStep ||
+          step * kCutShare < row_.disparity[behind].raw - params_.infinity_raw) {
+        continue;
+      }
+      const FattenedEdge edge(row_.picture, x - 1, behind);
+      if (edge.end() <= matched_.next_without(behind, n)) {
+        cut_edge(x - 1, behind, edge);
+        behind = edge.end();
+      }
+    }
+  }
+
+  void cut_edge(std::size_t left_at, std::size_t right_at, const FattenedEdge& edge) noexcept {
+    const MatchedSurface<Table> surface_behind = surface(row_.disparity[left_at].raw);
+    for (std::size_t x = right_at; x < edge.end(); ++x) {
+      if (!edge.is_behind(x)) {
+        continue;
+      }
+      const DepthInterval interval = surface_behind.at(x);
+      const DepthRange both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
+      if (both.empty() || middle_of(both.low, both.high) - out_.depth[x] > kMaxGuess) {
+        continue;
+      }
+      const int near = published(x).low;
+      put(x, both, Source::kResolved, Cause::kOccluded);
+      widen(x, out_.depth[x] - near);
+      if (edge_.has(x)) {
+        cover_pmd(x);
+      }
+      matched_.remove(x);
+    }
+  }
+
   // Readings at edges of the PMD that no match around explains.
   void drop_wide_edges() noexcept {
     const std::size_t n = row_.disparity.size();
@@ -295,10 +337,10 @@ class AmbiguityResolver {
     });
   }
 
-  bool publish(std::size_t x, const Run& run, const Surface<Table>& where, Source source,
+  bool publish(std::size_t x, const Run& run, const MatchedSurface<Table>& where, Source source,
                Cause cause) noexcept {
     const DepthInterval interval = where.at(x);
-    const Range both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
+    const DepthRange both = common({std::max<int>(interval.low, 1), interval.high}, pmd(x));
     if (both.empty()) {
       return false;
     }
@@ -337,9 +379,11 @@ class AmbiguityResolver {
     } else {
       to = std::min(to, pixels + 1);
     }
-    const Surface<Table> behind = surface(run.left.valid() ? run.left.raw : run.right.raw);
+    const MatchedSurface<Table> behind = surface(run.left.valid() ? run.left.raw : run.right.raw);
     for (std::size_t x = from; x < to; ++x) {
-      publish(x, run, behind, Source::kResolved, Cause::kOccluded);
+      if (publish(x, run, behind, Source::kResolved, Cause::kOccluded) && !run.left.valid()) {
+        pull(x, out_.depth[x] * std::min(run.to_right(x), kPullReach) / kPullWay);
+      }
     }
   }
 
@@ -363,7 +407,9 @@ class AmbiguityResolver {
     const int part = (1 << kPartBits) / static_cast<int>(run.right_at - run.left_at);
     for (std::size_t x = run.begin; x < run.end; ++x) {
       const int raw = run.left.raw + round_shift(step * (part * run.to_left(x)), kPartBits);
-      publish(x, run, surface(raw), Source::kResolved, Cause::kStereoAmbiguous);
+      if (publish(x, run, surface(raw), Source::kResolved, Cause::kStereoAmbiguous)) {
+        pull(x, out_.depth[x] / kPullShare);
+      }
     }
   }
 
@@ -374,8 +420,8 @@ class AmbiguityResolver {
     if (x == run.end) {
       return;
     }
-    const Surface<Table> left = surface(run.left.raw, kMixedShare);
-    const Surface<Table> right = surface(run.right.raw, kMixedShare);
+    const MatchedSurface<Table> left = surface(run.left.raw, kMixedShare);
+    const MatchedSurface<Table> right = surface(run.right.raw, kMixedShare);
     for (; x < run.end; x = edge_.next(x + 1, run.end)) {
       if (!open_.has(x)) {
         continue;
@@ -383,8 +429,8 @@ class AmbiguityResolver {
       const bool has_left = run.left.valid() && run.to_left(x) <= params_.reach_px;
       const bool has_right = run.right.valid() && run.to_right(x) <= params_.reach_px;
       const bool left_first = has_left && (!has_right || run.to_left(x) <= run.to_right(x));
-      const Surface<Table>& nearest = left_first ? left : right;
-      const Surface<Table>& farthest = left_first ? right : left;
+      const MatchedSurface<Table>& nearest = left_first ? left : right;
+      const MatchedSurface<Table>& farthest = left_first ? right : left;
       const bool both = has_left && has_right;
       if ((has_left || has_right) &&
           !publish(x, run, nearest, Source::kResolved, Cause::kMixedPixel) && both) {
@@ -413,7 +459,7 @@ void resolve(const AmbiguityRow& row, const AmbiguityParams& params, const Table
   const std::size_t n = row.disparity.size();
   STOF_CHECK(n <= std::size_t{kMaxImageWidth} && (row.weak.empty() || row.weak.size() == n));
   STOF_CHECK(row.stereo.low.size() == n && row.stereo.high.size() == n);
-  STOF_CHECK(row.pmd.low.size() == n && row.pmd.high.size() == n);
+  STOF_CHECK(row.pmd.low.size() == n && row.pmd.high.size() == n && row.reading.size() == n);
   STOF_CHECK(row.support.ratio.size() == n && row.support.pmd_flags.size() == n);
   STOF_CHECK(out.depth.size() == n && out.width.size() == n && out.source.size() == n &&
              out.cause.size() == n);

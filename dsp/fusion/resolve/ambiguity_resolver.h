@@ -21,7 +21,9 @@ struct AmbiguityRow {
   std::span<const Disparity> weak;
   IntervalRow stereo;
   IntervalRow pmd;
+  std::span<const QuarterMm> reading;  // where the PMD's reading lies; any, without an interval
   SupportRow support;
+  std::span<const std::uint8_t> picture = {};  // left; may be empty
   // The whole view, of which `disparity` is row y, and who judges matches that nothing confirms;
   // nullptr: they are published.
   ImageView<const Disparity> view = {};
@@ -64,6 +66,13 @@ inline constexpr int kMaxVagueGuess = 6000;
 // The same of a match without rivals at an edge: a thin thing along the baseline has the matches of
 // what is behind it, and the PMD's reading alone tells of it.
 inline constexpr int kMaxSureGuess = 10000;
+// A guess between two matches of one surface is moved towards the PMD's reading by at most a 64th
+// of its depth.
+inline constexpr int kPullShare = 64;
+// One left of all matches by at most its depth times the pixels to the next match, kPullReach at
+// most, over kPullWay: who knows where the surface goes from there.
+inline constexpr int kPullReach = 48;  // px
+inline constexpr int kPullWay = 1024;
 // Neighbours this far apart, 1/16 px, are two surfaces.
 inline constexpr int kSurfaceStep = 24;
 // A hole that the nearer surface casts is as wide as the step of disparity; so much may be more.
@@ -76,6 +85,12 @@ inline constexpr int kShadowMargin = 3;
 // Then pixels that only their match speaks for are judged by MatchEvidence, some that are near
 // each other and alike together: kept, confirmed (a kStereo becomes kBoth, what both allow),
 // contradicted (kConflict, kContradiction) or unsupported (kNone, kStereoAmbiguous).
+//
+// Where the left picture is there, matches below kNeighbourRatio that lie before the edge of what
+// they were matched to (fattened_edge.h), across pixels without one from L, kSurfaceStep behind it
+// and a twentieth of its parallax, and look like L: if L meets the PMD's interval, what both allow,
+// unless that is farther by more than kMaxGuess; kResolved, kOccluded, and the interval is widened
+// over the match.
 //
 // Then each pixel whose source is kPmd with (high - low) kNarrowShare > low, or kConflict by
 // kMixedPixel. L and R: disparities of the nearest matches below kNeighbourRatio to the left and
@@ -91,7 +106,11 @@ inline constexpr int kShadowMargin = 3;
 //              kStereoAmbiguous
 //   nearest, then farthest of L and R (in the picture), within reach_px: where the PMD says
 //              kPmdEdge; kResolved, kMixedPixel
-// Other pixels, and those for which nothing fits, stay as they are, but for this: a kConflict whose
+// Depths left of all matches (R where there is no L) and between two matches are moved
+// towards the reading (kPullWay, kPullShare) unless the PMD says kPmdEdge, and their intervals are
+// widened by as much.
+// Other pixels, and those for which nothing fits, stay as they are, but for this: a kPmd among them
+// gets the reading as its depth, and an interval about it that holds the PMD's; a kConflict whose
 // intervals meet once the PMD's is moved by one pmd_range (or up to a sixteenth less: Z of a
 // slanted ray) gets kRangeAmbiguous. All of one length.
 //

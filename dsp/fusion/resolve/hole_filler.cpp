@@ -70,6 +70,17 @@ class HoleFiller::OpenRow {
         low_(view.pmd_low.row(y)),
         high_(view.pmd_high.row(y)) {}
 
+  // A guess, nearer to what the PMD alone tells.
+  QuarterMm pulled(std::size_t x, int guess, QuarterMm max_range) const noexcept {
+    if (source_[x] != Source::kPmd) {
+      return static_cast<QuarterMm>(guess);
+    }
+    const int pull = guess / kPullShare;
+    return static_cast<QuarterMm>(
+        std::clamp<int>(std::clamp<int>(depth_[x], guess - pull, guess + pull), low_[x],
+                        std::min(high_[x], max_range)));
+  }
+
   bool is_mixed(std::size_t x) const noexcept { return cause_[x] == Cause::kMixedPixel; }
   bool is_allowed(std::size_t x, int depth, QuarterMm max_range) const noexcept {
     return depth >= low_[x] && depth <= std::min(high_[x], max_range) &&
@@ -330,7 +341,8 @@ void HoleFiller::fill_quarter(const Guess& guess, const OpenBits& bits,
     const OpenRow& pixels = open.pixels[row];
     const std::size_t x = bits.x + column;
     if (pixels.is_allowed(x, guess.depth, max_range_)) {
-      pixels.put(x, guess.depth, pixels.half_over_pmd(x, guess.depth, max_range_),
+      const QuarterMm depth = pixels.pulled(x, guess.depth, max_range_);
+      pixels.put(x, depth, pixels.half_over_pmd(x, depth, max_range_),
                  pixels.is_mixed(x) ? Cause::kMixedPixel : Cause::kStereoAmbiguous);
     }
   });

@@ -39,6 +39,7 @@ struct HoleView {
 //       may stand before all of them
 //   kPmd whose interval is wider than a twelfth, and kResolved by kMixedPixel without a match: if
 //       the PMD's interval holds the guess, it is taken, with an interval that holds the PMD's;
+//       in place of a kPmd moved towards its depth by at most a 64th of it;
 //       kResolved, kMixedPixel where that was the cause, else kStereoAmbiguous
 // Others stay as they are, as do those where what might be there, or any surface up to two cells
 // away, is nearer than the guess by more than a metre: the pixel may be of its edge.

@@ -26,7 +26,15 @@ IntervalRows rows_around(const ImageView<QuarterMm>& distance, const ImageView<Q
           padded_row(sigma, y - 1),    padded_row(sigma, y),    padded_row(sigma, y + 1)};
 }
 
+const ImageView<QuarterMm>& located_sigma(const PmdMaps& maps) noexcept {
+  return maps.smoothed.empty() ? maps.sigma : maps.smoothed_sigma;
+}
+
 }  // namespace
+
+IntervalRows located_rows(const PmdMaps& maps, int y) noexcept {
+  return rows_around(maps.located(), located_sigma(maps), y);
+}
 
 void smooth_readings(const PmdMaps& maps) noexcept {
   if (maps.smoothed.empty()) {
@@ -45,7 +53,7 @@ void smooth_readings(const PmdMaps& maps) noexcept {
 
 void fill_intervals(const PmdMaps& maps, Rows rows) noexcept {
   const ImageView<QuarterMm>& located = maps.located();
-  const ImageView<QuarterMm>& sigma = maps.smoothed.empty() ? maps.sigma : maps.smoothed_sigma;
+  const ImageView<QuarterMm>& sigma = located_sigma(maps);
   const int stride = maps.distance.width() + 2;
   STOF_CHECK(maps.distance.stride() == stride && maps.sigma.stride() == stride);
   STOF_CHECK(located.stride() == stride && sigma.stride() == stride);
@@ -60,8 +68,7 @@ void fill_intervals(const PmdMaps& maps, Rows rows) noexcept {
       const unsigned stale = distance[x] == kNoDepth ? 0U : unsigned{kFromNeighbours};
       flags[x] = static_cast<std::uint8_t>(flags[x] & ~stale);
     }
-    best::interval(rows_around(located, sigma, y), limits, flags, maps.low.row(y),
-                   maps.high.row(y));
+    best::interval(located_rows(maps, y), limits, flags, maps.low.row(y), maps.high.row(y));
   }
 }
 

@@ -1,9 +1,13 @@
 #pragma once
 
 #include "dsp/base/image.h"
+#include "dsp/pmd/interval/interval.h"
 #include "dsp/pmd/pmd_maps.h"
 
 namespace stof::dsp {
+
+// Row y of what intervals are made of, and the rows beside it.
+IntervalRows located_rows(const PmdMaps& maps, int y) noexcept;
 
 // Fills smoothed and smoothed_sigma, where they are there, from distance and sigma: kernel
 // `average_pairs`. The first and the last row are copied, having no opposite neighbours.

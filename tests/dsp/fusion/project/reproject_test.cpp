@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include "dsp/calib/pmd/ray_table.h"
+#include "dsp/pmd/interval/average_pairs.h"
+#include "dsp/pmd/interval/fill_intervals.h"
 #include "tests/dsp/fusion/project/reproject_rig.h"
 #include "tests/support/random.h"
 
@@ -154,6 +156,52 @@ TEST(Reproject, EqualsTheGeometryInDoublePrecision) {
   EXPECT_GT(judged, kWidth * kHeight / 2);
   EXPECT_GT(splatted, kWidth * kHeight / 4);
   EXPECT_TRUE(out.padding_untouched());
+}
+
+// Readings of a noisy wall lie where their surface does, each in its own interval.
+TEST(Reproject, AReadingLiesWhereItsSurfaceDoes) {
+  constexpr int kWidth = 64;
+  constexpr int kHeight = 16;
+  test::Random random(3);
+  std::vector<QuarterMm> memory(2 * (kWidth + 2) * kHeight);
+  const ImageView<QuarterMm> distance(memory.data() + 1, kWidth, kHeight, kWidth + 2);
+  const ImageView<QuarterMm> sigma(memory.data() + 1 + memory.size() / 2, kWidth, kHeight,
+                                   kWidth + 2);
+  Frame frame(kWidth, kHeight);
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const int d = 8000 + random.between(-200, 200);
+      frame.put(x, y, d - 700, d, d + 700);
+      distance.at(x, y) = static_cast<QuarterMm>(d);
+      sigma.at(x, y) = 150;
+    }
+  }
+  PmdMaps maps = frame.maps();
+  maps.distance = distance;
+  maps.sigma = sigma;
+  std::vector<QuarterMm> unused(kWidth);
+  for (int y = 1; y < kHeight - 1; ++y) {
+    best::average_pairs(located_rows(maps, y), maps.slope_q16, frame.distance.view().row(y),
+                        unused);
+  }
+  Rig averaged(chapter_rig(640, 480), 640, 480);
+  averaged.reprojector.locate(maps);
+  Rig plain(chapter_rig(640, 480), 640, 480);
+  plain.reprojector.locate(frame.maps());  // without sigmas
+  const auto found = averaged.reprojector.footprints();
+  const auto wanted = plain.reprojector.footprints();
+  ASSERT_EQ(found.size(), wanted.size());
+  ASSERT_GT(found.size(), 100U);
+  bool moved = false;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    EXPECT_EQ(found[i].depth, wanted[i].depth) << i;
+    EXPECT_EQ(found[i].x_begin, wanted[i].x_begin) << i;
+    EXPECT_EQ(found[i].y_begin, wanted[i].y_begin) << i;
+    EXPECT_EQ(found[i].value.low, wanted[i].value.low) << i;
+    EXPECT_EQ(found[i].value.high, wanted[i].value.high) << i;
+    moved = moved || 2 * found[i].depth != found[i].value.low + found[i].value.high;
+  }
+  EXPECT_TRUE(moved);
 }
 
 TEST(Reproject, DoesNotDependOnHowRowsAreSplit) {

@@ -27,6 +27,7 @@ struct Row {
         stereo_high(n),
         pmd_low(n),
         pmd_high(n),
+        reading(n),
         ratio(n, 255),
         flags(n),
         depth(n),
@@ -50,6 +51,7 @@ struct Row {
     for (std::size_t x = from; x < to; ++x) {
       pmd_low[x] = low;
       pmd_high[x] = high;
+      reading[x] = middle_of(low, high);
       flags[x] = with_flags;
     }
   }
@@ -61,7 +63,9 @@ struct Row {
                          .weak = weak,
                          .stereo = {stereo_low, stereo_high},
                          .pmd = {pmd_low, pmd_high},
-                         .support = {ratio, flags}},
+                         .reading = reading,
+                         .support = {ratio, flags},
+                         .picture = picture},
                         {.infinity_raw = 0,
                          .max_range = 40000,
                          .pmd_range = pmd_range,
@@ -70,6 +74,8 @@ struct Row {
                          .doubt_px = doubt_px},
                         table, out());
   }
+  int low(std::size_t x) const { return depth[x] - width[x] / 2; }
+  int high(std::size_t x) const { return depth[x] + width[x] / 2; }
   void expect(std::size_t x, Source want, Cause why, int near_depth) {
     EXPECT_EQ(source[x], want) << x;
     EXPECT_EQ(cause[x], why) << x;
@@ -77,8 +83,9 @@ struct Row {
   }
 
   std::vector<Disparity> disparity, weak;
-  std::vector<QuarterMm> stereo_low, stereo_high, pmd_low, pmd_high;
+  std::vector<QuarterMm> stereo_low, stereo_high, pmd_low, pmd_high, reading;
   std::vector<std::uint8_t> ratio, flags;
+  std::vector<std::uint8_t> picture;  // empty, or n
   std::vector<QuarterMm> depth, width;
   std::vector<Source> source;
   std::vector<Cause> cause;
@@ -203,10 +210,104 @@ TEST(AmbiguityResolver, LeftOfTheRightPictureTheNextSurfaceGoesOn) {
   Row row(200);
   row.match(60, 200, 50);
   row.see(0, 200, 7000, 18000);
+  std::fill_n(row.reading.begin(), 54, QuarterMm{8000});
   row.resolve();
   row.expect(0, Source::kResolved, Cause::kOccluded, 8000);
   row.expect(53, Source::kResolved, Cause::kOccluded, 8000);
   row.expect(54, Source::kPmd, Cause::kNone, 12500);  // its match would lie inside
+}
+
+TEST(AmbiguityResolver, FartherLeftTheReadingCountsForMore) {
+  Row row(200);
+  row.match(60, 200, 50);  // 2 m
+  row.see(0, 200, 7000, 18000);
+  row.resolve();
+  const int surface = middle_of(7467, 8616);  // a fourteenth of the parallax to either side
+  EXPECT_NEAR(row.depth[52] - surface, surface * 8.0 / kPullWay, 3);
+  EXPECT_NEAR(row.depth[20] - surface, surface * 40.0 / kPullWay, 3);
+  EXPECT_NEAR(row.depth[0] - surface, 1.0 * surface * kPullReach / kPullWay, 3);
+  EXPECT_LE(row.low(0), 7467);
+  EXPECT_GE(row.high(0), 8616);
+  row.see(0, 200, 7000, 18000, kPmdEdge);  // a mixture
+  row.resolve();
+  EXPECT_NEAR(row.depth[0], surface, 3);
+}
+
+TEST(AmbiguityResolver, AReadingNearerThanTheLimitIsTakenAsItIs) {
+  Row row(200);
+  row.match(60, 200, 50);
+  row.see(0, 200, 7000, 18000);
+  row.reading[0] = 8000;
+  row.resolve();
+  EXPECT_EQ(row.depth[0], 8000);
+}
+
+TEST(AmbiguityResolver, AWideIntervalOfThePmdAloneHasItsReadingAsItsDepth) {
+  Row row(100);
+  row.see(0, 100, 8000, 11000);
+  std::ranges::fill(row.reading, QuarterMm{8500});
+  row.reading[50] = 60000;  // of an end of an interval elsewhere
+  row.see(60, 61, 8000, 8100);
+  row.reading[60] = 8010;
+  row.resolve();
+  row.expect(40, Source::kPmd, Cause::kNone, 8500);
+  EXPECT_EQ(row.depth[40], 8500);
+  EXPECT_EQ(row.width[40], 2 * 2500);
+  EXPECT_EQ(row.depth[50], 11000);
+  EXPECT_EQ(row.depth[60], 8050);  // narrow
+  EXPECT_EQ(row.width[60], 100);
+}
+
+// A wall of 200 at 4 m, its shadow, and from column 130 on a body of 60 at 3.3 m, whose matches
+// begin in column 125.
+Row fattened() {
+  Row row(200);
+  row.match(0, 122, 25);
+  row.match(125, 200, 30);
+  row.see(0, 200, 11000, 18000);
+  row.picture.assign(200, 200);
+  std::fill(row.picture.begin() + 130, row.picture.end(), std::uint8_t{60});
+  return row;
+}
+
+TEST(AmbiguityResolver, MatchesBeforeTheEdgeInThePictureBelongToTheBackground) {
+  Row row = fattened();
+  row.resolve();
+  for (std::size_t x = 122; x < 130; ++x) {
+    row.expect(x, Source::kResolved, Cause::kOccluded, 16000);
+  }
+  EXPECT_LE(row.low(127), 13300);  // what the match said
+  row.expect(130, Source::kBoth, Cause::kNone, 13333);
+}
+
+TEST(AmbiguityResolver, MatchesStayWhereNothingProvesThatTheyAreFattened) {
+  const auto stays = [](Row row) {
+    row.resolve();
+    row.expect(127, Source::kBoth, Cause::kNone, 13333);
+  };
+  Row row = fattened();
+  row.picture.clear();
+  stays(row);
+  row = fattened();
+  std::fill(row.picture.begin() + 125, row.picture.begin() + 130, std::uint8_t{70});  // the body's
+  stays(row);
+  row = fattened();
+  std::fill(row.picture.begin() + 130, row.picture.end(), std::uint8_t{190});  // no edge
+  stays(row);
+  row = fattened();
+  row.see(120, 130, 12000, 14500);  // nothing of the wall
+  stays(row);
+  row = fattened();
+  row.match(115, 125, 30);  // without a shadow
+  stays(row);
+}
+
+TEST(AmbiguityResolver, NoMatchGivesWayToWhatIsAMetreBehindIt) {
+  Row row = fattened();
+  row.match(0, 122, 20);  // 5 m
+  row.see(0, 200, 11000, 24000);
+  row.resolve();
+  row.expect(127, Source::kBoth, Cause::kNone, 13333);
 }
 
 TEST(AmbiguityResolver, AWeakMatchIsConfirmedAndThenANeighbour) {
@@ -325,6 +426,10 @@ TEST(AmbiguityResolver, StaysWithinWhatThePmdAllows) {
                 static_cast<std::uint8_t>(random.next()));
       }
     }
+    for (std::size_t x = 0; x < n; ++x) {
+      row.reading[x] = static_cast<QuarterMm>(random.next());
+      row.picture.push_back(static_cast<std::uint8_t>(random.between(0, 3) * 60));
+    }
     row.resolve(random.between(0, 100), 29979);
     for (std::size_t x = 0; x < n; ++x) {
       const bool none = row.source[x] == Source::kNone || row.source[x] == Source::kConflict;
@@ -354,6 +459,7 @@ TEST(AmbiguityResolver, WorksWithColumnsToo) {
                        .weak = {},
                        .stereo = {row.stereo_low, row.stereo_high},
                        .pmd = {row.pmd_low, row.pmd_high},
+                       .reading = row.reading,
                        .support = {row.ratio, row.flags}},
                       {.infinity_raw = 0, .max_range = 40000, .pmd_range = 0, .reach_px = 1000},
                       columns, row.out());

@@ -210,8 +210,8 @@ TEST(HoleFiller, AWidePmdIntervalTakesTheSurfaceThatItHolds) {
   map.fill();
   EXPECT_EQ(map.source_at(20, 24), Source::kResolved);
   EXPECT_EQ(map.cause_at(20, 24), Cause::kStereoAmbiguous);
-  EXPECT_EQ(map.depth_at(20, 24), 12000);
-  EXPECT_EQ(map.width_at(20, 24), 2 * 3000);
+  EXPECT_EQ(map.depth_at(20, 24), 12000 - 12000 / 64);  // towards what the PMD read
+  EXPECT_EQ(map.width_at(20, 24), 2 * (3000 - 12000 / 64));
   for (int x = 21; x < 24; ++x) {
     EXPECT_EQ(map.source_at(x, 24), Source::kPmd) << x;
   }
