@@ -72,7 +72,6 @@ class AmbiguityResolver {
       resolve_gap(run);
       resolve_edges(run);
     });
-    centre_readings();
     drop_wide_edges();
     folded_.each(n, [this](std::size_t x) noexcept {
       if (out_.source[x] == Source::kConflict) {
@@ -152,18 +151,6 @@ class AmbiguityResolver {
     const int half = out_.width[x] / 2 + std::abs(depth - from);
     out_.depth[x] = static_cast<QuarterMm>(depth);
     widen(x, half);
-  }
-
-  // Where the PMD alone decides and leaves much open: what it read is better than the middle.
-  void centre_readings() noexcept {
-    open_.each(row_.disparity.size(), [this](std::size_t x) noexcept {
-      if (out_.source[x] == Source::kPmd) {
-        const DepthRange seen = pmd(x);
-        out_.depth[x] =
-            static_cast<QuarterMm>(std::clamp<int>(row_.reading[x], seen.low, seen.high));
-        cover_pmd(x);
-      }
-    });
   }
 
   // Whether a surface beside the pixel, as possible as the published one, is much nearer.

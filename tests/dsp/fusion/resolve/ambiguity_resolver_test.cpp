@@ -242,22 +242,6 @@ TEST(AmbiguityResolver, AReadingNearerThanTheLimitIsTakenAsItIs) {
   EXPECT_EQ(row.depth[0], 8000);
 }
 
-TEST(AmbiguityResolver, AWideIntervalOfThePmdAloneHasItsReadingAsItsDepth) {
-  Row row(100);
-  row.see(0, 100, 8000, 11000);
-  std::ranges::fill(row.reading, QuarterMm{8500});
-  row.reading[50] = 60000;  // of an end of an interval elsewhere
-  row.see(60, 61, 8000, 8100);
-  row.reading[60] = 8010;
-  row.resolve();
-  row.expect(40, Source::kPmd, Cause::kNone, 8500);
-  EXPECT_EQ(row.depth[40], 8500);
-  EXPECT_EQ(row.width[40], 2 * 2500);
-  EXPECT_EQ(row.depth[50], 11000);
-  EXPECT_EQ(row.depth[60], 8050);  // narrow
-  EXPECT_EQ(row.width[60], 100);
-}
-
 // A wall of 200 at 4 m, its shadow, and from column 130 on a body of 60 at 3.3 m, whose matches
 // begin in column 125.
 Row fattened() {
