@@ -23,9 +23,8 @@ namespace stof::dsp {
 // the ends of its interval lie further apart than that, it is splatted at both ends too, because it
 // may stand anywhere between. Where a reading lies is averaged along its surface once more
 // (interval/average_pairs.h), wide pixels too, unless maps.sigma is empty: its interval stays what
-// it is. Readings behind the
-// camera and footprints outside the image are left
-// out; an end behind the camera counts as 1/4 mm before it.
+// it is. Readings behind the camera and footprints outside the image are left out; an end behind
+// the camera counts as 1/4 mm before it.
 class Reprojector {
  public:
   Reprojector() noexcept = default;

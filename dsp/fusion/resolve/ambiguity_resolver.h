@@ -109,8 +109,7 @@ inline constexpr int kShadowMargin = 3;
 // Depths left of all matches (R where there is no L) and between two matches are moved
 // towards the reading (kPullWay, kPullShare) unless the PMD says kPmdEdge, and their intervals are
 // widened by as much.
-// Other pixels, and those for which nothing fits, stay as they are, but for this: a kPmd among them
-// gets the reading as its depth, and an interval about it that holds the PMD's; a kConflict whose
+// Other pixels, and those for which nothing fits, stay as they are, but for this: a kConflict whose
 // intervals meet once the PMD's is moved by one pmd_range (or up to a sixteenth less: Z of a
 // slanted ray) gets kRangeAmbiguous. All of one length.
 //

@@ -9,7 +9,9 @@
 #include <span>
 
 #include <gtest/gtest.h>
+#include <linux/filter.h>
 #include <netinet/in.h>
+#include <sys/socket.h>
 
 #include "hal/linux/ports/udp_port.h"
 #include "hal/network_interfaces.h"
@@ -46,6 +48,22 @@ int arrived(UdpPort& port) {
     ++count;
   }
   return count;
+}
+
+// Whether the system can be told which of several sockets at a port receives.
+bool says_who_receives() {
+  const posix::UdpSocket probe(AF_INET);
+  sock_filter first{.code = BPF_RET | BPF_K, .jt = 0, .jf = 0, .k = 0};
+  const sock_fprog program{.len = 1, .filter = &first};
+  return probe.set({SOL_SOCKET, SO_REUSEPORT, 1}) == 0 &&
+         setsockopt(probe.fd(), SOL_SOCKET, SO_ATTACH_REUSEPORT_CBPF, &program, sizeof program) ==
+             0;
+}
+
+TEST(StreamSockets, AreThereWhereTheSystemSaysWhoReceives) {
+  const auto sensor = open_with_streams();
+  ASSERT_NE(sensor, nullptr);
+  EXPECT_EQ(sensor->streams_have_queues(), says_who_receives());
 }
 
 // The system must not hand a request to a socket that nobody reads.
