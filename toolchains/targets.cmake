@@ -99,12 +99,17 @@ set(STOF_LABELLED_TEST_OPTIONS -O1)
 # stof_add_test(NAME sad_test SOURCES ... LIBRARIES ... [LABELS kernel]): a GoogleTest program whose
 # cases ctest runs one by one, through the emulator where the build is a cross build.
 # LABELS kernel: runs at every level of vectors (tests/support/kernel_check.h).
-# LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu).
+# LABELS slow: seconds on scenes or recorded data; left out where it would be minutes (sanitizers, qemu: not even built).
 # LABELS scenes: renders scenes, in floating point; left out of qemu. What is called ...OnEveryMachine runs there too.
+# HOST_CASES Suite.Case[:Suite.Case]: these have label `host`. They take seconds of plain C++, in which 64-bit ARM cannot
+# differ; left out of qemu.
 function(stof_add_test)
-  cmake_parse_arguments(ARG "" "NAME;LABELS" "SOURCES;LIBRARIES" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME;LABELS;HOST_CASES" "SOURCES;LIBRARIES" ${ARGN})
   if(ARG_UNPARSED_ARGUMENTS)
     message(FATAL_ERROR "stof_add_test(${ARG_NAME}): unknown ${ARG_UNPARSED_ARGUMENTS}")
+  endif()
+  if(CMAKE_CROSSCOMPILING AND ARG_LABELS STREQUAL "slow")
+    return()
   endif()
   add_executable(${ARG_NAME} ${ARG_SOURCES})
   set(main GTest::gtest_main)
@@ -130,6 +135,10 @@ function(stof_add_test)
     gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER *OnEveryMachine
       TEST_LIST ${ARG_NAME}_ON_EVERY_MACHINE PROPERTIES TIMEOUT 300)
     set(all TEST_FILTER -*OnEveryMachine)
+  elseif(ARG_HOST_CASES)
+    gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 TEST_FILTER ${ARG_HOST_CASES}
+      TEST_LIST ${ARG_NAME}_HOST_CASES PROPERTIES TIMEOUT 300 LABELS host)
+    set(all TEST_FILTER -${ARG_HOST_CASES})
   endif()
   gtest_discover_tests(${ARG_NAME} DISCOVERY_TIMEOUT 120 ${all} PROPERTIES ${properties})
   if(ARG_LABELS STREQUAL "kernel")
