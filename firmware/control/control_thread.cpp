@@ -1,5 +1,6 @@
 #include "firmware/control/control_thread.h"
 
+#include <algorithm>
 #include <chrono>
 #include <random>
 
@@ -27,11 +28,17 @@ ControlThread::~ControlThread() {
 }
 
 void ControlThread::run() noexcept {
+  hal::Time next{};
   while (!done_.load(std::memory_order_relaxed)) {
     if (control_.receive(turn_, &control_now) == Status::kDeviceLost) {
       std::this_thread::sleep_for(turn_);  // the tasks go on without the network
     }
-    control_.tick(control_now());
+    const hal::Time now = control_now();
+    control_.tick(now);
+    if (now < next) {
+      std::this_thread::sleep_for(next - now);
+    }
+    next = std::max(now, next) + kLeastTurn;
   }
 }
 

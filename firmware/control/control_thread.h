@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <thread>
 
 #include "firmware/control/control_server.h"
@@ -19,6 +20,10 @@ CookieSecret make_cookie_secret();
 // Allocates at the start only.
 class ControlThread {
  public:
+  // Between the beginnings of two turns that answer. What comes meanwhile is answered together: in
+  // a flood of 10,000 a second waking up and the tasks cost more than the answers.
+  static constexpr hal::Duration kLeastTurn = std::chrono::milliseconds(1);
+
   explicit ControlThread(const ControlParts& parts);
   ~ControlThread();
   ControlThread(const ControlThread&) = delete;

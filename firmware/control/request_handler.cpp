@@ -16,7 +16,8 @@ RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& s
       settings_(settings),
       authenticator_(authenticator),
       unproven_hosts_(secret, kUnprovenPerHost),
-      proven_hosts_(secret, kProvenPerHost) {}
+      proven_hosts_(secret, kProvenPerHost),
+      refused_hosts_(secret, kRefusedPerHost) {}
 
 void RequestHandler::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
   announce_ = announce;
@@ -131,14 +132,17 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
   if (signer.verdict == Verdict::kForged) {
     return unknown_key(*asked);
   }
+  const bool replayed = signer.verdict == Verdict::kReplayed;
+  count(replayed ? Count::kReplayed : Count::kAccepted);
+  if (replayed && !may_refuse(request)) {
+    return {};
+  }
   wire::Key key = *signer.key;  // which may be none any more when the answer goes
   if (signer.former) {
     key.secret = *key.former;
   }
   asked->key = &key;
   const std::span<std::byte> payload = wire::signed_space(buffer_);
-  const bool replayed = signer.verdict == Verdict::kReplayed;
-  count(replayed ? Count::kReplayed : Count::kAccepted);
   std::size_t bytes = 0;
   if (replayed) {
     bytes = serve_stale(*asked, payload);
@@ -234,6 +238,9 @@ std::size_t RequestHandler::serve_stale(const SignedRequest& request,
 
 RequestHandler::Answer RequestHandler::unknown_key(const SignedRequest& request) noexcept {
   count(Count::kForged);
+  if (!may_refuse(request.request)) {
+    return {};
+  }
   if (request.type != PacketType::kSettingsRequest) {
     return answer(request.request,
                   {.request_id = request.request_id, .result = wire::SubscribeResult::kUnknownKey});
@@ -347,6 +354,10 @@ bool RequestHandler::may_serve(const Request& request) noexcept {
     count(Count::kBusy);
   }
   return served;
+}
+
+bool RequestHandler::may_refuse(const Request& request) noexcept {
+  return refused_hosts_.take(request.from, request.now);
 }
 
 RequestHandler::Answer RequestHandler::answer(const Request& request,

@@ -39,6 +39,9 @@ class RequestHandler {
   static constexpr std::uint32_t kUnprovenPerSecond = 1000;
   static constexpr std::uint32_t kUnprovenPerHost = 200;  // of these
   static constexpr std::uint32_t kProvenPerHost = 1000;
+  // Of these, answers to what no key signed or what is repeated: who guesses learns no more, and an
+  // answer costs more than the judgement.
+  static constexpr std::uint32_t kRefusedPerHost = 50;
 
   // All outlive the handler. settings nullptr: every request for them is answered with
   // kUnsupported. authenticator nullptr: no key is known, and nobody changes anything.
@@ -116,6 +119,8 @@ class RequestHandler {
   // To a source without a valid cookie, or one of another session.
   Answer answer_cookie(const Request& request, std::uint32_t request_id) noexcept;
   Answer subscribe_cookie(const Request& request, std::uint32_t request_id) noexcept;
+  // Whether a source is told that what it signed was refused.
+  bool may_refuse(const Request& request) noexcept;
   Answer unknown_key(const SignedRequest& request) noexcept;
   // Fills in what every one has, and writes it.
   void put_subscribed(wire::Subscribed subscribed, const Request& request,
@@ -140,6 +145,7 @@ class RequestHandler {
   TokenBucket unproven_{kUnprovenPerSecond};
   SourceLimiter unproven_hosts_;
   SourceLimiter proven_hosts_;
+  SourceLimiter refused_hosts_;
   wire::Announce announce_{};
   wire::Health health_ = wire::Health::kOk;
   wire::DatagramBuffer buffer_{};

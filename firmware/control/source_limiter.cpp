@@ -31,9 +31,9 @@ hal::Peer host_of(const hal::Peer& peer) noexcept {
 }
 
 SourceLimiter::SourceLimiter(const CookieSecret& secret, std::uint32_t per_second) noexcept
-    : secret_(secret) {
-  addresses_.fill(TokenBucket(per_second));
-  networks_.fill(TokenBucket(kAddressesOfNetwork * per_second));
+    : secret_(secret), of_address_(per_second), of_network_(kAddressesOfNetwork * per_second) {
+  addresses_.fill(TokenRate::kFull);
+  networks_.fill(TokenRate::kFull);
 }
 
 std::uint64_t SourceLimiter::number_of(const hal::Peer& peer) const noexcept {
@@ -42,8 +42,9 @@ std::uint64_t SourceLimiter::number_of(const hal::Peer& peer) const noexcept {
 
 bool SourceLimiter::take(const hal::Peer& from, hal::Time now) noexcept {
   // The address first: what it is refused takes nothing of what its network shares.
-  return addresses_[number_of(from) % kAddresses].take(now) &&
-         (!has_network(from) || networks_[number_of(host_of(from)) % kNetworks].take(now));
+  return of_address_.take(addresses_[number_of(from) % kAddresses], now) &&
+         (!has_network(from) ||
+          of_network_.take(networks_[number_of(host_of(from)) % kNetworks], now));
 }
 
 }  // namespace stof::firmware

@@ -34,8 +34,10 @@ class SourceLimiter {
   std::uint64_t number_of(const hal::Peer& peer) const noexcept;
 
   CookieSecret secret_;
-  std::array<TokenBucket, kAddresses> addresses_;
-  std::array<TokenBucket, kNetworks> networks_;
+  TokenRate of_address_;
+  TokenRate of_network_;
+  std::array<hal::Time, kAddresses> addresses_;  // when each bucket is full again
+  std::array<hal::Time, kNetworks> networks_;
 };
 
 }  // namespace stof::firmware

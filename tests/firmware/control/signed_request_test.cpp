@@ -145,6 +145,24 @@ TEST_F(SignedRequestTest, AnotherKeyOrNoneIsRefusedWithoutASignature) {
   EXPECT_TRUE(signed_reply(admin_, take(request(admin_, 1))).has_value());
 }
 
+// Judging costs little, answering three times that.
+TEST_F(SignedRequestTest, WhoeverGuessesOrRepeatsIsToldSeldom) {
+  wire::Key other = numbered_key(99);
+  const Bytes old = request(admin_, 7);
+  ASSERT_TRUE(signed_reply(admin_, take(old)).has_value());
+  constexpr int kTries = 500;
+  int told = 0;
+  for (int i = 0; i < kTries; ++i) {
+    told += take(i % 2 == 0 ? old : request(other, 50)).empty() ? 0 : 1;
+  }
+  EXPECT_GE(told, static_cast<int>(RequestHandler::kRefusedPerHost));
+  EXPECT_LE(told, static_cast<int>(RequestHandler::kRefusedPerHost) + 1);
+  EXPECT_EQ(handler_.counters().replayed, 250U);
+  EXPECT_EQ(handler_.counters().forged, 250U);
+  // Who has a key is served meanwhile, from the same host.
+  EXPECT_EQ(signed_reply(admin_, take(request(admin_, 8)))->answer.result, SettingsResult::kOk);
+}
+
 TEST_F(SignedRequestTest, AKeyThatWasRemovedOrReplacedIsNoKeyAtOnce) {
   ASSERT_TRUE(signed_reply(tune_, take(request(tune_, 1))).has_value());
   ASSERT_EQ(ring_.remove(tune_.id), Status::kOk);
