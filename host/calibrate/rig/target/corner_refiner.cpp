@@ -5,18 +5,16 @@
 #include <limits>
 #include <numbers>
 #include <optional>
-#include <utility>
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
-#include <opencv2/calib3d.hpp>
+#include <ceres/tiny_solver.h>
 
-#include "dsp/base/index.h"
+#include "host/calibrate/rig/target/board_perspective.h"
 
 namespace stof::host {
 namespace {
 
-using dsp::index;
 using Vector2 = Eigen::Vector2d;
 using Matrix2 = Eigen::Matrix2d;
 
@@ -33,10 +31,10 @@ constexpr double kLeastContrast = 0.02;  // of the picture's span
 constexpr double kMostMisfit = 0.12;     // rms of grey values, of white less black
 constexpr double kMostTurn = 0.3;        // rad
 constexpr double kLeastAngle = 0.2;      // between both edges, its sine
-constexpr double kFirstDamping = 1e-4;
 constexpr int kMostSteps = 30;
-constexpr double kSmallestStep = 1e-4;  // px
-constexpr std::size_t kFewestCorners = 4;
+constexpr double kSmallestStep = 1e-5;   // of all unknowns
+constexpr double kSmallestGain = 1e-12;  // of the squared misfit
+constexpr int kFewestCorners = 4;
 
 // What is printed around a corner, metres on the board; the same in all four squares.
 struct Surroundings {
@@ -60,44 +58,6 @@ Surroundings surroundings_of(const Board& board) {
   }
   return {.reach = side};
 }
-
-// Places of the board in the picture, as if the lens did not bend.
-class Perspective {
- public:
-  Perspective(const Board& board, const std::vector<PixelPoint>& corners) {
-    std::vector<cv::Point2f> on_board;
-    std::vector<cv::Point2f> in_picture;
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (corners[i].seen()) {
-        const std::array<double, 2> at = board.at(static_cast<int>(i));
-        on_board.emplace_back(static_cast<float>(at[0]), static_cast<float>(at[1]));
-        in_picture.emplace_back(static_cast<float>(corners[i].u), static_cast<float>(corners[i].v));
-      }
-    }
-    if (on_board.size() >= kFewestCorners) {
-      matrix_ = cv::findHomography(on_board, in_picture);
-    }
-  }
-
-  bool known() const { return !matrix_.empty(); }
-
-  // Pixels a metre: along rows of the board and from row to row.
-  Matrix2 slope(const std::array<double, 2>& at) const {
-    const auto h = [this](int row, int column) { return matrix_.at<double>(row, column); };
-    const double w = h(2, 0) * at[0] + h(2, 1) * at[1] + h(2, 2);
-    Matrix2 slope;
-    for (int i = 0; i < 2; ++i) {
-      const double place = (h(i, 0) * at[0] + h(i, 1) * at[1] + h(i, 2)) / w;
-      for (int k = 0; k < 2; ++k) {
-        slope(i, k) = (h(i, k) - place * h(2, k)) / w;
-      }
-    }
-    return slope;
-  }
-
- private:
-  cv::Mat matrix_;
-};
 
 // A corner as it is fitted. Axis 0 crosses the edge between left and right squares, axis 1 that
 // between upper and lower ones; black is where both count the same way.
@@ -204,95 +164,121 @@ White white_at(const Frame& frame, double x, double y, double blur) {
   return white;
 }
 
-class CornerFit {
+// Grey values around a corner less the model's, over the first span: what ceres::TinySolver makes
+// least. Unknowns: how far the corner moved, px; the turns of both edges, rad; blur, px; black and
+// span over the first span.
+class GreyMisfit {
  public:
-  CornerFit(const dataset::Image<float>& picture, const Frame& frame, Model start)
-      : picture_(picture), frame_(frame), model_(std::move(start)) {}
+  using Scalar = double;
+  enum { NUM_RESIDUALS = Eigen::Dynamic, NUM_PARAMETERS = kUnknowns };
 
-  // False: it ran away, or shows no corner.
-  bool run(double least_span) {
-    if (!start_levels()) {
-      return false;
-    }
-    const Vector2 start = model_.at;
-    double damping = kFirstDamping;
-    for (int step = 0; step < kMostSteps && improve(start, damping) > kSmallestStep; ++step) {
-    }
-    const double misfit = std::sqrt(sum(model_, nullptr));
-    return misfit < kMostMisfit * model_.span && model_.span > least_span;
-  }
-
-  PixelPoint at() const { return {model_.at.x(), model_.at.y()}; }
-
- private:
-  struct Normal {
-    Eigen::Matrix<double, kUnknowns, kUnknowns> matrix =
-        Eigen::Matrix<double, kUnknowns, kUnknowns>::Zero();
-    Row right = Row::Zero();
-  };
-
-  // A step of Levenberg and Marquardt; how far the corner moves, px: 0 where nothing is better.
-  double improve(const Vector2& start, double& damping) {
-    constexpr int kTries = 8;
-    constexpr double kLess = 0.2;
-    constexpr double kMore = 8;
-    Normal normal;
-    const double cost = sum(model_, &normal);
-    for (int tries = 0; tries < kTries; ++tries) {
-      Eigen::Matrix<double, kUnknowns, kUnknowns> damped = normal.matrix;
-      damped.diagonal() *= 1 + damping;
-      const Row change = damped.ldlt().solve(normal.right);
-      const Model next = moved(model_, change);
-      if (change.allFinite() && usable(next, start) && sum(next, nullptr) <= cost) {
-        damping *= kLess;
-        model_ = next;
-        return change.head<2>().norm();
-      }
-      damping *= kMore;
-    }
-    return 0;
-  }
-
-  static bool usable(const Model& model, const Vector2& start) {
-    return (model.at - start).norm() < kMostMoved && model.blur < kMostBlur &&
-           std::abs(model.turn[0]) < kMostTurn && std::abs(model.turn[1]) < kMostTurn;
-  }
-
-  static Model moved(const Model& model, const Row& by) {
-    Model next = model;
-    next.at += by.head<2>();
-    next.turn[0] += by(2);
-    next.turn[1] += by(3);
-    next.blur = std::max(kLeastBlur, next.blur + by(4));
-    next.black += by(5);
-    next.span += by(6);
-    return next;
-  }
-
-  // Calls value(grey, weight, place from the corner).
-  template <typename Value>
-  void each_pixel(const Model& model, const Value& value) const {
+  GreyMisfit(const dataset::Image<float>& picture, const Frame& frame, const Model& start)
+      : frame_(frame), start_(start) {
     Matrix2 normals;
     normals.row(0) = frame_.normal[0].transpose();
     normals.row(1) = frame_.normal[1].transpose();
-    const Matrix2 back = normals.inverse().cwiseAbs();
-    const Vector2 half = back * Vector2(frame_.reach[0] + 1, frame_.reach[1] + 1);
-    const int left = std::max(0, static_cast<int>(std::floor(model.at.x() - half.x())));
-    const int right =
-        std::min(picture_.width - 1, static_cast<int>(std::ceil(model.at.x() + half.x())));
-    const int top = std::max(0, static_cast<int>(std::floor(model.at.y() - half.y())));
-    const int low =
-        std::min(picture_.height - 1, static_cast<int>(std::ceil(model.at.y() + half.y())));
-    for (int v = top; v <= low; ++v) {
-      for (int u = left; u <= right; ++u) {
-        const Vector2 place = Vector2(u, v) - model.at;
-        const double weight =
-            weight_of(frame_, frame_.normal[0].dot(place), frame_.normal[1].dot(place));
-        if (weight > 0) {
-          value(static_cast<double>(picture_.view().at(u, v)), weight, place);
-        }
+    const Vector2 half =
+        normals.inverse().cwiseAbs() * Vector2(frame_.reach[0] + 1, frame_.reach[1] + 1) +
+        Vector2::Constant(kMostMoved);
+    const Vector2 least = (start.at - half).array().floor();
+    const Vector2 most = (start.at + half).array().ceil();
+    const int right = std::min(picture.width - 1, static_cast<int>(most.x()));
+    const int low = std::min(picture.height - 1, static_cast<int>(most.y()));
+    for (int v = std::max(0, static_cast<int>(least.y())); v <= low; ++v) {
+      for (int u = std::max(0, static_cast<int>(least.x())); u <= right; ++u) {
+        pixels_.push_back({.at = Vector2(u, v), .grey = picture.view().at(u, v)});
       }
     }
+  }
+
+  // Black and white by the first places of the edges; false: there is no such step.
+  bool start_levels() {
+    Matrix2 normal = Matrix2::Zero();
+    Vector2 right = Vector2::Zero();
+    for (const Pixel& pixel : pixels_) {
+      const Vector2 place = pixel.at - start_.at;
+      const double x = frame_.normal[0].dot(place);
+      const double y = frame_.normal[1].dot(place);
+      const Vector2 row(1, white_at(frame_, x, y, start_.blur).value);
+      const double weight = weight_of(frame_, x, y);
+      normal += weight * row * row.transpose();
+      right += weight * pixel.grey * row;
+    }
+    const Vector2 levels = normal.ldlt().solve(right);
+    start_.black = levels(0);
+    start_.span = levels(1);
+    return levels.allFinite() && start_.span > 0;
+  }
+
+  Row start() const {
+    Row row;
+    row << 0, 0, 0, 0, start_.blur, start_.black / start_.span, 1;
+    return row;
+  }
+  Model model_of(const Row& x) const {
+    return {.at = start_.at + x.head<2>(),
+            .turn = {x(2), x(3)},
+            .blur = std::max(kLeastBlur, x(4)),
+            .black = start_.span * x(5),
+            .span = start_.span * x(6)};
+  }
+
+  int NumResiduals() const { return static_cast<int>(pixels_.size()); }
+
+  // Always true: where the model ran away, the misfit is too large to go there.
+  bool operator()(const double* unknowns, double* misfit, double* slopes) const {
+    const Row x = Eigen::Map<const Row>(unknowns);
+    const Model model = model_of(x);
+    Eigen::Map<Eigen::VectorXd> off(misfit, NumResiduals());
+    off.setZero();
+    if (!usable(x)) {
+      off.setConstant(kFar);
+      return true;
+    }
+    const std::array<Vector2, 2> n{turned(frame_.normal[0], model.turn[0]),
+                                   turned(frame_.normal[1], model.turn[1])};
+    Eigen::VectorXd weights(NumResiduals());
+    for (Eigen::Index i = 0; i < weights.size(); ++i) {
+      const Pixel& pixel = pixels_[static_cast<std::size_t>(i)];
+      const Vector2 place = pixel.at - model.at;
+      weights(i) = weight_of(frame_, frame_.normal[0].dot(place), frame_.normal[1].dot(place));
+    }
+    weights = (weights / weights.sum()).cwiseSqrt();
+    using Slopes = Eigen::Matrix<double, Eigen::Dynamic, kUnknowns>;
+    if (slopes != nullptr) {
+      Eigen::Map<Slopes>(slopes, NumResiduals(), kUnknowns).setZero();
+    }
+    for (Eigen::Index i = 0; i < weights.size(); ++i) {
+      if (!(weights(i) > 0)) {
+        continue;
+      }
+      const Pixel& pixel = pixels_[static_cast<std::size_t>(i)];
+      const Vector2 place = pixel.at - model.at;
+      const White white = white_at(frame_, n[0].dot(place), n[1].dot(place), model.blur);
+      off(i) = weights(i) * ((pixel.grey - model.black) / start_.span - x(6) * white.value);
+      if (slopes == nullptr) {
+        continue;
+      }
+      const Vector2 by_at = -white.by_x * n[0] - white.by_y * n[1];
+      Row row;
+      row << x(6) * by_at, x(6) * white.by_x * Vector2(-n[0].y(), n[0].x()).dot(place),
+          x(6) * white.by_y * Vector2(-n[1].y(), n[1].x()).dot(place), x(6) * white.by_blur, 1,
+          white.value;
+      Eigen::Map<Slopes>(slopes, NumResiduals(), kUnknowns).row(i) = -weights(i) * row.transpose();
+    }
+    return true;
+  }
+
+ private:
+  struct Pixel {
+    Vector2 at;
+    double grey = 0;
+  };
+  static constexpr double kFar = 1e3;
+
+  static bool usable(const Row& x) {
+    return x.allFinite() && x.head<2>().norm() < kMostMoved && x(4) < kMostBlur &&
+           std::abs(x(2)) < kMostTurn && std::abs(x(3)) < kMostTurn;
   }
 
   static Vector2 turned(const Vector2& normal, double angle) {
@@ -301,61 +287,38 @@ class CornerFit {
     return {c * normal.x() - s * normal.y(), s * normal.x() + c * normal.y()};
   }
 
-  // Weighted mean of squares; the normal equations too where they are asked for.
-  double sum(const Model& model, Normal* normal) const {
-    const std::array<Vector2, 2> n{turned(frame_.normal[0], model.turn[0]),
-                                   turned(frame_.normal[1], model.turn[1])};
-    double squares = 0;
-    double weights = 0;
-    each_pixel(model, [&](double grey, double weight, const Vector2& place) {
-      const White white = white_at(frame_, n[0].dot(place), n[1].dot(place), model.blur);
-      const double off = grey - model.black - model.span * white.value;
-      squares += weight * off * off;
-      weights += weight;
-      if (normal == nullptr) {
-        return;
-      }
-      const Vector2 by_at = -white.by_x * n[0] - white.by_y * n[1];
-      const double by_first = white.by_x * Vector2(-n[0].y(), n[0].x()).dot(place);
-      const double by_second = white.by_y * Vector2(-n[1].y(), n[1].x()).dot(place);
-      Row row;
-      row << model.span * by_at, model.span * by_first, model.span * by_second,
-          model.span * white.by_blur, 1, white.value;
-      normal->matrix += weight * row * row.transpose();
-      normal->right += weight * off * row;
-    });
-    return weights > 0 ? squares / weights : std::numeric_limits<double>::infinity();
-  }
-
-  // Black and white by the first places of the edges.
-  bool start_levels() {
-    Matrix2 normal = Matrix2::Zero();
-    Vector2 right = Vector2::Zero();
-    each_pixel(model_, [&](double grey, double weight, const Vector2& place) {
-      const White white =
-          white_at(frame_, frame_.normal[0].dot(place), frame_.normal[1].dot(place), model_.blur);
-      const Vector2 row(1, white.value);
-      normal += weight * row * row.transpose();
-      right += weight * grey * row;
-    });
-    const Vector2 levels = normal.ldlt().solve(right);
-    model_.black = levels(0);
-    model_.span = levels(1);
-    return levels.allFinite() && model_.span > 0;
-  }
-
-  const dataset::Image<float>& picture_;
   const Frame& frame_;
-  Model model_;
+  Model start_;
+  std::vector<Pixel> pixels_;
 };
+
+// nullopt: it ran away, or shows no corner.
+std::optional<PixelPoint> fitted_corner(const dataset::Image<float>& picture, const Frame& frame,
+                                        const PixelPoint& corner, double least_span) {
+  GreyMisfit misfit(picture, frame, {.at = {corner.u, corner.v}});
+  if (!misfit.start_levels()) {
+    return std::nullopt;
+  }
+  ceres::TinySolver<GreyMisfit> solver;
+  solver.options = {.max_num_iterations = kMostSteps,
+                    .parameter_tolerance = kSmallestStep,
+                    .function_tolerance = kSmallestGain};
+  Row x = misfit.start();
+  solver.Solve(misfit, &x);
+  const Model model = misfit.model_of(x);
+  const double rms = std::sqrt(2 * solver.summary.final_cost);  // over the first span
+  const bool corner_there = rms < kMostMisfit * x(6) && model.span > least_span;
+  return corner_there ? std::optional(PixelPoint{.u = model.at.x(), .v = model.at.y()})
+                      : std::nullopt;
+}
 
 }  // namespace
 
 std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Board& board,
                                  std::vector<PixelPoint>& corners) {
-  const Perspective perspective(board, corners);
+  const auto perspective = BoardPerspective::through(board, corners, kFewestCorners);
   std::vector<bool> fitted(corners.size());
-  if (!perspective.known()) {
+  if (!perspective) {
     return fitted;
   }
   const auto [low, high] = std::ranges::minmax(picture.pixels);
@@ -371,13 +334,12 @@ std::vector<bool> refine_corners(const dataset::Image<float>& picture, const Boa
       continue;
     }
     const bool even = (number / board.columns + number % board.columns) % 2 == 0;
-    const std::optional<Frame> frame = frame_of(around, perspective.slope(board.at(number)), even);
+    const std::optional<Frame> frame = frame_of(around, perspective->slope(board.at(number)), even);
     if (!frame) {
       continue;
     }
-    CornerFit fit(picture, *frame, {.at = {corner.u, corner.v}});
-    if (fit.run(least_span)) {
-      corners[i] = fit.at();
+    if (const auto found = fitted_corner(picture, *frame, corner, least_span)) {
+      corners[i] = *found;
       fitted[i] = true;
     }
   }
