@@ -4,7 +4,10 @@
 #include <map>
 #include <stdexcept>
 
+#include <fcntl.h>
 #include <png.h>
+#include <sys/stat.h>
+#include <unistd.h>
 
 namespace stof::host {
 namespace {
@@ -16,11 +19,29 @@ struct Layout {
   int colour_type;
 };
 
+// Follows no link, and waits for nobody at a pipe: a folder that others write to may hold either.
+std::FILE* open_file(const std::filesystem::path& file) {
+  constexpr mode_t kMode = 0666;  // less the umask
+  const int fd = ::open(file.c_str(),
+                        O_WRONLY | O_CREAT | O_NOFOLLOW | O_NONBLOCK | O_NOCTTY | O_CLOEXEC, kMode);
+  if (fd < 0) {
+    return nullptr;
+  }
+  struct stat is{};
+  const bool usable = ::fstat(fd, &is) == 0 &&
+                      (S_ISCHR(is.st_mode) || (S_ISREG(is.st_mode) && ::ftruncate(fd, 0) == 0));
+  std::FILE* const stream = usable ? ::fdopen(fd, "wb") : nullptr;
+  if (stream == nullptr) {
+    ::close(fd);
+  }
+  return stream;
+}
+
 // libpng reports errors by longjmp: what it jumps over has no destructors, this class keeps them.
 class Writer {
  public:
   explicit Writer(const std::filesystem::path& file)
-      : stream_(std::fopen(file.c_str(), "wb")),
+      : stream_(open_file(file)),
         png_(png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, ignore)),
         info_(png_ == nullptr ? nullptr : png_create_info_struct(png_)) {}
   Writer(const Writer&) = delete;
@@ -79,9 +100,10 @@ std::expected<void, dataset::Problem> write(const std::filesystem::path& file, c
     chunks.push_back(chunk);
   }
   if (!Writer(file).write(layout, rows, chunks)) {
-    return std::unexpected(dataset::Problem{
-        file.string() +
-        ": cannot be written: check the folder, its permissions and the free space"});
+    return std::unexpected(dataset::Problem{file.string() +
+                                            ": cannot be written: check the folder, its "
+                                            "permissions and the free space; a link or a pipe "
+                                            "of that name is not written to"});
   }
   return {};
 }

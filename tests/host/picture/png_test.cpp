@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <png.h>
+#include <sys/stat.h>
 
 #include "tests/dataset/scratch.h"
 
@@ -98,6 +99,22 @@ TEST_F(Png, SaysWhenTheDiskIsFull) {
       write_png("/dev/full", dataset::Image<std::uint16_t>(64, 64), {});
   ASSERT_FALSE(written);
   test::expect_one_line_about(written.error().message, "/dev/full", "cannot be written");
+}
+
+TEST_F(Png, FollowsNoLinkAndWaitsAtNoPipe) {
+  const std::filesystem::path own = put("own", "of somebody else");
+  std::filesystem::create_symlink(own, folder() / "a.png");
+  ASSERT_EQ(::mkfifo((folder() / "b.png").c_str(), 0600), 0);
+  for (const char* const name : {"a.png", "b.png"}) {
+    const std::filesystem::path file = folder() / name;
+    const auto written = write_png(file, dataset::Image<Rgb>(1, 1), {});
+    ASSERT_FALSE(written);
+    test::expect_one_line_about(written.error().message, file, "cannot be written");
+  }
+  EXPECT_EQ(std::filesystem::file_size(own), 16U);
+  // A picture of before, which was longer, leaves nothing behind.
+  ASSERT_TRUE(write_png(put("c.png", std::string(5000, 'x')), dataset::Image<Rgb>(1, 1), {}));
+  EXPECT_LT(std::filesystem::file_size(folder() / "c.png"), 200U);
 }
 
 TEST_F(Png, BytesAreThoseOfAFileWithAPaletteWhereItIsEnough) {
