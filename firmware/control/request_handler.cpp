@@ -15,9 +15,7 @@ RequestHandler::RequestHandler(const wire::Origin& origin, const CookieSecret& s
       subscribers_(subscribers),
       settings_(settings),
       authenticator_(authenticator),
-      unproven_hosts_(secret, kUnprovenPerHost),
-      proven_hosts_(secret, kProvenPerHost),
-      refused_hosts_(secret, kRefusedPerHost) {}
+      limits_(secret) {}
 
 void RequestHandler::set_announce(const wire::Announce& announce, wire::Health health) noexcept {
   announce_ = announce;
@@ -134,7 +132,7 @@ RequestHandler::Answer RequestHandler::serve_signed(const Request& request) noex
   }
   const bool replayed = signer.verdict == Verdict::kReplayed;
   count(replayed ? Count::kReplayed : Count::kAccepted);
-  if (replayed && !may_refuse(request)) {
+  if (replayed && !limits_.may_refuse(request.from, request.now)) {
     return {};
   }
   wire::Key key = *signer.key;  // which may be none any more when the answer goes
@@ -238,7 +236,7 @@ std::size_t RequestHandler::serve_stale(const SignedRequest& request,
 
 RequestHandler::Answer RequestHandler::unknown_key(const SignedRequest& request) noexcept {
   count(Count::kForged);
-  if (!may_refuse(request.request)) {
+  if (!limits_.may_refuse(request.request.from, request.request.now)) {
     return {};
   }
   if (request.type != PacketType::kSettingsRequest) {
@@ -340,8 +338,7 @@ bool RequestHandler::may_answer_unproven(const Request& request,
     count(Count::kTooShort);
     return false;
   }
-  // The host first: what it is refused takes nothing of what all share.
-  if (!unproven_hosts_.take(request.from, request.now) || !unproven_.take(request.now)) {
+  if (!limits_.may_answer_unproven(request.from, request.now)) {
     count(Count::kBusy);
     return false;
   }
@@ -349,15 +346,11 @@ bool RequestHandler::may_answer_unproven(const Request& request,
 }
 
 bool RequestHandler::may_serve(const Request& request) noexcept {
-  const bool served = proven_hosts_.take(request.from, request.now);
+  const bool served = limits_.may_serve(request.from, request.now);
   if (!served) {
     count(Count::kBusy);
   }
   return served;
-}
-
-bool RequestHandler::may_refuse(const Request& request) noexcept {
-  return refused_hosts_.take(request.from, request.now);
 }
 
 RequestHandler::Answer RequestHandler::answer(const Request& request,

@@ -9,9 +9,8 @@
 
 #include "firmware/control/cookie.h"
 #include "firmware/control/lease_table.h"
+#include "firmware/control/request_limits.h"
 #include "firmware/control/settings_service.h"
-#include "firmware/control/source_limiter.h"
-#include "firmware/control/token_bucket.h"
 #include "firmware/keys/authenticator.h"
 #include "firmware/keys/pairing_server.h"
 #include "firmware/wire/keys/signed_packet.h"
@@ -27,22 +26,12 @@ namespace stof::firmware {
 
 // Judges every datagram that comes to the sensor's port: any bytes in, at most one answer out.
 //
-// Without a valid cookie a source gets one answer a request, never longer than that request, and no
-// more than kUnprovenPerSecond of them leave in a second to all sources together: whoever writes
-// somebody else's address on its requests cannot make us send more than it sends itself. And no
-// host gets more than its share: one that floods keeps nobody else out. What is signed is judged
-// after all that, since it costs most: a key that nobody has takes no more of the processor than a
-// host's share.
-// No clock, no socket, no heap; for one thread, except counters().
+// Without a valid cookie a source gets one answer a request, never longer than that request, and
+// how many leave is limited (RequestLimits). What is signed is judged after all that, since it
+// costs most: a key that nobody has takes no more of the processor than a host's share. No clock,
+// no socket, no heap; for one thread, except counters().
 class RequestHandler {
  public:
-  static constexpr std::uint32_t kUnprovenPerSecond = 1000;
-  static constexpr std::uint32_t kUnprovenPerHost = 200;  // of these
-  static constexpr std::uint32_t kProvenPerHost = 1000;
-  // Of these, answers to what no key signed or what is repeated: who guesses learns no more, and an
-  // answer costs more than the judgement.
-  static constexpr std::uint32_t kRefusedPerHost = 50;
-
   // All outlive the handler. settings nullptr: every request for them is answered with
   // kUnsupported. authenticator nullptr: no key is known, and nobody changes anything.
   RequestHandler(const wire::Origin& origin, const CookieSecret& secret, LeaseTable& subscribers,
@@ -119,8 +108,6 @@ class RequestHandler {
   // To a source without a valid cookie, or one of another session.
   Answer answer_cookie(const Request& request, std::uint32_t request_id) noexcept;
   Answer subscribe_cookie(const Request& request, std::uint32_t request_id) noexcept;
-  // Whether a source is told that what it signed was refused.
-  bool may_refuse(const Request& request) noexcept;
   Answer unknown_key(const SignedRequest& request) noexcept;
   // Fills in what every one has, and writes it.
   void put_subscribed(wire::Subscribed subscribed, const Request& request,
@@ -142,10 +129,7 @@ class RequestHandler {
   SettingsService* settings_;
   keys::Authenticator* authenticator_;
   keys::PairingServer* pairing_ = nullptr;
-  TokenBucket unproven_{kUnprovenPerSecond};
-  SourceLimiter unproven_hosts_;
-  SourceLimiter proven_hosts_;
-  SourceLimiter refused_hosts_;
+  RequestLimits limits_;
   wire::Announce announce_{};
   wire::Health health_ = wire::Health::kOk;
   wire::DatagramBuffer buffer_{};

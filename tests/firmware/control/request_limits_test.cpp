@@ -75,8 +75,8 @@ TEST_F(RequestLimits, AnswersAThousandUnprovenSourcesASecondAndEveryProvenOne) {
     answers += handler_.take(subscribe({}), source, now).empty() ? 0 : 1;
   }
   // A full bucket, and what a second refills.
-  EXPECT_LE(answers, 2 * static_cast<int>(RequestHandler::kUnprovenPerSecond));
-  EXPECT_GE(answers, static_cast<int>(RequestHandler::kUnprovenPerSecond));
+  EXPECT_LE(answers, 2 * static_cast<int>(firmware::RequestLimits::kUnprovenPerSecond));
+  EXPECT_GE(answers, static_cast<int>(firmware::RequestLimits::kUnprovenPerSecond));
   EXPECT_EQ(handler_.counters().busy, static_cast<std::uint64_t>(kRequests - answers));
   const auto proven = subscribed(
       handler_.take(subscribe({.lease_ms = 3000, .cookie = cookie}), peer(200), kStart + 11s));
@@ -103,7 +103,7 @@ TEST_F(RequestLimits, OneHostThatFloodsKeepsNobodyElseOut) {
     }
   }
   EXPECT_EQ(others, 10);
-  EXPECT_LE(answers, 11 * static_cast<int>(RequestHandler::kUnprovenPerHost));
+  EXPECT_LE(answers, 11 * static_cast<int>(firmware::RequestLimits::kUnprovenPerHost));
 }
 
 // Nor one that has proven its address, whatever it asks for.
@@ -115,8 +115,8 @@ TEST_F(RequestLimits, AProvenHostIsServedAThousandTimesASecond) {
     served +=
         handler_.take(settings({.cookie = cookie}), peer(66), kStart + i * 100us).empty() ? 0 : 1;
   }
-  EXPECT_GE(served, 2 * static_cast<int>(RequestHandler::kProvenPerHost));
-  EXPECT_LE(served, 3 * static_cast<int>(RequestHandler::kProvenPerHost));
+  EXPECT_GE(served, 2 * static_cast<int>(firmware::RequestLimits::kProvenPerHost));
+  EXPECT_LE(served, 3 * static_cast<int>(firmware::RequestLimits::kProvenPerHost));
 }
 
 // All hosts of a link have one IPv6 network: one of them must not take what the others have.

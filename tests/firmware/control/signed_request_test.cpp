@@ -155,8 +155,8 @@ TEST_F(SignedRequestTest, WhoeverGuessesOrRepeatsIsToldSeldom) {
   for (int i = 0; i < kTries; ++i) {
     told += take(i % 2 == 0 ? old : request(other, 50)).empty() ? 0 : 1;
   }
-  EXPECT_GE(told, static_cast<int>(RequestHandler::kRefusedPerHost));
-  EXPECT_LE(told, static_cast<int>(RequestHandler::kRefusedPerHost) + 1);
+  EXPECT_GE(told, static_cast<int>(firmware::RequestLimits::kRefusedPerHost));
+  EXPECT_LE(told, static_cast<int>(firmware::RequestLimits::kRefusedPerHost) + 1);
   EXPECT_EQ(handler_.counters().replayed, 250U);
   EXPECT_EQ(handler_.counters().forged, 250U);
   // Who has a key is served meanwhile, from the same host.
@@ -224,11 +224,11 @@ TEST_F(SignedRequestTest, WhatIsTooShortOrOfAnotherMessageIsRefused) {
 }
 
 TEST_F(SignedRequestTest, AHostHasItsShareBeforeAnythingIsComputed) {
-  for (std::uint64_t i = 0; i < 2 * RequestHandler::kProvenPerHost; ++i) {
+  for (std::uint64_t i = 0; i < 2 * firmware::RequestLimits::kProvenPerHost; ++i) {
     static_cast<void>(take(request(numbered_key(99), i)));
   }
-  EXPECT_EQ(handler_.counters().forged, RequestHandler::kProvenPerHost);
-  EXPECT_EQ(handler_.counters().busy, RequestHandler::kProvenPerHost);
+  EXPECT_EQ(handler_.counters().forged, firmware::RequestLimits::kProvenPerHost);
+  EXPECT_EQ(handler_.counters().busy, firmware::RequestLimits::kProvenPerHost);
 }
 
 // What somebody has who listens on the network and sends in the robot's name: captured requests,
