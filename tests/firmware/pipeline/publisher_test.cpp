@@ -3,109 +3,18 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
-#include <memory>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "firmware/wire/messages/frame_info.h"
-#include "hal/emu/devices/clock.h"
-#include "hal/emu/devices/datagram_port.h"
+#include "tests/firmware/pipeline/noise_scene.h"
 #include "tests/firmware/wire/frame/coder_in_memory.h"
-#include "tests/support/guarded_part.h"
-#include "tests/support/random.h"
 
 namespace stof::firmware {
 namespace {
 
-using namespace std::chrono_literals;
-namespace emu = hal::emu;
-
-constexpr wire::FrameSizes kSizes{.width = 160, .height = 90, .pmd_width = 40, .pmd_height = 30};
-constexpr wire::CalibrationPacket kLens{
-    .fx = 1 << 22, .fy = 1 << 22, .cx = 1 << 21, .cy = 1 << 21, .max_range = 40'000};
-constexpr int kQueue = 1000;  // datagrams, more than a frame has
-
-template <typename T>
-class Noise {
- public:
-  Noise(int width, int height, std::uint64_t seed, int most)
-      : pixels_(static_cast<std::size_t>(width * height)), width_(width), height_(height) {
-    test::Random random(seed);
-    for (T& pixel : pixels_) {
-      pixel = static_cast<T>(random.between(0, most));
-    }
-  }
-  dsp::ImageView<T> view() { return {pixels_.data(), width_, height_}; }
-
- private:
-  std::vector<T> pixels_;
-  int width_;
-  int height_;
-};
-
-class NoOwner final : public hal::SlotOwner {
- public:
-  void give_back(int) noexcept override {}
-};
-
-// One frame of noise: no codec makes it shorter.
-struct Scene {
-  explicit Scene(std::uint64_t seed, int w = kSizes.width, int h = kSizes.height)
-      : depth(w, h, seed, 65'535),
-        width(w, h, seed + 1, 65'535),
-        source(w, h, seed + 2, 5),
-        cause(w, h, seed + 3, 5),
-        left(w, h, seed + 4, 255),
-        right(w, h, seed + 5, 255),
-        disparity_raw(w, h, seed + 6, 30'000),
-        samples{noise(seed + 7), noise(seed + 8), noise(seed + 9), noise(seed + 10)},
-        disparity(static_cast<std::size_t>(w * h)) {
-    for (int i = 0; i < w * h; ++i) {
-      disparity[static_cast<std::size_t>(i)].raw = disparity_raw.view().at(i % w, i / w);
-    }
-    output.map = {depth.view(), width.view(), source.view(), cause.view()};
-    output.stereo.disparity = {disparity.data(), w, h};
-    output.left = left.view();
-    output.right = right.view();
-    pmd.samples = {samples[0].view(), samples[1].view(), samples[2].view(), samples[3].view()};
-  }
-  Shot shot() {
-    return {.edge = emu::Clock::kStart,
-            .exposed = {},
-            .stereo = hal::BorrowedFrame<hal::StereoFrame>(stereo, owner, 0),
-            .pmd = hal::BorrowedFrame<hal::PmdFrame>(pmd, owner, 0),
-            .pmd_exposed = hal::Time{}};
-  }
-  static Noise<std::uint16_t> noise(std::uint64_t seed) {
-    return {kSizes.pmd_width, kSizes.pmd_height, seed, 4095};
-  }
-  wire::FrameImages images() {
-    return {.map = output.map,
-            .disparity = output.stereo.disparity,
-            .pmd = pmd.samples,
-            .left = output.left,
-            .right = output.right};
-  }
-
-  Noise<dsp::QuarterMm> depth, width;
-  Noise<dsp::Source> source;
-  Noise<dsp::Cause> cause;
-  Noise<std::uint8_t> left, right;
-  Noise<std::int16_t> disparity_raw;
-  std::array<Noise<std::uint16_t>, 4> samples;
-  std::vector<dsp::Disparity> disparity;
-  hal::StereoFrame stereo;
-  hal::PmdFrame pmd;
-  NoOwner owner;
-  Output output;
-};
-
-wire::StreamChoice everything(wire::Coding coding, bool parity) {
-  wire::StreamChoice choice{.parity = parity, .cloud_step = 2};
-  choice.coding.fill(coding);
-  return choice;
-}
+using namespace test;
 
 using Datagrams = std::vector<std::vector<std::byte>>;
 
@@ -121,38 +30,6 @@ Datagrams frame_of(emu::DatagramPort& port) {
   }
   return frame;
 }
-
-// At ports 1 to `count`.
-ReceiverList receivers_at_ports(std::size_t count) {
-  ReceiverList list{.count = count};
-  for (std::size_t i = 0; i < count; ++i) {
-    list.peers[i].port = static_cast<std::uint16_t>(i + 1);
-  }
-  return list;
-}
-
-// The publisher with the memory of the appliance, which holds the usual streams.
-struct Sender {
-  explicit Sender(const wire::StreamChoice& choice, int queue = kQueue,
-                  const emu::FaultPlan& faults = {}, hal::DatagramPort* other = nullptr)
-      : port(queue, faults), in_memory([&](dsp::Arena& arena) {
-          return Publisher({.origin = {.device_id = 7, .session_id = 9}, .calibration = kLens},
-                           kSizes, clock, other != nullptr ? *other : port, nullptr, events, arena);
-        }) {
-    publisher.set_params({.choice = choice, .period = 33ms});
-    const hal::Peer receiver{.address = {}, .port = 1};
-    publisher.set_receivers({.peers = {receiver}, .count = 1});
-  }
-  Status publish(Scene& scene) {
-    return publisher.publish(scene.shot(), scene.output, clock.now() + 20ms);
-  }
-
-  emu::Clock clock;
-  emu::DatagramPort port;
-  Events events;
-  stof::test::GuardedPart<Publisher> in_memory;
-  Publisher& publisher = *in_memory;
-};
 
 // That these are the frame's datagrams as a coder with memory for all of them makes them: but for
 // the frame info, which tells times, and parity over it.
@@ -308,12 +185,6 @@ TEST(Publisher, WhatALostDeviceLeavesOfALargeFrameIsCounted) {
   }
 }
 
-wire::StreamKey numbered_stream_key(std::uint32_t number) {
-  wire::StreamKey key{.number = number};
-  key.secret.fill(static_cast<std::byte>(number));
-  return key;
-}
-
 // What each of three receivers gets: its datagrams as they were before they were signed, the
 // counters in order.
 struct Signed {
@@ -403,185 +274,6 @@ TEST(Publisher, WhatALostDeviceLeavesOfASignedFrameIsCounted) {
     sender.publisher.set_receivers(receivers);
     EXPECT_EQ(sender.publish(scene), Status::kDeviceLost);
     EXPECT_EQ(sender.events.counters.packets_dropped, receivers.count * whole - datagrams);
-  }
-}
-
-// Tells by which queue what left when. Those of raw pictures take so many datagrams.
-class TimedPort final : public hal::DatagramPort {
- public:
-  struct Sent {
-    hal::Time at;
-    std::size_t stream = 0;
-    std::uint16_t to = 0;
-    std::vector<std::byte> bytes;
-
-    wire::PacketType type() const { return wire::parse_packet(bytes)->header.type; }
-    bool raw() const {
-      return type() == wire::PacketType::kRawInfo || type() == wire::PacketType::kRawTile;
-    }
-  };
-  explicit TimedPort(emu::Clock& clock) : clock_(clock) {}
-  Status send(const hal::Peer& to, std::span<const std::span<const std::byte>> datagrams,
-              std::size_t& sent) noexcept override {
-    return stream(kStreams, to, datagrams, sent);
-  }
-  Status stream(std::size_t which, const hal::Peer& to,
-                std::span<const std::span<const std::byte>> datagrams,
-                std::size_t& sent) noexcept override {
-    for (sent = 0; sent < datagrams.size(); ++sent) {
-      if (which == kShallowStream && raw_room-- <= 0) {
-        return Status::kWouldBlock;
-      }
-      all.push_back({.at = clock_.now(),
-                     .stream = which,
-                     .to = to.port,
-                     .bytes = {datagrams[sent].begin(), datagrams[sent].end()}});
-    }
-    return Status::kOk;
-  }
-  Result<hal::Received> receive(std::span<std::byte>, hal::Duration) noexcept override {
-    return fail(Status::kTimeout);
-  }
-  std::uint64_t overruns() const noexcept override { return 0; }
-  bool take_unreachable(hal::Peer&) noexcept override { return false; }
-  std::uint16_t port() const noexcept override { return 1; }
-
-  int raw_room = 1 << 20;
-  std::vector<Sent> all;
-
- private:
-  emu::Clock& clock_;
-};
-
-// Three frames, with raw pictures for one of two receivers or without.
-struct RawRun {
-  explicit RawRun(const wire::RawRequest& raw, int room = 1 << 20, bool with_key = false) {
-    std::vector<std::unique_ptr<Scene>> scenes;  // they are lent until their pictures have left
-    emu::Clock clock;
-    TimedPort port(clock);
-    port.raw_room = room;
-    ReceiverList receivers = receivers_at_ports(2);
-    if (raw.pictures != 0) {
-      receivers.raw_receiver = 1;
-      receivers.raw = raw;
-    }
-    receivers.keys[1] = numbered_stream_key(with_key ? 4 : 0);
-    stof::test::GuardedPart<Publisher> own([&](dsp::Arena& arena) {
-      return Publisher({.origin = {.device_id = 7, .session_id = 9}, .calibration = kLens}, kSizes,
-                       clock, port, nullptr, events, arena);
-    });
-    own->set_params({.choice = everything(wire::Coding::kQuantised, true), .period = 33ms});
-    own->set_receivers(receivers);
-    for (int frame = 0; frame < 3; ++frame) {
-      Scene& scene = *scenes.emplace_back(std::make_unique<Scene>(50));
-      scene.stereo.left = scene.left.view();
-      scene.stereo.right = scene.right.view();
-      Shot shot = scene.shot();
-      const hal::Time edge = clock.now();
-      shot.edge = edge;
-      statuses.push_back(own->publish(shot, scene.output, edge + 20ms));
-      own->offer_raw(shot);
-      own->wait_until(edge + 33ms);
-    }
-    for (TimedPort::Sent& sent : port.all) {
-      (sent.raw() ? pictures : others).push_back(std::move(sent));
-    }
-  }
-
-  Events events;
-  std::vector<Status> statuses;
-  std::vector<TimedPort::Sent> pictures;
-  std::vector<TimedPort::Sent> others;
-};
-
-// But for the frame info, which tells times and what was sent, and parity over it.
-void expect_same_frames(const RawRun& run, const RawRun& usual) {
-  ASSERT_EQ(run.others.size(), usual.others.size());
-  for (std::size_t i = 0; i < run.others.size(); ++i) {
-    EXPECT_EQ(run.others[i].at, usual.others[i].at) << i;
-    EXPECT_EQ(run.others[i].to, usual.others[i].to);
-    ASSERT_EQ(run.others[i].type(), usual.others[i].type());
-    if (run.others[i].type() == wire::PacketType::kTile) {
-      EXPECT_TRUE(run.others[i].bytes == usual.others[i].bytes);
-    }
-  }
-}
-
-TEST(Publisher, RawPicturesGoToWhoAskedAloneAndMoveNoFrame) {
-  const RawRun usual({});
-  EXPECT_TRUE(usual.pictures.empty());
-  const RawRun run({.pictures = wire::kRawPictures});
-  ASSERT_FALSE(run.pictures.empty());
-  std::size_t whole = 0;
-  for (const TimedPort::Sent& sent : run.pictures) {
-    EXPECT_EQ(sent.to, 2);
-    EXPECT_EQ(sent.stream, hal::DatagramPort::kShallowStream);
-    const wire::Header header = wire::parse_packet(sent.bytes)->header;
-    whole += header.index + 1U == header.count ? 1U : 0U;
-  }
-  EXPECT_GE(whole, 1U);
-  expect_same_frames(run, usual);
-  EXPECT_EQ(run.events.counters.packets_sent,
-            usual.events.counters.packets_sent + run.pictures.size());
-}
-
-TEST(Publisher, AQueueThatTakesNoRawPicturesDropsNothingOfAFrame) {
-  const RawRun usual({});
-  for (const int room : {0, 1, 13}) {
-    const RawRun run({.pictures = wire::kRawPictures}, room);
-    EXPECT_EQ(run.pictures.size(), static_cast<std::size_t>(room));
-    EXPECT_EQ(run.events.counters.packets_dropped, 0U);
-    EXPECT_EQ(run.statuses, std::vector<Status>(3, Status::kOk));
-    expect_same_frames(run, usual);
-  }
-}
-
-TEST(Publisher, RawPicturesAreSignedForWhoAskedForThat) {
-  ASSERT_TRUE(wire::start_crypto());
-  const RawRun run({.pictures = wire::kRawPictures}, 1 << 20, true);
-  ASSERT_FALSE(run.pictures.empty());
-  std::vector<std::uint64_t> counters;
-  for (const auto* sent : {&run.pictures, &run.others}) {
-    for (const TimedPort::Sent& one : *sent) {
-      const auto signature = wire::signature_of(one.bytes);
-      ASSERT_EQ(signature.has_value(), one.to == 2);
-      if (signature) {
-        EXPECT_TRUE(wire::signed_with(numbered_stream_key(4), *signature, one.bytes));
-        EXPECT_LE(one.bytes.size(), wire::kMaxDatagram);
-        counters.push_back(signature->counter);
-      }
-    }
-  }
-  std::ranges::sort(counters);
-  EXPECT_TRUE(std::ranges::adjacent_find(counters) == counters.end()) << "a counter comes once";
-}
-
-TEST(Publisher, RawPicturesBeginAnewForAnotherReceiver) {
-  Sender sender(everything(wire::Coding::kQuantised, false));
-  Scene scene(1);
-  scene.stereo.left = scene.left.view();
-  ReceiverList receivers = receivers_at_ports(2);
-  receivers.raw = {.pictures = wire::kRawLeft};
-  for (const std::size_t receiver : {0U, 1U}) {
-    receivers.raw_receiver = receiver;
-    sender.publisher.set_receivers(receivers);
-    sender.publisher.set_receivers(receivers);  // the same again changes nothing
-    for (std::uint32_t number = 1; number <= 2; ++number) {
-      Shot shot = scene.shot();
-      ASSERT_EQ(sender.publisher.publish(shot, scene.output, sender.clock.now()), Status::kOk);
-      sender.publisher.offer_raw(shot);
-      sender.publisher.wait_until(sender.clock.now() + 30ms);
-      std::size_t infos = 0;
-      while (const auto sent = sender.port.take_sent()) {
-        const auto packet = wire::parse_packet(sent->bytes);
-        if (packet->header.type == wire::PacketType::kRawInfo) {
-          EXPECT_EQ(wire::decode_raw_info(packet->payload)->number, number);
-          EXPECT_EQ(sent->to.port, receiver + 1);
-          ++infos;
-        }
-      }
-      EXPECT_EQ(infos, 1U);
-    }
   }
 }
 
