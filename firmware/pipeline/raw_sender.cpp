@@ -80,6 +80,7 @@ void RawSender::begin(Shot& shot, std::uint8_t pictures, const wire::FrameStamp&
   next_ = 0;
   start_ = clock_.now();
   not_before_ = start_;
+  retry_ = kRetry / 2;
   if (packets_.count() == 0) {
     ++dropped_;
     release();
@@ -127,7 +128,8 @@ void RawSender::send_burst(Way& way) noexcept {
     give_back();
     return;
   }
-  not_before_ = clock_.now() + (status == Status::kOk ? kGap : kRetry);
+  retry_ = sent > 0 ? kRetry : std::min(2 * retry_, kMostRetry);
+  not_before_ = clock_.now() + (status == Status::kOk ? kGap : retry_);
   if (!underway()) {
     release();
   }

@@ -27,7 +27,10 @@ class RawSender {
   static constexpr std::size_t kBurst = 8;  // packets that are handed over at once
   // Between two bursts: all of them stay below 640 Mbit/s, and what they fill empties meanwhile.
   static constexpr hal::Duration kGap = std::chrono::microseconds(125);
-  static constexpr hal::Duration kRetry = std::chrono::microseconds(500);  // of a full queue
+  // Of a full queue, then after twice as long each time that it takes nothing: then others fill the
+  // link, and what it is not given here it has time for.
+  static constexpr hal::Duration kRetry = std::chrono::microseconds(500);
+  static constexpr hal::Duration kMostRetry = std::chrono::milliseconds(16);
   // A burst begins no later than this before the next packet of a frame, or the next edge.
   static constexpr hal::Duration kMargin = std::chrono::microseconds(150);
   static constexpr hal::Duration kMostSpread = std::chrono::milliseconds(200);
@@ -82,6 +85,7 @@ class RawSender {
   std::size_t next_ = 0;
   hal::Time start_{};
   hal::Time not_before_{};  // the next burst
+  hal::Duration retry_ = kRetry;
   std::array<wire::DatagramBuffer, kBurst> buffers_{};
 };
 

@@ -74,7 +74,7 @@ class RawAssembler {
   };
 
   Slot* slot_of(const wire::Header& header, Time arrived);
-  RawOutcome place(Slot& slot, const wire::PacketView& packet);
+  static RawOutcome place(Slot& slot, const wire::PacketView& packet);
   void finish(Slot& slot);
   void finish_up_to(std::uint64_t order);
   void count(const wire::RawInfo& info);

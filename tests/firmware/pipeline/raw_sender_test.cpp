@@ -31,6 +31,7 @@ class Link final : public RawSender::Way {
   explicit Link(emu::Clock& clock) : clock_(clock) {}
   Status send_raw(wire::Datagrams datagrams, std::size_t& sent) noexcept override {
     longest = std::max(longest, datagrams.size());
+    asked.push_back(clock_.now());
     for (sent = 0; sent < datagrams.size() && room > 0; ++sent, --room) {
       packets.emplace_back(datagrams[sent].begin(), datagrams[sent].end());
       times.push_back(clock_.now());
@@ -49,6 +50,7 @@ class Link final : public RawSender::Way {
   std::size_t longest = 0;
   std::vector<std::vector<std::byte>> packets;
   std::vector<hal::Time> times;
+  std::vector<hal::Time> asked;
 
  private:
   emu::Clock& clock_;
@@ -268,6 +270,26 @@ TEST_F(RawSenderTest, IsGivenUpAfterASecondAlsoWhereThereIsNeverTime) {
     EXPECT_EQ(slots_.lent, 0);
     EXPECT_EQ(sender_.dropped(), 1U);
   }
+}
+
+TEST_F(RawSenderTest, AQueueThatTakesNothingIsAskedLessAndLess) {
+  sender_.ask({.pictures = wire::kRawPictures, .every = 30});
+  link_.room = 0;
+  offer();
+  const hal::Time begin = clock_.now();
+  send(900ms);
+  EXPECT_LE(link_.asked.size(), 65U);  // each 16 ms
+  EXPECT_GE(link_.asked.size(), 55U);
+  EXPECT_LE(link_.asked.at(1), begin + RawSender::kRetry);
+  link_.asked.clear();
+  for (int i = 0; i < 3; ++i) {  // a slow link's: some of each burst, so at once again
+    link_.room = 3;
+    send(17ms);
+  }
+  EXPECT_EQ(link_.packets.size(), 9U);
+  link_.room = 1 << 20;
+  send(50ms);
+  EXPECT_EQ(link_.packets.size(), whole());
 }
 
 TEST_F(RawSenderTest, AReceiverThatCannotBeReachedGetsNoMoreOfIt) {
