@@ -45,8 +45,11 @@ class DatagramPort {
                       std::size_t& sent) noexcept = 0;
 
   // As send(), for one of kStreams streams, each with a queue of its own where the system gives
-  // them: what waits for one peer never keeps what is for another from being taken.
-  static constexpr std::size_t kStreams = 4;
+  // them: what waits for one peer never keeps what is for another from being taken. That of
+  // kShallowStream holds some ten datagrams only: it is soon full, and what comes by another one
+  // then waits for little.
+  static constexpr std::size_t kStreams = 5;
+  static constexpr std::size_t kShallowStream = 4;
   virtual Status stream(std::size_t which, const Peer& to,
                         std::span<const std::span<const std::byte>> datagrams,
                         std::size_t& sent) noexcept {

@@ -1,8 +1,10 @@
 #include "firmware/control/lease_table.h"
 
 #include <algorithm>
+#include <span>
 
 #include "firmware/control/source_limiter.h"
+#include "firmware/wire/frame/raw_packets.h"
 
 namespace stof::firmware {
 
@@ -60,6 +62,39 @@ const wire::StreamKey* LeaseTable::subscribe_signed(const hal::Peer& peer, const
   return &entry.stream;
 }
 
+wire::SubscribeResult LeaseTable::ask_raw(const hal::Peer& peer, const wire::RawRequest& raw,
+                                          const RawAsker& by) noexcept {
+  const std::size_t at = find(peer);
+  const bool wanted = (raw.pictures & wire::kRawPictures) != 0;
+  const bool permitted =
+      raw_for_admins_ ? by.role == wire::Role::kAdmin : by.role.has_value() || by.unpaired;
+  const bool kept = at == count_ || (entries_[at].key_id != 0 && !by.role);
+  bool given = true;
+  if (!kept) {
+    entries_[at].raw = {};
+    given = !wanted || !permitted || give_raw(entries_[at], raw, by.role.has_value());
+  }
+  if (wanted && !permitted) {
+    return wire::SubscribeResult::kRawDenied;
+  }
+  return given ? wire::SubscribeResult::kOk : wire::SubscribeResult::kRawTaken;
+}
+
+bool LeaseTable::give_raw(Entry& entry, const wire::RawRequest& raw, bool with_key) noexcept {
+  for (Entry& other : std::span(entries_).first(count_)) {
+    if (other.raw.pictures == 0) {
+      continue;
+    }
+    if (!with_key || other.key_id != 0) {
+      return false;
+    }
+    other.raw = {};
+  }
+  entry.raw = raw;
+  entry.raw.pictures &= wire::kRawPictures | wire::kRawWhole;
+  return true;
+}
+
 void LeaseTable::unsubscribe(const hal::Peer& peer, bool with_key) noexcept {
   const std::size_t at = find(peer);
   if (at < count_ && !entries_[at].fixed && (with_key || entries_[at].key_id == 0)) {
@@ -95,6 +130,7 @@ void LeaseTable::drop_ended_keys(const wire::KeyTable& keys) noexcept {
       wire::wipe(entry.stream.secret);
       entry.stream.number = 0;
       entry.key_id = 0;
+      entry.raw = {};
     } else {
       remove(at);
     }
@@ -106,6 +142,10 @@ ReceiverList LeaseTable::list() const noexcept {
   for (std::size_t i = 0; i < count_; ++i) {
     list.peers[i] = entries_[i].peer;
     list.keys[i] = entries_[i].stream;
+    if (entries_[i].raw.pictures != 0) {
+      list.raw_receiver = i;
+      list.raw = entries_[i].raw;
+    }
   }
   return list;
 }

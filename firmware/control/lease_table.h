@@ -7,6 +7,7 @@
 
 #include "firmware/control/receiver_list.h"
 #include "firmware/wire/keys/key_table.h"
+#include "firmware/wire/messages/structs.h"
 #include "hal/datagram_port.h"
 #include "hal/time.h"
 
@@ -16,6 +17,12 @@ namespace stof::firmware {
 struct SignedTerms {
   std::uint32_t key_id = 0;  // not 0
   std::uint32_t has = 0;
+};
+
+// Who asks for raw pictures.
+struct RawAsker {
+  std::optional<wire::Role> role{};  // of the key that signed; none: nobody signed
+  bool unpaired = false;             // nobody can sign: then everybody may have them
 };
 
 // The receivers of the streams, each with the end of its lease. The control thread owns it and
@@ -43,6 +50,14 @@ class LeaseTable {
   // number, else it is a new one. nullptr: full.
   const wire::StreamKey* subscribe_signed(const hal::Peer& peer, const SignedTerms& terms,
                                           hal::Duration lease, hal::Time now) noexcept;
+  // What a subscriber wants of raw pictures, for as long as its lease lasts; without any: no more
+  // of them. One at a time has them, whoever asked first; one that signed takes them from one that
+  // did not. Of a lease that was signed nothing changes without a key. kOk; kRawTaken: another one
+  // has them; kRawDenied: this one may have none.
+  wire::SubscribeResult ask_raw(const hal::Peer& peer, const wire::RawRequest& raw,
+                                const RawAsker& by) noexcept;
+  // Raw pictures are for admins alone: the installer fixed what is sent.
+  void keep_raw_for_admins(bool keep) noexcept { raw_for_admins_ = keep; }
   // Fixed ones stay, and signed ones, unless this is signed as well.
   void unsubscribe(const hal::Peer& peer, bool with_key = false) noexcept;
   // Whether one place is for those who sign alone: there are keys. Who has it without one keeps it
@@ -68,7 +83,10 @@ class LeaseTable {
     bool fixed = false;
     std::uint32_t key_id = 0;  // that signed; 0: none
     wire::StreamKey stream{};
+    wire::RawRequest raw{};
   };
+  // False: another one has them.
+  bool give_raw(Entry& entry, const wire::RawRequest& raw, bool with_key) noexcept;
   std::size_t find(const hal::Peer& peer) const noexcept;  // count_: not here
   std::size_t count_of_host(const hal::Peer& peer) const noexcept;
   // Without a key, of the first `end`.
@@ -80,7 +98,8 @@ class LeaseTable {
   std::size_t count_ = 0;
   std::size_t open_places_ = kMostSubscribers;  // of whoever has no key
   std::uint32_t stream_keys_ = 0;               // that were drawn
-  std::optional<hal::Time> refused_until_;      // a fixed destination's
+  bool raw_for_admins_ = false;
+  std::optional<hal::Time> refused_until_;  // a fixed destination's
 };
 
 }  // namespace stof::firmware

@@ -7,6 +7,7 @@
 
 #include "firmware/spsc_ring.h"
 #include "firmware/wire/keys/signed_stream.h"
+#include "firmware/wire/messages/structs.h"
 #include "hal/datagram_port.h"
 
 namespace stof::firmware {
@@ -24,6 +25,9 @@ struct ReceiverList {
   // one peer, for as long as the program runs.
   std::array<wire::StreamKey, kMostSubscribers> keys{};
   std::size_t count = 0;
+  // Who gets raw pictures, one of `count`, and which; kMostSubscribers: nobody.
+  std::size_t raw_receiver = kMostSubscribers;
+  wire::RawRequest raw{};
   // A fixed destination says that nobody listens there; it stays in the list.
   bool refused = false;
 
@@ -33,7 +37,8 @@ struct ReceiverList {
                               [](const hal::Peer& one, const hal::Peer& other) {
                                 return one == other && one.own == other.own;
                               }) &&
-           a.keys == b.keys && a.refused == b.refused;
+           a.keys == b.keys && a.raw_receiver == b.raw_receiver && a.raw == b.raw &&
+           a.refused == b.refused;
   }
 };
 

@@ -81,7 +81,9 @@ RequestHandler::Answer RequestHandler::subscribe(const Request& request) noexcep
   subscribers_.keep_place(authenticator_ != nullptr && authenticator_->knows_keys());
   const hal::Duration lease = LeaseTable::granted(asked->lease_ms);
   if (subscribers_.subscribe(request.from, lease, request.now)) {
-    out.result = wire::SubscribeResult::kOk;
+    const bool open =
+        authenticator_ != nullptr && authenticator_->unsigned_access() >= Access::kHarmless;
+    out.result = subscribers_.ask_raw(request.from, asked->raw, {.unpaired = open});
     out.lease_ms = static_cast<std::uint16_t>(lease / std::chrono::milliseconds(1));
   } else {
     out.result = wire::SubscribeResult::kFull;
@@ -206,8 +208,9 @@ std::size_t RequestHandler::serve_subscribe(const SignedRequest& request,
     const hal::Duration lease = LeaseTable::granted(asked.lease_ms);
     const wire::StreamKey* const stream = subscribers_.subscribe_signed(
         from, {.key_id = request.key->id, .has = asked.stream_key}, lease, request.request.now);
-    out.result = stream == nullptr ? wire::SubscribeResult::kFull : wire::SubscribeResult::kOk;
+    out.result = wire::SubscribeResult::kFull;
     if (stream != nullptr) {
+      out.result = subscribers_.ask_raw(from, asked.raw, {.role = request.key->role});
       out.lease_ms = static_cast<std::uint16_t>(lease / std::chrono::milliseconds(1));
       handover = wire::seal_stream_key(
           *stream,

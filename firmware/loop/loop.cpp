@@ -35,7 +35,7 @@ bool Loop::wait_part() noexcept {
   if (schedule_.next() - now <= 2 * kWaitPart) {
     return true;
   }
-  board_.clock.wait_until(now + kWaitPart);
+  publisher_.wait_until(now + kWaitPart);
   return false;
 }
 
@@ -69,6 +69,9 @@ void Loop::lend_devices() noexcept {
     using Need = DeviceLending::Need;
     const Need other = conditions_.repeats(component) ? Need::kRepeats : Need::kNone;
     const Need need = conditions_.lost(component) ? Need::kLost : other;
+    if (need != Need::kNone) {
+      publisher_.give_back_raw();
+    }
     if (lending_->after_round(device, need, borrowed, now) && need == Need::kRepeats) {
       collector_.expect_anew(device);
     }
@@ -88,7 +91,7 @@ void Loop::restart(const board::TimingConfig& timing) noexcept {
 void Loop::wait_for_edge() noexcept {
   const hal::Time now = board_.clock.now();
   conditions_.note_lateness(schedule_.arrive(now), now);
-  board_.clock.wait_until(schedule_.next());
+  publisher_.wait_until(schedule_.next());
 }
 
 // The edge that went out, later than any before it; errors as Trigger::pulse.
@@ -143,6 +146,7 @@ Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
     conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;
     pipeline_.watch(board_.clock);
+    publisher_.offer_raw(*held_);
     count_stages(output.stats, published, counters);
     if (usual && held_->stereo) {  // without a pair it costs less than usual
       update_schedule(output.stats, held_->edge);

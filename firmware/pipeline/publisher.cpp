@@ -46,6 +46,10 @@ wire::FrameImages images_of(const Shot& shot, const Output& output) noexcept {
   return images;
 }
 
+const hal::Peer* raw_receiver(const ReceiverList& list) noexcept {
+  return list.raw_receiver < list.count ? &list.peers[list.raw_receiver] : nullptr;
+}
+
 }  // namespace
 
 Publisher::Publisher(const PublisherSetup& setup, const wire::FrameSizes& sizes, hal::Clock& clock,
@@ -57,11 +61,13 @@ Publisher::Publisher(const PublisherSetup& setup, const wire::FrameSizes& sizes,
       listener_(listener),
       events_(events),
       coder_(setup.origin, sizes, setup.calibration, arena, wire::FrameCoder::usual_packets(sizes)),
-      health_(clock.now()) {}
+      health_(clock.now()),
+      raw_(setup.origin, clock) {}
 
 void Publisher::set_params(const PublisherParams& params) noexcept {
   params_ = params;
   setup_.calibration.period_ns = params.period.count();
+  raw_.set_period(params.period);
   if (params.max_range > 0) {
     setup_.calibration.max_range = params.max_range;
   }
@@ -70,7 +76,7 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
 }
 
 void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
-  static_assert(kMostSubscribers <= hal::DatagramPort::kStreams);
+  static_assert(kMostSubscribers <= hal::DatagramPort::kShallowStream);
   std::array<std::optional<Way>, kMostSubscribers> ways{};
   std::array<bool, kMostSubscribers> taken{};
   for (std::size_t i = 0; i < receivers.count; ++i) {
@@ -91,6 +97,12 @@ void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
       health_wanted_ = true;
     }
     ways_[i] = *ways[i];
+  }
+  const hal::Peer* const had = raw_receiver(receivers_);
+  const hal::Peer* const has = raw_receiver(receivers);
+  const bool same = had != nullptr && has != nullptr && *had == *has;
+  if (!same || receivers_.raw != receivers.raw) {
+    raw_.ask(has == nullptr ? wire::RawRequest{} : receivers.raw);
   }
   receivers_ = receivers;
 }
@@ -162,7 +174,7 @@ class Publisher::Paced final : public wire::DatagramSink {
           start_ + budget_ * static_cast<std::int64_t>(sent_) / static_cast<std::int64_t>(all);
       const hal::Time ready = clock.now();
       if (due > ready) {
-        clock.wait_until(due);
+        publisher_.wait_until(due);
       }
       const hal::Time begin = clock.now();
       publisher_.times_.waited += begin - ready;
@@ -278,6 +290,47 @@ Publisher::Delivery Publisher::deliver_signed(std::size_t receiver, Datagrams da
     }
   }
   return all;
+}
+
+// One receiver's, by a queue that holds little: what waits in it never keeps a frame for long.
+class Publisher::RawWay final : public RawSender::Way {
+ public:
+  explicit RawWay(Publisher& publisher) noexcept : publisher_(publisher) {}
+  Status send_raw(Datagrams datagrams, std::size_t& sent) noexcept override {
+    return publisher_.send_raw(datagrams, sent);
+  }
+
+ private:
+  Publisher& publisher_;
+};
+
+void Publisher::offer_raw(Shot& shot) noexcept {
+  if (stamp_) {
+    raw_.offer(shot, *stamp_);
+  }
+}
+
+void Publisher::wait_until(hal::Time time) noexcept {
+  RawWay way(*this);
+  raw_.send_until(time, way);
+  clock_.wait_until(time);
+}
+
+Status Publisher::send_raw(Datagrams datagrams, std::size_t& sent) noexcept {
+  static_assert(RawSender::kBurst <= kSignedAtOnce);
+  const std::size_t receiver = receivers_.raw_receiver;
+  std::array<std::span<const std::byte>, kSignedAtOnce> made;
+  if (receivers_.keys[receiver].number != 0) {
+    for (std::size_t i = 0; i < datagrams.size(); ++i) {
+      made[i] = wire::sign_datagram(datagrams[i], receivers_.keys[receiver],
+                                    ++ways_[receiver].signed_all, signed_space_[i]);
+    }
+    datagrams = std::span(made).first(datagrams.size());
+  }
+  const Status status =
+      port_.stream(hal::DatagramPort::kShallowStream, receivers_.peers[receiver], datagrams, sent);
+  events_.counters.packets_sent += sent;
+  return status;
 }
 
 Status Publisher::send_one(std::span<const std::byte> datagram) noexcept {

@@ -11,6 +11,7 @@
 #include "firmware/events/events.h"
 #include "firmware/events/health_monitor.h"
 #include "firmware/pipeline/pipeline.h"
+#include "firmware/pipeline/raw_sender.h"
 #include "firmware/pipeline/shot.h"
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/frame/frame_coder.h"
@@ -74,6 +75,13 @@ class Publisher {
   // became old meanwhile, as the program stood still, is abandoned. kWouldBlock: some were dropped.
   // kDeviceError: no receiver can be reached. kDeviceLost: reopen.
   Status publish(const Shot& shot, const Output& output, hal::Time latest) noexcept;
+  // A shot whose frame was published, and that nobody needs any more: its pictures go, in time that
+  // is left, to a receiver that asked for them.
+  void offer_raw(Shot& shot) noexcept;
+  // Waits, and sends raw pictures meanwhile: what the loop does until an edge.
+  void wait_until(hal::Time time) noexcept;
+  // What is lent of raw pictures goes home: a camera is to be opened again.
+  void give_back_raw() noexcept { raw_.give_back(); }
   // Events that are due: as soon as one may have been noted.
   void report_events() noexcept;
   // Health, and events that are due. Each period, also where there is no frame.
@@ -89,6 +97,7 @@ class Publisher {
 
   using Datagrams = wire::Datagrams;
   class Paced;  // a frame's datagrams on their way, spread over time
+  class RawWay;
 
   Sensors rig_sensors() const noexcept;
   wire::FrameInfo describe(const Shot& shot, const Output& output) const noexcept;
@@ -110,6 +119,7 @@ class Publisher {
   void tell(wire::PacketType type, std::size_t bytes) noexcept;
   Delivery deliver(std::size_t receiver, Datagrams datagrams) noexcept;
   Delivery deliver_signed(std::size_t receiver, Datagrams datagrams) noexcept;
+  Status send_raw(Datagrams datagrams, std::size_t& sent) noexcept;
   Status send_one(std::span<const std::byte> datagram) noexcept;
 
   PublisherSetup setup_;
@@ -121,6 +131,7 @@ class Publisher {
   PublisherParams params_;
   HealthMonitor health_;
   ReceiverList receivers_;
+  RawSender raw_;
   // Of each receiver, for as long as it is one.
   struct Way {
     std::size_t stream = 0;        // of the port

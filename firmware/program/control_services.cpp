@@ -113,6 +113,8 @@ wire::Announce ControlServices::update_announce(hal::Time now) noexcept {
   wire::Announce announce = make_announce();
   announce.uptime_ms = static_cast<std::uint64_t>((now - started_) / std::chrono::milliseconds(1));
   handler_.set_announce(announce, health);
+  subscribers_.keep_raw_for_admins(settings_server_.active().limits.streams ==
+                                   settings::StreamLimit::kFixed);
   beacon_.set(announce, parts_.origin, {.health = health});
   if (line_requests_) {
     line_requests_->set_announce(announce, health);

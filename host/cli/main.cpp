@@ -16,6 +16,7 @@
 #include "host/cli/pair.h"
 #include "host/cli/proxy.h"
 #include "host/cli/report.h"
+#include "host/cli/view/raw_flags.h"
 #include "host/cli/view/view.h"
 #include "posix/out_of_resources.h"
 
@@ -105,6 +106,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
       ->capture_default_str();
   view_command.add_option("--port-file", options.port_file,
                           "File that gets the number of the opened port");
+  add_raw_flags(view_command, options);
   view_command.callback([&options] {
     if (!(options.scale.near_m < options.scale.far_m)) {
       throw Failure(Exit::kBadInput, "--near: is not below --far: give a smaller --near");
@@ -112,6 +114,7 @@ void add_view(CLI::App& app, ViewOptions& options) {
     if (options.signed_streams && options.sensor.empty()) {
       throw Failure(Exit::kBadInput, "--signed: takes a SENSOR to subscribe at");
     }
+    check_raw_flags(options);
     view(options);
   });
 }

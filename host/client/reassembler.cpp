@@ -23,6 +23,10 @@ constexpr std::array<Counter, 5> kOutcomes{&Statistics::packets_ok, &Statistics:
 // By Placed.
 constexpr std::array<Counter, 4> kParts{&Statistics::packets_ok, &Statistics::unknown,
                                         &Statistics::duplicate, &Statistics::bad_field};
+// By RawOutcome.
+constexpr std::array<Counter, 6> kRaw{&Statistics::packets_ok, &Statistics::unknown,
+                                      &Statistics::duplicate,  &Statistics::bad_field,
+                                      &Statistics::late,       &Statistics::oversized};
 
 std::size_t pixels(const wire::Header& header) {
   return std::size_t{header.image_width} * header.image_height;
@@ -156,6 +160,10 @@ void Reassembler::push_report(const wire::PacketView& packet, Time arrived) {
       statistics_.events_dropped += overflow ? 1 : 0;
       break;
     }
+    case wire::PacketType::kRawInfo:
+    case wire::PacketType::kRawTile:
+      ++(statistics_.*kRaw[static_cast<std::size_t>(raw().push(packet, arrived))]);
+      break;
     default:
       ++statistics_.unknown;
       break;
@@ -424,7 +432,7 @@ Duration Reassembler::max_age() const {
 }
 
 std::optional<Time> Reassembler::next_expiry() const {
-  std::optional<Time> first;
+  std::optional<Time> first = messages_.raw().next_expiry();
   for (const FrameSlot& slot : slots_) {
     if (slot.state == FrameSlot::State::kOpen) {
       const Time expiry = slot.last_packet() + frame_timeout();
@@ -435,6 +443,7 @@ std::optional<Time> Reassembler::next_expiry() const {
 }
 
 void Reassembler::expire(Time now) {
+  raw().expire(now);
   const Duration timeout = frame_timeout();
   std::optional<std::uint32_t> expired;
   for (const FrameSlot& slot : slots_) {

@@ -51,7 +51,7 @@ struct ReassemblerOptions {
 class Reassembler {
  public:
   explicit Reassembler(const ReassemblerOptions& options = {})
-      : options_(options), session_(options.device_id) {}
+      : options_(options), session_(options.device_id), messages_(options.max_pixels) {}
 
   // Any bytes, that arrived then and are read now. take() until it returns nothing before the next
   // push(): there is room for what one datagram can finish; older frames are dropped, and counted,
@@ -88,6 +88,8 @@ class Reassembler {
 
   // Conditions that began or ended, in the order of arrival, each event once. 64 are kept.
   std::optional<wire::EventReport> take_event() { return messages_.take_event(); }
+  // Where they were asked for, however old they are.
+  RawAssembler& raw() noexcept { return messages_.raw(); }
 
  private:
   static constexpr std::size_t kSlots = 4;   // two open, two finished or one finished and one out
@@ -135,7 +137,6 @@ class Reassembler {
   std::uint64_t finished_ = 0;  // frames, over all sessions
 
   SessionTracker session_;
-
   // The state of the session.
   FrameSequence sequence_;
   FrameDelay delay_;

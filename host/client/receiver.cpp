@@ -215,6 +215,16 @@ const std::optional<wire::CalibrationPacket>& Receiver::calibration() const noex
 
 std::optional<wire::EventReport> Receiver::take_event() { return parts_->reassembler.take_event(); }
 
+std::optional<RawExposure> Receiver::take_raw() { return parts_->reassembler.raw().take(); }
+
+const RawStatistics& Receiver::raw_statistics() const noexcept {
+  return parts_->reassembler.raw().statistics();
+}
+
+wire::SubscribeResult Receiver::raw_refusal() const noexcept {
+  return parts_->subscription ? parts_->subscription->raw_refusal() : wire::SubscribeResult::kOk;
+}
+
 std::uint16_t Receiver::port() const noexcept { return parts_->socket->port(); }
 
 const std::string& Receiver::place() const noexcept { return parts_->socket->place(); }

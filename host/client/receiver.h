@@ -60,6 +60,15 @@ class Receiver {
   // Conditions that began or ended, each event once. Look after every next().
   std::optional<wire::EventReport> take_event();
 
+  // What the cameras gave, where SubscriptionOptions::raw asked for it: the next exposure that has
+  // come, valid until the next call. Look after every next(): two are kept. A picture that missed a
+  // packet is missing.
+  std::optional<RawExposure> take_raw();
+  const RawStatistics& raw_statistics() const noexcept;
+  // Why there are none: kRawDenied, they take a key; kRawTaken, another subscriber has them. kOk:
+  // the sensor said nothing against it, but one that is older than them sends none.
+  wire::SubscribeResult raw_refusal() const noexcept;
+
   const Statistics& statistics() const noexcept;
   std::uint16_t port() const noexcept;
   // Where the sensor is, or where this listens: "192.168.1.20:7560".

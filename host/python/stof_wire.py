@@ -31,6 +31,10 @@ class PacketType(enum.IntEnum):
     EVENT = 67
     ANNOUNCE = 68  # who and where the sensor is; answers a discover, and the beacon
     SECTORS = 69  # nearest obstacle by direction; on serial lines; index 0 of 1
+    # begins the raw pictures of one exposure: index 0 of them; only to who asked, see "Raw
+    # pictures"
+    RAW_INFO = 70
+    RAW_TILE = 71  # a run of pixels of one of them
     SUBSCRIBE = 128  # to the sensor: send me the streams, and go on for a lease
     SUBSCRIBED = 129  # answer to subscribe and unsubscribe
     UNSUBSCRIBE = 130  # to the sensor: stop
@@ -62,6 +66,10 @@ class Stream(enum.IntEnum):
     # one point for each block of step x step pixels: of its pixels with a depth the one whose near
     # bound (depth - width / 2) is nearest
     CLOUD = 8
+    # u8: pixels of the left camera as it gave them, in raw tiles only, as the next two
+    RAW_LEFT = 16
+    RAW_RIGHT = 17  # u8: of the right camera
+    RAW_PMD = 18  # u16: the samples of the PMD camera, laid out as pmd raw
 
 
 class Codec(enum.IntEnum):
@@ -107,6 +115,11 @@ class SubscribeResult(enum.IntEnum):
     ENDED = 3  # the subscription is over
     UNKNOWN_KEY = 4  # the signature is of no key that the sensor has; never signed
     STALE = 5  # refused, nothing changed: the counter is not above `highest` of the answer
+    # the streams come, for the lease, but no raw pictures: they take a key that this request was
+    # not signed with
+    RAW_DENIED = 6
+    # the streams come, for the lease, but no raw pictures: another subscriber has them. Ask on
+    RAW_TAKEN = 7
 
 
 class SettingsOperation(enum.IntEnum):
@@ -436,6 +449,40 @@ class Layout:
 
 
 # made: messages (by scripts/wire_table.py, of firmware/wire/messages.json: change that)
+@dataclasses.dataclass
+class RawRequest(Layout):
+    # raw pictures that are asked for, the sum of: 1 the left camera's, 2 the right one's, 4 the PMD
+    # camera's samples; 8: only exposures that have all of these. 0: none; see "Raw pictures"
+    pictures: int = 0
+    step: int = 0  # of the pair: one column and one row of so many is sent; 0: each, as 1
+    every: int = 0  # one exposure of so many frames, the next that there is; 0: each, as 1
+    column: int = 0  # of the pair: first column of the part that is sent, pixels of the camera
+    row: int = 0  # first row
+    width: int = 0  # columns of it; 0: all that follow
+    height: int = 0  # rows; 0: all that follow
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("pictures", "B", 1),
+        ("step", "B", 1),
+        ("every", "H", 1),
+        ("column", "H", 1),
+        ("row", "H", 1),
+        ("width", "H", 1),
+        ("height", "H", 1),
+    )
+
+
+@dataclasses.dataclass
+class Window(Layout):
+    begin_ns: int = 0  # begin, ns
+    end_ns: int = 0  # end, ns
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("begin_ns", "q", 1),
+        ("end_ns", "q", 1),
+    )
+
+
 @dataclasses.dataclass
 class Origin(Layout):
     device_id: int = 0  # of the sensor; in requests the one that is meant, 0: any
@@ -834,6 +881,56 @@ class SectorReport(Layout):
 
 
 @dataclasses.dataclass
+class RawInfo(Layout):
+    """Type 70: the exposure that raw pictures are of."""
+
+    edge_ns: int = 0  # trigger edge that it was collected at, ns, same clock as the header
+    # exposure of the left and of the right camera; 0 without a pair
+    pair_exposures: tuple = (Window(),) * 2
+    pmd_exposures: tuple = (Window(),) * 4  # exposure of A0 to A3; 0 without samples
+    # of the left, the right and the PMD camera, as each counts its exposures
+    sequences: tuple = (0,) * 3
+    # of these pictures, from 1: advances with each exposure whose pictures were begun for this
+    # request
+    number: int = 0
+    # exposures that were due and not sent, or not to their end, for this request: the link or the
+    # sensor had no time for them
+    dropped: int = 0
+    # of each picture of the pair as it is sent, pixels; 0: the part that was asked for lies outside
+    width: int = 0
+    height: int = 0  # rows
+    column: int = 0  # first column of it, pixels of the camera
+    row: int = 0  # first row
+    # of the whole picture of each camera of the pair, pixels; 0 without a pair
+    camera_width: int = 0
+    camera_height: int = 0  # rows
+    pmd_width: int = 0  # of each sample, pixels; 0 without samples
+    pmd_height: int = 0  # rows
+    pictures: int = 0  # that follow, the sum as in the request
+    step: int = 0  # from one column or row of the pair to the next, pixels of the camera
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("edge_ns", "q", 1),
+        ("pair_exposures", Window, 2),
+        ("pmd_exposures", Window, 4),
+        ("sequences", "I", 3),
+        ("number", "I", 1),
+        ("dropped", "I", 1),
+        ("width", "H", 1),
+        ("height", "H", 1),
+        ("column", "H", 1),
+        ("row", "H", 1),
+        ("camera_width", "H", 1),
+        ("camera_height", "H", 1),
+        ("pmd_width", "H", 1),
+        ("pmd_height", "H", 1),
+        ("pictures", "B", 1),
+        ("step", "B", 1),
+        ("", "x", 2),
+    )
+
+
+@dataclasses.dataclass
 class Subscribe(Layout):
     """Types 128 and 130, to the sensor."""
 
@@ -843,6 +940,7 @@ class Subscribe(Layout):
     cookie: int = 0  # of an answer; 0: none yet
     # of a signed subscribe: number of the stream key that we have, 0: none; see "Signed streams"
     stream_key: int = 0
+    raw: RawRequest = dataclasses.field(default_factory=RawRequest)
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("request_id", "I", 1),
@@ -850,7 +948,7 @@ class Subscribe(Layout):
         ("", "x", 2),
         ("cookie", "Q", 1),
         ("stream_key", "I", 1),
-        ("", "x", 12),
+        ("raw", RawRequest, 1),
     )
 
 
@@ -1042,6 +1140,7 @@ MESSAGES = {
     PacketType.PARITY: ParityFields,
     PacketType.ANNOUNCE: Announce,
     PacketType.SECTORS: SectorReport,
+    PacketType.RAW_INFO: RawInfo,
     PacketType.SUBSCRIBE: Subscribe,
     PacketType.UNSUBSCRIBE: Subscribe,
     PacketType.SUBSCRIBED: Subscribed,

@@ -21,6 +21,8 @@ names.PacketType = {
   [67] = "event",
   [68] = "announce",
   [69] = "sectors",
+  [70] = "raw info",
+  [71] = "raw tile",
   [128] = "subscribe",
   [129] = "subscribed",
   [130] = "unsubscribe",
@@ -43,6 +45,9 @@ names.Stream = {
   [6] = "grey left",
   [7] = "grey right",
   [8] = "cloud",
+  [16] = "raw left",
+  [17] = "raw right",
+  [18] = "raw pmd",
 }
 
 names.Codec = {
@@ -86,6 +91,8 @@ names.SubscribeResult = {
   [3] = "ended",
   [4] = "unknown key",
   [5] = "stale",
+  [6] = "raw denied",
+  [7] = "raw taken",
 }
 
 names.SettingsOperation = {
@@ -184,6 +191,21 @@ names.Condition = {
   [26] = "pairing",
   [27] = "keys changed",
   [28] = "stereo blind",
+}
+
+layouts.RawRequest = {
+  {name = "pictures", size = 1, count = 1, kind = "uint8", title = "Pictures", base = base.DEC, doc = "raw pictures that are asked for, the sum of: 1 the left camera's, 2 the right one's, 4 the PMD camera's samples; 8: only exposures that have all of these. 0: none; see \"Raw pictures\""},
+  {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, doc = "of the pair: one column and one row of so many is sent; 0: each, as 1"},
+  {name = "every", size = 2, count = 1, kind = "uint16", title = "Every", base = base.DEC, doc = "one exposure of so many frames, the next that there is; 0: each, as 1"},
+  {name = "column", size = 2, count = 1, kind = "uint16", title = "Column", base = base.DEC, doc = "of the pair: first column of the part that is sent, pixels of the camera"},
+  {name = "row", size = 2, count = 1, kind = "uint16", title = "Row", base = base.DEC, doc = "first row"},
+  {name = "width", size = 2, count = 1, kind = "uint16", title = "Width", base = base.DEC, doc = "columns of it; 0: all that follow"},
+  {name = "height", size = 2, count = 1, kind = "uint16", title = "Height", base = base.DEC, doc = "rows; 0: all that follow"},
+}
+
+layouts.Window = {
+  {name = "begin_ns", size = 8, count = 1, kind = "int64", title = "Begin ns", base = base.DEC, doc = "begin, ns"},
+  {name = "end_ns", size = 8, count = 1, kind = "int64", title = "End ns", base = base.DEC, doc = "end, ns"},
 }
 
 layouts.Origin = {
@@ -377,6 +399,28 @@ layouts.sectors = {
   {name = "distances_cm", size = 2, count = 72, kind = "uint16", title = "Distances cm", base = base.DEC, doc = "horizontal distance from the camera, rounded towards it; 65535: unknown"},
 }
 
+layouts.raw_info = {
+  message = "raw info",
+  bytes = 144,
+  {name = "edge_ns", size = 8, count = 1, kind = "int64", title = "Edge ns", base = base.DEC, doc = "trigger edge that it was collected at, ns, same clock as the header"},
+  {name = "pair_exposures", size = 16, count = 2, layout = "Window"},
+  {name = "pmd_exposures", size = 16, count = 4, layout = "Window"},
+  {name = "sequences", size = 4, count = 3, kind = "uint32", title = "Sequences", base = base.DEC, doc = "of the left, the right and the PMD camera, as each counts its exposures"},
+  {name = "number", size = 4, count = 1, kind = "uint32", title = "Number", base = base.DEC, doc = "of these pictures, from 1: advances with each exposure whose pictures were begun for this request"},
+  {name = "dropped", size = 4, count = 1, kind = "uint32", title = "Dropped", base = base.DEC, doc = "exposures that were due and not sent, or not to their end, for this request: the link or the sensor had no time for them"},
+  {name = "width", size = 2, count = 1, kind = "uint16", title = "Width", base = base.DEC, doc = "of each picture of the pair as it is sent, pixels; 0: the part that was asked for lies outside"},
+  {name = "height", size = 2, count = 1, kind = "uint16", title = "Height", base = base.DEC, doc = "rows"},
+  {name = "column", size = 2, count = 1, kind = "uint16", title = "Column", base = base.DEC, doc = "first column of it, pixels of the camera"},
+  {name = "row", size = 2, count = 1, kind = "uint16", title = "Row", base = base.DEC, doc = "first row"},
+  {name = "camera_width", size = 2, count = 1, kind = "uint16", title = "Camera width", base = base.DEC, doc = "of the whole picture of each camera of the pair, pixels; 0 without a pair"},
+  {name = "camera_height", size = 2, count = 1, kind = "uint16", title = "Camera height", base = base.DEC, doc = "rows"},
+  {name = "pmd_width", size = 2, count = 1, kind = "uint16", title = "Pmd width", base = base.DEC, doc = "of each sample, pixels; 0 without samples"},
+  {name = "pmd_height", size = 2, count = 1, kind = "uint16", title = "Pmd height", base = base.DEC, doc = "rows"},
+  {name = "pictures", size = 1, count = 1, kind = "uint8", title = "Pictures", base = base.DEC, doc = "that follow, the sum as in the request"},
+  {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, doc = "from one column or row of the pair to the next, pixels of the camera"},
+  {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
+}
+
 layouts.subscribe = {
   message = "subscribe",
   bytes = 32,
@@ -385,7 +429,7 @@ layouts.subscribe = {
   {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
   {name = "cookie", size = 8, count = 1, kind = "uint64", title = "Cookie", base = base.HEX, doc = "of an answer; 0: none yet"},
   {name = "stream_key", size = 4, count = 1, kind = "uint32", title = "Stream key", base = base.DEC, doc = "of a signed subscribe: number of the stream key that we have, 0: none; see \"Signed streams\""},
-  {name = "padding", size = 12, count = 1, kind = "bytes", title = "Padding"},
+  {name = "raw", size = 12, count = 1, layout = "RawRequest"},
 }
 
 layouts.subscribed = {
@@ -496,6 +540,7 @@ local payload_of = {
   [66] = "parity",
   [68] = "announce",
   [69] = "sectors",
+  [70] = "raw_info",
   [128] = "subscribe",
   [130] = "subscribe",
   [129] = "subscribed",

@@ -109,6 +109,17 @@ def tile(stream, codec, payload, index, count=4, **fields):
     return seal(wire.PacketType.TILE, payload, stream=stream, codec=codec, index=index, count=count, **{**size, **fields})
 
 
+def raw_exposure(number=1):
+    """The datagrams of raw pictures: 4 x 2 pixels of each eye, 2 x 1 of the PMD camera."""
+    info = wire.RawInfo(number=number, width=4, height=2, camera_width=4, camera_height=2, pmd_width=2, pmd_height=1, pictures=7, step=1)
+    eye = {"codec": wire.Codec.RAW8, "image_width": 4, "image_height": 2, "pixel_count": 4, "count": 6, "freshness": number}
+    return [seal(wire.PacketType.RAW_INFO, info.pack(), count=6, freshness=number)] + [
+        seal(wire.PacketType.RAW_TILE, bytes(range(4)), stream=stream, first_row=row, index=1 + 2 * (stream - 16) + row, **eye)
+        for stream in (wire.Stream.RAW_LEFT, wire.Stream.RAW_RIGHT) for row in (0, 1)] + [
+        seal(wire.PacketType.RAW_TILE, struct.pack("<8H", *range(8)), stream=wire.Stream.RAW_PMD, codec=wire.Codec.RAW16, index=5,
+             count=6, freshness=number, image_width=2, image_height=4, pixel_count=8)]
+
+
 def frame(coded):
     """The datagrams of a frame of 4 x 2 pixels: frame info, depth, width, source."""
     raw16, raw8 = struct.pack("<8H", *DEPTH), bytes(range(1, 9))

@@ -32,6 +32,9 @@ def requests():
     subscribe = asked["subscribe"]
     seeds["five_subscribers"] = b"".join(
         record(subscribe, SEAL | PEERS * peer) + record(subscribe, SEAL | COOKIE | PEERS * peer) for peer in range(4))
+    raw = samples.wire.Subscribe(raw=samples.wire.RawRequest(pictures=15, step=2, every=3, column=1, width=9)).pack()
+    raw = samples.seal(samples.wire.PacketType.SUBSCRIBE, raw)
+    seeds["raw_pictures"] = b"".join(record(raw, SEAL | PEERS * peer) + record(raw, SEAL | COOKIE | PEERS * peer) for peer in range(2))
     seeds["lease_over"] = records([subscribe] * 2, SEAL | COOKIE) + record(subscribe, SEAL | COOKIE | SECONDS * 15)
     seeds["damaged"] = record(subscribe, 0) + record(subscribe[:-1], 0) + record(b"", 0) + record(bytes(1233), 0)
     return seeds
@@ -68,6 +71,9 @@ def reassembler():
              for i, (stream, (codec, bits)) in enumerate(kinds.items())]
     parts.append(samples.tile(8, 5, struct.pack("<hhHH", -5, 5, 4000, 4) * 8, 4, 5))
     seeds["other_streams"] = records(parts)
+    first, second, third = (samples.raw_exposure(number) for number in (1, 2, 4))
+    seeds["raw_pictures"] = records(first + second)
+    seeds["raw_pictures_mixed"] = records([*first[:4], *reversed(second[1:]), first[4], second[0], third[0], first[5]])
     return seeds
 
 
@@ -242,6 +248,8 @@ def signed_requests():
     seeds["replayed"] = record(bytes([wire.PacketType.SETTINGS_REQUEST]) + wire.SettingsRequest(operation=6).pack(), SEAL | COOKIE)
     subscribe = bytes([wire.PacketType.SUBSCRIBE]) + wire.Subscribe(request_id=9).pack()
     seeds["subscribed"] = b"".join(record(subscribe, SEAL | PEERS * who) for who in range(4))
+    raw = bytes([wire.PacketType.SUBSCRIBE]) + wire.Subscribe(request_id=9, raw=wire.RawRequest(pictures=7)).pack()
+    seeds["raw_pictures"] = b"".join(record(raw, SEAL | PEERS * who) for who in range(3)) + seeds["settings_unpair"]
     seeds["unsubscribed"] = seeds["subscribed"] + record(bytes([wire.PacketType.UNSUBSCRIBE]) + subscribe[1:])
     seeds["ended"] = seeds["settings_unpair"] + record(subscribe, SEAL | PEERS * 2)
     return seeds

@@ -38,6 +38,17 @@ void look_at(const client::Frame& frame) {
   fuzz::require(frame.missing_packets <= frame.packets);
 }
 
+void look_at(const client::RawExposure& exposure) {
+  look_at(exposure.left);
+  look_at(exposure.right);
+  for (const auto& sample : exposure.pmd) {
+    look_at(sample);
+  }
+  fuzz::require((exposure.missing & ~exposure.info.pictures) == 0);
+  const bool left = (exposure.info.pictures & ~exposure.missing & wire::kRawLeft) != 0;
+  fuzz::require(left == !exposure.left.empty());
+}
+
 }  // namespace
 }  // namespace stof
 
@@ -55,6 +66,9 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   const auto take_all = [&] {
     while (const std::optional<client::Frame> frame = reassembler.take()) {
       look_at(*frame);
+    }
+    while (const std::optional<client::RawExposure> exposure = reassembler.raw().take()) {
+      look_at(*exposure);
     }
     while (reassembler.take_event()) {
     }

@@ -220,6 +220,7 @@ void judge(const World& world, const Sent& sent, std::span<const std::byte> answ
   fuzz::require(subscribed.has_value());
   switch (subscribed->result) {
     case wire::SubscribeResult::kOk:
+    case wire::SubscribeResult::kRawTaken:
       fuzz::require(view->payload.size() == wire::kSubscribedBytes + wire::kStreamKeyFieldsBytes);
       return reached().note(kStreamKey);
     case wire::SubscribeResult::kFull:
@@ -264,6 +265,9 @@ void take(World& world, const fuzz::Record& record) {
   const std::size_t keys = world.ring.keys().count();
   const std::size_t receivers = world.subscribers.count();
   const std::span<const std::byte> answer = world.handler.take(datagram, peer, world.now);
+  const firmware::ReceiverList list = world.subscribers.list();
+  fuzz::require(list.raw_receiver < list.count ? list.raw.pictures != 0
+                                               : list.raw_receiver == firmware::kMostSubscribers);
   const bool ended = world.ring.keys().count() < keys;
   fuzz::require(!ended || (good && !replayed && request &&
                            request->operation == wire::SettingsOperation::kUnpair));

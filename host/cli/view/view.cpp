@@ -1,5 +1,6 @@
 #include "host/cli/view/view.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <optional>
 
@@ -9,6 +10,7 @@
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
+#include "host/cli/view/raw_files.h"
 #include "host/cli/view/status_line.h"
 #include "host/client/control/known_sensors.h"
 #include "host/client/control/user_keys.h"
@@ -23,7 +25,7 @@ void say(const std::string& line) {
 
 // Of signed streams with the keys, and with the sensor that is meant, also in `options`.
 client::SubscriptionOptions subscription(ViewOptions& options) {
-  client::SubscriptionOptions terms{.signed_streams = options.signed_streams};
+  client::SubscriptionOptions terms{.raw = options.raw, .signed_streams = options.signed_streams};
   if (options.signed_streams) {
     options.keys = keys_file(options.keys);
     const client::Meant meant =
@@ -80,8 +82,10 @@ class View {
   void run() {
     client::Time heard = client::Time::clock::now();
     std::uint64_t packets = 0;
-    while (!asked_to_stop() && (options_.frames == 0 || frames_ < options_.frames)) {
+    raw_heard_ = heard;
+    while (!asked_to_stop() && !enough()) {
       take(receiver_.next(kLook));
+      take_raw();
       say_events();
       const client::Time now = client::Time::clock::now();
       // What is not the sensor's does not count: whoever sends it must not keep us waiting.
@@ -94,6 +98,9 @@ class View {
       }
       if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {
         silent_ = true;
+        return;
+      }
+      if (options_.raw_count > 0 && now - raw_heard_ > raw_patience()) {
         return;
       }
       if (status_line_.due(now)) {
@@ -118,6 +125,9 @@ class View {
     }
     say(streams_);
     say(summary_line(receiver_.statistics()));
+    if (options_.raw.pictures != 0) {
+      say(raw_line(receiver_.raw_statistics()));
+    }
     if (receiver_.health()) {
       say(health_line(*receiver_.health()));
     }
@@ -126,6 +136,11 @@ class View {
     }
     if (const std::string advice = receiver_.advice(); !advice.empty()) {
       say(advice);
+    }
+    if (options_.raw.pictures != 0 && (raw_ == 0 || raw_ < options_.raw_count)) {
+      throw Failure(Exit::kFailure, where + ": " + std::to_string(raw_) +
+                                        " exposures came with all raw pictures" +
+                                        raw_absence(receiver_.raw_refusal()));
     }
     if (frames_ < options_.frames || silent_) {
       const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey;
@@ -138,6 +153,38 @@ class View {
 
  private:
   static constexpr std::chrono::milliseconds kLook{100};
+
+  bool enough() const {
+    return (options_.frames > 0 && frames_ >= options_.frames) ||
+           (options_.raw_count > 0 && raw_ >= options_.raw_count);
+  }
+
+  // Without an exposure that has all raw pictures.
+  std::chrono::duration<double> raw_patience() const {
+    const std::int64_t period_ns = receiver_.calibration() ? receiver_.calibration()->period_ns : 0;
+    return std::chrono::duration<double>(options_.timeout_s) +
+           std::chrono::nanoseconds(period_ns * std::max<std::int64_t>(options_.raw.every, 1));
+  }
+
+  void take_raw() {
+    while (const std::optional<client::RawExposure> exposure = receiver_.take_raw()) {
+      const wire::RawInfo& info = exposure->info;
+      if (info.camera_width > 0 && info.width == 0) {
+        throw Failure(Exit::kBadInput, "--raw-part: lies outside of the cameras' " +
+                                           std::to_string(info.camera_width) + " x " +
+                                           std::to_string(info.camera_height) +
+                                           " pictures: name a part within them");
+      }
+      say(raw_exposure_line(*exposure));
+      if (!options_.out.empty()) {
+        write_raw(*exposure, options_.out);
+      }
+      if (exposure->complete()) {
+        ++raw_;
+        raw_heard_ = client::Time::clock::now();
+      }
+    }
+  }
 
   // A signature proves whose it is, so that from now on it is the one that is meant there.
   void say_sensor(std::uint32_t device) {
@@ -206,6 +253,8 @@ class View {
   std::optional<dataset::Image<float>> truth_;
   std::string streams_;  // of the newest frame
   std::uint64_t frames_ = 0;
+  std::uint64_t raw_ = 0;  // exposures with all raw pictures
+  client::Time raw_heard_{};
   bool silent_ = false;
 };
 

@@ -24,10 +24,13 @@ struct ViewOptions {
   std::optional<std::uint32_t> device;  // number of the sensor; none: who is known there
   std::string key;  // id of the one that alone counts, of signed streams; empty: of those there are
   ColourScale scale;
+  // Raw pictures to ask the sensor for: none, unless some are named. Written to `out`.
+  wire::RawRequest raw;
+  std::uint64_t raw_count = 0;  // end after so many whole exposures; 0: as `frames` says
 };
 
 // `stof view`: receives, prints a line a second and a summary, leaves pictures of the newest
-// complete frame. Throws Failure.
+// complete frame, and those of every raw exposure. Throws Failure.
 void view(const ViewOptions& options);
 
 }  // namespace stof::host

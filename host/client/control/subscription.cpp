@@ -9,6 +9,16 @@ namespace stof::client {
 using wire::PacketType;
 using wire::SubscribeResult;
 
+namespace {
+
+// Whether the streams come, for the lease; raw pictures may be refused.
+bool granted(SubscribeResult result) {
+  return result == SubscribeResult::kOk || result == SubscribeResult::kRawDenied ||
+         result == SubscribeResult::kRawTaken;
+}
+
+}  // namespace
+
 Subscription::Subscription(const SubscriptionOptions& options, std::uint32_t first_request)
     : options_(options), request_(first_request), answered_(first_request) {
   if (options.signed_streams) {
@@ -88,7 +98,7 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
       return false;
     }
     signer_->note_highest(opened->highest);
-    if (answer->result == SubscribeResult::kOk) {
+    if (granted(answer->result)) {
       const wire::StreamKey key = signer_->open_stream_key(*opened);
       if (key.number != stream_key_.number ||
           !wire::equal_secrets(key.secret, stream_key_.secret)) {
@@ -98,7 +108,7 @@ bool Subscription::judge(const wire::PacketView& packet, std::span<const std::by
       stream_key_ = key;
       proven_key_ = signer_->key()->id;
     }
-    return answer->result != SubscribeResult::kOk || stream_key_.number != 0;
+    return !granted(answer->result) || stream_key_.number != 0;
   }
   // What is not signed only says that a request was not judged.
   if (packet.header.type != PacketType::kSubscribed || !read(packet.payload)) {
@@ -122,7 +132,10 @@ void Subscription::answered(const wire::Subscribed& answer, Time now) {
   heard_ = now;
   cookie_ = answer.cookie;
   switch (answer.result) {
-    case SubscribeResult::kOk: {
+    case SubscribeResult::kOk:
+    case SubscribeResult::kRawDenied:
+    case SubscribeResult::kRawTaken: {
+      raw_refusal_ = answer.result;
       const Duration third = std::chrono::milliseconds(answer.lease_ms) / 3;
       state_ = State::kActive;
       other_sensor_.reset();
@@ -179,8 +192,10 @@ std::span<const std::byte> Subscription::farewell() {
 
 std::span<const std::byte> Subscription::seal(PacketType type) {
   const auto lease = std::clamp<std::int64_t>(options_.lease.count(), 0, 65535);
-  wire::Subscribe request{
-      .request_id = request_, .lease_ms = static_cast<std::uint16_t>(lease), .cookie = cookie_};
+  wire::Subscribe request{.request_id = request_,
+                          .lease_ms = static_cast<std::uint16_t>(lease),
+                          .cookie = cookie_,
+                          .raw = options_.raw};
   if (signer_ && signer_->key() != nullptr) {
     request.stream_key = wants_key_ ? 0 : stream_key_.number;
     return signer_->seal(type, request, buffer_);

@@ -18,6 +18,8 @@ struct SubscriptionOptions {
   std::chrono::milliseconds lease{3000};
   // Subscribe at no other device; without it, at whichever answers.
   std::optional<std::uint32_t> device_id{};
+  // Raw pictures to ask for, see "Raw pictures" of docs/WIRE.md; without any: none.
+  wire::RawRequest raw{};
   // Subscribe only with one of the keys, to streams that are signed for this receiver alone.
   bool signed_streams = false;
   wire::KeyTable keys{};
@@ -65,6 +67,9 @@ class Subscription {
   std::span<const std::byte> farewell();
 
   State state() const noexcept { return state_; }
+  // Why the newest answer that was no cookie brings no raw pictures: kRawDenied, kRawTaken. kOk: it
+  // does, or none were asked for.
+  wire::SubscribeResult raw_refusal() const noexcept { return raw_refusal_; }
   // Who answers in the place of SubscriptionOptions::device_id; none: nobody, or that one.
   std::optional<std::uint32_t> other_sensor() const noexcept { return other_sensor_; }
   // With which key of the user it was proven whose streams they are; 0: it was not.
@@ -94,6 +99,7 @@ class Subscription {
   std::uint32_t answered_;  // of the newest that was answered
   std::uint64_t cookie_ = 0;
   State state_ = State::kAsking;
+  wire::SubscribeResult raw_refusal_ = wire::SubscribeResult::kOk;
   Time next_ = Time::min();
   Time heard_ = Time::min();
   bool hurried_ = false;  // the newest request was sent at once upon a cookie

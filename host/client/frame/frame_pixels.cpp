@@ -132,7 +132,7 @@ bool FramePixels::decode(const wire::PacketView& tile, std::size_t first, std::s
     case Stream::kCloud:
       wire::get_pixels(tile.payload, room(cloud_, pixels, first, count));
       return true;
-    case Stream::kNone:
+    default:  // of no frame
       break;
   }
   return false;

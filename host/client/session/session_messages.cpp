@@ -1,5 +1,7 @@
 #include "host/client/session/session_messages.h"
 
+#include <utility>
+
 #include "firmware/wire/calibration/calibration_packet.h"
 #include "host/client/frame/frame_slot.h"
 
@@ -25,7 +27,10 @@ bool follows(std::uint64_t uptime_ms, std::uint64_t before_ms, Time then, Time n
 
 std::size_t SessionMessages::restart() {
   const std::size_t untaken = events_in_ - events_out_;
-  *this = {};
+  raw_.restart();
+  RawAssembler raw = std::move(raw_);  // its counts are the receiver's
+  *this = SessionMessages();
+  raw_ = std::move(raw);
   return untaken;
 }
 

@@ -10,6 +10,7 @@
 #include "firmware/wire/messages/health.h"
 #include "firmware/wire/packet.h"
 #include "host/client/frame/frame.h"
+#include "host/client/raw/raw_assembler.h"
 #include "host/client/session/frame_sequence.h"
 
 namespace stof::client {
@@ -29,6 +30,9 @@ enum class MessageOutcome : std::uint8_t {
 // that was believed, by one whose uptime advances; events by one that is repeated.
 class SessionMessages {
  public:
+  // most_raw_pixels: of a raw picture.
+  explicit SessionMessages(std::size_t most_raw_pixels = 0) : raw_(most_raw_pixels) {}
+
   // A session begins. Returns the events that nobody took.
   std::size_t restart();
 
@@ -49,6 +53,9 @@ class SessionMessages {
 
   // In the order of arrival, each once.
   std::optional<wire::EventReport> take_event();
+
+  RawAssembler& raw() noexcept { return raw_; }
+  const RawAssembler& raw() const noexcept { return raw_; }
 
  private:
   static constexpr std::size_t kEvents = 64;  // kept until they are taken
@@ -76,6 +83,7 @@ class SessionMessages {
   bool event_seen_ = false;
   std::uint32_t newest_event_ = 0;  // sequence
   std::uint64_t older_events_ = 0;  // bit k: sequence newest_event_ - k arrived
+  RawAssembler raw_;
 };
 
 }  // namespace stof::client

@@ -60,9 +60,12 @@ void run_without_heap(dsp::ThreadTeam threads, std::uint64_t frames,
                       DeviceLending* lending = nullptr) {
   Rig rig({.faults = all_faults(), .threads = threads, .lending = lending});
   rig.log.edges.reserve(2 * frames);
-  // One receiver, whose datagrams are signed.
-  rig.publisher.set_receivers(
-      {.peers = {kReceiver}, .keys = {wire::StreamKey{.number = 1}}, .count = 1});
+  // One receiver, whose datagrams are signed, and that gets raw pictures.
+  rig.publisher.set_receivers({.peers = {kReceiver},
+                               .keys = {wire::StreamKey{.number = 1}},
+                               .count = 1,
+                               .raw_receiver = 0,
+                               .raw = {.pictures = wire::kRawPictures, .every = 2}});
   std::uint64_t steps = 0;
   std::uint64_t lost = 0;
   while (rig.events.counters.published < frames && steps < frames + frames / 2) {

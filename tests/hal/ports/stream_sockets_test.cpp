@@ -157,5 +157,32 @@ TEST(StreamSockets, WhoDoesNotResolveKeepsNobodyElseWaiting) {
   EXPECT_EQ(without, 0) << "the queue of all was not full: this proves nothing";
 }
 
+// How many datagrams a stream's queue holds for a neighbour that never answers.
+int held_for_silence(std::size_t which) {
+  const auto sensor = UdpPort::open({.buffer_bytes = 100'000, .streams = true});
+  if (!sensor || !(*sensor)->streams_have_queues() || !make_silent_neighbour()) {
+    return kSkipped;
+  }
+  const Peer silent{.address = hal::from_ipv4(10, 76, 0, 77), .port = 9};
+  for (int held = 0; held < 1000; ++held) {
+    if (stream_one(**sensor, which, silent) == Status::kWouldBlock) {
+      return held;
+    }
+  }
+  return kSkipped;
+}
+
+// What a packet of depth may have to wait behind: some ten datagrams, 1.5 ms at 100 Mbit/s.
+TEST(StreamSockets, TheShallowOneIsSoonFull) {
+  const int shallow = in_own_network([] { return held_for_silence(UdpPort::kShallowStream); });
+  const int usual = in_own_network([] { return held_for_silence(0); });
+  if (shallow == kSkipped || usual == kSkipped) {
+    GTEST_SKIP() << "this user may not have a network of its own, or the system has one queue";
+  }
+  EXPECT_GE(shallow, 8) << "a burst of raw pictures";
+  EXPECT_LE(shallow, 20);
+  EXPECT_GT(usual, 2 * shallow);
+}
+
 }  // namespace
 }  // namespace stof::test

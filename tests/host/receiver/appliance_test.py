@@ -45,10 +45,10 @@ class PlainReceiver(unittest.TestCase):
         sensor.terminate()
         sensor.communicate(timeout=60)
 
-    def receive(self, port, frames):
+    def receive(self, port, frames, *more):
         """(lines of frames, other lines, packets by type)"""
         ended = subprocess.run([sys.executable, "-B", str(RECEIVER), "--sensor", f"127.0.0.1:{port}", "--frames",
-                                str(frames), "--seconds", "100", "--reports"], capture_output=True, text=True, timeout=200)
+                                str(frames), "--seconds", "100", "--reports", *more], capture_output=True, text=True, timeout=200)
         self.assertEqual((ended.returncode, ended.stderr), (0, ""), ended.stdout)
         lines = ended.stdout.splitlines()
         taken = lines[-1].removeprefix("taken by type ").split()
@@ -78,6 +78,24 @@ class PlainReceiver(unittest.TestCase):
         port = self.start_sensor(*(f"streams.{name}=raw" for name in STREAMS))
         taken = self.judge(port, 40)
         self.assertNotIn(PARITY, taken)
+
+    def test_raw_pictures_are_those_that_the_frame_was_made_of(self):
+        """This rig's pictures are rectified as they come: the frame's own streams are the same pixels."""
+        port = self.start_sensor("streams.depth=off", "streams.width=off", "streams.source=off", "streams.pmd_raw=raw", "streams.grey_left=raw",
+                                 "streams.grey_right=raw")
+        seen, lines, taken = self.receive(port, 30, "--raw", "15", "--raw-every", "2")
+        frames = {line.split()[1]: line.split()[-1] for line in seen}
+        exposures = [line.split() for line in lines if line.startswith("raw ")]
+        self.assertGreaterEqual(len(exposures), 10)
+        for exposure in exposures:
+            self.assertEqual(exposure[-4:-2], ["64x48", "64x48"])
+            self.assertEqual(exposure[-5], "32x96")
+        same = [exposure for exposure in exposures if frames.get(exposure[4]) == exposure[-1]]
+        others = [exposure for exposure in exposures if exposure[4] in frames and frames[exposure[4]] != exposure[-1]]
+        self.assertEqual(others, [])
+        self.assertGreaterEqual(len(same), 10)
+        self.assertEqual(taken["70"], int(exposures[-1][6]) - int(exposures[0][6]) + 1)
+        self.assertIn("refused ", lines[-2:])
 
     def test_the_lease_is_kept_alive(self):
         port = self.start_sensor("streams.source=off", "streams.width=off", "period_ms=100")

@@ -17,10 +17,11 @@ import time
 
 from packets import (
     ANNOUNCE, CALIBRATION, CALIBRATION_BYTES, CRC_BYTES, EVENT, EVENT_PAYLOAD, FIRST_OWN_COUNTING,
-    FRAME_INFO, FRAME_INFO_BYTES, HEADER, HEALTH, HEALTH_BYTES, PARITY, PARITY_FIELDS, Refused, SECTORS,
+    FRAME_INFO, FRAME_INFO_BYTES, HEADER, HEALTH, HEALTH_BYTES, PARITY, PARITY_FIELDS, RAW_INFO, RAW_TILE, Refused, SECTORS,
     STREAMS, SUBSCRIBE, SUBSCRIBED, SUBSCRIBED_PAYLOAD, SUBSCRIBE_PAYLOAD, TILE, UNSUBSCRIBE, ahead, crc32c,
     exclusive_or, groups_of, parse, pixels_of,
 )
+from raw_pictures import RawPictures
 
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
               " serial lost, serial full, settings unsaved, restart needed, flooded,"
@@ -137,6 +138,7 @@ class Receiver:
         self.ended = set()
         self.refused = collections.Counter()
         self.reports = []  # lines about health and events, to be taken by the caller
+        self.exposures = []  # lines about raw pictures, likewise
         self.counts = collections.Counter()  # of packets taken, by type
         self.begin_session(None)
 
@@ -152,6 +154,7 @@ class Receiver:
         self.health = None  # (uptime, severity, reaction)
         self.event = None  # sequence of the newest
         self.last_packet = 0.0
+        self.raw = RawPictures()
 
     def push(self, datagram, now=0.0):
         """The frames that this datagram closes."""
@@ -184,6 +187,8 @@ class Receiver:
             self.push_health(payload)
         elif header.type == EVENT:
             self.push_event(payload)
+        elif header.type in (RAW_INFO, RAW_TILE):
+            self.exposures += self.raw.push(header, payload)
         elif header.type not in (ANNOUNCE, SECTORS):
             raise Refused("unknown")
 
@@ -277,7 +282,8 @@ def name_in(names, value):
 class Subscription:
     """What to send to a sensor and when. No clock and no socket: `now` in seconds is the caller's."""
 
-    def __init__(self, now):
+    def __init__(self, now, raw=0, every=1):
+        self.raw = raw, every
         self.cookie = 0
         self.request = 0
         self.granted = 0.0  # seconds; 0: none
@@ -296,7 +302,8 @@ class Subscription:
         return self.packet(SUBSCRIBE)
 
     def packet(self, kind):
-        payload = SUBSCRIBE_PAYLOAD.pack(self.request, LEASE_MS, 0, self.cookie)
+        pictures, every = self.raw
+        payload = SUBSCRIBE_PAYLOAD.pack(self.request, LEASE_MS, 0, self.cookie, pictures, 0, every)
         header = HEADER.pack(b"STOF", 1, kind, HEADER.size, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 0, 0, 0, len(payload))
         return header + payload + crc32c(header + payload).to_bytes(CRC_BYTES, "little")
 
@@ -317,7 +324,7 @@ class Subscription:
         self.cookie = cookie
         if result == 1:  # cookie
             self.next_at = now
-        elif result == 0:
+        elif result in (0, 6, 7):  # ok; without raw pictures
             self.granted = lease_ms / 1000
             self.next_at = now + self.granted / 3
         else:
@@ -337,6 +344,8 @@ def main():
     parser.add_argument("--port", type=int, help=f"listen here; 0: any free one, printed; {DEFAULT_PORT} without --sensor")
     parser.add_argument("--frames", type=int, default=0, help="stop after so many; 0: never")
     parser.add_argument("--seconds", type=float, default=0, help="stop after so long; 0: never")
+    parser.add_argument("--raw", type=int, default=0, help="raw pictures to ask for: 1 left, 2 right, 4 PMD camera, 8 only all of them; printed by exposure")
+    parser.add_argument("--raw-every", type=int, default=1, help="of one frame of so many")
     parser.add_argument("--reports", action="store_true", help="print health and events too")
     options = parser.parse_args()
     endpoint = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -347,7 +356,7 @@ def main():
     sensor = sensor_address(options.sensor) if options.sensor else None
     receiver = Receiver()
     begin = time.monotonic()
-    subscription = Subscription(begin) if sensor else None
+    subscription = Subscription(begin, options.raw, options.raw_every) if sensor else None
     frames = 0
     while options.frames == 0 or frames < options.frames:
         now = time.monotonic()
@@ -373,6 +382,9 @@ def main():
         if options.reports and receiver.reports:
             print("\n".join(receiver.reports), flush=True)
         receiver.reports.clear()
+        if receiver.exposures:
+            print("\n".join(receiver.exposures), flush=True)
+        receiver.exposures.clear()
     if subscription:
         endpoint.sendto(subscription.packet(UNSUBSCRIBE), sensor)
     refused = " ".join(f"{cause} {count}" for cause, count in sorted(receiver.refused.items()))

@@ -69,6 +69,23 @@ class SubscriptionTest : public testing::Test {
   Subscription subscription_{{}, 0xFFFFFFFE};  // request numbers wrap
 };
 
+TEST_F(SubscriptionTest, AsksForRawPicturesEachTimeAndIsSubscribedAlsoWhereItGetsNone) {
+  const wire::RawRequest raw{.pictures = 7, .every = 5};
+  subscription_ = Subscription({.raw = raw}, 10);
+  reply(asked(kStart), SubscribeResult::kCookie, kStart);
+  for (const SubscribeResult result :
+       {SubscribeResult::kRawTaken, SubscribeResult::kRawDenied, SubscribeResult::kOk}) {
+    const Time now = std::max(kStart, subscription_.next_due());
+    const wire::Subscribe request = asked(now);
+    EXPECT_EQ(request.raw, raw);
+    reply(request, result, now);
+    EXPECT_EQ(subscription_.state(), Subscription::State::kActive);
+    EXPECT_EQ(subscription_.raw_refusal(), result);
+    subscription_.heard(now + 900ms);
+    EXPECT_EQ(subscription_.next_due(), now + 1s) << "a third of the lease, as ever";
+  }
+}
+
 TEST_F(SubscriptionTest, AsksAtOnceThenEvery200Milliseconds) {
   const wire::Subscribe first = asked(kStart);
   EXPECT_EQ(first.cookie, 0U);
