@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Tests of scripts/image: the disk, the table of a board against unpacked packages, what is told of others' parts.
 
-No kernel of Raspberry Pi is at hand: a stand-in of the same layout is made here.
+No kernel of Raspberry Pi is at hand: pi_packages.py makes a stand-in of the same layout.
 """
 
 import gzip
@@ -18,9 +18,12 @@ import disk  # noqa: E402
 import recipe  # noqa: E402
 import sbom  # noqa: E402
 
+sys.path.insert(0, str(ROOT / "tests" / "scripts"))
+import pi_packages  # noqa: E402
+
 EPOCH = 1_700_000_000
 VERSION = "6.12.34+rpt-rpi-v8"
-IMAGE = bytes(56) + b"ARM\x64" + bytes(1000)
+IMAGE = pi_packages.KERNEL
 
 
 class InFolder(unittest.TestCase):
@@ -62,16 +65,7 @@ class Packages(InFolder):
     def setUp(self):
         super().setUp()
         self.plan = recipe.Recipe(ROOT, "rpi4", "imx296")
-        self.file(f"boot/vmlinuz-{VERSION}", IMAGE)
-        modules = f"usr/lib/modules/{VERSION}"
-        self.file(f"{modules}/modules.builtin", b"kernel/fs/ext4/ext4.ko\nkernel/drivers/mmc/core/mmc_block.ko\n")
-        for name in self.plan.modules:
-            if name not in ("ext4", "mmc_block"):
-                self.file(f"{modules}/kernel/drivers/{name.replace('_', '-')}.ko", b"\0depends=\0")
-        for name in self.plan.files:
-            folder = f"usr/lib/linux-image-{VERSION}"
-            self.file(f"usr/lib/raspi-firmware/{name}" if name.endswith((".elf", ".dat")) else
-                      f"{folder}/{name}" if "/" in name else f"{folder}/broadcom/{name}", name.encode())
+        self.assertEqual(pi_packages.make(self.folder, self.plan), VERSION)
 
     def tree(self):
         return recipe.KernelTree(self.folder, self.plan)

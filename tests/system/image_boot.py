@@ -27,6 +27,10 @@ import rig as system_rig
 ROOT = initramfs.ROOT
 sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
 import disk  # noqa: E402
+import recipe  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "tests" / "scripts"))
+import pi_packages  # noqa: E402
 
 FRAMES = 10
 BUILD_BAR_S = 60.0
@@ -130,6 +134,32 @@ def slot_starts(scene, image, work, report, slot, section, address):
     checks.check(len(seeds[1]) == 32 and seeds[0] != seeds[1], "the next start has the same random seed")
 
 
+def pi_image(work, report, board):
+    """An image of a stand-in of Raspberry Pi's packages: what a boot ROM would read of its slots. Nothing of it runs."""
+    packages = work / f"packages_{board}"
+    shutil.rmtree(packages, ignore_errors=True)
+    pi_packages.make(packages, recipe.Recipe(ROOT, board, "imx296"))
+    out = work / f"{board}.img"
+    # Of another board, because it never runs here.
+    command = [ROOT / "scripts" / "image", board, "--kernel", packages, "--out", out, "--stofd", ROOT / "build/virt/bin/stofd"]
+    subprocess.run(command, check=True)
+    plan = recipe.Recipe(ROOT, board, "usb")
+    for slot, part in disk.SLOTS.items():
+        config = disk.read_fat(out, part, "config.txt").decode().splitlines()
+        checks.check(config == plan.config, f"slot {slot}: config.txt has {config}")
+        words = disk.read_fat(out, part, "cmdline.txt").decode().split()
+        checks.check(f"stof.slot={slot}" in words, f"slot {slot}: cmdline.txt has {words}")
+        for name in plan.files:
+            checks.check(disk.read_fat(out, part, name) == name.encode(), f"slot {slot}: {name} is another file")
+    report.at_most(f"what is not empty for {board}", disk.used_bytes(out) / 1e6, USED_BAR_MB, "MB")
+    refused = subprocess.run([*command, "--camera", "imx296"], capture_output=True, text=True, check=False)
+    checks.check(refused.returncode == 2 and "not built yet" in refused.stderr, f"imx296: {refused.stderr}")
+    (packages / "boot" / f"vmlinuz-6.12.34+rpt{plan.flavour}").unlink()
+    refused = subprocess.run(command, capture_output=True, text=True, check=False)
+    checks.check(refused.returncode == 2 and refused.stderr.count("\n") == 1 and "no kernel" in refused.stderr,
+                 f"no kernel: {refused.stderr}")
+
+
 def run(options):
     work = pathlib.Path(options.work)
     work.mkdir(parents=True, exist_ok=True)
@@ -139,6 +169,8 @@ def run(options):
     report.run("built", lambda: images.append(built(work, report)))
     for slot, section, address in STARTS if images else ():
         report.run(f"slot_{slot}", slot_starts, scene, images[0], work, report, slot, section, address)
+    for board in ("rpi4", "rpi5"):
+        report.run(f"image_{board}", pi_image, work, report, board)
     print(f"{report.passed} passed, {report.failed} failed")
     return 1 if report.failed or not report.passed else 0
 
