@@ -256,29 +256,50 @@ def boards(log):
     return count
 
 
+def system_tools(log, *boards_needed):
+    """What the programs of tests/system need is built."""
+    return (log.run("toolchains/sysroot.sh") and log.run("toolchains/kernel.sh")
+            and all(build_board(log, board) for board in boards_needed)
+            and log.run("cmake", "--preset", "emu", "-Wno-dev")
+            and log.run("cmake", "--build", "--preset", "emu", "--target", "stof_system_tools", "stofd"))
+
+
+def system_program(log, *command):
+    """The cases of a program of tests/system, by its last line."""
+    succeeded = log.run("python3", "-B", *command)
+    lines = log.lines()
+    last = [match for match in (re.fullmatch(r"(\d+) passed, (\d+) failed(?:, (\d+) skipped)?", line)
+                                for line in lines) if match]
+    if not last:
+        return Count(failed=1, notes=[f"{command[0]} did not end"])
+    count = Count(passed=int(last[-1][1]), failed=int(last[-1][2]) or (0 if succeeded else 1))
+    count.notes += [line for line in lines if line.startswith(("figure: ", "FAILED: "))]
+    return count
+
+
 def system(length):
     """The appliance of board virt in an emulated machine, with emulated devices."""
     def step(log):
         count = unit_tests(log, "tests/system/parts_test.py")
-        needed = ("virt", "rpi4") if length == "long" else ("virt",)
-        if not (log.run("toolchains/sysroot.sh") and log.run("toolchains/kernel.sh")
-                and all(build_board(log, board) for board in needed)
-                and log.run("cmake", "--preset", "emu", "-Wno-dev")
-                and log.run("cmake", "--build", "--preset", "emu", "--target", "stof_system_tools", "stofd")):
+        if system_tools(log, *(("virt", "rpi4") if length == "long" else ("virt",))):
+            count.add(system_program(log, "tests/system/system_test.py", f"--{length}"))
+        else:
             count.add(Count(failed=1, notes=["the build failed"]))
-            return count
-        succeeded = log.run("python3", "-B", "tests/system/system_test.py", f"--{length}")
-        lines = log.lines()
-        last = [match for match in (re.fullmatch(r"(\d+) passed, (\d+) failed(?:, (\d+) skipped)?", line)
-                                    for line in lines) if match]
-        if not last:
-            count.add(Count(failed=1, notes=["the system test did not end"]))
-            return count
-        passed, failed = int(last[-1][1]), int(last[-1][2])
-        count.add(Count(passed=passed, failed=failed or (0 if succeeded else 1)))
-        count.notes += [line for line in lines if line.startswith(("figure: ", "FAILED: "))]
         return count
     return step
+
+
+def image(log):
+    """The image that is flashed: its scripts, and that it boots. The packages are those of this step alone."""
+    if not log.run("scripts/setup", "image"):
+        return Count(failed=1, notes=["no packages"])
+    count = unit_tests(log, "tests/scripts/image_test.py")
+    count.add(unit_tests(log, "tests/scripts/flash_test.py"))
+    if system_tools(log, "virt"):
+        count.add(system_program(log, "tests/system/image_boot.py"))
+    else:
+        count.add(Count(failed=1, notes=["the build failed"]))
+    return count
 
 
 def mutation(log):
@@ -353,12 +374,13 @@ STEPS = {
     "gcc-tests": gcc_tests,
     "system-long": system("long"),
     "calib": calib,
+    "image": image,
 }
 # A newcomer's run. scripts/test installs no more than these need.
 SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
 # Of every change: step arm64 has the kernels, too.
 CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
-ALL = CI + ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib")
+ALL = CI + ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image")
 
 
 def main():

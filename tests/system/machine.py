@@ -194,11 +194,12 @@ class Machine:
 
     guest_port: a UDP port of the guest that `Machine.port` leads to. watchdog: what it does when nobody kicks it, as
     -watchdog-action; None: there is none. icount: options of virtual time (never sleep=off together with devices that
-    the host drives: time runs away while the guest waits).
+    the host drives: time runs away while the guest waits). command_line: the kernel's, in place of that of this folder's
+    guest. drive: a disk that the guest has, a file.
     """
 
     def __init__(self, image, initramfs, *, append="", usb=(), guest_port=7560, serial=True, watchdog="none",
-                 icount=None, processors=2, memory="512", reboot=False, log=None):
+                 icount=None, processors=2, memory="512", reboot=False, log=None, command_line=None, drive=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="stof-"))
         self.log = pathlib.Path(log) if log else self.folder / "console.log"
         self.log.write_bytes(b"")
@@ -206,8 +207,12 @@ class Machine:
         self.process = None
         self.sockets = []
         try:
-            self._start(self._command(image, initramfs, append, usb, guest_port, serial, watchdog, icount, processors,
-                                      memory, reboot))
+            words = command_line or f"console=ttyAMA0 quiet loglevel=4 panic=-1 {append}"
+            command = self._command(image, initramfs, words, usb, guest_port, serial, watchdog, icount, processors,
+                                    memory, reboot)
+            if drive:
+                command += ["-drive", f"if=none,id=disk,format=raw,file={drive}", "-device", "virtio-blk-pci,drive=disk"]
+            self._start(command)
         except BaseException:
             self.close()
             raise
@@ -215,13 +220,13 @@ class Machine:
     def path(self, name):
         return self.folder / name
 
-    def _command(self, image, initramfs, append, usb, guest_port, serial, watchdog, icount, processors, memory, reboot):
+    def _command(self, image, initramfs, words, usb, guest_port, serial, watchdog, icount, processors, memory, reboot):
         def server(name):
             return f"socket,id={name},path={self.path(name)},server=on,wait=off"
 
         command = [*ENDS_WITH_US, QEMU, "-M", "virt", "-cpu", "cortex-a72", "-smp", str(processors),
                    "-m", memory, "-display", "none", "-nodefaults", "-S", "-kernel", str(image), "-initrd",
-                   str(initramfs), "-append", f"console=ttyAMA0 quiet loglevel=4 panic=-1 {append}",
+                   str(initramfs), "-append", words,
                    "-chardev", server("console"), "-serial", "chardev:console",
                    "-chardev", server("monitor"), "-mon", "chardev=monitor,mode=control",
                    "-qtest", f"unix:{self.path('qtest')},server=on,wait=off", "-qtest-log", os.devnull,

@@ -38,6 +38,11 @@ def size_text(size):
     return f"{size[0]}x{size[1]}"
 
 
+# And what stofd is told of the rig.
+RIG_OPTIONS = ["--size", size_text(STEREO), "--pmd-size", size_text(PMD), "--period-ms", str(round(PERIOD_S * 1000)),
+               *COMMON]
+
+
 def read_pgm(path):
     """Width, height and the pixels' bytes; 16-bit ones big-endian."""
     data = pathlib.Path(path).read_bytes()
@@ -177,11 +182,12 @@ def usb_pmd(scene):
 class Rig:
     """stofd in the machine, its cameras plugged in, a receiver of every packet.
 
-    plugs: Plugs by name; None: a pair and a PMD camera on USB.
+    plugs: Plugs by name; None: a pair and a PMD camera on USB. boot: kernel and initramfs of a whole image, which starts
+    its own stofd; None: of the guest of this folder, with that stofd. port: where the program sends all packets.
     """
 
     def __init__(self, scene, stofd, work, *, arguments=(), plugs=None, common=True,
-                 libraries=None, image_extra=None, **machine_options):
+                 libraries=None, image_extra=None, boot=None, port=None, **machine_options):
         self.scene = scene
         self.folder = pathlib.Path(work)
         self.folder.mkdir(parents=True, exist_ok=True)
@@ -193,23 +199,24 @@ class Rig:
         self.strobe_late = []  # seconds from where a strobe should change to where the machine has taken it
         self.edges = {line: [] for line in (LEFT_LINE, RIGHT_LINE, PMD_LINE)}
         try:
-            self.port = machine.free_udp_port()
-            command = ["/bin/stofd", "--to", f"{HOST}:{self.port}", *arguments]
-            if common:
-                command += ["--calibration", "/rig.cal", "--size", size_text(STEREO), "--pmd-size", size_text(PMD),
-                            "--period-ms", str(round(PERIOD_S * 1000)), *COMMON]
-            files = [(" ".join(command).encode(), "command"), (scene.calibration, "rig.cal")]
-            initramfs.build(self.folder / "initramfs", files, [(stofd, "bin/stofd")], libraries=libraries,
-                            extra=image_extra)
+            self.port = port or machine.free_udp_port()
+            if boot is None:
+                words = [*arguments, *(["--calibration", "/rig.cal", *RIG_OPTIONS] if common else [])]
+                boot = self._pack(stofd, words, libraries, image_extra)
             self.receiver = Receiver(scene.receive, "--listen", self.port)
-            self.machine = machine.Machine(initramfs.KERNEL / "image", self.folder / "initramfs",
-                                           usb=tuple(plugs), log=self.folder / "console.log", **machine_options)
+            self.machine = machine.Machine(*boot, usb=tuple(plugs), log=self.folder / "console.log", **machine_options)
             if plugs:
                 self._plug_in(plugs)
             self.machine.go()
         except BaseException:
             self.close()
             raise
+
+    def _pack(self, stofd, words, libraries, image_extra):
+        command = " ".join(["/bin/stofd", "--to", f"{HOST}:{self.port}", *words])
+        initramfs.build(self.folder / "initramfs", [(command.encode(), "command"), (self.scene.calibration, "rig.cal")],
+                        [(stofd, "bin/stofd")], libraries=libraries, extra=image_extra)
+        return initramfs.KERNEL / "image", self.folder / "initramfs"
 
     def _plug_in(self, plugs):
         by_line = {}

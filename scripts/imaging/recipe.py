@@ -1,0 +1,97 @@
+"""What a board's image is made of: its table (board/NAME/image.json) and the unpacked packages of its kernel."""
+
+import gzip
+import json
+import pathlib
+import re
+
+import kernel_modules
+
+GZIP = b"\x1f\x8b"
+RAW_MAGIC = (0x38, b"ARM\x64")  # of an uncompressed arm64 kernel
+
+
+class RecipeError(Exception):
+    """One line: what, where, what to do."""
+
+
+class Recipe:
+    """The table of a board, with that of one kind of camera."""
+
+    def __init__(self, root, board, camera):
+        path = pathlib.Path(root) / "board" / board / "image.json"
+        if not path.exists():
+            have = sorted(found.parent.name for found in (pathlib.Path(root) / "board").glob("*/image.json"))
+            raise RecipeError(f"board {board} has no image: use {', '.join(have)}")
+        table = json.loads(path.read_text())
+        cameras = table["cameras"]
+        if camera not in cameras:
+            raise RecipeError(f"board {board} has no camera {camera}: use {', '.join(cameras)}")
+        kind = cameras[camera]
+        boot = table["boot"]
+        self.board = board
+        self.camera = camera
+        self.program = kind["program"]
+        self.flavour = table["kernel"]["flavour"]
+        self.package = table["kernel"]["package"]
+        self.cmdline = " ".join(filter(None, [boot["cmdline"], kind.get("cmdline", "")]))
+        self.config = boot.get("config", []) + kind.get("config", [])
+        self.files = boot["files"] + kind.get("files", [])
+        self.modules = table["modules"] + kind.get("modules", [])
+        self.settings_devices = table["settings_devices"]
+
+
+class KernelTree:
+    """Packages of a kernel, of its device trees and of boot firmware, unpacked to one folder (dpkg -x)."""
+
+    def __init__(self, folder, recipe):
+        self.folder = pathlib.Path(folder)
+        self.recipe = recipe
+        images = [path for path in self._any("boot/vmlinuz-*", "usr/lib/modules/*/vmlinuz*", "lib/modules/*/vmlinuz*")
+                  if self._version(path).endswith(recipe.flavour)]
+        versions = sorted({self._version(path) for path in images})
+        if len(versions) > 1:
+            raise RecipeError(f"{folder}: kernels {' and '.join(versions)}: leave one of them there")
+        if not images:
+            raise RecipeError(f"{folder}: no kernel *{recipe.flavour}: unpack {recipe.package} there (dpkg -x)")
+        self.image = images[0]
+        self.version = versions[0]
+        found = self._any(f"usr/lib/modules/{self.version}/modules.builtin", f"lib/modules/{self.version}/modules.builtin")
+        if not found:
+            raise RecipeError(f"{folder}: no modules of kernel {self.version}: unpack {recipe.package} there (dpkg -x)")
+        self.modules = kernel_modules.Modules(found[0].parent)
+        self._check()
+
+    def _any(self, *patterns):
+        return sorted(path for pattern in patterns for path in self.folder.glob(pattern))
+
+    @staticmethod
+    def _version(path):
+        name = re.sub(r"^vmlinu[xz]-?", "", path.name)
+        return name or path.parent.name
+
+    def _check(self):
+        """All that the board's table names is there, or one line says what is not."""
+        missing = [f"module {name}" for name in self.recipe.modules if not self.modules.has(name)]
+        missing += [name for name in self.recipe.files if self._find(name) is None]
+        if missing:
+            raise RecipeError(f"{self.folder}: kernel {self.version} for board {self.recipe.board}, camera "
+                              f"{self.recipe.camera}, lacks {', '.join(missing)}: unpack {self.recipe.package} there (dpkg -x)")
+
+    def _find(self, name):
+        """A device tree, an overlay or a file of the boot firmware."""
+        trees = f"usr/lib/linux-image-{self.version}"
+        found = self._any(f"{trees}/broadcom/{name}", f"{trees}/{name}", f"usr/lib/raspi-firmware/{name}")
+        return found[0] if found else None
+
+    def boot_files(self):
+        """{name on the slot: bytes} beside kernel and initramfs."""
+        return {name: self._find(name).read_bytes() for name in self.recipe.files}
+
+    def compressed(self):
+        """The kernel, as slots hold it."""
+        data = self.image.read_bytes()
+        offset, magic = RAW_MAGIC
+        if data[:2] != GZIP and data[offset:offset + len(magic)] != magic:
+            raise RecipeError(f"{self.image}: no kernel for 64-bit ARM")
+        return data if data[:2] == GZIP else gzip.compress(data, 6, mtime=0)

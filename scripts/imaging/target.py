@@ -1,0 +1,111 @@
+"""The device that is written: what it is, and why it must not be."""
+
+import os
+import pathlib
+import stat
+
+import disk
+
+SYSTEM_MOUNTS = ("/", "/boot", "/boot/efi", "/boot/firmware", "/home", "/usr", "/var")
+
+
+class TargetError(Exception):
+    """One line: what, where, what to do."""
+
+
+class System:
+    """What this machine tells of its disks; tests give another root."""
+
+    def __init__(self, root="/"):
+        self.root = pathlib.Path(root)
+
+    def block(self, number):
+        """The folder of a device's number, "8:0", in /sys; None: there is none."""
+        link = self.root / "sys" / "dev" / "block" / number
+        return link.resolve() if link.exists() else None
+
+    def mounts(self):
+        """{device number: [where]}. A file system with a number of its own (btrfs) counts by its source's name, too."""
+        found = {}
+        for line in (self.root / "proc" / "self" / "mountinfo").read_text().splitlines():
+            fields = line.split()
+            found.setdefault(fields[2], []).append(fields[4])
+            source = fields[fields.index("-") + 2]
+            number = self.number_of(source)
+            if number not in (None, fields[2]):
+                found.setdefault(number, []).append(fields[4])
+        return found
+
+    def number_of(self, source):
+        """The number of a device by its name in /dev, or None."""
+        entry = self.root / "sys" / "class" / "block" / pathlib.PurePath(source).name / "dev"
+        return entry.read_text().strip() if source.startswith("/dev/") and entry.exists() else None
+
+    def swaps(self):
+        lines = (self.root / "proc" / "swaps").read_text().splitlines()[1:]
+        return {pathlib.PurePath(line.split()[0]).name for line in lines if line.strip()}
+
+    def backed_by(self, path):
+        """Loop devices of that file: their folders in /sys."""
+        loops = []
+        for backing in (self.root / "sys" / "block").glob("loop*/loop/backing_file"):
+            if backing.read_text().strip() == str(path):
+                loops.append(backing.parent.parent)
+        return loops
+
+
+def _users(system, folder, mounts, swaps):
+    """Who uses a disk: [where its parts, and what is made of them, are mounted]."""
+    users = []
+    for part in [folder, *(child for child in sorted(folder.iterdir()) if (child / "partition").exists())]:
+        users += mounts.get((part / "dev").read_text().strip(), [])
+        if part.name in swaps:
+            users.append("swap")
+        holders = part / "holders"
+        for holder in sorted(holders.iterdir()) if holders.is_dir() else []:
+            users += _users(system, holder.resolve(), mounts, swaps) or [holder.name]
+    return users
+
+
+def check(path, image, system=None):
+    """TargetError where that device or file must not be written. A line about what it is."""
+    system = system or System()
+    try:
+        found = os.stat(path)
+    except OSError as error:
+        raise TargetError(f"{path}: {error.strerror}: name the card's device, or a file that is there") from error
+    if os.path.samestat(found, os.stat(image)):
+        raise TargetError(f"{path} is the image itself: name a device or another file")
+    if stat.S_ISREG(found.st_mode):
+        folders, about, size = system.backed_by(os.path.realpath(path)), "a file", found.st_size
+        users = [user for loop in folders for user in _users(system, loop, system.mounts(), system.swaps()) or [loop.name]]
+    elif stat.S_ISBLK(found.st_mode):
+        number = f"{os.major(found.st_rdev)}:{os.minor(found.st_rdev)}"
+        folder = system.block(number)
+        if folder is None:
+            raise TargetError(f"{path}: this system tells nothing of it: is /sys mounted?")
+        if (folder / "partition").exists():
+            raise TargetError(f"{path} is a part of {folder.parent.name}: name the whole card")
+        size = int((folder / "size").read_text()) * disk.SECTOR
+        names = [folder / "device" / name for name in ("model", "name")]
+        about = next((name.read_text().strip() for name in names if name.exists()), "a disk")
+        if (folder / "ro").exists() and (folder / "ro").read_text().strip() == "1":
+            raise TargetError(f"{path} cannot be written: is the card's switch at lock?")
+        users = _users(system, folder, system.mounts(), system.swaps())
+    else:
+        raise TargetError(f"{path} is neither a disk nor a file: name the card's device")
+    if any(user in SYSTEM_MOUNTS or user == "swap" for user in users):
+        raise TargetError(f"{path} is a disk of this system ({', '.join(sorted(set(users)))}): name the card's device")
+    if users:
+        raise TargetError(f"{path} is in use ({', '.join(sorted(set(users)))}): unmount it")
+    if size < disk.SIZE:
+        raise TargetError(f"{path} has {size / 1e6:.0f} MB, the image takes {disk.SIZE / 1e6:.0f}: use a larger one")
+    return f"{path}: {about}, {size / 1e6:.0f} MB"
+
+
+def contents(path):
+    """Lines: what is on it now and will be gone."""
+    with open(path, "rb") as device:
+        found = disk.partitions(device.read(disk.SECTOR))
+    return [f"  partition {k}: type {kind:#04x}, {size / 1e6:.0f} MB" for k, (kind, _, size) in enumerate(found, 1)] or [
+        "  no partitions that an MBR tells of"]

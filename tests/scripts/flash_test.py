@@ -1,0 +1,246 @@
+#!/usr/bin/env python3
+"""Tests of scripts/flash, on files, and of what it refuses, on a machine that is made up."""
+
+import os
+import pathlib
+import pty
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+import unittest.mock
+from importlib import machinery, util
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
+import disk  # noqa: E402
+import target  # noqa: E402
+
+FLASH = ROOT / "scripts" / "flash"
+EPOCH = 1_700_000_000
+CODE = re.compile(r"^((?:[0-9a-f]{4}-){7}[0-9a-f]{4})$", re.MULTILINE)
+
+
+def load():
+    loader = machinery.SourceFileLoader("flash", str(FLASH))
+    module = util.module_from_spec(util.spec_from_loader("flash", loader))
+    loader.exec_module(module)
+    return module
+
+
+flash = load()
+
+
+class OnFiles(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        folder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(folder.cleanup)
+        cls.common = pathlib.Path(folder.name)
+        images = {part: cls.common / part.label for part in disk.PARTITIONS}
+        for part in disk.PARTITIONS[:3]:
+            disk.fat(images[part], part, {"cmdline.txt": part.label.encode()}, EPOCH)
+        disk.ext4(images[disk.SETTINGS], {}, EPOCH)
+        cls.image = cls.common / "image"
+        disk.assemble(cls.image, images)
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+        self.card = self.folder / "card"
+        self.card.write_bytes(b"old")
+        os.truncate(self.card, disk.SIZE + disk.MIB)
+
+    def run_flash(self, *arguments, image=None, card=None, stdin=subprocess.DEVNULL):
+        return subprocess.run([sys.executable, "-B", FLASH, image or self.image, card or self.card, *arguments], text=True,
+                              stdin=stdin, capture_output=True, check=False)
+
+    def settings(self):
+        part = self.folder / "settings"
+        with open(self.card, "rb") as card:
+            card.seek(disk.SETTINGS.begin)
+            part.write_bytes(card.read(disk.SETTINGS.size))
+        return part
+
+    def test_the_card_holds_the_image_and_the_first_settings(self):
+        calibration = self.folder / "rig.cal"
+        calibration.write_bytes(b"calibration of a rig")
+        done = self.run_flash("--yes", "--calibration", calibration, "--name", "front \u00e4", "--address", "192.168.7.2/24",
+                              "--option=--size", "--option=320x240")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(done.stderr, "")  # no bar: this is no terminal
+        code = CODE.search(done.stdout)[1]
+        with open(self.card, "rb") as card, open(self.image, "rb") as image:
+            self.assertTrue(card.read(disk.SETTINGS.begin) == image.read(disk.SETTINGS.begin))
+        part = self.settings()
+        self.assertEqual(disk.read_ext4(part, "rig.cal"), b"calibration of a rig")
+        self.assertEqual(disk.read_ext4(part, "settings.json").decode(), '{"name": "front \u00e4"}\n')
+        self.assertEqual(disk.read_ext4(part, "address"), b"192.168.7.2/24\n")
+        self.assertEqual(disk.read_ext4(part, "options"), b"--size\n320x240\n")
+        self.assertEqual(disk.read_ext4(part, "label").decode().strip(), code.replace("-", ""))
+        self.assertEqual(len(disk.read_ext4(part, "seed")), 32)
+        disk.run(["e2fsck", "-fn", part])
+
+    def test_each_card_has_a_code_and_a_seed_of_its_own(self):
+        found = set()
+        for _ in range(2):
+            done = self.run_flash("--yes")
+            found |= {CODE.search(done.stdout)[1], disk.read_ext4(self.settings(), "seed")}
+        self.assertEqual(len(found), 4)
+
+    def test_nobody_to_be_asked_writes_nothing(self):
+        done = self.run_flash()
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("--yes", done.stderr)
+        self.assertEqual(self.card.read_bytes()[:3], b"old")
+
+    def answered(self, answer):
+        """On a terminal: code, all that was shown."""
+        child, terminal = pty.fork()
+        if child == 0:
+            os.execv(sys.executable, [sys.executable, "-B", str(FLASH), str(self.image), str(self.card)])
+        shown = b""
+        try:
+            while chunk := os.read(terminal, 4096):
+                shown += chunk
+                if shown.endswith(b"Type yes: "):
+                    os.write(terminal, answer)
+        except OSError:  # the other end is closed
+            pass
+        os.close(terminal)
+        return os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]), shown.decode()
+
+    def test_on_a_terminal_it_asks_and_shows_a_bar(self):
+        code, shown = self.answered(b"no\n")
+        self.assertEqual(code, 2)
+        self.assertIn("nothing was written", shown)
+        self.assertEqual(self.card.read_bytes()[:3], b"old")
+        code, shown = self.answered(b"yes\n")
+        self.assertEqual(code, 0, shown)
+        self.assertIn("writing [" + "#" * 40 + "] 100 %", shown)
+        self.assertIn("reading [" + "#" * 40 + "] 100 %", shown)
+
+    def test_bad_input_is_one_line_and_writes_nothing(self):
+        short = self.folder / "short"
+        short.write_bytes(b"x" * 100)
+        for arguments, places, said in (
+                (["--name", "x" * 32], {}, "--name takes"), (["--name", ""], {}, "--name takes"),
+                (["--name", "a\nb"], {}, "--name takes"), (["--address", "192.168.7.2"], {}, "--address takes"),
+                (["--address", "192.168.7.0/24"], {}, "no address of a host"), (["--address", "::1/64"], {}, "--address takes"),
+                (["--calibration", self.folder / "none"], {}, "No such file"), (["--option", ""], {}, "one word"),
+                ([], {"image": short}, "no image of scripts/image"), ([], {"image": self.folder / "none"}, "No such file"),
+                ([], {"card": short}, "use a larger one"), ([], {"card": self.folder / "none"}, "No such file"),
+                ([], {"card": self.image}, "the image itself"), ([], {"card": "/dev/null"}, "neither a disk nor a file")):
+            done = self.run_flash("--yes", *arguments, **places)
+            self.assertEqual(done.returncode, 2, (arguments, places, done.stderr))
+            self.assertIn(said, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertEqual(self.card.read_bytes()[:3], b"old")
+
+    def test_a_card_that_keeps_other_bytes_is_told(self):
+        data = self.image.read_bytes()
+        flash.write(self.card, data)
+        flash.compare(self.card, data)
+        for at in (0, disk.SLOTS["b"].begin + 5, disk.SIZE - 1):
+            with open(self.card, "r+b") as card:
+                card.seek(at)
+                byte = card.read(1)[0]
+                card.seek(at)
+                card.write(bytes([byte ^ 1]))
+            with self.assertRaisesRegex(flash.WrittenOtherwise, "use another card"):
+                flash.compare(self.card, data)
+            flash.write(self.card, data)
+
+    def test_a_card_that_was_pulled_out_has_no_partitions(self):
+        data = self.image.read_bytes()
+        flash.write(self.card, data)
+        with unittest.mock.patch.object(flash.Progress, "add", side_effect=OSError(5, "pulled out")):
+            with self.assertRaises(OSError):
+                flash.write(self.card, data)
+        self.assertEqual(disk.partitions(self.card.read_bytes()[:disk.SECTOR]), [])
+
+
+class Disks(unittest.TestCase):
+    """A made-up /sys and /proc: disk sdx (8:0) with a partition (8:1); a file of this test stands for each device."""
+
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.root = pathlib.Path(folder.name)
+        self.disk = self.root / "sys/devices/sdx"
+        self.put("sys/devices/sdx/dev", "8:0")
+        self.put("sys/devices/sdx/size", str(disk.SIZE // 512 + 8))
+        self.put("sys/devices/sdx/device/model", "CARD READER")
+        self.put("sys/devices/sdx/sdx1/dev", "8:1")
+        self.put("sys/devices/sdx/sdx1/partition", "1")
+        (self.disk / "sdx1/holders").mkdir()
+        for number, name in (("8:0", "sdx"), ("8:1", "sdx/sdx1")):
+            self.link(f"sys/dev/block/{number}", self.root / "sys/devices" / name)
+            self.link(f"sys/class/block/{name[-4:].strip('/')}", self.root / "sys/devices" / name)
+        self.put("proc/swaps", "Filename Type Size Used Priority\n")
+        self.mounts("20 1 254:0 / / rw - ext4 /dev/other rw")
+
+    def put(self, name, text):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text + "\n")
+
+    def link(self, name, to):
+        path = self.root / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.symlink_to(to)
+
+    def mounts(self, *lines):
+        self.put("proc/self/mountinfo", "\n".join(lines))
+
+    def check(self, minor=0):
+        real = os.stat
+        block = os.stat_result((0o060660, 0, 0, 1, 0, 0, 0, 0, 0, 0), {"st_rdev": os.makedev(8, minor)})
+        with unittest.mock.patch.object(target.os, "stat", lambda path, **more: block if path == "/dev/card" else
+                                        real(path, **more)):
+            return target.check("/dev/card", FLASH, target.System(self.root))
+
+    def refused(self, words, minor=0):
+        with self.assertRaisesRegex(target.TargetError, words):
+            self.check(minor)
+
+    def test_a_free_card_is_named_by_its_model(self):
+        self.assertRegex(self.check(), "CARD READER, 176 MB")
+
+    def test_a_part_of_a_disk_is_refused(self):
+        self.refused("is a part of sdx", minor=1)
+
+    def test_a_mounted_disk_is_refused(self):
+        self.mounts("30 1 8:1 / /media/card rw - vfat /dev/sdx1 rw")
+        self.refused("in use .*/media/card")
+        self.mounts("30 1 8:0 / /media/card rw - vfat /dev/sdx rw")
+        self.refused("in use .*/media/card")
+
+    def test_the_disk_of_this_system_is_refused(self):
+        self.mounts("30 1 8:1 / / rw - ext4 /dev/sdx1 rw")
+        self.refused("a disk of this system")
+        self.mounts("30 1 0:31 / / rw shared:1 - btrfs /dev/sdx1 rw")
+        self.refused("a disk of this system")
+
+    def test_swap_and_what_is_made_of_a_partition_count(self):
+        self.put("proc/swaps", "Filename Type Size Used Priority\n/dev/sdx1 partition 8 0 -2")
+        self.refused("a disk of this system .swap")
+        self.put("proc/swaps", "Filename Type Size Used Priority\n")
+        self.put("sys/devices/dm-0/dev", "253:0")
+        self.link("sys/devices/sdx/sdx1/holders/dm-0", self.root / "sys/devices/dm-0")
+        self.refused("in use .dm-0")
+        self.mounts("30 1 253:0 / /home rw - ext4 /dev/mapper/home rw")
+        self.refused("a disk of this system ./home")
+
+    def test_a_card_that_is_small_or_locked_is_refused(self):
+        self.put("sys/devices/sdx/ro", "1")
+        self.refused("switch at lock")
+        self.put("sys/devices/sdx/ro", "0")
+        self.put("sys/devices/sdx/size", str(disk.SIZE // 512 - 1))
+        self.refused("use a larger one")
+
+
+if __name__ == "__main__":
+    unittest.main()

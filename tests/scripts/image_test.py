@@ -1,0 +1,203 @@
+#!/usr/bin/env python3
+"""Tests of scripts/image: the disk, the table of a board against unpacked packages, what is told of others' parts.
+
+No kernel of Raspberry Pi is at hand: pi_packages.py makes a stand-in of the same layout.
+"""
+
+import gzip
+import json
+import pathlib
+import sys
+import tempfile
+import unittest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
+import cpio  # noqa: E402
+import disk  # noqa: E402
+import recipe  # noqa: E402
+import sbom  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "tests" / "scripts"))
+import pi_packages  # noqa: E402
+
+EPOCH = 1_700_000_000
+VERSION = "6.12.34+rpt-rpi-v8"
+IMAGE = pi_packages.KERNEL
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = pathlib.Path(folder.name)
+
+    def file(self, name, data=b""):
+        path = self.folder / name
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_bytes(data)
+        return path
+
+
+class Boards(unittest.TestCase):
+    def test_every_table_is_whole(self):
+        for path in sorted((ROOT / "board").glob("*/image.json")):
+            table = json.loads(path.read_text())
+            self.assertIn("usb", table["cameras"])
+            for camera in table["cameras"]:
+                plan = recipe.Recipe(ROOT, path.parent.name, camera)
+                self.assertIn(plan.program, ("stofd", "stofd-libcamera"))
+                self.assertTrue(all(device.startswith("/dev/") and device.endswith("4") for device in plan.settings_devices))
+                # An overlay that config.txt names is one that the check looks for.
+                for line in plan.config:
+                    name = line.removeprefix("dtoverlay=").split(",")[0]
+                    if line.startswith("dtoverlay="):
+                        self.assertIn(f"overlays/{name}.dtbo", plan.files)
+
+    def test_a_board_or_camera_that_is_none_is_told_with_those_there_are(self):
+        with self.assertRaisesRegex(recipe.RecipeError, "board moon has no image: use rpi4, rpi5, virt"):
+            recipe.Recipe(ROOT, "moon", "usb")
+        with self.assertRaisesRegex(recipe.RecipeError, "no camera film: use usb, imx296"):
+            recipe.Recipe(ROOT, "rpi4", "film")
+
+
+class Packages(InFolder):
+    def setUp(self):
+        super().setUp()
+        self.plan = recipe.Recipe(ROOT, "rpi4", "imx296")
+        self.assertEqual(pi_packages.make(self.folder, self.plan), VERSION)
+
+    def tree(self):
+        return recipe.KernelTree(self.folder, self.plan)
+
+    def test_a_whole_set_is_taken(self):
+        tree = self.tree()
+        self.assertEqual(tree.version, VERSION)
+        self.assertEqual(tree.boot_files(), {name: name.encode() for name in self.plan.files})
+        self.assertEqual(gzip.decompress(tree.compressed()), IMAGE)
+        self.assertNotIn("ext4", [name for _, name, _ in tree.modules.in_order([self.plan.modules])])
+
+    def test_a_kernel_that_is_compressed_stays_as_it_is(self):
+        packed = gzip.compress(IMAGE)
+        self.file(f"boot/vmlinuz-{VERSION}", packed)
+        self.assertEqual(self.tree().compressed(), packed)
+
+    def test_whatever_is_missing_is_named_in_one_line(self):
+        for path in (f"usr/lib/modules/{VERSION}/kernel/drivers/imx296.ko", "usr/lib/raspi-firmware/start4.elf",
+                     f"usr/lib/linux-image-{VERSION}/overlays/imx296.dtbo"):
+            (self.folder / path).unlink()
+        with self.assertRaises(recipe.RecipeError) as raised:
+            self.tree()
+        line = str(raised.exception)
+        self.assertIn("lacks module imx296, start4.elf, overlays/imx296.dtbo: unpack", line)
+        self.assertNotIn("\n", line)
+
+    def test_each_name_of_the_table_counts(self):
+        for path in sorted(self.folder.rglob("*")):
+            if path.is_file() and path.suffix in (".ko", ".elf", ".dat", ".dtb", ".dtbo"):
+                data = path.read_bytes()
+                path.unlink()
+                with self.assertRaises(recipe.RecipeError, msg=path):
+                    self.tree()
+                path.write_bytes(data)
+        self.tree()
+
+    def test_a_kernel_of_another_board_or_two_of_this_one_are_refused(self):
+        self.file("boot/vmlinuz-6.12.34+rpt-rpi-2712", IMAGE)
+        self.assertEqual(self.tree().version, VERSION)
+        self.file("boot/vmlinuz-6.6.1+rpt-rpi-v8", IMAGE)
+        with self.assertRaisesRegex(recipe.RecipeError, "leave one of them"):
+            self.tree()
+
+    def test_what_is_no_kernel_is_refused(self):
+        self.file(f"boot/vmlinuz-{VERSION}", b"MZ not for ARM" * 10)
+        with self.assertRaisesRegex(recipe.RecipeError, "no kernel for 64-bit ARM"):
+            self.tree().compressed()
+
+
+class Disk(InFolder):
+    def whole(self, name, seed=b"seed"):
+        images = {part: self.folder / f"{name}.{part.label}" for part in disk.PARTITIONS}
+        disk.fat(images[disk.BOOT], disk.BOOT, {"autoboot.txt": b"[all]\n"}, EPOCH)
+        for slot, part in disk.SLOTS.items():
+            disk.fat(images[part], part, {"cmdline.txt": slot.encode(), "licences/a long name.txt": b"x" * 9000}, EPOCH)
+        disk.ext4(images[disk.SETTINGS], {"seed": seed}, EPOCH)
+        disk.assemble(self.folder / name, images)
+        return self.folder / name
+
+    def test_partitions_do_not_overlap_and_begin_at_erase_blocks(self):
+        found = disk.partitions(disk.mbr())
+        self.assertEqual(found, [(part.type, part.begin, part.size) for part in disk.PARTITIONS])
+        end = disk.SECTOR
+        for _, begin, size in found:
+            self.assertGreaterEqual(begin, end)
+            self.assertEqual(begin % (4 * disk.MIB), 0)
+            end = begin + size
+        self.assertEqual(end, disk.SIZE)
+        self.assertEqual([part.size for part in disk.SLOTS.values()], [64 * disk.MIB] * 2)
+        self.assertEqual(disk.partitions(bytes(disk.SECTOR)), [])
+
+    def test_two_of_the_same_files_are_equal_and_others_are_not(self):
+        first = self.whole("first").read_bytes()
+        self.assertTrue(first == self.whole("second").read_bytes())
+        self.assertFalse(first == self.whole("third", b"other").read_bytes())
+
+    def test_files_come_back(self):
+        image = self.whole("image")
+        self.assertEqual(disk.read_fat(image, disk.BOOT, "autoboot.txt"), b"[all]\n")
+        self.assertEqual(disk.read_fat(image, disk.SLOTS["b"], "cmdline.txt"), b"b")
+        self.assertEqual(disk.read_fat(image, disk.SLOTS["a"], "licences/a long name.txt"), b"x" * 9000)
+        part = self.folder / f"image.{disk.SETTINGS.label}"
+        self.assertEqual(disk.read_ext4(part, "seed"), b"seed")
+        disk.add_to_ext4(part, {"seed": b"a new one", "label": b"code"})
+        self.assertEqual((disk.read_ext4(part, "seed"), disk.read_ext4(part, "label")), (b"a new one", b"code"))
+        self.assertIn(b"Mode:  0600", disk.run(["debugfs", "-R", "stat label", part]))
+        disk.run(["e2fsck", "-fn", part])
+
+    def test_what_is_not_empty_is_counted(self):
+        path = self.file("some", bytes(disk.BLOCK) + b"\1" + bytes(3 * disk.BLOCK))
+        self.assertEqual(disk.used_bytes(path), disk.BLOCK)
+
+    def test_a_slot_that_is_too_full_is_told(self):
+        with self.assertRaisesRegex(disk.DiskError, "mcopy failed"):
+            disk.fat(self.folder / "boot", disk.BOOT, {"large": bytes(5 * disk.MIB)}, EPOCH)
+
+
+class Archive(unittest.TestCase):
+    def test_the_same_calls_give_the_same_bytes(self):
+        def one():
+            archive = cpio.Archive()
+            archive.file("bin/a", b"1", 0o755)
+            archive.node("dev/console", 5, 1)
+            return archive.bytes()
+        self.assertEqual(one(), one())
+
+
+class Sbom(InFolder):
+    def package(self, name, licence=b"see /usr/share/common-licenses/GPL-2."):
+        self.file(f"usr/share/doc/{name}/changelog.Debian.gz", gzip.compress(b"busybox (1:1.37.0-6) unstable; urgency=low\n"))
+        self.file(f"usr/share/doc/{name}/copyright", licence)
+        return sbom.Package(self.folder, name, "BusyBox")
+
+    def test_every_package_stands_in_it_with_version_text_and_source(self):
+        files = sbom.files("stof-virt", "0.1.0", [self.package("busybox-static")], b"Apache", EPOCH)
+        document = json.loads(files["sbom.spdx.json"])
+        self.assertEqual(document["spdxVersion"], "SPDX-2.3")
+        self.assertEqual(document["creationInfo"]["created"], "2023-11-14T22:13:20Z")
+        names = {entry["SPDXID"]: entry for entry in document["packages"]}
+        self.assertEqual(names["SPDXRef-busybox-static"]["versionInfo"], "1:1.37.0-6")
+        related = {relation["relatedSpdxElement"] for relation in document["relationships"]}
+        self.assertEqual(related, set(names))
+        self.assertIn(b"busybox 1:1.37.0-6", files["sources.txt"])
+        self.assertIn(b"common-licenses/GPL-2", files["licences/busybox-static.txt"])
+        self.assertIn(b"GNU GENERAL PUBLIC LICENSE", files["licences/common/GPL-2.txt"])
+
+    def test_a_package_without_its_licence_is_refused(self):
+        self.package("busybox-static")
+        (self.folder / "usr/share/doc/busybox-static/copyright").unlink()
+        with self.assertRaisesRegex(sbom.SbomError, "no changelog and copyright"):
+            sbom.Package(self.folder, "busybox-static", "BusyBox")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,190 @@
+#!/usr/bin/env python3
+"""tests/system/image_boot.py: the image that is flashed boots on QEMU's board, slot A and slot B, to frames.
+
+Builds it twice (scripts/image virt), which must be equal, flashes it to a file (scripts/flash) with first settings, and
+starts what the chooser of a boot ROM would: this program reads autoboot.txt of the first partition, and kernel, initramfs
+and command line of that slot. Frames must be those of their edges, bit by bit, as in system_test.py. A minute and a half.
+"""
+
+import argparse
+import configparser
+import contextlib
+import os
+import pathlib
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+import checks
+import initramfs
+import machine
+import rig as system_rig
+
+ROOT = initramfs.ROOT
+sys.path.insert(0, str(ROOT / "scripts" / "imaging"))
+import disk  # noqa: E402
+import recipe  # noqa: E402
+
+sys.path.insert(0, str(ROOT / "tests" / "scripts"))
+import pi_packages  # noqa: E402
+
+FRAMES = 10
+BUILD_BAR_S = 60.0
+USED_BAR_MB = 60.0
+NAME = "front sensor"
+# How a slot is asked for, and how the sensor gets its address there.
+STARTS = (("a", "all", "dhcp"), ("b", "tryboot", "10.0.2.15/24"))
+
+
+def chosen(image, section):
+    """The slot that autoboot.txt of the image names, for a usual start (all) or for one on trial (tryboot)."""
+    text = disk.read_fat(image, disk.BOOT, "autoboot.txt").decode()
+    parser = configparser.ConfigParser()
+    parser.read_string(text)
+    number = parser.getint(section, "boot_partition")
+    return {disk.PARTITIONS.index(part) + 1: slot for slot, part in disk.SLOTS.items()}[number]
+
+
+def processor_s():
+    """Of the programs that were started and have ended."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def built(work, report):
+    """Two builds; the path of the first."""
+    images = [work / "first.img", work / "second.img"]
+    for image in images:
+        image.unlink(missing_ok=True)
+        begin, used = time.monotonic(), processor_s()
+        subprocess.run([ROOT / "scripts" / "image", "virt", "--out", image], check=True)
+        report.at_most("build of the image, processor time", processor_s() - used, BUILD_BAR_S, "s")
+        report.figure("build of the image", f"{time.monotonic() - begin:.0f} s", "told: this machine may be busy", True)
+    same = images[0].read_bytes() == images[1].read_bytes()
+    report.figure("two builds", "equal" if same else "different", "equal, byte for byte", same)
+    report.at_most("what is not empty", disk.used_bytes(images[0]) / 1e6, USED_BAR_MB, "MB")
+    return images[0]
+
+
+def flashed(scene, image, card, port, address):
+    """The image on a file as large, with the settings of the system test's rig. What was said."""
+    card.unlink(missing_ok=True)
+    with open(card, "wb") as file:
+        file.truncate(disk.SIZE)
+    words = ["--to", f"{system_rig.HOST}:{port}", *system_rig.RIG_OPTIONS]
+    done = subprocess.run([ROOT / "scripts" / "flash", image, card, "--yes", "--calibration", scene.calibration, "--name",
+                           NAME, "--address", address, *(f"--option={word}" for word in words)], check=True, text=True,
+                          stdout=subprocess.PIPE)
+    return done.stdout
+
+
+def seed_of(card, folder):
+    """The random seed of the next start; the machine was cut off, so that the journal counts."""
+    part = folder / "settings"
+    part.write_bytes(card[disk.SETTINGS.begin:])
+    subprocess.run([disk.tool("e2fsck"), "-y", "-E", "journal_only", part], stdout=subprocess.DEVNULL,
+                   stderr=subprocess.DEVNULL, check=False)  # 1: it has mended something, which is what it is for
+    return disk.read_ext4(part, "seed")
+
+
+def slot_starts(scene, image, work, report, slot, section, address):
+    folder = work / f"slot_{slot}"
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    port, card = machine.free_udp_port(), folder / "card.img"
+    said = flashed(scene, image, card, port, address)
+    checks.check(re.search(r"^([0-9a-f]{4}-){7}[0-9a-f]{4}$", said, re.MULTILINE) is not None, "flash told no code")
+    found = chosen(card, section)
+    report.figure(f"slot of a start by [{section}]", found, slot, found == slot)
+    part = disk.SLOTS[found]
+    for name in ("kernel8.img", "initramfs"):
+        (folder / name).write_bytes(disk.read_fat(card, part, name))
+    words = disk.read_fat(card, part, "cmdline.txt").decode().strip()
+    before = card.read_bytes()
+    with system_rig.Rig(scene, None, folder, boot=(folder / "kernel8.img", folder / "initramfs"), port=port,
+                        command_line=words, drive=card) as rig:
+        try:
+            frame = rig.receiver.wait(lambda frame: frame["missing"] == 0 and frame["depth"], timeout=90, what="frame")
+            at = (frame["middle_ns"] + frame["latency_ns"]) * 1e-9
+            report.figure(f"slot {slot}: kernel's start to the first frame, guest time", f"{at:.2f} s", "told", True)
+            for _ in range(FRAMES):  # how many of the edges give one is for system_test.py
+                rig.receiver.wait(lambda frame: frame["missing"] == 0 and frame["sensors"] == system_rig.BOTH,
+                                  rig.receiver.count(), what="next frame of both sensors")
+            verdict = rig.judge(rig.receiver.frames)
+            report.none(f"slot {slot}: frames that are not of their edge", verdict["mispaired"])
+            report.none(f"slot {slot}: frames that differ from the host's", verdict["different"])
+            report.figure(f"slot {slot}: frames equal to the host's", len(verdict["steps"]) - verdict["of_one"], f">= {FRAMES}",
+                          len(verdict["steps"]) - verdict["of_one"] >= FRAMES)
+            subscriber = system_rig.Receiver(scene.receive, "--sensor", f"127.0.0.1:{rig.machine.port}")
+            with contextlib.closing(subscriber):
+                subscriber.wait(lambda frame: frame["missing"] == 0, timeout=20, what="frame by subscription")
+        finally:
+            log = rig.machine.console.other
+            print("  " + "\n  ".join(log[:12]))
+        checks.check(any(f"slot {slot}, kernel" in line for line in log), "the supervisor says another slot")
+    after = card.read_bytes()
+    same = all(before[p.begin:p.begin + p.size] == after[p.begin:p.begin + p.size] for p in (disk.BOOT, *disk.SLOTS.values()))
+    report.figure(f"slot {slot}: boot partition and slots after it ran", "unchanged" if same else "changed", "unchanged",
+                  same and before[:disk.BOOT.begin] == after[:disk.BOOT.begin])
+    seeds = [seed_of(card, folder) for card in (before, after)]
+    checks.check(len(seeds[1]) == 32 and seeds[0] != seeds[1], "the next start has the same random seed")
+
+
+def pi_image(work, report, board):
+    """An image of a stand-in of Raspberry Pi's packages: what a boot ROM would read of its slots. Nothing of it runs."""
+    packages = work / f"packages_{board}"
+    shutil.rmtree(packages, ignore_errors=True)
+    pi_packages.make(packages, recipe.Recipe(ROOT, board, "imx296"))
+    out = work / f"{board}.img"
+    # Of another board, because it never runs here.
+    command = [ROOT / "scripts" / "image", board, "--kernel", packages, "--out", out, "--stofd", ROOT / "build/virt/bin/stofd"]
+    subprocess.run(command, check=True)
+    plan = recipe.Recipe(ROOT, board, "usb")
+    for slot, part in disk.SLOTS.items():
+        config = disk.read_fat(out, part, "config.txt").decode().splitlines()
+        checks.check(config == plan.config, f"slot {slot}: config.txt has {config}")
+        words = disk.read_fat(out, part, "cmdline.txt").decode().split()
+        checks.check(f"stof.slot={slot}" in words, f"slot {slot}: cmdline.txt has {words}")
+        for name in plan.files:
+            checks.check(disk.read_fat(out, part, name) == name.encode(), f"slot {slot}: {name} is another file")
+    report.at_most(f"what is not empty for {board}", disk.used_bytes(out) / 1e6, USED_BAR_MB, "MB")
+    refused = subprocess.run([*command, "--camera", "imx296"], capture_output=True, text=True, check=False)
+    checks.check(refused.returncode == 2 and "not built yet" in refused.stderr, f"imx296: {refused.stderr}")
+    (packages / "boot" / f"vmlinuz-6.12.34+rpt{plan.flavour}").unlink()
+    refused = subprocess.run(command, capture_output=True, text=True, check=False)
+    checks.check(refused.returncode == 2 and refused.stderr.count("\n") == 1 and "no kernel" in refused.stderr,
+                 f"no kernel: {refused.stderr}")
+
+
+def run(options):
+    work = pathlib.Path(options.work)
+    work.mkdir(parents=True, exist_ok=True)
+    report = checks.Report()
+    scene = system_rig.Scene(options.programs, work.parent / "scenes")
+    images = []
+    report.run("built", lambda: images.append(built(work, report)))
+    for slot, section, address in STARTS if images else ():
+        report.run(f"slot_{slot}", slot_starts, scene, images[0], work, report, slot, section, address)
+    for board in ("rpi4", "rpi5"):
+        report.run(f"image_{board}", pi_image, work, report, board)
+    print(f"{report.passed} passed, {report.failed} failed")
+    return 1 if report.failed or not report.passed else 0
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--programs", default=ROOT / "build/emu/bin", help="this machine's stofd and test programs")
+    parser.add_argument("--work", default=ROOT / "build/system/image")
+    options = parser.parse_args()
+    with contextlib.suppress(PermissionError):
+        os.nice(-10)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))
+    return run(options)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
