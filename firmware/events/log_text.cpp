@@ -122,6 +122,15 @@ void write_key(const Event& event, settings::PagedWriter& out) noexcept {
   }
 }
 
+void write_calibrations(const Event& event, settings::PagedWriter& out) noexcept {
+  out << "calibration ";
+  write_hexadecimal(event.value, 8, out);
+  out << " in place of ";
+  write_hexadecimal(event.former, 8, out);
+  out << ", put there ";
+  write_requester(event, out);
+}
+
 void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   if (state == kPairingClosed) {
     out << "pairing has ended without a key";
@@ -215,6 +224,9 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
     case EventKind::kKeyEnded:
     case EventKind::kLastKeyEnded:
       write_key(event, out);
+      return;
+    case EventKind::kCalibrationChanged:
+      write_calibrations(event, out);
       return;
     case EventKind::kSupplying:
       out << part << ": frames are used again";

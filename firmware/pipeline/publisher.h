@@ -66,6 +66,8 @@ class Publisher {
   Publisher& operator=(const Publisher&) = delete;
 
   void set_params(const PublisherParams& params) noexcept;
+  // Of the frames from now on, with pictures of the same sizes; receivers get it before the first.
+  void set_calibration(const wire::CalibrationPacket& calibration) noexcept;
   // The receivers from now on; a new one gets calibration and health at once.
   void set_receivers(const ReceiverList& receivers) noexcept;
 

@@ -16,6 +16,7 @@ namespace stof::firmware {
 namespace {
 
 constexpr std::size_t kLineBytes = 512;
+constexpr const char* kCalibrationEnding = ".calibration";
 
 // Of a board whose rig is known.
 class RigLimits final : public settings::Limits {
@@ -85,9 +86,13 @@ std::string check_files(const Options& options) {
   };
   std::vector<Named> named;
   if (!options.settings.empty()) {
-    for (const char* const ending : {"", ".good", ".trial", ".limits", ".bad", ".new"}) {
+    for (const char* const ending : {"", ".good", ".trial", ".limits", ".bad", ".new",
+                                     ".calibration", ".calibration.bad", ".calibration.new"}) {
       named.push_back({"--settings", options.settings + ending});
     }
+  }
+  if (!options.calibration.empty()) {
+    named.push_back({"--calibration", options.calibration});
   }
   if (!options.label.empty()) {
     named.push_back({"--label", options.label});
@@ -162,6 +167,7 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     initial.good = board::make_store(options.settings + ".good");
     initial.trial = board::make_store(options.settings + ".trial");
     initial.fixed = board::make_store(options.settings + ".limits");
+    initial.calibration = board::make_store(options.settings + kCalibrationEnding);
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
@@ -184,6 +190,22 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     print_line(notes);
   }
   return initial;
+}
+
+InstalledCalibration read_installed(const Options& options, const InitialSettings& initial) {
+  InstalledCalibration installed{
+      .place = options.settings + kCalibrationEnding, .file = {}, .unreadable = false};
+  if (initial.calibration == nullptr) {
+    return installed;
+  }
+  installed.file.resize(most_calibration_bytes(board::kConfig));
+  const Result<std::optional<std::size_t>> loaded = initial.calibration->load(installed.file);
+  // One that is too long for this board is judged as one that is damaged.
+  const bool too_long = !loaded && loaded.error() == Status::kTooLarge;
+  installed.unreadable = !loaded && !too_long;
+  const bool empty = loaded && *loaded == std::optional<std::size_t>(0);
+  installed.file.resize(too_long || empty ? 1 : (loaded ? loaded->value_or(0) : 0));
+  return installed;
 }
 
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {

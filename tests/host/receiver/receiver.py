@@ -25,7 +25,8 @@ from packets import (
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
               " serial lost, serial full, settings unsaved, restart needed, flooded,"
               " settings fell back, stereo silent, stereo frozen, pmd silent, pmd frozen, pmd dark,"
-              " settings dropped, connection replaced, no depth, settings changed, unpaired, keys lost, pairing, keys changed, stereo blind").split(", ")
+              " settings dropped, connection replaced, no depth, settings changed, unpaired, keys lost, pairing, keys changed, stereo blind,"
+              " calibration changed, calibration dropped").split(", ")
 SEVERITIES = ("info", "minor", "major", "critical")
 REACTIONS = ("none", "watch", "slow", "stop")
 DEFAULT_PORT = 7560
