@@ -202,7 +202,7 @@ class Receiver:
     def push_event(self, payload):
         if len(payload) < EVENT_PAYLOAD.size:
             raise Refused("field")
-        sequence, condition, severity, reaction, active, count, value, _ = EVENT_PAYLOAD.unpack_from(payload)
+        sequence, condition, severity, reaction, active, count, value, _, _ = EVENT_PAYLOAD.unpack_from(payload)
         if self.event is not None and ahead(sequence, self.event) <= 0:
             return  # the repetition
         self.event = sequence
