@@ -374,6 +374,22 @@ class Install(unittest.TestCase):
         self.install("other.cal", self.address)
         self.expect_in_force(self.other)
 
+    def test_what_is_no_file_in_its_place_is_left_alone(self):
+        self.pair()
+        self.kept.mkdir()
+        self.start()
+        self.assertIn("settings.json.calibration: no regular file, or it cannot be read; the factory's calibration holds", self.said())
+        self.expect_in_force(self.factory)
+        self.refuse(1, "cannot be written", "other.cal", self.address)
+        self.assertEqual(list(self.kept.iterdir()), [])
+        self.expect_in_force(self.factory)
+
+    def test_the_factorys_file_is_never_that_of_the_installed_one(self):
+        ended = subprocess.run([*STOFD, "--settings", str(self.settings), "--calibration", str(self.kept)], capture_output=True, text=True,
+                               timeout=ENOUGH_S)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("settings.json.calibration is a file of --settings", ended.stderr)
+
     def test_over_the_cable_without_a_key(self):
         ends = [pty.openpty() for _ in range(2)]
         for _, line in ends:
