@@ -122,12 +122,17 @@ void write_key(const Event& event, settings::PagedWriter& out) noexcept {
   }
 }
 
-void write_calibrations(const Event& event, settings::PagedWriter& out) noexcept {
-  out << "calibration ";
-  write_hexadecimal(event.value, 8, out);
-  out << " in place of ";
-  write_hexadecimal(event.former, 8, out);
-  out << ", put there ";
+// Of settings, of the calibration.
+void write_change(const Event& event, settings::PagedWriter& out) noexcept {
+  if (event.kind == EventKind::kCalibrationChanged) {
+    out << "calibration ";
+    write_hexadecimal(event.value, 8, out);
+    out << " in place of ";
+    write_hexadecimal(event.former, 8, out);
+    out << ", put there ";
+  } else {
+    out << "settings changed ";
+  }
   write_requester(event, out);
 }
 
@@ -213,8 +218,8 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
       out << standing_text(event.value);
       return;
     case EventKind::kSettingsChanged:
-      out << "settings changed ";
-      write_requester(event, out);
+    case EventKind::kCalibrationChanged:
+      write_change(event, out);
       return;
     case EventKind::kPairing:
       write_pairing(event.value, out);
@@ -224,9 +229,6 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
     case EventKind::kKeyEnded:
     case EventKind::kLastKeyEnded:
       write_key(event, out);
-      return;
-    case EventKind::kCalibrationChanged:
-      write_calibrations(event, out);
       return;
     case EventKind::kSupplying:
       out << part << ": frames are used again";

@@ -200,11 +200,16 @@ InstalledCalibration read_installed(const Options& options, const InitialSetting
   }
   installed.file.resize(most_calibration_bytes(board::kConfig));
   const Result<std::optional<std::size_t>> loaded = initial.calibration->load(installed.file);
-  // One that is too long for this board is judged as one that is damaged.
-  const bool too_long = !loaded && loaded.error() == Status::kTooLarge;
-  installed.unreadable = !loaded && !too_long;
-  const bool empty = loaded && *loaded == std::optional<std::size_t>(0);
-  installed.file.resize(too_long || empty ? 1 : (loaded ? loaded->value_or(0) : 0));
+  if (loaded && !*loaded) {
+    installed.file.clear();
+  } else if (loaded) {
+    installed.file.resize(std::max<std::size_t>(**loaded, 1));  // an empty one is damaged
+  } else if (loaded.error() == Status::kTooLarge) {
+    installed.file.resize(1);  // none of this board, and judged as one that is damaged
+  } else {
+    installed.file.clear();
+    installed.unreadable = true;
+  }
   return installed;
 }
 
