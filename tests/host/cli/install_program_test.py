@@ -175,17 +175,18 @@ class Install(unittest.TestCase):
         self.assertEqual(ended.stderr.count("\n"), 1, ended.stderr)
         self.assertIn(fact, ended.stderr)
 
-    def receive(self, frames=3):
-        """What is sent until so many whole frames are there: by frame the fingerprint that its info names, and its depths;
+    def receive(self, frames=3, until=lambda _: True):
+        """What is sent until there are so many frames, and what came is as it should be: by frame the fingerprint that its info names, and its depths;
         the calibrations and events, in their order."""
         host, port = self.address.split(":")
         infos, depths, calibrations, events = {}, {}, [], []
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as here:
             here.connect((host, int(port)))
             here.settimeout(ENOUGH_S)
-            cookie = 0
-            while len(infos) < frames + 1:
-                if not infos:
+            cookie, asked = 0, 0.0
+            while len(infos) < frames + 1 or not until(events):
+                if not infos or time.monotonic() - asked > 1:
+                    asked = time.monotonic()
                     here.send(wire.seal(wire.Header(type=wire.PacketType.SUBSCRIBE),
                                         wire.Subscribe(request_id=1, lease_ms=5000, cookie=cookie).pack()))
                 header, payload = wire.parse(here.recv(2048))
@@ -210,9 +211,12 @@ class Install(unittest.TestCase):
         return whole[len(whole) // 2]
 
     def expect_in_force(self, file):
+        # The frame that is computed when the answer comes is the last one with the calibration before.
+        self.until("another calibration is in force", lambda: self.named() == ({fingerprint(file)}, {fingerprint(file)}))
+
+    def named(self):
         infos, _, calibrations, _ = self.receive()
-        self.assertEqual({info.calibration_fingerprint for info in infos.values()}, {fingerprint(file)})
-        self.assertEqual({seen.fingerprint for seen in calibrations}, {fingerprint(file)})
+        return {info.calibration_fingerprint for info in infos.values()}, {seen.fingerprint for seen in calibrations}
 
     def test_it_is_in_force_with_the_next_frames_and_after_a_start_and_the_factorys_comes_back(self):
         self.pair()
@@ -244,7 +248,13 @@ class Install(unittest.TestCase):
         self.pair()
         self.start("--temporal")
         told = []
-        listener = threading.Thread(target=lambda: told.extend(self.receive(frames=60)))
+        over = []
+
+        def changed_for_some_frames(events):
+            over.append(any(event.condition == wire.Condition.CALIBRATION_CHANGED for event in events))
+            return sum(over) > 500  # packets
+
+        listener = threading.Thread(target=lambda: told.extend(self.receive(frames=60, until=changed_for_some_frames)))
         listener.start()
         time.sleep(0.5)
         self.install("other.cal", self.address)
@@ -255,8 +265,9 @@ class Install(unittest.TestCase):
         self.assertEqual((changed[0].value, changed[0].former), (fingerprint(self.other), fingerprint(self.factory)))
         old = [info for _, info in sorted(infos.items()) if info.calibration_fingerprint == fingerprint(self.factory)]
         new = [info for _, info in sorted(infos.items()) if info.calibration_fingerprint == fingerprint(self.other)]
-        self.assertGreater(old[-1].steady_frames, 2)
-        self.assertEqual([info.steady_frames for info in new[:3]], [1, 2, 3])
+        self.assertGreater(max(info.steady_frames for info in old), 2)
+        self.assertEqual(new[0].steady_frames, 1)
+        self.assertGreater(max(info.steady_frames for info in new), 2)
         self.assertEqual({seen.fingerprint for seen in calibrations}, {fingerprint(self.factory), fingerprint(self.other)})
 
     def test_a_bad_link_only_takes_longer(self):
