@@ -140,8 +140,10 @@ void add_calib_install(CLI::App& calib, CalibInstallOptions& options) {
       "Example: stof calib install rig.cal 192.168.1.20\n"
       "It is in force with the next frame and at each start; stof calib install --factory "
       "192.168.1.20 goes back. Takes a key of role admin (stof pair), or the cable.\n"
-      "Ends with 0 (in force and kept), 1 (no answer, no right to, or it cannot be kept: nothing "
-      "changed) or 2 (bad input, or a file that is not of this rig: nothing changed).");
+      "Ends with 0 (in force and kept), 1 (no right to, or it cannot be kept: nothing changed; or "
+      "no "
+      "answer: run it again) or 2 (bad input, or a file that is not of this rig: nothing "
+      "changed).");
   command.add_option("WORDS", options.words,
                      "FILE SENSOR (HOST[:PORT]); no FILE with --factory, no SENSOR with --serial");
   command.add_flag("--factory", options.factory,
