@@ -26,6 +26,9 @@ class SpscRing {
     return true;
   }
 
+  // For the writing thread: false: the next push() takes its item.
+  bool full() const noexcept { return size() == kCapacity; }
+
   // For the reading thread: the oldest item, none when empty.
   std::optional<T> pop() noexcept {
     const std::size_t read = read_.load(std::memory_order_relaxed);

@@ -33,12 +33,13 @@ enum class EventKind : std::uint8_t {
   kDark,    // the same, because its samples hold no light of its lamp
   kSupplying,  // component: edges have its frames again
   kStandsOn,   // value: Sensors that the last frames in a row stand on, other ones than before
-  kSettingsChanged,  // value: who, as of the condition; address
-  kPairing,          // value: kPairing..., below
-  kKeyMade,          // value: its id; role; address: whose
-  kKeyRenewed,       // the same
-  kKeyEnded,         // the same
-  kLastKeyEnded,     // the same: the sensor is unpaired
+  kSettingsChanged,     // value: who, as of the condition; address
+  kPairing,             // value: kPairing..., below
+  kKeyMade,             // value: its id; role; address: whose
+  kKeyRenewed,          // the same
+  kKeyEnded,            // the same
+  kLastKeyEnded,        // the same: the sensor is unpaired
+  kCalibrationChanged,  // value: fingerprint of the new one; former: of the one before; address
 };
 
 // Of pairing at the sensor: kPairingTold and above: that and the six digits.
@@ -53,6 +54,7 @@ struct Event {
   Component component = Component::kLoop;
   Status status = Status::kOk;
   std::uint32_t value = 0;
+  std::uint32_t former = 0;
   wire::Role role = wire::Role::kNone;
   std::array<std::uint8_t, 16> address{};  // as in hal::Peer; all 0: not over the network
 };

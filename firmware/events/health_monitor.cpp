@@ -97,6 +97,11 @@ void HealthMonitor::observe(const Event& event) noexcept {
     case EventKind::kLastKeyEnded:
       begin(wire::Condition::kKeysChanged, event.value, event.at);
       break;
+    case EventKind::kCalibrationChanged:
+      // Before it is told: begin() may keep the last one's report.
+      begin(wire::Condition::kCalibrationChanged, event.value, event.at);
+      entries_[index_of(wire::Condition::kCalibrationChanged)].former = event.former;
+      break;
     case EventKind::kPairing:
       if (event.value == kPairingClosed || event.value == kPairingDone) {
         set(wire::Condition::kPairing, false, 0, event.at);
@@ -221,7 +226,8 @@ wire::EventReport HealthMonitor::report(std::size_t condition) const noexcept {
           .active = static_cast<std::uint8_t>(entry.active ? 1 : 0),
           .count = entry.count,
           .value = entry.value,
-          .at_ns = entry.at.time_since_epoch().count()};
+          .at_ns = entry.at.time_since_epoch().count(),
+          .former = entry.former};
 }
 
 std::optional<wire::EventReport> HealthMonitor::next_event(hal::Time now) noexcept {
@@ -285,10 +291,13 @@ std::optional<wire::HealthReport> HealthMonitor::next_health(const Counters& cou
       now);
   set(wire::Condition::kConnectionReplaced, control.connection_replaced != 0,
       control.connection_replaced, now);
+  set(wire::Condition::kCalibrationDropped, control.calibration_dropped != 0,
+      control.calibration_dropped, now);
   set(wire::Condition::kUnpaired, control.unpaired, 0, now);
   set(wire::Condition::kKeysLost, control.keys_lost, 0, now);
   set_recent(wire::Condition::kSettingsChanged, now);
   set_recent(wire::Condition::kKeysChanged, now);
+  set_recent(wire::Condition::kCalibrationChanged, now);
   const bool second = now - sums_.begin >= kSecond;
   if (second) {
     judge_second(counters, control, now);

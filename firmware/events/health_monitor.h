@@ -22,6 +22,7 @@ struct ControlStatus {
   std::uint32_t settings_revision = 0;
   std::uint32_t settings_dropped = 0;     // of the condition; 0: not
   std::uint32_t connection_replaced = 0;  // likewise
+  std::uint32_t calibration_dropped = 0;  // likewise
   std::uint8_t subscribers = 0;
   bool serial_lost = false;
   bool settings_unsaved = false;
@@ -80,6 +81,7 @@ class HealthMonitor {
     bool again = false;    // to be sent once more
     std::uint32_t count = 0;
     std::uint32_t value = 0;
+    std::uint32_t former = 0;
     std::uint32_t sequence = 0;
     hal::Time at{};
   };

@@ -122,6 +122,20 @@ void write_key(const Event& event, settings::PagedWriter& out) noexcept {
   }
 }
 
+// Of settings, of the calibration.
+void write_change(const Event& event, settings::PagedWriter& out) noexcept {
+  if (event.kind == EventKind::kCalibrationChanged) {
+    out << "calibration ";
+    write_hexadecimal(event.value, 8, out);
+    out << " in place of ";
+    write_hexadecimal(event.former, 8, out);
+    out << ", put there ";
+  } else {
+    out << "settings changed ";
+  }
+  write_requester(event, out);
+}
+
 void write_pairing(std::uint32_t state, settings::PagedWriter& out) noexcept {
   if (state == kPairingClosed) {
     out << "pairing has ended without a key";
@@ -204,8 +218,8 @@ void describe(const Event& event, settings::PagedWriter& out) noexcept {
       out << standing_text(event.value);
       return;
     case EventKind::kSettingsChanged:
-      out << "settings changed ";
-      write_requester(event, out);
+    case EventKind::kCalibrationChanged:
+      write_change(event, out);
       return;
     case EventKind::kPairing:
       write_pairing(event.value, out);

@@ -39,6 +39,8 @@ class FrameCollector {
   // integrates, and forgets it where there is no shot; nullptr: nothing is searched.
   Collected collect(hal::Time edge, hal::Time deadline, const board::TimingConfig& timing,
                     Pipeline* search_first) noexcept;
+  // Frames are judged by another calibration, of the same sizes.
+  void recalibrate(const Setup& setup) noexcept { pmd_.recalibrate(setup); }
   // A camera is opened again because it repeats itself.
   void expect_anew(board::Device camera) noexcept;
   // Samples of the PMD camera wait for their shot.

@@ -46,6 +46,9 @@ class Loop {
   // From now on there is no frame without one of the rig's sensors, or there is.
   void require_both(bool both) noexcept { collector_.require_both(both); }
 
+  // From now on cameras are judged by the setup's calibration; of the same sizes. Then restart().
+  void recalibrate(const Setup& setup) noexcept { collector_.recalibrate(setup); }
+
   // After a pause, with another timing perhaps; board::problem(timing) must be empty.
   void restart(const board::TimingConfig& timing) noexcept;
 

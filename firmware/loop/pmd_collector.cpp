@@ -16,6 +16,11 @@ PmdCollector::PmdCollector(board::Board& board, const Setup& setup, LoopConditio
       light_(setup.calibration.pmd),
       absence_{.why = Absence::Why::kSilent} {}
 
+void PmdCollector::recalibrate(const Setup& setup) noexcept {
+  samples_ = {setup.calibration.pmd.under_lsb, setup.calibration.pmd.saturation_lsb};
+  light_ = LightGuard(setup.calibration.pmd);
+}
+
 Status PmdCollector::next(hal::Time deadline, std::optional<Borrowed>& frame) noexcept {
   Result<Borrowed> taken = usable() ? board_.pmd->wait_frame(deadline) : fail(Status::kDeviceLost);
   if (taken) {

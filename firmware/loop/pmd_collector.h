@@ -40,6 +40,8 @@ class PmdCollector {
   const std::optional<hal::Time>& exposed() const noexcept { return exposed_; }
   // Why there are none that serve.
   const Absence& absence() const noexcept { return absence_; }
+  // Samples are judged by another calibration, of the same sizes.
+  void recalibrate(const Setup& setup) noexcept;
   // The camera is opened again because it repeats itself: its numbers may start anew.
   void expect_anew() noexcept { pairing_.expect_another(); }
 

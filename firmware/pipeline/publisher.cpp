@@ -75,6 +75,12 @@ void Publisher::set_params(const PublisherParams& params) noexcept {
   health_.note_blinding(params.blinding, clock_.now());
 }
 
+void Publisher::set_calibration(const wire::CalibrationPacket& calibration) noexcept {
+  setup_.calibration = calibration;
+  coder_.set_calibration(calibration);
+  calibration_due_.reset();
+}
+
 void Publisher::set_receivers(const ReceiverList& receivers) noexcept {
   static_assert(kMostSubscribers <= hal::DatagramPort::kShallowStream);
   std::array<std::optional<Way>, kMostSubscribers> ways{};
@@ -399,7 +405,8 @@ wire::FrameInfo Publisher::describe(const Shot& shot, const Output& output) cons
                    microseconds(output.stats.fuse), microseconds(output.stats.watch),
                    microseconds(times_.code), microseconds(times_.send)},
       .steady_frames = output.steady_frames,
-      .settings_fingerprint = params_.fingerprint};
+      .settings_fingerprint = params_.fingerprint,
+      .calibration_fingerprint = setup_.calibration.fingerprint};
   static_assert(wire::kDrifts == dsp::kDriftParameters);
   for (std::size_t i = 0; i < wire::kDrifts; ++i) {
     const dsp::Drift& drift = output.drift.drifts[i];

@@ -10,6 +10,7 @@
 #include "firmware/control/receiver_list.h"
 #include "firmware/events/events.h"
 #include "firmware/events/health_monitor.h"
+#include "firmware/pipeline/frame_listener.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/raw_sender.h"
 #include "firmware/pipeline/shot.h"
@@ -45,16 +46,6 @@ struct PublisherTimes {
   hal::Duration waited{};  // these
 };
 
-// Gets every frame and message as well, on the loop's thread: the serial line.
-class FrameListener {
- public:
-  virtual ~FrameListener() = default;
-  virtual void frame(const wire::FrameStamp& stamp, const wire::FrameInfo& info,
-                     const dsp::DepthMap& map) noexcept = 0;
-  // A sealed packet that is no part of a frame: health, events.
-  virtual void packet(std::span<const std::byte> datagram) noexcept = 0;
-};
-
 // Depth maps to datagrams, to all receivers alike, but for the signatures of those who asked for
 // them; health and events beside them.
 class Publisher {
@@ -67,6 +58,8 @@ class Publisher {
   Publisher& operator=(const Publisher&) = delete;
 
   void set_params(const PublisherParams& params) noexcept;
+  // Of the frames from now on, with pictures of the same sizes; receivers get it before the first.
+  void set_calibration(const wire::CalibrationPacket& calibration) noexcept;
   // The receivers from now on; a new one gets calibration and health at once.
   void set_receivers(const ReceiverList& receivers) noexcept;
 

@@ -55,8 +55,16 @@ void Appliance::apply(const RunConfig& run_config) noexcept {
   if (serial_) {
     serial_->sender.set(run_config.serial);
   }
-  const bool rebuilt = !(run_config.setup.depth == run_config_.setup.depth) ||
+  const bool recalibrated = run_config.installs != run_config_.installs;
+  const bool rebuilt = recalibrated || !(run_config.setup.depth == run_config_.setup.depth) ||
                        run_config.setup.threads != run_config_.setup.threads;
+  if (recalibrated) {
+    publisher_.set_calibration(run_config.calibration);
+    loop_->recalibrate(run_config.setup);
+  }
+  if (recalibrated && serial_) {
+    serial_->sender.set_calibration(run_config.calibration);
+  }
   if (rebuilt) {
     build(run_config);
   }

@@ -56,6 +56,8 @@ class Appliance {
   Status step(const ControlStatus& control) noexcept;
 
   const Publisher& publisher() const noexcept { return publisher_; }
+  // RunConfig::installs of the configuration that frames are made with.
+  std::uint32_t installs() const noexcept { return run_config_.installs; }
   SerialSender::Counters serial() const noexcept {
     return serial_ ? serial_->sender.counters() : SerialSender::Counters{};
   }

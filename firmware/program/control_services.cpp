@@ -34,7 +34,10 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                         .dropped = parts.saved.dropped != settings::Dropped::kNot}),
       authenticator_(parts.keys),
       key_service_(parts.keys, settings_server_, &parts.changes),
-      handler_(parts.origin, make_cookie_secret(), subscribers_, &key_service_, &authenticator_),
+      installer_(
+          {.rig = parts.rig, .store = parts.installed, .changes = &parts.changes, .sink = *this}),
+      uploads_(key_service_, installer_),
+      handler_(parts.origin, make_cookie_secret(), subscribers_, &uploads_, &authenticator_),
       beacon_(parts.board.beacon, parts.board.network),
       mdns_name_(active.name),
       mdns_on_(active.discovery.mdns) {
@@ -54,7 +57,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
                   parts_.origin.session_id);
   }
   if (parts_.serial != nullptr) {
-    line_requests_.emplace(parts_.origin, &key_service_, &handler_);
+    line_requests_.emplace(parts_.origin, &uploads_, &handler_);
     line_requests_->set_pairing(&parts_.pairing);
     line_requests_->set_remote(active.serial.remote);
     serial_.emplace(*parts_.board.serial, *parts_.serial, *line_requests_);
@@ -98,6 +101,8 @@ void ControlServices::publish_status() noexcept {
   published_.restart_needed.store(settings_server_.restart_needed(), std::memory_order_relaxed);
   published_.dropped.store(settings_server_.dropped() ? dropped_value(parts_.saved) : 0,
                            std::memory_order_relaxed);
+  published_.calibration_dropped.store(static_cast<std::uint32_t>(installer_.dropped()),
+                                       std::memory_order_relaxed);
   published_.paired.store(parts_.keys.pairing(), std::memory_order_relaxed);
   const std::uint32_t over = parts_.pairing.is_done() ? kPairingDone : kPairingClosed;
   const std::uint32_t open = parts_.pairing.is_open() ? kPairingOpen : over;
@@ -199,15 +204,34 @@ bool ControlServices::apply(const settings::Settings& settings, std::uint32_t re
   return true;
 }
 
+bool ControlServices::rig_in_force() noexcept {
+  return parts_.loop_status.installs.load(std::memory_order_acquire) == parts_.rig.installs;
+}
+
+wire::SettingsResult ControlServices::takes_rig(settings::PagedWriter& why) noexcept {
+  if (parts_.run_configs.full()) {
+    why << "other settings are not in force yet: try again";
+    return wire::SettingsResult::kBusy;
+  }
+  return accepts(settings_server_.active(), why) ? wire::SettingsResult::kOk
+                                                 : wire::SettingsResult::kInvalid;
+}
+
+void ControlServices::use_rig() noexcept {
+  static_cast<void>(apply(settings_server_.active(), settings_server_.revision()));
+}
+
 ControlStatus ControlServices::status(const SerialSender::Counters& made) const noexcept {
-  ControlStatus status{.requests = control_counters(handler_, parts_.board.port),
-                       .settings_revision = published_.revision.load(std::memory_order_acquire),
-                       .settings_dropped = published_.dropped.load(std::memory_order_relaxed),
-                       .connection_replaced = parts_.connection_replaced,
-                       .subscribers = published_.subscribers.load(std::memory_order_relaxed),
-                       .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
-                       .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),
-                       .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
+  ControlStatus status{
+      .requests = control_counters(handler_, parts_.board.port),
+      .settings_revision = published_.revision.load(std::memory_order_acquire),
+      .settings_dropped = published_.dropped.load(std::memory_order_relaxed),
+      .connection_replaced = parts_.connection_replaced,
+      .calibration_dropped = published_.calibration_dropped.load(std::memory_order_relaxed),
+      .subscribers = published_.subscribers.load(std::memory_order_relaxed),
+      .settings_unsaved = published_.unsaved.load(std::memory_order_relaxed),
+      .settings_fell_back = published_.fell_back.load(std::memory_order_relaxed),
+      .restart_needed = published_.restart_needed.load(std::memory_order_relaxed)};
   const keys::Pairing paired = published_.paired.load(std::memory_order_relaxed);
   status.unpaired = paired == keys::Pairing::kUnpaired;
   status.keys_lost = paired == keys::Pairing::kLost;

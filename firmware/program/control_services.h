@@ -20,6 +20,7 @@
 #include "firmware/keys/keyring.h"
 #include "firmware/keys/pairing_server.h"
 #include "firmware/program/appliance.h"
+#include "firmware/program/calibration_installer.h"
 #include "firmware/program/run_config.h"
 #include "firmware/serial/line/byte_ring.h"
 #include "firmware/serial/line/serial_link.h"
@@ -27,6 +28,7 @@
 #include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings_server.h"
 #include "firmware/settings/settings_trial.h"
+#include "firmware/upload/upload_server.h"
 
 namespace stof::firmware {
 
@@ -35,6 +37,7 @@ struct LoopStatus {
   std::atomic<std::uint32_t> rate_millihertz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
   std::atomic<std::uint64_t> published = 0;  // frames
+  std::atomic<std::uint32_t> installs = 0;   // RunConfig::installs that they are made with
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
 };
 
@@ -42,13 +45,15 @@ struct LoopStatus {
 // discovery, the serial line. Rings and atomics carry what the loop needs.
 class ControlServices final : public settings::Limits,
                               public settings::SettingsSink,
+                              public CalibrationInstaller::Sink,
                               public PeriodicTask {
  public:
   struct Parts {
     board::Board& board;
-    const RigInfo& rig;
+    RigInfo& rig;                          // the control thread's own from now on
     hal::Store* store;                     // of settings; nullptr: nothing is kept
     hal::Store* fixed;                     // SettingsStores::fixed
+    hal::Store* installed;                 // calibration; nullptr: none can be
     const settings::StartSettings& saved;  // that the start found there
     settings::SettingsTrial* trial;        // of these; nullptr: they are not on trial
     keys::Keyring& keys;                   // the control thread's own from now on
@@ -75,6 +80,9 @@ class ControlServices final : public settings::Limits,
 
   bool accepts(const settings::Settings& settings, settings::PagedWriter& why) noexcept override;
   bool apply(const settings::Settings& settings, std::uint32_t revision) noexcept override;
+  bool rig_in_force() noexcept override;
+  wire::SettingsResult takes_rig(settings::PagedWriter& why) noexcept override;
+  void use_rig() noexcept override;
   void tick(hal::Time now) noexcept override;
 
  private:
@@ -89,6 +97,8 @@ class ControlServices final : public settings::Limits,
   LeaseTable subscribers_;
   keys::Authenticator authenticator_;
   keys::KeyService key_service_;
+  CalibrationInstaller installer_;
+  upload::UploadServer uploads_;
   std::optional<keys::ButtonWatcher> button_;
   RequestHandler handler_;
   Beacon beacon_;
@@ -108,6 +118,7 @@ class ControlServices final : public settings::Limits,
     std::atomic<bool> fell_back = false;
     std::atomic<bool> restart_needed = false;
     std::atomic<std::uint32_t> dropped = 0;
+    std::atomic<std::uint32_t> calibration_dropped = 0;
     std::atomic<keys::Pairing> paired = keys::Pairing::kUnpaired;
     std::atomic<std::uint32_t> pairing = kPairingClosed;
   } published_;

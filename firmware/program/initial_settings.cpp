@@ -16,6 +16,7 @@ namespace stof::firmware {
 namespace {
 
 constexpr std::size_t kLineBytes = 512;
+constexpr const char* kCalibrationEnding = ".calibration";
 
 // Of a board whose rig is known.
 class RigLimits final : public settings::Limits {
@@ -85,9 +86,13 @@ std::string check_files(const Options& options) {
   };
   std::vector<Named> named;
   if (!options.settings.empty()) {
-    for (const char* const ending : {"", ".good", ".trial", ".limits", ".bad", ".new"}) {
+    for (const char* const ending : {"", ".good", ".trial", ".limits", ".bad", ".new",
+                                     ".calibration", ".calibration.bad", ".calibration.new"}) {
       named.push_back({"--settings", options.settings + ending});
     }
+  }
+  if (!options.calibration.empty()) {
+    named.push_back({"--calibration", options.calibration});
   }
   if (!options.label.empty()) {
     named.push_back({"--label", options.label});
@@ -162,6 +167,7 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     initial.good = board::make_store(options.settings + ".good");
     initial.trial = board::make_store(options.settings + ".trial");
     initial.fixed = board::make_store(options.settings + ".limits");
+    initial.calibration = board::make_store(options.settings + kCalibrationEnding);
     std::array<char, kLineBytes> space{};
     settings::PagedWriter line(space);
     initial.saved = settings::load_settings(initial.stores(), options.settings, nullptr, line);
@@ -184,6 +190,27 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
     print_line(notes);
   }
   return initial;
+}
+
+InstalledCalibration read_installed(const Options& options, const InitialSettings& initial) {
+  InstalledCalibration installed{
+      .place = options.settings + kCalibrationEnding, .file = {}, .unreadable = false};
+  if (initial.calibration == nullptr) {
+    return installed;
+  }
+  installed.file.resize(most_calibration_bytes(board::kConfig));
+  const Result<std::optional<std::size_t>> loaded = initial.calibration->load(installed.file);
+  if (loaded && !*loaded) {
+    installed.file.clear();
+  } else if (loaded) {
+    installed.file.resize(std::max<std::size_t>(**loaded, 1));  // an empty one is damaged
+  } else if (loaded.error() == Status::kTooLarge) {
+    installed.file.resize(1);  // none of this board, and judged as one that is damaged
+  } else {
+    installed.file.clear();
+    installed.unreadable = true;
+  }
+  return installed;
 }
 
 void drop_unusable(const RigInfo& rig, const Options& options, InitialSettings& initial) {

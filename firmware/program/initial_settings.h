@@ -26,6 +26,8 @@ struct InitialSettings {
   // Of --keys, and beside it NAME.bad; empty: keys are not kept.
   std::unique_ptr<hal::Store> keys;
   std::unique_ptr<hal::Store> damaged_keys;
+  // Beside the settings, NAME.calibration: the one that was put on the sensor.
+  std::unique_ptr<hal::Store> calibration;
   std::optional<keys::LabelCode> label;
   settings::StartSettings saved;
   settings::Settings active;
@@ -39,6 +41,9 @@ std::expected<InitialSettings, std::string> read_settings(const Options& options
 
 // The keys that are kept there; says in a line what is wrong with them.
 void read_keys(const Options& options, keys::Keyring& ring);
+
+// The calibration that was put on the sensor.
+InstalledCalibration read_installed(const Options& options, const InitialSettings& initial);
 
 // Settings that were saved for another rig must not keep a sensor out of reach, not even together
 // with a command line: others hold. What is wrong then is the command line.

@@ -29,7 +29,6 @@
 #include "firmware/program/run_config.h"
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/settings_trial.h"
-#include "firmware/wire/calibration/calibration_packet.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/workspace.h"
 #include "posix/out_of_resources.h"
@@ -112,6 +111,9 @@ void print_start(const board::Board& board, const RigInfo& rig, const RunConfig&
       " us, workspace " + std::to_string(run_config.image_bytes / 1024) + " of " +
       std::to_string(sizeof(Workspace::memory) / 1024) + " KiB, " +
       threads_text(run_config.setup.threads, rig.threads));
+  if (rig.installed) {
+    print_line("the calibration is the installed one; stof calib install --factory goes back");
+  }
   print_line("listening at UDP port " + std::to_string(board.port.port()));
 }
 
@@ -157,9 +159,9 @@ void end_loop(WatchdogFeeder& watchdog) {
 }
 
 // Ends with the loop; the control thread before it.
-void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
+void run_loop(board::Board& board, const Options& options, RigInfo& rig,
               const RunConfig& run_config, const InitialSettings& start,
-              const wire::CalibrationPacket& calibration, posix::WorkerThreads& workers) {
+              posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
   if (start.saved.on_trial) {
     trial.emplace(start.stores(), start.saved.settings);
@@ -181,12 +183,13 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
        .lending = &lending},
       {.origin = origin,
        .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
-       .calibration = calibration},
+       .calibration = run_config.calibration},
       run_config, {.images = workspace.memory, .coded = workspace.coded});
   control.emplace(ControlServices::Parts{.board = board,
                                          .rig = rig,
                                          .store = start.store.get(),
                                          .fixed = start.fixed.get(),
+                                         .installed = start.calibration.get(),
                                          .saved = start.saved,
                                          .trial = trial ? &*trial : nullptr,
                                          .keys = *ring,
@@ -212,6 +215,7 @@ void run_loop(board::Board& board, const Options& options, const RigInfo& rig,
     watchdog.after_round();
     loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
                                       std::memory_order_relaxed);
+    loop_status.installs.store(appliance.installs(), std::memory_order_release);
     loop_status.published.store(events.counters.published, std::memory_order_relaxed);
     loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
@@ -225,9 +229,14 @@ void say_refusal(const std::optional<std::string>& refusal) {
 }
 
 int run(board::Board& board, const Options& options, InitialSettings start) {
-  auto rig = make_rig(board, board::kConfig, options.calibration);
+  std::string note;
+  auto rig =
+      make_rig(board, board::kConfig, options.calibration, read_installed(options, start), note);
   if (!rig) {
     return refuse(rig.error());
+  }
+  if (!note.empty()) {
+    print_line(note);
   }
   drop_unusable(*rig, options, start);
   say_refusal(board::lock_memory());
@@ -245,19 +254,13 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
     return refuse(run_config.error());
   }
   run_config->publisher.revision = 1;
-  const auto calibration = wire::make_calibration_packet(run_config->setup.calibration,
-                                                         run_config->setup.depth.fusion.max_range,
-                                                         run_config->timing.period.count());
-  if (!calibration) {
-    return refuse("the rig's calibration holds numbers that no rig has: calibrate it anew");
-  }
   if (!options.port_file.empty() && !write_port(options.port_file, board.port.port())) {
     return refuse(options.port_file + ": cannot be written: check the folder and its permissions");
   }
   print_start(board, *rig, *run_config);
   ring.emplace(start.keys.get(), start.damaged_keys.get());
   read_keys(options, *ring);
-  run_loop(board, options, *rig, *run_config, start, *calibration, workers);
+  run_loop(board, options, *rig, *run_config, start, workers);
   pairing.reset();
   ring.reset();
   print_line(summary(events.counters));

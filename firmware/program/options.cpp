@@ -249,8 +249,12 @@ std::string apply(const std::vector<Assignment>& assignments, settings::Settings
 std::string options_usage() {
   std::string text =
       "  --frames N           publish N frames, then stop (default: run until stopped)\n"
-      "  --calibration FILE   calibration of the rig (default: what the board knows)\n"
-      "  --settings FILE      settings to start with, and where changed ones are saved\n"
+      "  --calibration FILE   calibration of the rig (default: what the board knows), until stof "
+      "calib\n"
+      "                       install puts another one there\n"
+      "  --settings FILE      settings to start with, and where changed ones are saved; beside it "
+      "keys,\n"
+      "                       and the installed calibration (FILE.calibration)\n"
       "  --keys FILE          keys of clients (default: the settings' name with .keys behind it)\n"
       "  --label FILE         32 hexadecimal digits of the label, with which clients may pair\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "

@@ -13,9 +13,13 @@
 #include "firmware/settings/depth_settings.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/wire/calibration/calibration_file.h"
+#include "firmware/wire/calibration/calibration_packet.h"
 
 namespace stof::firmware {
 namespace {
+
+// That files of a rig may be longer than this board's: what is wrong is told by their sizes.
+constexpr std::size_t kSlack = 65536;
 
 std::string size_text(int width, int height) {
   return std::to_string(width) + "x" + std::to_string(height);
@@ -42,43 +46,62 @@ std::expected<std::vector<std::byte>, std::string> read_file(const std::string& 
   return bytes;
 }
 
-// Replaces the board's calibration by the file's, which must be of the same cameras.
-std::string load_calibration(const std::string& name, const board::Config& config, RigInfo& start) {
-  const std::size_t pixels =
-      static_cast<std::size_t>(config.pmd.width) * static_cast<std::size_t>(config.pmd.height);
-  const auto bytes = read_file(name, pixels * sizeof(std::int16_t) + 65536);
-  if (!bytes) {
-    return bytes.error();
+// As read_rig_calibration(), into the rig. Empty, or a line behind the name.
+std::string take_calibration(std::span<const std::byte> file, const std::string& name,
+                             RigInfo& rig) {
+  constexpr std::size_t kLineBytes = 320;
+  std::array<char, kLineBytes> space{};
+  settings::PagedWriter why(space);
+  std::vector<std::int16_t> pattern(pattern_pixels(*rig.needs.board));
+  const std::optional<dsp::Calibration> read = read_rig_calibration(file, rig.needs, pattern, why);
+  if (!read) {
+    return name + ": " + std::string(why.text());
   }
-  start.fixed_pattern.resize(pixels);
-  Result<dsp::Calibration> loaded = wire::decode_calibration_file(*bytes, start.fixed_pattern);
-  if (!loaded) {
-    switch (loaded.error()) {
-      case Status::kUnsupported:
-        return name + ": a calibration of a later version: export it again for version " +
-               std::to_string(wire::kCalibrationFileVersion);
-      case Status::kTooLarge:
-        return name + ": its PMD camera is larger than this board's " +
-               size_text(config.pmd.width, config.pmd.height) + ": use the calibration of this rig";
-      default:
-        return name + ": not a calibration file, or damaged: export it again";
-    }
-  }
-  if (const char* const why = dsp::complete(loaded->stereo); *why != '\0') {
-    return name + ": " + why + ": calibrate the rig anew";
-  }
-  const dsp::Pinhole& left = loaded->stereo.left;
-  const dsp::Pinhole& pmd = loaded->pmd.lens;
-  const dsp::Calibration& rig = start.calibration;
-  if (left.width != rig.stereo.left.width || left.height != rig.stereo.left.height ||
-      pmd.width != rig.pmd.lens.width || pmd.height != rig.pmd.lens.height) {
-    return name + ": made for cameras of " + size_text(left.width, left.height) + " and " +
-           size_text(pmd.width, pmd.height) + ", these have " +
-           size_text(rig.stereo.left.width, rig.stereo.left.height) + " and " +
-           size_text(rig.pmd.lens.width, rig.pmd.lens.height) + ": use the calibration of this rig";
-  }
-  start.calibration = *loaded;
+  rig.calibration = *read;
+  rig.fixed_pattern = std::move(pattern);
+  rig.fingerprint = wire::calibration_fingerprint(file);
   return {};
+}
+
+// The factory's calibration of the rig. Empty, or what is wrong with it.
+std::string take_factory(const board::Board& board, const std::string& calibration_file,
+                         RigInfo& rig) {
+  if (!calibration_file.empty()) {
+    auto file = read_file(calibration_file, most_calibration_bytes(*rig.needs.board) + kSlack);
+    if (!file) {
+      return file.error();
+    }
+    rig.factory = std::move(*file);
+    return take_calibration(rig.factory, calibration_file, rig);
+  }
+  if (const char* const why = dsp::problem(rig.calibration); *why != '\0') {
+    return std::string("the rig's calibration: ") + why + ": calibrate the rig anew";
+  }
+  if (board.nominal_calibration && !board.allow_nominal_calibration) {
+    return "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
+           "--uncalibrated to see pictures";
+  }
+  rig.factory.resize(wire::calibration_file_bytes(rig.calibration));
+  if (!wire::encode_calibration_file(rig.calibration, rig.factory)) {
+    rig.factory.clear();
+  }
+  rig.fingerprint = wire::calibration_fingerprint(rig.factory);
+  return {};
+}
+
+// The installed calibration, where there is one. Empty, or what is wrong with it.
+std::string take_installed(const InstalledCalibration& installed, RigInfo& rig) {
+  if (installed.unreadable) {
+    rig.dropped = CalibrationDropped::kUnreadable;
+    return installed.place + ": no regular file, or it cannot be read";
+  }
+  if (installed.file.empty()) {
+    return {};
+  }
+  std::string why = take_calibration(installed.file, installed.place, rig);
+  rig.installed = why.empty();
+  rig.dropped = why.empty() ? CalibrationDropped::kNot : CalibrationDropped::kUnusable;
+  return why;
 }
 
 // Of the board in front of us, beside those of any.
@@ -172,19 +195,16 @@ std::string share_memory(RunConfig& run_config, const board::Config& config, std
 }  // namespace
 
 std::expected<RigInfo, std::string> make_rig(const board::Board& board, const board::Config& config,
-                                             const std::string& calibration_file) {
+                                             const std::string& calibration_file,
+                                             const InstalledCalibration& installed,
+                                             std::string& note) {
   RigInfo rig{.calibration = board.calibration,
               .fixed_pattern = {},
+              .factory = {},
+              .needs = {.board = &config},
               .disparities = board.disparities,
-              .calibration_file = calibration_file,
               .threads = 1,
               .least_period = board.least_period};
-  if (board.nominal_calibration && !board.allow_nominal_calibration && calibration_file.empty()) {
-    return std::unexpected(
-        "no calibration: give --calibration FILE (docs/CALIBRATION.md says how to make one), or "
-        "--uncalibrated to see pictures");
-  }
-  const dsp::Hertz modulation = rig.calibration.pmd.frequency.modulation;
   if (const char* const why = dsp::complete(rig.calibration.stereo); *why != '\0') {
     return std::unexpected(std::string("the rig's calibration: ") + why +
                            ": calibrate the rig anew");
@@ -192,21 +212,22 @@ std::expected<RigInfo, std::string> make_rig(const board::Board& board, const bo
   if (board.pmd == nullptr) {
     rig.calibration.pmd.lens = {};
   }
-  if (!calibration_file.empty()) {
-    if (std::string why = load_calibration(calibration_file, config, rig); !why.empty()) {
-      return std::unexpected(std::move(why));
-    }
-    const dsp::Hertz calibrated = rig.calibration.pmd.frequency.modulation;
-    if (board.nominal_calibration && board.pmd != nullptr && calibrated.value != modulation.value) {
-      return std::unexpected(calibration_file + ": of a PMD camera that modulates with " +
-                             std::to_string(calibrated.value) + " Hz, this board's does with " +
-                             std::to_string(modulation.value) +
-                             " Hz: use the calibration of this rig");
-    }
+  rig.needs.left = rig.calibration.stereo.left;
+  rig.needs.pmd = rig.calibration.pmd.lens;
+  if (board.nominal_calibration) {
+    rig.needs.modulation = rig.calibration.pmd.frequency.modulation;
   }
-  if (const char* const why = dsp::problem(rig.calibration); *why != '\0') {
-    return std::unexpected((calibration_file.empty() ? "the rig's calibration" : calibration_file) +
-                           ": " + why + ": calibrate the rig anew");
+  const std::string no_factory = take_factory(board, calibration_file, rig);
+  // What the command line names has to be good; that it names nothing may be made good for.
+  if (!no_factory.empty() && !calibration_file.empty()) {
+    return std::unexpected(no_factory);
+  }
+  note = take_installed(installed, rig);
+  if (!no_factory.empty() && !rig.installed) {
+    return std::unexpected(note.empty() ? no_factory : note + "; " + no_factory);
+  }
+  if (!note.empty()) {
+    note += "; the factory's calibration holds";
   }
   return rig;
 }
@@ -228,7 +249,9 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
                     .pace_percent = settings.pace_percent,
                     .fingerprint = settings::fingerprint(settings),
                     .blinding = blinding(settings)},
-      .serial = serial_params(settings)};
+      .serial = serial_params(settings),
+      .calibration = {},
+      .installs = rig.installs};
   if (settings.period_ms > 0) {
     run_config.timing.period = std::chrono::milliseconds(settings.period_ms);
   }
@@ -246,6 +269,15 @@ std::expected<RunConfig, std::string> make_run_config(const RigInfo& rig,
   if (std::string why = share_memory(run_config, config, room); !why.empty()) {
     return std::unexpected(std::move(why));
   }
+  const auto packet = wire::make_calibration_packet(run_config.setup.calibration,
+                                                    run_config.setup.depth.fusion.max_range,
+                                                    run_config.timing.period.count());
+  if (!packet) {
+    return std::unexpected(
+        std::string("the rig's calibration holds numbers that no rig has: calibrate it anew"));
+  }
+  run_config.calibration = *packet;
+  run_config.calibration.fingerprint = rig.fingerprint;
   return run_config;
 }
 

@@ -9,6 +9,7 @@
 #include "board/board.h"
 #include "firmware/pipeline/pipeline.h"
 #include "firmware/pipeline/publisher.h"
+#include "firmware/program/rig_calibration.h"
 #include "firmware/serial/serial_params.h"
 #include "firmware/settings/settings.h"
 #include "firmware/workspace.h"
@@ -17,19 +18,41 @@
 // thread; may allocate. Errors: one line, what, where and what to do.
 namespace stof::firmware {
 
-// The constants from start to end.
+// Why an installed calibration is not used; the value of condition `calibration_dropped`.
+enum class CalibrationDropped : std::uint8_t { kNot, kUnreadable, kUnusable };
+
+// The constants from start to end, but for the calibration, which another one may take the place of
+// (CalibrationInstaller).
 struct RigInfo {
-  dsp::Calibration calibration;             // PMD size 0x0: none
-  std::vector<std::int16_t> fixed_pattern;  // what calibration.pmd.fixed_pattern refers to
-  int disparities = 0;                      // that the rig asks for
-  std::string calibration_file;             // empty: the board's own
-  int threads = 1;                          // there are to compute depth
-  hal::Duration least_period{};             // that its cameras' frames can be told apart with
+  dsp::Calibration calibration;  // PMD size 0x0: none
+  // What calibration.pmd.fixed_pattern refers to; empty: memory of the board.
+  std::vector<std::int16_t> fixed_pattern;
+  std::uint32_t fingerprint = 0;  // of the calibration's file
+  std::uint32_t installs = 0;     // how often it changed since the start
+  CalibrationDropped dropped = CalibrationDropped::kNot;
+  bool installed = false;  // it is not the factory's
+  std::vector<std::byte>
+      factory;                   // file of what holds where none is installed; empty: there is none
+  RigNeeds needs;                // of any other
+  int disparities = 0;           // that the rig asks for
+  int threads = 1;               // there are to compute depth
+  hal::Duration least_period{};  // that its cameras' frames can be told apart with
 };
 
-// calibration_file: replaces the board's calibration; empty: that holds.
+// The calibration that was put on the sensor, as the start found it.
+struct InstalledCalibration {
+  std::string place;            // its file's name, for messages
+  std::vector<std::byte> file;  // empty: there is none
+  bool unreadable = false;
+};
+
+// calibration_file: the factory's calibration, in place of the board's own; empty: that is it. An
+// installed one holds in place of either; where it cannot be used the factory's does, and `note`
+// says so in one line.
 std::expected<RigInfo, std::string> make_rig(const board::Board& board, const board::Config& config,
-                                             const std::string& calibration_file);
+                                             const std::string& calibration_file,
+                                             const InstalledCalibration& installed,
+                                             std::string& note);
 
 // The configuration that settings make of a rig. Refers to the rig's fixed pattern.
 struct RunConfig {
@@ -37,7 +60,9 @@ struct RunConfig {
   board::TimingConfig timing;
   PublisherParams publisher;
   SerialParams serial;
-  std::size_t image_bytes = 0;  // of memory that the pipeline of this setup takes
+  wire::CalibrationPacket calibration{};  // as receivers get it
+  std::uint32_t installs = 0;             // RigInfo::installs
+  std::size_t image_bytes = 0;            // of memory that the pipeline of this setup takes
 };
 
 // As many of the rig's threads as there is room for, bytes for images: each searches in memory of

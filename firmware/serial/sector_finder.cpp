@@ -46,6 +46,13 @@ SectorFinder::SectorFinder(const dsp::Pinhole& lens, const SectorParams& params,
   if (arena.is_measuring()) {
     return;
   }
+  set_lens(lens);
+  set(params);
+}
+
+void SectorFinder::set_lens(const dsp::Pinhole& lens) noexcept {
+  STOF_CHECK(lens.width == lens_.width && lens.height == lens_.height);
+  lens_ = lens;
   for (std::size_t x = 0; x < stretch_.size(); ++x) {
     const double side = (static_cast<double>(x) - lens.cx) / lens.fx;
     const double stretch = std::floor(std::sqrt(1 + side * side) * (1 << kStretchBits));
@@ -54,7 +61,7 @@ SectorFinder::SectorFinder(const dsp::Pinhole& lens, const SectorParams& params,
   vertical_field_rad_ = static_cast<float>(std::atan((lens.height - 0.5 - lens.cy) / lens.fy) -
                                            std::atan((-0.5 - lens.cy) / lens.fy));
   divide();
-  set(params);
+  set(params_);
 }
 
 void SectorFinder::divide() noexcept {

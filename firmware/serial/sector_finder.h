@@ -46,6 +46,8 @@ class SectorFinder {
   // lens: of the depth maps, without distortion, 1 pixel or more. At start-up.
   SectorFinder(const dsp::Pinhole& lens, const SectorParams& params, dsp::Arena& arena) noexcept;
 
+  // From the next map on; of the same size.
+  void set_lens(const dsp::Pinhole& lens) noexcept;
   // From the next map on.
   void set(const SectorParams& params) noexcept;
 

@@ -74,6 +74,13 @@ void SerialSender::set(const SerialParams& params) noexcept {
   next_calibration_ = {};
 }
 
+void SerialSender::set_calibration(const wire::CalibrationPacket& calibration) noexcept {
+  setup_.calibration = calibration;
+  finder_.set_lens(lens_of(calibration));
+  coder_.set_calibration(calibration);
+  next_calibration_ = {};
+}
+
 hal::Duration SerialSender::interval() const noexcept { return kSecond / params_.rate_hz; }
 
 bool SerialSender::due(hal::Time now) noexcept {

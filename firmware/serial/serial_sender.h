@@ -47,6 +47,8 @@ class SerialSender {
 
   SerialSender(const SerialSetup& setup, ByteRing& ring, dsp::Arena& arena) noexcept;
 
+  // From the next frame on; of the same sizes.
+  void set_calibration(const wire::CalibrationPacket& calibration) noexcept;
   // From the next frame on.
   void set(const SerialParams& params) noexcept;
   // Something that was computed at `now`. `stamp` and `info` as for the other link; frames on this

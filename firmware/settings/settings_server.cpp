@@ -127,6 +127,7 @@ SettingsServer::Result SettingsServer::serve(const wire::SettingsRequest& reques
       return become({}, by.access, out);
     case Operation::kKeys:
     case Operation::kUnpair:
+    case Operation::kUpload:
       break;
   }
   return Result::kUnsupported;

@@ -163,7 +163,8 @@ void calib_pmd(const CalibPmdOptions& options) {
   }
 }
 
-void add_calib(CLI::App& app, CalibPmdOptions& options, CalibRigOptions& rig) {
+void add_calib(CLI::App& app, CalibPmdOptions& options, CalibInstallOptions& install,
+               CalibRigOptions& rig) {
   CLI::App& calib = *app.add_subcommand("calib", "Calibrate the sensors of a rig");
   calib.require_subcommand(1);
   CLI::App& pmd = *calib.add_subcommand(
@@ -198,6 +199,7 @@ void add_calib(CLI::App& app, CalibPmdOptions& options, CalibRigOptions& rig) {
                "Write the file although the model does not explain the walls");
   pmd.add_flag("--json", options.json, "Print JSON");
   pmd.callback([&options] { calib_pmd(options); });
+  add_calib_install(calib, install);
   add_calib_rig(calib, rig);
 }
 

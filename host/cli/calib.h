@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/cli/calib_install.h"
 #include "host/cli/rig/calib_rig.h"
 
 // `stof calib pmd`: the constants of a PMD sensor from recordings of a wall at known distances.
@@ -27,9 +28,10 @@ struct CalibPmdOptions {
   bool json = false;
 };
 
-// Adds `stof calib` with this command and those of calib_rig.h; one runs when the command line was
-// parsed.
-void add_calib(CLI::App& app, CalibPmdOptions& options, CalibRigOptions& rig);
+// Adds `stof calib` with this command, `install` and those of calib_rig.h; one runs when the
+// command line was parsed.
+void add_calib(CLI::App& app, CalibPmdOptions& options, CalibInstallOptions& install,
+               CalibRigOptions& rig);
 
 // Prints to stdout, writes the files. Throws Failure, behind the report where the model does not
 // explain the walls.

@@ -37,6 +37,7 @@ struct Commands {
   ViewOptions view;
   ReportOptions report;
   CalibPmdOptions calib_pmd;
+  CalibInstallOptions calib_install;
   CalibRigOptions calib_rig;
   ConfigOptions config;
   DiscoverCommand discover;
@@ -136,7 +137,7 @@ int run(int argc, char** argv) {
   add_view(app, commands.view);
   add_proxy(app, commands.proxy);
   add_report(app, commands.report);
-  add_calib(app, commands.calib_pmd, commands.calib_rig);
+  add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);
   add_discover(app, commands.discover);
   add_pair(app, commands.pair, commands.unpair);

@@ -88,6 +88,9 @@ std::string event_line(const wire::EventReport& event) {
   if (static_cast<wire::Condition>(event.condition) == wire::Condition::kSettingsChanged) {
     line += " (by " + changer(event.value) + ")";
   }
+  if (static_cast<wire::Condition>(event.condition) == wire::Condition::kCalibrationChanged) {
+    line += printed(" (%08x in place of %08x)", event.value, event.former);
+  }
   return line + "; " + advice(event.reaction);
 }
 

@@ -160,6 +160,7 @@ stof_frame to_frame(const Taken& taken) noexcept {
     out.info = to_info(*frame.info);
     out.settings_fingerprint = frame.info->settings_fingerprint;
     out.steady_frames = frame.info->steady_frames;
+    out.calibration_fingerprint = frame.info->calibration_fingerprint;
   }
   if (frame.calibration) {
     out.has_calibration = 1;

@@ -140,6 +140,8 @@ class SettingsOperation(enum.IntEnum):
     # the text is the id of a key, 8 hexadecimal digits: it is none any more; for an admin, or
     # whoever signs with it
     UNPAIR = 9
+    # an upload request follows, and a chunk of what is uploaded, see "Uploads"; for an admin
+    UPLOAD = 10
 
 
 class SettingsDocument(enum.IntEnum):
@@ -201,6 +203,19 @@ class PairResult(enum.IntEnum):
     # this key was renewed, or the code was used, too often for the flash that it wears: ten times
     # follow each other, then one an hour; nothing changed
     LATER = 7
+
+
+class UploadStep(enum.IntEnum):
+    BEGIN = 0  # this is to come; where some of it has come already, the answer says how much
+    CHUNK = 1  # its bytes from `offset` on follow
+    COMMIT = 2  # all of it is there: judge it, keep it, use it
+    # back to what was there before the first upload of this kind: of a calibration the factory's;
+    # `total`, `offset` and `hash` are not looked at
+    REVERT = 3
+
+
+class UploadKind(enum.IntEnum):
+    CALIBRATION = 1  # a calibration file, see "Calibration file"
 
 
 class SettingsResult(enum.IntEnum):
@@ -291,6 +306,13 @@ class Condition(enum.IntEnum):
     # nothing but bare or repeating surfaces, or settings of depth.match that drop every match;
     # value: 0
     STEREO_BLIND = 28
+    # somebody put another calibration on the sensor in the last ten seconds; each change is an
+    # event of its own; value: the fingerprint of the new one; `former`: of the one before
+    CALIBRATION_CHANGED = 29
+    # the installed calibration could not be used at the start: the factory's holds, until one is
+    # installed; value: 1 no regular file or unreadable, 2 damaged, of a later version, or not of
+    # this rig
+    CALIBRATION_DROPPED = 30
 
 
 class ConditionInfo(typing.NamedTuple):
@@ -389,6 +411,12 @@ CONDITIONS = {
     Condition.STEREO_BLIND: ConditionInfo(
         "the stereo pair is there, but hardly any depth stands on it: too dark or too bright, covered, nothing but bare or repeating surfaces, or settings of depth.match that drop every match",
         Severity.MAJOR, Reaction.SLOW),
+    Condition.CALIBRATION_CHANGED: ConditionInfo(
+        "somebody put another calibration on the sensor in the last ten seconds; each change is an event of its own",
+        Severity.INFO, Reaction.WATCH),
+    Condition.CALIBRATION_DROPPED: ConditionInfo(
+        "the installed calibration could not be used at the start: the factory's holds, until one is installed",
+        Severity.MINOR, Reaction.WATCH),
 }
 # made: end
 
@@ -659,6 +687,9 @@ class FrameInfo(Layout):
     steady_frames: int = 0
     # CRC-32C of the document of the settings this frame was made with, see "Settings"; 0: not told
     settings_fingerprint: int = 0
+    # of the calibration this frame was made with, as in its message: the frame goes with no other
+    # one; 0: not told
+    calibration_fingerprint: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("exposure_begin_ns", "q", 1),
@@ -681,6 +712,7 @@ class FrameInfo(Layout):
         ("stage_us", "I", 6),
         ("steady_frames", "I", 1),
         ("settings_fingerprint", "I", 1),
+        ("calibration_fingerprint", "I", 1),
     )
 
 
@@ -703,6 +735,7 @@ class CalibrationPacket(Layout):
     baseline_nm: int = 0  # nm
     period_ns: int = 0  # of the trigger, ns
     rotation: tuple = (0,) * 9  # R, row by row, 2^-30
+    fingerprint: int = 0  # of the calibration: the CRC-32C at the end of its file; 0: not told
     translation_nm: tuple = (0,) * 3  # T, nm
 
     LAYOUT: typing.ClassVar[tuple] = (
@@ -721,7 +754,7 @@ class CalibrationPacket(Layout):
         ("baseline_nm", "q", 1),
         ("period_ns", "q", 1),
         ("rotation", "i", 9),
-        ("", "x", 4),
+        ("fingerprint", "I", 1),
         ("translation_nm", "q", 3),
     )
 
@@ -779,6 +812,7 @@ class EventReport(Layout):
     count: int = 0  # how often it has begun since the sender's start
     value: int = 0  # depends on the condition
     at_ns: int = 0  # when, ns, clock of the header
+    former: int = 0  # of calibration changed: the fingerprint of the one before; else 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("sequence", "I", 1),
@@ -789,6 +823,7 @@ class EventReport(Layout):
         ("count", "I", 1),
         ("value", "I", 1),
         ("at_ns", "q", 1),
+        ("former", "I", 1),
     )
 
 
@@ -1029,6 +1064,46 @@ class SignedFields(Layout):
         ("", "x", 3),
         ("counter", "Q", 1),
         ("highest", "Q", 1),
+    )
+
+
+@dataclasses.dataclass
+class UploadRequest(Layout):
+    """Behind a `settings_request` of operation upload, in place of its text. The bytes of the chunk
+    follow, up to the end of the payload."""
+
+    step: int = 0  # UploadStep: see "Uploads"
+    kind: int = 0  # UploadKind: of what is uploaded
+    total: int = 0  # bytes of it all
+    offset: int = 0  # of chunk: where its bytes begin
+    hash: tuple = (0,) * 32  # of it all: BLAKE2b of 32 bytes
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("step", "B", 1),
+        ("kind", "B", 1),
+        ("", "x", 2),
+        ("total", "I", 1),
+        ("offset", "I", 1),
+        ("", "x", 4),
+        ("hash", "B", 32),
+    )
+
+
+@dataclasses.dataclass
+class UploadAnswer(Layout):
+    """Behind the `settings_answer` with result ok to it, in place of its text."""
+
+    wanted: int = 0  # offset of the next chunk: all before it is there; the total: commit
+    chunk: int = 0  # bytes of a chunk, at most
+    fingerprint: int = 0  # of the calibration that is in force; of other kinds 0
+    former: int = 0  # of commit and revert: of the calibration that was in force before
+
+    LAYOUT: typing.ClassVar[tuple] = (
+        ("wanted", "I", 1),
+        ("chunk", "H", 1),
+        ("", "x", 2),
+        ("fingerprint", "I", 1),
+        ("former", "I", 1),
     )
 
 

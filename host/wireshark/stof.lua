@@ -106,6 +106,7 @@ names.SettingsOperation = {
   [7] = "reset",
   [8] = "keys",
   [9] = "unpair",
+  [10] = "upload",
 }
 
 names.SettingsDocument = {
@@ -147,6 +148,17 @@ names.PairResult = {
   [5] = "waiting",
   [6] = "full",
   [7] = "later",
+}
+
+names.UploadStep = {
+  [0] = "begin",
+  [1] = "chunk",
+  [2] = "commit",
+  [3] = "revert",
+}
+
+names.UploadKind = {
+  [1] = "calibration",
 }
 
 names.SettingsResult = {
@@ -191,6 +203,8 @@ names.Condition = {
   [26] = "pairing",
   [27] = "keys changed",
   [28] = "stereo blind",
+  [29] = "calibration changed",
+  [30] = "calibration dropped",
 }
 
 layouts.RawRequest = {
@@ -273,7 +287,7 @@ layouts.header = {
 
 layouts.frame_info = {
   message = "frame info",
-  bytes = 240,
+  bytes = 244,
   {name = "exposure_begin_ns", size = 8, count = 1, kind = "int64", title = "Exposure begin ns", base = base.DEC, doc = "begin of the stereo exposure, of the PMD camera's in a frame of it alone; ns, same clock as the header"},
   {name = "exposure_end_ns", size = 8, count = 1, kind = "int64", title = "Exposure end ns", base = base.DEC, doc = "end of it"},
   {name = "pmd_age_ns", size = 8, count = 1, kind = "int64", title = "Pmd age ns", base = base.DEC, doc = "age of the PMD data, ns: exposure middle of the stereo pair less that of the PMD data; 0 without either"},
@@ -294,6 +308,7 @@ layouts.frame_info = {
   {name = "stage_us", size = 4, count = 6, kind = "uint32", title = "Stage us", base = base.DEC, doc = "what each stage took, us: convert, match, fuse, watch; of the frame before: code, send (without the waits of pacing)"},
   {name = "steady_frames", size = 4, count = 1, kind = "uint32", title = "Steady frames", base = base.DEC, doc = "frames in a row that this depth stands on, itself included: for how many the camera stood; 1: it stands alone, as each of the PMD camera alone does"},
   {name = "settings_fingerprint", size = 4, count = 1, kind = "uint32", title = "Settings fingerprint", base = base.DEC, doc = "CRC-32C of the document of the settings this frame was made with, see \"Settings\"; 0: not told"},
+  {name = "calibration_fingerprint", size = 4, count = 1, kind = "uint32", title = "Calibration fingerprint", base = base.DEC, doc = "of the calibration this frame was made with, as in its message: the frame goes with no other one; 0: not told"},
 }
 
 layouts.calibration = {
@@ -314,7 +329,7 @@ layouts.calibration = {
   {name = "baseline_nm", size = 8, count = 1, kind = "int64", title = "Baseline nm", base = base.DEC, doc = "nm"},
   {name = "period_ns", size = 8, count = 1, kind = "int64", title = "Period ns", base = base.DEC, doc = "of the trigger, ns"},
   {name = "rotation", size = 4, count = 9, kind = "int32", title = "Rotation", base = base.DEC, doc = "R, row by row, 2^-30"},
-  {name = "reserved", size = 4, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "fingerprint", size = 4, count = 1, kind = "uint32", title = "Fingerprint", base = base.DEC, doc = "of the calibration: the CRC-32C at the end of its file; 0: not told"},
   {name = "translation_nm", size = 8, count = 3, kind = "int64", title = "Translation nm", base = base.DEC, doc = "T, nm"},
 }
 
@@ -343,7 +358,7 @@ layouts.health = {
 
 layouts.event = {
   message = "event",
-  bytes = 24,
+  bytes = 28,
   {name = "sequence", size = 4, count = 1, kind = "uint32", title = "Sequence", base = base.DEC, doc = "advances with each change; the repetition has the same"},
   {name = "condition", size = 1, count = 1, kind = "uint8", title = "Condition", base = base.DEC, names = "Condition", doc = "see \"Events\""},
   {name = "severity", size = 1, count = 1, kind = "uint8", title = "Severity", base = base.DEC, names = "Severity", doc = "of it"},
@@ -352,6 +367,7 @@ layouts.event = {
   {name = "count", size = 4, count = 1, kind = "uint32", title = "Count", base = base.DEC, doc = "how often it has begun since the sender's start"},
   {name = "value", size = 4, count = 1, kind = "uint32", title = "Value", base = base.DEC, doc = "depends on the condition"},
   {name = "at_ns", size = 8, count = 1, kind = "int64", title = "At ns", base = base.DEC, doc = "when, ns, clock of the header"},
+  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of calibration changed: the fingerprint of the one before; else 0"},
 }
 
 layouts.parity = {
@@ -476,6 +492,29 @@ layouts.signed_fields = {
   {name = "reserved", size = 3, count = 1, kind = "bytes", title = "Reserved"},
   {name = "counter", size = 8, count = 1, kind = "uint64", title = "Counter", base = base.DEC, doc = "above all that this key has signed in this session; in the answer the same"},
   {name = "highest", size = 8, count = 1, kind = "uint64", title = "Highest", base = base.DEC, doc = "of the answer: the highest counter of this key so far; in requests 0"},
+}
+
+layouts.upload_request = {
+  message = "upload request",
+  bytes = 48,
+  tail = "data",
+  {name = "step", size = 1, count = 1, kind = "uint8", title = "Step", base = base.DEC, names = "UploadStep", doc = "see \"Uploads\""},
+  {name = "kind", size = 1, count = 1, kind = "uint8", title = "Kind", base = base.DEC, names = "UploadKind", doc = "of what is uploaded"},
+  {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "total", size = 4, count = 1, kind = "uint32", title = "Total", base = base.DEC, doc = "bytes of it all"},
+  {name = "offset", size = 4, count = 1, kind = "uint32", title = "Offset", base = base.DEC, doc = "of chunk: where its bytes begin"},
+  {name = "reserved2", size = 4, count = 1, kind = "bytes", title = "Reserved2"},
+  {name = "hash", size = 1, count = 32, kind = "uint8", title = "Hash", base = base.DEC, doc = "of it all: BLAKE2b of 32 bytes"},
+}
+
+layouts.upload_answer = {
+  message = "upload answer",
+  bytes = 16,
+  {name = "wanted", size = 4, count = 1, kind = "uint32", title = "Wanted", base = base.DEC, doc = "offset of the next chunk: all before it is there; the total: commit"},
+  {name = "chunk", size = 2, count = 1, kind = "uint16", title = "Chunk", base = base.DEC, doc = "bytes of a chunk, at most"},
+  {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
+  {name = "fingerprint", size = 4, count = 1, kind = "uint32", title = "Fingerprint", base = base.DEC, doc = "of the calibration that is in force; of other kinds 0"},
+  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of commit and revert: of the calibration that was in force before"},
 }
 
 layouts.stream_key = {

@@ -1,5 +1,6 @@
 """What the fuzz targets of tests/fuzz begin with: one folder a target, made when it is needed."""
 
+import hashlib
 import json
 import struct
 
@@ -233,6 +234,19 @@ def dataset():
             "pfm": b"\7Pf\n2 1\n-1.0\n" + struct.pack("<2f", 1.5, float("inf"))}
 
 
+def uploads(wire):
+    """Requests of one upload, in chunks of 150 bytes."""
+    def whole(file, sent=None, steps=None):
+        sent = file if sent is None else sent
+        fields = {"kind": wire.UploadKind.CALIBRATION, "total": len(file), "hash": tuple(hashlib.blake2b(file, digest_size=32).digest())}
+        head = bytes([wire.PacketType.SETTINGS_REQUEST]) + wire.SettingsRequest(request_id=9, operation=wire.SettingsOperation.UPLOAD).pack()
+        chunks = [(wire.UploadStep.CHUNK, at) for at in range(0, len(file), 150)]
+        order = [(step, 0) for step in steps] if steps else [(wire.UploadStep.BEGIN, 0), *chunks, (wire.UploadStep.COMMIT, 0)]
+        return [head + wire.UploadRequest(step=step, offset=at, **fields).pack() + (sent[at:at + 150] if step == wire.UploadStep.CHUNK else b"")
+                for step, at in order]
+    return whole
+
+
 def signed_requests():
     wire = samples.wire
     seeds = {}
@@ -242,6 +256,11 @@ def signed_requests():
                 "UNPAIR": b"0000000d"}.get(operation.name, b"")
         body = bytes([wire.PacketType.SETTINGS_REQUEST]) + request + text
         seeds[f"settings_{operation.name.lower()}"] = b"".join(record(body, SEAL | PEERS * who) for who in range(3)) + record(body, 0)
+    whole, file = uploads(wire), bytes(range(200)) * 2
+    seeds["upload"] = b"".join(record(part, SEAL) for part in whole(file))
+    seeds["upload_damaged"] = b"".join(record(part, SEAL) for part in whole(file, sent=file[1:] + b"?"))
+    seeds["upload_disorder"] = b"".join(record(part, SEAL | PEERS * who) for who in range(2) for part in reversed(whole(file)))
+    seeds["upload_revert"] = record(whole(b"", steps=[wire.UploadStep.REVERT])[0], SEAL)
     seeds["commit"] = seeds["settings_stage"] + seeds["settings_commit"]
     body = [bytes([wire.PacketType.SETTINGS_REQUEST]) + wire.SettingsRequest(operation=operation).pack() for operation in (1, 6)]
     seeds["saves"] = b"".join(record(body[0] + b'{"name":"%d"}' % n) + record(body[1]) for n in range(12))  # more than may be

@@ -2,11 +2,13 @@
 #include <array>
 #include <chrono>
 #include <optional>
+#include <vector>
 
 #include "firmware/control/request_handler.h"
 #include "firmware/keys/key_service.h"
 #include "firmware/settings/fields/document.h"
 #include "firmware/settings/settings_server.h"
+#include "firmware/upload/upload_server.h"
 #include "firmware/wire/crypto/crypto.h"
 #include "firmware/wire/messages/settings_answer.h"
 #include "firmware/wire/messages/subscribed.h"
@@ -46,6 +48,9 @@ enum Place : std::uint8_t {
   kStreamKey,
   kNoPlace,
   kUnsubscribed,
+  kUploading,
+  kUploaded,
+  kReverted,
   kNoAnswer,
   kPlaces
 };
@@ -66,6 +71,9 @@ constinit const std::array<const char*, kPlaces> kPlaceNames{
     "a stream key handed over",
     "no place for one more subscriber",
     "unsubscribed",
+    "a part of an upload there",
+    "a whole upload with its hash",
+    "back to what was there before uploads",
     "too short, or a type that is not signed",
 };
 
@@ -119,6 +127,51 @@ class CheckingStore final : public hal::Store {
   const CheckingSink& sink_;
 };
 
+// Takes what an admin uploads, never more than he said.
+class CheckingTarget final : public upload::Target {
+ public:
+  SettingsResult begin(std::uint32_t total, settings::PagedWriter& why) noexcept override {
+    fuzz::require(by_admin && total > 0);
+    total_ = total;
+    bytes_.clear();
+    if (total > kMostBytes) {
+      why << "too much";
+      return SettingsResult::kInvalid;
+    }
+    return SettingsResult::kOk;
+  }
+  SettingsResult write(std::span<const std::byte> bytes,
+                       settings::PagedWriter& /*why*/) noexcept override {
+    fuzz::require(by_admin && !bytes.empty() && bytes_.size() + bytes.size() <= total_);
+    bytes_.insert(bytes_.end(), bytes.begin(), bytes.end());
+    reached().note(kUploading);
+    return SettingsResult::kOk;
+  }
+  SettingsResult commit(const firmware::Requester& /*by*/,
+                        settings::PagedWriter& /*why*/) noexcept override {
+    fuzz::require(by_admin && bytes_.size() == total_);
+    fuzz::require(wire::digest_of({}, {bytes_}) == hash);
+    reached().note(kUploaded);
+    return SettingsResult::kOk;
+  }
+  SettingsResult revert(const firmware::Requester& /*by*/,
+                        settings::PagedWriter& /*why*/) noexcept override {
+    fuzz::require(by_admin);
+    reached().note(kReverted);
+    return SettingsResult::kOk;
+  }
+  upload::Versions versions() const noexcept override { return {}; }
+
+  bool by_admin = false;
+  wire::Digest hash{};  // that the request names
+
+ private:
+  static constexpr std::uint32_t kMostBytes = 4096;
+
+  std::uint32_t total_ = 0;
+  std::vector<std::byte> bytes_;
+};
+
 struct World {
   explicit World(const keys::Keyring& known) : ring(known) {
     fuzz::require(subscribers.fix({.address = {9}, .port = 9}));
@@ -132,7 +185,9 @@ struct World {
   settings::SettingsServer server{{}, {}, {.limits = limits, .sink = sink, .store = &store}};
   keys::KeyService key_service{ring, server};
   firmware::LeaseTable subscribers;
-  firmware::RequestHandler handler{kHere, firmware::CookieSecret{}, subscribers, &key_service,
+  CheckingTarget target;
+  upload::UploadServer uploads{key_service, target};
+  firmware::RequestHandler handler{kHere, firmware::CookieSecret{}, subscribers, &uploads,
                                    &authenticator};
   hal::Time now{std::chrono::seconds(1'000'000)};
   std::uint64_t counter = 0;
@@ -191,6 +246,9 @@ void note_settings(const Sent& sent, SettingsResult result, bool changed) {
       return reached().note(kKeysListed);
     case SettingsOperation::kUnpair:
       return reached().note(kKeyEnded);
+    case SettingsOperation::kUpload:
+      fuzz::require(sent.key.role == wire::Role::kAdmin);
+      return;
     case SettingsOperation::kCommit:
       return changed ? reached().note(kCommitted) : void();
     default:
@@ -262,6 +320,13 @@ void take(World& world, const fuzz::Record& record) {
                                           inner.size(), with, buffer);
   world.sink.may_change = good && !replayed && key.role != wire::Role::kView;
   world.sink.changed = false;
+  world.target.by_admin = good && !replayed && key.role == wire::Role::kAdmin;
+  if (request && inner.size() >= wire::kSettingsRequestBytes + wire::kUploadRequestBytes) {
+    std::ranges::copy(inner.subspan(wire::kSettingsRequestBytes)
+                          .first<wire::kUploadRequestBytes>()
+                          .last<sizeof(wire::Digest)>(),
+                      world.target.hash.begin());
+  }
   const std::size_t keys = world.ring.keys().count();
   const std::size_t receivers = world.subscribers.count();
   const std::span<const std::byte> answer = world.handler.take(datagram, peer, world.now);

@@ -158,6 +158,16 @@ std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept
          calibration.pmd.fixed_pattern.size_bytes() + kCrcSize;
 }
 
+std::size_t most_calibration_file_bytes(std::size_t pattern_pixels) noexcept {
+  dsp::Calibration largest;
+  make_room(kRawOption | kConvergingOption | kSecondFrequencyOption | kSigmaOption, largest);
+  return calibration_file_bytes(largest) + pattern_pixels * sizeof(std::int16_t);
+}
+
+std::uint32_t calibration_fingerprint(std::span<const std::byte> file) noexcept {
+  return file.size() < kCrcSize ? 0 : get_u32(file.last<kCrcSize>());
+}
+
 Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,
                                             std::span<std::byte> out) noexcept {
   const std::size_t bytes = calibration_file_bytes(calibration);

@@ -18,6 +18,13 @@ inline constexpr std::uint16_t kCalibrationFileVersion = 3;
 // Bytes of the file.
 std::size_t calibration_file_bytes(const dsp::Calibration& calibration) noexcept;
 
+// Of the longest file with a fixed pattern of so many pixels.
+std::size_t most_calibration_file_bytes(std::size_t pattern_pixels) noexcept;
+
+// Of a file that decode_calibration_file() takes: its CRC, the same for the same bytes alone. It
+// tells calibrations apart on the wire. 0: shorter than any file.
+std::uint32_t calibration_fingerprint(std::span<const std::byte> file) noexcept;
+
 // Returns how many bytes of `out` were written. kTooLarge: out is smaller than
 // calibration_file_bytes().
 Result<std::size_t> encode_calibration_file(const dsp::Calibration& calibration,

@@ -75,6 +75,30 @@ Digest digest_of(std::span<const std::byte> key, Parts parts) noexcept {
   return digest;
 }
 
+namespace {
+
+crypto_generichash_state& state_of(std::span<std::byte, sizeof(crypto_generichash_state)> bytes) {
+  return *reinterpret_cast<crypto_generichash_state*>(bytes.data());
+}
+
+}  // namespace
+
+void StreamingDigest::restart() noexcept {
+  static_assert(sizeof(state_) == sizeof(crypto_generichash_state) &&
+                alignof(StreamingDigest) >= alignof(crypto_generichash_state));
+  crypto_generichash_init(&state_of(state_), nullptr, 0, sizeof(Digest));
+}
+
+void StreamingDigest::add(std::span<const std::byte> part) noexcept {
+  crypto_generichash_update(&state_of(state_), raw(part), part.size());
+}
+
+Digest StreamingDigest::finish() noexcept {
+  Digest digest;
+  crypto_generichash_final(&state_of(state_), raw_space(digest), digest.size());
+  return digest;
+}
+
 bool equal_secrets(std::span<const std::byte> a, std::span<const std::byte> b) noexcept {
   STOF_CHECK(a.size() == b.size());
   return sodium_memcmp(a.data(), b.data(), a.size()) == 0;

@@ -33,6 +33,20 @@ Tag counted_tag_of(const Secret& secret, std::uint64_t counter, Parts parts) noe
 // BLAKE2b of 32 bytes, with a key of at most 64 bytes; an empty one: without.
 Digest digest_of(std::span<const std::byte> key, Parts parts) noexcept;
 
+// digest_of() without a key, of bytes that come part by part.
+class StreamingDigest {
+ public:
+  StreamingDigest() noexcept { restart(); }
+  // Forgets what came.
+  void restart() noexcept;
+  void add(std::span<const std::byte> part) noexcept;
+  // Of all that came since the last restart; then restart() before the next part.
+  Digest finish() noexcept;
+
+ private:
+  alignas(64) std::array<std::byte, 384> state_{};
+};
+
 // Whether the bytes are equal, in a time that does not tell where they differ. Of equal lengths.
 bool equal_secrets(std::span<const std::byte> a, std::span<const std::byte> b) noexcept;
 // Writes zeros that no compiler leaves out.

@@ -29,6 +29,11 @@ class FrameCoder {
   FrameCoder(const Origin& origin, const FrameSizes& sizes, const CalibrationPacket& calibration,
              dsp::Arena& arena, std::size_t packets) noexcept;
 
+  // From the next frame on; of the same sizes.
+  void set_calibration(const CalibrationPacket& calibration) noexcept {
+    calibration_ = calibration;
+  }
+
   // The frame's datagrams in the order of sending, valid until the next call: frame info (which
   // gets tiles, parity_groups and cloud_step written into it), the streams in the order of their
   // numbers, parity at the end of it all. Tiles are cut as tiles.h says. kTooLarge: images larger

@@ -89,24 +89,44 @@ std::expected<ControlClient, ControlError> ControlClient::open(std::string_view 
 std::expected<ControlAnswer, ControlError> ControlClient::request(wire::SettingsOperation operation,
                                                                   wire::SettingsDocument document,
                                                                   std::string_view text) {
-  if (!options_.doubt.empty() && operation != wire::SettingsOperation::kGet) {
-    return std::unexpected(
-        error(Status::kUnsupported, options_.doubt + " (--device NUMBER or --key ID)"));
-  }
-  deadline_ = Time::clock::now() + options_.overall;
   if (operation == wire::SettingsOperation::kGet || operation == wire::SettingsOperation::kKeys) {
+    if (std::optional<ControlError> error = doubtful(operation)) {
+      return std::unexpected(*std::move(error));
+    }
+    deadline_ = Time::clock::now() + options_.overall;
     return get(operation, document);
   }
-  if (text.size() > kMaxText) {
+  std::expected<ControlAnswer, ControlError> answer = exchange(operation, text);
+  if (answer) {
+    answer->text = printable(answer->text);
+  }
+  return answer;
+}
+
+// Nobody knows which sensor is meant.
+std::optional<ControlError> ControlClient::doubtful(wire::SettingsOperation operation) const {
+  if (options_.doubt.empty() || operation == wire::SettingsOperation::kGet) {
+    return std::nullopt;
+  }
+  return error(Status::kUnsupported, options_.doubt + " (--device NUMBER or --key ID)");
+}
+
+std::expected<ControlAnswer, ControlError> ControlClient::exchange(
+    wire::SettingsOperation operation, std::string_view bytes) {
+  if (std::optional<ControlError> error = doubtful(operation)) {
+    return std::unexpected(*std::move(error));
+  }
+  deadline_ = Time::clock::now() + options_.overall;
+  if (bytes.size() > kMaxText) {
     return std::unexpected(error(Status::kTooLarge, "a request takes " + std::to_string(kMaxText) +
                                                         " bytes: send several smaller ones"));
   }
-  std::expected<Part, ControlError> part = ask(operation, document, 0, text);
+  std::expected<Part, ControlError> part = ask(operation, {}, 0, bytes);
   if (!part) {
     return std::unexpected(std::move(part.error()));
   }
   return ControlAnswer{.result = part->answer.result,
-                       .text = printable(part->text),
+                       .text = std::move(part->text),
                        .revision = part->answer.revision,
                        .restart = part->answer.restart != 0};
 }

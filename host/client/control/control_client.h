@@ -96,6 +96,11 @@ class ControlClient {
                                                      wire::SettingsDocument document,
                                                      std::string_view text);
 
+  // The same for an operation whose texts are bytes (upload): request() without making the
+  // answer's text printable.
+  std::expected<ControlAnswer, ControlError> exchange(wire::SettingsOperation operation,
+                                                      std::string_view bytes);
+
   // The sensor that has signed an answer, and with which key; none: none has.
   struct Proof {
     std::uint32_t device = 0;
@@ -119,6 +124,7 @@ class ControlClient {
                                   wire::DatagramBuffer& buffer) const;
   Status send(const wire::SettingsRequest& request, std::string_view text, bool sealed);
   Heard judge(const std::optional<Part>& part, bool sealed) const;
+  std::optional<ControlError> doubtful(wire::SettingsOperation operation) const;
   bool takes_unsigned(wire::SettingsOperation operation) const;
   ControlError unproven() const;
   ControlError silent() const;

@@ -113,6 +113,12 @@ std::optional<wire::PacketView> FrameSlot::recover(std::size_t group) const {
   return packet ? std::optional(*packet) : std::nullopt;
 }
 
+// A frame names the calibration that it was made with; where that did not come yet it has none.
+bool FrameSlot::of_this_frame() const noexcept {
+  return !info_ || !calibration_ || info_->calibration_fingerprint == 0 ||
+         info_->calibration_fingerprint == calibration_->fingerprint;
+}
+
 Frame FrameSlot::view() const {
   Frame frame{.origin = header_.origin,
               .stamp = header_.frame,
@@ -120,7 +126,7 @@ Frame FrameSlot::view() const {
               .missing_packets = missing_packets(),
               .recovered_packets = recovered_,
               .info = info_,
-              .calibration = calibration_,
+              .calibration = of_this_frame() ? calibration_ : std::nullopt,
               .first_packet = first_packet_,
               .last_packet = last_packet_};
   pixels_.view(frame);

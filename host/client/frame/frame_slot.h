@@ -74,6 +74,7 @@ class FrameSlot {
   bool agrees(const wire::FrameStamp& stamp) const noexcept;
   Placed add_info(const wire::PacketView& part);
   void begin_parity();
+  bool of_this_frame() const noexcept;
 
   wire::Header header_;  // of the part that came first
   Time first_packet_;

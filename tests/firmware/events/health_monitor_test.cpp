@@ -136,6 +136,25 @@ TEST(HealthMonitor, DriftIsTakenFromFrames) {
   EXPECT_EQ(began[0].reaction, wire::Reaction::kWatch);
 }
 
+TEST(HealthMonitor, AChangedCalibrationNamesBothAndLastsForTenSeconds) {
+  HealthMonitor monitor{hal::Time{}};
+  const auto change = [&](std::uint32_t value, std::uint32_t former) {
+    monitor.observe({.at = hal::Time(1s),
+                     .kind = EventKind::kCalibrationChanged,
+                     .value = value,
+                     .former = former});
+  };
+  change(7, 5);
+  change(9, 7);  // before the first was told
+  for (const auto& [value, former] : {std::pair{7U, 5U}, std::pair{9U, 7U}}) {
+    const auto event = monitor.next_event(hal::Time(1s));
+    ASSERT_TRUE(event);
+    EXPECT_EQ(event->condition, static_cast<std::uint8_t>(Condition::kCalibrationChanged));
+    EXPECT_EQ(event->value, value);
+    EXPECT_EQ(event->former, former);
+  }
+}
+
 TEST(HealthMonitor, EachChangeOfTheSettingsIsAnEventAndEndsAfterTenSeconds) {
   HealthMonitor monitor(at(0s));
   const auto events = [&](hal::Time now) {

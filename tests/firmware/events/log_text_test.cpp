@@ -56,6 +56,8 @@ TEST(LogText, SaysWhatChanged) {
             "publishing, after 7 edges without a frame");
   EXPECT_EQ(text_of({.kind = EventKind::kLost, .component = Component::kStereo}),
             "stereo camera lost, trying to get it back");
+  EXPECT_EQ(text_of({.kind = EventKind::kCalibrationChanged, .value = 0x12, .former = 0xABCDEF01}),
+            "calibration 00000012 in place of abcdef01, put there over the serial line");
   EXPECT_EQ(text_of({.kind = EventKind::kSettingsChanged,
                      .address = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xFF, 0xFF, 192, 168, 1, 20}}),
             "settings changed by 192.168.1.20");

@@ -119,6 +119,35 @@ TEST(Appliance, OtherThreadsWhileItRunsShowNoOldFrame) {
   EXPECT_EQ(box.rig.events.counters.skipped_periods, 0U);
 }
 
+// With another baseline what the pair measures is no longer what the PMD camera does. Whoever
+// receives gets the new calibration with the first frame that was made with it.
+TEST(Appliance, AnotherCalibrationIsInForceWithTheNextFrame) {
+  ApplianceRig box(true);
+  box.subscribe(1);
+  const Receiver before = box.run(8);
+  const Received& last = before.frames.rbegin()->second;
+  EXPECT_EQ(last.info.calibration_fingerprint, 0U);
+  EXPECT_GT(last.count(dsp::Source::kBoth), 100U);
+
+  RunConfig run_config = small_run_config();
+  run_config.setup.calibration.stereo.baseline_m *= 1.25;
+  run_config.calibration =
+      wire::make_calibration_packet(run_config.setup.calibration, 40'000, timing().period.count())
+          .value();
+  run_config.calibration.fingerprint = 0x1234'5678;
+  run_config.installs = 1;
+  ASSERT_TRUE(box.run_configs.push(run_config));
+  const Receiver after = box.run(4);
+  EXPECT_EQ(box.appliance.installs(), 1U);
+  ASSERT_GE(after.frames.size(), 3U);
+  for (const auto& [number, frame] : after.frames) {
+    EXPECT_EQ(frame.info.calibration_fingerprint, 0x1234'5678U);
+    EXPECT_LT(frame.count(dsp::Source::kBoth), last.count(dsp::Source::kBoth) / 2);
+  }
+  EXPECT_EQ(after.calibrations, 1U);
+  EXPECT_EQ(box.rig.events.counters.skipped_periods, 0U);
+}
+
 TEST(Appliance, AnotherPeriodBeginsAnewWithoutASkip) {
   ApplianceRig box;
   box.subscribe(1);

@@ -114,6 +114,29 @@ std::ptrdiff_t threads_there() {
   return std::distance(begin(tasks), end(tasks));
 }
 
+TEST(NoHeap, NewCalibrationsAllocateNothing) {
+  ApplianceRig box(true);
+  box.rig.log.edges.reserve(1'000);
+  box.subscribe(1);
+  RunConfig run_config = small_run_config();
+  for (std::uint32_t install = 1; install <= 100; ++install) {
+    run_config.installs = install;
+    run_config.setup.calibration.stereo.baseline_m *= install % 2 == 0 ? 0.5 : 2;
+    const auto packet = wire::make_calibration_packet(run_config.setup.calibration, 40'000,
+                                                      timing().period.count());
+    ASSERT_TRUE(packet);
+    run_config.calibration = *packet;
+    ASSERT_TRUE(box.run_configs.push(run_config));
+    for (int step = 0; step < 4; ++step) {
+      static_cast<void>(step_without_heap(box.appliance));
+      while (box.rig.port.take_sent()) {
+      }
+    }
+    ASSERT_EQ(box.appliance.installs(), install);
+  }
+  EXPECT_GE(box.rig.events.counters.published, 300U);
+}
+
 TEST(NoHeap, NewWaysToComputeAllocateNothingAndLeaveNoThread) {
   const std::ptrdiff_t before = threads_there();
   {

@@ -20,8 +20,9 @@ RigInfo rig_of(int pmd_width, int pmd_height) {
   const board::StereoConfig& stereo = board::kConfig.stereo;
   RigInfo rig{.calibration = {},
               .fixed_pattern = {},
+              .factory = {},
+              .needs = {},
               .disparities = stereo.disparities,
-              .calibration_file = {},
               .threads = dsp::ThreadTeam::kMost};
   rig.calibration.stereo = {.left = {.width = stereo.width,
                                      .height = stereo.height,

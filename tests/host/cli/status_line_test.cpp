@@ -156,6 +156,16 @@ TEST(EventLine, SaysWhoChangedTheSettings) {
   EXPECT_NE(changed_by(0).find("(by the serial line)"), std::string::npos);
 }
 
+TEST(EventLine, SaysWhichCalibrationCameInPlaceOfWhich) {
+  EXPECT_NE(
+      event_line({.condition = static_cast<std::uint8_t>(wire::Condition::kCalibrationChanged),
+                  .active = 1,
+                  .value = 0x12,
+                  .former = 0xABCDEF01})
+          .find("(00000012 in place of abcdef01)"),
+      std::string::npos);
+}
+
 TEST(EventLine, OfANewerSensor) {
   EXPECT_EQ(event_line({.condition = 200, .reaction = wire::Reaction::kSlow, .active = 1}),
             "event: condition 200 began; slow down: expect gaps");

@@ -106,6 +106,30 @@ TEST(Session, CalibrationIsOfItsSession) {
   EXPECT_FALSE(reassembler.calibration());
 }
 
+// Of a sensor that gets another one while it runs; messages and frames may overtake each other.
+TEST(Session, AFrameHasTheCalibrationThatItWasMadeWithOrNone) {
+  Reassembler reassembler;
+  const auto made_with = [](std::uint32_t number, std::uint32_t calibration) {
+    FrameSpec spec = frame_spec(number);
+    spec.calibration = calibration;
+    return spec;
+  };
+  const auto calibration_of = [&](std::uint32_t number, std::uint32_t calibration) {
+    for (const Datagram& packet : datagrams(made_with(number, calibration))) {
+      reassembler.push(packet, kStart);
+    }
+    const std::optional<Frame> frame = reassembler.take();
+    return frame && frame->calibration ? frame->calibration->fx : 0;
+  };
+  push_all(reassembler, {calibration_datagram(made_with(1, 0xA), 1, 1111)});
+  EXPECT_EQ(calibration_of(1, 0xA), 1111);
+  EXPECT_EQ(calibration_of(2, 0xB), 0);  // the message of the new one was lost
+  push_all(reassembler, {calibration_datagram(made_with(5, 0xB), 1, 2222)});
+  EXPECT_EQ(calibration_of(4, 0xA), 0);
+  EXPECT_EQ(calibration_of(5, 0xB), 2222);
+  EXPECT_EQ(calibration_of(6, 0), 2222);  // of a sensor that does not tell
+}
+
 TEST(Session, AnOlderCalibrationDoesNotReplaceANewer) {
   Reassembler reassembler;
   push_all(reassembler, {calibration_datagram(frame_spec(10), 1, 1010),

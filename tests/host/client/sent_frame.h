@@ -34,6 +34,7 @@ struct FrameSpec {
   int height = 5;
   bool parity = false;
   std::uint32_t steady_frames = 0;
+  std::uint32_t calibration = 0;  // its fingerprint
 };
 
 // The frame of this number, fresh, with pixels of its own.
@@ -75,7 +76,8 @@ inline std::vector<Datagram> datagrams(const FrameSpec& spec) {
   Coder coder(spec.origin, {.width = spec.width, .height = spec.height});
   wire::StreamChoice choice = raw_map();
   choice.parity = spec.parity;
-  return coder.code(stamp_of(spec), {.map = map.view()}, choice);
+  return coder.code(stamp_of(spec), {.map = map.view()}, choice,
+                    {.calibration_fingerprint = spec.calibration});
 }
 
 // A packet outside the frames.
@@ -95,7 +97,8 @@ inline Datagram calibration_datagram(const FrameSpec& spec, std::int64_t period_
                                    .image_height = static_cast<std::uint16_t>(spec.height),
                                    .fx = fx,
                                    .fy = 65536,
-                                   .period_ns = period_ns},
+                                   .period_ns = period_ns,
+                                   .fingerprint = spec.calibration},
                                   payload);
   return report_datagram(spec, wire::PacketType::kCalibration, payload);
 }

@@ -144,6 +144,25 @@ TEST(Lib, SaysOnHowManyFramesADepthStands) {
   EXPECT_EQ(frame->steady_frames(), 0U) << "of a sensor that does not say";
 }
 
+TEST(Lib, SaysWithWhichCalibrationAFrameWasMade) {
+  stof::test::Sensor sensor;
+  stof::Sensor client = open(sensor);
+  subscribe(client, sensor);
+  stof::test::FrameSpec spec = frame_spec(5);
+  spec.calibration = 0x1234'5678;
+  send(sensor, stof::test::datagrams(spec));
+  auto frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_EQ(frame->calibration_fingerprint(), 0x1234'5678U);
+  EXPECT_FALSE(frame->calibration());
+  send(sensor, {stof::test::calibration_datagram(spec, 1)});
+  spec.number = spec.freshness = 6;
+  send(sensor, stof::test::datagrams(spec));
+  frame = client.next(10s);
+  ASSERT_TRUE(frame);
+  EXPECT_TRUE(frame->calibration());
+}
+
 // A program that was built before the last fields of a frame were there.
 TEST(Lib, MakesPointsForAnOlderProgram) {
   stof::test::Sensor sensor;

@@ -101,7 +101,7 @@ class Run(threading.Thread):
         for datagram in self.datagrams:
             header, payload = packets.parse(datagram)
             if header.type == packets.EVENT:
-                sequence, condition, _, reaction, active, _, value, at_ns = packets.EVENT_PAYLOAD.unpack_from(payload)
+                sequence, condition, _, reaction, active, _, value, at_ns, _ = packets.EVENT_PAYLOAD.unpack_from(payload)
                 event = (sequence, receiver.CONDITIONS[condition], reaction, active, value, at_ns * 1e-9)
                 if event not in self.events:
                     self.events.append(event)

@@ -26,7 +26,8 @@ from raw_pictures import RawPictures
 CONDITIONS = ("no frames, trigger lost, stereo lost, pmd lost, late, link lost, unreachable, link full, drift,"
               " serial lost, serial full, settings unsaved, restart needed, flooded,"
               " settings fell back, stereo silent, stereo frozen, pmd silent, pmd frozen, pmd dark,"
-              " settings dropped, connection replaced, no depth, settings changed, unpaired, keys lost, pairing, keys changed, stereo blind").split(", ")
+              " settings dropped, connection replaced, no depth, settings changed, unpaired, keys lost, pairing, keys changed, stereo blind,"
+              " calibration changed, calibration dropped").split(", ")
 SEVERITIES = ("info", "minor", "major", "critical")
 REACTIONS = ("none", "watch", "slow", "stop")
 DEFAULT_PORT = 7560
@@ -206,7 +207,7 @@ class Receiver:
     def push_event(self, payload):
         if len(payload) < EVENT_PAYLOAD.size:
             raise Refused("field")
-        sequence, condition, severity, reaction, active, count, value, _ = EVENT_PAYLOAD.unpack_from(payload)
+        sequence, condition, severity, reaction, active, count, value, _, _ = EVENT_PAYLOAD.unpack_from(payload)
         if self.event is not None and ahead(sequence, self.event) <= 0:
             return  # the repetition
         self.event = sequence

@@ -224,6 +224,11 @@ typedef struct stof_frame {
   /* On how many frames in a row this depth stands, itself included: for how many the sensor stood.
    * 1: it stands alone; 0: nobody says (an older sensor or library, or no info arrived). */
   uint32_t steady_frames;
+  /* Of the calibration that it was made with: another one, another calibration on the sensor. The
+   * CRC-32C at the end of its file. `calibration` above is of this one or, until the sensor has
+   * told it, absent. 0: unknown, as above. */
+  uint32_t calibration_fingerprint;
+  uint32_t reserved2;
 } stof_frame;
 
 /* The next frame, also an incomplete one (missing_packets). Blocks for timeout_ms at most, 0 only

@@ -87,6 +87,8 @@ class Frame {
 
   // On how many frames in a row this depth stands, itself included; 0: nobody says.
   std::uint32_t steady_frames() const noexcept { return c_.steady_frames; }
+  // Of the calibration that it was made with; 0: unknown.
+  std::uint32_t calibration_fingerprint() const noexcept { return c_.calibration_fingerprint; }
   std::optional<Info> info() const {
     return c_.has_info != 0 ? std::optional<Info>(c_.info) : std::nullopt;
   }
