@@ -43,6 +43,11 @@ bool contradicts_itself(const wire::PacketView& packet) {
 
 }  // namespace
 
+Reassembler::Reassembler(const ReassemblerOptions& options)
+    : options_(options),
+      session_(options.device_id),
+      messages_(options.raw_pictures ? options.max_pixels : 0) {}
+
 void Reassembler::push(std::span<const std::byte> datagram, Time arrived, Time now) {
   const auto packet = wire::parse_packet(datagram);
   if (!packet) {

@@ -34,6 +34,7 @@ struct ReassemblerOptions {
   // (FrameDelay). Not given: one period of the sensor and 100 ms, or 50 ms more than a frame is
   // waited for, if that is longer; 200 ms as long as the period is not known.
   std::optional<Duration> max_age{};
+  bool raw_pictures = false;  // were asked for; else they are unknown
   // Where there is one, only what it finds signed is looked at. It outlives the reassembler.
   StreamVerifier* verifier = nullptr;
 };
@@ -50,8 +51,7 @@ struct ReassemblerOptions {
 // No clock and no socket: times are the caller's, and must not go back.
 class Reassembler {
  public:
-  explicit Reassembler(const ReassemblerOptions& options = {})
-      : options_(options), session_(options.device_id), messages_(options.max_pixels) {}
+  explicit Reassembler(const ReassemblerOptions& options = {});
 
   // Any bytes, that arrived then and are read now. take() until it returns nothing before the next
   // push(): there is room for what one datagram can finish; older frames are dropped, and counted,

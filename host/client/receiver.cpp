@@ -20,7 +20,7 @@ constexpr Duration kForever = std::chrono::hours(24 * 365);  // keeps sums of ti
 struct Receiver::Parts {
   Parts(std::unique_ptr<SensorSocket> bound, const ReceiverOptions& options)
       : socket(std::move(bound)),
-        reassembler(with_verifier(options)),
+        reassembler(with_subscription(options)),
         asked_buffer(options.socket_buffer),
         watch(std::chrono::steady_clock::now()) {
     if (!options.sensor.empty()) {
@@ -31,8 +31,9 @@ struct Receiver::Parts {
   }
 
   // What was not signed for this receiver is not looked at where it asked for that.
-  ReassemblerOptions with_verifier(const ReceiverOptions& options) {
+  ReassemblerOptions with_subscription(const ReceiverOptions& options) {
     ReassemblerOptions wanted = options.reassembler;
+    wanted.raw_pictures = options.subscription.raw.pictures != 0;
     if (options.subscription.signed_streams) {
       wanted.verifier = &verifier;
     }

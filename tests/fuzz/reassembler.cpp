@@ -59,7 +59,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   client::StreamVerifier verifier;
   verifier.set_key(key);
   client::Reassembler reassembler(
-      {.max_pixels = kMostPixels, .verifier = signs ? &verifier : nullptr});
+      {.max_pixels = kMostPixels, .raw_pictures = true, .verifier = signs ? &verifier : nullptr});
   std::uint64_t counter = 0;
   client::Time now{};
   std::uint64_t pushed = 0;

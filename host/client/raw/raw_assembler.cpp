@@ -43,7 +43,7 @@ bool RawAssembler::Picture::whole(int width, int height) const noexcept {
 RawOutcome RawAssembler::push(const wire::PacketView& packet, Time arrived) {
   const wire::Header& header = packet.header;
   const bool tile = header.type == wire::PacketType::kRawTile;
-  if (tile && !known(header)) {
+  if (most_pixels_ == 0 || (tile && !known(header))) {
     return RawOutcome::kUnknown;
   }
   if (tile ? !wire::consistent_raw_tile(packet) || header.index == 0

@@ -17,7 +17,7 @@ namespace stof::client {
 // What became of a packet of raw pictures.
 enum class RawOutcome : std::uint8_t {
   kTaken,
-  kUnknown,  // a stream or codec of a newer sensor
+  kUnknown,  // a stream or codec of a newer sensor, or nobody asked for it
   kDuplicate,
   kContradicting,  // itself, or others of its exposure
   kLate,           // its exposure was finished already
@@ -26,13 +26,13 @@ enum class RawOutcome : std::uint8_t {
 
 // Raw pictures of one session put together: two exposures may be on their way. One is finished when
 // all its packets are there, when a later one is, when a third begins, or when nothing came for
-// kTimeout. Memory grows with the pictures, up to 5 bytes a pixel, and is kept. No clock: times are
-// the caller's, and must not go back.
+// kTimeout. Memory grows with the pictures, up to 7 bytes a pixel of each of five exposures, and is
+// kept. No clock: times are the caller's, and must not go back.
 class RawAssembler {
  public:
   static constexpr Duration kTimeout = std::chrono::seconds(2);
 
-  // most_pixels: of a picture.
+  // most_pixels: of a picture; 0: nobody asked for any, all are unknown.
   explicit RawAssembler(std::size_t most_pixels) : most_pixels_(most_pixels) {}
 
   // Verified, of the session, of type kRawInfo or kRawTile.

@@ -253,9 +253,21 @@ TEST_F(RawAssemblerTest, ExpiresTwoSecondsAfterItsLastPacket) {
   EXPECT_TRUE(raw_.take());
 }
 
+// Nobody makes a receiver take memory for what it did not ask for.
+TEST(RawReassembly, WhatNobodyAskedForIsUnknown) {
+  Reassembler reassembler;
+  const std::vector<Datagram> packets = Exposure(1).packets(1);
+  for (const Datagram& datagram : packets) {
+    reassembler.push(datagram, kStart);
+  }
+  EXPECT_EQ(reassembler.statistics().unknown, packets.size());
+  EXPECT_FALSE(reassembler.raw().take());
+  EXPECT_FALSE(reassembler.next_expiry());
+}
+
 // Beside the frames, through all that a datagram passes.
 TEST(RawReassembly, EveryDatagramIsCountedOnceAndAnotherSessionBeginsAnew) {
-  Reassembler reassembler({.max_pixels = std::size_t{1} << 16});
+  Reassembler reassembler({.max_pixels = std::size_t{1} << 16, .raw_pictures = true});
   const Exposure sent(1);
   std::vector<Datagram> packets = sent.packets(1);
   std::uint64_t pushed = 0;
