@@ -6,7 +6,9 @@ No kernel of Raspberry Pi is at hand: pi_packages.py makes a stand-in of the sam
 
 import gzip
 import json
+import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -59,6 +61,22 @@ class Boards(unittest.TestCase):
             recipe.Recipe(ROOT, "moon", "usb")
         with self.assertRaisesRegex(recipe.RecipeError, "no camera film: use usb, imx296"):
             recipe.Recipe(ROOT, "rpi4", "film")
+
+
+class CommandLine(InFolder):
+    def test_what_cannot_be_built_is_one_line(self):
+        missing = self.folder / "none"
+        for arguments, environment, said in (
+                (["moon"], {}, "board moon has no image"), (["virt", "--camera", "film"], {}, "no camera film"),
+                (["rpi5"], {}, "board rpi5 takes --kernel DIR"), (["rpi4", "--kernel", missing], {}, "no kernel"),
+                (["virt"], {"SOURCE_DATE_EPOCH": "today"}, "SOURCE_DATE_EPOCH takes"),
+                (["virt", "--stofd", missing], {}, "is missing: cmake --preset virt")):
+            done = subprocess.run([sys.executable, "-B", ROOT / "scripts" / "image", *arguments, "--out", self.folder / "out"],
+                                  env={**os.environ, **environment}, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(said, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertEqual(list(self.folder.iterdir()), [])
 
 
 class Packages(InFolder):
