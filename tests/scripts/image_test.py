@@ -204,11 +204,19 @@ class Sbom(InFolder):
         self.assertEqual(document["creationInfo"]["created"], "2023-11-14T22:13:20Z")
         names = {entry["SPDXID"]: entry for entry in document["packages"]}
         self.assertEqual(names["SPDXRef-busybox-static"]["versionInfo"], "1:1.37.0-6")
+        self.assertEqual(names["SPDXRef-busybox-static"]["externalRefs"][0]["referenceLocator"],
+                         "pkg:deb/debian/busybox@1%3A1.37.0-6?arch=source")
         related = {relation["relatedSpdxElement"] for relation in document["relationships"]}
         self.assertEqual(related, set(names))
         self.assertIn(b"busybox 1:1.37.0-6", files["sources.txt"])
         self.assertIn(b"common-licenses/GPL-2", files["licences/busybox-static.txt"])
         self.assertIn(b"GNU GENERAL PUBLIC LICENSE", files["licences/common/GPL-2.txt"])
+
+    def test_a_signed_kernel_has_the_sources_of_the_kernel(self):
+        self.package("linux-image")
+        log = self.folder / "usr/share/doc/linux-image/changelog.Debian.gz"
+        log.write_bytes(gzip.compress(b"linux-signed-arm64 (6.12.117+1) trixie-security; urgency=high\n"))
+        self.assertEqual(sbom.Package(self.folder, "linux-image", "Linux").source, "linux")
 
     def test_a_package_without_its_licence_is_refused(self):
         self.package("busybox-static")
