@@ -18,7 +18,8 @@ REFERENCE = re.compile(rb"/usr/share/common-licenses/([A-Za-z0-9][A-Za-z0-9.-]*[
 OFFER = """Sources of what this image holds
 
 stof: {home}, version {version}.
-Everything else are packages of {origin}, unchanged. Their sources, of exactly these versions:
+Everything else are packages of {origin}, unchanged but for the signatures of modules, which are left out. Their
+sources, of exactly these versions:
 {lines}
 Debian's snapshot archive keeps each source package that Debian ever had, by name and version.
 Whoever got this image from somebody who gives it away may ask him for these sources, for three years from
@@ -33,9 +34,9 @@ class SbomError(Exception):
 
 
 class Package:
-    """An unpacked package: its source's name and version, and its licence text."""
+    """An unpacked package: its source's name and version, and its licence text. distribution: as purls name it."""
 
-    def __init__(self, root, package, name):
+    def __init__(self, root, package, name, distribution="debian"):
         folder = pathlib.Path(root) / "usr" / "share" / "doc" / package
         logs = [path for path in (folder / "changelog.Debian.gz", folder / "changelog.gz") if path.exists()]
         texts = folder / "copyright"
@@ -46,6 +47,7 @@ class Package:
             raise SbomError(f"{logs[0]}: does not begin with NAME (VERSION): unpack {package} anew")
         self.name = name
         self.package = package
+        self.distribution = distribution
         # Signed kernels are made of the binaries of source package linux, of the same version.
         self.source, self.version = re.sub(r"^linux-signed-\w+$", "linux", change[1]), change[2]
         self.licence = texts.read_bytes()
@@ -67,7 +69,7 @@ def document(image, version, packages, epoch):
         entries.append({
             "SPDXID": name, "name": package.name, "versionInfo": package.version, "downloadLocation": "NOASSERTION",
             "externalRefs": [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl", "referenceLocator":
-                              f"pkg:deb/debian/{quote(package.source)}@{quote(package.version, safe='')}?arch=source"}],
+                              f"pkg:deb/{package.distribution}/{quote(package.source)}@{quote(package.version, safe='')}?arch=source"}],
             "filesAnalyzed": False, "licenseConcluded": "NOASSERTION", "licenseDeclared": "NOASSERTION",
             "copyrightText": "NOASSERTION", "comment": f"licences/{package.package}.txt",
             "sourceInfo": f"source package {package.source} {package.version}"})
