@@ -6,6 +6,7 @@ import json
 import pathlib
 import re
 import time
+from urllib.parse import quote
 
 # In stofd: libraries are linked statically, Eigen is compiled in. (package of Debian, what of it).
 LIBRARIES = (("libc6-dev", "glibc"), ("libstdc++-14-dev", "libstdc++"), ("libgcc-14-dev", "libgcc"),
@@ -17,9 +18,10 @@ REFERENCE = re.compile(rb"/usr/share/common-licenses/([A-Za-z0-9][A-Za-z0-9.-]*[
 OFFER = """Sources of what this image holds
 
 stof: {home}, version {version}.
-Everything else are packages of {origin}, unchanged. Their sources, of exactly these versions:
+Everything else are packages of {origin}, unchanged but for the signatures of modules, which are left out. Their
+sources, of exactly these versions:
 {lines}
-Debian keeps each source package that it ever had at https://snapshot.debian.org/package/NAME/VERSION/.
+Debian's snapshot archive keeps each source package that Debian ever had, by name and version.
 Whoever got this image from somebody who gives it away may ask him for these sources, for three years from
 then on, for no more than the cost of the copy (GPL version 2, section 3b; GPL version 3, section 6).
 The scripts that built the image are in stof's own sources: scripts/image, toolchains/.
@@ -32,9 +34,9 @@ class SbomError(Exception):
 
 
 class Package:
-    """An unpacked package: its source's name and version, and its licence text."""
+    """An unpacked package: its source's name and version, and its licence text. distribution: as purls name it."""
 
-    def __init__(self, root, package, name):
+    def __init__(self, root, package, name, distribution="debian"):
         folder = pathlib.Path(root) / "usr" / "share" / "doc" / package
         logs = [path for path in (folder / "changelog.Debian.gz", folder / "changelog.gz") if path.exists()]
         texts = folder / "copyright"
@@ -45,7 +47,9 @@ class Package:
             raise SbomError(f"{logs[0]}: does not begin with NAME (VERSION): unpack {package} anew")
         self.name = name
         self.package = package
-        self.source, self.version = change[1], change[2]
+        self.distribution = distribution
+        # Signed kernels are made of the binaries of source package linux, of the same version.
+        self.source, self.version = re.sub(r"^linux-signed-\w+$", "linux", change[1]), change[2]
         self.licence = texts.read_bytes()
 
 
@@ -63,8 +67,9 @@ def document(image, version, packages, epoch):
     for package in packages:
         name = _spdx_id(package.package)
         entries.append({
-            "SPDXID": name, "name": package.name, "versionInfo": package.version,
-            "downloadLocation": f"https://snapshot.debian.org/package/{package.source}/{package.version}/",
+            "SPDXID": name, "name": package.name, "versionInfo": package.version, "downloadLocation": "NOASSERTION",
+            "externalRefs": [{"referenceCategory": "PACKAGE-MANAGER", "referenceType": "purl", "referenceLocator":
+                              f"pkg:deb/{package.distribution}/{quote(package.source)}@{quote(package.version, safe='')}?arch=source"}],
             "filesAnalyzed": False, "licenseConcluded": "NOASSERTION", "licenseDeclared": "NOASSERTION",
             "copyrightText": "NOASSERTION", "comment": f"licences/{package.package}.txt",
             "sourceInfo": f"source package {package.source} {package.version}"})

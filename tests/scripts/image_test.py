@@ -6,7 +6,9 @@ No kernel of Raspberry Pi is at hand: pi_packages.py makes a stand-in of the sam
 
 import gzip
 import json
+import os
 import pathlib
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -59,6 +61,22 @@ class Boards(unittest.TestCase):
             recipe.Recipe(ROOT, "moon", "usb")
         with self.assertRaisesRegex(recipe.RecipeError, "no camera film: use usb, imx296"):
             recipe.Recipe(ROOT, "rpi4", "film")
+
+
+class CommandLine(InFolder):
+    def test_what_cannot_be_built_is_one_line(self):
+        missing = self.folder / "none"
+        for arguments, environment, said in (
+                (["moon"], {}, "board moon has no image"), (["virt", "--camera", "film"], {}, "no camera film"),
+                (["rpi5"], {}, "board rpi5 takes --kernel DIR"), (["rpi4", "--kernel", missing], {}, "no kernel"),
+                (["virt"], {"SOURCE_DATE_EPOCH": "today"}, "SOURCE_DATE_EPOCH takes"),
+                (["virt", "--stofd", missing], {}, "is missing: cmake --preset virt")):
+            done = subprocess.run([sys.executable, "-B", ROOT / "scripts" / "image", *arguments, "--out", self.folder / "out"],
+                                  env={**os.environ, **environment}, capture_output=True, text=True, check=False)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(said, done.stderr)
+            self.assertEqual(done.stderr.count("\n"), 1, done.stderr)
+            self.assertEqual(list(self.folder.iterdir()), [])
 
 
 class Packages(InFolder):
@@ -186,11 +204,19 @@ class Sbom(InFolder):
         self.assertEqual(document["creationInfo"]["created"], "2023-11-14T22:13:20Z")
         names = {entry["SPDXID"]: entry for entry in document["packages"]}
         self.assertEqual(names["SPDXRef-busybox-static"]["versionInfo"], "1:1.37.0-6")
+        self.assertEqual(names["SPDXRef-busybox-static"]["externalRefs"][0]["referenceLocator"],
+                         "pkg:deb/debian/busybox@1%3A1.37.0-6?arch=source")
         related = {relation["relatedSpdxElement"] for relation in document["relationships"]}
         self.assertEqual(related, set(names))
         self.assertIn(b"busybox 1:1.37.0-6", files["sources.txt"])
         self.assertIn(b"common-licenses/GPL-2", files["licences/busybox-static.txt"])
         self.assertIn(b"GNU GENERAL PUBLIC LICENSE", files["licences/common/GPL-2.txt"])
+
+    def test_a_signed_kernel_has_the_sources_of_the_kernel(self):
+        self.package("linux-image")
+        log = self.folder / "usr/share/doc/linux-image/changelog.Debian.gz"
+        log.write_bytes(gzip.compress(b"linux-signed-arm64 (6.12.117+1) trixie-security; urgency=high\n"))
+        self.assertEqual(sbom.Package(self.folder, "linux-image", "Linux").source, "linux")
 
     def test_a_package_without_its_licence_is_refused(self):
         self.package("busybox-static")

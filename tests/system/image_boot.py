@@ -3,7 +3,7 @@
 
 Builds it twice (scripts/image virt), which must be equal, flashes it to a file (scripts/flash) with first settings, and
 starts what the chooser of a boot ROM would: this program reads autoboot.txt of the first partition, and kernel, initramfs
-and command line of that slot. Frames must be those of their edges, bit by bit, as in system_test.py. A minute and a half.
+and command line of that slot. Frames must be those of their edges, bit by bit, as in system_test.py. Two minutes.
 """
 
 import argparse
@@ -39,6 +39,9 @@ NAME = "front sensor"
 # How a slot is asked for, and how the sensor gets its address there.
 STARTS = (("a", "all", "dhcp"), ("b", "tryboot", "10.0.2.15/24"))
 
+# A card that lacks something, and what its console says of it.
+LACKING = (("no_calibration", "no calibration on the settings partition"), ("no_settings", "no settings partition"))
+
 
 def chosen(image, section):
     """The slot that autoboot.txt of the image names, for a usual start (all) or for one on trial (tryboot)."""
@@ -70,14 +73,14 @@ def built(work, report):
     return images[0]
 
 
-def flashed(scene, image, card, port, address):
-    """The image on a file as large, with the settings of the system test's rig. What was said."""
+def flashed(image, card, port, address, *more):
+    """The image on a file as large, with the options of the system test's rig. What was said."""
     card.unlink(missing_ok=True)
     with open(card, "wb") as file:
         file.truncate(disk.SIZE)
     words = ["--to", f"{system_rig.HOST}:{port}", *system_rig.RIG_OPTIONS]
-    done = subprocess.run([ROOT / "scripts" / "flash", image, card, "--yes", "--calibration", scene.calibration, "--name",
-                           NAME, "--address", address, *(f"--option={word}" for word in words)], check=True, text=True,
+    done = subprocess.run([ROOT / "scripts" / "flash", image, card, "--yes", "--name", NAME, "--address",
+                           address, *more, *(f"--option={word}" for word in words)], check=True, text=True,
                           stdout=subprocess.PIPE)
     return done.stdout
 
@@ -91,22 +94,44 @@ def seed_of(card, folder):
     return disk.read_ext4(part, "seed")
 
 
+def loaded(card, slot, folder):
+    """What a boot loader reads of a slot: files of kernel and initramfs, the command line."""
+    files = [folder / name for name in ("kernel8.img", "initramfs")]
+    for file in files:
+        file.write_bytes(disk.read_fat(card, disk.SLOTS[slot], file.name))
+    return files, disk.read_fat(card, disk.SLOTS[slot], "cmdline.txt").decode().strip()
+
+
+def gives_no_depth(scene, image, work, report, name, said):
+    """A card without a calibration, or without a settings partition: stofd says why, and there is nothing to be trusted."""
+    folder = work / name
+    shutil.rmtree(folder, ignore_errors=True)
+    folder.mkdir(parents=True)
+    port, card = machine.free_udp_port(), folder / "card.img"
+    flashed(image, card, port, "dhcp")
+    if name == "no_settings":
+        with open(card, "r+b") as file:
+            file.seek(disk.SETTINGS.begin)
+            file.write(bytes(disk.SETTINGS.size))
+    boot, words = loaded(card, "a", folder)
+    with system_rig.Rig(scene, None, folder, boot=boot, port=port, command_line=words, drive=card) as rig:
+        rig.machine.console.plain(said)
+        rig.machine.console.plain("stofd ended with 2")
+        report.none(f"{name}: frames", rig.receiver.count())
+
+
 def slot_starts(scene, image, work, report, slot, section, address):
     folder = work / f"slot_{slot}"
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
     port, card = machine.free_udp_port(), folder / "card.img"
-    said = flashed(scene, image, card, port, address)
+    said = flashed(image, card, port, address, "--calibration", scene.calibration)
     checks.check(re.search(r"^([0-9a-f]{4}-){7}[0-9a-f]{4}$", said, re.MULTILINE) is not None, "flash told no code")
     found = chosen(card, section)
     report.figure(f"slot of a start by [{section}]", found, slot, found == slot)
-    part = disk.SLOTS[found]
-    for name in ("kernel8.img", "initramfs"):
-        (folder / name).write_bytes(disk.read_fat(card, part, name))
-    words = disk.read_fat(card, part, "cmdline.txt").decode().strip()
+    boot, words = loaded(card, found, folder)
     before = card.read_bytes()
-    with system_rig.Rig(scene, None, folder, boot=(folder / "kernel8.img", folder / "initramfs"), port=port,
-                        command_line=words, drive=card) as rig:
+    with system_rig.Rig(scene, None, folder, boot=boot, port=port, command_line=words, drive=card) as rig:
         try:
             frame = rig.receiver.wait(lambda frame: frame["missing"] == 0 and frame["depth"], timeout=90, what="frame")
             at = (frame["middle_ns"] + frame["latency_ns"]) * 1e-9
@@ -169,6 +194,8 @@ def run(options):
     report.run("built", lambda: images.append(built(work, report)))
     for slot, section, address in STARTS if images else ():
         report.run(f"slot_{slot}", slot_starts, scene, images[0], work, report, slot, section, address)
+    for name, said in LACKING if images else ():
+        report.run(name, gives_no_depth, scene, images[0], work, report, name, said)
     for board in ("rpi4", "rpi5"):
         report.run(f"image_{board}", pi_image, work, report, board)
     print(f"{report.passed} passed, {report.failed} failed")

@@ -188,6 +188,10 @@ class Console:
         """The first line of the program's output that has the pattern; waits for it."""
         return self._wait(self.log, since, lambda log: re.search(pattern, log.text), pattern, timeout)
 
+    def plain(self, pattern, timeout=60.0):
+        """The first line that is neither an event nor of the program's output and has the pattern; waits for it."""
+        return self._wait(self.other, 0, lambda line: re.search(pattern, line), pattern, timeout)
+
 
 class Machine:
     """QEMU's virt board. usb: names of usb-redir sockets, `Machine.path(name)`.
