@@ -68,10 +68,11 @@ def _find(serial: str | None, name: str | None, timeout: float, addresses: typin
     fits = [one for one in all_found if (serial is None or one.serial == serial) and (name is None or one.name == name)]
     if len(fits) == 1:
         return fits[0]
-    wanted = " and ".join(f"{what} '{value}'" for what, value in (("serial number", serial), ("name", name)) if value is not None)
+    wanted = " and ".join(f"{what} {value!r}" for what, value in (("serial number", serial), ("name", name)) if value is not None)
     if fits:
         raise NotFound(f"{len(fits)} sensors have {wanted}: open one of {', '.join(one.endpoint for one in fits)} by its address")
-    others = ", ".join(f"{one.serial} '{one.name}' at {one.endpoint}" for one in all_found)
+    # What the network says may hold anything: as Python writes it.
+    others = ", ".join(f"{one.serial!r} {one.name!r} at {one.endpoint}" for one in all_found)
     raise NotFound(f"no sensor with {wanted} answered within {timeout:g} s; found: {others or 'none'}")
 
 

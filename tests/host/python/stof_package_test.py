@@ -4,9 +4,11 @@
 
 import contextlib
 import gc
+import importlib.util
 import math
 import os
 import pathlib
+import queue
 import select
 import subprocess
 import sys
@@ -187,6 +189,13 @@ class Frames(WithSensor):
             self.assertIn("64x48", repr(first))
             self.one_line(stof.BadArgument, first.missing, "up", holds="depth")
 
+    def test_a_program_that_ends_without_closing_says_nothing(self):
+        code = ("import stof, sys\nsensor = stof.open(sys.argv[1])\nkept = [sensor.next(20) for _ in range(5)]\n"
+                "depths = [frame.depth for frame in kept]\niterator = iter(sensor)\nnext(iterator)\n")
+        ended = subprocess.run([sys.executable, "-B", "-c", code, self.address], capture_output=True, text=True, check=False, timeout=60,
+                               env={**os.environ, "PYTHONPATH": str(support.ROOT / "host/python")})
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (0, "", ""))
+
     def test_waits_in_a_poll_loop(self):
         with self.open() as sensor:
             frames = 0
@@ -197,6 +206,20 @@ class Frames(WithSensor):
                     sensor.next(0)
                     frames += 1
             self.assertEqual(frames, 5)
+
+
+class Example(WithSensor):
+    def test_shows_depth_as_a_picture(self):
+        if importlib.util.find_spec("matplotlib") is None:
+            self.skipTest("no matplotlib: install python3-matplotlib")
+        with tempfile.TemporaryDirectory(prefix="stof_") as folder:
+            picture = pathlib.Path(folder) / "depth.png"
+            ended = subprocess.run([sys.executable, "-B", support.ROOT / "host/python/examples/show_depth.py", self.address, picture],
+                                   capture_output=True, text=True, check=False, timeout=120,
+                                   env={**os.environ, "PYTHONPATH": str(support.ROOT / "host/python"), "MPLBACKEND": "Agg"})
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertEqual(picture.read_bytes()[:4], b"\x89PNG")
+            self.assertGreater(picture.stat().st_size, 5000)
 
 
 class AllStreams(WithSensor):
@@ -341,7 +364,7 @@ class Finding(WithSensor):
         for what in ({"serial": found[0].serial, "name": "left arm"}, {"name": "left arm"}):
             with stof.open(**what, **here) as sensor:
                 self.assertTrue(sensor.next(LONG_S).depth.any())
-        self.one_line(stof.NotFound, stof.open, serial="no such one", **here, holds=self.address)
+        self.one_line(stof.NotFound, stof.open, serial="no\nsuch", **here, holds=self.address)
 
     def test_wrong_arguments(self):
         self.one_line(stof.BadArgument, stof.discover, 0.1, ["127.0.0.1:99999"])
@@ -414,7 +437,6 @@ class Threads(WithSensor):
         self.assertEqual(len({frame.number for frame in held}), 60)
 
     def test_frames_may_be_given_to_other_threads_and_dropped_there(self):
-        import queue
         frames, sums = queue.Queue(4), []
 
         def work():
