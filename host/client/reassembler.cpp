@@ -398,6 +398,17 @@ std::optional<Frame> Reassembler::take(Time now) {
   return take();
 }
 
+bool Reassembler::keep(FramePixels& pixels) noexcept {
+  for (FrameSlot& slot : slots_) {
+    if (slot.state == FrameSlot::State::kOut) {
+      slot.swap_pixels(pixels);
+      slot.state = FrameSlot::State::kFree;
+      return true;
+    }
+  }
+  return false;
+}
+
 // In the order of finishing, or, of those that are not finished, of their numbers.
 FrameSlot* Reassembler::oldest(FrameSlot::State state) {
   FrameSlot* found = nullptr;

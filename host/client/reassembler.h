@@ -69,6 +69,8 @@ class Reassembler {
   // old.
   std::optional<Frame> take();
   std::optional<Frame> take(Time now);
+  // Moves the images of the last frame to `pixels`, for whose memory it is valid; reuses theirs.
+  bool keep(FramePixels& pixels) noexcept;  // once a frame; false: none is out
 
   const Statistics& statistics() const noexcept { return statistics_; }
   // Datagrams that no sensor can have sent; what is not signed only once there is a key.

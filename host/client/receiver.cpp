@@ -194,6 +194,8 @@ Result<Frame> Receiver::next(Duration timeout) {
   return frame;
 }
 
+bool Receiver::keep(FramePixels& pixels) noexcept { return parts_->reassembler.keep(pixels); }
+
 LinkState Receiver::link() const noexcept {
   return parts_->watch.state(std::chrono::steady_clock::now());
 }

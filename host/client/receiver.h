@@ -11,6 +11,7 @@
 #include "host/client/control/subscription.h"
 #include "host/client/error.h"
 #include "host/client/frame/frame.h"
+#include "host/client/frame/frame_pixels.h"
 #include "host/client/reassembler.h"
 #include "host/client/sensor_socket.h"
 #include "host/client/session/link_watch.h"
@@ -50,6 +51,10 @@ class Receiver {
   // Call it often: what the socket's buffer cannot hold in between is lost (socket_drops). It also
   // keeps the subscription alive, for which a call every second is enough.
   Result<Frame> next(Duration timeout);
+
+  // The images of the frame that next() returned last move to `pixels`, as Reassembler::keep()
+  // says.
+  bool keep(FramePixels& pixels) noexcept;
 
   // The newest of the session, as far as next() has read; absent until the first one arrived.
   const std::optional<wire::HealthReport>& health() const noexcept;

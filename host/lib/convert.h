@@ -11,6 +11,7 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/frame/point_cloud.h"
+#include "host/client/receiver.h"
 #include "host/client/session/link_watch.h"
 #include "host/client/statistics.h"
 #include "host/lib/include/stof/stof.h"
@@ -22,6 +23,7 @@ namespace stof::lib {
 struct Taken {
   client::Frame frame;
   std::vector<client::Point>* points = nullptr;  // of the sensor: keeps its memory
+  client::Receiver* receiver = nullptr;          // that has the images; none: they are kept
 };
 
 // Fills a structure of a caller who may know less of it, or more. False: it says no size.

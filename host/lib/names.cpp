@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <string_view>
 
 #include "firmware/wire/messages/conditions.h"
 #include "host/client/value_names.h"
@@ -38,6 +41,27 @@ const char* stof_status_text(int status) {
 }
 
 const char* stof_version(void) { return STOF_VERSION; }
+
+size_t stof_struct_size(const char* name) {
+  struct Size {
+    std::string_view name;
+    std::size_t size;
+  };
+#define STOF_SIZE(type) \
+  Size { #type, sizeof(type) }
+  constexpr std::array kSizes{
+      STOF_SIZE(stof_options), STOF_SIZE(stof_plane),       STOF_SIZE(stof_calibration),
+      STOF_SIZE(stof_info),    STOF_SIZE(stof_cloud_point), STOF_SIZE(stof_frame),
+      STOF_SIZE(stof_point),   STOF_SIZE(stof_health),      STOF_SIZE(stof_event),
+      STOF_SIZE(stof_link),    STOF_SIZE(stof_callbacks),   STOF_SIZE(stof_statistics),
+      STOF_SIZE(stof_answer),  STOF_SIZE(stof_found)};
+#undef STOF_SIZE
+  if (name == nullptr) {
+    return 0;
+  }
+  const auto* const found = std::ranges::find(kSizes, std::string_view(name), &Size::name);
+  return found == kSizes.end() ? 0 : found->size;
+}
 
 const char* stof_condition_name(unsigned condition) {
   const auto* const info = info_of(condition);

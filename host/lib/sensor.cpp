@@ -15,6 +15,7 @@ using lib::guarded;
 namespace {
 
 constexpr client::Duration kPoll = std::chrono::milliseconds(100);  // how soon a stop is seen
+constexpr std::size_t kUpToSelf = offsetof(stof_frame, self) + sizeof(stof_frame::self);
 
 client::ReceiverOptions receiver_options(const stof_options& options) {
   client::ReceiverOptions out;
@@ -61,7 +62,7 @@ stof_status stof_sensor::receive(client::Duration timeout) {
   if (!frame) {
     return lib::to_status(frame.error());
   }
-  taken = {.frame = *frame, .points = &points};
+  taken = {.frame = *frame, .points = &points, .receiver = &receiver};
   return STOF_OK;
 }
 
@@ -188,8 +189,7 @@ int stof_due_ms(const stof_sensor* sensor) {
 
 stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capacity,
                         size_t* count) {
-  constexpr std::size_t kLeast = offsetof(stof_frame, self) + sizeof frame->self;
-  if (frame == nullptr || frame->struct_size < kLeast || frame->self == nullptr ||
+  if (frame == nullptr || frame->struct_size < kUpToSelf || frame->self == nullptr ||
       count == nullptr || (points == nullptr && capacity != 0)) {
     return STOF_BAD_ARGUMENT;
   }
@@ -214,6 +214,34 @@ stof_status stof_points(const stof_frame* frame, stof_point* points, size_t capa
     return *count > capacity ? STOF_TOO_SMALL : STOF_OK;
   });
 }
+
+stof_status stof_keep(stof_frame* frame, stof_kept** kept) {
+  if (frame == nullptr || frame->struct_size < kUpToSelf || frame->self == nullptr ||
+      kept == nullptr) {
+    return STOF_BAD_ARGUMENT;
+  }
+  return guarded([&] {
+    const auto& taken = *static_cast<const lib::Taken*>(frame->self);
+    if (taken.receiver == nullptr || taken.frame.stamp.number != frame->number) {
+      return STOF_BAD_ARGUMENT;
+    }
+    std::unique_ptr<stof_kept> made;
+    if (*kept == nullptr) {
+      made = std::make_unique<stof_kept>();
+      *kept = made.get();
+    }
+    if (!taken.receiver->keep((*kept)->pixels)) {
+      *kept = made != nullptr ? nullptr : *kept;
+      return STOF_BAD_ARGUMENT;
+    }
+    static_cast<void>(made.release());
+    (*kept)->taken = {.frame = taken.frame, .points = &(*kept)->points, .receiver = nullptr};
+    frame->self = &(*kept)->taken;
+    return STOF_OK;
+  });
+}
+
+void stof_release(stof_kept* kept) { delete kept; }
 
 stof_status stof_get_health(stof_sensor* sensor, stof_health* health) {
   if (sensor == nullptr) {

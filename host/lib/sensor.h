@@ -32,7 +32,14 @@ stof_status guarded(Work&& work) noexcept {
 
 }  // namespace stof::lib
 
-// The type that stof.h names.
+// The types that stof.h names.
+// NOLINTNEXTLINE(readability-identifier-naming): a name of the C interface.
+struct stof_kept {
+  stof::client::FramePixels pixels{};
+  std::vector<stof::client::Point> points{};
+  stof::lib::Taken taken{};
+};
+
 // NOLINTNEXTLINE(readability-identifier-naming): a name of the C interface.
 struct stof_sensor {
   stof_sensor(stof::client::Receiver opened, std::string at, std::string key_file,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "firmware/wire/frame/parity.h"
@@ -56,6 +57,9 @@ class FrameSlot {
   // Makes none of every pixel that did not arrive; before view().
   void finish() { pixels_.finish(); }
   Frame view() const;
+  // After view(): its images are those of `pixels` from now on, and their memory becomes this
+  // slot's.
+  void swap_pixels(FramePixels& pixels) noexcept { std::swap(pixels_, pixels); }
 
   bool complete() const noexcept { return received_packets_ == header_.count; }
   std::uint32_t missing_packets() const noexcept { return header_.count - received_packets_; }

@@ -11,56 +11,20 @@
 #include "firmware/wire/messages/event.h"
 #include "firmware/wire/messages/health.h"
 #include "host/client/control/user_keys.h"
-#include "tests/firmware/control/sensor.h"
 #include "tests/firmware/keys/some_keys.h"
-#include "tests/host/client/test_pattern.h"
+#include "tests/host/lib/lib_sensor.h"
 
 namespace {
 
 using namespace std::chrono_literals;
+using stof::test::all_streams;
+using stof::test::calibration;
 using stof::test::Datagram;
+using stof::test::endpoint;
 using stof::test::frame_spec;
-
-std::string endpoint(const stof::test::Sensor& sensor) {
-  return "127.0.0.1:" + std::to_string(sensor.number());
-}
-
-stof::Sensor open(const stof::test::Sensor& sensor) {
-  std::string why;
-  auto opened = stof::Sensor::open(endpoint(sensor), &why);
-  if (!opened) {
-    ADD_FAILURE() << why;
-    std::abort();
-  }
-  return std::move(*opened);
-}
-
-// Subscribed: what the sensor sends now arrives.
-void subscribe(stof::Sensor& client, stof::test::Sensor& sensor) {
-  for (int i = 0; i < 1000 && sensor.list().count != 1; ++i) {
-    static_cast<void>(client.next(5ms));
-  }
-  ASSERT_EQ(sensor.list().count, 1U);
-}
-
-void send(stof::test::Sensor& sensor, const std::vector<Datagram>& datagrams) {
-  for (const Datagram& datagram : datagrams) {
-    ASSERT_EQ(sensor.send(datagram), stof::Status::kOk);
-  }
-}
-
-Datagram calibration() {
-  stof::test::FrameSpec spec = frame_spec(1);
-  spec.width = 64;
-  spec.height = 48;
-  return stof::test::calibration_datagram(spec, 33'000'000);
-}
-
-std::vector<Datagram> all_streams(std::uint32_t number) {
-  return stof::test::pattern_datagrams(
-      frame_spec(number), {},
-      stof::test::every_stream(stof::wire::Coding::kRvl, /*parity=*/false, /*cloud_step=*/8));
-}
+using stof::test::open;
+using stof::test::send;
+using stof::test::subscribe;
 
 TEST(Lib, GivesEveryStreamOfAFrame) {
   stof::test::Sensor sensor;

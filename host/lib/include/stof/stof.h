@@ -5,7 +5,8 @@
  * different sensors are independent. stof_discover() and all functions that return names may be
  * called from any thread.
  * Ownership. stof_close() frees a stof_sensor. Pointers in a stof_frame are the library's: valid
- * until the next stof_next() or stof_close() of that sensor, in a callback until it returns.
+ * until the next stof_next() or stof_close() of that sensor, in a callback until it returns;
+ * stof_keep() makes them yours.
  * Nothing is ever thrown or aborted for what arrives from the network.
  * Growth. Structures begin with their size where a later version may add fields at their end: set
  * it (STOF_INIT does), then an older program works with a newer library and the other way round.
@@ -61,6 +62,10 @@ typedef enum stof_status {
 STOF_API const char* stof_status_text(int status);
 /* Of the library in use: "0.1.0". */
 STOF_API const char* stof_version(void);
+/* sizeof(name) in the library in use, of a structure of this header, "stof_frame"; 0: it has none
+ * of that name. For languages that do not read this header: structures without struct_size never
+ * change, the others only grow. */
+STOF_API size_t stof_struct_size(const char* name);
 
 /* ---- Opening ------------------------------------------------------------------------------- */
 
@@ -235,6 +240,18 @@ typedef struct stof_frame {
  * looks. Call it at least once a second: it keeps the subscription alive. frame->struct_size is
  * set by you. STOF_TIMEOUT, STOF_LOST, STOF_BUSY, STOF_BAD_ARGUMENT, STOF_NO_MEMORY. */
 STOF_API stof_status stof_next(stof_sensor* sensor, int timeout_ms, stof_frame* frame);
+
+/* Keeps a frame beyond the next one, without a copy: its images move from the sensor to *kept, and
+ * the pointers in `frame` stay valid until stof_release(), also after stof_close(). *kept NULL: a
+ * new one is made, some 10 bytes a pixel. Otherwise the frame that it kept ends, and its memory is
+ * the sensor's again: with a few of them in turn nothing is allocated. On the thread that
+ * stof_next() gave the frame to, or in its callback, of a copy of the stof_frame.
+ * STOF_BAD_ARGUMENT: also of a frame that is kept or over; then *kept is as before. STOF_NO_MEMORY.
+ */
+typedef struct stof_kept stof_kept;
+STOF_API stof_status stof_keep(stof_frame* frame, stof_kept** kept);
+/* NULL is nothing. From any thread. */
+STOF_API void stof_release(stof_kept* kept);
 
 /* For poll(): readable when stof_next(sensor, 0, ...) has something to do. -1: no sensor. */
 STOF_API int stof_fd(const stof_sensor* sensor);

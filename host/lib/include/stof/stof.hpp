@@ -1,6 +1,6 @@
 // libstof for C++17 and later: stof/stof.h with owners and views instead of pointers. Header only,
 // throws nothing of its own. Threads and lifetimes are those of stof/stof.h: what a Frame shows is
-// valid until the next Sensor::next() or the end of its Sensor.
+// valid until the next Sensor::next() or the end of its Sensor, unless a KeptFrame keeps it.
 #ifndef STOF_STOF_HPP
 #define STOF_STOF_HPP
 
@@ -124,6 +124,27 @@ struct Answer {
   std::string text;            // the document, or why not
   std::uint32_t revision = 0;  // of the active settings
   bool restart = false;        // some of them wait for the next start
+};
+
+// A frame that stays beyond the next one, without a copy; its images are valid as long as this is.
+class KeptFrame {
+ public:
+  // Of the newest frame of a sensor. Once; not ok(): it is over, or kept already.
+  explicit KeptFrame(const Frame& frame) : frame_(frame) {
+    stof_kept* kept = nullptr;
+    static_cast<void>(stof_keep(frame_.fill(), &kept));
+    kept_.reset(kept);
+  }
+  bool ok() const noexcept { return kept_ != nullptr; }
+  const Frame& operator*() const noexcept { return frame_; }
+  const Frame* operator->() const noexcept { return &frame_; }
+
+ private:
+  struct Release {
+    void operator()(stof_kept* kept) const noexcept { stof_release(kept); }
+  };
+  Frame frame_;
+  std::unique_ptr<stof_kept, Release> kept_;
 };
 
 // What a sensor's own thread calls; empty ones are not called.

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <cstdlib>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <stof/stof.hpp>
+
+#include "tests/firmware/control/sensor.h"
+#include "tests/host/client/test_pattern.h"
+
+// libstof before the network end of a sensor.
+namespace stof::test {
+
+inline std::string endpoint(const Sensor& sensor) {
+  return "127.0.0.1:" + std::to_string(sensor.number());
+}
+
+inline stof::Sensor open(const Sensor& sensor) {
+  std::string why;
+  auto opened = stof::Sensor::open(endpoint(sensor), &why);
+  if (!opened) {
+    ADD_FAILURE() << why;
+    std::abort();
+  }
+  return std::move(*opened);
+}
+
+// Subscribed: what the sensor sends now arrives.
+inline void subscribe(stof::Sensor& client, Sensor& sensor) {
+  for (int i = 0; i < 1000 && sensor.list().count != 1; ++i) {
+    static_cast<void>(client.next(std::chrono::milliseconds(5)));
+  }
+  ASSERT_EQ(sensor.list().count, 1U);
+}
+
+inline void send(Sensor& sensor, const std::vector<Datagram>& datagrams) {
+  for (const Datagram& datagram : datagrams) {
+    ASSERT_EQ(sensor.send(datagram), stof::Status::kOk);
+  }
+}
+
+inline Datagram calibration() {
+  FrameSpec spec = frame_spec(1);
+  spec.width = 64;
+  spec.height = 48;
+  return calibration_datagram(spec, 33'000'000);
+}
+
+inline std::vector<Datagram> all_streams(std::uint32_t number) {
+  return pattern_datagrams(
+      frame_spec(number), {},
+      every_stream(stof::wire::Coding::kRvl, /*parity=*/false, /*cloud_step=*/8));
+}
+
+}  // namespace stof::test
