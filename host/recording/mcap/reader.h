@@ -64,6 +64,8 @@ class StreamReader {
   std::uint64_t record_offset() const noexcept { return record_.offset; }
   const Header& header() const noexcept { return header_; }
   bool chunked() const noexcept { return !loose_messages_; }  // all messages lie in chunks
+  // Every chunk but the last one has a sound message index for each of its channels behind it.
+  bool earlier_chunks_indexed() const noexcept { return earlier_chunks_indexed_; }
 
  private:
   explicit StreamReader(const ByteSource& source, const Limits& limits)
@@ -74,7 +76,8 @@ class StreamReader {
   std::expected<std::optional<Item>, Problem> take();
   std::expected<std::optional<Item>, Problem> take_in_chunk();
   std::expected<void, Problem> open_chunk();
-  std::expected<void, Problem> judge_chunk();
+  std::expected<void, Problem> judge_chunk(
+      std::map<std::uint16_t, MessageIndex>& messages_by_channel);
   std::expected<void, Problem> take_definition(Opcode opcode, Bytes content);
   void take_message_index();
 
@@ -92,6 +95,7 @@ class StreamReader {
   std::map<std::uint16_t, MessageIndex> chunk_messages_;
   bool chunk_sound_ = false;  // the last one
   bool loose_messages_ = false;
+  bool earlier_chunks_indexed_ = true;
 };
 
 // By the index at the end of the file: in order of chunks, in a chunk of times, and only what is

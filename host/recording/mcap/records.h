@@ -86,6 +86,7 @@ struct Chunk {
 struct IndexEntry {
   std::uint64_t log_time = 0;
   std::uint64_t offset = 0;  // of the message's record in the uncompressed chunk
+  friend bool operator==(const IndexEntry&, const IndexEntry&) = default;
 };
 struct MessageIndex {
   std::uint16_t channel_id = 0;

@@ -69,10 +69,9 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
     result.was_whole = true;
     return result;
   }
-  if (!reader->chunked()) {
-    return in_file(file,
-                   Problem{"has messages outside of chunks, which no index finds: give OUT, a "
-                           "file that gets them in chunks"});
+  if (!reader->chunked() || !reader->earlier_chunks_indexed()) {
+    return in_file(file, Problem{"has messages that no index in it finds: give OUT, a file that "
+                                 "gets them with one"});
   }
   FileIndex index = reader->index();
   std::uint64_t end = first_damaged.value_or(reader->whole_until());

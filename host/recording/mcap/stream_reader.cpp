@@ -146,8 +146,11 @@ std::expected<std::optional<Item>, Problem> StreamReader::take() {
 std::expected<void, Problem> StreamReader::open_chunk() {
   chunk_.clear();
   chunk_at_ = 0;
-  chunk_messages_.clear();
   chunk_sound_ = false;
+  if (!index_.chunks.empty() &&
+      index_.chunks.back().message_index_offsets.size() != chunk_messages_.size()) {
+    earlier_chunks_indexed_ = false;
+  }
   const std::optional<Chunk> chunk = parse_chunk(record_.content);
   if (!chunk) {
     return damaged("chunk", record_.offset, "its lengths contradict each other");
@@ -155,11 +158,12 @@ std::expected<void, Problem> StreamReader::open_chunk() {
   if (auto done = unpack(*chunk, record_.offset, limits_, chunk_); !done) {
     return done;
   }
-  if (auto done = judge_chunk(); !done) {
+  std::map<std::uint16_t, MessageIndex> messages_by_channel;
+  if (auto done = judge_chunk(messages_by_channel); !done) {
     chunk_.clear();
-    chunk_messages_.clear();
     return done;
   }
+  chunk_messages_ = std::move(messages_by_channel);
   index_.chunks.push_back({.start_time = chunk->start_time,
                            .end_time = chunk->end_time,
                            .chunk_offset = record_.offset,
@@ -178,7 +182,8 @@ std::expected<void, Problem> StreamReader::open_chunk() {
 }
 
 // Goes through all records once, so that a chunk is delivered whole or not at all.
-std::expected<void, Problem> StreamReader::judge_chunk() {
+std::expected<void, Problem> StreamReader::judge_chunk(
+    std::map<std::uint16_t, MessageIndex>& messages_by_channel) {
   const std::uint64_t chunk = record_.offset;
   for (std::size_t at = 0; at < chunk_.size();) {
     const std::optional<RecordAt> record = first_record(Bytes(chunk_).subspan(at));
@@ -194,7 +199,7 @@ std::expected<void, Problem> StreamReader::judge_chunk() {
       if (!message || !index_.channels.contains(message->channel_id)) {
         return damaged("chunk", chunk, "a message in it is cut, or of a channel that is not there");
       }
-      MessageIndex& messages = chunk_messages_[message->channel_id];
+      MessageIndex& messages = messages_by_channel[message->channel_id];
       messages.channel_id = message->channel_id;
       messages.entries.push_back({.log_time = message->log_time, .offset = at});
     }
@@ -236,14 +241,19 @@ std::expected<void, Problem> StreamReader::take_definition(Opcode opcode, Bytes 
   return {};
 }
 
-// Where each index of the chunk before lies; what it says was counted from the messages.
+// Where each index of the chunk before lies, if it says what was counted from the messages.
 void StreamReader::take_message_index() {
   const std::optional<MessageIndex> messages = parse_message_index(record_.content);
-  if (messages && chunk_sound_) {
-    ChunkIndex& chunk = index_.chunks.back();
-    chunk.message_index_offsets[messages->channel_id] = record_.offset;
-    chunk.message_index_length += record_.length;
+  if (!messages || !chunk_sound_) {
+    return;
   }
+  const auto counted = chunk_messages_.find(messages->channel_id);
+  if (counted == chunk_messages_.end() || counted->second.entries != messages->entries) {
+    return;
+  }
+  ChunkIndex& chunk = index_.chunks.back();
+  chunk.message_index_offsets[messages->channel_id] = record_.offset;
+  chunk.message_index_length += record_.length;
 }
 
 }  // namespace stof::mcap
