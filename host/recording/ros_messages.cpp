@@ -135,7 +135,6 @@ mcap::Schema diagnostics_schema() {
 mcap::Schema packet_schema() {
   return schema_of("stof_msgs/msg/Packet", kPacketText, {kHeaderPart, kTimePart});
 }
-mcap::Schema string_schema() { return schema_of("std_msgs/msg/String", "string data\n", {}); }
 
 Buffer encode(const Image& image) {
   CdrWriter to;
@@ -279,12 +278,6 @@ std::optional<Packet> decode_packet(Bytes message) {
   packet.recovered_packets = from.number<std::uint32_t>();
   packet.payload = from.octets();
   return from.ok() ? std::optional(std::move(packet)) : std::nullopt;
-}
-
-Buffer encode_string(std::string_view text) {
-  CdrWriter to;
-  to.text(text);
-  return std::move(to).take();
 }
 
 }  // namespace stof::recording

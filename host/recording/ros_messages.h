@@ -22,7 +22,6 @@ mcap::Schema image_schema();
 mcap::Schema camera_info_schema();
 mcap::Schema diagnostics_schema();
 mcap::Schema packet_schema();  // stof_msgs/msg/Packet
-mcap::Schema string_schema();
 
 inline constexpr std::string_view kOpticalFrame = "stof_left_optical_frame";
 
@@ -66,8 +65,5 @@ struct Packet {
 };
 Buffer encode(const Packet& packet);
 std::optional<Packet> decode_packet(Bytes message);
-
-// std_msgs/msg/String.
-Buffer encode_string(std::string_view text);
 
 }  // namespace stof::recording

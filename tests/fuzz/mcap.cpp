@@ -119,7 +119,7 @@ void stof::fuzz::run(std::span<const std::byte> input) {
   const auto how = std::to_integer<unsigned>(input[0]);
   const mcap::Bytes rest = input.subspan(1);
   const mcap::Buffer file = (how & kRecords) != 0 ? file_around(rest, (how & kInChunk) != 0)
-                                                 : mcap::Buffer(rest.begin(), rest.end());
+                                                  : mcap::Buffer(rest.begin(), rest.end());
   const mcap::MemorySource source(file);
   read_in_order(source);
   read_by_index(source);

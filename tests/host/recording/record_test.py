@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """record_test.py COMMAND...: stof record, info, export and recover (COMMAND is stof, with an emulator before it in a
-cross build) as a user runs them, against stofd, whose command STOFD holds, its words separated by |."""
+cross build) as a user runs them, against stofd. STOFD and RECORDING_SAMPLE hold the commands of stofd and of what writes a
+recording with messages of every kind, their words separated by |. Where node or the modules of mcap_reader.mjs are not
+installed, what reads recordings with them is skipped."""
 
 import json
 import os
@@ -18,6 +20,7 @@ import zlib
 
 COMMAND = []
 STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
+SAMPLE = [word for word in os.environ.get("RECORDING_SAMPLE", "").split("|") if word]
 NODE = os.environ.get("NODE", "node")
 READER = pathlib.Path(__file__).with_name("mcap_reader.mjs")
 STREAMS = ("disparity", "pmd_raw", "grey_left", "grey_right")
@@ -256,6 +259,13 @@ class Record(unittest.TestCase):
             self.assertEqual(sum(self.read_elsewhere(file, *more)["counts"].values()), expected)
         self.succeed("recover", cut)
         self.assertEqual(sum(self.read_elsewhere(cut)["counts"].values()), before["messages"])
+
+    def test_other_programs_read_a_thousand_messages_of_each_channel(self):
+        file = self.folder / "sample.mcap"
+        subprocess.run([*SAMPLE, str(file), "1000"], check=True, timeout=120)
+        for more in ((), ("--stream",)):
+            counts = self.read_elsewhere(file, *more)["counts"]
+            self.assertEqual(counts, {topic: 1000 for topic in OF_A_FRAME | BESIDE | {"/stof/depth/received"}})
 
     def read_elsewhere(self, *arguments):
         try:
