@@ -40,13 +40,12 @@ class FrameMessages {
       }
     }
     const bool grey = topic == Topic::kLeft || topic == Topic::kRight;
+    const char* const narrow = grey ? "mono8" : "8UC1";
     add(topic, encode(Image{.header = header(),
                             .width = static_cast<std::uint32_t>(first.width()),
                             .height = static_cast<std::uint32_t>(first.height()) *
                                       static_cast<std::uint32_t>(images.size()),
-                            .encoding = sizeof(Pixel) == 2 ? "16UC1"
-                                        : grey             ? "mono8"
-                                                           : "8UC1",
+                            .encoding = sizeof(Pixel) == 2 ? "16UC1" : narrow,
                             .data = std::as_bytes(std::span(pixels))}));
   }
 

@@ -14,8 +14,8 @@ std::expected<std::unique_ptr<Recorder>, Problem> Recorder::start(mcap::ByteSink
   return std::unique_ptr<Recorder>(new Recorder(std::move(*writer), options));
 }
 
-Recorder::Recorder(mcap::Writer&& writer, const RecorderOptions& options)
-    : writer_(std::move(writer)), options_(options), thread_([this] { run(); }) {}
+Recorder::Recorder(mcap::Writer&& writer, RecorderOptions options)
+    : writer_(std::move(writer)), options_(std::move(options)), thread_([this] { run(); }) {}
 
 Recorder::~Recorder() { finish(); }
 
@@ -126,6 +126,10 @@ void Recorder::run() {
     ended_.problem = done.error();
   }
   ended_.indexed = indexed;
+  const auto& counts = writer_.index().statistics.messages_by_channel;
+  const auto channel = channels_.find(Topic::kFrameInfo);
+  const auto count = channel == channels_.end() ? counts.end() : counts.find(channel->second);
+  ended_.frames = count == counts.end() ? 0 : count->second;
   ended_.statistics = writer_.index().statistics;
   ended_.bytes = writer_.position();
 }

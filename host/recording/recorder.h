@@ -57,7 +57,8 @@ class Recorder {
   struct Ended {
     std::optional<Problem> problem{};  // the file ends before what was handed over last
     bool indexed = true;
-    mcap::Statistics statistics{};  // of the file
+    mcap::Statistics statistics{};  // of the file, as the two that follow
+    std::uint64_t frames = 0;
     std::uint64_t bytes = 0;
   };
   // Writes all that waits, and ends the file. Once.
@@ -72,7 +73,7 @@ class Recorder {
     std::size_t bytes = 0;
   };
 
-  Recorder(mcap::Writer&& writer, const RecorderOptions& options);
+  Recorder(mcap::Writer&& writer, RecorderOptions options);
   void run();
   std::expected<void, Problem> write(const Batch& batch);
   bool enqueue(Batch&& batch, bool always);

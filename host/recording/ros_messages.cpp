@@ -113,7 +113,10 @@ MessageHeader get_header(CdrReader& from) {
 }
 
 std::uint32_t pixel_bytes(std::string_view encoding) {
-  return encoding == "16UC1" ? 2 : encoding == "8UC1" || encoding == "mono8" ? 1 : 0;
+  if (encoding == "16UC1") {
+    return 2;
+  }
+  return encoding == "8UC1" || encoding == "mono8" ? 1 : 0;
 }
 
 }  // namespace

@@ -210,13 +210,14 @@ class Recording {
 
 void print_json(const RecordOptions& options, const Recording& session,
                 const recording::Recorder::Ended& ended) {
-  const nlohmann::ordered_json json{{"file", options.file.string()},
-                                    {"frames", session.frames()},
-                                    {"frames_not_written", session.dropped()},
-                                    {"messages", ended.statistics.message_count},
-                                    {"bytes", ended.bytes},
-                                    {"whole", !ended.problem.has_value()},
-                                    {"indexed", ended.indexed}};
+  const nlohmann::ordered_json json{
+      {"file", options.file.string()},
+      {"frames", ended.frames},
+      {"frames_not_written", session.frames() + session.dropped() - ended.frames},
+      {"messages", ended.statistics.message_count},
+      {"bytes", ended.bytes},
+      {"whole", !ended.problem.has_value()},
+      {"indexed", ended.indexed}};
   std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
 }
 
@@ -275,7 +276,7 @@ void record(const RecordOptions& options) {
     } else {
       session.say(summary_line(receiver.statistics()));
       session.say(printed("wrote %s: %llu frames, %llu messages, %.1f MB", meant.file.c_str(),
-                          static_cast<unsigned long long>(session.frames()),
+                          static_cast<unsigned long long>(ended.frames),
                           static_cast<unsigned long long>(ended.statistics.message_count),
                           static_cast<double>(ended.bytes) / kMegabyte));
     }

@@ -167,17 +167,17 @@ std::expected<void, Problem> IndexedReader::read_entries(const ChunkIndex& chunk
   return {};
 }
 
-std::expected<void, Problem> IndexedReader::open_chunk(const ChunkIndex& index) {
-  const auto record = record_at(index.chunk_offset, index.chunk_length);
+std::expected<void, Problem> IndexedReader::open_chunk(const ChunkIndex& chunk) {
+  const auto record = record_at(chunk.chunk_offset, chunk.chunk_length);
   if (!record) {
     return std::unexpected(record.error());
   }
-  const std::optional<Chunk> chunk =
+  const std::optional<Chunk> packed =
       record->opcode == Opcode::kChunk ? parse_chunk(record->content) : std::nullopt;
-  if (!chunk) {
-    return damaged("chunk", index.chunk_offset, "it is not where the index says");
+  if (!packed) {
+    return damaged("chunk", chunk.chunk_offset, "it is not where the index says");
   }
-  return unpack(*chunk, index.chunk_offset, limits_, chunk_);
+  return unpack(*packed, chunk.chunk_offset, limits_, chunk_);
 }
 
 // length: of the whole record, as the index says; 0: it does not say.

@@ -75,6 +75,9 @@ class StreamReader {
   void stop(End end) noexcept;
   std::expected<std::optional<Item>, Problem> take();
   std::expected<std::optional<Item>, Problem> take_in_chunk();
+  std::expected<std::optional<Item>, Problem> take_attachment();
+  std::expected<std::optional<Item>, Problem> take_metadata();
+  void take_data_end();
   std::expected<void, Problem> open_chunk();
   std::expected<void, Problem> judge_chunk(
       std::map<std::uint16_t, MessageIndex>& messages_by_channel);

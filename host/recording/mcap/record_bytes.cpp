@@ -68,8 +68,8 @@ std::map<std::uint16_t, std::uint64_t> number_map(Cursor& from, bool& ok) {
 }
 
 template <typename T>
-std::optional<T> if_ok(const Cursor& cursor, T&& value, bool ok = true) {
-  return cursor.ok() && ok ? std::optional<T>(std::forward<T>(value)) : std::nullopt;
+std::optional<T> if_ok(const Cursor& cursor, T value, bool ok = true) {
+  return cursor.ok() && ok ? std::optional<T>(std::move(value)) : std::nullopt;
 }
 
 }  // namespace
@@ -221,7 +221,7 @@ std::optional<Footer> parse_footer(Bytes content) {
   value.summary_start = from.number<std::uint64_t>();
   value.summary_offset_start = from.number<std::uint64_t>();
   value.summary_crc = from.number<std::uint32_t>();
-  return if_ok(from, std::move(value));
+  return if_ok(from, value);
 }
 
 std::optional<Schema> parse_schema(Bytes content) {
@@ -254,7 +254,7 @@ std::optional<Message> parse_message(Bytes content) {
   value.log_time = from.number<std::uint64_t>();
   value.publish_time = from.number<std::uint64_t>();
   value.data = from.rest();
-  return if_ok(from, std::move(value));
+  return if_ok(from, value);
 }
 
 std::optional<Chunk> parse_chunk(Bytes content) {

@@ -30,12 +30,40 @@ std::expected<Crc32, Problem> crc_of(const ByteSource& source, std::uint64_t siz
 
 bool has_index(const ByteSource& source) { return IndexedReader::open(source).has_value(); }
 
-std::uint64_t index_length(const std::map<std::uint16_t, MessageIndex>& messages) {
-  Buffer bytes;
-  for (const auto& [channel, index] : messages) {
-    append(bytes, index);
+// Begin of the damaged records at the end of the file, if there are any: a power cut may leave what
+// was not flushed. A problem: something sound follows them.
+std::expected<std::optional<std::uint64_t>, Problem> read_to_end(StreamReader& reader) {
+  std::optional<std::uint64_t> first_damaged;
+  std::string what;
+  while (true) {
+    const auto item = reader.next();
+    if (!item) {
+      first_damaged = first_damaged.value_or(reader.record_offset());
+      what = what.empty() ? item.error().message : what;
+    } else if (!*item) {
+      return first_damaged;
+    } else if (first_damaged) {
+      return std::unexpected(Problem{what + ": give OUT, a file that gets the rest"});
+    }
   }
-  return bytes.size();
+}
+
+// What is missing behind the last chunk of its message indexes; `end` is where it belongs then.
+Buffer index_last_chunk(const StreamReader& reader, FileIndex& index, std::uint64_t& end) {
+  Buffer missing;
+  const auto& messages = reader.chunk_messages();
+  if (index.chunks.empty() || index.chunks.back().message_index_offsets.size() == messages.size()) {
+    return missing;
+  }
+  ChunkIndex& last = index.chunks.back();
+  end = last.chunk_offset + last.chunk_length;
+  last.message_index_offsets.clear();
+  for (const auto& [channel, one] : messages) {
+    last.message_index_offsets[channel] = end + missing.size();
+    append(missing, one);
+  }
+  last.message_index_length = missing.size();
+  return missing;
 }
 
 }  // namespace
@@ -49,20 +77,11 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
   if (!reader) {
     return in_file(file, reader.error());
   }
-  // A power cut may leave a record at the end whose bytes were not flushed: that is cut off, too.
-  std::optional<std::uint64_t> first_damaged;
-  std::string what;
-  while (true) {
-    const auto item = reader->next();
-    if (!item) {
-      first_damaged = first_damaged.value_or(reader->record_offset());
-      what = what.empty() ? item.error().message : what;
-    } else if (!*item) {
-      break;
-    } else if (first_damaged) {
-      return in_file(file, Problem{what + ": give OUT, a file that gets the rest"});
-    }
+  const auto damage = read_to_end(*reader);
+  if (!damage) {
+    return in_file(file, damage.error());
   }
+  const std::optional<std::uint64_t> first_damaged = *damage;
   Recovered result{.messages = reader->index().statistics.message_count,
                    .damaged = first_damaged ? 1U : 0U};
   if (!first_damaged && reader->end() == StreamReader::End::kWhole && has_index(*source)) {
@@ -75,20 +94,7 @@ std::expected<Recovered, Problem> recover(const std::filesystem::path& file) {
   }
   FileIndex index = reader->index();
   std::uint64_t end = first_damaged.value_or(reader->whole_until());
-  Buffer missing;  // what of the last chunk's message indexes is not there
-  if (!index.chunks.empty()) {
-    ChunkIndex& last = index.chunks.back();
-    const auto& messages = reader->chunk_messages();
-    if (last.message_index_offsets.size() != messages.size()) {
-      end = last.chunk_offset + last.chunk_length;
-      last.message_index_offsets.clear();
-      for (const auto& [channel, one] : messages) {
-        last.message_index_offsets[channel] = end + missing.size();
-        append(missing, one);
-      }
-      last.message_index_length = index_length(messages);
-    }
-  }
+  const Buffer missing = index_last_chunk(*reader, index, end);
   result.cut_bytes = source->size() - end;
   auto crc = crc_of(*source, end);
   if (!crc) {

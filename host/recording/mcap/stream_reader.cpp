@@ -102,45 +102,56 @@ std::expected<std::optional<Item>, Problem> StreamReader::take() {
     case Opcode::kMessageIndex:
       take_message_index();
       break;
-    case Opcode::kAttachment: {
-      std::optional<Attachment> attachment = parse_attachment(record_.content);
-      if (!attachment) {
-        return damaged("attachment", offset, "it is cut, or its CRC is another one");
-      }
-      index_.attachments.push_back({.offset = offset,
-                                    .length = record_.length,
-                                    .log_time = attachment->log_time,
-                                    .create_time = attachment->create_time,
-                                    .data_size = attachment->data.size(),
-                                    .name = attachment->name,
-                                    .media_type = attachment->media_type});
-      ++index_.statistics.attachment_count;
-      return Item(std::move(*attachment));
-    }
-    case Opcode::kMetadata: {
-      std::optional<Metadata> metadata = parse_metadata(record_.content);
-      if (!metadata) {
-        return damaged("metadata", offset, "it is cut");
-      }
-      index_.metadata.push_back(
-          {.offset = offset, .length = record_.length, .name = metadata->name});
-      ++index_.statistics.metadata_count;
-      return Item(std::move(*metadata));
-    }
-    case Opcode::kDataEnd: {
-      std::array<std::byte, kMagic.size()> magic{};
-      const std::uint64_t size = source_->size();
-      at_ = offset;
-      const bool whole = source_->read(size - magic.size(), magic) &&
-                         std::ranges::equal(magic, std::as_bytes(std::span(kMagic))) &&
-                         size >= offset + record_.length + kRecordHead + kFooterContent;
-      stop(whole ? End::kWhole : End::kCut);
+    case Opcode::kAttachment:
+      return take_attachment();
+    case Opcode::kMetadata:
+      return take_metadata();
+    case Opcode::kDataEnd:
+      take_data_end();
       break;
-    }
     default:
       break;  // of a newer writer
   }
   return std::optional<Item>();
+}
+
+std::expected<std::optional<Item>, Problem> StreamReader::take_attachment() {
+  const std::uint64_t offset = record_.offset;
+  std::optional<Attachment> attachment = parse_attachment(record_.content);
+  if (!attachment) {
+    return damaged("attachment", offset, "it is cut, or its CRC is another one");
+  }
+  index_.attachments.push_back({.offset = offset,
+                                .length = record_.length,
+                                .log_time = attachment->log_time,
+                                .create_time = attachment->create_time,
+                                .data_size = attachment->data.size(),
+                                .name = attachment->name,
+                                .media_type = attachment->media_type});
+  ++index_.statistics.attachment_count;
+  return Item(std::move(*attachment));
+}
+
+std::expected<std::optional<Item>, Problem> StreamReader::take_metadata() {
+  const std::uint64_t offset = record_.offset;
+  std::optional<Metadata> metadata = parse_metadata(record_.content);
+  if (!metadata) {
+    return damaged("metadata", offset, "it is cut");
+  }
+  index_.metadata.push_back({.offset = offset, .length = record_.length, .name = metadata->name});
+  ++index_.statistics.metadata_count;
+  return Item(std::move(*metadata));
+}
+
+void StreamReader::take_data_end() {
+  const std::uint64_t offset = record_.offset;
+  std::array<std::byte, kMagic.size()> magic{};
+  const std::uint64_t size = source_->size();
+  at_ = offset;
+  const bool whole = source_->read(size - magic.size(), magic) &&
+                     std::ranges::equal(magic, std::as_bytes(std::span(kMagic))) &&
+                     size >= offset + record_.length + kRecordHead + kFooterContent;
+  stop(whole ? End::kWhole : End::kCut);
 }
 
 std::expected<void, Problem> StreamReader::open_chunk() {

@@ -33,18 +33,15 @@ class Record(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.scratch = tempfile.TemporaryDirectory(prefix="stof_")
+        cls.addClassCleanup(cls.scratch.cleanup)
         cls.folder = pathlib.Path(cls.scratch.name)
         cls.sensor, cls.place = cls.start_sensor("sensor")
+        cls.addClassCleanup(cls.sensor.wait)
+        cls.addClassCleanup(cls.sensor.kill)
         cls.whole = cls.folder / "whole.mcap"
         ended = cls.stof("record", cls.place, cls.whole, "--frames", 12, "--json")
         assert ended.returncode == 0, ended.stderr
         cls.recorded = json.loads(ended.stdout)
-
-    @classmethod
-    def tearDownClass(cls):
-        cls.sensor.kill()
-        cls.sensor.wait()
-        cls.scratch.cleanup()
 
     @classmethod
     def start_sensor(cls, name):

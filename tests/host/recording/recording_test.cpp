@@ -163,8 +163,11 @@ TEST_F(RecordingTest, FilesThatCannotBeARecordingAreFoundAtOnce) {
   EXPECT_EQ(std::filesystem::file_size(there), 1U);
 }
 
-TEST(Recorder, FullDiskEndsTheRecordingAndIsTold) {
-  test::MemorySink disk(20'000);
+class FullDiskOf : public testing::TestWithParam<std::size_t> {};
+INSTANTIATE_TEST_SUITE_P(Rooms, FullDiskOf, testing::Values(1'000, 20'000, 5'000'000));
+
+TEST_P(FullDiskOf, EndsTheRecordingAndIsTold) {
+  test::MemorySink disk(GetParam());
   auto recorder = recording::Recorder::start(disk, {});
   ASSERT_TRUE(recorder);
   bool taken = true;
@@ -177,17 +180,22 @@ TEST(Recorder, FullDiskEndsTheRecordingAndIsTold) {
   const auto ended = (*recorder)->finish();
   ASSERT_TRUE(ended.problem);
   EXPECT_EQ(ended.problem->message, "disk: is full: make room");
-  EXPECT_LE(disk.file.size(), 20'000U);
+  EXPECT_LE(disk.file.size(), GetParam());
   const mcap::MemorySource source(disk.file);
   auto reader = mcap::StreamReader::open(source);
   ASSERT_TRUE(reader);
+  std::uint64_t frames = 0;
   while (true) {
     const auto item = reader->next();
     ASSERT_TRUE(item) << item.error().message;
     if (!*item) {
       break;
     }
+    const auto& message = std::get<mcap::Message>(**item);
+    const std::string& topic = reader->index().channels.at(message.channel_id).topic;
+    frames += topic == info_of(Topic::kFrameInfo).name ? 1U : 0U;
   }
+  EXPECT_EQ(ended.frames, frames);
   EXPECT_EQ(reader->index().statistics.message_count, ended.statistics.message_count);
 }
 
