@@ -15,6 +15,10 @@
 #include "host/cli/finite_numbers.h"
 #include "host/cli/pair.h"
 #include "host/cli/proxy.h"
+#include "host/cli/recording/export.h"
+#include "host/cli/recording/info.h"
+#include "host/cli/recording/record.h"
+#include "host/cli/recording/recover.h"
 #include "host/cli/report.h"
 #include "host/cli/view/raw_flags.h"
 #include "host/cli/view/view.h"
@@ -44,6 +48,10 @@ struct Commands {
   PairOptions pair;
   UnpairOptions unpair;
   ProxyOptions proxy;
+  RecordOptions record;
+  InfoOptions info;
+  RecoverOptions recover;
+  ExportOptions exported;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -77,26 +85,10 @@ void add_view(CLI::App& app, ViewOptions& options) {
   view_command.add_option("SENSOR", options.sensor,
                           "HOST[:PORT] of the sensor to subscribe at, port 7560 without; none: "
                           "listen for a sensor that sends here");
-  view_command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
-      ->capture_default_str();
-  view_command.add_option("--bind", options.bind, "Address of the interface to listen at")
-      ->capture_default_str();
+  add_receive_flags(view_command, options);
   view_command
       .add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
       ->capture_default_str();
-  view_command
-      .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
-      ->check(CLI::PositiveNumber)
-      ->capture_default_str();
-  view_command.add_flag("--signed", options.signed_streams,
-                        "Subscribe with your key of the sensor, and take only what it signs for "
-                        "this program: nobody else can send a frame");
-  view_command.add_option("--keys", options.keys,
-                          "File of keys, of --signed; none: the usual one, as of stof pair");
-  view_command.add_option("--device", options.device,
-                          "Number of the sensor (stofd --device): only it is believed");
-  view_command.add_option("--key", options.key,
-                          "8 digits, of your key of the sensor, of --signed: only it is believed");
   view_command.add_option("--out", options.out, "Folder for depth.png, depth_color.png, cloud.ply");
   view_command.add_option("--truth", options.truth, "PFM, Z in metres: print the error against it");
   view_command.add_option("--near", options.scale.near_m, "Distance of the warmest colour, metres")
@@ -105,16 +97,12 @@ void add_view(CLI::App& app, ViewOptions& options) {
   view_command.add_option("--far", options.scale.far_m, "Distance of the coldest colour, metres")
       ->check(CLI::Range(0.01, 1000.0))
       ->capture_default_str();
-  view_command.add_option("--port-file", options.port_file,
-                          "File that gets the number of the opened port");
   add_raw_flags(view_command, options);
   view_command.callback([&options] {
     if (!(options.scale.near_m < options.scale.far_m)) {
       throw Failure(Exit::kBadInput, "--near: is not below --far: give a smaller --near");
     }
-    if (options.signed_streams && options.sensor.empty()) {
-      throw Failure(Exit::kBadInput, "--signed: takes a SENSOR to subscribe at");
-    }
+    judge_receive_options(options);
     check_raw_flags(options);
     view(options);
   });
@@ -136,6 +124,10 @@ int run(int argc, char** argv) {
   add_evaluate(app, commands);
   add_view(app, commands.view);
   add_proxy(app, commands.proxy);
+  add_record(app, commands.record, kVersion);
+  add_info(app, commands.info);
+  add_recover(app, commands.recover);
+  add_export(app, commands.exported);
   add_report(app, commands.report);
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);

@@ -331,7 +331,49 @@ def import_opencv():
     return {"yaml": b"\1" + yaml.encode(), "json": b"\0" + json.dumps(whole, indent=4).encode()}
 
 
-TARGETS = {"import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+def mcap():
+    """The first byte says how, see tests/fuzz/mcap.cpp."""
+    def text(value):
+        return struct.pack("<I", len(value)) + value
+
+    def mcap_record(opcode, *parts):
+        content = b"".join(parts)
+        return struct.pack("<BQ", opcode, len(content)) + content
+
+    magic = b"\x89MCAP0\r\n"
+    schema = mcap_record(3, struct.pack("<H", 1), text(b"std_msgs/msg/String"), text(b"ros2msg"), text(b"string data\n"))
+    channel = mcap_record(4, struct.pack("<HH", 1, 1), text(b"/t"), text(b"cdr"), text(text(b"unit") + text(b"mm")))
+    header = bytes([0, 1, 0, 0]) + struct.pack("<iI", 1, 2) + text(b"a\0") + b"\0\0"
+    image = header + struct.pack("<II", 1, 2) + text(b"16UC1\0") + b"\0\0" + struct.pack("<I", 4) + text(bytes(4))
+    packet = header + bytes(4) + struct.pack("<IIIIq", 1, 2, 3, 4, 5) + bytes([0, 0, 65, 0]) + bytes(12) + text(bytes(20))
+    messages = b"".join(mcap_record(5, struct.pack("<HIQQ", 1, k, 10 + k, 10 + k), body) for k, body in enumerate((image, packet)))
+    # A zstd frame by hand: magic, one segment of a size in one byte, one last block as it is.
+    stored = struct.pack("<IBB", 0xFD2FB528, 0x20, 40) + (40 << 3 | 1).to_bytes(3, "little") + messages[:40]
+    chunks = {"stored": (b"", messages, len(messages)), "zstd": (b"zstd", stored, 40), "lz4": (b"lz4", messages, 9)}
+    chunk = {name: mcap_record(6, struct.pack("<QQQI", 10, 11, size, 0), text(compression), struct.pack("<Q", len(data)), data)
+             for name, (compression, data, size) in chunks.items()}
+    begin = magic + mcap_record(1, text(b"ros2"), text(b"seed")) + schema + channel
+    attachment = mcap_record(9, struct.pack("<QQ", 1, 2), text(b"s"), text(b"t"), struct.pack("<Q", 2), b"{}", bytes(4))
+    metadata = mcap_record(12, text(b"stof"), text(text(b"a") + text(b"b")))
+    data = begin + chunk["stored"]
+    index_at = len(data)
+    data += mcap_record(7, struct.pack("<HI", 1, 16), struct.pack("<QQ", 10, 0)) + attachment + metadata
+    summary_at = len(data) + 13
+    chunk_index = mcap_record(8, struct.pack("<QQQQI", 10, 11, len(begin), len(chunk["stored"]), 10), struct.pack("<HQ", 1, index_at),
+                              struct.pack("<Q", 31), text(b""), struct.pack("<QQ", len(messages), len(messages)))
+    attachment_at = index_at + 31
+    indexes = (mcap_record(10, struct.pack("<QQQQQ", attachment_at, len(attachment), 1, 2, 2), text(b"s"), text(b"t")) +
+               mcap_record(13, struct.pack("<QQ", attachment_at + len(attachment), len(metadata)), text(b"stof")) +
+               mcap_record(11, struct.pack("<QHIIIIQQI", 2, 1, 1, 1, 1, 1, 10, 11, 10), struct.pack("<HQ", 1, 2)))
+    whole = (data + mcap_record(15, bytes(4)) + schema + channel + chunk_index + indexes +
+             mcap_record(2, struct.pack("<QQI", summary_at, 0, 0)) + magic)
+    seeds = {"whole": b"\0" + whole, "cut": b"\0" + data, "messages": b"\3" + messages, "loose": b"\1" + messages,
+             "beside": b"\1" + attachment + metadata + chunk_index + indexes}
+    seeds.update({f"chunk_{name}": b"\1" + one for name, one in chunk.items()})
+    return seeds
+
+
+TARGETS = {"mcap": mcap, "import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns, "view": reassembler}
 

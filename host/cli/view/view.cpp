@@ -6,14 +6,12 @@
 
 #include "dataset/files/file.h"
 #include "host/cli/failure.h"
-#include "host/cli/own_keys.h"
+#include "host/cli/receive.h"
 #include "host/cli/sensor_text.h"
 #include "host/cli/stop_signal.h"
 #include "host/cli/view/frame_copy.h"
 #include "host/cli/view/raw_files.h"
 #include "host/cli/view/status_line.h"
-#include "host/client/control/known_sensors.h"
-#include "host/client/control/user_keys.h"
 
 namespace stof::host {
 namespace {
@@ -21,55 +19,6 @@ namespace {
 void say(const std::string& line) {
   std::printf("%s\n", line.c_str());
   std::fflush(stdout);
-}
-
-// Of signed streams with the keys, and with the sensor that is meant, also in `options`.
-client::SubscriptionOptions subscription(ViewOptions& options) {
-  client::SubscriptionOptions terms{.raw = options.raw, .signed_streams = options.signed_streams};
-  if (options.signed_streams) {
-    options.keys = keys_file(options.keys);
-    const client::Meant meant =
-        meant_or_fail(options.keys, value_or_fail(client::read_user_keys(options.keys)),
-                      options.sensor, {.device = options.device, .key_id = key_id_of(options.key)});
-    terms.keys = meant.keys;
-    terms.reread = client::rereading(options.keys);
-    options.device = meant.device;
-  }
-  return terms;
-}
-
-client::Receiver open_receiver(ViewOptions& options) {
-  client::ReceiverOptions where{.sensor = options.sensor, .subscription = subscription(options)};
-  where.address = options.bind;
-  where.port = options.port;
-  where.reassembler.device_id = options.device;
-  std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
-  if (!receiver) {
-    throw Failure(Exit::kBadInput, receiver.error().message);
-  }
-  return std::move(*receiver);
-}
-
-std::string place(const ViewOptions& options, const client::Receiver& receiver) {
-  return "UDP " + (options.sensor.empty() ? options.bind + ":" + std::to_string(receiver.port())
-                                          : receiver.place());
-}
-
-// Why a subscription brings nothing, and what to do.
-std::string silence(client::Receiver& receiver, std::optional<std::uint32_t> meant) {
-  if (meant && receiver.other_sensor()) {
-    return ": " + client::other_sensor(*receiver.other_sensor(), *meant);
-  }
-  if (receiver.subscription() == client::Subscription::State::kFull) {
-    return ": the sensor has as many subscribers as it takes: end another one";
-  }
-  if (receiver.subscription() == client::Subscription::State::kNoKey) {
-    return ": no key of yours is one of this sensor: pair, see stof pair --help";
-  }
-  if (receiver.take_refusal()) {
-    return ": nobody listens there: start stofd, or check its port";
-  }
-  return ": check that the sensor runs, its address and the network";
 }
 
 // One reception from the first packet to the last.
@@ -111,13 +60,13 @@ class View {
 
   // The last lines and the files. Throws Failure when less came than was asked for.
   void finish() {
-    const std::string where = place(options_, receiver_);
+    const std::string where = place_of(options_, receiver_);
     if (frames_ == 0) {
       const bool heard = receiver_.statistics().packets() != 0;
       throw Failure(Exit::kFailure,
                     where + ": " + (heard ? "packets came, but no frame" : "no packet came") +
                         (options_.sensor.empty() ? ": start stofd with --to, or check the network"
-                                                 : silence(receiver_, options_.device)) +
+                                                 : silence_text(receiver_, options_.device)) +
                         (heard ? "; " + summary_line(receiver_.statistics()) : ""));
     }
     if (status_line_.pending()) {
@@ -146,7 +95,7 @@ class View {
       const bool no_key = receiver_.subscription() == client::Subscription::State::kNoKey;
       throw Failure(Exit::kFailure, where + ": the stream ended after " + std::to_string(frames_) +
                                         " frames" +
-                                        (no_key ? silence(receiver_, options_.device)
+                                        (no_key ? silence_text(receiver_, options_.device)
                                                 : std::string(": check that stofd still runs")));
     }
   }
@@ -186,16 +135,6 @@ class View {
     }
   }
 
-  // A signature proves whose it is, so that from now on it is the one that is meant there.
-  void say_sensor(std::uint32_t device) {
-    say("frames of sensor " + std::to_string(device) +
-        (options_.signed_streams ? ", signed for this program" : ""));
-    if (options_.signed_streams) {
-      remember_place(options_.keys, {.named = options_.sensor, .address = receiver_.place()},
-                     receiver_.proven_key());
-    }
-  }
-
   void say_events() {
     while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
       say(event_line(*event));
@@ -217,7 +156,7 @@ class View {
       return;
     }
     if (frames_ == 0) {
-      say_sensor(frame->origin.device_id);
+      say(first_frame_line(options_, receiver_, frame->origin.device_id));
     }
     if (frames_ == 0 && !options_.truth.empty()) {
       truth_ = value_or_fail(dataset::read_pfm(options_.truth));
@@ -263,11 +202,9 @@ class View {
 void view(const ViewOptions& options) {
   stop_on_signals();
   ViewOptions meant = options;
-  client::Receiver receiver = open_receiver(meant);
-  say((options.sensor.empty() ? "listening on " : "subscribing at ") + place(options, receiver));
-  if (!options.port_file.empty()) {
-    value_or_fail(dataset::write_whole(options.port_file, std::to_string(receiver.port()) + "\n"));
-  }
+  client::Receiver receiver = open_receiver(meant, options.raw);
+  say((options.sensor.empty() ? "listening on " : "subscribing at ") + place_of(options, receiver));
+  tell_port(options, receiver);
   View session(meant, receiver);
   session.run();
   session.finish();

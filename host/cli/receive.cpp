@@ -1,0 +1,107 @@
+#include "host/cli/receive.h"
+
+#include "dataset/files/file.h"
+#include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
+#include "host/client/control/known_sensors.h"
+#include "host/client/control/user_keys.h"
+
+namespace stof::host {
+namespace {
+
+// Of signed streams with the keys, and with the sensor that is meant, also in `options`.
+client::SubscriptionOptions subscription(ReceiveOptions& options, const wire::RawRequest& raw) {
+  client::SubscriptionOptions terms{.raw = raw, .signed_streams = options.signed_streams};
+  if (options.signed_streams) {
+    options.keys = keys_file(options.keys);
+    const client::Meant meant =
+        meant_or_fail(options.keys, value_or_fail(client::read_user_keys(options.keys)),
+                      options.sensor, {.device = options.device, .key_id = key_id_of(options.key)});
+    terms.keys = meant.keys;
+    terms.reread = client::rereading(options.keys);
+    options.device = meant.device;
+  }
+  return terms;
+}
+
+}  // namespace
+
+client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& raw) {
+  client::ReceiverOptions where{.sensor = options.sensor,
+                                .subscription = subscription(options, raw)};
+  where.address = options.bind;
+  where.port = options.port;
+  where.reassembler.device_id = options.device;
+  std::expected<client::Receiver, client::OpenError> receiver = client::Receiver::open(where);
+  if (!receiver) {
+    throw Failure(Exit::kBadInput, receiver.error().message);
+  }
+  return std::move(*receiver);
+}
+
+std::string place_of(const ReceiveOptions& options, const client::Receiver& receiver) {
+  return "UDP " + (options.sensor.empty() ? options.bind + ":" + std::to_string(receiver.port())
+                                          : receiver.place());
+}
+
+std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t> meant) {
+  if (meant && receiver.other_sensor()) {
+    return ": " + client::other_sensor(*receiver.other_sensor(), *meant);
+  }
+  if (receiver.subscription() == client::Subscription::State::kFull) {
+    return ": the sensor has as many subscribers as it takes: end another one";
+  }
+  if (receiver.subscription() == client::Subscription::State::kNoKey) {
+    return ": no key of yours is one of this sensor: pair, see stof pair --help";
+  }
+  if (receiver.take_refusal()) {
+    return ": nobody listens there: start stofd, or check its port";
+  }
+  return ": check that the sensor runs, its address and the network";
+}
+
+std::string first_frame_line(const ReceiveOptions& options, const client::Receiver& receiver,
+                             std::uint32_t device) {
+  if (options.signed_streams) {
+    remember_place(options.keys, {.named = options.sensor, .address = receiver.place()},
+                   receiver.proven_key());
+  }
+  return "frames of sensor " + std::to_string(device) +
+         (options.signed_streams ? ", signed for this program" : "");
+}
+
+void tell_port(const ReceiveOptions& options, const client::Receiver& receiver) {
+  if (!options.port_file.empty()) {
+    value_or_fail(dataset::write_whole(options.port_file, std::to_string(receiver.port()) + "\n"));
+  }
+}
+
+void add_receive_flags(CLI::App& command, ReceiveOptions& options) {
+  command.add_option("--port", options.port, "UDP port to listen at, 0: any free one")
+      ->capture_default_str();
+  command.add_option("--bind", options.bind, "Address of the interface to listen at")
+      ->capture_default_str();
+  command
+      .add_option("--timeout", options.timeout_s, "Give up after so many seconds without a packet")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  command.add_flag("--signed", options.signed_streams,
+                   "Subscribe with your key of the sensor, and take only what it signs for "
+                   "this program: nobody else can send a frame");
+  command.add_option("--keys", options.keys,
+                     "File of keys, of --signed; none: the usual one, as of stof pair");
+  command.add_option("--device", options.device,
+                     "Number of the sensor (stofd --device): only it is believed");
+  command.add_option("--key", options.key,
+                     "8 digits, of your key of the sensor, of --signed: only it is believed");
+  command.add_option("--port-file", options.port_file,
+                     "File that gets the number of the opened port");
+}
+
+void judge_receive_options(const ReceiveOptions& options) {
+  if (options.signed_streams && options.sensor.empty()) {
+    throw Failure(Exit::kBadInput, "--signed: takes a SENSOR to subscribe at");
+  }
+}
+
+}  // namespace stof::host

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+#include "host/client/receiver.h"
+
+// How commands find a sensor and receive what it sends: `stof view`, `stof record`.
+namespace stof::host {
+
+struct ReceiveOptions {
+  std::string sensor;                         // HOST[:PORT] to subscribe at; empty: listens
+  std::uint16_t port = client::kDefaultPort;  // 0: any free one
+  std::string bind = "0.0.0.0";
+  double timeout_s = 5;                 // without any packet
+  std::filesystem::path port_file;      // gets the port's number when it is open
+  bool signed_streams = false;          // takes only what the sensor signs for this program
+  std::string keys;                     // file of them; empty: this user's
+  std::optional<std::uint32_t> device;  // number of the sensor; none: who is known there
+  std::string key;  // id of the one that alone counts, of signed streams; empty: of those there are
+};
+
+// All of them but the sensor.
+void add_receive_flags(CLI::App& command, ReceiveOptions& options);
+// Throws Failure where they contradict each other.
+void judge_receive_options(const ReceiveOptions& options);
+
+// Also completes `options`: the key file, and which sensor is meant. Asks for `raw` pictures, if
+// for any. Throws Failure.
+client::Receiver open_receiver(ReceiveOptions& options, const wire::RawRequest& raw = {});
+void tell_port(const ReceiveOptions& options, const client::Receiver& receiver);
+
+// "UDP 192.168.1.20:7560".
+std::string place_of(const ReceiveOptions& options, const client::Receiver& receiver);
+// Why a subscription brings nothing, and what to do.
+std::string silence_text(client::Receiver& receiver, std::optional<std::uint32_t> meant);
+// The line that says whose frames these are. A signature proves it, so that from now on it is the
+// one that is meant there.
+std::string first_frame_line(const ReceiveOptions& options, const client::Receiver& receiver,
+                             std::uint32_t device);
+
+}  // namespace stof::host

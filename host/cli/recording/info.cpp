@@ -1,0 +1,185 @@
+#include "host/cli/recording/info.h"
+
+#include <array>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/failure.h"
+#include "host/client/printable.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+constexpr double kNanosecond = 1e-9;
+constexpr double kPixelScale = 65536;
+
+double seconds_of(const mcap::Statistics& all) {
+  return all.end_time < all.start_time
+             ? 0
+             : static_cast<double>(all.end_time - all.start_time) * kNanosecond;
+}
+
+// UTC, "2026-11-26T14:00:00Z"; empty: not a time.
+std::string time_text(std::uint64_t nanoseconds) {
+  const auto seconds = static_cast<std::time_t>(nanoseconds / 1'000'000'000);
+  std::tm parts{};
+  std::array<char, 64> text{};
+  if (gmtime_r(&seconds, &parts) == nullptr ||
+      std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts) == 0) {
+    return "";
+  }
+  return text.data();
+}
+
+const char* state_text(const recording::Summary& summary) {
+  if (summary.indexed) {
+    return "whole, with index";
+  }
+  switch (summary.end) {
+    case mcap::StreamReader::End::kWhole:
+      return "ends, but its index is damaged: stof recover FILE";
+    case mcap::StreamReader::End::kDamaged:
+      return "damaged: stof recover FILE";
+    default:
+      return "cut: stof recover FILE";
+  }
+}
+
+std::uint64_t count_of(const recording::Summary& summary, std::uint16_t channel) {
+  const auto& counts = summary.index.statistics.messages_by_channel;
+  const auto found = counts.find(channel);
+  return found == counts.end() ? 0 : found->second;
+}
+
+std::string schema_of(const recording::Summary& summary, const mcap::Channel& channel) {
+  const auto found = summary.index.schemas.find(channel.schema_id);
+  return found == summary.index.schemas.end() ? "" : found->second.name;
+}
+
+}  // namespace
+
+std::string info_text(const std::string& file, const recording::Summary& summary) {
+  const mcap::Statistics& all = summary.index.statistics;
+  std::string text = file + ": " + state_text(summary) + "\n";
+  text += printed("  %.1f s from %s, %.1f MB, %llu messages in %zu chunks\n", seconds_of(all),
+                  time_text(all.start_time).c_str(), static_cast<double>(summary.bytes) / 1e6,
+                  static_cast<unsigned long long>(all.message_count), summary.index.chunks.size());
+  text += printed("  %llu frames, %llu of them incomplete, %llu missing in %zu gaps, %u sessions\n",
+                  static_cast<unsigned long long>(summary.frames),
+                  static_cast<unsigned long long>(summary.incomplete_frames),
+                  static_cast<unsigned long long>(summary.frames_missing), summary.gaps.size(),
+                  summary.sessions);
+  if (summary.damaged != 0) {
+    text +=
+        printed("  %llu records are damaged\n", static_cast<unsigned long long>(summary.damaged));
+  }
+  for (const auto& [key, value] : summary.sensor) {
+    text += "  " + client::printable(key) + ": " + client::printable(value) + "\n";
+  }
+  if (summary.calibration) {
+    const wire::CalibrationPacket& one = *summary.calibration;
+    text += printed(
+        "  calibration: %ux%u px, fx %.2f fy %.2f cx %.2f cy %.2f px, baseline %.1f mm, PMD %ux%u "
+        "px\n",
+        one.image_width, one.image_height, one.fx / kPixelScale, one.fy / kPixelScale,
+        one.cx / kPixelScale, one.cy / kPixelScale, static_cast<double>(one.baseline_nm) / 1e6,
+        one.pmd_width, one.pmd_height);
+  }
+  for (const auto& [id, channel] : summary.index.channels) {
+    text += printed("  %8llu  ", static_cast<unsigned long long>(count_of(summary, id))) +
+            client::printable(channel.topic) + "  " +
+            client::printable(schema_of(summary, channel)) + "\n";
+  }
+  for (const mcap::AttachmentIndex& one : summary.index.attachments) {
+    text += printed("  attachment %s, %llu bytes\n", client::printable(one.name).c_str(),
+                    static_cast<unsigned long long>(one.data_size));
+  }
+  constexpr std::size_t kMostLines = 10;
+  for (std::size_t k = 0; k < summary.gaps.size() && k < kMostLines; ++k) {
+    const recording::Gap& gap = summary.gaps[k];
+    text += printed(
+        "  gap: %u frames after number %u, at %.3f s\n", gap.frames, gap.after,
+        (static_cast<double>(gap.log_time) - static_cast<double>(all.start_time)) * kNanosecond);
+  }
+  if (summary.gaps.size() > kMostLines) {
+    text += printed("  and %zu gaps more: --json has them\n", summary.gaps.size() - kMostLines);
+  }
+  return text;
+}
+
+std::string info_json(const std::string& file, const recording::Summary& summary) {
+  using Json = nlohmann::ordered_json;
+  const mcap::Statistics& all = summary.index.statistics;
+  Json json{{"file", file},
+            {"indexed", summary.indexed},
+            {"state", state_text(summary)},
+            {"bytes", summary.bytes},
+            {"whole_bytes", summary.whole_bytes},
+            {"damaged", summary.damaged},
+            {"start_ns", all.start_time},
+            {"end_ns", all.end_time},
+            {"duration_s", seconds_of(all)},
+            {"messages", all.message_count},
+            {"chunks", summary.index.chunks.size()},
+            {"frames", summary.frames},
+            {"incomplete_frames", summary.incomplete_frames},
+            {"frames_missing", summary.frames_missing},
+            {"sessions", summary.sessions},
+            {"sensor", summary.sensor}};
+  Json& channels = json["channels"] = Json::array();
+  for (const auto& [id, channel] : summary.index.channels) {
+    channels.push_back({{"topic", channel.topic},
+                        {"schema", schema_of(summary, channel)},
+                        {"messages", count_of(summary, id)}});
+  }
+  Json& attachments = json["attachments"] = Json::array();
+  for (const mcap::AttachmentIndex& one : summary.index.attachments) {
+    attachments.push_back({{"name", one.name}, {"bytes", one.data_size}});
+  }
+  Json& gaps = json["gaps"] = Json::array();
+  for (const recording::Gap& gap : summary.gaps) {
+    gaps.push_back({{"after", gap.after}, {"frames", gap.frames}, {"log_time_ns", gap.log_time}});
+  }
+  json["calibration"] = nullptr;
+  if (summary.calibration) {
+    const wire::CalibrationPacket& one = *summary.calibration;
+    json["calibration"] = {{"width", one.image_width},
+                           {"height", one.image_height},
+                           {"fx", one.fx / kPixelScale},
+                           {"fy", one.fy / kPixelScale},
+                           {"cx", one.cx / kPixelScale},
+                           {"cy", one.cy / kPixelScale},
+                           {"baseline_m", static_cast<double>(one.baseline_nm) / 1e9},
+                           {"depth_unit_um", one.depth_unit_um},
+                           {"pmd_width", one.pmd_width},
+                           {"pmd_height", one.pmd_height}};
+  }
+  return json.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+void info(const InfoOptions& options) {
+  const recording::Summary summary = value_or_fail(recording::summarise(options.file));
+  const std::string file = options.file.string();
+  if (options.json) {
+    std::puts(info_json(file, summary).c_str());
+  } else {
+    std::fputs(info_text(file, summary).c_str(), stdout);
+  }
+}
+
+void add_info(CLI::App& app, InfoOptions& options) {
+  CLI::App& command =
+      *app.add_subcommand("info", "What a recording holds: duration, channels, sensor, gaps");
+  command.footer(
+      "Example: stof info hall.mcap\n"
+      "Ends with 0 (also for a cut recording: it says so) or 2 (no recording).");
+  command.add_option("FILE", options.file, "The recording")->required();
+  command.add_flag("--json", options.json, "A JSON object");
+  command.callback([&options] { info(options); });
+}
+
+}  // namespace stof::host

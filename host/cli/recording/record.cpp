@@ -1,0 +1,328 @@
+#include "host/cli/recording/record.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <system_error>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/failure.h"
+#include "host/cli/own_keys.h"
+#include "host/cli/sensor_text.h"
+#include "host/cli/stop_signal.h"
+#include "host/cli/view/status_line.h"
+#include "host/client/control/control_client.h"
+#include "host/recording/recorder.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+namespace {
+
+constexpr double kMegabyte = 1e6;
+
+// The sensor's settings, or why they are not there.
+struct Settings {
+  std::string document{};
+  std::string missing{};
+};
+
+Settings read_settings(const RecordOptions& options) {
+  if (options.sensor.empty()) {
+    return {.missing = "the sensor was not asked: it sends here by itself"};
+  }
+  client::ControlOptions control = timing(0.3);
+  control.device_id = options.device;
+  auto asked = client::ControlClient::open(options.sensor, control);
+  if (!asked) {
+    return {.missing = asked.error().message};
+  }
+  auto answer = asked->request(wire::SettingsOperation::kGet, wire::SettingsDocument::kActive, {});
+  if (!answer) {
+    return {.missing = answer.error().message};
+  }
+  return {.document = std::move(answer->text)};
+}
+
+// One recording from the first frame to the last.
+class Recording {
+ public:
+  Recording(const RecordOptions& options, client::Receiver& receiver, recording::Recorder& recorder,
+            Settings settings)
+      : options_(options),
+        receiver_(receiver),
+        recorder_(recorder),
+        settings_(std::move(settings)) {}
+
+  // Until enough came, a signal, the timeout, or a disk that takes no more.
+  void run() {
+    constexpr std::chrono::milliseconds kLook{100};
+    client::Time heard = client::Time::clock::now();
+    client::Time said = heard;
+    std::uint64_t packets = 0;
+    while (!asked_to_stop() && !enough() && !recorder_.failed()) {
+      take(receiver_.next(kLook));
+      take_beside();
+      const client::Time now = client::Time::clock::now();
+      const client::Statistics& all = receiver_.statistics();
+      const std::uint64_t heard_of = all.packets() - all.not_signed - all.forged;
+      if (packets != heard_of) {
+        packets = heard_of;
+        heard = now;
+      }
+      if (now - heard > std::chrono::duration<double>(options_.timeout_s)) {
+        silent_ = true;
+        return;
+      }
+      if (frames_ != 0 && now - said >= std::chrono::seconds(1)) {
+        said = now;
+        say(std::to_string(frames_) + " frames recorded" + dropped_text() +
+            link_text(receiver_.link()));
+      }
+    }
+  }
+
+  std::uint64_t frames() const { return frames_; }
+  std::uint64_t dropped() const { return dropped_; }
+  // Less than was asked for.
+  bool short_of() const {
+    return silent_ || (options_.frames != 0 && frames_ < options_.frames && !asked_to_stop());
+  }
+  void say(const std::string& line) const {
+    if (!options_.json) {
+      std::printf("%s\n", line.c_str());
+      std::fflush(stdout);
+    }
+  }
+
+ private:
+  bool enough() const {
+    if (frames_ == 0) {
+      return false;
+    }
+    const bool time_is_over =
+        options_.seconds > 0 &&
+        client::Time::clock::now() - began_ >= std::chrono::duration<double>(options_.seconds);
+    return time_is_over || (options_.frames != 0 && frames_ >= options_.frames);
+  }
+
+  std::string dropped_text() const {
+    return dropped_ == 0 ? ""
+                         : ", " + std::to_string(dropped_) + " not: the disk is too slow for them";
+  }
+
+  void take(const Result<client::Frame>& frame) {
+    if (!frame) {
+      if (frame.error() == Status::kDeviceLost) {
+        throw Failure(Exit::kFailure, "the socket failed: start again");
+      }
+      return;
+    }
+    const std::uint64_t time = clock_.at(frame->last_packet);
+    if (frames_ + dropped_ == 0) {
+      began_ = client::Time::clock::now();
+      say(first_frame_line(options_, receiver_, frame->origin.device_id));
+      say(streams_line(*frame));
+    }
+    if (!origin_ || origin_->session_id != frame->origin.session_id) {
+      origin_ = frame->origin;
+      calibration_.reset();
+      uptime_ms_.reset();
+      put_sensor(*frame, time);
+    }
+    recording::TopicMessages messages;
+    if (frame->calibration && frame->calibration != calibration_) {
+      calibration_ = frame->calibration;
+      recording::append_calibration(messages, *frame, time);
+    }
+    recording::append_frame(messages, *frame, time);
+    if (recorder_.put(std::move(messages))) {
+      ++frames_;
+    } else if (!recorder_.failed()) {
+      ++dropped_;
+      calibration_.reset();  // it may have been among them
+    }
+  }
+
+  // Metadata of the session, and the settings that it began with.
+  void put_sensor(const client::Frame& frame, std::uint64_t time) {
+    mcap::Metadata metadata{
+        .name = recording::kSensorMetadata,
+        .entries = {{"program", options_.program},
+                    {"device_id", std::to_string(frame.origin.device_id)},
+                    {"session_id", std::to_string(frame.origin.session_id)},
+                    {"sensor", options_.sensor.empty() ? "sends here" : options_.sensor},
+                    {"place", receiver_.place()},
+                    {"signed", options_.signed_streams ? "yes" : "no"},
+                    {"sensor_clock", frame.stamp.clock == wire::ClockState::kEmulated
+                                         ? "emulated"
+                                         : "monotonic, of the sensor"},
+                    {"log_time",
+                     "wall clock of the recording computer at the start, which goes on "
+                     "by its monotonic clock"},
+                    {"settings", settings_.document.empty() ? settings_.missing
+                                                            : std::string("attachment ") +
+                                                                  recording::kSettingsAttachment}}};
+    recorder_.put(std::move(metadata));
+    if (!settings_.document.empty()) {
+      recording::OwnedAttachment attachment{.name = recording::kSettingsAttachment,
+                                            .media_type = "application/json",
+                                            .log_time = time};
+      mcap::append_bytes(attachment.data, mcap::bytes_of(settings_.document));
+      recorder_.put(std::move(attachment));
+      settings_ = {.missing = "of an earlier session: see its attachment"};
+    }
+  }
+
+  // What the sensor says beside frames. What comes before the first frame waits for its session.
+  void take_beside() {
+    if (!origin_) {
+      return;
+    }
+    recording::TopicMessages messages;
+    while (const std::optional<wire::EventReport> event = receiver_.take_event()) {
+      say(event_line(*event));
+      recording::append_event(messages, *origin_, *event, clock_.now());
+    }
+    const std::optional<wire::HealthReport>& health = receiver_.health();
+    if (health && health->uptime_ms != uptime_ms_) {
+      uptime_ms_ = health->uptime_ms;
+      recording::append_health(messages, *origin_, *health, clock_.now());
+    }
+    if (!messages.empty()) {
+      recorder_.put(std::move(messages));
+    }
+  }
+
+  const RecordOptions& options_;
+  client::Receiver& receiver_;
+  recording::Recorder& recorder_;
+  Settings settings_;
+  recording::LogClock clock_;
+  std::optional<wire::Origin> origin_;  // of the session that is recorded
+  std::optional<wire::CalibrationPacket> calibration_;
+  std::optional<std::uint64_t> uptime_ms_;  // of the health that was recorded last
+  client::Time began_;
+  std::uint64_t frames_ = 0;
+  std::uint64_t dropped_ = 0;
+  bool silent_ = false;
+};
+
+void print_json(const RecordOptions& options, const Recording& session,
+                const recording::Recorder::Ended& ended) {
+  const nlohmann::ordered_json json{
+      {"file", options.file.string()},
+      {"frames", ended.frames},
+      {"frames_not_written", session.frames() + session.dropped() - ended.frames},
+      {"messages", ended.statistics.message_count},
+      {"bytes", ended.bytes},
+      {"whole", !ended.problem.has_value()},
+      {"indexed", ended.indexed}};
+  std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+}
+
+void judge(const RecordOptions& options, client::Receiver& receiver, const Recording& session,
+           const recording::Recorder::Ended& ended) {
+  const std::string place = place_of(options, receiver);
+  if (ended.problem) {
+    throw Failure(Exit::kFailure,
+                  ended.problem->message +
+                      "; the recording ended, what was written whole is there" +
+                      (ended.indexed ? "" : ", without an index: stof recover FILE"));
+  }
+  if (session.frames() == 0) {
+    throw Failure(Exit::kFailure,
+                  place + ": no frame came" +
+                      (options.sensor.empty() ? ": start stofd with --to, or check the network"
+                                              : silence_text(receiver, options.device)));
+  }
+  if (session.short_of()) {
+    throw Failure(Exit::kFailure, place + ": the stream ended after " +
+                                      std::to_string(session.frames()) +
+                                      " frames: check that stofd still runs");
+  }
+  if (session.dropped() != 0) {
+    throw Failure(Exit::kFailure, std::to_string(session.dropped()) +
+                                      " frames are not in the recording: the disk is too slow: "
+                                      "record to another one, or fewer streams");
+  }
+}
+
+}  // namespace
+
+void record(const RecordOptions& options) {
+  stop_on_signals();
+  // A file that may not grow any more is a full disk to us, not the end of the program.
+  static_cast<void>(std::signal(SIGXFSZ, SIG_IGN));
+  RecordOptions meant = options;
+  auto sink = value_or_fail(
+      mcap::FileSink::open(meant.file, meant.force ? mcap::FileSink::Existing::kReplace
+                                                   : mcap::FileSink::Existing::kRefuse));
+  auto recorder = value_or_fail(recording::Recorder::start(sink, {.library = meant.program}));
+  const auto drop_empty_file = [&] {
+    recorder->finish();
+    std::error_code none;
+    std::filesystem::remove(meant.file, none);
+  };
+  try {
+    client::Receiver receiver = open_receiver(meant);
+    Recording session(meant, receiver, *recorder, read_settings(meant));
+    session.say("recording " + place_of(meant, receiver) + " to " + meant.file.string());
+    tell_port(meant, receiver);
+    session.run();
+    const recording::Recorder::Ended ended = recorder->finish();
+    if (session.frames() == 0) {
+      drop_empty_file();
+    } else {
+      session.say(summary_line(receiver.statistics()));
+      session.say(printed("wrote %s: %llu frames, %llu messages, %.1f MB", meant.file.c_str(),
+                          static_cast<unsigned long long>(ended.frames),
+                          static_cast<unsigned long long>(ended.statistics.message_count),
+                          static_cast<double>(ended.bytes) / kMegabyte));
+    }
+    if (meant.json) {
+      print_json(meant, session, ended);
+    }
+    judge(meant, receiver, session, ended);
+  } catch (const Failure&) {
+    if (recorder->finish().statistics.message_count == 0) {
+      drop_empty_file();
+    }
+    throw;
+  }
+}
+
+void add_record(CLI::App& app, RecordOptions& options, const char* program) {
+  options.program = program;
+  CLI::App& command = *app.add_subcommand(
+      "record", "Record what a sensor sends: an MCAP file, which ROS 2 tools and Foxglove open");
+  command.footer(
+      "Example: stof record 192.168.1.20 hall.mcap --seconds 30\n"
+      "Ends with 0 (recorded), 1 (nothing or less than asked for came, or the disk is full or too "
+      "slow: what was written is kept) or 2 (bad input, or FILE cannot be written).");
+  command
+      .add_option("SENSOR", options.sensor,
+                  "HOST[:PORT] of the sensor to subscribe at, port 7560 without; '-': listen for a "
+                  "sensor that sends here")
+      ->required();
+  command.add_option("FILE", options.file, "The recording, by custom NAME.mcap")->required();
+  command.add_option("--frames", options.frames, "End after so many frames; 0: when interrupted")
+      ->capture_default_str();
+  command
+      .add_option("--seconds", options.seconds,
+                  "End so long after the first frame; 0: when interrupted")
+      ->check(CLI::Range(0.0, 1e7))
+      ->capture_default_str();
+  command.add_flag("--force", options.force, "Replace FILE where it is there");
+  command.add_flag("--json", options.json, "A JSON object at the end, and nothing else");
+  add_receive_flags(command, options);
+  command.callback([&options] {
+    if (options.sensor == "-") {
+      options.sensor.clear();
+    }
+    judge_receive_options(options);
+    record(options);
+  });
+}
+
+}  // namespace stof::host

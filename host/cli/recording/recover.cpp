@@ -1,0 +1,52 @@
+#include "host/cli/recording/recover.h"
+
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "host/cli/failure.h"
+#include "host/recording/mcap/recover.h"
+#include "host/text/printed.h"
+
+namespace stof::host {
+
+void recover(const RecoverOptions& options) {
+  const bool in_place = options.out.empty();
+  const mcap::Recovered result = value_or_fail(in_place ? mcap::recover(options.file)
+                                                        : mcap::recover(options.file, options.out));
+  const std::string file = (in_place ? options.file : options.out).string();
+  if (options.json) {
+    const nlohmann::ordered_json json{{"file", file},
+                                      {"was_whole", result.was_whole},
+                                      {"messages", result.messages},
+                                      {"cut_bytes", result.cut_bytes},
+                                      {"damaged", result.damaged}};
+    std::puts(json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace).c_str());
+    return;
+  }
+  if (result.was_whole) {
+    std::printf("%s: is whole, nothing was changed\n", file.c_str());
+    return;
+  }
+  std::printf("%s: whole, %llu messages; given up: %llu bytes at the end, %llu damaged records\n",
+              file.c_str(), static_cast<unsigned long long>(result.messages),
+              static_cast<unsigned long long>(result.cut_bytes),
+              static_cast<unsigned long long>(result.damaged));
+}
+
+void add_recover(CLI::App& app, RecoverOptions& options) {
+  CLI::App& command =
+      *app.add_subcommand("recover", "Give a recording that was cut its index again");
+  command.footer(
+      "Example: stof recover hall.mcap\n"
+      "In place the file is cut behind its last whole record, and the index is added: no other "
+      "byte "
+      "changes. Ends with 0 (FILE or OUT is whole now) or 2 (it cannot be read or written).");
+  command.add_option("FILE", options.file, "The recording")->required();
+  command.add_option("OUT", options.out,
+                     "Leave FILE as it is, and write all that is sound in it here");
+  command.add_flag("--json", options.json, "A JSON object");
+  command.callback([&options] { recover(options); });
+}
+
+}  // namespace stof::host

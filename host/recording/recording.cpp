@@ -1,0 +1,328 @@
+#include "host/recording/recording.h"
+
+#include <algorithm>
+
+#include "firmware/wire/bytes.h"
+#include "firmware/wire/calibration/calibration_packet.h"
+
+namespace stof::recording {
+namespace {
+
+using mcap::StreamReader;
+
+std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
+  const auto channel = index.channels.find(id);
+  if (channel == index.channels.end()) {
+    return std::nullopt;
+  }
+  const auto schema = index.schemas.find(channel->second.schema_id);
+  const std::optional<Topic> topic = topic_named(channel->second.topic);
+  const bool ours = topic && schema != index.schemas.end() &&
+                    channel->second.message_encoding == kEncoding &&
+                    schema->second.name == info_of(*topic).schema().name;
+  return ours ? topic : std::nullopt;
+}
+
+// Counts frames and gaps.
+class Counter {
+ public:
+  explicit Counter(Summary& summary) : summary_(summary) {}
+
+  void take(const mcap::FileIndex& index, const mcap::Message& message) {
+    if (!topics_.contains(message.channel_id)) {
+      topics_[message.channel_id] = topic_of(index, message.channel_id);
+    }
+    const std::optional<Topic> topic = topics_[message.channel_id];
+    if (topic != Topic::kFrameInfo && topic != Topic::kCalibration) {
+      return;
+    }
+    const std::optional<Packet> packet = decode_packet(message.data);
+    if (!packet) {
+      ++summary_.damaged;
+    } else if (topic == Topic::kCalibration) {
+      if (const auto calibration = wire::read_calibration_packet(packet->payload)) {
+        summary_.calibration = *calibration;
+      }
+    } else {
+      count(message.log_time, *packet);
+    }
+  }
+
+ private:
+  void count(std::uint64_t log_time, const Packet& packet) {
+    Summary& all = summary_;
+    ++all.frames;
+    all.incomplete_frames += packet.missing_packets != 0 ? 1U : 0U;
+    const bool same = before_ && before_->session_id == packet.origin.session_id &&
+                      before_->device_id == packet.origin.device_id;
+    if (!same) {
+      ++all.sessions;
+    } else if (const std::uint32_t step = packet.stamp.number - number_; step > 1) {
+      all.frames_missing += step - 1;
+      if (all.gaps.size() < Summary::kMostGaps) {
+        all.gaps.push_back({.after = number_, .frames = step - 1, .log_time = log_time});
+      }
+    }
+    before_ = packet.origin;
+    number_ = packet.stamp.number;
+  }
+
+  Summary& summary_;
+  std::map<std::uint16_t, std::optional<Topic>> topics_;
+  std::optional<wire::Origin> before_;
+  std::uint32_t number_ = 0;
+};
+
+void read_by_index(mcap::IndexedReader& reader, Summary& summary) {
+  Counter counter(summary);
+  summary.index = reader.index();
+  for (const mcap::MetadataIndex& one : summary.index.metadata) {
+    if (one.name == kSensorMetadata) {
+      if (auto metadata = reader.metadata(one)) {
+        summary.sensor = std::move(metadata->entries);
+      }
+    }
+  }
+  std::set<std::uint16_t> wanted;
+  for (const auto& [id, channel] : summary.index.channels) {
+    const std::optional<Topic> topic = topic_of(summary.index, id);
+    if (topic == Topic::kFrameInfo || topic == Topic::kCalibration) {
+      wanted.insert(id);
+    }
+  }
+  if (wanted.empty()) {  // of which choose() would make all
+    return;
+  }
+  reader.choose(std::move(wanted));
+  while (true) {
+    const auto message = reader.next();
+    if (!message) {
+      ++summary.damaged;
+    } else if (!*message) {
+      return;
+    } else {
+      counter.take(summary.index, **message);
+    }
+  }
+}
+
+void read_in_order(StreamReader& reader, Summary& summary) {
+  Counter counter(summary);
+  while (true) {
+    auto item = reader.next();
+    if (!item) {
+      ++summary.damaged;
+      continue;
+    }
+    if (!*item) {
+      break;
+    }
+    if (const auto* const message = std::get_if<mcap::Message>(&**item)) {
+      counter.take(reader.index(), *message);
+    } else if (auto* const metadata = std::get_if<mcap::Metadata>(&**item)) {
+      if (metadata->name == kSensorMetadata) {
+        summary.sensor = std::move(metadata->entries);
+      }
+    }
+  }
+  summary.index = reader.index();
+  summary.end = reader.end();
+  summary.whole_bytes = reader.whole_until();
+}
+
+std::unexpected<Problem> in_file(const std::filesystem::path& file, const Problem& problem) {
+  return std::unexpected(Problem{file.string() + ": " + problem.message});
+}
+
+}  // namespace
+
+std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
+  auto source = mcap::FileSource::open(file);
+  if (!source) {
+    return std::unexpected(source.error());
+  }
+  Summary summary{.bytes = source->size(), .whole_bytes = source->size()};
+  if (auto indexed = mcap::IndexedReader::open(*source)) {
+    summary.indexed = true;
+    read_by_index(*indexed, summary);
+    return summary;
+  }
+  auto reader = StreamReader::open(*source);
+  if (!reader) {
+    return in_file(file, reader.error());
+  }
+  read_in_order(*reader, summary);
+  return summary;
+}
+
+client::Frame RecordedFrame::view() const {
+  client::Frame frame{.origin = origin, .stamp = stamp};
+  const auto image = [this]<typename T>(const std::vector<T>& pixels) {
+    return pixels.empty() ? dsp::ImageView<const T>()
+                          : dsp::ImageView<const T>(pixels.data(), width, height);
+  };
+  frame.depth = image(depth);
+  frame.interval_width = image(interval_width);
+  frame.source = image(source);
+  frame.cause = image(cause);
+  frame.received = image(received);
+  frame.packets = packets;
+  frame.missing_packets = missing_packets;
+  frame.info = info;
+  frame.calibration = calibration;
+  return frame;
+}
+
+std::expected<FrameReader, Problem> FrameReader::open(const std::filesystem::path& file) {
+  auto source = mcap::FileSource::open(file);
+  if (!source) {
+    return std::unexpected(source.error());
+  }
+  auto kept = std::make_unique<mcap::FileSource>(std::move(*source));
+  auto reader = StreamReader::open(*kept);
+  if (!reader) {
+    return in_file(file, reader.error());
+  }
+  return FrameReader(std::move(kept), std::move(*reader));
+}
+
+std::optional<RecordedFrame> FrameReader::next() {
+  while (true) {
+    const auto item = reader_.next();
+    if (!item) {
+      ++damaged_;
+      continue;
+    }
+    if (!*item) {
+      return std::exchange(frame_, std::nullopt);
+    }
+    const auto* const message = std::get_if<mcap::Message>(&**item);
+    const std::optional<Topic> topic =
+        message != nullptr ? topic_of(reader_.index(), message->channel_id) : std::nullopt;
+    if (topic) {
+      if (auto frame = take(*topic, *message)) {
+        return frame;
+      }
+    }
+  }
+}
+
+std::optional<RecordedFrame> FrameReader::take(Topic topic, const mcap::Message& message) {
+  switch (topic) {
+    case Topic::kFrameInfo:
+    case Topic::kCalibration:
+    case Topic::kHealth:
+    case Topic::kEvent: {
+      const std::optional<Packet> packet = decode_packet(message.data);
+      std::optional<RecordedFrame> ended;
+      if (!packet) {
+        ++damaged_;
+      } else if (topic == Topic::kFrameInfo) {
+        ended = std::exchange(frame_, RecordedFrame{});
+      }
+      if (packet) {
+        take_packet(topic, message, *packet);
+      }
+      return ended;
+    }
+    case Topic::kDepth:
+    case Topic::kWidth:
+    case Topic::kSource:
+    case Topic::kReceived:
+    case Topic::kLeft:
+      if (const std::optional<Image> image = decode_image(message.data)) {
+        if (frame_ && frame_->stamp.number == message.sequence) {
+          take_image(topic, *image);
+        }
+      } else {
+        ++damaged_;
+      }
+      return std::nullopt;
+    default:
+      return std::nullopt;  // says again what another topic says, or is not needed here
+  }
+}
+
+void FrameReader::take_packet(Topic topic, const mcap::Message& message, const Packet& packet) {
+  if (topic == Topic::kCalibration) {
+    if (const auto calibration = wire::read_calibration_packet(packet.payload)) {
+      calibration_ = *calibration;
+      if (frame_) {
+        frame_->calibration = *calibration;
+      }
+    }
+  } else if (topic == Topic::kHealth) {
+    if (const auto health = wire::decode_health_report(packet.payload)) {
+      sights_.health.emplace_back(message.log_time, *health);
+    }
+  } else if (topic == Topic::kEvent) {
+    if (const auto event = wire::decode_event_report(packet.payload)) {
+      sights_.events.emplace_back(message.log_time, *event);
+    }
+  } else {
+    frame_->log_time = message.log_time;
+    frame_->origin = packet.origin;
+    frame_->stamp = packet.stamp;
+    frame_->packets = packet.packets;
+    frame_->missing_packets = packet.missing_packets;
+    frame_->calibration = calibration_;
+    if (const auto info = wire::decode_frame_info(packet.payload)) {
+      frame_->info = *info;
+    }
+  }
+}
+
+void FrameReader::take_image(Topic topic, const Image& image) {
+  RecordedFrame& frame = *frame_;
+  const std::size_t pixels = std::size_t{image.width} * image.height;
+  if (topic == Topic::kLeft) {
+    if (image.encoding != "16UC1") {
+      frame.left_width = static_cast<int>(image.width);
+      frame.left_height = static_cast<int>(image.height);
+      frame.left.resize(pixels);
+      wire::get_pixels(image.data, std::span(frame.left));
+    }
+    return;
+  }
+  const bool first = frame.width == 0;
+  if (!first && (frame.width != static_cast<int>(image.width) ||
+                 frame.height != static_cast<int>(image.height))) {
+    ++damaged_;  // planes of one frame have one size
+    return;
+  }
+  const bool wide = topic == Topic::kDepth || topic == Topic::kWidth;
+  if (wide != (image.encoding == "16UC1")) {
+    ++damaged_;
+    return;
+  }
+  frame.width = static_cast<int>(image.width);
+  frame.height = static_cast<int>(image.height);
+  if (topic == Topic::kReceived) {
+    frame.received.resize(pixels);
+    wire::get_pixels(image.data, std::span(frame.received));
+    return;
+  }
+  const auto arrived = [&](std::uint8_t bit) {
+    frame.received.resize(pixels);
+    for (std::uint8_t& mark : frame.received) {
+      mark |= bit;
+    }
+  };
+  if (topic == Topic::kSource) {
+    frame.source.resize(pixels);
+    frame.cause.resize(pixels);
+    for (std::size_t k = 0; k < pixels; ++k) {
+      const auto value = std::to_integer<unsigned>(image.data[k]);
+      frame.source[k] = static_cast<dsp::Source>(value & 0x0FU);
+      frame.cause[k] = static_cast<dsp::Cause>(value >> 4U);
+    }
+    arrived(client::kHasSource);
+    return;
+  }
+  std::vector<dsp::QuarterMm>& plane = topic == Topic::kDepth ? frame.depth : frame.interval_width;
+  plane.resize(pixels);
+  wire::get_pixels(image.data, std::span(plane));
+  arrived(topic == Topic::kDepth ? client::kHasDepth : client::kHasWidth);
+}
+
+}  // namespace stof::recording

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "firmware/wire/messages/calibration.h"
+#include "firmware/wire/messages/health.h"
+#include "firmware/wire/packet.h"
+#include "host/recording/cdr.h"
+#include "host/recording/mcap/records.h"
+
+// The types of the messages of a recording, and their bytes. docs/RECORDING.md.
+namespace stof::recording {
+
+// A ROS 2 schema: name and text of the definition, those of what it is made of behind it.
+mcap::Schema image_schema();
+mcap::Schema camera_info_schema();
+mcap::Schema diagnostics_schema();
+mcap::Schema packet_schema();  // stof_msgs/msg/Packet
+
+inline constexpr std::string_view kOpticalFrame = "stof_left_optical_frame";
+
+// std_msgs/msg/Header: `stamp_ns` of the sensor's clock, clamped to what a ROS time holds.
+struct MessageHeader {
+  std::int64_t stamp_ns = 0;
+  std::string frame_id{kOpticalFrame};
+};
+
+// sensor_msgs/msg/Image, rows without gaps.
+struct Image {
+  MessageHeader header{};
+  std::uint32_t width = 0;
+  std::uint32_t height = 0;
+  std::string encoding{};  // "16UC1", "8UC1" or "mono8"
+  Bytes data{};            // borrowed; little-endian
+};
+Buffer encode(const Image& image);
+// Empty: no such message, or of another size than it says; its data are borrowed.
+std::optional<Image> decode_image(Bytes message);
+
+// sensor_msgs/msg/CameraInfo of the rectified left camera: no distortion.
+Buffer encode_camera_info(const MessageHeader& header, const wire::CalibrationPacket& calibration);
+
+// diagnostic_msgs/msg/DiagnosticArray with one status: the health of the sensor and, by name, each
+// active condition and each figure.
+Buffer encode_diagnostics(const MessageHeader& header, std::uint32_t device_id,
+                          const wire::HealthReport& health);
+
+// What docs/WIRE.md calls a packet: its payload with what is known from its header. For what no
+// type of ROS holds whole.
+struct Packet {
+  MessageHeader header{};
+  wire::Origin origin{};
+  wire::FrameStamp stamp{};
+  wire::PacketType type = wire::PacketType::kFrameInfo;
+  std::uint32_t packets = 0;  // that the frame was sent in; these three: 0 where it is of no frame
+  std::uint32_t missing_packets = 0;
+  std::uint32_t recovered_packets = 0;
+  Bytes payload{};  // borrowed; empty: did not arrive
+};
+Buffer encode(const Packet& packet);
+std::optional<Packet> decode_packet(Bytes message);
+
+}  // namespace stof::recording
