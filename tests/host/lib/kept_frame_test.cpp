@@ -95,7 +95,7 @@ TEST(KeptFrame, KeepsNothingOfWhatIsOver) {
   stof_release(nullptr);
 }
 
-TEST(KeptFrame, TellsTheSizesOfItsStructures) {
+TEST(Lib, TellsTheSizesOfItsStructures) {
   EXPECT_EQ(stof_struct_size("stof_frame"), sizeof(stof_frame));
   EXPECT_EQ(stof_struct_size("stof_found"), sizeof(stof_found));
   EXPECT_EQ(stof_struct_size("stof_sensor"), 0U);
