@@ -225,10 +225,11 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
            const recording::Recorder::Ended& ended) {
   const std::string place = place_of(options, receiver);
   if (ended.problem) {
+    const char* const index = ended.indexed ? "" : ", without an index: stof recover FILE";
+    const std::string left = "; the recording ended, what was written whole is there";
     throw Failure(Exit::kFailure,
                   ended.problem->message +
-                      "; the recording ended, what was written whole is there" +
-                      (ended.indexed ? "" : ", without an index: stof recover FILE"));
+                      (ended.frames == 0 ? std::string("; no frame was kept") : left + index));
   }
   if (session.frames() == 0) {
     throw Failure(Exit::kFailure,
@@ -285,7 +286,7 @@ void record(const RecordOptions& options) {
     }
     judge(meant, receiver, session, ended);
   } catch (const Failure&) {
-    if (recorder->finish().statistics.message_count == 0) {
+    if (recorder->finish().frames == 0) {
       drop_empty_file();
     }
     throw;

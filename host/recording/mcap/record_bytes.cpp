@@ -231,7 +231,8 @@ std::optional<Schema> parse_schema(Bytes content) {
   value.name = from.text();
   value.encoding = from.text();
   value.data = from.text();
-  return if_ok(from, std::move(value), value.id != 0);
+  const bool has_id = value.id != 0;
+  return if_ok(from, std::move(value), has_id);
 }
 
 std::optional<Channel> parse_channel(Bytes content) {

@@ -23,6 +23,7 @@ STOFD = [word for word in os.environ.get("STOFD", "").split("|") if word]
 SAMPLE = [word for word in os.environ.get("RECORDING_SAMPLE", "").split("|") if word]
 NODE = os.environ.get("NODE", "node")
 READER = pathlib.Path(__file__).with_name("mcap_reader.mjs")
+WIDTH, HEIGHT = 160, 120
 STREAMS = ("disparity", "pmd_raw", "grey_left", "grey_right")
 OF_A_FRAME = {"/stof/frame_info", "/stof/depth/image_raw", "/stof/depth/camera_info", "/stof/depth/exact", "/stof/depth/width",
               "/stof/depth/source", "/stof/disparity", "/stof/pmd/raw", "/stof/left/image_rect", "/stof/right/image_rect"}
@@ -47,7 +48,7 @@ class Record(unittest.TestCase):
     def start_sensor(cls, name):
         port = cls.folder / f"{name}.port"
         streams = [word for stream in STREAMS for word in ("--set", f"streams.{stream}=rvl")]
-        sensor = subprocess.Popen([*STOFD, "--port", "0", "--port-file", str(port), "--period-ms", "100", *streams],
+        sensor = subprocess.Popen([*STOFD, "--port", "0", "--port-file", str(port), "--period-ms", "100", "--size", f"{WIDTH}x{HEIGHT}", "--pmd", "44x36", *streams],
                                   cwd=cls.folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         for _ in range(300):
             if port.is_file() and port.read_text().strip():
@@ -95,7 +96,7 @@ class Record(unittest.TestCase):
         self.assertEqual(counts["/stof/calibration"], 1)
         self.assertEqual(counts["/stof/health"], counts["/diagnostics"])
         self.assertEqual(info["sensor"]["device_id"], "1")
-        self.assertEqual(info["calibration"]["width"], 640)
+        self.assertEqual(info["calibration"]["width"], WIDTH)
         self.assertEqual([one["name"] for one in info["attachments"]], ["settings.json"])
         text = self.succeed("info", self.whole)
         self.assertIn("whole, with index", text)
@@ -156,13 +157,19 @@ class Record(unittest.TestCase):
 
     def test_full_disk_ends_it_with_what_was_written(self):
         file = self.folder / "full.mcap"
-        limit = 6_000_000
+        limit = 2_500_000
         self.refuse(1, "make room", "record", self.place, file, "--frames", 1000,
                     preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit)))
         self.assertLessEqual(file.stat().st_size, limit)
         info = json.loads(self.succeed("info", file, "--json"))
         self.assertTrue(info["indexed"])
         self.assertGreater(info["frames"], 0)
+
+    def test_disk_that_holds_no_frame_leaves_no_file(self):
+        file = self.folder / "tiny.mcap"
+        self.refuse(1, "no frame was kept", "record", self.place, file, "--frames", 1000,
+                    preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000)))
+        self.assertFalse(file.exists())
 
     def test_bad_files_are_found_before_frames_are_received(self):
         nobody = "127.0.0.1:9"  # where nothing answers: the file is looked at first
@@ -205,7 +212,7 @@ class Record(unittest.TestCase):
             self.assertEqual((answer["frames"], answer["exported"]), (3, 3))
         png = (self.folder / "png16" / "000002.png").read_bytes()
         self.assertEqual(png[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertEqual(struct.unpack(">IIBB", png[16:26]), (640, 480, 16, 0))
+        self.assertEqual(struct.unpack(">IIBB", png[16:26]), (WIDTH, HEIGHT, 16, 0))
         depths = self.png_values(png)
         for how, begin in (("ply", b"end_header\n"), ("pcd", b"DATA binary\n")):
             cloud = (self.folder / how / f"000002.{how}").read_bytes()
@@ -232,9 +239,9 @@ class Record(unittest.TestCase):
             length, kind = struct.unpack_from(">I4s", png, at)
             data += png[at + 8:at + 8 + length] if kind == b"IDAT" else b""
             at += length + 12
-        raw, stride, width = zlib.decompress(data), 2 * 640, 2
+        raw, stride, width = zlib.decompress(data), 2 * WIDTH, 2
         before, values = bytearray(stride), []
-        for row in range(480):
+        for row in range(HEIGHT):
             kind, *line = raw[row * (stride + 1):(row + 1) * (stride + 1)]
             line = bytearray(line)
             for x in range(stride):
