@@ -162,6 +162,11 @@ class Frame:
         return self._raw.settings_fingerprint
 
     @property
+    def calibration_fingerprint(self) -> int:
+        """Of the calibration it was made with: another one, another calibration on the sensor. 0: unknown."""
+        return self._raw.calibration_fingerprint
+
+    @property
     def steady_frames(self) -> int:
         """On how many frames in a row this depth stands, itself included. 0: nobody says."""
         return self._raw.steady_frames
@@ -172,7 +177,7 @@ class Frame:
 
     @property
     def calibration(self) -> Calibration | None:
-        """The session's newest; None until the first one arrived (one a second)."""
+        """What this frame was made with; None until the sensor has told it (once a second)."""
         return Calibration.of(self._raw.calibration) if self._raw.has_calibration else None
 
     @property

@@ -59,7 +59,8 @@ class Frame(ctypes.Structure):
                 ("emulated", c_uint8), ("has_info", c_uint8), ("has_calibration", c_uint8), ("reserved", c_uint8), ("depth", Plane),
                 ("interval_width", Plane), ("source", Plane), ("cause", Plane), ("disparity", Plane), ("pmd", Plane * 4), ("left", Plane),
                 ("right", Plane), ("cloud", Plane), ("info", Info), ("calibration", Calibration), ("self", c_void_p),
-                ("settings_fingerprint", c_uint32), ("steady_frames", c_uint32)]
+                ("settings_fingerprint", c_uint32), ("steady_frames", c_uint32), ("calibration_fingerprint", c_uint32),
+                ("reserved2", c_uint32)]
 
 
 class Point(ctypes.Structure):
