@@ -19,13 +19,13 @@ namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 26;
 
-struct Words {
+struct InstallWords {
   std::filesystem::path file;
   std::string sensor;
 };
 
-Words read_words(const CalibInstallOptions& options) {
-  Words words;
+InstallWords read_words(const CalibInstallOptions& options) {
+  InstallWords words;
   std::vector<std::string> given = options.words;
   if (options.serial.empty() && !given.empty()) {
     words.sensor = given.back();
@@ -90,7 +90,7 @@ void refuse(const client::UploadResult& answer, const std::string& place) {
 
 void calib_install(const CalibInstallOptions& options) {
   need_crypto();
-  const Words words = read_words(options);
+  const InstallWords words = read_words(options);
   const std::string bytes = options.factory ? std::string() : read_file(words.file);
   const std::string file = keys_file(options.keys);
   const wire::KeyTable keys = value_or_fail(client::read_user_keys(file));

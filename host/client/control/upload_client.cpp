@@ -16,7 +16,7 @@ namespace {
 using wire::SettingsResult;
 using wire::UploadStep;
 
-constexpr Duration kBusyPause = std::chrono::milliseconds(250);
+constexpr Duration kCommitPause = std::chrono::milliseconds(250);
 // Answers in a row of a sensor that wants nothing further than it did once, beside those that
 // bring it there again when it has started anew.
 constexpr std::size_t kMostStandstills = 20;
@@ -51,7 +51,7 @@ std::expected<UploadClient::Step, ControlError> UploadClient::ask(
       continue;
     }
     if (answer->result == SettingsResult::kBusy && !over) {
-      std::this_thread::sleep_for(kBusyPause);
+      std::this_thread::sleep_for(kCommitPause);
       continue;
     }
     if (answer->result != SettingsResult::kOk) {
