@@ -122,18 +122,21 @@ class Record(unittest.TestCase):
     def test_killed_recording_is_recovered(self):
         file = self.folder / "killed.mcap"
         recording = subprocess.Popen([*COMMAND, "record", self.place, str(file)], cwd=self.folder, stdout=subprocess.PIPE, text=True)
-        begin = time.monotonic()
+        told = []  # when, and how many frames had come
         for line in recording.stdout:
-            if "frames recorded" in line and time.monotonic() - begin > 3:
-                break
-        frames = int(line.split()[0])
+            if "frames recorded" in line:
+                told.append((time.monotonic(), int(line.split()[0])))
+                if told[-1][0] - told[0][0] > 4:
+                    break
         recording.kill()
         recording.communicate()
         info = json.loads(self.succeed("info", file, "--json"))
         self.assertFalse(info["indexed"])
         self.assertIn("cut", info["state"])
-        # Lost is what came within the last second, at 10 frames a second at most.
-        self.assertGreaterEqual(info["frames"], frames - 11)
+        # Lost is what came within the last second; a busy computer gets another one.
+        kept = max(frames for when, frames in told if when < told[-1][0] - 2)
+        self.assertGreater(kept, 0)
+        self.assertGreaterEqual(info["frames"], kept)
         self.succeed("recover", file)
         after = json.loads(self.succeed("info", file, "--json"))
         self.assertTrue(after["indexed"])
