@@ -22,7 +22,7 @@ class ControlThread {
  public:
   // Between the beginnings of two turns that answer. What comes meanwhile is answered together: in
   // a flood of 10,000 a second waking up and the tasks cost more than the answers.
-  static constexpr hal::Duration kLeastTurn = std::chrono::milliseconds(1);
+  static constexpr hal::Duration kLeastTurn = std::chrono::milliseconds(2);
 
   explicit ControlThread(const ControlParts& parts);
   ~ControlThread();
