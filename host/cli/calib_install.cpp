@@ -148,23 +148,10 @@ void add_calib_install(CLI::App& calib, CalibInstallOptions& options) {
                      "FILE SENSOR (HOST[:PORT]); no FILE with --factory, no SENSOR with --serial");
   command.add_flag("--factory", options.factory,
                    "Go back to the calibration that the sensor had before the first install");
-  command.add_option("--serial", options.serial, "Serial line to the sensor, such as /dev/ttyUSB0");
-  command.add_option("--baud", options.baud, "Its speed, bit/s")
-      ->check(CLI::Range(57'600U, 12'000'000U))
-      ->capture_default_str();
-  command.add_option("--timeout", options.timeout_s, "Seconds to wait for each of three attempts")
-      ->check(CLI::Range(0.01, 60.0))
-      ->capture_default_str();
+  add_control_flags(command, options);
   command.add_option("--patience", options.patience_s, "Seconds to go on without an answer")
       ->check(CLI::Range(0.1, 3600.0))
       ->capture_default_str();
-  command.add_option("--device", options.device,
-                     "Number of the sensor (stofd --device): only it is believed");
-  command.add_option("--key", options.key,
-                     "8 digits, of your key of the sensor: only whoever has it is believed");
-  command.add_option(
-      "--keys", options.keys,
-      "File of your keys (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");
   command.callback([&options] { calib_install(options); });
 }
 

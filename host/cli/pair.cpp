@@ -354,19 +354,7 @@ void pair(const PairOptions& options) {
 void add_pair(CLI::App& app, PairOptions& options, UnpairOptions& unpairing) {
   const auto add_line = [](CLI::App& command, auto& into) {
     command.add_option("SENSOR", into.sensor, "HOST[:PORT], none with --serial");
-    command.add_option("--serial", into.serial, "Serial line to the sensor, such as /dev/ttyUSB0");
-    command.add_option("--baud", into.baud, "Its speed, bit/s")
-        ->check(CLI::Range(57'600U, 12'000'000U))
-        ->capture_default_str();
-    command.add_option("--device", into.device,
-                       "Number of the sensor (stofd --device): only it is believed");
-    command.add_option("--key", into.key,
-                       "8 digits, of your key of the sensor: only whoever has it is believed");
-    command.add_option("--keys", into.keys,
-                       "Your key file (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");
-    command.add_option("--timeout", into.timeout_s, "Seconds to wait for each of three attempts")
-        ->check(CLI::Range(0.01, 60.0))
-        ->capture_default_str();
+    add_control_flags(command, into);
   };
   CLI::App& command = *app.add_subcommand(
       "pair", "Make a key that a sensor and you share: press its button first, or use its cable");

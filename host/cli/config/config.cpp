@@ -304,23 +304,10 @@ void add_config(CLI::App& app, ConfigOptions& options) {
                      "SENSOR (HOST[:PORT], none with --serial), then get [PATH], set PATH=VALUE... "
                      "or FILE, stage (the same), commit, revert, preset NAME (indoor, outdoor, "
                      "near, fast or quality), save, reset, diff, schema");
-  command.add_option("--serial", options.serial, "Serial line to the sensor, such as /dev/ttyUSB0");
-  command.add_option("--baud", options.baud, "Its speed, bit/s")
-      ->check(CLI::Range(57'600U, 12'000'000U))
-      ->capture_default_str();
   command.add_option("--document", options.document, "Of get: active, staged, saved or defaults")
       ->check(CLI::IsMember({"active", "staged", "saved", "defaults"}))
       ->capture_default_str();
-  command.add_option("--timeout", options.timeout_s, "Seconds to wait for each of three attempts")
-      ->check(CLI::Range(0.01, 60.0))
-      ->capture_default_str();
-  command.add_option("--device", options.device,
-                     "Number of the sensor (stofd --device): only it is believed");
-  command.add_option("--key", options.key,
-                     "8 digits, of your key of the sensor: only whoever has it is believed");
-  command.add_option(
-      "--keys", options.keys,
-      "File of your keys (default: ~/.config/stof/keys, or as XDG_CONFIG_HOME says)");
+  add_control_flags(command, options);
   command.add_flag("--json", options.json, "Print JSON");
   command.callback([&options] { config(options); });
 }

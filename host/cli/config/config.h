@@ -8,20 +8,15 @@
 
 #include <CLI/CLI.hpp>
 
+#include "host/cli/control_flags.h"
 #include "host/client/control/control_client.h"
 
 namespace stof::host {
 
-struct ConfigOptions {
+struct ConfigOptions : ControlFlags {
   std::vector<std::string> words{};  // [SENSOR] ACTION [ARGUMENT...]; no SENSOR with a serial line
   std::string sensor{};              // of `words`, once config() has read it
-  std::string serial{};              // device; empty: over the network
-  unsigned baud = 921'600;
-  std::string document = "active";        // of get: active, staged, saved or defaults
-  double timeout_s = 0.3;                 // of each of three attempts
-  std::optional<std::uint32_t> device{};  // number of the sensor; none: whoever answers
-  std::string key{};   // id of the key that alone counts; empty: of those that there are
-  std::string keys{};  // file of this user's keys; empty: config() takes the usual one
+  std::string document = "active";   // of get: active, staged, saved or defaults
   bool json = false;
 };
 

@@ -182,7 +182,7 @@ TEST_F(ConfigTest, RefusesWhatItCannotSend) {
 
 TEST(Config, SaysThatNobodyAnswers) {
   try {
-    config_over(std::make_unique<StubTransport>(nullptr), {"get"}, {.timeout_s = 0.01});
+    config_over(std::make_unique<StubTransport>(nullptr), {"get"}, {{.timeout_s = 0.01}});
     FAIL();
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.code(), Exit::kFailure);

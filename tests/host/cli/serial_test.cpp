@@ -76,7 +76,7 @@ TEST(ConfigOverSerial, ReadsAndChangesSettings) {
   const auto run = [&sensor](const std::vector<std::string>& words) {
     auto line = open_serial_transport(sensor.name(), 921'600);
     EXPECT_TRUE(line) << (line ? "" : line.error().message);
-    return config_over(std::move(*line), words, {.timeout_s = 5});
+    return config_over(std::move(*line), words, {{.timeout_s = 5}});
   };
   EXPECT_EQ(run({"get", "name"}), "stof\n");
   EXPECT_EQ(run({"set", "name=arm"}),
