@@ -84,6 +84,10 @@ class RawPictures:
             lines += [line for older in list(self.open) if older <= identity for line in self.finish(older)]
         return lines
 
+    def end(self):
+        """Nothing more will come: lines of the exposures that are still open."""
+        return [line for identity in list(self.open) for line in self.finish(identity)]
+
     def finish(self, identity):
         exposure = self.open.pop(identity)
         self.finished = [*self.finished, identity][-FINISHED:]

@@ -388,6 +388,8 @@ def main():
         receiver.exposures.clear()
     if subscription:
         endpoint.sendto(subscription.packet(UNSUBSCRIBE), sensor)
+    for line in receiver.raw.end():
+        print(line, flush=True)
     refused = " ".join(f"{cause} {count}" for cause, count in sorted(receiver.refused.items()))
     print(f"refused {refused}", flush=True)
     taken = " ".join(f"{kind} {count}" for kind, count in sorted(receiver.counts.items()))
