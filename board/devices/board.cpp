@@ -30,8 +30,6 @@ namespace linux = hal::linux;
 using Stereo = HotplugCamera<hal::StereoCamera, hal::StereoFrame>;
 using Pmd = HotplugCamera<hal::PmdCamera, hal::PmdFrame>;
 
-constexpr const DeviceConfig& kDevices = kConfig.devices;
-constexpr const TimingConfig& kTiming = kConfig.timing;
 // A PMD camera that leaves out edges looks like one that lost them.
 static_assert(kTiming.pmd_every == 1);
 

@@ -1,12 +1,6 @@
 #include "board/devices/wiring.h"
 
 namespace stof::board {
-namespace {
-
-constexpr const DeviceConfig& kDevices = kConfig.devices;
-constexpr const TimingConfig& kTiming = kConfig.timing;
-
-}  // namespace
 
 const PairConfig& pair_of(const DeviceOptions& device_options) {
   return device_options.cameras == PairKind::kLibcamera ? kDevices.libcamera : kDevices.v4l2;

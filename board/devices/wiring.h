@@ -6,6 +6,10 @@
 // How the trigger of a board with real devices is driven, and what it listens to.
 namespace stof::board {
 
+// The board's table, what of it this folder reads.
+inline constexpr const DeviceConfig& kDevices = kConfig.devices;
+inline constexpr const TimingConfig& kTiming = kConfig.timing;
+
 // The table's pair of the requested kind.
 const PairConfig& pair_of(const DeviceOptions& device_options);
 
