@@ -7,6 +7,8 @@ failed; it is known by the name STOF_DATA in what it says.
 """
 
 import argparse
+import collections.abc
+import concurrent.futures
 import dataclasses
 import itertools
 import json
@@ -20,85 +22,43 @@ import time
 import xml.etree.ElementTree
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
-LOGS = ROOT / "build" / "logs"
-STEP_LIMIT_S = 20 * 60
-TAIL_LINES = 60
+sys.path.insert(0, str(ROOT / "scripts" / "testing"))
+from count import Count  # noqa: E402
+from log import LOGS, Log, end_all, indented  # noqa: E402
+
 CASE_LINES = 20
 CASES_SHOWN = 10
 # Build presets that share the folder of another one.
-CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64"}
+CONFIGURED_AS = {"gcc-tests": "gcc", "arm64-kernels": "arm64", "arm64-host": "arm64"}
 FUZZ_RUNS = 20_000  # of each target; scripts/fuzz alone does more
 
 
 @dataclasses.dataclass
-class Count:
-    passed: int = 0
-    failed: int = 0
-    skipped: int = 0
-    notes: list[str] = dataclasses.field(default_factory=list)  # failed cases, one line each
-    skips: dict[str, list[str]] = dataclasses.field(default_factory=dict)  # skipped cases by their reason
-    details: list[str] = dataclasses.field(default_factory=list)  # what failed cases said
+class Step:
+    """`judge(log, prepared)` gives a Count. `prepare(log)`, where there is one, runs before it, while the tests of steps
+    before this one run; `prepared` is what it returned. Tests of real programs wait half of their time."""
 
-    def add(self, other):
-        self.passed += other.passed
-        self.failed += other.failed
-        self.skipped += other.skipped
-        self.notes += other.notes
-        for reason, names in other.skips.items():
-            self.skips.setdefault(reason, []).extend(names)
-        self.details += other.details
-
-    def __str__(self):
-        return f"{self.passed} passed, {self.failed} failed" + (
-            f", {self.skipped} skipped" if self.skipped else "")
-
-
-class Log:
-    """One step's log file, and how its commands are run."""
-
-    def __init__(self, step):
-        self.path = LOGS / f"{step}.log"
-        self.path.write_text("")
-
-    def run(self, *command):
-        """True when the command ended with 0 in time."""
-        with self.path.open("a") as log:
-            log.write(f"$ {' '.join(map(str, command))}\n")
-            log.flush()
-            with subprocess.Popen(command, cwd=ROOT, stdin=subprocess.DEVNULL, stdout=log,
-                                  stderr=subprocess.STDOUT, start_new_session=True) as process:
-                try:
-                    return process.wait(STEP_LIMIT_S) == 0
-                except subprocess.TimeoutExpired:
-                    log.write(f"ended after {STEP_LIMIT_S} s\n")
-                    print(f"    {' '.join(map(str, command))} took longer than {STEP_LIMIT_S // 60} minutes: ended. "
-                          "Is the machine busy?", flush=True)
-                    return False
-                finally:  # also when we are told to end ourselves
-                    if process.poll() is None:
-                        os.killpg(process.pid, signal.SIGKILL)
-
-    def lines(self):
-        return self.path.read_text(errors="replace").splitlines()
-
-    def excerpt(self):
-        """The first error of a build, else the end."""
-        lines = self.lines()
-        errors = [i for i, line in enumerate(lines) if line.startswith(("FAILED: ", "CMake Error"))]
-        return indented(lines[errors[0]:][:TAIL_LINES] if errors else lines[-TAIL_LINES:])
-
-
-def indented(lines):
-    return "\n".join("    " + line for line in lines)
+    judge: collections.abc.Callable
+    prepare: collections.abc.Callable | None = None
 
 
 def one(succeeded):
     return Count(passed=1) if succeeded else Count(failed=1)
 
 
+def plain(count):
+    """A step with nothing to prepare: count(log)."""
+    return Step(lambda log, _: count(log))
+
+
+def ahead(count):
+    """A step that measures nothing and tests no program: all of it is preparation."""
+    return Step(lambda _, prepared: prepared, count)
+
+
 def check(*command):
     """A step that is one case: a command that must succeed."""
-    return lambda log: one(log.run(*command))
+    return plain(lambda log: one(log.run(*command)))
 
 
 def unit_tests(log, script):
@@ -165,8 +125,8 @@ def skip_lines(skips):
 
 def tested(preset, *checks):
     """A step that builds a preset, looks at what was built (scripts/CHECK.py) and runs its tests."""
-    def step(log):
-        if not build(log, preset):
+    def judge(log, built):
+        if not built:
             return Count(failed=1, notes=["the build failed"])
         count = Count()
         for script in checks:
@@ -194,14 +154,12 @@ def tested(preset, *checks):
             count.failed += 1
             count.notes.append("ctest failed (no test found?)")
         return count
-    return step
+    return Step(judge, lambda log: build(log, preset))
 
 
 def arm64(preset, *checks):
     """As tested(), with the sysroot unpacked before."""
-    def step(log):
-        return tested(preset, *checks)(log) if log.run("toolchains/sysroot.sh") else Count(failed=1)
-    return step
+    return Step(tested(preset, *checks).judge, lambda log: log.run("toolchains/sysroot.sh") and build(log, preset))
 
 
 def tidy(log):
@@ -279,14 +237,14 @@ def system_program(log, *command):
 
 def system(length):
     """The appliance of board virt in an emulated machine, with emulated devices."""
-    def step(log):
+    def judge(log, built):
         count = unit_tests(log, "tests/system/parts_test.py")
-        if system_tools(log, *(("virt", "rpi4") if length == "long" else ("virt",))):
+        if built:
             count.add(system_program(log, "tests/system/system_test.py", f"--{length}"))
         else:
             count.add(Count(failed=1, notes=["the build failed"]))
         return count
-    return step
+    return Step(judge, lambda log: system_tools(log, *(("virt", "rpi4") if length == "long" else ("virt",))))
 
 
 def image(log):
@@ -349,7 +307,7 @@ def calib(log):
     """What calibrates a rig, whose packages only this step wants: its tests, and clang-tidy of it."""
     if not log.run("scripts/setup", "calib"):
         return Count(failed=1, notes=["no packages"])
-    count = tested("calib")(log)
+    count = tested("calib").judge(log, build(log, "calib"))
     sources = sorted(str(path.relative_to(ROOT)) for folder in ("host/calibrate/rig", "host/cli/rig")
                      for path in ROOT.glob(f"{folder}/**/*.cpp") if path.name != "no_calib_rig.cpp")
     count.add(one(log.run("scripts/tidy", "--build-dir", "build/calib", *sources)))
@@ -358,29 +316,30 @@ def calib(log):
 
 STEPS = {
     "format": check("scripts/format", "--check"),
-    "layers": layers,
+    "layers": plain(layers),
     "emu": tested("emu", "check_avx_symbols"),
     "arm64-kernels": arm64("arm64-kernels", "check_vector_code"),
-    "boards": boards,
-    "tidy": tidy,
+    "boards": ahead(boards),
+    "tidy": ahead(tidy),
     "emu-asan": tested("emu-asan"),
     "gcc": tested("gcc"),
     "arm64": arm64("arm64", "check_vector_code"),
     "system": system("short"),
-    "mutation": mutation,
+    "mutation": plain(mutation),
+    "arm64-host": arm64("arm64-host"),
     "arm64-ubsan": arm64("arm64-ubsan"),
-    "fuzz": fuzz,
-    "tidy-tests": check("scripts/tidy"),  # what `tidy` has read is not read again
-    "gcc-tests": gcc_tests,
+    "fuzz": plain(fuzz),
+    "tidy-tests": ahead(lambda log: one(log.run("scripts/tidy"))),  # what `tidy` has read is not read again
+    "gcc-tests": ahead(gcc_tests),
     "system-long": system("long"),
-    "calib": calib,
-    "image": image,
+    "calib": plain(calib),
+    "image": plain(image),
 }
 # A newcomer's run. scripts/test installs no more than these need.
 SHORT = ("format", "layers", "emu", "arm64-kernels", "boards")
 # Of every change: step arm64 has the kernels, too.
 CI = ("format", "layers", "emu", "boards", "tidy", "emu-asan", "gcc", "arm64", "system")
-ALL = CI + ("mutation", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image")
+ALL = CI + ("mutation", "arm64-host", "arm64-ubsan", "fuzz", "tidy-tests", "gcc-tests", "system-long", "calib", "image")
 
 
 def main():
@@ -397,13 +356,36 @@ def main():
 
     signal.signal(signal.SIGTERM, lambda *_: sys.exit("ended by a signal"))
     LOGS.mkdir(parents=True, exist_ok=True)
+    with concurrent.futures.ThreadPoolExecutor(1) as worker:
+        try:
+            return run(chosen, worker)
+        finally:
+            end_all()
+            worker.shutdown(cancel_futures=True)
+
+
+def run(chosen, worker):
+    """The exit code of these steps; `worker` prepares them."""
+    logs = {name: Log(name) for name in chosen}
+
+    def prepare(name):
+        logs[name].aside = True
+        try:
+            return STEPS[name].prepare(logs[name])
+        finally:
+            logs[name].aside = False
+
+    prepared = {name: worker.submit(prepare, name) for name in chosen if STEPS[name].prepare}
     total = Count()
     for name in chosen:
-        log = Log(name)
+        log = logs[name]
         begin = time.monotonic()
-        count = STEPS[name](log)
+        ready = prepared[name].result() if name in prepared else None
+        waited = time.monotonic() - begin
+        count = STEPS[name].judge(log, ready)
         total.add(count)
-        print(f"{name:<13} {time.monotonic() - begin:6.1f} s  {count}", flush=True)
+        print(f"{name:<13} {time.monotonic() - begin:6.1f} s  {count}" + (
+            f", {waited:.1f} s of it until it was built" if name in prepared else ""), flush=True)
         for note in count.notes + skip_lines(count.skips):
             print(f"    {note}")
         if count.failed:

@@ -1,11 +1,17 @@
 #!/usr/bin/env python3
 """Tests of what scripts/test_steps.py finds by itself."""
 
+import concurrent.futures
+import contextlib
+import io
 import json
 import pathlib
+import subprocess
 import sys
 import tempfile
+import threading
 import unittest
+from unittest import mock
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import test_steps  # noqa: E402
@@ -49,6 +55,54 @@ class RunsTest(unittest.TestCase):
         self.assertLessEqual(set(test_steps.SHORT) - {"arm64-kernels"}, set(test_steps.CI))
         self.assertIn("arm64", test_steps.CI)
         self.assertLessEqual(set(test_steps.CI), set(test_steps.ALL))
+
+
+class PreparationTest(unittest.TestCase):
+    def setUp(self):
+        patch = mock.patch.object(test_steps.Log, "__init__", lambda log, step: log.__dict__.update(
+            path=test_steps.ROOT / step, aside=False))  # no file
+        patch.start()
+        self.addCleanup(patch.stop)
+
+    def steps(self, **steps):
+        said = io.StringIO()
+        with (mock.patch.object(test_steps, "STEPS", steps), contextlib.redirect_stdout(said),
+              concurrent.futures.ThreadPoolExecutor(1) as worker):
+            return test_steps.run(list(steps), worker), said.getvalue()
+
+    def test_a_step_is_prepared_while_the_one_before_it_is_judged(self):
+        begun = threading.Event()
+
+        def prepare(log):
+            self.assertTrue(log.aside)
+            begun.set()
+            return 7
+
+        def judge(log, prepared):
+            self.assertFalse(log.aside)
+            return test_steps.Count(passed=prepared)
+
+        first = test_steps.plain(lambda log: test_steps.one(begun.wait(60)))
+        code, said = self.steps(first=first, second=test_steps.Step(judge, prepare))
+        self.assertEqual((code, said.splitlines()[-1]), (0, "8 passed, 0 failed"))
+
+    def test_what_could_not_be_prepared_fails_its_step_alone(self):
+        unbuilt = test_steps.Step(lambda log, built: test_steps.Count(failed=not built, details=["it"]), lambda log: False)
+        code, said = self.steps(unbuilt=unbuilt, other=test_steps.ahead(lambda log: test_steps.Count(passed=1)))
+        self.assertEqual((code, said.splitlines()[-1]), (1, "1 passed, 1 failed"))
+
+
+class EndTest(unittest.TestCase):
+    def test_what_runs_aside_ends_with_the_run(self):
+        with tempfile.TemporaryDirectory() as folder:
+            program = ("import sys, threading\nsys.path.insert(0, sys.argv[1])\nimport log, pathlib\n"
+                       "log.LOGS = pathlib.Path(sys.argv[2])\nstep = log.Log('it')\nstep.aside = True\n"
+                       "other = threading.Thread(target=step.run, args=('sh', '-c', 'echo begun; sleep 600'))\nother.start()\n"
+                       "while 'begun' not in step.lines(): pass\nlog.end_all()\nother.join()\n"
+                       "print(step.run('true'))\n")
+            ended = subprocess.run([sys.executable, "-B", "-c", program, str(test_steps.ROOT / "scripts" / "testing"), folder],
+                                   capture_output=True, text=True, timeout=300, check=False)
+            self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (0, "False\n", ""))
 
 
 class SkipsTest(unittest.TestCase):
