@@ -215,6 +215,7 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
                      : StartSettings{};
   }
   StartSettings start{.settings = *current.settings, .fell_back = !why.text().empty()};
+  bool counted = true;
   if (start.settings != load_good(stores.good, nullptr)) {
     const int failed = failed_starts(stores.trial, start.settings);
     if (failed >= kMaxFailedStarts) {
@@ -222,13 +223,19 @@ StartSettings load_settings(const SettingsStores& stores, std::string_view place
                      "two starts with these settings have failed", line);
     }
     start.on_trial = true;
-    static_cast<void>(count_failed_starts(stores.trial, start.settings, failed + 1));
+    counted = count_failed_starts(stores.trial, start.settings, failed + 1) == Status::kOk;
   }
   if (stores.fixed != nullptr) {  // of settings that somebody else wrote, too
     static_cast<void>(save_fixed(*stores.fixed, start.settings));
   }
   if (start.fell_back) {
-    line << place << ": " << why.text();
+    line << place << ": " << why.text() << (counted ? "" : "; ");
+  }
+  if (!counted) {
+    line << place
+         << ".trial: cannot be written: starts that fail with these settings are not counted, so "
+            "the last "
+            "good ones will not come back: make it a file, or remove it";
   }
   return start;
 }

@@ -48,8 +48,9 @@ inline constexpr int kMaxFailedStarts = 2;
 // The current settings, fields that they do not name at their defaults; the defaults where nothing
 // was ever saved; the last good ones, else the defaults, where the current ones cannot be used.
 // `line` says so in one line that begins with `place`, such as the file's name; it names fields
-// that fell back, too. limits: nullptr: are not asked. Counts the start where it is on trial, and
-// writes nothing where the current settings are the last good ones.
+// that fell back, too, and what keeps the start from being counted. limits: nullptr: are not asked.
+// Counts the start where it is on trial, and writes nothing where the current settings are the last
+// good ones.
 StartSettings load_settings(const SettingsStores& stores, std::string_view place, Limits* limits,
                             PagedWriter& line) noexcept;
 // The same for current settings that load_settings() took before the limits were known.

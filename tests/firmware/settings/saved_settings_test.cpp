@@ -242,6 +242,20 @@ TEST(SavedSettings, TwoFailedStartsBringTheLastGoodOnesBack) {
   EXPECT_EQ(medium.run(1s).settings, named("better")) << "a change begins anew";
 }
 
+TEST(SavedSettings, AStartThatCannotBeCountedIsTold) {
+  Medium medium;
+  ASSERT_EQ(save_document(medium.current, named("new")), Status::kOk);
+  medium.trial.break_down(true, Status::kUnsupported);  // a folder in its place
+  EXPECT_EQ(medium.start().settings, named("new"));
+  EXPECT_EQ(medium.told,
+            "x.json.trial: cannot be written: starts that fail with these settings are not "
+            "counted, so the last good "
+            "ones will not come back: make it a file, or remove it");
+  medium.trial.break_down(false);
+  medium.start();
+  EXPECT_EQ(medium.told, "");
+}
+
 TEST(SavedSettings, DamagedOrMissingOnesAreReplacedByTheLastGood) {
   for (const char* const text : {"{", "", R"({"depth": {"disparities": 200}})"}) {
     Medium medium;
