@@ -49,7 +49,7 @@ class Config(unittest.TestCase):
         self.log = self.folder / "log"
         with self.log.open("w", encoding="utf-8") as log:
             self.sensor = subprocess.Popen(
-                [*STOFD, "--size", "160x120", "--port", "0", "--port-file", str(port), "--settings", str(self.file),
+                [*STOFD, "--size", "64x48", "--pmd", "32x24", "--port", "0", "--port-file", str(port), "--settings", str(self.file),
                  "--set", "discovery.mdns=false", "--set", "discovery.beacon=false", *arguments], stdout=log, stderr=subprocess.STDOUT)
         end = time.monotonic() + ENOUGH_S
         while not (port.exists() and port.read_text(encoding="utf-8").endswith("\n")):

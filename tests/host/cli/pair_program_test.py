@@ -129,6 +129,7 @@ class Pair(unittest.TestCase):
     def until(self, what, done):
         end = time.monotonic() + ENOUGH_S
         while not (found := done()):
+            self.assertIsNone(self.sensor.poll(), self.said())
             self.assertLess(time.monotonic(), end, f"{what}: {self.said()}")
             time.sleep(0.02)
         return found
@@ -139,7 +140,7 @@ class Pair(unittest.TestCase):
         self.log = self.folder / "log"
         with self.log.open("w", encoding="utf-8") as log:
             self.sensor = subprocess.Popen(
-                [*STOFD, "--size", "160x120", "--port", "0", "--port-file", str(port), "--settings",
+                [*STOFD, "--size", "64x48", "--pmd", "32x24", "--port", "0", "--port-file", str(port), "--settings",
                  str(self.folder / "settings.json"), "--set", "discovery.mdns=false", "--set", "discovery.beacon=false", *arguments],
                 stdout=log, stderr=subprocess.STDOUT)
         self.until("no port", lambda: port.exists() and port.read_text(encoding="utf-8").endswith("\n"))
@@ -162,8 +163,8 @@ class Pair(unittest.TestCase):
         return subprocess.run([*COMMAND, *map(str, words), "--timeout", str(timeout_s)], capture_output=True, text=True, timeout=120,
                               cwd=self.folder, env=self.environment)
 
-    def ask(self, *words):
-        ended = self.run_stof(*words)
+    def ask(self, *words, timeout_s=5):
+        ended = self.run_stof(*words, timeout_s=timeout_s)
         self.assertEqual((ended.returncode, ended.stderr), (0, ""), ended.stdout)
         return ended.stdout
 
@@ -323,7 +324,7 @@ class Pair(unittest.TestCase):
         self.start("--label", self.label)
         self.ask("pair", self.address, "--code", CODE)
         with Proxy(self.address, drops=wire.PairStep.CONFIRM) as proxy:
-            self.run_stof("pair", proxy.address, "--renew")
+            self.run_stof("pair", proxy.address, "--renew", timeout_s=2)  # three times as long
             self.assertGreater(proxy.dropped, 0)
         self.ask("config", self.address, "set", "period_ms=80")
         self.ask("pair", self.address, "--renew")
@@ -344,7 +345,7 @@ class Pair(unittest.TestCase):
     def test_a_key_whose_last_answers_are_lost(self):
         self.start("--label", self.label)
         with Proxy(self.address, drops=wire.PairStep.CONFIRM) as proxy:
-            self.assertIn("is in ", self.ask("pair", proxy.address, "--code", CODE))
+            self.assertIn("is in ", self.ask("pair", proxy.address, "--code", CODE, timeout_s=2))  # three times as long
             self.assertGreater(proxy.dropped, 0)
         self.ask("config", self.address, "set", "period_ms=80")
         self.assertEqual(len(self.listed()), 1)
