@@ -144,7 +144,7 @@ void ControlServices::tick(hal::Time now) noexcept {
   publish_status();
   if (parts_.trial != nullptr) {
     parts_.trial->tick(now, parts_.loop_status.published.load(std::memory_order_relaxed),
-                       settings_server_.revision() > 1);
+                       settings_server_.saved_in_force());
   }
   const settings::Settings& active = settings_server_.active();
   const wire::Announce announce = update_announce(now);

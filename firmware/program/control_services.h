@@ -55,7 +55,7 @@ class ControlServices final : public settings::Limits,
     hal::Store* fixed;                     // SettingsStores::fixed
     hal::Store* installed;                 // calibration; nullptr: none can be
     const settings::StartSettings& saved;  // that the start found there
-    settings::SettingsTrial* trial;        // of these; nullptr: they are not on trial
+    settings::SettingsTrial* trial;        // of these and later ones; nullptr: nothing is kept
     keys::Keyring& keys;                   // the control thread's own from now on
     keys::PairingServer& pairing;          // likewise
     std::uint32_t connection_replaced;     // the value of the condition; 0: none was

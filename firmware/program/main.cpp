@@ -163,8 +163,8 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
               const RunConfig& run_config, const InitialSettings& start,
               posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
-  if (start.saved.on_trial) {
-    trial.emplace(start.stores(), start.saved.settings);
+  if (start.store != nullptr) {
+    trial.emplace(start.stores(), start.saved.settings, !start.saved.on_trial);
   }
   const wire::Origin origin{.device_id = options.device_id,
                             .session_id = options.session_id.value_or(make_session_id())};

@@ -243,6 +243,11 @@ SettingsServer::Result SettingsServer::preset(std::string_view name, Access acce
   return Result::kInvalid;
 }
 
+const Settings* SettingsServer::saved_in_force() const noexcept {
+  const bool runs = revision_ == 1 || (active_ == saved_ && !restart_needed());
+  return runs && !dropped_ ? &saved_ : nullptr;
+}
+
 SettingsServer::Result SettingsServer::save(hal::Time now, PagedWriter& why) noexcept {
   if (active_ == saved_ && !unsaved_ && !fell_back_ && !dropped_) {
     return Result::kOk;  // a repeated request does not wear the medium

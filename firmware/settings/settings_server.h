@@ -75,6 +75,9 @@ class SettingsServer final : public firmware::SettingsService {
   std::uint32_t revision() const noexcept { return revision_; }
   // Some of the active settings wait for the next start.
   bool restart_needed() const noexcept;
+  // What is in the store, where the sensor runs with it and with nothing else; nullptr: it does
+  // not. What a command line adds at the start does not count.
+  const Settings* saved_in_force() const noexcept;
   // The last attempt to save failed.
   bool unsaved() const noexcept { return unsaved_; }
   // Since the last save, or in what was saved, fields were named that are as the preset has them

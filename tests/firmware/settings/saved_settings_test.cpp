@@ -61,9 +61,9 @@ struct Medium {
   StartSettings run(hal::Duration time) {
     const StartSettings begun = start();
     if (begun.on_trial) {
-      SettingsTrial proof(stores(), begun.settings);
-      proof.tick(hal::Time(100s), 1, false);
-      proof.tick(hal::Time(100s) + time, 2, false);
+      SettingsTrial proof(stores(), begun.settings, false);
+      proof.tick(hal::Time(100s), 1, &begun.settings);
+      proof.tick(hal::Time(100s) + time, 2, &begun.settings);
     }
     return begun;
   }
@@ -336,32 +336,52 @@ TEST(SavedSettings, WhereNobodyKnowsWhatWasFixedTheStrictestHolds) {
 
 TEST(SettingsTrial, AnEndThatWasAskedForIsNoFailedStart) {
   Medium medium;
-  ASSERT_EQ(save_document(medium.current, named("a")), Status::kOk);
+  const Settings a = named("a");
+  ASSERT_EQ(save_document(medium.current, a), Status::kOk);
   for (int i = 0; i < 5; ++i) {
-    SettingsTrial trial(medium.stores(), medium.start().settings);
-    trial.tick(hal::Time(1s), 1, false);
+    SettingsTrial trial(medium.stores(), medium.start().settings, false);
+    trial.tick(hal::Time(1s), 1, &a);
     trial.end(1);
   }
-  EXPECT_EQ(failed_starts(medium.trial, named("a")), 0);
-  SettingsTrial blind(medium.stores(), medium.start().settings);
+  EXPECT_EQ(failed_starts(medium.trial, a), 0);
+  SettingsTrial blind(medium.stores(), medium.start().settings, false);
   blind.end(0);
-  EXPECT_EQ(failed_starts(medium.trial, named("a")), 1) << "nothing was published";
+  EXPECT_EQ(failed_starts(medium.trial, a), 1) << "nothing was published";
 }
 
 TEST(SettingsTrial, OtherSettingsOrNoFramesProveNothing) {
   Medium medium;
-  ASSERT_EQ(save_document(medium.current, named("a")), Status::kOk);
-  SettingsTrial changed(medium.stores(), medium.start().settings);
-  changed.tick(hal::Time(1s), 1, false);
-  changed.tick(hal::Time(2s), 2, true);
-  changed.tick(hal::Time(60s), 3, false);
-  SettingsTrial silent(medium.stores(), named("a"));
-  silent.tick(hal::Time(1s), 0, false);
-  silent.tick(hal::Time(60s), 0, false);
-  SettingsTrial stuck(medium.stores(), named("a"));
-  stuck.tick(hal::Time(1s), 1, false);
-  stuck.tick(hal::Time(60s), 1, false);
+  const Settings a = named("a");
+  ASSERT_EQ(save_document(medium.current, a), Status::kOk);
+  SettingsTrial changed(medium.stores(), medium.start().settings, false);
+  changed.tick(hal::Time(1s), 1, &a);
+  changed.tick(hal::Time(2s), 2, nullptr);
+  changed.tick(hal::Time(60s), 3, &a);
+  SettingsTrial silent(medium.stores(), a, false);
+  silent.tick(hal::Time(1s), 0, &a);
+  silent.tick(hal::Time(60s), 0, &a);
+  SettingsTrial stuck(medium.stores(), a, false);
+  stuck.tick(hal::Time(1s), 1, &a);
+  stuck.tick(hal::Time(60s), 1, &a);
   EXPECT_EQ(medium.good.saves(), 0);
+}
+
+TEST(SettingsTrial, WhatIsSavedWhileTheSensorRunsProvesGoodToo) {
+  Medium medium;
+  const Settings a = named("a");
+  const Settings b = named("b");
+  SettingsTrial trial(medium.stores(), a, true);
+  trial.tick(hal::Time(1s), 1, &a);
+  trial.tick(hal::Time(60s), 2, &a);
+  EXPECT_EQ(medium.good.saves(), 0) << "they are the last good ones";
+  ASSERT_EQ(save_document(medium.current, b), Status::kOk);
+  trial.tick(hal::Time(61s), 3, &b);
+  trial.tick(hal::Time(61s) + SettingsTrial::kProof - 1ns, 4, &b);
+  EXPECT_EQ(medium.good.saves(), 0);
+  trial.tick(hal::Time(61s) + SettingsTrial::kProof, 5, &b);
+  trial.tick(hal::Time(90s), 6, &b);
+  EXPECT_EQ(medium.good.saves(), 1);
+  EXPECT_FALSE(medium.start().on_trial);
 }
 
 TEST(SettingsTrial, AnyBytesInTheRecordCountNothing) {

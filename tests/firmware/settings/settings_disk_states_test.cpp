@@ -62,9 +62,9 @@ Seen cut_everywhere(const Settings& before, const Settings& next, bool flushes) 
   disk.flushes_nothing = !flushes;
   EXPECT_EQ(save_document(stores.current, next), Status::kOk);
   const StartSettings started = stores.start();
-  SettingsTrial trial({stores.current, stores.good, stores.trial}, started.settings);
-  trial.tick(hal::Time(1s), 1, false);
-  trial.tick(hal::Time(1s) + SettingsTrial::kProof, 2, false);
+  SettingsTrial trial({stores.current, stores.good, stores.trial}, started.settings, false);
+  trial.tick(hal::Time(1s), 1, &started.settings);
+  trial.tick(hal::Time(1s) + SettingsTrial::kProof, 2, &started.settings);
   disk.stop();
   EXPECT_GT(disk.calls(), 8U);
 

@@ -44,9 +44,9 @@ class Life {
     if (power.cut || !started.on_trial) {
       return;
     }
-    SettingsTrial trial(stores(), started.settings);
-    trial.tick(hal::Time(1s), 1, false);
-    trial.tick(hal::Time(1s) + SettingsTrial::kProof, 2, false);
+    SettingsTrial trial(stores(), started.settings, false);
+    trial.tick(hal::Time(1s), 1, &started.settings);
+    trial.tick(hal::Time(1s) + SettingsTrial::kProof, 2, &started.settings);
   }
   StartSettings start() {
     std::array<char, 320> space;

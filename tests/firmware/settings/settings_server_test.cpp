@@ -167,6 +167,19 @@ TEST_F(SettingsServerTest, TellsWhatWaitsForARestart) {
   EXPECT_EQ(ask(Operation::kReset).fields.restart, 0);
 }
 
+TEST_F(SettingsServerTest, TellsWhetherTheSensorRunsWithWhatIsSaved) {
+  ASSERT_NE(server_.saved_in_force(), nullptr) << "what the start found";
+  EXPECT_EQ(*server_.saved_in_force(), Settings{});
+  ask(Operation::kSet, R"({"name": "a"})");
+  EXPECT_EQ(server_.saved_in_force(), nullptr);
+  ask(Operation::kSave);
+  ASSERT_NE(server_.saved_in_force(), nullptr);
+  EXPECT_EQ(server_.saved_in_force()->name.view(), "a");
+  ask(Operation::kSet, R"({"udp": {"port": 7000}})");
+  ask(Operation::kSave);
+  EXPECT_EQ(server_.saved_in_force(), nullptr) << "the port waits for the next start";
+}
+
 TEST_F(SettingsServerTest, ThreadsWaitForARestart) {
   EXPECT_EQ(ask(Operation::kSet, R"({"compute": {"threads": 3}})").fields.restart, 1);
   EXPECT_EQ(board_.applied.compute.threads, 3);
