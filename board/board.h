@@ -123,6 +123,10 @@ std::unique_ptr<hal::Store> make_secret_store(std::string_view name);
 // hal::linux::FileSlots.
 Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix);
 
+// Restarts the machine; trial: once with the other slot. Returns where it is refused: kDeviceError;
+// kUnsupported: this board is no machine of its own.
+Status restart_machine(bool trial) noexcept;
+
 // The board's own flags, one per line, for --help.
 std::string_view usage() noexcept;
 

@@ -18,6 +18,7 @@
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/heap_watch.h"
 #include "hal/linux/system/realtime.h"
+#include "hal/linux/system/restart.h"
 #include "hal/linux/system/watchdog.h"
 #include "hal/linux/usb/usb_pmd.h"
 #include "hal/linux/v4l2/v4l2_pmd.h"
@@ -287,6 +288,11 @@ std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
 
 Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix) {
   return linux::FileSlots::open(std::string(prefix));
+}
+
+// The firmware of a Raspberry Pi takes the number of a partition, 0: as autoboot.txt says.
+Status restart_machine(bool trial) noexcept {
+  return linux::restart_machine(trial ? "0 tryboot" : "");
 }
 
 Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }

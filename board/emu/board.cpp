@@ -206,6 +206,8 @@ Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix) {
   return hal::linux::FileSlots::open(std::string(prefix));
 }
 
+Status restart_machine(bool /*trial*/) noexcept { return Status::kUnsupported; }
+
 // An emulated rig shares a laptop with others.
 std::optional<std::string> lock_memory() { return std::nullopt; }
 void keep_memory_private() noexcept { hal::linux::keep_memory_private(); }

@@ -326,6 +326,12 @@ int start_and_run(std::span<const std::string_view> arguments) {
   if (options->settings_table) {
     return print(settings::settings_tables());
   }
+  if (!options->restart.empty()) {
+    static_cast<void>(board::restart_machine(options->restart == "trial"));
+    return refuse(
+        "the board cannot be restarted: only its administrator may, on a board of its own",
+        kExitFailure);
+  }
   if (!options->which_slot.empty()) {
     const auto slot = slot_of_start(*options);
     return slot ? print(*slot + "\n") : refuse(slot.error());

@@ -134,6 +134,8 @@ bool take_update_value(std::string_view flag, std::string_view value, Options& o
     wrong = take_word(flag, value, "a", "b", options.slot);
   } else if (flag == "--which-slot") {
     wrong = take_word(flag, value, "usual", "trial", options.which_slot);
+  } else if (flag == "--restart") {
+    wrong = take_word(flag, value, "usual", "trial", options.restart);
   } else if (flag == "--update-keys") {
     wrong = take_text(flag, value, options.update_keys);
   } else {
@@ -293,6 +295,7 @@ std::string options_usage() {
       "  --no-trial           this kernel cannot start the other slot once: no updates\n"
       "  --which-slot WHICH   print the slot of --slots that a start takes, usual or trial, and "
       "end\n"
+      "  --restart WHICH      restart the board, usual, or trial: once with the other slot\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "
       "all\n"
       "  --schema             print the JSON Schema of the settings\n"

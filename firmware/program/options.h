@@ -34,6 +34,7 @@ struct Options {
   std::string slot = "a";       // that this start came from
   std::string update_keys;      // file of makers' public keys; empty: none
   bool no_trial = false;        // this board's kernel cannot start the other slot once
+  std::string restart;          // the board, usual or trial, and nothing else; empty: run
   std::string which_slot;       // print the slot that a start takes, usual or trial; empty: run
   std::string port_file;        // gets the number of the UDP port; empty: none
   std::uint32_t device_id = 1;

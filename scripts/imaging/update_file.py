@@ -1,4 +1,5 @@
 """Update files: a release for one board, signed by its maker. The format is told in firmware/update/README.md.
+update_file.py FILE prints the public key of the maker's key in FILE.
 
 Needs libsodium (scripts/setup test has it) to sign; nothing of a private key is ever written but to its own file.
 """
@@ -10,6 +11,7 @@ import os
 import pathlib
 import secrets
 import struct
+import sys
 
 HEAD = struct.Struct("<8sHHI16s16s32sIIII32s")
 SIGNATURE_BYTES = 64
@@ -98,3 +100,10 @@ def make(content, key, **words):
 def public_keys(*keys):
     """The file that a sensor gets with --update-keys."""
     return "".join(f"{key.hex()}\n" for key in keys).encode()
+
+
+if __name__ == "__main__":
+    try:
+        print(Key.read(*sys.argv[1:2] or ("",)).public.hex())
+    except UpdateError as wrong:
+        sys.exit(f"update_file: {wrong}")
