@@ -162,6 +162,18 @@ void end_loop(WatchdogFeeder& watchdog) {
   control.reset();
 }
 
+// For the control thread.
+void note_round(const Appliance& appliance) {
+  loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
+                                    std::memory_order_relaxed);
+  loop_status.installs.store(appliance.installs(), std::memory_order_release);
+  loop_status.published.store(events.counters.published, std::memory_order_relaxed);
+  loop_status.with_pair.store(events.counters.with_pair, std::memory_order_relaxed);
+  loop_status.with_pmd.store(events.counters.with_pmd, std::memory_order_relaxed);
+  loop_status.rounds.fetch_add(1, std::memory_order_relaxed);
+  loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
+}
+
 // Ends with the loop; the control thread before it.
 void run_loop(board::Board& board, const Options& options, RigInfo& rig,
               const RunConfig& run_config, const InitialSettings& start, update::Updater& updater,
@@ -220,14 +232,7 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control->status(appliance.serial())));
     watchdog.after_round();
-    loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
-                                      std::memory_order_relaxed);
-    loop_status.installs.store(appliance.installs(), std::memory_order_release);
-    loop_status.published.store(events.counters.published, std::memory_order_relaxed);
-    loop_status.with_pair.store(events.counters.with_pair, std::memory_order_relaxed);
-    loop_status.with_pmd.store(events.counters.with_pmd, std::memory_order_relaxed);
-    loop_status.rounds.fetch_add(1, std::memory_order_relaxed);
-    loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
+    note_round(appliance);
   }
   end_loop(watchdog);
 }

@@ -18,7 +18,7 @@ class Trial {
  public:
   static constexpr hal::Duration kProof = std::chrono::seconds(30);
   // Beyond three gaps.
-  static constexpr hal::Duration kLimit = std::chrono::seconds(66);
+  static constexpr hal::Duration kLimit = std::chrono::seconds(57);
   static constexpr hal::Duration kLeastGap = std::chrono::seconds(3);
 
   enum class Verdict : std::uint8_t { kOpen, kConfirmed, kLeft };

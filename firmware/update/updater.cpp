@@ -269,9 +269,11 @@ Updater::Result Updater::commit(const firmware::Requester& /*by*/, PagedWriter& 
     why << "update: not all of it has come: send it again";
     return Result::kInvalid;
   }
-  if (const Status status = writer_->pump(); status == Status::kTimeout) {
+  const Status status = writer_->pump();
+  if (status == Status::kTimeout) {
     return writing(why);
-  } else if (status != Status::kOk) {
+  }
+  if (status != Status::kOk) {
     release_.reset();
     return worn(why);
   }

@@ -15,10 +15,10 @@
 namespace stof::host {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{1} << 28;
-constexpr std::size_t kHeadBytes = 192;
-constexpr std::string_view kMagic{"STOFUPD\0", 8};
-constexpr auto kPause = std::chrono::milliseconds(500);
+constexpr std::size_t kMostUpdateBytes = std::size_t{1} << 28;
+constexpr std::size_t kUpdateHeadBytes = 192;
+constexpr std::string_view kUpdateMagic{"STOFUPD\0", 8};
+constexpr auto kBetweenAsking = std::chrono::milliseconds(500);
 using wire::UploadKind;
 using wire::UploadState;
 
@@ -27,7 +27,7 @@ struct UpdateWords {
   std::filesystem::path file;
 };
 
-UpdateWords read_words(const UpdateOptions& options) {
+UpdateWords read_update_words(const UpdateOptions& options) {
   UpdateWords words;
   std::vector<std::string> given = options.words;
   if (options.serial.empty() && !given.empty()) {
@@ -49,8 +49,8 @@ UpdateWords read_words(const UpdateOptions& options) {
 
 // What no sensor takes is told before anything is sent.
 std::string read_update_file(const std::filesystem::path& file) {
-  std::string bytes = value_or_fail(dataset::read_whole(file, kMostBytes));
-  if (bytes.size() <= kHeadBytes || !bytes.starts_with(kMagic)) {
+  std::string bytes = value_or_fail(dataset::read_whole(file, kMostUpdateBytes));
+  if (bytes.size() <= kUpdateHeadBytes || !bytes.starts_with(kUpdateMagic)) {
     throw Failure(Exit::kBadInput,
                   file.string() + ": is no update file: name one that scripts/image wrote");
   }
@@ -63,7 +63,7 @@ void wait_for_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried,
   bool told = false;
   bool seen = tried != former;  // the same release again is known by its trial alone
   while (std::chrono::steady_clock::now() < end) {
-    std::this_thread::sleep_for(kPause);
+    std::this_thread::sleep_for(kBetweenAsking);
     const auto state = way.uploads.state_of(UploadKind::kUpdate);
     if (!state || state->result != wire::SettingsResult::kOk) {
       continue;  // it restarts
@@ -94,7 +94,7 @@ void wait_for_verdict(UploadWay& way, std::uint32_t former, std::uint32_t tried,
 
 void update(const UpdateOptions& options) {
   need_crypto();
-  const UpdateWords words = read_words(options);
+  const UpdateWords words = read_update_words(options);
   const std::string bytes = options.revert ? std::string() : read_update_file(words.file);
   const auto way = open_upload_way("update", words.sensor, options, options.patience_s);
   const auto before = way->uploads.state_of(UploadKind::kUpdate);

@@ -14,8 +14,8 @@ Status Slots::read(DiskPart part, std::size_t offset, std::span<std::byte> to) n
 }
 
 void Slots::write(DiskPart part, std::size_t offset, std::span<const std::byte> bytes) noexcept {
-  std::vector<std::byte>& to = disk_[static_cast<std::size_t>(part)];
-  if (offset > to.size() || bytes.size() > to.size() - offset) {
+  const std::size_t room = of(part).size();
+  if (offset > room || bytes.size() > room - offset) {
     last_ = Status::kInvalidArgument;
     return;
   }

@@ -10,10 +10,10 @@
 namespace stof::hal::linux {
 namespace {
 
-constexpr std::size_t kSector = 512;
+constexpr std::size_t kDiskSector = 512;
 
 // Bytes of a file or a block device.
-Result<std::size_t> size_of(int fd) noexcept {
+Result<std::size_t> bytes_of_disk(int fd) noexcept {
   struct stat found{};
   if (::fstat(fd, &found) != 0) {
     return fail(Status::kDeviceError);
@@ -22,7 +22,7 @@ Result<std::size_t> size_of(int fd) noexcept {
     return fail(Status::kUnsupported);
   }
   const off_t end = ::lseek(fd, 0, SEEK_END);
-  return end > 0 && static_cast<std::size_t>(end) % kSector == 0
+  return end > 0 && static_cast<std::size_t>(end) % kDiskSector == 0
              ? Result<std::size_t>(static_cast<std::size_t>(end))
              : fail(Status::kDeviceError);
 }
@@ -50,7 +50,7 @@ Result<std::unique_ptr<FileSlots>> FileSlots::open(const std::string& prefix) {
     if (!parts[i].file.is_open()) {
       return fail(Status::kDeviceError);
     }
-    const Result<std::size_t> bytes = size_of(parts[i].file.get());
+    const Result<std::size_t> bytes = bytes_of_disk(parts[i].file.get());
     if (!bytes) {
       return fail(bytes.error());
     }

@@ -113,12 +113,12 @@ std::expected<UploadResult, ControlError> UploadClient::upload(wire::UploadKind 
 }
 
 std::expected<UploadResult, ControlError> UploadClient::ask_alone(wire::UploadKind kind,
-                                                                  UploadStep what) {
-  auto step = ask({.step = what, .kind = static_cast<std::uint8_t>(kind)}, {});
-  if (!step) {
-    return std::unexpected(std::move(step.error()));
+                                                                  UploadStep step) {
+  auto answer = ask({.step = step, .kind = static_cast<std::uint8_t>(kind)}, {});
+  if (!answer) {
+    return std::unexpected(std::move(answer.error()));
   }
-  return step->result;
+  return answer->result;
 }
 
 std::expected<UploadResult, ControlError> UploadClient::revert(wire::UploadKind kind) {
