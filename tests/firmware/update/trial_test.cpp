@@ -1,5 +1,6 @@
 #include "firmware/update/trial.h"
 
+#include <algorithm>
 #include <functional>
 
 #include <gtest/gtest.h>
@@ -79,7 +80,7 @@ TEST(Trial, AStartOfTheProgramAloneConfirmsNothing) {
 
 TEST(Trial, AGapBeginsTheHalfMinuteAnew) {
   const auto at = [](hal::Duration t) {  // nothing between 10 s and 20 s
-    return all(t < 10s ? t : (t < 20s ? hal::Duration(10s) : t - 10s));
+    return all(t < 10s ? t : std::max<hal::Duration>(10s, t - 10s));
   };
   const Ended ended = run(kAllShown, at);
   EXPECT_EQ(ended.verdict, Verdict::kConfirmed);

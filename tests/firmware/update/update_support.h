@@ -170,6 +170,27 @@ inline wire::SettingsResult send(update::Updater& updater, const Bytes& file, st
   return result;
 }
 
+// The same where nobody is busy, without a word.
+inline wire::SettingsResult send_quietly(update::Updater& updater,
+                                         std::span<const std::byte> file) {
+  std::array<char, 320> space{};
+  settings::PagedWriter why(space);
+  wire::SettingsResult result = updater.begin(static_cast<std::uint32_t>(file.size()), why);
+  while (!file.empty() && result == wire::SettingsResult::kOk) {
+    const std::size_t count = std::min<std::size_t>(file.size(), 960);
+    result = updater.write(file.first(count), why);
+    file = file.subspan(count);
+  }
+  for (int i = 0; i < 10 && result == wire::SettingsResult::kOk; ++i) {
+    result = updater.commit({}, why);
+    if (result != wire::SettingsResult::kBusy) {
+      return result;
+    }
+    result = wire::SettingsResult::kOk;
+  }
+  return result;
+}
+
 inline wire::SettingsResult revert(update::Updater& updater, std::string& said) {
   for (int i = 0; i < 1000; ++i) {
     std::array<char, 320> space{};
