@@ -144,6 +144,7 @@ Updater::Result Updater::write(std::span<const std::byte> bytes, PagedWriter& wh
     const Status status = writer_->pump();
     if (status != Status::kOk && status != Status::kTimeout) {
       place_ = Place::kEnd;
+      filled_ = 0;
       return worn(why);
     }
     // Whole or not at all, also where it ends one chunk and begins the next.

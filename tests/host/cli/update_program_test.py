@@ -24,9 +24,9 @@ def free_port():
     """Not one that the system gives to others by itself: each start of the sensor takes it anew."""
     while True:
         port = random.randrange(20_000, 32_000)
-        with socket.socket(socket.AF_INET6, socket.SOCK_DGRAM) as probe:
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             try:
-                probe.bind(("::", port))
+                probe.bind(("", port))
                 return port
             except OSError:
                 continue
