@@ -18,6 +18,7 @@
 #include "hal/network_interfaces.h"
 #include "hal/pmd_camera.h"
 #include "hal/serial_port.h"
+#include "hal/slots.h"
 #include "hal/stereo_camera.h"
 #include "hal/store.h"
 #include "hal/time.h"
@@ -116,6 +117,15 @@ HeapCalls heap_calls() noexcept;
 // Where settings are kept under that name, or what its owner alone may read; nothing is opened yet.
 std::unique_ptr<hal::Store> make_store(std::string_view name);
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name);
+
+// The disk that this start came from, by the common name of its partitions, or files in their
+// place: 1, 2 and 3 are put behind it. May allocate. kDeviceError, kUnsupported: as
+// hal::linux::FileSlots.
+Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix);
+
+// Restarts the machine; trial: once with the other slot. Returns where it is refused: kDeviceError;
+// kUnsupported: this board is no machine of its own.
+Status restart_machine(bool trial) noexcept;
 
 // The board's own flags, one per line, for --help.
 std::string_view usage() noexcept;

@@ -14,9 +14,11 @@
 #include "hal/linux/gpio/gpio_trigger.h"
 #include "hal/linux/libcamera/libcamera_stereo.h"
 #include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/heap_watch.h"
 #include "hal/linux/system/realtime.h"
+#include "hal/linux/system/restart.h"
 #include "hal/linux/system/watchdog.h"
 #include "hal/linux/usb/usb_pmd.h"
 #include "hal/linux/v4l2/v4l2_pmd.h"
@@ -280,6 +282,15 @@ std::unique_ptr<hal::Store> make_store(std::string_view name) {
 
 std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
   return std::make_unique<linux::FileStore>(std::string(name), linux::FileStore::Readers::kOwner);
+}
+
+Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix) {
+  return linux::FileSlots::open(std::string(prefix));
+}
+
+// The firmware of a Raspberry Pi takes the number of a partition, 0: as autoboot.txt says.
+Status restart_machine(bool trial) noexcept {
+  return linux::restart_machine(trial ? "0 tryboot" : "");
 }
 
 Status reopen(Board& /*board*/, Device device) noexcept { return rig->reopen(device); }

@@ -15,6 +15,7 @@
 #include "hal/emu/devices/clock.h"
 #include "hal/emu/imagery/replay.h"
 #include "hal/linux/system/clock.h"
+#include "hal/linux/system/file_slots.h"
 #include "hal/linux/system/file_store.h"
 #include "hal/linux/system/realtime.h"
 #include "hal/linux/system/signal_button.h"
@@ -200,6 +201,12 @@ std::unique_ptr<hal::Store> make_secret_store(std::string_view name) {
   return std::make_unique<hal::linux::FileStore>(std::string(name),
                                                  hal::linux::FileStore::Readers::kOwner);
 }
+
+Result<std::unique_ptr<hal::Slots>> make_slots(std::string_view prefix) {
+  return hal::linux::FileSlots::open(std::string(prefix));
+}
+
+Status restart_machine(bool /*trial*/) noexcept { return Status::kUnsupported; }
 
 // An emulated rig shares a laptop with others.
 std::optional<std::string> lock_memory() { return std::nullopt; }

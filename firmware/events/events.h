@@ -104,6 +104,8 @@ struct StageTime {
 struct Counters {
   std::uint64_t edges = 0;            // pulses that went out
   std::uint64_t published = 0;        // frames handed to the publisher
+  std::uint64_t with_pair = 0;        // of these, on what the pair saw
+  std::uint64_t with_pmd = 0;         // on what the PMD camera measured
   std::uint64_t expired = 0;          // frames that were too old when their turn came
   std::uint64_t unpaired_edges = 0;   // edges without a frame
   std::uint64_t skipped_periods = 0;  // no pulse: the loop came too late

@@ -142,6 +142,8 @@ Status Loop::publish_held(hal::Time latest, bool usual) noexcept {
     const Output& output = pipeline_.compute(*held_, board_.clock);
     const hal::Time computed = board_.clock.now();
     ++counters.published;
+    counters.with_pair += held_->stereo ? 1U : 0U;
+    counters.with_pmd += held_->pmd_exposed ? 1U : 0U;
     sent = publisher_.publish(*held_, output, latest);
     conditions_.note_link_status(sent);
     const hal::Duration published = board_.clock.now() - computed;

@@ -36,7 +36,7 @@ ControlServices::ControlServices(const Parts& parts, const settings::Settings& a
       key_service_(parts.keys, settings_server_, &parts.changes),
       installer_(
           {.rig = parts.rig, .store = parts.installed, .changes = &parts.changes, .sink = *this}),
-      uploads_(key_service_, installer_),
+      uploads_(key_service_, installer_, &parts.updater),
       handler_(parts.origin, make_cookie_secret(), subscribers_, &uploads_, &authenticator_),
       beacon_(parts.board.beacon, parts.board.network),
       mdns_name_(active.name),
@@ -138,8 +138,24 @@ void ControlServices::watch_pairing(hal::Time now) noexcept {
   parts_.pairing.tick(now);
 }
 
+void ControlServices::watch_update(hal::Time now) noexcept {
+  const LoopStatus& loop = parts_.loop_status;
+  const int period_ms = settings_server_.active().period_ms;
+  parts_.updater.tick(now,
+                      {.rounds = loop.rounds.load(std::memory_order_relaxed),
+                       .frames = loop.published.load(std::memory_order_relaxed),
+                       .with_pair = loop.with_pair.load(std::memory_order_relaxed),
+                       .with_pmd = loop.with_pmd.load(std::memory_order_relaxed)},
+                      period_ms == 0 ? board::kConfig.timing.period
+                                     : hal::Duration(std::chrono::milliseconds(period_ms)));
+  if (const update::Restart wish = parts_.updater.restart(now); wish != update::Restart::kNone) {
+    parts_.restart.store(wish, std::memory_order_relaxed);
+  }
+}
+
 void ControlServices::tick(hal::Time now) noexcept {
   watch_pairing(now);
+  watch_update(now);
   subscribers_.drop_ended_keys(parts_.keys.keys());
   publish_status();
   if (parts_.trial != nullptr) {

@@ -28,6 +28,7 @@
 #include "firmware/settings/saved_settings.h"
 #include "firmware/settings/settings_server.h"
 #include "firmware/settings/settings_trial.h"
+#include "firmware/update/updater.h"
 #include "firmware/upload/upload_server.h"
 
 namespace stof::firmware {
@@ -37,7 +38,10 @@ struct LoopStatus {
   std::atomic<std::uint32_t> rate_millihertz = 0;
   std::atomic<wire::Health> health = wire::Health::kOk;
   std::atomic<std::uint64_t> published = 0;  // frames
-  std::atomic<std::uint32_t> installs = 0;   // RunConfig::installs that they are made with
+  std::atomic<std::uint64_t> with_pair = 0;  // of these, as Counters
+  std::atomic<std::uint64_t> with_pmd = 0;
+  std::atomic<std::uint64_t> rounds = 0;
+  std::atomic<std::uint32_t> installs = 0;  // RunConfig::installs that they are made with
   static_assert(std::atomic<wire::Health>::is_always_lock_free);
 };
 
@@ -54,6 +58,7 @@ class ControlServices final : public settings::Limits,
     hal::Store* store;                     // of settings; nullptr: nothing is kept
     hal::Store* fixed;                     // SettingsStores::fixed
     hal::Store* installed;                 // calibration; nullptr: none can be
+    update::Updater& updater;              // the control thread's own from now on
     const settings::StartSettings& saved;  // that the start found there
     settings::SettingsTrial* trial;        // of these and later ones; nullptr: nothing is kept
     keys::Keyring& keys;                   // the control thread's own from now on
@@ -66,6 +71,7 @@ class ControlServices final : public settings::Limits,
     ReceiverRing& receivers;
     ByteRing* serial;  // nullptr: there is no line
     const LoopStatus& loop_status;
+    std::atomic<update::Restart>& restart;  // that the board shall make
   };
 
   // active: what the loop begins with, as revision 1. The thread starts at once.
@@ -91,6 +97,7 @@ class ControlServices final : public settings::Limits,
   wire::Announce update_announce(hal::Time now) noexcept;
   void publish_status() noexcept;
   void watch_pairing(hal::Time now) noexcept;
+  void watch_update(hal::Time now) noexcept;
 
   Parts parts_;
   settings::SettingsServer settings_server_;

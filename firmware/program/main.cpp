@@ -27,6 +27,7 @@
 #include "firmware/program/options.h"
 #include "firmware/program/reopener.h"
 #include "firmware/program/run_config.h"
+#include "firmware/program/update_parts.h"
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/settings_trial.h"
 #include "firmware/wire/crypto/crypto.h"
@@ -40,6 +41,8 @@ namespace {
 constexpr int kExitOk = 0;
 constexpr int kExitFailure = 1;
 constexpr int kExitBadInput = 2;
+constexpr int kExitRestart = 3;
+constexpr int kExitTrial = 4;
 
 constinit Workspace workspace{};
 constinit Events events{};
@@ -47,6 +50,7 @@ constinit RunConfigRing run_configs{};
 constinit ReceiverRing receivers{};
 constinit ChangeRing changes{};
 constinit LoopStatus loop_status{};
+constinit std::atomic<update::Restart> restart{update::Restart::kNone};
 // Too large for the stack.
 constinit std::optional<keys::Keyring> ring{};
 constinit std::optional<keys::PairingServer> pairing{};
@@ -82,8 +86,8 @@ int help() {
   std::printf(
       "stofd: triggers the cameras, computes depth, sends it. One program, one board: "
       "%s.\n\n%.*s\nBoard %s:\n%.*s\n"
-      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input; nothing that was "
-      "saved ends it.\n",
+      "Exit codes: 0 stopped as asked, 1 a device failed at start, 2 bad input, 3 and 4 the board "
+      "shall restart, with 4 once from the other slot; nothing that was saved ends it.\n",
       board::kConfig.name, static_cast<int>(flags.size()), flags.data(), board::kConfig.name,
       static_cast<int>(board::usage().size()), board::usage().data());
   return kExitOk;
@@ -158,9 +162,21 @@ void end_loop(WatchdogFeeder& watchdog) {
   control.reset();
 }
 
+// For the control thread.
+void note_round(const Appliance& appliance) {
+  loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
+                                    std::memory_order_relaxed);
+  loop_status.installs.store(appliance.installs(), std::memory_order_release);
+  loop_status.published.store(events.counters.published, std::memory_order_relaxed);
+  loop_status.with_pair.store(events.counters.with_pair, std::memory_order_relaxed);
+  loop_status.with_pmd.store(events.counters.with_pmd, std::memory_order_relaxed);
+  loop_status.rounds.fetch_add(1, std::memory_order_relaxed);
+  loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
+}
+
 // Ends with the loop; the control thread before it.
 void run_loop(board::Board& board, const Options& options, RigInfo& rig,
-              const RunConfig& run_config, const InitialSettings& start,
+              const RunConfig& run_config, const InitialSettings& start, update::Updater& updater,
               posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
   if (start.store != nullptr) {
@@ -190,6 +206,7 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
                                          .store = start.store.get(),
                                          .fixed = start.fixed.get(),
                                          .installed = start.calibration.get(),
+                                         .updater = updater,
                                          .saved = start.saved,
                                          .trial = trial ? &*trial : nullptr,
                                          .keys = *ring,
@@ -202,7 +219,8 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
                                          .changes = changes,
                                          .receivers = receivers,
                                          .serial = line,
-                                         .loop_status = loop_status},
+                                         .loop_status = loop_status,
+                                         .restart = restart},
                   start.active);
   const EventPrinter printer(events);
   WatchdogFeeder watchdog(board.watchdog, board.clock);
@@ -210,14 +228,11 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
   static_cast<void>(board::set_realtime_priority(true));
   board::count_heap_calls();
   while (!stop_requested.load(std::memory_order_relaxed) &&
+         restart.load(std::memory_order_relaxed) == update::Restart::kNone &&
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control->status(appliance.serial())));
     watchdog.after_round();
-    loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
-                                      std::memory_order_relaxed);
-    loop_status.installs.store(appliance.installs(), std::memory_order_release);
-    loop_status.published.store(events.counters.published, std::memory_order_relaxed);
-    loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
+    note_round(appliance);
   }
   end_loop(watchdog);
 }
@@ -228,7 +243,34 @@ void say_refusal(const std::optional<std::string>& refusal) {
   }
 }
 
-int run(board::Board& board, const Options& options, InitialSettings start) {
+// What the board shall do, as an exit code.
+int end_of(const update::Updater& updater) {
+  switch (restart.load(std::memory_order_relaxed)) {
+    case update::Restart::kTrial:
+      print_line("the other slot is tried once: the board restarts");
+      return kExitTrial;
+    case update::Restart::kUsual:
+      print_line(
+          "release " + std::string(updater.version()) +
+          " did not publish what was published before: the board restarts with the other one");
+      return kExitRestart;
+    case update::Restart::kNone:
+      break;
+  }
+  return kExitOk;
+}
+
+void print_release(const UpdateParts& parts, const update::Updater& updater) {
+  say_refusal(parts.note.empty() ? std::nullopt : std::optional(parts.note));
+  if (!updater.version().empty() || updater.trial_runs()) {
+    print_line("release " + std::string(updater.version()) + " in slot " +
+               std::string(1, update::letter(parts.running)) +
+               (updater.trial_runs() ? " on trial: half a minute of frames confirms it" : ""));
+  }
+}
+
+int run(board::Board& board, const Options& options, InitialSettings start,
+        const UpdateParts& parts) {
   std::string note;
   auto rig =
       make_rig(board, board::kConfig, options.calibration, read_installed(options, start), note);
@@ -260,12 +302,14 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   print_start(board, *rig, *run_config);
   ring.emplace(start.keys.get(), start.damaged_keys.get());
   read_keys(options, *ring);
-  run_loop(board, options, *rig, *run_config, start, workers);
+  update::Updater updater(parts.setup());
+  print_release(parts, updater);
+  run_loop(board, options, *rig, *run_config, start, updater, workers);
   pairing.reset();
   ring.reset();
   print_line(summary(events.counters));
   print_line(stage_times(events.counters));
-  return kExitOk;
+  return end_of(updater);
 }
 
 int print(const std::string& text) {
@@ -287,8 +331,22 @@ int start_and_run(std::span<const std::string_view> arguments) {
   if (options->settings_table) {
     return print(settings::settings_tables());
   }
+  if (!options->restart.empty()) {
+    static_cast<void>(board::restart_machine(options->restart == "trial"));
+    return refuse(
+        "the board cannot be restarted: only its administrator may, on a board of its own",
+        kExitFailure);
+  }
+  if (!options->which_slot.empty()) {
+    const auto slot = slot_of_start(*options);
+    return slot ? print(*slot + "\n") : refuse(slot.error());
+  }
   if (!wire::start_crypto()) {
     return refuse("this system has no random numbers: keys cannot be used", kExitFailure);
+  }
+  const auto parts = open_update_parts(*options);
+  if (!parts) {
+    return refuse(parts.error());
   }
   watch_signals();
   auto start = read_settings(*options);
@@ -310,7 +368,7 @@ int start_and_run(std::span<const std::string_view> arguments) {
   if (!board) {
     return refuse(board.error().message, board.error().device ? kExitFailure : kExitBadInput);
   }
-  return run(**board, *options, std::move(*start));
+  return run(**board, *options, std::move(*start), *parts);
 }
 
 }  // namespace

@@ -108,6 +108,36 @@ bool take_switch(std::string_view flag, Options& options) {
     options.schema = true;
   } else if (flag == "--settings-table") {
     options.settings_table = true;
+  } else if (flag == "--no-trial") {
+    options.no_trial = true;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+// One of two words.
+std::string take_word(std::string_view flag, std::string_view text, std::string_view one,
+                      std::string_view other, std::string& to) {
+  to = text;
+  return text == one || text == other ? std::string()
+                                      : std::string(flag) + " takes " + std::string(one) + " or " +
+                                            std::string(other) + ", not \"" + to + "\"";
+}
+
+// Of updates. false: not one of them.
+bool take_update_value(std::string_view flag, std::string_view value, Options& options,
+                       std::string& wrong) {
+  if (flag == "--slots") {
+    wrong = take_text(flag, value, options.slots);
+  } else if (flag == "--slot") {
+    wrong = take_word(flag, value, "a", "b", options.slot);
+  } else if (flag == "--which-slot") {
+    wrong = take_word(flag, value, "usual", "trial", options.which_slot);
+  } else if (flag == "--restart") {
+    wrong = take_word(flag, value, "usual", "trial", options.restart);
+  } else if (flag == "--update-keys") {
+    wrong = take_text(flag, value, options.update_keys);
   } else {
     return false;
   }
@@ -147,7 +177,7 @@ bool take_value(std::string_view flag, std::string_view value, Options& options,
   } else if (flag == "--set") {
     wrong = take_setting(value, options);
   } else {
-    return false;
+    return take_update_value(flag, value, options, wrong);
   }
   return true;
 }
@@ -257,6 +287,15 @@ std::string options_usage() {
       "                       and the installed calibration (FILE.calibration)\n"
       "  --keys FILE          keys of clients (default: the settings' name with .keys behind it)\n"
       "  --label FILE         32 hexadecimal digits of the label, with which clients may pair\n"
+      "  --slots PREFIX       disk that this start came from: its partitions are PREFIX1, 2 and 3, "
+      "or files\n"
+      "                       of these names; stof update writes the slot that does not run\n"
+      "  --slot a|b           that runs (default a)\n"
+      "  --update-keys FILE   makers' public keys, 64 hexadecimal digits a line\n"
+      "  --no-trial           this kernel cannot start the other slot once: no updates\n"
+      "  --which-slot WHICH   print the slot of --slots that a start takes, usual or trial, and "
+      "end\n"
+      "  --restart WHICH      restart the board, usual, or trial: once with the other slot\n"
       "  --set PATH=VALUE     any setting, such as streams.depth=raw; docs/SETTINGS.md has them "
       "all\n"
       "  --schema             print the JSON Schema of the settings\n"

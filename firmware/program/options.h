@@ -30,6 +30,12 @@ struct Options {
   std::string keys;             // file; empty: SETTINGS.keys, or without settings nothing is kept
   std::string label;            // file with the label's code; empty: there is none
   std::string to;               // HOST:PORT that gets packets without asking; empty: none
+  std::string slots;            // common name of the disk's partitions; empty: no updates
+  std::string slot = "a";       // that this start came from
+  std::string update_keys;      // file of makers' public keys; empty: none
+  bool no_trial = false;        // this board's kernel cannot start the other slot once
+  std::string restart;          // the board, usual or trial, and nothing else; empty: run
+  std::string which_slot;       // print the slot that a start takes, usual or trial; empty: run
   std::string port_file;        // gets the number of the UDP port; empty: none
   std::uint32_t device_id = 1;
   std::optional<std::uint32_t> session_id;

@@ -25,7 +25,7 @@ wire::SettingsAnswer UploadServer::serve(const wire::SettingsRequest& request,
   if (by.access != firmware::Access::kAdmin) {
     why << "upload: takes a key with role admin";
   } else if (const auto read = wire::decode_upload_request(text);
-             !read || read->step > UploadStep::kRevert) {
+             !read || read->step > UploadStep::kAsk) {
     result = Result::kInvalid;
     why << "upload: no such request: update this program or the sensor";
   } else {
@@ -39,6 +39,7 @@ wire::SettingsAnswer UploadServer::serve(const wire::SettingsRequest& request,
   const Versions versions = target_of(asked->kind)->versions();
   wire::encode_upload_answer({.wanted = wanted_,
                               .chunk = kChunkBytes,
+                              .state = static_cast<std::uint16_t>(versions.state),
                               .fingerprint = versions.in_force,
                               .former = versions.former},
                              answer_text.first<wire::kUploadAnswerBytes>());
@@ -47,8 +48,13 @@ wire::SettingsAnswer UploadServer::serve(const wire::SettingsRequest& request,
 }
 
 Target* UploadServer::target_of(std::uint8_t kind) const noexcept {
-  return kind == static_cast<std::uint8_t>(wire::UploadKind::kCalibration) ? &calibration_
-                                                                           : nullptr;
+  switch (static_cast<wire::UploadKind>(kind)) {
+    case wire::UploadKind::kCalibration:
+      return &calibration_;
+    case wire::UploadKind::kUpdate:
+      return update_;
+  }
+  return nullptr;
 }
 
 UploadServer::Result UploadServer::serve(const wire::UploadRequest& request,
@@ -59,6 +65,9 @@ UploadServer::Result UploadServer::serve(const wire::UploadRequest& request,
     why << "upload: this sensor takes nothing of kind " << unsigned{request.kind}
         << ": update the sensor";
     return Result::kUnsupported;
+  }
+  if (request.step == UploadStep::kAsk) {
+    return Result::kOk;
   }
   Identity upload{.kind = request.kind, .total = request.total, .hash = {}, .key_id = by.key_id};
   std::ranges::transform(request.hash, upload.hash.begin(),
@@ -118,7 +127,7 @@ UploadServer::Result UploadServer::take(std::uint32_t offset, std::span<const st
   }
   const Result result = target_of(upload_.kind)->write(bytes, why);
   if (result != Result::kOk) {
-    return end(result, why);
+    return result == Result::kBusy ? result : end(result, why);
   }
   digest_.add(bytes);
   wanted_ += static_cast<std::uint32_t>(bytes.size());

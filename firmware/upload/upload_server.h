@@ -27,9 +27,10 @@ class UploadServer final : public firmware::SettingsService {
   // An upload of which nothing was heard for so long is none any more.
   static constexpr hal::Duration kPatience = std::chrono::seconds(30);
 
-  // Both outlive it.
-  UploadServer(firmware::SettingsService& others, Target& calibration) noexcept
-      : others_(others), calibration_(calibration) {}
+  // All outlive it. update: nullptr: this sensor takes none.
+  UploadServer(firmware::SettingsService& others, Target& calibration,
+               Target* update = nullptr) noexcept
+      : others_(others), calibration_(calibration), update_(update) {}
 
   // kDenied: it takes Access::kAdmin. kBusy: another key uploads, or the target says so.
   // kUnsupported: no such kind. kInvalid: no such request, a chunk that ends behind the whole,
@@ -63,6 +64,7 @@ class UploadServer final : public firmware::SettingsService {
 
   firmware::SettingsService& others_;
   Target& calibration_;
+  Target* update_;
   Phase phase_ = Phase::kNone;
   Identity upload_;
   std::uint32_t wanted_ = 0;

@@ -14,6 +14,7 @@ namespace stof::upload {
 struct Versions {
   std::uint32_t in_force = 0;
   std::uint32_t former = 0;  // before the last commit or revert of this start
+  wire::UploadState state = wire::UploadState::kSettled;
 };
 
 // Takes uploads of one kind. For the control thread alone; no heap. Refusals say in one line of
@@ -25,7 +26,8 @@ class Target {
   // An upload of so many bytes, 1 or more, begins; what came of one before is forgotten. kInvalid:
   // too many; kNotSaved: this sensor can keep none.
   virtual wire::SettingsResult begin(std::uint32_t total, settings::PagedWriter& why) noexcept = 0;
-  // The bytes behind those of before, never more than `total` in all. kNotSaved.
+  // The bytes behind those of before, never more than `total` in all. kNotSaved. kInvalid: they are
+  // no good, which ends it. kBusy: not now, nothing was taken, repeat it.
   virtual wire::SettingsResult write(std::span<const std::byte> bytes,
                                      settings::PagedWriter& why) noexcept = 0;
   // All of them came, with the hash that was told: judges, keeps and uses them. kInvalid: they are

@@ -20,6 +20,7 @@
 #include "host/cli/recording/record.h"
 #include "host/cli/recording/recover.h"
 #include "host/cli/report.h"
+#include "host/cli/update.h"
 #include "host/cli/view/raw_flags.h"
 #include "host/cli/view/view.h"
 #include "posix/out_of_resources.h"
@@ -47,6 +48,7 @@ struct Commands {
   DiscoverCommand discover;
   PairOptions pair;
   UnpairOptions unpair;
+  UpdateOptions update;
   ProxyOptions proxy;
   RecordOptions record;
   InfoOptions info;
@@ -133,6 +135,7 @@ int run(int argc, char** argv) {
   add_config(app, commands.config);
   add_discover(app, commands.discover);
   add_pair(app, commands.pair, commands.unpair);
+  add_update(app, commands.update);
   require_finite_numbers(app);
   try {
     app.parse(argc, argv);

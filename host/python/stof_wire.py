@@ -212,10 +212,21 @@ class UploadStep(enum.IntEnum):
     # back to what was there before the first upload of this kind: of a calibration the factory's;
     # `total`, `offset` and `hash` are not looked at
     REVERT = 3
+    # nothing is done: the answer says what is in force; `total`, `offset` and `hash` are not looked
+    # at
+    ASK = 4
 
 
 class UploadKind(enum.IntEnum):
     CALIBRATION = 1  # a calibration file, see "Calibration file"
+    UPDATE = 2  # an update file, see "Update file"
+
+
+class UploadState(enum.IntEnum):
+    SETTLED = 0  # each start uses what is in force
+    # of updates: the next start uses what was there before, unless this one is confirmed
+    ON_TRIAL = 1
+    RESTARTING = 2  # of updates: the sensor is about to restart
 
 
 class SettingsResult(enum.IntEnum):
@@ -1095,13 +1106,18 @@ class UploadAnswer(Layout):
 
     wanted: int = 0  # offset of the next chunk: all before it is there; the total: commit
     chunk: int = 0  # bytes of a chunk, at most
-    fingerprint: int = 0  # of the calibration that is in force; of other kinds 0
-    former: int = 0  # of commit and revert: of the calibration that was in force before
+    state: int = 0  # UploadState: of what is in force
+    # of the calibration that is in force; of updates the CRC-32C of the release's head that runs,
+    # 0: none
+    fingerprint: int = 0
+    # of commit and revert: of the calibration that was in force before; of updates of the whole
+    # release in the other slot, 0: none
+    former: int = 0
 
     LAYOUT: typing.ClassVar[tuple] = (
         ("wanted", "I", 1),
         ("chunk", "H", 1),
-        ("", "x", 2),
+        ("state", "H", 1),
         ("fingerprint", "I", 1),
         ("former", "I", 1),
     )

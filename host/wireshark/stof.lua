@@ -155,10 +155,18 @@ names.UploadStep = {
   [1] = "chunk",
   [2] = "commit",
   [3] = "revert",
+  [4] = "ask",
 }
 
 names.UploadKind = {
   [1] = "calibration",
+  [2] = "update",
+}
+
+names.UploadState = {
+  [0] = "settled",
+  [1] = "on trial",
+  [2] = "restarting",
 }
 
 names.SettingsResult = {
@@ -512,9 +520,9 @@ layouts.upload_answer = {
   bytes = 16,
   {name = "wanted", size = 4, count = 1, kind = "uint32", title = "Wanted", base = base.DEC, doc = "offset of the next chunk: all before it is there; the total: commit"},
   {name = "chunk", size = 2, count = 1, kind = "uint16", title = "Chunk", base = base.DEC, doc = "bytes of a chunk, at most"},
-  {name = "reserved", size = 2, count = 1, kind = "bytes", title = "Reserved"},
-  {name = "fingerprint", size = 4, count = 1, kind = "uint32", title = "Fingerprint", base = base.DEC, doc = "of the calibration that is in force; of other kinds 0"},
-  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of commit and revert: of the calibration that was in force before"},
+  {name = "state", size = 2, count = 1, kind = "uint16", title = "State", base = base.DEC, names = "UploadState", doc = "of what is in force"},
+  {name = "fingerprint", size = 4, count = 1, kind = "uint32", title = "Fingerprint", base = base.DEC, doc = "of the calibration that is in force; of updates the CRC-32C of the release's head that runs, 0: none"},
+  {name = "former", size = 4, count = 1, kind = "uint32", title = "Former", base = base.DEC, doc = "of commit and revert: of the calibration that was in force before; of updates of the whole release in the other slot, 0: none"},
 }
 
 layouts.stream_key = {

@@ -14,6 +14,7 @@ import subprocess
 
 SECTOR = 512
 MIB = 1 << 20
+RECORD = 4096  # at the end of a slot, behind its file system: which release is in it (update_file.py)
 BLOCK = 4096  # what counts as empty or not
 DISK_ID = 0x73746F66  # "stof"
 FAT, LINUX = 0x0C, 0x83
@@ -84,13 +85,14 @@ def fat(path, part, files, epoch):
     for entry in sorted(tree.rglob("*"), reverse=True):
         os.utime(entry, (epoch, epoch))
     path.write_bytes(b"")
-    os.truncate(path, part.size)
+    os.truncate(path, part.size - (RECORD if part in SLOTS.values() else 0))
     bits = "12" if part.size < 16 * MIB else "32"
     run(["mkfs.vfat", "--invariant", "-F", bits, "-i", f"{part.serial:08x}", "-n", part.label, path], epoch)
     if files:
         names = sorted(entry.name for entry in tree.iterdir())
         run(["mcopy", "-s", "-p", "-m", "-Q", "-i", path, *(tree / name for name in names), "::"], epoch)
     shutil.rmtree(tree)
+    os.truncate(path, part.size)
 
 
 def ext4(path, files, epoch):
@@ -130,6 +132,22 @@ def read_ext4(path, name):
 def read_fat(image, part, name):
     """A file's bytes."""
     return run(["mtype", "-i", f"{image}@@{part.begin}", f"::{name}"])
+
+
+def used_part(path):
+    """The bytes of a file up to its last block that is not empty."""
+    data = path.read_bytes()
+    end = len(data)
+    while end and not any(data[max(0, end - BLOCK):end]):
+        end -= BLOCK
+    return data[:max(0, end)]
+
+
+def put_record(path, record):
+    """The last bytes of a slot's image."""
+    with open(path, "r+b") as image:
+        image.seek(-len(record), os.SEEK_END)
+        image.write(record)
 
 
 def assemble(path, images):

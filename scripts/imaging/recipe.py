@@ -8,6 +8,7 @@ import re
 import kernel_modules
 
 GZIP = b"\x1f\x8b"
+TRY_WORD = b"tryboot"  # of kernels of Raspberry Pi that know it
 RAW_MAGIC = (0x38, b"ARM\x64")  # of an uncompressed arm64 kernel
 
 
@@ -35,6 +36,7 @@ class Recipe:
         self.flavour = table["kernel"]["flavour"]
         self.package = table["kernel"]["package"]
         self.cmdline = " ".join(filter(None, [boot["cmdline"], kind.get("cmdline", "")]))
+        self.starts_on_trial = boot.get("starts_on_trial", False)
         self.config = boot.get("config", []) + kind.get("config", [])
         self.files = boot["files"] + kind.get("files", [])
         self.modules = table["modules"] + kind.get("modules", [])
@@ -87,6 +89,11 @@ class KernelTree:
     def boot_files(self):
         """{name on the slot: bytes} beside kernel and initramfs."""
         return {name: self._find(name).read_bytes() for name in self.recipe.files}
+
+    def can_try(self):
+        """This kernel, or whoever starts the board, can start the other slot once (reboot "0 tryboot")."""
+        data = self.image.read_bytes()
+        return self.recipe.starts_on_trial or TRY_WORD in (gzip.decompress(data) if data[:2] == GZIP else data)
 
     def compressed(self):
         """The kernel, as slots hold it."""

@@ -373,7 +373,19 @@ def mcap():
     return seeds
 
 
-TARGETS = {"mcap": mcap, "import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
+def update():
+    """Update files; the first byte says what the target sets right (tests/fuzz/update.cpp)."""
+    def file(content, board=b"virt", counter=1, letter=0xFFFFFFFF, chunk=1 << 16):
+        hashes = [hashlib.blake2b(content[at:at + chunk], digest_size=32).digest() for at in range(0, len(content), chunk)]
+        head = struct.pack("<8sHHI16s16s32sIIII32s", b"STOFUPD\0", 1, 0, chunk, board, b"usb", b"1.0", counter, len(content), letter, 0,
+                           hashlib.blake2b(b"".join(hashes), digest_size=32).digest())
+        return head + bytes(64) + b"".join(hashes) + content
+    small, large = file(b"system" * 20, letter=3), file(bytes(range(256)) * 300)
+    return {"unsigned": b"\x1c" + small, "good": b"\x1f" + small, "slow": b"\x3f" + large, "large": b"\x1f" + large,
+            "damaged": b"\x5d" + small[:-1] + b"?", "cut": b"\x5d" + large[:70000], "rpi4": b"\x5d" + file(b"s", board=b"rpi4")}
+
+
+TARGETS = {"update": update, "mcap": mcap, "import_ros": import_ros, "import_kalibr": import_kalibr, "import_opencv": import_opencv, "dataset": dataset, "signed_requests": signed_requests, "usb": usb, "pairing": pairing, "calibration": calibration, "config_answers": config_answers, "subscription": subscription,
            "discovery": discovery, "reassembler": reassembler, "requests": requests, "serial": serial, "settings": settings, "rvl": rvl,
            "mavlink": mavlink, "mdns": mdns, "view": reassembler}
 

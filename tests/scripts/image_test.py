@@ -19,6 +19,7 @@ import cpio  # noqa: E402
 import disk  # noqa: E402
 import recipe  # noqa: E402
 import sbom  # noqa: E402
+import update_file  # noqa: E402
 
 sys.path.insert(0, str(ROOT / "tests" / "scripts"))
 import pi_packages  # noqa: E402
@@ -99,6 +100,12 @@ class Packages(InFolder):
         packed = gzip.compress(IMAGE)
         self.file(f"boot/vmlinuz-{VERSION}", packed)
         self.assertEqual(self.tree().compressed(), packed)
+
+    def test_a_kernel_that_cannot_start_a_slot_on_trial_is_known_by_its_words(self):
+        self.assertFalse(self.tree().can_try())
+        for data in (IMAGE + b" tryboot ", gzip.compress(IMAGE + b" tryboot ")):
+            self.file(f"boot/vmlinuz-{VERSION}", data)
+            self.assertTrue(self.tree().can_try())
 
     def test_whatever_is_missing_is_named_in_one_line(self):
         for path in (f"usr/lib/modules/{VERSION}/kernel/drivers/imx296.ko", "usr/lib/raspi-firmware/start4.elf",
@@ -223,6 +230,53 @@ class Sbom(InFolder):
         (self.folder / "usr/share/doc/busybox-static/copyright").unlink()
         with self.assertRaisesRegex(sbom.SbomError, "no changelog and copyright"):
             sbom.Package(self.folder, "busybox-static", "BusyBox")
+
+
+class UpdateFiles(InFolder):
+    WORDS = {"board": "virt", "camera": "usb", "version": "1.0", "counter": 3}
+
+    def test_a_key_is_drawn_once_for_its_owner_alone_and_signs_the_same_bytes(self):
+        path = self.folder / "keys" / "update_key"
+        key = update_file.Key.developers(path)
+        self.assertEqual(path.stat().st_mode & 0o777, 0o600)
+        again = update_file.Key.developers(path)
+        self.assertEqual(key.public, again.public)
+        content = bytes(range(256)) * 600
+        self.assertEqual(update_file.make(content, key, **self.WORDS), update_file.make(content, again, **self.WORDS))
+
+    def test_the_file_is_head_hashes_and_content_and_the_record_is_the_head(self):
+        content = bytes(update_file.CHUNK) + b"end"
+        file, record = update_file.make(content, update_file.Key(bytes(32)), letter_at=5, **self.WORDS)
+        fields = update_file.HEAD.unpack_from(file)
+        self.assertEqual(fields[:5], (update_file.MAGIC, 1, 0, update_file.CHUNK, b"virt".ljust(16, b"\0")))
+        self.assertEqual(fields[7:10], (3, len(content), 5))
+        self.assertEqual(file[update_file.HEAD_BYTES + 64:], content)
+        self.assertEqual(record, file[:update_file.HEAD_BYTES].ljust(update_file.RECORD, b"\0"))
+        # RFC 8032, section 7.1, has this public key for the seed of its first test.
+        seed = bytes.fromhex("9d61b19deffd5a60ba844af492ec2cc44449c5697b326919703bac031cae7f60")
+        self.assertEqual(update_file.Key(seed).public.hex(), "d75a980182b10ab7d54bfed3c964073a0ee172f3daa62325af021a68f707511a")
+
+    def test_what_is_no_key_or_no_name_is_one_line(self):
+        with self.assertRaisesRegex(update_file.UpdateError, "64 hexadecimal digits"):
+            update_file.Key.read(self.file("short", b"1234"))
+        with self.assertRaisesRegex(update_file.UpdateError, "name the maker's key"):
+            update_file.Key.read(self.folder / "none")
+        with self.assertRaisesRegex(update_file.UpdateError, "takes 1 to 16 bytes"):
+            update_file.make(b"x", update_file.Key(bytes(32)), **(self.WORDS | {"board": "b" * 17}))
+
+    def test_a_slot_keeps_its_end_free_of_files(self):
+        path = self.folder / "slot"
+        slot = disk.SLOTS["b"]
+        disk.fat(path, slot, {"cmdline.txt": b"stof.slot=b\n"}, EPOCH)
+        data = path.read_bytes()
+        self.assertEqual(len(data), slot.size)
+        sectors = int.from_bytes(data[32:36], "little")  # of the file system
+        self.assertLessEqual(sectors * disk.SECTOR, slot.size - disk.RECORD)
+        used = disk.used_part(path)
+        self.assertLess(len(used), disk.MIB * 2)
+        self.assertEqual(data, used.ljust(len(data), b"\0"))
+        disk.put_record(path, b"R" * disk.RECORD)
+        self.assertEqual(path.read_bytes(), data[:-disk.RECORD] + b"R" * disk.RECORD)
 
 
 if __name__ == "__main__":

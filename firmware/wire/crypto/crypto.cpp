@@ -99,6 +99,14 @@ Digest StreamingDigest::finish() noexcept {
   return digest;
 }
 
+bool is_signed(const PublicKey& by, const Signature& signature,
+               std::span<const std::byte> bytes) noexcept {
+  static_assert(sizeof(Signature) == crypto_sign_ed25519_BYTES);
+  static_assert(sizeof(PublicKey) == crypto_sign_ed25519_PUBLICKEYBYTES);
+  return crypto_sign_ed25519_verify_detached(raw(signature), raw(bytes), bytes.size(), raw(by)) ==
+         0;
+}
+
 bool equal_secrets(std::span<const std::byte> a, std::span<const std::byte> b) noexcept {
   STOF_CHECK(a.size() == b.size());
   return sodium_memcmp(a.data(), b.data(), a.size()) == 0;

@@ -47,6 +47,13 @@ class StreamingDigest {
   alignas(64) std::array<std::byte, 384> state_{};
 };
 
+// Of Ed25519 (RFC 8032).
+using Signature = std::array<std::byte, 64>;
+// Whether whoever has the secret of that public key signed these bytes. For what is no point of the
+// curve, or one with which anybody could: false.
+bool is_signed(const PublicKey& by, const Signature& signature,
+               std::span<const std::byte> bytes) noexcept;
+
 // Whether the bytes are equal, in a time that does not tell where they differ. Of equal lengths.
 bool equal_secrets(std::span<const std::byte> a, std::span<const std::byte> b) noexcept;
 // Writes zeros that no compiler leaves out.

@@ -17,6 +17,7 @@ using wire::SettingsResult;
 using wire::UploadStep;
 
 constexpr Duration kCommitPause = std::chrono::milliseconds(250);
+constexpr Duration kChunkPause = std::chrono::milliseconds(20);
 // Answers in a row of a sensor that wants nothing further than it did once, beside those that
 // bring it there again when it has started anew.
 constexpr std::size_t kMostStandstills = 20;
@@ -51,7 +52,7 @@ std::expected<UploadClient::Step, ControlError> UploadClient::ask(
       continue;
     }
     if (answer->result == SettingsResult::kBusy && !over) {
-      std::this_thread::sleep_for(kCommitPause);
+      std::this_thread::sleep_for(request.step == UploadStep::kChunk ? kChunkPause : kCommitPause);
       continue;
     }
     if (answer->result != SettingsResult::kOk) {
@@ -62,7 +63,9 @@ std::expected<UploadClient::Step, ControlError> UploadClient::ask(
     if (!read) {
       return std::unexpected(contradiction());
     }
-    return Step{.result = {.fingerprint = read->fingerprint, .former = read->former},
+    return Step{.result = {.fingerprint = read->fingerprint,
+                           .former = read->former,
+                           .state = static_cast<wire::UploadState>(read->state)},
                 .answer = *read};
   }
 }
@@ -109,12 +112,21 @@ std::expected<UploadResult, ControlError> UploadClient::upload(wire::UploadKind 
   }
 }
 
-std::expected<UploadResult, ControlError> UploadClient::revert(wire::UploadKind kind) {
-  auto step = ask({.step = UploadStep::kRevert, .kind = static_cast<std::uint8_t>(kind)}, {});
-  if (!step) {
-    return std::unexpected(std::move(step.error()));
+std::expected<UploadResult, ControlError> UploadClient::ask_alone(wire::UploadKind kind,
+                                                                  UploadStep step) {
+  auto answer = ask({.step = step, .kind = static_cast<std::uint8_t>(kind)}, {});
+  if (!answer) {
+    return std::unexpected(std::move(answer.error()));
   }
-  return step->result;
+  return answer->result;
+}
+
+std::expected<UploadResult, ControlError> UploadClient::revert(wire::UploadKind kind) {
+  return ask_alone(kind, UploadStep::kRevert);
+}
+
+std::expected<UploadResult, ControlError> UploadClient::state_of(wire::UploadKind kind) {
+  return ask_alone(kind, UploadStep::kAsk);
 }
 
 }  // namespace stof::client

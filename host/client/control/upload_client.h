@@ -18,7 +18,8 @@ struct UploadResult {
   wire::SettingsResult result = wire::SettingsResult::kOk;
   std::string text{};             // of a refusal: one line that can be printed
   std::uint32_t fingerprint = 0;  // in force now
-  std::uint32_t former = 0;       // before
+  std::uint32_t former = 0;       // before; of updates: in the other slot
+  wire::UploadState state = wire::UploadState::kSettled;
 };
 
 // Puts something on a sensor, a chunk a request (docs/WIRE.md, "Uploads"); blocks. One chunk is in
@@ -39,6 +40,8 @@ class UploadClient {
   std::expected<UploadResult, ControlError> upload(wire::UploadKind kind,
                                                    std::span<const std::byte> bytes,
                                                    const Progress& progress = {});
+  // What is in force; changes nothing. Of updates also what is in the other slot.
+  std::expected<UploadResult, ControlError> state_of(wire::UploadKind kind);
   // Back to what was there before the first upload.
   std::expected<UploadResult, ControlError> revert(wire::UploadKind kind);
 
@@ -47,6 +50,7 @@ class UploadClient {
     UploadResult result;
     wire::UploadAnswer answer;  // where the result is kOk
   };
+  std::expected<UploadResult, ControlError> ask_alone(wire::UploadKind kind, wire::UploadStep step);
   // Asks until there is an answer that is not "busy".
   std::expected<Step, ControlError> ask(const wire::UploadRequest& request,
                                         std::span<const std::byte> chunk);

@@ -113,6 +113,10 @@ TEST_F(StofdTest, BadFlagsEndInOneLineAndCodeTwo) {
     expect_refused({"--block", value}, "--block");
   }
   expect_refused({"--disparities", "257"}, "--disparities");
+  expect_refused({"--slot", "c"}, "--slot takes a or b");
+  expect_refused({"--which-slot", "both"}, "--which-slot takes usual or trial");
+  expect_refused({"--slots", "/nowhere/card", "--which-slot", "usual"}, "/nowhere/card1 to 3");
+  expect_refused({"--update-keys", "/dev/null"}, "64 hexadecimal digits");
   expect_refused({"--preset", "best"}, "fast or quality, or chapter");
   expect_refused({"--method", "sa"}, "--method");
   expect_refused({"--lr=-1"}, "--lr");

@@ -37,6 +37,11 @@ class Shelf final : public Target {
   }
   SettingsResult write(std::span<const std::byte> bytes,
                        settings::PagedWriter& why) noexcept override {
+    if (busy > 0) {
+      --busy;
+      why << "not now";
+      return SettingsResult::kBusy;
+    }
     if (full) {
       why << "full";
       return SettingsResult::kNotSaved;
@@ -66,6 +71,7 @@ class Shelf final : public Target {
 
   std::array<std::byte, 5000> held{};
   std::size_t count = 0;
+  int busy = 0;  // writes
   int begins = 0;
   int commits = 0;
   int reverts = 0;
@@ -407,6 +413,45 @@ TEST_F(UploadServerTest, ATargetThatTakesNoMoreEndsIt) {
   EXPECT_EQ(chunk(file_, 0, 960).fields.wanted, 0);
   EXPECT_EQ(commit(file_).text, "full");
   EXPECT_EQ(shelf_.commits, 0);
+}
+
+TEST_F(UploadServerTest, ATargetThatIsBusyGetsTheSameChunkAgain) {
+  begin(file_);
+  shelf_.busy = 2;
+  EXPECT_EQ(chunk(file_, 0, 960).result, SettingsResult::kBusy);
+  EXPECT_EQ(begin(file_).fields.wanted, 0);
+  EXPECT_EQ(chunk(file_, 0, 960).result, SettingsResult::kBusy);
+  send_rest(file_);
+  EXPECT_EQ(commit(file_).result, SettingsResult::kOk);
+  EXPECT_TRUE(shelf_holds(file_));
+  EXPECT_EQ(shelf_.begins, 1);
+}
+
+TEST_F(UploadServerTest, AskingChangesNothing) {
+  begin(file_);
+  chunk(file_, 0, 960);
+  shelf_.in_force = 9;
+  now_ += UploadServer::kPatience;
+  key_ = 6;  // whoever is an admin may
+  const Answer answer = ask(request_for(Bytes{}, UploadStep::kAsk));
+  EXPECT_EQ(answer.result, SettingsResult::kOk);
+  EXPECT_EQ(answer.fields.fingerprint, 9);
+  key_ = 5;
+  EXPECT_EQ(begin(file_).fields.wanted, 960);
+  access_ = Access::kTune;
+  EXPECT_EQ(ask(request_for(Bytes{}, UploadStep::kAsk)).result, SettingsResult::kDenied);
+}
+
+TEST_F(UploadServerTest, AnUpdateHasATargetOfItsOwn) {
+  Shelf updates;
+  updates.in_force = 3;
+  server_.~UploadServer();
+  new (&server_) UploadServer(others_, shelf_, &updates);
+  wire::UploadRequest request = request_for(file_, UploadStep::kBegin);
+  request.kind = static_cast<std::uint8_t>(wire::UploadKind::kUpdate);
+  EXPECT_EQ(ask(request).fields.fingerprint, 3);
+  EXPECT_EQ(updates.begins, 1);
+  EXPECT_EQ(shelf_.begins, 0);
 }
 
 TEST_F(UploadServerTest, ARevertGoesBackAndEndsWhatWasUnderWay) {

@@ -105,6 +105,26 @@ TEST_F(CryptoTest, ExchangesAndRandomBytesDiffer) {
   EXPECT_NE(Exchange().public_key(), Exchange().public_key());
 }
 
+// RFC 8032, section 7.1, test 2.
+TEST_F(CryptoTest, SignaturesAreEd25519) {
+  const auto key =
+      array_of<PublicKey>("3d4017c3e843895a92b70aa74d1b7ebc9c982ccf2ec4968cc0cd55f12af4660c");
+  const auto signature = array_of<Signature>(
+      "92a009a9f0d4cab8720e820b5f642540a2b27b5416503f8fb3762223ebdb69da"
+      "085ac1e43e15996e458f3613d0f11d8c387b2eaeb4302aeeb00d291612bb0c00");
+  const std::vector<std::byte> message = bytes_of("72");
+  EXPECT_TRUE(is_signed(key, signature, message));
+  EXPECT_FALSE(is_signed(key, signature, bytes_of("73")));
+  EXPECT_FALSE(is_signed(key, signature, {}));
+  EXPECT_FALSE(is_signed(PublicKey{}, signature, message));
+  EXPECT_FALSE(is_signed(PublicKey{}, Signature{}, message));  // a point that anybody knows
+  for (std::size_t bit = 0; bit < 8 * signature.size(); ++bit) {
+    Signature other = signature;
+    other[bit / 8] ^= std::byte{1} << (bit % 8);
+    EXPECT_FALSE(is_signed(key, other, message)) << bit;
+  }
+}
+
 TEST_F(CryptoTest, ComparesAndWipesEveryByte) {
   Secret a = counted();
   for (std::size_t i = 0; i < a.size(); ++i) {
