@@ -26,6 +26,7 @@
 #include "firmware/program/initial_settings.h"
 #include "firmware/program/options.h"
 #include "firmware/program/reopener.h"
+#include "firmware/program/replay_driver.h"
 #include "firmware/program/run_config.h"
 #include "firmware/settings/fields/schema.h"
 #include "firmware/settings/settings_trial.h"
@@ -158,10 +159,32 @@ void end_loop(WatchdogFeeder& watchdog) {
   control.reset();
 }
 
-// Ends with the loop; the control thread before it.
-void run_loop(board::Board& board, const Options& options, RigInfo& rig,
-              const RunConfig& run_config, const InitialSettings& start,
-              posix::WorkerThreads& workers) {
+wire::ClockState clock_of(const board::Board& board) {
+  if (board.replay != nullptr) {
+    return wire::ClockState::kRecorded;
+  }
+  return board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic;
+}
+
+// What came of a replay: the exit code.
+int judge_replay(const board::Board& board, const std::string& problem) {
+  if (board.replay == nullptr) {
+    return kExitOk;
+  }
+  const board::Replay::Verdict verdict = board.replay->verdict();
+  for (const std::string& line : verdict.lines) {
+    print_line(line);
+  }
+  if (!problem.empty()) {
+    return refuse(problem, kExitFailure);
+  }
+  return verdict.equal ? kExitOk : kExitFailure;
+}
+
+// Ends with the loop; the control thread before it. Returns the exit code.
+int run_loop(board::Board& board, const Options& options, RigInfo& rig, const board::Config& config,
+             const RunConfig& run_config, const InitialSettings& start,
+             posix::WorkerThreads& workers) {
   std::optional<settings::SettingsTrial> trial;
   if (start.saved.on_trial) {
     trial.emplace(start.stores(), start.saved.settings);
@@ -181,9 +204,7 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
        .threads = {workers, workers.threads()},
        .changes = &changes,
        .lending = &lending},
-      {.origin = origin,
-       .clock = board.emulated_time ? wire::ClockState::kEmulated : wire::ClockState::kMonotonic,
-       .calibration = run_config.calibration},
+      {.origin = origin, .clock = clock_of(board), .calibration = run_config.calibration},
       run_config, {.images = workspace.memory, .coded = workspace.coded});
   control.emplace(ControlServices::Parts{.board = board,
                                          .rig = rig,
@@ -209,7 +230,12 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
   // Only now: what the other threads do can wait.
   static_cast<void>(board::set_realtime_priority(true));
   board::count_heap_calls();
-  while (!stop_requested.load(std::memory_order_relaxed) &&
+  std::optional<ReplayDriver> replay;
+  if (board.replay != nullptr) {
+    replay.emplace(*board.replay, rig, config, start.active, options);
+  }
+  while ((!replay || replay->prepare(appliance)) &&
+         !stop_requested.load(std::memory_order_relaxed) &&
          (options.frames == 0 || events.counters.published < options.frames)) {
     static_cast<void>(appliance.step(control->status(appliance.serial())));
     watchdog.after_round();
@@ -220,6 +246,7 @@ void run_loop(board::Board& board, const Options& options, RigInfo& rig,
     loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
   }
   end_loop(watchdog);
+  return judge_replay(board, replay ? replay->problem() : std::string());
 }
 
 void say_refusal(const std::optional<std::string>& refusal) {
@@ -229,6 +256,14 @@ void say_refusal(const std::optional<std::string>& refusal) {
 }
 
 int run(board::Board& board, const Options& options, InitialSettings start) {
+  const board::Config config = ReplayDriver::config(board);
+  if (board.replay != nullptr) {
+    auto settings = ReplayDriver::first_settings(*board.replay, start.active, options);
+    if (!settings) {
+      return refuse(settings.error());
+    }
+    start.active = *settings;
+  }
   std::string note;
   auto rig =
       make_rig(board, board::kConfig, options.calibration, read_installed(options, start), note);
@@ -249,7 +284,7 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   }
   static_cast<void>(board::set_realtime_priority(false));
   rig->threads = workers.threads();
-  auto run_config = make_run_config(*rig, board::kConfig, start.active);
+  auto run_config = make_run_config(*rig, config, start.active);
   if (!run_config) {
     return refuse(run_config.error());
   }
@@ -260,12 +295,12 @@ int run(board::Board& board, const Options& options, InitialSettings start) {
   print_start(board, *rig, *run_config);
   ring.emplace(start.keys.get(), start.damaged_keys.get());
   read_keys(options, *ring);
-  run_loop(board, options, *rig, *run_config, start, workers);
+  const int code = run_loop(board, options, *rig, config, *run_config, start, workers);
   pairing.reset();
   ring.reset();
   print_line(summary(events.counters));
   print_line(stage_times(events.counters));
-  return kExitOk;
+  return code;
 }
 
 int print(const std::string& text) {

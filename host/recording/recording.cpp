@@ -10,19 +10,6 @@ namespace {
 
 using mcap::StreamReader;
 
-std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
-  const auto channel = index.channels.find(id);
-  if (channel == index.channels.end()) {
-    return std::nullopt;
-  }
-  const auto schema = index.schemas.find(channel->second.schema_id);
-  const std::optional<Topic> topic = topic_named(channel->second.topic);
-  const bool ours = topic && schema != index.schemas.end() &&
-                    channel->second.message_encoding == kEncoding &&
-                    schema->second.name == info_of(*topic).schema().name;
-  return ours ? topic : std::nullopt;
-}
-
 // Counts frames and gaps.
 class Counter {
  public:
@@ -135,6 +122,19 @@ std::unexpected<Problem> in_file(const std::filesystem::path& file, const Proble
 }
 
 }  // namespace
+
+std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id) {
+  const auto channel = index.channels.find(id);
+  if (channel == index.channels.end()) {
+    return std::nullopt;
+  }
+  const auto schema = index.schemas.find(channel->second.schema_id);
+  const std::optional<Topic> topic = topic_named(channel->second.topic);
+  const bool ours = topic && schema != index.schemas.end() &&
+                    channel->second.message_encoding == kEncoding &&
+                    schema->second.name == info_of(*topic).schema().name;
+  return ours ? topic : std::nullopt;
+}
 
 std::expected<Summary, Problem> summarise(const std::filesystem::path& file) {
   auto source = mcap::FileSource::open(file);

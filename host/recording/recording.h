@@ -20,6 +20,9 @@ namespace stof::recording {
 
 using mcap::Problem;
 
+// The topic of a channel, where it is one of ours: its name, encoding and schema.
+std::optional<Topic> topic_of(const mcap::FileIndex& index, std::uint16_t id);
+
 // Frame numbers that the recording does not have.
 struct Gap {
   std::uint32_t after = 0;  // number of the frame before
