@@ -106,8 +106,9 @@ RecordedRig::RecordedRig(recording::RawReader&& reader, const dsp::Calibration& 
     : reader_(std::move(reader)),
       calibration_(calibration),
       paced_(paced),
-      clock_(time_of(reader_.summary().first.edge_ns)),
-      next_(read()) {}
+      clock_(time_of(reader_.summary().first.edge_ns)) {
+  next_ = read();  // which counts: all members are there
+}
 
 RecordedRig::~RecordedRig() = default;
 

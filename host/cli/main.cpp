@@ -19,6 +19,7 @@
 #include "host/cli/recording/info.h"
 #include "host/cli/recording/record.h"
 #include "host/cli/recording/recover.h"
+#include "host/cli/recording/replay.h"
 #include "host/cli/report.h"
 #include "host/cli/view/raw_flags.h"
 #include "host/cli/view/view.h"
@@ -52,6 +53,7 @@ struct Commands {
   InfoOptions info;
   RecoverOptions recover;
   ExportOptions exported;
+  ReplayOptions replay;
 };
 
 void add_evaluate(CLI::App& app, Commands& commands) {
@@ -128,6 +130,7 @@ int run(int argc, char** argv) {
   add_info(app, commands.info);
   add_recover(app, commands.recover);
   add_export(app, commands.exported);
+  add_replay(app, commands.replay);
   add_report(app, commands.report);
   add_calib(app, commands.calib_pmd, commands.calib_install, commands.calib_rig);
   add_config(app, commands.config);

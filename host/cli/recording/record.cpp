@@ -124,6 +124,9 @@ class Recording {
       counting_since_ = began_;
       say(first_frame_line(options_, receiver_, frame->origin.device_id));
       say(streams_line(*frame));
+      if (frame->stamp.clock == wire::ClockState::kRecorded) {
+        say(kReplayLine);
+      }
     }
     if (!origin_ || origin_->session_id != frame->origin.session_id) {
       origin_ = frame->origin;
@@ -209,9 +212,7 @@ class Recording {
             {"sensor", options_.sensor.empty() ? "sends here" : options_.sensor},
             {"place", receiver_.place()},
             {"signed", options_.signed_streams ? "yes" : "no"},
-            {"sensor_clock", frame.stamp.clock == wire::ClockState::kEmulated
-                                 ? "emulated"
-                                 : "monotonic, of the sensor"},
+            {"sensor_clock", clock_text(frame.stamp.clock)},
             {"log_time",
              "wall clock of the recording computer at the start, which goes on "
              "by its monotonic clock"},
@@ -333,6 +334,24 @@ void judge(const RecordOptions& options, client::Receiver& receiver, const Recor
   }
 }
 
+// With raw pictures these have to be there: without them nothing can be computed again.
+SensorDocuments documents_of(const RecordOptions& options) {
+  constexpr int kTries = 3;
+  SensorDocuments documents = read_documents(options, options.raw);
+  const auto lacks = [&] {
+    return options.raw && (documents.settings.empty() || documents.calibration.empty());
+  };
+  for (int i = 1; i < kTries && lacks() && !asked_to_stop(); ++i) {
+    documents = read_documents(options, options.raw);
+  }
+  if (lacks()) {
+    throw Failure(Exit::kFailure,
+                  "--raw: " + (documents.settings.empty() ? documents.no_settings
+                                                          : documents.no_calibration));
+  }
+  return documents;
+}
+
 // All that the cameras give, of each frame, from a state that begins anew.
 wire::RawRequest raw_request(const RecordOptions& options) {
   return options.raw ? wire::RawRequest{.pictures = wire::kRawPictures | wire::kRawAnew}
@@ -357,7 +376,7 @@ void record(const RecordOptions& options) {
   };
   try {
     client::Receiver receiver = open_receiver(meant, raw_request(meant));
-    Recording session(meant, receiver, *recorder, read_documents(meant, meant.raw));
+    Recording session(meant, receiver, *recorder, documents_of(meant));
     session.say("recording " + place_of(meant, receiver) + " to " + meant.file.string());
     tell_port(meant, receiver);
     session.run();

@@ -46,8 +46,9 @@ SensorDocuments read_documents(const ReceiveOptions& options, bool calibration) 
     documents.settings = std::move(answer->text);
   } else {
     documents.no_settings = answer.error().message;
+    documents.no_calibration = answer.error().message;
   }
-  if (calibration) {
+  if (calibration && answer) {
     auto file = client::download_calibration(*asked);
     if (file) {
       documents.calibration = std::move(*file);
@@ -74,6 +75,7 @@ void DocumentWatch::note(std::uint32_t settings, std::uint32_t calibration) {
   if (reading_.valid() || options_.sensor.empty() || !(unknown_settings || unknown_calibration)) {
     return;
   }
+  tries_ = 0;
   wanted_settings_ = settings;
   wanted_calibration_ = calibration;
   reading_ = std::async(std::launch::async, read_documents, options_, unknown_calibration);
@@ -83,7 +85,15 @@ std::optional<SensorDocuments> DocumentWatch::take(bool wait) {
   if (!reading_.valid() || (!wait && !ready(reading_))) {
     return std::nullopt;
   }
+  constexpr int kTries = 5;
   SensorDocuments documents = reading_.get();
+  while (documents.settings.empty() && ++tries_ < kTries) {
+    reading_ = std::async(std::launch::async, read_documents, options_, calibration_);
+    if (!wait) {
+      return std::nullopt;
+    }
+    documents = reading_.get();
+  }
   if (!documents.settings.empty()) {
     const bool fresh = known_settings_.insert(fingerprint_of(documents.settings)).second;
     documents.settings = fresh ? std::move(documents.settings) : std::string();

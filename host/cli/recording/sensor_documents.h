@@ -18,7 +18,7 @@ struct SensorDocuments {
   std::string no_calibration{};  // why
 };
 
-// Asks the sensor; blocks for as long as its answers take, seconds where it gives none.
+// Asks the sensor; blocks for as long as its answers take, a few seconds where it gives none.
 SensorDocuments read_documents(const ReceiveOptions& options, bool calibration);
 
 // Reads them again, beside whoever receives, each time a frame was made with others. For one
@@ -44,6 +44,7 @@ class DocumentWatch {
   std::set<std::uint32_t> known_calibrations_;
   std::uint32_t wanted_settings_ = 0;
   std::uint32_t wanted_calibration_ = 0;
+  int tries_ = 0;  // for these, without an answer
   std::future<SensorDocuments> reading_;
 };
 
