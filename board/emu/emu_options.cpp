@@ -94,6 +94,24 @@ bool take_value(std::string_view flag, std::string_view value, EmuOptions& optio
   return true;
 }
 
+// Flags that do not go together, in a line; empty: they do.
+std::string contradiction(const EmuOptions& options, const std::string& scene_flag) {
+  const bool sees =
+      !scene_flag.empty() || options.dataset || options.no_tof || options.truth ||
+      std::ranges::any_of(options.faults, [](const emu::FaultPlan& plan) { return !plan.empty(); });
+  if (options.replay && sees) {
+    return "--replay: what the cameras saw is in the recording: leave scene, dataset and faults "
+           "out";
+  }
+  if (!scene_flag.empty() && options.dataset) {
+    return scene_flag + " and --dataset exclude each other; leave one out";
+  }
+  if (options.tof && (options.no_tof || !options.dataset)) {
+    return "--tof belongs to a --dataset, and excludes --no-tof";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::optional<std::filesystem::path> recording_beside(const std::filesystem::path& dataset) {
@@ -144,19 +162,8 @@ std::expected<EmuOptions, Refusal> parse_emu_options(std::span<const std::string
     }
     ++i;
   }
-  const bool sees =
-      !scene_flag.empty() || options.dataset || options.no_tof || options.truth ||
-      std::ranges::any_of(options.faults, [](const emu::FaultPlan& plan) { return !plan.empty(); });
-  if (options.replay && sees) {
-    return refuse(
-        "--replay: what the cameras saw is in the recording: leave scene, dataset and "
-        "faults out");
-  }
-  if (!scene_flag.empty() && options.dataset) {
-    return refuse(scene_flag + " and --dataset exclude each other; leave one out");
-  }
-  if (options.tof && (options.no_tof || !options.dataset)) {
-    return refuse("--tof belongs to a --dataset, and excludes --no-tof");
+  if (std::string line = contradiction(options, scene_flag); !line.empty()) {
+    return refuse(std::move(line));
   }
   if (options.no_tof) {
     options.scene.pmd = emu::Size{};

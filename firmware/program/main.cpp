@@ -181,6 +181,22 @@ int judge_replay(const board::Board& board, const std::string& problem) {
   return verdict.equal ? kExitOk : kExitFailure;
 }
 
+// Until it is stopped, has made its frames, or the recording is over.
+void run_rounds(Appliance& appliance, WatchdogFeeder& watchdog, const Options& options,
+                ReplayDriver* replay) {
+  while ((replay == nullptr || replay->prepare(appliance)) &&
+         !stop_requested.load(std::memory_order_relaxed) &&
+         (options.frames == 0 || events.counters.published < options.frames)) {
+    static_cast<void>(appliance.step(control->status(appliance.serial())));
+    watchdog.after_round();
+    loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
+                                      std::memory_order_relaxed);
+    loop_status.installs.store(appliance.installs(), std::memory_order_release);
+    loop_status.published.store(events.counters.published, std::memory_order_relaxed);
+    loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
+  }
+}
+
 // Ends with the loop; the control thread before it. Returns the exit code.
 int run_loop(board::Board& board, const Options& options, RigInfo& rig, const board::Config& config,
              const RunConfig& run_config, const InitialSettings& start,
@@ -234,17 +250,7 @@ int run_loop(board::Board& board, const Options& options, RigInfo& rig, const bo
   if (board.replay != nullptr) {
     replay.emplace(*board.replay, rig, config, start.active, options);
   }
-  while ((!replay || replay->prepare(appliance)) &&
-         !stop_requested.load(std::memory_order_relaxed) &&
-         (options.frames == 0 || events.counters.published < options.frames)) {
-    static_cast<void>(appliance.step(control->status(appliance.serial())));
-    watchdog.after_round();
-    loop_status.rate_millihertz.store(appliance.publisher().health().rate_millihertz(),
-                                      std::memory_order_relaxed);
-    loop_status.installs.store(appliance.installs(), std::memory_order_release);
-    loop_status.published.store(events.counters.published, std::memory_order_relaxed);
-    loop_status.health.store(appliance.publisher().health().summary(), std::memory_order_relaxed);
-  }
+  run_rounds(appliance, watchdog, options, replay ? &*replay : nullptr);
   end_loop(watchdog);
   return judge_replay(board, replay ? replay->problem() : std::string());
 }
