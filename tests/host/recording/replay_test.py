@@ -5,6 +5,7 @@ in a cross build) as a user runs them. STOFD holds the command of stofd, its wor
 import json
 import os
 import pathlib
+import signal
 import subprocess
 import sys
 import tempfile
@@ -38,9 +39,10 @@ class Replay(unittest.TestCase):
         # A machine with more to do leaves exposures out, which the recording tells: then a slower sensor is asked.
         for period in (150, 400, 1000, 2500):
             cls.ended = cls.record(period)
-            if cls.ended.returncode == 0:
-                break
-        assert cls.ended.returncode == 0, cls.ended.stderr
+            whole = cls.ended.returncode == 0
+            if whole and json.loads(cls.stof("info", cls.recording, "--json").stdout)["incomplete_frames"] == 0:
+                return
+        raise AssertionError("no recording without a loss: " + cls.ended.stderr)
 
     @classmethod
     def record(cls, period):
@@ -94,11 +96,12 @@ class Replay(unittest.TestCase):
     def test_frames_reach_a_client_and_are_told_to_be_old(self):
         port = self.folder / "replay.port"
         player = subprocess.Popen([*COMMAND, "replay", str(self.recording), "--port", "0", "--port-file", str(port), "--rate", "0.5", "--json",
-                                   "--timeout", str(LONG_S)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+                                   "--loop", "--timeout", str(LONG_S)], cwd=self.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
         copy = self.folder / "copy.mcap"
         try:
             place = "127.0.0.1:" + wait_for_port(port, player)
             recorded = self.stof("record", place, copy, "--frames", FRAMES, "--timeout", 60)
+            player.send_signal(signal.SIGINT)
             out, errors = player.communicate(timeout=LONG_S)
         finally:
             player.kill()
@@ -113,9 +116,11 @@ class Replay(unittest.TestCase):
         self.assertIn("recording", after["sensor_clock"])
         for file in (self.recording, copy):
             self.assertEqual(self.stof("export", file, "--to", file.with_suffix(""), "--as", "png16").returncode, 0)
-        pictures = [sorted(file.with_suffix("").glob("**/*.png"))[:FRAMES] for file in (self.recording, copy)]
-        self.assertEqual(len(pictures[1]), FRAMES)
-        self.assertEqual([one.read_bytes() for one in pictures[0]], [one.read_bytes() for one in pictures[1]])
+        # What a busy machine reads too late the client leaves out; the next pass brings it.
+        before, after = ([one.read_bytes() for one in file.with_suffix("").glob("**/*.png")] for file in (self.recording, copy))
+        self.assertEqual(len(after), FRAMES)
+        self.assertLessEqual(set(after), set(before))
+        self.assertGreater(len(set(after)), 1)
 
     def test_nobody_comes(self):
         ended = self.stof("replay", self.recording, "--port", 0, "--timeout", 1, "--json")
