@@ -17,11 +17,23 @@ bool same_session(const wire::Origin& a, const wire::Origin& b) {
   return a.device_id == b.device_id && a.session_id == b.session_id;
 }
 
+// Times that can be told apart and subtracted: a file may hold any.
+bool sane(const wire::RawInfo& info) {
+  constexpr std::int64_t kMost = std::int64_t{1} << 61;  // 73 years
+  const auto good = [](const wire::Window& window) {
+    return window.begin_ns >= 0 && window.begin_ns <= window.end_ns && window.end_ns < kMost;
+  };
+  return info.edge_ns >= 0 && info.edge_ns < kMost &&
+         std::ranges::all_of(info.pair_exposures, good) &&
+         std::ranges::all_of(info.pmd_exposures, good);
+}
+
 std::optional<wire::RawInfo> raw_info_of(const Packet& packet) {
-  const auto info = packet.type == wire::PacketType::kRawInfo
-                        ? wire::decode_raw_info(packet.payload)
-                        : Result<wire::RawInfo>(fail(Status::kCorrupt));
-  return info ? std::optional(*info) : std::nullopt;
+  if (packet.type != wire::PacketType::kRawInfo) {
+    return std::nullopt;
+  }
+  const Result<wire::RawInfo> info = wire::decode_raw_info(packet.payload);
+  return info && sane(*info) ? std::optional(*info) : std::nullopt;
 }
 
 void note_timing(const wire::RawInfo& info, RawSummary& summary) {

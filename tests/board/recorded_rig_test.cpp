@@ -2,6 +2,7 @@
 
 #include <array>
 #include <filesystem>
+#include <limits>
 #include <numeric>
 #include <span>
 #include <vector>
@@ -37,7 +38,8 @@ struct Exposed {
   std::uint8_t lost = 0;   // pictures that were sent and did not arrive
   std::uint8_t state = 0;  // RawInfo::state
   bool other_settings = false;
-  std::uint32_t number = 0;  // RawInfo::number; 0: one more than before
+  std::uint32_t number = 0;   // RawInfo::number; 0: one more than before
+  std::int64_t begin_ns = 0;  // of the left exposure; 0: as it should be
 };
 
 class RecordedRigTest : public Scratch {
@@ -108,6 +110,9 @@ class RecordedRigTest : public Scratch {
     for (std::size_t s = 0; s < info.pmd_exposures.size(); ++s) {
       const std::int64_t begin = edge + static_cast<std::int64_t>(s) * 2'000'000;
       info.pmd_exposures[s] = {.begin_ns = begin, .end_ns = begin + 2'000'000};
+    }
+    if (exposed.begin_ns != 0) {
+      info.pair_exposures.front().begin_ns = exposed.begin_ns;
     }
     return info;
   }
@@ -261,6 +266,14 @@ TEST_F(RecordedRigTest, TellsChangesBeforeTheFrameThatWasMadeWithThem) {
     ASSERT_TRUE(rig->pulse());
     EXPECT_EQ(rig->forgets_past(), forgot[k]) << k;
   }
+}
+
+TEST_F(RecordedRigTest, LeavesOutExposuresWithTimesThatCannotBe) {
+  const auto rig = open({{}, {.begin_ns = std::numeric_limits<std::int64_t>::min()}, {}});
+  ASSERT_TRUE(rig);
+  ASSERT_TRUE(rig->pulse());
+  EXPECT_EQ(rig->next_edge(), edge(2));
+  EXPECT_FALSE(rig->verdict().equal);
 }
 
 TEST_F(RecordedRigTest, RefusesFilesThatHoldNothingToComputeAgain) {
