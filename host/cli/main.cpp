@@ -172,7 +172,13 @@ int main(int argc, char** argv) {
   using stof::host::Exit;
   std::set_new_handler(nullptr);  // from here on it is an exception
   try {
-    return stof::host::run(argc, argv);
+    const int code = stof::host::run(argc, argv);
+    // What nobody can read was not said: a full disk, a terminal that has gone.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0) {
+      return stof::host::complain(Exit::kFailure,
+                                  "its output cannot be written: make room, or send it elsewhere");
+    }
+    return code;
   } catch (const stof::host::Failure& failure) {
     return stof::host::complain(failure.code(), failure.what());
   } catch (const std::bad_alloc&) {

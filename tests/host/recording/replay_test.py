@@ -122,6 +122,15 @@ class Replay(unittest.TestCase):
         self.assertLessEqual(set(after), set(before))
         self.assertGreater(len(set(after)), 1)
 
+    def test_output_that_cannot_be_written_is_told(self):
+        if not pathlib.Path("/dev/full").exists():
+            self.skipTest("no /dev/full")
+        for arguments in (("info", self.recording, "--json"), ("recover", self.recording, "--json"), ("replay", "--help")):
+            with open("/dev/full", "w", encoding="utf-8") as full:
+                ended = subprocess.run([*COMMAND, *map(str, arguments)], stdout=full, stderr=subprocess.PIPE, text=True, timeout=LONG_S, check=False)
+            self.assertEqual(ended.returncode, 1, arguments)
+            self.assertIn("cannot be written", ended.stderr)
+
     def test_nobody_comes(self):
         ended = self.stof("replay", self.recording, "--port", 0, "--timeout", 1, "--json")
         self.assertEqual(ended.returncode, 1)
