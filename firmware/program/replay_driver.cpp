@@ -10,7 +10,7 @@ namespace stof::firmware {
 namespace {
 
 // Fields that an earlier version took are as the preset has them: then frames may differ.
-std::expected<settings::Settings, std::string> read(const std::string& document) {
+std::expected<settings::Settings, std::string> read_recorded(const std::string& document) {
   settings::Settings recorded;
   std::array<char, settings::kWhyBytes> space{};
   settings::PagedWriter why(space);
@@ -39,7 +39,7 @@ std::expected<settings::Settings, std::string> together(const settings::Settings
 
 std::expected<settings::Settings, std::string> ReplayDriver::first_settings(
     const board::Replay& replay, const settings::Settings& own, const Options& options) {
-  const auto recorded = read(replay.settings());
+  const auto recorded = read_recorded(replay.settings());
   return recorded ? together(*recorded, own, options) : recorded;
 }
 
@@ -54,7 +54,7 @@ board::Config ReplayDriver::config(const board::Board& board) {
 ReplayDriver::ReplayDriver(board::Replay& replay, const RigInfo& rig, const board::Config& config,
                            const settings::Settings& own, const Options& options)
     : replay_(replay), rig_(rig), config_(config), own_(own), options_(options) {
-  if (const auto recorded = read(replay.settings())) {
+  if (const auto recorded = read_recorded(replay.settings())) {
     note_streams(*recorded);
   }
 }
@@ -73,7 +73,7 @@ bool ReplayDriver::prepare(Appliance& appliance) {
   }
   const board::Replay::Change change = replay_.take_change();
   if (change.settings) {
-    const auto recorded = read(*change.settings);
+    const auto recorded = read_recorded(*change.settings);
     const auto all = recorded ? together(*recorded, own_, options_) : recorded;
     auto run_config = all ? make_run_config(rig_, config_, *all)
                           : std::expected<RunConfig, std::string>(std::unexpected(all.error()));

@@ -21,7 +21,7 @@ namespace {
 
 using recording::Time;
 
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kServePart{50};
 constexpr std::chrono::seconds kHealthPeriod{1};
 constexpr std::chrono::seconds kCalibrationPeriod{1};
 // Datagrams that go out at once, and the least time between two such bursts.
@@ -107,7 +107,7 @@ class Player {
     }
     const Time since = Time::clock::now();
     while (!asked_to_stop() && server_.subscribers() == 0) {
-      serve_until(Time::clock::now() + kLook);
+      serve_until(Time::clock::now() + kServePart);
       if (options_.timeout_s > 0 &&
           Time::clock::now() - since > std::chrono::duration<double>(options_.timeout_s)) {
         given_up_ = true;
@@ -131,7 +131,7 @@ class Player {
                      std::chrono::duration<double, std::nano>(since_ns / options_.rate));
     Time now = Time::clock::now();
     do {
-      serve_until(std::min(due, now + kLook));
+      serve_until(std::min(due, now + kServePart));
       now = Time::clock::now();
       send_health(now);
     } while (now < due && !over());

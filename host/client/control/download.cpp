@@ -14,7 +14,7 @@
 namespace stof::client {
 namespace {
 
-constexpr std::size_t kMostBytes = std::size_t{64} << 20;  // of what is believed
+constexpr std::size_t kMostFileBytes = std::size_t{64} << 20;  // of what is believed
 
 std::unexpected<ControlError> download_error(Status status, std::string line) {
   return std::unexpected(ControlError{status, "calibration: " + std::move(line)});
@@ -74,7 +74,7 @@ std::expected<std::string, ControlError> download_calibration(ControlClient& cli
                  ? std::expected<std::string, ControlError>(std::move(file))
                  : download_error(Status::kCorrupt, "what came is not what the sensor has");
     }
-    if (part->second.empty() || file.size() > head.total || head.total > kMostBytes) {
+    if (part->second.empty() || file.size() > head.total || head.total > kMostFileBytes) {
       return download_error(Status::kCorrupt, "the sensor's answer contradicts itself");
     }
   }
